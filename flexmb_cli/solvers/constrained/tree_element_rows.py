@@ -18,6 +18,7 @@ class TreeElementRows(TreeRows):
     element_rate: np.ndarray  # (T, elements)
     element_effort: np.ndarray  # (T, elements)
     element_power: np.ndarray  # (T, elements)
+    element_energy: np.ndarray  # (T, elements)
 
 
 def with_elements(tree: Tree, rows: TreeRows, report: Report) -> TreeElementRows:
