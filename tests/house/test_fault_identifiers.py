@@ -40,7 +40,7 @@ def test_the_page_of_messages_is_that_of_the_program():
 
 
 # Identifiers of faults that are no longer reported.
-RETIRED = {"DECK-015", "RUN-011", "RUN-029"}
+RETIRED = {"DECK-015", "RUN-011", "RUN-029", "RUN-032", "RUN-033"}
 
 
 def test_the_identifier_of_a_fault_that_is_gone_is_not_given_to_another():
