@@ -77,6 +77,8 @@ def try_mutant(mutant, folder: Path, worker: Path, limits: tuple, most: float, c
     try:
         return receiver.recv()
     except EOFError:
+        if process.exitcode == 1:
+            raise RuntimeError(f"{mutant.name}: the trial itself failed, see {worker / 'log'}") from None
         end = f"process ended with {process.exitcode}"
         return {"killer": "process", "why": end, "late": False, "ran": 0, "seconds": 0.0}
 

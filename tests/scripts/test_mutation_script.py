@@ -1,6 +1,7 @@
 """scripts/mutate: its edits are what they say, and its lists still name functions and statements."""
 
 import ast
+import multiprocessing
 from pathlib import Path
 
 import pytest
@@ -76,3 +77,20 @@ def test_the_sample_takes_all_files_and_kinds_in_proportion(modules, mutants):
 def test_equivalent_mutants_are_still_made(modules, mutants):
     keys = {m.key for m in mutants}
     assert [key for key in modules[0].equivalents() if key not in keys] == []
+
+
+def _fail(*_):
+    raise SystemExit(1)
+
+
+def test_a_trial_that_fails_itself_kills_no_mutant(modules, tmp_path, monkeypatch):
+    """Such trials counted as kills when tests found the package of the checkout in place of the mutant's."""
+    mutate, mutations, _ = modules
+    mutant = mutations.Mutant("k.py", 1, range(1, 2), "f", "sign", 0, 1, "-", "+", "-")
+    for folder in (tmp_path / "tree", tmp_path / "worker"):
+        folder.mkdir()
+        (folder / "k.py").write_text("+1")
+    monkeypatch.setattr(mutate.trial, "judge", _fail)
+    with pytest.raises(RuntimeError, match="the trial itself failed"):
+        mutate.try_mutant(mutant, tmp_path, tmp_path / "worker", (), 1.0, multiprocessing.get_context("fork"))
+    assert (tmp_path / "worker" / "k.py").read_text() == "+1"

@@ -86,6 +86,18 @@ def test_a_spring_in_line_pulls_a_pendulum_from_the_ground():
     assert kinetic + stored == pytest.approx(np.full(11, 1.0 + 4 * 0.5 + 15 * 0.25), rel=1e-8)
 
 
+def test_the_damper_of_a_spring_between_points_does_power_by_its_rate_squared():
+    """Body 1 is the ground: from (2, 0, 0) to the point (1, 0, 0) of a rotor, length by the cosine rule."""
+    rows = rows_of(ROTOR, "0 0.5 0.1", f"{SPUN}SPRING 1 2 2 0 0 1 0 0 30 0.5 0.7\nRATE 1 1 2\n")
+    phi = rows.joint_coordinate[:, 0]
+    length = np.sqrt(5.0 - 4.0 * np.cos(phi))
+    rate = 2.0 * np.sin(phi) * rows.joint_rate[:, 0] / length
+    assert np.ptp(rate) > 0.5
+    assert rows.element_effort[:, 0] == pytest.approx(-30 * (length - 0.5) - 0.7 * rate, rel=1e-11)
+    assert rows.element_power[:, 0] == pytest.approx(-0.7 * rate**2, rel=1e-11)
+    assert rows.element_rate[:, 0] == pytest.approx(rate, rel=1e-11)
+
+
 def test_an_end_stop_without_damping_returns_the_speed(method):
     """Contact takes half a period, π sqrt(m/k) = 0.0314 s, from 0.1 s on; then the slider returns."""
     name, card = method

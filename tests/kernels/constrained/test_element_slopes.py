@@ -1,0 +1,36 @@
+"""What elements add to the matrices of implicit steps, against differences of their forces by the speeds."""
+
+import numpy as np
+import pytest
+
+from flexmb_cli.kernels.constrained.elements import NORMAL
+from flexmb_cli.kernels.constrained.tangent import add_stiff
+from tests.dialects.vsdf.mechanisms import random_state
+from tests.kernels.constrained.test_constraint_primitives import FIRST, H, forces_at
+from tests.solvers.constrained.element_decks import ARM, SLIDER, analysis_of, model_of
+
+# Spheres about the origins of their frames: no force of inertia changes with the speeds.
+BALLS = "MASS 2 1 0 0 0 1 1 1\nMASS 3 1 0 0 0 1 1 1\n"
+CASES = {
+    "angle": (ARM, f"{BALLS}TSPRING 2 8 0 0.4"),
+    "line": (ARM, f"{BALLS}LSPRING 0 3 2 1 0.5 0.3 0.2 0.1 30 0.5 0.7"),
+    "bearing": (ARM, f"{BALLS}FRICTION 2 0.3 0.5 9 2 0.2"),
+    "slide": (SLIDER, "MASS 2 1 0 0 0 1 1 1\nFRICTION 1 0.3 0.5 9 2"),
+}
+
+
+@pytest.mark.parametrize(("mechanism", "cards"), CASES.values(), ids=CASES)
+def test_the_damping_of_an_element_is_the_slope_of_its_force(mechanism, cards):
+    """Central differences of order four by each speed; a bearing of radius r has N mu'(v) r²."""
+    analysis = analysis_of(model_of(mechanism, "0 1 1", cards))
+    system, work = analysis.system, analysis.work
+    work.responses[:, NORMAL] = 5.0  # N: what the equations of motion would find
+    q, u = random_state(analysis)
+    E = np.eye(u.size)
+    D = -sum(w * np.array([forces_at(analysis, q, u + k * H * e) for e in E]) for k, w in FIRST.items()).T / H
+    assert np.abs(D).max() > 0.01
+    forces_at(analysis, q, u)
+    for x in np.random.default_rng(2).normal(size=(3, u.size)):
+        y = np.ones(u.size)
+        add_stiff(system, work, 0.0, 0.6, x, y)
+        np.testing.assert_allclose(y - 1.0, 0.6 * D @ x, atol=1e-8)
