@@ -220,6 +220,11 @@ class JointElements:
     def __bool__(self) -> bool:
         return any(getattr(self, field.name) for field in fields(self))
 
+    def groups(self) -> list[tuple]:
+        """Return the tuples of all kinds."""
+        found = (getattr(self, field.name) for field in fields(self))
+        return [group for group in found if isinstance(group, tuple)]
+
     @property
     def constrain(self) -> bool:
         """Return whether some of them are equations."""

@@ -3,6 +3,8 @@
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from large_element_kinds import element_kinds
+
 DECKS = Path(__file__).parents[2] / "decks"
 
 _BODY = "0 0 0 1 0 0 0\n"
@@ -19,7 +21,7 @@ _FREE = "2 0 0 0 0 1 0 0 0 0 0 1\n" + _BODY * 2 + _END
 def kinds(megabytes: int) -> dict[str, Callable[[], str]]:
     """Return functions that make a deck of about so many million bytes, by the kind of what fills it."""
     size = megabytes * 10**6
-    return dict((*_young(size), *_young_dynamics(size), *_dafms(size), *_vsdf(size)))
+    return dict((*_young(size), *_young_dynamics(size), *_dafms(size), *_vsdf(size), *element_kinds(size)))
 
 
 def _filled(text, size):

@@ -35,6 +35,17 @@ def test_a_check_is_interpreted_and_a_run_in_the_same_process_is_not(deck, compi
         assert compiled_calls
 
 
+@pytest.mark.parametrize("analysis", ["inverse", "forward"])
+def test_a_check_of_hundreds_of_elements_is_compiled(analysis, compiled_calls, tmp_path):
+    """Interpreted kernels took 3 ms a bushing: an hour for the 62 MB that a deck may have."""
+    deck = (DECKS / "young/dynamics/IN4-BAR-MASS.dat").read_text()
+    head = deck[: deck.upper().rindex("END")].replace("DYNAMICS inverse", f"DYNAMICS {analysis}")
+    path = tmp_path / "springs.dat"
+    path.write_text(head + 400 * "LSPRING 1 2 0 0 0 1 0 0 10 1\n" + "END\n")
+    assert check(path).outcome.exit_code == 0
+    assert compiled_calls
+
+
 def test_a_failing_block_leaves_nothing_behind():
     with pytest.raises(KeyError), _jit.interpreting():
         assert _jit.interpreted()

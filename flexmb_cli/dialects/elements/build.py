@@ -34,6 +34,7 @@ _ONE_OF = {  # what there may be one of, and by what it is distinguished
     "rates": lambda item: (item.joint, item.coordinate),
     "frictions": lambda item: item.joint,
 }
+MOST_ELEMENTS = 20_000  # of a deck; one takes up to 6 kB
 _FRICTION = ("dynamic", "static", "stribeck", "creep", "radius", "preload")
 
 
@@ -129,12 +130,29 @@ def build_elements(
     """The elements of the records `sections(name)`, by `cards`: fields of `JointElements`, pairs of a
     section and what makes one of its records.
     """
+    if _refuse_too_many(maker, sections, cards):
+        return JointElements(**more)
     found = {name: [make(maker, record) for section, make in makers for record in sections(section)]
              for name, makers in cards.items()}  # fmt: skip
     for name, key in _ONE_OF.items():
         maker.refuse_twice(found.get(name, ()), key)
     kept = {name: tuple(item for item in items if item is not None) for name, items in found.items()}
     return JointElements(**kept, **more)  # type: ignore[arg-type]
+
+
+def _refuse_too_many(maker: ElementMaker, sections: Callable, cards: Mapping) -> bool:
+    """Report more elements than are held in the memory that a deck may take; whether there are."""
+    found = [sections(section) for makers in cards.values() for section, _ in makers]
+    count = sum(map(len, found))
+    if count <= MOST_ELEMENTS:
+        return False
+    most = max(found, key=len)
+    last = most[min(MOST_ELEMENTS, len(most) - 1)]
+    message = (
+        f"the deck has {count} elements of drivers, springs and the like; at most {MOST_ELEMENTS} are taken"
+    )
+    maker.findings.error(last.subject, message, last.place, id="ELEMENTS-024")
+    return True
 
 
 def joint_driver(coordinate: str | None) -> Callable:

@@ -19,6 +19,7 @@ from ...model.time_functions import (
 )
 from ...quick_dataclass import dataclass
 
+MOST_FUNCTIONS, MOST_VALUES = 20_000, 2_000_000  # of a deck
 MOST_FACTORS = 1000  # of a product that is multiplied out
 
 
@@ -44,7 +45,13 @@ class Functions:
         self._functions: dict[int, MotionFunction] = {}
         self._used: set[int] = set()
         self._records: dict[int, Record] = {}
+        self._values = 0
         for function in given:
+            self._values += len(function.values)
+            if len(self._records) >= MOST_FUNCTIONS or self._values > MOST_VALUES:
+                message = f"a deck has at most {MOST_FUNCTIONS} functions, of {MOST_VALUES} numbers together"
+                findings.error(function.record.subject, message, function.record.place, id="ELEMENTS-025")
+                break
             self._take(function)
 
     def _take(self, given: Any) -> None:

@@ -2,6 +2,7 @@
 
 import re
 from array import array
+from collections import Counter
 from functools import partial
 from typing import Any
 
@@ -10,12 +11,13 @@ from ...deck.many_records import Block, ManyRecords
 from ...deck.record import Deck, DeckText, Number, Record
 from ...errors import DeckError, Fault, Place
 from . import fields
-from .card import Card, Column
+from .card import WIDTHS, Card, Column
 from .cards import BY_WORD, DATA_WORDS, END, FINAL, KNOWN_WORDS, STAR, STOP
 
 _TITLE_WIDTH = 75
 # Nobody reads more, and each costs a search for near words.
 _MOST_FAULTS = 1000
+_MOST_FIELDS = 100_000  # each takes some hundred bytes while its card is read
 _COMMENT = "*"
 _BY_SECTION = {card.section: card for card in BY_WORD.values()}
 # A data card begins with a blank or a number, so that no keyword can be mistaken for one.
@@ -192,6 +194,11 @@ class _Reader:
         return self._read_card(card, line, card.second, None)
 
     def _read_card(self, card: Card, line: str, columns: Any, more: Column | None) -> list[Number]:
+        count = line.count(",") or len(line) // WIDTHS["I"]
+        if more is not None and count > _MOST_FIELDS:
+            message = f"a card has at most {_MOST_FIELDS} fields; go on on a further one"
+            self._error(card.word, message, Place(self.at, 1))
+            return []
         found = fields.fields(line, columns, more)
         wanted = [*columns, *([more] * (len(found) - len(columns)))]
         numbers = [self._number(card, line, columns, *pair) for pair in zip(found, wanted, strict=True)]
@@ -282,9 +289,9 @@ def _with_own_keys(numbers: list[Number]) -> tuple[Number, ...]:
     keys = [number.key for number in numbers]
     if len(set(keys)) == len(keys):
         return tuple(numbers)
-    named, counts = [], {}  # type: ignore[var-annotated]
+    named, counts, repeated = [], {}, Counter(keys)  # type: ignore[var-annotated]
     for found in numbers:
-        if keys.count(found.key) > 1:
+        if repeated[found.key] > 1:
             counts[found.key] = counts.get(found.key, 0) + 1
             key = f"{found.key}{counts[found.key]}"
             found = Number(key, found.value, found.meaning, found.unit, found.place, found.text)

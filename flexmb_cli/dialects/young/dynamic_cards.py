@@ -8,9 +8,9 @@ the deck does.  `{...}` is a comment.
 
 import re
 from array import array
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property, partial
-from itertools import takewhile
+from itertools import islice, takewhile
 from typing import TYPE_CHECKING, Any
 
 from ...deck import many_records, number
@@ -19,7 +19,7 @@ from ...deck.record import Deck, DeckText, Number, Record
 from ...deck.words import UNCLOSED, Word, words, words_from
 from ...errors import DeckError, Fault, FaultList, Place
 from ...quick_dataclass import dataclass, field, replace
-from .card import Card, vector, whole
+from .card import MOST_NUMBERS, Card, Positions, RepeatedColumns, vector, whole
 from .element_cards import FUNCTION_CARDS, JOINT_CARDS
 from .reader import read_young
 from .sections import Column
@@ -263,7 +263,8 @@ class _Cards:
         columns = kind.columns_of(len(found))
         if columns is None:
             subject = f"{kind.section} {len(starts)}"
-            self.error(keyword.place, subject, f"{kind.keyword} takes {kind.numbers}; read {len(found)}")
+            taken = f"at most {MOST_NUMBERS} numbers" if len(found) > MOST_NUMBERS else kind.numbers
+            self.error(keyword.place, subject, f"{kind.keyword} takes {taken}; read {len(found)}")
             return
         record = self.record(kind, columns, len(starts), keyword, found)
         self.numbers += len(columns)
@@ -273,7 +274,7 @@ class _Cards:
     def record(
         self,
         kind: Card,
-        columns: tuple[Column, ...],
+        columns: Sequence[Column],
         number_of_card: int,
         keyword: Word,
         found: Sequence[Word],
@@ -281,6 +282,7 @@ class _Cards:
         """The record of a card with as many words as it needs; faults of its numbers are noted."""
         subject = f"{kind.section} {number_of_card}"
         numbers = [self._number(subject, *pair) for pair in zip(columns, found, strict=False)]
+        # Where columns repeat, nothing is left out.
         left_out = columns[len(found) :]
         numbers += [
             Number(c.key, 0 if c.is_integer else 0.0, c.meaning, c.unit, keyword.place, "0") for c in left_out
@@ -327,10 +329,22 @@ class _ReadCard(Record):
         return *read, *(0 if column.is_integer else 0.0 for column in columns[len(read) :])
 
     @cached_property
-    def positions(self) -> dict[str, int]:
+    def positions(self) -> Mapping[str, int]:  # type: ignore[override]
         """Return where among the numbers each key stands."""
         count = len(self._plain[1].split()) if self._plain else len(self.numbers)
-        return {column.key: k for k, column in enumerate(self._kind.columns_of(count))}  # type: ignore[attr-defined]
+        columns = self._kind.columns_of(count)  # type: ignore[attr-defined]
+        if isinstance(columns, RepeatedColumns):
+            return Positions(columns)
+        return {column.key: k for k, column in enumerate(columns)}
+
+    def at(self, key: str) -> Number:
+        """The number called `key`; the others of a long card are not made."""
+        if not self._kind.repeated:  # type: ignore[attr-defined]
+            return super().at(key)
+        k = self.positions[key]
+        word = next(islice(words_from(self._source.lines, self._start), k + 1, None))  # type: ignore[attr-defined]
+        column = self._kind.columns_of(len(self.positions))[k]  # type: ignore[attr-defined]
+        return _Cards(self._source, 0)._number(self.subject, column, word)  # type: ignore[attr-defined]
 
     @cached_property
     def numbers(self) -> tuple[Number, ...]:

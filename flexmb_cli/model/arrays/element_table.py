@@ -57,18 +57,18 @@ class PointJoints:
 
     def __init__(self, table: PrimitiveTable, joints: Sequence[PointJoint]):
         self.table, self.joints = table, joints
+        self._turning: dict[int, tuple[int, int, int]] = {}
 
     def _arms(self, joint: Any) -> Any:
         return JointVectors(self.table, self.joints[joint])
 
     def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
         """The primitive of a joint coordinate."""
-        body_vectors = self._arms(joint)
-        return (
-            body_vectors.stroke()
-            if coordinate == STROKE
-            else self.table.angle(*body_vectors.turning(), expected)  # type: ignore[call-arg]
-        )
+        if coordinate == STROKE:
+            return self._arms(joint).stroke()
+        if joint not in self._turning:  # a deck may have thousands of elements at one joint
+            self._turning[joint] = self._arms(joint).turning()
+        return self.table.angle(*self._turning[joint], expected)
 
     def start(self, joint: int, coordinate: str) -> float:
         """All begin with 0."""

@@ -9,7 +9,7 @@ from ...model.loads import DynamicModel
 from ...model.unit_checks import unit_doubts
 from ..context import Run
 from .check import CheckReport
-from .parts import before_and_after, gaps_of, parts_of, refuse_jacobian
+from .parts import before_and_after, gaps_of, is_small, parts_of, refuse_jacobian
 
 if TYPE_CHECKING:
     from ...solvers.constrained.young_dynamics import ForwardDynamics
@@ -24,7 +24,8 @@ def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | No
         )
         from ...solvers.compilation import interpreting
 
-        with interpreting():
+        loads = model.forces, model.torques, model.springs, *model.elements.groups()
+        with interpreting(is_small(6 * len(model.mechanism.bodies), *loads)):
             _check_forward(report, model, run)
         return
     from . import kinematic

@@ -8,7 +8,7 @@ from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from ...model.unit_checks import unit_doubts
 from ..context import Run
 from .check import CheckReport
-from .parts import before_and_after, refuse_jacobian, report_times
+from .parts import before_and_after, is_small, refuse_jacobian, report_times
 
 CENTRE_ROUND_OFF = 1e-12
 
@@ -19,9 +19,15 @@ def check(report: CheckReport, mechanism: FlexibleMechanism, run: Run, jacobian:
     run.outcome.faults += unit_doubts(mechanism)
     from ...solvers.compilation import interpreting
 
-    with interpreting():
+    with interpreting(_is_small(mechanism)):
         _diagnose(report, mechanism)
     run.warn(())
+
+
+def _is_small(mechanism: FlexibleMechanism) -> bool:
+    coordinates = sum(6 + body.modes for body in mechanism.bodies)
+    springs = mechanism.springs, mechanism.joint_springs
+    return is_small(coordinates, mechanism.forces, mechanism.torques, *springs, *mechanism.elements.groups())
 
 
 def _diagnose(report: Any, mechanism: Any) -> None:

@@ -1,5 +1,6 @@
 """What the checks of all models share: parts counted, gaps before and after assembly."""
 
+from collections.abc import Sized
 from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault, ModelError
@@ -13,6 +14,13 @@ if TYPE_CHECKING:
 # Report steps to a time that a Jacobian or modes are asked for: seconds of computing for a four-bar, and
 # nothing tells how far it is.
 FARTHEST_STEPS = 100_000
+# What kernels left uncompiled look at in about a second: coordinates, whose matrix is factorised, and loads.
+INTERPRETED_COORDINATES, INTERPRETED_LOADS = 200, 300
+
+
+def is_small(coordinates: int, *loads: Sized) -> bool:
+    """Return whether a model is looked at sooner than its kernels are compiled."""
+    return coordinates <= INTERPRETED_COORDINATES and sum(map(len, loads)) <= INTERPRETED_LOADS
 
 
 def parts_of(mechanism: "Mechanism") -> dict:

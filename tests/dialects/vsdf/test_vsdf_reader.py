@@ -1,12 +1,14 @@
 """VSDF decks read: fixed columns, commas, defaults, names of numbers."""
 
+from time import process_time
+
 import pytest
 
 from flexmb_cli.deck.record import DeckText
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.vsdf.cards import BY_WORD, CARDS
-from flexmb_cli.errors import Place
+from flexmb_cli.errors import DeckError, Place
 from tests.dialects.vsdf.vsdf_decks import DECKS, RIGID, changed, read
 
 
@@ -141,3 +143,20 @@ def read_vsdf_text(text):
     from flexmb_cli.dialects.vsdf.reader import read_vsdf
 
     return read_vsdf(DeckText("x", text, ""))
+
+
+def test_a_card_of_many_nodes_takes_time_in_proportion_to_its_length():
+    """Counting each key among all others took an hour for a megabyte of nodes."""
+    text = changed(("TIME\n", f"OUTN\n1,{'1,' * 60_000}2\nTIME\n"))
+    begun = process_time()
+    record = read(text).section("output")[0]
+    assert process_time() - begun < 15.0
+    assert record["node60001"] == 2
+
+
+def test_a_card_of_more_nodes_than_memory_allows_is_refused():
+    with pytest.raises(DeckError) as caught:
+        read(changed(("TIME\n", f"OUTN\n1,{'1,' * 100_001}2\nTIME\n")))
+    assert [fault.message for fault in caught.value.faults] == [
+        "a card has at most 100000 fields; go on on a further one"
+    ]

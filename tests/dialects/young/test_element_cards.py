@@ -1,11 +1,15 @@
 """Cards of functions and of elements at joints: what is said of slips."""
 
+import tracemalloc
+
 import pytest
 
 from flexmb_cli.deck.text import decode
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.settings import apply_settings
 from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
+from flexmb_cli.dialects.young.card import MOST_NUMBERS
+from flexmb_cli.dialects.young.dynamic_cards import CARDS
 from flexmb_cli.errors import DeckError, ModelError
 from flexmb_cli.results.texts.echo import echo
 
@@ -107,3 +111,48 @@ def test_the_echo_lists_every_number_of_a_coupling_with_its_meaning():
 def test_a_function_that_nothing_uses_is_noted():
     _, faults = build_young_dynamics(read("SINE 3 0 1 2"))
     assert "sine 1: nothing uses function 3" in [fault.sentence for fault in faults]
+
+
+def test_more_elements_or_functions_than_memory_allows_are_refused(monkeypatch):
+    """One takes up to 6 kB, a hundred times its card."""
+    monkeypatch.setattr("flexmb_cli.dialects.elements.build.MOST_ELEMENTS", 3)
+    monkeypatch.setattr("flexmb_cli.dialects.elements.functions.MOST_FUNCTIONS", 2)
+    cards = "\n".join(f"SINE {k} 0 1 2\nTMOTOR 2 1\nTSPRING 2 1" for k in (1, 2))
+    assert messages(cards)[0].startswith("10:8: tmotor 2: the deck has 4 elements of drivers, springs")
+    assert messages("SINE 1 0 1 2\nSINE 2 0 1 2\nSINE 3 0 1 2") == [
+        "8:6: sine 3: a deck has at most 2 functions, of 2000000 numbers together"
+    ]
+
+
+def test_functions_of_more_numbers_than_memory_allows_are_refused(monkeypatch):
+    monkeypatch.setattr("flexmb_cli.dialects.elements.functions.MOST_VALUES", 6)
+    assert messages("POLYNOMIAL 1 1 2 3 4\nPOLYNOMIAL 2 1 2 3") == [
+        "7:12: polynomial 2: a deck has at most 20000 functions, of 6 numbers together"
+    ]
+
+
+def test_the_columns_of_a_long_card_are_not_kept():
+    """They took 400 bytes a number, 200 times what stands in the deck."""
+    card = next(card for card in CARDS if card.keyword == "TABLE")
+    tracemalloc.start()
+    columns = card.columns_of(MOST_NUMBERS - 1)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 10_000
+    assert [columns[k].key for k in (0, 1, 2, -1)] == ["number", "t1", "v1", "v99999"]
+    assert card.columns_of(MOST_NUMBERS + 1) is None
+
+
+def test_numbers_of_a_long_card_are_found_by_their_keys():
+    points = " ".join(f"{k} {k % 7}" for k in range(60_000))
+    record = read(f"TABLE 1 {points}\nFORCE 2 0 0 0 1 0 0 0 1").section("table")[0]
+    assert (record["t2"], record["v7"], record["t60000"]) == (1, 6, 59_999)
+    assert (record.at("v7").value, record.at("number").place.column) == (6, 7)
+    assert "t60001" not in record
+    assert "t0" not in record
+
+
+def test_a_card_of_too_many_numbers_is_refused():
+    assert messages(f"POLYNOMIAL 1 {'1 ' * MOST_NUMBERS}") == [
+        "6:1: polynomial 1: POLYNOMIAL takes at most 200000 numbers; read 200001"
+    ]
