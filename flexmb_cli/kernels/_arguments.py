@@ -66,7 +66,8 @@ def flat(parameter: "str | list") -> list:
     return [one for part in parameter[2] for one in flat(part)]
 
 
-def _size(parameter: "list[Any] | str") -> int:
+def size_of(parameter: "list[Any] | str") -> int:
+    """Return how many words a parameter takes."""
     return sum(1 + one[1] if one[0] == "a" else 1 for one in flat(parameter))
 
 
@@ -77,14 +78,14 @@ class Words:
     """
 
     def __init__(self, parameters: list):
-        count = max(1, sum(map(_size, parameters)))
+        count = max(1, sum(map(size_of, parameters)))
         words = (ctypes.c_int64 * count)()
         self._room = words, (ctypes.c_double * count).from_buffer(words)
         self.address = ctypes.addressof(words)
         self._packers, first = [], 0
         for parameter in parameters:
             self._packers.append(self._packer(parameter, first))
-            first += _size(parameter)
+            first += size_of(parameter)
 
     def pack(self, values: tuple) -> bool:
         """Fill the words; whether the values are what the parameters describe."""
@@ -100,7 +101,7 @@ class Words:
             parts = []
             for part in parameter[2]:
                 parts.append(self._packer(part, first))
-                first += _size(part)
+                first += size_of(part)
             return _tuple_packer(parts, parameter[1])
         room = self._room[parameter == "f"]
         return _number_packer(room, first, _ACCEPTED[parameter])

@@ -6,30 +6,30 @@ into LLVM's intermediate code only; what Python calls is linked with all its par
 Kernels must not call one another in a circle.
 """
 
-import importlib
-import itertools
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import llvmlite.binding as llvm
-from llvmlite import ir
-from numba import from_dtype
-from numba.core import cgutils, types
-from numba.core.codegen import JITCodeLibrary, RuntimeLinker
-from numba.core.compiler import Compiler, lookup_environment
-from numba.core.compiler_lock import global_compiler_lock
-from numba.core.imputils import impl_ret_borrowed
-from numba.core.registry import CPUDispatcher, cpu_target
-from numba.core.runtime.nrtdynmod import create_nrt_module
-from numba.extending import intrinsic
-from numba.np.arrayobj import make_array, populate_array
 
-from ._allocator import WORD, add_allocator
-from ._arguments import NotDescribedError, described_dtype
+from ._allocator import add_allocator
+from ._front_end import ShortPipeline, quick
+from ._numba import (
+    Compiler,
+    CPUDispatcher,
+    JITCodeLibrary,
+    RuntimeLinker,
+    cpu_target,
+    create_nrt_module,
+    global_compiler_lock,
+    lookup_environment,
+    types,
+)
 from ._objects import OF_C
+from ._values import add_wrapper, built_in_type, numba_type, result_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
+__all__ = ["Entry", "Kernel", "Part", "built_in_type", "emit_object", "this_machine"]
 
 _MADE_BY_NUMBA = "_Z"  # the names of all functions that come from Python begin so
 _LATE = RuntimeLinker.PREFIX  # of what is called before it is compiled: by itself, or in a circle
@@ -102,6 +102,10 @@ def _refuse_missing(module) -> None:
 class WholeCompiler(Compiler):
     """numba's compiler for what Python calls."""
 
+    def define_pipelines(self):
+        """Return the only way from text to LLVM's language."""
+        return [ShortPipeline()]
+
     def compile_extra(self, func):
         """Compile into a `WholeLibrary`, which can be kept on the disk."""
         self.state.library = WholeLibrary(self.state.targetctx.codegen(), func.__qualname__)
@@ -115,6 +119,10 @@ class WholeCompiler(Compiler):
 
 class PartCompiler(Compiler):
     """numba's compiler for what kernels call."""
+
+    def define_pipelines(self):
+        """Return the only way from text to LLVM's language."""
+        return [ShortPipeline()]
 
     def compile_extra(self, func):
         """Compile into a `PartLibrary`; what numba takes for an address is a key to find it by."""
@@ -196,7 +204,7 @@ def emit_object(unit: str, entries: list[Entry], machines: dict) -> dict:
 
     The parts of all entries are linked once, and only the entries can be seen from outside.
     """
-    with global_compiler_lock:
+    with global_compiler_lock, quick():
         module, reported = _linked(unit, entries)
         return {target: (reported, _machine_code(module, *machine)) for target, machine in machines.items()}
 
@@ -208,12 +216,12 @@ def _linked(unit, entries):
     wrappers = library.create_ir_module(unit)
     reported, called = [], []
     for number, entry in enumerate(entries):
-        types_ = tuple(map(_numba_type, entry.parameters))
+        types_ = tuple(map(numba_type, entry.parameters))
         entry.kernel.part.compile(types_)
         compiled = entry.kernel.part.overloads[types_]
         symbol = f"flexmb_{number}_{entry.name.replace('.', '_')}"
-        _add_wrapper(context, wrappers, symbol, compiled)
-        result = _result(compiled.signature.return_type)
+        add_wrapper(context, wrappers, symbol, compiled)
+        result = result_of(compiled.signature.return_type)
         reported.append(
             {"name": entry.name, "symbol": symbol, "parameters": entry.parameters, "result": result}
         )
@@ -271,116 +279,3 @@ def _refuse_foreign(module) -> None:
     foreign = {name for name in called if not name.startswith("llvm.")} - OF_C
     if foreign:
         raise AssertionError(f"compiled kernels call {sorted(foreign)}")
-
-
-def _numba_type(parameter: Any):
-    """numba's type of a parameter."""
-    if parameter[0] == "a":
-        return types.Array(from_dtype(described_dtype(parameter[2])), parameter[1], "C")
-    if parameter[0] == "t":
-        module, _, name = parameter[1].partition(":")
-        kind = getattr(importlib.import_module(module), name) if name else tuple
-        return types.BaseTuple.from_types([_numba_type(part) for part in parameter[2]], kind)
-    return {"i": types.int64, "f": types.float64, "b": types.boolean}[parameter]
-
-
-def _result(kind):
-    """Return how `_arguments` describes what a kernel returns; raises NotDescribedError for arrays."""
-    if isinstance(kind, types.BaseTuple):
-        return ["t", "", [_result(part) for part in kind]]  # type: ignore[attr-defined]
-    for number, letter in ((types.Boolean, "b"), (types.Integer, "i"), (types.Float, "f")):
-        if isinstance(kind, number):
-            return letter
-    if kind is types.none:
-        return "n"
-    raise NotDescribedError(str(kind))
-
-
-def _add_wrapper(context, module, symbol, compiled) -> None:
-    """Define int symbol(int64 *words, int64 *results), which calls a part; not 0 where that failed."""
-    _result(compiled.signature.return_type)
-    code = ir.IntType(32)
-    function = ir.Function(module, ir.FunctionType(code, [WORD.as_pointer()] * 2), symbol)
-    builder = ir.IRBuilder(function.append_basic_block())
-    words = _words_at(builder, function.args[0])
-    signature = compiled.signature
-    values = [_value(context, builder, words, kind) for kind in signature.args]
-    part = context.declare_function(module, compiled.fndesc)
-    call = context.call_conv.call_function
-    status, result = call(builder, part, signature.return_type, signature.args, values)
-    with builder.if_then(builder.not_(status.is_ok), likely=False):
-        builder.ret(code(1))
-    _store_result(builder, signature.return_type, result, function.args[1], 0)
-    builder.ret(code(0))
-
-
-def _words_at(builder, pointer) -> "Iterator[Any]":
-    for k in itertools.count():
-        yield builder.load(builder.gep(pointer, [WORD(k)]))
-
-
-def _value(context, builder, words, kind):
-    """numba's value of the type `kind` from the next words."""
-    if isinstance(kind, types.Array):
-        return _array(context, builder, words, kind)
-    if isinstance(kind, types.BaseTuple):
-        return context.make_tuple(builder, kind, [_value(context, builder, words, part) for part in kind])  # type: ignore[attr-defined]
-    word = next(words)
-    if isinstance(kind, types.Float):
-        return builder.bitcast(word, ir.DoubleType())
-    return builder.icmp_unsigned("!=", word, WORD(0)) if isinstance(kind, types.Boolean) else word
-
-
-def _array(context, builder, words, kind):
-    data = builder.inttoptr(next(words), context.get_data_type(kind.dtype).as_pointer())
-    shape = [next(words) for _ in range(kind.ndim)]
-    return _contiguous(context, builder, kind, data, shape, None)
-
-
-def _contiguous(context, builder, kind, data, shape, owner):
-    """numba's value of an array in the memory of `owner`."""
-    size = WORD(context.get_abi_sizeof(context.get_data_type(kind.dtype)))
-    strides = [size]
-    for length in reversed(shape[1:]):
-        strides.insert(0, builder.mul(strides[0], length))
-    array = make_array(kind)(context, builder)
-    populate_array(
-        array, data=data, shape=cgutils.pack_array(builder, shape),
-        strides=cgutils.pack_array(builder, strides), itemsize=size, meminfo=owner,
-    )  # fmt: skip
-    return array._getvalue()
-
-
-@intrinsic
-def _block(typing, flat, first, shape):
-    """The view of `linalg.blocks`: numba's own reshape looks at all strides, and took a tenth of a step."""
-    kind = types.Array(flat.dtype, len(shape), "C")
-
-    def generate(context, builder, signature, values):
-        array = make_array(flat)(context, builder, values[0])
-        data, lengths = builder.gep(array.data, [values[1]]), cgutils.unpack_tuple(builder, values[2])
-        view = _contiguous(context, builder, kind, data, lengths, array.meminfo)
-        return impl_ret_borrowed(context, builder, kind, view)
-
-    return kind(flat, types.int64, types.UniTuple(types.int64, len(shape))), generate
-
-
-def built_in_type(name):
-    """Return numba's type of a function that is not compiled from its text."""
-    return cpu_target.typing_context.resolve_value_type({"block": _block}[name])
-
-
-def _store_result(builder, kind, value, room, k: Any):
-    """Store what a kernel returns from word k on; return the word behind it."""
-    if kind is types.none:
-        return k
-    if isinstance(kind, types.BaseTuple):
-        for place, part in enumerate(kind):  # type: ignore[arg-type, var-annotated]
-            k = _store_result(builder, part, builder.extract_value(value, place), room, k)
-        return k
-    if isinstance(kind, types.Float):
-        value = builder.bitcast(value, WORD)
-    elif isinstance(kind, types.Boolean):
-        value = builder.zext(value, WORD)
-    builder.store(value, builder.gep(room, [WORD(k)]))
-    return k + 1

@@ -52,7 +52,6 @@ TUPLES = {
         "kernels.constrained.system:Work",
         "f4 f2 f2 f2 f2 f2 i1 f2 f2 f3 f1 f3 f4 f1 f2 i1 f1 f1 f2 i2 i2",
     ),
-    "Inertia": ("kernels.constrained.mass_matrix:Inertia", "MASS1 FLEXIBLE1 f3 f1"),
     "Report": ("kernels.constrained.report:Report", "f1 f2 f2 f4 f2 f1 f2 f3"),
     "Integration": ("kernels.integrators.constrained_dop853:Integration", "CLOCK1 f1 f1 f1 f2 f2 f1 f2"),
     "AlphaIntegration": (
@@ -113,7 +112,7 @@ UNITS = {
         "constrained.projection.project_speeds": "System Work f1 f1 float",
         "constrained.projection.rate_gap": "System Work f1 float",
         "constrained.mass_matrix.mass_matrices": "System Work f1",
-        "constrained.mass_matrix.mass_times": "Inertia f1 f1",
+        "constrained.mass_matrix.mass_times": "System Work f1 f1",
         "constrained.angle_unwrapping.fill_angles": "System Work f1 f1 f1",
         "constrained.speeds.move": "int f1 f1",
         "constrained.speeds.normalise": "int f1",

@@ -30,7 +30,7 @@ from .body_vectors import geometry_of, move_vectors, place_vectors
 from .constraint_primitives import equation_accelerations, equation_rows
 from .dry_friction import FRICTION_CONVERGED, MOST_SUBSTITUTIONS, has_friction, normal_changes
 from .forces import add_applied_forces
-from .mass_matrix import inertia_and_elastic_forces, inertia_of, mass_matrices, mass_times
+from .mass_matrix import inertia_and_elastic_forces, mass_matrices, mass_times
 from .speeds import add_turning, coordinate_rates, speed_jacobian
 from .system import (
     FORCES,
@@ -107,11 +107,11 @@ def factorise_constraints(system: System, work: Work, q: np.ndarray) -> int:
 @part
 def _reduce_mass(system: System, work: Work, free: int) -> int:
     """Zᵀ M Z and its Cholesky factor."""
-    inertia, column, product = inertia_of(system, work), work.vectors[UNKNOWN], work.vectors[PRODUCT]
+    column, product = work.vectors[UNKNOWN], work.vectors[PRODUCT]
     for f in range(free):
         for k in range(work.jacobian.shape[1]):
             column[k] = work.motions[k, f] * system.speed_scale[k]
-        mass_times(inertia, column, product)
+        mass_times(system, work, column, product)
         fill_column(system, work, product, f, work.reduced)
     return NO_INERTIA if cholesky(work.reduced, free, SMALLEST_INERTIA) else SOLVED
 
@@ -157,7 +157,7 @@ def split(
     dependent_speeds(work.factors, work.entries, order, rank, m, right_side, scaled)
     for k in range(n):
         x[k] = scaled[k] * scale[k]
-    mass_times(inertia_of(system, work), x, product)
+    mass_times(system, work, x, product)
     for f in range(n - rank):
         k = order[m + rank + f]
         y[f] = scale[k] * (forces[k] - product[k])
@@ -204,7 +204,7 @@ def accelerate(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: floa
     forces, product = work.vectors[FORCES], work.vectors[PRODUCT]
     solve(system, work, forces, work.rows[GAMMA], ud)
     # Constraints that do not move do no work: what is left of their power is the drivers'.
-    mass_times(inertia_of(system, work), ud, product)
+    mass_times(system, work, ud, product)
     for k in range(u.shape[0]):
         power += (product[k] - forces[k]) * u[k]
     return power

@@ -9,9 +9,9 @@ and for a flexible one `floating_frame`.  M is kept body by body: work.mass (bod
 whole blocks (6 + N, 6 + N) of the flexible ones in work.modal.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
-from .._jit import kernel, part, plain
+from .._jit import kernel, part
 from ..linalg.blocks import block
 from ..linalg.rotation import A
 from . import floating_frame
@@ -19,21 +19,6 @@ from .system import PRODUCT, System, Work
 
 if TYPE_CHECKING:
     import numpy as np
-
-
-class Inertia(NamedTuple):
-    """The mass matrix of a mechanism: what products with it need of a System and its Work."""
-
-    masses: "np.ndarray"  # (b,) MASS records
-    flexible: "np.ndarray"  # FLEXIBLE records
-    mass: "np.ndarray"  # (b, 6, 6) mass matrices of the rigid bodies, kg, kg m, kg m²
-    modal: "np.ndarray"  # of the flexible bodies, flat, see `places_of`
-
-
-@plain
-def inertia_of(system: System, work: Work) -> Inertia:
-    """The mass matrix at hand: views, which follow the work."""
-    return Inertia(system.masses, system.flexible, work.mass, work.modal)
 
 
 @part
@@ -98,9 +83,9 @@ def _flexible_mass(system: System, work: Work, f: "np.void", q: "np.ndarray") ->
 
 
 @kernel
-def mass_times(inertia: Inertia, x: "np.ndarray", y: "np.ndarray") -> None:
+def mass_times(system: System, work: Work, x: "np.ndarray", y: "np.ndarray") -> None:
     """y = M x for x, y (n,); zeros in x cost nothing."""
-    masses = inertia.masses
+    masses = system.masses
     for k in range(x.shape[0]):
         y[k] = 0.0
     for b in range(masses.shape[0]):
@@ -109,10 +94,10 @@ def mass_times(inertia: Inertia, x: "np.ndarray", y: "np.ndarray") -> None:
                 amount = x[6 * b + j]
                 if amount != 0.0:
                     for i in range(6):
-                        y[6 * b + i] += inertia.mass[b, j, i] * amount
-    for k in range(inertia.flexible.shape[0]):
-        f = inertia.flexible[k]
-        M, N = places_of(inertia.modal, f)[4], f["modes"]
+                        y[6 * b + i] += work.mass[b, j, i] * amount
+    for k in range(system.flexible.shape[0]):
+        f = system.flexible[k]
+        M, N = places_of(work.modal, f)[4], f["modes"]
         rigid, modal = 6 * f["body"], 6 * masses.shape[0] + f["first"]
         for j in range(6 + N):
             amount = x[rigid + j if j < 6 else modal + j - 6]
@@ -197,7 +182,7 @@ def _flexible_forces(
 def kinetic_energy(system: System, work: Work, u: "np.ndarray") -> float:
     """½ uᵀ M u, J."""
     product, total = work.vectors[PRODUCT], 0.0
-    mass_times(inertia_of(system, work), u, product)
+    mass_times(system, work, u, product)
     for k in range(u.shape[0]):
         total += 0.5 * u[k] * product[k]
     return total

@@ -13,7 +13,7 @@ import numpy as np
 
 from .._jit import allocating, part
 from ..linalg.rank_revealing_lu import cholesky, cholesky_solve, transposed_solution
-from .mass_matrix import inertia_of, mass_times
+from .mass_matrix import mass_times
 from .system import FORCES, FREE, PRODUCT, System, Work
 
 
@@ -22,7 +22,7 @@ def fill_multipliers(system: System, work: Work, ud: np.ndarray, lam: np.ndarray
     """Fill lam (m,) from the rates ud of the speeds, by the factors and forces at hand."""
     rank, m = work.rank[0], lam.shape[0]
     forces, product, borne = work.vectors[FORCES], work.vectors[PRODUCT], work.vectors[FREE]
-    mass_times(inertia_of(system, work), ud, product)
+    mass_times(system, work, ud, product)
     for i in range(rank):
         k = work.order[m + i]
         borne[i] = (product[k] - forces[k]) * system.speed_scale[k]

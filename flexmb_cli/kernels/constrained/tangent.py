@@ -12,7 +12,7 @@ from .body_vectors import RATE, VECTOR, Geometry, add_vector_row, geometry_of, m
 from .constraint_primitives import add_primitive_row, primitive_rates
 from .elements import ELEMENT, add_element_slope
 from .forces import LINE, NO_LENGTH, RELATIVE
-from .mass_matrix import constants_of, inertia_of, mass_times
+from .mass_matrix import constants_of, mass_times
 
 if TYPE_CHECKING:
     import numpy as np
@@ -27,7 +27,7 @@ def tangent_times(
     """y = (M + by_position K + by_speed D) x for x, y (n,) where the body vectors are placed; moves the body
     vectors by x.
     """
-    mass_times(inertia_of(system, work), x, y)
+    mass_times(system, work, x, y)
     add_stiff(system, work, by_position, by_speed, x, y)
 
 

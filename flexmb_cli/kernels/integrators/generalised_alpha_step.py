@@ -29,7 +29,7 @@ from ..constrained.accelerations import (
     solve,
 )
 from ..constrained.angle_unwrapping import EXPECTED, expect_angles
-from ..constrained.mass_matrix import inertia_of, mass_matrices, mass_times
+from ..constrained.mass_matrix import mass_matrices, mass_times
 from ..constrained.projection import evaluate_residual, rate_gap
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import move
@@ -220,7 +220,7 @@ def _evaluate(system: System, work: Work, integration: "AlphaIntegration", t: fl
         total = row_times(work.jacobian, work.columns, row, ud, system.speed_scale)
         gaps[ACCELERATION_GAP, row] = work.rows[GAMMA, row] - total * system.row_scale[row]
     forces, product = integration.missing, work.vectors[PRODUCT]
-    mass_times(inertia_of(system, work), ud, product)
+    mass_times(system, work, ud, product)
     for k in range(n):
         forces[k] = work.vectors[FORCES, k] - product[k]
         # Constraints that do not move do no work: what is left of their power is the drivers'.

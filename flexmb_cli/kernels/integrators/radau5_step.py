@@ -26,7 +26,7 @@ from ..constrained.accelerations import (
     fill_gamma,
     split,
 )
-from ..constrained.mass_matrix import inertia_of, mass_matrices, mass_times
+from ..constrained.mass_matrix import mass_matrices, mass_times
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.system import FORCES, GAMMA, PRODUCT, SOLVED, UNKNOWN, System, Work
 from ..constrained.tangent import add_stiff
@@ -70,11 +70,11 @@ FLOOR = 1e-14  # of the speeds: round-off
 def renew_matrices(system: System, work: Work, matrices: "np.ndarray") -> None:
     """Fill M, D and K of the free motions where everything stands."""
     free = work.jacobian.shape[1] - work.rank[0]
-    inertia, column, product = inertia_of(system, work), work.vectors[UNKNOWN], work.vectors[PRODUCT]
+    column, product = work.vectors[UNKNOWN], work.vectors[PRODUCT]
     for f in range(free):
         for k in range(work.jacobian.shape[1]):
             column[k] = work.motions[k, f] * system.speed_scale[k]
-        mass_times(inertia, column, product)
+        mass_times(system, work, column, product)
         fill_column(system, work, product, f, matrices[MASS_LAYER])
         for kind in (DAMPING_LAYER, STIFFNESS_LAYER):
             product[:] = 0.0
@@ -224,13 +224,13 @@ def _evaluate(system: System, work: Work, integration: "RadauIntegration", stage
     for row in range(gaps.shape[0]):
         total = row_times(work.jacobian, work.columns, row, ud, system.speed_scale)
         gaps[row] -= total * system.row_scale[row]
-    mass_times(inertia_of(system, work), ud, product)
+    mass_times(system, work, ud, product)
     for k in range(n):
         missing[k] = work.vectors[FORCES, k] - product[k]
         # Constraints that do not move do no work: what is left of their power is the drivers'.
         power -= missing[k] * u[k]
     integration.powers[stage] = power
-    mass_times(inertia_of(system, work), u, integration.momenta[stage])
+    mass_times(system, work, u, integration.momenta[stage])
     split(system, work, missing, gaps, integration.steps[stage], integration.rest[stage])
     for k in range(n):
         for f in range(n - rank):

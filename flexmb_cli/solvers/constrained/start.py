@@ -6,7 +6,7 @@ import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...kernels.constrained.accelerations import choose_order, evaluate_jacobian
-from ...kernels.constrained.mass_matrix import inertia_of, mass_times
+from ...kernels.constrained.mass_matrix import mass_times
 from ...kernels.constrained.projection import project_position
 from ...kernels.constrained.speeds import move, normalise
 from ...kernels.constrained.system import NO_INERTIA
@@ -100,7 +100,7 @@ def inertia_failure(analysis: Any, t: float) -> AnalysisError:
     MZ = np.empty_like(Z)
     for k in range(free):
         product = np.empty(len(Z))
-        mass_times(inertia_of(analysis.system, work), Z[:, k].copy(), product)
+        mass_times(analysis.system, work, Z[:, k].copy(), product)
         MZ[:, k] = product
     values, vectors = np.linalg.eigh(Z.T @ MZ)
     bodies = analysis.arrays.bodies

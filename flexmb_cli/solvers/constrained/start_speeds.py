@@ -6,7 +6,7 @@ import numpy as np
 
 from ...errors import Fault, ModelError
 from ...kernels.constrained.accelerations import evaluate_jacobian
-from ...kernels.constrained.mass_matrix import inertia_of, mass_matrices, mass_times
+from ...kernels.constrained.mass_matrix import mass_matrices, mass_times
 from ...kernels.constrained.projection import fill_nu
 from ...kernels.constrained.system import GAMMA
 from ...model.equations import DEPENDENT
@@ -95,7 +95,7 @@ def _mass_matrix(analysis: "FlexibleDynamics", q: np.ndarray) -> np.ndarray:
     scale = np.diag(analysis.arrays.speed_scale)
     M = np.empty_like(scale)
     for k, column in enumerate(scale):
-        mass_times(inertia_of(analysis.system, analysis.work), column, M[k])
+        mass_times(analysis.system, analysis.work, column, M[k])
     return scale @ M.T
 
 

@@ -1,0 +1,99 @@
+"""numba's way from a function's text to LLVM's language, without what kernels do not need.
+
+Two thirds of a first run are numba's own work in Python.  Half of it went into passes that find nothing to do
+in kernels (closures, `with` blocks, array expressions), into events that nobody listens to, and into
+questions asked before: the type of a sum of two floats was sought thousands of times.
+"""
+
+import contextlib
+from typing import TYPE_CHECKING, Any
+
+from llvmlite.ir import Type
+
+from ._numba import PASSES, PassManager, ir, pass_of, types, without_lock_events
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+
+class ShortPipeline(PassManager):
+    """The passes that kernels need, run without numba's events and times."""
+
+    def __init__(self) -> None:
+        super().__init__("kernels")
+        for kind in PASSES:
+            self.add_pass(kind, kind.__name__)
+        self.finalize()
+
+    def run(self, state: Any) -> None:
+        """Compile the function of a state."""
+        for kind, _ in self.passes:
+            step = pass_of(kind)
+            step.analysis = self._analysis
+            step.run_initialization(state)
+            step.run_pass(state)
+            step.run_finalizer(state)
+
+
+@contextlib.contextmanager
+def quick() -> "Iterator[None]":
+    """Answer questions of numba's that were asked before, while kernels are compiled within the block."""
+    with contextlib.ExitStack() as replaced:
+        replaced.enter_context(without_lock_events())
+        for kind, name, made in (
+            (types.Function, "get_call_type", _call_types),
+            (Type, "get_abi_size", _sizes),
+            (ir.Inst, "_rec_list_vars", _variables),
+        ):
+            own = getattr(kind, name)
+            replaced.callback(setattr, kind, name, own)
+            setattr(kind, name, made(own))
+        yield
+
+
+def _call_types(own: "Callable[..., Any]") -> "Callable[..., Any]":
+    """The signature of a function of numba's for types of arguments, sought once."""
+    known: dict[tuple, Any] = {}
+
+    def call_type(self: types.Function, context: Any, arguments: tuple, named: dict) -> Any:
+        if named:
+            return own(self, context, arguments, named)
+        key = self, tuple(arguments)
+        if key not in known:
+            known[key] = own(self, context, arguments, named)
+        return known[key]
+
+    return call_type
+
+
+def _sizes(own: "Callable[..., Any]") -> "Callable[..., Any]":
+    """The size of a type: llvmlite writes and reads a module for each answer."""
+    known: dict[str, int] = {}
+
+    def size(self: Type, target: Any, context: Any = None) -> int:
+        key = str(self)
+        if key not in known:
+            known[key] = own(self, target, context)
+        return known[key]
+
+    return size
+
+
+def _variables(own: "Callable[..., Any]") -> "Callable[..., Any]":
+    """The variables in the parts of a statement; most parts are names and places, which have none."""
+
+    def variables(self: ir.Inst, part: Any) -> list:
+        if isinstance(part, dict):
+            part = part.values()
+        elif not isinstance(part, list | tuple):
+            return own(self, part)
+        found: list = []
+        for one in part:
+            kind = type(one)
+            if kind is ir.Var:
+                found.append(one)
+            elif kind is not str and kind is not ir.Loc:
+                found += variables(self, one)
+        return found
+
+    return variables

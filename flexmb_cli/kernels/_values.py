@@ -1,0 +1,168 @@
+"""Parameters as types of numba's, and words of `_arguments` as their values in LLVM's language."""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from llvmlite import ir
+
+from ._allocator import WORD
+from ._arguments import NotDescribedError, described_dtype, size_of
+from ._numba import (
+    cgutils,
+    cpu_target,
+    from_dtype,
+    impl_ret_borrowed,
+    intrinsic,
+    lower_getattr_generic,
+    make_array,
+    populate_array,
+    types,
+)
+from ._tuple_references import Field, TupleReference
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+def numba_type(parameter: Any):
+    """numba's type of a parameter."""
+    if parameter[0] == "a":
+        return types.Array(from_dtype(described_dtype(parameter[2])), parameter[1], "C")
+    if parameter[0] == "t":
+        kinds = [numba_type(part) for part in parameter[2]]
+        return _named(parameter, kinds) if parameter[1] else types.BaseTuple.from_types(kinds, tuple)
+    return {"i": types.int64, "f": types.float64, "b": types.boolean}[parameter]
+
+
+def _named(parameter, kinds):
+    """The type of a named tuple; its fields follow one another."""
+    module, _, name = parameter[1].partition(":")
+    names = getattr(importlib.import_module(module), name)._fields
+    sizes = [size_of(part) for part in parameter[2]]
+    places = [sum(sizes[:k]) for k in range(len(sizes))]
+    return TupleReference(parameter, dict(zip(names, map(Field, places, kinds), strict=True)))
+
+
+def result_of(kind: types.Type) -> "str | list":
+    """Return how `_arguments` describes what a kernel returns; raises NotDescribedError for arrays."""
+    if isinstance(kind, types.BaseTuple):
+        return ["t", "", [result_of(part) for part in kind]]  # type: ignore[attr-defined]
+    for number, letter in ((types.Boolean, "b"), (types.Integer, "i"), (types.Float, "f")):
+        if isinstance(kind, number):
+            return letter
+    if kind is types.none:
+        return "n"
+    raise NotDescribedError(str(kind))
+
+
+def add_wrapper(context: Any, module: ir.Module, symbol: str, compiled: Any) -> None:
+    """Define int symbol(int64 *words, int64 *results), which calls a part; not 0 where that failed."""
+    result_of(compiled.signature.return_type)
+    code = ir.IntType(32)
+    function = ir.Function(module, ir.FunctionType(code, [WORD.as_pointer()] * 2), symbol)
+    builder = ir.IRBuilder(function.append_basic_block())
+    signature = compiled.signature
+    values = list(_values(context, builder, function.args[0], signature.args))
+    part = context.declare_function(module, compiled.fndesc)
+    call = context.call_conv.call_function
+    status, result = call(builder, part, signature.return_type, signature.args, values)
+    with builder.if_then(builder.not_(status.is_ok), likely=False):
+        builder.ret(code(1))
+    _store_result(builder, signature.return_type, result, function.args[1], 0)
+    builder.ret(code(0))
+
+
+def _values(context, builder, words, kinds, first: int = 0) -> "Iterator[Any]":
+    """Yield the values of types that follow one another from word `first` on."""
+    for kind in kinds:
+        yield _value(context, builder, words, first, kind)
+        first += _size(kind)
+
+
+def _size(kind) -> int:
+    """Return how many words a value of a type takes."""
+    if isinstance(kind, TupleReference):
+        return sum(_size(field.kind) for field in kind.fields.values())
+    if isinstance(kind, types.BaseTuple):
+        return sum(map(_size, kind))  # type: ignore[call-overload]
+    return 1 + kind.ndim if isinstance(kind, types.Array) else 1
+
+
+def _value(context, builder, words, first: int, kind):
+    """numba's value of the type `kind` from word `first` on."""
+    if isinstance(kind, TupleReference):
+        return builder.gep(words, [WORD(first)])
+    if isinstance(kind, types.BaseTuple):
+        return context.make_tuple(builder, kind, list(_values(context, builder, words, kind, first)))
+    if isinstance(kind, types.Array):
+        data = _read(builder, words, first, context.get_data_type(kind.dtype).as_pointer())
+        shape = [_read(builder, words, first + 1 + axis, WORD) for axis in range(kind.ndim)]
+        return _contiguous(context, builder, kind, data, shape, None)
+    if isinstance(kind, types.Float):
+        return _read(builder, words, first, ir.DoubleType())
+    word = _read(builder, words, first, WORD)
+    return builder.icmp_unsigned("!=", word, WORD(0)) if isinstance(kind, types.Boolean) else word
+
+
+def _read(builder, words, place: int, kind):
+    """The word at a place as a value of LLVM's type `kind`; no store of a kernel changes it."""
+    at = builder.bitcast(builder.gep(words, [WORD(place)]), kind.as_pointer())
+    word = builder.load(at)
+    word.set_metadata("invariant.load", builder.module.add_metadata([]))
+    return word
+
+
+@lower_getattr_generic(TupleReference)
+def _field_value(context, builder, reference, words, name: str):
+    """The value of a field of a tuple."""
+    field = reference.fields[name]
+    return _value(context, builder, words, field.first, field.kind)
+
+
+def _contiguous(context, builder, kind, data, shape, owner):
+    """numba's value of an array in the memory of `owner`."""
+    size = WORD(context.get_abi_sizeof(context.get_data_type(kind.dtype)))
+    strides = [size]
+    for length in reversed(shape[1:]):
+        strides.insert(0, builder.mul(strides[0], length))
+    array = make_array(kind)(context, builder)
+    populate_array(
+        array, data=data, shape=cgutils.pack_array(builder, shape),
+        strides=cgutils.pack_array(builder, strides), itemsize=size, meminfo=owner,
+    )  # fmt: skip
+    return array._getvalue()
+
+
+@intrinsic
+def _block(typing, flat, first, shape):
+    """The view of `linalg.blocks`: numba's own reshape looks at all strides, and took a tenth of a step."""
+    kind = types.Array(flat.dtype, len(shape), "C")
+
+    def generate(context, builder, signature, values):
+        array = make_array(flat)(context, builder, values[0])
+        data, lengths = builder.gep(array.data, [values[1]]), cgutils.unpack_tuple(builder, values[2])
+        view = _contiguous(context, builder, kind, data, lengths, array.meminfo)
+        return impl_ret_borrowed(context, builder, kind, view)
+
+    return kind(flat, types.int64, types.UniTuple(types.int64, len(shape))), generate
+
+
+def built_in_type(name: str) -> types.Type:
+    """Return numba's type of a function that is not compiled from its text."""
+    return cpu_target.typing_context.resolve_value_type({"block": _block}[name])
+
+
+def _store_result(builder, kind, value, room, k: Any):
+    """Store what a kernel returns from word k on; return the word behind it."""
+    if kind is types.none:
+        return k
+    if isinstance(kind, types.BaseTuple):
+        for place, part in enumerate(kind):  # type: ignore[arg-type, var-annotated]
+            k = _store_result(builder, part, builder.extract_value(value, place), room, k)
+        return k
+    if isinstance(kind, types.Float):
+        value = builder.bitcast(value, WORD)
+    elif isinstance(kind, types.Boolean):
+        value = builder.zext(value, WORD)
+    builder.store(value, builder.gep(room, [WORD(k)]))
+    return k + 1
