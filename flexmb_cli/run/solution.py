@@ -78,15 +78,20 @@ def solution_of(model: Any, run: Run) -> Solution:
     return module_for(model, "solutions").solution(model, run)
 
 
+def prepared(deck: Deck, run: Run) -> tuple[Solution, list[Fault]]:
+    """Return the solution of a deck, and doubts about its model; raises ModelError."""
+    refuse_foreign_method(deck, run.options)
+    solution = solution_of(model_of(deck, run), run)
+    return solution, solution.doubts()
+
+
 def solve_deck(deck: Deck, paths: ResultPaths, run: Run) -> None:
     """Solve `deck` and write its results; the outcome records how it went.
 
     Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
     """
-    refuse_foreign_method(deck, run.options)
     with _resumable_if_stopped(paths, run), Stop.released():
-        solution = solution_of(model_of(deck, run), run)
-        doubts = solution.doubts()
+        solution, doubts = prepared(deck, run)
         run.outcome.faults += doubts
         resume_file = _resume_file(deck, solution, paths, run)
         estimate = _estimate(solution, run)
