@@ -57,7 +57,7 @@ class OpenDeck:
 
 
 def read_deck(
-    path: str | os.PathLike, changes: Mapping[str, object] | None = None, dialect: str = "auto"
+    path: str | os.PathLike[str], changes: Mapping[str, object] | None = None, dialect: str = "auto"
 ) -> OpenDeck:
     """Read the deck at `path`, with the numbers in `changes` set ({"driver.1.B": 6.28}).
 
@@ -74,7 +74,7 @@ def read_deck(
 
 
 def check(
-    deck: OpenDeck | str | os.PathLike, options: "RunOptions | None" = None, jacobian: str | None = None
+    deck: OpenDeck | str | os.PathLike[str], options: "RunOptions | None" = None, jacobian: str | None = None
 ) -> "CheckReport":
     """Diagnose a deck without solving it, as `flexmb check`; faults are in the report, nothing is raised.
 
@@ -90,7 +90,7 @@ def check(
 
 
 def solve_to_files(
-    deck: str | os.PathLike,
+    deck: str | os.PathLike[str],
     options: "RunOptions | None" = None,
     listener: "Listener | None" = None,
     stdout: "TextStream | None" = None,
@@ -106,7 +106,7 @@ def solve_to_files(
     return run_deck(os.fspath(deck), options or RunOptions(), listener, stdout)
 
 
-def solve(deck: OpenDeck | str | os.PathLike, **options: float | str) -> "Result":
+def solve(deck: OpenDeck | str | os.PathLike[str], **options: float | str) -> "Result":
     """Solve a deck in memory.
 
     `options`: those of `flexmb run` that numbers depend on: `rtol`, `atol`, `method` of the integration;
@@ -139,9 +139,9 @@ def _run_options(options: dict[str, Any]) -> "RunOptions":
     from .run.python_options import refuse_wrong
 
     refuse_wrong(options)
-    steps = {name: options.pop(name) for name in ("rtol", "atol", "method") if name in options}
-    names = ("tolerance", "smallest_pivot", "most_iterations")
-    solver = {name: options.pop(name) for name in names if name in options}
+    of_steps, of_solver = ("rtol", "atol", "method"), ("tolerance", "smallest_pivot", "most_iterations")
+    steps: dict[str, Any] = {name: options.pop(name) for name in of_steps if name in options}
+    solver: dict[str, Any] = {name: options.pop(name) for name in of_solver if name in options}
     return RunOptions(integration=steps, solver=solver, **options)
 
 
@@ -173,7 +173,7 @@ def _result(
 
 
 @dataclass(frozen=True)
-class Result(Mapping):
+class Result(Mapping[str, np.ndarray]):
     """The motion of a deck: `result["body/position"]` is an array (times, bodies, 3), as in the HDF5 file.
 
     A name of `flexmb table` works, too: `result["point.1.z"]` is an array (times,).  `status` is "complete",
@@ -215,7 +215,7 @@ class Result(Mapping):
         units = {item.path: item.units for item in self.layout.series} | {"time": "s"}
         return units[name] if name in units else self._quantity(name).unit
 
-    def save(self, path: str | os.PathLike) -> None:
+    def save(self, path: str | os.PathLike[str]) -> None:
         """Write the HDF5 file that `flexmb run` writes; raises OutputError where it cannot be written."""
         from .results.hdf5.result_file import ResultFile
 
@@ -277,7 +277,7 @@ class Result(Mapping):
         return self.found[name]
 
 
-def sweep(study: str | os.PathLike, jobs: int = 1) -> dict[str, np.ndarray]:
+def sweep(study: str | os.PathLike[str], jobs: int = 1) -> dict[str, np.ndarray]:
     """Solve every case of a study file; return its table by columns.
 
     Keys are "parameter/NAME" and "result/NAME" (cases,) or (cases, times), "exit_code" and "rows" (cases,).
@@ -297,7 +297,7 @@ def sweep(study: str | os.PathLike, jobs: int = 1) -> dict[str, np.ndarray]:
             return columns | {name: table[name][...] for name in ("exit_code", "rows") if name in table}
 
 
-def open_study(study: str | os.PathLike, parts: str, fresh: bool = False) -> "Sweep":
+def open_study(study: str | os.PathLike[str], parts: str, fresh: bool = False) -> "Sweep":
     """Return the study in a file, whose cases are kept in the folder `parts`; raises DeckError.
 
     A study that was stopped goes on with the cases that are there, unless it is to be `fresh`.

@@ -63,7 +63,7 @@ class _Work:
     options: RunOptions
     jobs: int
     progress: Progress
-    waiting: deque
+    waiting: deque[tuple[int, str]]
     running: dict[Worker, tuple[int, str]] = field(default_factory=dict)
     idle: list[Worker] = field(default_factory=list)
     ended: dict[int, Outcome] = field(default_factory=dict)

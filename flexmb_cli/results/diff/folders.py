@@ -58,7 +58,7 @@ class Compared:
             return compiler_style(self.failure.file or self.pair.name, self.failure.faults, lines) + "\n"
         return self.report.text() if self.report else f"{visible(self.missing)}\n"
 
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
         """Plain record for `--json`."""
         record = {"name": self.pair.name, "a": self.pair.a, "b": self.pair.b, "equal": self.equal}
         if self.failure is not None:
@@ -98,7 +98,7 @@ class Summary:
         counts += [f"{len(self.passed_over)} other files passed over"] * bool(self.passed_over)
         return f"{visible(self.a)}, {visible(self.b)}: {', '.join(counts)}\n"
 
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
         """Plain record for `--json`."""
         return {
             "a": self.a,

@@ -4,6 +4,8 @@ The other formulation of the same model: floating frames with nodal displacement
 Euler parameters and Lagrange multipliers.  Nothing of the recursion along the tree is used.
 """
 
+from typing import Any
+
 import numpy as np
 
 from ...fe.lumped_body import floating_body, massless_body
@@ -76,7 +78,7 @@ class AbsoluteTree(ConstrainedMotion):
         return with_elements(self.tree, rows, report) if self.tree.elements else rows
 
 
-def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple) -> SystemArrays:
+def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple[Any, ...]) -> SystemArrays:
     """The equations of a tree between bodies with coordinates of their own."""
     integrator = Integrator("RK45", 0.0, tree.integration.rtol)
     free = FlexibleMechanism(bodies, tree.time, integrator, tree.gravity)
