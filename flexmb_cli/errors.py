@@ -54,17 +54,17 @@ class Fault:
         """Subject and message in one line."""
         return f"{self.subject}: {self.message}" if self.subject else self.message
 
-    def as_record(self) -> list:
+    def as_record(self) -> list[Any]:
         """All of it in JSON's types."""
         return [self.severity, self.message, self.place, self.subject, self.guide, self.about, self.id]
 
     @classmethod
-    def of_record(cls, record: list) -> "Fault":
+    def of_record(cls, record: list[Any]) -> "Fault":
         """The fault that `as_record` was made of, as JSON gives it back."""
         severity, message, place, subject, guide, about, name = record
         return cls(severity, message, place and Place(*place), subject, tuple(guide), about, name)
 
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
         """Plain record for `--json`."""
         line, column = self.place[:2] if self.place else (None, None)
         return {
@@ -151,7 +151,7 @@ class AnalysisError(FlexmbError):
 
     exit_code = ANALYSIS_FAILED
 
-    def __init__(self, fault: Fault, time: float, norms: dict | None = None):
+    def __init__(self, fault: Fault, time: float, norms: dict[str, Any] | None = None):
         super().__init__(fault.sentence, (fault,))
         self.time = time
         self.norms = norms or {}

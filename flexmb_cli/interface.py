@@ -1,10 +1,10 @@
 """The Python interface: read a deck, check it, solve it in memory, run a study.
 
-Only `Result.save` leaves a file.  Units are SI; names of quantities are those of `flexmb table`.
+The commands `check`, `run` and `sweep` call these functions.  Only `Result.save`, `solve_to_files` and
+`write_study` leave files.  Units are SI; names of quantities are those of `flexmb table`.
 """
 
 import os
-import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,14 +14,20 @@ import numpy as np
 
 from .deck.record import Deck
 from .errors import COMPLETE, FAILED, AnalysisError, Fault, FlexmbError, sentences
-from .quick_dataclass import dataclass, field
+from .quick_dataclass import dataclass, field, replace
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import pandas
     import xarray
 
     from .results.hdf5.result_file import Layout
     from .run.check.check import CheckReport
+    from .run.context import TextStream
+    from .run.outcome import Listener, Outcome, RunOptions
+    from .run.solution import Solution
+    from .study.sweep import Sweep
 
 
 @dataclass(frozen=True)
@@ -51,7 +57,7 @@ class OpenDeck:
 
 
 def read_deck(
-    path: str | os.PathLike, changes: Mapping[str, object] | None = None, dialect: str = "auto"
+    path: str | os.PathLike[str], changes: Mapping[str, object] | None = None, dialect: str = "auto"
 ) -> OpenDeck:
     """Read the deck at `path`, with the numbers in `changes` set ({"driver.1.B": 6.28}).
 
@@ -67,16 +73,40 @@ def read_deck(
     return OpenDeck(deck, outcome.deck, words, tuple(outcome.faults))
 
 
-def check(deck: OpenDeck | str | os.PathLike) -> "CheckReport":
-    """Diagnose a deck without solving it, as `flexmb check`; faults are in the report, nothing is raised."""
+def check(
+    deck: OpenDeck | str | os.PathLike[str], options: "RunOptions | None" = None, jacobian: str | None = None
+) -> "CheckReport":
+    """Diagnose a deck without solving it, as `flexmb check`; faults are in the report, nothing is raised.
+
+    `jacobian`: a time, s, or "estimate": the report then has the constraint Jacobian there.
+    """
     from .run.check.check import check_deck
     from .run.outcome import RunOptions
 
-    path, changes = (deck.path, deck.changes) if isinstance(deck, OpenDeck) else (os.fspath(deck), ())
-    return check_deck(path, RunOptions(changes=changes))
+    if isinstance(deck, OpenDeck):
+        options = replace(options or RunOptions(), changes=deck.changes)
+        deck = deck.path
+    return check_deck(os.fspath(deck), options or RunOptions(), jacobian)
 
 
-def solve(deck: OpenDeck | str | os.PathLike, **options: float | str) -> "Result":
+def solve_to_files(
+    deck: str | os.PathLike[str],
+    options: "RunOptions | None" = None,
+    listener: "Listener | None" = None,
+    stdout: "TextStream | None" = None,
+) -> "Outcome":
+    """Solve a deck and write its listing and its HDF5 file, as `flexmb run`.
+
+    `listener` hears how far the run is; `stdout` receives the listing where `options.out` is "-".  Nothing is
+    raised: the outcome has exit code, faults and the files written.
+    """
+    from .run.deck import run_deck
+    from .run.outcome import RunOptions
+
+    return run_deck(os.fspath(deck), options or RunOptions(), listener, stdout)
+
+
+def solve(deck: OpenDeck | str | os.PathLike[str], **options: float | str) -> "Result":
     """Solve a deck in memory.
 
     `options`: those of `flexmb run` that numbers depend on: `rtol`, `atol`, `method` of the integration;
@@ -86,18 +116,14 @@ def solve(deck: OpenDeck | str | os.PathLike, **options: float | str) -> "Result
     whose attribute `result` holds the rows so far.
     """
     from .run.context import Run
-    from .run.integration_options import refuse_foreign_method
-    from .run.model import model_of
     from .run.outcome import Outcome
-    from .run.solution import solution_of
+    from .run.solution import prepared
 
     opened = deck if isinstance(deck, OpenDeck) else read_deck(deck)
     run = Run(Outcome(opened.path), _run_options(options))
     with _naming(opened.path):
-        refuse_foreign_method(opened.deck, run.options)
-        solution = solution_of(model_of(opened.deck, run), run)
-        doubts = solution.doubts()
-        blocks: list[Any] = []
+        solution, doubts = prepared(opened.deck, run)
+        blocks: list[dict[str, np.ndarray]] = []
         try:
             blocks.extend(solution.blocks_counted())
         except AnalysisError as failure:
@@ -108,19 +134,19 @@ def solve(deck: OpenDeck | str | os.PathLike, **options: float | str) -> "Result
     return _result(opened, solution, blocks, [*run.outcome.faults, *doubts], None)
 
 
-def _run_options(options: Any) -> Any:
+def _run_options(options: dict[str, Any]) -> "RunOptions":
     from .run.outcome import RunOptions
     from .run.python_options import refuse_wrong
 
     refuse_wrong(options)
-    steps = {name: options.pop(name) for name in ("rtol", "atol", "method") if name in options}
-    names = ("tolerance", "smallest_pivot", "most_iterations")
-    solver = {name: options.pop(name) for name in names if name in options}
+    of_steps, of_solver = ("rtol", "atol", "method"), ("tolerance", "smallest_pivot", "most_iterations")
+    steps: dict[str, Any] = {name: options.pop(name) for name in of_steps if name in options}
+    solver: dict[str, Any] = {name: options.pop(name) for name in of_solver if name in options}
     return RunOptions(integration=steps, solver=solver, **options)
 
 
 @contextmanager
-def _naming(path: Any) -> Any:
+def _naming(path: str) -> Iterator[None]:
     """Put the deck, and the place in it, before what a failure says."""
     try:
         yield
@@ -132,7 +158,13 @@ def _naming(path: Any) -> Any:
         raise
 
 
-def _result(opened: Any, solution: Any, blocks: Any, faults: Any, failure: Any) -> Any:
+def _result(
+    opened: OpenDeck,
+    solution: "Solution",
+    blocks: list[dict[str, np.ndarray]],
+    faults: list[Fault],
+    failure: AnalysisError | None,
+) -> "Result":
     layout = solution.layout()
     values = {path: np.concatenate([block[path] for block in blocks]) for path in blocks[0]} if blocks else {}
     warnings = (*opened.warnings, *faults, *solution.warnings, *solution.count.doubts)
@@ -141,7 +173,7 @@ def _result(opened: Any, solution: Any, blocks: Any, faults: Any, failure: Any) 
 
 
 @dataclass(frozen=True)
-class Result(Mapping):
+class Result(Mapping[str, np.ndarray]):
     """The motion of a deck: `result["body/position"]` is an array (times, bodies, 3), as in the HDF5 file.
 
     A name of `flexmb table` works, too: `result["point.1.z"]` is an array (times,).  `status` is "complete",
@@ -183,7 +215,7 @@ class Result(Mapping):
         units = {item.path: item.units for item in self.layout.series} | {"time": "s"}
         return units[name] if name in units else self._quantity(name).unit
 
-    def save(self, path: str | os.PathLike) -> None:
+    def save(self, path: str | os.PathLike[str]) -> None:
         """Write the HDF5 file that `flexmb run` writes; raises OutputError where it cannot be written."""
         from .results.hdf5.result_file import ResultFile
 
@@ -197,6 +229,8 @@ class Result(Mapping):
 
     def to_xarray(self) -> "xarray.DataTree":
         """Return the result as xarray opens its file: groups of labelled arrays; needs h5netcdf."""
+        import tempfile
+
         import xarray
 
         with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
@@ -225,6 +259,8 @@ class Result(Mapping):
     def _quantities(self, name: Any) -> Any:
         """The quantities that a name means; they are looked up in a file without rows."""
         if name not in self.found:
+            import tempfile
+
             import h5py
 
             from .results.hdf5.result_file import ResultFile
@@ -241,30 +277,78 @@ class Result(Mapping):
         return self.found[name]
 
 
-def sweep(study: str | os.PathLike, jobs: int = 1) -> dict[str, np.ndarray]:
+def sweep(study: str | os.PathLike[str], jobs: int = 1) -> dict[str, np.ndarray]:
     """Solve every case of a study file; return its table by columns.
 
     Keys are "parameter/NAME" and "result/NAME" (cases,) or (cases, times), "exit_code" and "rows" (cases,).
     A case that fails has an exit code other than 0, and nan.  Raises FlexmbError for a wrong study.
     """
+    import tempfile
+
     import h5py
 
-    from .study.sweep import Sweep
-    from .study.table_writer import write_study_table
-    from .study.workers import solve_here, solve_in_processes
-
     with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
-        made = Sweep.of(os.fspath(study), os.path.join(folder, "parts"))
-        blocks = made.pending()
-        if jobs > 1:
-            solve_in_processes(made, blocks, lambda cases: None, jobs)
-        else:
-            solve_here(made, blocks, lambda cases: None)
-        write_study_table(path := os.path.join(folder, "table.h5"), made)
+        made = open_study(study, os.path.join(folder, "parts"))
+        solve_study(made, made.pending(), jobs=jobs)
+        write_study(path := os.path.join(folder, "table.h5"), made)
         with h5py.File(path, "r") as table:
             groups = [table[name] for name in ("parameter", "result")]
             columns = {f"{group.name[1:]}/{name}": group[name][...] for group in groups for name in group}
             return columns | {name: table[name][...] for name in ("exit_code", "rows") if name in table}
 
 
-__all__ = ["FlexmbError", "OpenDeck", "Result", "check", "read_deck", "solve", "sweep"]
+def open_study(study: str | os.PathLike[str], parts: str, fresh: bool = False) -> "Sweep":
+    """Return the study in a file, whose cases are kept in the folder `parts`; raises DeckError.
+
+    A study that was stopped goes on with the cases that are there, unless it is to be `fresh`.
+    """
+    from .study.sweep import Sweep
+
+    return Sweep.of(os.fspath(study), parts, fresh)
+
+
+def solve_study(
+    study: "Sweep",
+    blocks: list[int],
+    advance: "Callable[[int], None]" = lambda cases: None,
+    jobs: int = 1,
+    scheduler: str | None = None,
+) -> None:
+    """Solve blocks of a study's cases here, in so many processes, or on the Dask cluster of `scheduler`.
+
+    `advance` hears how many more cases are solved.
+    """
+    if scheduler:
+        from .study.cluster import solve_on_cluster
+
+        solve_on_cluster(study, blocks, advance, scheduler)
+    elif jobs > 1:
+        from .study.workers import solve_in_processes
+
+        solve_in_processes(study, blocks, advance, jobs)
+    else:
+        from .study.workers import solve_here
+
+        solve_here(study, blocks, advance)
+
+
+def write_study(path: str, study: "Sweep") -> None:
+    """Write the table of a solved study and remove its parts; raises OutputError."""
+    from .study.table_writer import write_study_table
+
+    write_study_table(path, study)
+
+
+__all__ = [
+    "FlexmbError",
+    "OpenDeck",
+    "Result",
+    "check",
+    "open_study",
+    "read_deck",
+    "solve",
+    "solve_study",
+    "solve_to_files",
+    "sweep",
+    "write_study",
+]

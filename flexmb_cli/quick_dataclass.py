@@ -32,7 +32,7 @@ def dataclass(cls: _Class | None = None, /, *, frozen: bool = False, eq: bool = 
     return _define(cls, frozen, eq)
 
 
-def fields(of: object) -> tuple[Field, ...]:
+def fields(of: object) -> tuple[Field[Any], ...]:
     """Return the fields of a data class, or of an object of one."""
     found = getattr(of, "_quick_fields", None)
     return dataclasses.fields(of) if found is None else tuple(found.values())  # type: ignore[arg-type]

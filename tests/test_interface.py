@@ -9,9 +9,11 @@ import pytest
 from click.testing import CliRunner
 
 import flexmb_cli
-from flexmb_cli import FlexmbError, check, read_deck, solve, sweep
+from flexmb_cli import FlexmbError, check, interface, read_deck, solve, sweep
+from flexmb_cli.cli import cli
 from flexmb_cli.cli.run import run
 from flexmb_cli.errors import AnalysisError
+from flexmb_cli.run.outcome import RunOptions
 
 DECKS = Path(__file__).resolve().parents[1] / "decks"
 FOUR_BAR = DECKS / "young/IN4-BAR.dat"
@@ -125,6 +127,39 @@ def test_a_failure_says_which_deck_and_where(tmp_path):
     with pytest.raises(FlexmbError) as caught:
         solve(wrong)
     assert str(caught.value) == f"{wrong}:14:3: universal joint 1: body number 9 is outside 1..4"
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments"),
+    [
+        ("solve_to_files", ["run", FOUR_BAR, "-q"]),
+        ("check", ["check", FOUR_BAR, "-q"]),
+        ("open_study", ["sweep", DECKS / "studies/rssr.toml", "-q"]),
+        ("solve_study", ["sweep", DECKS / "studies/rssr.toml", "-q"]),
+        ("write_study", ["sweep", DECKS / "studies/rssr.toml", "-q"]),
+    ],
+)
+def test_commands_call_the_interface(function, arguments, tmp_path, monkeypatch):
+    """What stands in the place of a function of the interface answers for the command."""
+
+    class Reached(BaseException):
+        pass
+
+    def reached(*_, **__):
+        raise Reached
+
+    monkeypatch.chdir(tmp_path)
+    if function == "write_study":
+        monkeypatch.setattr(interface, "solve_study", lambda *_, **__: None)
+    monkeypatch.setattr(interface, function, reached)
+    with pytest.raises(Reached):
+        cli.main([str(word) for word in arguments], standalone_mode=False)
+
+
+def test_check_takes_the_options_of_the_command():
+    found = check(read_deck(FOUR_BAR, changes={"driver.1.B": 3.0}), RunOptions(strict=True), "estimate")
+    assert found.jacobian.matrix.shape == (28, 28)
+    assert found.deck.options == () and found.outcome.settings == ("driver.1.B=3.0",)
 
 
 def test_check_reports_mobility():

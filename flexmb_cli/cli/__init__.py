@@ -14,11 +14,18 @@ from typing import Any
 import click
 
 from .. import __version__
-from ..errors import ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT, Fault, FlexmbError, compiler_style
+from ..errors import (
+    ANALYSIS_FAILED,
+    BAD_INPUT,
+    INTERNAL_FAULT,
+    Fault,
+    FlexmbError,
+    compiler_style,
+    lines_visible,
+)
 from ..memory import LACK_OF_MEMORY, lack_of_memory_text, lacks_memory
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
 from .options.exit_codes import epilog
-from .terminal.screen import lines_visible
 from .terminal.stops import ignore_stops, pass_over_stops
 
 # Two threads add up in another order than one, and end in other digits; decks in parallel are processes.
@@ -45,14 +52,14 @@ COMMANDS = {
 }
 
 
-class Commands(Mapping):
+class Commands(Mapping[str, click.Command]):
     """The commands by name, each imported when it is asked for."""
 
     def __getitem__(self, name: str) -> click.Command:
         if name not in COMMANDS:
             raise KeyError(name)
         module = import_module(f".{name}", __name__)
-        command = getattr(module, name if hasattr(module, name) else f"{name}_")
+        command: click.Command = getattr(module, name if hasattr(module, name) else f"{name}_")
         command.epilog = epilog(name)
         return command
 

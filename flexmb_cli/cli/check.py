@@ -29,13 +29,13 @@ def check(
     Example:
         flexmb check decks/young/IN4-BAR.dat --echo
     """
-    from ..run.check.check import check_deck
+    from .. import interface
     from ..run.outcome import RunOptions
 
     _check_jacobian_option(jacobian)
     codes = []
     choices = RunOptions(changes=changes, debug=wants_debug(), **options)
-    for report in every_deck(decks, lambda deck: check_deck(deck, choices, jacobian)):
+    for report in every_deck(decks, lambda deck: interface.check(deck, choices, jacobian)):
         show_faults(report.outcome, quiet)
         if as_json:
             if echo and report.deck and not quiet:  # type: ignore[union-attr]

@@ -168,7 +168,7 @@ def _outcomes(
                 progress.clear()
                 yield outcome
         return
-    from ..run.deck import run_deck
+    from .. import interface
     from ..run.outcome import Listener, Stop
 
     for deck in decks:
@@ -177,7 +177,7 @@ def _outcomes(
         # The status line ends before anything is said of the outcome.
         with Progress(deck, "rows", quiet, verbose) as progress:
             listener = Listener(progress.begin, progress.advance, progress.notice, progress.status)
-            outcome = run_deck(deck, options, listener, standard_output())
+            outcome = interface.solve_to_files(deck, options, listener, standard_output())
         yield outcome
 
 

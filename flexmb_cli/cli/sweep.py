@@ -42,7 +42,7 @@ def sweep(
     study: str,
     output: Any,
     jobs: int,
-    scheduler: None,
+    scheduler: str | None,
     parts: Any,
     fresh: bool,
     as_json: bool,
@@ -80,7 +80,7 @@ def sweep(
     sys.exit(exit_code)
 
 
-def _require_libraries(output: str, scheduler: None) -> None:
+def _require_libraries(output: str, scheduler: str | None) -> None:
     """Refuse what is missing before hours of work."""
     if output.endswith(".parquet"):
         from ..study.table import require_library
@@ -110,10 +110,11 @@ def _report_stop(
         sys.stdout.flush()
 
 
-def _begun(study: str, output: str, parts: Any, scheduler: None, fresh: bool, as_json: bool) -> "Sweep":
+def _begun(study: str, output: str, parts: Any, scheduler: str | None, fresh: bool, as_json: bool) -> "Sweep":
     require_memory(TO_LOAD)  # of numpy, below
+    from .. import interface
     from ..results.files.replaced_file import refuse_unwritable
-    from ..study.sweep import StudyError, Sweep
+    from ..study.sweep import StudyError
 
     if PurePath(output).suffix not in (".h5", ".parquet"):
         raise click.UsageError("-o needs a name that ends in .h5 or .parquet")
@@ -124,7 +125,7 @@ def _begun(study: str, output: str, parts: Any, scheduler: None, fresh: bool, as
             # The cases are kept beside the table: without this their folder would be made with all its
             # parents.
             refuse_unwritable(output)
-            return Sweep.of(study, parts, fresh)
+            return interface.open_study(study, parts, fresh)
     except StudyError as failure:
         click.echo(compiler_style(failure.file, failure.faults, failure.lines), err=True)
     except DeckError as failure:
@@ -132,9 +133,9 @@ def _begun(study: str, output: str, parts: Any, scheduler: None, fresh: bool, as
     sys.exit(BAD_INPUT)
 
 
-def _solve(made: "Sweep", study: str, jobs: int, scheduler: None, quiet: bool, verbose: bool) -> None:
+def _solve(made: "Sweep", study: str, jobs: int, scheduler: str | None, quiet: bool, verbose: bool) -> None:
+    from .. import interface
     from ..run.processes.parent_watch import outlive_workers
-    from ..study import cluster, workers
 
     outlive_workers()
     blocks = made.pending()
@@ -143,13 +144,7 @@ def _solve(made: "Sweep", study: str, jobs: int, scheduler: None, quiet: bool, v
         _say(f"going on with a stopped study: {cases - left} of {cases} cases are complete", quiet)
     with Progress(study, "cases", quiet, verbose) as progress:
         progress.begin(left)
-        advance = progress.advance
-        if scheduler:
-            cluster.solve_on_cluster(made, blocks, advance, scheduler)
-        elif jobs > 1:
-            workers.solve_in_processes(made, blocks, advance, jobs)
-        else:
-            workers.solve_here(made, blocks, advance)
+        interface.solve_study(made, blocks, progress.advance, jobs, scheduler)
 
 
 def _first_failures(made: "Sweep", most: int = 3) -> Any:
@@ -162,9 +157,9 @@ def _first_failures(made: "Sweep", most: int = 3) -> Any:
 
 
 def _write(made: Any, output: Any) -> None:
-    from ..study.table_writer import write_study_table
+    from .. import interface
 
-    write_study_table(output, made)
+    interface.write_study(output, made)
 
 
 def _report(study: str, output: str, made: "Sweep", failures: Any, quiet: bool) -> None:

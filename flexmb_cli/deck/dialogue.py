@@ -131,7 +131,7 @@ class Dialogue:
         known = (self._known(entry, cell) is not None for cell in entry.cells)
         return sum(takewhile(bool, known))
 
-    def _spelling(self, entry: Entry, cells: tuple[Cell, ...], texts: list[str]) -> Any:
+    def _spelling(self, entry: Entry, cells: tuple[Cell, ...], texts: list[str]) -> list[Fault]:
         """Faults and doubts of the spelling of `texts`, and the fault of too many."""
         faults = []
         for column, (cell, text) in enumerate(zip(cells, texts, strict=False), start=self._cell + 1):

@@ -172,7 +172,7 @@ class Layout:
     def _column(self, k: int, values: np.ndarray) -> "list[Any]":
         """Return what the template takes for the values of field `k`."""
         if not self._as_text[k]:
-            return values.tolist()
+            return list(values.tolist())
         field, separated = self.fields[k], self._separated[k]
         # Most of a long run's time would go into field after field.
         if field.kind == "e" and self.layout == SAFE and np.isfinite(values).all():

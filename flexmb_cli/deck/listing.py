@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 import numpy as np
 
@@ -33,9 +33,9 @@ class ListingForm(NamedTuple):
     emulated: bool = False  # whether its program's errors can be computed from a deck (`diff --deck`)
     # Known errors of historic programs for `--explain`.  Of the rows: function of the names of two files, of
     # items with section, deck, index, cause and holds(index, column, step).
-    known_errors: Callable[..., Sequence] = lambda *names: ()
+    known_errors: Callable[..., Sequence[Any]] = lambda *names: ()
     # Of the echo: cause, and function of two arrays and the unit of their last digits: the cells it explains.
-    echo_error: tuple[str, Callable] | None = None
+    echo_error: tuple[str, Callable[..., Any]] | None = None
 
 
 NO_FORM = ListingForm("listing", "a mark of failure")
@@ -125,7 +125,7 @@ def read_bytes(path: "Path | str") -> bytes:
     raise TableError(str(path), [Fault("error", reason, id="DECK-006")])
 
 
-def _bounded(path: "Path | str", file: Any) -> bytes:
+def _bounded(path: "Path | str", file: BinaryIO) -> bytes:
     # A device or a pipe tells no size, and may never end.
     content = file.read(LARGEST_LISTING + 1)
     if len(content) > LARGEST_LISTING:

@@ -86,7 +86,7 @@ def blocks_of(records: Sequence[Record]) -> list[Block]:
 
 
 @dataclass(frozen=True)
-class Made(Sequence):
+class Made(Sequence[Any]):
     """What `make` makes of each record, when it is looked at."""
 
     records: Sequence[Record]
@@ -100,14 +100,14 @@ class Made(Sequence):
             return tuple(self[k] for k in range(len(self))[index])
         return self.make(self.records[index])
 
-    def __iter__(self) -> Iterator:
+    def __iter__(self) -> Iterator[Any]:
         return map(self.make, self.records)
 
 
-class Chained(Sequence):
+class Chained(Sequence[Any]):
     """Sequences one behind the other."""
 
-    def __init__(self, parts: Sequence[Sequence]):
+    def __init__(self, parts: Sequence[Sequence[Any]]):
         self.parts = tuple(part for part in parts if len(part))
 
     def __len__(self) -> int:
@@ -123,5 +123,5 @@ class Chained(Sequence):
             index -= len(part)
         raise IndexError(index)
 
-    def __iter__(self) -> Iterator:
+    def __iter__(self) -> Iterator[Any]:
         return chain.from_iterable(self.parts)

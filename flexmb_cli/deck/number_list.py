@@ -20,7 +20,9 @@ class NumberList(Sequence[Number]):
     `labelled(i)` gives the i-th number's key, meaning and unit, counted from 0.
     """
 
-    def __init__(self, lines: Sequence[str], fmt: Format, first: int, labelled: Callable[[int], tuple]):
+    def __init__(
+        self, lines: Sequence[str], fmt: Format, first: int, labelled: Callable[[int], tuple[Any, ...]]
+    ):
         self.lines, self.fmt, self.first, self.labelled = lines, fmt, first, labelled
         self.values = array("q" if fmt.edits[0].letter == "I" else "d")
         self.changed: dict[int, Number] = {}

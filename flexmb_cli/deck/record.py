@@ -72,7 +72,7 @@ class Record:
     number: int
     subject: str
     numbers: tuple[Number, ...]
-    made: dict = field(default_factory=dict, init=False, repr=False, compare=False)
+    made: dict[str, Any] = field(default_factory=dict[str, Any], init=False, repr=False, compare=False)
 
     @property
     def prefix(self) -> str:
@@ -141,7 +141,8 @@ class Deck:
     def section(self, name: str) -> Sequence[Record]:
         """All records of one section, in the deck's order."""
         if not isinstance(self.records, tuple):
-            return self.records.section(name)  # type: ignore[attr-defined]
+            found: Sequence[Record] = self.records.section(name)  # type: ignore[attr-defined]
+            return found
         return [record for record in self.records if record.section == name]
 
     def one(self, name: str) -> Record:

@@ -1,6 +1,7 @@
 """Records of a deck by section and number, with the zeros of the cards that were not given."""
 
 from collections.abc import Sequence
+from typing import Any
 
 from ..errors import Place
 from .record import Deck, Number, Record
@@ -33,7 +34,7 @@ class DeckValues:
         """One number of a card that must be there."""
         return self.record(section, number).at(key)  # type: ignore[union-attr]
 
-    def values(self, section: str, number: int, default: tuple) -> tuple:
+    def values(self, section: str, number: int, default: tuple[Any, ...]) -> tuple[Any, ...]:
         """All values of a record, or `default`."""
         record = self.record(section, number)
         return default if record is None else tuple(record.values)

@@ -5,7 +5,7 @@ import os
 import stat
 import sys
 from pathlib import Path
-from typing import Any
+from typing import BinaryIO
 
 from ..errors import DeckError, Fault, Place
 from .record import DeckText
@@ -55,7 +55,7 @@ def _file_bytes(path: Path, what: str) -> bytes:
         raise _unreadable(f"cannot be read: {_reason(fault)}") from None
 
 
-def _first_bytes(stream: Any, what: str) -> bytes:
+def _first_bytes(stream: BinaryIO, what: str) -> bytes:
     # Pipes and devices have no size beforehand: one byte more than allowed is enough to know.
     raw = stream.read(LARGEST_DECK + 1)
     if len(raw) > LARGEST_DECK:

@@ -88,7 +88,7 @@ class Words:
         return (self[index] for index in range(min(end, len(self))))
 
 
-def _word(lines: Lines, start: Any) -> Any:
+def _word(lines: Lines, start: int) -> Word:
     text = lines.text
     word = UNCLOSED if text[start] == UNCLOSED else _WORD_OR_COMMENT.match(text, start).group()  # type: ignore[union-attr]
     return Word(word, *lines.place_of(start))

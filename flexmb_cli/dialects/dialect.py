@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..deck.record import Deck, DeckText, Record
 from ..errors import Fault
@@ -56,7 +56,7 @@ class Dialect(NamedTuple):
         """Its name in sentences."""
         return self.name.upper()
 
-    def part(self, reference: str) -> Callable:
+    def part(self, reference: str) -> Callable[..., Any]:
         """Return what a reference names."""
         module, _, name = reference.partition(":")
         # A command imports the parts that it uses.
@@ -78,7 +78,7 @@ class Dialect(NamedTuple):
         """Return whether the deck's analysis takes time steps, rather than solve each row for itself."""
         return self.part(self.stepping)(deck) if self.stepping else True
 
-    def table(self, streams: tuple, deck: Deck, layout: str, analysis: object) -> object:
+    def table(self, streams: tuple[Any, ...], deck: Deck, layout: str, analysis: object) -> object:
         """Return what writes the printed tables of a run to `streams`; None where the dialect has none."""
         return self.part(self.writer)(streams, deck, layout, analysis) if self.writer else None
 

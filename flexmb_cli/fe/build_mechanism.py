@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import Fault, ModelError
-from ..model.fe_model import GROUND, End, NodeJoint, NodeSpring, Pin, VsdfBody, VsdfModel
+from ..model.fe_model import End, NodeJoint, NodeSpring, Pin, VsdfBody, VsdfModel
 from ..model.flexible_mechanism import (
     FlexibleMechanism,
     FloatingBody,
@@ -16,6 +16,7 @@ from ..model.flexible_mechanism import (
     PointPin,
     PointSpring,
 )
+from ..model.mechanism import GROUND
 from ..model.vectors import euler_parameters
 from ..quick_dataclass import replace
 from .flexible_bodies import flexible_body

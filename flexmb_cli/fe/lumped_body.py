@@ -15,7 +15,7 @@ from ..model.geometric_stiffness import across, beam_direction, geometric_stiffn
 from ..model.tree import Tree
 from ..model.tree_as_mechanism.frames import NodeFrame, shape_of
 from ..model.tree_as_mechanism.poses import Pose
-from .build_mechanism import euler_parameters
+from ..model.vectors import euler_parameters
 from .invariants import inertia_invariants
 
 

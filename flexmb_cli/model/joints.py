@@ -5,6 +5,8 @@ files in `kernels/kinematics/joints/` and to the counts of `EQUATIONS` there.  T
 `DIALECT` of each dialect.
 """
 
+from typing import Any
+
 from ..quick_dataclass import dataclass
 
 ANGLE, STROKE = "angle", "stroke"
@@ -33,7 +35,7 @@ class JointType:
     code: int
     equations: int
     points: tuple[str, ...] = ()
-    parts: tuple = ()
+    parts: tuple[Any, ...] = ()
     coordinates: tuple[str, ...] = ()
     size: str = ""
     meets: bool = True

@@ -162,7 +162,7 @@ def _of_young(model: "DynamicModel") -> Iterable[Extent]:
     mechanism = model.mechanism
     held = {item.body for item in mechanism.grounds}
     masses = {item.body: item for item in model.masses if item.body not in held}
-    joined: dict[int, list] = {}
+    joined: dict[int, list[Any]] = {}
     for joint in mechanism.joints:
         for body, point in ((joint.i, joint.P_i), (joint.j, joint.P_j)):
             if body not in held:
@@ -197,7 +197,7 @@ def _of_mechanism(mechanism: "FlexibleMechanism") -> Iterable[Extent]:
 def _of_tree(tree: "Tree") -> Iterable[Extent]:
     """Rigid bodies; the root of each is its own hinge."""
     found = []
-    borne: dict[int, list] = {}
+    borne: dict[int, list[Any]] = {}
     for hinge in tree.hinges:
         borne.setdefault(hinge.parent, []).append(hinge.point)
     for k, body in enumerate(tree.bodies):

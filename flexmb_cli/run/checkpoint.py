@@ -21,8 +21,9 @@ from numpy.lib.format import descr_to_dtype, dtype_to_descr
 
 from ..errors import Fault, ModelError, OutputError
 from ..managed_files import open_managed, unbuffered
+from ..results.files.disk_failures import located
 from ..results.files.durable import GROWING, sync, sync_folder
-from ..results.files.replaced_file import hold, is_unfinished, located
+from ..results.files.replaced_file import hold, is_unfinished
 
 _HEAD = struct.Struct("<QI")
 _STATE = "checkpoint/"
@@ -43,16 +44,16 @@ class ResumeFile:
     goes on.
     """
 
-    def __init__(self, path: str | None, identity: dict):
+    def __init__(self, path: str | None, identity: dict[str, Any]):
         self.path = path
         self.identity = identity
         self.doubts: list[Fault] = []
-        self.last_checkpoint: dict | None = None
+        self.last_checkpoint: dict[str, np.ndarray] | None = None
         self._file = None
         self._first = self._end = 0
         self._unsaved = 0  # bytes of rows behind the last checkpoint in the file,
         self._saved_at = monotonic()  # and when that was
-        self._pending: dict = {}  # the checkpoint behind them
+        self._pending: dict[str, np.ndarray] = {}  # the checkpoint behind them
 
     def find(self) -> None:
         """Look for the resume file of a stopped run, and remove the files that it left unfinished.
@@ -97,7 +98,7 @@ class ResumeFile:
             # Names only: a resume file may be another's, and no file but beside it is to be touched.
             self._write({_UNFINISHED: np.array([os.path.basename(path) for path in unfinished], str)})
 
-    def stored(self) -> Iterator[tuple[dict, dict]]:
+    def stored(self) -> Iterator[tuple[dict[str, np.ndarray], dict[str, np.ndarray]]]:
         """Pairs (values, checkpoint) of the resume file that was found, oldest first."""
         if self._end == self._first:
             return
@@ -110,7 +111,7 @@ class ResumeFile:
                 if file.tell() >= self._end:
                     return
 
-    def append(self, values: Mapping, checkpoint: Mapping) -> None:
+    def append(self, values: Mapping[str, np.ndarray], checkpoint: Mapping[str, np.ndarray]) -> None:
         """Keep a block of rows and the state after it; the arrays of both are named by texts."""
         if self.path is None:
             return

@@ -1,9 +1,19 @@
 """What one run has from beginning to end: its options, what becomes of it, and who hears how far it is."""
 
-from typing import NamedTuple, TextIO
+from typing import NamedTuple, Protocol
 
 from ..errors import Fault
 from .outcome import Listener, Outcome, RunOptions, refuse_warnings
+
+
+class TextStream(Protocol):
+    """Where a listing goes that is not kept in a file."""
+
+    def write(self, text: str, /) -> int:
+        """Write `text`."""
+
+    def flush(self) -> None:
+        """Hand what is buffered to the reader."""
 
 
 class Run(NamedTuple):
@@ -12,7 +22,7 @@ class Run(NamedTuple):
     outcome: Outcome  # fills while the deck is run
     options: RunOptions  # what is asked of it
     listener: Listener = Listener()  # hears how far it is
-    stdout: TextIO | None = None  # receives the listing of `--out -`
+    stdout: TextStream | None = None  # receives the listing of `--out -`
 
     def warn(self, faults: "list[Fault] | tuple[Fault, ...]") -> None:
         """Tell of doubts; under `--strict` they end the run as errors.  Raises ModelError."""

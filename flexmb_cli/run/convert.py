@@ -3,7 +3,7 @@
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
-from ..deck.record import DeckText
+from ..deck.record import Deck, DeckText
 from ..dialects import DIALECTS
 from ..dialects.recognise import dialect_named, read_deck
 from ..errors import DeckError, Fault, FlexmbError, ModelError
@@ -51,7 +51,7 @@ def _refuse_own(deck: Any, form: Any) -> None:
         raise ModelError([Fault("error", message, id="RUN-060")])
 
 
-def _deck_of(deck: Any, run: Any, form: Any, units: Any) -> Any:
+def _deck_of(deck: Deck, run: Run, form: str, units: tuple[str, str]) -> str:
     """The model as a deck of the dialect `form`, which that dialect accepts."""
     from ..model.exchange.units import UNITS, in_units
 
@@ -62,7 +62,7 @@ def _deck_of(deck: Any, run: Any, form: Any, units: Any) -> Any:
             raise ModelError([Fault("error", message, id="RUN-061")])
     found = old.part(old.rigid_model)(deck, lambda: model_of(deck, run), lambda model: _start(model, run))
     found = in_units(found, *(UNITS[name] for name in units))
-    text = new.part(new.rigid_deck)(found, _title(deck), UNITS[units[1]].reported)
+    text: str = new.part(new.rigid_deck)(found, _title(deck), UNITS[units[1]].reported)
     _refuse_unreadable(text, form, run)
     return text
 
@@ -102,7 +102,7 @@ def _exudyn(model: Any, name: Any) -> str:
     return exudyn_script(model, start_of(model), name)
 
 
-def start_of(model: "DynamicModel", run: Run | None = None) -> dict:
+def start_of(model: "DynamicModel", run: Run | None = None) -> dict[str, Any]:
     """Return positions "r", Euler parameters "p", velocities "v", "omega" of the bodies at the first time.
 
     Of joint and tree coordinates "q" where the model reports them.

@@ -1,11 +1,9 @@
 """Run one deck of any dialect; every failure becomes an outcome with its exit code."""
 
-from typing import Any
-
 from ..deck.record import Deck
 from ..errors import BAD_INPUT
 from ..results.files.file_names import ResultPaths, result_paths
-from .context import Run
+from .context import Run, TextStream
 from .earlier_results import notes_of_earlier_results
 from .exit_status import ending_recorded
 from .open_deck import open_deck, own_options, warn_of_foreign_options
@@ -13,7 +11,9 @@ from .outcome import Listener, Outcome, RunOptions, Stop
 from .solution import solve_deck
 
 
-def run_deck(path: str, options: RunOptions, listener: Listener | None = None, stdout: Any = None) -> Outcome:
+def run_deck(
+    path: str, options: RunOptions, listener: Listener | None = None, stdout: TextStream | None = None
+) -> Outcome:
     """Read, solve and write the deck at `path` ("-": standard input).
 
     `stdout` receives the OUT table of `--out -`.  Never raises for what a deck, a disk or a signal

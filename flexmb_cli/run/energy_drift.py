@@ -61,7 +61,7 @@ class ConstrainedDrift(EnergyDrift):
         self.reasons = reasons
         self.potential = None
 
-    def add(self, values: dict) -> None:
+    def add(self, values: dict[str, np.ndarray]) -> None:
         """Take in a block of rows, by the paths of their datasets."""
         total, work, potential = (values[f"energy/{name}"] for name in ("total", "applied_work", "potential"))
         self.potential = potential[0] if self.potential is None else self.potential

@@ -44,13 +44,13 @@ def why_no_estimate(tolerance: float) -> list[Fault]:
 class ErrorEstimate:
     """Compares blocks of values, by the paths of their datasets, with those of a second run."""
 
-    def __init__(self, second: Iterator[dict]):
+    def __init__(self, second: Iterator[dict[str, np.ndarray]]):
         self.second = second
-        self.waiting: dict = {}
+        self.waiting: dict[str, Any] = {}
         self.doubts: list[Fault] = []  # that the second run stopped
-        self.largest: dict = {}  # by path: error, its time, s, and the largest size of the quantity
+        self.largest: dict[str, Any] = {}  # by path: error, its time, s, and the largest size of the quantity
 
-    def of(self, values: dict) -> dict:
+    def of(self, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Values with the largest error (T,) of each quantity in time, nan past the second run's stop."""
         other = self._next(values["time"])
         errors = {
@@ -89,13 +89,13 @@ class ErrorEstimate:
             self.largest[path] = most, when, max(size, before)
 
     @property
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
         """The largest errors, for `--json`."""
         keys = ("error", "time", "largest")
         return {path: dict(zip(keys, found, strict=True)) for path, found in self.largest.items()}
 
 
-def estimate_text(largest: dict) -> str:
+def estimate_text(largest: dict[str, Any]) -> str:
     """A line for every quantity: its largest global error, when that is, and its largest value."""
     lines = ["  estimated global error       at t, s   of at most  quantity"]
     for path, found in largest.items():
@@ -108,7 +108,9 @@ def nothing_to_refine(run: Run, reason: str = NO_STEPS) -> None:
     run.outcome.faults.append(Fault("warning", reason, id="RUN-024"))
 
 
-def finer_motion(analysis_of: Callable, values: Callable, run: Run) -> Iterator[dict] | None:
+def finer_motion(
+    analysis_of: Callable[..., Any], values: Callable[..., Any], run: Run
+) -> Iterator[dict[str, np.ndarray]] | None:
     """Return the blocks of values of a second analysis at a tighter tolerance, if that chooses its steps."""
     second = analysis_of(run.unheard)
     if not second.integrator.chosen:

@@ -60,7 +60,7 @@ class MechanismModes:
     position: tuple[tuple[str, tuple[float, ...]], ...]
     space: Any = None
 
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
         """The record that `--json` prints."""
         modes = self.modes
         return {
@@ -81,12 +81,12 @@ class MechanismModes:
         }
 
     @property
-    def state_space(self) -> dict:
+    def state_space(self) -> dict[str, Any]:
         """The record of the state space."""
         return {"time": self.time, **record_of(self.space)}
 
 
-def record_of(space: Any) -> dict:
+def record_of(space: Any) -> dict[str, Any]:
     """Return a StateSpace as lists and words."""
     signals = {
         what: [{"name": s.name, "unit": s.unit} for s in getattr(space, what)]

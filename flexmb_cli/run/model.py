@@ -56,7 +56,7 @@ def module_for(model: "DynamicModel | Mechanism | Tree", package: str) -> "Modul
     return import_module(f"{__package__}.{package}.{analysis_of(model)}")
 
 
-def _integrated(tree: Any, deck: Deck, options: "RunOptions") -> "Tree":
+def _integrated(tree: Any, deck: Deck, options: "RunOptions") -> Any:
     """The tree with the integration that the options ask for; another method has another tolerance."""
     from ..model.tree import default_tolerances
 

@@ -1,5 +1,7 @@
 """Eigenfrequencies of a deck: of its flexible bodies, each in its frame, and of its mechanism."""
 
+from typing import Any
+
 from ..deck.record import Deck
 from ..errors import Fault, ModelError
 from ..model.flexible_body import Dropped, FlexibleBody
@@ -25,7 +27,7 @@ class ModesReport:
     bodies: list[FlexibleBody] = field(default_factory=list)
     mechanism: MechanismModes | None = None
 
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
         """The record that `--json` prints."""
         record = self.outcome.as_dict()
         record.pop("files"), record.pop("rows")
@@ -74,7 +76,7 @@ def _write(mechanism: MechanismModes, wish: Wish) -> None:
         write_state_space(wish.out, mechanism.state_space)
 
 
-def _as_dict(body: FlexibleBody) -> dict:
+def _as_dict(body: FlexibleBody) -> dict[str, Any]:
     return {
         "name": body.name,
         "nodes": len(body.numbers),
@@ -92,7 +94,7 @@ def _as_dict(body: FlexibleBody) -> dict:
     }
 
 
-def _as_record(dropped: Dropped) -> dict:
+def _as_record(dropped: Dropped) -> dict[str, Any]:
     following = dropped.next_frequency
     known = {"dependent": dropped.dependent, "next_frequency": following if following == following else None}
     return vars(dropped) | known

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..deck.record import DeckText
 from ..errors import DONE, Fault, ModelError
@@ -95,8 +95,8 @@ class RunOptions:
     layout: str = "safe"
     changes: tuple[str, ...] = ()
     strict: bool = False
-    solver: dict = field(default_factory=dict)
-    integration: dict = field(default_factory=dict)
+    solver: dict[str, Any] = field(default_factory=dict)
+    integration: dict[str, Any] = field(default_factory=dict)
     resume: bool = False
     formulation: str = KANE
     estimate_error: bool = False
@@ -137,9 +137,9 @@ class Outcome:
     echo: str = ""
     statistics: str = ""
     resumable: bool = False
-    errors: dict = field(default_factory=dict)
+    errors: dict[str, Any] = field(default_factory=dict)
     failed_at: float | None = None
-    norms: dict = field(default_factory=dict)
+    norms: dict[str, Any] = field(default_factory=dict)
     as_printed: bool = False
 
     @property
@@ -148,7 +148,7 @@ class Outcome:
         words = {0: "complete", 1: "failed", 2: "bad input", 3: "internal fault"}
         return words.get(self.exit_code, "interrupted")
 
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
         """The record that `--json` prints."""
         return {
             "deck": self.deck,

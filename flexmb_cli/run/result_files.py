@@ -9,6 +9,8 @@ from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
 from .context import Run
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from ..deck.record import Deck
     from .solution import Solution
 
@@ -22,7 +24,7 @@ class ResultFiles:
         from ..results.files.replaced_file import make_folder
 
         self.paths = paths
-        self.texts: list = []
+        self.texts: list[Any] = []
         self.table = self.result = None
         self.begun = self.torn = False
         if paths.files:
@@ -76,7 +78,7 @@ class ResultFiles:
             self.begun = True
             self.table.begin()
 
-    def rows(self, values: dict) -> None:
+    def rows(self, values: dict[str, "np.ndarray"]) -> None:
         """Write report rows, given by the paths of their datasets."""
         self.torn = True
         self._begin()

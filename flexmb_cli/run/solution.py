@@ -30,7 +30,7 @@ class NoCount:
 
     doubts: tuple[Fault, ...] = ()
 
-    def add(self, values: dict) -> None:
+    def add(self, values: dict[str, "np.ndarray"]) -> None:
         """Count a block of values."""
 
     def __str__(self) -> str:
@@ -53,20 +53,20 @@ class Solution:
 
     analysis: object
     rows: int
-    layout: Callable
-    values: Callable[[object], dict]
+    layout: Callable[..., Any]
+    values: Callable[[object], dict[str, "np.ndarray"]]
     count: NoCount
     doubts: Callable[[], list[Fault]] = list
     warnings: list[Fault] = field(default_factory=list)
-    finer: Callable[[Run], Iterator[dict] | None] = lambda run: None
-    identity: dict = field(default_factory=dict)
+    finer: Callable[[Run], Iterator[dict[str, "np.ndarray"]] | None] = lambda run: None
+    identity: dict[str, Any] = field(default_factory=dict)
     resumable: bool = True
 
-    def blocks(self) -> Iterator[dict]:
+    def blocks(self) -> Iterator[dict[str, "np.ndarray"]]:
         """Yield the blocks of values; raises as the analysis does."""
         return map(self.values, self.analysis.rows())  # type: ignore[attr-defined]
 
-    def blocks_counted(self) -> Iterator[dict]:
+    def blocks_counted(self) -> Iterator[dict[str, "np.ndarray"]]:
         """Yield the blocks of values and count them."""
         for values in self.blocks():
             self.count.add(values)
@@ -75,7 +75,15 @@ class Solution:
 
 def solution_of(model: Any, run: Run) -> Solution:
     """Return the solution of a model; raises ModelError."""
-    return module_for(model, "solutions").solution(model, run)
+    found: Solution = module_for(model, "solutions").solution(model, run)
+    return found
+
+
+def prepared(deck: Deck, run: Run) -> tuple[Solution, list[Fault]]:
+    """Return the solution of a deck, and doubts about its model; raises ModelError."""
+    refuse_foreign_method(deck, run.options)
+    solution = solution_of(model_of(deck, run), run)
+    return solution, solution.doubts()
 
 
 def solve_deck(deck: Deck, paths: ResultPaths, run: Run) -> None:
@@ -83,10 +91,8 @@ def solve_deck(deck: Deck, paths: ResultPaths, run: Run) -> None:
 
     Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
     """
-    refuse_foreign_method(deck, run.options)
     with _resumable_if_stopped(paths, run), Stop.released():
-        solution = solution_of(model_of(deck, run), run)
-        doubts = solution.doubts()
+        solution, doubts = prepared(deck, run)
         run.outcome.faults += doubts
         resume_file = _resume_file(deck, solution, paths, run)
         estimate = _estimate(solution, run)
@@ -119,7 +125,7 @@ def _resume_file(deck: Deck, solution: Solution, paths: ResultPaths, run: Run) -
     return resume_file
 
 
-def identity_of(deck: Deck, solution: Solution, run: Run) -> dict:
+def identity_of(deck: Deck, solution: Solution, run: Run) -> dict[str, Any]:
     """Return all that the numbers of a run depend on: only the same run can be resumed."""
     return {
         "flexmb": __version__,

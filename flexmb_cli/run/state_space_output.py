@@ -9,7 +9,7 @@ from ..results.files.replaced_file import write_whole
 from ..results.files.state_space import arrays_of, json_bytes, npz_bytes
 
 
-def write_state_space(path: str, record: dict) -> None:
+def write_state_space(path: str, record: dict[str, Any]) -> None:
     """Write the record of a state space to `path`; raises OutputError."""
     forms = {".npz": npz_bytes, ".mat": _matlab_bytes, ".json": json_bytes}
     write_whole(path, forms[Path(path).suffix.lower()](record))

@@ -17,7 +17,7 @@ class StepCount(NoCount):
         self.clock, self.drift = clock, drift
         self.residual = 0.0
 
-    def add(self, values: dict) -> None:
+    def add(self, values: dict[str, "np.ndarray"]) -> None:
         """Count a block of values."""
         self.residual = max(self.residual, float(values["audit/constraint_residual"].max()))
         if self.drift is not None:

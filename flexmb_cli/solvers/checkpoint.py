@@ -28,13 +28,18 @@ class OtherRun(ValueError):
     """What a checkpoint holds does not fit the analysis that is to go on from it."""
 
 
-def fill_arrays(stored: Mapping, **records: Any) -> None:
+def fill_arrays(stored: Mapping[str, np.ndarray], **records: Any) -> None:
     """Fill the arrays of named tuples with what `arrays_in` gave of such ones.  Raises OtherRun."""
     for path, array in arrays_in(**records).items():
         array[...] = taken(stored, path, array.shape, array.dtype)
 
 
-def taken(stored: Mapping, name: str, shape: tuple, dtype: np.dtype | type | None = np.float64) -> np.ndarray:
+def taken(
+    stored: Mapping[str, np.ndarray],
+    name: str,
+    shape: tuple[Any, ...],
+    dtype: np.dtype | type | None = np.float64,
+) -> np.ndarray:
     """Return the array `name` of a checkpoint, of a shape (None: any length) and a type (None: numbers).
 
     Raises OtherRun: numpy would spread a shorter array over a longer one without a word.
@@ -48,7 +53,7 @@ def taken(stored: Mapping, name: str, shape: tuple, dtype: np.dtype | type | Non
     return array
 
 
-def row_of(stored: Mapping) -> int:
+def row_of(stored: Mapping[str, np.ndarray]) -> int:
     """Return how many report rows lie before a checkpoint.  Raises OtherRun."""
     return int(taken(stored, "row", (), np.int64))
 
@@ -67,7 +72,7 @@ def reported(warnings: list[Fault]) -> np.ndarray:
     return np.array(json.dumps([fault.as_record() for fault in warnings]))
 
 
-def faults_reported(stored: Mapping) -> list[Fault]:
+def faults_reported(stored: Mapping[str, np.ndarray]) -> list[Fault]:
     """Return the faults that `reported` was given as the `warnings` of a checkpoint.  Raises OtherRun."""
     try:
         return [Fault.of_record(record) for record in json.loads(str(stored["warnings"]))]

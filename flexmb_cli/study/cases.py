@@ -23,7 +23,7 @@ class Cases:
             return self.study.row_of(case)
         if self._sample is None:
             self._sample = _sample(self.study)
-        return self._sample[case].tolist()
+        return list(self._sample[case].tolist())
 
     def settings(self, case: int) -> list[str]:
         """The same as `--set` takes them."""

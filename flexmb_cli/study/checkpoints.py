@@ -17,8 +17,8 @@ import numpy as np
 
 from ..errors import Fault, ModelError, OutputError
 from ..managed_files import ManagedFolder, unbuffered
+from ..results.files.disk_failures import located
 from ..results.files.durable import GROWING, sync, sync_folder
-from ..results.files.replaced_file import located
 from .lock import LOCK, StudyLock
 from .solver import CaseResult
 
@@ -33,7 +33,7 @@ _LONGEST_IDENTITY = 2**20  # bytes
 class Parts:
     """The part files in `folder`; `identity` is all that the cases depend on, in JSON's types."""
 
-    def __init__(self, folder: str, identity: dict):
+    def __init__(self, folder: str, identity: dict[str, Any]):
         self.folder = folder
         self.identity = identity
 

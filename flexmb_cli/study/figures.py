@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..results.figures.plots import COLOURS, HEIGHT, METADATA, RESOLUTION, WIDTH
+from ..results.figures.look import COLOURS
+from ..results.figures.plots import HEIGHT, METADATA, RESOLUTION, WIDTH
 from .cases_table import CasesTable
 
 KINDS = ("auto", "curve", "map", "scatter", "parallel")
@@ -29,7 +30,7 @@ def study_picture(cases: CasesTable, kind: str, form: str, title: str) -> bytes:
     return drawn(lambda figure: draw(figure, cases), form, title)
 
 
-def drawn(draw: Callable, form: str, title: str) -> bytes:
+def drawn(draw: Callable[..., Any], form: str, title: str) -> bytes:
     """Return what `draw` puts on a figure, as a file of `form`."""
     import matplotlib
     from matplotlib.figure import Figure

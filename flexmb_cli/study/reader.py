@@ -168,7 +168,7 @@ class _Reader:
         if given not in choices:
             self._fault(key, f"is one of {', '.join(choices)}")
             return default
-        return given
+        return str(given)
 
     def _whole(self, key: str, low: int, high: int, default: int | None = None) -> Any:
         given = self.table.get(key, default)

@@ -89,7 +89,8 @@ class CaseSolver:
             for values in solution.blocks():
                 rows += len(values["time"])
                 for quantity, part in zip(self.quantities, taken, strict=True):
-                    part.add(values[quantity.dataset][(slice(None), *quantity.index)])
+                    rows_of: tuple[Any, ...] = (slice(None), *quantity.index)
+                    part.add(values[quantity.dataset][rows_of])
         except FlexmbError as failure:
             code, message = failure.exit_code, failure.faults[0].sentence
         except Exception as fault:
@@ -105,7 +106,7 @@ class CaseSolver:
     def _nothing_taken(self) -> "list[_Taken]":
         return [_Taken(take, self.rows) for take in self.takes]
 
-    def _result(self, case: int, code: int, rows: int, taken: "list[_Taken]", message: str) -> Any:
+    def _result(self, case: int, code: int, rows: int, taken: "list[_Taken]", message: str) -> CaseResult:
         parameters = np.array(self.cases.row(case), dtype=float)
         # The largest of the rows before a lock is no result; a series shows where it ends.
         single = [part.value if code == DONE else np.nan for part in taken if part.take != SERIES]

@@ -13,9 +13,11 @@ import numpy as np
 from .. import __version__
 from ..extras import needed
 from ..quick_dataclass import dataclass
+from ..results.files.disk_failures import located
 from ..results.files.full_disk_guard import FullDiskGuard
-from ..results.files.replaced_file import Replacement, located
-from ..results.hdf5.result_file import FILE_FORMAT, TEXT, printable_name
+from ..results.files.replaced_file import Replacement
+from ..results.hdf5.quick_writing import TEXT
+from ..results.hdf5.result_file import FILE_FORMAT, printable_name
 
 # 2: series have a dimension scale along their report rows, too.
 CONVENTIONS = "flexmb-study-2"
@@ -46,7 +48,7 @@ class TableHead:
 
 
 # A row: case number from 1, exit code, report rows solved, message, and the numbers of the columns.
-Row = tuple[int, int, int, str, list]
+Row = tuple[int, int, int, str, list[Any]]
 COUNTS = (("case", "number of the case"), ("exit_code", "0 when the case was solved, else as of flexmb run"),
           ("rows", "report rows solved"))  # fmt: skip
 

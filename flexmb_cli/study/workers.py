@@ -59,7 +59,7 @@ class _Work:
     alone: deque[int] = field(default_factory=deque)
     given: dict[Worker, deque[int]] = field(default_factory=dict)
     begun: set[Worker] = field(default_factory=set)
-    deaths: Counter = field(default_factory=Counter)
+    deaths: Counter[int] = field(default_factory=Counter)
     barren: int = 0
 
     def go_on(self) -> bool:
@@ -169,7 +169,7 @@ def keep(sweep: Sweep, done: BlockDone, advance: Callable[[int], None]) -> None:
     advance(len(sweep.job.cases(done.block)) - sweep.kept[done.block])
 
 
-def note_deaths(job: Job, blocks: Iterable[int], deaths: Counter) -> None:
+def note_deaths(job: Job, blocks: Iterable[int], deaths: Counter[int]) -> None:
     """Count a death at the case that is next in each of `blocks`; a case with too many is given up."""
     for block in blocks:
         place = _place(job, block)

@@ -1,9 +1,11 @@
 """What the shell offers behind TAB where a command takes files, quantities or examples."""
 
+from typing import Any
+
 import click
 
 
-def files(context: click.Context, parameter: click.Parameter, incomplete: str) -> list:
+def files(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[Any]:
     """Have the shell complete names of files."""
     from click.shell_completion import CompletionItem
 

@@ -63,7 +63,7 @@ class _Work:
     options: RunOptions
     jobs: int
     progress: Progress
-    waiting: deque
+    waiting: deque[tuple[int, str]]
     running: dict[Worker, tuple[int, str]] = field(default_factory=dict)
     idle: list[Worker] = field(default_factory=list)
     ended: dict[int, Outcome] = field(default_factory=dict)
@@ -176,9 +176,9 @@ def _begin_process() -> Any:
 
 def _solve(deck: Any, options: Any, listener: Any) -> Any:
     try:
-        from ...run.deck import run_deck
+        from ... import interface
 
-        return run_deck(deck, options, listener)
+        return interface.solve_to_files(deck, options, listener)
     except Exception as fault:
         if lacks_memory(fault):
             return _failed(deck, lack_of_memory_text(fault))

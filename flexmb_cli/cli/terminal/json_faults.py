@@ -18,7 +18,7 @@ STATUS |= dict.fromkeys((INTERRUPTED, TERMINATED), "interrupted")
 
 
 @contextmanager
-def faults_in_json(wanted: bool, about: dict, file: str) -> "Iterator[None]":
+def faults_in_json(wanted: bool, about: dict[str, Any], file: str) -> "Iterator[None]":
     """Failures in here are printed as one JSON object if `wanted`, and go on.
 
     `about` begins the record; `file` is named to blame where a failure names none.
@@ -33,7 +33,7 @@ def faults_in_json(wanted: bool, about: dict, file: str) -> "Iterator[None]":
         raise
 
 
-def wants_json(commands: dict, arguments: list[str]) -> bool:
+def wants_json(commands: dict[str, Any], arguments: list[str]) -> bool:
     """Return whether the command line asks for JSON of a command that has it; it may be wrong otherwise."""
     options = arguments[: arguments.index("--")] if "--" in arguments else arguments
     command = commands.get(next((word for word in options if word in commands), ""))

@@ -11,7 +11,8 @@ from ...deck.record import Number, Record
 from ...errors import Fault
 from .beam import Beam
 from .beam_cards import beam_block
-from .cards import CARDS, Card
+from .card import Card
+from .cards import CARDS
 
 OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")
 OPTIONAL = ("GRAV", "LOOP", "SPRI", "DAMP", "MOTR", "TABM", "PRES", "FORC", "TOQU", "TABL", "DESN")
@@ -59,7 +60,7 @@ def _fits(value: Number, width: int) -> bool:
     return float(filled(value.value, width)) == value.value
 
 
-def beam_of(numbers: dict) -> Beam:
+def beam_of(numbers: dict[str, Any]) -> Beam:
     """The beam of the answers; DeckError when they make none."""
     names = ("length", "nodes", "EI", "rho", "offset", "EA", "EI_1", "tip_mass")
     return Beam(*(int(numbers[n]) if n == "nodes" else numbers[n] for n in names))

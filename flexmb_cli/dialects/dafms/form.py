@@ -7,14 +7,15 @@ itself is written by `deck_writer.py`.
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from ...deck.questions import INTEGER, TITLE_ENTRY, WORD, Cell, Entry
+from ...deck.questions import INTEGER, MOST_ASKED, TITLE_ENTRY, WORD, Cell, Entry
 from ...deck.record import Record
 from ...errors import Fault
-from .cards import CARDS, Card
+from .card import Card
+from .cards import CARDS
 from .deck_writer import OF_EVERY_BODY, OPTIONAL, deck_lines
 from .form_blocks import Answers, block_entries, counted
 from .form_cards import body_entry, counted_entries
-from .form_faults import MOST_ASKED, faults_of
+from .form_faults import faults_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

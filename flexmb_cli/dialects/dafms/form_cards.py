@@ -7,7 +7,8 @@ import numpy as np
 from ...deck.fortran_card import Edit, fortran_format
 from ...deck.fortran_fields import filled
 from ...deck.questions import INTEGER, REAL, Cell, Entry
-from .cards import CARDS, Card
+from .card import Card
+from .cards import CARDS
 from .deck_writer import WIDE_REAL
 from .form_blocks import Answers, counted
 

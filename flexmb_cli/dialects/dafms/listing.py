@@ -61,7 +61,7 @@ class _Page:
     def line(self, *parts: Any, values: Any) -> str:
         return Layout(*parts, "\n", layout=self.layout).lines(values)
 
-    def listed(self, tag: str, edit: Edit, per_line: int, values: Sequence) -> str:
+    def listed(self, tag: str, edit: Edit, per_line: int, values: Sequence[Any]) -> str:
         """A list under a FORMAT that reverts: its tag begins every line."""
         chunks = [values[i : i + per_line] for i in range(0, len(values), per_line)]
         return "".join(self.line(tag, *len(chunk) * (edit,), values=chunk) for chunk in chunks)
@@ -219,7 +219,7 @@ class Tables:
     `analysis` has the `tree`, and tells where it stopped (`stopped_at`), if it knows.
     """
 
-    def __init__(self, streams: tuple, deck: Deck, layout: str, analysis: Any):
+    def __init__(self, streams: tuple[Any, ...], deck: Deck, layout: str, analysis: Any):
         self.echo, *units = streams
         self.deck, self.layout, self.analysis = deck, layout, analysis
         self.series = Series(*units, len(analysis.tree.coordinates), layout) if units else None  # type: ignore[call-arg]
@@ -229,7 +229,7 @@ class Tables:
         if self.echo is not None:
             self.echo.write(echo_text(self.deck, self.layout))
 
-    def rows(self, values: dict) -> None:
+    def rows(self, values: dict[str, np.ndarray]) -> None:
         """Write report rows, given by the paths of their datasets."""
         if self.series:
             self.series.rows(values["time"], values["coordinate/q"], values["coordinate/u"])

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 def build_functions_of_time(
     values: DeckValues, bodies: tuple[Body, ...], hinges: tuple[Hinge, ...], findings: Findings
-) -> dict:
+) -> dict[str, Any]:
     """Keyword arguments of `Tree` for everything that drives or loads it over time."""
     hinged = _HingeCards(values, hinges, findings)
     springs = [

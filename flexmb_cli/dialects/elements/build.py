@@ -52,13 +52,13 @@ class ElementMaker:
         """Joint whose parts slide on each other, and whether they turn; None where there is none."""
         raise NotImplementedError
 
-    def ends(self, record: Record) -> dict | None:
+    def ends(self, record: Record) -> dict[str, Any] | None:
         """Bodies i and j (-1: ground) and ends P_i, P_j of an element between two bodies."""
         raise NotImplementedError
 
-    def refuse_twice(self, items: Sequence, key: Callable) -> None:
+    def refuse_twice(self, items: Sequence[Any], key: Callable[..., Any]) -> None:
         """Refuse two items for one thing."""
-        first: dict = {}
+        first: dict[str, Any] = {}
         for item in items:
             other = item if item is None else first.setdefault(key(item), item)
             if other is not item:
@@ -76,7 +76,7 @@ class ElementMaker:
 class JointMaker(ElementMaker):
     """Makes elements of cards that name a joint by its number, and its angle or stroke."""
 
-    def __init__(self, joints: Sequence, functions: Functions, findings: Findings, start: float):
+    def __init__(self, joints: Sequence[Any], functions: Functions, findings: Findings, start: float):
         """Take the joints, with `name` and `kind`, in the order of their numbers."""
         super().__init__(functions, findings, start)
         self.joints = joints
@@ -123,8 +123,8 @@ class JointMaker(ElementMaker):
 
 def build_elements(
     maker: ElementMaker,
-    sections: Callable,
-    cards: Mapping[str, Sequence[tuple[str, Callable]]],
+    sections: Callable[..., Any],
+    cards: Mapping[str, Sequence[tuple[str, Callable[..., Any]]]],
     **more: Any,
 ) -> JointElements:
     """The elements of the records `sections(name)`, by `cards`: fields of `JointElements`, pairs of a
@@ -155,7 +155,7 @@ def _refuse_too_many(maker: ElementMaker, sections: Callable, cards: Mapping) ->
     return True
 
 
-def joint_driver(coordinate: str | None) -> Callable:
+def joint_driver(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes drivers of a coordinate."""
 
     def make(maker: Any, record: Any) -> Any:
@@ -165,7 +165,7 @@ def joint_driver(coordinate: str | None) -> Callable:
     return make
 
 
-def motor(coordinate: str | None) -> Callable:
+def motor(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes motors in a coordinate."""
 
     def make(maker: Any, record: Any) -> Any:
@@ -187,7 +187,7 @@ def _spring_data(maker: Any, record: Any) -> Any:
     }
 
 
-def joint_spring(coordinate: str | None) -> Callable:
+def joint_spring(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes springs in a coordinate."""
 
     def make(maker: Any, record: Any) -> Any:
@@ -211,7 +211,7 @@ def cable(maker: ElementMaker, record: Record) -> LineSpring | None:
     return LineSpring(record.subject, **ends, **data, slack=True, place=record.place) if ends else None  # type: ignore[arg-type]
 
 
-def stop(coordinate: str | None) -> Callable:
+def stop(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes stops of a coordinate."""
 
     def make(maker: Any, record: Any) -> Any:

@@ -140,7 +140,7 @@ class Functions:
                 )
 
 
-def _points(functions: Any, given: Any, make: Callable) -> MotionFunction | None:
+def _points(functions: Any, given: Any, make: Callable[..., Any]) -> MotionFunction | None:
     times, found = given.values[0::2], given.values[1::2]
     for k, (before, after) in enumerate(pairwise(times), 1):
         if not before < after:
@@ -200,7 +200,7 @@ class Kind:
     """
 
     name: str
-    make: Callable
+    make: Callable[..., Any]
     wanted: str
     least: int
     most: int = 0

@@ -8,7 +8,8 @@ import numpy as np
 
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
-from ...model.fe_model import GROUND, RigidMass, VsdfBody
+from ...model.fe_model import RigidMass, VsdfBody
+from ...model.mechanism import GROUND
 from .flexible_bodies import FLEXIBLE_ONLY, LISTS, flexible_body
 from .nodes import given_nodes, sets_of
 from .placement import placed_bodies

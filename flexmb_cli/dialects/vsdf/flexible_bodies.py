@@ -32,7 +32,7 @@ LISTS = (("clamped", "CLMP"), ("attachment", "ATTM"), ("interface", "CRBN"))
 
 
 def flexible_body(
-    values: DeckValues, k: int, record: Record, pose: dict, folder: Path, findings: Findings
+    values: DeckValues, k: int, record: Record, pose: dict[str, Any], folder: Path, findings: Findings
 ) -> VsdfBody:
     """Body k of the card `record`; `pose`: its place and first motion, `folder`: where its files are."""
     _refuse_rigid_cards(values, k, findings)

@@ -11,8 +11,9 @@ from ...deck.record import Number, Record
 from ...deck.records import DeckValues
 from ...errors import Place
 from ...model.diagnostics import Findings
-from ...model.fe_model import GROUND, End, NodeJoint, Pin, VsdfBody
+from ...model.fe_model import End, NodeJoint, Pin, VsdfBody
 from ...model.joints import ANGLE, BY_NAME, PITCH, STROKE
+from ...model.mechanism import GROUND
 from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionFunction, table_function
 from ...quick_dataclass import dataclass, field
 from ..elements.functions import Functions
@@ -20,6 +21,8 @@ from . import DIALECT
 from .bodies import end_of_body
 
 _COINCIDENT = 1e-12
+Tables = dict[int, MotionFunction | None]  # by their numbers, None for those with faults
+
 # Laws of MOTN: the coordinate, or its rate, follows a function.
 FUNCTION_LAW, RATE_LAW = 5, 6
 OF_FUNCTIONS = (FUNCTION_LAW, RATE_LAW)
@@ -240,8 +243,8 @@ class _Table:
     """The points of one table so far; `first`: the place of its first card; `late`: a time out of order."""
 
     first: int
-    times: array = field(default_factory=lambda: array("d"))
-    values: array = field(default_factory=lambda: array("d"))
+    times: "array[float]" = field(default_factory=lambda: array("d"))
+    values: "array[float]" = field(default_factory=lambda: array("d"))
     late: tuple[float, Place] | None = None
 
     def add(self, record: Record) -> None:
@@ -252,7 +255,7 @@ class _Table:
         self.values.append(record["f"])
 
 
-def build_tables(values: DeckValues, findings: Findings) -> dict[int, MotionFunction | None]:
+def build_tables(values: DeckValues, findings: Findings) -> Tables:
     """The tables by their numbers, None for those with faults; times must ascend."""
     points: dict[int, _Table] = {}
     cards = values.section("table")
@@ -350,9 +353,7 @@ def _function(record: Any, tables: Any, findings: Any) -> MotionFunction | None:
     return MotionFunction(function.value, constants)  # type: ignore[arg-type]
 
 
-def find_table(
-    record: Record, number: Number, tables: dict[int, MotionFunction], findings: Findings
-) -> MotionFunction | None:
+def find_table(record: Record, number: Number, tables: Tables, findings: Findings) -> MotionFunction | None:
     """The table that a card names by `number`; None, and no further fault, for one that has faults."""
     found = tables.get(int(number.value))
     if number.value not in tables:

@@ -23,7 +23,7 @@ class VsdfTable:
     `analysis` has the `mechanism` and, where that could be assembled, what was `found` of its equations.
     """
 
-    def __init__(self, streams: tuple, deck: Deck, layout: str, analysis: Any):
+    def __init__(self, streams: tuple[Any, ...], deck: Deck, layout: str, analysis: Any):
         self.stream, self.deck, self.analysis = streams[0], deck, analysis
         self.mechanism = analysis.mechanism
         time, energy = (" TIME =", P(13, 5), "\n"), (" ENERGY", *4 * (P(13, 5),), "\n")
@@ -55,7 +55,7 @@ class VsdfTable:
         yield f"  constraint equations {found.equations}, independent {rank}, speeds {speeds}"
         yield f"  degrees of freedom {speeds - rank}, smallest singular value {found.smallest:.3E}"
 
-    def rows(self, values: dict) -> None:
+    def rows(self, values: dict[str, np.ndarray]) -> None:
         """Report rows: time, position and velocity of every output node, energies."""
         numbers = np.array([_numbers(point) for point in self.mechanism.outputs], float).reshape(-1, 2)
         count = len(values["time"])

@@ -5,17 +5,18 @@ import math
 from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
-from ...model.fe_model import GROUND, BodyTorque, End, JointSpring, NodeForce, NodeJoint, NodeSpring, VsdfBody
+from ...model.fe_model import BodyTorque, End, JointSpring, NodeForce, NodeJoint, NodeSpring, VsdfBody
+from ...model.mechanism import GROUND
 from ...model.time_functions import MotionFunction
 from ..elements.functions import Functions
 from .bodies import end_of_body
-from .joints import SLIDING, TURNING, find_end, find_table
+from .joints import SLIDING, TURNING, Tables, find_end, find_table
 
 
 class Factors:
     """Factors of loads by the numbers of their tables, or of their functions."""
 
-    def __init__(self, tables: dict, functions: Functions, values: DeckValues, findings: Findings):
+    def __init__(self, tables: Tables, functions: Functions, values: DeckValues, findings: Findings):
         self.tables, self.functions, self.findings = tables, functions, findings
         self.numbers = {record["number"] for record in values.section("function")}
 

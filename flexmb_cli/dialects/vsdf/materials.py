@@ -1,6 +1,7 @@
 """The material of a flexible body's elements: on GEOS for its stiffening, on MATL for its stresses."""
 
 import math
+from typing import Any
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
@@ -22,7 +23,7 @@ def stiffening_material(
     return None if matrices or material is None else _material(material, file, Findings())
 
 
-def matrices_of_elements(values: DeckValues, k: int, files: dict) -> dict:
+def matrices_of_elements(values: DeckValues, k: int, files: dict[str, Any]) -> dict[str, Any]:
     """Return the elements in place of both matrices where the deck has neither, but MATL with a density."""
     record, table = values.record("material", k), files["node_table"]
     given = files["mass_matrix"] or files["stiffness_matrix"]

@@ -28,7 +28,9 @@ def given_nodes(values: DeckValues, k: int, findings: Findings) -> dict[int, np.
     return nodes
 
 
-def sets_of(values: DeckValues, k: int, nodes: dict, findings: Findings) -> dict[int, tuple[int, ...]]:
+def sets_of(
+    values: DeckValues, k: int, nodes: dict[int, Any], findings: Findings
+) -> dict[int, tuple[int, ...]]:
     """The sets of body k, whose `nodes` are: their nodes by the sets' numbers."""
     sets: dict[Any, Any] = {}
     for record in values.section("node_set"):
@@ -60,7 +62,7 @@ def _check_once(record: Record, before: "tuple[Any, ...]", findings: Findings) -
         seen.add(number.value)
 
 
-def members_of(record: Record, nodes: dict, k: int, findings: Findings) -> tuple[int, ...]:
+def members_of(record: Record, nodes: dict[int, Any], k: int, findings: Findings) -> tuple[int, ...]:
     """The nodes a card lists that exist; the others are faults."""
     members = []
     for number in record.numbers:

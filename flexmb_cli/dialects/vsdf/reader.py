@@ -72,7 +72,7 @@ class _Reader:
         self.records: list[Record] = []
         self.numbers = 0
         self.kept = True
-        self.starts: dict[str, array] = {}  # of each section's records, their lines
+        self.starts: dict[str, array[int]] = {}  # of each section's records, their lines
         self.seen: dict[tuple[str, int], int] = {}  # lines of numbers that are not their records' places
         self.strange: set[tuple[str, int]] = set()  # those places
         self.counts: dict[str, int] = {}
@@ -120,7 +120,7 @@ class _Reader:
         place = Place(max(self.at, 1), 1, 4)
         self.records.append(Record("title", 0, "title", (Number("title", title, "title", "", place, title),)))
 
-    def _open(self, word: str, line: str, ended: dict) -> Card | None:
+    def _open(self, word: str, line: str, ended: dict[str, Any]) -> Card | None:
         """The card that `word` names; None for END, STAR, STOP and for words that no card has."""
         place = Place(self.at, 1, max(1, len(line[:4].rstrip())))
         self.unknown = False

@@ -4,7 +4,7 @@ A written 0 is what an empty field means, and is let pass.
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
@@ -106,7 +106,7 @@ def _doubt_switched_off(values: DeckValues, findings: Findings) -> None:
             findings.warn(record.subject, message, record.at("E").place, id="VSDF-085")
 
 
-def doubt_tables(values: DeckValues, tables: dict, findings: Findings) -> None:
+def doubt_tables(values: DeckValues, tables: dict[int, Any], findings: Findings) -> None:
     """Warnings of `tables` without faults that neither a motion nor a load names."""
     used = {record["c0"] for record in values.section("motion") if record["law"] == TABLE}
     used |= {record["table"] for section in ("force", "torque") for record in values.section(section)}

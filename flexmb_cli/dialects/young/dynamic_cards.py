@@ -195,7 +195,7 @@ class _Cards:
     opening: int
     records: list[Record] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=FaultList)
-    starts: dict[str, array] = field(default_factory=dict)  # of each section's cards, where in the text
+    starts: dict[str, "array[int]"] = field(default_factory=dict)  # of each section: where in the text
     numbers: int = 0
     shapes_alone: bool = False
 

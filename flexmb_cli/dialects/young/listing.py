@@ -79,7 +79,7 @@ class OutTable:
     `layout`: "safe" or "historic" (see `fortran_format`).
     """
 
-    def __init__(self, streams: tuple, deck: Deck, layout: str = SAFE, analysis: object = None):
+    def __init__(self, streams: tuple[Any, ...], deck: Deck, layout: str = SAFE, analysis: object = None):
         self._stream = streams[0]
         self._deck = deck
         self._layout = layout
@@ -91,7 +91,7 @@ class OutTable:
         mark = AS_PRINTED_MARK if AS_PRINTED in self._deck.options else ""
         self._stream.write(mark + echo_of_input(self._deck, self._layout) + HEAD)
 
-    def rows(self, values: dict) -> None:
+    def rows(self, values: dict[str, np.ndarray]) -> None:
         """Write the blocks of the given report times; `values` by the paths of their datasets."""
         self._stream.write(self._block.lines(block_values(values)))
 
@@ -115,7 +115,7 @@ def report_block(bodies: int, points: int, layout: str = SAFE) -> Layout:
     return Layout(*parts, "*****\n", layout=layout)
 
 
-def block_values(values: dict) -> np.ndarray:
+def block_values(values: dict[str, np.ndarray]) -> np.ndarray:
     """Values of the blocks, shape (times, fields of `report_block`), in the order of the page."""
     times = len(values["time"])
     flat = [

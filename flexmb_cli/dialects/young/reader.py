@@ -210,7 +210,7 @@ def labelled(record: Record) -> Record:
 class _Read(Record):
     """A record of a deck; what is more of its numbers than their values is made when it is looked at."""
 
-    def __init__(self, section: Section, number: int, values: tuple, words: Words, first: int):
+    def __init__(self, section: Section, number: int, values: tuple[Any, ...], words: Words, first: int):
         vars(self).update(
             section=section.name, number=number, subject=_subject(section, number), made={}, values=values,
             positions=section.positions, _section=section, _words=words, _first=first,

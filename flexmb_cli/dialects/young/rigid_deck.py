@@ -6,8 +6,9 @@ import numpy as np
 
 from ...errors import Fault, ModelError
 from ...model.exchange.functions import constant, points_of, polynomial_of, simple, value_of, without_jumps
-from ...model.exchange.rigid_model import ALPHA, GROUND, RADAU, Refusals, RigidModel, across
+from ...model.exchange.rigid_model import ALPHA, RADAU, Refusals, RigidModel, across
 from ...model.joints import ANGLE, JOINT_TYPES
+from ...model.mechanism import GROUND
 from ...model.time_functions import SINE
 from .build_dynamics import LEAST_TOLERANCE, MOST_TOLERANCE
 from .sections import COUNT_OF, COUNTS

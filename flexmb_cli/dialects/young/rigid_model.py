@@ -13,7 +13,6 @@ from ...model.exchange.functions import constant, moved
 from ...model.exchange.rigid_model import (
     ALPHA,
     EXPLICIT,
-    GROUND,
     RADAU,
     BodyDriver,
     CoordinateSpring,
@@ -28,7 +27,7 @@ from ...model.exchange.start import Pair, Start, angle_between, stroke_between
 from ...model.joint_elements import JointDriver, JointMotor
 from ...model.joints import ANGLE
 from ...model.loads import AppliedForce, AppliedTorque, DynamicModel, SpringDamper
-from ...model.mechanism import Point, TimeGrid
+from ...model.mechanism import GROUND, Point, TimeGrid
 from ...model.time_functions import POLYNOMIAL, MotionFunction
 from ...model.vectors import rotation_matrix
 from ...quick_dataclass import replace

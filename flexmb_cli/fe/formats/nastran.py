@@ -18,7 +18,7 @@ _REAL = (1, 2)
 
 def read_dmig(path: Path, letter: str) -> MatrixFile:
     """The DMIG matrix at `path`; of several the one whose name begins with `letter` (M or K)."""
-    matrices: dict[str, list] = {}
+    matrices: dict[str, list[Any]] = {}
     for card in bulk_cards(path, ("DMIG",)):
         name = card.fields[0].upper()
         matrices.setdefault(name, []).append(card)

@@ -49,7 +49,7 @@ class PrimitiveTable(FunctionTable):
         self.springs: list[np.ndarray] = []
         self.groups: list[tuple[int, int, int, int]] = []
         self.angles: list[float] = list(angles)
-        self._known: dict = {}
+        self._known: dict[tuple[int, bytes, bytes | None], int] = {}
         self._next = NONE
 
     def A(self, body: int) -> np.ndarray:
@@ -142,7 +142,7 @@ class PrimitiveTable(FunctionTable):
         found["next"] += np.where(found["next"] >= 0, len(self.measured), 0)
         return found
 
-    def arrays(self) -> dict:
+    def arrays(self) -> dict[str, Any]:
         """The arrays of `SystemArrays` that are collected here."""
         body_vectors, shapes = self.body_vectors.arrays()
         return {

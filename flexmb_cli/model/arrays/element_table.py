@@ -95,7 +95,7 @@ class PointJoints:
         return self.joints[joint].size if self.joints[joint].kind == "screw" else 0.0
 
 
-def coordinates_of_joints(joints: Sequence) -> list[JointCoordinateName]:
+def coordinates_of_joints(joints: Sequence[Any]) -> list[JointCoordinateName]:
     """All joint coordinates in the order of the joints, which have a `kind`."""
     return [
         JointCoordinateName(k, coordinate)

@@ -6,7 +6,7 @@ hangs there acts on all of them.  A node frame has no mass and no coordinates of
 nodal mass like the others.  A body that carries a turning hinge has node frames at all its carrying nodes.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -52,7 +52,7 @@ class NodeFrames(NamedTuple):
     force: np.ndarray  # (6 R,) force on what hangs there
 
 
-def empty_node_frames(node_frames: list, bodies: list, slopes: list) -> NodeFrames:
+def empty_node_frames(node_frames: list[Any], bodies: list[Any], slopes: list[Any]) -> NodeFrames:
     """Node frames with blank work space; `node_frames` and `bodies` are rows of NODE_FRAME and
     FLEXIBLE_PARENT.
     """

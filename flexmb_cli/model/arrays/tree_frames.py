@@ -65,13 +65,14 @@ def rotation_matrix(attitude: Any) -> np.ndarray:
 class FrameParts:
     """Records on their way into arrays, and which frame is whose."""
 
-    frames: list
-    nodal_masses: list = field(default_factory=list)
-    of_body: list = field(default_factory=list)
-    of_node: dict = field(default_factory=dict)  # (body, node, hinge that turns with the slope or None)
-    node_frames: list = field(default_factory=list)
-    flexible_parent: list = field(default_factory=list)
-    slopes: list = field(default_factory=list)
+    frames: list[Any]
+    nodal_masses: list[Any] = field(default_factory=list)
+    of_body: list[Any] = field(default_factory=list)
+    # By (body, node, hinge that turns with the slope or None).
+    of_node: dict[tuple[int, int, int | None], int] = field(default_factory=dict)
+    node_frames: list[Any] = field(default_factory=list)
+    flexible_parent: list[Any] = field(default_factory=list)
+    slopes: list[Any] = field(default_factory=list)
 
 
 def tree_frames(tree: Tree, index: "dict[Any, Any]") -> FrameParts:

@@ -3,7 +3,8 @@
 from typing import Any
 
 from ...quick_dataclass import dataclass
-from .rigid_model import GROUND, Refusals, RigidJoint, RigidModel
+from ..mechanism import GROUND
+from .rigid_model import Refusals, RigidJoint, RigidModel
 
 
 @dataclass(frozen=True)
@@ -18,7 +19,7 @@ class Link:
     joint: int | None = None
     outward: bool = True
 
-    def ends(self, joint: RigidJoint) -> tuple:
+    def ends(self, joint: RigidJoint) -> tuple[Any, ...]:
         """Points and vectors along the axis, P and s of the parent, then of the body.
 
         The axis of a joint that is turned round points the other way, so that its coordinates stay the same.

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from ...deck.listing import TableError
 from ...errors import Fault, FlexmbError
-from ..files.replaced_file import Replacement, located, make_folder
+from ..files.disk_failures import located
+from ..files.replaced_file import Replacement, make_folder
 from .folders import Compared
 from .forms import CSV, HDF5, MATLAB, form_of
 from .listings import read_listing

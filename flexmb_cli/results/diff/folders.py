@@ -61,7 +61,7 @@ class Compared:
         # What differs is read with the name of its file in mind.
         return f"{visible(self.pair.name)}\n{self.report.text()}"
 
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
         """Plain record for `--json`."""
         record = {"name": self.pair.name, "a": self.pair.a, "b": self.pair.b, "equal": self.equal}
         if self.failure is not None:
@@ -101,7 +101,7 @@ class Summary:
         counts += [f"{len(self.passed_over)} other files passed over"] * bool(self.passed_over)
         return f"{visible(self.a)}, {visible(self.b)}: {', '.join(counts)}\n"
 
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
         """Plain record for `--json`."""
         return {
             "a": self.a,

@@ -143,9 +143,9 @@ def _compare_files(
             report.missing.append(f"/{visible(name)}: not in {report.b if name in found[0] else report.a}")
 
 
-def quantity_places(result: h5py.File, tolerances: Tolerances) -> dict[str, list]:
+def quantity_places(result: h5py.File, tolerances: Tolerances) -> dict[str, list[Any]]:
     """Return the quantities with their own tolerance: pairs (index behind time, tolerance) by dataset."""
-    places: dict[str, list] = {}
+    places: dict[str, list[Any]] = {}
     if not tolerances.quantities or "time" not in result:
         return places
     for pattern, tolerance in tolerances.quantities.items():

@@ -27,7 +27,7 @@ def compare_matlab(path_a: str, path_b: str, forms: Sequence[str], tolerances: T
     """Compare two MATLAB files, or one with an HDF5 result.  Raises TableError when one cannot be read."""
     tolerances = tolerances.with_defaults(DEFAULT_ATOL, DEFAULT_RTOL)
     report = Report(path_a, path_b)
-    special: dict[str, list] = {}
+    special: dict[str, list[Any]] = {}
     pairs = []
     for path, form in zip((path_a, path_b), forms, strict=True):
         if form == MATLAB:

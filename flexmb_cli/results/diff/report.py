@@ -36,7 +36,7 @@ class Found:
         where = ", ".join(words) + ("" if self.time is None else f" at t = {self.time:.10g}")
         return f"{where}: {self.a!r} against {self.b!r}"
 
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
         """Plain record for `--json`; numbers that JSON does not know are given as text."""
         return {
             "section": self.section,
@@ -184,7 +184,7 @@ class Report:
         lines.append(self._verdict())
         return "\n".join(lines) + "\n"
 
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
         """Plain record for `--json`."""
         return {
             "a": self.a,

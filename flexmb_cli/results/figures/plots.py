@@ -97,7 +97,7 @@ def _draw(panel: Panel, axis: Any, look: Any) -> None:
         axis.legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5), ncols=columns)
 
 
-def style(quantity: int, result: int = 0, results: int = 1) -> dict:
+def style(quantity: int, result: int = 0, results: int = 1) -> dict[str, Any]:
     """Colour, dashes and width of the curve of a quantity of one of `results`: no two alike among 192."""
     dashes = result + results * (quantity // len(COLOURS))
     return {

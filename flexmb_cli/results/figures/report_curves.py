@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .curves import Curve, Panel
-from .report_scene import COLOURS
+from .look import COLOURS
 
 PIXELS_WIDE, PIXELS_HIGH = 1000, 300
 LEFT, RIGHT, TOP, BOTTOM = 90, 34, 14, 44

@@ -37,7 +37,7 @@ def frame_rows(rows: int, places: int = 1) -> slice:
     return slice(0, rows, next(ending, least))
 
 
-def report_scene(result: h5py.File) -> dict | None:
+def report_scene(result: h5py.File) -> dict[str, Any] | None:
     """Bodies, joints, traces, view and times of `result`; None when it has nothing to draw."""
     rows = len(result["time"])
     if not rows or "body/position" not in result:
@@ -48,7 +48,7 @@ def report_scene(result: h5py.File) -> dict | None:
     return scene_data(scene, list(element_bodies(result, scene.body_names, every)))
 
 
-def scene_data(scene: Scene, surfaces: list[ElementBody]) -> dict:
+def scene_data(scene: Scene, surfaces: list[ElementBody]) -> dict[str, Any]:
     """The viewer's data of a scene, whose bodies among `surfaces` are drawn by their elements."""
     shown = {one.number for one in (*surfaces, *scene.shapes)}  # type: ignore[attr-defined]
     drawn = [body for body in scene.bodies if body.number not in shown]

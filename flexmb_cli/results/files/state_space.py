@@ -2,6 +2,7 @@
 
 import io
 import json
+from typing import Any
 
 import numpy as np
 
@@ -9,7 +10,7 @@ SHAPES = (("states", "states"), ("states", "inputs"), ("outputs", "states"), ("o
 FORMS = (".npz", ".mat", ".json")
 
 
-def arrays_of(record: dict) -> dict[str, np.ndarray]:
+def arrays_of(record: dict[str, Any]) -> dict[str, np.ndarray]:
     """Return matrices, names and units of a state space's record as arrays.
 
     `states`, `inputs`, `outputs`: names; `state_units` and so on: their units.
@@ -28,13 +29,13 @@ def arrays_of(record: dict) -> dict[str, np.ndarray]:
     return found
 
 
-def npz_bytes(record: dict) -> bytes:
+def npz_bytes(record: dict[str, Any]) -> bytes:
     """Return a NumPy archive of the arrays of a state space."""
     stream = io.BytesIO()
     np.savez(stream, **arrays_of(record))  # type: ignore[arg-type]
     return stream.getvalue()
 
 
-def json_bytes(record: dict) -> bytes:
+def json_bytes(record: dict[str, Any]) -> bytes:
     """Return the record of a state space as JSON."""
     return (json.dumps(record) + "\n").encode()

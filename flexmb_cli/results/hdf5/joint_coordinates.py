@@ -56,7 +56,7 @@ def with_units(axis: Axis, kind: str, units: Sequence[str]) -> Axis:
     return replace(axis, labels=(*axis.labels, (f"{kind}/unit", tuple(units), meaning)))
 
 
-def coordinate_names(joints: Sequence, names: Sequence[str]) -> list[tuple[str, str]]:
+def coordinate_names(joints: Sequence[Any], names: Sequence[str]) -> list[tuple[str, str]]:
     """Names and units of all joint coordinates; `names` of the joints."""
     return [
         (f"{names[item.joint]} {item.coordinate}", "rad" if item.coordinate == ANGLE else "m")

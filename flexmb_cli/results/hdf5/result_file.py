@@ -18,8 +18,9 @@ from ...deck.record import Deck
 from ...errors import COMPLETE, FAILED, OutputError
 from ...quick_dataclass import dataclass
 from ...solvers.as_printed.errors import AS_PRINTED, EMULATED
+from ..files.disk_failures import located
 from ..files.full_disk_guard import FullDiskGuard
-from ..files.replaced_file import Replacement, located, put_in_place
+from ..files.replaced_file import Replacement, put_in_place
 from .quick_writing import TEXT, append_rows, attach_scales, growing_dataset, set_texts
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ class Axis:
     """A dimension scale at `path`; `labels`: further texts along it, by the path of their dataset."""
 
     path: str
-    values: tuple
+    values: tuple[Any, ...]
     long_name: str
     labels: tuple[tuple[str, tuple[str, ...], str], ...] = ()
 

@@ -78,7 +78,7 @@ def exudyn_script(model: DynamicModel, start: dict[str, np.ndarray], name: str) 
     return "\n".join(lines) + TAIL.format(title=name, end=end, rows=rows, steps=STEPS_PER_ROW * (rows - 1))
 
 
-def _foreign(model: Any) -> Iterator[tuple]:
+def _foreign(model: Any) -> Iterator[tuple[Any, ...]]:
     """Yield what cannot be converted: message, place in the deck, subject."""
     mechanism = model.mechanism
     for joint in mechanism.joints:

@@ -43,7 +43,7 @@ def _refuse_foreign(tree: Tree) -> None:
         raise ModelError(faults)
 
 
-def _foreign(tree: Tree) -> Iterator[tuple]:
+def _foreign(tree: Tree) -> Iterator[tuple[Any, ...]]:
     """Yield what cannot be converted: message, place in the deck, subject."""
     for body in tree.bodies:
         if body.elastic is not None:

@@ -53,7 +53,7 @@ class Slot:
         """Everything that may stand at this place."""
         return [word for words in self.words for word in words]
 
-    def positions(self, pattern: re.Pattern) -> list[int]:
+    def positions(self, pattern: re.Pattern[str]) -> list[int]:
         """Return where along the axis a spelling, folded, matches."""
         return [n for n, words in enumerate(self.words) if any(pattern.match(folded(w)) for w in words)]
 

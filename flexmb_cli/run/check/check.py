@@ -1,6 +1,6 @@
 """Diagnose a deck without solving it through time: counts, rank, redundant and free coordinates, gaps."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,18 +30,18 @@ class CheckReport:
     outcome: Outcome
     deck: Deck | None = None
     analysis: str = ""
-    counts: dict = field(default_factory=dict)
+    counts: dict[str, Any] = field(default_factory=dict)
     time: float | None = None
     rank: int | None = None
-    redundant: list | None = None
-    free: list | None = None
+    redundant: list[Any] | None = None
+    free: list[Any] | None = None
     tree: "TreeFindings | None" = None
-    bodies: list | None = None
+    bodies: list[Any] | None = None
     smallest: float | None = None
-    gaps: list = field(default_factory=list)
+    gaps: list[Any] = field(default_factory=list)
     jacobian: "LabelledJacobian | None" = None
 
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
         """The record that `--json` prints."""
         record = self.outcome.as_dict()
         record.pop("files"), record.pop("rows")
@@ -71,7 +71,7 @@ class LabelledJacobian:
     bodies: tuple[str, ...]
     matrix: np.ndarray
 
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
         """The record that `--json` prints; `matrix` has seven columns a body, x y z e0 e1 e2 e3."""
         return {"time": self.time, "rows": self.rows, "bodies": self.bodies, "matrix": self.matrix.tolist()}
 

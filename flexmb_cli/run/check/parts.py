@@ -23,7 +23,10 @@ def is_small(coordinates: int, *loads: Sized) -> bool:
     return coordinates <= INTERPRETED_COORDINATES and sum(map(len, loads)) <= INTERPRETED_LOADS
 
 
-def parts_of(mechanism: "Mechanism") -> dict:
+Gaps = dict[tuple[str, str], float]  # by owner and unit, m or 1
+
+
+def parts_of(mechanism: "Mechanism") -> dict[str, Any]:
     """Return how many of each thing a mechanism has."""
     joints: dict[str, int] = {}
     for joint in mechanism.joints:
@@ -40,24 +43,24 @@ def parts_of(mechanism: "Mechanism") -> dict:
     }
 
 
-def report_times(grid: "TimeGrid") -> dict:
+def report_times(grid: "TimeGrid") -> dict[str, Any]:
     """Return how many report times there are, and the last where it is not the end that the deck gives."""
     return {"report_times": grid.rows} | ({"last_time": grid.last} if grid.left_out else {})
 
 
-def gaps_of(analysis: Any, arrays: Any, q: "np.ndarray", expected: "np.ndarray") -> dict:
+def gaps_of(analysis: Any, arrays: Any, q: "np.ndarray", expected: "np.ndarray") -> Gaps:
     """Largest residual of each owner's equations, as {(owner, unit): m or 1}; expected: the angles
     expected.
     """
     scaled = analysis.evaluator.residual(q, analysis.mechanism.time.start, expected)
-    gaps: dict = {}
+    gaps: Gaps = {}
     for equation, value in zip(arrays.equations, scaled * arrays.row_scale, strict=True):
         key = (equation.owner, equation.unit)
         gaps[key] = max(gaps.get(key, 0.0), abs(float(value)))
     return gaps
 
 
-def before_and_after(before: dict[tuple[str, str], float], after: dict[tuple[str, str], float]) -> list:
+def before_and_after(before: Gaps, after: Gaps) -> list[tuple[str, float, float, str]]:
     """Rows (owner, gap of the estimates, of the assembled position, unit)."""
     return [(owner, before[owner, unit], after[owner, unit], unit) for owner, unit in before]
 

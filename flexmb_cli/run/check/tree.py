@@ -42,7 +42,7 @@ class TreeFindings:
     energies: dict[str, float]
     elastic: list[tuple[str, int, int, float, float]]
 
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
         """Plain record for `--json`."""
         return {
             "coordinates": _named(("name", "unit", "q", "u"), self.coordinates),

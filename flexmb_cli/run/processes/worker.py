@@ -23,7 +23,7 @@ class Worker:
     unblocks them.  Raises OSError when no process can be started.
     """
 
-    def __init__(self, serve: Callable, *given: Any):
+    def __init__(self, serve: Callable[..., Any], *given: Any):
         spawn = get_context("spawn")
         self.line, theirs = spawn.Pipe()
         self.process = spawn.Process(target=_served, args=(serve, theirs, *given))

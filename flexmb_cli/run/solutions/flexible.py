@@ -16,6 +16,7 @@ from ..context import Run
 from ..energy_drift import ConstrainedDrift
 from ..error_estimate import finer_motion
 from ..integration_options import set_tolerances
+from ..outcome import RunOptions
 from ..solution import Solution
 from ..step_count import StepCount
 
@@ -44,10 +45,10 @@ def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
     )
 
 
-def _as_asked(mechanism: Any, options: Any) -> FlexibleMechanism:
+def _as_asked(mechanism: FlexibleMechanism, options: RunOptions) -> FlexibleMechanism:
     """The mechanism with the method and the tolerance of the options."""
     given, integrator = options.integration, mechanism.integrator
-    method = WORDS.get(given.get("method"), integrator.method)
+    method = WORDS.get(given.get("method", ""), integrator.method)
     if method != integrator.method:
         integrator = Integrator(method, integrator.step, METHODS[method].default)
     if "rtol" in given and method != "GALF":

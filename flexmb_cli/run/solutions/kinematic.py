@@ -1,14 +1,18 @@
 """Kinematics of a mechanism that its drivers move."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...model.mechanism import Mechanism
 from ...results.hdf5.kinematic import kinematic_layout, kinematic_values
 from ...solvers.compilation import tell_of_compiling
-from ...solvers.kinematics.analysis import KinematicAnalysis, KinematicSettings
+from ...solvers.kinematics.analysis import KinematicAnalysis
+from ...solvers.kinematics.settings import KinematicSettings
 from ..context import Run
 from ..error_estimate import nothing_to_refine
 from ..solution import NoCount, Solution
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 def solution(mechanism: Mechanism, run: Run) -> Solution:
@@ -49,7 +53,7 @@ class NewtonCount(NoCount):
         self.iterations = self.most = 0
         self.residual = 0.0
 
-    def add(self, values: dict) -> None:
+    def add(self, values: dict[str, "np.ndarray"]) -> None:
         """Count a block of values."""
         iterations = values["audit/newton_iterations"]
         self.iterations += int(iterations.sum())

@@ -45,7 +45,7 @@ def solution(tree: Tree, run: Run) -> Solution:
     )
 
 
-def values_of(tree: Tree, rows: Any) -> dict:
+def values_of(tree: Tree, rows: Any) -> dict[str, "np.ndarray"]:
     """Return report rows by the paths of their datasets."""
     return tree_values(tree, rows, point_motion(tree, rows))  # type: ignore[return-value]
 
@@ -98,7 +98,7 @@ class TreeCount(NoCount):
         self.clock, self.one_way, self.absolute = clock, tree.one_way, absolute
         self.drift = EnergyDrift()
 
-    def add(self, values: dict) -> None:
+    def add(self, values: dict[str, "np.ndarray"]) -> None:
         """Count a block of values."""
         self.drift.add(values)
 

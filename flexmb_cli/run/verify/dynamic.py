@@ -112,4 +112,5 @@ def _difference(
 
 def _omega(X: np.ndarray, rates: np.ndarray) -> np.ndarray:
     """Return Σ d_a × (dd_a/dt) / 2: angular velocities of rates, angular accelerations of their rates."""
-    return 0.5 * np.cross(X[:, :, 1:], rates[:, :, 1:]).sum(axis=2)
+    twice: np.ndarray = np.cross(X[:, :, 1:], rates[:, :, 1:]).sum(axis=2)
+    return 0.5 * twice

@@ -63,7 +63,9 @@ def _joined(blocks: Any) -> Any:
     return {path: np.concatenate([block[path] for block in blocks]) for path in blocks[0]}
 
 
-def compare(tree: Tree, kane: dict, absolute: dict) -> tuple[Difference, ...]:
+def compare(
+    tree: Tree, kane: dict[str, np.ndarray], absolute: dict[str, np.ndarray]
+) -> tuple[Difference, ...]:
     """Return what two motions of a tree differ in, quantity by quantity."""
     found = [*_coordinates(tree, kane, absolute)]
     for kind, unit in POINTS.items():

@@ -4,6 +4,8 @@ Trees: Kane's equations and absolute coordinates.  Mechanisms: Euler parameters 
 Flexible bodies: two floating frames.
 """
 
+from typing import Any
+
 import numpy as np
 
 from ...errors import ANALYSIS_FAILED
@@ -36,7 +38,7 @@ class Verification:
         sizes = np.nan_to_num([found.relative for found in self.differences], nan=np.inf)
         return self.differences[int(np.argmax(sizes))] if self.differences else None
 
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
         """The record that `--json` prints."""
         rows = [
             {

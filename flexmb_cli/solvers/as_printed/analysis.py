@@ -1,6 +1,7 @@
 """Report rows of the program YOUNG (1996), errors included, for `flexmb run --as-printed`."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -24,8 +25,8 @@ class AsPrinted:
     def __init__(
         self,
         mechanism: Mechanism,
-        settings: dict | None = None,
-        errors: frozenset = ALL_ERRORS,
+        settings: dict[str, Any] | None = None,
+        errors: frozenset[str] = ALL_ERRORS,
         block: int = BLOCK,
     ):
         if len(mechanism.bodies) > MOST_BODIES:

@@ -41,7 +41,12 @@ class Program:
     hold other values of LIMITS.
     """
 
-    def __init__(self, mechanism: Mechanism, errors: frozenset = ALL_ERRORS, settings: dict | None = None):
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        errors: frozenset[str] = ALL_ERRORS,
+        settings: dict[str, Any] | None = None,
+    ):
         self.limits = LIMITS | (settings or {})
         self.mechanism = mechanism
         q = np.array([(*body.r, *body.p) for body in mechanism.bodies], dtype=float)

@@ -73,7 +73,7 @@ class ConstrainedMotion:
         """Rows (r, n) on speeds, right-hand sides (r,) and names of equations that hold at the start only."""
         return np.zeros((0, self.arrays.speeds)), np.zeros(0), ()
 
-    def rows(self) -> Iterator:
+    def rows(self) -> Iterator[Any]:
         """Yield the report rows in blocks.
 
         Raises ModelError when the drivers contradict the joints, AnalysisError when the mechanism
@@ -103,7 +103,7 @@ class ConstrainedMotion:
         self.warnings += self.integrator.doubts(self.clock[0])
 
     @property
-    def checkpoint(self) -> dict:
+    def checkpoint(self) -> dict[str, np.ndarray]:
         """Return where to go on behind the rows that have been yielded: all that the integration keeps, and
         its work.
         """
@@ -114,7 +114,7 @@ class ConstrainedMotion:
             **self.singularities.checkpoint,  # type: ignore[attr-defined]
         }
 
-    def restore(self, checkpoint: Mapping) -> None:
+    def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
         """Go on behind the rows that were yielded up to a checkpoint.
 
         The start is made anew: it decides which equations repeat others.

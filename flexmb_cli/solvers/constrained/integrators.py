@@ -37,7 +37,7 @@ class Steps:
         return f"{self._module.partition('.kernels.')[2]}.integrate_rows"
 
     @property
-    def integrate_rows(self) -> Callable:
+    def integrate_rows(self) -> Callable[..., Any]:
         """The kernel."""
         return import_module(self._module).integrate_rows
 
@@ -104,7 +104,7 @@ class Method(NamedTuple):
     """
 
     meaning: str  # in words
-    make: Callable  # (number, length): the Integrator
+    make: Callable[..., Any]  # (number, length): the Integrator
     default: float  # number of a deck that gives none
     by_radius: bool = False  # whether the number is the spectral radius at infinity, and no tolerance
 

@@ -5,6 +5,7 @@ Euler parameters and Lagrange multipliers.  Nothing of the recursion along the t
 """
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -143,7 +144,7 @@ class AbsoluteTree(ConstrainedMotion):
         return with_elements(self.tree, self.arrays, rows, report) if self.tree.elements else rows
 
 
-def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple) -> SystemArrays:
+def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple[Any, ...]) -> SystemArrays:
     """The equations of a tree between bodies with coordinates of their own."""
     integrator = Integrator("RK45", 0.0, tree.integration.rtol)
     free = FlexibleMechanism(bodies, tree.time, integrator, tree.gravity)

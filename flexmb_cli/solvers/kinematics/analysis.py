@@ -94,7 +94,7 @@ class KinematicAnalysis:
         return self.mechanism.time.rows - 1 <= self._at_once(LARGEST_BLOCK)
 
     @property
-    def checkpoint(self) -> dict:
+    def checkpoint(self) -> dict[str, np.ndarray]:
         """Return where to go on behind the rows that have been yielded."""
         return {
             "row": np.array(self.row),
@@ -105,7 +105,7 @@ class KinematicAnalysis:
             "warnings": reported(self.warnings),
         }
 
-    def restore(self, checkpoint: Mapping) -> Rows:
+    def restore(self, checkpoint: Mapping[str, np.ndarray]) -> Rows:
         """Go on behind the rows that were yielded up to a checkpoint; returns the first row.
 
         That is solved anew, because it decides which equations repeat others.
@@ -163,7 +163,7 @@ class KinematicAnalysis:
         """Attempts of a call; that the way is barred shows in what is left, and an assembly takes one."""
         return self._at_once(MOST_STEPS_A_ROW) + 1
 
-    def marcher(self) -> Callable:
+    def marcher(self) -> Callable[..., Any]:
         """The continuation of this mechanism, by dense or by sparse factors: see `continuation.follow`."""
         if not self.evaluator.is_large:
             return lambda *arguments: continuation.follow(self.system, *arguments)

@@ -50,11 +50,11 @@ class InverseDynamics:
         return self.motion.one_block
 
     @property
-    def checkpoint(self) -> dict:
+    def checkpoint(self) -> dict[str, np.ndarray]:
         """Return where to go on behind the rows that have been yielded."""
         return self.motion.checkpoint | arrays_in(work=self.work)
 
-    def restore(self, checkpoint: Mapping) -> None:
+    def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
         """Go on behind the rows that were yielded up to a checkpoint."""
         self._with_forces(self.motion.restore(checkpoint))
         fill_arrays(checkpoint, work=self.work)

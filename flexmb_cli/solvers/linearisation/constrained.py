@@ -10,9 +10,10 @@ from ...kernels.constrained.angle_unwrapping import EXPECTED
 from ...kernels.constrained.projection import project_position, project_speeds, rate_gap
 from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import GAMMA, NO_INERTIA, SOLVED
+from ...model.equations import DEPENDENT
 from ...quick_dataclass import dataclass, replace
 from ..constrained.analysis import ConstrainedMotion
-from ..constrained.start import DEPENDENT, inertia_failure
+from ..constrained.start import inertia_failure
 from .joint_coordinates import AXES, OWN, JointCoordinates
 from .motion import DIFFERENCE_STEP, LinearisedMotion, differentiated
 

@@ -137,7 +137,7 @@ class LinearisedMotion(ABC):
         that its accelerations lead to, and at the speeds that they give where nothing opposes them.
         """
         pace, shift, left = self.path(A)[0], *self._destination(A)
-        there = [lambda: self.soon(A), lambda: self.soon(A, 2.0)]
+        there: list[Callable[[], LinearisedMotion]] = [lambda: self.soon(A), lambda: self.soon(A, 2.0)]
         if (
             np.max(np.abs(shift), initial=0.0) > CONSTANT
             or np.max(np.abs(left), initial=0.0) > CONSTANT / pace**2

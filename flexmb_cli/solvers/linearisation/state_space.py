@@ -58,7 +58,7 @@ class Input:
     signal: Signal
     d: np.ndarray
     w: np.ndarray
-    change: Callable
+    change: Callable[..., Any]
     step: float = DIFFERENCE_STEP
 
 

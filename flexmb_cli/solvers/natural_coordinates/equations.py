@@ -34,10 +34,10 @@ class NaturalEquations:
     """
 
     bodies: int
-    linear: list = field(default_factory=list)
-    functions: list = field(default_factory=list)
-    products: list = field(default_factory=list)
-    driven: list = field(default_factory=list)
+    linear: list[Any] = field(default_factory=list)
+    functions: list[Any] = field(default_factory=list)
+    products: list[Any] = field(default_factory=list)
+    driven: list[Any] = field(default_factory=list)
 
     def close(self) -> None:
         """Turn the rows into arrays, when all are there."""

@@ -1,6 +1,6 @@
 """How near a position is to a singular one: its condition, and what is weakest there, by name."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from .weakest import (
     owners_text,
     weakest_owners,
 )
+
+if TYPE_CHECKING:
+    from ...model.equations import Equation
 
 MOST_WEAK_REPORTED = 3
 SWEEPS = 6  # of inverse iteration: each gains the distance to the next singular value, squared
@@ -61,7 +64,7 @@ def _largest_value(matrix: Any, vector: np.ndarray) -> Any:
     return float(np.linalg.norm(matrix @ vector))
 
 
-def weakest_joints(evaluator: Evaluator, weak: Conditioning) -> list:
+def weakest_joints(evaluator: Evaluator, weak: Conditioning) -> "list[Equation]":
     """The equations that are weakest, one a joint."""
     return weakest_owners(evaluator.arrays.equations, weak.combination, MOST_WEAK_REPORTED)
 

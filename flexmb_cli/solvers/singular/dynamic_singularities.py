@@ -2,7 +2,7 @@
 
 from bisect import insort
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from .weakest import (
     weakest_owners,
 )
 
+if TYPE_CHECKING:
+    from ...model.equations import Equation
+
 MOST_CERTAIN_CONDITION = 1e6  # a position between rows is found to about the square root of round-off
 SINGULAR_CONDITION = 1e4  # condition; mechanisms have 10 to 1000
 CROSSED = 1e5  # condition
@@ -33,7 +36,7 @@ POSITION_FOUND = 1e-9  # scaled gap of a position between two rows
 HALVINGS = 40
 
 
-def weakest_of_speeds(analysis: Any, state: np.ndarray) -> tuple[float, list]:
+def weakest_of_speeds(analysis: Any, state: np.ndarray) -> "tuple[float, list[Equation]]":
     """Condition of the independent equations of a ConstrainedMotion at a state, and those that are weakest.
 
     The condition is the largest over the last singular value that is counted in the rank.
@@ -73,7 +76,7 @@ def has_gained_rank(analysis: Any) -> bool:
     return len(values) > rank and values[rank] > values[0] / SINGULAR_CONDITION**2
 
 
-def repeating_here_only(analysis: Any) -> list:
+def repeating_here_only(analysis: Any) -> "list[Equation]":
     """Equations that repeat others at the state of a ConstrainedMotion and not beside it, one of each owner.
 
     Beside it is a small part of some motion that all equations allow: where equations go on repeating
@@ -114,7 +117,7 @@ class PassedDynamicSingularities:
         self.sorted: list[float] = []  # the values seen
 
     @property
-    def checkpoint(self) -> dict:
+    def checkpoint(self) -> dict[str, np.ndarray]:
         """Return what was seen, as arrays: of old rows only the value is needed."""
         last = self.seen[-SOUGHT:]
         return {
@@ -124,7 +127,7 @@ class PassedDynamicSingularities:
             "seen/positions": np.array([q for _, q, _ in last]),
         }
 
-    def restore(self, checkpoint: Mapping) -> None:
+    def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
         """Go on from what was seen up to a checkpoint."""
         self.row, self.notes.count = taken(checkpoint, "seen/counts", (2,), np.int64).tolist()
         values, times = (taken(checkpoint, f"seen/{name}", (None,)).tolist() for name in ("values", "times"))

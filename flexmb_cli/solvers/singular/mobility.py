@@ -68,7 +68,7 @@ def worst_gaps(evaluator: Evaluator, scaled_residual: np.ndarray, most: int = 3)
     return list(found.values())
 
 
-def gap_norms(worst: list[Gap]) -> dict:
+def gap_norms(worst: list[Gap]) -> dict[str, Any]:
     """The figures of the texts of `worst` for `--json`: of each, and `gap` with its `unit` of the first."""
     sizes, units = [float(abs(gap.value)) for gap in worst], [gap.unit for gap in worst]
     return {

@@ -3,7 +3,7 @@
 The same for kinematics, whose Jacobian is that of coordinates, and for dynamics, whose Jacobian is of speeds.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from ...errors import Fault
 from ...model.by_size import by_size
 from ...quick_dataclass import dataclass
 from .mobility import about
+
+if TYPE_CHECKING:
+    from ...model.equations import Equation
 
 NEARLY_SINGULAR = 100.0  # condition, as a multiple of that of the start
 REPORTED_SHARE = 0.2  # of the largest part of a combination: what is reported
@@ -38,7 +41,7 @@ def conditioning_of(matrix: np.ndarray, rank: int) -> Conditioning:
     return Conditioning(float(values[0]) / smallest, right[rank - 1], left[:, rank - 1])
 
 
-def weakest_owners(equations: Any, combination: np.ndarray, most: int) -> list:
+def weakest_owners(equations: Any, combination: np.ndarray, most: int) -> "list[Equation]":
     """Return the equations with the largest shares of a combination, one an owner: joints if there are some.
 
     Equations that have no place in the deck are named only where none has.
@@ -76,7 +79,7 @@ class SingularityNotes:
         """Return whether no more are taken."""
         return self.count >= MOST_NOTES
 
-    def add(self, sentence: str, owners: list) -> None:
+    def add(self, sentence: str, owners: "list[Equation]") -> None:
         """Note a position, about the equations that are weakest there."""
         self.count += 1
         last = "; later ones are not looked for" if self.full else ""

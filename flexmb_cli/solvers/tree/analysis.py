@@ -33,7 +33,7 @@ GO_ON = tree_dop853.GO_ON  # evaluate once, without a step
 class TreeAnalysis:
     """One run over the report times of a tree, from the start or from the `checkpoint` of a stopped run."""
 
-    def __init__(self, tree: Tree, checkpoint: Mapping | None = None):
+    def __init__(self, tree: Tree, checkpoint: Mapping[str, np.ndarray] | None = None):
         self.tree = tree
         self.arrays: TreeArrays = tree_arrays(tree)
         self.work, self.coordinates = tree_work(len(self.arrays.frames), len(tree.coordinates))
@@ -44,7 +44,8 @@ class TreeAnalysis:
         self.clock = self.integration.clock
         self.clock["t"] = self.clock["step_start"] = tree.time.start
         self.clock["rtol"], self.clock["atol"] = tree.integration.rtol, tree.integration.atol
-        self.row, self.attitude = 0, None
+        self.row = 0
+        self.attitude: np.ndarray = None  # type: ignore[assignment]  # until the first block
         self.repeated: np.ndarray | None = None  # (R,) closed directions that depend on others at the start
         self.warnings: list[Fault] = []  # fills at the start
         self.resumed = False
@@ -57,7 +58,7 @@ class TreeAnalysis:
         return self.integration.z
 
     @property
-    def checkpoint(self) -> dict:
+    def checkpoint(self) -> dict[str, np.ndarray]:
         """Return where to go on after the rows that have been yielded: the start of the last step.
 
         The same steps follow.  The integrators of scipy keep a memory of steps: with them it is the last
@@ -74,11 +75,11 @@ class TreeAnalysis:
             "attitude": self.attitude,
         }
 
-    def restore(self, checkpoint: Mapping) -> None:
+    def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
         """Go on behind the rows that were yielded up to a checkpoint."""
         self.resumed = True
         self.row = row_of(checkpoint)
-        self.attitude = taken(checkpoint, "attitude", (len(self.tree.bodies), 4))  # type: ignore[assignment]
+        self.attitude = taken(checkpoint, "attitude", (len(self.tree.bodies), 4))
         self.clock[:] = taken(checkpoint, "clock", self.clock.shape, self.clock.dtype)
         self.integration.z[:] = taken(checkpoint, "state", self.integration.z.shape)
 
@@ -114,7 +115,7 @@ class TreeAnalysis:
 
                 yield from library_rows(self, stop)
 
-    def rows_of_steps(self, integrate_rows: Callable) -> Iterator[TreeRows]:
+    def rows_of_steps(self, integrate_rows: Callable[..., Any]) -> Iterator[TreeRows]:
         """Yield report rows up to the next breakpoint by a compiled integrator, `integrate_rows(report)`."""
         code = codes.PAUSED
         while self.row < self.tree.time.rows and code != codes.AT_STOP:
@@ -139,7 +140,7 @@ class TreeAnalysis:
             times.append(grid.time(self.row + len(times)))
         return times
 
-    def observe(self, state_at: Callable, times: list[float]) -> TreeRows:
+    def observe(self, state_at: Callable[..., Any], times: list[float]) -> TreeRows:
         """Report rows at the next report `times` with the states (n,) that `state_at` gives."""
         t, state = self.clock["t"].copy(), self.state.copy()
         reports = []

@@ -1,12 +1,13 @@
 """Splines through the rows of a result as a card of FMBD.DAT."""
 
 from collections.abc import Sequence
+from typing import Any
 
 SPLINE = 2  # code of the card FUNC
 ON_A_RECORD = 4
 
 
-def spline_cards(functions: Sequence[tuple[int, str, list]]) -> str:
+def spline_cards(functions: Sequence[tuple[int, str, list[Any]]]) -> str:
     """Return cards of functions, each a number, a heading and points (time, value)."""
     lines = ["FUNC", f"{len(functions):5d}"]
     for number, _, points in functions:

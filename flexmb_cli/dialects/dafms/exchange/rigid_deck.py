@@ -13,8 +13,9 @@ from ....deck.fortran_fields import filled
 from ....errors import Fault, ModelError
 from ....model.exchange.chain import Link, chain_of
 from ....model.exchange.functions import points_of, polynomial_of, value_of
-from ....model.exchange.rigid_model import EXPLICIT, GROUND, Refusals, RigidModel, across
+from ....model.exchange.rigid_model import EXPLICIT, Refusals, RigidModel, across
 from ....model.joints import ANGLE
+from ....model.mechanism import GROUND
 from ....model.vectors import euler_parameters
 from ....quick_dataclass import dataclass
 

@@ -6,8 +6,9 @@ from typing import Any
 from ....deck.record import Number, Record
 from ....deck.records import DeckValues
 from ....model.diagnostics import Findings
-from ....model.fe_model import GROUND, NodeJoint, Pin, VsdfBody
+from ....model.fe_model import NodeJoint, Pin, VsdfBody
 from ....model.joint_elements import JointElements
+from ....model.mechanism import GROUND
 from ....quick_dataclass import replace
 from ...elements.build import JOINT_CARDS, JointMaker
 from ...elements.build import build_elements as elements_of
@@ -18,7 +19,7 @@ from .cards import FUNCTION_KINDS, OF_TABLES
 RUN_START = 0.0  # s, of every run
 
 
-def build_functions(values: DeckValues, tables: dict, findings: Findings) -> Functions:
+def build_functions(values: DeckValues, tables: dict[int, Any], findings: Findings) -> Functions:
     """The functions of the cards FUNC; `tables`: laws of the tables by their numbers."""
     return Functions(_given(values, tables, findings), findings)
 

@@ -6,8 +6,9 @@ import numpy as np
 
 from ....errors import Fault, ModelError
 from ....model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
-from ....model.exchange.rigid_model import ALPHA, GROUND, RADAU, Refusals, RigidModel, across
+from ....model.exchange.rigid_model import ALPHA, RADAU, Refusals, RigidModel, across
 from ....model.joints import ANGLE
+from ....model.mechanism import GROUND
 from ....model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE
 from ..cards import FINAL
 from ..joints import BY_WORD, SLIDING, TURNING
@@ -46,7 +47,7 @@ class _Deck:
         # Nodes on axes are as far from joints as joints from the origins of their bodies.
         points = [P for joint in model.joints for P in (joint.P_i, joint.P_j)]
         self.arm = float(max((np.linalg.norm(P) for P in points), default=0.0)) or 1.0
-        self.nodes: dict[tuple, int] = {}
+        self.nodes: dict[tuple[Any, ...], int] = {}
         self.tables: list[str] = []
         self.table_count = 0
 

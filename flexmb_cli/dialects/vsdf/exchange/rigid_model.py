@@ -12,7 +12,6 @@ from ....model.exchange.functions import constant, moved
 from ....model.exchange.rigid_model import (
     ALPHA,
     EXPLICIT,
-    GROUND,
     RADAU,
     BodyDriver,
     CoordinateSpring,
@@ -28,7 +27,7 @@ from ....model.flexible_mechanism import FlexibleMechanism
 from ....model.joint_elements import JointDriver
 from ....model.joints import ANGLE, STROKE
 from ....model.loads import AppliedForce, AppliedTorque, SpringDamper
-from ....model.mechanism import Point
+from ....model.mechanism import GROUND, Point
 from ....model.vectors import rotation_matrix
 from ....quick_dataclass import replace
 
