@@ -8,8 +8,8 @@ import pytest
 from scipy.integrate import simpson
 
 from tests.solvers.constrained.body_balances import rotation, tensor
-from tests.solvers.constrained.elements.element_cases import CASES, END, KEYWORDS, POWERS
 from tests.solvers.constrained.element_decks import FREE, model_of, rows_of
+from tests.solvers.constrained.elements.element_cases import CASES, END, KEYWORDS, POWERS
 
 TIMES = f"0 {END} 0.001"
 # Stops in contact throughout, where the power is smooth; a spring without its damper.
