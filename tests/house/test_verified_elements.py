@@ -13,7 +13,7 @@ CLOSED, OTHERS = re.split(r"^## ", PAGE, flags=re.MULTILINE)[1:3]
 # In these the other programs have no element of their own.
 ALONE = {
     *("FORCE", "TORQUE", "SPLINE", "RAMP", "STEP", "PRODUCT", "SUM", "TABLE", "POLYNOMIAL", "SINE"),
-    *("DRIVE", "SUPPORT", "REVCYL", "REVSPH", "RATE", "JOINTS"),
+    *("REVCYL", "REVSPH", "RATE", "JOINTS"),
 }
 
 
