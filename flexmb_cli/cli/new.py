@@ -3,7 +3,7 @@
 import os
 import re
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,6 +14,9 @@ from ..quick_dataclass import replace
 from ..run.outcome import Terminated
 from .terminal.screen import standard_output, tell
 from .terminal.written_place import WrittenPlace
+
+if TYPE_CHECKING:
+    from ..deck.dialogue import Form
 
 # The dialects that have a dialogue, and the decks that it writes.
 _NAMES = {each.name: each.new_name for each in reversed([*every_dialect()]) if each.form}
@@ -41,7 +44,9 @@ _LOST = "the answers are not kept (--draft keeps them)"
 @click.option("--restart", is_flag=True, help="Forget the draft of an earlier call.")
 @click.option("--draft", "with_draft", is_flag=True,
               help="Keep a draft, and go on with one, in a pipe, too.")  # fmt: skip
-def new(dialect: Any, output: Any, force: Any, restart: Any, with_draft: Any) -> None:
+@click.option("--cards", is_flag=True,
+              help="Ask for masses, loads and elements, too, card by card (YOUNG).")  # fmt: skip
+def new(dialect: Any, output: Any, force: Any, restart: Any, with_draft: Any, cards: bool) -> None:
     """Ask for the data of a deck, number by number, and write a deck that `flexmb check` accepts.
 
     Every answer is checked at once.  What is answered is kept in PATH.draft until the deck is written, and
@@ -52,9 +57,10 @@ def new(dialect: Any, output: Any, force: Any, restart: Any, with_draft: Any) ->
     Example:
         flexmb new young -o IN-CRANK.dat
     """
+    form = _form(dialect, cards)
     path = output or _NAMES[dialect]
     _ask_to_replace(path, force)
-    talk = _Talk(dialect, path, restart, with_draft)
+    talk = _Talk(form, path, restart, with_draft)
     try:
         talk.run()
     except KeyboardInterrupt:
@@ -80,15 +86,18 @@ def _ask_to_replace(path: str, force: Any) -> None:
         sys.exit(BAD_INPUT)
 
 
-def _form(name: Any) -> Any:
+def _form(name: str, cards: bool) -> "Form":
     dialect = dialect_named(name)
-    return dialect.part(dialect.form)()
+    if cards and not dialect.form_with_cards:
+        raise click.UsageError(f"new {name} asks for all cards without --cards")
+    form: Form = dialect.part(dialect.form_with_cards if cards else dialect.form)()
+    return form
 
 
 class _Talk:
     """The dialogue at a terminal or through a pipe."""
 
-    def __init__(self, dialect: Any, path: Any, restart: Any, with_draft: Any):
+    def __init__(self, form: "Form", path: Any, restart: Any, with_draft: Any):
         self.path = path
         self.draft = "flexmb.draft" if path == "-" else f"{path}.draft"
         self.at_terminal = sys.stdin.isatty()
@@ -97,7 +106,7 @@ class _Talk:
         # A title in another character code is no reason to lose the answers behind it.
         sys.stdin.reconfigure(errors="replace")  # type: ignore[union-attr]
         self.lines: list[Any] = []  # of a pipe, for the places of faults
-        self.dialogue = self._begin(_form(dialect), restart)
+        self.dialogue = self._begin(form, restart)
 
     def _begin(self, form: Any, restart: Any) -> Any:
         from ..deck.dialogue import Dialogue, from_draft

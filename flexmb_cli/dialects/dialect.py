@@ -39,6 +39,7 @@ class Dialect(NamedTuple):
     joints: Mapping[str, str] = MappingProxyType({})
     curves: tuple[str, ...] = ()  # datasets drawn unasked, most telling first
     form: str = ""  # class of the dialogue of `flexmb new`
+    form_with_cards: str = ""  # the same where a deck may have further cards, for `--cards`
     new_name: str = ""  # of the deck that it writes
     relabel: str = ""  # function of a Record and the key of a number that `--set` has changed: the Record
     # Function of (number, heading, points): cards of splines through the points (time, value), one a number.

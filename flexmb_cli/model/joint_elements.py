@@ -6,7 +6,7 @@ along it, m; both are 0 at the deck's estimates.  Hinges of a tree have the coor
 whose axes are global.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..errors import Place
 from ..quick_dataclass import dataclass, fields
@@ -220,7 +220,7 @@ class JointElements:
     def __bool__(self) -> bool:
         return any(getattr(self, field.name) for field in fields(self))
 
-    def groups(self) -> list[tuple]:
+    def groups(self) -> list[tuple[Any, ...]]:
         """Return the tuples of all kinds."""
         found = (getattr(self, field.name) for field in fields(self))
         return [group for group in found if isinstance(group, tuple)]

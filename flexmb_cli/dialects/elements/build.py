@@ -140,7 +140,7 @@ def build_elements(
     return JointElements(**kept, **more)  # type: ignore[arg-type]
 
 
-def _refuse_too_many(maker: ElementMaker, sections: Callable, cards: Mapping) -> bool:
+def _refuse_too_many(maker: ElementMaker, sections: Callable[..., Any], cards: Mapping[str, Any]) -> bool:
     """Report more elements than are held in the memory that a deck may take; whether there are."""
     found = [sections(section) for makers in cards.values() for section, _ in makers]
     count = sum(map(len, found))

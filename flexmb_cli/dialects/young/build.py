@@ -18,7 +18,7 @@ from ...model.driver_angles import check_driver_angles
 from ...model.joints import JOINT_TYPES
 from ...model.mechanism import Mechanism, TimeGrid
 from .dynamic_cards import FORWARD, analysis_of
-from .element_cards import CONSTRAINING
+from .elements.cards import CONSTRAINING
 from .equation_count import check_equation_count
 from .parts import part_of
 from .prescribed_coordinates import check_held_coordinates

@@ -24,8 +24,8 @@ from ...model.loads import (
 from ...model.mechanism import GROUND
 from ...model.time_checks import unsteppable
 from .build import build_young
-from .build_elements import build_elements, build_functions
 from .dynamic_cards import FORWARD, analysis_of
+from .elements.build import build_elements, build_functions
 
 if TYPE_CHECKING:
     from collections.abc import Callable

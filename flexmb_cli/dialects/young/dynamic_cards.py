@@ -20,7 +20,7 @@ from ...deck.words import UNCLOSED, Word, words, words_from
 from ...errors import DeckError, Fault, FaultList, Place
 from ...quick_dataclass import dataclass, field, replace
 from .card import MOST_NUMBERS, Card, Positions, RepeatedColumns, vector, whole
-from .element_cards import FUNCTION_CARDS, JOINT_CARDS
+from .elements.cards import FUNCTION_CARDS, JOINT_CARDS
 from .reader import read_young
 from .sections import Column
 from .shape_cards import SHAPE_CARDS

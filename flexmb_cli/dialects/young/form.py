@@ -12,9 +12,8 @@ from ...deck.record import Record
 from ...errors import Fault
 from .build import faults_of_last
 from .equation_count import imbalance
+from .form_cards import OPENING, OPENING_ENTRY, card_entries, card_lines, faults_of_card, is_card
 from .sections import COUNTS, YOUNG_SECTIONS, Column, Section
-
-"""Largest count that is asked for one by one; a deck beyond it is a program's work."""
 
 # Where an empty answer is sensible: joint points and frames at the origin, at rest and not turned.
 _ZERO = {"x", "y", "z", "e1", "e2", "e3", "C", "A", "value", "alpha", "beta", "gamma", "start"}
@@ -23,18 +22,20 @@ _DEFAULTS = {**dict.fromkeys(_ZERO, "0"), "e0": "1"}
 
 
 class YoungForm:
-    """The questions of a YOUNG deck of kinematics."""
+    """The questions of a YOUNG deck of kinematics; with those of cards where a draft has answers to them."""
 
     dialect = "young"
+    asks_cards = False
 
     def entries(self, values: dict[str, str]) -> list[Entry]:
-        """Title and counts, then the records that the counts announce."""
-        entries = [TITLE_ENTRY, _entry(COUNTS, 0, values)]
+        """Title, analysis where cards are asked for, counts, the records that these announce, cards."""
+        with_cards = self.asks_cards or f"{OPENING}.analysis" in values
+        entries = [TITLE_ENTRY, *([OPENING_ENTRY] if with_cards else []), _entry(COUNTS, 0, values)]
         counts = _counts(values)
         for section in YOUNG_SECTIONS[1:] if counts else ():
             numbers = range(1, counts[section.count] + 1) if section.count else [0]
             entries += [_entry(section, k, values) for k in numbers]
-        return entries
+        return [*entries, *card_entries(values)] if counts and with_cards else entries
 
     def faults(self, records: Sequence[Record], complete: bool) -> list[Fault]:
         """Faults and doubts that the last record brings in."""
@@ -42,22 +43,37 @@ class YoungForm:
         if last.section == "title":
             return _faults_of_title(last)
         if last.section == "counts":
-            return _faults_of_counts(last, complete)
-        return faults_of_last(records[2:], records[1]["NBODY"], complete)
+            # Forward runs may leave freedoms open, and repeat equations.
+            return _faults_of_counts(last, complete and len(records) == 2)
+        if last.section == OPENING:
+            return []
+        first = next(k for k, record in enumerate(records) if record.section == "counts")
+        bodies = records[first]["NBODY"]
+        if is_card(last):
+            return faults_of_card(last, bodies)
+        return faults_of_last(records[first + 1 :], bodies, complete)
 
     def lines(self, records: Sequence[Record]) -> list[tuple[str, str]]:
-        """One record a line, as in Appendix B; comments name the numbers."""
+        """One record a line, as in Appendix B; comments name the numbers.  Cards follow."""
         title = records[0]["text"]
         lines = [(f"{{ {title} }}", records[0].prefix)] if title else []
         lines.append(("{ Lengths in m, angles in rad, times in s; points in the axes of their body. }", ""))
         section = ""
         for record in records[1:]:
+            if is_card(record):
+                continue
             if record.section != section:
                 section = record.section
                 kind = record.subject.removesuffix(f" {record.number}")
                 lines.append((f"{{ {kind}: {' '.join(n.key for n in record.numbers)} }}", ""))
             lines.append((" ".join(n.text for n in record.numbers), record.prefix))
-        return lines
+        return [*lines, *card_lines(records)]
+
+
+class YoungFormWithCards(YoungForm):
+    """The same with the analysis and its cards."""
+
+    asks_cards = True
 
 
 def _counts(values: dict[str, str]) -> dict[str, int]:

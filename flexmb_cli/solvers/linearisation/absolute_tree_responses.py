@@ -6,8 +6,8 @@ import numpy as np
 
 from ...model.tree import ELASTIC, INERTIAL, ROTATION
 from ..tree.points import point_motion, point_names
-from .constrained_responses import AXES, MOVED_POINT, ConstrainedResponses
-from .state_space import Signal
+from .constrained_responses import AXES, ConstrainedResponses
+from .state_space import MOVED_POINT, Signal
 
 if TYPE_CHECKING:
     from ..constrained.tree import AbsoluteTree

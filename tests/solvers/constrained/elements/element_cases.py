@@ -157,3 +157,9 @@ def forward(case: Case, driven, method: str):
     cards = case.cards + case.motor(driven.time, driven.driver_effort[:, case.column]) + method
     found = rows_of(case.mechanism, f"0 {END} {END / 10}", cards)
     return found, np.searchsorted(driven.time, found.time - 1e-9)
+
+
+def free(case: Case, method: str):
+    """Rows of the run in which the coordinate moves freely, from a rate at which it meets the stops."""
+    cards = f"{case.cards}RATE {case.joint} {case.coordinate} {2 * POWERS[0]}\n{method}"
+    return rows_of(case.mechanism, "0 0.5 0.1", cards)

@@ -68,6 +68,34 @@ def test_motors_of_an_arm_with_springs_and_a_cable_need_the_efforts_of_mujoco():
     assert any(taut) and not all(taut)
 
 
+SHAKEN = """<mujoco><option gravity="0.5 -9.81 0.3"/><compiler angle="radian" inertiafromgeom="false"/>
+<worldbody>
+ <body><inertial mass="1.5" pos="0.4 0 0" diaginertia="0.1 0.2 0.2"/><joint type="slide" axis="1 0 0"/>
+  <body><inertial mass="0.8" pos="0.3 0.1 0" diaginertia="0.05 0.1 0.1"/>
+   <joint type="hinge" axis="0 0 1"/>
+ </body></body></worldbody></mujoco>"""
+
+
+def test_a_support_and_a_driver_of_the_deck_need_the_efforts_of_mujoco():
+    """Body 2 is shaken along x by a support, body 3 turned on it by a driver of its attitude."""
+    deck = "3 1 0 0 0 1 0 0 0 6 0 1\n" + "0 0 0 1 0 0 0\n" * 3 + "3 6 0 0 0\n2 3 0 0 0 0 0 0 0 0 1 0 0 1\n"
+    deck += "".join(f"2 {k} 0\n" for k in range(1, 7)) + "1 0 0 0 0 0 0\n"
+    cards = "MASS 2 1.5 0.4 0 0 0.1 0.2 0.2\nMASS 3 0.8 0.3 0.1 0 0.05 0.1 0.1\nGRAVITY 0.5 -9.81 0.3\n"
+    rows = rows_of(
+        deck, "0 1 0.1", f"{cards}SINE 1 0 0.3 6\nSINE 2 0 2 3\nSUPPORT 1 1\nDRIVE 1 2\n", "inverse"
+    )
+    t = rows.time
+    q = np.column_stack([0.3 * np.sin(6 * t), 2 * np.sin(3 * t)])
+    v = np.column_stack([1.8 * np.cos(6 * t), 6 * np.cos(3 * t)])
+    model = mujoco.MjModel.from_xml_string(SHAKEN)
+    data, wanted = mujoco.MjData(model), []
+    for data.qpos[:], data.qvel[:], data.qacc[:] in zip(q, v, q * (-36.0, -9.0), strict=True):
+        mujoco.mj_inverse(model, data)
+        wanted.append(data.qfrc_inverse.copy())
+    found = np.column_stack([rows.holding_force[:, 0, 0], rows.driver_effort[:, 0]])
+    assert found == pytest.approx(np.array(wanted), abs=1e-11)
+
+
 @pytest.mark.long_motion
 def test_an_arm_with_springs_dampers_and_a_cable_moves_as_in_mujoco():
     """MuJoCo by RK4 with 0.2 ms; the cable becomes taut and slack, where RK4 loses its order."""

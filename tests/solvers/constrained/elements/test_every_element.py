@@ -9,7 +9,7 @@ import functools
 import numpy as np
 import pytest
 
-from tests.solvers.constrained.elements.element_cases import CASES, KEYWORDS, forward, inverse, motion
+from tests.solvers.constrained.elements.element_cases import CASES, KEYWORDS, forward, free, inverse, motion
 
 # Cards of an integrator, and what the coordinate and its rate may be off.
 METHODS = {
@@ -17,6 +17,14 @@ METHODS = {
     "RAD5": ("RAD5 1e-9\n", 1e-9, 1e-8),
     "GALF with chosen steps": ("GALF 0 0.9\nTOLERANCE 1e-8\n", 2e-7, 2e-6),
     "GALF with steps of 0.1 ms": ("GALF 1e-4 0.9\n", 2e-8, 5e-8),
+}
+
+
+# The same where nothing but the method itself ends the steps.
+FREE_STEPS = {
+    "RAD5": ("RAD5 1e-9\n", 2e-9),
+    "GALF with chosen steps": ("GALF 0 0.9\nTOLERANCE 1e-7\n", 2e-6),
+    "GALF with steps of 0.1 ms": ("GALF 1e-4 0.9\n", 5e-7),
 }
 
 
@@ -48,9 +56,29 @@ def test_the_effort_of_an_inverse_run_gives_the_motion_back(keyword, method):
     angle, rate = motion(found.time)
     assert found.joint_coordinate[:, case.joint - 1] == pytest.approx(angle, abs=near)
     assert found.joint_rate[:, case.joint - 1] == pytest.approx(rate, abs=near_rate)
-    # What moves along, and what all elements but the motor do.
+    # What moves along, and what all elements but the motor do, which is the last.
     assert found.joint_coordinate == pytest.approx(given.joint_coordinate[same], abs=2 * near)
     assert found.joint_rate == pytest.approx(given.joint_rate[same], abs=2 * near_rate)
     assert found.position == pytest.approx(given.position[same], abs=2 * near)
     scale = max(1.0, np.abs(given.element_effort).max(initial=0.0))
-    assert found.element_effort == pytest.approx(given.element_effort[same], abs=1e3 * near * scale)
+    others = found.element_effort[:, :-1]
+    assert others == pytest.approx(given.element_effort[same], abs=1e3 * near * scale)
+    driven_rate = found.joint_rate[:, case.joint - 1]
+    assert found.element_power[:, -1] == pytest.approx(found.element_effort[:, -1] * driven_rate, rel=1e-12)
+
+
+@functools.cache
+def free_by_an_explicit_method(keyword):
+    return free(CASES[keyword], "TOLERANCE 1e-12\n")
+
+
+@pytest.mark.long_motion
+@pytest.mark.parametrize("method", FREE_STEPS)
+@pytest.mark.parametrize("keyword", KEYWORDS)
+def test_implicit_methods_move_a_free_mechanism_as_the_explicit_one(keyword, method):
+    """Half a second without a motor; other tests compare the explicit method with other programs."""
+    card, near = FREE_STEPS[method]
+    found, wanted = free(CASES[keyword], card), free_by_an_explicit_method(keyword)
+    assert found.joint_coordinate == pytest.approx(wanted.joint_coordinate, abs=near)
+    assert found.joint_rate == pytest.approx(wanted.joint_rate, abs=10 * near)
+    assert not keyword.endswith("STOP") or found.element_effort.any()

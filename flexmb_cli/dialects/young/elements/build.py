@@ -3,15 +3,15 @@
 from collections.abc import Iterator
 from typing import Any
 
-from ...deck.record import Deck, Record
-from ...model.diagnostics import Findings
-from ...model.joint_elements import CompositeJoint, DrivenItem, JointElements
-from ...model.joints import ANGLE, STROKE
-from ...model.mechanism import Mechanism
-from ..elements.build import JOINT_CARDS, JointMaker, joint_driver
-from ..elements.build import build_elements as elements_of
-from ..elements.functions import Functions, GivenFunction
-from .element_cards import FUNCTION_CARDS
+from ....deck.record import Deck, Record
+from ....model.diagnostics import Findings
+from ....model.joint_elements import CompositeJoint, DrivenItem, JointElements
+from ....model.joints import ANGLE, STROKE
+from ....model.mechanism import Mechanism
+from ...elements.build import JOINT_CARDS, JointMaker, joint_driver
+from ...elements.build import build_elements as elements_of
+from ...elements.functions import Functions, GivenFunction
+from .cards import FUNCTION_CARDS
 
 _SECTIONS = tuple(card.section for card in FUNCTION_CARDS)
 _LINKS = {"revcyl": "revolute-cylindrical", "revsph": "revolute-spherical", "sphsph": "spherical-spherical"}

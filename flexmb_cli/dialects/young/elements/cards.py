@@ -1,7 +1,7 @@
 """Cards of time functions, joint drivers, joint elements, composite joints and initial joint rates."""
 
-from .card import Card, vector, whole
-from .sections import Column
+from ..card import Card, vector, whole
+from ..sections import Column
 
 _NUMBER = whole("number", "number of the function")
 _FUNCTION = whole("function", "number of the function that it follows")

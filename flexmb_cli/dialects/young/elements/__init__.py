@@ -1,0 +1,1 @@
+"""Cards of functions of time and of elements in YOUNG decks."""
