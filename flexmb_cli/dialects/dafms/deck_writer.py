@@ -17,7 +17,7 @@ from .elements.cards import ELEMENT_CARDS
 OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")
 OPTIONAL = ("GRAV", "LOOP", "SPRI", "DAMP", "MOTR", "TABM", "PRES", "FORC", "TOQU", "TABL", "DESN")
 OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH", "GEOM")  # type: ignore[assignment]
-OPTIONAL += tuple(card.word for card in ELEMENT_CARDS)  # type: ignore[assignment]
+OPTIONAL += tuple(card.word for card in ELEMENT_CARDS)
 
 WIDE, _REAL, _INTEGER = 13, 10, 5
 WIDEST, FUNCTION = 20, "function."  # of the numbers of FUNC, four on a line

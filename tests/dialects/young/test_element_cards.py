@@ -42,8 +42,8 @@ def messages(cards):
         ("ANGLE 2 7", "6:9: angle 1: there is no function 7; the deck has none; define it, or name another"),
         (
             "SINE 1 0 1 2\nANGLE 1 1",
-            "7:7: angle 1: joint 1 (spherical joint 1) has neither angle nor stroke, not an angle; take a joint "
-            "that has one",
+            "7:7: angle 1: joint 1 (spherical joint 1) has neither angle nor stroke, not an angle; "
+            "take a joint that has one",
         ),
         (
             "SINE 1 0 1 2\nSTROKE 2 1",
