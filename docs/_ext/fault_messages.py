@@ -5,6 +5,7 @@ python docs/_ext/fault_messages.py
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 TOP = Path(__file__).resolve().parents[2]
@@ -44,15 +45,20 @@ TAIL = """
 """
 
 
-def makers() -> Iterator[tuple[Path, ast.Call, ast.AST]]:
-    """Yield every call that makes a fault: its file, the call, the function around it."""
-    for path in sorted(PACKAGE.rglob("*.py")):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
-        for node in ast.walk(tree):
-            if isinstance(node, ast.Call) and _maker(node):
-                around = [f for f in functions if f.lineno <= node.lineno <= f.end_lineno]
-                yield path, node, max(around, key=lambda f: f.lineno, default=tree)
+@cache
+def makers() -> tuple[tuple[Path, ast.Call, ast.AST], ...]:
+    """Return every call that makes a fault: its file, the call, the function around it."""
+    return tuple(each for path in sorted(PACKAGE.rglob("*.py")) for each in _makers_of(path))
+
+
+def _makers_of(path: Path) -> Iterator[tuple[Path, ast.Call, ast.AST]]:
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    nodes = list(ast.walk(tree))
+    functions = [node for node in nodes if isinstance(node, ast.FunctionDef)]
+    for node in nodes:
+        if isinstance(node, ast.Call) and _maker(node):
+            around = [f for f in functions if f.lineno <= node.lineno <= f.end_lineno]
+            yield path, node, max(around, key=lambda f: f.lineno, default=tree)
 
 
 def _maker(call):

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 # Speeds up to which uncompiled kernels answer before compiled ones would be ready.
-INTERPRETED_LIMIT = 30
+MOST_SPEEDS_INTERPRETED = 30
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ def _kernels(
             f"--at {wish.time:g}: later than {FARTHEST_STEPS} of the deck's steps; ask for an earlier time"
         )
         raise ModelError([Fault("error", message, id="RUN-017")])
-    if speeds <= INTERPRETED_LIMIT and (wish.time is None or wish.time <= grid.start):
+    if speeds <= MOST_SPEEDS_INTERPRETED and (wish.time is None or wish.time <= grid.start):
         return interpreting()
     tell_of_compiling(listener, entry)
     return nullcontext()

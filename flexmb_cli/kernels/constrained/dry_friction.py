@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .._jit import allocating, kernel
-from .body_vectors import BODY_VECTOR, vector
+from .body_vectors import VECTOR, vector
 from .elements import FRICTION, NORMAL
 from .multipliers import fill_multipliers
 from .system import SCALED
@@ -48,7 +48,7 @@ def normal_changes(system: Any, work, ud: np.ndarray):
 @allocating
 def _normal(system, work, load, lam: np.ndarray):
     """Size of the joint's force across its axis, and of that on the flanks of a thread, N."""
-    group, axis = system.groups[load["group"]], vector(work.body_vectors[BODY_VECTOR], load["body_vector"])
+    group, axis = system.groups[load["group"]], vector(work.body_vectors[VECTOR], load["body_vector"])
     force = np.zeros(3)
     # The ground has no columns; the other body bears the opposite force.
     body = group["body_j"] if group["body_j"] >= 0 else group["body_i"]

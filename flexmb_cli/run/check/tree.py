@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ...solvers.tree.analysis import TreeAnalysis
 
 
-INTERPRETED_LIMIT = 400  # coordinates
+MOST_COORDINATES_INTERPRETED = 400  # coordinates
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def check(report: CheckReport, tree: Tree, run: Run, jacobian: str | None) -> No
     report.tree = TreeFindings(_start(tree, tree.q, tree.y), None, [], [], {}, elastic)
     from ...solvers.compilation import interpreting
 
-    with interpreting(len(tree.coordinates) <= INTERPRETED_LIMIT):
+    with interpreting(len(tree.coordinates) <= MOST_COORDINATES_INTERPRETED):
         _evaluate_start(report, tree)
 
 

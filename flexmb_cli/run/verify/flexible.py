@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 FORMULATIONS = "two floating frames, nodes n1 and n2 exchanged, all modes"
-TOLERANCE = 1e-9
+FRAMES_TOLERANCE = 1e-9
 SERIES = (
     ("point position", "m", "point_position"),
     ("point velocity", "m/s", "point_velocity"),
@@ -61,7 +61,7 @@ def _finely(mechanism: Any, options: Any) -> Any:
     """Return the mechanism with steps finer than it is compared."""
     given = mechanism.integrator
     method = given.method if given.method in ("RK45", "RAD5") else "RAD5"
-    tolerance = options.integration.get("rtol", TOLERANCE)
+    tolerance = options.integration.get("rtol", FRAMES_TOLERANCE)
     return replace(mechanism, integrator=Integrator(method, 0.0, tolerance))
 
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
 LARGEST_BLOCK = 256  # rows
-SAME = 1e-9  # of a run: times this near to each other are one
+SAME_TIME_IN_RUN = 1e-9  # of a run: times this near to each other are one
 
 
 class ConstrainedMotion:
@@ -159,7 +159,7 @@ class ConstrainedMotion:
         if not self.integrator.chosen:
             return []
         start, found = self.grid.start, []  # type: ignore[var-annotated]
-        apart = SAME * max(abs(start), abs(end))
+        apart = SAME_TIME_IN_RUN * max(abs(start), abs(end))
         corners = {t for function in self._tables for t in function.tolist()}
         for t in sorted(corners | set(self._rows_of_work())):
             # A step between two numbers for one time would be shorter than any can be.

@@ -8,7 +8,7 @@ from ...errors import AnalysisError, Fault
 from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators.clock import CONTRADICTION
 from ..singular.dynamic_singularities import (
-    SINGULAR,
+    SINGULAR_CONDITION,
     has_gained_rank,
     repeating_here_only,
     weakest_of_speeds,
@@ -56,7 +56,7 @@ def step_failure(analysis: Any, answer: int, due: float = np.inf) -> AnalysisErr
 def _weakest_at_row(analysis: Any, norms: Any) -> Any:
     """The equations that are singular where a row could not be made; none where they are not."""
     norms["condition"], owners = weakest_of_speeds(analysis, analysis.integration.trial)
-    return owners if norms["condition"] > SINGULAR else []
+    return owners if norms["condition"] > SINGULAR_CONDITION else []
 
 
 def _why_steps_fall(analysis: Any, norms: Any) -> Any:
@@ -64,7 +64,7 @@ def _why_steps_fall(analysis: Any, norms: Any) -> Any:
     condition, owners = weakest_of_speeds(analysis, analysis.integration.z)
     norms["condition"] = condition
     size = f"condition {condition:.0e}"
-    if condition > SINGULAR:
+    if condition > SINGULAR_CONDITION:
         joints = owners_text(owners)
         return (
             f"a singular position of {joints} ({size}), a dead centre or a branching, is reached{GO_ON}",

@@ -28,14 +28,14 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
-TOLERANCE = 1e-6  # of steps that GALF chooses: ten times as many keep a thousandth of it
+CHOSEN_STEP_TOLERANCE = 1e-6  # of steps that GALF chooses: ten times as many keep a thousandth of it
 
 
 def integrator_of(integrator: Integrator) -> tuple[Steps, float]:
     """The integrator that a deck asks for, and its tolerance."""
     method = METHODS[integrator.method]
     steps = method.make(integrator.parameter, integrator.step)
-    return steps, TOLERANCE if method.by_radius else integrator.parameter
+    return steps, CHOSEN_STEP_TOLERANCE if method.by_radius else integrator.parameter
 
 
 class FlexibleDynamics(ConstrainedMotion):

@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from ...kernels.constrained.elements import COLUMNS
+from ...kernels.constrained.elements import RESPONSE_COLUMNS
 from ...kernels.constrained.report import Report
-from ...kernels.constrained.system import PHI, A, System, Work, make_work
+from ...kernels.constrained.system import PHI, System, Work, make_work
 from ...kernels.kinematics import constraints as equations
-from ...kernels.linalg.rotation import rotation_matrices
+from ...kernels.linalg.rotation import A, rotation_matrices
 from ...model.arrays.records import FUNCTION, function_record
 from ...model.arrays.system import SystemArrays
 from ...model.time_functions import POLYNOMIAL
@@ -52,7 +52,7 @@ def blank_report(arrays: SystemArrays, times: np.ndarray) -> Report:
         np.zeros((rows, len(arrays.equations))),
         np.zeros(rows),
         np.zeros((rows, 5)),
-        np.zeros((rows, len(arrays.loads), COLUMNS)),
+        np.zeros((rows, len(arrays.loads), RESPONSE_COLUMNS)),
     )
 
 

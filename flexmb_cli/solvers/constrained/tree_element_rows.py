@@ -19,6 +19,7 @@ class TreeElementRows(TreeRows):
     element_rate: np.ndarray  # (T, elements)
     element_effort: np.ndarray  # (T, elements)
     element_power: np.ndarray  # (T, elements)
+    element_energy: np.ndarray  # (T, elements)
     driver_effort: np.ndarray  # (T, drivers) along the prescribed coordinates
 
 

@@ -18,14 +18,14 @@ from .rows import global_axes
 
 
 class Moving(NamedTuple):
-    """A frame over T rows: r, v, a (T, 3) of its origin, axes (T, 3, 3), w and alpha (T, 3), global axes."""
+    """A frame over T rows, global axes."""
 
-    r: np.ndarray
-    v: np.ndarray
-    a: np.ndarray
-    axes: np.ndarray
-    w: np.ndarray
-    alpha: np.ndarray
+    r: np.ndarray  # (T, 3) position of its origin, m
+    v: np.ndarray  # (T, 3) velocity of its origin, m/s
+    a: np.ndarray  # (T, 3) acceleration of its origin, m/s²
+    axes: np.ndarray  # (T, 3, 3) its axes, a column each
+    w: np.ndarray  # (T, 3) angular velocity, rad/s
+    alpha: np.ndarray  # (T, 3) angular acceleration, rad/s²
 
 
 class AbsoluteMotion:

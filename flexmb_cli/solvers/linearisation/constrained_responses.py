@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...kernels.constrained.angle_unwrapping import EXPECTED
-from ...kernels.constrained.elements import COLUMNS
+from ...kernels.constrained.elements import RESPONSE_COLUMNS
 from ...kernels.constrained.report import observe_rows
 from ...kernels.constrained.system import NO_INERTIA, SOLVED, System
 from ...model.arrays.constraint_table import tilde
@@ -14,8 +14,17 @@ from ...model.flexible_mechanism import NodePoint
 from ...model.vectors import rotation_matrix
 from ..constrained.system import blank_report
 from .constrained import ConstrainedLinearised
-from .motion import STEP, differentiated
-from .state_space import ACCELERATION_OF, SPEED_OF, Input, Responses, Signal, state_signals
+from .motion import DIFFERENCE_STEP, differentiated
+from .state_space import (
+    ACCELERATION_OF,
+    ADMISSIBLE,
+    MOVED_POINT,
+    SPEED_OF,
+    Input,
+    Responses,
+    Signal,
+    state_signals,
+)
 from .terms import Terms
 
 if TYPE_CHECKING:
@@ -26,10 +35,8 @@ if TYPE_CHECKING:
 
 
 AXES = "xyz"
-MOVED_POINT = (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s2"))
 JOINT_DISPLACEMENT = (("displacement", "m"), ("rotation", "rad"))
 JOINT_REACTION = (("force", "N"), ("torque", "N m"))
-ADMISSIBLE = 1e-6  # share of a driver's rate that its equations may fail to follow
 
 
 class ConstrainedResponses(Responses):
@@ -69,7 +76,7 @@ class ConstrainedResponses(Responses):
         expected = analysis.integration.angles[EXPECTED][None].copy()
         system, work = model or motion.system, analysis.work  # type: ignore[attr-defined]
         # A kernel writes a row for every load, and a model may have one more.
-        answers = np.zeros((len(system.loads), COLUMNS))
+        answers = np.zeros((len(system.loads), RESPONSE_COLUMNS))
         work, report = work._replace(responses=answers), report._replace(responses=answers[None].copy())
         filled = observe_rows(system, work, expected, report)
         motion.refuse(SOLVED if filled else NO_INERTIA)  # type: ignore[attr-defined]
@@ -101,7 +108,7 @@ class ConstrainedResponses(Responses):
             return P, np.zeros_like(P)
         return P, differentiated(
             lambda t: self._functionals(motion.moved(motion.q, t * motion.u)),  # type: ignore[attr-defined]
-            STEP / size,
+            DIFFERENCE_STEP / size,
         )
 
     def _functionals(self, q: np.ndarray) -> Any:
@@ -169,11 +176,11 @@ class ConstrainedResponses(Responses):
         """Inputs of a driver, its rate and its acceleration; none where other drivers forbid the change."""
         motion, still = self.motion, np.zeros(self.motion.scale.size)
         changes = [self._driven(k, order) for order in range(3)]
-        asked = differentiated(lambda x: motion.rate_gaps(still, still, changes[1](x)), STEP)  # type: ignore[attr-defined]
+        asked = differentiated(lambda x: motion.rate_gaps(still, still, changes[1](x)), DIFFERENCE_STEP)  # type: ignore[attr-defined]
         d = motion.projected(asked)  # type: ignore[attr-defined]
         if np.max(np.abs(motion.rate_gaps(still, d) - motion.rate_gaps(still, still) + asked)) > ADMISSIBLE:  # type: ignore[attr-defined]
             return
-        turned = differentiated(lambda x: motion.rate_gaps(x * d, still, changes[0](x)), STEP)  # type: ignore[attr-defined]
+        turned = differentiated(lambda x: motion.rate_gaps(x * d, still, changes[0](x)), DIFFERENCE_STEP)  # type: ignore[attr-defined]
         yield Input(Signal(name, unit), d, motion.projected(turned), changes[0])  # type: ignore[attr-defined]
         yield Input(Signal(f"{name} rate", SPEED_OF[unit]), still, d, changes[1])
         yield Input(Signal(f"{name} acceleration", ACCELERATION_OF[unit]), still, still, changes[2])

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from ...errors import AnalysisError, Fault
+from ...kernels.constrained.dry_friction import FRICTION_CONVERGED, MOST_SUBSTITUTIONS
 from ...kernels.integrators.clock import NO_INERTIA
 from ...kernels.integrators.tree_dop853 import GO_ON
 from ...model.arrays.tree import FUNCTION, body_frames
@@ -28,9 +29,7 @@ from .element_laws import Effort
 from .friction_in_hinges import FrictionInHinges
 from .placed_bodies import PlacedBodies
 from .rows import TreeRows
-
-UNCOUNTED = 1e6  # tolerance of the applied work, whose error must not choose the steps, J
-FRICTION_CONVERGED, MOST_SUBSTITUTIONS = 1e-13, 100
+from .scipy_integrators import UNCOUNTED
 
 
 class TreeWithElements(TreeAnalysis):
@@ -123,6 +122,7 @@ class TreeWithElements(TreeAnalysis):
             "element_rate": [v for _, v, _ in self.answers],
             "element_effort": [effort.effort for *_, effort in self.answers],
             "element_power": [(effort.effort - effort.kept) * v for _, v, effort in self.answers],
+            "element_energy": [effort.energy for *_, effort in self.answers],
             "driver_effort": self.coordinates["drive"][self.arrays.prescribed["coordinate"]],
         }
         return TreeElementRows(**kept, **{name: np.array(row)[None] for name, row in columns.items()})  # type: ignore[arg-type]
