@@ -13,17 +13,22 @@ from .beam import Beam
 from .beam_cards import beam_block
 from .card import Card
 from .cards import CARDS
+from .elements.cards import ELEMENT_CARDS
 
 OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")
 OPTIONAL = ("GRAV", "LOOP", "SPRI", "DAMP", "MOTR", "TABM", "PRES", "FORC", "TOQU", "TABL", "DESN")
 OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH", "GEOM")  # type: ignore[assignment]
+OPTIONAL += tuple(card.word for card in ELEMENT_CARDS)
 
 WIDE_REAL, _REAL, _INTEGER = 13, 10, 5
+WIDEST, FUNCTION = 20, "function."  # of the numbers of FUNC, four on a line
 _WIDE_SECTIONS = ("stiffness.", "tolerance", "nodal_rotation.")
 
 
 def _width(record: Record) -> int:
     """Columns of a real number; those of a beam stand in no card."""
+    if record.section.startswith(FUNCTION):
+        return WIDEST
     return WIDE_REAL if record.section.startswith(_WIDE_SECTIONS) else _REAL
 
 
@@ -164,16 +169,18 @@ class _Deck:
             if card.word == "GRAV":
                 fields.insert(0, f"{0:5d}")
             first = card.head or len(fields)
-            lines += [("".join(part), record.prefix) for part in (fields[:first], fields[first:]) if part]
+            parts = [fields[:first], *(fields[k : k + 6] for k in range(first, len(fields), 6))]
+            lines += [("".join(part), record.prefix) for part in parts if part]
             lines += self._rows(f"{card.section}.{record.number}")
         return lines
 
     def _rows(self, section: str) -> Any:
-        """The table that follows a record: points of TABM and TABL, rotations of NROT."""
+        """The table that follows a record: points of TABM and TABL, rotations of NROT, numbers of FUNC."""
         for record in self.records:
             if record.section == section:
                 width = _width(record)
-                yield from self._list([(n, record.prefix) for n in record.numbers], 6, width)
+                on_a_line = 4 if width == WIDEST else 6
+                yield from self._list([(n, record.prefix) for n in record.numbers], on_a_line, width)
 
     def _state(self) -> list[tuple[str, str]]:
         records = [record for record in self.records if record.section == "state"]

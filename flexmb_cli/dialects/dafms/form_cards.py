@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 
 TABLES = ("TABM", "TABL")
-_WITHOUT_ZERO = ("MASS", "METH", "SPRI", "DAMP", "MOTR", *TABLES, "NROT")
-_ASKED = ("K", "A", "KA", "IS", "SA")
+_WITHOUT_ZERO = ("MASS", "METH", "SPRI", "DAMP", "MOTR", *TABLES, "NROT", "FUNC")
+_ASKED = ("K", "A", "KA", "IS", "SA", "function", "coupling", "factor")
 MOST_POINTS = 1000
 
 
@@ -52,7 +52,17 @@ def _rows(word: str, answers: Any, n: int) -> Any:
     section = f"{CARDS[word].section}.{n}"
     if word in TABLES:
         return _points(section, answers.integer(f"{section}.NP"), f"{word} {n}")
+    if word == "FUNC":
+        return _numbers(section, answers.integer(f"{section}.NP"), f"{word} {n}")
     return _rotations(section, answers, f"{word} {n}") if word == "NROT" else []
+
+
+def _numbers(section: str, count: int, subject: str) -> list[Entry]:
+    """The numbers that define a function."""
+    cells = tuple(
+        Cell(f"c.{i}", f"number {i} that defines it", "SI") for i in counted(min(count, MOST_POINTS))
+    )
+    return [Entry(section, 1, subject, cells)] if cells else []
 
 
 def _points(section: str, count: int, subject: str) -> Any:
@@ -82,7 +92,8 @@ def _rotations(section: str, answers: Answers, subject: str) -> Any:
 
 def _card_entry(card: Card, k: int) -> Entry:
     edits = fortran_format(card.format).edits[card.layout == "bodies" :]
-    edits += fortran_format(card.tail).edits if card.head else ()
+    while card.head and len(edits) < len(card.items):
+        edits += fortran_format(card.tail).edits
     skipped = card.word == "GRAV"  # its first number is not used
     pairs = list(zip(card.items, edits, strict=False))[skipped:]
     cells = tuple(_cell(card, item, edit) for item, edit in pairs)

@@ -12,11 +12,14 @@ from ...errors import DeckError, Fault
 from .beam import Beam
 from .cards import CARDS
 from .deck_writer import beam_of, faults_of_fields
+from .elements.cards import FUNCTION_KINDS
 from .form_blocks import MOST_TYPED
 from .form_cards import MOST_POINTS
 
 MOST_OF_BEAM = 446  # the last whose skyline addresses fit I5
+OF_POINTS = tuple(CARDS[word].section for word in ("LSPR", "CABL", "BUSH"))  # body 0 on either side
 _RANGES = {
+    "rate": (0, 1),
     "IDS": (0, 1),
     "IGS": (0, 1),
     "IS": (1, 5),
@@ -112,6 +115,12 @@ def _range(records: list[Record], record: Record, key: str) -> tuple[int | None,
         return 1, 3
     if record.section in (CARDS["TABM"].section, CARDS["TABL"].section) and key == "NP":
         return 1, MOST_POINTS
+    if record.section == CARDS["FUNC"].section:
+        return {"number": (1, 99_999), "kind": (1, len(FUNCTION_KINDS)), "NP": (1, MOST_POINTS)}.get(
+            key, (None, None)
+        )
+    if record.section in OF_POINTS and key == "KA":
+        return 0, bodies
     if key not in ("L", "K", "KA", "KB", "IT", "NUMNP"):
         return _RANGES.get(key, (None, None))
     own = {"L": (0, record.number - 1), "KB": (0, bodies), "IT": (1, 99_999), "NUMNP": (1, MOST_TYPED)}

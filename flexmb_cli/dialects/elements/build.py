@@ -96,7 +96,8 @@ class JointMaker(ElementMaker):
         joint = self.joints[number - 1]
         if coordinate not in (None, *COORDINATES_OF[joint.kind]):
             has = " and ".join(_A[one] for one in COORDINATES_OF[joint.kind]) or "neither angle nor stroke"
-            message = f"joint {number} ({joint.name}) has {has}, not {_A[coordinate]}"
+            other = "the card for it" if COORDINATES_OF[joint.kind] else "a joint that has one"
+            message = f"joint {number} ({joint.name}) has {has}, not {_A[coordinate]}; take {other}"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-004")
             return None
         return number - 1
@@ -217,8 +218,8 @@ def stop(coordinate: str | None) -> Callable[..., Any]:
     def make(maker: Any, record: Any) -> Any:
         maker.not_negative(record, "stiffness", "damping")
         if not record["lower"] < record["upper"]:
-            place = record.at("upper").place
-            maker.findings.error(record.subject, "upper must be larger than lower", place, id="ELEMENTS-007")
+            message = f"upper must be larger than lower, {record['lower']:g}; read {record['upper']:g}"
+            maker.findings.error(record.subject, message, record.at("upper").place, id="ELEMENTS-007")
         numbers = (float(record[key]) for key in ("lower", "upper", "stiffness", "damping"))
         where = maker.where(record, coordinate)
         return EndStop(record.subject, *where, *numbers, record.place) if where else None  # type: ignore[call-arg]

@@ -81,7 +81,9 @@ class Functions:
         self._used.add(number.value)
         if number.value not in self._records:
             known = ", ".join(map(str, sorted(self._records))) or "none"
-            message = f"there is no function {number.value:g}; the deck has {known}"
+            message = (
+                f"there is no function {number.value:g}; the deck has {known}; define it, or name another"
+            )
             self.findings.error(record.subject, message, number.place, id="ELEMENTS-014")
         return self._functions.get(number.value)
 

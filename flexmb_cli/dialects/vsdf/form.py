@@ -61,7 +61,7 @@ class VsdfForm:
         faults = []
         for value in last.numbers if last.section != "title" else ():
             if value.key == "nodes":
-                faults += _faults_of_list(last, value)
+                faults += _faults_of_list(last, value, _BY_SECTION[last.section].more.letter)  # type: ignore[union-attr]
             elif value.key in ("body", "a", "b"):
                 faults += _outside(last, value, "0: ground" not in value.meaning, records[1]["BODY"])
             elif value.key == "joint":
@@ -135,13 +135,13 @@ def _outside(record: Record, value: Number, least: bool, most: int) -> Any:
     return [Fault("error", message, value.place, record.subject, id="VSDF-039")]
 
 
-def _faults_of_list(record: Record, value: Number) -> list[Fault]:
+def _faults_of_list(record: Record, value: Number, letter: str) -> list[Fault]:
+    """Faults of a list of nodes, or of real numbers where the column's `letter` is F."""
+    read, each = (number.real, "number") if letter == "F" else (number.integer, "of the nodes")
     faults = []
     for text in value.text.split():
         try:
-            number.integer(text)
+            read(text)
         except number.Misspelt as fault:
-            faults.append(
-                Fault("error", f"each of the nodes {fault}", value.place, record.subject, id="VSDF-040")
-            )
+            faults.append(Fault("error", f"each {each} {fault}", value.place, record.subject, id="VSDF-040"))
     return faults

@@ -18,6 +18,8 @@ from ..quantities.readable import Readable, readable
 OF_ANY = ("point/position", "body/position", "driver/effort")
 ENERGIES = ("energy/kinetic", "energy/potential", "energy/strain", "energy/applied_work")
 TOTAL = "energy/total"
+# Drawn of every result with elements.
+OF_ELEMENTS = ("coordinate/q", "element/effort", "driver/effort")
 # More curves than these in a panel cannot be distinguished.
 MOST_CURVES = 12
 # A coordinate that moves less than this part of the farthest moving one tells nothing.
@@ -111,7 +113,10 @@ def default_quantities(result: h5py.File) -> list[Quantity]:
     """
     known = names(result)
     chosen: list[Any] = []
-    for dataset in _datasets(attribute(result, "dialect")):
+    datasets = list(_datasets(attribute(result, "dialect")))
+    if any(quantity.dataset == "element/effort" for quantity in known):
+        datasets += [dataset for dataset in OF_ELEMENTS if dataset not in datasets]
+    for dataset in datasets:
         wanted = [quantity for quantity in known if quantity.dataset == dataset]
         moving = _moving(result, wanted)
         # Bodies are drawn where there are no points that tell the motion.

@@ -9,6 +9,7 @@ from ...errors import Fault
 from ...kernels.constrained.angle_unwrapping import EXPECTED, NEW, OLD, fill_angles
 from ...kernels.integrators import clock as codes
 from ...model.arrays.function_table import break_times
+from ...model.arrays.records import CABLE, ELEMENT, FRICTION, STOP
 from ...model.arrays.system import SystemArrays
 from ...model.mechanism import TimeGrid
 from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of
@@ -159,11 +160,23 @@ class ConstrainedMotion:
             return []
         start, found = self.grid.start, []  # type: ignore[var-annotated]
         apart = SAME_TIME_IN_RUN * max(abs(start), abs(end))
-        for t in sorted({t for function in self._tables for t in function.tolist()}):
+        corners = {t for function in self._tables for t in function.tolist()}
+        for t in sorted(corners | set(self._rows_of_work())):
             # A step between two numbers for one time would be shorter than any can be.
             if (found[-1] if found else start) + apart < t < end - apart:
                 found.append(t)
         return found
+
+    def _rows_of_work(self) -> list[float]:
+        """Report times, at which steps end where nothing is free to move and an effort bends or jumps.
+
+        The motion has no error that would shorten the steps; the work of stops, cables and friction has.
+        """
+        loads = self.arrays.loads
+        bends = (loads["kind"] == ELEMENT) & np.isin(loads["shape"], (STOP, CABLE))
+        if self.found is None or self.found.free or not np.any(bends | (loads["kind"] == FRICTION)):
+            return []
+        return [self.grid.time(k) for k in range(self.grid.rows)]
 
     @property
     def _tables(self) -> list[np.ndarray]:

@@ -90,7 +90,7 @@ class TreeWithElements(TreeAnalysis):
         atol = np.full(z.size, self.tree.integration.atol)
         atol[-1] = UNCOUNTED
         rtol = max(self.tree.integration.rtol, 100 * np.finfo(float).eps)
-        return DOP853(self.slope, t, z, stop, rtol=rtol, atol=atol)
+        return DOP853(self.slope, t, z, stop, rtol=rtol, atol=atol, max_step=self.tree.time.step)
 
     def _stops(self, start: float, end: float) -> list[float]:
         """Times at which a load of the deck or a function of an element changes its formula."""

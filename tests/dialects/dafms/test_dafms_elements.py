@@ -65,12 +65,12 @@ def card(word, *lines):
     return "\n".join([word, integers(1), *lines])
 
 
-def deck(cards):
-    return f"{TWO_LINKS}{cards}\nEND \nSTAR\nSTOP\n"
+def deck(cards, model=TWO_LINKS):
+    return f"{model}{cards}\nEND \nSTAR\nSTOP\n"
 
 
-def rows_of(cards, method="dop853"):
-    tree = build(deck(cards))[0]
+def rows_of(cards, method="dop853", model=TWO_LINKS):
+    tree = build(deck(cards, model))[0]
     tree = replace(tree, integration=replace(tree.integration, method=method))
     blocks = list(AbsoluteTree(tree).rows())
     names = [field.name for field in fields(TreeElementRows) if field.name != "displacement"]

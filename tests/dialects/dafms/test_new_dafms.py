@@ -14,10 +14,13 @@ from flexmb_cli.dialects.dafms.deck_writer import OPTIONAL
 from flexmb_cli.dialects.dafms.form import DafmsForm
 from flexmb_cli.dialects.dafms.skyline import full_matrix
 from flexmb_cli.dialects.recognise import read_deck
+from tests.dialects.dafms.dafms_decks import read
+from tests.dialects.dafms.test_dafms_elements import deck
+from tests.dialects.dafms.test_every_card import CASES, DRIVER, joined
 
 DECKS = Path(__file__).parents[3] / "decks" / "dafms"
 TYPED = sorted(DECKS.glob("*.DAT"))
-TABLES = ("motor_table", "torque_table", "nodal_rotation")
+TABLES = ("motor_table", "torque_table", "nodal_rotation", "function")
 # Cards that do nothing are not asked for (X(L)), and the run is always to be integrated.
 LEFT = ("first_coordinate", "counts.jdi", "id", "equations", "heading", "run", "echo", "one_way")
 
@@ -53,7 +56,7 @@ def line_for(deck, entry, count):
     if section == "state":
         pair = [deck.section(name) for name in ("coordinate", "speed")]
         return _words([records[k - 1].numbers[0] for records in pair if records])
-    if section.startswith(TABLES):
+    if section.partition(".")[0] in TABLES:
         return _of_table(deck, section, k, count)
     records = deck.section(section)
     return _words(records[max(k, 1) - 1].numbers[-count:]) if records else ""
@@ -87,9 +90,9 @@ def _words(numbers):
     return " ".join(repr(n.value) for n in numbers)
 
 
-def typed(path):
-    """The dialogue at the end of the answers that give the deck at `path`."""
-    deck, dialogue = read_deck(read_text(path)), Dialogue(DafmsForm())
+def typed(deck):
+    """The dialogue at the end of the answers that give a deck."""
+    dialogue = Dialogue(DafmsForm())
     while (question := dialogue.question) is not None:
         line = line_for(deck, question.entry, len(question.entry.cells))
         assert [f.sentence for f in dialogue.answer(line) if f.severity == "error"] == [], (line, question)
@@ -111,9 +114,18 @@ def values_of(deck):
 
 @pytest.mark.parametrize("path", TYPED, ids=lambda path: path.stem)
 def test_a_supplied_deck_typed_in_reads_back_to_the_same_values(path):
-    dialogue = typed(path)
-    deck = deck_of(dialogue)
-    original = read_deck(read_text(path))
+    read_back(read_deck(read_text(path)))
+
+
+@pytest.mark.parametrize("word", CASES)
+def test_every_card_of_functions_and_elements_can_be_typed_in(word):
+    given = read(deck(joined(CASES[word], [] if word == "COUP" else DRIVER)))
+    assert read_back(given).section(CARDS[word].section)
+
+
+def read_back(original):
+    """The deck as it comes back from being typed in."""
+    deck = deck_of(typed(original))
     written = values_of(deck)
     assert {name: written.get(name) for name in values_of(original)} == values_of(original)
     assert [n.value for r in deck.section("counts.jdi") for n in r.numbers] == [
@@ -122,6 +134,7 @@ def test_a_supplied_deck_typed_in_reads_back_to_the_same_values(path):
     assert bool(deck.section("one_way")) == bool(original.section("one_way"))
     assert deck.warnings == ()
     build_dafms(deck)
+    return deck
 
 
 def talk(*answers):

@@ -233,7 +233,9 @@ def test_an_arm_moves_as_the_same_arm_in_a_young_deck(young, vsdf):
 
 def test_slips_are_told_with_place_object_and_remedy():
     assert faults("TSPR\n 2,8") == ["17:2: error: tspring 1: joint number 2 is outside 1..1"]
-    assert faults("ASTO\n 1,0,1,5") == ["17:2: error: astop 1: joint 1 (joint 1) has an angle, not a stroke"]
+    assert faults("ASTO\n 1,0,1,5") == [
+        "17:2: error: astop 1: joint 1 (joint 1) has an angle, not a stroke; take the card for it"
+    ]
     assert faults("TABL\n 1,0,0\n 1,1,1\nFUNC\n 1,TABL,1\nTMOT\n 1,1") == [
         "20:2: error: function 1: 1 is a table; functions and tables have numbers of their own"
     ]

@@ -11,9 +11,12 @@ from flexmb_cli.dialects.vsdf.build import build_vsdf
 from flexmb_cli.dialects.vsdf.cards import CARDS
 from flexmb_cli.dialects.vsdf.form import VsdfForm
 from flexmb_cli.model.fe_model import Integrator
+from tests.dialects.vsdf.element_cases import CASES
+from tests.dialects.vsdf.vsdf_decks import read
 
 DECKS = sorted((Path(__file__).parents[3] / "decks" / "vsdf").glob("*.vsdf"))
 BY_SECTION = {card.section: card for card in CARDS}
+SECTIONS = {card.word: card.section for card in CARDS}
 OF_ONE_BODY = ("FEMN", "RIGI")
 ALWAYS = (*OF_ONE_BODY, "GRAV", "TIME", "INTG")
 
@@ -43,9 +46,9 @@ def line_for(deck, question):
     return " ".join(text or "0" for text in texts) if any(texts) else ""
 
 
-def typed(path):
-    """The dialogue at the end of the answers that give the deck at `path`."""
-    deck, dialogue = read_deck(read_text(path)), Dialogue(VsdfForm())
+def typed(deck):
+    """The dialogue at the end of the answers that give a deck."""
+    dialogue = Dialogue(VsdfForm())
     while (question := dialogue.question) is not None:
         line = line_for(deck, question)
         assert [f.sentence for f in dialogue.answer(line) if f.severity == "error"] == [], (line, question)
@@ -63,12 +66,25 @@ def values_of(deck):
 
 @pytest.mark.parametrize("path", DECKS, ids=lambda path: path.stem)
 def test_a_supplied_deck_typed_in_reads_back_to_the_same_values(path):
-    dialogue = typed(path)
+    read_back(read_deck(read_text(path)))
+
+
+@pytest.mark.parametrize("word", CASES)
+def test_every_card_of_functions_and_elements_can_be_typed_in(word):
+    case = CASES[word]
+    text = f"{case.mechanism}{case.cards}{case.driver}INTG\n RK45,1e-9\nTIME\n 1,0.1\nEND\nSTAR\nSTOP\n"
+    assert any(record.section == SECTIONS[word] for record in read_back(read(text)).records)
+
+
+def read_back(given):
+    """The deck as it comes back from being typed in."""
+    dialogue = typed(given)
     assert dialogue.question is None
     deck = deck_of(dialogue)
-    original = values_of(read_deck(read_text(path)))
+    original = values_of(given)
     assert {name: value for name, value in values_of(deck).items() if name in original} == original
     assert deck.warnings == ()
+    return deck
 
 
 def talk(*answers):

@@ -43,14 +43,15 @@ def messages(cards):
         ),
         ("TABLE 1 0 1 2", "6:1: table 1: TABLE takes number and, 2 times or more, t{n} v{n}; read 4"),
         ("SINE 1 0 1 2\nSINE 1 0 1 3", "7:6: sine 2: function number 1 is already sine 1"),
-        ("ANGLE 2 7", "6:9: angle 1: there is no function 7; the deck has none"),
+        ("ANGLE 2 7", "6:9: angle 1: there is no function 7; the deck has none; define it, or name another"),
         (
             "SINE 1 0 1 2\nANGLE 1 1",
-            "7:7: angle 1: joint 1 (spherical joint 1) has neither angle nor stroke, not an angle",
+            "7:7: angle 1: joint 1 (spherical joint 1) has neither angle nor stroke, not an angle; "
+            "take a joint that has one",
         ),
         (
             "SINE 1 0 1 2\nSTROKE 2 1",
-            "7:8: stroke 1: joint 2 (revolute joint 1) has an angle, not a stroke",
+            "7:8: stroke 1: joint 2 (revolute joint 1) has an angle, not a stroke; take the card for it",
         ),
         ("SINE 1 0 1 2\nANGLE 3 1", "7:7: angle 1: joint number 3 is outside 1..2"),
         (
@@ -76,7 +77,7 @@ def messages(cards):
             "FRICTION 2 0.1 0.1 0.1 1e-4",
             "6:1: friction 1: a joint that turns needs the radius of its bearing",
         ),
-        ("TSTOP 2 1 -1 100", "6:11: tstop 1: upper must be larger than lower"),
+        ("TSTOP 2 1 -1 100", "6:11: tstop 1: upper must be larger than lower, 1; read -1"),
         (
             "BUSHING 2 2 0 0 0 0 0 0 1 1 1 1 1 1",
             "6:11: bushing 1: I and J are both body 2; two bodies are needed",

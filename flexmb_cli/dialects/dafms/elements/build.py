@@ -110,7 +110,7 @@ class _Maker(ElementMaker):
         motion, axis = (ROTATION, freedom.value) if freedom.value <= 3 else (TRANSLATION, freedom.value - 3)
         free = hinge.rotations if motion == ROTATION else hinge.translations
         if axis not in free:
-            message = f"A = {freedom.value}: {motion} {axis} of this hinge is not free"
+            message = f"A = {freedom.value}: {motion} {axis} of this hinge is not free; {_freed(hinge)}"
             self.findings.error(record.subject, message, freedom.place, id="DAFMS-078")
             return None
         if motion == ROTATION and len(free) == 3:
@@ -173,6 +173,12 @@ class _Maker(ElementMaker):
         return owner, NodePoint(f"end {letter}", owner, place, shape)
 
 
+def _freed(hinge: Hinge) -> str:
+    """Return which values of A a hinge has, in words."""
+    found = [*hinge.rotations, *(axis + 3 for axis in hinge.translations)]
+    return f"free there: A = {', '.join(map(str, found))}" if found else "nothing is free there"
+
+
 def _start(tree: Any, elements: Any) -> Any:
     """Coordinates and speeds whose driven ones begin as their functions do."""
     q, y = np.array(tree.q, float), np.array(tree.y, float)
@@ -191,5 +197,5 @@ def _check_speeds(tree: Any, item: Coupling, findings: Any) -> None:
     """The speeds of Y(L) must fit a coupling."""
     rates = [factor * tree.y[_number(tree, body, name)] for body, name, factor in item.terms]
     if abs(sum(rates)) > COUPLED_RATE * max(map(abs, rates), default=0.0):
-        message = f"the speeds of Y(L) leave the rate {sum(rates):.3g} of a sum that must stay"
+        message = f"the speeds of Y(L) leave the rate {sum(rates):.3g} of a sum that must stay; change one"
         findings.error(item.name, message, item.place, id="DAFMS-085")

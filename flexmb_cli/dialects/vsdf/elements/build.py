@@ -149,7 +149,9 @@ def moved_pins(
     for record in values.section("support"):
         number = record.at("pin")
         if not 1 <= number.value <= len(values.section("pin")):
-            message = f"pin number {number.value} is outside 1..{len(values.section('pin'))}"
+            count = len(values.section("pin"))
+            message = f"pin number {number.value} is outside 1..{count}"
+            message = message if count else "there are no pins; a card PINN holds a node, which SUPP can move"
             findings.error(record.subject, message, number.place, id="VSDF-105")
         elif number.value in seen:
             message = f"{seen[number.value]} already moves this pin; remove one of them"

@@ -1,0 +1,71 @@
+"""A small mechanism for every card of functions and elements of VSDF decks, which acts on a driven motion."""
+
+import re
+from dataclasses import dataclass
+
+from tests.dialects.vsdf.test_elements import SLIDING, TWO_LINKS
+
+POWERS = (1.2, 0.9, -0.7)  # the motion is 1.2 t + 0.9 t² - 0.7 t³, rad or m
+DRIVEN = f"FUNC\n 90,POLY,0,{','.join(map(str, POWERS))}\n"
+SLOPES = "FUNC\n 5,POLY,0,0,0,40\n 6,POLY,0,0.3,0.1\n"
+VARIED = "FUNC\n 5,SPLI,0,0.3,0.1,1.1,0.2,0.8,0.3,0.4\n 6,SINE,0,2,9\n 7,SUM,5,6\n"
+WEIGHT = "GRAV\n 1.2,-9.81,0.4\n"
+SINE = "FUNC\n 5,SINE,0.1,0.8,9,0.4\n"
+# Body 2, pinned beside the slider, is moved by SUPP.
+HELD = SLIDING.replace(" 1,RIGD\n", " 1,RIGD\n 2,RIGD\n").replace("RIGI\n", "RIGI\n 2,1\n 1,1,1\n").replace(
+    "JOIN\n", " 2,1,0,0,0\nPOSI\n 2,1,0.4\nPINN\n 2,1,111,1,0.4,0\nJOIN\n"
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Case:
+    """A mechanism, its cards, and whether joint 1 is driven in its angle or its stroke."""
+
+    mechanism: str
+    cards: str
+    coordinate: int = 1
+
+    @property
+    def driver(self) -> str:
+        """Cards of the motion."""
+        return f"{DRIVEN}MOTN\n 1,{('ANGL', 'STRK')[self.coordinate - 1]},1,5,90\n"
+
+    @property
+    def motor(self) -> str:
+        """Cards that take the place of the motion: function 99 as effort, and the rate at the start."""
+        word = ("TMOT", "AMOT")[self.coordinate - 1]
+        return f"{word}\n 1,99\nRATE\n 1,{self.coordinate},{POWERS[0]}\n"
+
+
+def turned(cards: str) -> Case:
+    """An arm whose second link swings freely on the first, which is driven."""
+    return Case(TWO_LINKS, cards)
+
+
+def slid(cards: str) -> Case:
+    """A slider with weight."""
+    return Case(SLIDING, f"{WEIGHT}{cards}", 2)
+
+
+CASES = {
+    "FUNC": turned(f"{VARIED}TORQ\n 1,0,0,3,0,7\n"),
+    "SUPP": Case(HELD, f"{WEIGHT}FUNC\n 5,SINE,0,0.3,6\nSUPP\n 1,5,5,0\nLSPR\n 1,1,2,1,50,0.3\n", 2),
+    "TMOT": turned(f"{SINE}TMOT\n 2,5\n"),
+    "AMOT": slid(f"{SINE}AMOT\n 1,5\n"),
+    "TSPR": turned(f"{SLOPES}TSPR\n 1,8,0.1,0.4,1.6,5,6\n 2,6,0.2,0.3\n"),
+    "ASPR": slid(f"{SLOPES}ASPR\n 1,80,0.1,0.9,1.6,5,6\n"),
+    "TSTO": turned("TSTO\n 1,-1,-0.2,60,0.3\n"),
+    "ASTO": slid("ASTO\n 1,-1,-0.2,300,0.3\n"),
+    "LSPR": turned(f"{SLOPES}LSPR\n 0,3,2,3,30,1.2,0.5,4,5,6\n"),
+    "CABL": turned("CABL\n 0,3,2,3,80,1.2,0.2\n"),
+    "BUSH": turned("BUSH\n 0,3,2,3,9,16,25,0.6,0.9,1.6,0.5,0.6,0.7,0.2,0.3,0.4\n"),
+    "COUP": turned("COUP\n 1,1,1,2\n 1,2,1,3\n"),
+    "FRIC": turned("FRIC\n 1,0.2,0.25,0.5,1e-3,0.04,3\n 2,0.1,0.1,1,0.01,0.05\n"),
+    "RATE": turned("RATE\n 2,1,0.6\n"),
+    "OUTJ": turned("OUTJ\n 1\n"),
+}  # fmt: skip
+
+
+def without(word: str, case: Case) -> str:
+    """The cards of a case without the block of a word."""
+    return re.sub(rf"^{word}\n( .*\n)*", "", case.cards, flags=re.MULTILINE)

@@ -1,0 +1,73 @@
+"""Every card of functions and elements: driven runs against runs by their effort, by all integrators.
+
+The motion is a polynomial given in advance: no run is compared with itself.
+"""
+
+import functools
+
+import numpy as np
+import pytest
+
+from flexmb_cli.dialects.vsdf.elements.cards import ELEMENT_CARDS
+from flexmb_cli.dialects.vsdf.elements.splines import spline_cards
+from tests.dialects.vsdf.element_cases import CASES, POWERS, without
+from tests.dialects.vsdf.test_elements import rows_of
+
+pytestmark = pytest.mark.long_motion
+END, STEP = 0.2, 0.002  # s
+NEAR = {"RK45": 1e-8, "RAD5": 1e-8, "GALF": 2e-3}
+# What only starts or reports a motion.
+SILENT = {"RATE", "OUTJ"}
+
+
+def motion(t):
+    """The driven coordinate, and its rate."""
+    a, b, c = POWERS
+    return t * (a + t * (b + t * c)), a + t * (2 * b + t * 3 * c)
+
+
+def test_every_card_has_a_case():
+    assert set(CASES) == {card.word for card in ELEMENT_CARDS}
+
+
+@functools.cache
+def driven(word):
+    case = CASES[word]
+    return rows_of(case.mechanism, END, STEP, f"{case.cards}{case.driver}OUTJ\n 1")
+
+
+@pytest.mark.parametrize("word", CASES)
+def test_the_card_acts_on_the_driver(word):
+    """Without its block the effort is another one."""
+    case, given = CASES[word], driven(word)
+    if word in SILENT:
+        return
+    cards = without(word, case).replace("TORQ\n 1,0,0,3,0,7", "TORQ\n 1,0,0,3")
+    bare = rows_of(case.mechanism, END, END / 4, f"{cards}{case.driver}OUTJ\n 1")
+    same = np.searchsorted(given.time, bare.time - 1e-9)
+    assert np.max(np.abs(bare.driver_effort[:, 0] - given.driver_effort[same, 0])) > 1e-3
+
+
+@pytest.mark.parametrize("method", NEAR)
+@pytest.mark.parametrize("word", CASES)
+def test_the_effort_of_a_driven_run_gives_the_motion_back(word, method):
+    case, given, near = CASES[word], driven(word), NEAR[method]
+    points = list(zip(given.time.tolist(), given.driver_effort[:, 0].tolist(), strict=True))
+    cards = f"{case.cards}{spline_cards([(99, 'effort', points)])}{case.motor}OUTJ\n 1"
+    found = rows_of(case.mechanism, END, END / 4, cards, method)
+    same = np.searchsorted(given.time, found.time - 1e-9)
+    angle, rate = motion(found.time)
+    assert found.joint_coordinate[:, 0] == pytest.approx(angle, abs=near)
+    assert found.joint_rate[:, 0] == pytest.approx(rate, abs=10 * near)
+    assert found.joint_coordinate == pytest.approx(given.joint_coordinate[same], abs=2 * near)
+    assert found.element_effort == pytest.approx(given.element_effort[same], abs=1e3 * near)
+
+
+def test_a_motion_by_its_rate_needs_the_same_effort_as_by_itself():
+    """Law 6 with the derivative of the polynomial of law 5."""
+    a, b, c = POWERS
+    by_rate = f"FUNC\n 90,POLY,{a},{2 * b},{3 * c}\nMOTN\n 1,ANGL,1,6,90\nOUTJ\n 1"
+    found = rows_of(CASES["TSPR"].mechanism, END, END / 4, CASES["TSPR"].cards + by_rate)
+    given = driven("TSPR")
+    same = np.searchsorted(given.time, found.time - 1e-9)
+    assert found.driver_effort == pytest.approx(given.driver_effort[same], abs=1e-8)

@@ -1,0 +1,85 @@
+"""What results of VSDF and DAFMS decks hold of their elements: names, default curves, power and energy."""
+
+import h5py
+import numpy as np
+import pytest
+
+from flexmb_cli.results.figures.curves import default_quantities
+from flexmb_cli.results.quantities.quantities import names
+from flexmb_cli.run.deck import run_deck
+from flexmb_cli.run.outcome import RunOptions
+from tests.dialects.dafms.test_dafms_elements import HELD, TWO_LINKS, card, deck, function, integers, reals
+from tests.dialects.dafms.test_every_card import joined
+from tests.dialects.vsdf.test_elements import TWO_LINKS as VSDF_LINKS
+
+# Two links: the first driven by a sine, springs and friction at both hinges, a stop and a line spring.
+DRIVER = [function(1, 4, 0, 0.6, 3), card("PREF", integers(1, 3, 1, 0))]
+SECOND = [function(2, 4, 0.6, 0.6, 3, -1.5707963268), card("PREF", integers(2, 3, 2, 0))]
+ELEMENTS = [
+    card("HSPR", integers(2, 3) + reals(3, 1, 0.05)),
+    card("HSTO", integers(2, 3) + reals(-0.1, 0.1, 200, 0.1)),
+    card("LSPR", integers(0, 0, 2, 0, 0, 0), HELD, reals(30, 1.2, 0.5, 2)),
+    card("FRIC", integers(1) + reals(0.1, 0.12, 0.1, 0.01, 0.02, 1)),
+]
+LINKS = TWO_LINKS.replace("    5\n       0.1\n", "  400\n     0.001\n")
+DAFMS = deck(joined(DRIVER, ELEMENTS), LINKS)
+VSDF = (
+    f"{VSDF_LINKS}FUNC\n 1,SINE,0,0.6,3\nMOTN\n 1,ANGL,1,5,1\nTSPR\n 2,3,1,0.05\nTSTO\n 2,-0.1,0.1,200,0.1\n"
+    "LSPR\n 0,3,2,3,30,1.2,0.5,2\nFRIC\n 1,0.1,0.12,0.1,0.01,0.02,1\nINTG\n RK45\nTIME\n 0.4,0.001\nEND\n"
+    "STAR\nSTOP\n"
+)
+# In the order of results: name, unit of the coordinate, of the effort.
+WANTED = {
+    "DAFMS": ("hinge spring 1", "lspring 1", "hinge stop 1", "friction 1"),
+    "VSDF": ("tspring 1", "lspring 1", "tstop 1", "friction 1"),
+}
+TEXTS = {"DAFMS": DAFMS, "VSDF": VSDF}
+
+
+@pytest.fixture(params=TEXTS)
+def result(request, tmp_path):
+    path = tmp_path / f"x.{'DAT' if request.param == 'DAFMS' else 'vsdf'}"
+    path.write_text(TEXTS[request.param])
+    outcome = run_deck(str(path), RunOptions(folder=str(tmp_path)))
+    assert (outcome.exit_code, outcome.faults) == (0, [])
+    with h5py.File(tmp_path / "x.h5") as file:
+        yield request.param, file
+
+
+def integral(values, times):
+    """Simpson's rule over all rows."""
+    h = times[1] - times[0]
+    return h / 3 * (values[0:-2:2] + 4 * values[1:-1:2] + values[2::2]).sum()
+
+
+def test_elements_have_names_and_units_curves_and_an_energy_that_adds_up(result):
+    """The work of all other loads is that of the driver, and what dampers and friction take."""
+    dialect, file = result
+    found = [text.decode() for text in file["element/name"][:]]
+    assert tuple(found) == WANTED[dialect]
+    assert [text.decode() for text in file["element/unit"][:]] == ["rad", "m", "rad", "m"]
+    by_name = {one.name: one for one in names(file)}
+    for k, unit in enumerate(("N m", "N", "N m", "N"), 1):
+        assert by_name[f"element.{k}.effort"].unit == unit
+        assert {f"element.{k}.{what}" for what in ("coordinate", "rate", "power")} <= set(by_name)
+    drawn = {one.dataset for one in default_quantities(file)}
+    assert drawn >= {"coordinate/q", "element/effort", "driver/effort"}
+    assert set((file["element/effort"][:, 2] == 0.0).tolist()) == {True, False}
+    power = file["driver/effort"][:, 0] * file["coordinate/u"][:, 0] + file["element/power"][:].sum(axis=1)
+    work = file["energy/applied_work"]
+    assert integral(power, file["time"][:]) == pytest.approx(work[-1] - work[0], rel=1e-4)
+    assert np.ptp(file["energy/total"]) < 1e-7 * np.max(file["energy/kinetic"])
+
+
+def test_the_work_of_a_stop_is_found_where_nothing_is_free_to_move(tmp_path):
+    """Both hinges driven: the motion has no error, but steps of a tenth of a second step over the stop."""
+    path = tmp_path / "x.DAT"
+    path.write_text(deck(joined(DRIVER, SECOND, ELEMENTS), LINKS))
+    outcome = run_deck(str(path), RunOptions(folder=str(tmp_path)))
+    assert outcome.exit_code == 0
+    with h5py.File(tmp_path / "x.h5") as file:
+        power = (file["driver/effort"][:] * file["coordinate/u"][:]).sum(axis=1)
+        power += file["element/power"][:].sum(axis=1)
+        work = file["energy/applied_work"]
+        assert integral(power, file["time"][:]) == pytest.approx(work[-1] - work[0], abs=1e-5)
+        assert np.ptp(file["energy/total"]) < 1e-5
