@@ -3,7 +3,7 @@
 import os
 import re
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,6 +14,9 @@ from ..quick_dataclass import replace
 from ..run.outcome import Terminated
 from .terminal.screen import standard_output, tell
 from .terminal.written_place import WrittenPlace
+
+if TYPE_CHECKING:
+    from ..deck.questions import Question
 
 # The dialects that have a dialogue, and the decks that it writes.
 _NAMES = {each.name: each.new_name for each in reversed([*every_dialect()]) if each.form}
@@ -139,7 +142,7 @@ class _Talk:
     def ask(self, question: Any) -> Any:
         """The answer to `question` as typed."""
         if not self.at_terminal:
-            return self._next_line()
+            return self._next_line(question)
         if question.first == 0:
             click.echo(f"\n{question.entry.subject}", err=True)
         click.echo(f"  {question.text}", err=True)
@@ -150,12 +153,14 @@ class _Talk:
                 return input(f"  {question.prompt}")
             # input() would write its question into a redirected standard output.
             click.echo(f"  {question.prompt}", nl=False, err=True)
-            return self._next_line()
+            return self._next_line(question)
         except EOFError:
             return self.stop("end of input")
 
-    def _next_line(self) -> Any:
+    def _next_line(self, question: "Question") -> str:
         line = sys.stdin.readline()
+        if not line and question.entry.optional and not self.at_terminal:
+            return ""
         if not line:
             self.stop("the answers end before the deck is complete")
         self.lines.append(line.rstrip("\r\n"))

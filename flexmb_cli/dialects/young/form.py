@@ -8,11 +8,13 @@ from collections.abc import Sequence
 
 from ...deck import number
 from ...deck.questions import INTEGER, REAL, TEXT, Cell, Entry
-from ...deck.record import Record
+from ...deck.record import Number, Record
 from ...errors import Fault
 from .build import faults_of_last
 from .equation_count import imbalance
 from .sections import COUNTS, YOUNG_SECTIONS, Column, Section
+from .shape_cards import SHAPE_CARDS
+from .shapes import faults_of_shape
 
 MOST = 1000
 """Largest count that is asked for one by one; a deck beyond it is a program's work."""
@@ -21,6 +23,14 @@ MOST = 1000
 _ZERO = {"x", "y", "z", "e1", "e2", "e3", "C", "A", "value", "alpha", "beta", "gamma", "start"}
 _ZERO |= {f"P_{side}.{axis}" for side in "ij" for axis in "xyz"}
 _DEFAULTS = {**dict.fromkeys(_ZERO, "0"), "e0": "1"}
+_GEOM = SHAPE_CARDS[0]
+_SHAPES = Entry(
+    "shapes",
+    0,
+    "shapes for pictures",
+    (Cell("GEOM", "number of shapes, 0: lines between joints", letter=INTEGER, default="0"),),
+    optional=True,
+)
 _TITLE = Entry("title", 0, "title", (Cell("text", "one line on the mechanism", letter=TEXT, default=""),))
 
 
@@ -36,6 +46,8 @@ class YoungForm:
         for section in YOUNG_SECTIONS[1:] if counts else ():
             numbers = range(1, counts[section.count] + 1) if section.count else [0]
             entries += [_entry(section, k, values) for k in numbers]
+        if counts:
+            entries += [_SHAPES, *(_shape_entry(k) for k in range(1, _number_of_shapes(values) + 1))]
         return entries
 
     def faults(self, records: Sequence[Record], complete: bool) -> list[Fault]:
@@ -45,6 +57,10 @@ class YoungForm:
             return _faults_of_title(last)
         if last.section == "counts":
             return _faults_of_counts(last, complete)
+        if last.section == "shapes":
+            return _outside(last.numbers[0], 0, "shapes")
+        if last.section == _GEOM.section:
+            return faults_of_shape(last, records[1]["NBODY"]) if complete else []
         return faults_of_last(records[2:], records[1]["NBODY"], complete)
 
     def lines(self, records: Sequence[Record]) -> list[tuple[str, str]]:
@@ -53,13 +69,17 @@ class YoungForm:
         lines = [(f"{{ {title} }}", records[0].prefix)] if title else []
         lines.append(("{ Lengths in m, angles in rad, times in s; points in the axes of their body. }", ""))
         section = ""
+        shapes = [record for record in records if record.section == _GEOM.section]
         for record in records[1:]:
+            if record.section in (_SHAPES.section, _GEOM.section):
+                continue
             if record.section != section:
                 section = record.section
                 kind = record.subject.removesuffix(f" {record.number}")
                 lines.append((f"{{ {kind}: {' '.join(n.key for n in record.numbers)} }}", ""))
             lines.append((" ".join(n.text for n in record.numbers), record.prefix))
-        return lines
+        cards = [(" ".join([_GEOM.keyword, *(n.text for n in r.numbers)]), r.prefix) for r in shapes]
+        return [*lines, ("GEOMETRY", ""), *cards, ("END", "")] if shapes else lines
 
 
 def _counts(values: dict[str, str]) -> dict[str, int]:
@@ -69,6 +89,25 @@ def _counts(values: dict[str, str]) -> dict[str, int]:
     except (KeyError, number.Misspelt):
         return {}
     return counts if max(counts.values()) <= MOST else {}
+
+
+def _number_of_shapes(values: dict[str, str]) -> int:
+    """Return how many shapes are to be asked for: none before the number is known and sensible."""
+    try:
+        count = number.integer(values["shapes.GEOM"])[0]
+    except (KeyError, number.Misspelt):
+        return 0
+    return count if count <= MOST else 0
+
+
+def _shape_entry(k: int) -> Entry:
+    given = len(_GEOM.columns) - _GEOM.optional
+    cells = (
+        Cell(column.key, column.meaning, column.unit, INTEGER if column.is_integer else REAL,
+             None if at < given else "0")
+        for at, column in enumerate(_GEOM.columns)
+    )  # fmt: skip
+    return Entry(_GEOM.section, k, f"shape {k}", tuple(cells))
 
 
 def _entry(section: Section, k: int, values: dict[str, str]) -> Entry:
@@ -92,13 +131,17 @@ def _faults_of_title(record: Record) -> list[Fault]:
     return [Fault("error", message, record.place, "title", id="YOUNG-027")] if brace else []
 
 
+def _outside(count: Number, least: int, subject: str) -> list[Fault]:
+    if least <= count.value <= MOST:
+        return []
+    message = f"{count.key} must be within {least}..{MOST}; read {count.text}"
+    return [Fault("error", message, count.place, subject, id="YOUNG-028")]
+
+
 def _faults_of_counts(record: Record, complete: bool) -> list[Fault]:
-    faults = []
+    faults: list[Fault] = []
     for count in record.numbers:
-        least = 1 if count.key == "NBODY" else 0
-        if not least <= count.value <= MOST:
-            message = f"{count.key} must be within {least}..{MOST}; read {count.text}"
-            faults.append(Fault("error", message, count.place, "counts", id="YOUNG-028"))
+        faults += _outside(count, 1 if count.key == "NBODY" else 0, "counts")
     if complete and not faults:
         wrong = imbalance({n.key: n.value for n in record.numbers})
         faults = [Fault("error", wrong, record.place, "counts", id="YOUNG-029")] if wrong else []
