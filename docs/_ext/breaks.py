@@ -3,6 +3,7 @@
 import re
 
 _WORD = re.compile(r'<span class="pre">([^<]*)</span>')
+_IDENTIFIER = re.compile(r"<td><p>([A-Z]+-[0-9]{3})</p></td>")  # of a message
 LONGEST_WHOLE = 28  # of an option or an identifier that is kept on one line, characters
 
 
@@ -14,7 +15,8 @@ def setup(app):
 
 def _mark(app, pagename, templatename, context, doctree):
     if "body" in context:
-        context["body"] = _WORD.sub(_marked, context["body"])
+        body = _IDENTIFIER.sub(r'<td><p class="whole">\1</p></td>', context["body"])
+        context["body"] = _WORD.sub(_marked, body)
 
 
 def _marked(found):
