@@ -13,7 +13,7 @@ from flexmb_cli import __version__  # noqa: E402
 project = "flexmb"
 author = "flexmb developers"
 release = version = __version__
-extensions = ["myst_parser", "sphinx_design", "sphinx_click", "mathml", "sphinx.ext.autodoc"]
+extensions = ["myst_parser", "sphinx_design", "sphinx_click", "mathml", "breaks", "sphinx.ext.autodoc"]
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 3
 html_theme = "furo"

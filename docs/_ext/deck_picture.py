@@ -1,9 +1,12 @@
-"""Draw the picture of a deck in the gallery from its result: the mechanism at some instants, and curves."""
+"""Draw the pictures of a deck in the gallery from its result: the mechanism at some instants, and curves."""
 
+import textwrap
 from pathlib import Path
 
 import h5py
 import numpy as np
+
+from flexmb_cli.results.figures.film import FilmLook
 
 INSTANTS = 7  # of the mechanism
 PANELS = 2  # of curves
@@ -11,33 +14,73 @@ MOST_ROWS = 1500  # of a curve
 MARGIN = 1.15  # of half the size of the mechanism
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 GROUND_COLOUR = "#999999"
+DOTS = 110  # an inch
+LABEL, LEGEND = 34, 1  # letters of a line of a label; curves of one row of a legend
+FRAME = FilmLook(560, 480, 1)
 
 
-def draw(result: Path, picture: Path) -> None:
-    """Draw the mechanism on the left, curves on the right; the mechanism alone where nothing moves."""
+def draw(result: Path, mechanism: Path, curves: Path) -> bool:
+    """Draw the mechanism and its curves; return False, and draw no curves, where nothing moves."""
     import matplotlib
 
     matplotlib.use("Agg")
+    with h5py.File(result) as file:
+        if _has_surfaces(file):
+            _film_frame(file, mechanism)
+        else:
+            _lines(file, mechanism)
+        drawn = _panels(file, str(result))
+        if drawn:
+            _curves(drawn, curves)
+    return bool(drawn)
+
+
+def _has_surfaces(file):
+    cells = "elastic" in file and any("cell" in body for body in file["elastic"].values())
+    return cells or "shape" in file
+
+
+def _film_frame(file, picture):
+    """A frame of the film of `flexmb report --movie`: surfaces with stresses and shapes."""
+    from matplotlib import image
+
+    from flexmb_cli.results.figures.film import film_frames
+
+    *_, frame = (frame for _, frame in zip(range(3), film_frames(file, FRAME), strict=False))
+    image.imsave(picture, frame, metadata={"Software": None})
+
+
+def _lines(file, picture):
     from matplotlib import pyplot
 
+    figure = pyplot.figure(figsize=(4.2, 3.6), layout="constrained")
+    _draw_mechanism(figure.add_subplot(projection="3d"), file)
+    figure.savefig(picture, dpi=DOTS, metadata={"Software": None})
+    pyplot.close(figure)
+
+
+def _panels(file, name):
     from flexmb_cli.results.figures.curves import Source, default_quantities, panels
     from flexmb_cli.results.quantities.quantities import resolve
 
-    with h5py.File(result) as file:
-        quantities = default_quantities(file)
-        rows = slice(0, len(file["time"]), max(1, len(file["time"]) // MOST_ROWS))
-        time = resolve(file, ["time"], str(result))[0]
-        source = Source("", file, rows, time, quantities, energies_change=True)
-        curves = panels([source])[:PANELS] if quantities else []
-        figure = pyplot.figure(figsize=(9.5, 3.4) if curves else (4.5, 3.4), layout="constrained")
-        grid = figure.add_gridspec(
-            max(1, len(curves)), 2 if curves else 1, width_ratios=(1, 1.5) if curves else (1,)
-        )
-        _draw_mechanism(figure.add_subplot(grid[:, 0], projection="3d"), file)
-        for k, panel in enumerate(curves):
-            _draw_curves(figure.add_subplot(grid[k, 1]), panel, k == len(curves) - 1)
-        figure.savefig(picture, dpi=100, metadata={"Software": None})
-        pyplot.close(figure)
+    quantities = default_quantities(file)
+    rows = slice(0, len(file["time"]), max(1, len(file["time"]) // MOST_ROWS))
+    time = resolve(file, ["time"], name)[0]
+    source = Source("", file, rows, time, quantities, energies_change=True)
+    return panels([source])[:PANELS] if quantities else []
+
+
+def _curves(drawn, picture):
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(
+        len(drawn), squeeze=False, sharex=True, figsize=(6.0, 1.1 + 2.5 * len(drawn)), layout="constrained"
+    )
+    for axis, panel in zip(axes[:, 0], drawn, strict=True):
+        _draw_curves(axis, panel)
+    axes[-1, 0].set_xlabel(drawn[-1].x_label)
+    figure.savefig(picture, dpi=DOTS, metadata={"Software": None})
+    pyplot.close(figure)
 
 
 def _draw_mechanism(axes, file):
@@ -61,26 +104,19 @@ def _draw_mechanism(axes, file):
     axes.set(**{f"{x}lim": (m - half, m + half) for x, m in zip("xyz", middle, strict=True)})
     axes.set_box_aspect(None, zoom=1.05)
     axes.view_init(elev=22, azim=-60)
-    axes.tick_params(labelsize=5, pad=-4)
+    axes.tick_params(labelsize=8, pad=-3)
     axes.locator_params(nbins=4)
     for x in "xyz":
-        getattr(axes, f"set_{x}label")(x, fontsize=7, labelpad=-9)
+        getattr(axes, f"set_{x}label")(f"{x} [m]", fontsize=9, labelpad=-7)
 
 
-def _draw_curves(axes, panel, lowest):
+def _draw_curves(axis, panel):
     for k, curve in enumerate(panel.curves):
-        axes.plot(
-            curve.x,
-            curve.y,
-            label=curve.label,
-            color=COLOURS[k % len(COLOURS)],
-            lw=1,
-            ls="-" if k < 6 else "--",
-        )
-    axes.set_ylabel(panel.y_label, fontsize=8)
-    axes.tick_params(labelsize=7)
-    axes.grid(True, lw=0.4, color="#cccccc")
+        look = {"color": COLOURS[k % len(COLOURS)], "ls": "-" if k < len(COLOURS) else "--"}
+        axis.plot(curve.x, curve.y, label=curve.label, lw=1.2, **look)
+    axis.set_ylabel(textwrap.fill(panel.y_label, LABEL))
+    axis.grid(True, lw=0.4, color="#cccccc")
     if len(panel.curves) > 1:
-        axes.legend(fontsize=6, loc="center left", bbox_to_anchor=(1.0, 0.5))
-    if lowest:
-        axes.set_xlabel(panel.x_label, fontsize=8)
+        rows = 2 if len(panel.curves) > LEGEND else 1
+        columns = min(2, -(-len(panel.curves) // rows))
+        axis.legend(fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns, frameon=False)

@@ -104,9 +104,16 @@ def _text(node):
     return "…"
 
 
+def _row(path: Path, call: ast.Call, around: ast.AST) -> str:
+    """Return the words, and the file where none of them is known."""
+    text = words(call, around)
+    known = any(letter.isalpha() for letter in text)
+    return text if known else f"{text} (from `{path.relative_to(PACKAGE).as_posix()}`)"
+
+
 def page() -> str:
     """Return the text of the page."""
-    found = {identifier(call): words(call, around) for _, call, around in makers() if identifier(call)}
+    found = {identifier(call): _row(*each) for each in makers() if identifier(call := each[1])}
     rows = (f"| {name} | {text.replace('|', chr(92) + '|')} |\n" for name, text in sorted(found.items()))
     gone = (f"| {name} | {successor} |\n" for name, successor in sorted(RETIRED.items()))
     return HEAD + "".join(rows) + TAIL + "".join(gone)

@@ -17,7 +17,7 @@ PUBLISHED = TOP / "tests" / "published"
 # Pictures of the tutorial: deck, quantities, other options, file.
 FIGURES = [
     ("young/IN4-BAR.dat", ["body.3.velocity"], [], "four-bar-velocity.svg"),
-    ("young/IN4-BAR.dat", ["point.1.z"], ["--x", "point.1.y"], "four-bar-path.png"),
+    ("young/IN4-BAR.dat", ["point.1.z"], ["--x", "point.1.y", "--width", "80"], "four-bar-path.png"),
     ("dafms/two_link_n2.DAT", ["elastic.1.node2.z", "elastic.2.node2.z"], [], "two-link-tips.svg"),
     ("vsdf/pendulum.vsdf", ["point.1.position"], [], "pendulum.svg"),
 ]
@@ -26,8 +26,11 @@ FIGURES = [
 def figures() -> None:
     """Draw the pictures of the tutorial."""
     results = solved([TOP / "decks" / deck for deck, *_ in FIGURES])
+    smooth = TOP / "decks/young/IN4-BAR.dat"
+    paths = solved([smooth], "--set", "time.step=0.01")
     for deck, names, options, target in FIGURES:
-        flexmb("plot", results[TOP / "decks" / deck], *names, *options, "-q", "-o", PICTURES / target)
+        found = paths[smooth] if "--x" in options else results[TOP / "decks" / deck]
+        flexmb("plot", found, *names, *options, "-q", "-o", PICTURES / target)
 
 
 def sources() -> None:

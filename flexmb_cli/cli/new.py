@@ -17,6 +17,7 @@ from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
     from ..deck.dialogue import Form
+    from ..deck.questions import Question
 
 # The dialects that have a dialogue, and the decks that it writes.
 _NAMES = {each.name: each.new_name for each in reversed([*every_dialect()]) if each.form}
@@ -148,7 +149,7 @@ class _Talk:
     def ask(self, question: Any) -> Any:
         """The answer to `question` as typed."""
         if not self.at_terminal:
-            return self._next_line()
+            return self._next_line(question)
         if question.first == 0:
             click.echo(f"\n{question.entry.subject}", err=True)
         click.echo(f"  {question.text}", err=True)
@@ -159,16 +160,19 @@ class _Talk:
                 return input(f"  {question.prompt}")
             # input() would write its question into a redirected standard output.
             click.echo(f"  {question.prompt}", nl=False, err=True)
-            return self._next_line()
+            return self._next_line(question)
         except EOFError:
             return self.stop("end of input")
 
-    def _next_line(self) -> Any:
+    def _next_line(self, question: "Question") -> str:
         line = sys.stdin.readline()
+        if not line and question.entry.optional and not self.at_terminal:
+            return ""
         if not line:
             self.stop("the answers end before the deck is complete")
-        self.lines.append(line.rstrip("\r\n"))
-        return self.lines[-1]
+        answer = line.rstrip("\r\n")
+        self.lines.append(answer)
+        return answer
 
     def take(self, question: Any, line: Any) -> None:
         """Obey a command, or give the answer to the machine; the draft follows every change."""

@@ -40,12 +40,16 @@ class Cell:
 
 @dataclass(frozen=True)
 class Entry:
-    """A record that is asked for; `number` counts within the section, 0 where there is one a deck."""
+    """A record that is asked for; `number` counts within the section, 0 where there is one a deck.
+
+    `optional`: at the end of a pipe of answers it is answered by what Enter gives.
+    """
 
     section: str
     number: int
     subject: str
     cells: tuple[Cell, ...]
+    optional: bool = False
 
     @property
     def prefix(self) -> str:

@@ -1,13 +1,15 @@
 """Cards of shapes, the same in all dialects: primitives by their sizes, and STL files, on rigid bodies."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..deck.record import Record
+from ..deck.record import Deck, Record
+from ..deck.records import DeckValues
 from ..fe.formats.matrix_file import FEFileFault
 from ..fe.formats.stl import read_stl
 from ..model.diagnostics import Findings
+from ..model.exchange.shapes import RigidShape
 from ..model.shapes import Shape, fault_of_sizes, moved, primitive
 from ..quick_dataclass import dataclass
 
@@ -68,6 +70,23 @@ def stl_shape_of(record: Record, keys: Keys, folder: Path, findings: Findings) -
         findings.error(record.subject, str(fault), name.place, id=fault.id)
         return None
     return Shape(record[keys.body], moved(unit.value * vertices, *_placed(record, keys)), triangles)
+
+
+def rigid_shapes(
+    values: Deck | DeckValues, keys: Keys, kind_of: Callable[[Record], str]
+) -> tuple[RigidShape, ...]:
+    """Return the shapes of a deck's cards as they are, bodies counted from 0 and the ground -1."""
+    found = []
+    for record in values.section("shape"):
+        sizes, (offset, angles) = _three(record, keys.sizes), _placed(record, keys)
+        found.append(RigidShape(record[keys.body] - 1, kind_of(record), sizes, offset, angles))
+    for record in values.section("shape_file"):
+        offset, angles = _placed(record, keys)
+        place = {"offset": offset, "angles": angles}
+        found.append(
+            RigidShape(record[keys.body] - 1, "", **place, file=str(record["file"]), unit=record["unit"])
+        )
+    return tuple(found)
 
 
 def _placed(record: Any, keys: Any) -> Any:

@@ -91,6 +91,11 @@ def moved(vertices: np.ndarray, offset: Vector, angles: Vector) -> np.ndarray:
     return np.column_stack([x + offset[0], y + offset[1], z + offset[2]]) + 0.0
 
 
+def turning(angles: Vector) -> np.ndarray:
+    """Return the rotation matrix (3, 3) of angles about the fixed axes x, y, z in turn."""
+    return moved(np.eye(3), (0.0, 0.0, 0.0), angles).T
+
+
 def _box(sizes: Any) -> Any:
     corners = ((-1, -1), (1, -1), (1, 1), (-1, 1))
     vertices = np.array([(x, y, z) for z in (-1, 1) for x, y in corners]) * (np.array(sizes) / 2)

@@ -116,6 +116,7 @@ def test_a_dialogue_at_a_terminal_with_a_slip_help_and_a_way_back(tmp_path):
     ):
         terminal.expect(subject)
         terminal.say(": ", line)
+    terminal.say("GEOM: number of shapes", "")
     terminal.expect("IN-T.dat: written")
     assert terminal.exit_code() == 0
     assert numbers_of(tmp_path / "IN-T.dat") == numbers_of(FOUR_BAR)
@@ -152,7 +153,7 @@ def test_what_cannot_be_assembled_is_asked_for_again(tmp_path):
     lines = answers()
     far = "2 3 0 -600.10 0 0 -3.70 0"  # a coupler of 600 m between links of some metres
     wrong = [far if line.startswith("2 3 0 -6.10") else line for line in lines]
-    for line in wrong:
+    for line in [*wrong, ""]:
         terminal.say(": ", line)
     terminal.expect("error: ")
     terminal.expect("joint 1\r\n")
@@ -186,6 +187,20 @@ def test_a_pipe_of_answers_gives_a_deck_that_check_accepts(tmp_path):
     check = [sys.executable, "-m", "flexmb_cli", "check", "-"]
     checked = subprocess.run(check, input=done.stdout, capture_output=True, text=True, timeout=120)
     assert (checked.returncode, checked.stderr) == (0, "")
+
+
+def test_shapes_are_asked_for_behind_the_time_and_become_cards(tmp_path):
+    """In a pipe they may be left out: the other tests end with the line of the time."""
+    lines = [*answers(), "2", "2 3 0.25 12.2 0.2", *4 * [""], "0 6 1 2 3 0 0 -3 0 0 0.5"]
+    done = piped(lines=lines, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "shape 2: shape must be within 1..5, box, cylinder, tube, cone, sphere" in done.stderr
+    lines[-1:] = ["0 1 1 2 3", "0 0 -3 0 0 0.5"]
+    assert piped(lines=lines, cwd=tmp_path).returncode == 0
+    text = (tmp_path / "IN-NEW.dat").read_text()
+    assert text.endswith("GEOMETRY\nGEOM 2 3 0.25 12.2 0.2 0 0 0 0 0 0\nGEOM 0 1 1 2 3 0 0 -3 0 0 0.5\nEND\n")
+    (tmp_path / "plain.dat").write_text(text[: text.index("GEOMETRY")])
+    assert numbers_of(tmp_path / "plain.dat") == numbers_of(FOUR_BAR)
 
 
 def test_a_title_in_another_character_code_does_not_end_the_dialogue(tmp_path):

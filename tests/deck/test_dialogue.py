@@ -48,10 +48,10 @@ def numbers_of(deck):
 def test_a_supplied_deck_typed_in_reads_back_to_the_same_numbers(path):
     dialogue = Dialogue(YoungForm())
     for line in answers_of(path):
-        if dialogue.question is None:
+        if dialogue.question.entry.section == "shapes":
             break  # prose behind dT
         assert errors(dialogue.answer(line)) == [], line
-    assert dialogue.question is None
+    assert errors(dialogue.answer("")) == [] and dialogue.question is None
     deck = deck_of(dialogue)
     assert numbers_of(deck) == numbers_of(read_deck(read_text(path)))
     assert deck.warnings == ()

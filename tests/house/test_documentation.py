@@ -30,8 +30,10 @@ def transcripts(page):
     """Commands of all console blocks of a page in order, each with the lines shown below it."""
     for block in re.findall(r"```console\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL):
         for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
-            command, *shown = part.rstrip("\n").split("\n")
-            yield command, shown
+            lines = part.rstrip("\n").split("\n")
+            # A long command goes on behind a stroke at the end of its line.
+            end = 1 + next(n for n, line in enumerate(lines) if not line.endswith("\\"))
+            yield "\n".join(lines[:end]), lines[end:]
 
 
 def newcomer(folder):

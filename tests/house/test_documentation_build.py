@@ -10,10 +10,14 @@ TOP = Path(__file__).resolve().parents[2]
 DOCS = TOP / "docs"
 sys.path.insert(0, str(DOCS / "_ext"))
 
+import breaks  # noqa: E402
+import deck_picture  # noqa: E402
 import deck_runs  # noqa: E402
 import gallery  # noqa: E402
 import links  # noqa: E402
 import pictures  # noqa: E402
+
+from flexmb_cli import solve  # noqa: E402
 
 DECKS = [
     deck for where, pattern in gallery.FOLDERS.values() for deck in (TOP / "decks" / where).glob(pattern)
@@ -51,6 +55,26 @@ def test_the_gallery_has_every_supplied_deck():
     assert len(DECKS) == len(supplied) >= 52 and set(DECKS) == set(supplied)
 
 
+def test_a_body_that_turns_about_its_origin_has_curves(tmp_path):
+    """IN1-4-1: its origin rests, its point moves on a circle; IN1-1-1 rests as a whole."""
+    pictures_of = {}
+    for name in ("IN1-4-1", "IN1-1-1"):
+        solve(TOP / "decks/young" / f"{name}.dat").save(tmp_path / f"{name}.h5")
+        paths = tmp_path / f"{name}.png", tmp_path / f"{name}-curves.png"
+        moves = deck_picture.draw(tmp_path / f"{name}.h5", *paths)
+        pictures_of[name] = moves, *(path.exists() for path in paths)
+    assert pictures_of == {"IN1-4-1": (True, True, True), "IN1-1-1": (False, True, False)}
+
+
+def test_file_names_may_break_behind_strokes_and_options_not_at_all():
+    body = '<span class="pre">tests/fe/a.py</span> <span class="pre">--set</span>'
+    context = {"body": body}
+    breaks._mark(None, "page", "page.html", context, None)
+    assert context["body"] == (
+        '<span class="pre">tests/<wbr>fe/<wbr>a.py</span> <span class="pre whole">--set</span>'
+    )
+
+
 def test_a_changed_deck_or_finite_element_file_has_another_digest(tmp_path):
     file = tmp_path / "a"
     file.write_text("1")
@@ -63,10 +87,14 @@ def test_a_changed_deck_or_finite_element_file_has_another_digest(tmp_path):
 def test_every_figure_of_a_page_is_drawn_by_the_build_after_its_command(page):
     """The pictures of the build are those of `pictures.FIGURES`, each below a `flexmb plot` that is shown."""
     drawn = {target for *_, target in pictures.FIGURES}
+    in_gallery = {f"{deck.stem}{deck.suffix.lower()}.png": deck.name for deck in DECKS}
     text = page.read_text(encoding="utf-8")
     for match in re.finditer(r"\{(?:figure|image)\} (\S+)", text):
         name = Path(match[1]).name
-        assert name == "four-bar.gif" or (name in drawn and "flexmb plot" in text[: match.start()]), match[0]
+        before = text[: match.start()]
+        of_command = name in drawn and "flexmb plot" in before
+        of_deck = name in in_gallery and in_gallery[name] in before and "flexmb report" in before
+        assert name == "four-bar.gif" or of_command or of_deck, match[0]
 
 
 def test_what_a_page_includes_is_linked_for_readers_of_the_files():

@@ -2,10 +2,12 @@
 
 from typing import Any
 
+from ...deck.record import Deck
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
+from ...model.exchange.shapes import RigidShape
 from ...model.shapes import KINDS, Shape
-from ..body_shapes import Keys, on_rigid_body, primitive_of
+from ..body_shapes import Keys, on_rigid_body, primitive_of, rigid_shapes
 
 _KEYS = Keys("K", ("SA", "SB", "SC"), ("SO1", "SO2", "SO3"), ("SW1", "SW2", "SW3"))
 
@@ -20,6 +22,11 @@ def build_shapes(values: DeckValues, findings: Findings) -> tuple[Shape, ...]:
         if on_rigid_body(record, _KEYS, rigid, findings)
     )
     return tuple(shape for shape in found if shape is not None)
+
+
+def exchanged_shapes(deck: Deck) -> tuple[RigidShape, ...]:
+    """Return the shapes with the numbers of their entries, for other dialects."""
+    return rigid_shapes(DeckValues(deck), _KEYS, lambda record: KINDS[record["IS"] - 1])
 
 
 def _shape(record: Any, findings: Any) -> Any:

@@ -2,11 +2,13 @@
 
 from pathlib import Path
 
+from ...deck.record import Deck
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
+from ...model.exchange.shapes import RigidShape
 from ...model.fe_model import VsdfBody
 from ...model.shapes import BOX, CONE, CYLINDER, SPHERE, TUBE, Shape
-from ..body_shapes import Keys, on_rigid_body, primitive_of, stl_shape_of
+from ..body_shapes import Keys, on_rigid_body, primitive_of, rigid_shapes, stl_shape_of
 from .cards import SHAPES
 
 _KINDS = dict(zip(SHAPES, (BOX, CYLINDER, TUBE, CONE, SPHERE), strict=True))
@@ -28,3 +30,8 @@ def build_shapes(
         if on_rigid_body(record, keys, rigid, findings)
     ]
     return tuple(shape for shape in found if shape is not None)
+
+
+def exchanged_shapes(deck: Deck) -> tuple[RigidShape, ...]:
+    """Return the shapes with the numbers of their cards, for other dialects."""
+    return rigid_shapes(deck, Keys(), lambda record: _KINDS[str(record["shape"])])

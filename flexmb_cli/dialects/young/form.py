@@ -8,12 +8,14 @@ from collections.abc import Sequence
 
 from ...deck import number
 from ...deck.questions import INTEGER, MOST_ASKED, REAL, TITLE_ENTRY, Cell, Entry
-from ...deck.record import Record
+from ...deck.record import Number, Record
 from ...errors import Fault
 from .build import faults_of_last
 from .equation_count import imbalance
 from .form_cards import OPENING, OPENING_ENTRY, card_entries, card_lines, faults_of_card, is_card
+from .form_shapes import GEOM, SHAPES_ENTRY, shape_entries, shape_lines
 from .sections import COUNTS, YOUNG_SECTIONS, Column, Section
+from .shapes import faults_of_shape
 
 # Where an empty answer is sensible: joint points and frames at the origin, at rest and not turned.
 _ZERO = {"x", "y", "z", "e1", "e2", "e3", "C", "A", "value", "alpha", "beta", "gamma", "start"}
@@ -35,7 +37,9 @@ class YoungForm:
         for section in YOUNG_SECTIONS[1:] if counts else ():
             numbers = range(1, counts[section.count] + 1) if section.count else [0]
             entries += [_entry(section, k, values) for k in numbers]
-        return [*entries, *card_entries(values)] if counts and with_cards else entries
+        if counts:
+            entries += card_entries(values) if with_cards else shape_entries(values)
+        return entries
 
     def faults(self, records: Sequence[Record], complete: bool) -> list[Fault]:
         """Faults and doubts that the last record brings in."""
@@ -47,8 +51,12 @@ class YoungForm:
             return _faults_of_counts(last, complete and len(records) == 2)
         if last.section == OPENING:
             return []
+        if last.section == SHAPES_ENTRY.section:
+            return _outside(last.numbers[0], 0, "shapes")
         first = next(k for k, record in enumerate(records) if record.section == "counts")
         bodies = records[first]["NBODY"]
+        if last.section == GEOM.section and first == 1:
+            return faults_of_shape(last, bodies) if complete else []
         if is_card(last):
             return faults_of_card(last, bodies)
         return faults_of_last(records[first + 1 :], bodies, complete)
@@ -60,14 +68,14 @@ class YoungForm:
         lines.append(("{ Lengths in m, angles in rad, times in s; points in the axes of their body. }", ""))
         section = ""
         for record in records[1:]:
-            if is_card(record):
+            if is_card(record) or record.section == SHAPES_ENTRY.section:
                 continue
             if record.section != section:
                 section = record.section
                 kind = record.subject.removesuffix(f" {record.number}")
                 lines.append((f"{{ {kind}: {' '.join(n.key for n in record.numbers)} }}", ""))
             lines.append((" ".join(n.text for n in record.numbers), record.prefix))
-        return [*lines, *card_lines(records)]
+        return [*lines, *(card_lines(records) if records[1].section == OPENING else shape_lines(records))]
 
 
 class YoungFormWithCards(YoungForm):
@@ -106,13 +114,17 @@ def _faults_of_title(record: Record) -> list[Fault]:
     return [Fault("error", message, record.place, "title", id="YOUNG-027")] if brace else []
 
 
+def _outside(count: Number, least: int, subject: str) -> list[Fault]:
+    if least <= count.value <= MOST_ASKED:
+        return []
+    message = f"{count.key} must be within {least}..{MOST_ASKED}; read {count.text}"
+    return [Fault("error", message, count.place, subject, id="YOUNG-028")]
+
+
 def _faults_of_counts(record: Record, complete: bool) -> list[Fault]:
-    faults = []
+    faults: list[Fault] = []
     for count in record.numbers:
-        least = 1 if count.key == "NBODY" else 0
-        if not least <= count.value <= MOST_ASKED:
-            message = f"{count.key} must be within {least}..{MOST_ASKED}; read {count.text}"
-            faults.append(Fault("error", message, count.place, "counts", id="YOUNG-028"))
+        faults += _outside(count, 1 if count.key == "NBODY" else 0, "counts")
     if complete and not faults:
         wrong = imbalance({n.key: n.value for n in record.numbers})
         faults = [Fault("error", wrong, record.place, "counts", id="YOUNG-029")] if wrong else []

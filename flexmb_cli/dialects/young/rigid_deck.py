@@ -7,8 +7,10 @@ import numpy as np
 from ...errors import Fault, ModelError
 from ...model.exchange.functions import constant, points_of, polynomial_of, simple, value_of, without_jumps
 from ...model.exchange.rigid_model import ALPHA, RADAU, Refusals, RigidModel, across
+from ...model.exchange.shapes import RigidShape, notes_of
 from ...model.joints import ANGLE, JOINT_TYPES
 from ...model.mechanism import GROUND
+from ...model.shapes import KINDS
 from ...model.time_functions import SINE
 from .build_dynamics import LEAST_TOLERANCE, MOST_TOLERANCE
 from .sections import COUNT_OF, COUNTS
@@ -30,7 +32,7 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     ]
     if faults:
         raise ModelError(faults)
-    notes = [title, f"Units: {units}", *model.notes]
+    notes = [title, f"Units: {units}", *model.notes, *notes_of(model.shapes)]
     head = [f"{{ {note.replace('{', '(').replace('}', ')')} }}" for note in notes]
     return "\n".join([*head, *lines, ""])
 
@@ -72,6 +74,7 @@ class _Deck:
             *(card for _, card in drives if card),
             *loads,
             *self._method(),
+            *map(_shape, model.shapes),
             "END",
         ]
 
@@ -189,6 +192,13 @@ class _Deck:
             yield f"GALF {_line(stepping.step, stepping.radius)}"
         elif stepping.method == RADAU:
             yield "RAD5"
+
+
+def _shape(shape: RigidShape) -> str:
+    place = _line(*shape.offset, *shape.angles)
+    if shape.file:
+        return f"STL {shape.file} {_line(shape.body + 1, shape.unit)} {place}"
+    return f"GEOM {_line(shape.body + 1, KINDS.index(shape.kind) + 1, *shape.sizes)} {place}"
 
 
 def _line(*values: Any) -> Any:

@@ -23,6 +23,7 @@ from ...model.exchange.rigid_model import (
     Stepping,
     vector,
 )
+from ...model.exchange.shapes import RigidShape, shifted
 from ...model.exchange.start import Pair, Start, angle_between, stroke_between
 from ...model.joint_elements import JointDriver, JointMotor
 from ...model.joints import ANGLE
@@ -32,6 +33,7 @@ from ...model.time_functions import POLYNOMIAL, MotionFunction
 from ...model.vectors import rotation_matrix
 from ...quick_dataclass import replace
 from .dynamic_cards import analysis_of
+from .shapes import exchanged_shapes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -57,7 +59,7 @@ def rigid_model(
         raise ModelError([Fault("error", message, id="YOUNG-150")])
     model = build()
     made = _Conversion(model, start(model))  # type: ignore[arg-type]
-    found = made.model()
+    found = replace(made.model(), shapes=tuple(map(made.shape, exchanged_shapes(deck))))
     faults = [
         Fault("error", message, place, name, id="YOUNG-151") for message, place, name in made.refusals.items
     ]
@@ -113,6 +115,13 @@ class _Conversion:
             self._stepping(),
             self._notes(),
         )  # fmt: skip
+
+    def shape(self, shape: RigidShape) -> RigidShape:
+        """Return a shape on its new body; that of a grounded body lies on the ground."""
+        number = self.number[shape.body]
+        if number != GROUND or shape.body == GROUND:
+            return replace(shape, body=number)
+        return shifted(shape, GROUND, *self.now[shape.body])
 
     def _refuse_foreign(self) -> None:
         for field, message in _FOREIGN.items():

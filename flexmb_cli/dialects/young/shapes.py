@@ -3,10 +3,12 @@
 from pathlib import Path
 from typing import Any
 
-from ...deck.record import Deck
+from ...deck.record import Deck, Record
+from ...errors import Fault
 from ...model.diagnostics import Findings
+from ...model.exchange.shapes import RigidShape
 from ...model.shapes import KINDS, Shape
-from ..body_shapes import Keys, on_rigid_body, primitive_of, stl_shape_of
+from ..body_shapes import Keys, on_rigid_body, primitive_of, rigid_shapes, stl_shape_of
 
 
 def build_shapes(deck: Deck, bodies: int, folder: Path, findings: Findings) -> tuple[Shape, ...]:
@@ -23,6 +25,19 @@ def build_shapes(deck: Deck, bodies: int, folder: Path, findings: Findings) -> t
         if on_rigid_body(record, keys, rigid, findings)
     ]
     return tuple(shape for shape in found if shape is not None)
+
+
+def faults_of_shape(record: Record, bodies: int) -> list[Fault]:
+    """Return what is wrong with the card of a primitive in a deck of so many bodies."""
+    findings = Findings()
+    if on_rigid_body(record, Keys(), [True] * bodies, findings):
+        _primitive(record, Keys(), findings)
+    return findings.in_order
+
+
+def exchanged_shapes(deck: Deck) -> tuple[RigidShape, ...]:
+    """Return the shapes with the numbers of their cards, for other dialects."""
+    return rigid_shapes(deck, Keys(), lambda record: KINDS[record["shape"] - 1])
 
 
 def _primitive(record: Any, keys: Any, findings: Any) -> Any:

@@ -16,6 +16,7 @@ from ..loads import AppliedForce, AppliedTorque, SpringDamper
 from ..mechanism import GROUND, Point, TimeGrid, Vector
 from ..time_functions import MotionFunction
 from ..vectors import rotation_matrix
+from .shapes import RigidShape
 
 EXPLICIT, RADAU, ALPHA = "explicit", "radau", "alpha"
 
@@ -115,6 +116,7 @@ class RigidModel:
     points: tuple[Point, ...] = ()
     stepping: Stepping = Stepping()
     notes: tuple[str, ...] = ()
+    shapes: tuple[RigidShape, ...] = ()
 
     def axes(self, body: int) -> np.ndarray:
         """Rotation matrix (3, 3) of a body or of the ground."""

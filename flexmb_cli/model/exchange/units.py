@@ -6,6 +6,7 @@ from ...quick_dataclass import dataclass, replace
 from ..joints import ANGLE
 from .functions import scaled
 from .rigid_model import RigidModel, vector
+from .shapes import scaled_shape
 
 _INCH, _POUND_FORCE = 0.0254, 4.4482216152605
 
@@ -67,6 +68,7 @@ class _Scaling:
             ),
             torques=tuple(replace(item, torque=_times(T, item.torque)) for item in model.torques),
             points=tuple(replace(item, s=_times(L, item.s)) for item in model.points),
+            shapes=tuple(scaled_shape(item, L) for item in model.shapes),
         )
 
     def _body(self, body: Any) -> Any:

@@ -25,9 +25,16 @@ import exudyn as exu
 import numpy as np
 from exudyn.utilities import RigidBodyInertia
 
+
+def shape(points, triangles):
+    """A surface for pictures: corners and the numbers of those of each triangle."""
+    colours = [0.4, 0.5, 0.6, 1.0] * (len(points) // 3)
+    return dict(type="TriangleList", points=points, colors=colours, triangles=triangles)
+
+
 SC = exu.SystemContainer()
 mbs = SC.AddSystem()
-ground = mbs.CreateGround()
+ground = mbs.CreateGround({ground})
 gravity = {gravity}
 '''
 TAIL = """
@@ -70,12 +77,16 @@ def exudyn_script(model: DynamicModel, start: dict[str, np.ndarray], name: str) 
     ]
     if faults:
         raise ModelError(faults)
-    time = model.mechanism.time
-    lines = [HEAD.format(title=name, gravity=_list(model.gravity)), "bodies = []"]
-    placed = _Placed(model, start)
+    time, placed = model.mechanism.time, _Placed(model, start)
+    lines = [_head(placed, name), "bodies = []"]
     lines += [*placed.bodies(), *placed.joints(), *placed.loads()]
     end, rows = time.last - time.start, time.rows
     return "\n".join(lines) + TAIL.format(title=name, end=end, rows=rows, steps=STEPS_PER_ROW * (rows - 1))
+
+
+def _head(placed: "_Placed", name: str) -> str:
+    shapes = placed.graphics([GROUND, *sorted(placed.still)])
+    return HEAD.format(title=name, gravity=_list(placed.model.gravity), ground=shapes.removeprefix(", "))
 
 
 def _foreign(model: Any) -> Iterator[tuple[Any, ...]]:
@@ -137,8 +148,24 @@ class _Placed:
                 f"nodeType=exu.NodeType.RotationEulerParameters, gravity=gravity, "
                 f"referencePosition={_list(self.start['r'][k] + arm)}, "
                 f"referenceRotationMatrix=np.array({[list(map(float, row)) for row in self.A[k]]!r}), "
-                f"initialVelocity={_list(velocity)}, initialAngularVelocity={_list(self.start['omega'][k])}))"
+                f"initialVelocity={_list(velocity)}, initialAngularVelocity={_list(self.start['omega'][k])}"
+                f"{self.graphics([k])}))"
             )
+
+    def graphics(self, bodies: list[int]) -> str:
+        """Return the argument for the shapes of bodies, from the mass centre or global; "" without any."""
+        found = [shape for shape in self.model.mechanism.shapes if shape.body - 1 in bodies]
+        surfaces = []
+        for shape in found:
+            k = shape.body - 1
+            points = shape.vertices
+            if k in self.still:
+                points = self.start["r"][k] + points @ self.A[k].T
+            elif k != GROUND:
+                points = points - self.centre[k]
+            triangles = shape.triangles.ravel().tolist()
+            surfaces.append(f"shape({points.ravel().tolist()!r}, {triangles!r})")
+        return f", graphicsDataList=[{', '.join(surfaces)}]" if surfaces else ""
 
     def joints(self) -> Iterator[str]:
         """Yield a line for every joint."""

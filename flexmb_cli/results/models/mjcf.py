@@ -25,9 +25,14 @@ def mjcf(tree: Tree, name: str) -> str:
     ElementTree.SubElement(top, "compiler", {"angle": "radian", "autolimits": "true"})
     option = {"timestep": repr(TIME_STEP), "integrator": "RK4", "gravity": _numbers(tree.gravity)}
     ElementTree.SubElement(top, "option", option)
+    _add_meshes(top, tree)
     parents = {INERTIAL: ElementTree.SubElement(top, "worldbody")}
     for k in range(len(tree.bodies)):
         parents[k] = _add_body(parents[tree.hinges[k].parent], tree, k)
+    for number, shape in enumerate(tree.shapes, start=1):
+        # For pictures: without mass, and nothing touches it.
+        about = {"type": "mesh", "mesh": f"shape {number}", "mass": "0", "contype": "0", "conaffinity": "0"}
+        ElementTree.SubElement(parents[shape.body - 1], "geom", about)
     qpos, qvel = _start(tree)
     frame = ElementTree.SubElement(top, "keyframe")
     ElementTree.SubElement(frame, "key", {"name": "start", "qpos": _numbers(qpos), "qvel": _numbers(qvel)})
@@ -77,6 +82,15 @@ def _foreign(tree: Tree) -> Iterator[tuple[Any, ...]]:
 
 def _is_real(moments: np.ndarray) -> bool:
     return moments[2] <= moments[0] + moments[1] + 1e-12 * moments[2]
+
+
+def _add_meshes(top: ElementTree.Element, tree: Tree) -> None:
+    """Add the surfaces of the shapes; their inertia is that of a shell, which no volume is needed for."""
+    assets = ElementTree.SubElement(top, "asset") if tree.shapes else top
+    for number, shape in enumerate(tree.shapes, start=1):
+        about = {"name": f"shape {number}", "inertia": "shell", "vertex": _numbers(shape.vertices.ravel())}
+        about["face"] = " ".join(map(str, shape.triangles.ravel()))
+        ElementTree.SubElement(assets, "mesh", about)
 
 
 def _add_body(parent: Any, tree: Tree, k: int) -> Any:

@@ -14,8 +14,10 @@ from ....errors import Fault, ModelError
 from ....model.exchange.chain import Link, chain_of
 from ....model.exchange.functions import points_of, polynomial_of, value_of
 from ....model.exchange.rigid_model import EXPLICIT, Refusals, RigidModel, across
+from ....model.exchange.shapes import shifted
 from ....model.joints import ANGLE
 from ....model.mechanism import GROUND
+from ....model.shapes import KINDS
 from ....model.vectors import euler_parameters
 from ....quick_dataclass import dataclass
 
@@ -81,6 +83,8 @@ class _Deck:
         yield f"Bodies here and in the order of the other deck: {pairs}."
         if self.model.points:
             yield "Points of interest are left out."
+        if any(shape.file for shape in self.model.shapes):
+            yield "Shapes of STL files are left out: DAFMS has primitives only."
 
     def refuse_foreign(self) -> None:
         """Collect what no tree of DAFMS has."""
@@ -118,7 +122,7 @@ class _Deck:
             *self._state(bodies),
             *self._bodies("RC(K", [self._centre(hung) for hung in bodies]),
             "GRAV", f"{0:5d}" + "".join(self._real(g) for g in self.model.gravity),
-            *self._loads(bodies), *self._hinge_elements(),
+            *self._loads(bodies), *self._hinge_elements(), *self._shapes(),
             *([] if self.model.stepping.method == EXPLICIT else ["METH", _integers(_IMPLICIT)]),
         ]  # fmt: skip
 
@@ -260,6 +264,19 @@ class _Deck:
             motions.append(self._dof(item) + "".join(self._real(x) for x in (C, B, 2.0 * half)))
         cards = ("SPRI", springs), ("DAMP", dampers), ("MOTR", motors), ("TABM", tables), ("PRES", motions)
         return [line for word, entries in cards for line in self._entries(word, entries)]
+
+    def _shapes(self) -> list[str]:
+        """Primitives in the axes of O_k; DAFMS names no files."""
+        entries = []
+        for shape in self.model.shapes:
+            if shape.body != GROUND:
+                body, hung = self.model.bodies[shape.body], self.hung[shape.body]
+                shape = shifted(shape, shape.body, hung.own.T @ (body.r - hung.origin), hung.own.T @ body.A)
+            if not shape.file:
+                head = _integers(self.number[shape.body], KINDS.index(shape.kind) + 1)
+                entries.append(head + "".join(map(self._real, shape.sizes)))
+                entries.append("".join(map(self._real, (*shape.offset, *shape.angles))))
+        return ["GEOM", _integers(len(entries) // 2), *entries] if entries else []
 
     def _place(self, item: Any) -> Any:
         """Body of the hinge, and the number of its degree of freedom."""

@@ -26,6 +26,7 @@ from ....model.time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
 from ....model.tree import INERTIAL, ROTATION, TRANSLATION, Tree
 from ....model.vectors import rotation_matrix
 from ....quick_dataclass import dataclass, replace
+from ..shapes import exchanged_shapes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -49,7 +50,7 @@ class _Named:
     place: object = None
 
 
-def rigid_model(_deck: Deck, build: Callable[[], Tree], start: Callable[[Tree], Start]) -> RigidModel:
+def rigid_model(deck: Deck, build: Callable[[], Tree], start: Callable[[Tree], Start]) -> RigidModel:
     """Return the rigid model of a deck at its start; raises ModelError with all that is not converted."""
     tree, refusals = build(), Refusals()
     for body in tree.bodies:
@@ -57,7 +58,7 @@ def rigid_model(_deck: Deck, build: Callable[[], Tree], start: Callable[[Tree], 
             refusals.add(body, "the body is flexible; only rigid bodies are converted")
     _raise(refusals)
     made = _Conversion(tree, start(tree), refusals)  # type: ignore[arg-type]
-    found = made.model()
+    found = replace(made.model(), shapes=exchanged_shapes(deck))
     _raise(refusals)
     return found
 

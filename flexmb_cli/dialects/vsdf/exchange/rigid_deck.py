@@ -7,10 +7,12 @@ import numpy as np
 from ....errors import Fault, ModelError
 from ....model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
 from ....model.exchange.rigid_model import ALPHA, RADAU, Refusals, RigidModel, across
+from ....model.exchange.shapes import RigidShape, notes_of
 from ....model.joints import ANGLE
 from ....model.mechanism import GROUND
+from ....model.shapes import KINDS
 from ....model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE
-from ..cards import FINAL
+from ..cards import FINAL, SHAPES
 from ..joints import BY_WORD, SLIDING, TURNING
 
 if TYPE_CHECKING:
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
 _WORDS = {kind.name: (word, kind) for word, kind in BY_WORD.items()}
 _METHODS = {ALPHA: "GALF", RADAU: "RAD5"}
 _DIRECTIONS = ("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ")
+_SHAPES = dict(zip(KINDS, SHAPES, strict=True))
 _BEYOND = 1e-9  # of the largest moment of inertia
 
 
@@ -32,7 +35,11 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     ]
     if faults:
         raise ModelError(faults)
-    lines = [f"VSDF {title}", f"* Units: {units}.", *(f"* {note}." for note in model.notes)]
+    lines = [
+        f"VSDF {title}",
+        f"* Units: {units}.",
+        *(f"* {note}." for note in (*model.notes, *notes_of(model.shapes))),
+    ]
     for word, records in cards:
         if records:
             lines += [word, *records]
@@ -77,6 +84,8 @@ class _Deck:
             ("NODE", nodes),
             ("TABL", self.tables),
             *others,
+            ("GEOM", [_shape(shape) for shape in model.shapes if not shape.file]),
+            ("GSTL", [line for shape in model.shapes if shape.file for line in _file(shape)]),
         ]
 
     def _parameter(self) -> Any:
@@ -234,6 +243,14 @@ class _Deck:
         elif item.stiffness < 0 or item.damping < 0:
             self.refusals.add(item, "VSDF springs have no negative stiffness or damping")
         return _record(item.joint + 1, item.stiffness, item.damping, item.rest)
+
+
+def _shape(shape: RigidShape) -> str:
+    return _record(shape.body + 1, _SHAPES[shape.kind], *shape.sizes, *shape.offset, *shape.angles)
+
+
+def _file(shape: RigidShape) -> tuple[str, str]:
+    return _record(shape.body + 1, shape.unit, *shape.offset, *shape.angles), f" {shape.file}"
 
 
 def _record(*values: Any) -> Any:

@@ -30,6 +30,7 @@ from ....model.loads import AppliedForce, AppliedTorque, SpringDamper
 from ....model.mechanism import GROUND, Point
 from ....model.vectors import rotation_matrix
 from ....quick_dataclass import replace
+from ..shapes import exchanged_shapes
 
 _DIRECTIONS = {word: n for n, word in enumerate(("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ"), start=1)}
 _COORDINATES = {"ANGL": ANGLE, "STRK": STROKE}
@@ -47,7 +48,7 @@ def rigid_model(
         raise ModelError([Fault("error", message, r.place, r.subject, id="VSDF-152") for r in flexible])
     mechanism, refusals = build(), Refusals()
     made = _Conversion(mechanism, start(mechanism), refusals)  # type: ignore[arg-type]
-    found = made.model()
+    found = replace(made.model(), shapes=exchanged_shapes(deck))
     _raise(refusals)
     return found
 

@@ -1,0 +1,61 @@
+"""What rigid bodies look like, with the numbers of its card, so that it can be written as another card."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ...quick_dataclass import dataclass, replace
+from ..mechanism import Vector
+from ..shapes import turning
+
+_FLAT = 1e-12  # cosine of the second angle below which the other two turn about one axis
+
+
+@dataclass(frozen=True)
+class RigidShape:
+    """A primitive of `kind` of `model.shapes`, or an STL `file` in units of `unit` lengths of the deck.
+
+    `body` as in `RigidModel`; the middle (origin of a file) `offset` and the `angles` about the fixed axes
+    x, y, z in turn are in its axes.
+    """
+
+    body: int
+    kind: str
+    sizes: Vector = (0.0, 0.0, 0.0)
+    offset: Vector = (0.0, 0.0, 0.0)
+    angles: Vector = (0.0, 0.0, 0.0)
+    file: str = ""
+    unit: float = 1.0
+
+
+def shifted(shape: RigidShape, body: int, r: np.ndarray, A: np.ndarray) -> RigidShape:
+    """Return the shape on `body`, in whose axes the old frame lies at `r` (3,), turned by `A` (3, 3)."""
+    offset = np.asarray(r) + A @ np.array(shape.offset)
+    turned = angles_of(A @ turning(shape.angles))
+    return replace(shape, body=body, offset=tuple(map(float, offset)), angles=turned)
+
+
+def angles_of(R: np.ndarray) -> Vector:
+    """Return the angles about the fixed axes x, y, z in turn of a rotation matrix (3, 3); rad."""
+    cosine = math.hypot(R[0, 0], R[1, 0])
+    beta = math.atan2(-R[2, 0], cosine)
+    if cosine < _FLAT:
+        return math.atan2(-R[1, 2], R[1, 1]) + 0.0, beta, 0.0
+    return math.atan2(R[2, 1], R[2, 2]) + 0.0, beta + 0.0, math.atan2(R[1, 0], R[0, 0]) + 0.0
+
+
+def scaled_shape(shape: RigidShape, L: float) -> RigidShape:
+    """Return the shape with lengths times L."""
+    sizes, offset = (_times(L, values) for values in (shape.sizes, shape.offset))
+    return replace(shape, sizes=sizes, offset=offset, unit=L * shape.unit)
+
+
+def notes_of(shapes: Any) -> tuple[str, ...]:
+    """Return what a reader of a deck that names STL files should know."""
+    return ("STL files keep their names: copy them beside this deck",) if any(s.file for s in shapes) else ()
+
+
+def _times(factor: float, values: Vector) -> Vector:
+    x, y, z = (factor * value for value in values)
+    return x, y, z
