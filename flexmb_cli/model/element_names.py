@@ -1,4 +1,4 @@
-"""Names and units of springs and elements in results, in the order of their loads."""
+"""Names and units of springs and elements in results, in the order of their loads; motors are the last."""
 
 from collections.abc import Iterator
 
@@ -38,6 +38,8 @@ def names_of(elements: JointElements) -> Iterator[tuple[str, str]]:
             yield f"{item.name} {part}", unit
     for item in elements.frictions:  # type: ignore[assignment]
         yield item.name, LENGTH
+    for item in elements.motors:  # type: ignore[assignment]
+        yield item.name, _unit(item.coordinate)
 
 
 def _unit(coordinate: str) -> str:

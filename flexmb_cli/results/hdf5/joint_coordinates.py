@@ -23,7 +23,9 @@ ELEMENT_SERIES = {
     "element_effort": Series(
         "element/effort", (ELEMENT,), "N m or N", "force or torque towards larger coordinates"
     ),
-    "element_power": Series("element/power", (ELEMENT,), "W", "power of what the element dissipates"),
+    "element_power": Series(
+        "element/power", (ELEMENT,), "W", "power of what the element dissipates (negative) or drives"
+    ),
     "element_energy": Series("element/energy", (ELEMENT,), "J", "energy that the element stores"),
 }
 SERIES = JOINT_SERIES | ELEMENT_SERIES

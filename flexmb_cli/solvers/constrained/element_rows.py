@@ -23,7 +23,7 @@ class ElementRows(DynamicRows):
     element_coordinate: np.ndarray  # (T, elements) length, stroke or angle; 0 of friction
     element_rate: np.ndarray  # (T, elements)
     element_effort: np.ndarray  # (T, elements) drives the coordinate to larger values
-    element_power: np.ndarray  # (T, elements) W, of what stores no energy
+    element_power: np.ndarray  # (T, elements) W, of dampers, friction and motors
     element_energy: np.ndarray  # (T, elements) J, what it stores
 
 
@@ -50,7 +50,7 @@ def element_answers(
     last = ends - len(elements.motors)
     begins = last - coordinates
     probes = answers[:, begins:last]
-    found = np.concatenate([answers[:, :begins], answers[:, ends:]], axis=1)
+    found = np.concatenate([answers[:, :begins], answers[:, ends:], answers[:, last:ends]], axis=1)
     return {
         "joint_coordinate": probes[..., COORDINATE].copy(),
         "joint_rate": probes[..., SPEED].copy(),

@@ -24,7 +24,7 @@ class TreeElementRows(TreeRows):
 def with_elements(tree: Tree, rows: TreeRows, report: Report) -> TreeElementRows:
     """The rows with the elements, whose loads stand behind those of the tree."""
     kept = {field.name: getattr(rows, field.name) for field in fields(TreeRows)}
-    behind = len(list(names_of(tree.elements))) + len(tree.elements.motors)
+    behind = len(list(names_of(tree.elements)))
     first = report.responses.shape[1] - behind
     found = element_answers(report, first, tree.elements, 0)
     own = {name: value for name, value in found.items() if name.startswith("element")}

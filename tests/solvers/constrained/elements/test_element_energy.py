@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
+from flexmb_cli.model.element_names import element_names
 from tests.solvers.constrained.body_balances import rotation, tensor
-from tests.solvers.constrained.element_decks import FREE, model_of, rows_of
+from tests.solvers.constrained.element_decks import FREE, ROTOR, model_of, rows_of
 from tests.solvers.constrained.elements.element_cases import CASES, END, KEYWORDS, POWERS
 
 TIMES = f"0 {END} 0.001"
@@ -57,7 +58,7 @@ def test_the_energy_audit_closes_with_the_card_and_not_without(keyword):
     assert np.ptp(bodies + stored - rows.applied_work) < 1e-8 * scale
     assert np.ptp(rows.total) < 1e-8 * scale
     lost = np.array([simpson(power[: k + 1].sum(axis=1), x=rows.time[: k + 1]) for k in (100, 200)])
-    if keyword in STORE | DISSIPATE:
+    if keyword in STORE | DISSIPATE | {"TMOTOR", "AMOTOR"}:
         assert rows.applied_work[[100, 200]] == pytest.approx(lost, abs=1e-8 * scale)
     closes_without = np.ptp(bodies) < 1e-3 * scale
     assert closes_without == (keyword in DO_NOTHING)
@@ -98,3 +99,24 @@ def test_a_spring_whose_ends_pass_through_each_other_keeps_its_energy():
     rows = rows_of(slide, "0 0.1 0.1", "MASS 2 2 0 0 0 1 1 1\nLSPRING 0 2 0 0 0 0 0 0 50 0\nRATE 1 2 1\n")
     assert rows.element_energy[0] == 0.0 and rows.element_effort[0] == 0.0
     assert rows.element_energy[1] == pytest.approx(25 * rows.joint_coordinate[1, 0] ** 2, rel=1e-12)
+
+
+def test_names_of_elements_stand_beside_their_efforts_with_motors_behind_all_others():
+    """The bearing carries 80 N of the two springs in line and 30 N of preload: 0.2 · 110 N of friction."""
+    cards = (
+        "MASS 2 1 0 0 0 1 1 0.5\nTMOTOR 1 1\nPOLYNOMIAL 1 7\nFRICTION 1 0.2 0.2 1 1e-4 0.1 30\n"
+        "TSTOP 1 -1 -0.1 50\nLSPRING 0 2 3 0 0 1 0 0 20 1\nSPRING 0 2 4 0 0 1 0 0 30 1\n"
+        "TSPRING 1 8 0.25\nRATE 1 1 1\n"
+    )
+    names = [name for name, _ in element_names(model_of(ROTOR, "0 0.1 0.1", cards))]
+    rows = rows_of(ROTOR, "0 0.1 0.1", cards)
+    efforts = {
+        "spring 1": -60,
+        "tspring 1": 2,
+        "lspring 1": -20,
+        "tstop 1": -5,
+        "friction 1": -22,
+        "tmotor 1": 7,
+    }
+    assert names == list(efforts)
+    assert rows.element_effort[0] == pytest.approx(list(efforts.values()), rel=1e-12)

@@ -56,12 +56,15 @@ def test_the_effort_of_an_inverse_run_gives_the_motion_back(keyword, method):
     angle, rate = motion(found.time)
     assert found.joint_coordinate[:, case.joint - 1] == pytest.approx(angle, abs=near)
     assert found.joint_rate[:, case.joint - 1] == pytest.approx(rate, abs=near_rate)
-    # What moves along, and what all elements but the motor do.
+    # What moves along, and what all elements but the motor do, which is the last.
     assert found.joint_coordinate == pytest.approx(given.joint_coordinate[same], abs=2 * near)
     assert found.joint_rate == pytest.approx(given.joint_rate[same], abs=2 * near_rate)
     assert found.position == pytest.approx(given.position[same], abs=2 * near)
     scale = max(1.0, np.abs(given.element_effort).max(initial=0.0))
-    assert found.element_effort == pytest.approx(given.element_effort[same], abs=1e3 * near * scale)
+    others = found.element_effort[:, :-1]
+    assert others == pytest.approx(given.element_effort[same], abs=1e3 * near * scale)
+    driven_rate = found.joint_rate[:, case.joint - 1]
+    assert found.element_power[:, -1] == pytest.approx(found.element_effort[:, -1] * driven_rate, rel=1e-12)
 
 
 @functools.cache
