@@ -102,7 +102,7 @@ def test_a_spring_whose_ends_pass_through_each_other_keeps_its_energy():
 
 
 def test_names_of_elements_stand_beside_their_efforts_with_motors_behind_all_others():
-    """The bearing carries the 80 N of two springs in line and 30 N of preload: friction 0.2 · 110 N."""
+    """The bearing carries 80 N of the two springs in line and 30 N of preload: 0.2 · 110 N of friction."""
     cards = (
         "MASS 2 1 0 0 0 1 1 0.5\nTMOTOR 1 1\nPOLYNOMIAL 1 7\nFRICTION 1 0.2 0.2 1 1e-4 0.1 30\n"
         "TSTOP 1 -1 -0.1 50\nLSPRING 0 2 3 0 0 1 0 0 20 1\nSPRING 0 2 4 0 0 1 0 0 30 1\n"
@@ -115,7 +115,7 @@ def test_names_of_elements_stand_beside_their_efforts_with_motors_behind_all_oth
         "tspring 1": 2,
         "lspring 1": -20,
         "tstop 1": -5,
-        "friction 1": -6,
+        "friction 1": -22,
         "tmotor 1": 7,
     }
     assert names == list(efforts)
