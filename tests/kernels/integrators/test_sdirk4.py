@@ -1,4 +1,4 @@
-"""SDIRK4 on a sliding mass with spring and damper, in closed form (Rao, Mechanical Vibrations, section 2.6)."""
+"""SDIRK4 on a sliding mass with spring and damper, in closed form (Rao, Mechanical Vibrations, 2.6)."""
 
 import math
 
