@@ -38,14 +38,18 @@ def test_a_rotor_is_braked_by_its_bearing(card):
     assert rows.element_effort[sliding, 0] == pytest.approx(np.full(sliding.sum(), -mu * m * G), rel=1e-9)
 
 
-def test_friction_follows_the_reaction_that_it_changes():
-    """A slider pushed by P at 30° against its guide: N = m g + P sin 30°, so m a = P cos 30° - μ N."""
+@pytest.mark.parametrize("end", ["0 0 0", "-7 0 0"])
+def test_friction_follows_the_reaction_that_it_changes(end):
+    """A slider pushed by P at 30° against its guide: N = m g + P sin 30°, so m a = P cos 30° - μ N.
+
+    Points of the joint on its line set no force, but the length by which equations are scaled.
+    """
     push, mu, m = 40.0, 0.2, 3.0
     cards = (
         f"MASS 2 {m} 0 0 0 1 1 1\nGRAVITY 0 -{G} 0\nRATE 1 2 1\nFRICTION 1 {mu} {mu} 0.1 1e-6\n"
         f"FORCE 2 0 0 0 {push * math.cos(math.pi / 6)!r} {-push / 2} 0\n"
     )
-    rows = rows_of(SLIDER, "0 0.5 0.1", cards)
+    rows = rows_of(SLIDER.replace("1 2 0 0 0 0 0 0", f"1 2 {end} 0 0 0"), "0 0.5 0.1", cards)
     a = (push * math.cos(math.pi / 6) - mu * (m * G + push / 2)) / m
     assert rows.acceleration[:, 1, 0] == pytest.approx(np.full(6, a), rel=1e-10)
     assert rows.joint_coordinate[:, 0] == pytest.approx(rows.time + a * rows.time**2 / 2, abs=1e-9)
