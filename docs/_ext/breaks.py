@@ -3,6 +3,7 @@
 import re
 
 _WORD = re.compile(r'<span class="pre">([^<]*)</span>')
+_STROKE = re.compile(r"(?<=\w)/")  # not the first one of a path
 _IDENTIFIER = re.compile(r"<td><p>([A-Z]+-[0-9]{3})</p></td>")  # of a message
 LONGEST_WHOLE = 28  # of an option or an identifier that is kept on one line, characters
 
@@ -22,5 +23,5 @@ def _mark(app, pagename, templatename, context, doctree):
 def _marked(found):
     word = found[1]
     if "/" in word:
-        return f'<span class="pre">{word.replace("/", "/<wbr>")}</span>'
+        return f'<span class="pre">{_STROKE.sub("/<wbr>", word)}</span>'
     return f'<span class="pre whole">{word}</span>' if len(word) <= LONGEST_WHOLE else found[0]

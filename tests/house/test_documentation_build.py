@@ -67,11 +67,12 @@ def test_a_body_that_turns_about_its_origin_has_curves(tmp_path):
 
 
 def test_file_names_may_break_behind_strokes_and_options_not_at_all():
-    body = '<span class="pre">tests/fe/a.py</span> <span class="pre">--set</span>'
+    body = '<span class="pre">/fe/a.py</span> <span class="pre">--set</span><td><p>FE-001</p></td>'
     context = {"body": body}
     breaks._mark(None, "page", "page.html", context, None)
     assert context["body"] == (
-        '<span class="pre">tests/<wbr>fe/<wbr>a.py</span> <span class="pre whole">--set</span>'
+        '<span class="pre">/fe/<wbr>a.py</span> <span class="pre whole">--set</span>'
+        '<td><p class="whole">FE-001</p></td>'
     )
 
 

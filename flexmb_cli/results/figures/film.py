@@ -28,6 +28,7 @@ TUBE_RADIUS, FILLED = 0.008, 1 / 1.12
 PIECES = 8
 AMBIENT = 0.55
 DOTS = 72  # an inch
+CONTOURS_BEGIN = 0.2  # of viridis, where contours begin: below it is as dark as a dark page
 
 
 @dataclass(frozen=True)
@@ -118,7 +119,7 @@ class _Surface:
         if not self.of_elements or not self.most:
             return np.tile(_rgb(colour_of(self.body)), (len(self.triangles), 1))
         stress = von_mises(self.body.stress(row))[self.triangles].mean(axis=1)
-        return contours(stress / self.most)[:, :3]
+        return contours(CONTOURS_BEGIN + (1 - CONTOURS_BEGIN) * stress / self.most)[:, :3]
 
 
 class _Canvas:

@@ -1,18 +1,23 @@
 """Films of results: frames, sizes and what they show; the extra is asked for before any work."""
 
+import re
 import sys
 from dataclasses import replace
+from pathlib import Path
 
+import matplotlib
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from flexmb_cli.cli.report import report
-from flexmb_cli.results.figures.film import film_rows
+from flexmb_cli.results.figures import film
+from flexmb_cli.results.figures.film import CONTOURS_BEGIN, film_rows
 from tests.results import conftest
 from tests.results.figures.turning_bar import SPEED, write_bar
 
 LAST = 3.0  # s: 3 s of film, in own time
+VIEWER = Path(film.__file__).parent / "viewer"
 ORANGE = np.array([0xD5, 0x5E, 0x00])  # of body 2
 
 
@@ -92,3 +97,13 @@ def test_a_missing_extra_is_told_before_any_work(tmp_path, monkeypatch, form, mo
     done = CliRunner().invoke(report, [str(tmp_path / "none.h5"), "--movie", str(tmp_path / f"a.{form}")])
     assert library in str(done.exception) and "install it with" in str(done.exception)
     assert "movie" in str(done.exception) or "imageio" in str(done.exception)
+
+
+def test_contours_of_film_page_and_legend_begin_at_one_colour_that_is_seen_on_a_dark_page():
+    """Matplotlib's viridis; its darkest fifth, of the page's own darkness, is left out."""
+    page, raster = ((VIEWER / name).read_text() for name in ("page.html", "raster.js"))
+    assert float(re.search(r"CONTOURS_BEGIN = ([\d.]+);", raster)[1]) == CONTOURS_BEGIN == 0.2
+    stops = re.findall("#[0-9a-f]{6}", re.search(r"linear-gradient\((.*?)\)", page)[1])
+    shades = [[int(stop[k : k + 2], 16) / 255 for k in (1, 3, 5)] for stop in stops]
+    wanted = matplotlib.colormaps["viridis"](np.linspace(CONTOURS_BEGIN, 1, len(stops)))[:, :3]
+    np.testing.assert_allclose(shades, wanted, atol=0.02)

@@ -143,6 +143,9 @@ function palette(colours) {
   return found;
 }
 
+// Contours begin here in viridis: what is below is as dark as the page itself.
+const CONTOURS_BEGIN = 0.2;
+
 // Viridis (van der Walt and Smith, 2015) as a polynomial.
 function viridis(t) {
   const terms = [[-5.4354, 4.6459, 26.3124], [4.7763, -13.7452, -65.3530], [6.2284, 14.1800, 56.6906],

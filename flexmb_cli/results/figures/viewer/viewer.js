@@ -24,7 +24,7 @@ class Viewer {
     this.joints = {marks: floats(scene.joints.marks), names: scene.joints.names, palette: palette([[0.42, 0.42, 0.42]])};
     // What the numbers in the raster stand for, from 1.
     this.names = [...this.lines, ...this.surfaces].map(one => one.name).concat(this.joints.names);
-    this.contours = palette(Array.from({length: STEPS}, (_, k) => viridis(k / (STEPS - 1))));
+    this.contours = palette(Array.from({length: STEPS}, (_, k) => viridis(CONTOURS_BEGIN + (1 - CONTOURS_BEGIN) * k / (STEPS - 1))));
     this.turn = {eye: unit(scene.view.eye), up: unit(scene.view.up)};
     this.zoom = 1; this.shift = [0, 0]; this.magnify = 1; this.colouring = this.contoured.length ? "von Mises stress" : "body";
     this.ratio = 2; this.cost = 8;
