@@ -1,5 +1,6 @@
 """Dynamics of a tree: by Kane's equations, or in absolute coordinates."""
 
+from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -44,9 +45,9 @@ def solution(tree: Tree, run: Run) -> Solution:
     )
 
 
-def values_of(tree: Tree, rows: Any) -> dict[str, "np.ndarray"]:
+def values_of(tree: Tree, rows: Any) -> Mapping[str, "np.ndarray"]:
     """Return report rows by the paths of their datasets."""
-    return tree_values(tree, rows, point_motion(tree, rows))  # type: ignore[return-value]
+    return tree_values(tree, rows, point_motion(tree, rows))
 
 
 def kane_analysis(tree: Tree, run: Run) -> "TreeAnalysis":
@@ -89,12 +90,12 @@ class TreeCount(NoCount):
         self.clock, self.one_way, self.absolute = clock, tree.one_way, absolute
         self.drift = EnergyDrift()
 
-    def add(self, values: dict[str, "np.ndarray"]) -> None:
+    def add(self, values: Mapping[str, "np.ndarray"]) -> None:
         """Count a block of values."""
         self.drift.add(values)
 
     @property
-    def doubts(self) -> tuple[Fault, ...]:  # type: ignore[override]
+    def doubts(self) -> tuple[Fault, ...]:
         """Return what the energy of the rows makes doubtful."""
         return () if self.one_way else self.drift.doubts
 
