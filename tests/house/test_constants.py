@@ -3,6 +3,7 @@
 import ast
 from collections import defaultdict
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[2] / "flexmb_cli"
@@ -55,6 +56,7 @@ def number_of(value: ast.expr) -> float | None:
     return found if isinstance(found, int | float) else None
 
 
+@cache
 def constants() -> dict[str, dict[str, float]]:
     """Return the value of every constant, by name and file."""
     found: dict[str, dict[str, float]] = defaultdict(dict)

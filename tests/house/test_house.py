@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -33,22 +34,22 @@ def of_annotations(tree):
             yield from ast.walk(node)
 
 
+@cache
 def imports_of(path, running=False):
     """Names of every import of a file, as tuples: ("flexmb_cli", "model", "tree", "Tree").
 
     `running`: without those for annotations.
     """
     package = ["flexmb_cli", *path.relative_to(PACKAGE).parts[:-1]]
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+    tree, found = ast.parse(path.read_text(encoding="utf-8")), []
     for node in set(ast.walk(tree)) - (set(of_annotations(tree)) if running else set()):
         if isinstance(node, ast.ImportFrom):
             base = package[: len(package) - node.level + 1] if node.level else []
             full = base + (node.module.split(".") if node.module else [])
-            for name in node.names:
-                yield (*full, name.name)
+            found += [(*full, name.name) for name in node.names]
         elif isinstance(node, ast.Import):
-            for name in node.names:
-                yield tuple(name.name.split("."))
+            found += [tuple(name.name.split(".")) for name in node.names]
+    return found
 
 
 def may_import(layer):

@@ -1,7 +1,8 @@
 """Springs, stops, cables and friction in joint coordinates and in line: effort, slopes, power and energy.
 
 An element acts in a coordinate x with the rate v: an angle, a stroke or the length between two points.
-What it answers is kept in a row of Work.responses, with -dF/dx and -dF/dv for implicit integrators.
+What it answers is kept in a row of Work.responses, with -dF/dx and -dF/dv for implicit integrators, and the
+energy it stores.
 Stops and cables: Hunt and Crossley, Journal of Applied Mechanics 42 (1975), pages 440-445, exponent 1.
 Friction: Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30 (1994), section 3.1, made smooth by
 tanh.
@@ -39,9 +40,12 @@ def add_element(system: "System", work: "Work", k: int, f: "np.ndarray") -> floa
     if load["kind"] == FRICTION:
         return _add_friction(system, work, load, answer, f)
     geometry = geometry_of(system, work)
-    if not _fill_coordinate(geometry, work, load, answer):
-        return 0.0
+    directed = _fill_coordinate(geometry, work, load, answer)
     effort, kept = _effort(system, load, answer)
+    if not directed:
+        # Its energy counts, but no force acts.
+        answer[EFFORT], answer[POWER] = 0.0, 0.0
+        return 0.0
     answer[EFFORT], answer[POWER] = effort, (effort - kept) * answer[SPEED]
     if load["in_line"]:
         add_along_line(geometry, load["primitive"], effort / answer[COORDINATE], f)
@@ -69,6 +73,7 @@ def _fill_coordinate(geometry: Geometry, work: "Work", load: "np.void", answer: 
         )
         answer[COORDINATE] = math.sqrt(dot(d, d))
         if answer[COORDINATE] < NO_LENGTH:
+            answer[SPEED] = 0.0
             return False
         answer[SPEED] = dot(d, v) / answer[COORDINATE]
         return True

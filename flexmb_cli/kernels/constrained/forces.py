@@ -85,10 +85,13 @@ def _add_line(system: System, work: Work, load: "np.void", answer: "np.ndarray",
     geometry, k = geometry_of(system, work), load["primitive"]
     d, v = vector(work.relative_vectors[VECTOR, k], 0), vector(work.relative_vectors[RATE, k], 0)
     length = _length(d)
+    stretch = length - load["free_length"]
+    answer[ENERGY] = 0.5 * load["stiffness"] * stretch * stretch
     if length < NO_LENGTH:
+        answer[COORDINATE], answer[SPEED], answer[EFFORT], answer[POWER] = length, 0.0, 0.0, 0.0
         return 0.0
     rate = (d[0] * v[0] + d[1] * v[1] + d[2] * v[2]) / length
-    pull = load["stiffness"] * (length - load["free_length"]) + load["damping"] * rate
+    pull = load["stiffness"] * stretch + load["damping"] * rate
     answer[COORDINATE], answer[SPEED], answer[EFFORT] = length, rate, -pull
     answer[POWER] = -load["damping"] * rate * rate
     ends = system.primitives[k]["ends"]
@@ -119,6 +122,7 @@ def _add_relative(
     effort = active - load["stiffness"] * stretch
     answer[COORDINATE], answer[SPEED] = stretch + load["free_length"], rate
     answer[EFFORT], answer[POWER] = effort, active * rate
+    answer[ENERGY] = 0.5 * load["stiffness"] * stretch * stretch
     add_primitive_row(geometry, load["primitive"], effort, f)
     return active * rate
 

@@ -16,9 +16,9 @@ DASHES = ("-", "--", ":", "-.", (0, (8, 2)), (0, (5, 1, 1, 1, 1, 1)), (0, (1, 4)
 THICKNESSES = (1.3, 2.6, 0.6)
 LEGEND_ROWS = 14
 WIDTH, HEIGHT, SQUARE, RESOLUTION = 8.0, 2.8, 6.0, 150
-# No dates and no versions: pictures are compared in repositories.
 # Signs that LaTeX takes for commands.
 _LATEX = {sign: f"\\{sign}" for sign in "#$%&_{}"} | {"\\": r"\textbackslash{}", "^": r"\^{}", "~": r"\~{}"}
+# No dates and no versions: pictures are compared in repositories.
 METADATA = {
     "png": {"Software": None},
     "svg": {"Date": None, "Creator": None},

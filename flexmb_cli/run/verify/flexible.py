@@ -35,6 +35,13 @@ FORCES = (
     ("force of pins", "N", "holding_force"),
     ("driver effort", "N, N m", "driver_effort"),
 )
+# Of decks with elements: joint coordinates are of no use here, they may be angles of the frames.
+ELEMENTS = (
+    ("element coordinate", "m, rad", "element_coordinate"),
+    ("element rate", "m/s, rad/s", "element_rate"),
+    ("element effort", "N, N m", "element_effort"),
+    ("element power", "W", "element_power"),
+)
 ENERGIES = ("kinetic", "potential", "strain")
 
 
@@ -73,8 +80,8 @@ def _rows(mechanism: Any) -> Any:
 
 def _differences(mechanism: Any, one: Any, other: Any, unique: Any) -> "Iterator[Any]":
     time = one["time"]
-    for name, unit, key in SERIES + (FORCES if unique else ()):
-        if one[key].size:
+    for name, unit, key in SERIES + ELEMENTS + (FORCES if unique else ()):
+        if key in one and one[key].size:
             yield largest_difference(name, unit, time, one[key], other[key])
     rigid = [k for k, body in enumerate(mechanism.bodies) if body.flexible is None]
     if rigid:

@@ -44,6 +44,7 @@ class ConstrainedMotion:
     velocities = ()
     springs = ()
     turns_in_body_axes = False
+    usual_words = "planar mechanism of spatial joints", "3 a loop"  # of `usual_repetitions`
 
     def __init__(
         self, arrays: SystemArrays, grid: TimeGrid, tolerance: float, integrator: Steps | None = None
@@ -200,7 +201,7 @@ class ConstrainedMotion:
         integration.z[q.size : -1] = start_speeds(self, q, grid.start)
         refuse_coinciding_ends(self.system, self.work, self.springs, grid.start)
         if found.redundant:
-            self.warnings.append(repetition(found, self.usual_repetitions(q)))
+            self.warnings.append(repetition(found, self.usual_repetitions(q), *self.usual_words))
         self._warn_of_fine_tables()
         self.clock["t"] = grid.start
         self.clock["stop"] = grid.time(grid.rows - 1)

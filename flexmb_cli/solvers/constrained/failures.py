@@ -82,15 +82,15 @@ def _why_steps_fall(analysis: Any, norms: Any) -> Any:
     )
 
 
-def repetition(found: Any, usual: int | None) -> Fault:
+def repetition(found: Any, usual: int | None, kind: str, each: str) -> Fault:
     """Some equations repeat others: the motion is unique, the split of forces between them is a choice.
 
-    A warning, or a note where they are as many as `usual`.
+    A warning, or a note where they are as many as `usual`, `each` in a mechanism of this `kind`.
     """
     if len(found.redundant) == usual:
         message = (
-            f"planar mechanism of spatial joints: {usual} of {found.equations} equations repeat others, 3 a "
-            "loop, as they must; the motion is unique, reactions are those of least norm"
+            f"{kind}: {usual} of {found.equations} equations repeat{'s' * (usual == 1)} others, {each}, as "
+            f"{'it' if usual == 1 else 'they'} must; the motion is unique, reactions are those of least norm"
         )
         return Fault("note", message, id="SOLVE-034")
     # In the deck's order: shares that symmetry makes equal differ by round-off, another on every processor.

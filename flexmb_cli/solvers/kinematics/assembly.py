@@ -77,7 +77,8 @@ def assembly_failure(
     left = "; ".join(one.text for one in worst) or "no gap is left, but the position is singular"
     message = (
         f"at t = {t:.6g} s the mechanism cannot be assembled from the estimates; what is left of the worst "
-        f"constraints: {left}; {_few(most_iterations)}check these joints' points and the body estimates"
+        f"constraints: {left}; {_few(most_iterations)}check these joints' points and the body estimates; "
+        "estimates that are too far are found by changing lengths in small steps from a mechanism that closes"
     )
     return AnalysisError(about("error", message, *(one.equation for one in worst)), t, gap_norms(worst))
 

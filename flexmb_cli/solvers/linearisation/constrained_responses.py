@@ -9,7 +9,7 @@ from ...kernels.constrained.elements import RESPONSE_COLUMNS
 from ...kernels.constrained.report import observe_rows
 from ...kernels.constrained.system import NO_INERTIA, SOLVED, System
 from ...model.arrays.constraint_table import tilde
-from ...model.arrays.records import FORCE, FRICTION, LINE, TORQUE
+from ...model.arrays.records import FORCE, FRICTION, LINE, RELATIVE, TORQUE
 from ...model.flexible_mechanism import NodePoint
 from ...model.vectors import rotation_matrix
 from ..constrained.system import blank_report
@@ -150,8 +150,11 @@ class ConstrainedResponses(Responses):
         still, loads = np.zeros(self.motion.scale.size), self.motion.system.loads  # type: ignore[attr-defined]
         # Elements at joints stand behind the loads that have names, and are no inputs.
         for (name, is_force), load in zip(self.terms.loads, loads, strict=False):
-            for signal, records in _unit_loads(name, is_force, load):
+            for signal, records in _unit_loads(name, is_force, load) if name else ():
                 yield Input(signal, still, still, self._loaded(records), 1.0)
+        for name, is_force, numbers in self.terms.motors:
+            signal = Signal(f"{name} effort", "N" if is_force else "N m")
+            yield Input(signal, still, still, self._loaded(_unit_motor(loads[[*numbers]])), 1.0)
 
     def _loaded(self, records: Any) -> "Callable[..., Any]":
         system = self.motion.system  # type: ignore[attr-defined]
@@ -219,6 +222,21 @@ def _spring_load(load: np.void, sign: float) -> "Callable[..., Any]":
         pair = np.array([load, load])
         pair["damping"], pair["stiffness"], pair["free_length"] = 0.0, (1.0, -1.0), (-sign * amount, 0.0)
         return pair
+
+    return records
+
+
+def _unit_motor(loads: np.ndarray) -> "Callable[..., Any]":
+    """The records of a motor with another constant effort, in a joint or as two vectors of unit length."""
+    joint, vectors = loads[loads["kind"] == RELATIVE], loads[loads["kind"] != RELATIVE]
+
+    def records(amount: float) -> np.ndarray:
+        scaled = vectors.copy()
+        scaled["function"], scaled["vector"] = -1, amount * vectors["vector"]
+        pushed = [_spring_load(load, -1.0)(amount) for load in joint]
+        for pair in pushed:
+            pair["function"] = -1
+        return np.concatenate([scaled, *pushed])
 
     return records
 

@@ -47,6 +47,7 @@ class TreeAnalysis:
         self.row = 0
         self.attitude: np.ndarray = None  # type: ignore[assignment]  # until the first block
         self.repeated: np.ndarray | None = None  # (R,) closed directions that depend on others at the start
+        self.warnings: list[Fault] = []  # fills at the start
         self.resumed = False
         if checkpoint is not None:
             self.restore(checkpoint)
@@ -194,6 +195,13 @@ class TreeAnalysis:
             raise self.failure()
         if self.repeated is None:
             self.repeated = pivot_shares(self.arrays) == 0.0
+            if self.repeated.any():
+                self._tell_of_repetition()
+
+    def _tell_of_repetition(self) -> None:
+        from .redundancy import repetition
+
+        self.warnings += filter(None, [repetition(self.tree, self.repeated)])  # type: ignore[arg-type]
 
     def failure(self) -> AnalysisError:
         """Return what the clock says went wrong."""
