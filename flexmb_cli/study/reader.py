@@ -131,8 +131,8 @@ class _Reader:
 
     def _range(self, name: str, given: "dict[Any, Any]", sampled: bool) -> Varied | None:
         if name_in_full := _dotted(name, given):
-            told = f'a name with points stands in quotes: "{name_in_full}" = …'
-            self._fault(name, told, self._place(name_in_full))
+            message = f'a name with points stands in quotes: "{name_in_full}" = …'
+            self._fault(name, message, self._place(name_in_full))
             return None
         self._refuse_unknown(given, RANGE_KEYS, name)
         start, end, scale = given.get("from"), given.get("to"), given.get("scale", SCALES[0])

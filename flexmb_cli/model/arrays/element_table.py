@@ -58,12 +58,12 @@ class PointJoints:
     def __init__(self, table: PrimitiveTable, joints: Sequence[PointJoint]):
         self.table, self.joints = table, joints
 
-    def _arms(self, joint: Any) -> Any:
+    def _vectors(self, joint: Any) -> Any:
         return JointVectors(self.table, self.joints[joint])
 
     def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
         """The primitive of a joint coordinate."""
-        body_vectors = self._arms(joint)
+        body_vectors = self._vectors(joint)
         return (
             body_vectors.stroke()
             if coordinate == STROKE
@@ -80,7 +80,7 @@ class PointJoints:
 
     def axis(self, joint: int) -> int:
         """The body vector along the axis of body a."""
-        body_vectors = self._arms(joint)
+        body_vectors = self._vectors(joint)
         if body_vectors.a[1].shape.size:
             return body_vectors.body_vector_of(body_vectors.a)
         return self.table.body_vector(body_vectors.i, body_vectors.s)

@@ -93,16 +93,8 @@ class _Conversion:
             ),
             (),
             tuple(self._joint_spring(item) for item in deck.joint_springs),
-            tuple(
-                SpringDamper(s.name, s.a.body, s.b.body, vector(s.a.r0), vector(s.b.r0), s.k, s.length, s.c,
-                             s.place)
-                for s in deck.springs
-            ),
-            tuple(
-                AppliedForce(f.name, f.point.body, vector(f.force), vector(f.point.r0), f.follows, f.factor,
-                             f.place)
-                for f in deck.forces
-            ),
+            self._springs(),
+            self._forces(),
             tuple(
                 AppliedTorque(t.name, t.body, vector(t.torque), t.follows, t.factor, t.place)
                 for t in deck.torques
@@ -110,6 +102,22 @@ class _Conversion:
             tuple(Point(p.name, p.body, vector(p.r0)) for p in deck.outputs if p.body != GROUND),
             stepping,
         )  # fmt: skip
+
+    def _springs(self) -> tuple[SpringDamper, ...]:
+        return tuple(
+            SpringDamper(
+                s.name, s.a.body, s.b.body, vector(s.a.r0), vector(s.b.r0), s.k, s.length, s.c, s.place
+            )
+            for s in self.deck.springs
+        )
+
+    def _forces(self) -> tuple[AppliedForce, ...]:
+        return tuple(
+            AppliedForce(
+                f.name, f.point.body, vector(f.force), vector(f.point.r0), f.follows, f.factor, f.place
+            )
+            for f in self.deck.forces
+        )
 
     def _body(self, k: int) -> Any:
         body, start = self.deck.bodies[k], self.start
