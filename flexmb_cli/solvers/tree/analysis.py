@@ -135,7 +135,8 @@ class TreeAnalysis:
 
     def due_times(self, t: float) -> list[float]:
         """Report times that have no row yet and do not lie past t."""
-        grid, times = self.tree.time, []  # type: ignore[var-annotated]
+        grid = self.tree.time
+        times: list[float] = []
         while self.row + len(times) < grid.rows and grid.time(self.row + len(times)) <= t:
             times.append(grid.time(self.row + len(times)))
         return times
