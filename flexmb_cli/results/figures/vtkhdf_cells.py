@@ -27,7 +27,7 @@ def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> No
     `displacement` is from the first row, `deformation` the elastic one, m, `velocity` m/s, in global axes;
     `stress` xx yy zz xy yz zx in the axes of its body, Pa, nan where a body has none.
     """
-    shown = {one.number for one in (*bodies, *scene.shapes)}  # type: ignore[attr-defined]
+    shown = {*(one.number for one in bodies), *(shape.number for shape in scene.shapes)}
     drawn = [body for body in scene.bodies if body.number not in shown]
     counts = [len(body.undeformed) for body in bodies] + [body.marks.shape[1] for body in drawn]
     counts += [len(shape.vertices) for shape in scene.shapes]

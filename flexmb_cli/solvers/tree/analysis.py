@@ -226,14 +226,19 @@ def initial_state(tree: Tree) -> np.ndarray:
 
 def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
     """Times inside (start, end) at which a function of the tree jumps or bends."""
-    times = {t for item in (*tree.torques, *tree.motors) for t in item.function.times}  # type: ignore[attr-defined]
+    times = {t for function in _functions(tree) for t in function.times}
     return sorted(t for t in times if start < t < end)
 
 
 def set_functions(tree: Tree, arrays: TreeArrays, begin: float, end: float) -> None:
     """Write the values c0 + c1 t that the functions have between two breakpoints into the arrays."""
-    for record, item in zip(arrays.functions, (*tree.torques, *tree.motors), strict=True):
-        record["c0"], record["c1"] = _line(item.function, (begin + end) / 2)  # type: ignore[attr-defined]
+    for record, function in zip(arrays.functions, _functions(tree), strict=True):
+        record["c0"], record["c1"] = _line(function, (begin + end) / 2)
+
+
+def _functions(tree: Tree) -> list[Table]:
+    """Return the functions of torques, then those of motors."""
+    return [*(torque.function for torque in tree.torques), *(motor.function for motor in tree.motors)]
 
 
 def _line(function: Table, t: float) -> tuple[float, float]:

@@ -46,7 +46,7 @@ def rigid_model(
     if flexible:
         raise ModelError([Fault("error", message, r.place, r.subject, id="VSDF-152") for r in flexible])
     mechanism, refusals = build(), Refusals()
-    made = _Conversion(mechanism, start(mechanism), refusals)  # type: ignore[arg-type]
+    made = _Conversion(mechanism, start(mechanism), refusals)
     found = made.model()
     _raise(refusals)
     return found
@@ -61,11 +61,11 @@ def _raise(refusals: Any) -> None:
 class _Conversion:
     """Collects the parts of the model."""
 
-    def __init__(self, mechanism: Any, start: int, refusals: Any):
+    def __init__(self, mechanism: Any, start: Start, refusals: Any):
         self.deck, self.start, self.refusals = mechanism, start, refusals
         ground = np.zeros(3), np.eye(3)
         self.first = [(body.r, rotation_matrix(body.p)) for body in mechanism.bodies] + [ground]
-        self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)] + [ground]  # type: ignore[attr-defined]
+        self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)] + [ground]
 
     def model(self) -> Any:
         deck, integrator = self.deck, self.deck.integrator
@@ -123,7 +123,7 @@ class _Conversion:
         body, start = self.deck.bodies[k], self.start
         c = body.s0 / body.m
         inertia = body.J0 - body.m * (c @ c * np.eye(3) - np.outer(c, c))
-        motion = start.r[k], start.p[k], start.v[k], start.omega[k]  # type: ignore[attr-defined]
+        motion = start.r[k], start.p[k], start.v[k], start.omega[k]
         return RigidBody(body.name, *motion, body.m, c, inertia, body.place)
 
     def _joint(self, joint: Any) -> Any:
