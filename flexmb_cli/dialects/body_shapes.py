@@ -70,10 +70,10 @@ def stl_shape_of(record: Record, keys: Keys, folder: Path, findings: Findings) -
     return Shape(record[keys.body], moved(unit.value * vertices, *_placed(record, keys)), triangles)
 
 
-def _placed(record: Any, keys: Any) -> Any:
+def _placed(record: Record, keys: Any) -> Any:
     return _three(record, keys.offset), _three(record, keys.angles)
 
 
-def _three(record: Any, keys: Any) -> Any:
+def _three(record: Record, keys: Any) -> Any:
     x, y, z = (float(record[key]) for key in keys)
     return x, y, z

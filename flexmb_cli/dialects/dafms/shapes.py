@@ -1,11 +1,14 @@
 """The card GEOM: what rigid bodies and the inertial frame look like in pictures."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.shapes import KINDS, Shape
 from ..body_shapes import Keys, on_rigid_body, primitive_of
+
+if TYPE_CHECKING:
+    from ...deck.record import Record
 
 _KEYS = Keys("K", ("SA", "SB", "SC"), ("SO1", "SO2", "SO3"), ("SW1", "SW2", "SW3"))
 
@@ -22,7 +25,7 @@ def build_shapes(values: DeckValues, findings: Findings) -> tuple[Shape, ...]:
     return tuple(shape for shape in found if shape is not None)
 
 
-def _shape(record: Any, findings: Any) -> Any:
+def _shape(record: "Record", findings: Findings) -> Any:
     number = record.at("IS")
     if not 1 <= number.value <= len(KINDS):
         message = f"IS must be within 1..{len(KINDS)}, {', '.join(KINDS)}; read {number.value}"

@@ -86,7 +86,7 @@ class JointMaker(ElementMaker):
         joint = self._joint(record, coordinate, f"joint{suffix}")
         return None if joint is None or coordinate is None else (joint, coordinate)
 
-    def _joint(self, record: Any, coordinate: str, key: str) -> Any:
+    def _joint(self, record: Record, coordinate: str, key: str) -> Any:
         number = record[key]
         if not 1 <= number <= len(self.joints):
             message = f"joint number {number} is outside 1..{len(self.joints)}"
@@ -100,7 +100,7 @@ class JointMaker(ElementMaker):
             return None
         return number - 1
 
-    def _coordinate(self, record: Any, key: str) -> Any:
+    def _coordinate(self, record: Record, key: str) -> Any:
         if record[key] not in _COORDINATES:
             message = f"must be 1 (angle) or 2 (stroke); read {record[key]}"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-005")
@@ -140,7 +140,7 @@ def build_elements(
 def joint_driver(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes drivers of a coordinate."""
 
-    def make(maker: Any, record: Any) -> Any:
+    def make(maker: Any, record: Record) -> Any:
         where, function = maker.where(record, coordinate), maker.functions.motion(record, maker.start)
         return JointDriver(record.subject, *where, function, record.place) if where and function else None  # type: ignore[call-arg]
 
@@ -150,14 +150,14 @@ def joint_driver(coordinate: str | None) -> Callable[..., Any]:
 def motor(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes motors in a coordinate."""
 
-    def make(maker: Any, record: Any) -> Any:
+    def make(maker: Any, record: Record) -> Any:
         where, function = maker.where(record, coordinate), maker.functions.function(record)
         return JointMotor(record.subject, *where, function, record.place) if where and function else None  # type: ignore[call-arg]
 
     return make
 
 
-def _spring_data(maker: Any, record: Any) -> Any:
+def _spring_data(maker: Any, record: Record) -> Any:
     return {
         "stiffness": float(record["stiffness"]),
         "rest": float(record["rest"]),
@@ -172,7 +172,7 @@ def _spring_data(maker: Any, record: Any) -> Any:
 def joint_spring(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes springs in a coordinate."""
 
-    def make(maker: Any, record: Any) -> Any:
+    def make(maker: Any, record: Record) -> Any:
         where, data = maker.where(record, coordinate), _spring_data(maker, record)
         return JointSpring(record.subject, *where, **data) if where else None
 
@@ -196,7 +196,7 @@ def cable(maker: ElementMaker, record: Record) -> LineSpring | None:
 def stop(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes stops of a coordinate."""
 
-    def make(maker: Any, record: Any) -> Any:
+    def make(maker: Any, record: Record) -> Any:
         maker.not_negative(record, "stiffness", "damping")
         if not record["lower"] < record["upper"]:
             place = record.at("upper").place

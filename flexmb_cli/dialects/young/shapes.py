@@ -1,12 +1,15 @@
 """The cards GEOM and STL: what bodies look like in pictures."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Deck
 from ...model.diagnostics import Findings
 from ...model.shapes import KINDS, Shape
 from ..body_shapes import Keys, on_rigid_body, primitive_of, stl_shape_of
+
+if TYPE_CHECKING:
+    from ...deck.record import Record
 
 
 def build_shapes(deck: Deck, bodies: int, folder: Path, findings: Findings) -> tuple[Shape, ...]:
@@ -25,7 +28,7 @@ def build_shapes(deck: Deck, bodies: int, folder: Path, findings: Findings) -> t
     return tuple(shape for shape in found if shape is not None)
 
 
-def _primitive(record: Any, keys: Any, findings: Any) -> Any:
+def _primitive(record: "Record", keys: Any, findings: Findings) -> Any:
     number = record.at("shape")
     if not 1 <= number.value <= len(KINDS):
         message = f"shape must be within 1..{len(KINDS)}, {', '.join(KINDS)}; read {number.text}"

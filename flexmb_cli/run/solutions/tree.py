@@ -75,14 +75,14 @@ def absolute_analysis(tree: Tree, run: Run) -> Any:
     return AbsoluteTree(tree)
 
 
-def _unused_method(tree: Any) -> "Iterator[Any]":
+def _unused_method(tree: Tree) -> "Iterator[Any]":
     """The choice of an integrator is one of Kane's equations."""
     if tree.integration.method not in (("dop853", "radau", "sdirk4") if tree.elements else ("dop853",)):
         message = f"absolute coordinates are stepped by DOP853: {tree.integration.method} is not used"
         yield Fault("warning", message, id="RUN-010")
 
 
-def _finer_blocks(tree: Any, run: Any) -> Any:
+def _finer_blocks(tree: Tree, run: Run) -> Any:
     """Blocks of values of a second run at a tighter tolerance."""
     given = tree.integration
     run.outcome.faults += why_no_estimate(given.rtol)

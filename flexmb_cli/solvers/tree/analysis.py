@@ -253,7 +253,7 @@ def _line(function: Table, t: float) -> tuple[float, float]:
     return va - slope * ta, slope
 
 
-def _no_inertia(tree: Any, t: float, coordinate: Any) -> Any:
+def _no_inertia(tree: Tree, t: float, coordinate: Any) -> Any:
     c = tree.coordinates[coordinate]
     body = tree.bodies[c.body]
     message = (
@@ -264,7 +264,7 @@ def _no_inertia(tree: Any, t: float, coordinate: Any) -> Any:
     return Fault("error", message, body.place, body.name, id="SOLVE-025")
 
 
-def _step_vanished(tree: Any, t: float, step: Any, worst: Any) -> Any:
+def _step_vanished(tree: Tree, t: float, step: Any, worst: Any) -> Any:
     n = len(tree.coordinates)
     c = tree.coordinates[worst % n] if worst < 2 * n else None
     place, name = (tree.bodies[c.body].place, c.name) if c else (None, "an Euler parameter")

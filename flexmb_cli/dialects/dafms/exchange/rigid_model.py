@@ -71,7 +71,7 @@ def _raise(refusals: Any) -> None:
 class _Conversion:
     """Collects the parts of the model."""
 
-    def __init__(self, tree: Any, start: Start, refusals: Any):
+    def __init__(self, tree: Tree, start: Start, refusals: Any):
         self.tree, self.start, self.refusals = tree, start, refusals
         self.A = [rotation_matrix(p) for p in start.p]
         self.number: dict[int, int] = {}  # of the joint of a body's hinge
