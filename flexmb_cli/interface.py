@@ -123,7 +123,7 @@ def solve(deck: OpenDeck | str | os.PathLike[str], **options: float | str) -> "R
     run = Run(Outcome(opened.path), _run_options(options))
     with _naming(opened.path):
         solution, doubts = prepared(opened.deck, run)
-        blocks: list[dict[str, np.ndarray]] = []
+        blocks: list[Mapping[str, np.ndarray]] = []
         try:
             blocks.extend(solution.blocks_counted())
         except AnalysisError as failure:
@@ -161,7 +161,7 @@ def _naming(path: str) -> Iterator[None]:
 def _result(
     opened: OpenDeck,
     solution: "Solution",
-    blocks: list[dict[str, np.ndarray]],
+    blocks: list[Mapping[str, np.ndarray]],
     faults: list[Fault],
     failure: AnalysisError | None,
 ) -> "Result":

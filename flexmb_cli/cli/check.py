@@ -15,7 +15,7 @@ from .terminal.screen import show, wants_debug
 @deck_options
 @click.option("--jacobian", metavar="TIME|estimate", help="Print the Jacobian, rows and columns labelled.")
 def check(
-    decks: tuple[str],
+    decks: tuple[str, ...],
     changes: tuple[str, ...],
     echo: Any,
     as_json: bool,
@@ -38,10 +38,10 @@ def check(
     for report in every_deck(decks, lambda deck: interface.check(deck, choices, jacobian)):
         show_faults(report.outcome, quiet)
         if as_json:
-            if echo and report.deck and not quiet:  # type: ignore[union-attr]
+            if echo and report.deck and not quiet:
                 _print_echo(report, err=True)
             click.echo(json.dumps(report.as_dict()))
-        elif report.deck and not quiet:  # type: ignore[union-attr]
+        elif report.deck and not quiet:
             _print_check(report, echo)
         codes.append(report.outcome.exit_code)
     sys.exit(max(codes))

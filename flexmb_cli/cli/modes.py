@@ -70,7 +70,7 @@ def modes(
         show_faults(report.outcome, quiet)
         if as_json:
             click.echo(json.dumps(report.as_dict()))
-        elif report.deck:  # type: ignore[union-attr]
+        elif report.deck:
             _print_modes(report, echo, quiet)
         codes.append(report.outcome.exit_code)
     sys.exit(max(codes))

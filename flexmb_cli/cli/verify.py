@@ -20,7 +20,7 @@ from .terminal.screen import show, wants_debug
 @click.option("--rtol", type=RELATIVE_TOLERANCE, help="Relative tolerance of a step (1e-11).")
 @click.option("--atol", type=ABSOLUTE_TOLERANCE, help="Absolute tolerance of a step (1e-13).")
 def verify(
-    decks: tuple[str],
+    decks: tuple[str, ...],
     changes: "tuple[Any, ...]",
     echo: bool,
     as_json: bool,
@@ -55,7 +55,7 @@ def verify(
         show_faults(found.outcome, quiet)
         if as_json:
             click.echo(json.dumps(found.as_dict()))
-        elif found.differences and not quiet:  # type: ignore[union-attr]
+        elif found.differences and not quiet:
             show(verify_text(found))
         codes.append(found.outcome.exit_code)
     sys.exit(max(codes))

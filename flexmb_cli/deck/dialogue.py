@@ -75,20 +75,22 @@ class Dialogue:
         An error among them means that the answer was refused, or sent the dialogue back.
         """
         asked = self.question
+        if asked is None:
+            raise ValueError("every question is answered")
         texts = _texts(asked, line)
-        cells = asked.entry.cells[self._cell : self._cell + len(texts)]  # type: ignore[union-attr]
-        doubts = self._spelling(asked.entry, cells, texts)  # type: ignore[union-attr]
+        cells = asked.entry.cells[self._cell : self._cell + len(texts)]
+        doubts = self._spelling(asked.entry, cells, texts)
         if len(texts) > len(cells) or any(fault.severity == "error" for fault in doubts):
             return doubts
-        tried = {_name(asked.entry, cell): text for cell, text in zip(cells, texts, strict=True)}  # type: ignore[union-attr]
+        tried = {_name(asked.entry, cell): text for cell, text in zip(cells, texts, strict=True)}
         before, self.values = self.values, {**self.values, **tried}
         end = self._cell + len(texts)
-        faults = self._faults(asked.entry, end)  # type: ignore[union-attr]
+        faults = self._faults(asked.entry, end)
         wrong = next((fault for fault in faults if fault.severity == "error"), None)
         if wrong is None:
-            self._go_on(asked.entry, end)  # type: ignore[union-attr]
+            self._go_on(asked.entry, end)
         elif self._lies_before(wrong):
-            self._cell = _start(asked.entry, wrong.place.column - 1)  # type: ignore[union-attr]
+            self._cell = _start(asked.entry, wrong.place.column - 1)
         else:
             self.values = before
         return [*doubts, *faults]

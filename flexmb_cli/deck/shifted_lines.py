@@ -52,7 +52,8 @@ def with_slip_named(faults: Sequence[Fault], slipped: Sequence[Fault]) -> list[F
 def _walk(held: Any, needed: Any, kept_per_slip: Any) -> list[tuple[int, int]]:
     """Pairs (line, record) that fit neither alone nor together with their neighbours, none when in doubt."""
     line = record = kept = 0
-    slipped, unconfirmed = [], []  # type: ignore[var-annotated]
+    slipped: list[tuple[int, int]] = []
+    unconfirmed: list[tuple[int, int]] = []
     while line < len(held) and record < len(needed):
         lines, records = _step(held, needed, line, record)
         if lines:

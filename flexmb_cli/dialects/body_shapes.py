@@ -89,10 +89,10 @@ def rigid_shapes(
     return tuple(found)
 
 
-def _placed(record: Any, keys: Any) -> Any:
+def _placed(record: Record, keys: Any) -> Any:
     return _three(record, keys.offset), _three(record, keys.angles)
 
 
-def _three(record: Any, keys: Any) -> Any:
+def _three(record: Record, keys: Any) -> Any:
     x, y, z = (float(record[key]) for key in keys)
     return x, y, z

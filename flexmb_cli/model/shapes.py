@@ -108,7 +108,8 @@ def _revolved(profile: Any) -> Any:
     circle = [
         _rounded((math.cos(2 * math.pi * k / SIDES), math.sin(2 * math.pi * k / SIDES))) for k in range(SIDES)
     ]
-    vertices, rings = [], []  # type: ignore[var-annotated]
+    vertices: list[tuple[float, float, float]] = []
+    rings: list[list[int]] = []
     for radius, z in profile:
         ring = [(radius * x, radius * y, z) for x, y in (circle if radius else [(0.0, 0.0)])]
         rings.append([len(vertices) + k % len(ring) for k in range(SIDES + 1)])

@@ -168,16 +168,16 @@ def _of_young(model: "DynamicModel") -> Iterable[Extent]:
             if body not in held:
                 joined.setdefault(body, []).append(point)
     found = []
-    for k, body in enumerate(mechanism.bodies):  # type: ignore[assignment]
+    for k, item in enumerate(mechanism.bodies):
         if k in held:
             continue
         points, given = joined.get(k, ()), masses.get(k)
         if given is None:
-            found.append(Extent(body.name, 0.0, (0.0,) * 3, _farthest(points, (0.0, 0.0, 0.0)), body.place))  # type: ignore[attr-defined]
+            found.append(Extent(item.name, 0.0, (0.0,) * 3, _farthest(points, (0.0, 0.0, 0.0)), item.place))
             continue
         xx, yy, zz, xy, yz, zx = given.inertia
         moments = _moments([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
-        found.append(Extent(body.name, given.mass, moments, _farthest(points, given.centre), given.place))  # type: ignore[attr-defined]
+        found.append(Extent(item.name, given.mass, moments, _farthest(points, given.centre), given.place))
     return found
 
 

@@ -98,7 +98,7 @@ class ResumeFile:
             # Names only: a resume file may be another's, and no file but beside it is to be touched.
             self._write({_UNFINISHED: np.array([os.path.basename(path) for path in unfinished], str)})
 
-    def stored(self) -> Iterator[tuple[dict[str, np.ndarray], dict[str, np.ndarray]]]:
+    def stored(self) -> Iterator[tuple[Mapping[str, np.ndarray], dict[str, np.ndarray]]]:
         """Pairs (values, checkpoint) of the resume file that was found, oldest first."""
         if self._end == self._first:
             return

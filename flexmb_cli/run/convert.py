@@ -45,7 +45,7 @@ def converted(path: str, form: str, changes: tuple[str, ...] = (), unit: str = S
         raise
 
 
-def _refuse_own(deck: Any, form: Any) -> None:
+def _refuse_own(deck: Deck, form: Any) -> None:
     if deck.dialect == form:
         message = f"the deck is a {dialect_named(form).title} deck already"
         raise ModelError([Fault("error", message, id="RUN-060")])
@@ -67,11 +67,11 @@ def _deck_of(deck: Deck, run: Run, form: str, units: tuple[str, str]) -> str:
     return text
 
 
-def _title(deck: Any) -> Any:
+def _title(deck: Deck) -> Any:
     return f"converted from the {dialect_named(deck.dialect).title} deck {PurePath(deck.source.name).name}"
 
 
-def _refuse_unreadable(text: Any, form: Any, run: Any) -> None:
+def _refuse_unreadable(text: Any, form: Any, run: Run) -> None:
     """Refuse what the writer let through and the dialect does not accept."""
     try:
         dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
@@ -113,7 +113,7 @@ def start_of(model: "DynamicModel", run: Run | None = None) -> dict[str, Any]:
     return found | {"q": values["coordinate/q"][0] if "coordinate/q" in values else ()}
 
 
-def _start(model: Any, run: Any) -> Any:
+def _start(model: Any, run: Run) -> Any:
     from ..model.exchange.start import Start
 
     return Start(**start_of(model, run))

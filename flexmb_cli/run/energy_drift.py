@@ -1,5 +1,7 @@
 """How far the total energy of a run strays: for the statistics of -v, and as a warning."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from ..errors import Fault
@@ -29,7 +31,7 @@ class EnergyDrift:
         self.first = None
         self.largest = self.scale = self.lost = 0.0
 
-    def add(self, values: dict[str, np.ndarray]) -> None:
+    def add(self, values: Mapping[str, "np.ndarray"]) -> None:
         """Take in a block of rows, by the paths of their datasets."""
         self.take(values["energy/total"], values["energy/kinetic"] + values["energy/strain"])
 
@@ -61,7 +63,7 @@ class ConstrainedDrift(EnergyDrift):
         self.reasons = reasons
         self.potential = None
 
-    def add(self, values: dict[str, np.ndarray]) -> None:
+    def add(self, values: Mapping[str, "np.ndarray"]) -> None:
         """Take in a block of rows, by the paths of their datasets."""
         total, work, potential = (values[f"energy/{name}"] for name in ("total", "applied_work", "potential"))
         self.potential = potential[0] if self.potential is None else self.potential

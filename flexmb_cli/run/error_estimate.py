@@ -1,6 +1,6 @@
 """The global error of every quantity of a run: what a second run at a tighter tolerance gives otherwise."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -44,13 +44,13 @@ def why_no_estimate(tolerance: float) -> list[Fault]:
 class ErrorEstimate:
     """Compares blocks of values, by the paths of their datasets, with those of a second run."""
 
-    def __init__(self, second: Iterator[dict[str, np.ndarray]]):
+    def __init__(self, second: Iterator[Mapping[str, np.ndarray]]):
         self.second = second
         self.waiting: dict[str, Any] = {}
         self.doubts: list[Fault] = []  # that the second run stopped
         self.largest: dict[str, Any] = {}  # by path: error, its time, s, and the largest size of the quantity
 
-    def of(self, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    def of(self, values: Mapping[str, "np.ndarray"]) -> dict[str, np.ndarray]:
         """Values with the largest error (T,) of each quantity in time, nan past the second run's stop."""
         other = self._next(values["time"])
         errors = {
@@ -110,11 +110,12 @@ def nothing_to_refine(run: Run, reason: str = NO_STEPS) -> None:
 
 def finer_motion(
     analysis_of: Callable[..., Any], values: Callable[..., Any], run: Run
-) -> Iterator[dict[str, np.ndarray]] | None:
+) -> Iterator[Mapping[str, np.ndarray]] | None:
     """Return the blocks of values of a second analysis at a tighter tolerance, if that chooses its steps."""
     second = analysis_of(run.unheard)
     if not second.integrator.chosen:
-        return nothing_to_refine(run, GIVEN_STEPS)  # type: ignore[func-returns-value]
+        nothing_to_refine(run, GIVEN_STEPS)
+        return None
     clock = second.clock
     tolerance = float(clock["rtol"][0])
     run.outcome.faults += why_no_estimate(tolerance)

@@ -74,7 +74,7 @@ def _by_change(fault: Fault, options: RunOptions) -> Fault:
     return fault
 
 
-def _record_fault(outcome: Any, fault: Any, options: Any) -> None:
+def _record_fault(outcome: Outcome, fault: Any, options: RunOptions) -> None:
     """A stop that became another exception, or a fault of the machine or of flexmb itself."""
     if Stop.asked is not None:
         outcome.exit_code = Stop.code()

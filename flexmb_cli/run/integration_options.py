@@ -4,10 +4,19 @@ A method that a dialect does not have is refused with those that it has; where n
 warning names what sets the accuracy instead.
 """
 
+from typing import Any, Protocol
+
 from ..deck.record import Deck
 from ..dialects.recognise import dialect_named
 from ..errors import Fault, ModelError
 from .outcome import Outcome, RunOptions
+
+
+class SteppedAnalysis(Protocol):
+    """An analysis that integrates: its integrator, and the record of its steps."""
+
+    integrator: Any
+    clock: Any
 
 
 def refuse_foreign_method(deck: Deck, options: RunOptions) -> None:
@@ -19,14 +28,14 @@ def refuse_foreign_method(deck: Deck, options: RunOptions) -> None:
         raise ModelError([Fault("error", f"{reported} or {known[-1]}", id="RUN-025")])
 
 
-def set_tolerances(analysis: object, options: RunOptions, outcome: Outcome) -> None:
+def set_tolerances(analysis: SteppedAnalysis, options: RunOptions, outcome: Outcome) -> None:
     """Set the tolerances of an analysis that chooses its steps; warn where the deck gives their length."""
     given = {name: options.integration[name] for name in ("rtol", "atol") if name in options.integration}
     if not given:
         return
-    if not analysis.integrator.chosen:  # type: ignore[attr-defined]
+    if not analysis.integrator.chosen:
         names = " and ".join(f"--{name}" for name in given)
         message = f"{names}: the deck gives the length of the steps; set it to 0, or take --method radau"
         outcome.faults.append(Fault("warning", message, id="RUN-026"))
     for name, value in given.items():
-        analysis.clock[name] = value  # type: ignore[attr-defined]
+        analysis.clock[name] = value

@@ -1,5 +1,6 @@
 """The files of one run: printed tables of its dialect and the HDF5 result; all appear whole or not at all."""
 
+from collections.abc import Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -78,7 +79,7 @@ class ResultFiles:
             self.begun = True
             self.table.begin()
 
-    def rows(self, values: dict[str, "np.ndarray"]) -> None:
+    def rows(self, values: Mapping[str, "np.ndarray"]) -> None:
         """Write report rows, given by the paths of their datasets."""
         self.torn = True
         self._begin()

@@ -4,9 +4,9 @@
 """
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from .. import __version__
 from ..deck.record import Deck
@@ -25,12 +25,29 @@ if TYPE_CHECKING:
     import numpy as np
 
 
+class Analysis(Protocol):
+    """What is asked of an analysis that is solved."""
+
+    def rows(self) -> Iterator[Any]:
+        """Yield blocks of report rows."""
+
+    @property
+    def checkpoint(self) -> Mapping[str, "np.ndarray"]:
+        """Return what it goes on from, behind the last block."""
+
+    def restore(self, checkpoint: dict[str, "np.ndarray"]) -> Any:
+        """Go on from a checkpoint."""
+
+
 class NoCount:
     """Counts nothing."""
 
-    doubts: tuple[Fault, ...] = ()
+    @property
+    def doubts(self) -> tuple[Fault, ...]:
+        """Return what the values counted make doubtful."""
+        return ()
 
-    def add(self, values: dict[str, "np.ndarray"]) -> None:
+    def add(self, values: Mapping[str, "np.ndarray"]) -> None:
         """Count a block of values."""
 
     def __str__(self) -> str:
@@ -51,22 +68,22 @@ class Solution:
     `analysis.restore(checkpoint)` goes on from it.
     """
 
-    analysis: object
+    analysis: Analysis
     rows: int
     layout: Callable[..., Any]
-    values: Callable[[object], dict[str, "np.ndarray"]]
+    values: Callable[[Any], Mapping[str, "np.ndarray"]]
     count: NoCount
     doubts: Callable[[], list[Fault]] = list
     warnings: list[Fault] = field(default_factory=list)
-    finer: Callable[[Run], Iterator[dict[str, "np.ndarray"]] | None] = lambda run: None
+    finer: Callable[[Run], Iterator[Mapping[str, "np.ndarray"]] | None] = lambda run: None
     identity: dict[str, Any] = field(default_factory=dict)
     resumable: bool = True
 
-    def blocks(self) -> Iterator[dict[str, "np.ndarray"]]:
+    def blocks(self) -> Iterator[Mapping[str, "np.ndarray"]]:
         """Yield the blocks of values; raises as the analysis does."""
-        return map(self.values, self.analysis.rows())  # type: ignore[attr-defined]
+        return map(self.values, self.analysis.rows())
 
-    def blocks_counted(self) -> Iterator[dict[str, "np.ndarray"]]:
+    def blocks_counted(self) -> Iterator[Mapping[str, "np.ndarray"]]:
         """Yield the blocks of values and count them."""
         for values in self.blocks():
             self.count.add(values)
@@ -207,7 +224,7 @@ class _Keeper:
                 listener.advance(len(values["time"]))
                 Stop.heed()
 
-    def _blocks(self) -> "Iterator[dict[str, np.ndarray]]":
+    def _blocks(self) -> "Iterator[Mapping[str, np.ndarray]]":
         """Blocks of values: those of a stopped run first, then what the analysis adds to the resume file."""
         solution, resume_file = self.solution, self.resume_file
         if resume_file.last_checkpoint is not None:
@@ -218,17 +235,17 @@ class _Keeper:
             self.run.listener.notice("nothing to resume; the run starts at its beginning")
         if self.run.outcome.rows >= solution.rows:
             return
-        for rows in solution.analysis.rows():  # type: ignore[attr-defined]
+        for rows in solution.analysis.rows():
             values = solution.values(rows)
             if resume_file.path is not None:
                 with Stop.later():
-                    resume_file.append(values, solution.analysis.checkpoint)  # type: ignore[attr-defined]
+                    resume_file.append(values, solution.analysis.checkpoint)
             yield self._with_errors(values)
 
-    def _with_errors(self, values: "dict[str, np.ndarray]") -> "dict[str, np.ndarray]":
+    def _with_errors(self, values: Mapping[str, "np.ndarray"]) -> Mapping[str, "np.ndarray"]:
         return values if self.estimate is None else self.estimate.of(values)
 
-    def _write(self, values: "dict[str, np.ndarray]") -> None:
+    def _write(self, values: Mapping[str, "np.ndarray"]) -> None:
         outcome, count = self.run.outcome, self.solution.count
         self.files.rows(values)
         count.add(values)

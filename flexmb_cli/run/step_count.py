@@ -1,5 +1,6 @@
 """What is counted of the dynamics of a mechanism under constraints."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from ..errors import Fault
@@ -17,14 +18,14 @@ class StepCount(NoCount):
         self.clock, self.drift = clock, drift
         self.residual = 0.0
 
-    def add(self, values: dict[str, "np.ndarray"]) -> None:
+    def add(self, values: Mapping[str, "np.ndarray"]) -> None:
         """Count a block of values."""
         self.residual = max(self.residual, float(values["audit/constraint_residual"].max()))
         if self.drift is not None:
             self.drift.add(values)
 
     @property
-    def doubts(self) -> tuple[Fault, ...]:  # type: ignore[override]
+    def doubts(self) -> tuple[Fault, ...]:
         """Return what the energy of the rows makes doubtful."""
         return self.drift.doubts if self.drift else ()
 

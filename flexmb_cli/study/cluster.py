@@ -93,7 +93,9 @@ class _Cluster:
         self.client, self.sweep, self.advance, self.address = client, sweep, advance, address
         # No scattered data: those are lost with the workers that have them, a task is done anew.
         self.shared = client.submit(_handed_on, sweep.job, pure=False)
-        self.rest, self.struck, self.deaths = deque(), deque(), Counter()  # type: ignore[var-annotated]
+        self.rest: deque[int] = deque()
+        self.struck: deque[int] = deque()
+        self.deaths: Counter[int] = Counter()
         self.shares: dict[Any, Any] = {}  # blocks by the key of their future
         self.seconds = None  # of a block, as reported last
         self.threads, self.counted = 1, -CENSUS

@@ -14,7 +14,7 @@ PAGE = """<!doctype html>
 <style>body {{ font-family: sans-serif; margin: 1em auto; max-width: 75em; padding: 0 1em }}
 .plot {{ width: 100%; height: 30em }} pre {{ overflow-x: auto; background: #f4f4f4; padding: 1em }}</style>
 <script>{library}</script></head><body>
-<h1>{title}</h1><p>{told}</p>
+<h1>{title}</h1><p>{counts}</p>
 <h2>Parallel coordinates</h2><div class="plot" id="parallel"></div>
 <h2>Results</h2>{places}
 <h2>Study</h2><pre>{study}</pre>
@@ -31,9 +31,9 @@ def study_page(cases: CasesTable, study: str, library: str) -> str:
     figures |= {f"result{n}": _result(cases, name) for n, name in enumerate(cases.results)}
     places = "".join(f'<div class="plot" id="{name}"></div>' for name in figures if name != "parallel")
     solved = len(next(iter(cases.results.values())))
-    told = f"{solved} cases solved, {cases.failed} failed"
+    counts = f"{solved} cases solved, {cases.failed} failed"
     return PAGE.format(
-        title=html.escape(f"Study of {cases.deck_name}"), told=told, places=places, library=library,
+        title=html.escape(f"Study of {cases.deck_name}"), counts=counts, places=places, library=library,
         study=html.escape(study), figures=json.dumps(figures).replace("</", "<\\/"),
     )  # fmt: skip
 

@@ -7,7 +7,7 @@ import math
 import re
 import tomllib
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeGuard
 
 from ..deck.record import DeckText
 from ..dialects import DIALECTS
@@ -119,32 +119,41 @@ class _Reader:
         if isinstance(given, dict):
             return self._range(name, given, sampled)
         if sampled:
-            return self._fault(name, "a sample needs a range: { from = 1, to = 2 }")  # type: ignore[func-returns-value]
+            self._fault(name, "a sample needs a range: { from = 1, to = 2 }")
+            return None
         if not isinstance(given, list) or not given:
-            return self._fault(name, "needs a list of numbers or a range { from = 1, to = 2, count = 5 }")  # type: ignore[func-returns-value]
+            self._fault(name, "needs a list of numbers or a range { from = 1, to = 2, count = 5 }")
+            return None
         if not all(map(_is_number, given)):
-            return self._fault(name, "a list holds finite numbers only")  # type: ignore[func-returns-value]
+            self._fault(name, "a list holds finite numbers only")
+            return None
         return Varied(name, tuple(given), place=self._place(name))
 
     def _range(self, name: str, given: "dict[Any, Any]", sampled: bool) -> Varied | None:
         if name_in_full := _dotted(name, given):
-            told = f'a name with points stands in quotes: "{name_in_full}" = …'
-            return self._fault(name, told, self._place(name_in_full))  # type: ignore[func-returns-value]
+            message = f'a name with points stands in quotes: "{name_in_full}" = …'
+            self._fault(name, message, self._place(name_in_full))
+            return None
         self._refuse_unknown(given, RANGE_KEYS, name)
         start, end, scale = given.get("from"), given.get("to"), given.get("scale", SCALES[0])
-        if not (_is_number(start) and _is_number(end)):  # type: ignore[arg-type]
-            return self._fault(name, "a range needs finite numbers `from` and `to`")  # type: ignore[func-returns-value]
+        if not _is_number(start) or not _is_number(end):
+            self._fault(name, "a range needs finite numbers `from` and `to`")
+            return None
         if scale not in SCALES:
-            return self._fault(name, f"scale is one of {', '.join(SCALES)}")  # type: ignore[func-returns-value]
-        if scale == "log" and not (start > 0 and end > 0):  # type: ignore[operator]
-            return self._fault(name, "a logarithmic range needs positive ends")  # type: ignore[func-returns-value]
+            self._fault(name, f"scale is one of {', '.join(SCALES)}")
+            return None
+        if scale == "log" and not (start > 0 and end > 0):
+            self._fault(name, "a logarithmic range needs positive ends")
+            return None
         if sampled:
             if "count" in given:
-                return self._fault(name, "a sample takes its count from the study's `count`")  # type: ignore[func-returns-value]
-            return Varied(name, (float(start), float(end)), scale == "log", self._place(name))  # type: ignore[arg-type]
+                self._fault(name, "a sample takes its count from the study's `count`")
+                return None
+            return Varied(name, (float(start), float(end)), scale == "log", self._place(name))
         count = given.get("count")
         if type(count) is not int or not 2 <= count <= MOST_VALUES:
-            return self._fault(name, f"a range needs a count from 2 to {MOST_VALUES}")  # type: ignore[func-returns-value]
+            self._fault(name, f"a range needs a count from 2 to {MOST_VALUES}")
+            return None
         values = _spaced(start, end, count, scale == "log")
         return Varied(name, values, place=self._place(name))
 
@@ -152,16 +161,19 @@ class _Reader:
         take, _, quantity = given.strip().partition(" ") if isinstance(given, str) else ("", "", "")
         if take not in TAKES or not quantity.strip():
             forms = ", ".join(TAKES)
-            return self._fault(name, f'a result is written "TAKE QUANTITY" with TAKE one of {forms}')  # type: ignore[func-returns-value]
+            self._fault(name, f'a result is written "TAKE QUANTITY" with TAKE one of {forms}')
+            return None
         if not _names_a_column(name):
-            return self._fault(name, "a name of a result has letters, digits, marks and blanks, but no slash")  # type: ignore[func-returns-value]
+            self._fault(name, "a name of a result has letters, digits, marks and blanks, but no slash")
+            return None
         return Kept(name, quantity.strip(), take, self._place(name))
 
     def _text(self, key: str) -> str:
         given = self.table.get(key)
         if isinstance(given, str) and given.strip():
             return given
-        return self._fault(key, 'names the deck: deck = "IN-RSSR.dat"') or ""  # type: ignore[func-returns-value]
+        self._fault(key, 'names the deck: deck = "IN-RSSR.dat"')
+        return ""
 
     def _choice(self, key: str, choices: tuple[str, ...], default: str) -> str:
         given = self.table.get(key, default)
@@ -216,7 +228,7 @@ def _dotted(name: str, given: Any) -> Any:
     return _dotted(full, inner) or full
 
 
-def _is_number(value: float) -> bool:
+def _is_number(value: object) -> TypeGuard[float]:
     return (type(value) is int and abs(value) < 10**300) or (type(value) is float and math.isfinite(value))
 
 

@@ -134,7 +134,7 @@ def _reported(fault: Any) -> Any:
     return INTERNAL_FAULT, f"a fault of flexmb itself: {type(fault).__name__}; {remedy}"
 
 
-def _quantities(study: Any, deck: Any, solution: Any) -> list[Quantity]:
+def _quantities(study: Any, deck: Deck, solution: Any) -> list[Quantity]:
     """Return what the study keeps, looked up in a result without rows.  Raises DeckError."""
     import h5py
 

@@ -1,6 +1,6 @@
 """What the commands that take decks share: options, and how faults are shown."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from ...run.outcome import Outcome
     from ...run.verify.verify import Verification
 
+
+# What a command reports of a deck, with its `outcome`.
+Report = TypeVar("Report", bound="CheckReport | ModesReport | Verification")
 
 DECK = click.argument("decks", metavar="DECK...", nargs=-1, required=True, shell_complete=files)
 
@@ -39,9 +42,7 @@ def deck_options(command: "Callable[..., Any]") -> "Callable[..., Any]":
     return command
 
 
-def every_deck(
-    decks: tuple[str], examine: "Callable[..., Any]"
-) -> "Iterator[CheckReport | ModesReport | Verification]":
+def every_deck(decks: tuple[str, ...], examine: "Callable[[str], Report]") -> "Iterator[Report]":
     """Return what `examine` finds of each deck, also of those that it is not asked for any more after a
     stop.
     """

@@ -145,7 +145,7 @@ def _failed(deck: Any, reported: Any) -> Any:
     return Outcome(deck, ANALYSIS_FAILED, faults=[Fault("error", reported, id="CLI-008")])
 
 
-def _serve(line: Any, options: Any) -> None:
+def _serve(line: Any, options: RunOptions) -> None:
     """Solve what comes through `line` until nothing more can come.
 
     Sent are sentences for who looks on, and (what became of a deck, whether the process goes on).  It does
@@ -174,7 +174,7 @@ def _begin_process() -> Any:
     return None
 
 
-def _solve(deck: Any, options: Any, listener: Any) -> Any:
+def _solve(deck: Any, options: RunOptions, listener: Any) -> Any:
     try:
         from ... import interface
 

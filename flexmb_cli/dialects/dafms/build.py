@@ -64,7 +64,7 @@ def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
     return tree, findings.in_order
 
 
-def _shapes(values: Any, findings: Any) -> Any:
+def _shapes(values: DeckValues, findings: Findings) -> Any:
     if not values.section("shape"):
         return ()
     # Few decks have any.

@@ -87,7 +87,7 @@ class JointMaker(ElementMaker):
         joint = self._joint(record, coordinate, f"joint{suffix}")
         return None if joint is None or coordinate is None else (joint, coordinate)
 
-    def _joint(self, record: Any, coordinate: str, key: str) -> Any:
+    def _joint(self, record: Record, coordinate: str, key: str) -> Any:
         number = record[key]
         if not 1 <= number <= len(self.joints):
             message = f"joint number {number} is outside 1..{len(self.joints)}"
@@ -102,7 +102,7 @@ class JointMaker(ElementMaker):
             return None
         return number - 1
 
-    def _coordinate(self, record: Any, key: str) -> Any:
+    def _coordinate(self, record: Record, key: str) -> Any:
         if record[key] not in _COORDINATES:
             message = f"must be 1 (angle) or 2 (stroke); read {record[key]}"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-005")
@@ -159,7 +159,7 @@ def _refuse_too_many(maker: ElementMaker, sections: Callable[..., Any], cards: M
 def joint_driver(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes drivers of a coordinate."""
 
-    def make(maker: Any, record: Any) -> Any:
+    def make(maker: Any, record: Record) -> Any:
         where, function = maker.where(record, coordinate), maker.functions.motion(record, maker.start)
         return JointDriver(record.subject, *where, function, record.place) if where and function else None  # type: ignore[call-arg]
 
@@ -169,14 +169,14 @@ def joint_driver(coordinate: str | None) -> Callable[..., Any]:
 def motor(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes motors in a coordinate."""
 
-    def make(maker: Any, record: Any) -> Any:
+    def make(maker: Any, record: Record) -> Any:
         where, function = maker.where(record, coordinate), maker.functions.function(record)
         return JointMotor(record.subject, *where, function, record.place) if where and function else None  # type: ignore[call-arg]
 
     return make
 
 
-def _spring_data(maker: Any, record: Any) -> Any:
+def _spring_data(maker: Any, record: Record) -> Any:
     return {
         "stiffness": float(record["stiffness"]),
         "rest": float(record["rest"]),
@@ -191,7 +191,7 @@ def _spring_data(maker: Any, record: Any) -> Any:
 def joint_spring(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes springs in a coordinate."""
 
-    def make(maker: Any, record: Any) -> Any:
+    def make(maker: Any, record: Record) -> Any:
         where, data = maker.where(record, coordinate), _spring_data(maker, record)
         return JointSpring(record.subject, *where, **data) if where else None
 
@@ -215,7 +215,7 @@ def cable(maker: ElementMaker, record: Record) -> LineSpring | None:
 def stop(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes stops of a coordinate."""
 
-    def make(maker: Any, record: Any) -> Any:
+    def make(maker: Any, record: Record) -> Any:
         maker.not_negative(record, "stiffness", "damping")
         if not record["lower"] < record["upper"]:
             message = f"upper must be larger than lower, {record['lower']:g}; read {record['upper']:g}"

@@ -127,7 +127,7 @@ class Functions:
             return None
         return function
 
-    def _refuse_rough(self, record: Any, function: Any, least: Any, why: Any, key: str) -> None:
+    def _refuse_rough(self, record: Record, function: Any, least: Any, why: Any, key: str) -> None:
         if smoothness(function) < least:
             remedy = "use SPLINE or STEP" if least else "move its points apart"
             message = f"{why}, but that of function {record[key]:g} does; {remedy}"

@@ -56,7 +56,7 @@ def _turned(force: Any, body: Any, other: Any) -> Any:
     return replace(force, force=tuple(turned))
 
 
-def _refuse_unequal(deck: Any) -> None:
+def _refuse_unequal(deck: Deck) -> None:
     """Only with all modes, and frames by three nodes, is there another frame of the same model."""
     faults, elastic = [], [record for record in deck.section("body") if record["kind"] == "FLEX"]
     clamped = {r["body"] for name in ("clamped", "interface") for r in deck.section(name)}

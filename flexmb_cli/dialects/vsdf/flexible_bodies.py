@@ -69,7 +69,7 @@ def flexible_body(
     return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)
 
 
-def _refuse_rigid_cards(values: Any, k: Any, findings: Any) -> None:
+def _refuse_rigid_cards(values: DeckValues, k: Any, findings: Findings) -> None:
     for section, word in (("rigid", "RIGI"), ("node", "NODE")):
         for given in values.section(section):
             if given["body"] == k:
@@ -77,7 +77,7 @@ def _refuse_rigid_cards(values: Any, k: Any, findings: Any) -> None:
                 findings.error(given.subject, message, given.place, id="VSDF-022")
 
 
-def _or_density(values: Any, k: Any, files: Any) -> Any:
+def _or_density(values: DeckValues, k: Any, files: Any) -> Any:
     """Return what else helps where both matrices are missing."""
     if values.record("material", k) and files["mass_matrix"] is files["stiffness_matrix"] is None:
         return ", or the density of its elements on MATL"
@@ -183,7 +183,7 @@ def _damping(record: Record | None, findings: Findings) -> Any:
     return tuple(float(record[key]) for key in ("alpha", "beta", "ratio"))
 
 
-def _unit_loads(values: Any, k: Any, folder: Any, findings: Any) -> tuple[UnitLoad, ...]:
+def _unit_loads(values: DeckValues, k: Any, folder: Any, findings: Findings) -> tuple[UnitLoad, ...]:
     loads: list[Any] = []
     for record in values.section("unit_load"):
         if record["body"] != k:

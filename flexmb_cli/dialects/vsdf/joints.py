@@ -216,7 +216,7 @@ def build_pins(
     return tuple(pin for pin in pins if pin is not None)
 
 
-def _pin(record: Any, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings) -> Any:
+def _pin(record: Record, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings) -> Any:
     mask = record.at("mask")
     digits = f"{mask.value:03d}"
     if len(digits) != 3 or set(digits) - {"0", "1"} or digits == "000":
@@ -330,7 +330,7 @@ def _target_exists(
     return True
 
 
-def _function(record: Any, tables: Any, findings: Any) -> MotionFunction | None:
+def _function(record: Record, tables: Any, findings: Findings) -> MotionFunction | None:
     function = record.at("law")
     constants = tuple(float(record[f"c{i}"]) for i in range(4))
     if not POLYNOMIAL <= function.value <= TABLE:

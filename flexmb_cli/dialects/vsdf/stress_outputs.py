@@ -60,7 +60,7 @@ def _selection(k: int, body: VsdfBody, records: "list[Record]", findings: Findin
     return StressSelection(k - 1, tuple(nodes), tuple(elements), every, largest, records[0].place)
 
 
-def _nodes(record: Any, numbers: Any, body: Any, findings: Any) -> list[int]:
+def _nodes(record: "Record", numbers: Any, body: Any, findings: Findings) -> list[int]:
     if not numbers:
         return list(body.nodes)
     found = []

@@ -87,7 +87,7 @@ def _made(deck: Deck, section: str, make: "Callable[..., Any]", findings: Findin
     return Made(records, partial(_again, make))  # type: ignore[return-value]
 
 
-def _again(make: Any, record: Any) -> Any:
+def _again(make: Any, record: Record) -> Any:
     return make(record, Findings())
 
 
@@ -195,7 +195,7 @@ def _spring(record: Record, findings: Findings) -> SpringDamper:
     return _line(record, record["stiffness"], record["free_length"])
 
 
-def _damper(record: Record, findings: Any) -> SpringDamper:
+def _damper(record: Record, findings: Findings) -> SpringDamper:
     _doubt_negative(record, "damping", findings)
     return _line(record, 0.0, 0.0)
 

@@ -1,13 +1,16 @@
 """YOUNG deck to the model that it describes: a mechanism, or one with masses and loads."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Deck
 from ...errors import Fault, ModelError
 from ...quick_dataclass import replace
 from .build import build_young
 from .dynamic_cards import analysis_of
+
+if TYPE_CHECKING:
+    from ...model.mechanism import Mechanism
 
 
 def build_model(deck: Deck, folder: Path) -> tuple[object, list[Fault]]:
@@ -24,11 +27,11 @@ def build_model(deck: Deck, folder: Path) -> tuple[object, list[Fault]]:
     return model, doubts
 
 
-def _has_shapes(deck: Any) -> Any:
+def _has_shapes(deck: Deck) -> Any:
     return bool(deck.section("shape") or deck.section("shape_file"))
 
 
-def _shaped(mechanism: Any, deck: Any, folder: Path) -> Any:
+def _shaped(mechanism: "Mechanism", deck: Deck, folder: Path) -> Any:
     """The mechanism with its shapes; raises ModelError.  Few decks have any."""
     from ...model.diagnostics import Findings
     from .shapes import build_shapes

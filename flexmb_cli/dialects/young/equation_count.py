@@ -75,7 +75,8 @@ def _total(equations: int, coordinates: int, bodies: int) -> str:
 def _grounds_alone(mechanism: Any, grounded: Any) -> frozenset[int]:
     """Bodies that one ground holds and nothing else touches: in balance, and maybe by the million."""
     touched = {body for _, bodies in _links(mechanism, ()) for body in bodies}
-    held, twice = set(), set()  # type: ignore[var-annotated]
+    held: set[int] = set()
+    twice: set[int] = set()
     for body in grounded:
         (twice if body in held else held).add(body)
     return frozenset(held - twice - touched)

@@ -147,7 +147,7 @@ def _joint(kind: JointType) -> "Callable[..., Any]":
     return make
 
 
-def _vectors(record: Any, points: Any, findings: Any) -> dict[str, Vector]:
+def _vectors(record: Record, points: Any, findings: Findings) -> dict[str, Vector]:
     """s_i, s_j, h_i, h_j as far as the joint has them."""
     vectors = {}
     for name, tip in points.items():

@@ -58,7 +58,7 @@ def rigid_model(
         )
         raise ModelError([Fault("error", message, id="YOUNG-150")])
     model = build()
-    made = _Conversion(model, start(model))  # type: ignore[arg-type]
+    made = _Conversion(model, start(model))
     found = replace(made.model(), shapes=tuple(map(made.shape, exchanged_shapes(deck))))
     faults = [
         Fault("error", message, place, name, id="YOUNG-151") for message, place, name in made.refusals.items
@@ -71,7 +71,7 @@ def rigid_model(
 class _Conversion:
     """Collects the parts, grounded bodies becoming the ground."""
 
-    def __init__(self, model: Any, start: int):
+    def __init__(self, model: Any, start: Start):
         self.deck, self.start, self.mechanism = model, start, model.mechanism
         self.refusals = Refusals()
         held = {ground.body for ground in self.mechanism.grounds}
@@ -80,7 +80,7 @@ class _Conversion:
         self.moving = moving
         estimates = Attitudes(self.mechanism).estimates().reshape(-1, 7)
         self.first = [(q[:3], rotation_matrix(q[3:])) for q in estimates]
-        self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)]  # type: ignore[attr-defined]
+        self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)]
         self.joints: dict[int, int] = {}
 
     def model(self) -> Any:
@@ -154,7 +154,7 @@ class _Conversion:
             if mass
             else (0.0, np.zeros(3), np.zeros((3, 3)))
         )
-        motion = start.r[k], start.p[k], start.v[k], start.omega[k]  # type: ignore[attr-defined]
+        motion = start.r[k], start.p[k], start.v[k], start.omega[k]
         return RigidBody(f"body {k + 1}", *motion, *data, body.place)  # type: ignore[call-arg]
 
     def _point(self, body: Any, point: tuple[float, float, float]) -> Any:

@@ -40,7 +40,7 @@ def exchanged_shapes(deck: Deck) -> tuple[RigidShape, ...]:
     return rigid_shapes(deck, Keys(), lambda record: KINDS[record["shape"] - 1])
 
 
-def _primitive(record: Any, keys: Any, findings: Any) -> Any:
+def _primitive(record: Record, keys: Any, findings: Findings) -> Any:
     number = record.at("shape")
     if not 1 <= number.value <= len(KINDS):
         message = f"shape must be within 1..{len(KINDS)}, {', '.join(KINDS)}; read {number.text}"

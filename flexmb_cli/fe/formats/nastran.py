@@ -27,7 +27,8 @@ def read_dmig(path: Path, letter: str) -> MatrixFile:
     name = chosen(path, list(matrices), letter)
     header, *columns = matrices[name]
     symmetric = _check_header(path, name, header)
-    entries, values = [], []  # type: ignore[var-annotated]
+    entries: list[tuple[int, int, int, int]] = []
+    values: list[float] = []
     for card in columns:
         _read_column(path, card, entries, values)
     where = np.array(entries, dtype=np.int64).reshape(-1, 4)

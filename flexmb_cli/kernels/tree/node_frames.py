@@ -4,7 +4,7 @@ With X = (al, a) of the body, w its elastic accelerations, F the forces on what 
 nodal masses give w = w_0 - L X - m^-1 Dᵀ F, node frames move with A = T X + D w + r and need F = I A + b.
 Elimination of w and A leaves F = (1 + I W)^-1 (I (E X + s) + b) with W = D m^-1 Dᵀ, E = T - D L,
 s = D w_0 + r, and the body feels Eᵀ F: six rows a node frame, at a cost linear in the body's nodes.  The
-names of the arrays are those of `model.arrays.node_frames.Riders`.
+names of the arrays are those of `model.arrays.node_frames.NodeFrames`.
 """
 
 from typing import TYPE_CHECKING

@@ -1,6 +1,6 @@
 """Equations between points and directions of moving, deformable bodies, and the body vectors they stand on.
 
-Every joint, pin, motion and joint spring is a list of primitives (`records.MEASURE`).  Directions that
+Every joint, pin, motion and joint spring is a list of primitives (`records.PRIMITIVE`).  Directions that
 a joint's nodes define move with the nodes: a body vector B (r2 - r1) for a constant matrix B is linear in the
 modal coordinates, as its points are.
 """

@@ -59,15 +59,15 @@ class PointJoints:
         self.table, self.joints = table, joints
         self._turning: dict[int, tuple[int, int, int]] = {}
 
-    def _arms(self, joint: Any) -> Any:
+    def _vectors(self, joint: Any) -> Any:
         return JointVectors(self.table, self.joints[joint])
 
     def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
         """The primitive of a joint coordinate."""
         if coordinate == STROKE:
-            return self._arms(joint).stroke()
+            return self._vectors(joint).stroke()
         if joint not in self._turning:  # a deck may have thousands of elements at one joint
-            self._turning[joint] = self._arms(joint).turning()
+            self._turning[joint] = self._vectors(joint).turning()
         return self.table.angle(*self._turning[joint], expected)
 
     def start(self, joint: int, coordinate: str) -> float:
@@ -80,7 +80,7 @@ class PointJoints:
 
     def axis(self, joint: int) -> int:
         """The body vector along the axis of body a."""
-        body_vectors = self._arms(joint)
+        body_vectors = self._vectors(joint)
         if body_vectors.a[1].shape.size:
             return body_vectors.body_vector_of(body_vectors.a)
         return self.table.body_vector(body_vectors.i, body_vectors.s)

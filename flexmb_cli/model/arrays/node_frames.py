@@ -46,7 +46,7 @@ class NodeFrames(NamedTuple):
     own: np.ndarray  # (6 R, 6) inertia of what hangs on each node frame
     compliance: np.ndarray  # (6 R, 6 R) W: acceleration by forces on the node frames
     transmission: np.ndarray  # (6 R, 6 R) (1 + own W)^-1
-    stiff: np.ndarray  # (6 R, 6 R) grip own
+    stiff: np.ndarray  # (6 R, 6 R) transmission own: inertia that acts on the parent
     gain: np.ndarray  # (6 R, 6) stiff E
     held: np.ndarray  # (6 R,) force on what hangs there while the body does not accelerate
     force: np.ndarray  # (6 R,) force on what hangs there

@@ -150,7 +150,7 @@ def function_record(
 
 
 def blank_primitive() -> np.ndarray:
-    """A MEASURE record that refers to nothing."""
+    """A PRIMITIVE record that refers to nothing."""
     record = np.zeros((), PRIMITIVE)
     record["ends"] = NONE
     for field in ("f", "g", "h", "turn", "function", "next"):

@@ -140,7 +140,7 @@ def add_closures(table: PrimitiveTable, tree: Tree) -> None:
         table.equations(closure.name, closure.place, closure.b, closure.a, parts)
 
 
-def _closure_point(table: Any, tree: Any, body: Any, point: Any, node: Any) -> Any:
+def _closure_point(table: Any, tree: Tree, body: Any, point: Any, node: Any) -> Any:
     if node is None or body == INERTIAL:
         return table.body_vector(body, point)
     elastic = tree.bodies[body].elastic

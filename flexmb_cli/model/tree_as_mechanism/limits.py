@@ -25,7 +25,7 @@ def _otherwise(tree: Tree) -> str:
     )
 
 
-def _one_way(tree: Any) -> "Iterator[Any]":
+def _one_way(tree: Tree) -> "Iterator[Any]":
     if tree.one_way:
         message = (
             "the one-way assumption (UNCO) is no equation of mechanics that absolute coordinates could "
@@ -34,7 +34,7 @@ def _one_way(tree: Any) -> "Iterator[Any]":
         yield Fault("error", message, id="MODEL-006")
 
 
-def _weights(tree: Any) -> "Iterator[Any]":
+def _weights(tree: Tree) -> "Iterator[Any]":
     """Geometric stiffening by gravity: the floating frame knows that by turning only."""
     for body in tree.bodies:
         stiffened = body.elastic is not None and body.elastic.stiffened_from is not None
@@ -46,13 +46,13 @@ def _weights(tree: Any) -> "Iterator[Any]":
             yield Fault("error", message, body.place, body.name, id="MODEL-007")
 
 
-def _dampers(tree: Any) -> "Iterator[Any]":
+def _dampers(tree: Tree) -> "Iterator[Any]":
     for spring in tree.springs:
         if spring.motion == ROTATION and len(tree.hinges[spring.body].rotations) == 3:
             yield _foreign_hinge(tree, spring, "damper", "three free rotations")
 
 
-def _motors(tree: Any) -> "Iterator[Any]":
+def _motors(tree: Tree) -> "Iterator[Any]":
     """The angular velocities of three free rotations are no rates of coordinates."""
     for motor in tree.motors:
         hinge = tree.hinges[motor.body]
@@ -72,7 +72,7 @@ def has_shared_axis(hinge: Hinge, axis: int) -> bool:
     return hinge.rotations in ((), (axis,))
 
 
-def _foreign_hinge(tree: Any, item: Any, kind: Any, what: Any) -> Any:
+def _foreign_hinge(tree: Tree, item: Any, kind: Any, what: Any) -> Any:
     message = (
         f"a {kind} in a hinge with {what} is not carried over to absolute coordinates; {_otherwise(tree)}"
     )

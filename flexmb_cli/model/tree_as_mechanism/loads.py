@@ -29,7 +29,7 @@ def load_names(table: PrimitiveTable, tree: Tree, frames: Frames) -> list[tuple[
 class _Loads:
     """Collects the records, and a name of each and what it is."""
 
-    def __init__(self, table: Any, tree: Any, frames: Any):
+    def __init__(self, table: Any, tree: Tree, frames: Any):
         self.table, self.tree, self.frames = table, tree, frames
         self.found: list[Any] = []
         self.names: list[tuple[str, str]] = []

@@ -133,7 +133,7 @@ class _Canvas:
         self.scene, self.contours = scene, colormaps["viridis"]
         self.camera = _Camera(_all_places(scene, bodies), scene.gravity, look)
         most = _largest_stress(bodies)
-        shown = {one.number for one in (*bodies, *scene.shapes)}  # type: ignore[attr-defined]
+        shown = {*(one.number for one in bodies), *(shape.number for shape in scene.shapes)}
         self.lines = [body for body in scene.bodies if body.number not in shown]
         self.surfaces = [_Surface(body, most) for body in (*bodies, *scene.shapes)]
         self.figure = Figure(figsize=self.camera.size / DOTS, dpi=DOTS)  # type: ignore[arg-type]

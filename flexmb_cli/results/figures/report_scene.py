@@ -50,7 +50,7 @@ def report_scene(result: h5py.File) -> dict[str, Any] | None:
 
 def scene_data(scene: Scene, surfaces: list[ElementBody]) -> dict[str, Any]:
     """The viewer's data of a scene, whose bodies among `surfaces` are drawn by their elements."""
-    shown = {one.number for one in (*surfaces, *scene.shapes)}  # type: ignore[attr-defined]
+    shown = {*(one.number for one in surfaces), *(shape.number for shape in scene.shapes)}
     drawn = [body for body in scene.bodies if body.number not in shown]
     every = scene.places
     view = view_of(every, scene.gravity)

@@ -27,7 +27,7 @@ def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> No
     `displacement` is from the first row, `deformation` the elastic one, m, `velocity` m/s, in global axes;
     `stress` xx yy zz xy yz zx in the axes of its body, Pa, nan where a body has none.
     """
-    shown = {one.number for one in (*bodies, *scene.shapes)}  # type: ignore[attr-defined]
+    shown = {*(one.number for one in bodies), *(shape.number for shape in scene.shapes)}
     drawn = [body for body in scene.bodies if body.number not in shown]
     counts = [len(body.undeformed) for body in bodies] + [body.marks.shape[1] for body in drawn]
     counts += [len(shape.vertices) for shape in scene.shapes]
@@ -91,7 +91,9 @@ def _cells_of(body: Any) -> Any:
 
 
 def _write_topology(root: h5py.Group, bodies: list[ElementBody], counts: list[int]) -> None:
-    connectivity, lengths, types = [], [], []  # type: ignore[var-annotated]
+    connectivity: list[np.ndarray] = []
+    lengths: list[int] = []
+    types: list[int] = []
     firsts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
     for body, first in zip(bodies, firsts, strict=True):
         kind, cells = _cells_of(body)
@@ -106,7 +108,7 @@ def _write_topology(root: h5py.Group, bodies: list[ElementBody], counts: list[in
 
 
 def _add(
-    cells: np.ndarray, kind: int, connectivity: list[np.ndarray], lengths: Any, types: list[int]
+    cells: np.ndarray, kind: int, connectivity: list[np.ndarray], lengths: list[int], types: list[int]
 ) -> None:
     connectivity.append(cells.ravel())
     lengths += [cells.shape[1]] * len(cells)

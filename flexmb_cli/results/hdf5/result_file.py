@@ -194,7 +194,7 @@ class ResultFile:
             self._make_constant(constant, scales)
         self._series = self._make_series(layout.series, scales)
 
-    def _describe(self, deck: Any, analysis: str) -> None:
+    def _describe(self, deck: Deck, analysis: str) -> None:
         set_texts(
             self._file,
             Conventions=CONVENTIONS,

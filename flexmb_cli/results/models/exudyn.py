@@ -200,18 +200,18 @@ class _Placed:
                 f"referenceLength={item.free_length!r}, stiffness={item.stiffness!r}, "
                 f"damping={item.damping!r})"
             )
-        for item in self.model.forces:  # type: ignore[assignment]
-            if item.body not in self.still:  # type: ignore[attr-defined]
+        for force in self.model.forces:
+            if force.body not in self.still:
                 yield (
-                    f"mbs.CreateForce(bodyNumber={self._word(item.body)}, loadVector={_list(item.force)}, "  # type: ignore[attr-defined]
-                    f"localPosition={_list(self._local(item.body, item.point))}, "  # type: ignore[attr-defined]
-                    f"bodyFixed={bool(item.following)})"  # type: ignore[attr-defined]
+                    f"mbs.CreateForce(bodyNumber={self._word(force.body)}, loadVector={_list(force.force)}, "
+                    f"localPosition={_list(self._local(force.body, force.point))}, "
+                    f"bodyFixed={bool(force.following)})"
                 )
-        for item in self.model.torques:  # type: ignore[assignment]
-            if item.body not in self.still:  # type: ignore[attr-defined]
+        for torque in self.model.torques:
+            if torque.body not in self.still:
                 yield (
-                    f"mbs.CreateTorque(bodyNumber={self._word(item.body)}, loadVector={_list(item.torque)}, "  # type: ignore[attr-defined]
-                    f"bodyFixed={bool(item.following)})"  # type: ignore[attr-defined]
+                    f"mbs.CreateTorque(bodyNumber={self._word(torque.body)}, "
+                    f"loadVector={_list(torque.torque)}, bodyFixed={bool(torque.following)})"
                 )
 
     def _at(self, body: int, point: tuple[float, float, float]) -> np.ndarray:

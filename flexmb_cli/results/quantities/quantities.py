@@ -236,7 +236,8 @@ def _matched(known: list[Family], pattern: str) -> list[Quantity]:
 
 
 def _among(known: Any, words: Any) -> list[Quantity]:
-    whole, begun = [], []  # type: ignore[var-annotated]
+    whole: list[Quantity] = []
+    begun: list[Quantity] = []
     for family in known:
         for form in family.forms:
             if len(form) >= len(words):

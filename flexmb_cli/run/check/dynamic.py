@@ -33,7 +33,7 @@ def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | No
     kinematic.check(report, model.mechanism, run, jacobian)
 
 
-def _check_forward(report: Any, model: Any, run: Any) -> None:
+def _check_forward(report: Any, model: Any, run: Run) -> None:
     from ...solvers.constrained.driven_dynamics import DrivenDynamics
     from ...solvers.constrained.young_dynamics import ForwardDynamics
 

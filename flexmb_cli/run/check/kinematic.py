@@ -43,7 +43,7 @@ def _diagnose(report: CheckReport, mechanism: Mechanism, jacobian: str | None) -
         _assemble(report, mechanism, jacobian, equations)
 
 
-def _assemble(report: CheckReport, mechanism: Any, jacobian: Any, equations: Any) -> None:
+def _assemble(report: CheckReport, mechanism: Mechanism, jacobian: Any, equations: Any) -> None:
     from ...solvers.kinematics.analysis import KinematicAnalysis
     from ...solvers.kinematics.settings import KinematicSettings
 

@@ -36,7 +36,7 @@ def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
         analysis,
         mechanism.time.rows,
         lambda: flexible_layout(mechanism),
-        values,  # type: ignore[arg-type]
+        values,
         StepCount(analysis.clock, ConstrainedDrift(TOO_COARSE)),
         partial(unit_doubts, mechanism),
         analysis.warnings,

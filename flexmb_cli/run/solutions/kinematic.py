@@ -1,5 +1,6 @@
 """Kinematics of a mechanism that its drivers move."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ...model.mechanism import Mechanism
@@ -24,12 +25,12 @@ def solution(mechanism: Mechanism, run: Run) -> Solution:
     return _solution(mechanism, analysis, run, not analysis.one_block)
 
 
-def _solution(mechanism: Any, analysis: Any, run: Any, resumable: Any) -> Solution:
+def _solution(mechanism: Mechanism, analysis: Any, run: Run, resumable: Any) -> Solution:
     return Solution(
         analysis,
         mechanism.time.rows,
         lambda: kinematic_layout(mechanism),
-        kinematic_values,  # type: ignore[arg-type]
+        kinematic_values,
         NewtonCount(),
         warnings=analysis.warnings,
         finer=nothing_to_refine,
@@ -53,7 +54,7 @@ class NewtonCount(NoCount):
         self.iterations = self.most = 0
         self.residual = 0.0
 
-    def add(self, values: dict[str, "np.ndarray"]) -> None:
+    def add(self, values: Mapping[str, "np.ndarray"]) -> None:
         """Count a block of values."""
         iterations = values["audit/newton_iterations"]
         self.iterations += int(iterations.sum())

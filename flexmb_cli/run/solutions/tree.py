@@ -1,5 +1,6 @@
 """Dynamics of a tree: by Kane's equations, or in absolute coordinates."""
 
+from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -45,9 +46,9 @@ def solution(tree: Tree, run: Run) -> Solution:
     )
 
 
-def values_of(tree: Tree, rows: Any) -> dict[str, "np.ndarray"]:
+def values_of(tree: Tree, rows: Any) -> Mapping[str, "np.ndarray"]:
     """Return report rows by the paths of their datasets."""
-    return tree_values(tree, rows, point_motion(tree, rows))  # type: ignore[return-value]
+    return tree_values(tree, rows, point_motion(tree, rows))
 
 
 def kane_analysis(tree: Tree, run: Run) -> "TreeAnalysis":
@@ -74,14 +75,14 @@ def absolute_analysis(tree: Tree, run: Run) -> Any:
     return AbsoluteTree(tree)
 
 
-def _unused_method(tree: Any) -> "Iterator[Any]":
+def _unused_method(tree: Tree) -> "Iterator[Any]":
     """The choice of an integrator is one of Kane's equations."""
     if tree.integration.method not in (("dop853", "radau", "sdirk4") if tree.elements else ("dop853",)):
         message = f"absolute coordinates are stepped by DOP853: {tree.integration.method} is not used"
         yield Fault("warning", message, id="RUN-010")
 
 
-def _finer_blocks(tree: Any, run: Any) -> Any:
+def _finer_blocks(tree: Tree, run: Run) -> Any:
     """Blocks of values of a second run at a tighter tolerance."""
     given = tree.integration
     run.outcome.faults += why_no_estimate(given.rtol)
@@ -98,12 +99,12 @@ class TreeCount(NoCount):
         self.clock, self.one_way, self.absolute = clock, tree.one_way, absolute
         self.drift = EnergyDrift()
 
-    def add(self, values: dict[str, "np.ndarray"]) -> None:
+    def add(self, values: Mapping[str, "np.ndarray"]) -> None:
         """Count a block of values."""
         self.drift.add(values)
 
     @property
-    def doubts(self) -> tuple[Fault, ...]:  # type: ignore[override]
+    def doubts(self) -> tuple[Fault, ...]:
         """Return what the energy of the rows makes doubtful."""
         return () if self.one_way else self.drift.doubts
 

@@ -40,7 +40,7 @@ def differences(tree: Tree, deck: Deck, run: Run) -> tuple[Difference, ...]:
     return found
 
 
-def _motions(tree: Any, run: Any) -> Any:
+def _motions(tree: Tree, run: Run) -> Any:
     """Values of both formulations, whole runs by the paths of their datasets."""
     kane = kane_analysis_with_elements if tree.elements else kane_analysis
     analyses = absolute_analysis(tree, run), kane(tree, run)
@@ -95,7 +95,7 @@ def _moves_freely(tree: Tree) -> bool:
     return held + sum(len(c.directions) for c in tree.closures) < len(tree.coordinates)
 
 
-def _coordinates(tree: Any, kane: Any, absolute: Any) -> "Iterator[Any]":
+def _coordinates(tree: Tree, kane: Any, absolute: Any) -> "Iterator[Any]":
     """Coordinates and speeds by kind; integrals of angular velocities are no coordinates of a position."""
     kinds = np.array([c.motion for c in tree.coordinates])
     ball = [c.motion == ROTATION and len(tree.hinges[c.body].rotations) == 3 for c in tree.coordinates]

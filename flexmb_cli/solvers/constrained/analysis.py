@@ -57,7 +57,8 @@ class ConstrainedMotion:
         self.work = new_work(arrays)
         self.warnings: list[Fault] = []
         self.found: Mobility | None = None
-        self.row, self.resumed, self.singularities = 0, False, None  # see `rows`
+        self.row, self.resumed = 0, False
+        self.singularities: PassedDynamicSingularities = None  # type: ignore[assignment]  # see `rows`
         self._first = np.zeros(0)  # coordinates at the start
         coordinates, n = arrays.coordinate_scale.size, arrays.speeds
         self.integration = self.integrator.new_integration(self.work, arrays.angles.size)
@@ -83,7 +84,7 @@ class ConstrainedMotion:
         """
         behind = float(self.clock["stop"][0]) if self.resumed else -np.inf
         if not self.resumed:
-            self.row, self.singularities = 0, PassedDynamicSingularities(self)  # type: ignore[assignment]
+            self.row, self.singularities = 0, PassedDynamicSingularities(self)
             self.start()
         self.resumed = False
         times = np.array([self.grid.time(k) for k in range(self.grid.rows)])
@@ -95,7 +96,7 @@ class ConstrainedMotion:
                 continue
             self.clock["stop"] = stop
             for report in self._reports(times[rows[rows >= self.row]]):
-                self.singularities.look(report.times, report.states)  # type: ignore[attr-defined]
+                self.singularities.look(report.times, report.states)
                 self.row += report.times.size
                 yield self.block(report)  # type: ignore[attr-defined]
             # To the very breakpoint, where there need not be a row.
@@ -112,7 +113,7 @@ class ConstrainedMotion:
             "row": np.array(self.row),
             "warnings": reported(self.warnings),
             **arrays_in(integration=self.integration, work=self.work),
-            **self.singularities.checkpoint,  # type: ignore[attr-defined]
+            **self.singularities.checkpoint,
         }
 
     def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
@@ -124,11 +125,11 @@ class ConstrainedMotion:
         self.row, self.resumed, self.singularities = (
             row_of(checkpoint),
             True,
-            PassedDynamicSingularities(self),  # type: ignore[assignment]
+            PassedDynamicSingularities(self),
         )
         self.warnings[:] = faults_reported(checkpoint)
         fill_arrays(checkpoint, integration=self.integration, work=self.work)
-        self.singularities.restore(checkpoint)  # type: ignore[attr-defined]
+        self.singularities.restore(checkpoint)
 
     def _reports(self, times: np.ndarray) -> "Iterator[Report]":
         """Reports of as many rows as a call fills, up to all `times`; raises AnalysisError."""

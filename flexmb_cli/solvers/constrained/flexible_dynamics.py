@@ -71,7 +71,11 @@ class FlexibleDynamics(ConstrainedMotion):
     def terms(self) -> Terms:
         """Names of loads, drivers, joints and points."""
         m = self.mechanism
-        loads = [(item.name, True) for item in (*m.forces, *m.torques, *m.springs)]  # type: ignore[attr-defined]
+        loads = [
+            *((force.name, True) for force in m.forces),
+            *((torque.name, True) for torque in m.torques),
+            *((spring.name, True) for spring in m.springs),
+        ]
         loads += [(item.name, m.joints[item.joint].kind == "translational") for item in m.joint_springs]
         return Terms(
             tuple(loads),

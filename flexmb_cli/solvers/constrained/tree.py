@@ -72,11 +72,11 @@ class AbsoluteTree(ConstrainedMotion):
         self._attitude = unturned(len(tree.bodies))
 
     @property
-    def checkpoint(self) -> dict[str, Any]:
+    def checkpoint(self) -> dict[str, np.ndarray]:
         """Return where to go on, with angles and attitudes of the last row, which the next ones continue."""
         return {**super().checkpoint, "hinge_angles": self._angles, "attitude": self._attitude}
 
-    def restore(self, checkpoint: Mapping[str, Any]) -> None:
+    def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
         """Go on behind the rows that were yielded up to a checkpoint."""
         super().restore(checkpoint)
         self._angles = taken(checkpoint, "hinge_angles", self._angles.shape)

@@ -124,13 +124,13 @@ def absolute_rows(
     )
 
 
-def _closure_forces(tree: Any, arrays: Any, report: Any) -> Any:
+def _closure_forces(tree: Tree, arrays: Any, report: Any) -> Any:
     """Force on body a of each closure (T, C, 3): the second body of its group."""
     first = len(arrays.groups) - len(tree.closures)
     return report.wrenches[:, first:, 1, :3].copy()
 
 
-def _coordinates(tree: Any, frames: Any, motion: Any, before: Any) -> Any:
+def _coordinates(tree: Tree, frames: Any, motion: Any, before: Any) -> Any:
     """Coordinates, speeds and their rates (T, NS)."""
     columns, elastic = [], 0
     for c, start in zip(tree.coordinates, before, strict=True):

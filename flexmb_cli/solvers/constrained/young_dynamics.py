@@ -67,7 +67,11 @@ class ForwardDynamics(ConstrainedMotion):
         """Names of loads, drivers, joints and points."""
         model, mechanism = self.model, self.mechanism
         drivers = without_driven(mechanism, model.elements).drivers
-        loads = [(item.name, True) for item in (*model.forces, *model.torques, *model.springs)]  # type: ignore[attr-defined]
+        loads = [
+            *((force.name, True) for force in model.forces),
+            *((torque.name, True) for torque in model.torques),
+            *((spring.name, True) for spring in model.springs),
+        ]
         joints = [(j.name, _point(j.i, j.P_i), _point(j.j, j.P_j)) for j in mechanism.joints]
         return Terms(
             tuple(loads),

@@ -42,6 +42,8 @@ JOINT_REACTION = (("force", "N"), ("torque", "N m"))
 class ConstrainedResponses(Responses):
     """Responses about a ConstrainedLinearised, whose analysis gives `terms` and `driven_system`."""
 
+    motion: ConstrainedLinearised
+
     def __init__(self, motion: ConstrainedLinearised):
         self.motion, self.analysis = motion, motion.analysis
         self.terms: Terms = self.analysis.terms  # type: ignore[attr-defined]
@@ -72,14 +74,14 @@ class ConstrainedResponses(Responses):
         """Return u' (n,) and then the observed outputs where d, w and the model are changed."""
         motion, analysis = self.motion, self.analysis
         report = blank_report(analysis.arrays, np.array([motion.t]))
-        report.states[0, :-1] = np.concatenate([motion.moved(motion.q, d), motion.u + w])  # type: ignore[attr-defined]
+        report.states[0, :-1] = np.concatenate([motion.moved(motion.q, d), motion.u + w])
         expected = analysis.integration.angles[EXPECTED][None].copy()
-        system, work = model or motion.system, analysis.work  # type: ignore[attr-defined]
+        system, work = model or motion.system, analysis.work
         # A kernel writes a row for every load, and a model may have one more.
         answers = np.zeros((len(system.loads), RESPONSE_COLUMNS))
         work, report = work._replace(responses=answers), report._replace(responses=answers[None].copy())
         filled = observe_rows(system, work, expected, report)
-        motion.refuse(SOLVED if filled else NO_INERTIA)  # type: ignore[attr-defined]
+        motion.refuse(SOLVED if filled else NO_INERTIA)
         rows = analysis.block(report)  # type: ignore[attr-defined]
         return np.concatenate([report.rates[0], self._outputs(rows)])
 
@@ -103,11 +105,11 @@ class ConstrainedResponses(Responses):
     def displacements(self) -> tuple[np.ndarray, np.ndarray]:
         """Return P (6 joints, n) of displacement and rotation of body b against a, its axes, and its rate."""
         motion, size = self.motion, np.max(np.abs(self.motion.u) / self.motion.scale, initial=0.0)
-        P = self._functionals(motion.q)  # type: ignore[attr-defined]
+        P = self._functionals(motion.q)
         if size == 0.0:
             return P, np.zeros_like(P)
         return P, differentiated(
-            lambda t: self._functionals(motion.moved(motion.q, t * motion.u)),  # type: ignore[attr-defined]
+            lambda t: self._functionals(motion.moved(motion.q, t * motion.u)),
             DIFFERENCE_STEP / size,
         )
 
@@ -147,7 +149,7 @@ class ConstrainedResponses(Responses):
         return 6 * arrays.bodies + (own[0] if own else 0)
 
     def _load_inputs(self) -> "Iterator[Input]":
-        still, loads = np.zeros(self.motion.scale.size), self.motion.system.loads  # type: ignore[attr-defined]
+        still, loads = np.zeros(self.motion.scale.size), self.motion.system.loads
         # Elements at joints stand behind the loads that have names, and are no inputs.
         for (name, is_force), load in zip(self.terms.loads, loads, strict=False):
             for signal, records in _unit_loads(name, is_force, load) if name else ():
@@ -157,7 +159,7 @@ class ConstrainedResponses(Responses):
             yield Input(signal, still, still, self._loaded(_unit_motor(loads[[*numbers]])), 1.0)
 
     def _loaded(self, records: Any) -> "Callable[..., Any]":
-        system = self.motion.system  # type: ignore[attr-defined]
+        system = self.motion.system
 
         def change(amount: float) -> System:
             # Friction stays behind all others.
@@ -176,12 +178,12 @@ class ConstrainedResponses(Responses):
         """Inputs of a driver, its rate and its acceleration; none where other drivers forbid the change."""
         motion, still = self.motion, np.zeros(self.motion.scale.size)
         changes = [self._driven(k, order) for order in range(3)]
-        asked = differentiated(lambda x: motion.rate_gaps(still, still, changes[1](x)), DIFFERENCE_STEP)  # type: ignore[attr-defined]
-        d = motion.projected(asked)  # type: ignore[attr-defined]
-        if np.max(np.abs(motion.rate_gaps(still, d) - motion.rate_gaps(still, still) + asked)) > ADMISSIBLE:  # type: ignore[attr-defined]
+        asked = differentiated(lambda x: motion.rate_gaps(still, still, changes[1](x)), DIFFERENCE_STEP)
+        d = motion.projected(asked)
+        if np.max(np.abs(motion.rate_gaps(still, d) - motion.rate_gaps(still, still) + asked)) > ADMISSIBLE:
             return
-        turned = differentiated(lambda x: motion.rate_gaps(x * d, still, changes[0](x)), DIFFERENCE_STEP)  # type: ignore[attr-defined]
-        yield Input(Signal(name, unit), d, motion.projected(turned), changes[0])  # type: ignore[attr-defined]
+        turned = differentiated(lambda x: motion.rate_gaps(x * d, still, changes[0](x)), DIFFERENCE_STEP)
+        yield Input(Signal(name, unit), d, motion.projected(turned), changes[0])
         yield Input(Signal(f"{name} rate", SPEED_OF[unit]), still, d, changes[1])
         yield Input(Signal(f"{name} acceleration", ACCELERATION_OF[unit]), still, still, changes[2])
 

@@ -29,6 +29,8 @@ AXES = "xyz"
 class TreeResponses(Responses):
     """Responses about a TreeLinearised."""
 
+    motion: TreeLinearised
+
     def __init__(self, motion: TreeLinearised):
         self.motion, self.analysis = motion, motion.analysis
         self.tree, self.arrays = self.analysis.tree, motion.arrays
@@ -65,7 +67,7 @@ class TreeResponses(Responses):
 
     def _point_axes(self) -> list[np.ndarray | None]:
         """Axes (3, 3) of the bodies whose points they are; None for hinges at rest on the inertial frame."""
-        rows = self._rows(self.motion.z, self.arrays)  # type: ignore[attr-defined]
+        rows = self._rows(self.motion.z, self.arrays)
         axes = rotation_matrices(rows.euler_parameters[0])
         bodies = [hinge.parent for hinge in self.tree.hinges]
         for k, body in enumerate(self.tree.bodies):
@@ -75,7 +77,7 @@ class TreeResponses(Responses):
     def respond(self, d: Any, w: Any, model: TreeArrays | None = None) -> np.ndarray:
         """Return u' (n,) and then the observed outputs where d, w and the arrays are changed."""
         arrays = model or self.arrays
-        z = self.motion.changed(d, w)  # type: ignore[attr-defined]
+        z = self.motion.changed(d, w)
         rows = self._rows(z, arrays)
         motion = point_motion(self.tree, rows)
         moving = [(k, axes) for k, axes in enumerate(self._axes) if axes is not None]
@@ -144,9 +146,9 @@ class TreeResponses(Responses):
     def _inputs_of_driver(self, k: Any, m: Any) -> "Iterator[Any]":
         """Inputs of a prescribed coordinate, its rate and its acceleration; none where loops forbid it."""
         motion, still, one = self.motion, np.zeros(self.n), np.eye(self.n)[m]
-        gaps = motion.gap_rates(motion.z, one)  # type: ignore[attr-defined]
-        d = one + motion.projected(-gaps)  # type: ignore[attr-defined]
-        if np.max(np.abs(motion.gap_rates(motion.z, d)), initial=0.0) > ADMISSIBLE:  # type: ignore[attr-defined]
+        gaps = motion.gap_rates(motion.z, one)
+        d = one + motion.projected(-gaps)
+        if np.max(np.abs(motion.gap_rates(motion.z, d)), initial=0.0) > ADMISSIBLE:
             return
         name, unit = self.tree.coordinates[m].name, _unit(self.tree.coordinates[m])
         changes = [self._prescribed(k, order) for order in range(3)]

@@ -135,7 +135,8 @@ class TreeAnalysis:
 
     def due_times(self, t: float) -> list[float]:
         """Report times that have no row yet and do not lie past t."""
-        grid, times = self.tree.time, []  # type: ignore[var-annotated]
+        grid = self.tree.time
+        times: list[float] = []
         while self.row + len(times) < grid.rows and grid.time(self.row + len(times)) <= t:
             times.append(grid.time(self.row + len(times)))
         return times
@@ -225,14 +226,19 @@ def initial_state(tree: Tree) -> np.ndarray:
 
 def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
     """Times inside (start, end) at which a function of the tree jumps or bends."""
-    times = {t for item in (*tree.torques, *tree.motors) for t in item.function.times}  # type: ignore[attr-defined]
+    times = {t for function in _functions(tree) for t in function.times}
     return sorted(t for t in times if start < t < end)
 
 
 def set_functions(tree: Tree, arrays: TreeArrays, begin: float, end: float) -> None:
     """Write the values c0 + c1 t that the functions have between two breakpoints into the arrays."""
-    for record, item in zip(arrays.functions, (*tree.torques, *tree.motors), strict=True):
-        record["c0"], record["c1"] = _line(item.function, (begin + end) / 2)  # type: ignore[attr-defined]
+    for record, function in zip(arrays.functions, _functions(tree), strict=True):
+        record["c0"], record["c1"] = _line(function, (begin + end) / 2)
+
+
+def _functions(tree: Tree) -> list[Table]:
+    """Return the functions of torques, then those of motors."""
+    return [*(torque.function for torque in tree.torques), *(motor.function for motor in tree.motors)]
 
 
 def _line(function: Table, t: float) -> tuple[float, float]:
@@ -247,7 +253,7 @@ def _line(function: Table, t: float) -> tuple[float, float]:
     return va - slope * ta, slope
 
 
-def _no_inertia(tree: Any, t: float, coordinate: Any) -> Any:
+def _no_inertia(tree: Tree, t: float, coordinate: Any) -> Any:
     c = tree.coordinates[coordinate]
     body = tree.bodies[c.body]
     message = (
@@ -258,7 +264,7 @@ def _no_inertia(tree: Any, t: float, coordinate: Any) -> Any:
     return Fault("error", message, body.place, body.name, id="SOLVE-025")
 
 
-def _step_vanished(tree: Any, t: float, step: Any, worst: Any) -> Any:
+def _step_vanished(tree: Tree, t: float, step: Any, worst: Any) -> Any:
     n = len(tree.coordinates)
     c = tree.coordinates[worst % n] if worst < 2 * n else None
     place, name = (tree.bodies[c.body].place, c.name) if c else (None, "an Euler parameter")

@@ -60,7 +60,7 @@ def with_elements(tree: Tree, values: DeckValues, findings: Findings) -> Tree:
     return tree
 
 
-def _given(values: Any, findings: Any) -> Iterator[GivenFunction]:
+def _given(values: DeckValues, findings: Findings) -> Iterator[GivenFunction]:
     for record in values.section("function"):
         kind = record.at("kind")
         if kind.value not in FUNCTION_KINDS:
@@ -71,11 +71,11 @@ def _given(values: Any, findings: Any) -> Iterator[GivenFunction]:
         yield GivenFunction(record, record.at("number"), FUNCTION_KINDS[kind.value], found, place)
 
 
-def _places(record: Any) -> Any:
+def _places(record: Record) -> Any:
     return lambda k: record.numbers[3 + k].place
 
 
-def _couplings(values: Any) -> Iterator[Record]:
+def _couplings(values: DeckValues) -> Iterator[Record]:
     """The couplings as records of all their terms."""
     terms: dict[int, list[Record]] = {}
     for record in values.section("coupling_term"):
@@ -93,12 +93,12 @@ class _Maker(ElementMaker):
     """Makes elements of records; None where a fault was found."""
 
     def __init__(
-        self, bodies: Sequence[Body], hinges: Sequence[Hinge], functions: Any, findings: Any, start: Any
+        self, bodies: Sequence[Body], hinges: Sequence[Hinge], functions: Any, findings: Findings, start: Any
     ) -> None:
         super().__init__(functions, findings, start)
         self.bodies, self.hinges = bodies, hinges
 
-    def where(self, record: Any, coordinate: Any, suffix: Any = "") -> Any:
+    def where(self, record: Record, coordinate: Any, suffix: Any = "") -> Any:
         """Body and hinge coordinate, by K and A."""
         hinge, freedom = self._hinge(record, f"K{suffix}"), record.at(f"A{suffix}")
         if hinge is None:
@@ -119,7 +119,7 @@ class _Maker(ElementMaker):
             return None
         return record[f"K{suffix}"] - 1, f"{motion} {axis}"
 
-    def _hinge(self, record: Any, key: Any) -> Any:
+    def _hinge(self, record: Record, key: Any) -> Any:
         body = record.at(key)
         if not 1 <= body.value <= len(self.hinges):
             message = f"K = {body.value}: there are bodies 1 to {len(self.hinges)}"
@@ -127,7 +127,7 @@ class _Maker(ElementMaker):
             return None
         return self.hinges[body.value - 1]
 
-    def sliding(self, record: Any) -> Any:
+    def sliding(self, record: Record) -> Any:
         """Body whose hinge turns about, or slides along, one axis, and whether it turns."""
         hinge = self._hinge(record, "K")
         if hinge is None:
@@ -139,7 +139,7 @@ class _Maker(ElementMaker):
             return None
         return record["K"] - 1, bool(hinge.rotations)
 
-    def ends(self, record: Any) -> Any:
+    def ends(self, record: Record) -> Any:
         """Bodies and points of an element between two bodies."""
         ends = [self._end(record, letter) for letter in "ab"]
         if None in ends:
@@ -151,7 +151,7 @@ class _Maker(ElementMaker):
             return None
         return {"i": i, "j": j, "P_i": P_i, "P_j": P_j}
 
-    def _end(self, record: Any, letter: Any) -> Any:
+    def _end(self, record: Record, letter: Any) -> Any:
         body, node = record.at(f"K{letter.upper()}"), record.at(f"N{letter.upper()}")
         if not 0 <= body.value <= len(self.bodies):
             message = f"{body.key} = {body.value}: there are bodies 0 to {len(self.bodies)}"
@@ -179,7 +179,7 @@ def _freed(hinge: Hinge) -> str:
     return f"free there: A = {', '.join(map(str, found))}" if found else "nothing is free there"
 
 
-def _start(tree: Any, elements: Any) -> Any:
+def _start(tree: Tree, elements: Any) -> Any:
     """Coordinates and speeds whose driven ones begin as their functions do."""
     q, y = np.array(tree.q, float), np.array(tree.y, float)
     for item in elements.drivers:
@@ -188,12 +188,12 @@ def _start(tree: Any, elements: Any) -> Any:
     return {"q": q, "y": y}
 
 
-def _number(tree: Any, body: Any, coordinate: Any) -> Any:
+def _number(tree: Tree, body: Any, coordinate: Any) -> Any:
     wanted = body, coordinate
     return next(m for m, c in enumerate(tree.coordinates) if (c.body, f"{c.motion} {c.axis}") == wanted)
 
 
-def _check_speeds(tree: Any, item: Coupling, findings: Any) -> None:
+def _check_speeds(tree: Tree, item: Coupling, findings: Findings) -> None:
     """The speeds of Y(L) must fit a coupling."""
     rates = [factor * tree.y[_number(tree, body, name)] for body, name, factor in item.terms]
     if abs(sum(rates)) > COUPLED_RATE * max(map(abs, rates), default=0.0):

@@ -57,7 +57,7 @@ def rigid_model(deck: Deck, build: Callable[[], Tree], start: Callable[[Tree], S
         if body.elastic is not None:
             refusals.add(body, "the body is flexible; only rigid bodies are converted")
     _raise(refusals)
-    made = _Conversion(tree, start(tree), refusals)  # type: ignore[arg-type]
+    made = _Conversion(tree, start(tree), refusals)
     found = replace(made.model(), shapes=exchanged_shapes(deck))
     _raise(refusals)
     return found
@@ -72,13 +72,12 @@ def _raise(refusals: Any) -> None:
 class _Conversion:
     """Collects the parts of the model."""
 
-    def __init__(self, tree: Any, start: int, refusals: Any):
+    def __init__(self, tree: Tree, start: Start, refusals: Any):
         self.tree, self.start, self.refusals = tree, start, refusals
-        self.A = [rotation_matrix(p) for p in start.p]  # type: ignore[attr-defined]
+        self.A = [rotation_matrix(p) for p in start.p]
         self.number: dict[int, int] = {}  # of the joint of a body's hinge
         self.q = {
-            (c.body, c.motion, c.axis): float(q)
-            for c, q in zip(tree.coordinates, start.q, strict=True)  # type: ignore[attr-defined]
+            (c.body, c.motion, c.axis): float(q) for c, q in zip(tree.coordinates, start.q, strict=True)
         }
 
     def model(self) -> Any:
@@ -113,7 +112,7 @@ class _Conversion:
         inertia = np.asarray(body.inertia, float) - body.mass * (c @ c * np.eye(3) - np.outer(c, c))
         # What the difference leaves of a thin rod's moment is round-off of the numbers given.
         inertia[np.abs(inertia) < 1e-12 * np.abs(body.inertia).max()] = 0.0
-        motion = start.r[k], start.p[k], start.v[k], start.omega[k]  # type: ignore[attr-defined]
+        motion = start.r[k], start.p[k], start.v[k], start.omega[k]
         return RigidBody(body.name, *motion, body.mass, c, inertia, body.place)
 
     def _add_hinge(self, joints: Any, k: int) -> None:
@@ -180,7 +179,7 @@ class _Conversion:
 
     def _place(self, body: Any, point: tuple[float, float, float]) -> Any:
         point = np.array(point, float)  # type: ignore[assignment]
-        return point if body == INERTIAL else self.start.r[body] + self.A[body] @ point  # type: ignore[attr-defined]
+        return point if body == INERTIAL else self.start.r[body] + self.A[body] @ point
 
     def _coordinate(self, item: Any, what: str) -> Any:
         """Number of the joint, its coordinate, and the value at the start; None where there is none."""

@@ -24,7 +24,7 @@ def build_functions(values: DeckValues, tables: dict[int, Any], findings: Findin
     return Functions(_given(values, tables, findings), findings)
 
 
-def _given(values: Any, tables: Any, findings: Any) -> Iterator[GivenFunction]:
+def _given(values: DeckValues, tables: Any, findings: Findings) -> Iterator[GivenFunction]:
     for record in values.section("function"):
         number, numbers = record.at("number"), record.numbers[2:]
         if number.value in tables:
@@ -41,7 +41,7 @@ def _places(numbers: Any) -> Any:
     return lambda k: numbers[min(k, len(numbers) - 1)].place
 
 
-def _points(record: Any, numbers: Any, tables: Any, findings: Any) -> Any:
+def _points(record: Record, numbers: Any, tables: Any, findings: Findings) -> Any:
     """Times and values that a function goes through, one after the other, on its card or of a table."""
     if len(numbers) > 1:
         return [item.value for item in numbers]
@@ -80,11 +80,11 @@ def build_elements(
 class _Maker(JointMaker):
     """Makes elements of records; None where a fault was found."""
 
-    def __init__(self, bodies: Any, ground: Any, joints: Any, functions: Any, findings: Any):
+    def __init__(self, bodies: Any, ground: Any, joints: Any, functions: Any, findings: Findings):
         super().__init__(joints, functions, findings, RUN_START)
         self.bodies, self.ground = bodies, ground
 
-    def ends(self, record: Any) -> Any:
+    def ends(self, record: Record) -> Any:
         """Bodies (-1: ground) and nodes of an element between two bodies."""
         a, b = (
             find_end(
@@ -108,7 +108,7 @@ class _Maker(JointMaker):
             self._refuse_turns(record, a, b)
         return {"i": a.body, "j": b.body, "P_i": a, "P_j": b}
 
-    def _refuse_turns(self, record: Any, a: Any, b: Any) -> None:
+    def _refuse_turns(self, record: Record, a: Any, b: Any) -> None:
         """Nodes of a flexible body have no attitude."""
         flexible = [e.body for e in (a, b) if e.body != GROUND and self.bodies[e.body].flexible is not None]
         turning = [
@@ -122,7 +122,7 @@ class _Maker(JointMaker):
             self.findings.error(record.subject, message, turning[0].place, id="VSDF-104")
 
 
-def _couplings(values: Any) -> Iterator[Record]:
+def _couplings(values: DeckValues) -> Iterator[Record]:
     """The couplings as records of all their terms."""
     terms: dict[int, list[Record]] = {}
     for record in values.section("coupling_term"):
@@ -163,7 +163,7 @@ def moved_pins(
     return tuple(found)
 
 
-def _functions(record: Any, pin: Any, functions: Any, findings: Any) -> Any:
+def _functions(record: Record, pin: Any, functions: Any, findings: Findings) -> Any:
     for held, axis in zip(pin.directions, "xyz", strict=True):
         number = record.at(f"function.{axis}")
         if number.value and not held:

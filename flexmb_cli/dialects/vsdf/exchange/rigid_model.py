@@ -47,7 +47,7 @@ def rigid_model(
     if flexible:
         raise ModelError([Fault("error", message, r.place, r.subject, id="VSDF-152") for r in flexible])
     mechanism, refusals = build(), Refusals()
-    made = _Conversion(mechanism, start(mechanism), refusals)  # type: ignore[arg-type]
+    made = _Conversion(mechanism, start(mechanism), refusals)
     found = replace(made.model(), shapes=exchanged_shapes(deck))
     _raise(refusals)
     return found
@@ -62,11 +62,11 @@ def _raise(refusals: Any) -> None:
 class _Conversion:
     """Collects the parts of the model."""
 
-    def __init__(self, mechanism: Any, start: int, refusals: Any):
+    def __init__(self, mechanism: Any, start: Start, refusals: Any):
         self.deck, self.start, self.refusals = mechanism, start, refusals
         ground = np.zeros(3), np.eye(3)
         self.first = [(body.r, rotation_matrix(body.p)) for body in mechanism.bodies] + [ground]
-        self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)] + [ground]  # type: ignore[attr-defined]
+        self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)] + [ground]
 
     def model(self) -> Any:
         deck, integrator = self.deck, self.deck.integrator
@@ -94,16 +94,8 @@ class _Conversion:
             ),
             (),
             tuple(self._joint_spring(item) for item in deck.joint_springs),
-            tuple(
-                SpringDamper(s.name, s.a.body, s.b.body, vector(s.a.r0), vector(s.b.r0), s.k, s.length, s.c,
-                             s.place)
-                for s in deck.springs
-            ),
-            tuple(
-                AppliedForce(f.name, f.point.body, vector(f.force), vector(f.point.r0), f.follows, f.factor,
-                             f.place)
-                for f in deck.forces
-            ),
+            self._springs(),
+            self._forces(),
             tuple(
                 AppliedTorque(t.name, t.body, vector(t.torque), t.follows, t.factor, t.place)
                 for t in deck.torques
@@ -112,11 +104,27 @@ class _Conversion:
             stepping,
         )  # fmt: skip
 
+    def _springs(self) -> tuple[SpringDamper, ...]:
+        return tuple(
+            SpringDamper(
+                s.name, s.a.body, s.b.body, vector(s.a.r0), vector(s.b.r0), s.k, s.length, s.c, s.place
+            )
+            for s in self.deck.springs
+        )
+
+    def _forces(self) -> tuple[AppliedForce, ...]:
+        return tuple(
+            AppliedForce(
+                f.name, f.point.body, vector(f.force), vector(f.point.r0), f.follows, f.factor, f.place
+            )
+            for f in self.deck.forces
+        )
+
     def _body(self, k: int) -> Any:
         body, start = self.deck.bodies[k], self.start
         c = body.s0 / body.m
         inertia = body.J0 - body.m * (c @ c * np.eye(3) - np.outer(c, c))
-        motion = start.r[k], start.p[k], start.v[k], start.omega[k]  # type: ignore[attr-defined]
+        motion = start.r[k], start.p[k], start.v[k], start.omega[k]
         return RigidBody(body.name, *motion, body.m, c, inertia, body.place)
 
     def _joint(self, joint: Any) -> Any:
