@@ -6,35 +6,25 @@ into LLVM's intermediate code only; what Python calls is linked with all its par
 Kernels must not call one another in a circle.
 """
 
-import importlib
-import itertools
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-import llvmlite.binding as llvm
 from llvmlite import ir
-from numba import from_dtype
 from numba.core import cgutils, types
 from numba.core.codegen import JITCodeLibrary, RuntimeLinker
 from numba.core.compiler import Compiler, lookup_environment
-from numba.core.compiler_lock import global_compiler_lock
 from numba.core.imputils import impl_ret_borrowed
 from numba.core.registry import CPUDispatcher, cpu_target
-from numba.core.runtime.nrtdynmod import create_nrt_module
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
-from ._allocator import add_allocator
-from ._arguments import NotDescribedError, described_dtype
-from ._objects import OF_C
-
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
 
 _MADE_BY_NUMBA = "_Z"  # the names of all functions that come from Python begin so
 _LATE = RuntimeLinker.PREFIX  # of what is called before it is compiled: by itself, or in a circle
-_ENVIRONMENT = "_ZN08NumbaEnv"  # numba's name of the globals that point to a function's constants
-_WORD = ir.IntType(64)
+ENVIRONMENT = "_ZN08NumbaEnv"  # numba's name of the globals that point to a function's constants
+WORD = ir.IntType(64)
 
 
 class PartLibrary(JITCodeLibrary):
@@ -58,16 +48,16 @@ class WholeLibrary(JITCodeLibrary):
 
     def finalize(self) -> None:
         """Link the parts, those of parts too, each once, and optimise the whole."""
-        self._linking_libraries = list(_with_parts_of_parts(self._linking_libraries))
+        self._linking_libraries = list(with_parts_of_parts(self._linking_libraries))
         super().finalize()
-        _refuse_missing(self._final_module)
+        refuse_missing(self._final_module)
         for variable in self._final_module.global_variables:
-            constants = lookup_environment(variable.name) if variable.name.startswith(_ENVIRONMENT) else None
+            constants = lookup_environment(variable.name) if variable.name.startswith(ENVIRONMENT) else None
             if constants is not None:
                 self._codegen.set_env(variable.name, constants)  # type: ignore[attr-defined]
 
 
-def _with_parts_of_parts(libraries):
+def with_parts_of_parts(libraries):
     """All of them, each before those that it calls.
 
     LLVM links such a function only where something that is linked already calls it, and a part may name
@@ -87,7 +77,7 @@ def _with_parts_of_parts(libraries):
     return reversed(ended)
 
 
-def _refuse_missing(module) -> None:
+def refuse_missing(module) -> None:
     """Code without what it calls would end the process when it runs, and be kept on the disk.
 
     So would code that numba is to bind late, when the process knows all addresses.
@@ -179,168 +169,9 @@ class Kernel(CPUDispatcher):
         return self.part._numba_type_
 
 
-class Entry(NamedTuple):
-    """A kernel that Python calls: its name "module.function", and the parameters of `_arguments`."""
-
-    name: str
-    kernel: Kernel
-    parameters: list
-
-
-def this_machine() -> tuple[str, str]:
-    """Return LLVM's name of this process's system, and that of the oldest processor of its kind."""
-    return llvm.get_process_triple(), "generic"
-
-
-def emit_object(unit: str, entries: list[Entry], machines: dict) -> dict:
-    """Return (what the object's head tells of its entries, object) for each target of `machines`.
-
-    The parts of all entries are linked once, and only the entries can be seen from outside.
-    """
-    with global_compiler_lock:
-        module, reported = _linked(unit, entries)
-        return {target: (reported, _machine_code(module, *machine)) for target, machine in machines.items()}
-
-
-def _linked(unit, entries):
-    """LLVM's code of all entries with their parts, and what tells of each."""
-    context = cpu_target.target_context
-    library = context.codegen().create_library(unit)
-    wrappers = library.create_ir_module(unit)
-    reported, called = [], []
-    for number, entry in enumerate(entries):
-        types_ = tuple(map(_numba_type, entry.parameters))
-        entry.kernel.part.compile(types_)
-        compiled = entry.kernel.part.overloads[types_]
-        symbol = f"flexmb_{number}_{entry.name.replace('.', '_')}"
-        _add_wrapper(context, wrappers, symbol, compiled)
-        result = _result(compiled.signature.return_type)
-        reported.append(
-            {"name": entry.name, "symbol": symbol, "parameters": entry.parameters, "result": result}
-        )
-        called.append(compiled.library)
-    add_allocator(wrappers)
-    module = llvm.parse_assembly(str(wrappers))
-    for part in _with_parts_of_parts(called):
-        module.link_in(part._get_module_for_linking(), preserve=True)
-    module.link_in(llvm.parse_assembly(str(create_nrt_module(context)[0])))
-    _hide_all_but(module, {one["symbol"] for one in reported})
-    _refuse_missing(module)
-    return module.as_bitcode(), reported
-
-
-def _hide_all_but(module, symbols) -> None:
-    """Leave nothing else to be seen: LLVM may then change how functions are called, or drop them."""
-    for function in module.functions:
-        if not function.is_declaration and function.name not in symbols:
-            function.linkage = "internal"
-    for variable in module.global_variables:
-        # Constants that a traceback in Python would ask for.
-        if variable.name.startswith(_ENVIRONMENT):
-            variable.linkage = "internal"
-
-
-def _machine_code(bitcode, triple, processor):
-    """Position-independent object of LLVM's code; nothing allows a fused multiply-add."""
-    llvm.initialize_all_targets()
-    llvm.initialize_all_asmprinters()
-    module = llvm.parse_bitcode(bitcode)
-    machine = llvm.Target.from_triple(triple).create_target_machine(
-        cpu=processor, features="", opt=3, reloc="pic", codemodel="default"
-    )
-    module.triple = triple
-    module.data_layout = str(machine.target_data)
-    # numba's two rounds: the first brings together the counts of references that the second prunes.
-    for speed in (0, 3):
-        options = llvm.create_pipeline_tuning_options(speed_level=speed)
-        options.loop_vectorization = options.slp_vectorization = False
-        builder = llvm.create_pass_builder(machine, options)
-        passes = builder.getModulePassManager()
-        if speed == 0:
-            passes.add_loop_rotate_pass()
-            passes.add_instruction_combine_pass()
-            passes.add_jump_threading_pass()
-        passes.add_refprune_pass()
-        passes.run(module, builder)
-    _refuse_foreign(module)
-    return machine.emit_object(module)
-
-
-def _refuse_foreign(module) -> None:
-    """Return what neither the object nor the C library has would be called at address 0."""
-    called = {function.name for function in module.functions if function.is_declaration}
-    foreign = {name for name in called if not name.startswith("llvm.")} - OF_C
-    if foreign:
-        raise AssertionError(f"compiled kernels call {sorted(foreign)}")
-
-
-def _numba_type(parameter: Any):
-    """numba's type of a parameter."""
-    if parameter[0] == "a":
-        return types.Array(from_dtype(described_dtype(parameter[2])), parameter[1], "C")
-    if parameter[0] == "t":
-        module, _, name = parameter[1].partition(":")
-        kind = getattr(importlib.import_module(module), name) if name else tuple
-        return types.BaseTuple.from_types([_numba_type(part) for part in parameter[2]], kind)
-    return {"i": types.int64, "f": types.float64, "b": types.boolean}[parameter]
-
-
-def _result(kind):
-    """Return how `_arguments` describes what a kernel returns; raises NotDescribedError for arrays."""
-    if isinstance(kind, types.BaseTuple):
-        return ["t", "", [_result(part) for part in kind]]  # type: ignore[attr-defined]
-    for number, letter in ((types.Boolean, "b"), (types.Integer, "i"), (types.Float, "f")):
-        if isinstance(kind, number):
-            return letter
-    if kind is types.none:
-        return "n"
-    raise NotDescribedError(str(kind))
-
-
-def _add_wrapper(context, module, symbol, compiled) -> None:
-    """Define int symbol(int64 *words, int64 *results), which calls a part; not 0 where that failed."""
-    _result(compiled.signature.return_type)
-    code = ir.IntType(32)
-    function = ir.Function(module, ir.FunctionType(code, [_WORD.as_pointer()] * 2), symbol)
-    builder = ir.IRBuilder(function.append_basic_block())
-    words = _words_at(builder, function.args[0])
-    signature = compiled.signature
-    values = [_value(context, builder, words, kind) for kind in signature.args]
-    part = context.declare_function(module, compiled.fndesc)
-    call = context.call_conv.call_function
-    status, result = call(builder, part, signature.return_type, signature.args, values)
-    with builder.if_then(builder.not_(status.is_ok), likely=False):
-        builder.ret(code(1))
-    _store_result(builder, signature.return_type, result, function.args[1], 0)
-    builder.ret(code(0))
-
-
-def _words_at(builder, pointer) -> "Iterator[Any]":
-    for k in itertools.count():
-        yield builder.load(builder.gep(pointer, [_WORD(k)]))
-
-
-def _value(context, builder, words, kind):
-    """numba's value of the type `kind` from the next words."""
-    if isinstance(kind, types.Array):
-        return _array(context, builder, words, kind)
-    if isinstance(kind, types.BaseTuple):
-        return context.make_tuple(builder, kind, [_value(context, builder, words, part) for part in kind])  # type: ignore[attr-defined]
-    word = next(words)
-    if isinstance(kind, types.Float):
-        return builder.bitcast(word, ir.DoubleType())
-    return builder.icmp_unsigned("!=", word, _WORD(0)) if isinstance(kind, types.Boolean) else word
-
-
-def _array(context, builder, words, kind):
-    data = builder.inttoptr(next(words), context.get_data_type(kind.dtype).as_pointer())
-    shape = [next(words) for _ in range(kind.ndim)]
-    return _contiguous(context, builder, kind, data, shape, None)
-
-
-def _contiguous(context, builder, kind, data, shape, owner):
+def contiguous(context, builder, kind, data, shape, owner):
     """numba's value of an array in the memory of `owner`."""
-    size = _WORD(context.get_abi_sizeof(context.get_data_type(kind.dtype)))
+    size = WORD(context.get_abi_sizeof(context.get_data_type(kind.dtype)))
     strides = [size]
     for length in reversed(shape[1:]):
         strides.insert(0, builder.mul(strides[0], length))
@@ -360,7 +191,7 @@ def _block(typing, flat, first, shape):
     def generate(context, builder, signature, values):
         array = make_array(flat)(context, builder, values[0])
         data, lengths = builder.gep(array.data, [values[1]]), cgutils.unpack_tuple(builder, values[2])
-        view = _contiguous(context, builder, kind, data, lengths, array.meminfo)
+        view = contiguous(context, builder, kind, data, lengths, array.meminfo)
         return impl_ret_borrowed(context, builder, kind, view)
 
     return kind(flat, types.int64, types.UniTuple(types.int64, len(shape))), generate
@@ -369,19 +200,3 @@ def _block(typing, flat, first, shape):
 def built_in_type(name):
     """Return numba's type of a function that is not compiled from its text."""
     return cpu_target.typing_context.resolve_value_type({"block": _block}[name])
-
-
-def _store_result(builder, kind, value, room, k: Any):
-    """Store what a kernel returns from word k on; return the word behind it."""
-    if kind is types.none:
-        return k
-    if isinstance(kind, types.BaseTuple):
-        for place, part in enumerate(kind):  # type: ignore[arg-type, var-annotated]
-            k = _store_result(builder, part, builder.extract_value(value, place), room, k)
-        return k
-    if isinstance(kind, types.Float):
-        value = builder.bitcast(value, _WORD)
-    elif isinstance(kind, types.Boolean):
-        value = builder.zext(value, _WORD)
-    builder.store(value, builder.gep(room, [_WORD(k)]))
-    return k + 1
