@@ -18,10 +18,11 @@ from ...model.time_functions import POLYNOMIAL
 from ..linearisation.terms import Terms
 from .analysis import ConstrainedMotion
 from .flexible_rows import FlexibleRows, flexible_rows
-from .flexible_start import PositionGaps, assemble
+from .flexible_start import assemble_flexible
 from .initial_gaps import gap_warnings
 from .integrators import METHODS, Steps
 from .joint_rates import rate_equations
+from .position import PositionGaps
 from .rows import global_axes
 from .start_speeds import given_speeds
 
@@ -57,7 +58,7 @@ class FlexibleDynamics(ConstrainedMotion):
 
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates near the deck's that meet all equations; raises AnalysisError."""
-        q = assemble(self.evaluator, t)
+        q = assemble_flexible(self.evaluator, t)
         self.warnings += gap_warnings(self.mechanism, self.evaluator, q, t)
         return q
 

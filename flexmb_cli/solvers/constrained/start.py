@@ -8,22 +8,24 @@ from ...errors import AnalysisError, Fault
 from ...kernels.constrained.accelerations import choose_order, evaluate_jacobian
 from ...kernels.constrained.mass_matrix import inertia_of, mass_times
 from ...kernels.constrained.projection import project_position
-from ...kernels.constrained.speeds import move, normalise
+from ...kernels.constrained.speeds import normalise
 from ...kernels.constrained.system import NO_INERTIA
 from ...model.by_size import by_size
+from ..assembly import assemble, is_closed
 from ..kinematics.assembly import assemble_by_search, assembly_failure
-from ..singular.mobility import CLOSED, NAMED, Mobility, involved, sparse_basis
+from ..projection import Corrections, Place, Position, project
+from ..singular.mobility import NAMED, Mobility, involved, sparse_basis
+from .position import PositionGaps
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from ...model.equations import Equation
     from .analysis import ConstrainedMotion
-    from .young_dynamics import ForwardDynamics
 
 
 SINGULAR_VALUE = 1e-9  # of the largest
-MOST_STEPS = 60
-MET = 1e-14  # scaled gaps
-HOPELESS = 1e6
+WHOLE = Corrections(met=1e-14, most=60, dependent=SINGULAR_VALUE, hopeless=1e6)
 
 
 def assembled(analysis: Any, t: float) -> np.ndarray:
@@ -38,26 +40,17 @@ def assembled(analysis: Any, t: float) -> np.ndarray:
     if not len(arrays.equations):
         return q
     found, gap = assemble_by_search(analysis.evaluator, q, t, expected)
-    for start in (found, q):
-        closed = _by_newton(analysis, start.copy(), t, expected)
-        if closed is not None:
-            return closed
+    place = Place(PositionGaps(analysis.arrays, analysis.system, analysis.work), t, expected)
+
+    def search(start: np.ndarray) -> "Iterator[Position]":
+        start = start.copy()
+        normalise(analysis.arrays.bodies, start)
+        yield project(place, start, WHOLE)
+
+    closed, left = assemble((found, q), search)
+    if is_closed(left):
+        return closed
     raise assembly_failure(analysis.evaluator, gap, t)
-
-
-def _by_newton(analysis: "ForwardDynamics", q: np.ndarray, t: float, expected: np.ndarray) -> Any:
-    """The position after whole Newton steps, the shortest ones, or None when they do not close all gaps."""
-    bodies, evaluator = analysis.arrays.bodies, analysis.evaluator
-    normalise(bodies, q)
-    for _ in range(MOST_STEPS):
-        gap = evaluator.residual(q, t, expected)
-        largest = np.max(np.abs(gap))
-        if largest <= MET or not largest < HOPELESS:
-            break
-        evaluate_jacobian(analysis.system, analysis.work, q)
-        step = np.linalg.lstsq(analysis.work.jacobian, gap, rcond=SINGULAR_VALUE)[0]
-        move(bodies, q, -step * analysis.arrays.speed_scale)
-    return q if np.max(np.abs(evaluator.residual(q, t, expected))) <= CLOSED else None
 
 
 def order_of_elimination(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> Mobility:

@@ -9,7 +9,8 @@ from ...kernels.constrained.accelerations import evaluate_jacobian
 from ...kernels.constrained.mass_matrix import inertia_of, mass_matrices, mass_times
 from ...kernels.constrained.projection import fill_nu
 from ...kernels.constrained.system import GAMMA
-from ..singular.mobility import CLOSED, about
+from ..projection import CLOSED
+from ..singular.mobility import about
 from .rows import body_axes, global_axes
 
 if TYPE_CHECKING:

@@ -14,7 +14,8 @@ from ...errors import AnalysisError, Fault, ModelError
 from ...model.arrays.kinematic import kinematic_arrays
 from ...model.mechanism import Driver, Mechanism
 from ...quick_dataclass import replace
-from ..singular.mobility import CLOSED, mobility
+from ..projection import CLOSED
+from ..singular.mobility import mobility
 from .assembly import assemble_by_search
 from .position import Evaluator
 from .rows import Rows, twice_g

@@ -5,8 +5,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import AnalysisError
+from ..kinematics.nearest_position import nearest_position
+from ..projection import CLOSED
 from .conditioning import conditioning, conditioning_text, weakest_joints
-from .mobility import CLOSED, about, gap_norms, nearest_position, worst_gaps
+from .mobility import about, gap_norms, worst_gaps
 
 if TYPE_CHECKING:
     from ..kinematics.analysis import KinematicAnalysis
