@@ -14,7 +14,10 @@ SLID = "MASS 2 2 0 0 0 1 1 1\n"
 NEAR = {"DOP853": 1e-7, "RAD5": 1e-5, "GALF": 2e-3}
 
 
-@pytest.fixture(params=METHODS)
+# Interpreted kernels take a minute for the implicit methods.
+@pytest.fixture(
+    params=[pytest.param(name, marks=() if name == "DOP853" else pytest.mark.long_motion) for name in METHODS]
+)
 def method(request):
     """Name and card of an integrator."""
     return request.param, METHODS[request.param]
