@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from .results.hdf5.result_file import Layout
+    from .results.hdf5.layout import Layout
     from .run.check.check import CheckReport
 
 COMPLETE, FAILED = "complete", "failed"

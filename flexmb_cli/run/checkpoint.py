@@ -22,7 +22,8 @@ from numpy.lib.format import descr_to_dtype, dtype_to_descr
 from ..errors import Fault, ModelError, OutputError
 from ..managed_files import open_managed, unbuffered
 from ..results.files.durable import GROWING, sync, sync_folder
-from ..results.files.replaced_file import hold, is_unfinished, located
+from ..results.files.replaced_file import located
+from ..results.files.temporary_file import hold, is_unfinished
 
 _HEAD = struct.Struct("<QI")
 _STATE = "checkpoint/"

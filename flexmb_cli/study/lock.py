@@ -8,7 +8,8 @@ from contextlib import suppress
 
 from ..errors import OutputError
 from ..managed_files import ManagedFolder
-from ..results.files.replaced_file import hold, located, make_folder
+from ..results.files.replaced_file import located, make_folder
+from ..results.files.temporary_file import hold
 
 LOCK = "lock"
 

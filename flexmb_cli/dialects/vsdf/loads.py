@@ -9,7 +9,8 @@ from ...model.fe_model import GROUND, BodyTorque, End, JointSpring, NodeForce, N
 from ...model.time_functions import MotionFunction
 from ..elements.functions import Functions
 from .bodies import end_of_body
-from .joints import SLIDING, TURNING, find_end, find_table
+from .joints import SLIDING, TURNING, find_end
+from .motions import find_table
 
 
 class Factors:

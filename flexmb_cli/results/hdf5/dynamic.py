@@ -6,7 +6,7 @@ from ...model.loads import DynamicModel, holders
 from ...quick_dataclass import replace
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .kinematic import kinematic_layout, kinematic_values
-from .result_file import Axis, Layout, Series, Values, numbered_axis
+from .layout import Axis, Layout, Series, Values, numbered_axis
 from .result_geometry import gravity
 
 if TYPE_CHECKING:

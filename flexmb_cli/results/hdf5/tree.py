@@ -10,8 +10,8 @@ import numpy as np
 from ...model.element_names import names_of
 from ...model.tree import ELASTIC, ROTATION, Body, Tree
 from .joint_coordinates import ELEMENT_SERIES, joint_values, with_elements
+from .layout import EULER_PARAMETER, XYZ, Axis, Layout, Series, Values, numbered_axis
 from .motion_series import BODY_MOTION, POINT_MOTION
-from .result_file import EULER_PARAMETER, XYZ, Axis, Layout, Series, Values, numbered_axis
 from .result_geometry import SIDE, tree_geometry
 from .shapes import with_shapes
 
