@@ -8,7 +8,6 @@ Kernels must not call one another in a circle.
 
 from typing import TYPE_CHECKING, Any
 
-from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.codegen import JITCodeLibrary, RuntimeLinker
 from numba.core.compiler import Compiler, lookup_environment
@@ -17,6 +16,8 @@ from numba.core.registry import CPUDispatcher, cpu_target
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
+from ._allocator import WORD
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 _MADE_BY_NUMBA = "_Z"  # the names of all functions that come from Python begin so
 _LATE = RuntimeLinker.PREFIX  # of what is called before it is compiled: by itself, or in a circle
 ENVIRONMENT = "_ZN08NumbaEnv"  # numba's name of the globals that point to a function's constants
-WORD = ir.IntType(64)
 
 
 class PartLibrary(JITCodeLibrary):

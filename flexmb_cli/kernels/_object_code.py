@@ -15,9 +15,9 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import cpu_target
 from numba.core.runtime.nrtdynmod import create_nrt_module
 
-from ._allocator import add_allocator
+from ._allocator import WORD, add_allocator
 from ._arguments import NotDescribedError, described_dtype
-from ._linking import ENVIRONMENT, WORD, Kernel, contiguous, refuse_missing, with_parts_of_parts
+from ._linking import ENVIRONMENT, Kernel, contiguous, refuse_missing, with_parts_of_parts
 from ._objects import OF_C
 
 if TYPE_CHECKING:
@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 
 
 class Entry(NamedTuple):
-    """A kernel that Python calls: its name "module.function", and the parameters of `_arguments`."""
+    """A kernel that Python calls."""
 
-    name: str
-    kernel: Kernel
-    parameters: list
+    name: str  # "module.function"
+    kernel: Kernel  # the Python function
+    parameters: list  # as `_arguments` describes them
 
 
 def this_machine() -> tuple[str, str]:

@@ -18,12 +18,13 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from .projection import CLOSED, Equations, Position, largest
+from .projection import RESIDUAL_MET, Equations, Position, largest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
 
+TRIALS = 4  # starts: the deck's estimates, and those nudged
 NUDGE = 0.05  # of the length scale, and of Euler parameters or rad
 
 Start = TypeVar("Start")
@@ -33,7 +34,7 @@ def assemble(
     starts: "Iterable[Start]",
     search: "Callable[[Start], Iterable[Position]]",
     better: float = 1.0,
-    closed: float = CLOSED,
+    closed: float = RESIDUAL_MET,
 ) -> Position:
     """Return the first position with all gaps closed that `search` finds from the starts, else the best.
 
@@ -51,7 +52,7 @@ def assemble(
     return best
 
 
-def is_closed(gap: np.ndarray, closed: float = CLOSED) -> bool:
+def is_closed(gap: np.ndarray, closed: float = RESIDUAL_MET) -> bool:
     """Return whether a residual (m,) is nowhere more than counts as met; one that is no number is."""
     return largest(gap) <= closed
 

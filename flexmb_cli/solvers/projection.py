@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 
-CLOSED = 1e-9  # scaled residual that counts as met
+RESIDUAL_MET = 1e-9  # scaled residual that counts as met
 Position = tuple[np.ndarray, np.ndarray]  # coordinates (N,) and their scaled residual (m,)
 LARGEST_STEP = 0.3  # scaled: of the length scale, rad
 HALVINGS = 10  # of a correction that widens the gaps

@@ -15,16 +15,16 @@ import numpy as np
 from .._jit import kernel
 from ..kinematics import constraints as equations
 from ..linalg.rank_revealing_lu import row_times
-from ..linalg.rotation import rotation_matrices
+from ..linalg.rotation import A, rotation_matrices
 from .accelerations import factorise_at, solve
 from .body_vectors import geometry_of, place_vectors
 from .constraint_primitives import equation_residuals, equation_velocities
 from .speeds import move
-from .system import CORRECTION, GAMMA, PHI, QD, SOLVED, A, System, Work
+from .system import CORRECTION, GAMMA, PHI, QD, SOLVED, System, Work
 
 MOST_CORRECTIONS = 12
 RATE_CORRECTIONS = 2
-ROUND_OFF = 4e-16
+CLOSED_GAP = 4e-16
 
 
 @kernel
@@ -80,7 +80,7 @@ def close_gaps(
     before = np.inf
     for _ in range(MOST_CORRECTIONS):
         gap = evaluate_residual(system, work, q, t, expected)
-        if gap <= ROUND_OFF or not gap < 0.5 * before:
+        if gap <= CLOSED_GAP or not gap < 0.5 * before:
             break
         before = gap
         for row in range(gamma.shape[0]):

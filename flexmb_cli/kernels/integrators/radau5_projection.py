@@ -17,7 +17,7 @@ from ..constrained.speeds import coordinate_accelerations, coordinate_rates, nor
 from ..constrained.system import SOLVED, System, Work
 from .error_norm import scaled_norm
 from .hermite import cubic, quintic
-from .radau5_step import LAST, START
+from .radau5_step import LAST_STEP, START
 
 if TYPE_CHECKING:
     from .radau5 import RadauIntegration
@@ -74,7 +74,7 @@ def between(system: Any, integration, x, point) -> None:
     nq = n + bodies
     rates = np.empty((5, nq))
     coordinate_rates(bodies, old[:nq], old[nq : nq + n], rates[0])
-    coordinate_accelerations(bodies, old[:nq], old[nq : nq + n], integration.rates[LAST], rates[1])
+    coordinate_accelerations(bodies, old[:nq], old[nq : nq + n], integration.rates[LAST_STEP], rates[1])
     coordinate_rates(bodies, z[:nq], z[nq : nq + n], rates[2])
     coordinate_accelerations(bodies, z[:nq], z[nq : nq + n], integration.rates[START], rates[3])
     for i in range(nq):

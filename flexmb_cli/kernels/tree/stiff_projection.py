@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     from ...model.arrays.tree import TreeArrays
 
 
-RATE_CORRECTIONS = 2  # J is that of the state before the gaps were closed
-
-
 @kernel
 def _renew(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", s: Stiff) -> None:
     """Fill J where the frames are placed, and factorise its response."""
@@ -39,5 +36,6 @@ def _respond(
         coordinates[m]["response"] = s.rest[m]
 
 
-# The last array is the `Stiff` of the step, whose J is renewed.
-project_stiffly = projection(Metric(_renew, _respond, RATE_CORRECTIONS))
+# The last array is the `Stiff` of the step, whose J is renewed.  That J is of the state before the gaps were
+# closed: rates take a second correction.
+project_stiffly = projection(Metric(_renew, _respond, 2))

@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..assembly import assemble, is_closed, nudged
+from ...model.equations import DEPENDENT
+from ..assembly import TRIALS, assemble, is_closed, nudged
 from ..kinematics.assembly import assembly_failure
 from ..projection import Corrections, Place, Position, project, shortened
 
@@ -14,8 +15,7 @@ if TYPE_CHECKING:
     from .position import PositionGaps
 
 
-SHORTEST = Corrections(met=1e-14, most=60, dependent=1e-9)
-TRIALS = 4
+SHORTEST = Corrections(met=1e-14, most=60, dependent=DEPENDENT)
 
 
 def assemble_flexible(gaps: "PositionGaps", t: float) -> np.ndarray:

@@ -11,6 +11,7 @@ from ...kernels.constrained.projection import project_position
 from ...kernels.constrained.speeds import normalise
 from ...kernels.constrained.system import NO_INERTIA
 from ...model.by_size import by_size
+from ...model.equations import DEPENDENT
 from ..assembly import assemble, is_closed
 from ..kinematics.assembly import assemble_by_search, assembly_failure
 from ..projection import Corrections, Place, Position, project
@@ -24,8 +25,7 @@ if TYPE_CHECKING:
     from .analysis import ConstrainedMotion
 
 
-SINGULAR_VALUE = 1e-9  # of the largest
-WHOLE = Corrections(met=1e-14, most=60, dependent=SINGULAR_VALUE, hopeless=1e6)
+WHOLE = Corrections(met=1e-14, most=60, dependent=DEPENDENT, hopeless=1e6)
 
 
 def assembled(analysis: Any, t: float) -> np.ndarray:
@@ -61,7 +61,7 @@ def order_of_elimination(analysis: "ConstrainedMotion", q: np.ndarray, t: float)
     system, work, arrays = analysis.system, analysis.work, analysis.arrays
     evaluate_jacobian(system, work, q)
     left, values, right = np.linalg.svd(work.jacobian)
-    rank = int(np.sum(values > SINGULAR_VALUE * values[0])) if values.size else 0
+    rank = int(np.sum(values > DEPENDENT * values[0])) if values.size else 0
     found = choose_order(work, rank)
     if project_position(system, work, q, t, analysis.integration.angles[2]) == NO_INERTIA:
         raise inertia_failure(analysis, t)

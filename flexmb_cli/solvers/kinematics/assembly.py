@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import AnalysisError, Fault, ModelError
-from ..assembly import assemble, nudged
+from ...model.equations import DEPENDENT
+from ..assembly import TRIALS, assemble, nudged
 from ..projection import Corrections, Place, Position, improving, project
 from ..singular.mobility import Mobility, about, gap_norms, motion_text, worst_gaps
 from .nearest_position import nearest_position
@@ -19,12 +20,11 @@ if TYPE_CHECKING:
     from ..constrained.position import PositionGaps
 
 
-TRIALS = 4
 HALF = 0.5  # of the gap: what another search must reach to count as better
 ENOUGH = KinematicSettings.most_iterations
 # Shortest corrections also converge among redundant equations.  A wider gap than the last number is real:
 # they would only spread it.
-POLISH = Corrections(met=1e-13, most=20, dependent=1e-9, hopeless=1e-6)
+POLISH = Corrections(met=1e-13, most=20, dependent=DEPENDENT, hopeless=1e-6)
 
 
 def assemble_by_search(
@@ -55,7 +55,8 @@ def assembly_failure(
     left = "; ".join(one.text for one in worst) or "no gap is left, but the position is singular"
     message = (
         f"at t = {t:.6g} s the mechanism cannot be assembled from the estimates; what is left of the worst "
-        f"constraints: {left}; {_few(most_iterations)}check these joints' points and the body estimates"
+        f"constraints: {left}; {_few(most_iterations)}check these joints' points and the body estimates; "
+        "estimates that are too far are found by changing lengths in small steps from a mechanism that closes"
     )
     return AnalysisError(about("error", message, *(one.equation for one in worst)), t, gap_norms(worst))
 

@@ -16,14 +16,14 @@ from ..constrained.position import PositionGaps
 from ..constrained.system import new_work
 from ..projection import Corrections, Place, project
 from .passed import Passed, PassedSingularities, least_by_thirds
-from .rank_of_speeds import MOST_REPORTED, SINGULAR, conditioning_of_speeds
+from .rank_of_speeds import MOST_REPORTED, SINGULAR_CONDITION, conditioning_of_speeds
 from .weakest import Conditioning, condition_text, owners_text
 
 if TYPE_CHECKING:
     from ..constrained.analysis import ConstrainedMotion
 
 
-ROUND_OFF = 1e6  # a position between rows is found to about the square root of round-off
+MOST_CERTAIN_CONDITION = 1e6  # a position between rows is found to about the square root of round-off
 SOUGHT = 3  # rows between which a singular position is sought
 LOOKS = 300  # rows of a run that are looked at
 MOST_WORK = 2_000_000  # multiplications of one look: larger mechanisms are not looked at
@@ -116,7 +116,7 @@ class PassedDynamicSingularities(PassedSingularities):
         for first, last in (interval[:2], interval[1:]):
             x = least_by_thirds(lambda x, first=first, last=last: self._at(first, last, x)[1])  # type: ignore[misc]
             q, value = self._at(first, last, x)
-            if value < 1.0 / SINGULAR:
+            if value < 1.0 / SINGULAR_CONDITION:
                 yield Passed(q, first.t + x * (last.t - first.t), self._expected, True)
                 return
 
@@ -136,7 +136,8 @@ class PassedDynamicSingularities(PassedSingularities):
 
     def sentence(self, passed: Passed, weak: Conditioning, owners: list[Equation]) -> str:
         """Say that the motion could branch there."""
+        conditioning = condition_text(weak.condition, MOST_CERTAIN_CONDITION)
         return (
             f"near t = {passed.t:.4g} s the motion passes a singular position of {owners_text(owners)} "
-            f"({condition_text(weak.condition, ROUND_OFF)}), where it could branch; it goes on smoothly"
+            f"({conditioning}), where it could branch; it goes on smoothly"
         )

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import AnalysisError
+from ..assembly import NUDGE
 from ..kinematics.nearest_position import nearest_position
-from ..projection import CLOSED
+from ..projection import RESIDUAL_MET
 from .conditioning import conditioning, conditioning_text, weakest_joints
 from .mobility import about, gap_norms, worst_gaps
 
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
     from ..kinematics.analysis import KinematicAnalysis
 
 
-ASIDE = 0.05  # of the length scale, and of Euler parameters
 LATER = 1e-3  # of the time between rows: behind a dead centre
 
 
@@ -46,9 +46,9 @@ def _least_gap(evaluator: Any, q: np.ndarray, t: float, expected: np.ndarray) ->
     From a dead centre the search does not leave the line of symmetry by itself.
     """
     gap = nearest_position(evaluator, q, t, expected)[1]
-    if np.max(np.abs(gap)) <= CLOSED:
+    if np.max(np.abs(gap)) <= RESIDUAL_MET:
         return gap
-    aside = ASIDE * conditioning(evaluator, q, t, expected).motion * evaluator.arrays.column_scale
+    aside = NUDGE * conditioning(evaluator, q, t, expected).motion * evaluator.arrays.column_scale
     others = [nearest_position(evaluator, q + side * aside, t, expected)[1] for side in (1.0, -1.0)]
     return min([gap, *others], key=lambda found: np.max(np.abs(found)))
 

@@ -6,11 +6,11 @@ import numpy as np
 
 from ...errors import Fault
 from ...model.by_size import by_size, first_of_largest
-from ...model.equations import Equation
+from ...model.equations import DEPENDENT, Equation
 from ...quick_dataclass import dataclass
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g
-from ..projection import CLOSED, Corrections, Place, project
+from ..projection import RESIDUAL_MET, Corrections, Place, project
 
 if TYPE_CHECKING:
     from typing import Any
@@ -18,10 +18,9 @@ if TYPE_CHECKING:
     from ..constrained.position import PositionGaps
 
 
-RANK_TOLERANCE = 1e-9  # of the largest singular value of the scaled Jacobian
 NAMED = 1e-6  # of the largest component of a null vector
 PROBE = 1e-3  # size of the trial motion that tells a free motion from a stiff one
-BACK = Corrections(met=1e-13, most=60, dependent=RANK_TOLERANCE)
+BACK = Corrections(met=1e-13, most=60, dependent=DEPENDENT)
 
 
 @dataclass(frozen=True)
@@ -58,10 +57,10 @@ def worst_gaps(
     found: dict[str, Gap] = {}
     size = np.abs(scaled_residual)
     # Least squares share a gap out among joints: those alike to some percent stay in the deck's order.
-    rank = np.round(np.log10(np.maximum(size, CLOSED)), 2)
+    rank = np.round(np.log10(np.maximum(size, RESIDUAL_MET)), 2)
     for row in np.argsort(-rank, kind="stable"):
         equation = evaluator.arrays.equations[row]
-        if size[row] <= CLOSED or len(found) == most:
+        if size[row] <= RESIDUAL_MET or len(found) == most:
             break
         found.setdefault(
             equation.owner, Gap(equation, scaled_residual[row] * evaluator.arrays.row_scale[row])
@@ -111,7 +110,7 @@ def mobility(evaluator: Evaluator, q: np.ndarray, t: "Any", expected: np.ndarray
     """Rank analysis of the scaled Jacobian at an assembled position q, by singular values."""
     evaluator.residual(q, t, expected)
     left, values, right = np.linalg.svd(evaluator.jacobian(q))
-    rank = int(np.sum(values > RANK_TOLERANCE * values[0]))
+    rank = int(np.sum(values > DEPENDENT * values[0]))
     arrays = evaluator.arrays
     motions, pivots = sparse_basis(right[rank:])
     dependencies, repeated = sparse_basis(left[:, rank:].T)

@@ -20,7 +20,7 @@ from ...model.equations import Equation
 from ...quick_dataclass import dataclass
 from .weakest import Conditioning, SingularityNotes, weakest_owners
 
-HALVINGS = 40  # of an interval in which a minimum is sought
+MOST_THIRDS = 40  # by which an interval with a minimum is narrowed
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class PassedSingularities:
 def least_by_thirds(value: Callable[[float], float]) -> float:
     """Return where in (0, 1) a function with one minimum is least."""
     low, high = 0.0, 1.0
-    for _ in range(HALVINGS):
+    for _ in range(MOST_THIRDS):
         thirds = low + (high - low) / 3.0, high - (high - low) / 3.0
         values = [value(x) for x in thirds]
         low, high = (low, thirds[1]) if values[0] < values[1] else (thirds[0], high)

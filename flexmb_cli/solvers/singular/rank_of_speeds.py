@@ -8,16 +8,15 @@ from ...kernels.constrained.accelerations import evaluate_jacobian
 from ...kernels.constrained.speeds import move
 from ..constrained.position import PositionGaps
 from ..constrained.system import new_work
-from .weakest import Conditioning, conditioning_of, weakest_owners
+from .weakest import NEARLY_SINGULAR, Conditioning, conditioning_of, weakest_owners
 
 if TYPE_CHECKING:
     from ...model.equations import Equation
     from ..constrained.analysis import ConstrainedMotion
 
 
-SINGULAR = 1e4  # condition; mechanisms have 10 to 1000
+SINGULAR_CONDITION = 1e4  # condition; mechanisms have 10 to 1000
 CROSSED = 1e5  # condition
-NEARLY_SINGULAR = 100.0  # condition, as a multiple of that of the start
 BESIDE = 1e-5  # of the length scale, rad
 MOST_REPORTED = 6
 
@@ -63,7 +62,7 @@ def has_gained_rank(analysis: "ConstrainedMotion") -> bool:
         analysis.system, analysis.work, analysis.integration.z[: analysis.arrays.coordinate_scale.size].copy()
     )
     values, rank = np.linalg.svd(analysis.work.jacobian, compute_uv=False), int(analysis.work.rank[0])
-    return bool(len(values) > rank and values[rank] > values[0] / SINGULAR**2)
+    return bool(len(values) > rank and values[rank] > values[0] / SINGULAR_CONDITION**2)
 
 
 def repeating_here_only(analysis: "ConstrainedMotion") -> "list[Equation]":
@@ -82,6 +81,6 @@ def repeating_here_only(analysis: "ConstrainedMotion") -> "list[Equation]":
     move(arrays.bodies, q, BESIDE * motion * arrays.speed_scale)
     evaluate_jacobian(analysis.system, work, q)
     left, values, _ = np.linalg.svd(work.jacobian)
-    if len(values) > rank and values[rank] > values[0] / SINGULAR**2:
+    if len(values) > rank and values[rank] > values[0] / SINGULAR_CONDITION**2:
         return weakest_owners(arrays.equations, left[:, rank], MOST_REPORTED)
     return []

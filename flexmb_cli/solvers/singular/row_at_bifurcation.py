@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...kernels.kinematics import constraints as equations
-from ...kernels.kinematics.continuation import SIGN, SPENT, STEP, TIME
+from ...kernels.kinematics.continuation import NEXT_LENGTH, SIGN, SPENT, TIME
 from ..kinematics.rows import Rows
 from ..kinematics.system import rows_of
 from ..projection import Corrections, Place, project
@@ -52,7 +52,7 @@ def row_across(analysis: Any, t: float, memory: Any) -> Rows | None:
         return None
     analysis.singularities.tell(Passed(row[0], t, expected, True))
     audit = np.array([[gap, _rate_gap(analysis, row, t), analysis.clock[SPENT]]])
-    analysis.clock[SPENT], analysis.clock[STEP] = 0.0, np.inf
+    analysis.clock[SPENT], analysis.clock[NEXT_LENGTH] = 0.0, np.inf
     return rows_of(analysis.mechanism, np.array([t]), row[None], audit)
 
 

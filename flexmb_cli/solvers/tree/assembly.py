@@ -9,7 +9,7 @@ from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...kernels.tree.loop_closures import IMMOBILE
 from ...model.arrays.tree import TreeArrays
-from ...model.tree import ROTATION, Closure, Tree
+from ...model.tree import ASSEMBLED_GAP, ROTATION, Closure, Tree
 from ..assembly import assemble, is_closed
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from .analysis import TreeAnalysis
 
 
-CLOSED = 1e-10  # m
 MOST_ITERATIONS = 40
 
 
@@ -42,7 +41,9 @@ def assemble_tree(analysis: "TreeAnalysis") -> None:
         gap = _close(analysis, kept)
         yield analysis.state, np.array([gap])
 
-    if not is_closed(assemble((_kept(tree, arrays), arrays.given), search, closed=CLOSED)[1], CLOSED):
+    if not is_closed(
+        assemble((_kept(tree, arrays), arrays.given), search, closed=ASSEMBLED_GAP)[1], ASSEMBLED_GAP
+    ):
         raise _assembly_failure(tree, arrays.closures)
 
 
@@ -55,7 +56,7 @@ def _close(analysis: "TreeAnalysis", kept: np.ndarray) -> float:
         if analysis.call(tree_dop853.CLOSE) != codes.READY:
             break
         gap = analysis.clock["gap"][0]
-        if gap <= CLOSED and not gap < before / 2:
+        if gap <= ASSEMBLED_GAP and not gap < before / 2:
             break
     analysis.coordinates["held"] = analysis.arrays.given
     return float(gap)

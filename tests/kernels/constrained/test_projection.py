@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from flexmb_cli.kernels.constrained.accelerations import factorise_at
 from flexmb_cli.kernels.constrained.projection import (
-    ROUND_OFF,
+    CLOSED_GAP,
     close_gaps,
     close_rates,
     evaluate_residual,
@@ -62,7 +62,7 @@ def test_by_another_matrix_the_bar_comes_onto_its_joint_elsewhere(bar):
         factorise_at(bar.system, bar.work, q)
         metric = bar.work._replace(reduced=bar.work.reduced * factor**0.5)
         close_gaps(bar.system, bar.work, metric, q, 0.0, np.zeros(0))
-        assert evaluate_residual(bar.system, bar.work, q, 0.0, np.zeros(0)) <= ROUND_OFF
+        assert evaluate_residual(bar.system, bar.work, q, 0.0, np.zeros(0)) <= CLOSED_GAP
         factorise_at(bar.system, bar.work, q)
         close_rates(bar.system, bar.work, metric, u, 0.0)
         assert rate_gap(bar.system, bar.work, u, 0.0) < 1e-14

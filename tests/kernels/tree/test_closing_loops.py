@@ -5,7 +5,7 @@ import pytest
 
 from flexmb_cli.kernels._jit import interpreting
 from flexmb_cli.kernels.tree.motion import parts
-from flexmb_cli.kernels.tree.projection import CLOSED, Metric, evaluate_gaps, largest_gap, projection
+from flexmb_cli.kernels.tree.projection import CLOSED_LOOP_GAP, Metric, evaluate_gaps, largest_gap, projection
 from flexmb_cli.solvers.tree.analysis import initial_state
 from tests.kernels.tree.test_kane_closures import closed_where_it_is, closure_equations, looped_tree
 from tests.kernels.tree.test_kane_forward_dynamics import Recursion, close
@@ -40,7 +40,7 @@ def test_corrections_follow_the_metric_that_is_handed_in(seed):
     shift = APART * np.random.default_rng(seed).uniform(-1.0, 1.0, len(tree.q))
     before, after, recursion, J = projected(tree, shift)
     # J stays that of the closed loop: each of the five corrections leaves a thousandth of the gap.
-    assert largest_gap(recursion.arrays.closures) <= CLOSED
+    assert largest_gap(recursion.arrays.closures) <= CLOSED_LOOP_GAP
     outside = np.eye(len(tree.q)) - np.linalg.pinv(J) @ J
     for place in (0, 1):
         change = parts(recursion.arrays, after)[place] - parts(recursion.arrays, before)[place]
