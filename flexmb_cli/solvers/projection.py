@@ -54,7 +54,7 @@ class Corrections:
     hopeless: float = np.inf
 
 
-class Place:
+class Instant:
     """Equations at a time, for the angles expected there: what a step needs to try another position."""
 
     def __init__(self, equations: Equations, t: float, expected: np.ndarray):
@@ -75,23 +75,23 @@ def largest(gap: np.ndarray) -> float:
     return np.inf if np.isnan(found) else found
 
 
-def whole(place: Place, q: np.ndarray, gap: np.ndarray, step: np.ndarray) -> Position | None:
+def whole(instant: Instant, q: np.ndarray, gap: np.ndarray, step: np.ndarray) -> Position | None:
     """Return the position after the whole step."""
-    return place.after(q, step)
+    return instant.after(q, step)
 
 
-def improving(place: Place, q: np.ndarray, gap: np.ndarray, step: np.ndarray) -> Position | None:
+def improving(instant: Instant, q: np.ndarray, gap: np.ndarray, step: np.ndarray) -> Position | None:
     """Return the position after the whole step, None if the largest gap does not get smaller."""
-    found = place.after(q, step)
+    found = instant.after(q, step)
     return found if largest(found[1]) < largest(gap) else None
 
 
-def shortened(place: Place, q: np.ndarray, gap: np.ndarray, step: np.ndarray) -> Position | None:
+def shortened(instant: Instant, q: np.ndarray, gap: np.ndarray, step: np.ndarray) -> Position | None:
     """Return the position after so much of the step that the gaps get smaller, None if no part does."""
     size = np.linalg.norm(gap)
     factor = min(1.0, LARGEST_STEP / max(largest(step), 1e-300))
     for _ in range(HALVINGS):
-        found = place.after(q, factor * step)
+        found = instant.after(q, factor * step)
         if np.linalg.norm(found[1]) < size:
             return found
         factor *= 0.5
@@ -99,10 +99,10 @@ def shortened(place: Place, q: np.ndarray, gap: np.ndarray, step: np.ndarray) ->
 
 
 def project(
-    place: Place,
+    instant: Instant,
     q: np.ndarray,
     corrections: Corrections,
-    advance: "Callable[[Place, np.ndarray, np.ndarray, np.ndarray], Position | None]" = whole,
+    advance: "Callable[[Instant, np.ndarray, np.ndarray, np.ndarray], Position | None]" = whole,
     columns: np.ndarray | None = None,
 ) -> Position:
     """Return a position near q (N,) that meets the equations as `corrections` say, and its residual (m,).
@@ -110,12 +110,12 @@ def project(
     `advance`: `whole`, `improving` or `shortened`; the corrections end where it returns None.
     `columns` (n,): the changes that are allowed, all by default.
     """
-    q, gap = place.at(q)
+    q, gap = instant.at(q)
     for _ in range(corrections.most):
         if not corrections.met < largest(gap) < corrections.hopeless:
             break
-        step = _least_step(place.equations.jacobian(q), gap, corrections.dependent, columns)
-        found = advance(place, q, gap, step)
+        step = _least_step(instant.equations.jacobian(q), gap, corrections.dependent, columns)
+        found = advance(instant, q, gap, step)
         if found is None:
             break
         q, gap = found

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.solvers.assembly import NUDGE, assemble, is_closed, nudged
-from flexmb_cli.solvers.projection import Corrections, Place, project
+from flexmb_cli.solvers.projection import Corrections, Instant, project
 from tests.solvers.test_projection import NO_ANGLES, Sphere
 
 SHORTEST = Corrections(met=1e-14, most=60, dependent=1e-9)
@@ -18,7 +18,7 @@ def test_a_start_without_a_direction_is_left_by_a_nudge():
 
     def search(start):
         tried.append(start)
-        yield project(Place(sphere, 0.0, NO_ANGLES), start, SHORTEST)
+        yield project(Instant(sphere, 0.0, NO_ANGLES), start, SHORTEST)
 
     q, gap = assemble(nudged(sphere, np.zeros(3), np.array([1.0, 1.0, 0.0]), 4), search)
     assert is_closed(gap)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from flexmb_cli.solvers.projection import Corrections, Place, improving, project, shortened, whole
+from flexmb_cli.solvers.projection import Corrections, Instant, improving, project, shortened, whole
 
 NO_ANGLES = np.zeros(0)
 ROUND_OFF = Corrections(met=1e-14, most=50, dependent=1e-9)
@@ -38,7 +38,7 @@ class Arctangent(Sphere):
 
 
 def found(equations, q, corrections=ROUND_OFF, advance=whole, columns=None):
-    return project(Place(equations, 0.0, NO_ANGLES), np.array(q), corrections, advance, columns)
+    return project(Instant(equations, 0.0, NO_ANGLES), np.array(q), corrections, advance, columns)
 
 
 @pytest.mark.parametrize("times", [1, 3])

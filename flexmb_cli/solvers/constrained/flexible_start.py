@@ -7,7 +7,7 @@ import numpy as np
 from ...model.equations import DEPENDENT
 from ..assembly import TRIALS, assemble, is_closed, nudged
 from ..kinematics.assembly import assembly_failure
-from ..projection import Corrections, Place, Position, project, shortened
+from ..projection import Corrections, Instant, Position, project, shortened
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -24,11 +24,12 @@ def assemble_flexible(gaps: "PositionGaps", t: float) -> np.ndarray:
     Bodies stay undeformed where their joints allow it.
     """
     arrays = gaps.arrays
-    rigid, place = np.arange(arrays.speeds) < 6 * arrays.bodies, Place(gaps, t, arrays.angles)
+    rigid = np.arange(arrays.speeds) < 6 * arrays.bodies
+    instant = Instant(gaps, t, arrays.angles)
 
     def search(q: np.ndarray) -> "Iterator[Position]":
         for columns in (rigid, np.ones_like(rigid)):
-            q, gap = project(place, q, SHORTEST, shortened, columns)
+            q, gap = project(instant, q, SHORTEST, shortened, columns)
             yield q, gap
 
     q, gap = assemble(nudged(gaps, arrays.q, rigid, TRIALS), search)

@@ -14,7 +14,7 @@ from ...model.by_size import by_size
 from ...model.equations import DEPENDENT
 from ..assembly import assemble, is_closed
 from ..kinematics.assembly import assemble_by_search, assembly_failure
-from ..projection import Corrections, Place, Position, project
+from ..projection import Corrections, Instant, Position, project
 from ..singular.mobility import NAMED, Mobility, involved, sparse_basis
 from .position import PositionGaps
 
@@ -40,12 +40,12 @@ def assembled(analysis: Any, t: float) -> np.ndarray:
     if not len(arrays.equations):
         return q
     found, gap = assemble_by_search(analysis.evaluator, q, t, expected)
-    place = Place(PositionGaps(analysis.arrays, analysis.system, analysis.work), t, expected)
+    instant = Instant(PositionGaps(analysis.arrays, analysis.system, analysis.work), t, expected)
 
     def search(start: np.ndarray) -> "Iterator[Position]":
         start = start.copy()
         normalise(analysis.arrays.bodies, start)
-        yield project(place, start, WHOLE)
+        yield project(instant, start, WHOLE)
 
     closed, left = assemble((found, q), search)
     if is_closed(left):

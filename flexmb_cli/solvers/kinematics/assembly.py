@@ -7,7 +7,7 @@ import numpy as np
 from ...errors import AnalysisError, Fault, ModelError
 from ...model.equations import DEPENDENT
 from ..assembly import TRIALS, assemble, nudged
-from ..projection import Corrections, Place, Position, improving, project
+from ..projection import Corrections, Instant, Position, improving, project
 from ..singular.mobility import Mobility, about, gap_norms, motion_text, worst_gaps
 from .nearest_position import nearest_position
 from .position import Evaluator
@@ -34,11 +34,11 @@ def assemble_by_search(
 
     Least squares from the estimates, then from estimates a little off, polished by shortest corrections.
     """
-    place = Place(evaluator, t, expected)
+    instant = Instant(evaluator, t, expected)
 
     def search(start: np.ndarray) -> "Iterator[Position]":
         found = nearest_position(evaluator, start, t, expected)[0]
-        yield place.at(found if evaluator.is_large else project(place, found, POLISH, improving)[0])
+        yield instant.at(found if evaluator.is_large else project(instant, found, POLISH, improving)[0])
 
     starts = nudged(evaluator, q, np.ones(q.size), 1 if evaluator.is_large else TRIALS)
     return assemble(starts, search, HALF)

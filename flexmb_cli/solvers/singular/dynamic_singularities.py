@@ -14,7 +14,7 @@ from ...model.equations import Equation
 from ..checkpoint import OtherRun, taken
 from ..constrained.position import PositionGaps
 from ..constrained.system import new_work
-from ..projection import Corrections, Place, project
+from ..projection import Corrections, Instant, project
 from .passed import Passed, PassedSingularities, least_by_thirds
 from .rank_of_speeds import MOST_REPORTED, SINGULAR_CONDITION, conditioning_of_speeds
 from .weakest import Conditioning, condition_text, owners_text
@@ -127,7 +127,7 @@ class PassedDynamicSingularities(PassedSingularities):
     def _at(self, first: Row, last: Row, x: float) -> tuple[np.ndarray, float]:
         """Position at the part x of the way between two rows, and its smallest value; inf if open."""
         t, q = first.t + x * (last.t - first.t), (1.0 - x) * first.q + x * last.q
-        q, gap = project(Place(self.gaps, t, self._expected), q, BETWEEN)
+        q, gap = project(Instant(self.gaps, t, self._expected), q, BETWEEN)
         return q, self._smallest(q) if np.max(np.abs(gap)) <= BETWEEN.met else np.inf
 
     def conditioning(self, passed: Passed) -> Conditioning:

@@ -10,7 +10,7 @@ from ...model.equations import DEPENDENT, Equation
 from ...quick_dataclass import dataclass
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g
-from ..projection import RESIDUAL_MET, Corrections, Place, project
+from ..projection import RESIDUAL_MET, Corrections, Instant, project
 
 if TYPE_CHECKING:
     from typing import Any
@@ -161,7 +161,7 @@ def moves_freely(
     comes back to where it was.
     """
     scale = evaluator.arrays.column_scale
-    moved = project(Place(evaluator, t, expected), evaluator.moved(q, PROBE * motion), BACK)[0]
+    moved = project(Instant(evaluator, t, expected), evaluator.moved(q, PROBE * motion), BACK)[0]
     return float(np.linalg.norm((moved - q) / scale)) > 0.3 * PROBE
 
 

@@ -13,7 +13,7 @@ from ...kernels.kinematics import constraints as equations
 from ...kernels.kinematics.continuation import NEXT_LENGTH, SIGN, SPENT, TIME
 from ..kinematics.rows import Rows
 from ..kinematics.system import rows_of
-from ..projection import Corrections, Place, project
+from ..projection import Corrections, Instant, project
 from .passed import Passed
 
 if TYPE_CHECKING:
@@ -83,8 +83,8 @@ def _between(first: Any, last: np.ndarray, h: float, x: float) -> Any:
 
 def _closed(evaluator: "Evaluator", row: np.ndarray, t: float, expected: np.ndarray) -> float:
     """Bring the position of `row` onto the equations where they are firm; returns the largest residual."""
-    place = Place(evaluator, t, expected)
-    row[0], gap = place.at(row[0]) if evaluator.is_large else project(place, row[0], FIRM)
+    instant = Instant(evaluator, t, expected)
+    row[0], gap = instant.at(row[0]) if evaluator.is_large else project(instant, row[0], FIRM)
     return float(np.max(np.abs(gap)))
 
 
