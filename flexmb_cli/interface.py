@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from .results.hdf5.result_file import Layout
+    from .results.hdf5.layout import Layout
     from .run.check.check import CheckReport
     from .run.context import TextStream
     from .run.outcome import Listener, Outcome, RunOptions

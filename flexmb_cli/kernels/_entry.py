@@ -186,14 +186,16 @@ def unit_entries(unit: str) -> list[tuple[Entry, str, list]]:
 
 def emit(unit: str, entries: list, digest: str, targets: list[str]) -> dict[str, bytes]:
     """Return the content of a unit's file for each target."""
-    compiler = _compiler()
+    _compiler()
     import llvmlite
     import numba
 
-    machines = {target: PROCESSORS.get(target) or compiler.this_machine() for target in targets}
-    named = [compiler.Entry(name, kernel, parameters) for kernel, name, parameters in entries]
+    from . import _object_code
+
+    machines = {target: PROCESSORS.get(target) or _object_code.this_machine() for target in targets}
+    named = [_object_code.Entry(name, kernel, parameters) for kernel, name, parameters in entries]
     with without_collector():  # numba makes cycles by the million, and a tenth of the time went into them
-        made = compiler.emit_object(unit, named, machines)
+        made = _object_code.emit_object(unit, named, machines)
     words = f"numba {numba.__version__}, llvmlite {llvmlite.__version__}"
     return {
         target: _objects.write(

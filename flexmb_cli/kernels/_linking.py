@@ -6,34 +6,27 @@ into LLVM's intermediate code only; what Python calls is linked with all its par
 Kernels must not call one another in a circle.
 """
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-import llvmlite.binding as llvm
-
-from ._allocator import add_allocator
-from ._front_end import ShortPipeline, quick
+from ._front_end import ShortPipeline
 from ._numba import (
     Compiler,
     CPUDispatcher,
     JITCodeLibrary,
     RuntimeLinker,
-    cpu_target,
-    create_nrt_module,
-    global_compiler_lock,
     lookup_environment,
     types,
 )
-from ._objects import OF_C
-from ._values import add_wrapper, built_in_type, numba_type, result_of
+from ._values import built_in_type
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Entry", "Kernel", "Part", "built_in_type", "emit_object", "this_machine"]
+__all__ = ["Kernel", "Part", "built_in_type"]
 
 _MADE_BY_NUMBA = "_Z"  # the names of all functions that come from Python begin so
 _LATE = RuntimeLinker.PREFIX  # of what is called before it is compiled: by itself, or in a circle
-_ENVIRONMENT = "_ZN08NumbaEnv"  # numba's name of the globals that point to a function's constants
+ENVIRONMENT = "_ZN08NumbaEnv"  # numba's name of the globals that point to a function's constants
 
 
 class PartLibrary(JITCodeLibrary):
@@ -57,16 +50,16 @@ class WholeLibrary(JITCodeLibrary):
 
     def finalize(self) -> None:
         """Link the parts, those of parts too, each once, and optimise the whole."""
-        self._linking_libraries = list(_with_parts_of_parts(self._linking_libraries))
+        self._linking_libraries = list(with_parts_of_parts(self._linking_libraries))
         super().finalize()
-        _refuse_missing(self._final_module)
+        refuse_missing(self._final_module)
         for variable in self._final_module.global_variables:
-            constants = lookup_environment(variable.name) if variable.name.startswith(_ENVIRONMENT) else None
+            constants = lookup_environment(variable.name) if variable.name.startswith(ENVIRONMENT) else None
             if constants is not None:
                 self._codegen.set_env(variable.name, constants)  # type: ignore[attr-defined]
 
 
-def _with_parts_of_parts(libraries):
+def with_parts_of_parts(libraries):
     """All of them, each before those that it calls.
 
     LLVM links such a function only where something that is linked already calls it, and a part may name
@@ -86,7 +79,7 @@ def _with_parts_of_parts(libraries):
     return reversed(ended)
 
 
-def _refuse_missing(module) -> None:
+def refuse_missing(module) -> None:
     """Code without what it calls would end the process when it runs, and be kept on the disk.
 
     So would code that numba is to bind late, when the process knows all addresses.
@@ -184,98 +177,3 @@ class Kernel(CPUDispatcher):
     def _numba_type_(self):
         """Return what the function is to numba, where a kernel names it."""
         return self.part._numba_type_
-
-
-class Entry(NamedTuple):
-    """A kernel that Python calls."""
-
-    name: str  # "module.function"
-    kernel: Kernel  # the Python function
-    parameters: list  # as `_arguments` describes them
-
-
-def this_machine() -> tuple[str, str]:
-    """Return LLVM's name of this process's system, and that of the oldest processor of its kind."""
-    return llvm.get_process_triple(), "generic"
-
-
-def emit_object(unit: str, entries: list[Entry], machines: dict) -> dict:
-    """Return (what the object's head tells of its entries, object) for each target of `machines`.
-
-    The parts of all entries are linked once, and only the entries can be seen from outside.
-    """
-    with global_compiler_lock, quick():
-        module, reported = _linked(unit, entries)
-        return {target: (reported, _machine_code(module, *machine)) for target, machine in machines.items()}
-
-
-def _linked(unit, entries):
-    """LLVM's code of all entries with their parts, and what tells of each."""
-    context = cpu_target.target_context
-    library = context.codegen().create_library(unit)
-    wrappers = library.create_ir_module(unit)
-    reported, called = [], []
-    for number, entry in enumerate(entries):
-        types_ = tuple(map(numba_type, entry.parameters))
-        entry.kernel.part.compile(types_)
-        compiled = entry.kernel.part.overloads[types_]
-        symbol = f"flexmb_{number}_{entry.name.replace('.', '_')}"
-        add_wrapper(context, wrappers, symbol, compiled)
-        result = result_of(compiled.signature.return_type)
-        reported.append(
-            {"name": entry.name, "symbol": symbol, "parameters": entry.parameters, "result": result}
-        )
-        called.append(compiled.library)
-    add_allocator(wrappers)
-    module = llvm.parse_assembly(str(wrappers))
-    for part in _with_parts_of_parts(called):
-        module.link_in(part._get_module_for_linking(), preserve=True)
-    module.link_in(llvm.parse_assembly(str(create_nrt_module(context)[0])))
-    _hide_all_but(module, {one["symbol"] for one in reported})
-    _refuse_missing(module)
-    return module.as_bitcode(), reported
-
-
-def _hide_all_but(module, symbols) -> None:
-    """Leave nothing else to be seen: LLVM may then change how functions are called, or drop them."""
-    for function in module.functions:
-        if not function.is_declaration and function.name not in symbols:
-            function.linkage = "internal"
-    for variable in module.global_variables:
-        # Constants that a traceback in Python would ask for.
-        if variable.name.startswith(_ENVIRONMENT):
-            variable.linkage = "internal"
-
-
-def _machine_code(bitcode, triple, processor):
-    """Position-independent object of LLVM's code; nothing allows a fused multiply-add."""
-    llvm.initialize_all_targets()
-    llvm.initialize_all_asmprinters()
-    module = llvm.parse_bitcode(bitcode)
-    machine = llvm.Target.from_triple(triple).create_target_machine(
-        cpu=processor, features="", opt=3, reloc="pic", codemodel="default"
-    )
-    module.triple = triple
-    module.data_layout = str(machine.target_data)
-    # numba's two rounds: the first brings together the counts of references that the second prunes.
-    for speed in (0, 3):
-        options = llvm.create_pipeline_tuning_options(speed_level=speed)
-        options.loop_vectorization = options.slp_vectorization = False
-        builder = llvm.create_pass_builder(machine, options)
-        passes = builder.getModulePassManager()
-        if speed == 0:
-            passes.add_loop_rotate_pass()
-            passes.add_instruction_combine_pass()
-            passes.add_jump_threading_pass()
-        passes.add_refprune_pass()
-        passes.run(module, builder)
-    _refuse_foreign(module)
-    return machine.emit_object(module)
-
-
-def _refuse_foreign(module) -> None:
-    """Return what neither the object nor the C library has would be called at address 0."""
-    called = {function.name for function in module.functions if function.is_declaration}
-    foreign = {name for name in called if not name.startswith("llvm.")} - OF_C
-    if foreign:
-        raise AssertionError(f"compiled kernels call {sorted(foreign)}")

@@ -10,11 +10,10 @@ import json
 import math
 import os
 import struct
-import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from time import monotonic
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.lib.format import descr_to_dtype, dtype_to_descr
@@ -23,7 +22,8 @@ from ..errors import Fault, ModelError, OutputError
 from ..managed_files import open_managed, unbuffered
 from ..results.files.disk_failures import located
 from ..results.files.durable import GROWING, sync, sync_folder
-from ..results.files.replaced_file import hold, is_unfinished
+from ..results.files.framed import framed, whole_payloads
+from ..results.files.temporary_file import hold, is_unfinished
 
 _HEAD = struct.Struct("<QI")
 _STATE = "checkpoint/"
@@ -171,7 +171,7 @@ class ResumeFile:
 
     def _write(self, arrays: Any) -> None:
         entry = _packed(arrays)
-        self._put(_HEAD.pack(len(entry), zlib.crc32(entry)) + entry)
+        self._put(framed(entry, _HEAD))
 
     def _put(self, data: Any) -> None:
         view = memoryview(data)
@@ -211,17 +211,9 @@ def _is_blank(head: bytes) -> bool:
     return not head.strip(b"\0")
 
 
-def _entries(file: Any) -> Any:
+def _entries(file: BinaryIO) -> Iterator[bytes]:
     """Whole entries up to the end or the first torn one."""
-    size = os.fstat(file.fileno()).st_size
-    while len(head := file.read(_HEAD.size)) == _HEAD.size:
-        length, checksum = _HEAD.unpack(head)
-        # A damaged length may be larger than any memory.
-        if length > size - file.tell():
-            return
-        entry = file.read(length)
-        if len(entry) < length or zlib.crc32(entry) != checksum:
-            return
+    for entry in whole_payloads(file, _HEAD):
         # Zeros, as behind a loss of power, are an entry of no length and its checksum.
         if not _is_whole(entry):
             return

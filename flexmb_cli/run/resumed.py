@@ -7,7 +7,7 @@ state behind them must have the names, shapes and types that this run gives them
 from typing import Any
 
 from ..errors import Fault, ModelError
-from ..results.hdf5.result_file import TIME, Layout
+from ..results.hdf5.layout import TIME, Layout
 from ..solvers.checkpoint import OtherRun, row_of, taken
 from .checkpoint import ResumeFile
 

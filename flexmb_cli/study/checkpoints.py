@@ -9,9 +9,8 @@ import contextlib
 import json
 import os
 import struct
-import zlib
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from ..errors import Fault, ModelError, OutputError
 from ..managed_files import ManagedFolder, unbuffered
 from ..results.files.disk_failures import located
 from ..results.files.durable import GROWING, sync, sync_folder
+from ..results.files.framed import framed, whole_payloads
 from .lock import LOCK, StudyLock
 from .solver import CaseResult
 
@@ -156,7 +156,7 @@ class Part:
     def append(self, result: CaseResult) -> None:
         """Keep a case."""
         payload = _packed(result)
-        view = memoryview(_HEAD.pack(len(payload), zlib.crc32(payload)) + payload)
+        view = memoryview(framed(payload, _HEAD))
         with located(self.path):
             while view:
                 view = view[self._file.write(view) :]
@@ -191,20 +191,9 @@ def _packed(result: CaseResult) -> bytes:
     return fixed + struct.pack("<I", len(message)) + message + numbers.astype("<f8").tobytes()
 
 
-def _records(file: Any, cases: range) -> Iterator[CaseResult]:
+def _records(file: BinaryIO, cases: range) -> Iterator[CaseResult]:
     """Whole records of `cases`, up to the end or the first that is torn or of another case."""
-    size = os.fstat(file.fileno()).st_size
-    for case in cases:
-        head = file.read(_HEAD.size)
-        if len(head) < _HEAD.size:
-            return
-        length, checksum = _HEAD.unpack(head)
-        # A damaged length may be larger than any memory.
-        if length > size - file.tell():
-            return
-        payload = file.read(length)
-        if len(payload) < length or zlib.crc32(payload) != checksum:
-            return
+    for case, payload in zip(cases, whole_payloads(file, _HEAD), strict=False):
         # Zeros, as behind a loss of power, are a record of no length and its checksum.
         try:
             result = _unpacked(payload)

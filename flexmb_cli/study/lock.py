@@ -9,7 +9,8 @@ from contextlib import suppress
 from ..errors import OutputError
 from ..managed_files import ManagedFolder
 from ..results.files.disk_failures import located
-from ..results.files.replaced_file import hold, make_folder
+from ..results.files.replaced_file import make_folder
+from ..results.files.temporary_file import hold
 
 LOCK = "lock"
 

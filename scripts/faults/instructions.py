@@ -22,7 +22,12 @@ from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import TERMINATED, RunOptions, Stop
 
 PACKAGE = str(Path(sys.modules[run_deck.__module__].__file__).parents[1])
-TRACED = (f"{PACKAGE}/run/", f"{PACKAGE}/results/files/replaced_file", f"{PACKAGE}/results/hdf5/result_file")
+TRACED = (
+    f"{PACKAGE}/run/",
+    f"{PACKAGE}/results/files/replaced_file",
+    f"{PACKAGE}/results/files/temporary_file",
+    f"{PACKAGE}/results/hdf5/result_file",
+)
 
 
 class SignalAt:

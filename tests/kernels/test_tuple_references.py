@@ -8,7 +8,7 @@ from collections import namedtuple
 import numpy as np
 import pytest
 
-from flexmb_cli.kernels import _arguments, _entry, _front_end, _jit, _linking, _numba
+from flexmb_cli.kernels import _arguments, _entry, _front_end, _jit, _linking, _numba, _values
 from flexmb_cli.kernels._jit import kernel
 
 pytestmark = pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
@@ -49,7 +49,7 @@ def test_every_field_is_read_from_its_place():
 
 def type_of(values):
     """numba's type of a tuple of Python's."""
-    return _linking.numba_type(_arguments.describe(values))
+    return _values.numba_type(_arguments.describe(values))
 
 
 def test_a_tuple_is_one_argument():

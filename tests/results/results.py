@@ -3,15 +3,8 @@
 import numpy as np
 
 from flexmb_cli.deck.record import Deck, DeckText
-from flexmb_cli.results.hdf5.result_file import (
-    EULER_PARAMETER,
-    XYZ,
-    Axis,
-    Layout,
-    ResultFile,
-    Series,
-    numbered_axis,
-)
+from flexmb_cli.results.hdf5.layout import EULER_PARAMETER, XYZ, Axis, Layout, Series, numbered_axis
+from flexmb_cli.results.hdf5.result_file import ResultFile
 
 BODIES = ("body 1", "body 2", "body 3")
 COORDINATES = ("body 1 rotation 1", "body 2 rotation 1", "body 3 rotation 1", "body 3 rotation 2")

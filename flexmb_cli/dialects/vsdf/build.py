@@ -13,9 +13,10 @@ from ...model.time_checks import MOST_ROWS, unsteppable
 from ...solvers.constrained.integrators import METHODS
 from .bodies import build_bodies, build_ground
 from .elements.build import build_elements, build_functions, moved_pins
-from .joints import build_joints, build_motions, build_pins, build_tables
+from .joints import build_joints, build_pins
 from .loads import Factors, build_forces, build_joint_springs, build_outputs, build_springs, build_torques
 from .motion_angles import check_motion_functions
+from .motions import build_motions, build_tables
 from .stress_outputs import build_stresses
 from .unused_fields import doubt_tables, refuse_unread
 

@@ -10,7 +10,8 @@ from ...model.mechanism import GROUND
 from ...model.time_functions import MotionFunction
 from ..elements.functions import Functions
 from .bodies import end_of_body
-from .joints import SLIDING, TURNING, Tables, find_end, find_table
+from .joints import SLIDING, TURNING, find_end
+from .motions import Tables, find_table
 
 
 class Factors:

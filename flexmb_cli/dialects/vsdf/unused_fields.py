@@ -11,7 +11,8 @@ from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.time_functions import SPIN_UP, TABLE
 from .elements.cards import OF_TABLES
-from .joints import BY_WORD, OF_FUNCTIONS
+from .joints import BY_WORD
+from .motions import OF_FUNCTIONS
 
 if TYPE_CHECKING:
     from ...deck.record import Record

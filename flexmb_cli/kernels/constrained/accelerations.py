@@ -16,10 +16,9 @@ import numpy as np
 
 from .._jit import allocating, kernel, part
 from ..kinematics import constraints as equations
+from ..linalg.cholesky import cholesky, cholesky_solve
 from ..linalg.rank_revealing_lu import (
     WORN,
-    cholesky,
-    cholesky_solve,
     choose,
     dependent_speeds,
     factorise,

@@ -12,7 +12,8 @@ multipliers when the independent rows bear everything, they are
 import numpy as np
 
 from .._jit import allocating, part
-from ..linalg.rank_revealing_lu import cholesky, cholesky_solve, transposed_solution
+from ..linalg.cholesky import cholesky, cholesky_solve
+from ..linalg.rank_revealing_lu import transposed_solution
 from .mass_matrix import mass_times
 from .system import FORCES, FREE, PRODUCT, System, Work
 

@@ -1,6 +1,13 @@
-"""Positions and speeds brought onto the constraints by the shortest correction in the metric of M.
+"""Positions and speeds brought onto the constraints by the shortest corrections in the metric of a matrix.
 
-What is left afterwards is round-off: the drift that explicit integration leaves never adds up.
+The matrix is M for the explicit method, and that of the step for Radau's, in whose metric stiff motions stay
+at rest.  What is left afterwards is round-off: the drift that integration leaves never adds up.
+
+Three other corrections have another mathematics.  The generalised-α method closes gaps, rates and
+accelerations in one iteration with the equations of motion, since its forces belong to the end of the step
+(`integrators.generalised_alpha_step`).  Trees have the coordinates of their hinges, so that only closed loops
+are left to close: by recursion along the tree (`tree.projection`).  In kinematics the equations determine
+every coordinate: Newton's correction is unique, and no metric enters (`kinematics.newton`).
 """
 
 import numpy as np
@@ -16,6 +23,7 @@ from .speeds import move
 from .system import CORRECTION, GAMMA, PHI, QD, SOLVED, System, Work
 
 MOST_CORRECTIONS = 12
+RATE_CORRECTIONS = 2
 CLOSED_GAP = 4e-16
 
 
@@ -53,20 +61,32 @@ def project_position(system: System, work: Work, q: np.ndarray, t: float, expect
     The factors of the first position serve all corrections: q comes from an accurate step.
     """
     code = factorise_at(system, work, q)
+    if code == SOLVED:
+        close_gaps(system, work, work, q, t, expected)
+    return code
+
+
+@kernel
+def close_gaps(
+    system: System, work: Work, metric: Work, q: np.ndarray, t: float, expected: np.ndarray
+) -> None:
+    """Improve q until the independent equations are met to round-off or corrections no longer halve the gap.
+
+    `metric`: the Work by whose factors each correction is the shortest; `work` itself for that of M.
+    """
     zero, step, gamma = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
+    for k in range(zero.shape[0]):
+        zero[k] = 0.0
     before = np.inf
     for _ in range(MOST_CORRECTIONS):
         gap = evaluate_residual(system, work, q, t, expected)
-        if code != SOLVED or gap <= CLOSED_GAP or not gap < 0.5 * before:
+        if gap <= CLOSED_GAP or not gap < 0.5 * before:
             break
         before = gap
         for row in range(gamma.shape[0]):
             gamma[row] = -work.rows[PHI, row]
-        for k in range(zero.shape[0]):
-            zero[k] = 0.0
-        solve(system, work, zero, gamma, step)
+        solve(system, metric, zero, gamma, step)
         move(system.masses.shape[0], q, step)
-    return code
 
 
 @kernel
@@ -95,12 +115,18 @@ def project_speeds(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: 
     code = factorise_at(system, work, q)
     if code != SOLVED:
         return code, np.inf
+    close_rates(system, work, work, u, t)
+    return code, rate_gap(system, work, u, t)
+
+
+@kernel
+def close_rates(system: System, work: Work, metric: Work, u: np.ndarray, t: float) -> None:
+    """Correct u to meet the rates of the equations where the Jacobian stands; `metric` as in `close_gaps`."""
     zero, step = work.vectors[QD], work.vectors[CORRECTION]
     for k in range(zero.shape[0]):
         zero[k] = 0.0
-    for _ in range(2):
+    for _ in range(RATE_CORRECTIONS):
         rate_gap(system, work, u, t)
-        solve(system, work, zero, work.rows[GAMMA], step)
+        solve(system, metric, zero, work.rows[GAMMA], step)
         for k in range(u.shape[0]):
             u[k] += step[k]
-    return code, rate_gap(system, work, u, t)

@@ -46,7 +46,8 @@ from ..constrained.system import (
     Work,
 )
 from ..constrained.tangent import tangent_times
-from ..linalg.rank_revealing_lu import cholesky, row_times
+from ..linalg.cholesky import cholesky
+from ..linalg.rank_revealing_lu import row_times
 from .error_norm import CAUTION
 from .generalised_alpha_control import left_over, share_of
 from .generalised_alpha_error import (

@@ -22,7 +22,7 @@ from .clock import BEGIN, READY, STEP_VANISHED, laid_out, new_clock
 from .constrained_equations import code_of_gap, interpolate_angles, note_gap
 from .error_norm import MOST_MOVED, SLOWEST
 from .radau5_error import FASTEST, SAFETY, next_factor, step_error, turns_left, work_error
-from .radau5_projection import between, close_gaps, moved, project_state
+from .radau5_projection import between, close_trial, moved, project_state
 from .radau5_singular_step import singular_step
 from .radau5_step import LAST_STEP, START, place_trial, prepare, renew_matrices, solve_step
 from .radau5_table import STAGES, WEIGHTS
@@ -200,7 +200,7 @@ def _try_step(system: System, work: Work, integration: RadauIntegration, h: floa
     if not expect_angles(system, work, integration, h) < MOST_TURNED:
         return -0.5
     found = integration.trial.copy()
-    clock["fault"] = close_gaps(system, work, integration, clock["t"] + h)
+    clock["fault"] = close_trial(system, work, integration, clock["t"] + h)
     if clock["fault"] != SOLVED:
         return -0.25
     if not moved(integration, found) < MOST_MOVED * blurred:

@@ -10,7 +10,7 @@ import numpy as np
 from .._jit import kernel
 from ..constrained.accelerations import add_free
 from ..constrained.report import coordinates_and_speeds
-from ..linalg.rank_revealing_lu import cholesky_solve
+from ..linalg.cholesky import cholesky_solve
 from .error_norm import displacement_tolerance, tolerance
 from .radau5_step import MASS_LAYER, START, STIFFNESS_LAYER
 from .radau5_table import ERROR, REAL, STAGES, WEIGHTS

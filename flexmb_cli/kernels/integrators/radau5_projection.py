@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._jit import allocating, kernel
-from ..constrained.accelerations import accelerations, factorise_constraints, solve
+from ..constrained.accelerations import accelerations, factorise_constraints
 from ..constrained.angle_unwrapping import EXPECTED
 from ..constrained.mass_matrix import mass_matrices
-from ..constrained.projection import CLOSED_GAP, MOST_CORRECTIONS, evaluate_residual, rate_gap
+from ..constrained.projection import close_gaps, close_rates
 from ..constrained.report import coordinates_and_speeds
-from ..constrained.speeds import coordinate_accelerations, coordinate_rates, move, normalise, speeds_of_rates
-from ..constrained.system import CORRECTION, GAMMA, PHI, QD, SOLVED, System, Work
+from ..constrained.speeds import coordinate_accelerations, coordinate_rates, normalise, speeds_of_rates
+from ..constrained.system import SOLVED, System, Work
 from .error_norm import scaled_norm
 from .hermite import cubic, quintic
 from .radau5_step import LAST_STEP, START
@@ -24,36 +24,19 @@ if TYPE_CHECKING:
 
 
 @kernel
-def close_gaps(system: System, work: Work, integration: "RadauIntegration", t: float) -> int:
+def close_trial(system: System, work: Work, integration: "RadauIntegration", t: float) -> int:
     """Bring `trial`, near to which factors and mass matrices are, onto positions and speeds at t; a code.
 
     They then are those of the end.
     """
-    newton, bodies, angles = integration.newton, system.masses.shape[0], integration.angles[EXPECTED]
+    newton, bodies = integration.newton, system.masses.shape[0]
     q, u = coordinates_and_speeds(system, integration.trial)
-    zero, step, gamma = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
     normalise(bodies, q)
-    for k in range(zero.shape[0]):
-        zero[k] = 0.0
-    before = np.inf
-    for _ in range(MOST_CORRECTIONS):
-        gap = evaluate_residual(system, work, q, t, angles)
-        if gap <= CLOSED_GAP or not gap < 0.5 * before:
-            break
-        before = gap
-        for row in range(gamma.shape[0]):
-            gamma[row] = -work.rows[PHI, row]
-        solve(system, newton, zero, gamma, step)
-        move(bodies, q, step)
+    close_gaps(system, work, newton, q, t, integration.angles[EXPECTED])
     code = factorise_constraints(system, work, q)
-    if code != SOLVED:
-        return code
-    mass_matrices(system, work, q)
-    for _ in range(2):
-        rate_gap(system, work, u, t)
-        solve(system, newton, zero, gamma, step)
-        for k in range(u.shape[0]):
-            u[k] += step[k]
+    if code == SOLVED:
+        mass_matrices(system, work, q)
+        close_rates(system, work, newton, u, t)
     return code
 
 
@@ -79,7 +62,7 @@ def project_state(
     code = factorise_constraints(system, work, q)
     if code == SOLVED:
         mass_matrices(system, work, q)
-        code = close_gaps(system, work, integration, t)
+        code = close_trial(system, work, integration, t)
     return accelerations(system, work, q, u, t, ud) if code == SOLVED else (code, 0.0)
 
 

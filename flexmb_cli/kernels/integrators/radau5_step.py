@@ -30,8 +30,9 @@ from ..constrained.mass_matrix import mass_matrices, mass_times
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.system import FORCES, GAMMA, PRODUCT, SOLVED, UNKNOWN, System, Work
 from ..constrained.tangent import add_stiff
+from ..linalg.cholesky import cholesky, cholesky_solve
 from ..linalg.complex_ldl import factorise_symmetric, solve_symmetric
-from ..linalg.rank_revealing_lu import cholesky, cholesky_solve, row_times
+from ..linalg.rank_revealing_lu import row_times
 from .error_norm import CAUTION, displacement_tolerance, tolerance
 from .generalised_alpha_step import turn_exactly
 from .radau5_table import (

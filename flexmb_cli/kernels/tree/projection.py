@@ -2,10 +2,10 @@
 
 A correction is the motion that forces in the closures would give the tree, b^-1 Jᵀ times what closes
 the gaps: the least one in the metric of the mass matrix, which leaves alone whatever the loops do
-not involve.
+not involve.  `stiff_projection` makes the same corrections in the metric of the matrix of an implicit step.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,8 @@ from .motion import normalise_attitudes, parts
 from .unit_forces import respond, respond_nodes
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from ...model.arrays.tree import TreeArrays
 
 
@@ -42,16 +44,40 @@ def largest_rate(closures: np.ndarray) -> float:
     return largest
 
 
-@kernel
-def project(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray) -> None:
-    """Close gaps and rates of z, near the state for which the equations have just been solved."""
-    for _ in range(MOST_CORRECTIONS):
+class Metric(NamedTuple):
+    """In what measure corrections are the least: kernels of (tree, work, coordinates, ..., *arrays)."""
+
+    begin: "Callable[..., Any]"  # (..., *arrays): what corrections need, where the frames are placed
+    respond: "Callable[..., Any]"  # (..., z, *arrays): responses of all coordinates to the rows' changes
+    rate_corrections: int  # corrections of the speeds
+
+
+def projection(metric: Metric) -> "Callable[..., Any]":
+    """Return the kernel that closes gaps and rates of a state z (n,) by the least corrections in a metric."""
+    begin, respond, rate_corrections = metric
+
+    @kernel
+    def project(
+        tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray, *arrays: Any
+    ) -> None:
         evaluate_gaps(tree, work, coordinates, z)
-        if largest_gap(tree.closures) <= CLOSED_LOOP_GAP:
-            break
-        _close_gaps(tree, work, coordinates, z)
-    evaluate_gaps(tree, work, coordinates, z)
-    _close_rates(tree, work, coordinates, z)
+        begin(tree, work, coordinates, *arrays)
+        for _ in range(MOST_CORRECTIONS):
+            if largest_gap(tree.closures) <= CLOSED_LOOP_GAP:
+                break
+            for i in range(tree.closures.shape[0]):
+                tree.closures[i]["force"] = -tree.closures[i]["gap"]
+            respond(tree, work, coordinates, z, *arrays)
+            move_coordinates(tree, coordinates, z)
+            evaluate_gaps(tree, work, coordinates, z)
+        for _ in range(rate_corrections):
+            for i in range(tree.closures.shape[0]):
+                tree.closures[i]["force"] = -tree.closures[i]["rate"]
+            respond(tree, work, coordinates, z, *arrays)
+            change_speeds(tree, coordinates, z)
+            evaluate_gaps(tree, work, coordinates, z)
+
+    return project
 
 
 @kernel
@@ -63,22 +89,13 @@ def evaluate_gaps(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray,
 
 
 @kernel
-def _respond_to_rows(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray) -> None:
+def respond_to_rows(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray) -> None:
     """Responses of all coordinates to forces that take away what the rows hold as forces."""
     _y, q, _attitudes = parts(tree, z)
     solve_rows(tree.closures, tree.closure_matrix)
     apply_row_forces(tree.closures, work)
     respond(tree, work, coordinates)
     respond_nodes(tree, work, coordinates, q)
-
-
-@kernel
-def _close_gaps(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray) -> None:
-    """Move the coordinates by one Newton correction."""
-    for i in range(tree.closures.shape[0]):
-        tree.closures[i]["force"] = -tree.closures[i]["gap"]
-    _respond_to_rows(tree, work, coordinates, z)
-    move_coordinates(tree, coordinates, z)
 
 
 @kernel
@@ -109,17 +126,17 @@ def _move_parts(tree, coordinates, q, attitudes):
 
 
 @kernel
-def _close_rates(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray) -> None:
-    """Change the speeds by the correction that is exact but for round-off."""
-    for i in range(tree.closures.shape[0]):
-        tree.closures[i]["force"] = -tree.closures[i]["rate"]
-    _respond_to_rows(tree, work, coordinates, z)
-    change_speeds(tree, coordinates, z)
-
-
-@kernel
 def change_speeds(tree: "TreeArrays", coordinates: np.ndarray, z: np.ndarray) -> None:
     """Change the speeds by their responses."""
     y, _q, _attitudes = parts(tree, z)
     for m in range(y.shape[0]):
         y[m] += coordinates[m]["response"]
+
+
+@kernel
+def _nothing(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray) -> None:
+    """Responses to forces go by what the last solution of the equations has left."""
+
+
+# Near the state for which the equations have just been solved.
+project = projection(Metric(_nothing, respond_to_rows, 1))

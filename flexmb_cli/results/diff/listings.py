@@ -9,6 +9,7 @@ from ...deck.table_columns import SECTIONS
 from ...dialects.recognise import every_dialect
 from ...errors import Fault
 from .echo import as_stars, compare_echo
+from .matching_rows import common_places, few, matching_rows
 from .report import Found, Report
 from .tolerances import Tolerances
 
@@ -34,7 +35,7 @@ def compare_listings(
     """Compare two listings of the same form that were read; see `compare.compare`."""
     report = Report(a.name, b.name, explaining=explain, emulation=emulation)
     compare_echo(report, a, b, tolerances)
-    rows_a, rows_b = _matching_rows(report, a, b)
+    rows_a, rows_b = matching_rows(report, a, b)
     _compare_times(report, a, b, rows_a, rows_b, tolerances)
     flips = _flips((a, b), (rows_a, rows_b)) if same_attitude else None
     for name in [*a.sections, *(name for name in b.sections if name not in a.sections)]:
@@ -60,39 +61,6 @@ def read_listing(path: "Path | str") -> Listing:
     signs = ", ".join(dialect.listing_signs for dialect in reversed(dialects) if dialect.listing_signs)
     message = f"no OUT table is found in it: there is {signs}"
     raise TableError(name, [Fault("error", message, id="DIFF-010")])
-
-
-def _matching_rows(report: Report, a: Listing, b: Listing) -> tuple[np.ndarray, np.ndarray]:
-    """Row numbers of `a` and `b` that belong together: all in order, or by time when their numbers differ."""
-    if len(a.time) == len(b.time):
-        rows = np.arange(len(a.time))
-        return rows, rows
-    rows_a, rows_b = _common(_occurrences(a.time), _occurrences(b.time))
-    for listing, other, rows in ((a, b, rows_a), (b, a, rows_b)):
-        alone = np.setdiff1d(np.arange(len(listing.time)), rows)
-        if alone.size:
-            times = _few([f"{listing.time[row]:.10g}" for row in alone])
-            report.missing.append(f"{alone.size} rows of {listing.name} are not in {other.name}: t = {times}")
-    return rows_a, rows_b
-
-
-def _occurrences(time: np.ndarray) -> list[tuple[float, int]]:
-    """Pairs (time, how often it came before), since three decimals print several rows alike."""
-    seen: dict[float, int] = {}
-    pairs = []
-    for value in time.tolist():
-        seen[value] = seen.get(value, -1) + 1
-        pairs.append((value, seen[value]))
-    return pairs
-
-
-def _common(keys_a: "list[Any]", keys_b: "list[Any]") -> Any:
-    """Positions of the keys that both lists have, in the order of the first."""
-    place = {key: row for row, key in enumerate(keys_b)}
-    rows = [(row, place[key]) for row, key in enumerate(keys_a) if key in place]
-    return tuple(
-        np.array(column, dtype=np.int64) for column in (zip(*rows, strict=True) if rows else ((), ()))
-    )
 
 
 def _compare_times(
@@ -234,7 +202,9 @@ def _matching_lines(
         everything = np.arange(len(keys[0][0]))
         return everything, everything
     pairs = [list(zip(rank.tolist(), index.tolist(), strict=True)) for rank, index in keys]
-    return _common(*[[pair if pair[0] >= 0 else ("alone", *pair, k) for pair in pairs[k]] for k in (0, 1)])
+    return common_places(
+        *[[pair if pair[0] >= 0 else ("alone", *pair, k) for pair in pairs[k]] for k in (0, 1)]
+    )
 
 
 def _ranked(listing: Listing, name: str, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -262,7 +232,7 @@ def _report_lines(
             names = [section.name_of(n) for n in alone]
             places = [f"{name} at {t}" if name else t for name, t in zip(names, times, strict=True)]
             lines = f"{name}: {alone.size} lines of {listing.name} are not in {other.name}"
-            report.missing.append(f"{lines}: {_few(places)}")
+            report.missing.append(f"{lines}: {few(places)}")
 
 
 def _report_columns(
@@ -295,7 +265,3 @@ def _attitudes(section: Section) -> np.ndarray:
 
 def _keys(section: Section, lines: np.ndarray) -> np.ndarray:
     return section.step[lines] * (LARGEST_INDEX + 1) + section.index[lines]
-
-
-def _few(words: list[str], most: int = 3) -> str:
-    return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from ...quick_dataclass import replace
-from .result_file import Axis, Series
+from .layout import Axis, Series
 
 FORCE, TORQUE = "N", "N m"
 DRIVER, PATH = "driver/driver", "driver/effort"

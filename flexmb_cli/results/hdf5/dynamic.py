@@ -6,8 +6,8 @@ from ...model.loads import DynamicModel, holders
 from ...quick_dataclass import replace
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .kinematic import kinematic_layout, kinematic_values
+from .layout import Axis, Layout, Series, Values, numbered_axis
 from .motion_series import JOINT_VECTOR
-from .result_file import Axis, Layout, Series, Values, numbered_axis
 from .result_geometry import gravity
 
 if TYPE_CHECKING:

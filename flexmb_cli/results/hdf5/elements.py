@@ -10,7 +10,7 @@ from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, effort_series
 from .dynamic import FORCES, dynamic_layout, dynamic_values
 from .joint_coordinates import coordinate_names, joint_values, with_elements, with_units
 from .kinematic import readable_names
-from .result_file import Layout, Values, numbered_axis
+from .layout import Layout, Values, numbered_axis
 
 
 def element_layout(model: DynamicModel) -> Layout:

@@ -8,8 +8,8 @@ from ...model.element_names import element_names
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .joint_coordinates import coordinate_names, joint_values, with_elements
+from .layout import EULER_PARAMETER, XYZ, Axis, Constant, Layout, Series, Values, numbered_axis
 from .motion_series import BODY_MOTION, JOINT_VECTOR, POINT_MOTION
-from .result_file import EULER_PARAMETER, XYZ, Axis, Constant, Layout, Series, Values, numbered_axis
 from .result_geometry import SIDE, gravity, joint_geometry, point_bodies, shape_geometry
 from .shapes import with_shapes
 from .stress import element_axis, element_constants, stress_axes, stress_series, stress_values

@@ -6,7 +6,7 @@ from typing import Any
 from ...model.arrays.element_table import coordinates_of_joints
 from ...model.joints import ANGLE
 from ...quick_dataclass import replace
-from .result_file import Axis, Layout, Series, Values, numbered_axis
+from .layout import Axis, Layout, Series, Values, numbered_axis
 
 COORDINATE, ELEMENT = "coordinate/coordinate", "element/element"
 JOINT_SERIES = {

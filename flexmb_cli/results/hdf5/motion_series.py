@@ -1,6 +1,6 @@
 """Datasets of the motion of bodies and points, by the names that analyses give these quantities."""
 
-from .result_file import Series
+from .layout import Series
 
 BODY_VECTOR = ("body/body", "xyz")
 JOINT_VECTOR = ("joint/joint", "xyz")

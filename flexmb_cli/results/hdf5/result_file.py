@@ -5,7 +5,6 @@ the file do not depend on the blocks in which the analysis delivers them.
 """
 
 import os
-from collections.abc import Mapping
 from contextlib import contextmanager, suppress
 from math import prod
 from typing import TYPE_CHECKING, Any
@@ -16,11 +15,11 @@ import numpy as np
 from ... import __version__
 from ...deck.record import Deck
 from ...errors import COMPLETE, FAILED, OutputError
-from ...quick_dataclass import dataclass
 from ...solvers.as_printed.errors import AS_PRINTED, EMULATED
 from ..files.disk_failures import located
 from ..files.full_disk_guard import FullDiskGuard
 from ..files.replaced_file import Replacement, put_in_place
+from .layout import TIME, Layout, Series, Values
 from .quick_writing import TEXT, append_rows, attach_scales, growing_dataset, set_texts
 
 if TYPE_CHECKING:
@@ -36,62 +35,6 @@ CUT_SHORT = "the run was cut short"
 FILE_FORMAT = ("v108", "v108")
 CHUNK_ROWS = 1024
 CHUNK_BYTES = 2**20
-
-Values = Mapping[str, np.ndarray]
-
-
-@dataclass(frozen=True)
-class Axis:
-    """A dimension scale at `path`; `labels`: further texts along it, by the path of their dataset."""
-
-    path: str
-    values: tuple[Any, ...]
-    long_name: str
-    labels: tuple[tuple[str, tuple[str, ...], str], ...] = ()
-
-
-@dataclass(frozen=True)
-class Series:
-    """A dataset along time: its path, the paths of its axes after time, unit and meaning."""
-
-    path: str
-    axes: tuple[str, ...]
-    units: str
-    long_name: str
-
-
-@dataclass(frozen=True, eq=False)
-class Constant:
-    """A dataset that does not change with time: its path, the paths of its axes, values, unit, meaning."""
-
-    path: str
-    axes: tuple[str, ...]
-    values: np.ndarray
-    units: str
-    long_name: str
-
-
-@dataclass(frozen=True)
-class Layout:
-    """What a result holds besides the deck: `rows` is the number of report rows of a whole run."""
-
-    analysis: str
-    rows: int
-    axes: tuple[Axis, ...]
-    series: tuple[Series, ...]
-    constants: tuple[Constant, ...] = ()
-
-
-TIME = Series("time", (), "s", "time")
-XYZ = Axis("xyz", tuple("xyz"), "component along the axis")
-EULER_PARAMETER = Axis("euler_parameter", ("e0", "e1", "e2", "e3"), "Euler parameter")
-
-
-def numbered_axis(kind: str, names: "Sequence[Any]") -> Axis:
-    """The scale `/<kind>/<kind>`, numbers as in the deck, and `/<kind>/name` along it."""
-    numbers = tuple(range(1, len(names) + 1))
-    label = (f"{kind}/name", tuple(names), f"name of the {kind}")
-    return Axis(f"{kind}/{kind}", numbers, f"number of the {kind} in the deck", (label,))
 
 
 class ResultFile:

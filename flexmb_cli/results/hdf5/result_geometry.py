@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...model.mechanism import Mechanism
-from .result_file import XYZ, Axis, Constant
+from .layout import XYZ, Axis, Constant
 
 if TYPE_CHECKING:
     from ...model.tree import Body, Closure, Tree

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...quick_dataclass import replace
-from .result_file import XYZ, Axis, Constant, Layout
+from .layout import XYZ, Axis, Constant, Layout
 
 if TYPE_CHECKING:  # few decks have any
     from ...model.shapes import Shape

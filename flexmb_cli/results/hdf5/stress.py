@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody, StressOutput
-from .result_file import Axis, Constant, Series, Values
+from .layout import Axis, Constant, Series, Values
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 # Rows at a time: the stresses of all nodes of a large body are many numbers.

@@ -13,8 +13,8 @@ from ...model.tree import ELASTIC, ROTATION, Body, Tree
 from ...quick_dataclass import replace
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .joint_coordinates import ELEMENT_SERIES, joint_values, with_elements
+from .layout import EULER_PARAMETER, XYZ, Axis, Layout, Series, Values, numbered_axis
 from .motion_series import BODY_MOTION, POINT_MOTION
-from .result_file import EULER_PARAMETER, XYZ, Axis, Layout, Series, Values, numbered_axis
 from .result_geometry import SIDE, tree_geometry
 from .shapes import with_shapes
 

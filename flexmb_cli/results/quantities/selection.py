@@ -7,7 +7,8 @@ import h5py
 
 from ...deck.record import Deck
 from ...quick_dataclass import replace
-from ..hdf5.result_file import Layout, ResultFile
+from ..hdf5.layout import Layout
+from ..hdf5.result_file import ResultFile
 from .quantities import resolve
 
 

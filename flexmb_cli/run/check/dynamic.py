@@ -65,7 +65,7 @@ class _Gaps:
     """An analysis as `gaps_of` looks at it: the gaps of all its equations."""
 
     def __init__(self, analysis: "ForwardDynamics"):
-        from ...solvers.constrained.flexible_start import PositionGaps
+        from ...solvers.constrained.position import PositionGaps
 
         self.mechanism = analysis.mechanism
         self.evaluator = PositionGaps(analysis.arrays, analysis.system, analysis.work)

@@ -113,7 +113,7 @@ def _jacobian_at(mechanism: Mechanism, time: float) -> LabelledJacobian:
 def _labelled(analysis: "KinematicAnalysis", q: np.ndarray, time: float | None) -> LabelledJacobian:
     evaluator, arrays = analysis.evaluator, analysis.arrays
     evaluator.residual(q, analysis.mechanism.time.start, arrays.screw_angles)
-    matrix = evaluator.matrix(q) * arrays.row_scale[:, None] / arrays.column_scale
+    matrix = evaluator.jacobian(q) * arrays.row_scale[:, None] / arrays.column_scale
     factors = np.array([equation.factor for equation in arrays.equations])
     names = tuple(equation.name for equation in arrays.equations)
     return LabelledJacobian(time, names, arrays.body_names, matrix * factors[:, None])

@@ -13,11 +13,9 @@ from ...model.arrays.records import CABLE, ELEMENT, FRICTION, STOP
 from ...model.arrays.system import SystemArrays
 from ...model.mechanism import TimeGrid
 from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of
-from ..singular.dynamic_singularities import (
-    PassedDynamicSingularities,
-    is_singular,
-)
+from ..singular.dynamic_singularities import PassedDynamicSingularities
 from ..singular.mobility import Mobility
+from ..singular.rank_of_speeds import is_singular
 from .coinciding_ends import refuse_coinciding_ends
 from .failures import repetition, step_failure
 from .integrators import ExplicitSteps, Steps

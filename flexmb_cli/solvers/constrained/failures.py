@@ -7,13 +7,13 @@ import numpy as np
 from ...errors import AnalysisError, Fault
 from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators.clock import CONTRADICTION
-from ..singular.dynamic_singularities import (
+from ..singular.mobility import Gap, about
+from ..singular.rank_of_speeds import (
     SINGULAR_CONDITION,
     has_gained_rank,
     repeating_here_only,
     weakest_of_speeds,
 )
-from ..singular.mobility import Gap, about
 from ..singular.weakest import owners_text
 from .start import inertia_failure
 

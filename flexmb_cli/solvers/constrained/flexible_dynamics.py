@@ -16,10 +16,11 @@ from ...model.planar_loops import repeated_in_plane
 from ..linearisation.terms import Terms, motors_of
 from .analysis import ConstrainedMotion
 from .flexible_rows import FlexibleRows, flexible_rows
-from .flexible_start import PositionGaps, assemble
+from .flexible_start import assemble_flexible
 from .initial_gaps import gap_warnings
 from .integrators import METHODS, Steps
 from .joint_rates import rate_equations
+from .position import PositionGaps
 from .rows import global_axes
 from .start_speeds import given_speeds
 from .system import with_driven
@@ -56,7 +57,7 @@ class FlexibleDynamics(ConstrainedMotion):
 
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates near the deck's that meet all equations; raises AnalysisError."""
-        q = assemble(self.evaluator, t)
+        q = assemble_flexible(self.evaluator, t)
         self.warnings += gap_warnings(self.mechanism, self.evaluator, q, t)
         return q
 

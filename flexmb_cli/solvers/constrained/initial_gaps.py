@@ -8,7 +8,7 @@ import numpy as np
 from ...errors import Fault
 from ...model.flexible_mechanism import FlexibleMechanism
 from ..singular.mobility import about, worst_gaps
-from .flexible_start import PositionGaps
+from .position import PositionGaps
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -8,20 +8,24 @@ from ...errors import AnalysisError, Fault
 from ...kernels.constrained.accelerations import choose_order, evaluate_jacobian
 from ...kernels.constrained.mass_matrix import mass_times
 from ...kernels.constrained.projection import project_position
-from ...kernels.constrained.speeds import move, normalise
+from ...kernels.constrained.speeds import normalise
 from ...kernels.constrained.system import NO_INERTIA
 from ...model.by_size import by_size
 from ...model.equations import DEPENDENT
-from ..kinematics.assembly import ASSEMBLY_STEPS, MET, assemble_by_search, assembly_failure
-from ..singular.mobility import NAMED, RESIDUAL_MET, Mobility, involved, sparse_basis
+from ..assembly import assemble, is_closed
+from ..kinematics.assembly import assemble_by_search, assembly_failure
+from ..projection import Corrections, Instant, Position, project
+from ..singular.mobility import NAMED, Mobility, involved, sparse_basis
+from .position import PositionGaps
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from ...model.equations import Equation
     from .analysis import ConstrainedMotion
-    from .young_dynamics import ForwardDynamics
 
 
-LOST = 1e6
+WHOLE = Corrections(met=1e-14, most=60, dependent=DEPENDENT, hopeless=1e6)
 
 
 def assembled(analysis: Any, t: float) -> np.ndarray:
@@ -36,26 +40,17 @@ def assembled(analysis: Any, t: float) -> np.ndarray:
     if not len(arrays.equations):
         return q
     found, gap = assemble_by_search(analysis.evaluator, q, t, expected)
-    for start in (found, q):
-        closed = _by_newton(analysis, start.copy(), t, expected)
-        if closed is not None:
-            return closed
+    instant = Instant(PositionGaps(analysis.arrays, analysis.system, analysis.work), t, expected)
+
+    def search(start: np.ndarray) -> "Iterator[Position]":
+        start = start.copy()
+        normalise(analysis.arrays.bodies, start)
+        yield project(instant, start, WHOLE)
+
+    closed, left = assemble((found, q), search)
+    if is_closed(left):
+        return closed
     raise assembly_failure(analysis.evaluator, gap, t)
-
-
-def _by_newton(analysis: "ForwardDynamics", q: np.ndarray, t: float, expected: np.ndarray) -> Any:
-    """The position after whole Newton steps, the shortest ones, or None when they do not close all gaps."""
-    bodies, evaluator = analysis.arrays.bodies, analysis.evaluator
-    normalise(bodies, q)
-    for _ in range(ASSEMBLY_STEPS):
-        gap = evaluator.residual(q, t, expected)
-        largest = np.max(np.abs(gap))
-        if largest <= MET or not largest < LOST:
-            break
-        evaluate_jacobian(analysis.system, analysis.work, q)
-        step = np.linalg.lstsq(analysis.work.jacobian, gap, rcond=DEPENDENT)[0]
-        move(bodies, q, -step * analysis.arrays.speed_scale)
-    return q if np.max(np.abs(evaluator.residual(q, t, expected))) <= RESIDUAL_MET else None
 
 
 def order_of_elimination(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> Mobility:

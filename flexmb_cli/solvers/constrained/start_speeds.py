@@ -10,7 +10,8 @@ from ...kernels.constrained.mass_matrix import mass_matrices, mass_times
 from ...kernels.constrained.projection import fill_nu
 from ...kernels.constrained.system import GAMMA
 from ...model.equations import DEPENDENT
-from ..singular.mobility import RESIDUAL_MET, about
+from ..projection import RESIDUAL_MET
+from ..singular.mobility import about
 from .rows import body_axes, global_axes
 
 if TYPE_CHECKING:

@@ -15,9 +15,10 @@ from ...model.planar_loops import repeated_in_plane
 from ..linearisation.terms import Terms, motors_of
 from .analysis import ConstrainedMotion
 from .element_rows import element_rows
-from .flexible_start import PositionGaps, assemble
+from .flexible_start import assemble_flexible
 from .integrators import ExplicitSteps, GeneralisedAlpha, RadauSteps
 from .joint_rates import rate_equations
+from .position import PositionGaps
 from .rows import DynamicRows, dynamic_rows
 from .start import assembled
 from .start_speeds import given_speeds
@@ -44,7 +45,7 @@ class ForwardDynamics(ConstrainedMotion):
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError."""
         if self.model.elements.constrain:
-            return assemble(PositionGaps(self.arrays, self.system, self.work), t)
+            return assemble_flexible(PositionGaps(self.arrays, self.system, self.work), t)
         return assembled(self, t)
 
     def usual_repetitions(self, q: np.ndarray) -> int | None:

@@ -10,9 +10,10 @@ from ...kernels.kinematics import continuation
 from ...model.arrays.kinematic import KinematicArrays, kinematic_arrays
 from ...model.mechanism import Mechanism
 from ..checkpoint import faults_reported, reported, row_of, taken
+from ..projection import RESIDUAL_MET
 from ..singular.kinematic_singularities import PassedKinematicSingularities
 from ..singular.lockup import singular_start, step_failure
-from ..singular.mobility import RESIDUAL_MET, mobility, moves_freely
+from ..singular.mobility import mobility, moves_freely
 from ..singular.row_at_bifurcation import row_across
 from .assembly import (
     assemble_by_search,
@@ -129,7 +130,7 @@ class KinematicAnalysis:
         count, across = reached, None
         # A row so near to a bifurcation that its rates are round-off, and the one the continuation could not
         # reach.
-        for k in (self.singularities.first_without_rates(memory, block) if reached else 0, reached):
+        for k in (0 if block is None else self.singularities.first_without_rates(memory, block), reached):
             if k < wanted and across is None:
                 across = self._row_across(row + k, memory)
                 count = reached if across is None else k

@@ -5,29 +5,26 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import AnalysisError, Fault, ModelError
-from ..singular.mobility import (
-    RESIDUAL_MET,
-    Mobility,
-    about,
-    gap_norms,
-    motion_text,
-    nearest_position,
-    worst_gaps,
-)
+from ...model.equations import DEPENDENT
+from ..assembly import TRIALS, assemble, nudged
+from ..projection import Corrections, Instant, Position, improving, project
+from ..singular.mobility import Mobility, about, gap_norms, motion_text, worst_gaps
+from .nearest_position import nearest_position
 from .position import Evaluator
 from .settings import KinematicSettings
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from ...model.equations import Equation
+    from ..constrained.position import PositionGaps
 
 
-POLISHED = 1e-13
-TRIALS = 4  # estimates that are tried: the deck's, and that one nudged
-NUDGE = 0.05  # of the length scale, and of Euler parameters
-ASSEMBLY_STEPS = 60  # of Newton's method by least squares
-MET = 1e-14  # scaled gaps
+HALF = 0.5  # of the gap: what another search must reach to count as better
 ENOUGH = KinematicSettings.most_iterations
-NEARLY_CLOSED = 1e-6  # a wider gap is real: shortest corrections would only spread it
+# Shortest corrections also converge among redundant equations.  A wider gap than the last number is real:
+# they would only spread it.
+POLISH = Corrections(met=1e-13, most=20, dependent=DEPENDENT, hopeless=1e-6)
 
 
 def assemble_by_search(
@@ -35,39 +32,20 @@ def assemble_by_search(
 ) -> tuple[np.ndarray, np.ndarray]:
     """A position that meets the equations as well as can be, and its scaled residual.
 
-    Least squares from the estimates, then from estimates a little off: axes that are exactly
-    perpendicular where they should be parallel give no direction to turn.
+    Least squares from the estimates, then from estimates a little off, polished by shortest corrections.
     """
-    best = _search(evaluator, q, t, expected)
-    for trial in range(1, 1 if evaluator.is_large else TRIALS):
-        if np.max(np.abs(best[1])) <= RESIDUAL_MET:
-            break
-        shift = np.random.default_rng(trial).uniform(-NUDGE, NUDGE, q.size) * evaluator.arrays.column_scale
-        other = _search(evaluator, q + shift, t, expected)
-        if np.max(np.abs(other[1])) < 0.5 * np.max(np.abs(best[1])):
-            best = other
-    return best
+    instant = Instant(evaluator, t, expected)
 
+    def search(start: np.ndarray) -> "Iterator[Position]":
+        found = nearest_position(evaluator, start, t, expected)[0]
+        yield instant.at(found if evaluator.is_large else project(instant, found, POLISH, improving)[0])
 
-def _search(
-    evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """One search, polished by the shortest corrections, which also converge among redundant equations."""
-    q, gap = nearest_position(evaluator, q, t, expected)
-    scale = evaluator.arrays.column_scale
-    for _ in range(20):
-        if evaluator.is_large or not POLISHED < np.max(np.abs(gap)) < NEARLY_CLOSED:
-            break
-        better = q - scale * np.linalg.lstsq(evaluator.matrix(q), gap, rcond=1e-9)[0]
-        better_gap = evaluator.residual(better, t, expected)
-        if not np.max(np.abs(better_gap)) < np.max(np.abs(gap)):
-            break
-        q, gap = better, better_gap
-    return q, evaluator.residual(q, t, expected)
+    starts = nudged(evaluator, q, np.ones(q.size), 1 if evaluator.is_large else TRIALS)
+    return assemble(starts, search, HALF)
 
 
 def assembly_failure(
-    evaluator: Evaluator, gap: np.ndarray, t: float, most_iterations: int = ENOUGH
+    evaluator: "Evaluator | PositionGaps", gap: np.ndarray, t: float, most_iterations: int = ENOUGH
 ) -> AnalysisError:
     """The mechanism of the deck cannot be put together at its first time, t.
 

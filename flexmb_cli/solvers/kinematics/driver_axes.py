@@ -14,7 +14,8 @@ from ...errors import AnalysisError, Fault, ModelError
 from ...model.arrays.kinematic import kinematic_arrays
 from ...model.mechanism import Driver, Mechanism
 from ...quick_dataclass import replace
-from ..singular.mobility import RESIDUAL_MET, mobility
+from ..projection import RESIDUAL_MET
+from ..singular.mobility import mobility
 from .assembly import assemble_by_search
 from .position import Evaluator
 from .rows import Rows, twice_g

@@ -27,7 +27,10 @@ def light_work(coordinates: int) -> Work:
 
 @dataclass(frozen=True)
 class Evaluator:
-    """Evaluates the constraints of one mechanism at any position, all in scaled units."""
+    """Evaluates the constraints of one mechanism at any position, all in scaled units.
+
+    It is the `Equations` of `solvers.projection`.
+    """
 
     arrays: KinematicArrays
     system: System
@@ -58,7 +61,7 @@ class Evaluator:
         row_numbers = np.broadcast_to(np.arange(len(rows))[:, None], columns.shape)
         return row_numbers, columns, values
 
-    def matrix(self, q: np.ndarray) -> np.ndarray:
+    def jacobian(self, q: np.ndarray) -> np.ndarray:
         """Scaled Jacobian (equations, coordinates), dense, at the q of the last `residual`."""
         rows, columns, values = self.entries(q)
         matrix = np.zeros((len(rows), q.size))
@@ -72,6 +75,10 @@ class Evaluator:
         rows, columns, values = self.entries(q)
         shape = (len(rows), q.size)
         return coo_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape).tocsr()
+
+    def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """Return the coordinates after a scaled step (coordinates,)."""
+        return q + step * self.arrays.column_scale
 
     @property
     def is_large(self) -> bool:

@@ -31,7 +31,7 @@ def conditioning(evaluator: Evaluator, q: Any, t: Any, expected: Any) -> Conditi
     return (
         _of_sparse(evaluator.sparse_matrix(q))
         if evaluator.is_large
-        else conditioning_of(evaluator.matrix(q), q.size)
+        else conditioning_of(evaluator.jacobian(q), q.size)
     )
 
 

@@ -1,19 +1,23 @@
-"""Singular positions that a kinematic continuation passes: found after it, and reported as notes.
+"""Singular positions that a kinematic continuation passes: found after it.
 
 The continuation goes through a position where two motions cross when the motion is smooth, and through the
 narrow place beside one.  Both cost many short steps: rows that took many iterations, or at which the
 sign of det Φ_q has changed, are walked again step by step.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...kernels.kinematics.continuation import BUDGET, SIGN, TIME
-from .conditioning import conditioning, conditioning_text, weakest_joints
-from .weakest import NEARLY_SINGULAR, SingularityNotes
+from ...model.equations import Equation
+from .conditioning import conditioning, conditioning_text
+from .passed import Passed, PassedSingularities
+from .weakest import NEARLY_SINGULAR, Conditioning
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from ..kinematics.analysis import KinematicAnalysis
     from ..kinematics.rows import Rows
 
@@ -27,32 +31,35 @@ BLIND_CONDITION = 1e5
 MOST_TRIED = 16  # of the shortest steps, among which the worst place is
 
 
-class PassedKinematicSingularities:
-    """Watches the blocks of a KinematicAnalysis; notes go to its warnings, `MOST_NOTES` at most.
+# State, motion and clock of the continuation, to be walked again from.
+Memory = tuple[np.ndarray, np.ndarray, np.ndarray]
 
-    Not active, it looks for nothing: where equations repeat others, every position looks singular.
+
+class PassedKinematicSingularities(PassedSingularities):
+    """Watches the blocks of a KinematicAnalysis; notes go to its warnings.
+
+    To be active only where no equations repeat others: there every position looks singular.
     """
 
     def __init__(self, analysis: "KinematicAnalysis", active: bool = True):
+        super().__init__(analysis.warnings, analysis.arrays.equations, active)
         self.analysis = analysis
-        self.active = active
-        self.notes = SingularityNotes(analysis.warnings)
 
-    def memory(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def memory(self) -> Memory:
         """Return where the continuation stands, to be walked again from."""
         analysis = self.analysis
         return analysis.state.copy(), analysis.motion.copy(), analysis.clock.copy()
 
-    def look(self, memory: tuple[np.ndarray, np.ndarray, np.ndarray], rows: "Rows") -> None:
-        """Look for singular positions on the way from `memory` through the report `rows`."""
+    def suspected(self, memory: Memory, rows: "Rows") -> "Iterator[tuple[Memory, float, float]]":
+        """Yield `memory` and the times of ways through the report `rows` that took many iterations."""
         if self.notes.full or not self.active:
             return
         changed = memory[2][SIGN] != self.analysis.clock[SIGN]
         for first, last in _busy_runs(rows.newton_iterations, changed):
             begin = memory[2][TIME] if first == 0 else rows.time[first - 1]
-            self._walk(memory, float(begin), float(rows.time[last]))
+            yield memory, float(begin), float(rows.time[last])
 
-    def first_without_rates(self, memory: tuple[np.ndarray, np.ndarray, np.ndarray], rows: Any) -> int:
+    def first_without_rates(self, memory: Memory, rows: "Rows") -> int:
         """The first row so near to a singular position that its rates are round-off; their number if none."""
         busy = np.flatnonzero(rows.newton_iterations > FEW) if self.active else ()
         limit = BLIND_CONDITION * self._condition_of(memory) if len(busy) else np.inf
@@ -63,15 +70,17 @@ class PassedKinematicSingularities:
                 return int(k)
         return rows.time.size
 
-    def _condition_of(self, memory: tuple[np.ndarray, np.ndarray, np.ndarray]) -> float:
+    def _condition_of(self, memory: Memory) -> float:
         state, motion, clock = memory
         return conditioning(self.analysis.evaluator, state[0], float(clock[TIME]), motion[:, 0]).condition
 
-    def _walk(self, memory: tuple[np.ndarray, np.ndarray, np.ndarray], begin: float, end: float) -> None:
-        """Go from `memory` to `begin`, then step by step to `end`; report bifurcations, else the worst
-        place.
+    def located(self, interval: tuple[Memory, float, float]) -> "Iterator[Passed]":
+        """Go from `memory` to the begin, then step by step to the end.
+
+        Yield bifurcations, else the worst place.
         """
         analysis, integration = self.analysis, self.analysis.marcher()
+        memory, begin, end = interval
         state, motion, clock = (part.copy() for part in memory)
         analysis.carry(integration, state, motion, clock, begin)
         steps, crossed = [], False
@@ -79,39 +88,33 @@ class PassedKinematicSingularities:
             t, sign = clock[TIME], clock[SIGN]
             analysis.carry(integration, state, motion, clock, end, 1)
             if clock[TIME] > t:
-                here = state[0].copy(), float(clock[TIME]), motion[:, 0].copy()
+                crosses = bool(sign * clock[SIGN] < 0.0)
+                here = Passed(state[0].copy(), float(clock[TIME]), motion[:, 0].copy(), crosses)
                 steps.append((clock[TIME] - t, here))
-                if sign * clock[SIGN] < 0.0:
+                if crosses:
                     crossed = True
-                    self.tell(*here, True)
+                    yield here
             elif clock[BUDGET] > 0.0:
                 break
         if not crossed:
-            self._tell_narrowest(
-                memory, [here for _, here in sorted(steps, key=lambda step: step[0])[:MOST_TRIED]]
-            )
+            shortest = [here for _, here in sorted(steps, key=lambda step: step[0])[:MOST_TRIED]]
+            yield from self._narrowest(memory, shortest)
 
-    def _tell_narrowest(
-        self,
-        memory: tuple[np.ndarray, np.ndarray, np.ndarray],
-        places: list[tuple[np.ndarray, float, np.ndarray]],
-    ) -> None:
-        conditions = [conditioning(self.analysis.evaluator, *place).condition for place in places]
+    def _narrowest(self, memory: Memory, places: list[Passed]) -> "Iterator[Passed]":
+        conditions = [self.conditioning(place).condition for place in places]
         if conditions and max(conditions) >= NEARLY_SINGULAR * self._condition_of(memory):
-            self.tell(*places[int(np.argmax(conditions))], False)
+            yield places[int(np.argmax(conditions))]
 
-    def tell(self, q: np.ndarray, t: float, expected: np.ndarray, bifurcation: bool) -> None:
-        """Note that the continuation passes q at the time t: a bifurcation of two motions, or a narrow
-        place.
-        """
-        if self.notes.full:
-            return
-        evaluator = self.analysis.evaluator
-        weak = conditioning(evaluator, q, t, expected)
-        what = "a singular position" if bifurcation else "close to a singular position"
-        more = "; two motions cross there, and the smooth one is followed" if bifurcation else ""
-        sentence = f"at t = {t:.6g} s the motion passes {what}{conditioning_text(evaluator, q, weak)}{more}"
-        self.notes.add(sentence, weakest_joints(evaluator, weak))
+    def conditioning(self, passed: Passed) -> Conditioning:
+        """Return the conditioning of Φ_q there."""
+        return conditioning(self.analysis.evaluator, passed.q, passed.t, passed.expected)
+
+    def sentence(self, passed: Passed, weak: Conditioning, owners: list[Equation]) -> str:
+        """Say that the continuation passes a bifurcation of two motions, or a narrow place."""
+        what = "a singular position" if passed.crosses else "close to a singular position"
+        more = "; two motions cross there, and the smooth one is followed" if passed.crosses else ""
+        weakest = conditioning_text(self.analysis.evaluator, passed.q, weak)
+        return f"at t = {passed.t:.6g} s the motion passes {what}{weakest}{more}"
 
 
 def _busy_runs(iterations: np.ndarray, changed: bool) -> list[tuple[int, int]]:

@@ -5,9 +5,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import AnalysisError
-from ..kinematics.assembly import NUDGE
+from ..assembly import NUDGE
+from ..kinematics.nearest_position import nearest_position
+from ..projection import RESIDUAL_MET
 from .conditioning import conditioning, conditioning_text, weakest_joints
-from .mobility import RESIDUAL_MET, about, gap_norms, nearest_position, worst_gaps
+from .mobility import about, gap_norms, worst_gaps
 
 if TYPE_CHECKING:
     from ..kinematics.analysis import KinematicAnalysis

@@ -1,28 +1,26 @@
 """Why a mechanism cannot be assembled or moved: gaps, redundant equations and free motions, by name."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...errors import Fault
 from ...model.by_size import by_size, first_of_largest
 from ...model.equations import DEPENDENT, Equation
-from ...model.joints import JOINT_TYPES
 from ...quick_dataclass import dataclass
-from ..kinematics.levenberg_marquardt import least_squares
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g
+from ..projection import RESIDUAL_MET, Corrections, Instant, project
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from typing import Any
 
-    from ...model.arrays.kinematic import KinematicArrays
+    from ..constrained.position import PositionGaps
 
 
-RESIDUAL_MET = 1e-9  # scaled residual that counts as met
 NAMED = 1e-6  # of the largest component of a null vector
-PRESCRIBED_WEIGHT = 1e4
 PROBE = 1e-3  # size of the trial motion that tells a free motion from a stiff one
+BACK = Corrections(met=1e-13, most=60, dependent=DEPENDENT)
 
 
 @dataclass(frozen=True)
@@ -52,7 +50,9 @@ def about(severity: str, message: str, *owners: Equation) -> Fault:
     return Fault(severity, message, owners[0].place, about=owners[0].owner, id="SOLVE-024")
 
 
-def worst_gaps(evaluator: Evaluator, scaled_residual: np.ndarray, most: int = 3) -> list[Gap]:
+def worst_gaps(
+    evaluator: "Evaluator | PositionGaps", scaled_residual: np.ndarray, most: int = 3
+) -> list[Gap]:
     """The owners with the largest scaled residuals, worst first; those that are met are left out."""
     found: dict[str, Gap] = {}
     size = np.abs(scaled_residual)
@@ -78,56 +78,6 @@ def gap_norms(worst: list[Gap]) -> dict[str, Any]:
         "gaps": sizes,
         "units": units,
     }
-
-
-def nearest_position(
-    evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """The position with the least residual that a least-squares search from q finds, and its residual.
-
-    What the deck prescribes (held and driven coordinates, |p| = 1) weighs so much more than the
-    joints that a gap shows where the user would see it: in a joint.
-    """
-    scale = evaluator.arrays.column_scale
-    weights = np.where(_of_joints(evaluator.arrays), 1.0, PRESCRIBED_WEIGHT)
-
-    def residual(x: np.ndarray) -> Any:
-        return weights * evaluator.residual(x * scale, t, expected)
-
-    if evaluator.is_large:
-        x, weighted = _sparse_least_squares(evaluator, residual, weights, q / scale)
-    else:
-        x, weighted = least_squares(
-            residual, lambda x: weights[:, None] * evaluator.matrix(x * scale), q / scale
-        )
-    return x * scale, weighted / weights
-
-
-def _sparse_least_squares(
-    evaluator: Evaluator, residual: "Callable[..., Any]", weights: np.ndarray, x: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """As `least_squares`, for so many equations that scipy's sparse matrices are loaded in any case."""
-    from scipy import optimize
-    from scipy.sparse import diags
-
-    scale = evaluator.arrays.column_scale
-
-    def jacobian(x: np.ndarray) -> Any:
-        residual(x)
-        return diags(weights) @ evaluator.sparse_matrix(x * scale)
-
-    result = optimize.least_squares(
-        residual, x, jacobian, tr_solver="lsmr", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=200
-    )
-    return result.x, result.fun
-
-
-def _of_joints(arrays: "KinematicArrays") -> np.ndarray:
-    """Return which equations are those of joints (equations,)."""
-    constraints = arrays.constraints
-    joints = np.isin(constraints["kind"], [kind.code for kind in JOINT_TYPES])
-    rows = np.arange(len(arrays.equations))
-    return joints[np.searchsorted(constraints["first_row"], rows, side="right") - 1]
 
 
 @dataclass(frozen=True)
@@ -156,10 +106,10 @@ class Mobility:
         return self.coordinates - self.rank
 
 
-def mobility(evaluator: Evaluator, q: np.ndarray, t: Any, expected: np.ndarray) -> Mobility:
+def mobility(evaluator: Evaluator, q: np.ndarray, t: "Any", expected: np.ndarray) -> Mobility:
     """Rank analysis of the scaled Jacobian at an assembled position q, by singular values."""
     evaluator.residual(q, t, expected)
-    left, values, right = np.linalg.svd(evaluator.matrix(q))
+    left, values, right = np.linalg.svd(evaluator.jacobian(q))
     rank = int(np.sum(values > DEPENDENT * values[0]))
     arrays = evaluator.arrays
     motions, pivots = sparse_basis(right[rank:])
@@ -211,12 +161,7 @@ def moves_freely(
     comes back to where it was.
     """
     scale = evaluator.arrays.column_scale
-    moved = q + PROBE * motion * scale
-    for _ in range(60):
-        gap = evaluator.residual(moved, t, expected)
-        if np.max(np.abs(gap)) <= 1e-13:
-            break
-        moved = moved - scale * np.linalg.lstsq(evaluator.matrix(moved), gap, rcond=DEPENDENT)[0]
+    moved = project(Instant(evaluator, t, expected), evaluator.moved(q, PROBE * motion), BACK)[0]
     return float(np.linalg.norm((moved - q) / scale)) > 0.3 * PROBE
 
 

@@ -13,6 +13,8 @@ from ...kernels.kinematics import constraints as equations
 from ...kernels.kinematics.continuation import NEXT_LENGTH, SIGN, SPENT, TIME
 from ..kinematics.rows import Rows
 from ..kinematics.system import rows_of
+from ..projection import Corrections, Instant, project
+from .passed import Passed
 
 if TYPE_CHECKING:
     from ..kinematics.analysis import KinematicAnalysis
@@ -23,7 +25,7 @@ WAY = 4e-3  # scaled way to each side: the error is of its sixth power, round-of
 PART_AFTER = 0.83  # of the time before: halved steps must not hit the bifurcation itself
 MOST_OF_STEP = 0.4  # of the time between rows
 ON_CURVE = 1e-9  # scaled residual of the polynomial; where the motion has a corner it is far off
-UNCORRECTED = 1e-6  # singular values, of the largest, along which nothing is corrected
+FIRM = Corrections(met=0.0, most=1, dependent=1e-6, hopeless=ON_CURVE)
 
 
 def row_across(analysis: Any, t: float, memory: Any) -> Rows | None:
@@ -48,7 +50,7 @@ def row_across(analysis: Any, t: float, memory: Any) -> Rows | None:
     gap = _closed(analysis.evaluator, row, t, expected)
     if gap > ON_CURVE:
         return None
-    analysis.singularities.tell(row[0], t, expected, True)
+    analysis.singularities.tell(Passed(row[0], t, expected, True))
     audit = np.array([[gap, _rate_gap(analysis, row, t), analysis.clock[SPENT]]])
     analysis.clock[SPENT], analysis.clock[NEXT_LENGTH] = 0.0, np.inf
     return rows_of(analysis.mechanism, np.array([t]), row[None], audit)
@@ -81,11 +83,8 @@ def _between(first: Any, last: np.ndarray, h: float, x: float) -> Any:
 
 def _closed(evaluator: "Evaluator", row: np.ndarray, t: float, expected: np.ndarray) -> float:
     """Bring the position of `row` onto the equations where they are firm; returns the largest residual."""
-    gap = evaluator.residual(row[0], t, expected)
-    if not evaluator.is_large and np.max(np.abs(gap)) <= ON_CURVE:
-        change = np.linalg.lstsq(evaluator.matrix(row[0]), gap, rcond=UNCORRECTED)[0]
-        row[0] -= change * evaluator.arrays.column_scale
-        gap = evaluator.residual(row[0], t, expected)
+    instant = Instant(evaluator, t, expected)
+    row[0], gap = instant.at(row[0]) if evaluator.is_large else project(instant, row[0], FIRM)
     return float(np.max(np.abs(gap)))
 
 

@@ -10,8 +10,12 @@ from ...kernels.integrators import tree_dop853
 from ...kernels.tree.loop_closures import IMMOBILE
 from ...model.arrays.tree import TreeArrays
 from ...model.tree import ASSEMBLED_GAP, ROTATION, Closure, Tree
+from ..assembly import assemble, is_closed
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from ..projection import Position
     from .analysis import TreeAnalysis
 
 
@@ -31,15 +35,20 @@ def assemble_tree(analysis: "TreeAnalysis") -> None:
     if tree.one_way:
         raise ModelError([_one_way_fault(tree)])
     start = analysis.state.copy()
-    for kept in (_kept(tree, arrays), arrays.given):
+
+    def search(kept: np.ndarray) -> "Iterator[Position]":
         analysis.state[:] = start
-        if _close(analysis, kept):
-            return
-    raise _assembly_failure(tree, arrays.closures)
+        gap = _close(analysis, kept)
+        yield analysis.state, np.array([gap])
+
+    if not is_closed(
+        assemble((_kept(tree, arrays), arrays.given), search, closed=ASSEMBLED_GAP)[1], ASSEMBLED_GAP
+    ):
+        raise _assembly_failure(tree, arrays.closures)
 
 
-def _close(analysis: "TreeAnalysis", kept: np.ndarray) -> bool:
-    """Return whether the loops close while the coordinates marked in `kept` (NS,) stay."""
+def _close(analysis: "TreeAnalysis", kept: np.ndarray) -> float:
+    """Close the loops while the coordinates marked in `kept` (NS,) stay; return the largest gap left, m."""
     analysis.coordinates["held"] = kept
     gap = np.inf
     for _ in range(MOST_ITERATIONS):
@@ -50,7 +59,7 @@ def _close(analysis: "TreeAnalysis", kept: np.ndarray) -> bool:
         if gap <= ASSEMBLED_GAP and not gap < before / 2:
             break
     analysis.coordinates["held"] = analysis.arrays.given
-    return gap <= ASSEMBLED_GAP
+    return float(gap)
 
 
 def _kept(tree: Tree, arrays: TreeArrays) -> np.ndarray:

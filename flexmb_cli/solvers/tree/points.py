@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ...model.tree import ELASTIC, INERTIAL, Tree
-from .rows import TreeRows
+from ...model.tree import INERTIAL, Tree
+from .rows import TreeRows, nodal
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,7 +31,7 @@ def point_names(tree: Tree) -> list[str]:
 
 def point_motion(tree: Tree, rows: TreeRows) -> PointMotion:
     """Motion of the points in the order of `point_names`."""
-    elastic = [_nodal(tree, values) for values in (rows.q, rows.y, rows.y_rate)]
+    elastic = [nodal(tree, values) for values in (rows.q, rows.y, rows.y_rate)]
     points = [_hinge_point(tree, rows, k, elastic) for k in range(len(tree.bodies))]
     for k, body in enumerate(tree.bodies):
         if body.elastic is not None:
@@ -44,19 +44,6 @@ def _nodes(tree: Tree) -> "Iterator[tuple[int, int]]":
     for k, body in enumerate(tree.bodies):
         for i in range(len(body.elastic.masses) if body.elastic else 0):
             yield k, i
-
-
-def _nodal(tree: Tree, values: np.ndarray) -> dict[int, np.ndarray]:
-    """Values (T, NS) of the elastic coordinates as {body: (T, nodes, 3)}, 0 along held axes."""
-    nodal = {
-        k: np.zeros((len(values), len(body.elastic.masses), 3))
-        for k, body in enumerate(tree.bodies)
-        if body.elastic is not None
-    }
-    for m, c in enumerate(tree.coordinates):
-        if c.motion == ELASTIC:
-            nodal[c.body][:, c.node, c.axis - 1] = values[:, m]
-    return nodal
 
 
 def _hinge_point(tree: Tree, rows: TreeRows, k: int, elastic: "list[Any]") -> PointMotion:

@@ -91,15 +91,20 @@ def _closure_forces(tree: Tree, rows: np.ndarray) -> np.ndarray:
 
 def displacements(tree: Tree, q: np.ndarray) -> tuple[np.ndarray, ...]:
     """Nodal displacements (T, nodes, 3) of each flexible body, 0 along held axes; q (T, NS)."""
+    return tuple(nodal(tree, q).values())
+
+
+def nodal(tree: Tree, values: np.ndarray) -> dict[int, np.ndarray]:
+    """Values (T, NS) of the elastic coordinates as {body: (T, nodes, 3)}, 0 along held axes."""
     out = {
-        k: np.zeros((len(q), len(body.elastic.masses), 3))
+        k: np.zeros((len(values), len(body.elastic.masses), 3))
         for k, body in enumerate(tree.bodies)
         if body.elastic is not None
     }
     for m, c in enumerate(tree.coordinates):
         if c.motion == ELASTIC:
-            out[c.body][:, c.node, c.axis - 1] = q[:, m]
-    return tuple(out.values())
+            out[c.body][:, c.node, c.axis - 1] = values[:, m]
+    return out
 
 
 def node_positions(tree: Any, position: Any, axes: Any, displacement: tuple[np.ndarray, ...]) -> np.ndarray:

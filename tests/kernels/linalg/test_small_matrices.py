@@ -5,6 +5,7 @@ import pytest
 
 from flexmb_cli.kernels.linalg import lu
 from flexmb_cli.kernels.linalg import rank_revealing_lu as rows
+from flexmb_cli.kernels.linalg.cholesky import cholesky, cholesky_solve
 from flexmb_cli.kernels.linalg.complex_ldl import factorise_symmetric, solve_symmetric
 from flexmb_cli.kernels.linalg.row_products import product, subtract_multiple
 
@@ -35,13 +36,13 @@ def test_complex_symmetric_matrices_are_solved(seed):
 def test_definite_matrices_are_solved_and_others_named_by_their_row(seed):
     matrix, b = definite(random_matrices(seed)[0]), np.arange(1.0, N + 1)
     factors, x = np.tril(matrix), b.copy()
-    assert rows.cholesky(factors, N, 1e-13) == 0
+    assert cholesky(factors, N, 1e-13) == 0
     np.testing.assert_allclose(factors, np.linalg.cholesky(matrix), rtol=1e-11)
-    rows.cholesky_solve(factors, N, x)
+    cholesky_solve(factors, N, x)
     np.testing.assert_allclose(x, np.linalg.solve(matrix, b), rtol=1e-10)
     matrix[3, :] = matrix[:, 3] = matrix[2]
     matrix[3, 3] = matrix[2, 3] = matrix[3, 2] = matrix[2, 2]
-    assert rows.cholesky(np.tril(matrix), N, 1e-13) == 4
+    assert cholesky(np.tril(matrix), N, 1e-13) == 4
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import null_space
 
-from flexmb_cli.kernels.tree.projection import _respond_to_rows
+from flexmb_cli.kernels.tree.projection import respond_to_rows
 from flexmb_cli.model.tree import INERTIAL, Closure
 from flexmb_cli.solvers.tree.analysis import initial_state
 from tests.kernels.tree.test_kane_forward_dynamics import Recursion, close
@@ -92,7 +92,7 @@ def test_a_correction_that_closes_rows_is_the_least_in_the_measure_of_the_mass(s
     recursion, gaps = Recursion(tree), np.array([0.3, -0.2, 0.1])
     recursion.forward()
     recursion.arrays.closures["force"] = -gaps
-    _respond_to_rows(recursion.arrays, recursion.work, recursion.coordinates, initial_state(tree))
+    respond_to_rows(recursion.arrays, recursion.work, recursion.coordinates, initial_state(tree))
     J, _ = closure_equations(tree, recursion.attitudes)
     yielding = np.linalg.solve(recursion.dense()[0], J.T)
     close(recursion.coordinates["response"], -yielding @ np.linalg.solve(J @ yielding, gaps), 1e-9)

@@ -14,16 +14,9 @@ from flexmb_cli.model.mechanism import Joint
 from flexmb_cli.results.figures.gabriel_graph import different, gabriel_edges
 from flexmb_cli.results.figures.scene import read_scene, rotations
 from flexmb_cli.results.figures.view import view_of
+from flexmb_cli.results.hdf5.layout import EULER_PARAMETER, XYZ, Axis, Layout, Series, numbered_axis
 from flexmb_cli.results.hdf5.motion_series import BODY_MOTION
-from flexmb_cli.results.hdf5.result_file import (
-    EULER_PARAMETER,
-    XYZ,
-    Axis,
-    Layout,
-    ResultFile,
-    Series,
-    numbered_axis,
-)
+from flexmb_cli.results.hdf5.result_file import ResultFile
 from flexmb_cli.results.hdf5.result_geometry import (
     SIDE,
     joint_geometry,

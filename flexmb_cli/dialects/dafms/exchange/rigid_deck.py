@@ -11,22 +11,16 @@ import numpy as np
 
 from ....deck.fortran_fields import filled
 from ....errors import Fault, ModelError
-from ....model.exchange.chain import Link, chain_of
+from ....model.exchange.chain import chain_of
 from ....model.exchange.functions import points_of, polynomial_of, value_of
-from ....model.exchange.rigid_model import EXPLICIT, Refusals, RigidModel, across
+from ....model.exchange.rigid_model import EXPLICIT, Refusals, RigidModel
 from ....model.exchange.shapes import shifted
 from ....model.joints import ANGLE
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS
 from ....model.vectors import euler_parameters
-from ....quick_dataclass import dataclass
+from .hanging import FREE, Hanging, hinge_frame
 
-# Free rotations and translations of a hinge of each type; 0 is its axis, one of P_k.
-_FREE = {
-    "fixed": ((), ()), "revolute": ((0,), ()), "universal": ((1, 2), ()), "spherical": ((1, 2, 3), ()),
-    "translational": ((), (0,)), "cylindrical": ((0,), (0,)), "free": ((1, 2, 3), (1, 2, 3)),
-}  # fmt: skip
-_ALONG = 1e-12  # of a unit vector: an axis of the body that lies in that of its hinge
 _APART = 1e-9  # m: of the point of a force from O_k
 _IMPLICIT = 2  # METH
 
@@ -44,27 +38,6 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     rounding = f"Numbers are rounded to their columns, relatively by {made.rounding:.1g} at most."
     notes = [f"Units: {units}.", *(f"{note}." for note in model.notes), *made.notes(), rounding]
     return "\n".join([*lines, "END ", "STAR", "STOP", *notes, ""]).replace("DFMB", f"DFMB {title}", 1)
-
-
-@dataclass(frozen=True, eq=False)
-class Hanging:
-    """A body of the tree: its link, type of hinge, P_k in the parent, and frames as matrices (3, 3).
-
-    `own`: axes of O_k, `frame`: those of P_k, global at the start; `origin` (3,): O_k, global.  `axis`: the
-    number of the axis of P_k that a hinge with one axis has.
-    """
-
-    link: Link
-    kind: str
-    point: np.ndarray
-    own: np.ndarray
-    frame: np.ndarray
-    origin: np.ndarray
-    axis: int = 3
-
-    def free(self, which: int) -> tuple[int, ...]:
-        """Numbers of the free rotations (0) or translations (1)."""
-        return tuple(axis or self.axis for axis in _FREE[self.kind][which])
 
 
 class _Deck:
@@ -89,7 +62,7 @@ class _Deck:
     def refuse_foreign(self) -> None:
         """Collect what no tree of DAFMS has."""
         for joint in self.model.joints:
-            if joint.kind not in _FREE:
+            if joint.kind not in FREE:
                 self.refusals.add(joint, f"DAFMS has no hinge like a {joint.kind} joint")
         for item in self.model.drivers:
             self.refusals.add(
@@ -136,7 +109,7 @@ class _Deck:
             kind = joint.kind
             _, s, P, s_own = link.ends(joint)
             origin, place = (model.position(link.body, P),) * 2
-            frame, axis = _frame(kind, model.axes(link.parent), s, body.A, s_own)
+            frame, axis = hinge_frame(kind, model.axes(link.parent), s, body.A, s_own)
             own = frame if kind in ("revolute", "universal", "cylindrical") else body.A
         if link.parent != GROUND:
             parent = self.hung[link.parent]
@@ -302,27 +275,6 @@ class _Deck:
         if value and text != "0.0":
             self.rounding = max(self.rounding, abs(float(text) - value) / max(abs(value), 1e-3))
         return text.rjust(10)
-
-
-def _frame(kind: Any, parent: int, s: Any, own: Any, s_own: Any) -> Any:
-    """Axes of P_k, global (3, 3): those of the parent, or with the hinge's axes; and the number of one axis.
-
-    `parent`, `own`: matrices of the bodies; s, s_own: vectors along the axis (or arms) in theirs.
-    """
-    if kind in ("spherical", "fixed"):
-        return parent, 3
-    first = parent @ np.array(s)
-    first = first / np.linalg.norm(first)
-    if kind == "universal":
-        second = own @ np.array(s_own)
-        second = second - (second @ first) * first
-        second = second / np.linalg.norm(second)
-        return np.column_stack([first, second, np.cross(first, second)]), 3
-    for axis in (1, 2, 3):
-        if np.linalg.norm(own[:, axis - 1] - first) < _ALONG:
-            return own, axis
-    side = across(first)
-    return np.column_stack([side, np.cross(first, side), first]), 3
 
 
 def _scalar_last(A: Any) -> Any:

@@ -1,0 +1,58 @@
+"""How a body hangs in a tree that is written as a DAFMS deck: its hinge, and the frames O_k and P_k."""
+
+from typing import Any
+
+import numpy as np
+
+from ....model.exchange.chain import Link
+from ....model.exchange.rigid_model import across
+from ....quick_dataclass import dataclass
+
+# Free rotations and translations of a hinge of each type; 0 is its axis, one of P_k.
+FREE = {
+    "fixed": ((), ()), "revolute": ((0,), ()), "universal": ((1, 2), ()), "spherical": ((1, 2, 3), ()),
+    "translational": ((), (0,)), "cylindrical": ((0,), (0,)), "free": ((1, 2, 3), (1, 2, 3)),
+}  # fmt: skip
+_ALONG = 1e-12  # of a unit vector: an axis of the body that lies in that of its hinge
+
+
+@dataclass(frozen=True, eq=False)
+class Hanging:
+    """A body of the tree: its link, type of hinge, P_k in the parent, and frames as matrices (3, 3).
+
+    `own`: axes of O_k, `frame`: those of P_k, global at the start; `origin` (3,): O_k, global.  `axis`: the
+    number of the axis of P_k that a hinge with one axis has.
+    """
+
+    link: Link
+    kind: str
+    point: np.ndarray
+    own: np.ndarray
+    frame: np.ndarray
+    origin: np.ndarray
+    axis: int = 3
+
+    def free(self, which: int) -> tuple[int, ...]:
+        """Numbers of the free rotations (0) or translations (1)."""
+        return tuple(axis or self.axis for axis in FREE[self.kind][which])
+
+
+def hinge_frame(kind: Any, parent: int, s: Any, own: Any, s_own: Any) -> Any:
+    """Axes of P_k, global (3, 3): those of the parent, or with the hinge's axes; and the number of one axis.
+
+    `parent`, `own`: matrices of the bodies; s, s_own: vectors along the axis (or arms) in theirs.
+    """
+    if kind in ("spherical", "fixed"):
+        return parent, 3
+    first = parent @ np.array(s)
+    first = first / np.linalg.norm(first)
+    if kind == "universal":
+        second = own @ np.array(s_own)
+        second = second - (second @ first) * first
+        second = second / np.linalg.norm(second)
+        return np.column_stack([first, second, np.cross(first, second)]), 3
+    for axis in (1, 2, 3):
+        if np.linalg.norm(own[:, axis - 1] - first) < _ALONG:
+            return own, axis
+    side = across(first)
+    return np.column_stack([side, np.cross(first, side), first]), 3

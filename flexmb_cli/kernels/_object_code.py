@@ -1,0 +1,110 @@
+"""Objects of machine code that a process loads without numba: the entries of a unit, each behind a wrapper.
+
+A wrapper takes the numbers, addresses and lengths of the arguments as 64-bit words.
+"""
+
+from typing import NamedTuple
+
+import llvmlite.binding as llvm
+
+from ._allocator import add_allocator
+from ._front_end import quick
+from ._linking import ENVIRONMENT, Kernel, refuse_missing, with_parts_of_parts
+from ._numba import cpu_target, create_nrt_module, global_compiler_lock
+from ._objects import OF_C
+from ._values import add_wrapper, numba_type, result_of
+
+
+class Entry(NamedTuple):
+    """A kernel that Python calls."""
+
+    name: str  # "module.function"
+    kernel: Kernel  # the Python function
+    parameters: list  # as `_arguments` describes them
+
+
+def this_machine() -> tuple[str, str]:
+    """Return LLVM's name of this process's system, and that of the oldest processor of its kind."""
+    return llvm.get_process_triple(), "generic"
+
+
+def emit_object(unit: str, entries: list[Entry], machines: dict) -> dict:
+    """Return (what the object's head tells of its entries, object) for each target of `machines`.
+
+    The parts of all entries are linked once, and only the entries can be seen from outside.
+    """
+    with global_compiler_lock, quick():
+        module, reported = _linked(unit, entries)
+        return {target: (reported, _machine_code(module, *machine)) for target, machine in machines.items()}
+
+
+def _linked(unit, entries):
+    """LLVM's code of all entries with their parts, and what tells of each."""
+    context = cpu_target.target_context
+    library = context.codegen().create_library(unit)
+    wrappers = library.create_ir_module(unit)
+    reported, called = [], []
+    for number, entry in enumerate(entries):
+        types_ = tuple(map(numba_type, entry.parameters))
+        entry.kernel.part.compile(types_)
+        compiled = entry.kernel.part.overloads[types_]
+        symbol = f"flexmb_{number}_{entry.name.replace('.', '_')}"
+        add_wrapper(context, wrappers, symbol, compiled)
+        result = result_of(compiled.signature.return_type)
+        reported.append(
+            {"name": entry.name, "symbol": symbol, "parameters": entry.parameters, "result": result}
+        )
+        called.append(compiled.library)
+    add_allocator(wrappers)
+    module = llvm.parse_assembly(str(wrappers))
+    for part in with_parts_of_parts(called):
+        module.link_in(part._get_module_for_linking(), preserve=True)
+    module.link_in(llvm.parse_assembly(str(create_nrt_module(context)[0])))
+    _hide_all_but(module, {one["symbol"] for one in reported})
+    refuse_missing(module)
+    return module.as_bitcode(), reported
+
+
+def _hide_all_but(module, symbols) -> None:
+    """Leave nothing else to be seen: LLVM may then change how functions are called, or drop them."""
+    for function in module.functions:
+        if not function.is_declaration and function.name not in symbols:
+            function.linkage = "internal"
+    for variable in module.global_variables:
+        # Constants that a traceback in Python would ask for.
+        if variable.name.startswith(ENVIRONMENT):
+            variable.linkage = "internal"
+
+
+def _machine_code(bitcode, triple, processor):
+    """Position-independent object of LLVM's code; nothing allows a fused multiply-add."""
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    module = llvm.parse_bitcode(bitcode)
+    machine = llvm.Target.from_triple(triple).create_target_machine(
+        cpu=processor, features="", opt=3, reloc="pic", codemodel="default"
+    )
+    module.triple = triple
+    module.data_layout = str(machine.target_data)
+    # numba's two rounds: the first brings together the counts of references that the second prunes.
+    for speed in (0, 3):
+        options = llvm.create_pipeline_tuning_options(speed_level=speed)
+        options.loop_vectorization = options.slp_vectorization = False
+        builder = llvm.create_pass_builder(machine, options)
+        passes = builder.getModulePassManager()
+        if speed == 0:
+            passes.add_loop_rotate_pass()
+            passes.add_instruction_combine_pass()
+            passes.add_jump_threading_pass()
+        passes.add_refprune_pass()
+        passes.run(module, builder)
+    _refuse_foreign(module)
+    return machine.emit_object(module)
+
+
+def _refuse_foreign(module) -> None:
+    """Return what neither the object nor the C library has would be called at address 0."""
+    called = {function.name for function in module.functions if function.is_declaration}
+    foreign = {name for name in called if not name.startswith("llvm.")} - OF_C
+    if foreign:
+        raise AssertionError(f"compiled kernels call {sorted(foreign)}")

@@ -1,0 +1,36 @@
+"""One position of a mechanism of rigid and flexible bodies: residuals, and Jacobian on speeds."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...kernels.constrained.accelerations import evaluate_jacobian
+from ...kernels.constrained.projection import evaluate_residual
+from ...kernels.constrained.speeds import move
+from ...kernels.constrained.system import PHI, System, Work
+
+if TYPE_CHECKING:
+    from ...model.arrays.system import SystemArrays
+
+
+class PositionGaps:
+    """Scaled residuals of the equations, for messages and searches: the `Equations` of `projection`."""
+
+    def __init__(self, arrays: "SystemArrays", system: System, work: Work):
+        self.arrays, self.system, self.work = arrays, system, work
+
+    def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
+        """Scaled residual (m,) at q; expected: the angles expected."""
+        evaluate_residual(self.system, self.work, q, t, expected)
+        return self.work.rows[PHI] / self.arrays.row_scale
+
+    def jacobian(self, q: np.ndarray) -> np.ndarray:
+        """Scaled Jacobian (m, n) on speeds."""
+        evaluate_jacobian(self.system, self.work, q)
+        return self.work.jacobian.copy()
+
+    def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """Return the coordinates after a scaled step (n,) of translations, rotations and deformation."""
+        q = q.copy()
+        move(self.arrays.bodies, q, step * self.arrays.speed_scale)
+        return q

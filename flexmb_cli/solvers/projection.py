@@ -1,0 +1,131 @@
+"""Positions brought onto the constraints by corrections of least norm, all in scaled units (Gauss-Newton).
+
+The one iteration for searches between and before the steps of every formulation: in coordinates (kinematics)
+and in speeds (rigid and flexible mechanisms).  Equations may repeat others, and degrees of freedom may be
+left open.  What differs is handed in: the equations, when to end, and how much of a correction is made.
+
+Steps of integrators are projected by the kernels, in the metric of the mass matrix or of the step
+(`kernels.constrained.projection`, `kernels.tree.projection`).  The second formulations that `verify` compares
+with, natural coordinates and the poses of a tree, share nothing with the first, and keep an iteration of
+their own.
+"""
+
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from ..quick_dataclass import dataclass
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+
+RESIDUAL_MET = 1e-9  # scaled residual that counts as met
+Position = tuple[np.ndarray, np.ndarray]  # coordinates (N,) and their scaled residual (m,)
+LARGEST_STEP = 0.3  # scaled: of the length scale, rad
+HALVINGS = 10  # of a correction that widens the gaps
+
+
+class Equations(Protocol):
+    """The constraint equations of a mechanism at any position."""
+
+    def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
+        """Return the scaled residual (m,) at q and t; expected: the angles expected, rad."""
+
+    def jacobian(self, q: np.ndarray) -> np.ndarray:
+        """Return the scaled Jacobian (m, n) at the q of the last `residual`."""
+
+    def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """Return the position after a scaled step (n,)."""
+
+
+@dataclass(frozen=True)
+class Corrections:
+    """How a position is corrected.
+
+    `met`: the largest scaled residual that ends the corrections; `most` is their number.  `dependent`:
+    singular values, of the largest, along which nothing is corrected.  `hopeless`: the largest residual
+    from which no correction is tried.
+    """
+
+    met: float
+    most: int
+    dependent: float
+    hopeless: float = np.inf
+
+
+class Instant:
+    """Equations at a time, for the angles expected there: what a step needs to try another position."""
+
+    def __init__(self, equations: Equations, t: float, expected: np.ndarray):
+        self.equations, self.t, self.expected = equations, t, expected
+
+    def at(self, q: np.ndarray) -> Position:
+        """Return q with its residual."""
+        return q, self.equations.residual(q, self.t, self.expected)
+
+    def after(self, q: np.ndarray, step: np.ndarray) -> Position:
+        """Return the position after a scaled step from q, with its residual."""
+        return self.at(self.equations.moved(q, step))
+
+
+def largest(gap: np.ndarray) -> float:
+    """Return the largest magnitude, 0 of nothing, infinity where one is no number."""
+    found = float(np.max(np.abs(gap), initial=0.0))
+    return np.inf if np.isnan(found) else found
+
+
+def whole(instant: Instant, q: np.ndarray, gap: np.ndarray, step: np.ndarray) -> Position | None:
+    """Return the position after the whole step."""
+    return instant.after(q, step)
+
+
+def improving(instant: Instant, q: np.ndarray, gap: np.ndarray, step: np.ndarray) -> Position | None:
+    """Return the position after the whole step, None if the largest gap does not get smaller."""
+    found = instant.after(q, step)
+    return found if largest(found[1]) < largest(gap) else None
+
+
+def shortened(instant: Instant, q: np.ndarray, gap: np.ndarray, step: np.ndarray) -> Position | None:
+    """Return the position after so much of the step that the gaps get smaller, None if no part does."""
+    size = np.linalg.norm(gap)
+    factor = min(1.0, LARGEST_STEP / max(largest(step), 1e-300))
+    for _ in range(HALVINGS):
+        found = instant.after(q, factor * step)
+        if np.linalg.norm(found[1]) < size:
+            return found
+        factor *= 0.5
+    return None
+
+
+def project(
+    instant: Instant,
+    q: np.ndarray,
+    corrections: Corrections,
+    advance: "Callable[[Instant, np.ndarray, np.ndarray, np.ndarray], Position | None]" = whole,
+    columns: np.ndarray | None = None,
+) -> Position:
+    """Return a position near q (N,) that meets the equations as `corrections` say, and its residual (m,).
+
+    `advance`: `whole`, `improving` or `shortened`; the corrections end where it returns None.
+    `columns` (n,): the changes that are allowed, all by default.
+    """
+    q, gap = instant.at(q)
+    for _ in range(corrections.most):
+        if not corrections.met < largest(gap) < corrections.hopeless:
+            break
+        step = _least_step(instant.equations.jacobian(q), gap, corrections.dependent, columns)
+        found = advance(instant, q, gap, step)
+        if found is None:
+            break
+        q, gap = found
+    return q, gap
+
+
+def _least_step(J: np.ndarray, gap: np.ndarray, dependent: float, columns: np.ndarray | None) -> np.ndarray:
+    """Return the shortest step (n,) that takes the gap away to first order."""
+    if columns is None:
+        return -np.linalg.lstsq(J, gap, rcond=dependent)[0]
+    step = np.zeros(J.shape[1])
+    step[columns] = -np.linalg.lstsq(J[:, columns], gap, rcond=dependent)[0]
+    return step

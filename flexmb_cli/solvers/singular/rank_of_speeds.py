@@ -1,0 +1,86 @@
+"""The rank of the Jacobian on speeds at a state of a constrained motion: what is weakest, what repeats."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...kernels.constrained.accelerations import evaluate_jacobian
+from ...kernels.constrained.speeds import move
+from ..constrained.position import PositionGaps
+from ..constrained.system import new_work
+from .weakest import NEARLY_SINGULAR, Conditioning, conditioning_of, weakest_owners
+
+if TYPE_CHECKING:
+    from ...model.equations import Equation
+    from ..constrained.analysis import ConstrainedMotion
+
+
+SINGULAR_CONDITION = 1e4  # condition; mechanisms have 10 to 1000
+CROSSED = 1e5  # condition
+BESIDE = 1e-5  # of the length scale, rad
+MOST_REPORTED = 6
+
+
+def conditioning_of_speeds(analysis: "ConstrainedMotion", jacobian: np.ndarray) -> Conditioning:
+    """Return the conditioning of a scaled Jacobian (m, n) on speeds, by the rank that the analysis counts."""
+    return conditioning_of(jacobian, max(1, int(analysis.work.rank[0])))
+
+
+def weakest_of_speeds(analysis: "ConstrainedMotion", state: np.ndarray) -> "tuple[float, list[Equation]]":
+    """Condition of the independent equations of a ConstrainedMotion at a state, and those that are weakest.
+
+    The condition is the largest over the last singular value that is counted in the rank.
+    """
+    coordinates = analysis.arrays.coordinate_scale.size
+    q = state[:coordinates].copy()
+    if not np.all(np.isfinite(q)) or not analysis.arrays.equations:
+        return 1.0, []
+    evaluate_jacobian(analysis.system, analysis.work, q)
+    if analysis.work.rank[0] < 1:
+        return 1.0, []
+    weak = conditioning_of_speeds(analysis, analysis.work.jacobian)
+    return weak.condition, weakest_owners(analysis.arrays.equations, weak.combination, MOST_REPORTED)
+
+
+def is_singular(analysis: "ConstrainedMotion", q: np.ndarray, start: np.ndarray) -> bool:
+    """Return whether two motions of a ConstrainedMotion cross near q, and its joints were sound at the start.
+
+    So near to it in time a mere lock is further from losing a rank, by the square root.
+    """
+    if analysis.work.rank[0] < 1:
+        return False
+    gaps = PositionGaps(analysis.arrays, analysis.system, new_work(analysis.arrays))
+    here, usual = (
+        conditioning_of_speeds(analysis, gaps.jacobian(place.copy())).condition for place in (q, start)
+    )
+    return here > max(CROSSED, NEARLY_SINGULAR * usual)
+
+
+def has_gained_rank(analysis: "ConstrainedMotion") -> bool:
+    """Return whether equations that repeated others at the start of a ConstrainedMotion no longer do."""
+    evaluate_jacobian(
+        analysis.system, analysis.work, analysis.integration.z[: analysis.arrays.coordinate_scale.size].copy()
+    )
+    values, rank = np.linalg.svd(analysis.work.jacobian, compute_uv=False), int(analysis.work.rank[0])
+    return bool(len(values) > rank and values[rank] > values[0] / SINGULAR_CONDITION**2)
+
+
+def repeating_here_only(analysis: "ConstrainedMotion") -> "list[Equation]":
+    """Equations that repeat others at the state of a ConstrainedMotion and not beside it, one of each owner.
+
+    Beside it is a small part of some motion that all equations allow: where equations go on repeating
+    others, as in planar loops, it leaves their rank as it was to second order.
+    """
+    arrays, work = analysis.arrays, analysis.work
+    q, rank = analysis.integration.z[: arrays.coordinate_scale.size].copy(), int(work.rank[0])
+    if not np.all(np.isfinite(q)) or not arrays.equations:
+        return []
+    evaluate_jacobian(analysis.system, work, q)
+    free = np.linalg.svd(work.jacobian)[2][rank:]
+    motion = np.random.default_rng(0).uniform(-1.0, 1.0, len(free)) @ free
+    move(arrays.bodies, q, BESIDE * motion * arrays.speed_scale)
+    evaluate_jacobian(analysis.system, work, q)
+    left, values, _ = np.linalg.svd(work.jacobian)
+    if len(values) > rank and values[rank] > values[0] / SINGULAR_CONDITION**2:
+        return weakest_owners(arrays.equations, left[:, rank], MOST_REPORTED)
+    return []
