@@ -10,7 +10,7 @@ axes are 1, 2, 3 everywhere.  SI units; attitudes are Euler parameters (e0, e1, 
 """
 
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,7 +21,6 @@ from .mechanism import TimeGrid, Vector
 
 if TYPE_CHECKING:  # few decks have any
     from collections.abc import Sequence
-    from typing import Any
 
     from .shapes import Shape
 

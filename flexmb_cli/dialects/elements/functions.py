@@ -19,7 +19,7 @@ from ...model.time_functions import (
 )
 from ...quick_dataclass import dataclass
 
-MOST_FUNCTIONS, MOST_VALUES = 20_000, 2_000_000  # of a deck
+MOST_FUNCTIONS, MOST_NUMBERS_OF_FUNCTIONS = 20_000, 2_000_000  # of a deck
 MOST_FACTORS = 1000  # of a product that is multiplied out
 
 
@@ -48,8 +48,8 @@ class Functions:
         self._values = 0
         for function in given:
             self._values += len(function.values)
-            if len(self._records) >= MOST_FUNCTIONS or self._values > MOST_VALUES:
-                message = f"a deck has at most {MOST_FUNCTIONS} functions, of {MOST_VALUES} numbers together"
+            if len(self._records) >= MOST_FUNCTIONS or self._values > MOST_NUMBERS_OF_FUNCTIONS:
+                message = f"a deck has at most {MOST_FUNCTIONS} functions, of {MOST_NUMBERS_OF_FUNCTIONS} numbers together"
                 findings.error(function.record.subject, message, function.record.place, id="ELEMENTS-025")
                 break
             self._take(function)

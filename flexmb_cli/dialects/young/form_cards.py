@@ -14,7 +14,7 @@ from .shape_cards import SHAPE_CARDS
 OPENING, NEXT_CARD, SHAPES = "opening", "card", "GEOMETRY"
 _ANALYSES = (FORWARD.upper(), INVERSE.upper(), SHAPES)
 _REPEATED = "numbers"
-_BY_SECTION = {card.section: card for card in CARDS}
+_CARD_OF = {card.section: card for card in CARDS}
 # Points of action and ends are at the origin of their body where nothing else is said.
 _AT_ORIGIN = {f"{point}.{axis}" for point in ("P", "P_i", "P_j", "centre") for axis in "xyz"}
 OPENING_ENTRY = Entry(
@@ -73,7 +73,7 @@ def _cell(column: Column, optional: bool) -> Cell:
 
 def is_card(record: Record) -> bool:
     """Return whether a record stands behind dT."""
-    return record.section in _BY_SECTION or record.section in (OPENING, NEXT_CARD)
+    return record.section in _CARD_OF or record.section in (OPENING, NEXT_CARD)
 
 
 def faults_of_card(record: Record, bodies: int) -> list[Fault]:
@@ -96,7 +96,7 @@ def _outside(record: Record, value: Number, bodies: int) -> list[Fault]:
 
 
 def _faults_of_repeated(record: Record, value: Number) -> list[Fault]:
-    card, texts = _BY_SECTION[record.section], value.text.split()
+    card, texts = _CARD_OF[record.section], value.text.split()
     columns = card.columns_of(len(card.columns) + len(texts))
     if columns is None:
         message = f"{card.keyword} takes {card.numbers}; read {len(card.columns) + len(texts)}"
@@ -121,12 +121,12 @@ def card_lines(records: Sequence[Record]) -> Iterator[tuple[str, str]]:
     yield (SHAPES if analysis == SHAPES else f"DYNAMICS {analysis.lower()}"), OPENING
     section = ""
     for record in records:
-        if record.section in _BY_SECTION:
+        if record.section in _CARD_OF:
             if record.section != section:
                 section = record.section
                 yield f"{{ {' '.join(value.key for value in record.numbers)} }}", ""
             texts = (value.text for value in record.numbers)
-            yield f"{_BY_SECTION[section].keyword} {' '.join(texts)}", record.prefix
+            yield f"{_CARD_OF[section].keyword} {' '.join(texts)}", record.prefix
         elif record.section == NEXT_CARD:
             yield from _bare(record)
     yield LAST_CARD, ""

@@ -1,6 +1,6 @@
 """Why a mechanism cannot be assembled or moved: gaps, redundant equations and free motions, by name."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,8 +13,6 @@ from ..kinematics.rows import twice_g
 from ..projection import RESIDUAL_MET, Corrections, Instant, project
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ..constrained.position import PositionGaps
 
 

@@ -126,7 +126,7 @@ def test_more_elements_or_functions_than_memory_allows_are_refused(monkeypatch):
 
 
 def test_functions_of_more_numbers_than_memory_allows_are_refused(monkeypatch):
-    monkeypatch.setattr("flexmb_cli.dialects.elements.functions.MOST_VALUES", 6)
+    monkeypatch.setattr("flexmb_cli.dialects.elements.functions.MOST_NUMBERS_OF_FUNCTIONS", 6)
     assert messages("POLYNOMIAL 1 1 2 3 4\nPOLYNOMIAL 2 1 2 3") == [
         "7:12: polynomial 2: a deck has at most 20000 functions, of 6 numbers together"
     ]

@@ -20,7 +20,7 @@ from flexmb_cli.run.model import model_of
 from flexmb_cli.run.outcome import Outcome, RunOptions
 from tests.dialects.vsdf.vsdf_decks import changed
 
-DECKS = Path(__file__).resolve().parents[2] / "decks"
+DECKS = Path(__file__).resolve().parents[3] / "decks"
 SUFFIX = {"young": ".dat", "dafms": ".DAT", "vsdf": ".vsdf"}
 SUPPLIED = sorted(
     str(path.relative_to(DECKS))

@@ -14,7 +14,7 @@ from flexmb_cli.results.figures.scene import read_scene
 from flexmb_cli.run.convert import converted
 from tests.fe.test_stl import binary
 
-DECKS = Path(__file__).resolve().parents[2] / "decks"
+DECKS = Path(__file__).resolve().parents[3] / "decks"
 # Behind DYNAMICS: a tube on the coupler, a wedge on the rocker, a cone on the grounded body 4, a box at rest.
 ON_FOUR_BAR = """GEOM 2 3  0.25 12.2 0.2  0.1 0.2 0.3  1.57 0.2 -0.4
 STL sub/wedge.stl 3 0.5  0 0 1  0.3 0.2 0.1
