@@ -12,6 +12,7 @@ from tests.dialects.dafms.test_dafms_elements import HELD, TWO_LINKS, card, deck
 from tests.dialects.dafms.test_every_card import joined
 from tests.dialects.vsdf.test_elements import TWO_LINKS as VSDF_LINKS
 
+pytestmark = pytest.mark.long_motion
 # Two links: the first driven by a sine, springs and friction at both hinges, a stop and a line spring.
 DRIVER = [function(1, 4, 0, 0.6, 3), card("PREF", integers(1, 3, 1, 0))]
 SECOND = [function(2, 4, 0.6, 0.6, 3, -1.5707963268), card("PREF", integers(2, 3, 2, 0))]

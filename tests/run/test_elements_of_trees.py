@@ -16,6 +16,7 @@ from tests.dialects.dafms.dafms_decks import build, deck_text
 from tests.dialects.dafms.test_dafms_elements import CASES, TWO_LINKS, card, deck, function, integers, reals
 from tests.run.dafms_runs import ENDINGS, altered, run, stop_after
 
+pytestmark = pytest.mark.long_motion
 SHORT = TWO_LINKS.replace("       0.1\nCONN", "      0.01\nCONN")
 # A clamped beam of two nodes, 0.25 m and 0.5 m from the clamp, EI = 5.5 N m2, a spring at its tip.
 POSITIONS, MASSES = np.array([0.25, 0.5]), np.array([0.02145, 0.010725])

@@ -41,6 +41,7 @@ ELEMENTS = (
     ("element rate", "m/s, rad/s", "element_rate"),
     ("element effort", "N, N m", "element_effort"),
     ("element power", "W", "element_power"),
+    ("element energy", "J", "element_energy"),
 )
 ENERGIES = ("kinetic", "potential", "strain")
 

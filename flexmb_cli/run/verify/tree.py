@@ -26,6 +26,7 @@ ELEMENTS = {
     "element/rate": ("element rate", "m/s, rad/s"),
     "element/effort": ("element effort", "N, N m"),
     "element/power": ("element power", "W"),
+    "element/energy": ("element energy", "J"),
     "driver/effort": ("driver effort", "N, N m"),
 }
 POINTS = {"position": "m", "velocity": "m/s"}

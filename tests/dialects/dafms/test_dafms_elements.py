@@ -117,6 +117,7 @@ CASES = {
 }
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("name", CASES)
 def test_an_arm_moves_as_the_same_arm_in_a_young_deck(name):
     young, dafms = CASES[name]

@@ -23,6 +23,7 @@ from flexmb_cli.solvers.constrained.flexible_element_rows import FlexibleElement
 from tests.dialects.vsdf.vsdf_decks import read
 from tests.fe.trusses import truss, write_matrix
 
+pytestmark = pytest.mark.long_motion
 SEED, NODES = 5, 6
 R, _, M, K = truss(SEED, NODES)
 FREE = slice(9, None)  # freedoms of nodes 14, 15, 16; 11, 12, 13 are clamped
