@@ -5,6 +5,7 @@ python docs/_ext/fault_messages.py
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 TOP = Path(__file__).resolve().parents[2]
@@ -15,6 +16,18 @@ MAKERS = {
     "Fault": 1, "error": 1, "warn": 1, "note": 1, "OutputError": 0, "UnsafePlace": 0, "ResultError": 1,
     "ToleranceError": 0, "ClusterError": 0, "WorkersError": 0, "MissingExtra": 0, "FEFileFault": 0,
 }  # fmt: skip
+# Identifiers of faults that are no longer reported, and what took their place; none is given again.
+RETIRED = {
+    "DECK-015": "", "DECK-017": "", "RUN-011": "", "RUN-029": "", "RUN-032": "", "RUN-033": "",
+    "YOUNG-062": "", "YOUNG-105": "ELEMENTS-012", "YOUNG-106": "ELEMENTS-014", "YOUNG-107": "ELEMENTS-015",
+    "YOUNG-108": "ELEMENTS-016", "YOUNG-109": "ELEMENTS-017", "YOUNG-110": "ELEMENTS-018",
+    "YOUNG-111": "ELEMENTS-019", "YOUNG-112": "ELEMENTS-020", "YOUNG-113": "ELEMENTS-021",
+    "YOUNG-114": "ELEMENTS-022", "YOUNG-115": "ELEMENTS-023", "YOUNG-116": "ELEMENTS-001",
+    "YOUNG-117": "ELEMENTS-003", "YOUNG-118": "ELEMENTS-004", "YOUNG-119": "ELEMENTS-005",
+    "YOUNG-120": "ELEMENTS-002", "YOUNG-124": "ELEMENTS-007", "YOUNG-125": "ELEMENTS-008",
+    "YOUNG-126": "ELEMENTS-009", "YOUNG-127": "ELEMENTS-010", "YOUNG-128": "ELEMENTS-006",
+    "YOUNG-129": "ELEMENTS-011", "YOUNG-153": "", "YOUNG-154": "",
+}  # fmt: skip
 HEAD = """# Messages
 
 Every message has an identifier that stays the same when its words change: with `--json` it is the key `id`
@@ -24,17 +37,28 @@ on the input. `python docs/_ext/fault_messages.py` makes this page; a test compa
 | identifier | message |
 |---|---|
 """
+TAIL = """
+## Identifiers that are no longer used
+
+| identifier | replaced by |
+|---|---|
+"""
 
 
-def makers() -> Iterator[tuple[Path, ast.Call, ast.AST]]:
-    """Yield every call that makes a fault: its file, the call, the function around it."""
-    for path in sorted(PACKAGE.rglob("*.py")):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
-        for node in ast.walk(tree):
-            if isinstance(node, ast.Call) and _maker(node):
-                around = [f for f in functions if f.lineno <= node.lineno <= f.end_lineno]
-                yield path, node, max(around, key=lambda f: f.lineno, default=tree)
+@cache
+def makers() -> tuple[tuple[Path, ast.Call, ast.AST], ...]:
+    """Return every call that makes a fault: its file, the call, the function around it."""
+    return tuple(each for path in sorted(PACKAGE.rglob("*.py")) for each in _makers_of(path))
+
+
+def _makers_of(path: Path) -> Iterator[tuple[Path, ast.Call, ast.AST]]:
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    nodes = list(ast.walk(tree))
+    functions = [node for node in nodes if isinstance(node, ast.FunctionDef)]
+    for node in nodes:
+        if isinstance(node, ast.Call) and _maker(node):
+            around = [f for f in functions if f.lineno <= node.lineno <= f.end_lineno]
+            yield path, node, max(around, key=lambda f: f.lineno, default=tree)
 
 
 def _maker(call):
@@ -58,13 +82,13 @@ def words(call: ast.Call, around: ast.AST) -> str:
     node = call.args[place] if len(call.args) > place else None
     if isinstance(node, ast.Name):
         before = [
-            each.value
+            each
             for each in ast.walk(around)
             if isinstance(each, ast.Assign)
             and each.lineno <= call.lineno
             and any(isinstance(target, ast.Name) and target.id == node.id for target in each.targets)
         ]
-        node = before[-1] if before else node
+        node = max(before, key=lambda each: each.lineno).value if before else node
     return " ".join(_text(node).split()) or "…"
 
 
@@ -84,7 +108,8 @@ def page() -> str:
     """Return the text of the page."""
     found = {identifier(call): words(call, around) for _, call, around in makers() if identifier(call)}
     rows = (f"| {name} | {text.replace('|', chr(92) + '|')} |\n" for name, text in sorted(found.items()))
-    return HEAD + "".join(rows)
+    gone = (f"| {name} | {successor} |\n" for name, successor in sorted(RETIRED.items()))
+    return HEAD + "".join(rows) + TAIL + "".join(gone)
 
 
 if __name__ == "__main__":

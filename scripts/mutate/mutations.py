@@ -65,7 +65,8 @@ def all_mutants(tree: Path, files: list[Path]) -> list[Mutant]:
     patterns, used, found = skipped_functions(), set(), []
     for path in files:
         source = path.read_bytes()
-        for node in filter(is_kernel, ast.parse(source).body):
+        # Integrators make kernels within functions, for the parts of a method.
+        for node in filter(is_kernel, ast.walk(ast.parse(source))):
             fits = {p for p in patterns if fnmatch.fnmatchcase(f"{path.stem}.{node.name}", p)}
             used |= fits
             if not fits:

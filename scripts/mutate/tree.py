@@ -11,7 +11,8 @@ from pathlib import Path
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 PACKAGE = "flexmb_cli"
-COPIED = (PACKAGE, "tests", "decks", "scripts", "README.md", "pyproject.toml")
+MADE = shutil.ignore_patterns("__pycache__", ".*", "_build", "build", "dist")  # not of the checkout itself
+LEFT_OUT = ["--ignore=tests/house"]  # tests that read sources and run no kernel
 DECORATORS = {"kernel", "part", "allocating"}
 ONLY = "not long_motion and not processes"
 ENVIRONMENT = {"NUMBA_DISABLE_JIT": "1", "OPENBLAS_NUM_THREADS": "1"}
@@ -20,18 +21,17 @@ ENVIRONMENT = {"NUMBA_DISABLE_JIT": "1", "OPENBLAS_NUM_THREADS": "1"}
 def copy_checkout(folder: Path) -> Path:
     """Copy what tests need into `folder`/tree, changed files only; return it."""
     tree = folder / "tree"
-    for name in COPIED:
+    tree.mkdir(parents=True, exist_ok=True)
+    names = [path.name for path in CHECKOUT.iterdir()]
+    for name in sorted(set(names) - MADE(CHECKOUT, names)):
         source, target = CHECKOUT / name, tree / name
         if source.is_file():
-            tree.mkdir(parents=True, exist_ok=True)
             shutil.copy2(source, target)
             continue
         # Old bytecode beside the tests saves compiling them for every mutant.
         if target.exists():
             _drop_vanished(source, target)
-        shutil.copytree(
-            source, target, dirs_exist_ok=True, ignore=shutil.ignore_patterns("__pycache__", ".hypothesis")
-        )
+        shutil.copytree(source, target, dirs_exist_ok=True, ignore=MADE)
     return tree
 
 
@@ -59,7 +59,7 @@ def kernel_files(tree: Path) -> list[Path]:
 
 
 def _holds_kernels(path):
-    return any(is_kernel(node) for node in ast.parse(path.read_bytes()).body)
+    return any(map(is_kernel, ast.walk(ast.parse(path.read_bytes()))))
 
 
 def read_map(folder: Path) -> list[dict]:
@@ -93,7 +93,7 @@ def _run_mapper(folder, arguments):
     known = {(r["test"], r["digest"]) for r in read_map(folder)}
     mapper = Mapper(folder / "map.jsonl", [str(p) for p in kernel_files(tree)], known, digests)
     options = ["-p", "no:cacheprovider", "-p", "no:xdist", "--hypothesis-seed=0", "-m", ONLY]
-    code = pytest.main([*options, "--rootdir", str(tree), *arguments], plugins=[mapper])
+    code = pytest.main([*options, *LEFT_OUT, "--rootdir", str(tree), *arguments], plugins=[mapper])
     if code not in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED, pytest.ExitCode.NO_TESTS_COLLECTED):
         sys.exit(int(code))
 

@@ -124,6 +124,7 @@ def in_millimetres(folder):
     yield folder / "links.vsdf", ("gravity.g.y=-9810", "time.end=0.02")
 
 
+@pytest.mark.long_motion
 def test_runs_tell_of_units_and_keep_it_in_the_notes(tmp_path):
     for k, (deck, changes) in enumerate(in_millimetres(tmp_path)):
         options = RunOptions(changes=changes, folder=str(tmp_path), no_out=True, h5=f"{tmp_path}/{k}.h5")

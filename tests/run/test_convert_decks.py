@@ -93,6 +93,7 @@ def assert_alike(path, others, limit):
         assert np.abs(turning - omega).max() < 100 * limit * max(1.0, np.abs(omega).max())
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("deck", SUPPLIED)
 def test_a_supplied_deck_moves_alike_in_other_dialects_or_is_refused_with_the_reason(deck, tmp_path):
     own = deck.partition("/")[0]
@@ -154,6 +155,7 @@ END
 """
 
 
+@pytest.mark.long_motion
 def test_a_chain_of_every_joint_moves_alike_in_all_dialects_and_back(tmp_path):
     """Springs, motors and loads over time among them; two formulations and the numbers of three formats."""
     (tmp_path / "chain.dat").write_text(CHAIN)
@@ -246,6 +248,7 @@ STOP
 WELD = "".join(f"    2,{n},{x}\n" for n, x in ((3, "0.0,0.0,0.0"), (4, "0.1,0.3,0.4"), (5, "0.3,0.1,-0.2")))
 
 
+@pytest.mark.long_motion
 def test_links_a_weld_a_pin_and_a_screw_move_alike_in_young_and_back(tmp_path):
     text = LOOPS.replace("    3,1,0.0,0.0,0.0\n", f"{WELD}    3,1,0.0,0.0,0.0\n")
     (tmp_path / "loops.vsdf").write_text(text)
@@ -275,6 +278,7 @@ END
 """
 
 
+@pytest.mark.long_motion
 def test_a_deck_in_millimetres_becomes_one_in_si_units_and_back(tmp_path):
     """1 t mm^2 is 1e-3 kg m^2, 1 N mm 1e-3 N m, and 1 N/mm 1000 N/m."""
     (tmp_path / "mm.dat").write_text(MILLIMETRES)

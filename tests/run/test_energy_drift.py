@@ -46,6 +46,7 @@ def test_steps_that_keep_energy_are_not_doubted(steps, tmp_path):
     assert reported(outcome(tmp_path, pendulum(steps))) == []
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize(("step", "warned"), [("0.1", True), ("0.0", False)])
 def test_the_steps_of_a_vsdf_deck_are_doubted_alike(step, warned, tmp_path):
     text = changed(("       1.0      0.01\n", f"       1.0       0.1{step:>10}\nINTG\n GALF       0.5\n"))

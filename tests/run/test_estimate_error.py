@@ -52,6 +52,7 @@ def test_the_estimate_is_the_error(tmp_path):
     assert found.as_dict()["global_error"] == found.errors
 
 
+@pytest.mark.long_motion
 def test_the_estimate_of_a_tree_is_the_error(tmp_path):
     """Against the same tree in absolute coordinates, to 1e-12."""
     deck = altered(tmp_path, "fourbar_rigid", ("  200\n", "   40\n"))
@@ -66,6 +67,7 @@ def test_the_estimate_of_a_tree_is_the_error(tmp_path):
         assert ours[f"audit/global_error/{path}"] == pytest.approx(error, abs=0.2 * error.max())
 
 
+@pytest.mark.long_motion
 def test_the_estimate_of_rigid_links_is_the_error(tmp_path):
     """Of a VSDF deck, against the same links as a YOUNG deck's, to 1e-11."""
     deck = tmp_path / "links.vsdf"

@@ -58,6 +58,7 @@ def test_rtol_sets_the_steps_of_a_young_deck_and_is_kept_in_the_result(tmp_path)
     assert "no effect" not in reported
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("method", ["dop853", "radau", "alpha"])
 def test_each_method_moves_a_young_deck_alike(tmp_path, method):
     wanted = position(solved(tmp_path, FORWARD, *SHORT, "--rtol", "1e-11")[0])
@@ -68,6 +69,7 @@ def test_each_method_moves_a_young_deck_alike(tmp_path, method):
         assert f"method={method}" in file.attrs["options"]
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("method", ["dop853", "radau", "alpha"])
 def test_each_method_moves_a_vsdf_deck_alike(tmp_path, vsdf, method):
     wanted = position(solved(tmp_path, vsdf, "--method", "dop853", "--rtol", "1e-11")[0])

@@ -65,6 +65,7 @@ def test_other_integrators_resume_to_the_same_bytes(tmp_path, method):
     same_bytes(whole, stopped, "shaft_beam_n2")
 
 
+@pytest.mark.long_motion
 def test_an_interrupted_run_is_marked_and_keeps_its_rows(tmp_path):
     outcome = run("pendulum", tmp_path, stop_after(2))
     assert outcome.status == "interrupted"
@@ -75,6 +76,7 @@ def test_an_interrupted_run_is_marked_and_keeps_its_rows(tmp_path):
     assert (tmp_path / "pendulum.resume").exists()
 
 
+@pytest.mark.long_motion
 def test_resuming_without_a_stopped_run_starts_at_the_beginning_and_says_so(tmp_path):
     said = []
     outcome = run("spatial_rigid", tmp_path, Listener(notice=said.append), resume=True)
@@ -82,6 +84,7 @@ def test_resuming_without_a_stopped_run_starts_at_the_beginning_and_says_so(tmp_
     assert "nothing to resume; the run starts at its beginning" in said
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize(
     ("options", "difference"),
     [
@@ -102,6 +105,7 @@ def test_a_run_with_other_options_is_not_resumed(tmp_path, options, difference):
     assert (tmp_path / "pendulum.resume").read_bytes() == resume_file
 
 
+@pytest.mark.long_motion
 def test_a_run_of_another_deck_or_version_is_not_resumed(tmp_path, monkeypatch):
     deck = altered(tmp_path, "pendulum")
     run(deck, tmp_path, stop_after(1))
@@ -116,6 +120,7 @@ def test_a_run_of_another_deck_or_version_is_not_resumed(tmp_path, monkeypatch):
     assert "is 9.9.9" in error_of(outcome)
 
 
+@pytest.mark.long_motion
 def test_a_run_without_resume_starts_anew(tmp_path):
     run("pendulum", tmp_path, stop_after(1))
     outcome = run("pendulum", tmp_path, changes=("time.IT=50",))

@@ -65,7 +65,13 @@ def files(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
-@pytest.mark.parametrize("name", TEXTS)
+# Interpreted kernels take minutes for steps that forward runs choose.
+QUICK = ("IN-KINEMATIC.dat", "IN-INVERSE.dat", "IN-DOP853.dat")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.long_motion) for name in TEXTS]
+)
 def test_a_mechanism_stopped_twice_and_resumed_gives_the_bytes_of_an_uninterrupted_run(tmp_path, name):
     """Every integrator goes on with the steps it would have taken, and its memory of those before."""
     deck, whole, stopped = tmp_path / name, tmp_path / "whole", tmp_path / "stopped"

@@ -128,6 +128,7 @@ def test_an_arm_moves_as_the_same_arm_in_a_young_deck(name):
     assert other.element_power == pytest.approx(one.element_power, abs=1e-6)
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("method", ["dop853", "radau"])
 def test_a_stiff_hinge_spring_keeps_its_energy_by_both_integrators(method):
     """Two links from rest: what the springs and the weights lose is kinetic."""

@@ -216,6 +216,7 @@ ELEMENTS = (
 )  # fmt: skip
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize(("young", "vsdf"), ELEMENTS)
 def test_an_arm_moves_as_the_same_arm_in_a_young_deck(young, vsdf):
     """Gears of the two dialects are constraints between bodies of other numbers and other joint types."""

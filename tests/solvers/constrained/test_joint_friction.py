@@ -17,6 +17,7 @@ SCREW = """2 0 0 0 0 0 0 0 1 0 0 1
 """
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("card", METHODS.values(), ids=METHODS)
 def test_a_rotor_is_braked_by_its_bearing(card):
     """I ω̇ = -μ m g r: it stops after ω0 I/(μ m g r) = 0.764… s; the energy lost is ½ I ω0²."""

@@ -75,6 +75,7 @@ def turning_cantilever(w):
     )
 
 
+@pytest.mark.long_motion
 def test_a_cantilever_that_turns_slowly_has_southwells_frequencies():
     """In plane omega² = omega_0² + (1.193 - 1) w², the turning being slow against the mode: w = 1 rad/s."""
     mechanism = found("-", "--at", "0", deck=turning_cantilever(1.0))

@@ -88,6 +88,7 @@ def test_four_bar_moves_as_the_equation_of_its_crank_angle_says():
     assert np.max(np.abs(rows.q[:, 0] - exact[0])) <= 1e-7
 
 
+@pytest.mark.long_motion
 def test_assembly_keeps_crank_and_deflections_and_closes_the_loop():
     tree = deck_tree("fourbar_flex")
     off = replace(tree, q=tree.q + np.array([0, 0.2, -0.1, 0, 0, 0, 0]), time=TimeGrid(0.0, 0.01, 0.01))

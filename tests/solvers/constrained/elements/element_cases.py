@@ -1,0 +1,159 @@
+"""A small mechanism for every card of loads, functions and elements that a YOUNG deck can have.
+
+In each the card acts, one more coordinate follows `MOTION`, and nothing else is free: an inverse run finds
+the effort that the coordinate needs, a forward run with this effort must give the motion back.
+"""
+
+import re
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from flexmb_cli.dialects.young.dynamic_cards import CARDS
+from tests.solvers.constrained.element_decks import ARM, ROTOR, SLIDER, TWO_ROTORS, rows_of
+
+# What acts on the motion; the others give masses, gravity, the start, integrators and pictures.
+OTHERS = {"MASS", "GRAVITY", "VELOCITY", "TOLERANCE", "GALF", "RAD5", "GEOM", "STL"}
+KEYWORDS = tuple(card.keyword for card in CARDS if card.keyword not in OTHERS)
+END, STEP = 0.2, 0.002  # s
+POWERS = (1.2, 0.9, -0.7)  # the motion is 1.2 t + 0.9 t² - 0.7 t³, rad or m
+MOTION = f"POLYNOMIAL 90 0 {' '.join(map(str, POWERS))}\n"
+HALFWAY = 0.1  # s, where tables bend and stops are met
+CUT = 1e-6  # s, in which one spline follows another
+AT_HALFWAY = sum(c * HALFWAY**k for k, c in enumerate(POWERS, 1))
+
+
+def motion(t):
+    """The coordinate that is driven, and its rate."""
+    a, b, c = POWERS
+    return t * (a + t * (b + t * c)), a + t * (2 * b + t * 3 * c)
+
+
+_FRAMES = "0 0 0 1 0 0 0\n"
+# Body 2 slides along x, body 3 turns on it about z.
+CART = (
+    f"3 0 0 0 0 1 0 1 0 0 0 1\n{_FRAMES * 3}2 3 0 0 0 0 0 0 0 0 1 0 0 1\n"
+    "1 2 0 0 0 0 0 0 1 0 0 1 0 0 0 1 0 0 0 1\n1 0 0 0 0 0 0\n"
+)
+# The same with the slide along x as a simplified constraint of body 2, which holds the others too.
+HELD = (
+    f"3 0 0 0 0 1 0 0 0 6 0 1\n{_FRAMES * 3}2 3 0 0 0 0 0 0 0 0 1 0 0 1\n"
+    + "".join(f"2 {k} 0\n" for k in range(1, 7))
+    + "1 0 0 0 0 0 0\n"
+)
+# The arm, whose first body has a driver about z.
+DRIVEN_ARM = ARM.replace("3 0 0", "3 1 0", 1).replace("1 0 0 1 0 0 0\n", "1 0 0 1 0 0 0\n2 6 0 0 0\n", 1)
+# Body 2 turns about z, body 3 slides along x, 1.2 m from the axis.
+CRANK = (
+    f"3 0 0 0 0 1 0 1 0 0 0 1\n{_FRAMES * 2}1.2 0 0 1 0 0 0\n1 2 0 0 0 0 0 0 0 0 1 0 0 1\n"
+    "1 3 1.2 0 0 0 0 0 2.2 0 0 1 0 0 1.2 1 0 0 0 1\n1 0 0 0 0 0 0\n"
+)
+# Body 2 turns about z; body 3 turns and slides along z, 1 m beside it.
+CRANK_AND_SLEEVE = (
+    f"3 0 0 0 0 1 1 0 0 0 0 1\n{_FRAMES * 2}1 0 0 1 0 0 0\n1 2 0 0 0 0 0 0 0 0 1 0 0 1\n"
+    "1 3 1 0 0 0 0 0 1 0 1 0 0 1\n1 0 0 0 0 0 0\n"
+)
+# Body 2 turns about z; body 3 turns on its end, at (0.4, 0, 0), and points through (1, 0, 0).
+SWIVEL = (
+    f"3 0 0 0 0 2 0 0 0 0 0 1\n{_FRAMES * 2}0.4 0 0 1 0 0 0\n1 2 0 0 0 0 0 0 0 0 1 0 0 1\n"
+    "2 3 0.4 0 0 0 0 0 0.4 0 1 0 0 1\n1 0 0 0 0 0 0\n"
+)
+TURNED = "MASS 2 1.5 0.3 0.1 0 0.2 0.3 0.5\nGRAVITY 1.2 -9.81 0.4\n"
+SLID = "MASS 2 2 0.1 0.2 0 1 1 1\nGRAVITY 1.2 -9.81 0.4\n"
+TWO = "MASS 2 1.5 0.4 0 0 0.1 0.2 0.2\nMASS 3 0.8 0.3 0.1 0 0.05 0.1 0.1\nGRAVITY 1.2 -9.81 0.4\n"
+
+
+@dataclass(frozen=True)
+class Case:
+    """A mechanism, its cards and the joint coordinate (from 1; 1: angle, 2: stroke) that follows `MOTION`."""
+
+    mechanism: str
+    cards: str
+    joint: int = 1
+    coordinate: int = 1
+    breaks: tuple[float, ...] = ()  # s, where the effort bends
+    column: int = -1  # of its driver among the efforts: angles come before strokes
+
+    @property
+    def driver(self) -> str:
+        """The card that lets the coordinate follow `MOTION`."""
+        return f"{MOTION}{('ANGLE', 'STROKE')[self.coordinate - 1]} {self.joint} 90\n"
+
+    def motor(self, times, efforts) -> str:
+        """Cards of an effort given at `times`, cubic between the breaks, and of the rate at the start."""
+        pieces = [0.0, *self.breaks, END]
+        text, parts = "", []
+        for k, (first, last) in enumerate(pairwise(pieces)):
+            rows = (times > first - 1e-9) & (times < last + 1e-9)
+            pairs = zip(times[rows].tolist(), efforts[rows].tolist(), strict=True)
+            text += f"SPLINE {100 + k} " + " ".join(f"{t!r} {v!r}" for t, v in pairs) + "\n"
+            # The end pieces of a spline go on: a window cuts them off, where its neighbour has all but the
+            # same value.
+            rise, fall = first - 1.0 * (k == 0), last + 1.0 * (last == END)
+            text += f"TABLE {200 + k} {rise!r} 0 {rise + CUT!r} 1 {fall!r} 1 {fall + CUT!r} 0\n"
+            text += f"PRODUCT {300 + k} {100 + k} {200 + k}\n"
+            parts.append(str(300 + k))
+        text += f"SUM 99 {' '.join(parts)}\n{('TMOTOR', 'AMOTOR')[self.coordinate - 1]} {self.joint} 99\n"
+        return f"{text}RATE {self.joint} {self.coordinate} {POWERS[0]}\n"
+
+
+def _varied(function: str, *breaks: float) -> Case:
+    """A torque that function 5 multiplies."""
+    return Case(ROTOR, f"{TURNED}{function}\nTORQUE 2 0 0 2 0 5\n", breaks=breaks)
+
+
+_SLOPES = "POLYNOMIAL 5 0 0 0 40\nPOLYNOMIAL 6 0 0.3 0.1\n"
+CASES = {
+    "FORCE": Case(ROTOR, f"{TURNED}FORCE 2 0.5 0.1 0 3 -2 1\n"),
+    "TORQUE": Case(ROTOR, f"{TURNED}TORQUE 2 0.1 0.2 -1.4\n"),
+    "SPRING": Case(ROTOR, f"{TURNED}SPRING 0 2 2 0.3 0 1 0 0 30 0.5 0.7\n"),
+    "DAMPER": Case(ROTOR, f"{TURNED}DAMPER 0 2 2 0.3 0 1 0 0 1.7\n"),
+    "TABLE": _varied(f"TABLE 5 0 0.3 {HALFWAY} 1.8 0.3 -0.4", HALFWAY),
+    "SPLINE": _varied("SPLINE 5 0 0.3 0.05 1.1 0.1 0.8 0.15 0.4 0.3 0.9", 0.05, HALFWAY, 0.15),
+    "POLYNOMIAL": _varied("POLYNOMIAL 5 0.2 4 -30 50"),
+    "SINE": _varied("SINE 5 0.1 0.8 9 0.4"),
+    "RAMP": _varied("RAMP 5 0.05 0.2 0.15 1.9", 0.05, 0.15),
+    "STEP": _varied("STEP 5 0.05 0.2 0.15 1.9", 0.05, 0.15),
+    "SUM": _varied("SINE 3 0.1 0.8 9\nPOLYNOMIAL 4 0.2 1 -3\nSUM 5 3 4 3"),
+    "PRODUCT": _varied("SINE 3 0.1 0.8 9\nPOLYNOMIAL 4 0.2 1 -3\nPRODUCT 5 3 4 3"),
+    "DRIVE": Case(DRIVEN_ARM, f"{TWO}SINE 5 0 0.7 3\nDRIVE 1 5\n", joint=2),
+    "SUPPORT": Case(HELD, f"{TWO}SINE 5 0 0.3 6\nSUPPORT 1 5\n"),
+    "ANGLE": Case(ARM, f"{TWO}SINE 5 0 0.7 3\nANGLE 1 5\n", joint=2),
+    "STROKE": Case(CART, f"{TWO}SINE 5 0.2 0.7 3\nSTROKE 2 5 1\n", column=0),
+    "TMOTOR": Case(ROTOR, f"{TURNED}SINE 5 0.1 0.8 9 0.4\nTMOTOR 1 5\n"),
+    "AMOTOR": Case(SLIDER, f"{SLID}SINE 5 0.1 0.8 9 0.4\nAMOTOR 1 5\n", coordinate=2),
+    "TSPRING": Case(ROTOR, f"{TURNED}{_SLOPES}TSPRING 1 8 0.1 0.4 1.6 5 6\n"),
+    "ASPRING": Case(SLIDER, f"{SLID}{_SLOPES}ASPRING 1 80 0.1 0.9 1.6 5 6\n", coordinate=2),
+    "TSTOP": Case(ROTOR, f"{TURNED}TSTOP 1 -1 {AT_HALFWAY} 60 0.3\n", breaks=(HALFWAY,)),
+    "ASTOP": Case(SLIDER, f"{SLID}ASTOP 1 -1 {AT_HALFWAY} 300 0.3\n", coordinate=2, breaks=(HALFWAY,)),
+    "LSPRING": Case(ROTOR, f"{TURNED}{_SLOPES}LSPRING 0 2 2 0.3 0 1 0 0 30 0.5 0.7 4 5 6\n"),
+    "CABLE": Case(ROTOR, f"{TURNED}CABLE 0 2 2 0.3 0 1 0 0 80 0.6 0.2\n"),
+    "BUSHING": Case(
+        ROTOR, f"{TURNED}BUSHING 0 2 0.1 0 0 0.1 0.02 0 90 160 250 6 9 16 5 6 7 0.2 0.3 0.4\n"
+    ),
+    "COUPLING": Case(TWO_ROTORS, f"{TWO}COUPLING 1 1 2 2 1 -1\n"),
+    "FRICTION": Case(ROTOR, f"{TURNED}FRICTION 1 0.2 0.25 0.5 1e-3 0.04 3\n"),
+    "REVCYL": Case(SWIVEL, f"{TWO}REVCYL 0 3 1 0 0 0 0 0 0 0 1 1 0 0\n"),
+    "REVSPH": Case(CRANK_AND_SLEEVE, f"{TWO}REVSPH 2 3 0.1 0.3 0 -0.2 0.8 0 -0.05 0.07 0.3 {0.74**0.5!r}\n"),
+    "SPHSPH": Case(CRANK, f"{TWO}SPHSPH 2 3 0.2 0.1 0 0 0.3 0 {1.04**0.5!r}\n"),
+    "RATE": Case(ROTOR, TURNED),
+    "JOINTS": Case(ROTOR, f"{TURNED}JOINTS\n"),
+}  # fmt: skip
+
+
+def without(keyword: str, case: Case) -> str:
+    """The cards of a case without those of its keyword."""
+    return re.sub(rf"^{keyword} .*\n", "", case.cards, flags=re.MULTILINE)
+
+
+def inverse(case: Case):
+    """Rows of the run in which the coordinate is driven; its driver stands last."""
+    return rows_of(case.mechanism, f"0 {END} {STEP}", case.cards + case.driver, "inverse")
+
+
+def forward(case: Case, driven, method: str):
+    """Rows of the run that the effort of the rows `driven` moves, and which of these have the same times."""
+    cards = case.cards + case.motor(driven.time, driven.driver_effort[:, case.column]) + method
+    found = rows_of(case.mechanism, f"0 {END} {END / 10}", cards)
+    return found, np.searchsorted(driven.time, found.time - 1e-9)
