@@ -113,7 +113,9 @@ def _tell_version(context: click.Context, option: Any, asked: bool) -> None:
     context.exit()
 
 
+# Versions of click differ in the brackets of the metavar.
 @click.group(cls=Group, invoke_without_command=True, epilog=epilog("flexmb"),
+             subcommand_metavar="[COMMAND] [ARGS]...",
              context_settings={"help_option_names": ["-h", "--help"]})  # fmt: skip
 @click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_tell_version,
               help="Show the version, and in a checkout the commit, and exit.")  # fmt: skip

@@ -1,6 +1,6 @@
 """Cards of shapes, the same in all dialects: primitives by their sizes, and STL files, on rigid bodies."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,9 @@ from ..quick_dataclass import dataclass
 
 OFFSET = tuple(f"offset.{axis}" for axis in "xyz")
 ANGLES = ("alpha", "beta", "gamma")
+
+
+MOST_TRIANGLES = 1_000_000  # of a deck: hundreds of its lines may name one large file
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,20 @@ def on_rigid_body(record: Record, keys: Keys, rigid: Sequence[bool], findings: F
         findings.error(record.subject, message, number.place, id="DECK-018")
         return False
     return True
+
+
+def few_enough(found: Iterable[tuple[Record, Shape | None]], findings: Findings) -> tuple[Shape, ...]:
+    """Return the shapes of records, and a fault where they have too many triangles together."""
+    shapes: list[Shape] = []
+    count = 0
+    for record, shape in found:
+        count += len(shape.triangles) if shape else 0
+        if count > MOST_TRIANGLES:
+            message = f"the shapes of a deck have at most {MOST_TRIANGLES} triangles together; draw fewer"
+            findings.error(record.subject, message, record.place, id="DECK-041")
+            break
+        shapes += [shape] if shape else []
+    return tuple(shapes)
 
 
 def primitive_of(record: Record, kind: str, keys: Keys, findings: Findings) -> Shape | None:

@@ -15,10 +15,10 @@ from ._numba import AttributeTemplate, infer_getattr, models, register_model, ty
 
 
 class Field(NamedTuple):
-    """A field of a tuple: the place of its first word, and its type of numba's."""
+    """A field of a tuple."""
 
-    first: int
-    kind: types.Type
+    first: int  # place of its first word
+    kind: types.Type  # numba's type of it
 
 
 class TupleReference(types.Type):

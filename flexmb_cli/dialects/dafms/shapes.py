@@ -7,7 +7,7 @@ from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.exchange.shapes import RigidShape
 from ...model.shapes import KINDS, Shape
-from ..body_shapes import Keys, on_rigid_body, primitive_of, rigid_shapes
+from ..body_shapes import Keys, few_enough, on_rigid_body, primitive_of, rigid_shapes
 
 if TYPE_CHECKING:
     from ...deck.record import Record
@@ -20,11 +20,11 @@ def build_shapes(values: DeckValues, findings: Findings) -> tuple[Shape, ...]:
     count = values.number("counts", 0, "N").value
     rigid = [values.number("counts", k, "NUMNP").value == 0 for k in range(1, count + 1)]
     found = (
-        _shape(record, findings)
+        (record, _shape(record, findings))
         for record in values.section("shape")
         if on_rigid_body(record, _KEYS, rigid, findings)
     )
-    return tuple(shape for shape in found if shape is not None)
+    return few_enough(found, findings)
 
 
 def exchanged_shapes(deck: Deck) -> tuple[RigidShape, ...]:

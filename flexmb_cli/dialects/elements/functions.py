@@ -1,5 +1,6 @@
 """Cards of functions of time, for every dialect."""
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
 from typing import Any
@@ -19,8 +20,9 @@ from ...model.time_functions import (
 )
 from ...quick_dataclass import dataclass
 
-MOST_FUNCTIONS, MOST_NUMBERS_OF_FUNCTIONS = 20_000, 2_000_000  # of a deck
-MOST_FACTORS = 1000  # of a product that is multiplied out
+MOST_FUNCTIONS, LARGEST_TABLES = 20_000, 2_000_000  # of a deck
+MOST_FACTORS = 1000  # of a term, and terms, of what is multiplied out
+SHORTEST = 1e-50  # of the distance of two points, s: slopes of larger numbers would leave the doubles
 
 
 @dataclass(frozen=True)
@@ -48,8 +50,10 @@ class Functions:
         self._values = 0
         for function in given:
             self._values += len(function.values)
-            if len(self._records) >= MOST_FUNCTIONS or self._values > MOST_NUMBERS_OF_FUNCTIONS:
-                message = f"a deck has at most {MOST_FUNCTIONS} functions, of {MOST_NUMBERS_OF_FUNCTIONS} numbers together"
+            if len(self._records) >= MOST_FUNCTIONS or self._values > LARGEST_TABLES:
+                message = (
+                    f"a deck has at most {MOST_FUNCTIONS} functions, of {LARGEST_TABLES} numbers together"
+                )
                 findings.error(function.record.subject, message, function.record.place, id="ELEMENTS-025")
                 break
             self._take(function)
@@ -151,6 +155,10 @@ def _points(functions: Any, given: Any, make: Callable[..., Any]) -> MotionFunct
             )
             functions.findings.error(given.record.subject, message, given.place(2 * k), id="ELEMENTS-020")
             return None
+        if after - before < SHORTEST:
+            message = f"{after:g} follows {before:g} by less than {SHORTEST:g}, too short to compute with"
+            functions.findings.error(given.record.subject, message, given.place(2 * k), id="ELEMENTS-026")
+            return None
     return piecewise(make(times, found))
 
 
@@ -164,7 +172,7 @@ def _sine(_functions: Any, given: Any) -> Any:
 
 def _between(functions: Any, given: Any, make: Any) -> Any:
     ends = [float(value) for value in given.values]
-    if not ends[0] < ends[2]:
+    if not ends[0] + SHORTEST < ends[2]:
         message = f"the end {ends[2]:g} s must be later than the start {ends[0]:g} s"
         functions.findings.error(given.record.subject, message, given.place(2), id="ELEMENTS-021")
         return None
@@ -186,12 +194,22 @@ def _combined(known: Any, given: Any, combine: Any) -> Any:
         parts.append(part)
     if None in parts:
         return None
-    found = combine(parts)
-    if len(found.terms) > MOST_FACTORS:
-        many = f"multiplied out it has {len(found.terms)} terms, more than {MOST_FACTORS}; use fewer sums"
-        known.findings.error(given.record.subject, many, given.record.place, id="ELEMENTS-023")
+    # Before they are multiplied out: forty cards that square the one above have 2^40 factors.
+    terms, factors = _multiplied_out(parts, combine)
+    if max(terms, factors) > MOST_FACTORS:
+        many = f"multiplied out it has {terms} terms of {factors} factors, more than {MOST_FACTORS}"
+        message = f"{many}; use fewer {'sums' if terms > factors else 'products'}"
+        known.findings.error(given.record.subject, message, given.record.place, id="ELEMENTS-023")
         return None
-    return found
+    known._values += terms * factors
+    return combine(parts)
+
+
+def _multiplied_out(parts: Sequence[MotionFunction], combine: Callable[..., Any]) -> tuple[int, int]:
+    """Return how many terms a sum or product of functions has, and factors its longest one."""
+    terms = [len(part.terms) or 1 for part in parts]
+    factors = [max(map(len, part.terms), default=1) for part in parts]
+    return (sum(terms), max(factors)) if combine is sum_of else (math.prod(terms), sum(factors))
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ BETWEEN = Corrections(met=1e-9, most=7, dependent=1e-6)  # of a position between
 class Row(NamedTuple):
     """A report row that was looked at."""
 
-    t: float
+    t: float  # s
     q: Any  # coordinates (N,); None of an old row
     value: float  # its last singular value that counts, of the largest
 

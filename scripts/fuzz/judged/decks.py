@@ -10,15 +10,19 @@ from damage import damaged_text
 from .young_text import COUNTED
 
 DECKS = Path(__file__).parents[3] / "decks"
+SEEDS = Path(__file__).parents[1] / "seeds"  # functions and elements, which few supplied decks have
 WORDS_FIRST = {"body": 0, "point": 1, "distance": 3, "ground": 1}  # else two: bodies, or body and direction
 # Decks that a process solves in about a twentieth of a second, their share, and what keeps a run short.
 # Rows and steps of VSDF decks are short enough that the highest modes show in the differences of rows.
 QUICK = (
-    ("young/IN[12]-*.dat", 73, ()),
+    ("young/IN[12]-*.dat", 63, ()),
     ("young/IN[-45]*.dat", 4, ()),
     ("young/dynamics/IN4-BAR-MASS.dat", 3, ("time.end=0.1", "time.step=0.05")),
+    ("young/[de]*.dat", 4, ()),
+    ("dafms/elements.DAT", 3, ()),
+    ("vsdf/elements.vsdf", 3, ()),
     ("dafms/[ps]*.DAT", 17, ("time.IT=8",)),
-    ("vsdf/*.vsdf", 3, ("time.end=0.001", "time.output=5e-5", "time.step=5e-5")),
+    ("vsdf/[!e]*.vsdf", 3, ("time.end=0.001", "time.output=5e-5", "time.step=5e-5")),
 )
 # Stiff or large: half a second a deck.
 LEFT_OUT = (
@@ -50,7 +54,8 @@ def damaged(chance: random.Random, dialect: str = "") -> Damaged:
     """A damaged deck of some dialect, or of the one named."""
     kinds = [kind for kind in QUICK if kind[0].startswith(dialect)]
     pattern, _, changes = chance.choices(kinds, [share for _, share, _ in kinds])[0]
-    decks = [path for path in sorted(DECKS.glob(pattern)) if path.stem not in LEFT_OUT]
+    found = [*sorted(DECKS.glob(pattern)), *sorted(SEEDS.glob(pattern))]
+    decks = [path for path in found if path.stem not in LEFT_OUT]
     path = chance.choice(decks)
     raw = path.read_bytes()
     if chance.random() < CARELESS:

@@ -126,7 +126,7 @@ def test_more_elements_or_functions_than_memory_allows_are_refused(monkeypatch):
 
 
 def test_functions_of_more_numbers_than_memory_allows_are_refused(monkeypatch):
-    monkeypatch.setattr("flexmb_cli.dialects.elements.functions.MOST_NUMBERS_OF_FUNCTIONS", 6)
+    monkeypatch.setattr("flexmb_cli.dialects.elements.functions.LARGEST_TABLES", 6)
     assert messages("POLYNOMIAL 1 1 2 3 4\nPOLYNOMIAL 2 1 2 3") == [
         "7:12: polynomial 2: a deck has at most 20000 functions, of 6 numbers together"
     ]
@@ -156,4 +156,25 @@ def test_numbers_of_a_long_card_are_found_by_their_keys():
 def test_a_card_of_too_many_numbers_is_refused():
     assert messages(f"POLYNOMIAL 1 {'1 ' * MOST_NUMBERS}") == [
         "6:1: polynomial 1: POLYNOMIAL takes at most 200000 numbers; read 200001"
+    ]
+
+
+def test_products_that_grow_with_every_card_are_refused_before_they_are_multiplied_out():
+    """Forty cards that square the one above had 2^40 factors, five factors of 1000 terms 10^15 terms."""
+    squares = "\n".join(f"PRODUCT {k} {k - 1} {k - 1}" for k in range(2, 41))
+    found = messages(f"SINE 1 0 1 2\n{squares}")
+    assert found[0] == (
+        "16:9: product 10: multiplied out it has 1 terms of 1024 factors, more than 1000; use fewer products"
+    )
+    sums = f"SUM 2 {'1 ' * 1000}\nPRODUCT 3 2 2 2 2 2"
+    assert "it has 1000000000000000 terms of 5 factors" in messages(f"SINE 1 0 1 2\n{sums}")[0]
+
+
+def test_points_too_near_for_a_slope_are_refused():
+    """The slope of a table was infinite, and flexmb ended with a fault of its own."""
+    assert messages("TABLE 1 0 0 1e-320 1") == [
+        "6:13: table 1: 9.99989e-321 follows 0 by less than 1e-50, too short to compute with"
+    ]
+    assert messages("STEP 1 0 0 1e-320 1") == [
+        "6:12: step 1: the end 9.99989e-321 s must be later than the start 0 s"
     ]
