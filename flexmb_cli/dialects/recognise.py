@@ -64,6 +64,8 @@ def _meant_instead(first: Word, lines: Sequence[str]) -> str:
         return "a comment is opened here and never closed with }"
     if any("\uff01" <= letter <= "\uff5e" for letter in first.text):
         return "these are full-width characters; type the deck in plain ASCII ones"
+    if set(first.text) == {"#"}:
+        return "this is a page of text (Markdown), not a deck"
     printed = next((d.title for d in every_dialect() if _is_listing(d, lines)), "")
     return (
         f"this is a table that a {printed} run printed; give the deck it was computed from" if printed else ""

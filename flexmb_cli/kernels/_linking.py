@@ -187,11 +187,11 @@ class Kernel(CPUDispatcher):
 
 
 class Entry(NamedTuple):
-    """A kernel that Python calls: its name "module.function", and the parameters of `_arguments`."""
+    """A kernel that Python calls."""
 
-    name: str
-    kernel: Kernel
-    parameters: list
+    name: str  # "module.function"
+    kernel: Kernel  # the Python function
+    parameters: list  # as `_arguments` describes them
 
 
 def this_machine() -> tuple[str, str]:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from llvmlite import ir
 
+from ._allocator import WORD
 from ._arguments import NotDescribedError, described_dtype, size_of
 from ._numba import (
     cgutils,
@@ -21,8 +22,6 @@ from ._tuple_references import Field, TupleReference
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-_WORD = ir.IntType(64)
 
 
 def numba_type(parameter: Any):
@@ -60,7 +59,7 @@ def add_wrapper(context: Any, module: ir.Module, symbol: str, compiled: Any) -> 
     """Define int symbol(int64 *words, int64 *results), which calls a part; not 0 where that failed."""
     result_of(compiled.signature.return_type)
     code = ir.IntType(32)
-    function = ir.Function(module, ir.FunctionType(code, [_WORD.as_pointer()] * 2), symbol)
+    function = ir.Function(module, ir.FunctionType(code, [WORD.as_pointer()] * 2), symbol)
     builder = ir.IRBuilder(function.append_basic_block())
     signature = compiled.signature
     values = list(_values(context, builder, function.args[0], signature.args))
@@ -92,22 +91,22 @@ def _size(kind) -> int:
 def _value(context, builder, words, first: int, kind):
     """numba's value of the type `kind` from word `first` on."""
     if isinstance(kind, TupleReference):
-        return builder.gep(words, [_WORD(first)])
+        return builder.gep(words, [WORD(first)])
     if isinstance(kind, types.BaseTuple):
         return context.make_tuple(builder, kind, list(_values(context, builder, words, kind, first)))
     if isinstance(kind, types.Array):
         data = _read(builder, words, first, context.get_data_type(kind.dtype).as_pointer())
-        shape = [_read(builder, words, first + 1 + axis, _WORD) for axis in range(kind.ndim)]
+        shape = [_read(builder, words, first + 1 + axis, WORD) for axis in range(kind.ndim)]
         return _contiguous(context, builder, kind, data, shape, None)
     if isinstance(kind, types.Float):
         return _read(builder, words, first, ir.DoubleType())
-    word = _read(builder, words, first, _WORD)
-    return builder.icmp_unsigned("!=", word, _WORD(0)) if isinstance(kind, types.Boolean) else word
+    word = _read(builder, words, first, WORD)
+    return builder.icmp_unsigned("!=", word, WORD(0)) if isinstance(kind, types.Boolean) else word
 
 
 def _read(builder, words, place: int, kind):
     """The word at a place as a value of LLVM's type `kind`; no store of a kernel changes it."""
-    at = builder.bitcast(builder.gep(words, [_WORD(place)]), kind.as_pointer())
+    at = builder.bitcast(builder.gep(words, [WORD(place)]), kind.as_pointer())
     word = builder.load(at)
     word.set_metadata("invariant.load", builder.module.add_metadata([]))
     return word
@@ -122,7 +121,7 @@ def _field_value(context, builder, reference, words, name: str):
 
 def _contiguous(context, builder, kind, data, shape, owner):
     """numba's value of an array in the memory of `owner`."""
-    size = _WORD(context.get_abi_sizeof(context.get_data_type(kind.dtype)))
+    size = WORD(context.get_abi_sizeof(context.get_data_type(kind.dtype)))
     strides = [size]
     for length in reversed(shape[1:]):
         strides.insert(0, builder.mul(strides[0], length))
@@ -162,8 +161,8 @@ def _store_result(builder, kind, value, room, k: Any):
             k = _store_result(builder, part, builder.extract_value(value, place), room, k)
         return k
     if isinstance(kind, types.Float):
-        value = builder.bitcast(value, _WORD)
+        value = builder.bitcast(value, WORD)
     elif isinstance(kind, types.Boolean):
-        value = builder.zext(value, _WORD)
-    builder.store(value, builder.gep(room, [_WORD(k)]))
+        value = builder.zext(value, WORD)
+    builder.store(value, builder.gep(room, [WORD(k)]))
     return k + 1

@@ -43,3 +43,10 @@ def test_a_deck_in_full_width_characters_is_named_and_shown():
 def test_a_comment_without_end_is_named_before_the_dialect():
     with pytest.raises(DeckError, match="a comment is opened here and never closed with }"):
         recognise(["{ four bar", *(line.replace("}", "") for line in FOUR_BAR.splitlines())])
+
+
+def test_a_page_of_text_is_no_printed_table_although_it_shows_one():
+    page = Path(__file__).resolve().parents[2] / "README.md"
+    with pytest.raises(DeckError, match="a page of text") as refused:
+        recognise(page.read_text(encoding="utf-8").splitlines())
+    assert "YOUNG run printed" not in str(refused.value)

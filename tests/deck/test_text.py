@@ -58,7 +58,10 @@ def test_a_missing_file_has_no_place(tmp_path):
 
 
 def test_a_directory_is_no_deck(tmp_path):
-    assert message(tmp_path) == ("is a directory, not a deck", None)
+    assert message(tmp_path) == (
+        f"is a directory, not a deck; give the files in it, such as {tmp_path}/*",
+        None,
+    )
 
 
 @pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="root may read everything")

@@ -7,21 +7,19 @@ names, meanings and units are those of the reader's table.
 from collections.abc import Sequence
 
 from ...deck import number
-from ...deck.questions import INTEGER, REAL, TEXT, Cell, Entry
+from ...deck.questions import INTEGER, MOST_ASKED, REAL, TITLE_ENTRY, Cell, Entry
 from ...deck.record import Record
 from ...errors import Fault
 from .build import faults_of_last
 from .equation_count import imbalance
 from .sections import COUNTS, YOUNG_SECTIONS, Column, Section
 
-MOST = 1000
 """Largest count that is asked for one by one; a deck beyond it is a program's work."""
 
 # Where an empty answer is sensible: joint points and frames at the origin, at rest and not turned.
 _ZERO = {"x", "y", "z", "e1", "e2", "e3", "C", "A", "value", "alpha", "beta", "gamma", "start"}
 _ZERO |= {f"P_{side}.{axis}" for side in "ij" for axis in "xyz"}
 _DEFAULTS = {**dict.fromkeys(_ZERO, "0"), "e0": "1"}
-_TITLE = Entry("title", 0, "title", (Cell("text", "one line on the mechanism", letter=TEXT, default=""),))
 
 
 class YoungForm:
@@ -31,7 +29,7 @@ class YoungForm:
 
     def entries(self, values: dict[str, str]) -> list[Entry]:
         """Title and counts, then the records that the counts announce."""
-        entries = [_TITLE, _entry(COUNTS, 0, values)]
+        entries = [TITLE_ENTRY, _entry(COUNTS, 0, values)]
         counts = _counts(values)
         for section in YOUNG_SECTIONS[1:] if counts else ():
             numbers = range(1, counts[section.count] + 1) if section.count else [0]
@@ -68,7 +66,7 @@ def _counts(values: dict[str, str]) -> dict[str, int]:
         counts = {c.key: number.integer(values[f"counts.{c.key}"])[0] for c in COUNTS.columns}
     except (KeyError, number.Misspelt):
         return {}
-    return counts if max(counts.values()) <= MOST else {}
+    return counts if max(counts.values()) <= MOST_ASKED else {}
 
 
 def _entry(section: Section, k: int, values: dict[str, str]) -> Entry:
@@ -96,8 +94,8 @@ def _faults_of_counts(record: Record, complete: bool) -> list[Fault]:
     faults = []
     for count in record.numbers:
         least = 1 if count.key == "NBODY" else 0
-        if not least <= count.value <= MOST:
-            message = f"{count.key} must be within {least}..{MOST}; read {count.text}"
+        if not least <= count.value <= MOST_ASKED:
+            message = f"{count.key} must be within {least}..{MOST_ASKED}; read {count.text}"
             faults.append(Fault("error", message, count.place, "counts", id="YOUNG-028"))
     if complete and not faults:
         wrong = imbalance({n.key: n.value for n in record.numbers})

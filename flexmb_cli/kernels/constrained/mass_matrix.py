@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 
 from .._jit import kernel, part
 from ..linalg.blocks import block
+from ..linalg.rotation import A
 from . import floating_frame
-from .system import PRODUCT, A, System, Work
+from .system import PRODUCT, System, Work
 
 if TYPE_CHECKING:
     import numpy as np

@@ -13,11 +13,10 @@ from ...errors import Place
 from ...quick_dataclass import dataclass, fields
 from ..joint_elements import JointDriver, JointElements, JointMotor
 from ..loads import AppliedForce, AppliedTorque, SpringDamper
-from ..mechanism import Point, TimeGrid, Vector
+from ..mechanism import GROUND, Point, TimeGrid, Vector
 from ..time_functions import MotionFunction
 from ..vectors import rotation_matrix
 
-GROUND = -1
 EXPLICIT, RADAU, ALPHA = "explicit", "radau", "alpha"
 
 

@@ -56,7 +56,10 @@ class Compared:
         if self.failure is not None:
             lines = getattr(self.failure, "lines", ())
             return compiler_style(self.failure.file or self.pair.name, self.failure.faults, lines) + "\n"
-        return self.report.text() if self.report else f"{visible(self.missing)}\n"
+        if not self.report:
+            return f"{visible(self.missing)}\n"
+        # What differs is read with the name of its file in mind.
+        return f"{visible(self.pair.name)}\n{self.report.text()}"
 
     def as_dict(self) -> dict:
         """Plain record for `--json`."""

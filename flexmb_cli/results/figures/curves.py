@@ -151,8 +151,9 @@ def panels(sources: Sequence[Source]) -> list[Panel]:
             y = values[:, column] - (values[0, column] if changes else 0.0)
             found.setdefault(key, []).append(Curve(name, values[:, 0], y, rank, number, words))
     x = sources[0].abscissa
+    x_label = f"{readable(x).label} [{x.unit}]"
     return [
-        Panel(x.header, unit, tuple(curves), unit == x.unit, changes)
+        Panel(x_label, unit, tuple(curves), unit == x.unit, changes)
         for (unit, changes, _), curves in found.items()
     ]
 

@@ -109,6 +109,8 @@ def _other_kind(path: Path | str, error: Any) -> str:
         return "this is a Parquet table, which pandas and polars read; flexmb table prints those in HDF5"
     if begins and b"\0" not in begins:
         return f"this is a text, not an HDF5 result{_result_beside(path)}"
+    if "truncated file" in str(error):
+        return "the file is cut off: copy it anew, or run the deck again"
     return f"this is no HDF5 result that can be read: {error}"
 
 

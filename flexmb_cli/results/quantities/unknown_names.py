@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from .nearest_names import nearest
-from .quantity_names import Family
+from .quantity_names import Family, folded
 
 FORCES = "in a YOUNG deck DYNAMICS inverse or DYNAMICS forward"
 # What a deck needs for the quantities that begin with a word.
@@ -32,6 +32,8 @@ def hint_for(pattern: str, families: Sequence[Family]) -> str:
         return lacking
     if counted := _count(words, families):
         return counted
+    if whose := _of_things(folded(pattern), families):
+        return f"of which one? names are such as {whose}"
     close = nearest(words, [[slot.spellings for slot in form] for known in families for form in known.forms])
     return f"near it are {', '.join(close)}" if close else ""
 
@@ -50,6 +52,14 @@ def _lacking(first: Any, families: Any) -> Any:
     if wanted is None or any(family.path.startswith(f"{wanted}/") for family in families):
         return ""
     return NEEDS[wanted]
+
+
+def _of_things(word: str, families: Sequence[Family]) -> str:
+    """Return names of the first things that have a quantity named without them: body.1.velocity."""
+    wanted = (family for family in families if family.path.partition("/")[2] == word)
+    # The last word of a name is the component, which may be left out.
+    found = [family.name((0,) * len(family.shape)).rpartition(".")[0] for family in wanted]
+    return " or ".join(name for name in found if name.endswith(f".{word}"))
 
 
 def _count(words: Any, families: Any) -> Any:

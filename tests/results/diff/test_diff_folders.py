@@ -57,6 +57,12 @@ def test_equal_folders_have_no_difference(folders):
     assert done.exit_code == 0
 
 
+def test_the_name_of_a_file_stands_before_its_differences(folders):
+    changed(folders[1] / "inner" / "two.h5")
+    lines = compared(*folders).stdout.splitlines()
+    assert lines[0] == "inner/two.h5" and lines[1].startswith("kind ")
+
+
 @pytest.mark.parametrize(("wild", "code"), [("", 2), ("/*.h5", 2), ("/one.h5", 0)])
 def test_what_is_compared_with_itself_is_named(folders, wild, code):
     """One wrong variable of a pipeline would make a comparison of folders that never fails."""

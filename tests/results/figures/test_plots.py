@@ -128,6 +128,7 @@ def test_a_path_has_equal_axes(bar):
         x, z = resolve(file, ["point.1.x", "point.1.z"])
         (path,) = panels([Source("", file, slice(None), x, [z])])
     assert path.same_unit
+    assert (path.x_label, path.y_label) == ("x of point 1 [m]", "z of point 1 [m]")
     assert np.hypot(path.curves[0].x, path.curves[0].y) == pytest.approx(2.0)
 
 

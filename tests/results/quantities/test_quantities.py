@@ -155,6 +155,7 @@ def test_an_unknown_name_is_answered_with_near_ones(result, pattern, near):
         ("body/position", "names are written with points, such as body.1.x"),
         ("body[2].z", "names are written with points, such as body.2.z"),
         ("stress", "stresses need the cards MATL and OUTS of a VSDF deck"),
+        ("velocity", "of which one? names are such as body.1.velocity;"),
     ],
 )
 def test_a_name_of_what_the_result_lacks_is_answered_with_the_reason(result, pattern, hint):
@@ -257,3 +258,11 @@ def test_times_that_do_not_ascend_are_told(tmp_path, monkeypatch, times):
     reported = "r.h5: a damaged result: the times of its rows do not ascend, or are no numbers"
     with pytest.raises(ResultError, match=reported), open_result(path):
         pass
+
+
+def test_a_file_that_is_cut_off_is_named_in_words(tmp_path):
+    path = write_result(tmp_path / "r.h5", 7)
+    path.write_bytes(path.read_bytes()[:-1000])
+    with pytest.raises(ResultError, match="the file is cut off: copy it anew") as caught, open_result(path):
+        pass
+    assert "synchronously" not in str(caught.value)
