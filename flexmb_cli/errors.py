@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 
 DONE, ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT = 0, 1, 2, 3
+COMPLETE, FAILED = "complete", "failed"  # status of a result
 
 SHOWN_FAULTS = 20
 MOST_ALIKE = 1000
@@ -24,9 +25,9 @@ SHOWN_LINE = 160
 class Place(NamedTuple):
     """Where something stands in a deck: line and column count from 1, columns in characters."""
 
-    line: int
-    column: int
-    width: int = 1
+    line: int  # from 1
+    column: int  # of the first character, from 1
+    width: int = 1  # characters
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .deck.record import Deck
-from .errors import AnalysisError, Fault, FlexmbError, sentences
+from .errors import COMPLETE, FAILED, AnalysisError, Fault, FlexmbError, sentences
 from .quick_dataclass import dataclass, field
 
 if TYPE_CHECKING:
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from .results.hdf5.result_file import Layout
     from .run.check.check import CheckReport
-
-COMPLETE, FAILED = "complete", "failed"
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ python docs/_ext/fault_messages.py
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 TOP = Path(__file__).resolve().parents[2]
@@ -17,7 +18,7 @@ MAKERS = {
 }  # fmt: skip
 # Identifiers of faults that are no longer reported, and what took their place; none is given again.
 RETIRED = {
-    "DECK-015": "", "DECK-017": "", "RUN-011": "", "RUN-029": "",
+    "DECK-015": "", "DECK-017": "", "RUN-011": "", "RUN-029": "", "RUN-032": "", "RUN-033": "",
     "YOUNG-062": "", "YOUNG-105": "ELEMENTS-012", "YOUNG-106": "ELEMENTS-014", "YOUNG-107": "ELEMENTS-015",
     "YOUNG-108": "ELEMENTS-016", "YOUNG-109": "ELEMENTS-017", "YOUNG-110": "ELEMENTS-018",
     "YOUNG-111": "ELEMENTS-019", "YOUNG-112": "ELEMENTS-020", "YOUNG-113": "ELEMENTS-021",
@@ -44,15 +45,20 @@ TAIL = """
 """
 
 
-def makers() -> Iterator[tuple[Path, ast.Call, ast.AST]]:
-    """Yield every call that makes a fault: its file, the call, the function around it."""
-    for path in sorted(PACKAGE.rglob("*.py")):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
-        for node in ast.walk(tree):
-            if isinstance(node, ast.Call) and _maker(node):
-                around = [f for f in functions if f.lineno <= node.lineno <= f.end_lineno]
-                yield path, node, max(around, key=lambda f: f.lineno, default=tree)
+@cache
+def makers() -> tuple[tuple[Path, ast.Call, ast.AST], ...]:
+    """Return every call that makes a fault: its file, the call, the function around it."""
+    return tuple(each for path in sorted(PACKAGE.rglob("*.py")) for each in _makers_of(path))
+
+
+def _makers_of(path: Path) -> Iterator[tuple[Path, ast.Call, ast.AST]]:
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    nodes = list(ast.walk(tree))
+    functions = [node for node in nodes if isinstance(node, ast.FunctionDef)]
+    for node in nodes:
+        if isinstance(node, ast.Call) and _maker(node):
+            around = [f for f in functions if f.lineno <= node.lineno <= f.end_lineno]
+            yield path, node, max(around, key=lambda f: f.lineno, default=tree)
 
 
 def _maker(call):

@@ -9,7 +9,7 @@ import click
 
 from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, FlexmbError
 from .options.deck_options import DECK, deck_options, show_faults, with_models
-from .options.finite import Finite
+from .options.finite import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, Finite
 from .terminal.screen import show, standard_output, tell, wants_debug
 from .terminal.stops import stop_on_signals
 from .terminal.written_place import WrittenPlace
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
 
 
 _BEGINNING = 10_000  # characters of a deck that tell its dialect
-
-TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
-RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`
 
 
 @click.command()
@@ -49,9 +46,9 @@ RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`
 @click.option("--feps", type=Finite(0), help="YOUNG: end Newton at this residual (historic 1e-4).")
 @click.option("--epslu", type=Finite(0, 1), help="YOUNG: smallest pivot (historic 1e-5).")
 @click.option("--nrmax", type=click.IntRange(1), help="YOUNG: most iterations of the assembly (250).")
-@click.option("--rtol", type=RELATIVE,
+@click.option("--rtol", type=RELATIVE_TOLERANCE,
               help="Relative tolerance of a step, in place of the deck's.")  # fmt: skip
-@click.option("--atol", type=TOLERANCE,
+@click.option("--atol", type=ABSOLUTE_TOLERANCE,
               help="Absolute tolerance of a step, in place of the deck's.")  # fmt: skip
 @click.option("--method", type=click.Choice(["dop853", "radau", "alpha", "lsoda", "sdirk4"]),
               help="Integrator, in place of the deck's: dop853 and radau for all dialects, alpha "

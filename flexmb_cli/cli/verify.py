@@ -7,21 +7,18 @@ from typing import Any
 import click
 
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
-from .options.finite import Finite
+from .options.finite import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE
 from .terminal.progress import Progress
 from .terminal.screen import show, wants_debug
-
-TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
-RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`
 
 
 @click.command()
 @DECK
 @deck_options
-@click.option("--tol", "tolerance", type=TOLERANCE, default=1e-6, show_default=True,
+@click.option("--tol", "tolerance", type=ABSOLUTE_TOLERANCE, default=1e-6, show_default=True,
               help="Largest difference, as a share of the largest value of its kind.")  # fmt: skip
-@click.option("--rtol", type=RELATIVE, help="Relative tolerance of a step (1e-11).")
-@click.option("--atol", type=TOLERANCE, help="Absolute tolerance of a step (1e-13).")
+@click.option("--rtol", type=RELATIVE_TOLERANCE, help="Relative tolerance of a step (1e-11).")
+@click.option("--atol", type=ABSOLUTE_TOLERANCE, help="Absolute tolerance of a step (1e-13).")
 def verify(
     decks: tuple[str],
     changes: "tuple[Any, ...]",

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import numpy as np
 
 
-ROUND_OFF = 1e-12
+ZERO_COMPONENT = 1e-12
 _SHARES = ("x", "y", "z", "about x", "about y", "about z")
 
 
@@ -38,7 +38,7 @@ def _inertia_lines(body: Any) -> "Iterator[str]":
 
 def _vector(values: "list[float] | np.ndarray", scale: float) -> str:
     """Components, those that are zero but for round-off as 0."""
-    return " ".join(f"{value:.6g}" if abs(value) > ROUND_OFF * scale else "0" for value in values)
+    return " ".join(f"{value:.6g}" if abs(value) > ZERO_COMPONENT * scale else "0" for value in values)
 
 
 def _dropped_lines(body: Any) -> "Iterator[Any]":

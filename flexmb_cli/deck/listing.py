@@ -23,7 +23,7 @@ LARGEST_INDEX = 99999
 class ListingForm(NamedTuple):
     """A kind of listing, as `diff` has to know it."""
 
-    name: str
+    name: str  # in words
     mark_of_failure: str  # what ends the listing of a failed run, in words
     has_rows: bool = True  # of times: one without any is empty
     by_titles: bool = (

@@ -7,7 +7,7 @@ from typing import Any
 from ..quick_dataclass import dataclass, field, replace
 from .record import Record
 
-MANY = 100_000  # numbers; fewer are kept as records, which studies share
+MANY_NUMBERS = 100_000  # numbers; fewer are kept as records, which studies share
 
 
 @dataclass(frozen=True)

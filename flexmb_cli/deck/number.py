@@ -5,9 +5,9 @@ import re
 from functools import lru_cache
 from typing import Any
 
-LONGEST = 100
+LONGEST_NUMBER = 100
 MOST_DIGITS = 15
-SHOWN = 30
+CHARACTERS_SHOWN = 30
 
 _REAL = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eEdD]([+-]?[0-9]+))?")
 # Without a point, `2-1` is more likely two numbers that lost their blank than 0.2.
@@ -42,7 +42,7 @@ def real(word: str) -> tuple[float, str]:
     Read are `1`, `-.5`, `1.`, `1e3`, `1.5D+03` and, with a doubt, `1.5+3`.
     Raises Misspelt for any other spelling and for values that a double cannot hold.
     """
-    if len(word) > LONGEST:
+    if len(word) > LONGEST_NUMBER:
         raise Misspelt(f"must be a number; read {shown(word)}, {len(word)} characters long")
     bare = _BARE_EXPONENT.fullmatch(word)
     found = bare or _REAL.fullmatch(word)
@@ -79,7 +79,7 @@ def _double(word: str, mantissa: Any, exponent: None) -> Any:
 
 def shown(word: str) -> str:
     """`word` in quotes for a message, shortened when it is long, unprintable characters escaped."""
-    short = word if len(word) <= SHOWN else word[: SHOWN - 1] + "…"
+    short = word if len(word) <= CHARACTERS_SHOWN else word[: CHARACTERS_SHOWN - 1] + "…"
     return f"'{short}'" if short.isprintable() else ascii(short)
 
 

@@ -8,6 +8,7 @@ from . import number
 from .record import Value
 
 INTEGER, REAL, WORD, TEXT = "I", "F", "A", "T"
+MOST_ASKED = 1000  # records of a section
 _KINDS = {INTEGER: "an integer", REAL: "a number", TEXT: "text to the end of the line"}
 
 
@@ -64,6 +65,11 @@ class Entry:
             group = list(found)
             ranges.append((group[0], group[-1] + 1))
         return ranges
+
+
+TITLE_ENTRY = Entry(
+    "title", 0, "title", (Cell("text", "one line on the mechanism", letter=TEXT, default=""),)
+)
 
 
 @dataclass(frozen=True)

@@ -21,11 +21,11 @@ UNCLOSED = "{"
 
 
 class Word(NamedTuple):
-    """A word of the deck; line and column count from 1."""
+    """A word of the deck."""
 
-    text: str
-    line: int
-    column: int
+    text: str  # without blanks
+    line: int  # from 1
+    column: int  # of its first character, from 1
 
     @property
     def place(self) -> Place:

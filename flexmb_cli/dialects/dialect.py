@@ -25,9 +25,9 @@ class Dialect(NamedTuple):
     # Class of the printed tables, made of (streams, deck, layout, analysis): the stream of the OUT table,
     # which may be None, and those of `series`.  It has begin(), rows(values by path), failed() and stopped().
     writer: str = ""
-    # Functions of (name, text) of a file: the Listing, or None where it is none.  The last ones know
-    # their files by a column of numbers alone, and are tried behind those of all dialects.
+    # Functions of (name, text) of a file: the Listing, or None where it is none.
     listing_readers: tuple[str, ...] = ()
+    # The same for files known by a column of numbers alone; they are tried behind those of all dialects.
     series_readers: tuple[str, ...] = ()
     listing_signs: str = ""  # "no …": what is missing in a file that none of them knows
     renamed: tuple[str, str] = ("", "")  # IN<rest> gives OUT<rest>; other names <stem>.OUT
@@ -44,9 +44,9 @@ class Dialect(NamedTuple):
     # Function of (number, heading, points): cards of splines through the points (time, value), one a number.
     spline_cards: str = ""
     # For `convert`, of `model.exchange`: function of a Deck, a function that builds its model, and one that
-    # gives the Start of a model: the RigidModel; function of a RigidModel, a title and its units in words:
-    # the text of a deck.  Both raise ModelError for what they do not know.
+    # gives the Start of a model: the RigidModel; raises ModelError for what it does not know.
     rigid_model: str = ""
+    # And back: function of a RigidModel, a title and its units in words: the text of a deck; raises the same.
     rigid_deck: str = ""
     any_units: bool = False  # whether its numbers may be in any consistent units, and not in SI only
     second_model: str = ""  # function as `builder` of another model with the same motion, for `verify`

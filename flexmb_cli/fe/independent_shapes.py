@@ -14,9 +14,9 @@ from .massless_shapes import IndefiniteMass
 
 # A shape is dropped when less than this share of its strain energy is independent of the others; round-off
 # leaves about 1e-14 of a shape that is a sum of others.
-DEPENDENT = 1e-12
+DEPENDENT_SHAPE = 1e-12
 # Shares of strain energy closer than this are equal but for round-off; the first of them is taken.
-EQUAL = 1e-9
+EQUAL_SHARE = 1e-9
 # Below this share of the largest mass per strain energy, 1/ω², the mass of a shape is round-off.
 ROUND_OFF_MASS = 1e-14
 
@@ -79,7 +79,7 @@ def _pivots(gram: Any, first: Any) -> np.ndarray:
     rows, order = np.zeros((len(gram), len(gram))), []  # type: ignore[var-annotated]
     for k in range(len(gram)):
         pivot = k if k < first else _largest(remainder)
-        if remainder[pivot] < DEPENDENT:
+        if remainder[pivot] < DEPENDENT_SHAPE:
             if k < first:
                 continue
             break
@@ -94,4 +94,4 @@ def _pivots(gram: Any, first: Any) -> np.ndarray:
 
 def _largest(remainder: np.ndarray) -> int:
     """The largest; of those that are equal but for round-off, the first."""
-    return int(np.flatnonzero(remainder >= (1 - EQUAL) * remainder.max())[0])
+    return int(np.flatnonzero(remainder >= (1 - EQUAL_SHARE) * remainder.max())[0])

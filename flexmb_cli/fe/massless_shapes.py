@@ -10,7 +10,7 @@ from ..quick_dataclass import dataclass
 from .free_motion import check_strain
 
 # Eigenvalues of the mass matrix below this share of the largest are those of shapes without mass.
-MASSLESS = 1e-10
+MASSLESS_SHAPE = 1e-10
 
 
 class IndefiniteMass(Exception):
@@ -34,9 +34,9 @@ class MassSplit:
 def split_by_mass(S: np.ndarray) -> MassSplit:
     """Part the shapes of S (size, size) into those with and those without mass.  Raises IndefiniteMass."""
     values, vectors = np.linalg.eigh(S)
-    if values[0] < -MASSLESS * values[-1]:
+    if values[0] < -MASSLESS_SHAPE * values[-1]:
         raise IndefiniteMass
-    heavy = values > MASSLESS * values[-1]
+    heavy = values > MASSLESS_SHAPE * values[-1]
     return MassSplit(vectors[:, heavy], values[heavy], vectors[:, ~heavy])
 
 

@@ -13,9 +13,23 @@ from typing import Any, NamedTuple
 import numpy as np
 
 _SYMBOL = np.dtype(
-    [("name", "<u4"), ("info", "u1"), ("other", "u1"), ("section", "<u2"), ("value", "<i8"), ("size", "<i8")]
+    [
+        ("name", "<u4"),  # offset of the name in the table of strings, bytes
+        ("info", "u1"),  # binding in the upper half, type in the lower one
+        ("other", "u1"),  # visibility
+        ("section", "<u2"),  # number of its section, 0: undefined
+        ("value", "<i8"),  # offset in its section, bytes
+        ("size", "<i8"),  # bytes
+    ]
 )
-_RELOCATION = np.dtype([("offset", "<i8"), ("kind", "<u4"), ("symbol", "<u4"), ("addend", "<i8")])
+_RELOCATION = np.dtype(
+    [
+        ("offset", "<i8"),  # of the place to fill, in its section, bytes
+        ("kind", "<u4"),  # R_X86_64_…
+        ("symbol", "<u4"),  # number of the symbol
+        ("addend", "<i8"),  # added to the symbol's address, bytes
+    ]
+)
 _SYMBOLS, _RELOCATIONS, _EMPTY = 2, 4, 8  # SHT_SYMTAB, SHT_RELA, SHT_NOBITS
 _WRITABLE, _IN_MEMORY = 1, 2  # SHF_WRITE, SHF_ALLOC
 _READ_ONLY_AFTER_RELOCATION = b".data.rel.ro"
@@ -33,16 +47,16 @@ class NotLoadedError(Exception):
 class _Section(NamedTuple):
     """An entry of the section header table."""
 
-    name: int
-    kind: int
-    flags: int
-    address: int
-    offset: int
-    size: int
-    link: int
-    info: int
-    alignment: int
-    entry_size: int
+    name: int  # offset of the name in the table of strings, bytes
+    kind: int  # SHT_…
+    flags: int  # SHF_…, or'ed
+    address: int  # in memory; 0 in objects
+    offset: int  # in the file, bytes
+    size: int  # bytes
+    link: int  # number of the section that belongs to it, such as the strings of symbols
+    info: int  # number of the section that relocations are for
+    alignment: int  # bytes
+    entry_size: int  # bytes, of a table
 
 
 class LoadedObject:

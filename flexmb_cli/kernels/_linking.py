@@ -23,7 +23,7 @@ from numba.core.runtime.nrtdynmod import create_nrt_module
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
-from ._allocator import add_allocator
+from ._allocator import WORD, add_allocator
 from ._arguments import NotDescribedError, described_dtype
 from ._objects import OF_C
 
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
 _MADE_BY_NUMBA = "_Z"  # the names of all functions that come from Python begin so
 _LATE = RuntimeLinker.PREFIX  # of what is called before it is compiled: by itself, or in a circle
 _ENVIRONMENT = "_ZN08NumbaEnv"  # numba's name of the globals that point to a function's constants
-_WORD = ir.IntType(64)
 
 
 class PartLibrary(JITCodeLibrary):
@@ -180,11 +179,11 @@ class Kernel(CPUDispatcher):
 
 
 class Entry(NamedTuple):
-    """A kernel that Python calls: its name "module.function", and the parameters of `_arguments`."""
+    """A kernel that Python calls."""
 
-    name: str
-    kernel: Kernel
-    parameters: list
+    name: str  # "module.function"
+    kernel: Kernel  # the Python function
+    parameters: list  # as `_arguments` describes them
 
 
 def this_machine() -> tuple[str, str]:
@@ -301,7 +300,7 @@ def _add_wrapper(context, module, symbol, compiled) -> None:
     """Define int symbol(int64 *words, int64 *results), which calls a part; not 0 where that failed."""
     _result(compiled.signature.return_type)
     code = ir.IntType(32)
-    function = ir.Function(module, ir.FunctionType(code, [_WORD.as_pointer()] * 2), symbol)
+    function = ir.Function(module, ir.FunctionType(code, [WORD.as_pointer()] * 2), symbol)
     builder = ir.IRBuilder(function.append_basic_block())
     words = _words_at(builder, function.args[0])
     signature = compiled.signature
@@ -317,7 +316,7 @@ def _add_wrapper(context, module, symbol, compiled) -> None:
 
 def _words_at(builder, pointer) -> "Iterator[Any]":
     for k in itertools.count():
-        yield builder.load(builder.gep(pointer, [_WORD(k)]))
+        yield builder.load(builder.gep(pointer, [WORD(k)]))
 
 
 def _value(context, builder, words, kind):
@@ -329,7 +328,7 @@ def _value(context, builder, words, kind):
     word = next(words)
     if isinstance(kind, types.Float):
         return builder.bitcast(word, ir.DoubleType())
-    return builder.icmp_unsigned("!=", word, _WORD(0)) if isinstance(kind, types.Boolean) else word
+    return builder.icmp_unsigned("!=", word, WORD(0)) if isinstance(kind, types.Boolean) else word
 
 
 def _array(context, builder, words, kind):
@@ -340,7 +339,7 @@ def _array(context, builder, words, kind):
 
 def _contiguous(context, builder, kind, data, shape, owner):
     """numba's value of an array in the memory of `owner`."""
-    size = _WORD(context.get_abi_sizeof(context.get_data_type(kind.dtype)))
+    size = WORD(context.get_abi_sizeof(context.get_data_type(kind.dtype)))
     strides = [size]
     for length in reversed(shape[1:]):
         strides.insert(0, builder.mul(strides[0], length))
@@ -380,8 +379,8 @@ def _store_result(builder, kind, value, room, k: Any):
             k = _store_result(builder, part, builder.extract_value(value, place), room, k)
         return k
     if isinstance(kind, types.Float):
-        value = builder.bitcast(value, _WORD)
+        value = builder.bitcast(value, WORD)
     elif isinstance(kind, types.Boolean):
-        value = builder.zext(value, _WORD)
-    builder.store(value, builder.gep(room, [_WORD(k)]))
+        value = builder.zext(value, WORD)
+    builder.store(value, builder.gep(room, [WORD(k)]))
     return k + 1

@@ -8,7 +8,7 @@ import numpy as np
 from .mechanism import Ground, Mechanism, Simplified
 from .vectors import length, unit
 
-ROUND_OFF = 1e-15
+SQUARE_ROUND_OFF = 1e-15
 
 
 def held_coordinate(direction: int, value: float) -> tuple[int, float]:
@@ -38,7 +38,7 @@ class Attitudes:
     def _rest(self, body: int) -> float:
         """Return what the held components leave of |p|² = 1; its root would make much of round-off."""
         rest = 1.0 - sum(value * value for value in self.held[body].values())
-        return rest if rest > ROUND_OFF else 0.0
+        return rest if rest > SQUARE_ROUND_OFF else 0.0
 
     def estimates(self) -> np.ndarray:
         """Estimates q, with |p| = 1 and the held components of each attitude in their places.

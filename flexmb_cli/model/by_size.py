@@ -6,7 +6,7 @@ not be ordered by them.
 
 import numpy as np
 
-SAME = 1e-6  # of a share: others as near to it are equal to it
+SAME_SHARE = 1e-6  # of a share: others as near to it are equal to it
 
 
 def by_size(size: np.ndarray) -> list[int]:
@@ -14,7 +14,7 @@ def by_size(size: np.ndarray) -> list[int]:
     order = np.argsort(-size, kind="stable").tolist()
     found, first = [], 0
     while first < len(order):
-        last, least = first, (1.0 - SAME) * size[order[first]]
+        last, least = first, (1.0 - SAME_SHARE) * size[order[first]]
         while last < len(order) and size[order[last]] >= least:
             last += 1
         last = max(last, first + 1)  # nan is equal to nothing
@@ -25,4 +25,4 @@ def by_size(size: np.ndarray) -> list[int]:
 
 def first_of_largest(size: np.ndarray) -> int:
     """Return the first place at which `size` (n,) is largest but for round-off."""
-    return int(np.argmax(size >= (1.0 - SAME) * size.max()))
+    return int(np.argmax(size >= (1.0 - SAME_SHARE) * size.max()))

@@ -3,6 +3,8 @@
 from ..errors import Fault, FaultList, Place
 from ..quick_dataclass import dataclass, field
 
+LARGEST_NUMBER = 1e50  # of a deck: products of four such numbers are still doubles
+
 
 @dataclass
 class Findings:

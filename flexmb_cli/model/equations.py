@@ -7,6 +7,8 @@ from ..quick_dataclass import dataclass
 from .joints import BY_NAME
 from .mechanism import Joint
 
+DEPENDENT = 1e-9  # of the largest singular value: equations with a smaller one repeat others
+
 
 @dataclass(frozen=True)
 class Equation:

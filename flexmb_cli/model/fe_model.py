@@ -12,13 +12,11 @@ from ..errors import Place
 from ..quick_dataclass import dataclass, field
 from .flexible_body import FlexibleInput
 from .joint_elements import JointElements
-from .mechanism import TimeGrid, Vector
+from .mechanism import GROUND, TimeGrid, Vector
 from .time_functions import Motion, MotionFunction
 
 if TYPE_CHECKING:  # few decks have any
     from .shapes import Shape
-
-GROUND = -1
 
 
 @dataclass(frozen=True)

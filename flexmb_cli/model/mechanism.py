@@ -13,6 +13,8 @@ from ..quick_dataclass import dataclass, field
 if TYPE_CHECKING:  # few decks have any
     from .shapes import Shape
 
+GROUND = -1  # number of the body that stays at rest, body 0 of the cards
+
 Vector = tuple[float, float, float]
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 Piece = tuple[float, ...]
 Pieces = tuple[Piece, ...]
-SMOOTH = 1e-9  # of the terms of a piece: a jump smaller than that is none
+NO_JUMP = 1e-9  # of the terms of a piece: a jump smaller than that is none
 
 
 def value_and_rates(pieces: Pieces, t: float) -> tuple[float, float, float]:
@@ -119,7 +119,7 @@ def continuous_rates(pieces: Pieces) -> int:
         # What the terms of the piece add up to without their signs: the unit of round-off.
         sizes = value_and_rates(((before[0], *map(abs, before[1:])),), after[0])
         for n, (a, b, size) in enumerate(zip(left, right, sizes, strict=True)):
-            if abs(a - b) > SMOOTH * max(size, abs(b)):
+            if abs(a - b) > NO_JUMP * max(size, abs(b)):
                 least = min(least, n - 1)
                 break
     return least

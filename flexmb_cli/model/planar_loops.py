@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from .mechanism import Joint
-from .vectors import rotation_matrix
+from .vectors import SINE_OF_PARALLELS, rotation_matrix
 
-PARALLEL = 1e-9
-REPEATED = 3  # equations of a loop
+REPEATED_EQUATIONS = 3  # equations of a loop
 
 
 def repeated_in_plane(joints: Sequence[Joint], grounds: Sequence[int], attitudes: np.ndarray) -> int | None:
@@ -30,9 +29,9 @@ def repeated_in_plane(joints: Sequence[Joint], grounds: Sequence[int], attitudes
     normal = turning[0]
     for axis, joint in zip(axes, joints, strict=True):
         off = abs(normal @ axis) if joint.kind == "translational" else np.linalg.norm(np.cross(normal, axis))
-        if off > PARALLEL:
+        if off > SINE_OF_PARALLELS:
             return None
-    return REPEATED * _loops(joints, grounds, len(attitudes))
+    return REPEATED_EQUATIONS * _loops(joints, grounds, len(attitudes))
 
 
 def _axis(joint: Joint, attitudes: Any) -> np.ndarray:

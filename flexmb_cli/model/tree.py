@@ -26,6 +26,7 @@ if TYPE_CHECKING:  # few decks have any
     from .shapes import Shape
 
 INERTIAL = -1
+ASSEMBLED_GAP = 1e-10  # m: loops of an assembled tree are closed as well as that
 
 Attitude = tuple[float, float, float, float]
 UNTURNED: Attitude = (1.0, 0.0, 0.0, 0.0)

@@ -7,12 +7,12 @@ from .outcome import Listener, Outcome, RunOptions, refuse_warnings
 
 
 class Run(NamedTuple):
-    """The context of one deck.  `stdout` receives the listing of `--out -`."""
+    """The context of one deck."""
 
-    outcome: Outcome
-    options: RunOptions
-    listener: Listener = Listener()
-    stdout: TextIO | None = None
+    outcome: Outcome  # fills while the deck is run
+    options: RunOptions  # what is asked of it
+    listener: Listener = Listener()  # hears how far it is
+    stdout: TextIO | None = None  # receives the listing of `--out -`
 
     def warn(self, faults: "list[Fault] | tuple[Fault, ...]") -> None:
         """Tell of doubts; under `--strict` they end the run as errors.  Raises ModelError."""

@@ -5,7 +5,7 @@ import numpy as np
 from ..errors import Fault
 
 WRONG = 1e-3  # share of what moves: errors of the steps are a thousandth of that
-ROUND_OFF = 1e-12  # of the total
+ENERGY_ROUND_OFF = 1e-12  # of the total
 UNSEEN = 1e-7  # of the potential energy: a mechanism all but at rest has only errors of the steps
 STRAYS = (
     "which the equations keep constant: the motion is wrong from where it begins to stray (energy/total); "
@@ -38,7 +38,7 @@ class EnergyDrift:
         self.first = total[0] if self.first is None else self.first
         self.largest = max(self.largest, float(np.max(np.abs(total - self.first))))
         self.scale = max(self.scale, float(np.max(moved)))
-        self.lost = max(self.lost, ROUND_OFF * float(np.max(np.abs(total))))
+        self.lost = max(self.lost, ENERGY_ROUND_OFF * float(np.max(np.abs(total))))
 
     @property
     def doubts(self) -> tuple[Fault, ...]:

@@ -16,14 +16,14 @@ from .check.parts import FARTHEST_STEPS
 from .context import Run
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator, Sequence
 
     from ..solvers.linearisation.motion import LinearisedMotion
     from ..solvers.linearisation.state_space import StateSpace
 
 
 # Speeds up to which uncompiled kernels answer before compiled ones would be ready.
-INTERPRETED_LIMIT = 30
+MOST_SPEEDS_INTERPRETED = 30
 
 
 @dataclass(frozen=True)
@@ -133,13 +133,13 @@ def _kernels(
             f"--at {wish.time:g}: later than {FARTHEST_STEPS} of the deck's steps; ask for an earlier time"
         )
         raise ModelError([Fault("error", message, id="RUN-017")])
-    if speeds <= INTERPRETED_LIMIT and (wish.time is None or wish.time <= grid.start):
+    if speeds <= MOST_SPEEDS_INTERPRETED and (wish.time is None or wish.time <= grid.start):
         return interpreting()
     tell_of_compiling(listener, entry)
     return nullcontext()
 
 
-def _of_mechanism(analysis: Any, wish: Wish, run: Run) -> MechanismModes:
+def _of_mechanism(analysis: Any, wish: Wish, run: Run, responses: type | None = None) -> MechanismModes:
     from ..solvers.linearisation.constrained import ConstrainedLinearised, bring_to, linearised, modes_of
     from ..solvers.linearisation.constrained_responses import ConstrainedResponses, constrained_signals
     from ..solvers.linearisation.equilibrium import find_equilibrium
@@ -152,7 +152,7 @@ def _of_mechanism(analysis: Any, wish: Wish, run: Run) -> MechanismModes:
     if wish.equilibrium:
         find_equilibrium(analysis, ConstrainedLinearised)
     motion, A, constant = linearised(analysis)
-    space = _space(wish, ConstrainedResponses, motion, A, constrained_signals)
+    space = _space(wish, responses or ConstrainedResponses, motion, A, constrained_signals)
     found, arrays = modes_of(motion, A, constant), analysis.arrays
     names = tuple(arrays.speed_name(k) for k in range(arrays.speeds))
     z = motion.q  # type: ignore[attr-defined]
@@ -178,11 +178,42 @@ def _space(
 def tree_modes(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
     """Small motions of a tree; raises ModelError, AnalysisError."""
     if tree.elements:
-        message = "flexmb linearises trees without elements at hinges; write the model as a VSDF deck"
-        raise ModelError([Fault("error", message, id="RUN-032")])
+        with _kernels(6 * len(tree.bodies), wish, tree.time, run.listener):
+            return _of_tree_with_elements(tree, wish, run)
     entry = "integrators.tree_dop853.integrate_rows"
     with _kernels(len(tree.coordinates), wish, tree.time, run.listener, entry):
         return _of_tree(tree, wish)
+
+
+def _of_tree_with_elements(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
+    """Modes in absolute coordinates, in the terms of the tree: shapes and position by its coordinates."""
+    from ..solvers.constrained.tree import AbsoluteTree
+    from ..solvers.linearisation.absolute_tree_responses import AbsoluteTreeResponses
+
+    analysis = AbsoluteTree(tree)
+    found = _of_mechanism(analysis, wish, run, AbsoluteTreeResponses)
+    position, velocities = analysis.hinge_coordinates()
+    shapes = found.modes.shapes * analysis.arrays.speed_scale @ velocities.T
+    sizes = np.max(np.abs(shapes), axis=1, keepdims=True, initial=0.0)
+    names = tuple(coordinate.name for coordinate in tree.coordinates)
+    return replace(
+        found,
+        modes=replace(found.modes, shapes=shapes / np.where(sizes > 0.0, sizes, 1.0)),
+        names=names,
+        position=tuple(_tree_position(tree, names, position, found.position)),
+    )
+
+
+def _tree_position(
+    tree: Tree, names: tuple[str, ...], q: np.ndarray, bodies: "Sequence[tuple[str, tuple[float, ...]]]"
+) -> "Iterator[tuple[str, tuple[float, ...]]]":
+    """Coordinates of a tree; of three free rotations, which have none, the attitude of the body."""
+    for name, value in zip(names, q.tolist(), strict=True):
+        if np.isfinite(value):
+            yield name, (value,)
+    for (name, pose), hinge in zip(bodies, tree.hinges, strict=False):
+        if len(hinge.rotations) == 3:
+            yield f"{name} attitude", pose[3:]
 
 
 def _of_tree(tree: Tree, wish: Wish) -> MechanismModes:

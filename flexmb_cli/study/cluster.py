@@ -14,9 +14,8 @@ from .. import __version__
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, FlexmbError
 from ..extras import needed
 from .sweep import BlockDone, Job, Sweep, next_case, solve_block
-from .workers import keep, note_deaths
+from .workers import IN_FLIGHT, keep, note_deaths
 
-IN_FLIGHT = 2  # shares a thread of a worker is given: one that it solves and the next
 SHARES = 3  # so many as one that is handed out shall still be there for every thread
 LONGEST_SHARE = 1.0  # s; who looks on, and who stops the study, shall not wait for much more
 PATIENCE = 20  # s for a scheduler that does not answer, also on the way

@@ -12,7 +12,7 @@ from .cases_table import CasesTable, cases_table
 from .text import EXIT_CODE, StudyColumn, chosen_columns, study_columns
 
 TIMES = "result/time"
-MOST_CURVES = 500  # evenly chosen of more cases: further ones hide each other
+MOST_CASE_CURVES = 500  # evenly chosen of more cases: further ones hide each other
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def curve_family(table: h5py.File, patterns: Iterable[str], file: str) -> CurveF
     named = _named(table, patterns, file)
     solved = np.flatnonzero(table[EXIT_CODE][:] == 0)
     cases = cases_table(table, (), file, with_results=False)
-    chosen = np.unique(np.linspace(0, len(solved) - 1, min(MOST_CURVES, len(solved))).astype(int))
+    chosen = np.unique(np.linspace(0, len(solved) - 1, min(MOST_CASE_CURVES, len(solved))).astype(int))
     kept = {name: values[chosen] for name, values in cases.parameters.items()}
     cases = CasesTable(cases.deck_name, kept, {}, cases.failed)
     series = {_head(column): table[column.path][solved[chosen]] for column in named}

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..deck.lines import Lines
 
 
-LARGEST_BLOCK = 200  # cases
+MOST_CASES_A_BLOCK = 200  # cases
 BLOCKS_WANTED = 100
 MOST_DEATHS = 3  # of workers at one case
 
@@ -98,7 +98,7 @@ class Sweep:
         deck_path = os.path.join(os.path.dirname(path), study.deck)
         deck_text = _readable_deck(deck_path, study)
         folder = os.path.dirname(os.path.abspath(deck_path))
-        size = max(1, min(LARGEST_BLOCK, study.cases // BLOCKS_WANTED))
+        size = max(1, min(MOST_CASES_A_BLOCK, study.cases // BLOCKS_WANTED))
         identity = {"version": __version__, "deck": deck_text.sha256, "study": text.sha256}
         job = Job(deck_text, folder, study, size, os.path.abspath(parts_folder), tuple(identity.items()))
         with reported_at(path, text.lines):

@@ -19,7 +19,7 @@ from ..results.hdf5.result_file import FILE_FORMAT, TEXT, printable_name
 
 # 2: series have a dimension scale along their report rows, too.
 CONVENTIONS = "flexmb-study-2"
-BLOCK_NUMBERS = 2**17  # written at a time
+NUMBERS_WRITTEN = 2**17  # written at a time
 PARQUET = ".parquet"
 
 
@@ -69,7 +69,7 @@ def write_table(path: str, head: TableHead, rows: Iterable[Row]) -> None:
 
 
 def _blocks(head: TableHead, rows: "Iterable[Any]") -> Iterator[list[Row]]:
-    size = max(1, BLOCK_NUMBERS // (4 + sum(max(1, column.length) for column in head.columns)))
+    size = max(1, NUMBERS_WRITTEN // (4 + sum(max(1, column.length) for column in head.columns)))
     rows = iter(rows)
     while block := list(islice(rows, size)):
         yield block

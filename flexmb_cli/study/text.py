@@ -20,7 +20,7 @@ from ..results.hdf5.stored_result import Damaged, attribute, check_shapes, check
 from ..results.quantities.quantities import NOTHING, ResultError
 from ..results.quantities.quantity_names import folded
 from ..results.quantities.table import SEPARATOR, TEXT_NUMBER, TEXT_WIDTH
-from .table import BLOCK_NUMBERS
+from .table import NUMBERS_WRITTEN
 
 # Of any number behind it.
 CONVENTIONS = "flexmb-study-"
@@ -128,7 +128,7 @@ def study_text(
         yield _lines(heads, [heads], style)
     count = len(table[CASE])
     cases = range(0, count, min(every, max(count, 1)))  # HDF5 counts strides in 64 bits
-    length = max(1, BLOCK_NUMBERS // len(heads))
+    length = max(1, NUMBERS_WRITTEN // len(heads))
     for first in range(0, len(cases), length):
         block = cases[first : first + length]
         yield _lines(heads, _rows(table, columns, slice(block.start, block.stop, block.step)), style)

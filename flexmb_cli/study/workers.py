@@ -11,7 +11,7 @@ from ..run.processes.signal_mask import unblock_stops
 from ..run.processes.worker import Worker, end_all, having_answers, portable
 from .sweep import MOST_DEATHS, BlockDone, Job, Sweep, give_up_case, next_case, solve_block
 
-IN_FLIGHT = 2  # blocks a worker is given: one that it solves and the next
+IN_FLIGHT = 2  # blocks that a worker, or a thread of one, is given: one that it solves and the next
 BEGUN = "begun"
 
 

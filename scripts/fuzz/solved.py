@@ -120,7 +120,7 @@ def _stop(_number, _frame):
 
 
 def _solved(chance, work, dialect) -> dict:
-    from solved_decks import damaged
+    from judged.decks import damaged
 
     from flexmb_cli.run.check.check import check_deck
     from flexmb_cli.run.deck import run_deck
@@ -162,8 +162,8 @@ def _disagree(checked, ran) -> str:
 
 def _judged(deck, ran, result, judged) -> str:
     """What is wrong with the result; `judged` gets what was looked at besides."""
-    from solved_judge import judge
-    from young_text import read_young_text
+    from judged.judge import judge
+    from judged.young_text import read_young_text
 
     if not result.exists():
         return "" if ran.exit_code else "no result: exit 0"

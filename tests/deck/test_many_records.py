@@ -27,7 +27,7 @@ GROUND_TWICE = "ground 2: body 1 is already ground 1, at another position; remov
 
 @pytest.fixture
 def read(monkeypatch):
-    monkeypatch.setattr(many_records, "MANY", 0)
+    monkeypatch.setattr(many_records, "MANY_NUMBERS", 0)
     return lambda text: read_deck(DeckText("x", text, ""), "young")
 
 
@@ -91,7 +91,7 @@ END
 
 def test_cards_of_a_large_deck_are_those_of_a_small_one(read, monkeypatch):
     many = read(CARDS)
-    monkeypatch.setattr(many_records, "MANY", 10**6)
+    monkeypatch.setattr(many_records, "MANY_NUMBERS", 10**6)
     few = read(CARDS)
     assert isinstance(few.records, tuple) and not isinstance(many.records, tuple)
     for one, other in zip(few.records[-4:], many.records[-4:], strict=True):
@@ -107,7 +107,7 @@ SUPPLIED = [*sorted(DECKS.glob("young/**/*.dat")), *sorted(DECKS.glob("vsdf/*.vs
 @pytest.mark.parametrize("path", SUPPLIED, ids=lambda path: path.name)
 def test_every_supplied_deck_has_the_same_records_when_it_is_taken_for_large(path, monkeypatch):
     few = read_deck(read_text(path))
-    monkeypatch.setattr(many_records, "MANY", 0)
+    monkeypatch.setattr(many_records, "MANY_NUMBERS", 0)
     many = read_deck(read_text(path))
     assert isinstance(few.records, tuple) and not isinstance(many.records, tuple)
     by_name = {record.prefix: record for record in many.records}

@@ -79,7 +79,7 @@ def test_a_file_that_is_missing_or_too_large_is_refused(tmp_path, monkeypatch):
         file.truncate(2**27)  # a hole: nothing is written
     with pytest.raises(FEFileFault, match="larger than the 128 MB"):
         stl.read_stl(tmp_path / "huge.stl")
-    monkeypatch.setattr(stl, "MOST", 3)
+    monkeypatch.setattr(stl, "MOST_TRIANGLES", 3)
     for content in (binary(), text()):
         (tmp_path / "part.stl").write_bytes(content)
         with pytest.raises(FEFileFault, match="4 triangles; at most 3"):

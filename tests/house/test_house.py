@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -33,22 +34,22 @@ def of_annotations(tree):
             yield from ast.walk(node)
 
 
+@cache
 def imports_of(path, running=False):
     """Names of every import of a file, as tuples: ("flexmb_cli", "model", "tree", "Tree").
 
     `running`: without those for annotations.
     """
     package = ["flexmb_cli", *path.relative_to(PACKAGE).parts[:-1]]
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+    tree, found = ast.parse(path.read_text(encoding="utf-8")), []
     for node in set(ast.walk(tree)) - (set(of_annotations(tree)) if running else set()):
         if isinstance(node, ast.ImportFrom):
             base = package[: len(package) - node.level + 1] if node.level else []
             full = base + (node.module.split(".") if node.module else [])
-            for name in node.names:
-                yield (*full, name.name)
+            found += [(*full, name.name) for name in node.names]
         elif isinstance(node, ast.Import):
-            for name in node.names:
-                yield tuple(name.name.split("."))
+            found += [tuple(name.name.split(".")) for name in node.names]
+    return found
 
 
 def may_import(layer):
@@ -166,9 +167,16 @@ def test_no_file_has_a_name_that_says_nothing():
 
 
 def test_no_folder_is_crowded():
-    tests = sorted((PACKAGE.parent / "tests").rglob("*.py"))
-    folders = {path.parent for path in (*MODULES, *tests)}
-    assert not [folder for folder in folders if len(list(folder.glob("*.py"))) > MOST_FILES]
+    """Folders of a build, of caches and of editors are none of the project's."""
+    made = ("_build", "__pycache__", "gallery")
+    crowded = [
+        f"{path.relative_to(PACKAGE.parent)} has {len(files)} files"
+        for top in ("flexmb_cli", "tests", "scripts", "docs", "decks")
+        for path in (PACKAGE.parent / top, *(PACKAGE.parent / top).rglob("*/"))
+        if not any(part.startswith(".") or part in made for part in path.parts[len(PACKAGE.parent.parts) :])
+        and len(files := [file for file in path.iterdir() if file.is_file()]) > MOST_FILES
+    ]
+    assert not crowded
 
 
 @pytest.mark.processes

@@ -16,9 +16,9 @@ pytestmark = [
 
 
 sys.path.insert(0, str(FUZZ))
-from solved_decks import QUICK  # noqa: E402
-from solved_judge import judge  # noqa: E402
-from young_text import read_young_text  # noqa: E402
+from judged.decks import QUICK  # noqa: E402
+from judged.judge import judge  # noqa: E402
+from judged.young_text import read_young_text  # noqa: E402
 
 
 def ran(script, *words):

@@ -26,3 +26,7 @@ def _finite(kind: AnyFinite | Finite, number: float, value: Any, param: Any, ctx
     if not math.isfinite(number):
         kind.fail(f"{value} is no finite number", param, ctx)
     return number
+
+
+ABSOLUTE_TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
+RELATIVE_TOLERANCE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-SHOWN = 10  # digits
+DIGITS_SHOWN = 10  # digits
 CHECKOUT = Path(__file__).resolve().parents[3]
 
 
@@ -14,8 +14,8 @@ def commit(checkout: Path = CHECKOUT) -> str:
         found = _head(_git_folder(checkout))
     except (OSError, UnicodeDecodeError):
         return ""
-    is_hash = len(found) >= SHOWN and all(digit in "0123456789abcdef" for digit in found)
-    return found[:SHOWN] if is_hash else ""
+    is_hash = len(found) >= DIGITS_SHOWN and all(digit in "0123456789abcdef" for digit in found)
+    return found[:DIGITS_SHOWN] if is_hash else ""
 
 
 def _git_folder(checkout: Path) -> Path:

@@ -6,7 +6,7 @@ from typing import Any
 from ...deck.record import Deck
 from ...deck.records import DeckValues
 from ...errors import Fault, ModelError
-from ...model.diagnostics import Findings
+from ...model.diagnostics import LARGEST_NUMBER, Findings
 from ...model.inertia_checks import check_inertia
 from ...model.tree import Tree
 from .bodies import build_bodies
@@ -16,9 +16,6 @@ from .start import build_integration, build_start, build_time
 from .time_functions import build_closures, build_functions_of_time
 
 GRAVITY = (0.0, 9.8, 0.0)
-
-# Products of four such numbers are still doubles.
-LARGEST = 1e50
 
 
 def build_model(deck: Deck, folder: Path) -> tuple[Tree, list[Fault]]:
@@ -83,10 +80,10 @@ def _stop_at_errors(deck: Deck, findings: Findings) -> None:
 
 def _check_magnitudes(deck: Deck, findings: Findings) -> None:
     for name, number in deck.numbers():
-        if not abs(number.value) <= LARGEST:
+        if not abs(number.value) <= LARGEST_NUMBER:
             findings.error(
                 name,
-                f"{number.value:g} is too large: numbers end at {LARGEST:g}",
+                f"{number.value:g} is too large: numbers end at {LARGEST_NUMBER:g}",
                 number.place,
                 id="DAFMS-021",
             )

@@ -12,7 +12,7 @@ from functools import cache
 
 from ...deck.fortran_records import Item
 from .card import Card
-from .elements.cards import ELEMENT_CARDS
+from .elements.cards import ELEMENT_CARDS, HINGE_ITEMS
 
 MACROS = ("DFMB", "STAR", "STOP")
 END, PRINT_ON, PRINT_OFF = "END ", "PRIN", "NOPR"
@@ -29,10 +29,6 @@ def _euler(meaning: str) -> tuple[Item, ...]:
     return tuple(Item(f"e{i}", f"Euler parameter e{i} of {meaning}") for i in (1, 2, 3, 4))
 
 
-_HINGE = (
-    Item("K", "body whose hinge is meant"),
-    Item("A", "freedom of the hinge: 1-3 rotation, 4-6 translation"),
-)
 _CLOSURE = (
     Item("KA", "first body of the closure"),
     Item("NA", "its node, 0: the vector a"),
@@ -106,7 +102,11 @@ EXTENSIONS = (
         "spring",
         "entries",
         "2I5,2F10.5",
-        (*_HINGE, Item("KS", "stiffness", "N m/rad or N/m"), Item("Q0", "coordinate at rest", "rad or m")),
+        (
+            *HINGE_ITEMS,
+            Item("KS", "stiffness", "N m/rad or N/m"),
+            Item("Q0", "coordinate at rest", "rad or m"),
+        ),
         extension=True,
     ),
     Card(
@@ -114,7 +114,7 @@ EXTENSIONS = (
         "damper",
         "entries",
         "2I5,F10.5",
-        (*_HINGE, Item("CS", "damping constant", "N m s/rad or N s/m")),
+        (*HINGE_ITEMS, Item("CS", "damping constant", "N m s/rad or N s/m")),
         extension=True,
     ),
     Card(
@@ -122,7 +122,7 @@ EXTENSIONS = (
         "motor",
         "entries",
         "2I5,F10.5",
-        (*_HINGE, Item("TAU", "torque or force, opposite on the parent", "N m or N")),
+        (*HINGE_ITEMS, Item("TAU", "torque or force, opposite on the parent", "N m or N")),
         extension=True,
     ),
     Card(
@@ -131,7 +131,7 @@ EXTENSIONS = (
         "entries",
         "2I5,3F10.5",
         (
-            *_HINGE,
+            *HINGE_ITEMS,
             Item("C", "coordinate at t = 0", "rad or m"),
             Item("B", "speed at t = 0", "rad/s or m/s"),
             Item("A2", "acceleration", "rad/s^2 or m/s^2"),
@@ -156,7 +156,7 @@ EXTENSIONS = (
         "motor_table",
         "entries",
         "3I5",
-        (*_HINGE, Item("NP", "number of points of the table")),
+        (*HINGE_ITEMS, Item("NP", "number of points of the table")),
         "2F10.5",
         extension=True,
     ),

@@ -17,13 +17,13 @@ OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")
 OPTIONAL = ("GRAV", "LOOP", "SPRI", "DAMP", "MOTR", "TABM", "PRES", "FORC", "TOQU", "TABL", "DESN")
 OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH", "GEOM")  # type: ignore[assignment]
 
-WIDE, _REAL, _INTEGER = 13, 10, 5
+WIDE_REAL, _REAL, _INTEGER = 13, 10, 5
 _WIDE_SECTIONS = ("stiffness.", "tolerance", "nodal_rotation.")
 
 
 def _width(record: Record) -> int:
     """Columns of a real number; those of a beam stand in no card."""
-    return WIDE if record.section.startswith(_WIDE_SECTIONS) else _REAL
+    return WIDE_REAL if record.section.startswith(_WIDE_SECTIONS) else _REAL
 
 
 def field(value: Number, width: int) -> str:
@@ -142,7 +142,7 @@ class _Deck:
             fields = [f"{n:5d}" for n in numbers]
             lines += [("".join(fields[i : i + 10]), skyline.prefix) for i in range(0, size, 10)]
         columns = [record for record in self.records if record.section == f"stiffness.{k}"]
-        lines += self._list([(n, record.prefix) for record in columns for n in record.numbers], 6, WIDE)
+        lines += self._list([(n, record.prefix) for record in columns for n in record.numbers], 6, WIDE_REAL)
         masses = self.by_prefix[f"nodal_mass.{k}"]
         return lines + self._list([(n, masses.prefix) for n in masses.numbers], 10)
 

@@ -7,21 +7,20 @@ itself is written by `deck_writer.py`.
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from ...deck.questions import INTEGER, TEXT, WORD, Cell, Entry
+from ...deck.questions import INTEGER, TITLE_ENTRY, WORD, Cell, Entry
 from ...deck.record import Record
 from ...errors import Fault
 from .cards import CARDS, Card
 from .deck_writer import OF_EVERY_BODY, OPTIONAL, deck_lines
 from .form_blocks import Answers, block_entries, counted
 from .form_cards import body_entry, counted_entries
-from .form_faults import MOST, faults_of
+from .form_faults import MOST_ASKED, faults_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
 _KINDS = ("RIGID", "BEAM", "TYPED")
-_TITLE = Entry("title", 0, "title", (Cell("text", "one line on the mechanism", letter=TEXT, default=""),))
 _TIME = Entry(
     "time",
     0,
@@ -60,8 +59,8 @@ class DafmsForm:
     def entries(self, values: dict[str, str]) -> list[Entry]:
         """Title, counts, time, hinges, elastic blocks, the cards of each body, the start, other cards."""
         answers = Answers(values)
-        entries = [_TITLE, _COUNTS]
-        if not all(0 <= answers.integer(f"counts.{c.key}", -1) <= MOST for c in _COUNTS.cells):
+        entries = [TITLE_ENTRY, _COUNTS]
+        if not all(0 <= answers.integer(f"counts.{c.key}", -1) <= MOST_ASKED for c in _COUNTS.cells):
             return entries
         bodies = range(1, answers.integer("counts.N") + 1)
         entries += [_TIME, *(_body_entry(k) for k in bodies)]

@@ -8,7 +8,7 @@ from ...deck.fortran_card import Edit, fortran_format
 from ...deck.fortran_fields import filled
 from ...deck.questions import INTEGER, REAL, Cell, Entry
 from .cards import CARDS, Card
-from .deck_writer import WIDE
+from .deck_writer import WIDE_REAL
 from .form_blocks import Answers, counted
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def _rotations(section: str, answers: Answers, subject: str) -> Any:
     for axis, row in enumerate(known, 1):
         cells = tuple(
             Cell(f"phi.{m}", f"per unit of elastic coordinate {m}: rotation about axis {axis}", "rad/m",
-                 default=filled(value, WIDE) if value else "0")
+                 default=filled(value, WIDE_REAL) if value else "0")
             for m, value in enumerate(row.tolist(), 1)
         )  # fmt: skip
         entries.append(Entry(section, axis, f"{subject}, axis {axis}", cells))

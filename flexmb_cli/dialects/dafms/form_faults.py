@@ -6,6 +6,7 @@
 from collections.abc import Sequence
 from typing import Any
 
+from ...deck.questions import MOST_ASKED
 from ...deck.record import Record
 from ...errors import DeckError, Fault
 from .beam import Beam
@@ -14,7 +15,6 @@ from .deck_writer import beam_of, faults_of_fields
 from .form_blocks import MOST_TYPED
 from .form_cards import MOST_POINTS
 
-MOST = 1000
 MOST_OF_BEAM = 446  # the last whose skyline addresses fit I5
 _RANGES = {
     "IDS": (0, 1),
@@ -98,10 +98,10 @@ def _outside(records: Any, record: Record, value: Any) -> Any:
 
 def _range(records: list[Record], record: Record, key: str) -> tuple[int | None, int | None]:
     """Least and most value of an integer; (None, None) where only its columns bound it."""
-    bodies = records[1]["N"] if len(records) > 2 else MOST
+    bodies = records[1]["N"] if len(records) > 2 else MOST_ASKED
     if record.section == "counts" and key != "NDM":
         several = key == "N" or CARDS[key].layout == "entries"
-        return (int(key == "N"), MOST if several else 1)
+        return (int(key == "N"), MOST_ASKED if several else 1)
     if key.startswith(("NT.", "NR.")) or (record.section == "closure" and key in ("C1", "C2", "C3")):
         return 0, 1
     if key.startswith("h("):

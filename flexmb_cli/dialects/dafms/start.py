@@ -7,7 +7,7 @@ import numpy as np
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.mechanism import TimeGrid
-from ...model.time_checks import too_fine, unsteppable
+from ...model.time_checks import MOST_ROWS, too_fine, unsteppable
 from ...model.tree import (
     METHODS,
     ROTATION,
@@ -20,8 +20,6 @@ from ...model.tree import (
     default_tolerances,
     generalized_coordinates,
 )
-
-MOST_ROWS = 10_000_000
 
 # Five-decimal Euler parameters give an angle to about this, rad.
 _ANGLE = 1e-3

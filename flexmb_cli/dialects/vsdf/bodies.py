@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 _UNIT_LENGTH = 1e-6
-_TRIANGLE = 1e-9
+_TRIANGLE_INEQUALITY = 1e-9
 
 
 def build_bodies(values: DeckValues, folder: Path, findings: Findings) -> tuple[VsdfBody, ...]:
@@ -117,7 +117,7 @@ def _rigid_mass(record: "Record", findings: Findings) -> RigidMass:
     if not moments[0] > 0:
         message = f"the principal moments of inertia must be above zero; the least is {moments[0]:.6g} kg m^2"
         findings.error(record.subject, message, record.at("Jxx").place, id="VSDF-007")
-    elif moments[2] > (moments[0] + moments[1]) * (1 + _TRIANGLE):
+    elif moments[2] > (moments[0] + moments[1]) * (1 + _TRIANGLE_INEQUALITY):
         message = (
             f"no body has the principal moments {moments[0]:.6g}, {moments[1]:.6g}, {moments[2]:.6g} kg m^2: "
             "the largest must not exceed the sum of the others (the moments are about the centre of mass)"

@@ -9,7 +9,7 @@ from ...errors import Fault, ModelError
 from ...model.diagnostics import Findings
 from ...model.fe_model import Integrator, VsdfModel
 from ...model.mechanism import TimeGrid
-from ...model.time_checks import unsteppable
+from ...model.time_checks import MOST_ROWS, unsteppable
 from ...solvers.constrained.integrators import METHODS
 from .bodies import build_bodies, build_ground
 from .elements.build import build_elements, build_functions, moved_pins
@@ -18,8 +18,6 @@ from .loads import Factors, build_forces, build_joint_springs, build_outputs, bu
 from .motion_angles import check_motion_functions
 from .stress_outputs import build_stresses
 from .unused_fields import doubt_tables, refuse_unread
-
-MOST_ROWS = 10_000_000
 
 
 def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:

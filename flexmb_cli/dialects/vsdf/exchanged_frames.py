@@ -5,18 +5,23 @@ body stretches, other axes, modes and invariants.  With all modes both hold the 
 of the origin strains nothing: the two models are one and the same.
 """
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...deck.record import Deck
+from ...deck.record import Deck, Record
 from ...errors import Fault, ModelError
 from ...fe.build_mechanism import flexible_mechanism
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.vectors import rotation_matrix
 from ...quick_dataclass import replace
 from .build import build_vsdf
+
+# Joints without third nodes, whose angle is that of the frames, and the cards that act in it.
+BY_FRAMES = ("REVO", "CYLI")
+IN_ANGLES = ("tmotor", "tspring", "tstop", "friction", "coupling_term", "joint_spring")
 
 
 def exchanged_model(deck: Deck, folder: Path, first: FlexibleMechanism) -> FlexibleMechanism:
@@ -68,9 +73,34 @@ def _refuse_unequal(deck: Any) -> None:
             Fault("error", "verify compares two frames of a FLEX body; the deck has none", id="RUN-021")
         )
     numbers = {record["number"] for record in elastic}
+    faults += _of_frames(deck, {record["number"] for record in elastic})
     for motion in deck.section("motion"):
         if motion["kind"] not in ("ANGL", "STRK") and motion["object"] in numbers:
             message = "it moves the frame of a FLEX body, which is another in the second model"
             faults.append(Fault("error", message, motion.place, motion.subject, id="RUN-022"))
     if faults:
         raise ModelError(faults)
+
+
+def _of_frames(deck: Deck, flexible: set[int]) -> Iterator[Fault]:
+    """Elements that act on the frame of a FLEX body, which is another in the second model."""
+    for record in deck.section("bushing"):
+        if record["a"] in flexible:
+            message = (
+                "it acts along the axes of the frame of a FLEX body, which are others in the second model"
+            )
+            yield Fault("error", message, record.at("a").place, record.subject, id="VSDF-108")
+    joints = {joint["number"]: joint for joint in deck.section("joint")}
+    for name in IN_ANGLES:
+        for record in deck.section(name):
+            joint = joints[record["joint"]]
+            sides = {joint["a"], joint["b"]} & flexible
+            if sides and joint["kind"] in BY_FRAMES and _is_angle(record):
+                message = (
+                    "it acts in an angle of the frame of a FLEX body, which is another in the second model"
+                )
+                yield Fault("error", message, record.at("joint").place, record.subject, id="VSDF-109")
+
+
+def _is_angle(record: Record) -> bool:
+    return "coordinate" not in record or record["coordinate"] == 1

@@ -10,16 +10,13 @@ _NAMES = {"I": "an integer", "F": "a number", "A": "a word", "T": "a file name"}
 
 
 class Field(NamedTuple):
-    """What stands in a field: its text without the blanks around it, its first column, and the field's place.
+    """What stands in a field, and the field's place."""
 
-    `first` and `last` column of a field of fixed form, `last` 0 where text goes on; `index` of one by commas.
-    """
-
-    text: str
-    column: int
-    first: int = 0
-    last: int = 0
-    index: int = 0  # type: ignore[assignment]
+    text: str  # without the blanks around it
+    column: int  # of the first character of the text, from 1
+    first: int = 0  # first column of a field of fixed form
+    last: int = 0  # its last column, 0 where text goes on
+    index: int = 0  # type: ignore[assignment]  # number, from 1, of a field by commas
 
     @property
     def span(self) -> str:

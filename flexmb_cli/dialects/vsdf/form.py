@@ -8,17 +8,15 @@ from collections.abc import Sequence
 from typing import Any
 
 from ...deck import number
-from ...deck.questions import INTEGER, TEXT, Cell, Entry
+from ...deck.questions import INTEGER, MOST_ASKED, TEXT, TITLE_ENTRY, Cell, Entry
 from ...deck.record import Number, Record
 from ...errors import Fault
 from .card import Card, Column
 from .cards import BY_WORD, CARDS, END, FINAL
 
-MOST = 1000
 _BODY, _FLEXIBLE, _RIGID = BY_WORD["BODY"], ("FEMN",), ("RIGI",)
 _SINGLE = tuple(card for card in CARDS if card.counted == "single")
 _COUNTED = tuple(card for card in CARDS if card not in _SINGLE and card.word not in (*_FLEXIBLE, *_RIGID))
-_TITLE = Entry("title", 0, "title", (Cell("text", "one line on the mechanism", letter=TEXT, default=""),))
 
 
 def _count_cell(card: Card) -> Cell:
@@ -38,7 +36,7 @@ class VsdfForm:
     def entries(self, values: dict[str, str]) -> list[Entry]:
         """Title, counts, bodies with what each kind needs, the other cards, and those of the whole deck."""
         counts = _counts(values)
-        entries = [_TITLE, _COUNTS]
+        entries = [TITLE_ENTRY, _COUNTS]
         if not counts:
             return entries
         bodies = range(1, counts["BODY"] + 1)
@@ -56,7 +54,9 @@ class VsdfForm:
         last = records[-1]
         if last.section == "counts":
             return [
-                fault for count in last.numbers for fault in _outside(last, count, count.key == "BODY", MOST)
+                fault
+                for count in last.numbers
+                for fault in _outside(last, count, count.key == "BODY", MOST_ASKED)
             ]
         faults = []
         for value in last.numbers if last.section != "title" else ():
@@ -91,7 +91,7 @@ def _counts(values: dict[str, str]) -> dict[str, int]:
         counts = {cell.key: number.integer(values[f"counts.{cell.key}"])[0] for cell in _COUNTS.cells}
     except (KeyError, number.Misspelt):
         return {}
-    return counts if max(counts.values()) <= MOST else {}
+    return counts if max(counts.values()) <= MOST_ASKED else {}
 
 
 def _is_numbered(card: Card) -> bool:

@@ -21,8 +21,8 @@ from .bodies import end_of_body
 
 _COINCIDENT = 1e-12
 # Laws of MOTN: the coordinate, or its rate, follows a function.
-FUNCTION, RATE = 5, 6
-OF_FUNCTIONS = (FUNCTION, RATE)
+FUNCTION_LAW, RATE_LAW = 5, 6
+OF_FUNCTIONS = (FUNCTION_LAW, RATE_LAW)
 
 
 BY_WORD = {word: BY_NAME[name] for word, name in DIALECT.joints.items()}
@@ -296,7 +296,7 @@ def build_motions(
     motions = []
     for record in values.section("motion"):
         if record["law"] in OF_FUNCTIONS:
-            follow = functions.motion if record["law"] == FUNCTION else functions.integrated
+            follow = functions.motion if record["law"] == FUNCTION_LAW else functions.integrated
             function = follow(record, 0.0, key="c0")
         else:
             function = _function(record, tables, findings)

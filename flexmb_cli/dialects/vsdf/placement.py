@@ -12,7 +12,7 @@ from ...model.vectors import euler_parameters
 from ...quick_dataclass import replace
 
 # Of the distance between two nodes: a point farther beside the second one was meant for another node.
-BESIDE = 1e-3
+FAR_FROM_NODE = 1e-3
 # Sine of the least angle between the directions to the second and the third node, and to their points.
 SMALLEST_ANGLE = 1e-6
 
@@ -79,7 +79,7 @@ def _attitude(
     if own is None or wanted is None:
         return None
     distance, given = (np.linalg.norm(places[1] - places[0]) for places in (nodes, points))
-    if abs(distance - given) > BESIDE * distance:
+    if abs(distance - given) > FAR_FROM_NODE * distance:
         message = (
             f"node {records[1]['node']} is {distance:.6g} m from node {records[0]['node']}, and its point "
             f"{given:.6g} m from the first one: the node lies {abs(distance - given):.3g} m beside its point"

@@ -245,7 +245,7 @@ class _Reader:
             message = f"it is number {count} of its kind; records are numbered 1, 2, ... in their order"
             self._error(subject, message, head.place)
         self.numbers += len(numbers)
-        if self.numbers > many_records.MANY:
+        if self.numbers > many_records.MANY_NUMBERS:
             self.kept, self.records = False, []
         if self.kept:
             self.records.append(Record(card.section, number, subject, _with_own_keys(numbers)))

@@ -21,6 +21,7 @@ from ...model.loads import (
     MassProperties,
     SpringDamper,
 )
+from ...model.mechanism import GROUND
 from ...model.time_checks import unsteppable
 from .build import build_young
 from .build_elements import build_elements, build_functions
@@ -35,8 +36,7 @@ _OF_BODIES = (
     *("mass", "force", "torque", "velocity", "spring", "damper", "lspring", "cable", "bushing"),
     *("revcyl", "revsph", "sphsph"),
 )
-ROUND_OFF = 1e-9  # of the largest moment of inertia
-GROUND = -1  # body 0 of the cards
+INERTIA_ROUND_OFF = 1e-9  # of the largest moment of inertia
 DEFAULT_TOLERANCE = 1e-9
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-13, 1e-2
 
@@ -143,7 +143,7 @@ def _mass(record: Record, findings: Findings) -> MassProperties:
 def _check_inertia(record: Record, inertia: tuple[float, ...], findings: Findings) -> None:
     """1. No principal moment is negative.  2. None exceeds the sum of the others."""
     moments = np.linalg.eigvalsh(inertia_matrix(inertia))
-    slack = ROUND_OFF * max(abs(moments[0]), moments[2])
+    slack = INERTIA_ROUND_OFF * max(abs(moments[0]), moments[2])
     shown = ", ".join(f"{moment:.6g}" for moment in moments)
     if moments[0] < -slack:
         message = f"the inertia tensor must have no negative principal moment; they are {shown} kg m^2"

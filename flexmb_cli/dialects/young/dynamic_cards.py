@@ -201,7 +201,7 @@ class _Cards:
 
     def behind(self, records: Sequence[Record]) -> Sequence[Record]:
         """Return the records of the cards behind those of kinematics; many ones are made when looked at."""
-        if isinstance(records, tuple) and self.numbers <= many_records.MANY:
+        if isinstance(records, tuple) and self.numbers <= many_records.MANY_NUMBERS:
             return *records, *self.records
         blocks = [*blocks_of(records), *blocks_of(self.records[:1])]
         for section, starts in self.starts.items():
@@ -267,7 +267,7 @@ class _Cards:
             return
         record = self.record(kind, columns, len(starts), keyword, found)
         self.numbers += len(columns)
-        if self.numbers <= many_records.MANY:
+        if self.numbers <= many_records.MANY_NUMBERS:
             self.records.append(record)
 
     def record(

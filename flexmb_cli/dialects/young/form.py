@@ -7,7 +7,7 @@ names, meanings and units are those of the reader's table.
 from collections.abc import Sequence
 
 from ...deck import number
-from ...deck.questions import INTEGER, REAL, TEXT, Cell, Entry
+from ...deck.questions import INTEGER, MOST_ASKED, REAL, TITLE_ENTRY, Cell, Entry
 from ...deck.record import Number, Record
 from ...errors import Fault
 from .build import faults_of_last
@@ -15,9 +15,6 @@ from .equation_count import imbalance
 from .sections import COUNTS, YOUNG_SECTIONS, Column, Section
 from .shape_cards import SHAPE_CARDS
 from .shapes import faults_of_shape
-
-MOST = 1000
-"""Largest count that is asked for one by one; a deck beyond it is a program's work."""
 
 # Where an empty answer is sensible: joint points and frames at the origin, at rest and not turned.
 _ZERO = {"x", "y", "z", "e1", "e2", "e3", "C", "A", "value", "alpha", "beta", "gamma", "start"}
@@ -31,7 +28,6 @@ _SHAPES = Entry(
     (Cell("GEOM", "number of shapes, 0: lines between joints", letter=INTEGER, default="0"),),
     optional=True,
 )
-_TITLE = Entry("title", 0, "title", (Cell("text", "one line on the mechanism", letter=TEXT, default=""),))
 
 
 class YoungForm:
@@ -41,7 +37,7 @@ class YoungForm:
 
     def entries(self, values: dict[str, str]) -> list[Entry]:
         """Title and counts, then the records that the counts announce."""
-        entries = [_TITLE, _entry(COUNTS, 0, values)]
+        entries = [TITLE_ENTRY, _entry(COUNTS, 0, values)]
         counts = _counts(values)
         for section in YOUNG_SECTIONS[1:] if counts else ():
             numbers = range(1, counts[section.count] + 1) if section.count else [0]
@@ -88,7 +84,7 @@ def _counts(values: dict[str, str]) -> dict[str, int]:
         counts = {c.key: number.integer(values[f"counts.{c.key}"])[0] for c in COUNTS.columns}
     except (KeyError, number.Misspelt):
         return {}
-    return counts if max(counts.values()) <= MOST else {}
+    return counts if max(counts.values()) <= MOST_ASKED else {}
 
 
 def _number_of_shapes(values: dict[str, str]) -> int:
@@ -97,7 +93,7 @@ def _number_of_shapes(values: dict[str, str]) -> int:
         count = number.integer(values["shapes.GEOM"])[0]
     except (KeyError, number.Misspelt):
         return 0
-    return count if count <= MOST else 0
+    return count if count <= MOST_ASKED else 0
 
 
 def _shape_entry(k: int) -> Entry:
@@ -132,9 +128,9 @@ def _faults_of_title(record: Record) -> list[Fault]:
 
 
 def _outside(count: Number, least: int, subject: str) -> list[Fault]:
-    if least <= count.value <= MOST:
+    if least <= count.value <= MOST_ASKED:
         return []
-    message = f"{count.key} must be within {least}..{MOST}; read {count.text}"
+    message = f"{count.key} must be within {least}..{MOST_ASKED}; read {count.text}"
     return [Fault("error", message, count.place, subject, id="YOUNG-028")]
 
 

@@ -9,18 +9,17 @@ from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Record
 from ...errors import Fault
-from ...model.diagnostics import Findings
+from ...model.diagnostics import LARGEST_NUMBER, Findings
 from ...model.joints import JOINT_TYPES, PITCH, JointType
 from ...model.mechanism import Body, Distance, Driver, Ground, Joint, Point, Simplified, TimeGrid, Vector
+from ...model.time_checks import MOST_ROWS
+from ...model.vectors import SINE_OF_PARALLELS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 
-MOST_ROWS = 10_000_000
-LARGEST = 1e50
 DOUBTFUL_LENGTH = 1e-3
-PARALLEL = 1e-9
 DOUBTFUL_ANGLE = 20 * math.pi
 _FIRST_ANGLE = 4
 _EULER = ("e0", "e1", "e2", "e3")
@@ -43,17 +42,17 @@ def part_of(record: Record, bodies: int, complete: bool = True) -> tuple[object,
 
 def _fits_doubles(record: Record, findings: Findings) -> bool:
     """Products of huge numbers leave the doubles, and no mechanism is that large."""
-    if not [value for value in record.values if isinstance(value, float) and abs(value) > LARGEST]:
+    if not [value for value in record.values if isinstance(value, float) and abs(value) > LARGEST_NUMBER]:
         return True
     huge = [
         number
         for number in record.numbers
         # Euler parameters are scaled to length one, whatever their size.
-        if isinstance(number.value, float) and abs(number.value) > LARGEST and number.key not in _EULER
+        if isinstance(number.value, float) and abs(number.value) > LARGEST_NUMBER and number.key not in _EULER
     ]
     for number in huge:
         found = f"{number.key} is {number.text or number.value}"
-        message = f"{found}; numbers beyond {LARGEST:g} cannot be computed with"
+        message = f"{found}; numbers beyond {LARGEST_NUMBER:g} cannot be computed with"
         findings.error(record.subject, message, number.place, id="YOUNG-032")
     return not huge
 
@@ -184,7 +183,7 @@ def _parallel(a: Any, b: Any) -> bool:
     if a is None or b is None:
         return False
     cross = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-    return math.hypot(*cross) <= PARALLEL
+    return math.hypot(*cross) <= SINE_OF_PARALLELS
 
 
 def _unit(vector: tuple[float, float, float]) -> list[float] | None:

@@ -15,8 +15,8 @@ from ...model.diagnostics import Findings
 from ...model.mechanism import Driver, Ground, Mechanism
 from ...quick_dataclass import dataclass
 
-SAME = 1e-12
-MANY = 10_000  # holds
+SAME_VALUE = 1e-12
+MANY_HOLDS = 10_000  # holds
 NO_ATTITUDE = 1e-9
 
 _NAMES = {1: "x", 2: "y", 3: "z", 4: "the angle about x", 5: "the angle about y", 6: "the angle about z"}
@@ -56,7 +56,7 @@ def check_held_coordinates(mechanism: Mechanism, findings: Findings) -> None:
 
 def _sorted_places(held: Any) -> Any:
     """The places of numbers in ascending order of the numbers, equal ones as they stand."""
-    if len(held) < MANY:
+    if len(held) < MANY_HOLDS:
         return sorted(range(len(held)), key=held.__getitem__)
     # Small decks are read without numpy; of a large one a list of places would take six times the memory.
     import numpy as np
@@ -141,7 +141,7 @@ def _check_pair(first: _Hold, second: _Hold, findings: Findings) -> None:
         verb = "moved" if first.driver else "held"
         message = f"{what} is already {verb} by {first.name}; remove one of them"
         findings.error(second.name, message, second.place, id="YOUNG-049")
-    elif abs(first.imposed - second.imposed) <= SAME * max(1.0, abs(first.imposed)):
+    elif abs(first.imposed - second.imposed) <= SAME_VALUE * max(1.0, abs(first.imposed)):
         message = f"{what} is already held at this value by {first.name}; this equation is redundant"
         findings.warn(second.name, message, second.place, id="YOUNG-050")
     else:

@@ -141,7 +141,7 @@ def _read_sections(reading: _Reading, counts: "_Read") -> "ManyRecords | tuple[_
         if reading.errors > MOST_ERRORS:
             break  # no deck at all, such as a text that begins with twelve integers
         record = _record(reading, section, number_of_record, chunk) if chunk else None
-        if record and wanted <= many_records.MANY:
+        if record and wanted <= many_records.MANY_NUMBERS:
             records.append(record)
         if len(chunk) < size:
             where = f"after {len(chunk)} of its {size} numbers" if chunk else "before it"
@@ -151,7 +151,7 @@ def _read_sections(reading: _Reading, counts: "_Read") -> "ManyRecords | tuple[_
             )
             reading.early_end(_subject(section, number_of_record), message)
             break
-    return tuple(records) if wanted <= many_records.MANY else _many(reading, counts)
+    return tuple(records) if wanted <= many_records.MANY_NUMBERS else _many(reading, counts)
 
 
 def _many(reading: _Reading, counts: "_Read") -> ManyRecords:

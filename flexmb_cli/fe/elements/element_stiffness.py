@@ -12,7 +12,7 @@ from .solid_elements import FORMULATIONS, SolidElements, elasticity, solid_eleme
 _CHUNK = 500
 # Matrices that differ by less of their largest entry are equal but for round-off; formulations that agree on
 # parallelepipeds are then distinguished by their order.
-EQUAL = 1e-9
+SAME_STIFFNESS = 1e-9
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ def matching_elements(
         stiffness, internal = element_stiffness(made, D)
         difference = assembled(stiffness, rows, len(positions), 3) - K
         found.append(BodyElements(made, D, internal, float(abs(difference).max() / size)))
-        if found[-1].deviation < EQUAL:
+        if found[-1].deviation < SAME_STIFFNESS:
             break
     return min(found, key=lambda body: body.deviation)
 

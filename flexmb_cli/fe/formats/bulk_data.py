@@ -12,11 +12,11 @@ from .file_text import integer, line_fault, lines_of
 
 
 class BulkCard(NamedTuple):
-    """A card: its name, the line it begins on, and its fields behind the name."""
+    """A card of a bulk data file."""
 
-    name: str
-    line: int
-    fields: list[str]
+    name: str  # in capitals
+    line: int  # that it begins on, from 1
+    fields: list[str]  # behind the name
 
 
 def bulk_cards(path: Path, names: tuple[str, ...]) -> Iterator[BulkCard]:

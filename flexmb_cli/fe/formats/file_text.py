@@ -1,7 +1,7 @@
 """Text of a file and tables of numbers in it; what cannot be read is reported with its line.
 
 The names of these files come from decks, which may be a stranger's: only regular files are opened, and
-nothing larger than `LARGEST` is read.
+nothing larger than `LARGEST_FILE` is read.
 """
 
 import os
@@ -15,7 +15,7 @@ import numpy as np
 
 from .matrix_file import FEFileFault
 
-LARGEST = 2**31  # bytes
+LARGEST_FILE = 2**31  # bytes
 _SHOWN = 40
 # Numbers of nodes, rows and columns fit into int64 with room for a product by 3.
 _INTEGER = re.compile(r"[+-]?[0-9]{1,15}", re.ASCII)
@@ -24,7 +24,7 @@ _NOT_FINITE = ("nan", "inf", "infinity")
 _EXACT = 2.0**53
 
 
-def bytes_of(path: Path, largest: int = LARGEST) -> bytes:
+def bytes_of(path: Path, largest: int = LARGEST_FILE) -> bytes:
     """Return what the file holds.  Raises FEFileFault when it cannot be read or is not below `largest`."""
     try:
         # A pipe without a writer would be waited for.

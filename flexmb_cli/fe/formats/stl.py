@@ -15,10 +15,16 @@ from .file_text import bytes_of
 from .matrix_file import FEFileFault
 
 # Triangles of a file: more are too many for a page, and nobody sees them.
-MOST = 200_000
-LARGEST = 2**27  # bytes: a triangle takes 50 in a binary file, some 250 in text
-_HEAD, _TRIANGLE = 84, 50
-_RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("unused", "<u2")])
+MOST_TRIANGLES = 200_000
+LARGEST_STL = 2**27  # bytes: a triangle takes 50 in a binary file, some 250 in text
+_HEADER_BYTES, _TRIANGLE_BYTES = 84, 50
+_RECORD = np.dtype(
+    [
+        ("normal", "<f4", 3),  # unit vector outwards, often wrong in files and not read
+        ("corners", "<f4", (3, 3)),  # of the triangle, a row each, in the file's unit
+        ("unused", "<u2"),  # bytes of attributes that programs add
+    ]
+)
 _CORNER = re.compile(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)")
 _FACET = re.compile(rb"\bendfacet\b")
 _ENDING = re.compile(rb"\bendsolid\b[^\n]*\s*\Z")
@@ -29,9 +35,9 @@ def read_stl(path: Path) -> tuple[np.ndarray, np.ndarray]:
 
     Raises FEFileFault for a file that cannot be read, is damaged, or has too many triangles.
     """
-    raw = bytes_of(path, LARGEST)
-    announced = int.from_bytes(raw[80:_HEAD], "little") if len(raw) >= _HEAD else -1
-    if len(raw) == _HEAD + _TRIANGLE * announced:
+    raw = bytes_of(path, LARGEST_STL)
+    announced = int.from_bytes(raw[80:_HEADER_BYTES], "little") if len(raw) >= _HEADER_BYTES else -1
+    if len(raw) == _HEADER_BYTES + _TRIANGLE_BYTES * announced:
         corners = _binary(path.name, raw, announced)
     elif raw.lstrip().startswith(b"solid") and b"\0" not in raw[:1024]:
         corners = _text(path.name, raw)
@@ -50,7 +56,7 @@ def read_stl(path: Path) -> tuple[np.ndarray, np.ndarray]:
 
 def _binary(name: str, raw: bytes, count: int) -> Any:
     _check_count(name, count)
-    return np.frombuffer(raw, _RECORD, count, _HEAD)["corners"].reshape(-1, 3).astype(float)
+    return np.frombuffer(raw, _RECORD, count, _HEADER_BYTES)["corners"].reshape(-1, 3).astype(float)
 
 
 def _text(name: str, raw: bytes) -> Any:
@@ -73,8 +79,8 @@ def _text(name: str, raw: bytes) -> Any:
 def _check_count(name: str, count: int) -> None:
     if not count:
         raise FEFileFault(f"{name} has no triangles", id="FE-080")
-    if count > MOST:
-        message = f"{name} has {count} triangles; at most {MOST} are drawn: write a coarser file"
+    if count > MOST_TRIANGLES:
+        message = f"{name} has {count} triangles; at most {MOST_TRIANGLES} are drawn: write a coarser file"
         raise FEFileFault(message, id="FE-081")
 
 

@@ -25,7 +25,7 @@ from ..linalg.rank_revealing_lu import (
     factorise,
     free_motions,
 )
-from ..linalg.rotation import rotation_matrices, rotation_rates
+from ..linalg.rotation import RATE, REMAINDER, A, rotation_matrices, rotation_rates
 from .body_vectors import geometry_of, move_vectors, place_vectors
 from .constraint_primitives import equation_accelerations, equation_rows
 from .dry_friction import FRICTION_CONVERGED, MOST_SUBSTITUTIONS, has_friction, normal_changes
@@ -39,18 +39,15 @@ from .system import (
     NO_INERTIA,
     PRODUCT,
     QD,
-    RATE,
-    REMAINDER,
     SCALED,
     SINGULAR,
     SOLVED,
     UNKNOWN,
-    A,
     System,
     Work,
 )
 
-SMALLEST_INERTIA = 1e-13  # pivot of the reduced mass matrix, of its diagonal entry
+SMALLEST_INERTIA = 1e-13  # pivot of a reduced mass matrix, of its diagonal entry
 
 
 @kernel

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 from .._jit import kernel
 from ..kinematics.constraints import SCREW
 from ..kinematics.joints import screw
-from ..linalg.rotation import rotate, rotation_matrices
+from ..linalg.rotation import A, rotate, rotation_matrices
 from .body_vectors import geometry_of, move_vectors, place_vectors
 from .constraint_primitives import angle_rates, primitive_angle
 from .report import coordinates_and_speeds
-from .system import A, System, Work
+from .system import System, Work
 
 if TYPE_CHECKING:
     import numpy as np

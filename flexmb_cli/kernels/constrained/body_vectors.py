@@ -10,25 +10,31 @@ Relative vectors are the vectors V and W of the primitives: a body vector, or th
 that of another.
 """
 
-from collections import namedtuple
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .._jit import kernel
-from ..linalg.rotation import rotate
-from .system import A, System, Work
+from ..linalg.rotation import RATE, REMAINDER, A, rotate
+from .system import System, Work
 
 if TYPE_CHECKING:
     import numpy as np
 
 
-BODY_VECTOR, RATE, REST = 0, 1, 2
+VECTOR = 0  # row of the vectors themselves, before those of RATE and REMAINDER
 
-Geometry = namedtuple("Geometry", "body_vectors shapes primitives axes placed relative_vectors")
-Geometry.__doc__ = """What body vectors and primitives need of a System and its Work, whose names these are.
 
-A kernel called for every body vector pays for every array that it is handed.  axes (b, 3, 3): A; placed:
-Work.body_vectors.
-"""
+class Geometry(NamedTuple):
+    """What body vectors and primitives need of a System and its Work.
+
+    A kernel called for every body vector pays for every array that it is handed.
+    """
+
+    body_vectors: "np.ndarray"  # BODY_VECTOR records
+    shapes: "np.ndarray"  # their shapes S (3, N), flat, m or 1 per unit of η
+    primitives: "np.ndarray"  # PRIMITIVE records
+    axes: "np.ndarray"  # (b, 3, 3) A of every body
+    placed: "np.ndarray"  # (3, body vectors, 3) `Work.body_vectors`, global axes, m
+    relative_vectors: "np.ndarray"  # (3, primitives, 2, 3) V and W of the primitives, global axes, m
 
 
 @kernel
@@ -69,8 +75,8 @@ def place_vectors(geometry: Geometry, q: "np.ndarray") -> None:
         s = (c[0] + d[0], c[1] + d[1], c[2] + d[2])
         v = rotate(geometry.axes, body_vector["body"], s) if body_vector["body"] >= 0 else s
         for i in range(3):
-            geometry.placed[BODY_VECTOR, p, i] = v[i]
-    _fill_relative_vectors(geometry, BODY_VECTOR, q, 7)
+            geometry.placed[VECTOR, p, i] = v[i]
+    _fill_relative_vectors(geometry, VECTOR, q, 7)
 
 
 @kernel
@@ -82,16 +88,16 @@ def move_vectors(geometry: Geometry, u: "np.ndarray") -> None:
         if b < 0:
             continue
         k = 6 * b + 3
-        s = vector(geometry.placed[BODY_VECTOR], p)
+        s = vector(geometry.placed[VECTOR], p)
         w = rotate(geometry.axes, b, (u[k], u[k + 1], u[k + 2]))
         d = rotate(geometry.axes, b, _deformed(body_vector, geometry.shapes, u, first))
         turned = cross(w, s)
         rest = cross(w, (turned[0] + 2.0 * d[0], turned[1] + 2.0 * d[1], turned[2] + 2.0 * d[2]))
         for i in range(3):
             geometry.placed[RATE, p, i] = turned[i] + d[i]
-            geometry.placed[REST, p, i] = rest[i]
+            geometry.placed[REMAINDER, p, i] = rest[i]
     _fill_relative_vectors(geometry, RATE, u, 6)
-    _fill_relative_vectors(geometry, REST, u, 0)
+    _fill_relative_vectors(geometry, REMAINDER, u, 0)
 
 
 @kernel
@@ -151,7 +157,7 @@ def add_vector_row(
     if of_point:
         for i in range(3):
             row[6 * b + i] += g[i]
-    moment, axes = cross(vector(geometry.placed[BODY_VECTOR], p), g), geometry.axes[b]
+    moment, axes = cross(vector(geometry.placed[VECTOR], p), g), geometry.axes[b]
     N, at, first = (
         body_vector["modes"],
         body_vector["shape"],

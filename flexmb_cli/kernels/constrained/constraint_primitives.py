@@ -13,7 +13,8 @@ import math
 from typing import TYPE_CHECKING
 
 from .._jit import kernel
-from .body_vectors import BODY_VECTOR, RATE, REST, Geometry, add_vector_row, geometry_of, vector
+from ..linalg.rotation import TURN
+from .body_vectors import RATE, REMAINDER, VECTOR, Geometry, add_vector_row, geometry_of, vector
 from .time_functions import function_values
 
 if TYPE_CHECKING:
@@ -22,15 +23,12 @@ if TYPE_CHECKING:
     from .system import System, Work
 
 
-TURN = 2.0 * math.pi
-
-
 @kernel
 def primitive_value(geometry: Geometry, k: int, expected: float) -> float:
     """μ of primitive k at placed body vectors; expected: the angle expected, rad."""
     m, value = geometry.primitives[k], -geometry.primitives[k]["constant"]
     if m["alpha"] != 0.0:
-        value += m["alpha"] * _relative_product(geometry.relative_vectors, k, BODY_VECTOR, BODY_VECTOR)
+        value += m["alpha"] * _relative_product(geometry.relative_vectors, k, VECTOR, VECTOR)
     if m["beta"] != 0.0:
         value += m["beta"] * primitive_angle(geometry.placed, m, expected)
     return value
@@ -48,7 +46,7 @@ def _relative_product(relative_vectors: "np.ndarray", k: int, layer: int, layer_
 @kernel
 def primitive_angle(placed: "np.ndarray", m: "np.void", expected: float) -> float:
     """θ, rad: the value nearest to `expected`."""
-    x, y = _products(placed, m, BODY_VECTOR, BODY_VECTOR)
+    x, y = _products(placed, m, VECTOR, VECTOR)
     theta = math.atan2(y, x)
     return theta + TURN * math.floor((expected - theta) / TURN + 0.5)
 
@@ -67,7 +65,7 @@ def _products(placed: "np.ndarray", m: "np.void", layer: int, layer_of_h: int) -
 @kernel
 def angle_rates(placed: "np.ndarray", m: "np.void") -> tuple[float, float]:
     """Rate of θ, rad/s, and its second derivative without those of the coordinates, at moved body vectors."""
-    x, y = _products(placed, m, BODY_VECTOR, BODY_VECTOR)
+    x, y = _products(placed, m, VECTOR, VECTOR)
     xd = yd = xr = yr = 0.0
     for a in range(3):
         for b in range(3 - a):
@@ -90,11 +88,11 @@ def primitive_rates(geometry: Geometry, k: int) -> tuple[float, float]:
     m, relative_vectors = geometry.primitives[k], geometry.relative_vectors
     rate = rest = 0.0
     if m["alpha"] != 0.0:
-        rate = _relative_product(relative_vectors, k, BODY_VECTOR, RATE) + _relative_product(
-            relative_vectors, k, RATE, BODY_VECTOR
+        rate = _relative_product(relative_vectors, k, VECTOR, RATE) + _relative_product(
+            relative_vectors, k, RATE, VECTOR
         )
-        rest = _relative_product(relative_vectors, k, BODY_VECTOR, REST) + _relative_product(
-            relative_vectors, k, REST, BODY_VECTOR
+        rest = _relative_product(relative_vectors, k, VECTOR, REMAINDER) + _relative_product(
+            relative_vectors, k, REMAINDER, VECTOR
         )
         rest += 2.0 * _relative_product(relative_vectors, k, RATE, RATE)
         rate, rest = m["alpha"] * rate, m["alpha"] * rest
@@ -112,13 +110,13 @@ def add_primitive_row(geometry: Geometry, k: int, factor: float, row: "np.ndarra
     if m["alpha"] != 0.0:
         for side in range(2):
             head, tail = m["ends"][side, 0], m["ends"][side, 1]
-            w, share = vector(geometry.relative_vectors[BODY_VECTOR, k], 1 - side), factor * m["alpha"]
+            w, share = vector(geometry.relative_vectors[VECTOR, k], 1 - side), factor * m["alpha"]
             apart = tail >= 0 and body_vectors[head]["body"] != body_vectors[tail]["body"]
             add_vector_row(geometry, head, w, share, apart, row)
             if tail >= 0:
                 add_vector_row(geometry, tail, w, -share, apart, row)
     if m["beta"] != 0.0:
-        x, y = _products(geometry.placed, m, BODY_VECTOR, BODY_VECTOR)
+        x, y = _products(geometry.placed, m, VECTOR, VECTOR)
         share = factor * m["beta"] / (x * x + y * y)
         for body_vector, other, part in (
             (m["f"], m["h"], -y),
@@ -127,7 +125,7 @@ def add_primitive_row(geometry: Geometry, k: int, factor: float, row: "np.ndarra
             (m["h"], m["f"], -y),
         ):
             add_vector_row(
-                geometry, body_vector, vector(geometry.placed[BODY_VECTOR], other), share * part, False, row
+                geometry, body_vector, vector(geometry.placed[VECTOR], other), share * part, False, row
             )
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .._jit import allocating, kernel
-from .body_vectors import BODY_VECTOR, vector
+from .body_vectors import VECTOR, vector
 from .elements import FRICTION, NORMAL
 from .multipliers import fill_multipliers
 from .system import SCALED
@@ -48,12 +48,16 @@ def normal_changes(system: Any, work, ud: np.ndarray):
 @allocating
 def _normal(system, work, load, lam: np.ndarray):
     """Size of the joint's force across its axis, and of that on the flanks of a thread, N."""
-    group, axis = system.groups[load["group"]], vector(work.body_vectors[BODY_VECTOR], load["body_vector"])
+    group, axis = system.groups[load["group"]], vector(work.body_vectors[VECTOR], load["body_vector"])
     force = np.zeros(3)
+    # The ground has no columns; the other body bears the opposite force.
+    body = group["body_j"] if group["body_j"] >= 0 else group["body_i"]
     for row in range(group["first_row"], group["end_row"]):
         for i in range(3):
-            k = 6 * group["body_j"] + i
+            k = 6 * body + i
             force[i] += lam[row] * system.row_scale[row] * work.jacobian[row, k] / system.speed_scale[k]
-    along = force[0] * axis[0] + force[1] * axis[1] + force[2] * axis[2]
+    # Between nodes of a flexible body the axis stretches.
+    size = axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]
+    along = (force[0] * axis[0] + force[1] * axis[1] + force[2] * axis[2]) / math.sqrt(size)
     square = force[0] * force[0] + force[1] * force[1] + force[2] * force[2] - along * along
     return math.sqrt(max(square, 0.0)) + load["thread"] * abs(along)

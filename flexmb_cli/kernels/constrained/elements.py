@@ -1,7 +1,8 @@
 """Springs, stops, cables and friction in joint coordinates and in line: effort, slopes, power and energy.
 
 An element acts in a coordinate x with the rate v: an angle, a stroke or the length between two points.
-What it answers is kept in a row of Work.responses, with -dF/dx and -dF/dv for implicit integrators.
+What it answers is kept in a row of Work.responses, with -dF/dx and -dF/dv for implicit integrators, and the
+energy it stores.
 Stops and cables: Hunt and Crossley, Journal of Applied Mechanics 42 (1975), pages 440-445, exponent 1.
 Friction: Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30 (1994), section 3.1, made smooth by
 tanh.
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
 from ..linalg.rotation import dot
-from .body_vectors import BODY_VECTOR, RATE, Geometry, add_vector_row, geometry_of, vector
+from .body_vectors import RATE, VECTOR, Geometry, add_vector_row, geometry_of, vector
 from .constraint_primitives import add_primitive_row, primitive_rates, primitive_value
 from .time_functions import function_values
 
@@ -27,8 +28,8 @@ ELEMENT, FRICTION = 5, 6
 SPRING, STOP, CABLE = 1, 2, 3
 # Columns of the responses.
 COORDINATE, SPEED, EFFORT, POWER, STIFFNESS, DAMPING, NORMAL, ENERGY = 0, 1, 2, 3, 4, 5, 6, 7
-COLUMNS = 8
-AT_REST = 1e-300
+RESPONSE_COLUMNS = 8
+NO_LENGTH = 1e-300  # m, and m² of its square: a line that short has no direction
 SMALL = 1e-6  # of the creep speed: tanh(x)/x is 1 there
 
 
@@ -39,9 +40,12 @@ def add_element(system: "System", work: "Work", k: int, f: "np.ndarray") -> floa
     if load["kind"] == FRICTION:
         return _add_friction(system, work, load, answer, f)
     geometry = geometry_of(system, work)
-    if not _fill_coordinate(geometry, work, load, answer):
-        return 0.0
+    directed = _fill_coordinate(geometry, work, load, answer)
     effort, kept = _effort(system, load, answer)
+    if not directed:
+        # Its energy counts, but no force acts.
+        answer[EFFORT], answer[POWER] = 0.0, 0.0
+        return 0.0
     answer[EFFORT], answer[POWER] = effort, (effort - kept) * answer[SPEED]
     if load["in_line"]:
         add_along_line(geometry, load["primitive"], effort / answer[COORDINATE], f)
@@ -53,7 +57,7 @@ def add_element(system: "System", work: "Work", k: int, f: "np.ndarray") -> floa
 @kernel
 def add_along_line(geometry: Any, k: int, share, f) -> None:
     """Add to f the force `share` times V of primitive k that drives its ends apart."""
-    d, ends = vector(geometry.relative_vectors[BODY_VECTOR, k], 0), geometry.primitives[k]["ends"]
+    d, ends = vector(geometry.relative_vectors[VECTOR, k], 0), geometry.primitives[k]["ends"]
     add_vector_row(geometry, ends[0, 1], d, -share, True, f)
     add_vector_row(geometry, ends[0, 0], d, share, True, f)
 
@@ -64,11 +68,12 @@ def _fill_coordinate(geometry: Geometry, work: "Work", load: "np.void", answer: 
     k = load["primitive"]
     if load["in_line"]:
         d, v = (
-            vector(geometry.relative_vectors[BODY_VECTOR, k], 0),
+            vector(geometry.relative_vectors[VECTOR, k], 0),
             vector(geometry.relative_vectors[RATE, k], 0),
         )
         answer[COORDINATE] = math.sqrt(dot(d, d))
-        if answer[COORDINATE] < AT_REST:
+        if answer[COORDINATE] < NO_LENGTH:
+            answer[SPEED] = 0.0
             return False
         answer[SPEED] = dot(d, v) / answer[COORDINATE]
         return True
@@ -162,9 +167,9 @@ def add_element_slope(
                 geometry, load["stroke"], amount * primitive_rates(geometry, load["stroke"])[0], y
             )
     elif load["in_line"]:
-        d = vector(geometry.relative_vectors[BODY_VECTOR, load["primitive"]], 0)
+        d = vector(geometry.relative_vectors[VECTOR, load["primitive"]], 0)
         square = dot(d, d)
-        if square > AT_REST:
+        if square > NO_LENGTH:
             stretched = dot(d, vector(geometry.relative_vectors[RATE, load["primitive"]], 0))
             add_along_line(geometry, load["primitive"], amount * stretched / square, y)
     else:

@@ -9,11 +9,11 @@ import math
 from typing import TYPE_CHECKING
 
 from .._jit import kernel
-from ..linalg.rotation import rotate
-from .body_vectors import BODY_VECTOR, RATE, add_vector_row, geometry_of, vector
+from ..linalg.rotation import A, rotate
+from .body_vectors import RATE, VECTOR, add_vector_row, geometry_of, vector
 from .constraint_primitives import add_primitive_row, primitive_rates, primitive_value
-from .elements import COORDINATE, EFFORT, ELEMENT, ENERGY, POWER, SPEED, add_element
-from .system import A, System, Work
+from .elements import COORDINATE, EFFORT, ELEMENT, ENERGY, NO_LENGTH, POWER, SPEED, add_element
+from .system import System, Work
 from .time_functions import function_values
 
 if TYPE_CHECKING:
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 # The codes of model.arrays.records; a test compares them.
 FORCE, TORQUE, LINE, RELATIVE = 1, 2, 3, 4
-AT_REST = 1e-300
 
 
 @kernel
@@ -84,12 +83,15 @@ def _add_line(system: System, work: Work, load: "np.void", answer: "np.ndarray",
     Ends that coincide leave the direction open: no force acts then.
     """
     geometry, k = geometry_of(system, work), load["primitive"]
-    d, v = vector(work.relative_vectors[BODY_VECTOR, k], 0), vector(work.relative_vectors[RATE, k], 0)
+    d, v = vector(work.relative_vectors[VECTOR, k], 0), vector(work.relative_vectors[RATE, k], 0)
     length = _length(d)
-    if length < AT_REST:
+    stretch = length - load["free_length"]
+    answer[ENERGY] = 0.5 * load["stiffness"] * stretch * stretch
+    if length < NO_LENGTH:
+        answer[COORDINATE], answer[SPEED], answer[EFFORT], answer[POWER] = length, 0.0, 0.0, 0.0
         return 0.0
     rate = (d[0] * v[0] + d[1] * v[1] + d[2] * v[2]) / length
-    pull = load["stiffness"] * (length - load["free_length"]) + load["damping"] * rate
+    pull = load["stiffness"] * stretch + load["damping"] * rate
     answer[COORDINATE], answer[SPEED], answer[EFFORT] = length, rate, -pull
     answer[POWER] = -load["damping"] * rate * rate
     ends = system.primitives[k]["ends"]
@@ -120,6 +122,7 @@ def _add_relative(
     effort = active - load["stiffness"] * stretch
     answer[COORDINATE], answer[SPEED] = stretch + load["free_length"], rate
     answer[EFFORT], answer[POWER] = effort, active * rate
+    answer[ENERGY] = 0.5 * load["stiffness"] * stretch * stretch
     add_primitive_row(geometry, load["primitive"], effort, f)
     return active * rate
 
@@ -132,8 +135,7 @@ def spring_energy(system: System, work: Work) -> float:
         load, stretch = system.loads[k], 0.0
         if load["kind"] == LINE:
             stretch = (
-                _length(vector(work.relative_vectors[BODY_VECTOR, load["primitive"]], 0))
-                - load["free_length"]
+                _length(vector(work.relative_vectors[VECTOR, load["primitive"]], 0)) - load["free_length"]
             )
         elif load["kind"] == RELATIVE:
             stretch = _stretch(system, work, load)

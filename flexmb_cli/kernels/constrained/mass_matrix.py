@@ -9,23 +9,25 @@ and for a flexible one `floating_frame`.  M is kept body by body: work.mass (bod
 whole blocks (6 + N, 6 + N) of the flexible ones in work.modal.
 """
 
-from collections import namedtuple
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from .._jit import kernel, part, plain
 from ..linalg.blocks import block
+from ..linalg.rotation import A
 from . import floating_frame
-from .system import PRODUCT, A, System, Work
+from .system import PRODUCT, System, Work
 
 if TYPE_CHECKING:
     import numpy as np
 
 
-Inertia = namedtuple("Inertia", "masses flexible mass modal")
-Inertia.__doc__ = """The mass matrix of a mechanism: what products with it need of a System and its Work.
+class Inertia(NamedTuple):
+    """The mass matrix of a mechanism: what products with it need of a System and its Work."""
 
-masses, flexible: those of the System.  mass, modal: those of the Work.
-"""
+    masses: "np.ndarray"  # (b,) MASS records
+    flexible: "np.ndarray"  # FLEXIBLE records
+    mass: "np.ndarray"  # (b, 6, 6) mass matrices of the rigid bodies, kg, kg m, kg m²
+    modal: "np.ndarray"  # of the flexible bodies, flat, see `places_of`
 
 
 @plain

@@ -8,15 +8,15 @@ import numpy as np
 from .._jit import kernel
 from ..kinematics import constraints as equations
 from ..linalg.rank_revealing_lu import row_times
-from ..linalg.rotation import rotation_matrices
+from ..linalg.rotation import A, rotation_matrices
 from .accelerations import factorise_at, solve
 from .body_vectors import geometry_of, place_vectors
 from .constraint_primitives import equation_residuals, equation_velocities
 from .speeds import move
-from .system import CORRECTION, GAMMA, PHI, QD, SOLVED, A, System, Work
+from .system import CORRECTION, GAMMA, PHI, QD, SOLVED, System, Work
 
 MOST_CORRECTIONS = 12
-ROUND_OFF = 4e-16
+CLOSED_GAP = 4e-16
 
 
 @kernel
@@ -57,7 +57,7 @@ def project_position(system: System, work: Work, q: np.ndarray, t: float, expect
     before = np.inf
     for _ in range(MOST_CORRECTIONS):
         gap = evaluate_residual(system, work, q, t, expected)
-        if code != SOLVED or gap <= ROUND_OFF or not gap < 0.5 * before:
+        if code != SOLVED or gap <= CLOSED_GAP or not gap < 0.5 * before:
             break
         before = gap
         for row in range(gamma.shape[0]):

@@ -1,7 +1,6 @@
 """What is reported of a mechanism at one time: accelerations, constraint forces, energies, residuals."""
 
-from collections import namedtuple
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from .._jit import kernel
 from .accelerations import accelerations
@@ -15,14 +14,17 @@ if TYPE_CHECKING:
     import numpy as np
 
 
-Report = namedtuple("Report", "times states rates wrenches multipliers powers audit responses")
-Report.__doc__ = """T rows of a mechanism of b bodies with n speeds and m equations.
+class Report(NamedTuple):
+    """T rows of a mechanism of b bodies with n speeds and m equations."""
 
-times (T,).  states (T, 2 n + b + 1): coordinates, speeds, work.  rates (T, n): of the speeds.
-wrenches (T, groups, 2, 6): see `fill_wrenches`.  multipliers (T, m).  powers (T,): of drivers and
-applied loads, W.  audit (T, 5): kinetic energy, that of weights and springs, and of strain, J, largest
-scaled gap and its rate.  responses (T, loads, 8): of springs and elements, see `elements`.
-"""
+    times: "np.ndarray"  # (T,) s
+    states: "np.ndarray"  # (T, 2 n + b + 1) coordinates, speeds, work of drivers and applied loads, J
+    rates: "np.ndarray"  # (T, n) of the speeds, m/s² or 1/s²
+    wrenches: "np.ndarray"  # (T, groups, 2, 6) on both bodies, N and N m, see `fill_wrenches`
+    multipliers: "np.ndarray"  # (T, m) scaled
+    powers: "np.ndarray"  # (T,) of drivers and applied loads, W
+    audit: "np.ndarray"  # (T, 5) energy: kinetic, of weights and springs, of strain, J; largest gap, its rate
+    responses: "np.ndarray"  # (T, loads, 8) of springs and elements, see `elements`
 
 
 @kernel

@@ -4,45 +4,59 @@ A mechanism of b bodies with E modal coordinates and m equations has n = 6 b + E
 body, then all η̇; its coordinates q (n + b,) are r and p of every body, then all η.
 """
 
-from collections import namedtuple
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .._jit import plain
 
-System = namedtuple(
-    "System",
-    "constraints bodies row_scale speed_scale masses flexible modal body_vectors shapes primitives loads "
-    "functions knots gravity groups",
-)
-System.__doc__ = """A mechanism; records are those of `model.arrays.records`.
 
-constraints: CONSTRAINT records without normalisation, whose rows come first.  bodies (r, 2): bodies of the
-two halves of each of these rows.  row_scale (m,), speed_scale (n,): units of equations and speeds.  masses
-(b,).  flexible: FLEXIBLE records, with their invariants in modal.  body vectors, shapes: ARM records and
-their shapes.  primitives: MEASURE records, first those of the other rows, then those of springs.
-loads, functions, knots (k, 3): forces and what varies them.  gravity (3,).  groups: GROUP records.
-"""
+class System(NamedTuple):
+    """A mechanism; records are those of `model.arrays.records`."""
 
-Work = namedtuple(
-    "Work",
-    "rotations rows phi_q jacobian left factors order motions reduced mass modal body_vectors "
-    "relative_vectors angles vectors rank quality pivots responses columns entries",
-)
-Work.__doc__ = """Arrays reused in every evaluation.
+    constraints: np.ndarray  # CONSTRAINT records without normalisation, whose r rows come first
+    bodies: np.ndarray  # (r, 2) bodies of the two halves of each of these rows
+    row_scale: np.ndarray  # (m,) units of the equations, m or 1
+    speed_scale: np.ndarray  # (n,) units of the speeds, m/s or 1/s
+    masses: np.ndarray  # (b,) MASS records
+    flexible: np.ndarray  # FLEXIBLE records
+    modal: np.ndarray  # their invariants, flat, see `mass_matrix.constants_of`
+    body_vectors: np.ndarray  # BODY_VECTOR records
+    shapes: np.ndarray  # their shapes S (3, N), flat, m or 1 per unit of η
+    primitives: np.ndarray  # PRIMITIVE records, first those of the other m - r rows, then those of loads
+    loads: np.ndarray  # LOAD records
+    functions: np.ndarray  # FUNCTION records
+    knots: np.ndarray  # (k, 3) knots of their tables and pieces, see `FunctionTable`
+    gravity: np.ndarray  # (3,) global axes, m/s²
+    groups: np.ndarray  # GROUP records
 
-rotations (3, b, 3, 3): A, dA/dt and the remainder of d²A/dt².  rows (3, m): see the
-names below.  phi_q (r, 14).
-jacobian (m, n): scaled rows on speeds; left, factors (m, n) and order (m + n,): its elimination.
-motions (n, n): in its first n - rank columns the free speeds.  reduced (n, n): Cholesky factor of
-the mass matrix of the free speeds.  mass (b, 6, 6), modal: see `mass_matrix`.  body_vectors (3, body vectors,
-3) and relative vectors (3, primitives, 2, 3): see `body_vectors`.  angles (angles,): the angles that joint
-springs expect, rad.  vectors (6, n + b): see the names below.  rank (1,) and quality (1,): of the order in
-use.  pivots (m,): see `singular_ahead`.  responses (loads, 8): see `elements`.  columns (m, 1 + c), entries
-(m, n + 2): nonzero places of Jacobian and factors, see `rank_revealing_lu.factorise`.
-"""
-A, RATE, REMAINDER = 0, 1, 2
+
+class Work(NamedTuple):
+    """Arrays reused in every evaluation."""
+
+    rotations: np.ndarray  # (3, b, 3, 3) A, dA/dt and the remainder of d²A/dt²; rows A, RATE, REMAINDER
+    rows: np.ndarray  # (3, m) of the equations; rows PHI, GAMMA, SCALED
+    phi_q: np.ndarray  # (r, 14) derivatives by the coordinates of both bodies
+    jacobian: np.ndarray  # (m, n) rows on speeds, in units of both
+    left: np.ndarray  # (m, n) its elimination: multipliers of the rows
+    factors: np.ndarray  # (m, n) its elimination: the rows that remain
+    order: np.ndarray  # (m + n,) order of elimination of the rows, then of the columns
+    motions: np.ndarray  # (n, n) the free speeds, in its first n - rank columns
+    reduced: np.ndarray  # (n, n) Cholesky factor of the mass matrix of the free speeds
+    mass: np.ndarray  # (b, 6, 6) mass matrices of the rigid bodies, kg, kg m, kg m²
+    modal: np.ndarray  # of the flexible bodies, flat, see `mass_matrix.places_of`
+    body_vectors: np.ndarray  # (3, body vectors, 3) global axes, m; rows VECTOR, RATE, REMAINDER
+    relative_vectors: np.ndarray  # (3, primitives, 2, 3) V and W of the primitives, the same rows
+    angles: np.ndarray  # (angles,) expected, which settle whole turns, rad
+    vectors: np.ndarray  # (6, n + b) of speeds or coordinates; rows FORCES … QD
+    rank: np.ndarray  # (1,) independent equations in the order in use
+    quality: np.ndarray  # (1,) of the order in use, see `rank_revealing_lu.factorise`
+    pivots: np.ndarray  # (m,) at the end of the last step, see `singular_ahead`
+    responses: np.ndarray  # (loads, 8) of springs and elements, see `elements`
+    columns: np.ndarray  # (m, 1 + c) number of places of a row of the Jacobian not zero, and these
+    entries: np.ndarray  # (m, n + 2) the same of the factors
+
+
 PHI, GAMMA, SCALED = 0, 1, 2
 FORCES, UNKNOWN, PRODUCT, FREE, CORRECTION, QD = 0, 1, 2, 3, 4, 5
 

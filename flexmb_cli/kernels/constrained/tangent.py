@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 from .._jit import kernel, part
 from ..linalg.rotation import dot
-from .body_vectors import BODY_VECTOR, RATE, Geometry, add_vector_row, geometry_of, move_vectors, vector
+from .body_vectors import RATE, VECTOR, Geometry, add_vector_row, geometry_of, move_vectors, vector
 from .constraint_primitives import add_primitive_row, primitive_rates
 from .elements import ELEMENT, add_element_slope
-from .forces import AT_REST, LINE, RELATIVE
+from .forces import LINE, NO_LENGTH, RELATIVE
 from .mass_matrix import constants_of, inertia_of, mass_times
 
 if TYPE_CHECKING:
@@ -68,9 +68,9 @@ def _add_flexible(
 
 @part
 def _add_line(geometry: Geometry, k: int, amount: float, y: "np.ndarray") -> None:
-    d, v = vector(geometry.relative_vectors[BODY_VECTOR, k], 0), vector(geometry.relative_vectors[RATE, k], 0)
+    d, v = vector(geometry.relative_vectors[VECTOR, k], 0), vector(geometry.relative_vectors[RATE, k], 0)
     square = dot(d, d)
-    if square > AT_REST:
+    if square > NO_LENGTH:
         pull, ends = amount * dot(d, v) / square, geometry.primitives[k]["ends"]
         add_vector_row(geometry, ends[0, 1], d, -pull, True, y)
         add_vector_row(geometry, ends[0, 0], d, pull, True, y)

@@ -8,7 +8,7 @@ Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second e
 II.4-II.6; projection: Hairer and Wanner, volume II, section VII.2.
 """
 
-from collections import namedtuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,7 +19,6 @@ from ..constrained.system import SOLVED
 from ..linalg.copying import copy
 from .clock import BEGIN, READY, STEP_VANISHED, leads_over, new_clock
 from .constrained_equations import (
-    MOST_MOVED,
     code_of_gap,
     note_gap,
     projected_slope,
@@ -28,18 +27,25 @@ from .constrained_equations import (
 )
 from .dop853 import SLOWEST, Equations, dop853, first_step, interpolate, next_factor
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGES
+from .error_norm import MOST_MOVED
 from .explicit_error import error_on_constraints
 from .singular_ahead import NOISE, look_ahead, round_off
 from .time_loop import SHORT
 
 MOST_BLURRED = 1e-5  # by how much the projection may move a step over a singular position, scaled
 
-Integration = namedtuple("Integration", "clock z old trial slopes dense units angles")
-Integration.__doc__ = """What an integration keeps from call to call, for states of N numbers.
 
-clock (1,) CLOCK.  z, old, trial (N,): state, that at the start of the last step, the one tried or reported.
-slopes (16, N).  dense (7, N).  units (N,): a state's unit.  angles (3, angles): see `angle_unwrapping`.
-"""
+class Integration(NamedTuple):
+    """What an integration keeps from call to call, for states of N numbers."""
+
+    clock: np.ndarray  # (1,) CLOCK
+    z: np.ndarray  # (N,) state at the time t
+    old: np.ndarray  # (N,) state at the start of the last step
+    trial: np.ndarray  # (N,) state that is tried or reported
+    slopes: np.ndarray  # (16, N) of the stages
+    dense: np.ndarray  # (7, N) terms of the dense output
+    units: np.ndarray  # (N,) a state's unit, of which the absolute tolerance is
+    angles: np.ndarray  # (3, angles) rad, see `angle_unwrapping`
 
 
 def new_integration(work, angles):

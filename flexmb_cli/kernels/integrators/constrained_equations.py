@@ -19,7 +19,6 @@ from ..linalg.copying import copy
 from .clock import CONTRADICTION, READY, STEP_VANISHED
 from .error_norm import scaled_norm
 
-MOST_MOVED = 10.0  # tolerances by which a projection may move an accepted step
 REPEATED_GAP = 1e-7  # what equations that repeat others may be off, scaled
 
 

@@ -18,7 +18,7 @@ from .dop853_table import (
     STAGE_WEIGHTS,
     STAGES,
 )
-from .error_norm import scaled_norm, tolerance
+from .error_norm import SLOWEST, scaled_norm, tolerance
 from .time_loop import Method, time_loop
 
 if TYPE_CHECKING:
@@ -29,9 +29,9 @@ SHARE = 0.46  # of a step in front of a singular position: no stage is nearer th
 # Of a step over such a position: its error before it is projected, in tolerances or of the speeds, whichever
 # is more; on another branch it would be off by its turn.
 BLURRED, BLURRED_SPEEDS = 1e4, 1e-6
-SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 10.0
+SAFETY, FASTEST = 0.9, 10.0
 ERROR_EXPONENT = -1.0 / 8.0
-HOPELESS = 1e10  # error of a step that cannot be made
+IMPOSSIBLE_ERROR = 1e10  # error of a step that cannot be made
 
 
 class Equations(NamedTuple):
@@ -71,7 +71,7 @@ def _attempts(slope, normalise, finish):
         clock["error"] = error
         # `not <` rejects a nan as well.
         if not error < _largest_error(clock, h):
-            return -next_factor(error, 1) if error < HOPELESS else -SLOWEST
+            return -next_factor(error, 1) if error < IMPOSSIBLE_ERROR else -SLOWEST
         return finish(integration, h, *arrays)
 
     return attempt

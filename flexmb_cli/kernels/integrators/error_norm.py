@@ -11,7 +11,10 @@ if TYPE_CHECKING:
     import numpy as np
 
 
-MOST_MOVED = 10.0  # tolerances by which closing the loops may move the end of a step
+SLOWEST = 0.2  # least factor on the length of a step, by its error
+MOST_MOVED = 10.0  # tolerances by which a projection may move the end of an accepted step
+ITERATED = 0.02  # of the tolerance: what the iterations of a step of chosen length may leave
+CAUTION = 0.8  # power of what an iteration left of its error: by it the first of the next step is trusted
 CLOSING = 1e-10  # share of a state that closing may move whatever the tolerance: gaps of 1e-13 m, and more
 
 

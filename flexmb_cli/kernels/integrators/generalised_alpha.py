@@ -6,8 +6,7 @@ both ends; every row is brought onto the constraints to round-off, and its accel
 those of the equations of motion there.
 """
 
-from collections import namedtuple
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,12 +14,12 @@ from .._jit import allocating, kernel
 from ..constrained.angle_unwrapping import EXPECTED, unwrap_angles
 from ..constrained.body_vectors import geometry_of, place_vectors
 from ..constrained.report import Report, complete, coordinates_and_speeds
-from ..constrained.system import A, System, Work
+from ..constrained.system import System, Work
 from ..linalg.copying import copy
-from ..linalg.rotation import rotation_matrices
+from ..linalg.rotation import A, rotation_matrices
 from .clock import BEGIN, READY, STEP_VANISHED, new_clock
 from .constrained_equations import code_of_gap, interpolate_angles, note_gap
-from .generalised_alpha_control import SAME, SLOWEST, advance, factor_of, next_length, retreat
+from .generalised_alpha_control import SAME_TIME_IN_STEP, SLOWEST, advance, factor_of, next_length, retreat
 from .generalised_alpha_error import BEFORE, LAST, MEAN, NEW, NEW_MEAN, fastest_change
 from .generalised_alpha_step import iterate, solve_step, turn_exactly
 from .hermite import cubic
@@ -46,32 +45,41 @@ MEMORY = np.dtype(
     ]
 )
 
-AlphaIntegration = namedtuple(
-    "AlphaIntegration", "clock memory z old trial units angles rates missing step shift gaps newton"
-)
-AlphaIntegration.__doc__ = """What an integration keeps from call to call, for n speeds, states of N numbers,
-m equations.
 
-clock (1,) CLOCK.  memory (1,) MEMORY.  z, old, trial, units (N,): state, that at the start of the last step,
-the one tried or reported, a state's unit.  angles (3, screws): see `screw_turns`.  rates (5, n): see
-`generalised_alpha`.  missing, step, shift (n,), gaps (3, m):
-of an iteration.  newton: the Work whose `reduced` is the matrix.
-"""
+class AlphaIntegration(NamedTuple):
+    """What an integration keeps from call to call, for n speeds, states of N numbers, m equations."""
+
+    clock: np.ndarray  # (1,) CLOCK
+    memory: np.ndarray  # (1,) MEMORY
+    z: np.ndarray  # (N,) state at the time t
+    old: np.ndarray  # (N,) state at the start of the last step
+    trial: np.ndarray  # (N,) state that is tried or reported
+    units: np.ndarray  # (N,) a state's unit, of which the absolute tolerance is
+    angles: np.ndarray  # (3, angles) rad, see `angle_unwrapping`
+    rates: np.ndarray  # (5, n) accelerations, m/s² or 1/s², rows of `generalised_alpha_error`
+    missing: np.ndarray  # (n,) forces missing in the equations of motion, scaled
+    step: np.ndarray  # (n,) correction of the accelerations, scaled
+    shift: np.ndarray  # (n,) correction of speeds or positions, scaled
+    gaps: np.ndarray  # (3, m) missing in the equations, rows POSITION_GAP, SPEED_GAP, ACCELERATION_GAP
+    newton: Work  # whose `reduced` is the matrix of an iteration
 
 
 def new_integration(work: Any, angles: Any) -> AlphaIntegration:
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
     m, n = work.jacobian.shape
     size = 2 * n + work.mass.shape[0] + 1
-    states = [np.zeros(size) for _ in range(3)]
-    return AlphaIntegration(  # type: ignore[call-arg]
+    return AlphaIntegration(
         new_clock(),
         np.zeros(1, MEMORY),
-        *states,
+        np.zeros(size),
+        np.zeros(size),
+        np.zeros(size),
         np.ones(size),
         np.zeros((3, angles)),
         np.zeros((5, n)),
-        *(np.zeros(n) for _ in range(3)),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(n),
         np.zeros((3, m)),
         work._replace(reduced=np.zeros_like(work.reduced)),
     )
@@ -164,7 +172,7 @@ def _fill_row(integration: AlphaIntegration, t: float, report: Report, system: S
     """Fill a report row at a time up to the present one; a code."""
     clock, angles, row, x = integration.clock[0], integration.angles, integration.clock[0]["row"], 1.0
     copy(integration.z, integration.trial)
-    if t < clock["t"] - SAME * clock["step_length"]:
+    if t < clock["t"] - SAME_TIME_IN_STEP * clock["step_length"]:
         x = (t - clock["step_start"]) / clock["step_length"]
         _between(system, integration, x, integration.trial)
     interpolate_angles(integration, x)
@@ -180,7 +188,7 @@ def _fill_row(integration: AlphaIntegration, t: float, report: Report, system: S
     return READY
 
 
-_advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row), SAME)
+_advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row), SAME_TIME_IN_STEP)
 
 
 @kernel

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
 from .clock import LOOK, leads_over
-from .singular_ahead import NOISE, ROUND_OFF, blur, round_off
+from .error_norm import ITERATED, SLOWEST
+from .singular_ahead import NOISE, SPEED_ROUND_OFF, blur, round_off
 
 if TYPE_CHECKING:
     import numpy as np
@@ -18,14 +19,13 @@ if TYPE_CHECKING:
     from ..constrained.system import Work
 
 
-SAFETY, SLOWEST, FASTEST = 0.85, 0.2, 3.0
-SHARE = 0.5  # of the step over a singular position that lies in front of it
+SAFETY, FASTEST = 0.85, 3.0
+SHARE_BEFORE = 0.5  # of the step over a singular position that lies in front of it
 NEAR_ENOUGH = 0.15  # of a step before that one: it is left out
 MOST_PASSING = 30.0  # steps, that the one over a singular position may be long
-SAME = 1e-9  # of a step: times this near to each other are one
+SAME_TIME_IN_STEP = 1e-9  # of a step: times this near to each other are one
 OF_ERROR = 1e-6  # of the step's error: what the iterations may leave in a step of given length
-ITERATED = 0.02  # of the tolerance: what they may leave in a step whose length is chosen
-MOST_BLURRED = 0.3  # and where that is all round-off
+ITERATED_BLURRED = 0.3  # of the tolerance: what the iterations may leave where that is all round-off
 PASSED_ON = 1.0  # error at the end of a run, in tolerances, if errors of steps only added up
 PASSING = 0.005  # of the tolerance: error of a step over a singular position, of which a run has a few
 
@@ -44,7 +44,7 @@ def share_of(clock: "np.void", memory, work: "Work", h: float, fastest: float) -
         share = max(share, PASSING)
     noise = NOISE * round_off(work)
     # Within the least pivot's way to zero, speeds change as much as that pivot does.
-    change = h * fastest * (round_off(work) / ROUND_OFF) ** 0.5
+    change = h * fastest * (round_off(work) / SPEED_ROUND_OFF) ** 0.5
     return max(share, noise * min(1.0, change) / clock["rtol"])
 
 
@@ -54,7 +54,7 @@ def left_over(clock: "np.void", memory, work: "Work", share: float) -> float:
     if memory["fixed"] > 0.0:
         return OF_ERROR * clock["error"]
     blurred = blur(work, share * clock["rtol"])
-    return share * (ITERATED if blurred == 1.0 else MOST_BLURRED * blurred)
+    return share * (ITERATED if blurred == 1.0 else ITERATED_BLURRED * blurred)
 
 
 @kernel
@@ -63,7 +63,7 @@ def next_length(clock: "np.void", memory) -> float:
     left, step = clock["stop"] - clock["t"], _laid_out(clock, memory)
     if memory["fixed"] > 0.0:
         left = min(left, memory["start"] + (memory["whole"] + 1) * memory["fixed"] - clock["t"])
-    return step if abs(step - left) <= SAME * left else min(step, left)
+    return step if abs(step - left) <= SAME_TIME_IN_STEP * left else min(step, left)
 
 
 @kernel
@@ -74,11 +74,11 @@ def _laid_out(clock: "np.void", memory) -> float:
     over it; those before it are equal.
     """
     step, way = clock["step"], clock["singular"] - clock["t"]
-    before = way - SHARE * memory["passing"]
+    before = way - SHARE_BEFORE * memory["passing"]
     if not (0.0 < way < LOOK * memory["passing"] and before < LOOK * step):
         return step
     if before <= NEAR_ENOUGH * step:
-        return way / SHARE
+        return way / SHARE_BEFORE
     return before / math.ceil(before / step)
 
 
@@ -106,7 +106,7 @@ def factor_of(clock: "np.void", memory) -> float:
 def advance(clock: "np.void", memory, h: float) -> None:
     """The time of the state, and the length of the next step."""
     clock["step_start"], clock["step_length"] = clock["t"], h
-    t, same = clock["t"] + h, SAME * h
+    t, same = clock["t"] + h, SAME_TIME_IN_STEP * h
     if memory["fixed"] > 0.0:
         whole = memory["start"] + (memory["whole"] + 1) * memory["fixed"]
         if abs(whole - t) <= same:

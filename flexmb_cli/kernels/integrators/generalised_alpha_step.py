@@ -20,7 +20,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._jit import kernel, part
-from ..constrained.accelerations import factorise_constraints, fill_column, fill_forces, fill_gamma, solve
+from ..constrained.accelerations import (
+    SMALLEST_INERTIA,
+    factorise_constraints,
+    fill_column,
+    fill_forces,
+    fill_gamma,
+    solve,
+)
 from ..constrained.angle_unwrapping import EXPECTED, expect_angles
 from ..constrained.mass_matrix import inertia_of, mass_matrices, mass_times
 from ..constrained.projection import evaluate_residual, rate_gap
@@ -40,6 +47,7 @@ from ..constrained.system import (
 )
 from ..constrained.tangent import tangent_times
 from ..linalg.rank_revealing_lu import cholesky, row_times
+from .error_norm import CAUTION
 from .generalised_alpha_control import left_over, share_of
 from .generalised_alpha_error import (
     BEFORE,
@@ -57,15 +65,13 @@ if TYPE_CHECKING:
 
 
 # Rows of what is missing in the equations (3, m).
-POSITION, SPEED, ACCELERATION = 0, 1, 2
+POSITION_GAP, SPEED_GAP, ACCELERATION_GAP = 0, 1, 2
 
 MOST_ITERATIONS = 12
 STILL_ITERATIONS = 3  # of a state: positions, speeds, and accelerations that belong to both
-SMALLEST_INERTIA = 1e-13  # pivot of the matrix, of its diagonal entry
 FLOOR = 1e-13  # of the speeds: round-off
-CAUTION = 0.8
 LEAST = 1e-2  # contraction that is trusted: the first of a step is better than those that follow
-CLOSED = 1e-10  # scaled gap that one more correction brings to round-off
+CLOSED_BY_ONE_MORE = 1e-10  # scaled gap that one more correction brings to round-off
 
 
 @kernel
@@ -119,7 +125,7 @@ def iterate(
         size, gap = _correct(system, work, integration, by_position, by_speed)
         if h == 0.0:
             # A row from afar needs more of them; equations that repeat others never close better.
-            if iteration >= STILL_ITERATIONS - 1 and (gap < CLOSED or not gap < 0.5 * gap_before):
+            if iteration >= STILL_ITERATIONS - 1 and (gap < CLOSED_BY_ONE_MORE or not gap < 0.5 * gap_before):
                 return True
             gap_before = gap
             continue
@@ -133,7 +139,7 @@ def iterate(
         share = memory["share"] = share_of(clock, memory, work, h, fastest_change(system, integration))
         clock["error"] = step_error(system, integration, h) / share
         enough = max(left_over(clock, memory, work, share), FLOOR / clock["rtol"])
-        if left * size < enough and gap < CLOSED:
+        if left * size < enough and gap < CLOSED_BY_ONE_MORE:
             return True
         before = size
     return False
@@ -206,13 +212,13 @@ def _evaluate(system: System, work: Work, integration: "AlphaIntegration", t: fl
     evaluate_residual(system, work, q, t, integration.angles[EXPECTED])
     rate_gap(system, work, u, t)
     for row in range(gaps.shape[1]):
-        gaps[POSITION, row] = -work.rows[PHI, row]
-        gaps[SPEED, row] = work.rows[GAMMA, row]
+        gaps[POSITION_GAP, row] = -work.rows[PHI, row]
+        gaps[SPEED_GAP, row] = work.rows[GAMMA, row]
     power = fill_forces(system, work, q, u, t)
     fill_gamma(system, work, q, u, t)
     for row in range(gaps.shape[1]):
         total = row_times(work.jacobian, work.columns, row, ud, system.speed_scale)
-        gaps[ACCELERATION, row] = work.rows[GAMMA, row] - total * system.row_scale[row]
+        gaps[ACCELERATION_GAP, row] = work.rows[GAMMA, row] - total * system.row_scale[row]
     forces, product = integration.missing, work.vectors[PRODUCT]
     mass_times(inertia_of(system, work), ud, product)
     for k in range(n):
@@ -248,7 +254,7 @@ def _correct(
     q, u = coordinates_and_speeds(system, integration.trial)
     step, shift, gaps = integration.step, integration.shift, integration.gaps
     found = _largest(system, gaps)
-    solve(system, integration.newton, integration.missing, gaps[ACCELERATION], step)
+    solve(system, integration.newton, integration.missing, gaps[ACCELERATION_GAP], step)
     for k in range(n):
         integration.rates[NEW, k] += step[k]
         u[k] += by_speed * step[k]
@@ -257,13 +263,13 @@ def _correct(
     for k in range(n):
         step[k] *= by_position
     for row in range(gaps.shape[1]):
-        gaps[SPEED, row] -= by_speed * gaps[ACCELERATION, row]
-        gaps[POSITION, row] -= by_position * gaps[ACCELERATION, row]
+        gaps[SPEED_GAP, row] -= by_speed * gaps[ACCELERATION_GAP, row]
+        gaps[POSITION_GAP, row] -= by_position * gaps[ACCELERATION_GAP, row]
     if gaps.shape[1] > 0:
-        solve(system, integration.newton, integration.missing, gaps[SPEED], shift)
+        solve(system, integration.newton, integration.missing, gaps[SPEED_GAP], shift)
         for k in range(n):
             u[k] += shift[k]
-        solve(system, integration.newton, integration.missing, gaps[POSITION], shift)
+        solve(system, integration.newton, integration.missing, gaps[POSITION_GAP], shift)
         for k in range(n):
             step[k] += shift[k]
     move(system.masses.shape[0], q, step)

@@ -6,8 +6,7 @@ measure of the matrix of the step, so that stiff motions stay at rest.  Rows ins
 quintic through coordinates, their rates and accelerations at both ends, and are brought there as well.
 """
 
-from collections import namedtuple
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,20 +19,21 @@ from ..constrained.system import NO_INERTIA, SOLVED, System, Work
 from ..linalg.copying import copy
 from ..linalg.rank_revealing_lu import BRANCHING, smallest_pivot
 from .clock import BEGIN, READY, STEP_VANISHED, laid_out, new_clock
-from .constrained_equations import MOST_MOVED, code_of_gap, interpolate_angles, note_gap
-from .radau5_error import FASTEST, SAFETY, SLOWEST, next_factor, step_error, turns_left, work_error
+from .constrained_equations import code_of_gap, interpolate_angles, note_gap
+from .error_norm import MOST_MOVED, SLOWEST
+from .radau5_error import FASTEST, SAFETY, next_factor, step_error, turns_left, work_error
 from .radau5_projection import between, close_gaps, moved, project_state
 from .radau5_singular_step import singular_step
-from .radau5_step import LAST, START, place_trial, prepare, renew_matrices, solve_step
+from .radau5_step import LAST_STEP, START, place_trial, prepare, renew_matrices, solve_step
 from .radau5_table import STAGES, WEIGHTS
 from .singular_ahead import blur, look_ahead
 from .time_loop import Method, time_loop
 
-SLOW = 0.01  # what an iteration may leave before the matrices are renewed
+WORN_MATRICES = 0.01  # what an iteration may leave before the matrices are renewed
 BRANCHING_START = 0.1  # of the smallest pivot at the start, where that is tiny: smaller ones are singular
-BLIND = 30.0  # of that pivot, in front of which a row has no accelerations but those of round-off
+BLIND_PIVOT = 30.0  # of that pivot, in front of which a row has no accelerations but those of round-off
 SHARE = 0.45  # of a step in front of a singular position
-NONE = 0.0  # quality of matrices that are not those of the state
+NO_ORDER = 0.0  # quality of matrices that are not those of the state
 
 MEMORY = np.dtype(
     [
@@ -46,45 +46,47 @@ MEMORY = np.dtype(
     ]
 )
 
-RadauIntegration = namedtuple(
-    "RadauIntegration",
-    "clock memory z old trial units angles rates speeds slopes shifts steps momenta missing powers rest "
-    "motions matrices complex real_part complex_part newton",
-)
-RadauIntegration.__doc__ = """What an integration keeps from call to call, for n speeds, states of N numbers.
 
-clock (1,) CLOCK.  memory (1,) MEMORY.  z, old, trial, units (N,): state, that at the start of the last step,
-the one tried or reported, a state's unit.  angles (3, angles): see `angle_unwrapping`.  rates (8, n): see
-`radau5_step`.
-Of the three stages: speeds, shifts and their rates slopes, steps of an iteration, momenta M u (3, n), powers
-(3,), rest (3, n) in free motions, motions (3, n, n).  missing (n,).  matrices (3, n, n): see `radau_step`.
-complex (n, n): factors.  real_part, complex_part (n,).  newton: the Work whose `reduced` is the real matrix.
-"""
+class RadauIntegration(NamedTuple):
+    """What an integration keeps from call to call, for n speeds and states of N numbers."""
+
+    clock: np.ndarray  # (1,) CLOCK
+    memory: np.ndarray  # (1,) MEMORY
+    z: np.ndarray  # (N,) state at the time t
+    old: np.ndarray  # (N,) state at the start of the last step
+    trial: np.ndarray  # (N,) state that is tried or reported
+    units: np.ndarray  # (N,) a state's unit, of which the absolute tolerance is
+    angles: np.ndarray  # (3, angles) rad, see `angle_unwrapping`
+    rates: np.ndarray  # (8, n) accelerations, m/s² or 1/s², rows START … of `radau5_step`
+    speeds: np.ndarray  # (3, n) of the stages
+    slopes: np.ndarray  # (3, n) rates of the shifts of the stages
+    shifts: np.ndarray  # (3, n) from the start of the step to the stages, m or rad
+    steps: np.ndarray  # (3, n) corrections of the stages by an iteration
+    momenta: np.ndarray  # (3, n) M u of the stages
+    missing: np.ndarray  # (n,) forces missing in the equations of motion
+    powers: np.ndarray  # (3,) of drivers and loads that store no energy, at the stages, W
+    rest: np.ndarray  # (3, n) missing in the stages, in free motions
+    motions: np.ndarray  # (3, n, n) the free speeds at the stages
+    matrices: np.ndarray  # (3, n, n) of the free motions, MASS_LAYER, DAMPING_LAYER, STIFFNESS_LAYER
+    complex: np.ndarray  # (n, n) factors of the complex matrix
+    real_part: np.ndarray  # (n,) right side and solution of the real matrix
+    complex_part: np.ndarray  # (n,) and of the complex one
+    newton: Work  # whose `reduced` is the real matrix
 
 
 def new_integration(work: Any, angles: Any) -> RadauIntegration:
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
     n = work.jacobian.shape[1]
     size = 2 * n + work.mass.shape[0] + 1
-    states = [np.zeros(size) for _ in range(3)]
-    return RadauIntegration(  # type: ignore[call-arg]
-        new_clock(),
-        np.zeros(1, MEMORY),
-        *states,
-        np.ones(size),
-        np.zeros((3, angles)),
-        np.zeros((2 * (STAGES + 1), n)),
-        *(np.zeros((STAGES, n)) for _ in range(5)),
-        np.zeros(n),
-        np.zeros(STAGES),
-        np.zeros((STAGES, n)),
-        np.zeros((STAGES, n, n)),
-        np.zeros((3, n, n)),
-        np.zeros((n, n), complex),
-        np.zeros(n),
-        np.zeros(n, complex),
-        work._replace(reduced=np.zeros_like(work.reduced)),
-    )
+    return RadauIntegration(
+        new_clock(), np.zeros(1, MEMORY),
+        np.zeros(size), np.zeros(size), np.zeros(size), np.ones(size),
+        np.zeros((3, angles)), np.zeros((2 * (STAGES + 1), n)),
+        np.zeros((STAGES, n)), np.zeros((STAGES, n)), np.zeros((STAGES, n)), np.zeros((STAGES, n)),
+        np.zeros((STAGES, n)), np.zeros(n), np.zeros(STAGES), np.zeros((STAGES, n)),
+        np.zeros((STAGES, n, n)), np.zeros((3, n, n)), np.zeros((n, n), complex),
+        np.zeros(n), np.zeros(n, complex), work._replace(reduced=np.zeros_like(work.reduced)),
+    )  # fmt: skip
 
 
 @kernel
@@ -105,7 +107,7 @@ def _begin(integration: RadauIntegration, system: System, work: Work) -> int:
     copy(integration.z, integration.old)
     memory["branching"] = min(BRANCHING, BRANCHING_START * smallest_pivot(work.factors, work.rank[0]))
     for node in range(STAGES + 1):
-        copy(rates[START], rates[LAST + node])
+        copy(rates[START], rates[LAST_STEP + node])
     clock["step"] = _first_step(system, integration)
     return READY
 
@@ -177,7 +179,7 @@ def _reject(integration, h: float, factor: float, system: Any, work) -> None:
     clock["step"] = h * factor
     clock["rejections"] += 1
     clock["rejected"] += 1
-    memory["left"], memory["quality"] = 1.0, NONE
+    memory["left"], memory["quality"] = 1.0, NO_ORDER
 
 
 @allocating
@@ -225,8 +227,8 @@ def _accept(integration: RadauIntegration, factor: float, system: System, work: 
         z[end] += h * WEIGHTS[STAGES - 1, stage] * integration.powers[stage]
     memory["old_power"], memory["power"] = memory["power"], integration.powers[STAGES - 1]
     for node in range(STAGES + 1):
-        copy(rates[START + node], rates[LAST + node])
-    copy(rates[LAST + STAGES], rates[START])
+        copy(rates[START + node], rates[LAST_STEP + node])
+    copy(rates[LAST_STEP + STAGES], rates[START])
     clock["step_start"], clock["step_length"] = clock["t"], h
     clock["t"] = clock["stop"] if last else clock["t"] + h
     clock["step"] = h * factor
@@ -234,7 +236,7 @@ def _accept(integration: RadauIntegration, factor: float, system: System, work: 
     clock["steps"] += 1
     note_gap(integration, system, work)
     unwrap_angles(system, work, integration)
-    if memory["left"] > SLOW or work.quality[0] != memory["quality"]:
+    if memory["left"] > WORN_MATRICES or work.quality[0] != memory["quality"]:
         renew_matrices(system, work, integration.matrices)
         memory["quality"] = work.quality[0]
     look_ahead(system, work, integration, rates[START], clock["step"])
@@ -260,7 +262,7 @@ def _fill_row(integration: RadauIntegration, t: float, report: Report, system: S
         between(system, integration, x, integration.trial)
     interpolate_angles(integration, x)
     clock["fault"], power = project_state(system, work, integration, t, report.rates[row])
-    blind = BLIND * integration.memory[0]["branching"]
+    blind = BLIND_PIVOT * integration.memory[0]["branching"]
     if clock["fault"] != SOLVED or smallest_pivot(work.factors, work.rank[0]) < blind:
         return STEP_VANISHED
     copy(integration.trial, report.states[row])

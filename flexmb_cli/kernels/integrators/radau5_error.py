@@ -12,11 +12,11 @@ from ..constrained.accelerations import add_free
 from ..constrained.report import coordinates_and_speeds
 from ..linalg.rank_revealing_lu import cholesky_solve
 from .error_norm import displacement_tolerance, tolerance
-from .radau5_step import MASS, START, STIFFNESS
+from .radau5_step import MASS_LAYER, START, STIFFNESS_LAYER
 from .radau5_table import ERROR, REAL, STAGES, WEIGHTS
 from .rotation_increments import LONGEST_TURN, largest_turn
 
-SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 6.0
+SAFETY, FASTEST = 0.9, 6.0
 CALM = 1e-2  # error in tolerances below which it has not grown
 STEEPEST = 3.0 / (25.0 * 5.0**0.5)  # slope of x³ (1 - x)³
 
@@ -39,8 +39,8 @@ def step_error(system: Any, work, integration, h: float):
         y[f] = 0.0
         for g in range(n - rank):
             i, j = max(f, g), min(f, g)
-            y[f] += integration.matrices[MASS, i, j] * of_speed[g]
-            y[f] -= REAL * h * integration.matrices[STIFFNESS, i, j] * of_position[g]
+            y[f] += integration.matrices[MASS_LAYER, i, j] * of_speed[g]
+            y[f] -= REAL * h * integration.matrices[STIFFNESS_LAYER, i, j] * of_position[g]
     cholesky_solve(integration.newton.reduced, n - rank, y)
     speeds, shifts = integration.steps[0], integration.steps[1]
     speeds[:] = 0.0

@@ -11,13 +11,13 @@ from .._jit import allocating, kernel
 from ..constrained.accelerations import accelerations, factorise_constraints, solve
 from ..constrained.angle_unwrapping import EXPECTED
 from ..constrained.mass_matrix import mass_matrices
-from ..constrained.projection import MOST_CORRECTIONS, ROUND_OFF, evaluate_residual, rate_gap
+from ..constrained.projection import CLOSED_GAP, MOST_CORRECTIONS, evaluate_residual, rate_gap
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import coordinate_accelerations, coordinate_rates, move, normalise, speeds_of_rates
 from ..constrained.system import CORRECTION, GAMMA, PHI, QD, SOLVED, System, Work
 from .error_norm import scaled_norm
 from .hermite import cubic, quintic
-from .radau5_step import LAST, START
+from .radau5_step import LAST_STEP, START
 
 if TYPE_CHECKING:
     from .radau5 import RadauIntegration
@@ -38,7 +38,7 @@ def close_gaps(system: System, work: Work, integration: "RadauIntegration", t: f
     before = np.inf
     for _ in range(MOST_CORRECTIONS):
         gap = evaluate_residual(system, work, q, t, angles)
-        if gap <= ROUND_OFF or not gap < 0.5 * before:
+        if gap <= CLOSED_GAP or not gap < 0.5 * before:
             break
         before = gap
         for row in range(gamma.shape[0]):
@@ -91,7 +91,7 @@ def between(system: Any, integration, x, point) -> None:
     nq = n + bodies
     rates = np.empty((5, nq))
     coordinate_rates(bodies, old[:nq], old[nq : nq + n], rates[0])
-    coordinate_accelerations(bodies, old[:nq], old[nq : nq + n], integration.rates[LAST], rates[1])
+    coordinate_accelerations(bodies, old[:nq], old[nq : nq + n], integration.rates[LAST_STEP], rates[1])
     coordinate_rates(bodies, z[:nq], z[nq : nq + n], rates[2])
     coordinate_accelerations(bodies, z[:nq], z[nq : nq + n], integration.rates[START], rates[3])
     for i in range(nq):

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 UNEVEN = 3.0  # how much larger one of the pivots in front and behind may be
 # How much of what is not as expected remains an error of the step: of the accelerations at its end in its
 # speeds, before they are bent and after; of the change of the power, which is taken as linear, in its work.
-BEFORE, AFTER, OF_POWER = 0.03, 0.2, 0.125
+BEFORE_BENDING, AFTER_BENDING, OF_POWER = 0.03, 0.2, 0.125
 
 
 @allocating
@@ -57,7 +57,8 @@ def singular_step(system: System, work: Work, integration: "RadauIntegration", h
         if code != SOLVED or work.quality[0] != clock["pivot_order"]:
             return False
         clock["error"] = max(
-            clock["error"], (AFTER if again else BEFORE) * h * _unexpected(integration, expected)
+            clock["error"],
+            (AFTER_BENDING if again else BEFORE_BENDING) * h * _unexpected(integration, expected),
         )
     pivot = most_declined(work)
     behind = -work.factors[pivot, pivot] / work.pivots[pivot]

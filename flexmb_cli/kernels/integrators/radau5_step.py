@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 from .._jit import kernel
 from ..constrained.accelerations import (
+    SMALLEST_INERTIA,
     add_free,
     factorise_constraints,
     fill_column,
@@ -31,7 +32,7 @@ from ..constrained.system import FORCES, GAMMA, PRODUCT, SOLVED, UNKNOWN, System
 from ..constrained.tangent import add_stiff
 from ..linalg.complex_ldl import factorise_symmetric, solve_symmetric
 from ..linalg.rank_revealing_lu import cholesky, cholesky_solve, row_times
-from .error_norm import displacement_tolerance, tolerance
+from .error_norm import CAUTION, displacement_tolerance, tolerance
 from .generalised_alpha_step import turn_exactly
 from .radau5_table import (
     COMPLEX,
@@ -55,16 +56,14 @@ if TYPE_CHECKING:
 
 # Rows of the accelerations kept (8, n): of the start and the stages of a step, the one that is tried and
 # that before.
-START, LAST = 0, 4
+START, LAST_STEP = 0, 4
 # Layers of the matrices (3, n, n): M, D and K of the free motions, lower parts.
-MASS, DAMPING, STIFFNESS = 0, 1, 2
+MASS_LAYER, DAMPING_LAYER, STIFFNESS_LAYER = 0, 1, 2
 
 MOST_ITERATIONS = 10
-CAUTION = 0.8
 LEAST = 1e-3  # contraction that is trusted
 SECOND = 2.0  # contraction with which the second correction goes on
 FLOOR = 1e-14  # of the speeds: round-off
-SMALLEST_INERTIA = 1e-13  # pivot of the matrix, of its diagonal entry
 
 
 @kernel
@@ -76,10 +75,10 @@ def renew_matrices(system: System, work: Work, matrices: "np.ndarray") -> None:
         for k in range(work.jacobian.shape[1]):
             column[k] = work.motions[k, f] * system.speed_scale[k]
         mass_times(inertia, column, product)
-        fill_column(system, work, product, f, matrices[MASS])
-        for kind in (DAMPING, STIFFNESS):
+        fill_column(system, work, product, f, matrices[MASS_LAYER])
+        for kind in (DAMPING_LAYER, STIFFNESS_LAYER):
             product[:] = 0.0
-            by_position, by_speed = (1.0, 0.0) if kind == STIFFNESS else (0.0, 1.0)
+            by_position, by_speed = (1.0, 0.0) if kind == STIFFNESS_LAYER else (0.0, 1.0)
             add_stiff(system, work, by_position, by_speed, column, product)
             fill_column(system, work, product, f, matrices[kind])
 
@@ -91,7 +90,11 @@ def prepare(integration: "RadauIntegration", free: int, h: float) -> bool:
     a, c = h * REAL, h * COMPLEX
     for k in range(free):
         for f in range(k + 1):
-            m, d, s = matrices[MASS, k, f], matrices[DAMPING, k, f], matrices[STIFFNESS, k, f]
+            m, d, s = (
+                matrices[MASS_LAYER, k, f],
+                matrices[DAMPING_LAYER, k, f],
+                matrices[STIFFNESS_LAYER, k, f],
+            )
             real[k, f] = m + a * d + a * a * s
             rest[k, f] = m + c * d + c * c * s
     if cholesky(real, free, SMALLEST_INERTIA):
@@ -150,7 +153,7 @@ def predict(system: System, integration: "RadauIntegration", h: float) -> None:
                 if other != node:
                     weight *= (x - there) / (at - there)
             for k in range(rates.shape[1]):
-                rates[1 + stage, k] += weight * rates[LAST + node, k]
+                rates[1 + stage, k] += weight * rates[LAST_STEP + node, k]
     integration.shifts[:] = 0.0
     # θ̇ depends on θ: the second time it is a good one.
     for _ in range(2):

@@ -20,15 +20,15 @@ from ..tree.implicit_matrix import Stiff, stiff_work
 from ..tree.motion import normalise_attitudes
 from ..tree.stiff_projection import project_stiffly
 from .clock import READY
-from .error_norm import strayed
+from .error_norm import SLOWEST, strayed
 from .hermite import cubic, quintic
 from .sdirk4_step import STAGES, prepare_matrix, solve_stages, step_error
 from .time_loop import Method, time_loop
 from .tree_dop853 import observe_trial
 
-SLOW = 0.2  # contraction at which b is renewed for the next step
+SLOW_CONTRACTION = 0.2  # contraction at which b is renewed for the next step
 KEPT = 1.3  # a growth up to this factor is not worth a new matrix
-SAFETY, SLOWEST, FASTEST = 0.85, 0.2, 5.0
+SAFETY, FASTEST = 0.85, 5.0
 
 MEMORY = np.dtype(
     [
@@ -135,7 +135,7 @@ def _accept(s, factor: float, tree: Any, work, coordinates: np.ndarray):
     clock["steps"] += 1
     memory = s.memory[0]
     memory["fresh"] = 0
-    memory["stale"] = 1 if memory["contraction"] > SLOW else 0
+    memory["stale"] = 1 if memory["contraction"] > SLOW_CONTRACTION else 0
     if not last and not 1.0 <= factor < KEPT:
         clock["step"] = h * factor
     if tree.closures.shape[0] > 0:

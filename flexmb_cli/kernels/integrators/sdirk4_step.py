@@ -12,9 +12,9 @@ from ..linalg.profile_ldl import set_profile_times
 from ..tree.implicit_matrix import factorise, renew, set_mass_times, solve_stiff
 from ..tree.kane import SOLVED
 from ..tree.motion import derivative
-from .error_norm import tolerance
+from .error_norm import CAUTION, ITERATED, tolerance
 
-STAGES, GAMMA = 5, 0.25
+STAGES, DIAGONAL = 5, 0.25
 TIMES = np.array([1 / 4, 3 / 4, 11 / 20, 1 / 2, 1.0])
 WEIGHTS = np.array(
     [
@@ -29,8 +29,6 @@ WEIGHTS = np.array(
 ERROR = np.array([-3 / 16, -27 / 32, 25 / 32, 0.0, 1 / 4])
 
 MOST_ITERATIONS = 8
-ITERATED = 0.02  # share of the tolerance at which an iteration ends
-CAUTION = 0.8
 LEAST = 1e-3  # contraction that is trusted: a smaller one may be round-off
 
 
@@ -44,7 +42,7 @@ def prepare_matrix(tree: Any, work, coordinates: np.ndarray, z: np.ndarray, h: f
     if memory["matrix_length"] == h:
         return True
     memory["matrix_length"] = h
-    return factorise(tree, GAMMA * h, s.stiff)
+    return factorise(tree, DIAGONAL * h, s.stiff)
 
 
 @kernel
@@ -101,7 +99,7 @@ def _place_trial(h: float, slope, s) -> None:
     for i in range(slope.shape[0]):
         if speeds <= i < 2 * speeds:
             slope[i] = s.trial[i - speeds]
-        s.trial[i] = s.known[i] + GAMMA * h * slope[i]
+        s.trial[i] = s.known[i] + DIAGONAL * h * slope[i]
 
 
 @kernel
@@ -114,7 +112,7 @@ def _correct(tree: Any, clock: Any, h: float, slope, s):
             slope[m] = s.rate[m]
     set_mass_times(tree, s.product, s.stiff, s.change)
     solve_stiff(tree, s.product, s.change, s.stiff)
-    total, g = 0.0, GAMMA * h
+    total, g = 0.0, DIAGONAL * h
     for m in range(speeds):
         slope[m] += s.change[m]
         total += (g * s.change[m] / tolerance(clock, 1.0, abs(s.trial[m]))) ** 2
@@ -139,13 +137,13 @@ def step_error(tree: Any, clock: Any, z: np.ndarray, h: float, s):
     set_profile_times(s.stiff.stiff, s.stiff.stiff_ends, s.rate[speeds : 2 * speeds], s.product)
     set_mass_times(tree, s.rate[:speeds], s.stiff, s.change)
     for m in range(speeds):
-        s.change[m] -= GAMMA * h * s.product[m]
+        s.change[m] -= DIAGONAL * h * s.product[m]
         if tree.given[m]:
             s.change[m] = 0.0
     solve_stiff(tree, s.rate[:speeds], s.change, s.stiff)
     for m in range(speeds):
         s.rate[m] = s.change[m]
-        s.rate[speeds + m] += GAMMA * h * s.change[m]
+        s.rate[speeds + m] += DIAGONAL * h * s.change[m]
     total = worst = 0.0
     for i in range(last):
         share = s.rate[i] / tolerance(clock, 1.0, max(abs(z[i]), abs(s.trial[i])))

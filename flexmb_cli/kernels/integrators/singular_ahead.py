@@ -15,7 +15,7 @@ from .clock import LOOK
 
 MOST_SECANTS = 6
 FOUND = 0.02  # of the way: how well the time is known
-ROUND_OFF = 1e-13  # of speeds, where pivots are 1: it grows by their inverse squares
+SPEED_ROUND_OFF = 1e-13  # of speeds, where pivots are 1: it grows by their inverse squares
 NOISE = 0.01  # of that: what it commonly is
 OVER = 4.0  # of the way to a position that is foreseen worse
 
@@ -109,4 +109,4 @@ def round_off(work):
     least = math.inf
     for k in range(work.rank[0]):
         least = min(least, abs(work.pivots[k]))
-    return ROUND_OFF / (least * least) if least > 0.0 else 0.0
+    return SPEED_ROUND_OFF / (least * least) if least > 0.0 else 0.0

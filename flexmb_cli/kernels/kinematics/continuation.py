@@ -29,13 +29,13 @@ CLOCK_ROUND_OFF = 2e-15  # of the time: shorter steps do not move the clock
 BIFURCATION_LENGTH = 1e-4
 NO_LIMIT = 1e3
 STEP_ITERATIONS = 20
-ASSEMBLY_LIMIT = 0.5
+LARGEST_ASSEMBLY_CORRECTION = 0.5
 
 # Rows of `state` and of `out`.
 POSITION, VELOCITY, ACCELERATION = 0, 1, 2
 # Places in `clock`: time reached, step to try (0: assemble first), sign of det Φ_q, last step taken,
 # attempts left before the caller is asked, iterations spent on the row so far.
-TIME, STEP, SIGN, LAST, BUDGET, SPENT = 0, 1, 2, 3, 4, 5
+TIME, NEXT_LENGTH, SIGN, LAST_LENGTH, BUDGET, SPENT = 0, 1, 2, 3, 4, 5
 CLOCK_SIZE = 6
 
 
@@ -136,7 +136,7 @@ def copy(source: np.ndarray, target: np.ndarray) -> Any:
 def step_to(clock: np.ndarray, target: float) -> float:
     """End of the step to try next: the target, or a part of the way that leaves no sliver."""
     left = target - clock[TIME]
-    return target if clock[STEP] >= left else clock[TIME] + min(clock[STEP], 0.5 * left)
+    return target if clock[NEXT_LENGTH] >= left else clock[TIME] + min(clock[NEXT_LENGTH], 0.5 * left)
 
 
 @kernel
@@ -147,7 +147,7 @@ def acceptable(clock: np.ndarray, off: float, moved: float, sign: int) -> bool:
     of them come close, the other can look smoother than the true one; the sign tells them apart.  A
     sign that changes on a way too short for a narrow pass to hide in is a true bifurcation.
     """
-    if clock[STEP] == 0.0:
+    if clock[NEXT_LENGTH] == 0.0:
         return off < np.inf
     if off > 1.0:
         return False
@@ -158,12 +158,12 @@ def acceptable(clock: np.ndarray, off: float, moved: float, sign: int) -> bool:
 def after_success(clock: np.ndarray, t_new: float, off: float, sign: int) -> None:
     """Move the clock; a step taken whole and with room to spare may be doubled, the first one is free."""
     h = t_new - clock[TIME]
-    if clock[STEP] == 0.0:
-        clock[STEP] = np.inf
-    elif h >= (1.0 - WHOLE) * clock[STEP] and off <= ROOM_TO_GROW:
-        clock[STEP] = 2.0 * h
+    if clock[NEXT_LENGTH] == 0.0:
+        clock[NEXT_LENGTH] = np.inf
+    elif h >= (1.0 - WHOLE) * clock[NEXT_LENGTH] and off <= ROOM_TO_GROW:
+        clock[NEXT_LENGTH] = 2.0 * h
     if h > 0.0:
-        clock[LAST] = h
+        clock[LAST_LENGTH] = h
     clock[TIME] = t_new
     clock[SIGN] = sign
 
@@ -172,7 +172,7 @@ def after_success(clock: np.ndarray, t_new: float, off: float, sign: int) -> Non
 def is_barred(clock: np.ndarray, target: float) -> bool:
     """Return whether the next step is too short to be worth a try."""
     tick = CLOCK_ROUND_OFF * max(abs(clock[TIME]), abs(target))
-    return clock[STEP] <= max(SMALLEST_PART * clock[LAST], tick)
+    return clock[NEXT_LENGTH] <= max(SMALLEST_PART * clock[LAST_LENGTH], tick)
 
 
 @kernel
@@ -188,15 +188,17 @@ def advance(
 ) -> tuple[bool, float]:
     """Carry `state` from clock[TIME] to `target`; returns (arrived, largest |dΦ/dt|).
 
-    Not arrived with clock[BUDGET] left: the way is barred.  A clock[STEP] of 0 says that `state`
+    Not arrived with clock[BUDGET] left: the way is barred.  A clock[NEXT_LENGTH] of 0 says that `state`
     holds estimates: they are assembled at clock[TIME] = target, where no curve can be asked for.
     """
-    assembling = clock[STEP] == 0.0
+    assembling = clock[NEXT_LENGTH] == 0.0
     limit, most = (
-        (ASSEMBLY_LIMIT, int(system.limits[ITERATIONS])) if assembling else (NO_LIMIT, STEP_ITERATIONS)
+        (LARGEST_ASSEMBLY_CORRECTION, int(system.limits[ITERATIONS]))
+        if assembling
+        else (NO_LIMIT, STEP_ITERATIONS)
     )
     gap = 0.0
-    while clock[TIME] < target or clock[STEP] == 0.0:
+    while clock[TIME] < target or clock[NEXT_LENGTH] == 0.0:
         if clock[BUDGET] <= 0.0:
             return False, gap
         clock[BUDGET] -= 1.0
@@ -211,7 +213,7 @@ def advance(
             accept(system, work, new, expected, state, motion)
             after_success(clock, t_new, off, sign)
         else:
-            clock[STEP] = 0.5 * (t_new - clock[TIME])
+            clock[NEXT_LENGTH] = 0.5 * (t_new - clock[TIME])
             if is_barred(clock, target):
                 return False, gap
     return True, gap

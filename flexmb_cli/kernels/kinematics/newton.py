@@ -4,44 +4,53 @@ Young (1996), sections 4.3 and 5.2 (procedures NEWTON, LINEAR and KINEM).  Lengt
 the mechanism's length scale, so that all residuals and corrections are pure numbers of order one.
 """
 
-from collections import namedtuple
+from typing import NamedTuple
 
 import numpy as np
 
 from .._jit import kernel, plain_allocating
 from ..linalg.lu import factorise, substitute
-from ..linalg.rotation import rotation_matrices, rotation_rates
+from ..linalg.rotation import RATE, REMAINDER, A, rotation_matrices, rotation_rates
 from . import constraints as equations
 
 CONVERGED, STALLED, SINGULAR = 0, 1, 2
 
 # Newton's error squares at each iteration: after a correction this small nothing is left but round-off.
 LAST_CORRECTION = 1e-9
-ROUND_OFF = 1e-12
+SOLVED_RESIDUAL = 1e-12
 REFINED = 4e-15  # of the solution: what refinement cannot better
 
 
 # As few arrays as possible: each one costs compile time in every function it passes through.
-System = namedtuple("System", "constraints places units limits")
-System.__doc__ = """The equations.
+class System(NamedTuple):
+    """The equations of n coordinates."""
 
-constraints: CONSTRAINT records.  places (n, 4): bodies of the two halves of each Jacobian row, order
-of elimination of the rows, matrix column of each coordinate.  units (2, n): one over those of the
-rows, those of the coordinates.  limits (4,): see the names below.
-"""
+    constraints: np.ndarray  # CONSTRAINT records
+    # (n, 4) bodies of the two halves of each Jacobian row, order of elimination of the rows, matrix column of
+    # each coordinate
+    places: np.ndarray
+    units: np.ndarray  # (2, n) one over those of the rows, those of the coordinates, m or 1
+    limits: np.ndarray  # (4,) EARLY_END, PIVOT, ITERATIONS, RANK
+
+
 BODY_I, BODY_J, ORDER, COLUMN = 0, 1, 2, 3
 PER_ROW, OF_COORDINATE = 0, 1
 # Largest residual that ends Newton early (0: go on to round-off), smallest pivot, most iterations,
 # and the rank: less than n when some equations repeat others.
 EARLY_END, PIVOT, ITERATIONS, RANK = 0, 1, 2, 3
 
-Work = namedtuple("Work", "rotations vectors phi_q matrix order pattern")
-Work.__doc__ = """Arrays reused in every step.
 
-rotations (3, bodies, 3, 3): A, dA/dt and the remainder of d²A/dt².  vectors (6, n).  phi_q (n, 14).
-matrix (n, n), order (n,) and pattern (n, n + 1): the factors.
-"""
-A, RATE, REMAINDER = 0, 1, 2
+class Work(NamedTuple):
+    """Arrays reused in every step, of n coordinates."""
+
+    rotations: np.ndarray  # (3, bodies, 3, 3) A, dA/dt and the remainder of d²A/dt²
+    vectors: np.ndarray  # (6, n) rows PHI … REST
+    phi_q: np.ndarray  # (n, 14) derivatives by the coordinates of both bodies
+    matrix: np.ndarray  # (n, n) factors of Φ_q, in units of rows and coordinates
+    order: np.ndarray  # (n,) rows in the order of elimination
+    pattern: np.ndarray  # (n, n + 1) nonzero places of the factors
+
+
 PHI, RIGHT_SIDE, SCALED, UNKNOWN, CORRECTION, REST = 0, 1, 2, 3, 4, 5
 
 
@@ -155,7 +164,7 @@ def newton(
         reach = reach_of(system, q)
         if size <= LAST_CORRECTION * reach:
             gap = evaluate_position(system, work, q, t, expected)
-            return (CONVERGED if gap <= ROUND_OFF * reach else STALLED), iteration, sign
+            return (CONVERGED if gap <= SOLVED_RESIDUAL * reach else STALLED), iteration, sign
         if iteration > 3 and shrink == 1.0 and size > previous:
             return STALLED, iteration, sign
         previous = size

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
 
 
-GOOD_ENOUGH = 0.1  # of the largest entry in the column: bounds the growth, spares the zeros
+GOOD_ENOUGH = 0.1  # of the largest entry: may be a pivot, and the one that spares most zeros is
 
 
 @kernel

@@ -15,10 +15,10 @@ import math
 import numpy as np
 
 from .._jit import allocating, kernel
+from .lu import GOOD_ENOUGH
 
 RANK_TOLERANCE = 1e-9  # of the largest entry: what is left below counts as zero
-GOOD_ENOUGH = 0.1  # of the largest entry left: may be a pivot, and the one that spares most zeros is
-TINY = 1e-12
+SMALLEST_FACTOR = 1e-12
 WORN = 0.1  # of the quality of the factors when the order was chosen: asks for another one
 # Pivot below which the equations leave a second motion free but for round-off: two branches, 1e-16 of
 # gap apart, come as near as a pivot of 1e-8.
@@ -129,7 +129,7 @@ def factorise(
         growth = max(growth, _eliminate(factors, entries, i, min(i, end), rank, following))
         if i < end:
             smallest = min(smallest, abs(factors[i, i]))
-            if not abs(factors[i, i]) > TINY:
+            if not abs(factors[i, i]) > SMALLEST_FACTOR:
                 end = i
     return smallest / growth if end == rank else 0.0
 

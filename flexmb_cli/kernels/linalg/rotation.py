@@ -8,12 +8,17 @@ q holds seven coordinates a body: x, y, z (m), e0, e1, e2, e3.  Vectors in globa
 triples (x, y, z), vectors in body axes as arrays of three.
 """
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
 
 if TYPE_CHECKING:
     import numpy as np
+
+# Rows of rotations (3, bodies, 3, 3): the matrix A, its rate, and its second derivative but for what q̈ adds.
+A, RATE, REMAINDER = 0, 1, 2
+TURN = 2.0 * math.pi
 
 
 @kernel

@@ -31,8 +31,8 @@ class Stiff(NamedTuple):
     stiff: np.ndarray  # (NS, NS) K
     matrix: np.ndarray  # (NS, NS) factors
     mass_ends: np.ndarray  # (NS,) one past the last place of a row
-    stiff_ends: np.ndarray
-    matrix_ends: np.ndarray
+    stiff_ends: np.ndarray  # (NS,) the same of K
+    matrix_ends: np.ndarray  # (NS,) the same of the factors
     rest: np.ndarray  # (NS,)
     rows: np.ndarray  # (R,) of CLOSURE_ROW: the closures as they were for the matrix, and their forces
     jacobian: np.ndarray  # (R, NS) J

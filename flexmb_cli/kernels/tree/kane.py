@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 SOLVED = -1
 
 # A pivot below this part of the body's own inertia is round-off: nothing moves with the coordinate.
-NO_INERTIA = 1e-13
+SMALLEST_HINGE_INERTIA = 1e-13
 
 
 @part
@@ -185,7 +185,7 @@ def _eliminate(s: "np.void", c: "np.void", part: int, scale: float) -> bool:
         return True
     n, f = triple(c["coupling"], 0), triple(c["coupling"], 3)
     pivot = dot(axis, triple(c["coupling"], part))
-    if not pivot > NO_INERTIA * scale:
+    if not pivot > SMALLEST_HINGE_INERTIA * scale:
         return False
     c["pivot"] = pivot
     _subtract_outer(s["inertia"], n, f, 1.0 / pivot)

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from ...model.arrays.tree import TreeArrays
 
 
-CLOSED = 1e-13  # m and m/s: as good as closed
+CLOSED_LOOP_GAP = 1e-13  # m and m/s: as good as closed
 MOST_CORRECTIONS = 5
-LONGEST = 0.5  # correction of one coordinate, rad or m
+LONGEST_CORRECTION = 0.5  # correction of one coordinate, rad or m
 
 
 @kernel
@@ -47,7 +47,7 @@ def project(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np
     """Close gaps and rates of z, near the state for which the equations have just been solved."""
     for _ in range(MOST_CORRECTIONS):
         evaluate_gaps(tree, work, coordinates, z)
-        if largest_gap(tree.closures) <= CLOSED:
+        if largest_gap(tree.closures) <= CLOSED_LOOP_GAP:
             break
         _close_gaps(tree, work, coordinates, z)
     evaluate_gaps(tree, work, coordinates, z)
@@ -83,7 +83,7 @@ def _close_gaps(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z
 
 @kernel
 def move_coordinates(tree: "TreeArrays", coordinates: np.ndarray, z: np.ndarray) -> None:
-    """Move the coordinates by their responses, none further than LONGEST."""
+    """Move the coordinates by their responses, none further than LONGEST_CORRECTION."""
     _y, q, attitudes = parts(tree, z)
     _move_parts(tree, coordinates, q, attitudes)
     normalise_attitudes(tree, z)
@@ -94,7 +94,7 @@ def _move_parts(tree, coordinates, q, attitudes):
     largest = 0.0
     for m in range(coordinates.shape[0]):
         largest = max(largest, abs(coordinates[m]["response"]))
-    share = min(1.0, LONGEST / largest) if largest > 0.0 else 1.0
+    share = min(1.0, LONGEST_CORRECTION / largest) if largest > 0.0 else 1.0
     move = np.zeros(q.shape[0])
     for m in range(q.shape[0]):
         move[m] = share * coordinates[m]["response"]

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
 from .implicit_matrix import apply_multipliers, factor_schur_complement, set_jacobian
-from .projection import CLOSED, MOST_CORRECTIONS, change_speeds, evaluate_gaps, largest_gap, move_coordinates
+from .projection import (
+    CLOSED_LOOP_GAP,
+    MOST_CORRECTIONS,
+    change_speeds,
+    evaluate_gaps,
+    largest_gap,
+    move_coordinates,
+)
 
 if TYPE_CHECKING:
     import numpy as np
@@ -25,7 +32,7 @@ def project_stiffly(tree: Any, work, coordinates: "np.ndarray", z: "np.ndarray",
     factor_schur_complement(s)
     for turn in range(MOST_CORRECTIONS + RATE_CORRECTIONS):
         of_gaps = turn < MOST_CORRECTIONS
-        if of_gaps and largest_gap(tree.closures) <= CLOSED:
+        if of_gaps and largest_gap(tree.closures) <= CLOSED_LOOP_GAP:
             continue
         for i in range(s.rows.shape[0]):
             s.rows[i]["force"] = tree.closures[i]["gap"] if of_gaps else tree.closures[i]["rate"]

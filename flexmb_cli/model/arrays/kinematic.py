@@ -26,23 +26,23 @@ COORDINATES = ("x", "y", "z", "e0", "e1", "e2", "e3")
 CONSTRAINT = np.dtype(
     [
         ("kind", np.int64),  # code of joint_types
-        ("body_i", np.int64),
+        ("body_i", np.int64),  # first body
         ("body_j", np.int64),  # equals body_i where there is only one body
         ("first_row", np.int64),  # first equation in phi and phi_q
         ("coordinate", np.int64),  # 0-6 in COORDINATES (simplified, distance, driver)
         ("screw", np.int64),  # running number of the screw joint
-        ("P_i", np.float64, 3),  # joint points, body axes, m
-        ("P_j", np.float64, 3),
-        ("s_i", np.float64, 3),  # unit vectors along the axis, body axes
-        ("s_j", np.float64, 3),
-        ("a_i", np.float64, 3),  # the two vectors across s_i, body axes of i (vector_pairs)
-        ("b_i", np.float64, 3),
+        ("P_i", np.float64, 3),  # joint point of body i, body axes, m
+        ("P_j", np.float64, 3),  # joint point of body j, body axes, m
+        ("s_i", np.float64, 3),  # unit vector along the axis, body axes of i
+        ("s_j", np.float64, 3),  # unit vector along the axis, body axes of j
+        ("a_i", np.float64, 3),  # first vector across s_i, body axes of i (vector_pairs)
+        ("b_i", np.float64, 3),  # second vector across s_i, body axes of i
         ("h_i", np.float64, 3),  # translational: unit h_i; screw: unit part of h_i across the axis
         ("g_i", np.float64, 3),  # screw: s_i × h_i
         ("h_j", np.float64, 3),  # unit vector, body axes of j
-        ("C", np.float64),  # value of a constraint; function C + B t + A t²/2 of a driver
-        ("B", np.float64),
-        ("A", np.float64),
+        ("C", np.float64),  # value of a constraint, m or 1; driver: C + B t + A t²/2, m or rad
+        ("B", np.float64),  # driver: rate at t = 0, m/s or rad/s
+        ("A", np.float64),  # driver: acceleration, m/s² or rad/s²
         ("pitch", np.float64),  # screw: advance per radian, m
         ("sense", np.float64),  # screw: sign of the slide
         ("offset", np.float64),  # screw: delta0 - pitch * theta0, m

@@ -12,7 +12,7 @@ import numpy as np
 
 NODE_FRAME = np.dtype(
     [
-        ("frame", np.int64),
+        ("frame", np.int64),  # number of its FRAME
         ("node", np.int64, 3),  # coordinate of its node's displacement along axis 1, 2, 3; -1 where held
         ("first", np.int64),  # first elastic coordinate of its body
         ("count", np.int64),  # NM of its body
@@ -22,9 +22,9 @@ NODE_FRAME = np.dtype(
 
 FLEXIBLE_PARENT = np.dtype(
     [
-        ("frame", np.int64),
-        ("first_node_frame", np.int64),
-        ("node_frames", np.int64),
+        ("frame", np.int64),  # number of the body's FRAME
+        ("first_node_frame", np.int64),  # number of its first NODE_FRAME, the others follow
+        ("node_frames", np.int64),  # how many it has
         ("first", np.int64),  # first elastic coordinate
         ("count", np.int64),  # NM
     ]

@@ -27,7 +27,7 @@ MASS = np.dtype(
 
 FLEXIBLE = np.dtype(
     [
-        ("body", np.int64),
+        ("body", np.int64),  # number of the body
         ("modes", np.int64),  # N
         ("first", np.int64),  # its first modal coordinate among all of them
         ("constants", np.int64),  # where S1 J1 J2 C0 C1 Mff Kr Dr KG begin in `modal`
@@ -38,11 +38,11 @@ FLEXIBLE = np.dtype(
 
 BODY_VECTOR = np.dtype(
     [
-        ("body", np.int64),
+        ("body", np.int64),  # number of the body, -1: ground
         ("modes", np.int64),  # N, 0 where the body vector does not deform
         ("first", np.int64),  # first modal coordinate of its body
         ("shape", np.int64),  # where S (3, N) begins in `shapes`
-        ("c", np.float64, 3),
+        ("c", np.float64, 3),  # undeformed, body axes, m or, of a direction, 1
     ]
 )
 
@@ -51,15 +51,15 @@ BODY_VECTOR = np.dtype(
 # -1.
 PRIMITIVE = np.dtype(
     [
-        ("alpha", np.float64),
-        ("ends", np.int64, (2, 2)),
-        ("beta", np.float64),
-        ("f", np.int64),  # body vectors, free vectors; F and G at right angles
-        ("g", np.int64),
-        ("h", np.int64),
+        ("alpha", np.float64),  # factor α of V · W
+        ("ends", np.int64, (2, 2)),  # body vectors of V and W, a row each: head and tail, -1: none
+        ("beta", np.float64),  # factor β of the angle
+        ("f", np.int64),  # body vector F, a free vector, from which the angle counts
+        ("g", np.int64),  # body vector G, a free vector at right angles to F, of its body
+        ("h", np.int64),  # body vector H, a free vector, to which the angle counts
         ("turn", np.int64),  # running number of the angle, -1 where there is none
         ("function", np.int64),  # what the primitive follows, -1: 0
-        ("constant", np.float64),
+        ("constant", np.float64),  # that is taken off, m², m, rad or 1
         ("next", np.int64),  # primitive that is added to it in an equation, -1: none
     ]
 )
@@ -67,10 +67,8 @@ PRIMITIVE = np.dtype(
 LOAD = np.dtype(
     [
         ("kind", np.int64),  # FORCE, TORQUE, LINE, RELATIVE, ELEMENT or FRICTION
-        (
-            "body_vector",
-            np.int64,
-        ),  # point of action of a force; of a torque any body vector of its body; of friction the axis
+        # Point of action of a force; of a torque any body vector of its body; of friction the axis.
+        ("body_vector", np.int64),
         ("primitive", np.int64),  # RELATIVE, ELEMENT: the angle or stroke the spring acts in; LINE: its V
         ("following", np.int64),  # 1: the vector is in body axes
         ("function", np.int64),  # what multiplies the vector, -1: 1; RELATIVE: effort of a motor, -1: none
@@ -80,34 +78,41 @@ LOAD = np.dtype(
         ("damping", np.float64),  # N s/m, N m s/rad; of a stop or cable s/m, s/rad
         ("shape", np.int64),  # ELEMENT: SPRING, STOP or CABLE
         ("in_line", np.int64),  # ELEMENT: 1: it acts in the length of V
-        ("curve", np.int64),  # ELEMENT: function of the stretch, -1: none,
-        ("energy", np.int64),  # and its integral
+        ("curve", np.int64),  # ELEMENT: function of the stretch, -1: none
+        ("energy", np.int64),  # ELEMENT: function that is its integral, -1: none
         ("damper", np.int64),  # ELEMENT: function of the rate, -1: none
-        ("preload", np.float64),  # N, N m
-        ("lower", np.float64),  # STOP: m, rad
-        ("upper", np.float64),
+        ("preload", np.float64),  # effort without stretch; FRICTION: normal force; N, N m
+        ("lower", np.float64),  # STOP: where it begins below, m, rad
+        ("upper", np.float64),  # STOP: and above, m, rad
         ("stroke", np.int64),  # FRICTION: primitive of the stroke, -1: none; `primitive` is the angle
         ("group", np.int64),  # FRICTION: number of the joint among the groups
-        ("dynamic", np.float64),  # FRICTION: coefficients,
-        ("static", np.float64),
-        ("stribeck", np.float64),  # and speeds, m/s
-        ("creep", np.float64),
-        ("radius", np.float64),  # m
+        ("dynamic", np.float64),  # FRICTION: coefficient of sliding
+        ("static", np.float64),  # FRICTION: coefficient at rest
+        ("stribeck", np.float64),  # FRICTION: speed at which the one passes into the other, m/s
+        ("creep", np.float64),  # FRICTION: speed below which it grows with the speed, m/s
+        ("radius", np.float64),  # FRICTION: of what turns, m
         ("thread", np.float64),  # FRICTION: force on the flanks of a screw by the force along its axis
     ]
 )
 
 FUNCTION = np.dtype(
     [
-        ("kind", np.int64),
-        ("c", np.float64, 4),
-        ("first", np.int64),  # first knot of a table,
-        ("last", np.int64),  # and its last
+        ("kind", np.int64),  # code of `time_functions`
+        ("c", np.float64, 4),  # its constants, in SI units; of pieces see `FunctionTable`
+        ("first", np.int64),  # first knot of a table
+        ("last", np.int64),  # last knot of a table
     ]
 )
 
 # The equations that one joint, driver or pin consists of, and the two bodies they act on.
-GROUP = np.dtype([("first_row", np.int64), ("end_row", np.int64), ("body_i", np.int64), ("body_j", np.int64)])
+GROUP = np.dtype(
+    [
+        ("first_row", np.int64),  # first of the equations
+        ("end_row", np.int64),  # one past the last
+        ("body_i", np.int64),  # first body, -1: ground
+        ("body_j", np.int64),  # second body, -1: ground
+    ]
+)
 
 
 class BodyVectorTable:

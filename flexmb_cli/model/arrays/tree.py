@@ -16,17 +16,30 @@ ELASTIC_BODY = np.dtype(
         ("count", np.int64),  # NM
         ("stiffness", np.int64),  # where its NM x NM matrix begins in `stiffness`
         ("damping", np.int64),  # where it begins in `damping`; -1 for none
-        ("frame", np.int64),
+        ("frame", np.int64),  # number of its FRAME
         ("stiffening", np.int64),  # where its two matrices begin in `stiffening`; -1 for none
         ("beam", np.float64, 3),  # unit vector along a stiffened beam, own axes
     ]
 )
 
 SPRING = np.dtype(
-    [("coordinate", np.int64), ("stiffness", np.float64), ("damping", np.float64), ("rest", np.float64)]
+    [
+        ("coordinate", np.int64),  # hinge coordinate that it acts on
+        ("stiffness", np.float64),  # N/m, N m/rad
+        ("damping", np.float64),  # N s/m, N m s/rad
+        ("rest", np.float64),  # value without effort, m, rad
+    ]
 )
 
-PRESCRIBED = np.dtype([("coordinate", np.int64), ("C", np.float64), ("B", np.float64), ("A", np.float64)])
+# A hinge coordinate that follows C + B t + A t²/2.
+PRESCRIBED = np.dtype(
+    [
+        ("coordinate", np.int64),  # number of the coordinate
+        ("C", np.float64),  # value at t = 0, m, rad
+        ("B", np.float64),  # rate at t = 0, m/s, rad/s
+        ("A", np.float64),  # acceleration, m/s², rad/s²
+    ]
+)
 
 # A function has the value c0 + c1 t between two breakpoints of its table; `solve` fills it in for each
 # interval.
@@ -35,18 +48,18 @@ FUNCTION = np.dtype(
         ("frame", np.int64),  # body torque on this frame, or 0
         ("axis", np.int64),  # 0, 1, 2, inertial
         ("coordinate", np.int64),  # effort on this hinge coordinate, or -1
-        ("c0", np.float64),
-        ("c1", np.float64),
+        ("c0", np.float64),  # N, N m
+        ("c1", np.float64),  # N/s, N m/s
     ]
 )
 
 # One closed direction of a closure: what it is, then what the kernels found for it last.
 CLOSURE_ROW = np.dtype(
     [
-        ("frame_a", np.int64),
-        ("frame_b", np.int64),
+        ("frame_a", np.int64),  # number of the first FRAME
+        ("frame_b", np.int64),  # number of the second FRAME
         ("point_a", np.float64, 3),  # axes of frame a, m
-        ("point_b", np.float64, 3),
+        ("point_b", np.float64, 3),  # axes of frame b, m
         ("axis", np.int64),  # 0, 1, 2 of frame b
         ("direction", np.float64, 3),  # of that axis, inertial axes
         ("place", np.float64, 3),  # of point a, inertial axes, m
@@ -62,24 +75,24 @@ CLOSURE_ROW = np.dtype(
 class TreeArrays(NamedTuple):
     """A tree in numbers.  NS coordinates; `elastic`, `given` (NS,) mark elastic and prescribed ones."""
 
-    frames: np.ndarray
-    nodal_masses: np.ndarray
-    elastic_bodies: np.ndarray
-    stiffness: np.ndarray  # all matrices, flat
-    damping: np.ndarray  # all matrices, flat
+    frames: np.ndarray  # FRAME records, parents before children
+    nodal_masses: np.ndarray  # NODAL_MASS records
+    elastic_bodies: np.ndarray  # ELASTIC_BODY records
+    stiffness: np.ndarray  # all matrices (NM, NM), flat, N/m
+    damping: np.ndarray  # all matrices (NM, NM), flat, N s/m
     stiffening: np.ndarray  # by turning, N/m per rad²/s², then by weight, N/m per m/s², flat
     reach: np.ndarray  # (NS, 2) first place and one past the last that counts in an elastic coordinate's rows
-    springs: np.ndarray
-    prescribed: np.ndarray
-    functions: np.ndarray
-    closures: np.ndarray  # one record a closed direction
+    springs: np.ndarray  # SPRING records
+    prescribed: np.ndarray  # PRESCRIBED records
+    functions: np.ndarray  # FUNCTION records
+    closures: np.ndarray  # CLOSURE_ROW records, one a closed direction
     closure_matrix: np.ndarray  # (rows, rows), scratch
-    gravity: np.ndarray  # (3,)
+    gravity: np.ndarray  # (3,) inertial axes, m/s²
     elastic: np.ndarray  # (NS,) bool
     given: np.ndarray  # (NS,) bool
     inertia_scale: np.ndarray  # (NS,) inertia against which a pivot of the mass matrix counts as zero
-    node_frames: NodeFrames
-    one_way: bool
+    node_frames: NodeFrames  # those of all flexible parents
+    one_way: bool  # whether the elastic motion does not act on the rigid motion (thesis 4.3)
 
 
 def tree_arrays(tree: Tree) -> TreeArrays:

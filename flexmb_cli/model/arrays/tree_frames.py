@@ -23,9 +23,9 @@ FRAME = np.dtype(
         ("rotation_axes", np.int64, 3),  # 0, 1, 2 in the P_k frame; the first `rotations` count
         ("first_rotation", np.int64),  # coordinate of the first rotation, the others follow
         ("ball", np.int64),  # number among the hinges with three rotations, -1 otherwise
-        ("translations", np.int64),
-        ("translation_axes", np.int64, 3),
-        ("first_translation", np.int64),
+        ("translations", np.int64),  # free translations, 0-3
+        ("translation_axes", np.int64, 3),  # 0, 1, 2 in the P_k frame; the first `translations` count
+        ("first_translation", np.int64),  # coordinate of the first translation, the others follow
         ("point", np.float64, 3),  # P_k from the parent's origin, parent's axes, m
         ("framed", np.int64),  # whether `frame` turns anything
         ("frame", np.float64, 9),  # P_k axes -> parent's axes, row by row
@@ -36,8 +36,8 @@ FRAME = np.dtype(
         ("inertia", np.float64, 6),  # xx xy xz yy yz zz about the origin, without nodal masses, own axes
         ("force", np.float64, 3),  # at the origin, inertial axes, N
         ("torque", np.float64, 3),  # inertial axes, N m
-        ("first_nodal_mass", np.int64),
-        ("nodal_masses", np.int64),
+        ("first_nodal_mass", np.int64),  # number of its first NODAL_MASS, the others follow
+        ("nodal_masses", np.int64),  # how many it has
         ("node_frame", np.int64),  # number among the node frames, -1 otherwise
         ("flexible_parent", np.int64),  # number among the flexible parents, -1 otherwise
     ]

@@ -16,7 +16,7 @@ from .element_table import ElementTable, PointJoints, coordinates_of_joints
 from .node_joints import EQUATIONS_OF, JointVectors
 from .records import NONE
 
-TRANSLATIONAL = 3  # directions 1 to 3 are coordinates, 4 to 6 turns
+LAST_TRANSLATION = 3  # directions 1 to 3 are coordinates, 4 to 6 turns
 
 
 def without_driven(mechanism: Mechanism, elements: JointElements) -> Mechanism:
@@ -75,7 +75,7 @@ class _Equations:
 
     def _driven(self, item: Any) -> None:
         driver = self.model.mechanism.drivers[item.item]
-        if driver.direction <= TRANSLATIONAL:
+        if driver.direction <= LAST_TRANSLATION:
             self._along_axis(driver.name, driver.body, driver.direction, item)
             return
         axis = driver.direction - 4

@@ -13,12 +13,11 @@ from ...errors import Place
 from ...quick_dataclass import dataclass, fields
 from ..joint_elements import JointDriver, JointElements, JointMotor
 from ..loads import AppliedForce, AppliedTorque, SpringDamper
-from ..mechanism import Point, TimeGrid, Vector
+from ..mechanism import GROUND, Point, TimeGrid, Vector
 from ..time_functions import MotionFunction
 from ..vectors import rotation_matrix
 from .shapes import RigidShape
 
-GROUND = -1
 EXPLICIT, RADAU, ALPHA = "explicit", "radau", "alpha"
 
 

@@ -16,13 +16,11 @@ from .frames import Base, Frames, shape_of
 
 
 class HingeVectors(NamedTuple):
-    """Body vectors of a hinge: those of the P_k axes (3), of the O_k axes (3), and the gap from P_k to
-    O_k.
-    """
+    """Body vectors of a hinge, by their numbers."""
 
-    p: tuple[int, int, int]
-    e: tuple[int, int, int]
-    gap: tuple[int, int]
+    p: tuple[int, int, int]  # axes of P_k
+    e: tuple[int, int, int]  # axes of O_k
+    gap: tuple[int, int]  # head and tail of the vector from P_k to O_k
 
 
 def hinge_vectors(table: PrimitiveTable, base: Base, body: int) -> HingeVectors:

@@ -16,11 +16,20 @@ def refuse_foreign(tree: Tree) -> None:
         raise ModelError(faults)
 
 
+def _otherwise(tree: Tree) -> str:
+    """Return what leads to Kane's equations, which know no elements."""
+    return (
+        "leave out the elements, which need absolute coordinates"
+        if tree.elements
+        else "run the deck by --formulation kane"
+    )
+
+
 def _one_way(tree: Any) -> "Iterator[Any]":
     if tree.one_way:
         message = (
             "the one-way assumption (UNCO) is no equation of mechanics that absolute coordinates could "
-            "share; run the deck by --formulation kane, or without UNCO"
+            f"share; {_otherwise(tree)}, or leave out UNCO"
         )
         yield Fault("error", message, id="MODEL-006")
 
@@ -32,7 +41,7 @@ def _weights(tree: Any) -> "Iterator[Any]":
         if stiffened and any(tree.gravity):
             message = (
                 "GSTF with gravity: in absolute coordinates a beam is stiffened by turning only; set GRAV "
-                "to zero, or run the deck by --formulation kane"
+                f"to zero, or {_otherwise(tree)}"
             )
             yield Fault("error", message, body.place, body.name, id="MODEL-007")
 
@@ -65,7 +74,6 @@ def has_shared_axis(hinge: Hinge, axis: int) -> bool:
 
 def _foreign_hinge(tree: Any, item: Any, kind: Any, what: Any) -> Any:
     message = (
-        f"a {kind} in a hinge with {what} is not carried over to absolute coordinates; run the deck by "
-        "--formulation kane"
+        f"a {kind} in a hinge with {what} is not carried over to absolute coordinates; {_otherwise(tree)}"
     )
     return Fault("error", message, item.place, f"{kind} of {tree.bodies[item.body].name}", id="MODEL-008")

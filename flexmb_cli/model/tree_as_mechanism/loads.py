@@ -19,29 +19,43 @@ def tree_loads(table: PrimitiveTable, tree: Tree, frames: Frames) -> np.ndarray:
     return _Loads(table, tree, frames).records()
 
 
+def load_names(table: PrimitiveTable, tree: Tree, frames: Frames) -> list[tuple[str, str]]:
+    """Name of every load of `tree_loads`, and what it is: "force", "torque", "motor" or "spring"."""
+    loads = _Loads(table, tree, frames)
+    loads.records()
+    return loads.names
+
+
 class _Loads:
-    """Collects the records."""
+    """Collects the records, and a name of each and what it is."""
 
     def __init__(self, table: Any, tree: Any, frames: Any):
         self.table, self.tree, self.frames = table, tree, frames
         self.found: list[Any] = []
+        self.names: list[tuple[str, str]] = []
+        self.name = "", ""
 
     def records(self) -> Any:
         for k, body in enumerate(self.tree.bodies):
+            self.name = f"{body.name} constant force", "force"
             self._add(FORCE, self.table.body_vector(k, np.zeros(3)), body.force)
+            self.name = f"{body.name} constant torque", "torque"
             self._add(TORQUE, self.table.body_vector(k, np.zeros(3)), body.torque)
             self._add_nodal(k, body.elastic)
         for torque in self.tree.torques:
+            self.name = f"{self.tree.bodies[torque.body].name} torque", "torque"
             body_vector = self.table.body_vector(torque.body, np.zeros(3))
             self._add(
                 TORQUE, body_vector, np.eye(3)[torque.axis - 1], function=self._function(torque.function)
             )
         for motor in self.tree.motors:
+            self.name = f"{self.tree.bodies[motor.body].name} {motor.motion} {motor.axis} motor", "motor"
             if has_fixed_axis(self.tree, motor):
                 self._add_motor(motor)
             else:
                 self._add_along_coordinate(motor)
         for spring in self.tree.springs:
+            self.name = f"{self.tree.bodies[spring.body].name} {spring.motion} {spring.axis} spring", "spring"
             self._add_spring(spring)
         return np.array(self.found, dtype=LOAD).reshape(-1)
 
@@ -58,10 +72,11 @@ class _Loads:
         record = blank_load(kind)
         record["body_vector"], record["vector"] = body_vector, vector
         record["function"], record["following"] = function, following
-        self.found.append(record)
+        self._keep(record)
 
     def _add_nodal(self, k: int, elastic: Any) -> None:
         for node in range(len(elastic.masses) if elastic else 0):
+            self.name = f"{self.tree.bodies[k].name} node {node + 1} force", "force"
             body_vector = self.table.body_vector(k, elastic.positions[node], shape_of(elastic, node))
             self._add(FORCE, body_vector, elastic.forces[node])
 
@@ -81,13 +96,13 @@ class _Loads:
         """Generalised force along the hinge coordinate, whose axes move against each other."""
         record = self._relative(motor)
         record["function"] = self._function(motor.function)
-        self.found.append(record)
+        self._keep(record)
 
     def _add_spring(self, spring: Any) -> None:
         record = self._relative(spring)
         record["stiffness"], record["damping"] = spring.stiffness, spring.damping
         record["free_length"] = spring.rest
-        self.found.append(record)
+        self._keep(record)
 
     def _relative(self, item: Any) -> Any:
         """A load that acts in the hinge coordinate of a spring or motor."""
@@ -101,6 +116,10 @@ class _Loads:
         primitive = coordinate_primitive(self.table, self.tree, self.frames, *where, expected)
         record["primitive"] = self.table.spring(primitive)
         return record
+
+    def _keep(self, record: Any) -> None:
+        self.found.append(record)
+        self.names.append(self.name)
 
     def _function(self, function: Table) -> int:
         if len(function.times) == 1:

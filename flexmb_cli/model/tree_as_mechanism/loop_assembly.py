@@ -11,14 +11,13 @@ import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...quick_dataclass import replace
-from ..tree import ELASTIC, INERTIAL, ROTATION, Tree
+from ..equations import DEPENDENT
+from ..tree import ASSEMBLED_GAP, ELASTIC, INERTIAL, ROTATION, Tree
 from .frames import Frames, shape_of
 from .poses import STILL, Pose, elastic_start, first_poses
 
-CLOSED = 1e-10  # m
 MOST_STEPS = 40
-LONGEST = 0.5  # step of a coordinate, rad or m
-DEPENDENT = 1e-9  # of the largest singular value
+LONGEST_MOVE = 0.5  # step of a coordinate, rad or m
 
 
 def closed_tree(tree: Tree, frames: Frames) -> Tree:
@@ -32,7 +31,7 @@ def closed_tree(tree: Tree, frames: Frames) -> Tree:
     first[[m for m, c in enumerate(tree.coordinates) if c.motion == ROTATION][:1]] = True
     for kept in (driven | elastic | first, driven):
         found, gaps = _closed(tree, frames, ~kept)
-        if np.max(np.abs(gaps)) <= CLOSED:
+        if np.max(np.abs(gaps)) <= ASSEMBLED_GAP:
             return _with_closed_speeds(found, frames, ~kept)
     raise _failure(tree, gaps)
 
@@ -43,10 +42,10 @@ def _closed(tree: Any, frames: Any, free: Any) -> Any:
     for _ in range(MOST_STEPS):
         step = np.zeros(len(free))
         step[free] = np.linalg.lstsq(_jacobian(tree, frames)[:, free], -gaps, rcond=DEPENDENT)[0]
-        step *= min(1.0, LONGEST / max(np.max(np.abs(step)), 1e-300))
+        step *= min(1.0, LONGEST_MOVE / max(np.max(np.abs(step)), 1e-300))
         trial = _moved(tree, step)
         left, _ = _gaps_and_rates(trial, frames)
-        if np.max(np.abs(gaps)) <= CLOSED and np.max(np.abs(left)) >= 0.5 * np.max(np.abs(gaps)):
+        if np.max(np.abs(gaps)) <= ASSEMBLED_GAP and np.max(np.abs(left)) >= 0.5 * np.max(np.abs(gaps)):
             break
         tree, gaps = trial, left
     return tree, gaps

@@ -9,7 +9,7 @@ HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 MATLAB_SIGNATURE = b"MATLAB 5.0 MAT-file"
 # The heading of the first column that `flexmb export --to csv` and `flexmb table` write, and what follows.
 CSV_HEAD = re.compile(rb"\A(?:\xef\xbb\xbf)?\"?time \[s\]\"?([,\t\r\n]|\Z)")
-_BEGINNING = 64
+_SIGNATURE_BYTES = 64
 
 
 def form_of(path: Any) -> str:
@@ -18,7 +18,7 @@ def form_of(path: Any) -> str:
         return LISTING
     try:
         with open(path, "rb") as file:
-            begins = file.read(_BEGINNING)
+            begins = file.read(_SIGNATURE_BYTES)
     except OSError:
         # The reader that opens it again words the fault.
         return UNREADABLE

@@ -15,7 +15,7 @@ from ...quick_dataclass import dataclass
 from ..hdf5.stress import von_mises
 from .element_bodies import ElementBody, element_bodies
 from .element_faces import outer_faces, triangles
-from .report_scene import GREY, LONGEST, MOST_TRACES, SHORTEST, TRACE, colour_of, rounded
+from .report_scene import GREY, LONGEST_ANIMATION, MOST_TRACES, SHORTEST_ANIMATION, TRACE, colour_of, rounded
 from .scene import Scene, read_scene
 from .view import view_of
 
@@ -23,7 +23,7 @@ FORMATS = ("mp4", "gif")
 VIEWS = {"x": ((1, 0, 0), (0, 0, 1)), "y": ((0, -1, 0), (0, 0, 1)), "z": ((0, 0, 1), (0, 1, 0))}
 MOST_FRAMES = 3000
 # Of the largest size of the mechanism: radius of a tube; share of the picture that it fills.
-RADIUS, FILLED = 0.008, 1 / 1.12
+TUBE_RADIUS, FILLED = 0.008, 1 / 1.12
 # Tubes are cut into so many faces, so that each is before or behind other bodies as a whole.
 PIECES = 8
 AMBIENT = 0.55
@@ -63,7 +63,7 @@ def film_bytes(result: h5py.File, form: str, look: FilmLook) -> bytes:
 def film_rows(time: np.ndarray, rate: int) -> list[int]:
     """The row of every frame: the last one that is not later; the last frame has the last row."""
     span = float(time[-1] - time[0])
-    seconds = min(max(span, SHORTEST), LONGEST)
+    seconds = min(max(span, SHORTEST_ANIMATION), LONGEST_ANIMATION)
     count = min(MOST_FRAMES, max(2, round(seconds * rate) + 1))
     shown = np.linspace(time[0], time[-1], count)
     # Times are computed from the counts of rows, and differ by round-off.
@@ -152,7 +152,9 @@ class _Canvas:
         traces = [self.camera.seen(path)[:, :2] for path in moving]
         self.axis.add_collection(LineCollection(traces, colors=TRACE, linewidths=0.8))
         self.faces = self.axis.add_collection(PolyCollection([], linewidths=0.3))
-        (self.joints,) = self.axis.plot([], [], "o", color="#555555", markersize=self._points(3 * RADIUS))
+        (self.joints,) = self.axis.plot(
+            [], [], "o", color="#555555", markersize=self._points(3 * TUBE_RADIUS)
+        )
         self.time = self.axis.text(12, 12, "", fontsize=13, color="#222222")
         if most:
             self.axis.text(
@@ -201,7 +203,7 @@ class _Canvas:
         p, q = points[:-1].reshape(-1, 3), points[1:].reshape(-1, 3)
         along = (q - p)[:, :2]
         length = np.maximum(np.linalg.norm(along, axis=1), 1e-9)[:, None]
-        radius = RADIUS * self.camera.extent * self.camera.scale * (0.6 if body.still else 1.0)
+        radius = TUBE_RADIUS * self.camera.extent * self.camera.scale * (0.6 if body.still else 1.0)
         side = along[:, ::-1] * (-1, 1) / length * radius
         polygons = np.stack([p[:, :2] - side, q[:, :2] - side, q[:, :2] + side, p[:, :2] + side], axis=1)
         colour = _rgb(GREY if body.still else colour_of(body))

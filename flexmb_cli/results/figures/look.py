@@ -5,14 +5,17 @@ from typing import Any
 
 from ...quick_dataclass import dataclass
 
+# Okabe and Ito's colours, distinguished by everyone.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#B22222", "#6A3D9A")
+
 MILLIMETRES = 25.4
 # Height of a panel by the width of the picture.
-PANEL, SQUARE = 0.45, 0.85
+PANEL, SQUARE_PART = 0.45, 0.85
 # Curves of a panel whose legend still fits into it.
 ROOMY = 4
 TICKS = 6
 # Distance of a legend's lines by the size of letters; points an inch.
-LINE, POINTS = 1.5, 72
+LINE_SPACING, POINTS_PER_INCH = 1.5, 72
 # Widths of a letter and of a line of a legend by the size of letters.
 LETTER, HANDLE = 0.55, 5.0
 
@@ -37,12 +40,12 @@ class Look:
 
     def wrapped(self, label: str) -> str:
         """The label of a vertical axis in lines that are no longer than a panel is high."""
-        letters = PANEL * self.inches / (LETTER * (self.size or 8.0) / POINTS)
+        letters = PANEL * self.inches / (LETTER * (self.size or 8.0) / POINTS_PER_INCH)
         return "\n".join(textwrap.wrap(label, max(10, int(letters))))
 
     def legend_columns(self, labels: list[str]) -> int:
         """Return how many names stand side by side below a panel."""
-        size = (self.size or 8.0) / POINTS
+        size = (self.size or 8.0) / POINTS_PER_INCH
         widest = max(map(len, labels)) * LETTER * size + HANDLE * size
         return 2 if 2 * widest < self.inches else 1
 
@@ -51,7 +54,7 @@ class Look:
         if len(labels) <= ROOMY:
             return 0.0
         rows = -(-len(labels) // self.legend_columns(labels))
-        return rows * LINE * (self.size or 8.0) / POINTS
+        return rows * LINE_SPACING * (self.size or 8.0) / POINTS_PER_INCH
 
     def settings(self) -> dict[str, Any]:
         """Settings of matplotlib that follow, for rcParams."""

@@ -5,15 +5,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from .curves import Panel
-from .look import PANEL, ROOMY, TICKS, Look
-from .look import SQUARE as SQUARE_PART
+from .look import COLOURS, PANEL, ROOMY, SQUARE_PART, TICKS, Look
 
 if TYPE_CHECKING:
     from types import ModuleType
 
 
 FORMATS = ("png", "svg", "pdf")
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#B22222", "#6A3D9A")
 DASHES = ("-", "--", ":", "-.", (0, (8, 2)), (0, (5, 1, 1, 1, 1, 1)), (0, (1, 4)), (0, (9, 3, 3, 3)))
 THICKNESSES = (1.3, 2.6, 0.6)
 LEGEND_ROWS = 14

@@ -12,13 +12,13 @@ import numpy as np
 from .curves import Curve, Panel
 from .report_scene import COLOURS
 
-WIDTH, HEIGHT = 1000, 300
+PIXELS_WIDE, PIXELS_HIGH = 1000, 300
 LEFT, RIGHT, TOP, BOTTOM = 90, 34, 14, 44
 # Width of a digit in the large letters of a narrow screen, and what parts a number from the frame.
 DIGIT, GAP = 15, 14
-COLUMNS = 450
+ENVELOPE_COLUMNS = 450
 # More points than this for each column are an envelope.
-POINTS = 3
+POINTS_PER_COLUMN = 3
 _DASHES = ("", "7 4", "2 3", "9 3 2 3")
 
 
@@ -32,7 +32,7 @@ def curve_figure(panel: Panel, title: str, number: int) -> str:
     )
     return (
         f'<figure class="curves" id="curves{number}"><figcaption>{escape(title)}</figcaption>'
-        f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{escape(title)}">'
+        f'<svg viewBox="0 0 {PIXELS_WIDE} {PIXELS_HIGH}" role="img" aria-label="{escape(title)}">'
         f"{frame.drawn(panel.x_label)}{curves}</svg><ul>{legend}</ul></figure>"
     )
 
@@ -51,12 +51,12 @@ class _Frame:
         self.x = _range(xs, 0.0)
         self.y = _range(ys, 0.05)
         self.left = max(LEFT, DIGIT * max(len(text) for _, text in _ticks(*self.y)) + GAP)
-        self.right = WIDTH - max(RIGHT, DIGIT / 2 * len(_ticks(*self.x)[-1][1]) + GAP / 2)
+        self.right = PIXELS_WIDE - max(RIGHT, DIGIT / 2 * len(_ticks(*self.x)[-1][1]) + GAP / 2)
 
     def places(self, x: float | np.ndarray, y: float | np.ndarray) -> np.ndarray:
         """Places (n, 2) of values."""
         across = self.left + (x - self.x[0]) / (self.x[1] - self.x[0]) * (self.right - self.left)
-        down = HEIGHT - BOTTOM - (y - self.y[0]) / (self.y[1] - self.y[0]) * (HEIGHT - TOP - BOTTOM)
+        down = PIXELS_HIGH - BOTTOM - (y - self.y[0]) / (self.y[1] - self.y[0]) * (PIXELS_HIGH - TOP - BOTTOM)
         return np.column_stack([across, down])
 
     def drawn(self, x_label: str) -> str:
@@ -64,14 +64,18 @@ class _Frame:
         parts = []
         for value, text in _ticks(*self.x):
             x = self.places(value, self.y[0])[0, 0]
-            parts.append(f'<path class="grid" d="M{x:.1f} {TOP}V{HEIGHT - BOTTOM}"/>')
-            parts.append(f'<text x="{x:.1f}" y="{HEIGHT - BOTTOM + 17}" text-anchor="middle">{text}</text>')
+            parts.append(f'<path class="grid" d="M{x:.1f} {TOP}V{PIXELS_HIGH - BOTTOM}"/>')
+            parts.append(
+                f'<text x="{x:.1f}" y="{PIXELS_HIGH - BOTTOM + 17}" text-anchor="middle">{text}</text>'
+            )
         for value, text in _ticks(*self.y):
             y = self.places(self.x[0], value)[0, 1]
             parts.append(f'<path class="grid" d="M{self.left} {y:.1f}H{self.right:g}"/>')
             parts.append(f'<text x="{self.left - 7}" y="{y + 4:.1f}" text-anchor="end">{text}</text>')
         middle = (self.left + self.right) / 2
-        parts.append(f'<text x="{middle}" y="{HEIGHT - 6}" text-anchor="middle">{escape(x_label)}</text>')
+        parts.append(
+            f'<text x="{middle}" y="{PIXELS_HIGH - 6}" text-anchor="middle">{escape(x_label)}</text>'
+        )
         return "".join(parts)
 
 
@@ -108,7 +112,7 @@ def _curve(frame: _Frame, curve: Curve, k: int) -> str:
     x, y = x[known], y[known]
     if not len(x):
         return ""
-    if len(x) > POINTS * COLUMNS and (np.diff(x) > 0).all():
+    if len(x) > POINTS_PER_COLUMN * ENVELOPE_COLUMNS and (np.diff(x) > 0).all():
         outline = _points(frame.places(*_envelope(x, y)))
         fill = COLOURS[k % len(COLOURS)]
         return f'<path class="envelope" d="M{outline}Z" {_style(k)} style="fill:{fill};fill-opacity:.35"/>'
@@ -117,7 +121,7 @@ def _curve(frame: _Frame, curve: Curve, k: int) -> str:
 
 def _envelope(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The outline of a curve by its extremes in columns: along the largest values and back."""
-    column = np.minimum(((x - x[0]) / (x[-1] - x[0]) * COLUMNS).astype(int), COLUMNS - 1)
+    column = np.minimum(((x - x[0]) / (x[-1] - x[0]) * ENVELOPE_COLUMNS).astype(int), ENVELOPE_COLUMNS - 1)
     first = np.flatnonzero(np.diff(column, prepend=-1))
     # A column begins with the last value of the one before, so that the outline has no gaps.
     high, low = np.maximum.reduceat(y, first), np.minimum.reduceat(y, first)

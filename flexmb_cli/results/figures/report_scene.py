@@ -13,26 +13,25 @@ import numpy as np
 from .body_shapes import BodyShape
 from .element_bodies import ElementBody, element_bodies
 from .element_faces import face_edges, outer_faces, triangles
+from .look import COLOURS
 from .scene import DrawnBody, Scene, read_scene
 from .view import view_of
 
-# Okabe and Ito's colours, distinguished by everyone.
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#B22222", "#6A3D9A")
 GREY, TRACE = "#808080", "#B06060"
-MOST_FRAMES, FEWEST_FRAMES = 500, 20
+MOST_SCENE_FRAMES, FEWEST_FRAMES = 500, 20
 # Places of all frames together: 16 bytes of the page each.
 MOST_PLACES = 100_000
 MOST_TRACES = 12
 # Shortest and longest time of the whole animation, s; between them it plays in its own time.
-SHORTEST, LONGEST = 3.0, 15.0
+SHORTEST_ANIMATION, LONGEST_ANIMATION = 3.0, 15.0
 
 
 def frame_rows(rows: int, places: int = 1) -> slice:
-    """Every n-th row, so that there are at most `MOST_FRAMES`, fewer where each shows many `places`.
+    """Every n-th row, so that there are at most `MOST_SCENE_FRAMES`, fewer where each shows many `places`.
 
     The last row is among them where a stride up to twice as long as needed leads to it.
     """
-    frames = min(MOST_FRAMES, max(FEWEST_FRAMES, MOST_PLACES // places))
+    frames = min(MOST_SCENE_FRAMES, max(FEWEST_FRAMES, MOST_PLACES // places))
     least = -(-rows // frames) or 1
     ending = (stride for stride in range(least, 2 * least) if (rows - 1) % stride == 0)
     return slice(0, rows, next(ending, least))
@@ -59,7 +58,7 @@ def scene_data(scene: Scene, surfaces: list[ElementBody]) -> dict:
     return {
         "time": scene.time.tolist(),
         "labels": rounded(scene.time),
-        "seconds": min(max(seconds, SHORTEST), LONGEST),
+        "seconds": min(max(seconds, SHORTEST_ANIMATION), LONGEST_ANIMATION),
         "box": {"low": every.min(axis=0).tolist(), "high": every.max(axis=0).tolist()},
         "view": {"eye": list(view.eye), "up": list(view.up)},
         "bodies": [_lines(body) for body in drawn],

@@ -31,8 +31,8 @@ ELASTIC_SHAPES = {"node_position": "n3", "displacement": "tn3", "shape": "n3m"}
 # More nodes than these are drawn as points: the edges would take long to find and hide each other.
 MOST_NODES = 1500
 # Marks of a body that are nearer than this part of the whole picture are one.
-CLOSE = 1e-7
-GROUND = 0
+ONE_MARK = 1e-7
+GROUND_NUMBER = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +152,7 @@ class _Motion:
 
     def carried(self, body: int, places: np.ndarray) -> np.ndarray:
         """Global positions (T, n, 3) of `places` (T or 1, n, 3) in the axes of `body`."""
-        if body == GROUND:
+        if body == GROUND_NUMBER:
             return np.repeat(places, self.rows, axis=0)
         turn = self.turn[:, body - 1]
         return self.position[:, None, body - 1] + np.matmul(places, np.swapaxes(turn, -1, -2))
@@ -176,7 +176,7 @@ class _Motion:
         axes = np.zeros((self.rows, len(self.joint_body), 2, 3))
         for (j, side), body in np.ndenumerate(self.joint_body) if vectors is not None else ():
             turned = self.turn[:, body - 1] @ vectors[j, side]
-            axes[:, j, side] = vectors[j, side] if body == GROUND else turned
+            axes[:, j, side] = vectors[j, side] if body == GROUND_NUMBER else turned
         return axes
 
     def marks(self, body: int) -> np.ndarray:
@@ -185,10 +185,10 @@ class _Motion:
         marks.append(self.points[:, self.point_body == body])
         marks += [self.end_of_joint(j, side) for j, side in np.argwhere(self.joint_body == body)]
         # The origin is a place of its own in a tree, where bodies hang at it, or when there is little else.
-        if body != GROUND and (self.relative or sum(part.shape[1] for part in marks) < 2):
+        if body != GROUND_NUMBER and (self.relative or sum(part.shape[1] for part in marks) < 2):
             marks.insert(0, self.carried(body, np.zeros((1, 1, 3))))
         # The last link of a chain is drawn to its centre of mass.
-        if body != GROUND and self.centre is not None and sum(part.shape[1] for part in marks) < 2:
+        if body != GROUND_NUMBER and self.centre is not None and sum(part.shape[1] for part in marks) < 2:
             marks.append(self.carried(body, self.centre[None, body - 1, None]))
         return np.concatenate(marks, axis=1)
 
@@ -204,10 +204,10 @@ def rotations(p: np.ndarray) -> np.ndarray:
 
 def _drawn(motion: _Motion, number: int, marks: np.ndarray, extent: float) -> DrawnBody:
     """A body without marks that coincide; its edges are those of its shape in the first row."""
-    marks = marks[:, different(marks[0], CLOSE * extent)]
+    marks = marks[:, different(marks[0], ONE_MARK * extent)]
     flexible, count = number in motion.nodes, marks.shape[1]
     edges = gabriel_edges(marks[0]) if count <= MOST_NODES else np.zeros((0, 2), int)
-    if number != GROUND and count == 1:
+    if number != GROUND_NUMBER and count == 1:
         # A body of one mark shows its attitude by its axes.
         tips = motion.carried(number, np.eye(3)[None] * (0.1 * extent))
         origin = motion.carried(number, np.zeros((1, 1, 3)))
@@ -216,7 +216,7 @@ def _drawn(motion: _Motion, number: int, marks: np.ndarray, extent: float) -> Dr
             np.array([(0, 1), (0, 2), (0, 3)]),
         )
     name = motion.names[number - 1] if number else "ground"
-    still = float(np.ptp(marks, axis=0).max()) <= CLOSE * extent
+    still = float(np.ptp(marks, axis=0).max()) <= ONE_MARK * extent
     return DrawnBody(number, name, marks, edges, still, flexible)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from ...quick_dataclass import dataclass
 
 # A mechanism this much thinner than it is long counts as planar.
-THIN = 1e-6
+PLANAR = 1e-6
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ def _normal(places: Any) -> np.ndarray | None:
     """Normal (3,) of the plane of all places; None when they fill space or only a line."""
     centred = places - places.mean(axis=0)
     _, size, axes = np.linalg.svd(centred, full_matrices=False) if len(places) > 2 else (0, np.ones(3), 0)
-    if size[2] > THIN * size[0] or size[1] <= THIN * size[0]:
+    if size[2] > PLANAR * size[0] or size[1] <= PLANAR * size[0]:
         return None
     normal = axes[2]  # type: ignore[index]
     return normal * np.sign(normal[np.argmax(np.abs(normal))])

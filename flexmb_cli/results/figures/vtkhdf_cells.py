@@ -12,11 +12,11 @@ import numpy as np
 from ..hdf5.stress import von_mises
 from .body_shapes import BodyShape
 from .element_bodies import ElementBody
-from .scene import GROUND, DrawnBody, Scene
+from .scene import GROUND_NUMBER, DrawnBody, Scene
 
 # Types of VTK by the nodes of an element; nodes stand in the order of Abaqus in all four.
 CELL_TYPES = {4: 10, 8: 12, 10: 24, 20: 25}
-VERTEX, LINE, TRIANGLE = 1, 3, 5
+VERTEX, VTK_LINE, TRIANGLE = 1, 3, 5
 # Name of the point data: components of a point.
 FIELDS = {"displacement": 3, "deformation": 3, "velocity": 3, "stress": 6, "von_mises": 1}
 
@@ -74,7 +74,7 @@ def _row(
 
 
 def _rigid_velocities(scene: Scene, number: int, places: np.ndarray, row: int) -> np.ndarray:
-    if number == GROUND or scene.velocity is None:
+    if number == GROUND_NUMBER or scene.velocity is None:
         return np.zeros_like(places)
     one = number - 1
     arms = places - scene.origin[row, one]  # type: ignore[index]
@@ -87,7 +87,7 @@ def _cells_of(body: Any) -> Any:
         return CELL_TYPES[body.cells.shape[1]], body.cells
     if isinstance(body, BodyShape):
         return TRIANGLE, body.triangles
-    return (LINE, body.edges) if len(body.edges) else (VERTEX, np.arange(body.marks.shape[1])[:, None])
+    return (VTK_LINE, body.edges) if len(body.edges) else (VERTEX, np.arange(body.marks.shape[1])[:, None])
 
 
 def _write_topology(root: h5py.Group, bodies: list[ElementBody], counts: list[int]) -> None:

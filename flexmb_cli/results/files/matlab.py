@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 # Bytes of the header's text, of a variable, and of a name.
-HEADER, LARGEST, LONGEST_NAME = 116, 2**31 - 1, 63
+HEADER, LARGEST_VARIABLE, LONGEST_NAME = 116, 2**31 - 1, 63
 
 
 def matlab_bytes(result: h5py.File) -> bytes:
@@ -25,7 +25,7 @@ def matlab_bytes(result: h5py.File) -> bytes:
     `ResultError` for a result that is too large for the format.
     """
     content = _content(result)
-    if _size(content) > LARGEST:
+    if _size(content) > LARGEST_VARIABLE:
         limit = "larger than the 2 GB of a MATLAB 5 file; MATLAB reads the result itself (h5read)"
         raise ResultError(result.filename, limit, id="RESULT-012")
     return variable_bytes("flexmb", content)

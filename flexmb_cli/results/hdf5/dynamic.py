@@ -6,6 +6,7 @@ from ...model.loads import DynamicModel, holders
 from ...quick_dataclass import replace
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .kinematic import kinematic_layout, kinematic_values
+from .motion_series import JOINT_VECTOR
 from .result_file import Axis, Layout, Series, Values, numbered_axis
 from .result_geometry import gravity
 
@@ -13,7 +14,6 @@ if TYPE_CHECKING:
     from ...solvers.constrained.rows import DynamicRows
 
 
-JOINT_VECTOR = ("joint/joint", "xyz")
 HELD_VECTOR = ("held/held", "xyz")
 FORCES = {
     "reaction_force": Series(

@@ -8,7 +8,7 @@ from ...model.element_names import element_names
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .joint_coordinates import coordinate_names, joint_values, with_elements
-from .motion_series import BODY_MOTION, POINT_MOTION
+from .motion_series import BODY_MOTION, JOINT_VECTOR, POINT_MOTION
 from .result_file import EULER_PARAMETER, XYZ, Axis, Constant, Layout, Series, Values, numbered_axis
 from .result_geometry import SIDE, gravity, joint_geometry, point_bodies, shape_geometry
 from .shapes import with_shapes
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from ...solvers.constrained.flexible_rows import FlexibleRows
 
 
-JOINT_VECTOR = ("joint/joint", "xyz")
 FORCES = {
     "reaction_force": Series(
         "reaction/force", JOINT_VECTOR, "N", "force on body b at the joint's first point, global axes"

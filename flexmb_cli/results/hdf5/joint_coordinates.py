@@ -24,6 +24,7 @@ ELEMENT_SERIES = {
         "element/effort", (ELEMENT,), "N m or N", "force or torque towards larger coordinates"
     ),
     "element_power": Series("element/power", (ELEMENT,), "W", "power of what the element dissipates"),
+    "element_energy": Series("element/energy", (ELEMENT,), "J", "energy that the element stores"),
 }
 SERIES = JOINT_SERIES | ELEMENT_SERIES
 

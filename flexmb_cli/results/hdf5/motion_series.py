@@ -3,6 +3,7 @@
 from .result_file import Series
 
 BODY_VECTOR = ("body/body", "xyz")
+JOINT_VECTOR = ("joint/joint", "xyz")
 BODY_PARAMETERS = ("body/body", "euler_parameter")
 POINT_VECTOR = ("point/point", "xyz")
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from ... import __version__
 from ...deck.record import Deck
-from ...errors import OutputError
+from ...errors import COMPLETE, FAILED, OutputError
 from ...quick_dataclass import dataclass
 from ...solvers.as_printed.errors import AS_PRINTED, EMULATED
 from ..files.full_disk_guard import FullDiskGuard
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 # 2: every dimension scale lies in the group of its datasets or above it; until then those of reactions and
 # of the shapes of bodies lay beside it, which netCDF does not know.
 CONVENTIONS = "flexmb-2"
-COMPLETE, FAILED = "complete", "failed"
 CUT_SHORT = "the run was cut short"
 
 # HDF5 1.8 is what MATLAB releases of the last ten years and every netCDF-4 library can read.

@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...model.element_names import names_of
+from ...model.joint_elements import is_angle
 from ...model.tree import ELASTIC, ROTATION, Body, Tree
+from ...quick_dataclass import replace
+from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .joint_coordinates import ELEMENT_SERIES, joint_values, with_elements
 from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_file import EULER_PARAMETER, XYZ, Axis, Layout, Series, Values, numbered_axis
@@ -63,8 +66,24 @@ def tree_layout(tree: Tree, points: list[str]) -> Layout:
         series.append(Series(REACTION, ("joint/joint", "xyz"), "N", long_name))
     layout = Layout("dynamic", tree.time.rows, tuple(axes), tuple(series), tree_geometry(tree))
     if tree.elements:
-        layout = with_elements(layout, (), list(names_of(tree.elements)))
+        layout = with_elements(_with_drivers(layout, tree), (), list(names_of(tree.elements)))
     return with_shapes(layout, tree.shapes)
+
+
+def _with_drivers(layout: Layout, tree: Tree) -> Layout:
+    """The layout with the efforts of prescribed coordinates."""
+    coordinates = [(p.body, f"{p.motion} {p.axis}") for p in tree.prescribed]
+    names = [f"{tree.bodies[body].name} {coordinate}" for body, coordinate in coordinates]
+    names += [item.name for item in tree.elements.drivers]
+    coordinates += [(item.joint, item.coordinate) for item in tree.elements.drivers]
+    if not names:
+        return layout
+    units = [TORQUE if is_angle(coordinate) else FORCE for _, coordinate in coordinates]
+    axis = driver_axis_with_units(numbered_axis("driver", names), units)
+    series = effort_series(
+        Series(PATH, (DRIVER,), "N or N m", "effort along the prescribed coordinate"), units
+    )
+    return replace(layout, axes=(*layout.axes, axis), series=(*layout.series, series))
 
 
 def tree_values(tree: Tree, rows: "TreeRows", points: "PointMotion") -> Values:
@@ -83,6 +102,7 @@ def tree_values(tree: Tree, rows: "TreeRows", points: "PointMotion") -> Values:
         values[_displacement(tree, k)] = displacement
     if tree.elements:
         values |= joint_values(rows, ELEMENT_SERIES)
+        values |= {PATH: rows.driver_effort} if tree.prescribed or tree.elements.drivers else {}  # type: ignore[attr-defined]
     if tree.closures:
         for name, (path, *_) in GAPS.items():
             values[path] = getattr(rows, name)

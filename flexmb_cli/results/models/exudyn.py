@@ -12,6 +12,7 @@ import numpy as np
 
 from ...errors import Fault, ModelError
 from ...model.loads import DynamicModel
+from ...model.mechanism import GROUND
 from ...model.vectors import rotation_matrix
 from ...quick_dataclass import fields
 
@@ -115,7 +116,6 @@ def _foreign(model: Any) -> Iterator[tuple]:
         yield "elements at joints do not convert", item.place, item.name
 
 
-GROUND = -1  # body 0 of the cards
 _JOINTS = ("spherical", "revolute", "cylindrical", "translational")
 
 

@@ -15,7 +15,7 @@ from ...errors import Fault, ModelError
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Body, Tree
 from ...model.vectors import euler_parameters, rotation_matrix
 
-STEP = 1e-4  # s; RK4 keeps errors of usual mechanisms below 1e-8 with it
+TIME_STEP = 1e-4  # s; RK4 keeps errors of usual mechanisms below 1e-8 with it
 
 
 def mjcf(tree: Tree, name: str) -> str:
@@ -23,7 +23,7 @@ def mjcf(tree: Tree, name: str) -> str:
     _refuse_foreign(tree)
     top = ElementTree.Element("mujoco", {"model": name})
     ElementTree.SubElement(top, "compiler", {"angle": "radian", "autolimits": "true"})
-    option = {"timestep": repr(STEP), "integrator": "RK4", "gravity": _numbers(tree.gravity)}
+    option = {"timestep": repr(TIME_STEP), "integrator": "RK4", "gravity": _numbers(tree.gravity)}
     ElementTree.SubElement(top, "option", option)
     _add_meshes(top, tree)
     parents = {INERTIAL: ElementTree.SubElement(top, "worldbody")}

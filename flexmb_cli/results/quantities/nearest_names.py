@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from difflib import SequenceMatcher
 from typing import Any
 
-SHOWN = 3
+NAMES_SHOWN = 3
 LEAST_LIKENESS = 0.6
 # No word is compared with more labels of an axis: those of large models differ by numbers only.
 LABELS = 200
@@ -15,7 +15,7 @@ def nearest(words: Sequence[str], forms: Sequence[Sequence[Sequence[str]]]) -> l
     scored = [_best(words, form) for form in forms]
     scored = [(likeness, name) for likeness, name in scored if likeness >= LEAST_LIKENESS]
     ordered = dict.fromkeys(name for _, name in sorted(scored, key=lambda pair: -pair[0]))
-    return list(ordered)[:SHOWN]
+    return list(ordered)[:NAMES_SHOWN]
 
 
 def _best(words: Any, form: Any) -> tuple[float, str]:

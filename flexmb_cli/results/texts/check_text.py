@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 COLUMNS = ("x", "y", "z", "e0", "e1", "e2", "e3")
-MOST_NAMES = 8
+MOST_NAMES_SHOWN = 8
 MOST_GAPS = 500
 
 
@@ -74,8 +74,8 @@ def redundant_lines(report: Any) -> "Iterator[Any]":
 
 def few(names: list[str]) -> str:
     """The first names of a group, and how many there are besides."""
-    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
-    return "; ".join(names[:MOST_NAMES]) + more
+    more = f" and {len(names) - MOST_NAMES_SHOWN} more" if len(names) > MOST_NAMES_SHOWN else ""
+    return "; ".join(names[:MOST_NAMES_SHOWN]) + more
 
 
 def jacobian_text(jacobian: Any) -> str:

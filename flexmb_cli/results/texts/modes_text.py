@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 SHOWN_PARTS = 3
-NAMED = 0.1  # of the largest part
+NAMED_PART = 0.1  # of the largest part
 
 
 def modes_text(report: Any) -> str:
@@ -58,5 +58,5 @@ def _position_lines(position: Any) -> "Iterator[Any]":
 
 def _parts(names: Any, shape: Any) -> Any:
     sizes = np.abs(shape)
-    order = [k for k in by_size(sizes)[:SHOWN_PARTS] if sizes[k] >= NAMED]
+    order = [k for k in by_size(sizes)[:SHOWN_PARTS] if sizes[k] >= NAMED_PART]
     return ", ".join(f"{names[k]} {sizes[k]:.2f}" for k in order)

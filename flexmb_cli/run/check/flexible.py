@@ -10,7 +10,7 @@ from ..context import Run
 from .check import CheckReport
 from .parts import before_and_after, refuse_jacobian, report_times
 
-ROUND_OFF = 1e-12
+CENTRE_ROUND_OFF = 1e-12
 
 
 def check(report: CheckReport, mechanism: FlexibleMechanism, run: Run, jacobian: str | None) -> None:
@@ -85,7 +85,7 @@ def _centre(body: FloatingBody) -> list[float]:
     """Centre of mass, m, components that are round-off of the body's size as 0."""
     centre = body.s0 / body.m
     size = max(np.abs(centre).max(), np.sqrt(np.trace(body.J0) / body.m))
-    return np.where(np.abs(centre) > ROUND_OFF * size, centre, 0.0).tolist()
+    return np.where(np.abs(centre) > CENTRE_ROUND_OFF * size, centre, 0.0).tolist()
 
 
 def _gaps(analysis: Any, q: np.ndarray) -> dict[tuple[str, str], float]:

@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from ...solvers.kinematics.analysis import KinematicAnalysis
 
 
-INTERPRETED_LIMIT = 150  # equations
+MOST_EQUATIONS_INTERPRETED = 150  # equations
 FAR_STEPS = 100  # report steps to the time of a Jacobian
 RANK_LIMIT = 2500  # equations; a singular value decomposition of more takes minutes
-ASSEMBLY_LIMIT = 20_000  # coordinates, which take a second or two
+MOST_ASSEMBLED = 20_000  # coordinates, which take a second or two
 
 
 def check(report: CheckReport, mechanism: Mechanism, run: Run, jacobian: str | None) -> None:
@@ -34,12 +34,12 @@ def _diagnose(report: CheckReport, mechanism: Mechanism, jacobian: str | None) -
     from ...solvers.compilation import interpreting
 
     equations = 7 * len(mechanism.bodies)
-    if equations > ASSEMBLY_LIMIT:
+    if equations > MOST_ASSEMBLED:
         report.counts = parts_of(mechanism) | {"coordinates": equations}
-        message = f"{equations} coordinates are more than the {ASSEMBLY_LIMIT} that check assembles; run does"
+        message = f"{equations} coordinates are more than the {MOST_ASSEMBLED} that check assembles; run does"
         report.outcome.faults.append(Fault("note", message, id="RUN-002"))
         return
-    with interpreting(equations <= INTERPRETED_LIMIT and not _is_far(mechanism.time, jacobian)):
+    with interpreting(equations <= MOST_EQUATIONS_INTERPRETED and not _is_far(mechanism.time, jacobian)):
         _assemble(report, mechanism, jacobian, equations)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from ...errors import AnalysisError
 from ...model.mechanism import TimeGrid
 from ...model.tree import ELASTIC, Tree
+from ...model.tree_as_mechanism.limits import refuse_foreign
 from ...model.unit_checks import unit_doubts
 from ...quick_dataclass import dataclass, replace
 from ..context import Run
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from ...solvers.tree.analysis import TreeAnalysis
 
 
-INTERPRETED_LIMIT = 400  # coordinates
+MOST_COORDINATES_INTERPRETED = 400  # coordinates
 
 
 @dataclass(frozen=True)
@@ -59,13 +60,15 @@ def check(report: CheckReport, tree: Tree, run: Run, jacobian: str | None) -> No
     Raises FlexmbError: a loop that cannot be closed, a mass matrix that is not positive definite.
     """
     refuse_jacobian(jacobian, "a tree has relative coordinates and no constraint Jacobian")
+    if tree.elements:
+        refuse_foreign(tree)
     run.outcome.faults += unit_doubts(tree)
     report.counts = _counts(tree)
     elastic = [_spectrum(body) for body in tree.bodies if body.elastic is not None]
     report.tree = TreeFindings(_start(tree, tree.q, tree.y), None, [], [], {}, elastic)
     from ...solvers.compilation import interpreting
 
-    with interpreting(len(tree.coordinates) <= INTERPRETED_LIMIT):
+    with interpreting(len(tree.coordinates) <= MOST_COORDINATES_INTERPRETED):
         _evaluate_start(report, tree)
 
 
@@ -78,7 +81,7 @@ def _counts(tree: Tree) -> dict[str, int]:
         "translations": motions.count("translation"),
         "elastic": motions.count(ELASTIC),
         "coordinates": len(motions),
-        "prescribed": len(tree.prescribed),
+        "prescribed": len(tree.prescribed) + len(tree.elements.drivers),
         "closures": len(tree.closures),
         "closed_directions": sum(len(closure.directions) for closure in tree.closures),
         "report_times": tree.time.rows,
@@ -98,6 +101,8 @@ def _evaluate_start(report: CheckReport, tree: Tree) -> None:
     except AnalysisError:
         report.tree = replace(report.tree, gaps=[(name, gap, gap) for name, gap in given])
         raise
+    if tree.elements:
+        row = next(_with_elements(tree).rows())
     assembled = _gaps(tree, analysis.arrays.closures)
     gaps = [(*before, after[1]) for before, after in zip(given, assembled, strict=True)]
     redundant = _redundant(tree, analysis.arrays)
@@ -110,7 +115,16 @@ def _evaluate_start(report: CheckReport, tree: Tree) -> None:
         energies={name: float(getattr(row, name)[0]) for name in ("kinetic", "potential", "strain")},
     )
     closed = report.counts["closed_directions"] - len(redundant)
-    report.counts["degrees_of_freedom"] = len(tree.coordinates) - len(tree.prescribed) - closed
+    held = report.counts["prescribed"] + len(tree.elements.couplings)
+    report.counts["degrees_of_freedom"] = len(tree.coordinates) - held - closed
+
+
+def _with_elements(tree: Tree) -> "TreeAnalysis":
+    """The analysis of the start with elements: driven coordinates in place, springs counted as energy."""
+    from ...solvers.tree.tree_with_elements import TreeWithElements
+
+    start = tree.time.start
+    return TreeWithElements(replace(tree, time=TimeGrid(start, start, tree.time.step)))
 
 
 def _start(tree: Tree, q: np.ndarray, y: np.ndarray) -> Any:

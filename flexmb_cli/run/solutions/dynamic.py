@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..outcome import RunOptions
 
 
-RADIUS = 0.9  # spectral radius at infinity of the generalised-alpha method, where a deck gives none
+DEFAULT_RADIUS = 0.9  # spectral radius at infinity of the generalised-alpha method, where a deck gives none
 TOO_COARSE = (
     "too coarse a tolerance (card TOLERANCE), or steps of GALF that are too long or damp too much (a "
     "spectral radius below 1)"
@@ -67,7 +67,7 @@ def _as_asked(model: DynamicModel, options: "RunOptions") -> DynamicModel:
     method = given.get("method")
     if method is None:
         return model
-    alpha = (model.alpha_steps or AlphaSteps(0.0, RADIUS)) if method == "alpha" else None
+    alpha = (model.alpha_steps or AlphaSteps(0.0, DEFAULT_RADIUS)) if method == "alpha" else None
     return replace(model, radau=method == "radau", alpha_steps=alpha)
 
 

@@ -31,6 +31,7 @@ def solution(tree: Tree, run: Run) -> Solution:
         run.warn(list(_unused_method(tree)))
     analysis = (absolute_analysis if absolute else kane_analysis)(tree, run)
     given = tree.integration
+    formulation = {"formulation": ABSOLUTE} if absolute else {}
     return Solution(
         analysis,
         tree.time.rows,
@@ -38,9 +39,9 @@ def solution(tree: Tree, run: Run) -> Solution:
         partial(values_of, tree),
         TreeCount(analysis.clock, tree, absolute),
         partial(unit_doubts, tree),
+        analysis.warnings,
         finer=partial(_finer_blocks, tree),
-        identity={"method": given.method, "rtol": given.rtol, "atol": given.atol},
-        resumable=not absolute,
+        identity={"method": given.method, "rtol": given.rtol, "atol": given.atol, **formulation},
     )
 
 
@@ -55,6 +56,14 @@ def kane_analysis(tree: Tree, run: Run) -> "TreeAnalysis":
 
     tell_of_compiling(run.listener, "integrators.tree_dop853.integrate_rows")
     return TreeAnalysis(tree)
+
+
+def kane_analysis_with_elements(tree: Tree, run: Run) -> "TreeAnalysis":
+    """Return the analysis by Kane's equations of a tree with elements, which `verify` compares."""
+    from ...solvers.tree.tree_with_elements import TreeWithElements
+
+    tell_of_compiling(run.listener, "integrators.tree_dop853.begin")
+    return TreeWithElements(tree)
 
 
 def absolute_analysis(tree: Tree, run: Run) -> Any:

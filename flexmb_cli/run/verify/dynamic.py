@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 FORMULATIONS = "Euler parameters and natural coordinates"
-TOLERANCE = 1e-11  # of the explicit steps
+EXPLICIT_TOLERANCE = 1e-11  # of the explicit steps
 
 
 def differences(model: DynamicModel, deck: Deck, run: Run) -> tuple[Difference, ...]:
@@ -32,7 +32,7 @@ def differences(model: DynamicModel, deck: Deck, run: Run) -> tuple[Difference, 
     _refuse_elements(model)
     if model.analysis != "forward":
         return compare(InverseDynamics(model), model.mechanism, model, run)
-    tolerance = run.options.integration.get("rtol", TOLERANCE)
+    tolerance = run.options.integration.get("rtol", EXPLICIT_TOLERANCE)
     model = replace(model, tolerance=tolerance, alpha_steps=None)
     return compare(ForwardDynamics(model), model.mechanism, model, run)
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 FORMULATIONS = "two floating frames, nodes n1 and n2 exchanged, all modes"
-TOLERANCE = 1e-9
+FRAMES_TOLERANCE = 1e-9
 SERIES = (
     ("point position", "m", "point_position"),
     ("point velocity", "m/s", "point_velocity"),
@@ -34,6 +34,13 @@ FORCES = (
     ("reaction torque", "N m", "reaction_torque"),
     ("force of pins", "N", "holding_force"),
     ("driver effort", "N, N m", "driver_effort"),
+)
+# Of decks with elements: joint coordinates are of no use here, they may be angles of the frames.
+ELEMENTS = (
+    ("element coordinate", "m, rad", "element_coordinate"),
+    ("element rate", "m/s, rad/s", "element_rate"),
+    ("element effort", "N, N m", "element_effort"),
+    ("element power", "W", "element_power"),
 )
 ENERGIES = ("kinetic", "potential", "strain")
 
@@ -54,7 +61,7 @@ def _finely(mechanism: Any, options: Any) -> Any:
     """Return the mechanism with steps finer than it is compared."""
     given = mechanism.integrator
     method = given.method if given.method in ("RK45", "RAD5") else "RAD5"
-    tolerance = options.integration.get("rtol", TOLERANCE)
+    tolerance = options.integration.get("rtol", FRAMES_TOLERANCE)
     return replace(mechanism, integrator=Integrator(method, 0.0, tolerance))
 
 
@@ -73,8 +80,8 @@ def _rows(mechanism: Any) -> Any:
 
 def _differences(mechanism: Any, one: Any, other: Any, unique: Any) -> "Iterator[Any]":
     time = one["time"]
-    for name, unit, key in SERIES + (FORCES if unique else ()):
-        if one[key].size:
+    for name, unit, key in SERIES + ELEMENTS + (FORCES if unique else ()):
+        if key in one and one[key].size:
             yield largest_difference(name, unit, time, one[key], other[key])
     rigid = [k for k, body in enumerate(mechanism.bodies) if body.flexible is None]
     if rigid:

@@ -5,12 +5,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...deck.record import Deck
-from ...errors import Fault, ModelError
 from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
 from ...quick_dataclass import replace
 from ..context import Run
 from ..outcome import Stop
-from ..solutions.tree import absolute_analysis, kane_analysis, values_of
+from ..solutions.tree import absolute_analysis, kane_analysis, kane_analysis_with_elements, values_of
 from .difference import Difference, largest_difference
 
 if TYPE_CHECKING:
@@ -22,14 +21,18 @@ FORMULATIONS = "Kane's equations and absolute coordinates"
 RTOL, ATOL = 1e-11, 1e-13
 
 ENERGIES = ("kinetic", "potential", "strain", "total")
+ELEMENTS = {
+    "element/coordinate": ("element coordinate", "m, rad"),
+    "element/rate": ("element rate", "m/s, rad/s"),
+    "element/effort": ("element effort", "N, N m"),
+    "element/power": ("element power", "W"),
+    "driver/effort": ("driver effort", "N, N m"),
+}
 POINTS = {"position": "m", "velocity": "m/s"}
 
 
 def differences(tree: Tree, deck: Deck, run: Run) -> tuple[Difference, ...]:
     """Run `tree` both ways and return what the motions differ in.  Raises FlexmbError."""
-    if tree.elements:
-        message = "Kane's equations have no elements at hinges, which this deck has: nothing to compare with"
-        raise ModelError([Fault("error", message, id="RUN-033")])
     given = {"method": "dop853", "rtol": RTOL, "atol": ATOL} | run.options.integration
     tree = replace(tree, integration=replace(tree.integration, **given))
     found = compare(tree, *_motions(tree, run))
@@ -39,7 +42,8 @@ def differences(tree: Tree, deck: Deck, run: Run) -> tuple[Difference, ...]:
 
 def _motions(tree: Any, run: Any) -> Any:
     """Values of both formulations, whole runs by the paths of their datasets."""
-    analyses = absolute_analysis(tree, run), kane_analysis(tree, run)
+    kane = kane_analysis_with_elements if tree.elements else kane_analysis
+    analyses = absolute_analysis(tree, run), kane(tree, run)
     run.listener.begin(2 * tree.time.rows)
     absolute, kane = (
         _joined([values_of(tree, rows) for rows in _heard(analysis.rows(), run.listener)])
@@ -76,6 +80,9 @@ def compare(tree: Tree, kane: dict, absolute: dict) -> tuple[Difference, ...]:
     for name in ENERGIES:
         pair = kane[f"energy/{name}"], absolute[f"energy/{name}"]
         found.append(_largest(f"{name} energy", "J", kane, *pair, scale=moved))
+    for path, (name, unit) in ELEMENTS.items():
+        if path in kane and kane[path].size:
+            found.append(_largest(name, unit, kane, kane[path], absolute[path]))
     return tuple(found)
 
 

@@ -21,7 +21,7 @@ from .vectors import product, solved, tilde
 
 # NRMAX, FEPS, EPSLU by the names of `KinematicSettings`.
 LIMITS = {"most_iterations": 250, "tolerance": 1e-4, "smallest_pivot": 1e-5}
-NEGLIGIBLE = 1e-3  # in the unit of the deck: an entry of the matrix of s_i that counts as zero
+ZERO_ENTRY = 1e-3  # in the unit of the deck: an entry of the matrix of s_i that counts as zero
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,7 @@ class Program:
     def _pair(self, number: int, joint: Joint) -> list[int]:
         """The two of three rows that the program chooses at its first evaluation, and keeps."""
         if number not in self._pairs:
-            entries = np.abs(tilde(self.state.vector(joint.i, joint.s_i))) > NEGLIGIBLE
+            entries = np.abs(tilde(self.state.vector(joint.i, joint.s_i))) > ZERO_ENTRY
             self._pairs[number] = _two_rows(*(int(row.sum()) for row in entries))
         return self._pairs[number]
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
 LARGEST_BLOCK = 256  # rows
-SAME = 1e-9  # of a run: times this near to each other are one
+SAME_TIME_IN_RUN = 1e-9  # of a run: times this near to each other are one
 
 
 class ConstrainedMotion:
@@ -44,6 +44,7 @@ class ConstrainedMotion:
     velocities = ()
     springs = ()
     turns_in_body_axes = False
+    usual_words = "planar mechanism of spatial joints", "3 a loop"  # of `usual_repetitions`
 
     def __init__(
         self, arrays: SystemArrays, grid: TimeGrid, tolerance: float, integrator: Steps | None = None
@@ -157,7 +158,7 @@ class ConstrainedMotion:
         if not self.integrator.chosen:
             return []
         start, found = self.grid.start, []  # type: ignore[var-annotated]
-        apart = SAME * max(abs(start), abs(end))
+        apart = SAME_TIME_IN_RUN * max(abs(start), abs(end))
         for t in sorted({t for function in self._tables for t in function.tolist()}):
             # A step between two numbers for one time would be shorter than any can be.
             if (found[-1] if found else start) + apart < t < end - apart:
@@ -200,7 +201,7 @@ class ConstrainedMotion:
         integration.z[q.size : -1] = start_speeds(self, q, grid.start)
         refuse_coinciding_ends(self.system, self.work, self.springs, grid.start)
         if found.redundant:
-            self.warnings.append(repetition(found, self.usual_repetitions(q)))
+            self.warnings.append(repetition(found, self.usual_repetitions(q), *self.usual_words))
         self._warn_of_fine_tables()
         self.clock["t"] = grid.start
         self.clock["stop"] = grid.time(grid.rows - 1)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import Fault, ModelError
-from ...kernels.constrained.body_vectors import BODY_VECTOR
+from ...kernels.constrained.body_vectors import VECTOR
 from ...model.arrays.records import LINE
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def refuse_coinciding_ends(
     loads = system.loads[system.loads["kind"] == LINE]
     faults = []
     for load, spring in zip(loads, springs, strict=True):
-        length = float(np.linalg.norm(work.relative_vectors[BODY_VECTOR, load["primitive"], 0]))
+        length = float(np.linalg.norm(work.relative_vectors[VECTOR, load["primitive"], 0]))
         if load["stiffness"] * load["free_length"] and length <= COINCIDING * abs(load["free_length"]):
             faults.append(_fault(spring, load["free_length"], t))
     if faults:

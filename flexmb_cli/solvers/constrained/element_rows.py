@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ...kernels.constrained.elements import COORDINATE, EFFORT, POWER, SPEED
+from ...kernels.constrained.elements import COORDINATE, EFFORT, ENERGY, POWER, SPEED
 from ...kernels.constrained.report import Report
 from ...model.arrays.dynamic import DynamicArrays
 from ...model.arrays.element_table import coordinates_of_joints
@@ -24,6 +24,7 @@ class ElementRows(DynamicRows):
     element_rate: np.ndarray  # (T, elements)
     element_effort: np.ndarray  # (T, elements) drives the coordinate to larger values
     element_power: np.ndarray  # (T, elements) W, of what stores no energy
+    element_energy: np.ndarray  # (T, elements) J, what it stores
 
 
 def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> ElementRows:
@@ -57,6 +58,7 @@ def element_answers(
         "element_rate": found[..., SPEED].copy(),
         "element_effort": found[..., EFFORT].copy(),
         "element_power": found[..., POWER].copy(),
+        "element_energy": found[..., ENERGY].copy(),
     }
 
 

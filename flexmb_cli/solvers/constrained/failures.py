@@ -8,7 +8,7 @@ from ...errors import AnalysisError, Fault
 from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators.clock import CONTRADICTION
 from ..singular.dynamic_singularities import (
-    SINGULAR,
+    SINGULAR_CONDITION,
     has_gained_rank,
     repeating_here_only,
     weakest_of_speeds,
@@ -56,7 +56,7 @@ def step_failure(analysis: Any, answer: int, due: float = np.inf) -> AnalysisErr
 def _weakest_at_row(analysis: Any, norms: Any) -> Any:
     """The equations that are singular where a row could not be made; none where they are not."""
     norms["condition"], owners = weakest_of_speeds(analysis, analysis.integration.trial)
-    return owners if norms["condition"] > SINGULAR else []
+    return owners if norms["condition"] > SINGULAR_CONDITION else []
 
 
 def _why_steps_fall(analysis: Any, norms: Any) -> Any:
@@ -64,7 +64,7 @@ def _why_steps_fall(analysis: Any, norms: Any) -> Any:
     condition, owners = weakest_of_speeds(analysis, analysis.integration.z)
     norms["condition"] = condition
     size = f"condition {condition:.0e}"
-    if condition > SINGULAR:
+    if condition > SINGULAR_CONDITION:
         joints = owners_text(owners)
         return (
             f"a singular position of {joints} ({size}), a dead centre or a branching, is reached{GO_ON}",
@@ -82,15 +82,15 @@ def _why_steps_fall(analysis: Any, norms: Any) -> Any:
     )
 
 
-def repetition(found: Any, usual: int | None) -> Fault:
+def repetition(found: Any, usual: int | None, kind: str, each: str) -> Fault:
     """Some equations repeat others: the motion is unique, the split of forces between them is a choice.
 
-    A warning, or a note where they are as many as `usual`.
+    A warning, or a note where they are as many as `usual`, `each` in a mechanism of this `kind`.
     """
     if len(found.redundant) == usual:
         message = (
-            f"planar mechanism of spatial joints: {usual} of {found.equations} equations repeat others, 3 a "
-            "loop, as they must; the motion is unique, reactions are those of least norm"
+            f"{kind}: {usual} of {found.equations} equations repeat{'s' * (usual == 1)} others, {each}, as "
+            f"{'it' if usual == 1 else 'they'} must; the motion is unique, reactions are those of least norm"
         )
         return Fault("note", message, id="SOLVE-034")
     # In the deck's order: shares that symmetry makes equal differ by round-off, another on every processor.

@@ -8,14 +8,12 @@ from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
 from ...model.arrays.flexible import flexible_arrays
 from ...model.arrays.node_joints import TRANSLATIONS
-from ...model.arrays.records import FUNCTION, function_record
 from ...model.fe_model import Integrator
 from ...model.flexible_mechanism import FlexibleMechanism, PointJoint
 from ...model.loads import InitialVelocity
 from ...model.mechanism import Joint
 from ...model.planar_loops import repeated_in_plane
-from ...model.time_functions import POLYNOMIAL
-from ..linearisation.terms import Terms
+from ..linearisation.terms import Terms, motors_of
 from .analysis import ConstrainedMotion
 from .flexible_rows import FlexibleRows, flexible_rows
 from .flexible_start import PositionGaps, assemble
@@ -24,19 +22,20 @@ from .integrators import METHODS, Steps
 from .joint_rates import rate_equations
 from .rows import global_axes
 from .start_speeds import given_speeds
+from .system import with_driven
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
-TOLERANCE = 1e-6  # of steps that GALF chooses: ten times as many keep a thousandth of it
+CHOSEN_STEP_TOLERANCE = 1e-6  # of steps that GALF chooses: ten times as many keep a thousandth of it
 
 
 def integrator_of(integrator: Integrator) -> tuple[Steps, float]:
     """The integrator that a deck asks for, and its tolerance."""
     method = METHODS[integrator.method]
     steps = method.make(integrator.parameter, integrator.step)
-    return steps, TOLERANCE if method.by_radius else integrator.parameter
+    return steps, CHOSEN_STEP_TOLERANCE if method.by_radius else integrator.parameter
 
 
 class FlexibleDynamics(ConstrainedMotion):
@@ -81,6 +80,7 @@ class FlexibleDynamics(ConstrainedMotion):
             ),
             tuple((joint.name, joint.a[0], joint.b[0]) for joint in m.joints),
             tuple((point.name, point.body) for point in m.outputs),
+            motors=motors_of(m.elements, len(self.arrays.loads)),
         )
 
     def given_rates(self, q: np.ndarray) -> Any:
@@ -99,19 +99,10 @@ class FlexibleDynamics(ConstrainedMotion):
         return None if self.mechanism.pins else repeated_in_plane(joints, (), attitudes)
 
     def driven_system(self, k: int, additions: list[float], t: float) -> System:
-        """Return the system with additions to the value, rate and second rate of motion k at t.
-
-        A polynomial takes the place of its function, which at t has the same value and rates.
-        """
-        value, rate, second = np.add(self.mechanism.motions[k].function.at(t), additions)
-        c = value - rate * t + 0.5 * second * t * t, rate - second * t, 0.5 * second, 0.0
+        """Return the system with additions to the value, rate and second rate of motion k at t."""
         group = self.arrays.groups[len(self.mechanism.joints) + len(self.mechanism.pins) + k]
-        primitives = self.system.primitives.copy()
-        primitives["function"][group["first_row"]] = self.system.functions.size
-        functions = np.append(
-            self.system.functions, np.array([function_record(POLYNOMIAL, c)], dtype=FUNCTION)
-        )
-        return self.system._replace(functions=functions, primitives=primitives)
+        function = self.mechanism.motions[k].function
+        return with_driven(self.system, int(group["first_row"]), np.add(function.at(t), additions), t)
 
     def block(self, report: Report) -> FlexibleRows:
         """The rows of a report in the terms of the model."""

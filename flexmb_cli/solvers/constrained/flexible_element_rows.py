@@ -21,6 +21,7 @@ class FlexibleElementRows(FlexibleRows):
     element_rate: np.ndarray  # (T, elements)
     element_effort: np.ndarray  # (T, elements)
     element_power: np.ndarray  # (T, elements)
+    element_energy: np.ndarray  # (T, elements)
 
 
 def flexible_element_rows(

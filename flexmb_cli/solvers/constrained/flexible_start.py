@@ -8,19 +8,15 @@ from ...kernels.constrained.accelerations import evaluate_jacobian
 from ...kernels.constrained.projection import evaluate_residual
 from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import PHI, System, Work
-from ..kinematics.assembly import assembly_failure
-from ..singular.mobility import CLOSED
+from ...model.equations import DEPENDENT
+from ..kinematics.assembly import ASSEMBLY_STEPS, MET, NUDGE, TRIALS, assembly_failure
+from ..singular.mobility import RESIDUAL_MET
 
 if TYPE_CHECKING:
     from ...model.arrays.system import SystemArrays
 
 
-MOST_STEPS = 60
 LARGEST_STEP = 0.3  # scaled: of the length scale, rad
-DEPENDENT = 1e-9  # of the largest singular value
-MET = 1e-14
-TRIALS = 4
-NUDGE = 0.05
 
 
 class PositionGaps:
@@ -56,7 +52,7 @@ def assemble(gaps: PositionGaps, t: float) -> np.ndarray:
             move(arrays.bodies, start, shift * arrays.speed_scale * rigid)
         for columns in (rigid, np.ones_like(rigid)):
             start, left = _search(gaps, start, t, columns)
-            if left <= CLOSED:
+            if left <= RESIDUAL_MET:
                 return start
             if left < least:
                 best, least = start, left
@@ -67,7 +63,7 @@ def _search(gaps: PositionGaps, q: np.ndarray, t: float, columns: np.ndarray) ->
     """Gauss-Newton with the shortest corrections in some of the columns; the position and its largest gap."""
     arrays = gaps.arrays
     gap = gaps.residual(q, t, arrays.angles)
-    for _ in range(MOST_STEPS):
+    for _ in range(ASSEMBLY_STEPS):
         if not gap.size or np.max(np.abs(gap)) <= MET:
             break
         step = np.zeros(arrays.speeds)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 APART = 1e-2  # of the mechanism's size; of unit vectors
 DEFORMED = 1e-6  # of the length scale: more than round-off
-ROUND_OFF = 1e-7  # an angle below it is lost in its cosine
+LOST_ANGLE = 1e-7  # an angle below it is lost in its cosine
 PRESCRIBED = ("ANGL", "STRK")  # motions from the deck's positions, which may well begin elsewhere
 
 
@@ -67,7 +67,7 @@ def _moved(arrays: "SystemArrays", q: np.ndarray) -> str:
     turn = 2.0 * np.arccos(np.clip(np.abs(np.sum(after[:, 3:] * before[:, 3:], axis=1)), 0.0, 1.0))
     scale = arrays.coordinate_scale[0]
     k = int(np.argmax(way / scale + turn))
-    metres, radians = (x if x > ROUND_OFF * unit else 0.0 for x, unit in ((way[k], scale), (turn[k], 1.0)))
+    metres, radians = (x if x > LOST_ANGLE * unit else 0.0 for x, unit in ((way[k], scale), (turn[k], 1.0)))
     return f"{arrays.body_names[k]} is moved by {metres:.3g} m and turned by {radians:.3g} rad"
 
 

@@ -103,10 +103,10 @@ class Method(NamedTuple):
     length is that of a step, s, 0 where it is chosen.
     """
 
-    meaning: str
-    make: Callable
-    default: float
-    by_radius: bool = False
+    meaning: str  # in words
+    make: Callable  # (number, length): the Integrator
+    default: float  # number of a deck that gives none
+    by_radius: bool = False  # whether the number is the spectral radius at infinity, and no tolerance
 
 
 # By the words of the card INTG; the first is that of a deck without one.

@@ -11,8 +11,9 @@ from ...kernels.constrained.projection import project_position
 from ...kernels.constrained.speeds import move, normalise
 from ...kernels.constrained.system import NO_INERTIA
 from ...model.by_size import by_size
-from ..kinematics.assembly import assemble_by_search, assembly_failure
-from ..singular.mobility import CLOSED, NAMED, Mobility, involved, sparse_basis
+from ...model.equations import DEPENDENT
+from ..kinematics.assembly import ASSEMBLY_STEPS, MET, assemble_by_search, assembly_failure
+from ..singular.mobility import NAMED, RESIDUAL_MET, Mobility, involved, sparse_basis
 
 if TYPE_CHECKING:
     from ...model.equations import Equation
@@ -20,10 +21,7 @@ if TYPE_CHECKING:
     from .young_dynamics import ForwardDynamics
 
 
-SINGULAR_VALUE = 1e-9  # of the largest
-MOST_STEPS = 60
-MET = 1e-14  # scaled gaps
-HOPELESS = 1e6
+LOST = 1e6
 
 
 def assembled(analysis: Any, t: float) -> np.ndarray:
@@ -49,15 +47,15 @@ def _by_newton(analysis: "ForwardDynamics", q: np.ndarray, t: float, expected: n
     """The position after whole Newton steps, the shortest ones, or None when they do not close all gaps."""
     bodies, evaluator = analysis.arrays.bodies, analysis.evaluator
     normalise(bodies, q)
-    for _ in range(MOST_STEPS):
+    for _ in range(ASSEMBLY_STEPS):
         gap = evaluator.residual(q, t, expected)
         largest = np.max(np.abs(gap))
-        if largest <= MET or not largest < HOPELESS:
+        if largest <= MET or not largest < LOST:
             break
         evaluate_jacobian(analysis.system, analysis.work, q)
-        step = np.linalg.lstsq(analysis.work.jacobian, gap, rcond=SINGULAR_VALUE)[0]
+        step = np.linalg.lstsq(analysis.work.jacobian, gap, rcond=DEPENDENT)[0]
         move(bodies, q, -step * analysis.arrays.speed_scale)
-    return q if np.max(np.abs(evaluator.residual(q, t, expected))) <= CLOSED else None
+    return q if np.max(np.abs(evaluator.residual(q, t, expected))) <= RESIDUAL_MET else None
 
 
 def order_of_elimination(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> Mobility:
@@ -68,7 +66,7 @@ def order_of_elimination(analysis: "ConstrainedMotion", q: np.ndarray, t: float)
     system, work, arrays = analysis.system, analysis.work, analysis.arrays
     evaluate_jacobian(system, work, q)
     left, values, right = np.linalg.svd(work.jacobian)
-    rank = int(np.sum(values > SINGULAR_VALUE * values[0])) if values.size else 0
+    rank = int(np.sum(values > DEPENDENT * values[0])) if values.size else 0
     found = choose_order(work, rank)
     if project_position(system, work, q, t, analysis.integration.angles[2]) == NO_INERTIA:
         raise inertia_failure(analysis, t)

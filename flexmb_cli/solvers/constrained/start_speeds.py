@@ -9,7 +9,8 @@ from ...kernels.constrained.accelerations import evaluate_jacobian
 from ...kernels.constrained.mass_matrix import inertia_of, mass_matrices, mass_times
 from ...kernels.constrained.projection import fill_nu
 from ...kernels.constrained.system import GAMMA
-from ..singular.mobility import CLOSED, about
+from ...model.equations import DEPENDENT
+from ..singular.mobility import RESIDUAL_MET, about
 from .rows import body_axes, global_axes
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from .flexible_dynamics import FlexibleDynamics
 
 
-SINGULAR_VALUE = 1e-9  # of the largest
 FITS = 1e-6  # of the largest speed: what given speeds may be changed without a warning
 MASSLESS = 1e-13  # eigenvalue of the scaled mass matrix, of the largest
 WEIGHTLESS = 1e-7  # singular value, of the largest: the root of a mass matrix keeps no smaller one
@@ -42,9 +42,9 @@ def start_speeds(analysis: Any, q: Any, t: float) -> np.ndarray:
     nu = nu / analysis.arrays.row_scale
     rates, values, names = analysis.given_rates(q)
     J, nu = np.concatenate([J, rates * scale]), np.concatenate([nu, values])
-    particular = np.linalg.lstsq(J, nu, rcond=SINGULAR_VALUE)[0] if len(nu) else np.zeros(scale.size)
+    particular = np.linalg.lstsq(J, nu, rcond=DEPENDENT)[0] if len(nu) else np.zeros(scale.size)
     _refuse_contradiction((*analysis.arrays.equations, *names), J @ particular - nu, t)
-    rank = np.linalg.matrix_rank(J, SINGULAR_VALUE * np.linalg.norm(J, 2)) if names else work.rank[0]
+    rank = np.linalg.matrix_rank(J, DEPENDENT * np.linalg.norm(J, 2)) if names else work.rank[0]
     given, wanted = analysis.given_speeds(q)
     motions = np.linalg.svd(J)[2][rank:].T
     rest = (wanted / scale - particular)[given]
@@ -59,7 +59,7 @@ def start_speeds(analysis: Any, q: Any, t: float) -> np.ndarray:
 def _nearest(motions: Any, rest: Any) -> Any:
     """Return the smallest shares of `motions`, columns of which some speeds are known, that give `rest`."""
     # What moves none of the known speeds but by round-off has no share in them.
-    if np.linalg.norm(motions) <= SINGULAR_VALUE:
+    if np.linalg.norm(motions) <= DEPENDENT:
         return np.zeros(motions.shape[1])
     return np.linalg.lstsq(motions, rest, rcond=1e-12)[0]
 
@@ -76,7 +76,7 @@ def _after_impulse(
     scale = analysis.arrays.speed_scale
     root = _root(_mass_matrix(analysis, q)[np.ix_(given, given)])
     some = np.eye(scale.size)[given]
-    stages = (root @ some, WEIGHTLESS), (some, SINGULAR_VALUE), (np.eye(scale.size), SINGULAR_VALUE)
+    stages = (root @ some, WEIGHTLESS), (some, DEPENDENT), (np.eye(scale.size), DEPENDENT)
     aims = wanted / scale, wanted / scale, np.zeros(scale.size)
     u = particular.copy()
     for (weights, smallest), aim in zip(stages, aims, strict=True):
@@ -120,7 +120,7 @@ def given_speeds(
 
 
 def _refuse_contradiction(equations: "tuple[Equation, ...]", rest: np.ndarray, t: float) -> None:
-    if rest.size and np.max(np.abs(rest)) > CLOSED:
+    if rest.size and np.max(np.abs(rest)) > RESIDUAL_MET:
         worst = equations[int(np.argmax(np.abs(rest)))]
         message = (
             f"at t = {t:.6g} s the drivers ask for velocities that the joints forbid ({worst.name}); "

@@ -4,12 +4,14 @@ from typing import Any
 
 import numpy as np
 
-from ...kernels.constrained.elements import COLUMNS
+from ...kernels.constrained.elements import RESPONSE_COLUMNS
 from ...kernels.constrained.report import Report
-from ...kernels.constrained.system import PHI, A, System, Work, make_work
+from ...kernels.constrained.system import PHI, System, Work, make_work
 from ...kernels.kinematics import constraints as equations
-from ...kernels.linalg.rotation import rotation_matrices
+from ...kernels.linalg.rotation import A, rotation_matrices
+from ...model.arrays.records import FUNCTION, function_record
 from ...model.arrays.system import SystemArrays
+from ...model.time_functions import POLYNOMIAL
 from ..kinematics.position import Evaluator
 
 
@@ -50,8 +52,21 @@ def blank_report(arrays: SystemArrays, times: np.ndarray) -> Report:
         np.zeros((rows, len(arrays.equations))),
         np.zeros(rows),
         np.zeros((rows, 5)),
-        np.zeros((rows, len(arrays.loads), COLUMNS)),
+        np.zeros((rows, len(arrays.loads), RESPONSE_COLUMNS)),
     )
+
+
+def with_driven(system: System, row: int, values: np.ndarray, t: float) -> System:
+    """Return the system whose equation `row` follows another value and two rates, `values` (3,), at t.
+
+    A polynomial with these takes the place of its function.
+    """
+    value, rate, second = values
+    c = value - rate * t + 0.5 * second * t * t, rate - second * t, 0.5 * second, 0.0
+    primitives = system.primitives.copy()
+    primitives["function"][row] = system.functions.size
+    record = np.array([function_record(POLYNOMIAL, c)], dtype=FUNCTION)
+    return system._replace(functions=np.append(system.functions, record), primitives=primitives)
 
 
 class AnyCountEvaluator(Evaluator):

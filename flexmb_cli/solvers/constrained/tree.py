@@ -4,10 +4,13 @@ The other formulation of the same model: floating frames with nodal displacement
 Euler parameters and Lagrange multipliers.  Nothing of the recursion along the tree is used.
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from ...fe.lumped_body import floating_body, massless_body
 from ...kernels.constrained.report import Report
+from ...kernels.constrained.system import System
 from ...model.arrays.constraint_table import PrimitiveTable
 from ...model.arrays.element_table import ElementTable
 from ...model.arrays.flexible import flexible_arrays, length_scale
@@ -15,19 +18,24 @@ from ...model.arrays.records import LOAD
 from ...model.arrays.system import SystemArrays
 from ...model.fe_model import Integrator
 from ...model.flexible_mechanism import FlexibleMechanism
-from ...model.tree import Tree
+from ...model.joint_elements import is_angle
+from ...model.tree import ROTATION, Tree
 from ...model.tree_as_mechanism.elements import HingeJoints
 from ...model.tree_as_mechanism.frames import Frames, hinge_frames
 from ...model.tree_as_mechanism.hinges import add_closures, add_hinges, add_prescribed
 from ...model.tree_as_mechanism.limits import refuse_foreign
-from ...model.tree_as_mechanism.loads import tree_loads
+from ...model.tree_as_mechanism.loads import load_names, tree_loads
 from ...model.tree_as_mechanism.loop_assembly import closed_tree
+from ...model.tree_as_mechanism.planar_tree import repeated_in_planar_tree
 from ...model.tree_as_mechanism.poses import elastic_start, first_poses
 from ...quick_dataclass import replace
-from ..tree.rows import TreeRows
+from ..checkpoint import taken
+from ..linearisation.terms import Terms, motors_of
+from ..tree.rows import TreeRows, unturned
 from .analysis import ConstrainedMotion
 from .integrators import RadauSteps
-from .tree_element_rows import with_elements
+from .system import blank_report, with_driven
+from .tree_element_rows import rows_of_drivers, with_elements
 from .tree_rows import absolute_rows
 
 IMPLICIT = ("radau", "sdirk4")
@@ -40,6 +48,7 @@ class AbsoluteTree(ConstrainedMotion):
     """
 
     turns_in_body_axes = True
+    usual_words = "planar tree", "one a loop"
 
     def __init__(self, tree: Tree):
         refuse_foreign(tree)
@@ -51,13 +60,26 @@ class AbsoluteTree(ConstrainedMotion):
             massless_body(node_frame, pose)
             for node_frame, pose in zip(self.frames.node_frames, poses[len(bodies) :], strict=True)
         ]
-        arrays = absolute_arrays(tree, self.frames, tuple(bodies))
+        self._bodies = tuple(bodies)
+        arrays = absolute_arrays(tree, self.frames, self._bodies)
         stiff = tree.elements and tree.integration.method in IMPLICIT
         super().__init__(arrays, tree.time, tree.integration.rtol, RadauSteps() if stiff else None)
         self.clock["atol"] = tree.integration.atol
         self._speeds = np.concatenate([np.concatenate([body.velocity, body.omega]) for body in bodies])
         self._elastic = [elastic_start(tree, k) for k in range(len(tree.bodies))]
-        self._last = None
+        self._angles = np.array(tree.q, float)  # those of the last row, which the next ones go on from
+        self._attitude = unturned(len(tree.bodies))
+
+    @property
+    def checkpoint(self) -> dict:
+        """Return where to go on, with angles and attitudes of the last row, which the next ones continue."""
+        return {**super().checkpoint, "hinge_angles": self._angles, "attitude": self._attitude}
+
+    def restore(self, checkpoint: Mapping) -> None:
+        """Go on behind the rows that were yielded up to a checkpoint."""
+        super().restore(checkpoint)
+        self._angles = taken(checkpoint, "hinge_angles", self._angles.shape)
+        self._attitude = taken(checkpoint, "attitude", self._attitude.shape)
 
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates at the start: those of the tree, which meet the equations of its hinges."""
@@ -69,11 +91,56 @@ class AbsoluteTree(ConstrainedMotion):
         wanted = np.concatenate([self._speeds, *(rate for _, rate in self._elastic)])
         return np.ones(wanted.size, bool), wanted
 
+    def usual_repetitions(self, q: np.ndarray) -> int | None:
+        """Closed directions across the plane of a planar tree; None of any other."""
+        return repeated_in_planar_tree(self.tree)
+
+    def hinge_coordinates(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the coordinates (NS,) of the tree where the bodies are, and its speeds (NS, n) by theirs."""
+        n, z = self.arrays.speeds, self.integration.z
+        report = blank_report(self.arrays, np.full(n + 1, float(self.clock["t"][0])))
+        report.states[:] = z
+        report.states[:, -1 - n : -1] = np.eye(n + 1, n, -1)
+        rows = absolute_rows(self.tree, self.frames, self.arrays, report, self._angles, self._attitude)
+        return rows.q[0], rows.y[1:].T
+
+    @property
+    def terms(self) -> Terms:
+        """Names of loads and drivers; what is observed is in the terms of the tree."""
+        tree, names = self.tree, load_names(PrimitiveTable(self._bodies, 1.0), self.tree, self.frames)
+        drivers = [
+            (f"{tree.bodies[p.body].name} {p.motion} {p.axis}", p.motion != ROTATION) for p in tree.prescribed
+        ]
+        drivers += [(item.name, not is_angle(item.coordinate)) for item in tree.elements.drivers]
+        named = list(dict.fromkeys(name for name, what in names if what == "motor"))
+        motors = [
+            (name, False, tuple(k for k, item in enumerate(names) if item[0] == name)) for name in named
+        ]
+        return Terms(
+            tuple((name if what in ("force", "torque") else "", True) for name, what in names),
+            tuple(drivers),
+            (),
+            (),
+            motors=(*motors, *motors_of(tree.elements, len(self.arrays.loads))),
+        )
+
+    def driven_system(self, k: int, additions: list[float], t: float) -> System:
+        """Return the system with additions to the value, rate and second rate of driver k at t."""
+        tree = self.tree
+        row = int(rows_of_drivers(tree, self.arrays)[k])
+        if k < len(tree.prescribed):
+            p = tree.prescribed[k]
+            values = p.C + t * (p.B + 0.5 * p.A * t), p.B + p.A * t, p.A
+        else:
+            values = tree.elements.drivers[k - len(tree.prescribed)].function.at(t)
+        return with_driven(self.system, row, np.add(values, additions), t)
+
     def block(self, report: Report) -> TreeRows:
         """The rows of a report in the terms of the tree."""
-        rows = absolute_rows(self.tree, self.frames, self.arrays, report, self._last)
-        self._last = rows  # type: ignore[assignment]
-        return with_elements(self.tree, rows, report) if self.tree.elements else rows
+        before = self._angles, self._attitude
+        rows = absolute_rows(self.tree, self.frames, self.arrays, report, *before)
+        self._angles, self._attitude = rows.q[-1].copy(), rows.euler_parameters[-1].copy()
+        return with_elements(self.tree, self.arrays, rows, report) if self.tree.elements else rows
 
 
 def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple) -> SystemArrays:

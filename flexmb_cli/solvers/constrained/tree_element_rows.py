@@ -3,6 +3,7 @@
 import numpy as np
 
 from ...kernels.constrained.report import Report
+from ...model.arrays.system import SystemArrays
 from ...model.element_names import names_of
 from ...model.tree import Tree
 from ...quick_dataclass import dataclass, fields
@@ -18,13 +19,29 @@ class TreeElementRows(TreeRows):
     element_rate: np.ndarray  # (T, elements)
     element_effort: np.ndarray  # (T, elements)
     element_power: np.ndarray  # (T, elements)
+    element_energy: np.ndarray  # (T, elements)
+    driver_effort: np.ndarray  # (T, drivers) along the prescribed coordinates
 
 
-def with_elements(tree: Tree, rows: TreeRows, report: Report) -> TreeElementRows:
+def with_elements(tree: Tree, arrays: SystemArrays, rows: TreeRows, report: Report) -> TreeElementRows:
     """The rows with the elements, whose loads stand behind those of the tree."""
     kept = {field.name: getattr(rows, field.name) for field in fields(TreeRows)}
     behind = len(list(names_of(tree.elements))) + len(tree.elements.motors)
     first = report.responses.shape[1] - behind
     found = element_answers(report, first, tree.elements, 0)
     own = {name: value for name, value in found.items() if name.startswith("element")}
-    return TreeElementRows(**kept, **own)  # type: ignore[arg-type]
+    efforts = report.multipliers[:, rows_of_drivers(tree, arrays)].copy()
+    return TreeElementRows(**kept, **own, driver_effort=efforts)  # type: ignore[arg-type]
+
+
+def rows_of_drivers(tree: Tree, arrays: SystemArrays) -> np.ndarray:
+    """The equations of prescribed coordinates, then of those that follow functions.
+
+    Their groups stand behind the hinges and before the closures, couplings between them.
+    """
+    prescribed, couplings = len(tree.prescribed), len(tree.elements.couplings)
+    end = len(arrays.groups) - len(tree.closures)
+    functions = np.arange(end - len(tree.elements.drivers), end)
+    first = end - functions.size - couplings - prescribed
+    groups = np.concatenate([np.arange(first, first + prescribed), functions])
+    return arrays.groups["first_row"][groups]

@@ -18,14 +18,14 @@ from .rows import global_axes
 
 
 class Moving(NamedTuple):
-    """A frame over T rows: r, v, a (T, 3) of its origin, axes (T, 3, 3), w and alpha (T, 3), global axes."""
+    """A frame over T rows, global axes."""
 
-    r: np.ndarray
-    v: np.ndarray
-    a: np.ndarray
-    axes: np.ndarray
-    w: np.ndarray
-    alpha: np.ndarray
+    r: np.ndarray  # (T, 3) position of its origin, m
+    v: np.ndarray  # (T, 3) velocity of its origin, m/s
+    a: np.ndarray  # (T, 3) acceleration of its origin, m/s²
+    axes: np.ndarray  # (T, 3, 3) its axes, a column each
+    w: np.ndarray  # (T, 3) angular velocity, rad/s
+    alpha: np.ndarray  # (T, 3) angular acceleration, rad/s²
 
 
 class AbsoluteMotion:
@@ -81,17 +81,25 @@ def _turned(axes: Any, x: np.ndarray) -> Any:
 
 
 def absolute_rows(
-    tree: Tree, frames: Frames, arrays: SystemArrays, report: Report, last: TreeRows | None
+    tree: Tree,
+    frames: Frames,
+    arrays: SystemArrays,
+    report: Report,
+    angles: np.ndarray,
+    attitude: np.ndarray,
 ) -> TreeRows:
-    """The rows of a report in the terms of the tree; `last`: those before, which the angles go on from."""
+    """The rows of a report in the terms of the tree.
+
+    `angles` (NS,), `attitude` (N, 4): coordinates and Euler parameters of the row before, whose turns and
+    signs these go on with.
+    """
     motion = AbsoluteMotion(tree, arrays, report)
-    q, y, y_rate = _coordinates(tree, frames, motion, tree.q if last is None else last.q[-1])
+    q, y, y_rate = _coordinates(tree, frames, motion, angles)
     N = len(tree.bodies)
     bodies = [motion.of(k) for k in range(N)]
     position, velocity, acceleration, axes, w, alpha = (
         np.stack(parts, axis=1) for parts in zip(*bodies, strict=True)
     )
-    signs = None if last is None else last.euler_parameters[-1]
     displacement = displacements(tree, q)
     return TreeRows(
         time=report.times,
@@ -99,7 +107,7 @@ def absolute_rows(
         y=y,
         y_rate=y_rate,
         position=position,
-        euler_parameters=continued_signs(motion.q[:, :N, 3:], signs),
+        euler_parameters=continued_signs(motion.q[:, :N, 3:], attitude),
         velocity=velocity,
         acceleration=acceleration,
         angular_velocity=w,

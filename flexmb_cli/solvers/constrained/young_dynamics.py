@@ -12,7 +12,7 @@ from ...model.flexible_mechanism import NodePoint
 from ...model.joints import DRIVER
 from ...model.loads import DynamicModel
 from ...model.planar_loops import repeated_in_plane
-from ..linearisation.terms import Terms
+from ..linearisation.terms import Terms, motors_of
 from .analysis import ConstrainedMotion
 from .element_rows import element_rows
 from .flexible_start import PositionGaps, assemble
@@ -75,6 +75,7 @@ class ForwardDynamics(ConstrainedMotion):
             tuple(joints),
             tuple((point.name, point.body) for point in mechanism.points),
             tuple(k for k, driver in enumerate(mechanism.drivers) if driver in drivers),
+            motors_of(model.elements, len(self.arrays.loads)),
         )
 
     def driven_system(self, k: int, additions: list[float], t: float) -> System:

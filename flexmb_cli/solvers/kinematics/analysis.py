@@ -12,7 +12,7 @@ from ...model.mechanism import Mechanism
 from ..checkpoint import faults_reported, reported, row_of, taken
 from ..singular.kinematic_singularities import PassedKinematicSingularities
 from ..singular.lockup import singular_start, step_failure
-from ..singular.mobility import CLOSED, mobility, moves_freely
+from ..singular.mobility import RESIDUAL_MET, mobility, moves_freely
 from ..singular.row_at_bifurcation import row_across
 from .assembly import (
     assemble_by_search,
@@ -27,10 +27,10 @@ from .rows import Rows, first_rows, joined_rows
 from .settings import KinematicSettings
 from .system import kinematic_system, rows_of, with_dependent_columns
 
-CALL_WORK = 2_000_000  # steps x equations² handed to the kernel at a time
+KINEMATIC_CALL_WORK = 2_000_000  # steps x equations² handed to the kernel at a time
 LARGEST_BLOCK = 1024  # rows
-MOST_STEPS = 5000
-ASIDE = 1e-3  # of the time between rows: a start that is singular is no longer so
+MOST_STEPS_A_ROW = 5000
+START_ASIDE = 1e-3  # of the time between rows: a start that is singular is no longer so
 
 
 class KinematicAnalysis:
@@ -156,12 +156,12 @@ class KinematicAnalysis:
 
     def _at_once(self, most: int) -> int:
         """Return how many steps or rows the kernel is given at a time: an interrupt waits for them."""
-        return int(np.clip(CALL_WORK / self.arrays.q.size**2, 1, most))
+        return int(np.clip(KINEMATIC_CALL_WORK / self.arrays.q.size**2, 1, most))
 
     @property
     def _budget(self) -> int:
         """Attempts of a call; that the way is barred shows in what is left, and an assembly takes one."""
-        return self._at_once(MOST_STEPS) + 1
+        return self._at_once(MOST_STEPS_A_ROW) + 1
 
     def marcher(self) -> Callable:
         """The continuation of this mechanism, by dense or by sparse factors: see `continuation.follow`."""
@@ -217,7 +217,7 @@ class KinematicAnalysis:
         evaluator, t = self.evaluator, self.mechanism.time.time(0)
         expected = self.arrays.screw_angles
         q, gap = assemble_by_search(evaluator, self.arrays.q, t, expected)
-        if np.max(np.abs(gap)) > CLOSED:
+        if np.max(np.abs(gap)) > RESIDUAL_MET:
             refuse_contradicted_drive(self.mechanism, self.settings)
             raise assembly_failure(evaluator, gap, t, self.settings.most_iterations)
         if q.size > self.settings.most_ranked:
@@ -245,7 +245,7 @@ class KinematicAnalysis:
         self.singularities = PassedKinematicSingularities(self, active=False)
         self._restart(q)
         first, start = self._block(0, 1), self.singularities.memory()
-        later = t + ASIDE * self.mechanism.time.step
+        later = t + START_ASIDE * self.mechanism.time.step
         arrived = first is not None and self.carry(self.marcher(), self.state, self.motion, self.clock, later)
         if not arrived or mobility(self.evaluator, self.state[0], later, self.motion[:, 0]).dofs == 0:
             self.system = full

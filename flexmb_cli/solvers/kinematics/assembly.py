@@ -5,7 +5,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import AnalysisError, Fault, ModelError
-from ..singular.mobility import CLOSED, Mobility, about, gap_norms, motion_text, nearest_position, worst_gaps
+from ..singular.mobility import (
+    RESIDUAL_MET,
+    Mobility,
+    about,
+    gap_norms,
+    motion_text,
+    nearest_position,
+    worst_gaps,
+)
 from .position import Evaluator
 from .settings import KinematicSettings
 
@@ -14,8 +22,10 @@ if TYPE_CHECKING:
 
 
 POLISHED = 1e-13
-TRIALS = 4
+TRIALS = 4  # estimates that are tried: the deck's, and that one nudged
 NUDGE = 0.05  # of the length scale, and of Euler parameters
+ASSEMBLY_STEPS = 60  # of Newton's method by least squares
+MET = 1e-14  # scaled gaps
 ENOUGH = KinematicSettings.most_iterations
 NEARLY_CLOSED = 1e-6  # a wider gap is real: shortest corrections would only spread it
 
@@ -30,7 +40,7 @@ def assemble_by_search(
     """
     best = _search(evaluator, q, t, expected)
     for trial in range(1, 1 if evaluator.is_large else TRIALS):
-        if np.max(np.abs(best[1])) <= CLOSED:
+        if np.max(np.abs(best[1])) <= RESIDUAL_MET:
             break
         shift = np.random.default_rng(trial).uniform(-NUDGE, NUDGE, q.size) * evaluator.arrays.column_scale
         other = _search(evaluator, q + shift, t, expected)

@@ -14,7 +14,7 @@ from ...errors import AnalysisError, Fault, ModelError
 from ...model.arrays.kinematic import kinematic_arrays
 from ...model.mechanism import Driver, Mechanism
 from ...quick_dataclass import replace
-from ..singular.mobility import CLOSED, mobility
+from ..singular.mobility import RESIDUAL_MET, mobility
 from .assembly import assemble_by_search
 from .position import Evaluator
 from .rows import Rows, twice_g
@@ -54,7 +54,7 @@ def refuse_contradicted_drive(mechanism: Mechanism, settings: "KinematicSettings
         evaluator = Evaluator.of(arrays, kinematic_system(arrays, settings))
         t, expected = mechanism.time.start, arrays.screw_angles
         q, gap = assemble_by_search(evaluator, arrays.q, t, expected)
-        if np.max(np.abs(gap)) > CLOSED or evaluator.is_large:
+        if np.max(np.abs(gap)) > RESIDUAL_MET or evaluator.is_large:
             continue
         if not _can_turn(driver, q, mobility(evaluator, q, t, expected).motions):
             axis = "xyz"[driver.direction - 4]

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 FIRST_DAMPING = 1e-3  # of the largest squared column of the Jacobian
 LEAST_DAMPING = 1e-16  # of the same: with repeated equations the Jacobian itself has no inverse
-SMALLEST_STEP = 1e-15  # of the size of x
+SMALLEST_MOVE = 1e-15  # of the size of x
 SMALLEST_GAIN = 1e-15  # of the sum of squares
-TRIALS = 200
+MOST_TRIALS = 200
 
 
 def least_squares(
@@ -30,9 +30,9 @@ def least_squares(
     J = jacobian(x)
     size = np.max(np.sum(J**2, axis=0))
     damping, growth = FIRST_DAMPING * size, 2.0
-    for _ in range(TRIALS):
+    for _ in range(MOST_TRIALS):
         step = damped_step(J, r, damping)
-        if np.linalg.norm(step) <= SMALLEST_STEP * (1.0 + np.linalg.norm(x)):
+        if np.linalg.norm(step) <= SMALLEST_MOVE * (1.0 + np.linalg.norm(x)):
             break
         tried = residual(x + step)
         gain = r @ r - tried @ tried

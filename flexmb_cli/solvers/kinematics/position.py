@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 
 from ...kernels.kinematics import constraints as equations
-from ...kernels.kinematics.newton import A, System, Work, evaluate_position
+from ...kernels.kinematics.newton import System, Work, evaluate_position
+from ...kernels.linalg.rotation import A
 from ...model.arrays.kinematic import KinematicArrays
 from ...quick_dataclass import dataclass
 

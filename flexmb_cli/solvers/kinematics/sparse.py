@@ -19,15 +19,13 @@ from ...kernels.kinematics.newton import (
     LAST_CORRECTION,
     PIVOT,
     REFINED,
-    ROUND_OFF,
     SINGULAR,
+    SOLVED_RESIDUAL,
     STALLED,
     reach_of,
 )
-from ...kernels.linalg.rotation import rotation_rates
+from ...kernels.linalg.rotation import RATE, REMAINDER, rotation_rates
 from .position import Evaluator
-
-RATE, REMAINDER = 1, 2
 
 
 class SparseFactors:
@@ -117,7 +115,7 @@ class SparseContinuation:
             reach = reach_of(self.system, q)
             if size <= LAST_CORRECTION * reach:
                 left = np.max(np.abs(self.evaluator.residual(q, t, expected)))
-                return (CONVERGED if left <= ROUND_OFF * reach else STALLED), iteration, sign
+                return (CONVERGED if left <= SOLVED_RESIDUAL * reach else STALLED), iteration, sign
             if iteration > 3 and shrink == 1.0 and size > previous:
                 return STALLED, iteration, sign
             previous = size
@@ -177,11 +175,11 @@ class SparseContinuation:
         expected: np.ndarray,
     ) -> tuple[bool, float]:
         """Carry `state` to `target`, as the kernel's `advance`."""
-        assembling = clock[dense.STEP] == 0.0
-        limit = dense.ASSEMBLY_LIMIT if assembling else dense.NO_LIMIT
+        assembling = clock[dense.NEXT_LENGTH] == 0.0
+        limit = dense.LARGEST_ASSEMBLY_CORRECTION if assembling else dense.NO_LIMIT
         most = int(self.system.limits[ITERATIONS]) if assembling else dense.STEP_ITERATIONS
         gap = 0.0
-        while clock[dense.TIME] < target or clock[dense.STEP] == 0.0:
+        while clock[dense.TIME] < target or clock[dense.NEXT_LENGTH] == 0.0:
             if clock[dense.BUDGET] <= 0.0:
                 return False, gap
             clock[dense.BUDGET] -= 1.0
@@ -196,7 +194,7 @@ class SparseContinuation:
                 dense.accept(self.system, self.evaluator.work, new, expected, state, motion)
                 dense.after_success(clock, t_new, off, sign)
             else:
-                clock[dense.STEP] = 0.5 * (t_new - t)
+                clock[dense.NEXT_LENGTH] = 0.5 * (t_new - t)
                 if dense.is_barred(clock, target):
                     return False, gap
         return True, gap

@@ -12,9 +12,9 @@ from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import GAMMA, NO_INERTIA, SOLVED
 from ...quick_dataclass import dataclass, replace
 from ..constrained.analysis import ConstrainedMotion
-from ..constrained.start import SINGULAR_VALUE, inertia_failure
+from ..constrained.start import DEPENDENT, inertia_failure
 from .joint_coordinates import AXES, OWN, JointCoordinates
-from .motion import STEP, LinearisedMotion, differentiated
+from .motion import DIFFERENCE_STEP, LinearisedMotion, differentiated
 
 if TYPE_CHECKING:
     from ..constrained.young_dynamics import ForwardDynamics
@@ -77,7 +77,7 @@ class ConstrainedLinearised(LinearisedMotion):
         self.free, self.L = chosen, L[chosen]
         self.Z = self._motions(self.L)
         self.L_rate = self._rate_of_functionals(self.q, self.u)
-        self._inverse = np.linalg.pinv(jacobian, SINGULAR_VALUE)
+        self._inverse = np.linalg.pinv(jacobian, DEPENDENT)
 
     def _motions(self, L: np.ndarray) -> np.ndarray:
         """Displacements (n, f) that the constraints factorised last allow, one for each coordinate."""
@@ -89,7 +89,7 @@ class ConstrainedLinearised(LinearisedMotion):
         size = np.max(np.abs(u) / self.scale, initial=0.0)
         if size == 0.0:
             return np.zeros((self.dofs, u.size))
-        h = STEP / size
+        h = DIFFERENCE_STEP / size
         return differentiated(lambda time: self._functionals(self.moved(q, time * u)), h)
 
     def _functionals(self, q: np.ndarray) -> Any:

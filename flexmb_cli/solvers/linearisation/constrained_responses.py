@@ -5,17 +5,26 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...kernels.constrained.angle_unwrapping import EXPECTED
-from ...kernels.constrained.elements import COLUMNS
+from ...kernels.constrained.elements import RESPONSE_COLUMNS
 from ...kernels.constrained.report import observe_rows
 from ...kernels.constrained.system import NO_INERTIA, SOLVED, System
 from ...model.arrays.constraint_table import tilde
-from ...model.arrays.records import FORCE, FRICTION, LINE, TORQUE
+from ...model.arrays.records import FORCE, FRICTION, LINE, RELATIVE, TORQUE
 from ...model.flexible_mechanism import NodePoint
 from ...model.vectors import rotation_matrix
 from ..constrained.system import blank_report
 from .constrained import ConstrainedLinearised
-from .motion import STEP, differentiated
-from .state_space import ACCELERATION_OF, SPEED_OF, Input, Responses, Signal, state_signals
+from .motion import DIFFERENCE_STEP, differentiated
+from .state_space import (
+    ACCELERATION_OF,
+    ADMISSIBLE,
+    MOVED_POINT,
+    SPEED_OF,
+    Input,
+    Responses,
+    Signal,
+    state_signals,
+)
 from .terms import Terms
 
 if TYPE_CHECKING:
@@ -26,10 +35,8 @@ if TYPE_CHECKING:
 
 
 AXES = "xyz"
-MOVED_POINT = (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s2"))
 JOINT_DISPLACEMENT = (("displacement", "m"), ("rotation", "rad"))
 JOINT_REACTION = (("force", "N"), ("torque", "N m"))
-ADMISSIBLE = 1e-6  # share of a driver's rate that its equations may fail to follow
 
 
 class ConstrainedResponses(Responses):
@@ -69,7 +76,7 @@ class ConstrainedResponses(Responses):
         expected = analysis.integration.angles[EXPECTED][None].copy()
         system, work = model or motion.system, analysis.work  # type: ignore[attr-defined]
         # A kernel writes a row for every load, and a model may have one more.
-        answers = np.zeros((len(system.loads), COLUMNS))
+        answers = np.zeros((len(system.loads), RESPONSE_COLUMNS))
         work, report = work._replace(responses=answers), report._replace(responses=answers[None].copy())
         filled = observe_rows(system, work, expected, report)
         motion.refuse(SOLVED if filled else NO_INERTIA)  # type: ignore[attr-defined]
@@ -101,7 +108,7 @@ class ConstrainedResponses(Responses):
             return P, np.zeros_like(P)
         return P, differentiated(
             lambda t: self._functionals(motion.moved(motion.q, t * motion.u)),  # type: ignore[attr-defined]
-            STEP / size,
+            DIFFERENCE_STEP / size,
         )
 
     def _functionals(self, q: np.ndarray) -> Any:
@@ -143,8 +150,11 @@ class ConstrainedResponses(Responses):
         still, loads = np.zeros(self.motion.scale.size), self.motion.system.loads  # type: ignore[attr-defined]
         # Elements at joints stand behind the loads that have names, and are no inputs.
         for (name, is_force), load in zip(self.terms.loads, loads, strict=False):
-            for signal, records in _unit_loads(name, is_force, load):
+            for signal, records in _unit_loads(name, is_force, load) if name else ():
                 yield Input(signal, still, still, self._loaded(records), 1.0)
+        for name, is_force, numbers in self.terms.motors:
+            signal = Signal(f"{name} effort", "N" if is_force else "N m")
+            yield Input(signal, still, still, self._loaded(_unit_motor(loads[[*numbers]])), 1.0)
 
     def _loaded(self, records: Any) -> "Callable[..., Any]":
         system = self.motion.system  # type: ignore[attr-defined]
@@ -166,11 +176,11 @@ class ConstrainedResponses(Responses):
         """Inputs of a driver, its rate and its acceleration; none where other drivers forbid the change."""
         motion, still = self.motion, np.zeros(self.motion.scale.size)
         changes = [self._driven(k, order) for order in range(3)]
-        asked = differentiated(lambda x: motion.rate_gaps(still, still, changes[1](x)), STEP)  # type: ignore[attr-defined]
+        asked = differentiated(lambda x: motion.rate_gaps(still, still, changes[1](x)), DIFFERENCE_STEP)  # type: ignore[attr-defined]
         d = motion.projected(asked)  # type: ignore[attr-defined]
         if np.max(np.abs(motion.rate_gaps(still, d) - motion.rate_gaps(still, still) + asked)) > ADMISSIBLE:  # type: ignore[attr-defined]
             return
-        turned = differentiated(lambda x: motion.rate_gaps(x * d, still, changes[0](x)), STEP)  # type: ignore[attr-defined]
+        turned = differentiated(lambda x: motion.rate_gaps(x * d, still, changes[0](x)), DIFFERENCE_STEP)  # type: ignore[attr-defined]
         yield Input(Signal(name, unit), d, motion.projected(turned), changes[0])  # type: ignore[attr-defined]
         yield Input(Signal(f"{name} rate", SPEED_OF[unit]), still, d, changes[1])
         yield Input(Signal(f"{name} acceleration", ACCELERATION_OF[unit]), still, still, changes[2])
@@ -212,6 +222,21 @@ def _spring_load(load: np.void, sign: float) -> "Callable[..., Any]":
         pair = np.array([load, load])
         pair["damping"], pair["stiffness"], pair["free_length"] = 0.0, (1.0, -1.0), (-sign * amount, 0.0)
         return pair
+
+    return records
+
+
+def _unit_motor(loads: np.ndarray) -> "Callable[..., Any]":
+    """The records of a motor with another constant effort, in a joint or as two vectors of unit length."""
+    joint, vectors = loads[loads["kind"] == RELATIVE], loads[loads["kind"] != RELATIVE]
+
+    def records(amount: float) -> np.ndarray:
+        scaled = vectors.copy()
+        scaled["function"], scaled["vector"] = -1, amount * vectors["vector"]
+        pushed = [_spring_load(load, -1.0)(amount) for load in joint]
+        for pair in pushed:
+            pair["function"] = -1
+        return np.concatenate([scaled, *pushed])
 
     return records
 

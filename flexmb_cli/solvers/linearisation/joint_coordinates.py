@@ -10,9 +10,9 @@ import numpy as np
 
 from ...model.arrays.constraint_table import tilde
 from ...model.arrays.system import SystemArrays
+from ...model.mechanism import GROUND
 from ...model.vectors import rotation_matrix
 
-GROUND = -1
 # Axes that the displacements are resolved in: of the body itself, of its parent, or at rest.
 OWN, PARENT, INERTIAL = "own", "parent", "inertial"
 AXES = (OWN, PARENT, INERTIAL)

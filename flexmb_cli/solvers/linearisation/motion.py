@@ -21,14 +21,17 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 
-STEP = 1e-3  # scaled displacement of the differences; their error is of its fourth power
+DIFFERENCE_STEP = 1e-3  # scaled displacement of the differences; their error is of its fourth power
 STENCIL = ((-2.0, 1.0 / 12.0), (-1.0, -8.0 / 12.0), (1.0, 8.0 / 12.0), (2.0, -1.0 / 12.0))
 # Part of the motion's own time scale over which the coefficients are compared, and the share of the
 # largest one in a row that may change.
 TIME_SHARE, CONSTANT = 3e-3, 1e-6
-ROUND_OFF = 1e-10  # of the square of the largest speed
+CANCELLED = 1e-10  # of the square of the largest speed
 FAR = 0.3  # scaled displacement up to which an accelerating motion is followed
-SAME_EIGENVALUE, SLOWEST = 1e-5, 1e-6  # relative change of an eigenvalue, and share of the largest one
+SAME_EIGENVALUE, SLOWEST_EIGENVALUE = (
+    1e-5,
+    1e-6,
+)  # relative change of an eigenvalue, and share of the largest one
 
 
 def differentiated(function: "Callable[..., Any]", h: float) -> Any:
@@ -99,7 +102,7 @@ class LinearisedMotion(ABC):
     def variation(self, function: "Callable[..., Any]", d: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return the derivative of function(d, w) along the displacement d and the speeds w."""
         size = np.max(np.abs(d) / self.scale, initial=0.0) or np.max(np.abs(w) / self.scale, initial=0.0)
-        return differentiated(lambda share: function(share * d, share * w), STEP / (size or 1.0))
+        return differentiated(lambda share: function(share * d, share * w), DIFFERENCE_STEP / (size or 1.0))
 
     def position_rates(self, d: np.ndarray) -> np.ndarray:
         """Return what a displacement d adds to y' (f,) beside v."""
@@ -159,13 +162,13 @@ class LinearisedMotion(ABC):
             if np.any(change[block] > CONSTANT * size[:, None]):
                 return False
         sizes, others = (np.sort(np.abs(np.linalg.eigvals(matrix))) for matrix in (A, other))
-        floor = np.max(sizes, initial=0.0) * SLOWEST
+        floor = np.max(sizes, initial=0.0) * SLOWEST_EIGENVALUE
         return bool(np.all(np.abs(others - sizes) <= SAME_EIGENVALUE * sizes + floor))
 
     def path(self, A: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
         """Return the time, s, in which the motion changes by one unit, its u' and u'' (n,)."""
         rate = self._rate_without_residue(A)
-        h = STEP * self._pace(self.u, rate)
+        h = DIFFERENCE_STEP * self._pace(self.u, rate)
         jerk = differentiated(lambda time: self.acceleration_after(time, rate), h)
         return self._pace(self.u, rate, jerk), rate, jerk
 
@@ -186,7 +189,7 @@ class LinearisedMotion(ABC):
         f = self.dofs
         pushed = self.speed_rates(self.u, self.rate) / self.units
         # Accelerations of turning that cancel leave round-off.
-        floor = ROUND_OFF * np.max(np.abs(self.u) / self.scale, initial=0.0) ** 2
+        floor = CANCELLED * np.max(np.abs(self.u) / self.scale, initial=0.0) ** 2
         pushed = np.where(np.abs(pushed) > floor, pushed, 0.0)
         shift = np.linalg.lstsq(A[f:, :f], -pushed, rcond=1e-12)[0] if f else pushed
         left = pushed + A[f:, :f] @ shift
@@ -205,5 +208,9 @@ class LinearisedMotion(ABC):
         derivative = np.zeros((self.dofs, self.dofs))
         for k, direction in enumerate(np.eye(self.dofs)):
             for place, weight in stencil:
-                derivative[:, k] += weight / STEP * self.standing_accelerations(place * STEP * direction)
+                derivative[:, k] += (
+                    weight
+                    / DIFFERENCE_STEP
+                    * self.standing_accelerations(place * DIFFERENCE_STEP * direction)
+                )
         return derivative

@@ -11,7 +11,10 @@ from typing import Any
 import numpy as np
 
 from ...quick_dataclass import dataclass
-from .motion import CONSTANT, STEP, LinearisedMotion, differentiated
+from .motion import CONSTANT, DIFFERENCE_STEP, LinearisedMotion, differentiated
+
+ADMISSIBLE = 1e-6  # share of a prescribed rate that equations or loops may fail to follow
+MOVED_POINT = (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s2"))
 
 SPEED_OF = {"rad": "rad/s", "m": "m/s", "m or 1": "m/s or 1/s"}
 ACCELERATION_OF = {"rad": "rad/s2", "m": "m/s2"}
@@ -56,7 +59,7 @@ class Input:
     d: np.ndarray
     w: np.ndarray
     change: Callable
-    step: float = STEP
+    step: float = DIFFERENCE_STEP
 
 
 class Responses(ABC):

@@ -1,6 +1,7 @@
 """What inputs and outputs of a linearised mechanism are called in the terms of its dialect."""
 
 from ...model.flexible_mechanism import NodePoint
+from ...model.joint_elements import JointElements, is_angle
 from ...quick_dataclass import dataclass
 
 
@@ -8,10 +9,11 @@ from ...quick_dataclass import dataclass
 class Terms:
     """A dialect's names for what acts on a mechanism and what is observed of it.
 
-    `loads`: names of the loads in the order of their records, and whether one in a joint is a force;
+    `loads`: names of the loads in the order of their records, "" for one that is no input, and whether one
+    in a joint is a force;
     `drivers`: names, and whether they prescribe a length; `joints`: name and the point on each of its two
     bodies; `points`: name and body of the points of interest; `efforts`: places of the drivers among those
-    of the rows.
+    of the rows; `motors`: name, whether a force, and the numbers of the records that act at unit effort.
     """
 
     loads: tuple[tuple[str, bool], ...]
@@ -19,3 +21,12 @@ class Terms:
     joints: tuple[tuple[str, NodePoint, NodePoint], ...]
     points: tuple[tuple[str, int], ...]
     efforts: tuple[int, ...] | None = None
+    motors: tuple[tuple[str, bool, tuple[int, ...]], ...] = ()
+
+
+def motors_of(elements: JointElements, loads: int) -> tuple[tuple[str, bool, tuple[int, ...]], ...]:
+    """The motors among so many loads: they stand before friction, which is the last."""
+    first = loads - len(elements.frictions) - len(elements.motors)
+    return tuple(
+        (item.name, not is_angle(item.coordinate), (first + k,)) for k, item in enumerate(elements.motors)
+    )

@@ -13,14 +13,14 @@ from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.motion import derivative, normalise_attitudes, parts, turn_attitudes
 from ...kernels.tree.projection import evaluate_gaps
 from ...model.arrays.tree_frames import rotation_matrix
+from ...model.equations import DEPENDENT
 from ...model.tree import ROTATION, Tree
 from ..tree.analysis import TreeAnalysis, breakpoints, set_functions
 from ..tree.assembly import assemble_tree
 from .joint_coordinates import OWN, PARENT, PREFERENCE, dependent_columns
-from .motion import STEP, LinearisedMotion, differentiated
+from .motion import DIFFERENCE_STEP, LinearisedMotion, differentiated
 
-DEPENDENT = 1e-9  # of the largest singular value of J
-CLOSED, STAYS_OPEN = 1e-14, 1e-9  # gaps of the size of the tree: as good as closed, and refused
+CLOSED_SHARE, STAYS_OPEN = 1e-14, 1e-9  # gaps of the size of the tree: as good as closed, and refused
 MOST_CORRECTIONS = 12
 
 
@@ -75,7 +75,7 @@ class TreeLinearised(LinearisedMotion):
         size = np.max(np.abs(speeds), initial=0.0)
         if self.axes == PARENT or size == 0.0:
             return np.zeros_like(self.L)
-        h = STEP / size
+        h = DIFFERENCE_STEP / size
         return differentiated(lambda time: self._functionals(self.displaced(time * speeds, z)), h)
 
     def _jacobian(self, z: np.ndarray) -> np.ndarray:
@@ -186,7 +186,7 @@ class TreeLinearised(LinearisedMotion):
         size = np.max(self.scale)
         for _ in range(MOST_CORRECTIONS):
             gap = self._measured(z)["gap"].copy()
-            if np.max(np.abs(gap)) <= CLOSED * size:
+            if np.max(np.abs(gap)) <= CLOSED_SHARE * size:
                 break
             z = self.displaced(self._correction(z, gap), z)
         if not np.max(np.abs(gap)) <= STAYS_OPEN * size:

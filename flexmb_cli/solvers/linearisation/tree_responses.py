@@ -7,7 +7,16 @@ import numpy as np
 from ...model.arrays.tree import TreeArrays, body_frames
 from ...model.tree import ELASTIC, INERTIAL, ROTATION, Coordinate
 from ..tree.points import point_motion, point_names, rotation_matrices
-from .state_space import ACCELERATION_OF, SPEED_OF, Input, Responses, Signal, state_signals
+from .state_space import (
+    ACCELERATION_OF,
+    ADMISSIBLE,
+    MOVED_POINT,
+    SPEED_OF,
+    Input,
+    Responses,
+    Signal,
+    state_signals,
+)
 from .tree import TreeLinearised
 
 if TYPE_CHECKING:
@@ -15,8 +24,6 @@ if TYPE_CHECKING:
 
 
 AXES = "xyz"
-MOVED_POINT = (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s2"))
-ADMISSIBLE = 1e-6  # share of a prescribed rate that the loops may fail to follow
 
 
 class TreeResponses(Responses):

@@ -10,15 +10,15 @@ import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...model.arrays.dynamic import inertia_matrix
+from ...model.equations import DEPENDENT
 from ...model.loads import DynamicModel
 from ...model.mechanism import Mechanism
 from ...quick_dataclass import dataclass
 from .equations import SIZE, natural_equations, point, rotation_of, vector
 
-MET = 1e-13
+EQUATIONS_MET = 1e-13
 MOST_STEPS = 50
-LONGEST_TURN = 0.05  # rad: what a direction turns from one position of kinematics to the next
-DEPENDENT = 1e-9  # of the largest pivot or singular value
+LARGEST_ROW_TURN = 0.05  # rad: what a direction turns from one position of kinematics to the next
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class NaturalMotion:
         """Return the nearest coordinates that meet all equations; raises AnalysisError."""
         for _ in range(MOST_STEPS):
             gap = self.equations.residual(X, t)
-            if np.max(np.abs(gap)) <= MET:
+            if np.max(np.abs(gap)) <= EQUATIONS_MET:
                 break
             step = _least(self.equations.jacobian(X), gap)
             X = X - step
@@ -98,7 +98,7 @@ class NaturalMotion:
         while t < end:
             V, A = self._rates(X, t)
             turning = np.max(np.abs(V.reshape(-1, SIZE)[:, 3:]))
-            h = min(end - t, LONGEST_TURN / max(turning, 1e-300))
+            h = min(end - t, LARGEST_ROW_TURN / max(turning, 1e-300))
             t = end if end - t <= h * (1 + 1e-9) else t + h
             X = self._closed(X + h * V + 0.5 * h * h * A, t)
         return X

@@ -7,12 +7,19 @@ import numpy as np
 from ...model.by_size import by_size
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g
-from .weakest import SHARE, Conditioning, condition_text, conditioning_of, owners_text, weakest_owners
+from .weakest import (
+    REPORTED_SHARE,
+    Conditioning,
+    condition_text,
+    conditioning_of,
+    owners_text,
+    weakest_owners,
+)
 
-MOST_REPORTED = 3
+MOST_WEAK_REPORTED = 3
 SWEEPS = 6  # of inverse iteration: each gains the distance to the next singular value, squared
-ROUND_OFF = 1e12  # larger conditions have no digit that is more than round-off
-TINY = 1e-14  # added to an exactly singular matrix, so that it has factors
+WORST_CONDITION = 1e12  # larger conditions have no digit that is more than round-off
+REGULARISATION = 1e-14  # added to an exactly singular matrix, so that it has factors
 
 
 def conditioning(evaluator: Evaluator, q: Any, t: Any, expected: Any) -> Conditioning:
@@ -34,7 +41,7 @@ def _of_sparse(matrix: Any) -> Conditioning:
     try:
         factors = splu(matrix)
     except RuntimeError:  # SuperLU: "Factor is exactly singular"
-        factors = splu(matrix + TINY * identity(matrix.shape[0], format="csc"))
+        factors = splu(matrix + REGULARISATION * identity(matrix.shape[0], format="csc"))
     start = np.random.default_rng(1996).standard_normal(matrix.shape[0])
     combination = motion = start / np.linalg.norm(start)
     for _ in range(SWEEPS):
@@ -56,14 +63,14 @@ def _largest_value(matrix: Any, vector: np.ndarray) -> Any:
 
 def weakest_joints(evaluator: Evaluator, weak: Conditioning) -> list:
     """The equations that are weakest, one a joint."""
-    return weakest_owners(evaluator.arrays.equations, weak.combination, MOST_REPORTED)
+    return weakest_owners(evaluator.arrays.equations, weak.combination, MOST_WEAK_REPORTED)
 
 
 def conditioning_text(evaluator: Evaluator, q: np.ndarray, weak: Conditioning) -> str:
     """Joints with their lines, condition and the motion that is hardly determined, in words."""
     owners = weakest_joints(evaluator, weak)
     joints = f" of {owners_text(owners)}" if owners else ""
-    size = condition_text(weak.condition, ROUND_OFF)
+    size = condition_text(weak.condition, WORST_CONDITION)
     return f"{joints} ({size}; {_motion(evaluator, q, weak.motion)} is least determined)"
 
 
@@ -71,7 +78,7 @@ def _motion(evaluator: Evaluator, q: np.ndarray, motion: np.ndarray) -> Any:
     """The bodies that take the largest part in a motion, and how."""
     rates = (motion * evaluator.arrays.column_scale).reshape(-1, 7)
     size = np.linalg.norm(motion.reshape(-1, 7), axis=1)
-    moving = [k for k in by_size(size)[:MOST_REPORTED] if size[k] > SHARE * size.max()]
+    moving = [k for k in by_size(size)[:MOST_WEAK_REPORTED] if size[k] > REPORTED_SHARE * size.max()]
     return ", ".join(
         _of_body(evaluator.arrays.body_names[k], q[7 * k + 3 : 7 * k + 7], rates[k]) for k in moving
     )
@@ -79,7 +86,7 @@ def _motion(evaluator: Evaluator, q: np.ndarray, motion: np.ndarray) -> Any:
 
 def _of_body(name: str, p: np.ndarray, rates: np.ndarray) -> str:
     omega = twice_g(p, rates[3:])
-    turning = np.linalg.norm(omega) > SHARE * np.linalg.norm(rates[:3])
+    turning = np.linalg.norm(omega) > REPORTED_SHARE * np.linalg.norm(rates[:3])
     direction = omega if turning else rates[:3]
     direction = direction / (direction[np.argmax(np.abs(direction))] or 1.0)
     x, y, z = np.round(direction / np.linalg.norm(direction), 3) + 0.0

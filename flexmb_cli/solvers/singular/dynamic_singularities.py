@@ -11,19 +11,25 @@ from ...kernels.constrained.speeds import move
 from ..checkpoint import OtherRun, taken
 from ..constrained.flexible_start import PositionGaps
 from ..constrained.system import new_work
-from .weakest import SingularityNotes, condition_text, conditioning_of, owners_text, weakest_owners
+from .weakest import (
+    NEARLY_SINGULAR,
+    SingularityNotes,
+    condition_text,
+    conditioning_of,
+    owners_text,
+    weakest_owners,
+)
 
-ROUND_OFF = 1e6  # a position between rows is found to about the square root of round-off
-SINGULAR = 1e4  # condition; mechanisms have 10 to 1000
+MOST_CERTAIN_CONDITION = 1e6  # a position between rows is found to about the square root of round-off
+SINGULAR_CONDITION = 1e4  # condition; mechanisms have 10 to 1000
 CROSSED = 1e5  # condition
-NEARLY_SINGULAR = 100.0  # condition, as a multiple of that of the start
 BESIDE = 1e-5  # of the length scale, rad
 MOST_REPORTED = 6
 SOUGHT = 3  # rows between which a singular position is sought
 LOOKS = 300  # rows of a run that are looked at
 MOST_WORK = 2_000_000  # multiplications of one look: larger mechanisms are not looked at
 CANDIDATE = 0.3  # of the usual smallest singular value, at a row where it is least
-CLOSED = 1e-9  # scaled gap of a position between two rows
+POSITION_FOUND = 1e-9  # scaled gap of a position between two rows
 HALVINGS = 40
 
 
@@ -64,7 +70,7 @@ def has_gained_rank(analysis: Any) -> bool:
         analysis.system, analysis.work, analysis.integration.z[: analysis.arrays.coordinate_scale.size].copy()
     )
     values, rank = np.linalg.svd(analysis.work.jacobian, compute_uv=False), int(analysis.work.rank[0])
-    return len(values) > rank and values[rank] > values[0] / SINGULAR**2
+    return len(values) > rank and values[rank] > values[0] / SINGULAR_CONDITION**2
 
 
 def repeating_here_only(analysis: Any) -> list:
@@ -83,7 +89,7 @@ def repeating_here_only(analysis: Any) -> list:
     move(arrays.bodies, q, BESIDE * motion * arrays.speed_scale)
     evaluate_jacobian(analysis.system, work, q)
     left, values, _ = np.linalg.svd(work.jacobian)
-    if len(values) > rank and values[rank] > values[0] / SINGULAR**2:
+    if len(values) > rank and values[rank] > values[0] / SINGULAR_CONDITION**2:
         return weakest_owners(arrays.equations, left[:, rank], MOST_REPORTED)
     return []
 
@@ -170,7 +176,7 @@ class PassedDynamicSingularities:
             values = [self._at(first, last, x)[1] for x in thirds]
             low, high = (low, thirds[1]) if values[0] < values[1] else (thirds[0], high)
         q, value = self._at(first, last, 0.5 * (low + high))
-        if not value < 1.0 / SINGULAR:
+        if not value < 1.0 / SINGULAR_CONDITION:
             return False
         self._tell(first[0] + 0.5 * (low + high) * (last[0] - first[0]), q)
         return True
@@ -181,7 +187,7 @@ class PassedDynamicSingularities:
         t, q = first[0] + x * (last[0] - first[0]), (1.0 - x) * first[1] + x * last[1]
         for _ in range(8):
             gap = gaps.residual(q, t, self.analysis.integration.angles[0])
-            if np.max(np.abs(gap)) <= CLOSED:
+            if np.max(np.abs(gap)) <= POSITION_FOUND:
                 return q, self._smallest(q)
             step = np.linalg.lstsq(gaps.jacobian(q), gap, rcond=1e-6)[0]
             move(arrays.bodies, q, -step * arrays.speed_scale)
@@ -189,8 +195,9 @@ class PassedDynamicSingularities:
 
     def _tell(self, t: float, q: np.ndarray) -> None:
         condition, owners = _weakest(self.analysis, self.gaps.jacobian(q))
+        conditioning = condition_text(condition, MOST_CERTAIN_CONDITION)
         sentence = (
             f"near t = {t:.4g} s the motion passes a singular position of {owners_text(owners)} "
-            f"({condition_text(condition, ROUND_OFF)}), where it could branch; it goes on smoothly"
+            f"({conditioning}), where it could branch; it goes on smoothly"
         )
         self.notes.add(sentence, owners)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...kernels.kinematics.continuation import BUDGET, SIGN, TIME
 from .conditioning import conditioning, conditioning_text, weakest_joints
-from .weakest import SingularityNotes
+from .weakest import NEARLY_SINGULAR, SingularityNotes
 
 if TYPE_CHECKING:
     from ..kinematics.analysis import KinematicAnalysis
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 FEW, MANY = 8, 20
 # Condition, as a multiple of that where the block began: what is reported, and what leaves accelerations
 # without most of their digits.  Badly scaled mechanisms have a large one everywhere.
-NEARLY_SINGULAR, BLIND = 100.0, 1e5
+BLIND_CONDITION = 1e5
 MOST_TRIED = 16  # of the shortest steps, among which the worst place is
 
 
@@ -55,7 +55,7 @@ class PassedKinematicSingularities:
     def first_without_rates(self, memory: tuple[np.ndarray, np.ndarray, np.ndarray], rows: Any) -> int:
         """The first row so near to a singular position that its rates are round-off; their number if none."""
         busy = np.flatnonzero(rows.newton_iterations > FEW) if self.active else ()
-        limit = BLIND * self._condition_of(memory) if len(busy) else np.inf
+        limit = BLIND_CONDITION * self._condition_of(memory) if len(busy) else np.inf
         for k in busy:
             q = np.concatenate([rows.position[k], rows.euler_parameters[k]], axis=1).ravel()
             expected = self.analysis.motion[:, 0]

@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import AnalysisError
+from ..kinematics.assembly import NUDGE
 from .conditioning import conditioning, conditioning_text, weakest_joints
-from .mobility import CLOSED, about, gap_norms, nearest_position, worst_gaps
+from .mobility import RESIDUAL_MET, about, gap_norms, nearest_position, worst_gaps
 
 if TYPE_CHECKING:
     from ..kinematics.analysis import KinematicAnalysis
 
 
-ASIDE = 0.05  # of the length scale, and of Euler parameters
 LATER = 1e-3  # of the time between rows: behind a dead centre
 
 
@@ -44,9 +44,9 @@ def _least_gap(evaluator: Any, q: np.ndarray, t: float, expected: np.ndarray) ->
     From a dead centre the search does not leave the line of symmetry by itself.
     """
     gap = nearest_position(evaluator, q, t, expected)[1]
-    if np.max(np.abs(gap)) <= CLOSED:
+    if np.max(np.abs(gap)) <= RESIDUAL_MET:
         return gap
-    aside = ASIDE * conditioning(evaluator, q, t, expected).motion * evaluator.arrays.column_scale
+    aside = NUDGE * conditioning(evaluator, q, t, expected).motion * evaluator.arrays.column_scale
     others = [nearest_position(evaluator, q + side * aside, t, expected)[1] for side in (1.0, -1.0)]
     return min([gap, *others], key=lambda found: np.max(np.abs(found)))
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...errors import Fault
 from ...model.by_size import by_size, first_of_largest
-from ...model.equations import Equation
+from ...model.equations import DEPENDENT, Equation
 from ...model.joints import JOINT_TYPES
 from ...quick_dataclass import dataclass
 from ..kinematics.levenberg_marquardt import least_squares
@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from ...model.arrays.kinematic import KinematicArrays
 
 
-RANK_TOLERANCE = 1e-9  # of the largest singular value of the scaled Jacobian
-CLOSED = 1e-9  # scaled residual that counts as met
+RESIDUAL_MET = 1e-9  # scaled residual that counts as met
 NAMED = 1e-6  # of the largest component of a null vector
 PRESCRIBED_WEIGHT = 1e4
 PROBE = 1e-3  # size of the trial motion that tells a free motion from a stiff one
@@ -58,10 +57,10 @@ def worst_gaps(evaluator: Evaluator, scaled_residual: np.ndarray, most: int = 3)
     found: dict[str, Gap] = {}
     size = np.abs(scaled_residual)
     # Least squares share a gap out among joints: those alike to some percent stay in the deck's order.
-    rank = np.round(np.log10(np.maximum(size, CLOSED)), 2)
+    rank = np.round(np.log10(np.maximum(size, RESIDUAL_MET)), 2)
     for row in np.argsort(-rank, kind="stable"):
         equation = evaluator.arrays.equations[row]
-        if size[row] <= CLOSED or len(found) == most:
+        if size[row] <= RESIDUAL_MET or len(found) == most:
             break
         found.setdefault(
             equation.owner, Gap(equation, scaled_residual[row] * evaluator.arrays.row_scale[row])
@@ -161,7 +160,7 @@ def mobility(evaluator: Evaluator, q: np.ndarray, t: Any, expected: np.ndarray) 
     """Rank analysis of the scaled Jacobian at an assembled position q, by singular values."""
     evaluator.residual(q, t, expected)
     left, values, right = np.linalg.svd(evaluator.matrix(q))
-    rank = int(np.sum(values > RANK_TOLERANCE * values[0]))
+    rank = int(np.sum(values > DEPENDENT * values[0]))
     arrays = evaluator.arrays
     motions, pivots = sparse_basis(right[rank:])
     dependencies, repeated = sparse_basis(left[:, rank:].T)
@@ -217,7 +216,7 @@ def moves_freely(
         gap = evaluator.residual(moved, t, expected)
         if np.max(np.abs(gap)) <= 1e-13:
             break
-        moved = moved - scale * np.linalg.lstsq(evaluator.matrix(moved), gap, rcond=RANK_TOLERANCE)[0]
+        moved = moved - scale * np.linalg.lstsq(evaluator.matrix(moved), gap, rcond=DEPENDENT)[0]
     return float(np.linalg.norm((moved - q) / scale)) > 0.3 * PROBE
 
 

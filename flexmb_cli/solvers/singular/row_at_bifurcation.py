@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...kernels.kinematics import constraints as equations
-from ...kernels.kinematics.continuation import SIGN, SPENT, STEP, TIME
+from ...kernels.kinematics.continuation import NEXT_LENGTH, SIGN, SPENT, TIME
 from ..kinematics.rows import Rows
 from ..kinematics.system import rows_of
 
@@ -23,7 +23,7 @@ WAY = 4e-3  # scaled way to each side: the error is of its sixth power, round-of
 PART_AFTER = 0.83  # of the time before: halved steps must not hit the bifurcation itself
 MOST_OF_STEP = 0.4  # of the time between rows
 ON_CURVE = 1e-9  # scaled residual of the polynomial; where the motion has a corner it is far off
-SHORT = 1e-6  # singular values, of the largest, along which nothing is corrected
+UNCORRECTED = 1e-6  # singular values, of the largest, along which nothing is corrected
 
 
 def row_across(analysis: Any, t: float, memory: Any) -> Rows | None:
@@ -50,7 +50,7 @@ def row_across(analysis: Any, t: float, memory: Any) -> Rows | None:
         return None
     analysis.singularities.tell(row[0], t, expected, True)
     audit = np.array([[gap, _rate_gap(analysis, row, t), analysis.clock[SPENT]]])
-    analysis.clock[SPENT], analysis.clock[STEP] = 0.0, np.inf
+    analysis.clock[SPENT], analysis.clock[NEXT_LENGTH] = 0.0, np.inf
     return rows_of(analysis.mechanism, np.array([t]), row[None], audit)
 
 
@@ -83,7 +83,7 @@ def _closed(evaluator: "Evaluator", row: np.ndarray, t: float, expected: np.ndar
     """Bring the position of `row` onto the equations where they are firm; returns the largest residual."""
     gap = evaluator.residual(row[0], t, expected)
     if not evaluator.is_large and np.max(np.abs(gap)) <= ON_CURVE:
-        change = np.linalg.lstsq(evaluator.matrix(row[0]), gap, rcond=SHORT)[0]
+        change = np.linalg.lstsq(evaluator.matrix(row[0]), gap, rcond=UNCORRECTED)[0]
         row[0] -= change * evaluator.arrays.column_scale
         gap = evaluator.residual(row[0], t, expected)
     return float(np.max(np.abs(gap)))

@@ -12,7 +12,8 @@ from ...model.by_size import by_size
 from ...quick_dataclass import dataclass
 from .mobility import about
 
-SHARE = 0.2  # of the largest part of a combination: what is reported
+NEARLY_SINGULAR = 100.0  # condition, as a multiple of that of the start
+REPORTED_SHARE = 0.2  # of the largest part of a combination: what is reported
 MOST_NOTES = 5
 OWNERS_OF_JOINTS = ("joint", "distance", "hinge")
 
@@ -45,7 +46,7 @@ def weakest_owners(equations: Any, combination: np.ndarray, most: int) -> list:
     size = np.abs(combination)
     owners: dict[Any, Any] = {}
     for row in by_size(size):
-        if size[row] < SHARE * size.max():
+        if size[row] < REPORTED_SHARE * size.max():
             break
         owners.setdefault(equations[row].owner, equations[row])
     placed = [one for one in owners.values() if one.place is not None] or list(owners.values())

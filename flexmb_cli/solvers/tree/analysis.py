@@ -46,6 +46,7 @@ class TreeAnalysis:
         self.clock["rtol"], self.clock["atol"] = tree.integration.rtol, tree.integration.atol
         self.row, self.attitude = 0, None
         self.repeated: np.ndarray | None = None  # (R,) closed directions that depend on others at the start
+        self.warnings: list[Fault] = []  # fills at the start
         self.resumed = False
         if checkpoint is not None:
             self.restore(checkpoint)
@@ -193,6 +194,13 @@ class TreeAnalysis:
             raise self.failure()
         if self.repeated is None:
             self.repeated = pivot_shares(self.arrays) == 0.0
+            if self.repeated.any():
+                self._tell_of_repetition()
+
+    def _tell_of_repetition(self) -> None:
+        from .redundancy import repetition
+
+        self.warnings += filter(None, [repetition(self.tree, self.repeated)])  # type: ignore[arg-type]
 
     def failure(self) -> AnalysisError:
         """Return what the clock says went wrong."""

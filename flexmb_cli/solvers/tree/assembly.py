@@ -9,13 +9,12 @@ from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...kernels.tree.loop_closures import IMMOBILE
 from ...model.arrays.tree import TreeArrays
-from ...model.tree import ROTATION, Closure, Tree
+from ...model.tree import ASSEMBLED_GAP, ROTATION, Closure, Tree
 
 if TYPE_CHECKING:
     from .analysis import TreeAnalysis
 
 
-CLOSED = 1e-10  # m
 MOST_ITERATIONS = 40
 
 
@@ -48,10 +47,10 @@ def _close(analysis: "TreeAnalysis", kept: np.ndarray) -> bool:
         if analysis.call(tree_dop853.CLOSE) != codes.READY:
             break
         gap = analysis.clock["gap"][0]
-        if gap <= CLOSED and not gap < before / 2:
+        if gap <= ASSEMBLED_GAP and not gap < before / 2:
             break
     analysis.coordinates["held"] = analysis.arrays.given
-    return gap <= CLOSED
+    return gap <= ASSEMBLED_GAP
 
 
 def _kept(tree: Tree, arrays: TreeArrays) -> np.ndarray:

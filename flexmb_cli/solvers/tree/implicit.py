@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from .analysis import TreeAnalysis
 
 
-CALL_WORK = 1_000_000  # places of the matrix; an interrupt waits for about a second of them
+IMPLICIT_CALL_WORK = 1_000_000  # places of the matrix; an interrupt waits for about a second of them
 
 
 def implicit_rows(analysis: "TreeAnalysis") -> Iterator[TreeRows]:
@@ -21,7 +21,7 @@ def implicit_rows(analysis: "TreeAnalysis") -> Iterator[TreeRows]:
     clock, n = analysis.clock[0], len(analysis.coordinates)
     integration = sdirk4.implicit_work(analysis.clock, analysis.state, n, analysis.arrays.closures)
     integration.before[:] = analysis.integration.slopes[0]
-    budget = 1 + CALL_WORK // (1 + n * n)
+    budget = 1 + IMPLICIT_CALL_WORK // (1 + n * n)
 
     def integrate_rows(report: Any) -> Any:
         return sdirk4.integrate_rows(

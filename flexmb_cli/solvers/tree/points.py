@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 
 class PointMotion(NamedTuple):
-    """Position (T, P, 3), m, and its first and second derivative, global axes."""
+    """The motion of P points over T rows, global axes."""
 
-    position: np.ndarray
-    velocity: np.ndarray
-    acceleration: np.ndarray
+    position: np.ndarray  # (T, P, 3) m
+    velocity: np.ndarray  # (T, P, 3) m/s
+    acceleration: np.ndarray  # (T, P, 3) m/s²
 
 
 def point_names(tree: Tree) -> list[str]:

@@ -135,10 +135,13 @@ def euler_parameters(axes: np.ndarray) -> np.ndarray:
 
 def continued_signs(parameters: np.ndarray, last: np.ndarray | None) -> np.ndarray:
     """The same attitudes (T, N, 4) with signs that go on from row to row, the first from `last`."""
-    if last is None:
-        last = np.zeros(parameters.shape[1:])
-        last[:, 0] = 1.0
+    last = unturned(parameters.shape[1]) if last is None else last
     chain = np.concatenate([last[None], parameters])
     turns = np.sign(np.sum(chain[1:] * chain[:-1], axis=-1))
     turns[turns == 0] = 1.0
     return parameters * np.cumprod(turns, axis=0)[..., None]
+
+
+def unturned(bodies: int) -> np.ndarray:
+    """Euler parameters (N, 4) of so many bodies that are not turned."""
+    return np.tile([1.0, 0.0, 0.0, 0.0], (bodies, 1))

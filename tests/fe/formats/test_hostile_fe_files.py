@@ -147,7 +147,7 @@ def test_what_is_no_regular_file_is_refused_instead_of_waited_for(tmp_path, case
 
 def test_a_file_larger_than_the_bound_is_refused_before_it_is_read(tmp_path):
     with open(tmp_path / "x", "wb") as stream:
-        stream.truncate(file_text.LARGEST)
+        stream.truncate(file_text.LARGEST_FILE)
     with pytest.raises(FEFileFault, match="2 GB"):
         file_text.bytes_of(tmp_path / "x")
 

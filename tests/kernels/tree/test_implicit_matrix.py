@@ -7,7 +7,7 @@ import pytest
 
 from flexmb_cli.kernels.integrators.clock import new_clock
 from flexmb_cli.kernels.integrators.sdirk4 import implicit_work
-from flexmb_cli.kernels.integrators.sdirk4_step import GAMMA, _correct
+from flexmb_cli.kernels.integrators.sdirk4_step import DIAGONAL, _correct
 from flexmb_cli.kernels.linalg.profile_ldl import factorise_profile, set_profile_times, substitute_profile
 from flexmb_cli.kernels.tree.implicit_matrix import factorise, renew, set_mass_times, solve_stiff, stiff_work
 from flexmb_cli.model.tree import ELASTIC, ROTATION, Prescribed
@@ -108,7 +108,7 @@ def test_correction_of_a_stage_is_that_of_newton_and_its_size_counts_tolerances(
     x = np.linalg.solve(mass + F * D + F**2 * K, mass @ (s.rate - slope)[:n])
     rest = (s.rate - slope)[2 * n :]
     moved = np.concatenate([F * x, F**2 * x, F * rest])[:-1]  # the last place is the work
-    found = _correct(arrays, clock[0], F / GAMMA, slope, s)
+    found = _correct(arrays, clock[0], F / DIAGONAL, slope, s)
     assert found == pytest.approx(np.sqrt(np.mean((moved / (0.1 + 0.2 * np.abs(z[:-1]))) ** 2)), rel=1e-9)
     close(slope[2 * n :], s.rate[2 * n :], 0.0)
     close(s.change, x, 1e-9)

@@ -19,7 +19,7 @@ from flexmb_cli.cli.report import report
 from flexmb_cli.results.figures.curves import Curve, Panel
 from flexmb_cli.results.figures.report_curves import curve_figure
 from flexmb_cli.results.figures.report_page import report_page
-from flexmb_cli.results.figures.report_scene import MOST_FRAMES, frame_rows, rounded, scene_data
+from flexmb_cli.results.figures.report_scene import MOST_SCENE_FRAMES, frame_rows, rounded, scene_data
 from flexmb_cli.results.figures.scene import read_scene
 from flexmb_cli.results.quantities.quantities import ResultError, open_result
 from flexmb_cli.results.quantities.readable import Readable
@@ -143,11 +143,11 @@ def test_a_file_without_deck_is_refused(tmp_path):
         page_on(tmp_path / "r.h5")
 
 
-@pytest.mark.parametrize("rows", [1, 2, MOST_FRAMES, MOST_FRAMES + 1, 100_000])
+@pytest.mark.parametrize("rows", [1, 2, MOST_SCENE_FRAMES, MOST_SCENE_FRAMES + 1, 100_000])
 def test_long_runs_are_thinned_evenly(rows):
     kept = range(*frame_rows(rows).indices(rows))
     assert kept[0] == 0
-    assert min(rows, MOST_FRAMES // 2) <= len(kept) <= MOST_FRAMES
+    assert min(rows, MOST_SCENE_FRAMES // 2) <= len(kept) <= MOST_SCENE_FRAMES
 
 
 @pytest.mark.parametrize("rows", [1001, 10_001, 100_000])

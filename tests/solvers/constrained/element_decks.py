@@ -11,6 +11,8 @@ from flexmb_cli.solvers.constrained.driven_dynamics import DrivenDynamics
 from flexmb_cli.solvers.constrained.element_rows import ElementRows
 from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 
+# Body 1 is the ground; body 2 is free.
+FREE = "2 0 0 0 0 0 0 0 0 0 0 1\n0 0 0 1 0 0 0\n0 0 0 1 0 0 0\n1 0 0 0 0 0 0\n"
 # Body 1 is the ground; body 2 turns about z, or slides along x.
 ROTOR = """2 0 0 0 0 1 0 0 0 0 0 1
 0 0 0 1 0 0 0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from tests.solvers.constrained.element_decks import ARM, METHODS, ROTOR, SLIDER, TWO_ROTORS, rows_of
+from tests.solvers.constrained.element_decks import ARM, FREE, METHODS, ROTOR, SLIDER, TWO_ROTORS, rows_of
 
 SPUN = "MASS 2 1 0 0 0 1 1 0.5\n"
 SLID = "MASS 2 2 0 0 0 1 1 1\n"
@@ -116,9 +116,6 @@ def test_a_cable_pulls_only_while_it_is_taut():
     back = np.where(rows.time > 0.5 + math.pi / 20, rows.time - 0.5 - math.pi / 20, 0.0)
     assert rows.joint_coordinate[:, 0] == pytest.approx(taut - back, abs=1e-8)
     assert rows.element_effort[:4, 0] == pytest.approx(np.zeros(4))
-
-
-FREE = "2 0 0 0 0 0 0 0 0 0 0 1\n0 0 0 1 0 0 0\n0 0 0 1 0 0 0\n1 0 0 0 0 0 0\n"
 
 
 @pytest.mark.parametrize("axis", range(3))

@@ -188,7 +188,7 @@ def test_a_singular_position_at_rest_is_no_failure(dense, tmp_path):
 @SMALL_AND_LARGE
 def test_the_assembly_of_a_mechanism_too_large_for_two_attempts_at_once_ends(dense, tmp_path, monkeypatch):
     """One attempt a call, as of a thousand bodies: a refused one was tried again without end."""
-    monkeypatch.setattr(analysis, "CALL_WORK", 0)
+    monkeypatch.setattr(analysis, "KINEMATIC_CALL_WORK", 0)
     found = outcome(tmp_path, gear((0, 1, 0.5), math.pi, 0.0))
     assert (found.exit_code, found.rows) == (0, 3)
 

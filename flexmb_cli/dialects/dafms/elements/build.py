@@ -29,7 +29,7 @@ from ...elements.build import build_elements as elements_of
 from ...elements.functions import Functions, GivenFunction
 from .cards import FUNCTION_KINDS
 
-CLOSED = 1e-9  # rate that the speeds of Y(L) may leave of a coupling, of the largest
+COUPLED_RATE = 1e-9  # rate that the speeds of Y(L) may leave of a coupling, of the largest
 _CARDS = {
     "drivers": [("function_drive", joint_driver(None))],
     "motors": [("function_motor", motor(None))],
@@ -190,6 +190,6 @@ def _number(tree: Any, body: Any, coordinate: Any) -> Any:
 def _check_speeds(tree: Any, item: Coupling, findings: Any) -> None:
     """The speeds of Y(L) must fit a coupling."""
     rates = [factor * tree.y[_number(tree, body, name)] for body, name, factor in item.terms]
-    if abs(sum(rates)) > CLOSED * max(map(abs, rates), default=0.0):
+    if abs(sum(rates)) > COUPLED_RATE * max(map(abs, rates), default=0.0):
         message = f"the speeds of Y(L) leave the rate {sum(rates):.3g} of a sum that must stay"
         findings.error(item.name, message, item.place, id="DAFMS-085")

@@ -17,7 +17,7 @@ FUNCTION_KINDS = {
     8: "product",
 }
 
-_HINGE = (
+HINGE_ITEMS = (
     Item("K", "body whose hinge is meant"),
     Item("A", "freedom of the hinge: 1-3 rotation, 4-6 translation"),
 )
@@ -55,13 +55,15 @@ ELEMENT_CARDS = (
         ),
         "4E20.10",
     ),
-    _card("MOTF", "function_motor", "3I5", (*_HINGE, Item("function", "function of its torque or force"))),
+    _card(
+        "MOTF", "function_motor", "3I5", (*HINGE_ITEMS, Item("function", "function of its torque or force"))
+    ),
     _card(
         "PREF",
         "function_drive",
         "4I5",
         (
-            *_HINGE,
+            *HINGE_ITEMS,
             Item("function", "function that the coordinate follows"),
             Item("rate", "0: the function is the coordinate, 1: its rate"),
         ),
@@ -71,7 +73,7 @@ ELEMENT_CARDS = (
         "hinge_spring",
         "2I5,4F10.5,2I5",
         (
-            *_HINGE,
+            *HINGE_ITEMS,
             Item("stiffness", "stiffness", "N m/rad or N/m"),
             Item("rest", "coordinate at rest", "rad or m"),
             Item("damping", "torque or force per rate", "N m s/rad or N s/m"),
@@ -84,7 +86,7 @@ ELEMENT_CARDS = (
         "hinge_stop",
         "2I5,4F10.5",
         (
-            *_HINGE,
+            *HINGE_ITEMS,
             Item("lower", "least coordinate", "rad or m"),
             Item("upper", "largest coordinate", "rad or m"),
             Item("stiffness", "torque or force per depth", "N m/rad or N/m"),
@@ -148,7 +150,7 @@ ELEMENT_CARDS = (
         "3I5,F10.5",
         (
             Item("coupling", "number of the coupling"),
-            *_HINGE,
+            *HINGE_ITEMS,
             Item("factor", "factor of this coordinate in the sum that keeps its first value"),
         ),
     ),

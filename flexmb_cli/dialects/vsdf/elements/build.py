@@ -15,7 +15,7 @@ from ...elements.functions import Functions, GivenFunction
 from ..joints import find_end
 from .cards import FUNCTION_KINDS, OF_TABLES
 
-START = 0.0  # s, of every run
+RUN_START = 0.0  # s, of every run
 
 
 def build_functions(values: DeckValues, tables: dict, findings: Findings) -> Functions:
@@ -80,7 +80,7 @@ class _Maker(JointMaker):
     """Makes elements of records; None where a fault was found."""
 
     def __init__(self, bodies: Any, ground: Any, joints: Any, functions: Any, findings: Any):
-        super().__init__(joints, functions, findings, START)
+        super().__init__(joints, functions, findings, RUN_START)
         self.bodies, self.ground = bodies, ground
 
     def ends(self, record: Any) -> Any:
@@ -168,4 +168,4 @@ def _functions(record: Any, pin: Any, functions: Any, findings: Any) -> Any:
                 f"{pin.name} does not hold {axis}; add it to the mask of PINN, or leave the function out"
             )
             findings.error(record.subject, message, number.place, id="VSDF-107")
-    return tuple(functions.motion(record, START, key=f"function.{axis}") for axis in "xyz")
+    return tuple(functions.motion(record, RUN_START, key=f"function.{axis}") for axis in "xyz")

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from ..._jit import allocating, kernel
-from ...linalg.rotation import add_rotation_row, rotate
+from ...linalg.rotation import TURN, add_rotation_row, rotate
 from ..joint_primitives import (
     n1_acceleration,
     n1_jacobian,
@@ -25,7 +25,6 @@ from ..joint_primitives import (
 from . import cylindrical
 
 EQUATIONS = 5
-TURN = 2.0 * math.pi
 
 
 @kernel

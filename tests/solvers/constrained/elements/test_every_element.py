@@ -9,7 +9,7 @@ import functools
 import numpy as np
 import pytest
 
-from tests.solvers.constrained.element_cases import CASES, KEYWORDS, forward, inverse, motion
+from tests.solvers.constrained.elements.element_cases import CASES, KEYWORDS, forward, inverse, motion
 
 # Cards of an integrator, and what the coordinate and its rate may be off.
 METHODS = {

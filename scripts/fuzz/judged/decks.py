@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from damage import damaged_text
-from young_text import COUNTED
 
-DECKS = Path(__file__).parents[2] / "decks"
+from .young_text import COUNTED
+
+DECKS = Path(__file__).parents[3] / "decks"
 WORDS_FIRST = {"body": 0, "point": 1, "distance": 3, "ground": 1}  # else two: bodies, or body and direction
 # Decks that a process solves in about a twentieth of a second, their share, and what keeps a run short.
 # Rows and steps of VSDF decks are short enough that the highest modes show in the differences of rows.

@@ -6,9 +6,10 @@ acceleration; joints, drivers and grounds are those of the deck's own numbers wh
 """
 
 import numpy as np
-from judged_rates import judge_rates
-from judged_rows import ROUND_OFF, Bodies, Result, Verdict, small
-from judged_young import judge_young
+
+from .rates import judge_rates
+from .rows import ROUND_OFF, Bodies, Result, Verdict, small
+from .young import judge_young
 
 ENERGY = 2e-3  # of the largest energy: flexmb warns of a thousandth
 

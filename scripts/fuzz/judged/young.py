@@ -3,7 +3,8 @@
 import math
 
 import numpy as np
-from judged_rows import Bodies, Verdict, small
+
+from .rows import Bodies, Verdict, small
 
 AXIS = 1e-4  # drivers' axes are met to a thousandth of a radian: decks round theirs
 

@@ -5,7 +5,8 @@ about rate of oscillation times step.  Medians tell it, so that a spoilt row doe
 """
 
 import numpy as np
-from judged_rows import ROUND_OFF, Verdict
+
+from .rows import ROUND_OFF, Verdict
 
 RESOLVED = 0.5
 LEAST_ROWS = 7

@@ -1,0 +1,106 @@
+"""Forces of all elements of a tree on its bodies, but for friction and couplings, and what they answer."""
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...model.flexible_mechanism import NodePoint
+from ...model.joint_elements import Bushing, EndStop, JointSpring, LineSpring
+from ...model.tree import Tree
+from .element_laws import Effort, cable_effort, linear_effort, spring_effort, stop_effort
+from .placed_bodies import PlacedBodies
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+Answer = tuple[float, float, Effort]  # coordinate, rate, effort
+
+
+class ElementForces:
+    """The elements of a tree, whose attitudes at the start are `axes` (N, 3, 3)."""
+
+    def __init__(self, tree: Tree, axes: np.ndarray):
+        self.tree, self.elements = tree, tree.elements
+        self.number = {(c.body, f"{c.motion} {c.axis}"): m for m, c in enumerate(tree.coordinates)}
+        self._turned = [
+            self._axes(axes, item.j).T @ self._axes(axes, item.i) for item in self.elements.bushings
+        ]
+        # Angles of the bushings found last: whole turns go on from them.
+        self._angles = np.zeros((len(self.elements.bushings), 3))
+
+    @staticmethod
+    def _axes(axes: np.ndarray, body: int) -> np.ndarray:
+        return np.eye(3) if body < 0 else axes[body]
+
+    def add(self, placed: PlacedBodies, t: float) -> list[Answer]:
+        """Add the forces at the time t; returns what each element answers, in the order of results."""
+        for motor in self.elements.motors:
+            placed.effort[self.number[motor.joint, motor.coordinate]] += motor.function.at(t)[0]
+        found = [self._in_joint(placed, item) for item in self.elements.springs]
+        found += [self._in_line(placed, item) for item in self.elements.lines]
+        found += [self._in_joint(placed, item) for item in self.elements.stops]
+        for bushing, turned, angles in zip(self.elements.bushings, self._turned, self._angles, strict=True):
+            found += [*_along_axes(placed, bushing), *_about_axes(placed, bushing, turned, angles)]
+        return found
+
+    def _in_joint(self, placed: PlacedBodies, item: JointSpring | EndStop) -> Answer:
+        m = self.number[item.joint, item.coordinate]
+        x, v = float(placed.q[m]), float(placed.y[m])
+        effort = stop_effort(item, x, v) if isinstance(item, EndStop) else spring_effort(item, x, v)
+        placed.effort[m] += effort.effort
+        return x, v, effort
+
+    def _in_line(self, placed: PlacedBodies, item: LineSpring) -> Answer:
+        (r_i, v_i), (r_j, v_j) = (placed.point(_end(end)) for end in (item.P_i, item.P_j))
+        x = float(np.linalg.norm(r_j - r_i))
+        unit = (r_j - r_i) / x
+        v = float(unit @ (v_j - v_i))
+        effort = cable_effort(item, x, v) if item.slack else spring_effort(item, x, v)
+        placed.push(_end(item.P_j), effort.effort * unit)
+        placed.push(_end(item.P_i), -effort.effort * unit)
+        return x, v, effort
+
+
+def _end(end: object) -> NodePoint:
+    """The end of an element of a tree, which is always a point of a body."""
+    assert isinstance(end, NodePoint)
+    return end
+
+
+def _along_axes(placed: PlacedBodies, item: Bushing) -> "Iterator[Answer]":
+    """Displacements of P_j along the axes of body i.
+
+    A change of them turns with body i: by virtual work its torque is that of the opposite force at P_j.
+    """
+    (r_i, v_i), (r_j, v_j) = (placed.point(_end(end)) for end in (item.P_i, item.P_j))
+    gap, rate = r_j - r_i, v_j - v_i - np.cross(placed.angular_of(item.i), r_j - r_i)
+    for k, axis in enumerate(placed.axes_of(item.i).T):
+        x, v = float(axis @ gap), float(axis @ rate)
+        effort = linear_effort(item.stiffness[k], item.damping[k], x, v)
+        force = effort.effort * axis
+        placed.push(_end(item.P_j), force)
+        placed.push(_end(item.P_i), -force)
+        placed.twist(item.i, -1, np.cross(gap, force))
+        yield x, v, effort
+
+
+def _about_axes(
+    placed: PlacedBodies, item: Bushing, turned: np.ndarray, angles: np.ndarray
+) -> "Iterator[Answer]":
+    """Angles from axis y of i to axis y of j in the plane y z of i, and so on in cyclic order.
+
+    Each is the one nearest to that of `angles` (3,), whose place it takes.
+    """
+    A = placed.axes_of(item.i)
+    B = placed.axes_of(item.j) @ turned
+    spin = placed.angular_of(item.j) - placed.angular_of(item.i)
+    for k in range(3):
+        f, g, h = A[:, (k + 1) % 3], A[:, (k + 2) % 3], B[:, (k + 1) % 3]
+        c, s = float(f @ h), float(g @ h)
+        slope = (c * np.cross(h, g) - s * np.cross(h, f)) / (c * c + s * s)
+        x, v = angles[k] + math.remainder(math.atan2(s, c) - angles[k], math.tau), float(slope @ spin)
+        angles[k] = x
+        effort = linear_effort(item.stiffness[3 + k], item.damping[3 + k], x, v)
+        placed.twist(item.i, item.j, effort.effort * slope)
+        yield x, v, effort

@@ -1,0 +1,71 @@
+"""Efforts of springs, stops, cables, bushings and friction by their definitions (`model.joint_elements`).
+
+Written apart from the kernels of constrained dynamics, which `verify` compares them with.
+"""
+
+import math
+
+from ...model.joint_elements import EndStop, JointFriction, JointSpring, LineSpring
+from ...model.time_functions import MotionFunction, integral_of
+from ...quick_dataclass import dataclass
+
+SLOW = 1e-9  # of the creep speed: tanh(x) / x is 1 there
+
+
+@dataclass(frozen=True)
+class Effort:
+    """What an element does in its coordinate x with the rate v.
+
+    `effort` drives x to larger values, N or N m; `energy`, J, is the potential of its part `kept`.
+    """
+
+    effort: float
+    kept: float
+    energy: float
+
+
+def spring_effort(item: JointSpring | LineSpring, x: float, v: float) -> Effort:
+    """Spring and damper, linear and by curves."""
+    s = x - item.rest
+    kept = -item.preload - item.stiffness * s - _value(item.curve, s)
+    lost = -item.damping * v - _value(item.damper, v)
+    energy = item.preload * s + 0.5 * item.stiffness * s * s
+    if item.curve is not None:
+        energy += integral_of(item.curve).at(s)[0]  # type: ignore[union-attr]
+    return Effort(kept + lost, kept, energy)
+
+
+def _value(function: MotionFunction | None, x: float) -> float:
+    return 0.0 if function is None else function.at(x)[0]
+
+
+def cable_effort(item: LineSpring, x: float, v: float) -> Effort:
+    """A cable: Hunt and Crossley's force beyond its length."""
+    return _pushed_back(item.stiffness, item.damping, max(x - item.rest, 0.0), v, -1.0)
+
+
+def stop_effort(item: EndStop, x: float, v: float) -> Effort:
+    """Stops: Hunt and Crossley's force beyond either."""
+    if x > item.upper:
+        return _pushed_back(item.stiffness, item.damping, x - item.upper, v, -1.0)
+    return _pushed_back(item.stiffness, item.damping, max(item.lower - x, 0.0), -v, 1.0)
+
+
+def _pushed_back(stiffness: float, damping: float, depth: float, approach: float, sign: float) -> Effort:
+    """Effort at a depth that grows at the speed `approach`."""
+    force = stiffness * depth
+    return Effort(
+        sign * force * max(0.0, 1.0 + damping * approach), sign * force, 0.5 * stiffness * depth * depth
+    )
+
+
+def linear_effort(stiffness: float, damping: float, x: float, v: float) -> Effort:
+    """A linear spring and damper."""
+    return Effort(-stiffness * x - damping * v, -stiffness * x, 0.5 * stiffness * x * x)
+
+
+def friction_per_speed(item: JointFriction, v: float) -> float:
+    """Return mu(v) / v at the sliding speed v >= 0, s/m."""
+    mu = item.dynamic + (item.static - item.dynamic) * math.exp(-((v / item.stribeck) ** 2))
+    x = v / item.creep
+    return mu / item.creep if x < SLOW else mu * math.tanh(x) / v

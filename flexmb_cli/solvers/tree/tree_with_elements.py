@@ -1,0 +1,207 @@
+"""Kane's equations of a tree with elements at its hinges and between its bodies: the second formulation.
+
+Generalised forces of the elements are found from their definitions and handed to the recursion as loads.
+Couplings and friction, whose efforts depend on the accelerations, use that these are linear in the efforts:
+the recursion answers a unit effort, and friction follows from the force that the bodies beyond a hinge need
+by Newton's law.  Steps are those of scipy's DOP853; couplings and loops hold by their accelerations.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from scipy.integrate import DOP853
+
+from ...errors import AnalysisError, Fault
+from ...kernels.constrained.dry_friction import FRICTION_CONVERGED, MOST_SUBSTITUTIONS
+from ...kernels.integrators.clock import NO_INERTIA
+from ...kernels.integrators.tree_dop853 import GO_ON
+from ...model.arrays.tree import FUNCTION, body_frames
+from ...model.time_functions import MotionFunction
+from ...model.tree import Prescribed, Tree
+from ...model.tree_as_mechanism.frames import hinge_frames
+from ...model.tree_as_mechanism.loop_assembly import closed_tree
+from ...quick_dataclass import fields, replace
+from ..constrained.tree_element_rows import TreeElementRows
+from .analysis import TreeAnalysis, breakpoints, set_functions
+from .element_forces import Answer, ElementForces
+from .element_laws import Effort
+from .friction_in_hinges import FrictionInHinges
+from .placed_bodies import PlacedBodies
+from .rows import TreeRows
+from .scipy_integrators import UNCOUNTED
+
+
+class TreeWithElements(TreeAnalysis):
+    """One run over the report times of a tree with elements."""
+
+    def __init__(self, tree: Tree):
+        closed = closed_tree(tree, hinge_frames(tree))
+        drives = [
+            Prescribed(item.joint, *_motion_and_axis(item.coordinate), 0.0, 0.0, 0.0)
+            for item in tree.elements.drivers
+        ]
+        super().__init__(replace(closed, prescribed=(*closed.prescribed, *drives)))
+        self.model = closed
+        self.n = len(tree.coordinates)
+        efforts = np.zeros(self.n, FUNCTION)
+        efforts["coordinate"] = np.arange(self.n)
+        self.loads = self.arrays.functions.size
+        self.arrays = self.arrays._replace(functions=np.concatenate([self.arrays.functions, efforts]))
+        self.frames = body_frames(self.arrays)
+        self.own = {name: self.arrays.frames[name][self.frames] for name in ("force", "torque")}
+        self._place(tree.time.start, self.state.copy())
+        self.forces = ElementForces(closed, self.work["axes"][self.frames].reshape(-1, 3, 3))
+        self.friction = FrictionInHinges(closed, self.forces.number)
+        self.terms = self._coupling_terms()
+        self.answers: list[Answer] = []
+        self.energy = self._energy_at(tree.time.start, self.state.copy())
+
+    def _coupling_terms(self) -> np.ndarray:
+        """Factors (couplings, NS) of the coordinates."""
+        factors = np.zeros((len(self.model.elements.couplings), self.n))
+        for row, item in zip(factors, self.model.elements.couplings, strict=True):
+            for joint, coordinate, factor in item.terms:
+                row[self.forces.number[joint, coordinate]] += factor
+        return factors
+
+    def rows(self) -> Iterator[TreeElementRows]:
+        """Yield the report rows; raises AnalysisError without inertia, or where steps vanish."""
+        grid, z = self.tree.time, self.state.copy()
+        t, end = grid.start, grid.time(grid.rows - 1)
+        for stop in [*self._stops(t, end), end]:
+            set_functions(self.tree, self._deck_functions, t, stop)
+            yield from self._observed(lambda _t, z=z: z, t)
+            if stop > t:
+                solver = self._solver(t, z, stop)
+                while solver.status == "running":
+                    solver.step()
+                    if solver.status == "failed":
+                        raise _vanished(solver.t)
+                    yield from self._observed(solver.dense_output(), solver.t)
+                t, z = stop, solver.y
+
+    @property
+    def _deck_functions(self) -> Any:
+        """The arrays without the efforts of elements."""
+        return self.arrays._replace(functions=self.arrays.functions[: self.loads])
+
+    def _solver(self, t: float, z: np.ndarray, stop: float) -> DOP853:
+        atol = np.full(z.size, self.tree.integration.atol)
+        atol[-1] = UNCOUNTED
+        rtol = max(self.tree.integration.rtol, 100 * np.finfo(float).eps)
+        return DOP853(self.slope, t, z, stop, rtol=rtol, atol=atol)
+
+    def _stops(self, start: float, end: float) -> list[float]:
+        """Times at which a load of the deck or a function of an element changes its formula."""
+        elements = self.model.elements
+        functions = [item.function for item in elements.motors]
+        functions += [item.function for item in elements.drivers]
+        found = {t for function in functions for t in _corners(function)}
+        found |= set(breakpoints(self.model, start, end))
+        return sorted(t for t in found if start < t < end)
+
+    def _observed(self, state_at: Any, t: float) -> Iterator[TreeElementRows]:
+        for time in self.due_times(t):
+            z = state_at(time)
+            self.slope(time, z)
+            self.clock["stop"] = np.inf
+            rows = self.observe(lambda _t, z=z: z, [time])
+            yield self._with_answers(rows)
+
+    def _with_answers(self, rows: TreeRows) -> TreeElementRows:
+        """The row with what the elements answered last; energy of elements is no work of loads."""
+        kept = {field.name: getattr(rows, field.name) for field in fields(TreeRows)}
+        energy = sum(effort.energy for *_, effort in self.answers)
+        kept["potential"], kept["applied_work"] = (
+            rows.potential + energy,
+            rows.applied_work + energy - self.energy,
+        )
+        columns = {
+            "element_coordinate": [x for x, _, _ in self.answers],
+            "element_rate": [v for _, v, _ in self.answers],
+            "element_effort": [effort.effort for *_, effort in self.answers],
+            "element_power": [(effort.effort - effort.kept) * v for _, v, effort in self.answers],
+            "element_energy": [effort.energy for *_, effort in self.answers],
+            "driver_effort": self.coordinates["drive"][self.arrays.prescribed["coordinate"]],
+        }
+        return TreeElementRows(**kept, **{name: np.array(row)[None] for name, row in columns.items()})  # type: ignore[arg-type]
+
+    def slope(self, t: float, z: np.ndarray) -> np.ndarray:
+        """z' (n,); leaves the loads of the elements in the arrays and their answers in `answers`."""
+        placed = self._place(t, z)
+        self.answers = self.forces.add(placed, t)
+        slope = self._moved(t, z, placed, placed.effort)
+        normal = self.friction.preloads
+        for _ in range(MOST_SUBSTITUTIONS if normal.size else 0):
+            slope = self._moved(t, z, placed, placed.effort + self.friction.efforts(normal, placed.y))
+            before, normal = normal, self.friction.normals(self, placed)
+            if np.max(np.abs(normal - before)) <= FRICTION_CONVERGED * np.max(normal):
+                break
+        self.answers += [
+            (0.0, v, Effort(effort, 0.0, 0.0)) for v, effort in self.friction.answers(normal, placed.y)
+        ]
+        return slope
+
+    def _energy_at(self, t: float, z: np.ndarray) -> float:
+        return sum(effort.energy for *_, effort in self.forces.add(self._place(t, z), t))
+
+    def _place(self, t: float, z: np.ndarray) -> PlacedBodies:
+        """The bodies at a state, driven coordinates where their functions are."""
+        for record, item in zip(
+            self.arrays.prescribed[len(self.model.prescribed) :], self.model.elements.drivers, strict=True
+        ):
+            value, rate, second = item.function.at(t)
+            record["C"], record["B"] = value - rate * t + 0.5 * second * t * t, rate - second * t
+            record["A"] = second
+        self._load(np.zeros((len(self.frames), 3)), np.zeros((len(self.frames), 3)), np.zeros(self.n))
+        self._recursion(t, z)
+        y, q = self.state[: self.n].copy(), self.state[self.n : 2 * self.n].copy()
+        return PlacedBodies(self.model, self.work[self.frames].copy(), q, y)
+
+    def _moved(self, t: float, z: np.ndarray, placed: PlacedBodies, effort: np.ndarray) -> np.ndarray:
+        """z' under the forces of `placed` and generalised efforts, couplings kept by efforts of their own."""
+        self._load(placed.force, placed.torque, effort)
+        slope = self._recursion(t, z)
+        if not len(self.terms):
+            return slope
+        gaps, answers = self.terms @ slope[: self.n], []
+        for factors in self.terms:
+            self._load(placed.force, placed.torque, effort + factors)
+            answers.append(self.terms @ self._recursion(t, z)[: self.n] - gaps)
+        multipliers = np.linalg.lstsq(np.array(answers).T, -gaps, rcond=1e-12)[0]
+        self._load(placed.force, placed.torque, effort + multipliers @ self.terms)
+        return self._recursion(t, z)
+
+    def _load(self, force: np.ndarray, torque: np.ndarray, effort: np.ndarray) -> None:
+        self.arrays.frames["force"][self.frames] = self.own["force"] + force
+        self.arrays.frames["torque"][self.frames] = self.own["torque"] + torque
+        self.arrays.functions["c0"][self.loads :] = effort
+
+    def _recursion(self, t: float, z: np.ndarray) -> np.ndarray:
+        self.clock["t"], self.state[:] = t, z
+        if self.call(GO_ON) == NO_INERTIA:
+            raise self.failure()
+        return self.integration.slopes[0].copy()
+
+
+def _motion_and_axis(coordinate: str) -> tuple[str, int]:
+    motion, axis = coordinate.split()
+    return motion, int(axis)
+
+
+def _corners(function: MotionFunction) -> Iterator[float]:
+    """Times at which a function changes its formula."""
+    yield from function.times
+    yield from (piece[0] for piece in function.pieces)
+    for factors in function.terms:
+        for factor in factors:
+            yield from _corners(factor)
+
+
+def _vanished(t: float) -> AnalysisError:
+    message = (
+        f"at t = {t:.6g} s Kane's equations with elements find no step that meets the tolerance; "
+        "take a larger --rtol, or softer elements"
+    )
+    return AnalysisError(Fault("error", message, id="SOLVE-037"), float(t))

@@ -1,0 +1,219 @@
+"""DAFMS decks with elements: `verify`, `modes`, state space, `--resume`; the note on closed directions."""
+
+import math
+
+import numpy as np
+import pytest
+
+from flexmb_cli.run.check.check import check_deck
+from flexmb_cli.run.context import Run
+from flexmb_cli.run.mechanism_modes import Wish, tree_modes
+from flexmb_cli.run.outcome import Listener, Outcome, RunOptions
+from flexmb_cli.run.verify.verify import verify_deck
+from flexmb_cli.solvers.constrained import analysis as constrained
+from flexmb_cli.solvers.tree import element_forces
+from tests.dialects.dafms.dafms_decks import build, deck_text
+from tests.dialects.dafms.test_dafms_elements import CASES, TWO_LINKS, card, deck, function, integers, reals
+from tests.run.dafms_runs import ENDINGS, altered, run, stop_after
+
+SHORT = TWO_LINKS.replace("       0.1\nCONN", "      0.01\nCONN")
+# A clamped beam of two nodes, 0.25 m and 0.5 m from the clamp, EI = 5.5 N m2, a spring at its tip.
+POSITIONS, MASSES = np.array([0.25, 0.5]), np.array([0.02145, 0.010725])
+HELD = f"{function(1, 3, 0.0)}\n{card('PREF', integers(1, 1, 1, 0))}\n"
+TIP_SPRING = card("LSPR", integers(0, 0, 1, 2, 0, 0), reals(0, 0.55, 1, 0, 0, 0), reals(500, 1, 0.3))
+
+
+def beam(*cards, swings=False):
+    """The supplied beam without its torque, clamped by a driver unless it swings."""
+    more = "\n".join(cards)
+    return deck_text(
+        "shaft_beam_n2", ("  500\n      .001", "    5\n      .002"), ("DESN\n    1    1", "DESN\n    1    0"),
+        ("END \n", f"{'' if swings else HELD}{more}\nEND \n"),
+    )  # fmt: skip
+
+
+def verified(folder, text, tolerance=1e-8):
+    path = folder / "x.DAT"
+    path.write_text(text)
+    return verify_deck(str(path), RunOptions(), tolerance)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_kanes_equations_and_absolute_coordinates_agree(tmp_path, name):
+    # Beyond a quarter turn the angles of a bushing about the other axes jump by half a turn, either way.
+    model = SHORT if name == "bushing" else TWO_LINKS
+    found = verified(tmp_path, f"{model}{CASES[name][1]}\nEND \nSTAR\nSTOP\n", 1e-7)
+    assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-7]
+    compared = {each.name for each in found.differences if each.scale > 0}
+    expected = {"gears": set(), "motor": set(), "driver": {"driver effort"}}
+    assert compared >= expected.get(name, {"element effort", "element rate"})
+
+
+def test_elements_on_nodes_of_a_beam_agree(tmp_path):
+    """Spring, cable and bushing between nodes and the inertial frame; friction from what the nodes need."""
+    cards = (
+        TIP_SPRING,
+        card("CABL", integers(0, 0, 1, 1), reals(0, 0.3, -1, 0, 0, 0), reals(80, 0.99, 0.2)),
+        card("BUSH", integers(1, 2, 0, 0), reals(0, 0, 0, 0, 0.55, 0), reals(3, 4, 5, 0.1, 0.2, 0.3),
+             reals(0.1, 0.2, 0.3, 0.01, 0.02, 0.03)),
+        card("FRIC", integers(1) + reals(0.2, 0.3, 0.1, 0.01, 0.05, 3)),
+        card("MOTR", integers(1, 1) + reals(0.4)),
+    )  # fmt: skip
+    found = verified(
+        tmp_path, beam(*cards, swings=True).replace("GRAV\n    0       0.0", "GRAV\n    0       1.0")
+    )
+    assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-8]
+
+
+def test_loops_and_couplings_agree(tmp_path):
+    """A four-bar with a spring across it and friction in a hinge inside the loop."""
+    cards = (
+        card("LSPR", integers(0, 0, 2, 0, 0, 0), reals(0, 0, 0.1, 0, 0.3, 0), reals(30, 0.2, 0.1)),
+        card("FRIC", integers(2) + reals(0.2, 0.3, 0.1, 0.01, 0.02, 1)),
+    )
+    text = deck_text("fourbar_rigid", ("  200\n", "    5\n"), ("END \n", "\n".join([*cards, "END \n"])))
+    found = verified(tmp_path, text)
+    assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-8]
+
+
+def test_an_error_in_one_formulation_shows(tmp_path, monkeypatch):
+    right = element_forces.spring_effort
+    monkeypatch.setattr(element_forces, "spring_effort", lambda item, x, v: right(item, x, 1.001 * v))
+    found = verified(tmp_path, f"{SHORT}{CASES['line'][1]}\nEND \nSTAR\nSTOP\n")
+    assert found.outcome.exit_code == 1
+
+
+def linearised(text, **wish):
+    return tree_modes(build(text)[0], Wish(**wish), Run(Outcome("x"), RunOptions(), Listener()))
+
+
+def test_two_links_held_in_line_swing_as_one_pendulum_with_a_spring():
+    """J = 0.44 + 0.172 + 0.8 (1 + 2 0.3), m g s = 9.81 (1.5 0.4 + 0.8 1.3); hanging, the spring at rest."""
+    cards = [
+        function(1, 3, 0.0), card("PREF", integers(2, 3, 1, 0)),
+        card("HSPR", integers(1, 3) + reals(20) + "-1.5707963      0.50"),
+    ]  # fmt: skip
+    found = linearised(deck("\n".join(cards)), equilibrium=True)
+    J, stiffness = 0.612 + 0.8 * 1.6, 20 + 9.81 * 1.64
+    omega, zeta = math.sqrt(stiffness / J), 0.5 / (2 * math.sqrt(stiffness * J))
+    assert found.modes.damping == pytest.approx([zeta], rel=1e-6)
+    assert found.modes.frequency == pytest.approx([omega * math.sqrt(1 - zeta**2) / math.tau], rel=1e-7)
+    assert dict(found.position)["body 1 rotation 3"] == pytest.approx((-math.pi / 2,), abs=1e-7)
+    assert np.abs(found.modes.shapes[0]) == pytest.approx([1, 0], abs=1e-9)
+
+
+def test_a_spring_at_the_tip_of_a_beam_stiffens_and_carries_it():
+    """Flexibility of a cantilever, x_i² (3 x_j - x_i)/6EI for x_i <= x_j (Gere, Mechanics of Materials)."""
+    x, EI, k, g = POSITIONS, 5.5, 500.0, 0.5
+    near, far = np.minimum.outer(x, x), np.maximum.outer(x, x)
+    K = np.linalg.inv(near**2 * (3 * far - near) / (6 * EI)) + np.diag([0.0, k])
+    text = beam(TIP_SPRING).replace(
+        "GRAV\n    0       0.0       0.0       0.0", f"GRAV\n    0       0.0       0.0{g:10.2f}"
+    )
+    found = linearised(text, equilibrium=True)
+    D = np.diag([0.0, 0.3])
+    A = np.block([[np.zeros((2, 2)), np.eye(2)], [-K / MASSES[:, None], -D / MASSES[:, None]]])
+    eigenvalues = np.linalg.eigvals(A)
+    wanted = eigenvalues[eigenvalues.imag > 0][np.argsort(np.abs(eigenvalues[eigenvalues.imag > 0]))]
+    assert found.modes.frequency == pytest.approx(wanted.imag / math.tau, rel=1e-8)
+    assert found.modes.damping == pytest.approx(-wanted.real / np.abs(wanted), rel=1e-6)
+    position = [value[0] for name, value in found.position if "node" in name]
+    assert position == pytest.approx(np.linalg.solve(K, MASSES * g), rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("name", "dof", "potential"),
+    [
+        ("driver", 1, 0.0),
+        ("gears", 1, 0.0),
+        ("line", 2, 15 * (math.sqrt(4.36) - 1.2) ** 2 + 2 * (math.sqrt(4.36) - 1.2)),
+    ],
+)
+def test_check_counts_elements_and_their_energy(tmp_path, name, dof, potential):
+    """A spring of 30 N/m and a preload of 2 N from (1, 2) to (1.6, 0), 1.2 m long at rest."""
+    path = tmp_path / "x.DAT"
+    path.write_text(deck(CASES[name][1]))
+    report = check_deck(str(path), RunOptions())
+    assert report.counts["degrees_of_freedom"] == dof
+    assert report.tree.energies["potential"] == pytest.approx(potential, abs=1e-12)
+
+
+def test_check_refuses_what_a_run_refuses(tmp_path):
+    path = tmp_path / "x.DAT"
+    path.write_text(deck(f"UNCO\n{CASES['line'][1]}"))
+    (told,) = check_deck(str(path), RunOptions()).outcome.faults
+    assert told.message.endswith("leave out the elements, which need absolute coordinates, or leave out UNCO")
+
+
+def transfer(space, s):
+    """Outputs by inputs at s: names, and C (s - A)⁻¹ B + D."""
+    gain = space.C @ np.linalg.solve(s * np.eye(len(space.A)) - space.A, space.B) + space.D
+    return {signal.name: row for signal, row in zip(space.outputs, gain, strict=True)}
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (["MOTR", integers(1), integers(2, 3) + reals(0.5)],
+         [function(4, 3, 0.5), card("MOTF", integers(2, 3, 4))]),
+        (["PRES", integers(1), integers(2, 3) + reals(0, 0.5, 0.3)],
+         [function(4, 3, 0, 0.5, 0.15), card("PREF", integers(2, 3, 4))]),
+        (["TABL", integers(1), integers(2, 3, 1), reals(0, 0.5)],
+         [card("TABL", integers(2, 3, 1), reals(0, 0.5)), card("HSTO", integers(2, 3) + reals(-9, 9, 1))]),
+    ],
+)  # fmt: skip
+def test_the_state_space_is_that_of_the_tree_without_elements(old, new):
+    """By Kane's equations with the cards of old, in absolute coordinates with elements for them."""
+    spring = ["SPRI", integers(1), integers(1, 3) + reals(20, 0.2)]
+    one = linearised(deck("\n".join([*spring, *old])), state_space=True).space
+    other = linearised(
+        deck("\n".join([card("HSPR", integers(1, 3) + reals(20, 0.2)), *new])), state_space=True
+    ).space
+    wanted, found = transfer(one, 0.3 + 2j), transfer(other, 0.3 + 2j)
+    assert len(one.inputs) in (1, 3)
+    columns = [2] if len(other.inputs) > len(one.inputs) == 1 else range(len(one.inputs))
+    for name, row in wanted.items():
+        assert found[name][[*columns]] == pytest.approx(row, abs=1e-9), name
+
+
+def test_a_stopped_run_goes_on_to_the_same_bytes(tmp_path, monkeypatch):
+    """Angles beyond a turn and signs of Euler parameters go on from the row before the stop."""
+    monkeypatch.setattr(constrained, "LARGEST_BLOCK", 3)
+    text = deck(f"{CASES['friction'][1]}\n{CASES['motor'][1]}").replace(
+        "    5\n       0.1\n", "   12\n       0.2\n"
+    )
+    path = tmp_path / "x.DAT"
+    path.write_text(text)
+    run(path, tmp_path / "whole")
+    first = run(path, tmp_path / "stopped", stop_after(2))
+    assert (first.exit_code, first.rows, first.resumable) == (130, 6, True)
+    assert run(path, tmp_path / "stopped", resume=True).exit_code == 0
+    for ending in ENDINGS:
+        assert (tmp_path / f"stopped/x.{ending}").read_bytes() == (
+            tmp_path / f"whole/x.{ending}"
+        ).read_bytes()
+
+
+LOOP = "    3    0    0    0    0    1    1\n       0.0        .5"
+
+
+@pytest.mark.parametrize("formulation", ["kane", "absolute"])
+def test_a_planar_loop_tells_its_redundancy_once_in_a_note(tmp_path, formulation):
+    """The direction across the plane is closed by the hinges already; a loop given twice is no such case."""
+    spatial = altered(
+        tmp_path,
+        "fourbar_rigid",
+        ("  200\n", "    2\n"),
+        (LOOP, LOOP.replace("    0    1    1", "    1    1    1")),
+    )
+    (told,) = run(spatial, tmp_path, formulation=formulation).faults
+    assert told.severity == "note"
+    assert told.message.startswith("planar tree: 1 of ")
+    assert "\n" not in told.message
+    given = f"{LOOP}       0.0       0.0       0.0        .6\n"
+    twice = altered(
+        tmp_path, "fourbar_rigid", ("  200\n", "    2\n"), (f"    1\n{given}", f"    2\n{given}{given}")
+    )
+    (told,) = run(twice, tmp_path, formulation=formulation).faults
+    assert told.severity == "warning"
+    assert "closure" in told.message

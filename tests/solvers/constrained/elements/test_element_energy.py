@@ -1,0 +1,100 @@
+"""Energy of every card of loads, functions and elements: what is stored, what is dissipated, what is put in.
+
+The energies of the bodies are computed here from their motion, not taken from the program.
+"""
+
+import numpy as np
+import pytest
+from scipy.integrate import simpson
+
+from tests.solvers.constrained.body_balances import rotation, tensor
+from tests.solvers.constrained.element_decks import FREE, model_of, rows_of
+from tests.solvers.constrained.elements.element_cases import CASES, END, KEYWORDS, POWERS
+
+TIMES = f"0 {END} 0.001"
+# Stops in contact throughout, where the power is smooth; a spring without its damper.
+OTHER_CARDS = {
+    "TSTOP": ("1 -1 0.1283 60", "1 -1 -0.3 20"),
+    "ASTOP": ("1 -1 0.1283 300", "1 -1 -0.1 300"),
+    "SPRING": ("30 0.5 0.7", "30 0.5 0"),
+}
+STORE = {"SPRING", "TSPRING", "ASPRING", "LSPRING", "CABLE", "BUSHING", "TSTOP", "ASTOP"}
+DISSIPATE = (STORE | {"DAMPER", "FRICTION"}) - {"SPRING"}
+# Equations of bodies that move freely, and cards of the start and of results, which do no work.
+DO_NOTHING = {"COUPLING", "REVCYL", "REVSPH", "SPHSPH", "RATE", "JOINTS"}
+
+
+def mechanism_and_cards(keyword):
+    case = CASES[keyword]
+    cards = case.cards.replace(*OTHER_CARDS.get(keyword, ("", "")))
+    return case.mechanism, f"{cards}RATE {case.joint} {case.coordinate} {POWERS[0]}\nTOLERANCE 1e-12\n"
+
+
+def energy_of_bodies(model, rows):
+    """Kinetic energy and that of the weights (T,), from masses, positions and velocities."""
+    total = np.zeros(len(rows.time))
+    for item in model.masses:
+        b = item.body
+        A = np.array([rotation(p) for p in rows.euler_parameters[:, b]])
+        w = rows.angular_velocity[:, b]
+        arm = A @ np.array(item.centre)
+        speed = rows.velocity[:, b] + np.cross(w, arm)
+        own = np.einsum("tji,tj->ti", A, w)
+        total += 0.5 * item.mass * np.sum(speed**2, axis=1)
+        total += 0.5 * np.einsum("ti,ij,tj->t", own, tensor(item.inertia), own)
+        total -= item.mass * (rows.position[:, b] + arm) @ np.array(model.gravity)
+    return total
+
+
+@pytest.mark.long_motion
+@pytest.mark.parametrize("keyword", KEYWORDS)
+def test_the_energy_audit_closes_with_the_card_and_not_without(keyword):
+    mechanism, cards = mechanism_and_cards(keyword)
+    rows = rows_of(mechanism, TIMES, cards)
+    bodies = energy_of_bodies(model_of(mechanism, TIMES, cards), rows)
+    scale = np.abs(bodies).max()
+    stored, power = rows.element_energy.sum(axis=1), rows.element_power
+    assert np.ptp(bodies + stored - rows.applied_work) < 1e-8 * scale
+    assert np.ptp(rows.total) < 1e-8 * scale
+    lost = np.array([simpson(power[: k + 1].sum(axis=1), x=rows.time[: k + 1]) for k in (100, 200)])
+    if keyword in STORE | DISSIPATE:
+        assert rows.applied_work[[100, 200]] == pytest.approx(lost, abs=1e-8 * scale)
+    closes_without = np.ptp(bodies) < 1e-3 * scale
+    assert closes_without == (keyword in DO_NOTHING)
+
+
+@pytest.mark.long_motion
+@pytest.mark.parametrize("keyword", sorted(STORE | DISSIPATE))
+def test_what_an_element_does_is_what_it_releases_and_dissipates(keyword):
+    """∫ effort · rate dt = -Δ(energy stored) + ∫ power dt, by Simpson's rule over rows of 1 ms."""
+    mechanism, cards = mechanism_and_cards(keyword)
+    rows = rows_of(mechanism, TIMES, cards)
+    done = simpson(rows.element_effort * rows.element_rate, x=rows.time, axis=0)
+    lost = simpson(rows.element_power, x=rows.time, axis=0)
+    released = rows.element_energy[0] - rows.element_energy[-1]
+    assert done == pytest.approx(released + lost, abs=1e-8)
+    assert (np.abs(released).max() > 1e-3) == (keyword in STORE)
+    assert (lost.min() < -1e-3) == (keyword in DISSIPATE)
+    assert np.all(rows.element_power <= 1e-15)
+
+
+def test_springs_store_the_energy_of_their_formula():
+    """preload s + k s²/2 + ∫ curve: 1.6 · 0.2 + 8 · 0.02 + 10 · 0.2⁴ J at s = 0.2; ½ k s² of a cable."""
+    cards = (
+        "MASS 2 2.5 0 0 0 0.4 0.5 0.6\nPOLYNOMIAL 5 0 0 0 40\nLSPRING 0 2 0 0 0 1.2 0 0 8 1 0 1.6 5\n"
+        "CABLE 0 2 0 0 0 0 0 2 90 1.5\nCABLE 0 2 0 0 0 0 1 0 90 1.5\nBUSHING 0 2 0.1 0 0 0 0 0 90 0 0 0 0 0\n"
+    )
+    rows = rows_of(FREE, "0 0.01 0.01", cards)
+    bushing = [0.45, 0, 0, 0, 0, 0]
+    wanted = [1.6 * 0.2 + 8 * 0.02 + 10 * 0.2**4, 11.25, 0.0, *bushing]
+    assert rows.element_energy[0] == pytest.approx(wanted, abs=1e-14)
+    assert rows.potential[0] == pytest.approx(sum(wanted), rel=1e-14)
+
+
+def test_a_spring_whose_ends_pass_through_each_other_keeps_its_energy():
+    """A preload cannot act where there is no direction; the energy of the place is 0 at length = rest = 0."""
+    slide = "2 0 0 0 0 0 0 1 0 0 0 1\n" + "0 0 0 1 0 0 0\n" * 2
+    slide += "1 2 0 0 0 0 0 0 1 0 0 1 0 0 0 1 0 0 0 1\n1 0 0 0 0 0 0\n"
+    rows = rows_of(slide, "0 0.1 0.1", "MASS 2 2 0 0 0 1 1 1\nLSPRING 0 2 0 0 0 0 0 0 50 0\nRATE 1 2 1\n")
+    assert rows.element_energy[0] == 0.0 and rows.element_effort[0] == 0.0
+    assert rows.element_energy[1] == pytest.approx(25 * rows.joint_coordinate[1, 0] ** 2, rel=1e-12)

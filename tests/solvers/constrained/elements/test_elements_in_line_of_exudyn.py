@@ -1,0 +1,203 @@
+"""Characteristics, motors, stops, friction and couplings of rotors and slides, the same models in Exudyn.
+
+In Exudyn each rotor or slide is one coordinate: by an explicit method of order 6, couplings by generalised-α.
+"""
+
+import warnings
+
+import numpy as np
+import pytest
+
+from tests.solvers.constrained.element_decks import FREE, ROTOR, SLIDER, TWO_ROTORS, rows_of
+
+exu = pytest.importorskip("exudyn", reason="Exudyn is not installed (the extra bench)")
+from exudyn import utilities as parts  # noqa: E402
+
+pytestmark = [pytest.mark.long_motion, pytest.mark.filterwarnings("ignore::DeprecationWarning")]
+
+
+class System:
+    """Coordinates with inertias, connected to the ground and to each other."""
+
+    def __init__(self, inertias, speeds):
+        self.system = exu.SystemContainer().AddSystem()
+        ground = self.system.AddNode(parts.NodePointGround())
+        self.ground = self._marker(ground)
+        self.nodes = [self._coordinate(*pair) for pair in zip(inertias, speeds, strict=True)]
+        self.markers = [self._marker(node) for node in self.nodes]
+
+    def _marker(self, node):
+        return self.system.AddMarker(parts.MarkerNodeCoordinate(nodeNumber=node, coordinate=0))
+
+    def _coordinate(self, inertia, speed):
+        node = self.system.AddNode(parts.Node1D(initialVelocities=[speed]))
+        self.system.AddObject(parts.ObjectMass1D(physicsMass=inertia, nodeNumber=node))
+        return node
+
+    def add(self, connector, on=0, **data):
+        self.system.AddObject(connector(markerNumbers=[self.ground, self.markers[on]], **data))
+
+    def load(self, force, on=0):
+        load = parts.LoadCoordinate(
+            markerNumber=self.markers[on], loadUserFunction=lambda _s, t, _l: force(t)
+        )
+        self.system.AddLoad(load)
+
+    def couple(self, one, other, ratio):
+        """Make coordinate `one` the ratio times the `other`."""
+        pair = [self.markers[one], self.markers[other]]
+        self.system.AddObject(parts.ObjectConnectorCoordinate(markerNumbers=pair, factorValue1=ratio))
+
+    def solve(self, end, steps, method=None):
+        """Coordinates at the end."""
+        self.system.Assemble()
+        settings = exu.SimulationSettings()
+        settings.timeIntegration.numberOfSteps, settings.timeIntegration.endTime = steps, end
+        settings.timeIntegration.generalizedAlpha.spectralRadius = 1
+        settings.timeIntegration.newton.relativeTolerance = 1e-10
+        settings.timeIntegration.newton.absoluteTolerance = 1e-12
+        settings.solutionSettings.writeSolutionToFile = False
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            self.system.SolveDynamic(settings, solverType=method or exu.DynamicSolverType.RK67)
+        kind = exu.OutputVariableType.Coordinates
+        return [float(self.system.GetNodeOutput(node, kind)) for node in self.nodes]
+
+
+ALPHA = exu.DynamicSolverType.GeneralizedAlpha
+ROTATES = (ROTOR, "MASS 2 1 0 0 0 1 1 0.5\n", 0.5, "T", 1)
+SLIDES = (SLIDER, "MASS 2 2 0 0 0 1 1 1\n", 2.0, "A", 2)
+either = pytest.mark.parametrize(
+    ("deck", "mass", "inertia", "letter", "coordinate"), [ROTATES, SLIDES], ids=["angle", "stroke"]
+)
+
+
+@either
+def test_springs_and_dampers_by_functions_with_preload_and_a_motor_move_as_in_exudyn(
+    deck, mass, inertia, letter, coordinate
+):
+    one = System([inertia], [0.4])
+    points, forces = [-2.0, -0.1, 0.2, 2.0], [-6.0, -0.5, 0.4, 9.0]
+
+    def spring(_system, _t, _item, x, v, stiffness, damping, rest):
+        s = x - rest
+        return 1.6 + stiffness * s + np.interp(s, points, forces) + damping * v + 0.3 * v**3
+
+    one.add(
+        parts.ObjectConnectorCoordinateSpringDamper,
+        stiffness=8, damping=0.4, offset=0.1, springForceUserFunction=spring,
+    )  # fmt: skip
+    one.load(lambda t: 2 + 5 * np.sin(9 * t))
+    table = " ".join(f"{x} {f}" for x, f in zip(points, forces, strict=True))
+    cards = f"{mass}TABLE 1 {table}\nPOLYNOMIAL 2 0 0 0 0.3\nSINE 3 2 5 9\n{letter}MOTOR 1 3\n"
+    cards += f"{letter}SPRING 1 8 0.1 0.4 1.6 1 2\nRATE 1 {coordinate} 0.4\nTOLERANCE 1e-11\n"
+    rows = rows_of(deck, "0 2 2", cards)
+    assert rows.joint_coordinate[-1] == pytest.approx(one.solve(2.0, 4000), abs=1e-7)
+
+
+@either
+def test_two_stops_throw_a_body_to_and_fro_as_in_exudyn(deck, mass, inertia, letter, coordinate):
+    """Undamped: the damping of Exudyn's stops is that of Kelvin and Voigt, and pulls when a body leaves."""
+    one = System([inertia], [2.0])
+    data = parts.NodeGenericData(initialCoordinates=[0.0] * 3, numberOfDataCoordinates=3)
+    one.add(
+        parts.ObjectConnectorCoordinateSpringDamperExt, nodeNumber=one.system.AddNode(data), stiffness=3.0,
+        offset=0.05, useLimitStops=True,
+        limitStopsLower=-0.1, limitStopsUpper=0.2, limitStopsStiffness=500.0,
+    )  # fmt: skip
+    cards = f"{mass}{letter}STOP 1 -0.1 0.2 500\n{letter}SPRING 1 3 0.05\nRATE 1 {coordinate} 2\n"
+    rows = rows_of(deck, "0 1 1", f"{cards}TOLERANCE 1e-11\n")
+    assert rows.joint_coordinate[-1] == pytest.approx(one.solve(1.0, 80_000), abs=1e-6)
+
+
+def test_a_slide_with_friction_and_a_spring_slows_down_as_in_exudyn():
+    """μ N = 0.3 (2 · 9.81 + 5) N while it slides; where it sticks the two smooth curves differ."""
+    one = System([2.0], [1.5])
+    one.add(
+        parts.ObjectConnectorCoordinateSpringDamperExt, stiffness=10.0,
+        dynamicFrictionForce=0.3 * (2 * 9.81 + 5), frictionProportionalZone=1e-6,
+    )  # fmt: skip
+    cards = (
+        "MASS 2 2 0 0 0 1 1 1\nGRAVITY 0 -9.81 0\nASPRING 1 10\nFRICTION 1 0.3 0.3 1 1e-6 0 5\nRATE 1 2 1.5\n"
+    )
+    rows = rows_of(SLIDER, "0 0.3 0.3", cards + "TOLERANCE 1e-11\n")
+    assert rows.joint_rate[-1, 0] > 0.1
+    assert rows.joint_coordinate[-1] == pytest.approx(one.solve(0.3, 1000), abs=1e-9)
+
+
+RACK = (
+    "3 0 0 0 0 1 0 1 0 0 0 1\n" + "0 0 0 1 0 0 0\n" * 3 + "1 2 0 0 0 0 0 0 0 0 1 0 0 1\n"
+    "1 3 0 0 0 0 0 0 1 0 0 1 0 0 0 1 0 0 0 1\n1 0 0 0 0 0 0\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("deck", "terms", "ratio", "letter"),
+    [(TWO_ROTORS, "1 1 2 2 1 1", -2.0, "T"), (TWO_ROTORS, "1 1 0.1 2 1 -0.25", 0.4, "T"),
+     (RACK, "1 1 -0.2 2 2 1", 0.2, "A")],
+    ids=["gears", "belt", "rack and pinion"],
+)  # fmt: skip
+def test_coupled_joints_with_springs_swing_as_in_exudyn(deck, terms, ratio, letter):
+    """The first coordinate x, the second ratio · x."""
+    two = System([0.5, 0.3], [1.5, 1.5 * ratio])
+    two.couple(1, 0, ratio)
+    for on, (stiffness, damping, rest) in enumerate(((20.0, 0.2, 0.3), (7.0, 0.1, -0.4))):
+        two.add(
+            parts.ObjectConnectorCoordinateSpringDamper, on, stiffness=stiffness, damping=damping, offset=rest
+        )
+    cards = f"MASS 2 1 0 0 0 1 1 0.5\nMASS 3 0.3 0 0 0 1 1 0.3\nCOUPLING {terms}\nTSPRING 1 20 0.3 0.2\n"
+    cards += f"{letter}SPRING 2 7 -0.4 0.1\nRATE 1 1 1.5\nTOLERANCE 1e-11\n"
+    rows = rows_of(deck, "0 1 1", cards)
+    assert rows.joint_coordinate[-1] == pytest.approx(two.solve(1.0, 10_000, ALPHA), abs=1e-7)
+
+
+def test_a_differential_turns_as_in_exudyn():
+    """2 θ1 = θ2 + θ3 of three rotors, a spring at each, one of them braked."""
+    deck = "4 0 0 0 0 3 0 0 0 0 0 1\n" + "0 0 0 1 0 0 0\n" * 4
+    deck += "".join(f"1 {k} 0 0 0 0 0 0 0 0 1 0 0 1\n" for k in (2, 3, 4)) + "1 0 0 0 0 0 0\n"
+    inertias, springs = (0.4, 0.5, 0.7), (0.0, 6.0, 9.0)
+    three = exu.SystemContainer().AddSystem()
+    node = three.AddNode(
+        parts.NodeGenericODE2(referenceCoordinates=[0.0] * 3, initialCoordinates=[0.0] * 3,
+                              initialCoordinates_t=[0.0] * 3, numberOfODE2Coordinates=3)
+    )  # fmt: skip
+    three.AddObject(
+        parts.ObjectGenericODE2(
+            nodeNumbers=[node], massMatrix=np.diag(inertias), stiffnessMatrix=np.diag(springs),
+            dampingMatrix=np.diag([0.0, 0.2, 0.0]), forceVector=[6.0, 0.0, 0.0],
+        )
+    )  # fmt: skip
+    ground = three.AddNode(parts.NodePointGround())
+    markers = [three.AddMarker(parts.MarkerNodeCoordinates(nodeNumber=number)) for number in (node, ground)]
+    three.AddObject(
+        parts.ObjectConnectorCoordinateVector(
+            markerNumbers=markers, scalingMarker0=np.array([[2.0, -1.0, -1.0]]),
+            scalingMarker1=np.zeros((1, 0)), offset=[0.0],
+        )
+    )  # fmt: skip
+    system = System([], [])
+    system.system = three
+    system.solve(1.0, 10_000, ALPHA)
+    wanted = three.GetNodeOutput(node, exu.OutputVariableType.Coordinates)
+    cards = "".join(f"MASS {k + 2} 1 0 0 0 1 1 {inertia}\n" for k, inertia in enumerate(inertias))
+    cards += "TORQUE 2 0 0 6\nTSPRING 2 6 0 0.2\nTSPRING 3 9\nCOUPLING 1 1 2 2 1 -1 3 1 -1\nTOLERANCE 1e-11\n"
+    rows = rows_of(deck, "0 1 1", cards)
+    assert rows.joint_coordinate[-1] == pytest.approx(wanted, abs=1e-7)
+
+
+def test_a_body_on_a_link_with_two_spheres_swings_as_in_exudyn():
+    """CreateDistanceConstraint between a point of the ground and one off the centre of mass."""
+    system = System([], [])
+    ground = system.system.CreateGround()
+    inertia = parts.RigidBodyInertia(mass=2.0, inertiaTensor=np.diag([0.2, 0.3, 0.4]))
+    body = system.system.CreateRigidBody(
+        inertia=inertia, referencePosition=[0, 0, 0], gravity=[0.3, -9.81, 0.2]
+    )
+    system.system.CreateDistanceConstraint(
+        bodyNumbers=[ground, body], localPosition0=[0, 1, 0], localPosition1=[0.3, 0.1, 0.0]
+    )
+    system.solve(0.5, 10_000, ALPHA)
+    wanted = system.system.GetObjectOutputBody(body, exu.OutputVariableType.Position, [0, 0, 0])
+    cards = "MASS 2 2 0 0 0 0.2 0.3 0.4\nGRAVITY 0.3 -9.81 0.2\nTOLERANCE 1e-11\n"
+    rows = rows_of(FREE, "0 0.5 0.5", f"{cards}SPHSPH 0 2 0 1 0 0.3 0.1 0 {0.9**0.5!r}\n")
+    assert rows.position[-1, 1] == pytest.approx(wanted, abs=1e-6)
