@@ -168,7 +168,7 @@ def test_no_file_has_a_name_that_says_nothing():
 
 def test_no_folder_is_crowded():
     """Folders of a build, of caches and of editors are none of the project's."""
-    made = ("_build", "__pycache__")
+    made = ("_build", "__pycache__", "gallery")
     crowded = [
         f"{path.relative_to(PACKAGE.parent)} has {len(files)} files"
         for top in ("flexmb_cli", "tests", "scripts", "docs", "decks")
