@@ -42,7 +42,8 @@ def _file_bytes(path: Path, what: str) -> bytes:
     try:
         found = path.stat()
         if stat.S_ISDIR(found.st_mode):
-            raise _unreadable(f"is a directory, not a {what}; give the files in it, such as {path}/*")
+            remedy = f"; give the files in it, such as {path}/*" if what == "deck" else ""
+            raise _unreadable(f"is a directory, not a {what}{remedy}")
         if found.st_size > LARGEST_DECK:
             raise _too_large(what)
         with path.open("rb") as stream:

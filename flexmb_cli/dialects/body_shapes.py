@@ -17,7 +17,7 @@ OFFSET = tuple(f"offset.{axis}" for axis in "xyz")
 ANGLES = ("alpha", "beta", "gamma")
 
 
-MOST_TRIANGLES = 1_000_000  # of a deck: hundreds of its lines may name one large file
+MOST_OF_ALL_SHAPES = 1_000_000  # of a deck: hundreds of its lines may name one large file
 
 
 @dataclass(frozen=True)
@@ -54,8 +54,8 @@ def few_enough(found: Iterable[tuple[Record, Shape | None]], findings: Findings)
     count = 0
     for record, shape in found:
         count += len(shape.triangles) if shape else 0
-        if count > MOST_TRIANGLES:
-            message = f"the shapes of a deck have at most {MOST_TRIANGLES} triangles together; draw fewer"
+        if count > MOST_OF_ALL_SHAPES:
+            message = f"the shapes of a deck have at most {MOST_OF_ALL_SHAPES} triangles together; draw fewer"
             findings.error(record.subject, message, record.place, id="DECK-041")
             break
         shapes += [shape] if shape else []

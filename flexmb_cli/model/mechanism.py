@@ -14,6 +14,7 @@ if TYPE_CHECKING:  # few decks have any
     from .shapes import Shape
 
 GROUND = -1  # number of the body that stays at rest, body 0 of the cards
+SINE_OF_PARALLELS = 1e-9  # of the angle between directions that count as parallel
 
 Vector = tuple[float, float, float]
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from .mechanism import Joint
-from .vectors import SINE_OF_PARALLELS, rotation_matrix
+from .mechanism import SINE_OF_PARALLELS, Joint
+from .vectors import rotation_matrix
 
 REPEATED_EQUATIONS = 3  # equations of a loop
 

@@ -9,8 +9,6 @@ from typing import Any
 
 import numpy as np
 
-SINE_OF_PARALLELS = 1e-9  # of the angle between directions that count as parallel
-
 
 def dot(a: Any, b: np.ndarray | tuple[float, float, float]) -> float:
     """Scalar product."""

@@ -10,9 +10,9 @@ from .trip import Trip
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 ANSWERS = [
     *["a crank", "1 1 1 0 0 0 0 0 0 5 0 0", "", "", "1 6", "0 2 0", "1 0.5 0 0"],
-    *["1 1 0", "1 2 0", "1 3 0", "1 4 0", "1 5 0", "0 1 0.1"],
+    *["1 1 0", "1 2 0", "1 3 0", "1 4 0", "1 5 0", "0 1 0.1", "0"],
 ]
-VALUES = [1, 12, 3, 4, 2, 3, 4, 3, 3, 3, 3, 3, 3]  # that each line of the answers gives
+VALUES = [1, 12, 3, 4, 2, 3, 4, 3, 3, 3, 3, 3, 3, 1]  # that each line of the answers gives
 STUDY = """
 deck = "{deck}"
 [parameters]

@@ -185,7 +185,7 @@ def test_wrong_cards_are_refused(folder, name, old, new, words):
 @pytest.mark.parametrize("name", CASES)
 def test_shapes_of_too_many_triangles_together_are_refused(name, folder, monkeypatch):
     """Three hundred lines that named one file of 200,000 triangles took gigabytes and minutes."""
-    monkeypatch.setattr("flexmb_cli.dialects.body_shapes.MOST_TRIANGLES", 20)
+    monkeypatch.setattr("flexmb_cli.dialects.body_shapes.MOST_OF_ALL_SHAPES", 20)
     done = CliRunner().invoke(check, [str(written(folder, name))])
     assert done.exit_code == 2
     assert "the shapes of a deck have at most 20 triangles together; draw fewer" in done.output

@@ -11,9 +11,19 @@ from ...deck.record import Record
 from ...errors import Fault
 from ...model.diagnostics import LARGEST_NUMBER, Findings
 from ...model.joints import JOINT_TYPES, PITCH, JointType
-from ...model.mechanism import Body, Distance, Driver, Ground, Joint, Point, Simplified, TimeGrid, Vector
+from ...model.mechanism import (
+    SINE_OF_PARALLELS,
+    Body,
+    Distance,
+    Driver,
+    Ground,
+    Joint,
+    Point,
+    Simplified,
+    TimeGrid,
+    Vector,
+)
 from ...model.time_checks import MOST_ROWS
-from ...model.vectors import SINE_OF_PARALLELS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
