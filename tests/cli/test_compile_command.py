@@ -28,7 +28,8 @@ def flexmb(cache, *arguments):
     """What a command prints, on both streams, and its exit code."""
     done = subprocess.run(
         [sys.executable, "-c", CODE, *arguments], capture_output=True, text=True, timeout=300,
-        env=os.environ | {"NUMBA_CACHE_DIR": str(cache), "HOME": "", "TMPDIR": str(cache.parent)},
+        env=os.environ
+        | {"NUMBA_CACHE_DIR": str(cache), "XDG_CACHE_HOME": "", "HOME": "", "TMPDIR": str(cache.parent)},
     )  # fmt: skip
     return done.stdout + done.stderr, done.returncode
 

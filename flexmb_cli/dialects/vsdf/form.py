@@ -62,7 +62,7 @@ class VsdfForm:
         for value in last.numbers if last.section != "title" else ():
             if value.key == "nodes":
                 faults += _faults_of_list(last, value, _BY_SECTION[last.section].more.letter)  # type: ignore[union-attr]
-            elif value.key in ("body", "a", "b"):
+            elif value.key == "body" or (value.key in ("a", "b") and last.section != "shape"):
                 faults += _outside(last, value, "0: ground" not in value.meaning, records[1]["BODY"])
             elif value.key == "joint":
                 faults += _outside(last, value, 1, records[1]["JOIN"])  # type: ignore[arg-type]
