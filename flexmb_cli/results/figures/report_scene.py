@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from .body_shapes import BodyShape
-from .element_bodies import ElementBody, element_bodies
+from .element_bodies import ElementBody, element_bodies, largest_deformation, largest_stress
 from .element_faces import face_edges, outer_faces, triangles
 from .look import COLOURS
 from .scene import DrawnBody, Scene, read_scene
@@ -45,11 +45,15 @@ def report_scene(result: h5py.File) -> dict[str, Any] | None:
     places = len(read_scene(result, slice(0, 1)).places)
     every = frame_rows(rows, places)
     scene = read_scene(result, every)
-    return scene_data(scene, list(element_bodies(result, scene.body_names, every)))
+    bodies = list(element_bodies(result, scene.body_names, slice(None)))
+    return scene_data(scene, bodies, every)
 
 
-def scene_data(scene: Scene, surfaces: list[ElementBody]) -> dict[str, Any]:
-    """The viewer's data of a scene, whose bodies among `surfaces` are drawn by their elements."""
+def scene_data(scene: Scene, surfaces: list[ElementBody], rows: slice = slice(None)) -> dict[str, Any]:
+    """The viewer's data of a scene, whose bodies among `surfaces` are drawn by their elements.
+
+    The scene is at `rows` of those of the surfaces; colours reach to the largest values of all rows.
+    """
     shown = {*(one.number for one in surfaces), *(shape.number for shape in scene.shapes)}
     drawn = [body for body in scene.bodies if body.number not in shown]
     every = scene.places
@@ -62,7 +66,14 @@ def scene_data(scene: Scene, surfaces: list[ElementBody]) -> dict[str, Any]:
         "box": {"low": every.min(axis=0).tolist(), "high": every.max(axis=0).tolist()},
         "view": {"eye": list(view.eye), "up": list(view.up)},
         "bodies": [_lines(body) for body in drawn],
-        "surfaces": [*map(_surface, surfaces), *map(_rigid_surface, scene.shapes)],
+        "surfaces": [
+            *(_surface(body.at(rows)) for body in surfaces),
+            *map(_rigid_surface, scene.shapes),
+        ],
+        "ranges": {
+            "von Mises stress": largest_stress(surfaces),
+            "deformation": largest_deformation(surfaces),
+        },
         "joints": {"marks": _numbers(scene.joints), "names": list(scene.joint_names)},
         "traces": _traces(scene),
     }
