@@ -9,7 +9,7 @@ import numpy as np
 
 from ...quick_dataclass import dataclass, replace
 from ..hdf5.stored_result import Damaged, check_shapes
-from ..hdf5.stress import von_mises
+from ..hdf5.stress import MOST_STRESSES, von_mises
 from .element_faces import FACES
 from .scene import rotations
 
@@ -22,8 +22,6 @@ _SHAPES = {
     "element": "e",
 }
 _SERIES = ("amplitude", "rate", "origin", "turn", "velocity", "spin")
-# Numbers at a time: the stresses of all nodes of a large body are many.
-_MOST_NUMBERS = 2**22
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +95,7 @@ def _lengths(vectors: np.ndarray) -> np.ndarray:
 @np.errstate(all="ignore")
 def _largest(shape: np.ndarray, amplitude: np.ndarray, measure: Callable[[np.ndarray], np.ndarray]) -> float:
     """Return the largest finite `measure` of `shape` (n, k, N) times a row of `amplitude` (T, N)."""
-    most, rows = 0.0, max(1, _MOST_NUMBERS // max(1, math.prod(shape.shape[:2])))
+    most, rows = 0.0, max(1, MOST_STRESSES // max(1, math.prod(shape.shape[:2])))
     for first in range(0, len(amplitude), rows):
         values = measure(np.moveaxis(shape @ amplitude[first : first + rows].T, 1, -1))
         most = max(most, float(np.max(values, where=np.isfinite(values), initial=0.0)))
