@@ -160,6 +160,7 @@ def _drawn(
     panels: "list[Panel]", form: str, title: str, width: float | None, options: "dict[str, Any]"
 ) -> bytes:
     """The picture's bytes; options of print need a width."""
+    from ..quick_dataclass import replace
     from ..results.figures.look import Look
     from ..results.figures.plots import picture
 
@@ -171,6 +172,9 @@ def _drawn(
             f"--style {options['style']}: a file wanted; nothing is fetched from a network"
         )
     look = width and Look(width, options["font"], options["font_size"], options["style"], options["latex"])
+    if look and look.lacks_font:
+        tell(f"flexmb: warning: --font {look.font}: no such font is installed; matplotlib's own is taken")
+        look = replace(look, font="")
     try:
         return picture(panels, form, title, look or None)
     except OSError as error:

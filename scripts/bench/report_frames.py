@@ -14,9 +14,10 @@ from pathlib import Path
 import numpy as np
 from selenium import webdriver
 
+from flexmb_cli.quick_dataclass import replace
 from flexmb_cli.results.figures import report_page
 from flexmb_cli.results.figures.element_bodies import ElementBody
-from flexmb_cli.results.figures.report_scene import scene_data
+from flexmb_cli.results.figures.report_scene import frame_rows, scene_data, stored_places
 from flexmb_cli.results.figures.scene import Scene
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
@@ -65,7 +66,10 @@ def page(body: ElementBody) -> str:
     """A page with the viewer alone."""
     instants, none = len(body.amplitude), np.zeros((len(body.amplitude), 0, 3))
     scene = Scene(np.linspace(0, 1, instants), (), (), none, none, (), none, np.zeros(3))
-    scene_data_ = scene_data(_with_extent(scene, body), [body])
+    whole = _with_extent(scene, body)
+    every = frame_rows(instants, stored_places(whole, [body]))
+    shown = replace(whole, time=whole.time[every], joints=none[every], points=whole.points[every])
+    scene_data_ = scene_data(shown, [body], every)
     motion = (Path(report_page.__file__).parent / "viewer/motion.html").read_text()
     script = report_page.viewer_script()
     figures = json.dumps({"scene": scene_data_})

@@ -1,13 +1,15 @@
 """Finite-element bodies of a result, whose elements it holds: nodes, cells, motion and stresses over time."""
 
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import h5py
 import numpy as np
 
-from ...quick_dataclass import dataclass
+from ...quick_dataclass import dataclass, replace
 from ..hdf5.stored_result import Damaged, check_shapes
+from ..hdf5.stress import MOST_STRESSES, von_mises
 from .element_faces import FACES
 from .scene import rotations
 
@@ -19,6 +21,7 @@ _SHAPES = {
     "cell": "ek",
     "element": "e",
 }
+_SERIES = ("amplitude", "rate", "origin", "turn", "velocity", "spin")
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +45,10 @@ class ElementBody:
     turn: np.ndarray
     velocity: np.ndarray
     spin: np.ndarray
+
+    def at(self, rows: slice) -> "ElementBody":
+        """Return the body at some of its rows."""
+        return replace(self, **{key: getattr(self, key)[rows] for key in _SERIES})
 
     def deformation(self, row: int) -> np.ndarray:
         """Elastic displacements (n, 3) of the nodes in a row, global axes."""
@@ -68,6 +75,31 @@ def element_bodies(result: h5py.File, names: tuple[str, ...], rows: slice) -> It
         group = f"elastic/{name}"
         if f"{group}/cell" in result:
             yield _body(result, number, name, rows)
+
+
+def largest_stress(bodies: Sequence[ElementBody]) -> float:
+    """Return the largest equivalent stress at a node of `bodies` in any row, Pa; 0 without bodies."""
+    return max((_largest(body.stress_shape, body.amplitude, von_mises) for body in bodies), default=0.0)
+
+
+def largest_deformation(bodies: Sequence[ElementBody]) -> float:
+    """Return the longest elastic displacement of a node of `bodies` in any row, m; 0 without bodies."""
+    return max((_largest(body.shape, body.amplitude, _lengths) for body in bodies), default=0.0)
+
+
+def _lengths(vectors: np.ndarray) -> np.ndarray:
+    return np.sqrt(np.square(vectors).sum(axis=-1))
+
+
+# What is not finite has no colour.
+@np.errstate(all="ignore")
+def _largest(shape: np.ndarray, amplitude: np.ndarray, measure: Callable[[np.ndarray], np.ndarray]) -> float:
+    """Return the largest finite `measure` of `shape` (n, k, N) times a row of `amplitude` (T, N)."""
+    most, rows = 0.0, max(1, MOST_STRESSES // max(1, math.prod(shape.shape[:2])))
+    for first in range(0, len(amplitude), rows):
+        values = measure(np.moveaxis(shape @ amplitude[first : first + rows].T, 1, -1))
+        most = max(most, float(np.max(values, where=np.isfinite(values), initial=0.0)))
+    return most
 
 
 def _body(result: Any, number: Any, name: Any, rows: Any) -> ElementBody:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...quick_dataclass import dataclass
 from ..hdf5.stress import von_mises
-from .element_bodies import ElementBody, element_bodies
+from .element_bodies import ElementBody, element_bodies, largest_stress
 from .element_faces import outer_faces, triangles
 from .report_scene import GREY, LONGEST_ANIMATION, MOST_TRACES, SHORTEST_ANIMATION, TRACE, colour_of, rounded
 from .scene import Scene, read_scene
@@ -109,7 +109,7 @@ class _Camera:
 class _Surface:
     """Triangles of a finite-element body or of shapes, their places and colours in every row."""
 
-    def __init__(self, body: Any, most: int):
+    def __init__(self, body: Any, most: float):
         self.body, self.most = body, most
         self.of_elements = isinstance(body, ElementBody)
         self.triangles = triangles(outer_faces(body.cells)) if self.of_elements else body.triangles
@@ -132,7 +132,7 @@ class _Canvas:
 
         self.scene, self.contours = scene, colormaps["viridis"]
         self.camera = _Camera(_all_places(scene, bodies), scene.gravity, look)
-        most = _largest_stress(bodies)
+        most = largest_stress(bodies)
         shown = {*(one.number for one in bodies), *(shape.number for shape in scene.shapes)}
         self.lines = [body for body in scene.bodies if body.number not in shown]
         self.surfaces = [_Surface(body, most) for body in (*bodies, *scene.shapes)]
@@ -144,7 +144,7 @@ class _Canvas:
         self._prepare(most)
         self.canvas = FigureCanvasAgg(self.figure)
 
-    def _prepare(self, most: int) -> None:
+    def _prepare(self, most: float) -> None:
         from matplotlib.collections import LineCollection, PolyCollection
 
         paths = np.swapaxes(self.scene.points, 0, 1)[:MOST_TRACES]
@@ -218,12 +218,3 @@ def _all_places(scene: Any, bodies: Any) -> Any:
     """Everything at all times; of finite-element bodies at some."""
     rows = np.unique(np.linspace(0, len(scene.time) - 1, 20).astype(int))
     return np.concatenate([scene.places, *(body.places(row) for body in bodies for row in rows)])
-
-
-def _largest_stress(bodies: Any) -> Any:
-    """The largest equivalent stress of some rows, Pa; 0 without elements."""
-    largest = 0.0
-    for body in bodies:
-        for row in np.unique(np.linspace(0, len(body.amplitude) - 1, 60).astype(int)):
-            largest = max(largest, float(von_mises(body.stress(row)).max()))
-    return largest

@@ -56,6 +56,19 @@ class Look:
         rows = -(-len(labels) // self.legend_columns(labels))
         return rows * LINE_SPACING * (self.size or 8.0) / POINTS_PER_INCH
 
+    @property
+    def lacks_font(self) -> bool:
+        """Return whether matplotlib finds no font of the family; LaTeX finds its own."""
+        from matplotlib.font_manager import FontProperties, fontManager
+
+        if not self.font or self.latex:
+            return False
+        try:
+            fontManager.findfont(FontProperties(family=[self.font]), fallback_to_default=False)
+        except ValueError:
+            return True
+        return False
+
     def settings(self) -> dict[str, Any]:
         """Settings of matplotlib that follow, for rcParams."""
         size = self.size or 8.0

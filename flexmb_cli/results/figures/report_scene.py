@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from .body_shapes import BodyShape
-from .element_bodies import ElementBody, element_bodies
+from .element_bodies import ElementBody, element_bodies, largest_deformation, largest_stress
 from .element_faces import face_edges, outer_faces, triangles
 from .look import COLOURS
 from .scene import DrawnBody, Scene, read_scene
@@ -19,7 +19,7 @@ from .view import view_of
 
 GREY, TRACE = "#808080", "#B06060"
 MOST_SCENE_FRAMES, FEWEST_FRAMES = 500, 20
-# Places of all frames together: 16 bytes of the page each.
+# Places of all frames together: 16 bytes of the page each; what moves by modes or as a whole stores none.
 MOST_PLACES = 100_000
 MOST_TRACES = 12
 # Shortest and longest time of the whole animation, s; between them it plays in its own time.
@@ -29,11 +29,14 @@ SHORTEST_ANIMATION, LONGEST_ANIMATION = 3.0, 15.0
 def frame_rows(rows: int, places: int = 1) -> slice:
     """Every n-th row, so that there are at most `MOST_SCENE_FRAMES`, fewer where each shows many `places`.
 
-    The last row is among them where a stride up to twice as long as needed leads to it.
+    The last row is among them where a stride up to twice as long as needed leads to it.  There are at
+    least `FEWEST_FRAMES`, or all rows.
     """
-    frames = min(MOST_SCENE_FRAMES, max(FEWEST_FRAMES, MOST_PLACES // places))
-    least = -(-rows // frames) or 1
-    ending = (stride for stride in range(least, 2 * least) if (rows - 1) % stride == 0)
+    frames = min(MOST_SCENE_FRAMES, max(FEWEST_FRAMES, MOST_PLACES // max(1, places)))
+    longest = max(1, (rows - 1) // (FEWEST_FRAMES - 1))
+    least = min(-(-rows // frames) or 1, longest)
+    strides = range(least, min(2 * least, longest + 1))
+    ending = (stride for stride in strides if (rows - 1) % stride == 0)
     return slice(0, rows, next(ending, least))
 
 
@@ -42,16 +45,23 @@ def report_scene(result: h5py.File) -> dict[str, Any] | None:
     rows = len(result["time"])
     if not rows or "body/position" not in result:
         return None
-    places = len(read_scene(result, slice(0, 1)).places)
-    every = frame_rows(rows, places)
-    scene = read_scene(result, every)
-    return scene_data(scene, list(element_bodies(result, scene.body_names, every)))
+    first = read_scene(result, slice(0, 1), every_node=False)
+    bodies = list(element_bodies(result, first.body_names, slice(None)))
+    every = frame_rows(rows, stored_places(first, bodies))
+    return scene_data(read_scene(result, every, every_node=False), bodies, every)
 
 
-def scene_data(scene: Scene, surfaces: list[ElementBody]) -> dict[str, Any]:
-    """The viewer's data of a scene, whose bodies among `surfaces` are drawn by their elements."""
-    shown = {*(one.number for one in surfaces), *(shape.number for shape in scene.shapes)}
-    drawn = [body for body in scene.bodies if body.number not in shown]
+def stored_places(scene: Scene, surfaces: list[ElementBody]) -> int:
+    """Return how many places a frame stores: those of bodies drawn as lines, of joints and of traces."""
+    marks = sum(body.marks.shape[1] for body in _lined(scene, surfaces))
+    return marks + len(scene.joint_names) + min(len(scene.point_names), MOST_TRACES)
+
+
+def scene_data(scene: Scene, surfaces: list[ElementBody], rows: slice = slice(None)) -> dict[str, Any]:
+    """The viewer's data of a scene, whose bodies among `surfaces` are drawn by their elements.
+
+    The scene is at `rows` of those of the surfaces; colours reach to the largest values of all rows.
+    """
     every = scene.places
     view = view_of(every, scene.gravity)
     seconds = float(scene.time[-1] - scene.time[0])
@@ -61,11 +71,24 @@ def scene_data(scene: Scene, surfaces: list[ElementBody]) -> dict[str, Any]:
         "seconds": min(max(seconds, SHORTEST_ANIMATION), LONGEST_ANIMATION),
         "box": {"low": every.min(axis=0).tolist(), "high": every.max(axis=0).tolist()},
         "view": {"eye": list(view.eye), "up": list(view.up)},
-        "bodies": [_lines(body) for body in drawn],
-        "surfaces": [*map(_surface, surfaces), *map(_rigid_surface, scene.shapes)],
+        "bodies": [_lines(body) for body in _lined(scene, surfaces)],
+        "surfaces": [
+            *(_surface(body.at(rows)) for body in surfaces),
+            *map(_rigid_surface, scene.shapes),
+        ],
+        "ranges": {
+            "von Mises stress": largest_stress(surfaces),
+            "deformation": largest_deformation(surfaces),
+        },
         "joints": {"marks": _numbers(scene.joints), "names": list(scene.joint_names)},
         "traces": _traces(scene),
     }
+
+
+def _lined(scene: Scene, surfaces: list[ElementBody]) -> list[DrawnBody]:
+    """Return the bodies that have neither elements nor shapes to be drawn by."""
+    shown = {*(one.number for one in surfaces), *(shape.number for shape in scene.shapes)}
+    return [body for body in scene.bodies if body.number not in shown]
 
 
 def rounded(times: np.ndarray) -> list[str]:

@@ -4,6 +4,7 @@ Everything comes from the result file alone: its motion, and where joints, point
 bodies (`result_geometry`).  Lengths in m, global axes; T rows of time.
 """
 
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import h5py
@@ -78,9 +79,10 @@ class Scene:
 
 # Numbers too large for a picture are found at its end.
 @np.errstate(all="ignore")
-def read_scene(result: h5py.File, rows: slice = slice(None)) -> Scene:
+def read_scene(result: h5py.File, rows: slice = slice(None), every_node: bool = True) -> Scene:
     """The scene of `result` at `rows`.
 
+    Without `every_node` a body that has elements keeps its outermost nodes and those at joints alone.
     Raises `ResultError` when it has no rows or no bodies, or places that are not finite.
     """
     _check_shapes(result)
@@ -88,7 +90,7 @@ def read_scene(result: h5py.File, rows: slice = slice(None)) -> Scene:
         raise ResultError(
             result.filename, "there are no bodies to draw: the result has no rows", id="RESULT-002"
         )
-    motion = _Motion(result, rows)
+    motion = _Motion(result, rows, every_node)
     joints = [motion.joint(j) for j in range(len(motion.joint_body))]
     scene = Scene(
         time=result["time"][rows],
@@ -136,16 +138,17 @@ def _check_shapes(result: h5py.File) -> None:
 class _Motion:
     """Where points of bodies are; body 0 is the ground, flexible bodies carry their nodes along."""
 
-    def __init__(self, result: h5py.File, rows: slice):
+    def __init__(self, result: h5py.File, rows: slice, every_node: bool = True):
         self.position = result["body/position"][rows]
         self.rows = len(self.position)
         self.turn = rotations(result["body/euler_parameters"][rows])
         self.names = _names(result, "body")
         self.relative = "coordinate/u_rate" in result  # of a tree
-        self.nodes = dict(_nodes(result, self.names, rows))
         have_joints, have_points = "joint/point" in result, "point/body" in result
         self.joint_body = result["joint/body"][:] if have_joints else np.zeros((0, 2), int)
         self.joint_point = result["joint/point"][:] if have_joints else np.zeros((0, 2, 3))
+        ends = None if every_node else (self.joint_body, self.joint_point)
+        self.nodes = dict(_nodes(result, self.names, rows, ends))
         self.points = result["point/position"][rows] if have_points else np.zeros((self.rows, 0, 3))
         self.point_body = result["point/body"][:] if have_points else np.zeros(0, int)
         self.centre = result["body/centre"][:] if "body/centre" in result else None
@@ -234,16 +237,32 @@ def _names(result: h5py.File, kind: str) -> tuple[str, ...]:
 
 
 def _nodes(
-    result: h5py.File, names: tuple[str, ...], rows: slice
+    result: h5py.File,
+    names: tuple[str, ...],
+    rows: slice,
+    ends: tuple[np.ndarray, np.ndarray] | None,
 ) -> "Iterator[tuple[int, tuple[np.ndarray, np.ndarray]]]":
-    """Number of a flexible body, its undeformed nodes (n, 3) and their places in body axes (T, n, 3)."""
+    """Number of a flexible body, its undeformed nodes (n, 3) and their places in body axes (T, n, 3).
+
+    Given the `ends` of joints, their bodies (j, 2) and points (j, 2, 3), nodes of elements are thinned.
+    """
     for number, name in enumerate(names, start=1):
         group, amplitude = result.get(f"elastic/{name}", {}), f"modal/{name}/amplitude"
         if "node_position" not in group:
             continue
-        undeformed = group["node_position"][:]
+        undeformed, kept = group["node_position"][:], slice(None)
+        if ends and "cell" in group:
+            kept = _outermost(undeformed, ends[1][ends[0] == number])
+            undeformed = undeformed[kept]
         if "displacement" in group:
-            yield number, (undeformed, undeformed + group["displacement"][rows])
+            yield number, (undeformed, undeformed + group["displacement"][rows][:, kept])
         elif "shape" in group and amplitude in result:
-            moved = np.einsum("nxm,tm->tnx", group["shape"][:], result[amplitude][rows])
+            moved = np.einsum("nxm,tm->tnx", group["shape"][:][kept], result[amplitude][rows])
             yield number, (undeformed, undeformed + moved)
+
+
+def _outermost(nodes: np.ndarray, ends: np.ndarray) -> Any:
+    """Return the rows of `nodes` (n, 3) farthest along axes and diagonals, and of those at `ends` (m, 3)."""
+    along = nodes @ np.array(list(product((-1, 0, 1), repeat=3)), float).T
+    at_ends = np.all(nodes[:, None] == ends, axis=-1).any(axis=1)
+    return np.union1d(along.argmax(axis=0), np.flatnonzero(at_ends))

@@ -15,7 +15,7 @@ from .layout import Axis, Constant, Series, Values
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 # Rows at a time: the stresses of all nodes of a large body are many numbers.
-_MOST_NUMBERS = 2**22
+MOST_STRESSES = 2**22
 
 
 def element_axis(body: FloatingBody) -> list[Axis]:
@@ -148,7 +148,7 @@ def largest_von_mises(body: FloatingBody, eta: np.ndarray) -> tuple[np.ndarray, 
     """Largest equivalent stress (T,) at any node, and the number of that node (T,)."""
     shapes = body.flexible.stress.nodal  # type: ignore[union-attr]
     largest, node = np.empty(len(eta)), np.empty(len(eta))
-    rows = max(1, _MOST_NUMBERS // math.prod(shapes.shape[:2]))
+    rows = max(1, MOST_STRESSES // math.prod(shapes.shape[:2]))
     for first in range(0, len(eta), rows):
         part = slice(first, first + rows)
         equivalent = von_mises(np.einsum("san,tn->tsa", shapes, eta[part], optimize=True))

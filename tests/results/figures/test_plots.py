@@ -226,6 +226,23 @@ def test_options_of_print_that_cannot_be_met_are_usage_errors(bar, tmp_path, opt
     assert message in done.output
 
 
+def test_a_font_that_is_not_installed_is_told_once(bar, tmp_path, caplog):
+    """Matplotlib logs every text that it measures; the picture is that in matplotlib's own font."""
+    pytest.importorskip("matplotlib")
+    pictures = []
+    for k, (words, warnings) in enumerate(
+        [([], 0), (["--font", "No Such Font"], 1), (["--font", "serif"], 0)]
+    ):
+        target = tmp_path / f"{k}.png"
+        done = CliRunner().invoke(plot, [str(bar), "point.1", "--width", "85", *words, "-o", str(target)])
+        assert done.exit_code == 0, done.output
+        assert done.output.count("--font No Such Font: no such font is installed") == warnings
+        assert done.output.count("warning") == warnings
+        pictures.append(target.read_bytes())
+    assert "findfont" not in caplog.text
+    assert pictures[0] == pictures[1] != pictures[2]
+
+
 def test_a_style_file_decides_last(bar, tmp_path):
     """The style's figure colour is on the picture's edge."""
     pytest.importorskip("matplotlib")

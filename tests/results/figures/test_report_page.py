@@ -19,11 +19,18 @@ from flexmb_cli.cli.report import report
 from flexmb_cli.results.figures.curves import Curve, Panel
 from flexmb_cli.results.figures.report_curves import curve_figure
 from flexmb_cli.results.figures.report_page import report_page
-from flexmb_cli.results.figures.report_scene import MOST_SCENE_FRAMES, frame_rows, rounded, scene_data
+from flexmb_cli.results.figures.report_scene import (
+    MOST_SCENE_FRAMES,
+    frame_rows,
+    report_scene,
+    rounded,
+    scene_data,
+)
 from flexmb_cli.results.figures.scene import read_scene
 from flexmb_cli.results.quantities.quantities import ResultError, open_result
 from flexmb_cli.results.quantities.readable import Readable
 from tests.results import conftest
+from tests.results.figures.elastic_brick import LENGTH, write_brick
 from tests.results.figures.turning_bar import tip, write_bar
 
 DECKS = Path(__file__).resolve().parents[3] / "decks"
@@ -156,8 +163,29 @@ def test_the_last_row_is_a_frame_where_an_even_stride_leads_to_it(rows):
     assert range(*frame_rows(rows).indices(rows))[-1] == rows - 1
 
 
-def test_large_models_have_fewer_frames():
+def test_bodies_drawn_by_many_lines_have_fewer_frames():
     assert 25 <= len(range(*frame_rows(1000, 4000).indices(1000))) <= 50
+
+
+@pytest.mark.parametrize("rows", [20, 30, 39, 501, 1000, 99_999])
+def test_no_number_of_places_leaves_fewer_than_twenty_frames(rows):
+    """500 = 10 · 50 rows apart: a stride of 50 would lead to the last row, with eleven frames."""
+    assert 20 <= len(range(*frame_rows(rows, 20_000).indices(rows))) < 40
+
+
+def test_bodies_drawn_by_modes_do_not_lessen_the_frames(tmp_path):
+    """A plate of 5202 nodes with 501 rows: every other row is a frame, and the view holds it all."""
+    path = write_brick(tmp_path / "r.h5", np.zeros(501), cells=(50, 50, 1))
+    with h5py.File(path) as file:
+        data = report_scene(file)
+    assert len(data["time"]) == 251
+    (plate,) = (one for one in data["surfaces"] if one["modes"])
+    assert len(plate["numbers"]) == 5202
+    assert len(decoded(plate["amplitude"], 1)) == 251
+    # The far edge, a metre and the plate's length from the axis, passes x and -z.
+    reach = np.hypot(1.0 + LENGTH, 0.1)
+    assert data["box"]["high"][0] == pytest.approx(reach, rel=1e-4)
+    assert data["box"]["low"][2] == pytest.approx(-reach, rel=1e-4)
 
 
 @pytest.mark.parametrize(

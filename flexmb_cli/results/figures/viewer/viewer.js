@@ -28,7 +28,7 @@ class Viewer {
     this.turn = {eye: unit(scene.view.eye), up: unit(scene.view.up)};
     this.zoom = 1; this.shift = [0, 0]; this.magnify = 1; this.colouring = this.contoured.length ? "von Mises stress" : "body";
     this.ratio = 2; this.cost = 8;
-    this.prepareRanges();
+    this.ranges = scene.ranges;  // largest values of all report rows, so that colours mean the same throughout
     this.controls();
     this.show(0);
   }
@@ -46,19 +46,6 @@ class Viewer {
     const marks = floats(one.marks), count = marks.length / 3, index = new Uint32Array(2 * Math.max(0, count - 1));
     for (let k = 0; k < count - 1; k++) { index[2 * k] = k; index[2 * k + 1] = k + 1; }
     return {...one, marks, index, screen: new Float32Array(marks.length), packed: packed(rgb(one.colour))};
-  }
-
-  // Largest values over all frames, so that colours mean the same throughout.
-  prepareRanges() {
-    this.ranges = {};
-    const every = Math.max(1, Math.floor(this.scene.time.length / 60));
-    for (const name of Object.keys(NAMED)) {
-      this.ranges[name] = 0;
-      for (const one of this.contoured) for (let k = 0; k < this.scene.time.length; k += every) {
-        this.fill(one, k, name);
-        for (const value of one.values) if (value > this.ranges[name]) this.ranges[name] = value;
-      }
-    }
   }
 
   // Displacements of a frame, body axes, and the values that are coloured.
@@ -176,7 +163,7 @@ class Viewer {
       const most = one.modes ? this.ranges[this.colouring] : undefined, coloured = most !== undefined;
       this.fill(one, this.frame, this.colouring);
       this.carry(camera, one);
-      if (coloured) for (let n = 0, scale = most ? (STEPS - 1e-3) / most : 0; n < one.count; n++) one.values[n] *= scale;
+      if (coloured) for (let n = 0, scale = most ? (STEPS - 1e-3) / most : 0; n < one.count; n++) one.values[n] = Math.min(STEPS - 1e-3, one.values[n] * scale);
       // Triangles of STL files may face either way; those of elements face outwards.
       this.raster.triangles(one.screen, one.triangles, coloured ? this.contours : one.palette, coloured ? one.values : null, one.modes > 0, this.lines.length + k + 1);
       if (one.edges.length && this.part("mesh").checked) this.raster.lines(one.screen, one.edges, 0, 1, 1);
