@@ -114,7 +114,7 @@ def refused(folder, element, changed):
     path.write_text(changed(path.read_text()))
     with pytest.raises(ModelError) as fault:
         flexible_body(given, cached=False)
-    return str(fault.value)
+    return "\n".join(one.message for one in fault.value.faults)
 
 
 @pytest.mark.parametrize("element, unknown", [
@@ -131,7 +131,7 @@ SECOND = "2, 5, 9, 11, 7, 6, 10, 12, 8\n"  # the second of two bricks
 def test_an_element_given_twice_does_not_count_twice(tmp_path):
     """Its mass was added once more in silence."""
     said = refused(tmp_path, "C3D8", lambda text: text.replace(SECOND, SECOND + SECOND))
-    assert "b.inp, line 17: element 2 is given twice, first on line 16" in said
+    assert said.count("b.inp, line 17: element 2 is given twice, first on line 16") == 1
 
 
 def test_two_types_of_one_number_of_nodes_are_refused(tmp_path):
