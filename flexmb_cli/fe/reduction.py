@@ -46,7 +46,9 @@ class _Matrices:
 def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | None:
     """Return the body that `given` describes; None where `findings` tell why there is none."""
     S = _read(given, given.mass, "M", nodal_part, findings)
-    K = _read(given, given.stiffness, "K", condensed, findings)
+    # Elements without a mass have no stiffness for the same reason, which is told once.
+    told = S is None and given.mass.form == given.stiffness.form == OF_ELEMENTS
+    K = None if told else _read(given, given.stiffness, "K", condensed, findings)
     _check_reference_nodes(given, findings)
     if S is None or K is None or findings.faults:
         return None

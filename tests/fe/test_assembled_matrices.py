@@ -38,7 +38,7 @@ def meshed(folder, beam, **choices) -> FlexibleInput:
 def matrices(given, beam):
     """M and K of the mesh."""
     rows = np.array(beam.mesh()[1]) - 1
-    table = BodyTable(np.arange(1, len(rows) + 1), rows)
+    table = BodyTable(np.arange(1, len(rows) + 1), rows, beam.element)
     found = [element_matrix(given, table, letter) for letter in "MK"]
     return [np.asarray(summed(one.values, one.rows, one.columns, one.size)) for one in found]
 
@@ -84,7 +84,7 @@ def test_products_of_quadratic_functions_in_a_tetrahedron_are_integrated_exactly
     given = FlexibleInput(
         "b", file, file, np.arange(1, 11), NODES, material=ElementMaterial(file, 1.0, 0.0, None, 6.0)
     )
-    found = element_matrix(given, BodyTable(np.array([1]), np.arange(10)[None]), "M")
+    found = element_matrix(given, BodyTable(np.array([1]), np.arange(10)[None], "C3D10"), "M")
     diagonal = np.diag(np.asarray(summed(found.values, found.rows, found.columns, found.size)))[::3]
     assert diagonal == pytest.approx([6 / 420] * 4 + [32 / 420] * 6, rel=1e-12)
 
@@ -105,6 +105,39 @@ def test_element_energies_are_half_eta_k_eta_to_ten_digits(tmp_path, element):
     eta = np.random.default_rng(2).normal(size=(5, 20))
     expected = np.einsum("tm,mn,tn->t", eta, body.Kr, eta) / 2
     np.testing.assert_allclose(element_energies(output, floating, eta).sum(axis=1), expected, rtol=1e-10)
+
+
+def refused(folder, element, changed):
+    """Return what is said of the block after `changed` has rewritten its file."""
+    given = meshed(folder, Beam((0.3, 0.2, 0.1), (2, 1, 1), element))
+    path = given.material.file.path
+    path.write_text(changed(path.read_text()))
+    with pytest.raises(ModelError) as fault:
+        flexible_body(given, cached=False)
+    return "\n".join(one.message for one in fault.value.faults)
+
+
+@pytest.mark.parametrize("element, unknown", [
+    ("C3D20", "C3D20RH"), ("C3D8", "C3D8H"), ("C3D10", "C3D10M"), ("C3D8", "C3D8RH"),
+])  # fmt: skip
+def test_elements_of_unknown_types_are_refused_by_their_name(tmp_path, element, unknown):
+    said = refused(tmp_path, element, lambda text: text.replace(f"TYPE={element}", f"TYPE={unknown}"))
+    assert f"elements of type {unknown}; known are C3D4, C3D8, C3D8I, C3D10, C3D20, C3D20R" in said
+
+
+SECOND = "2, 5, 9, 11, 7, 6, 10, 12, 8\n"  # the second of two bricks
+
+
+def test_an_element_given_twice_does_not_count_twice(tmp_path):
+    """Its mass was added once more in silence."""
+    said = refused(tmp_path, "C3D8", lambda text: text.replace(SECOND, SECOND + SECOND))
+    assert said.count("b.inp, line 17: element 2 is given twice, first on line 16") == 1
+
+
+def test_two_types_of_one_number_of_nodes_are_refused(tmp_path):
+    """All elements were taken for those of the first type."""
+    said = refused(tmp_path, "C3D8", lambda text: text.replace(SECOND, "*ELEMENT, TYPE=C3D8I\n" + SECOND))
+    assert "b.inp mixes elements of types C3D8 and C3D8I; one type is wanted" in said
 
 
 def test_elements_that_need_hourglass_forces_are_refused(tmp_path):

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from ...model.flexible_body import FlexibleInput
-from ..formats.connectivity import element_type
 from ..formats.matrix_file import FEFileFault, MatrixFile
 from ..linear_algebra import in_three_directions
 from . import tetrahedra
@@ -26,8 +25,15 @@ from .solid_elements import (
     solid_elements,
 )
 
-# Elements of Abaqus and CalculiX by their types; those of other formats have none, and these by their nodes.
-_OF_TYPE = {"C3D8": "full integration", "C3D20R": "reduced integration"}
+# Elements of Abaqus and CalculiX go by their types; those of other formats have none and go by their nodes.
+_OF_TYPE = {
+    "C3D4": "one point",
+    "C3D8": "full integration",
+    "C3D8I": "incompatible modes",
+    "C3D10": "four points",
+    "C3D20": "full integration",
+    "C3D20R": "reduced integration",
+}
 _OF_NODES = {4: "one point", 8: "incompatible modes", 10: "four points", 20: "full integration"}
 # Points a direction: products of two quadratic shape functions and a Jacobian of straight edges.
 _MASS_POINTS = {4: 3, 8: 2, 10: 4, 20: 3}
@@ -45,20 +51,27 @@ def element_matrix(given: FlexibleInput, table: BodyTable, letter: str) -> Matri
 
 def _stiffness(given: Any, table: Any) -> Any:
     material = given.material
-    name = element_type(material.file.path, material.file.form)
-    formulation = formulation_of(name, table.rows.shape[1])
+    formulation = formulation_of(table.kind, table.rows.shape[1])
     made = solid_elements(given.positions, table.rows, formulation)
     stiffness, _ = element_stiffness(made, elasticity(material.young, material.poisson))
     return assembled(stiffness, table.rows, len(given.positions), 3)
 
 
 def formulation_of(name: str, nodes: int) -> Formulation:
-    """Return the formulation of the elements that a file calls `name`, "" where it has no such names."""
-    if name.startswith("C3D8R"):
+    """Return the formulation of the elements that a file calls `name`, "" where it has no such names.
+
+    Raises FEFileFault for types whose matrices are not known.
+    """
+    if name == "C3D8R":
         raise FEFileFault(
             "C3D8R needs forces against hourglasses, which no file tells; take C3D8I", id="FE-070"
         )
-    wanted = _OF_TYPE.get(name, _OF_NODES[nodes])
+    if name and name not in _OF_TYPE:
+        known = ", ".join(_OF_TYPE)
+        raise FEFileFault(
+            f"matrices cannot be assembled from elements of type {name}; known are {known}", id="FE-083"
+        )
+    wanted = _OF_TYPE[name] if name else _OF_NODES[nodes]
     return next(one for one in FORMULATIONS[nodes] if one.name == wanted)
 
 

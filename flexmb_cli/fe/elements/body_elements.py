@@ -16,10 +16,14 @@ FOREIGN = 1e-4
 
 @dataclass(frozen=True)
 class BodyTable:
-    """Numbers (m,) of the elements and the rows (m, k) of their nodes in the node table."""
+    """Numbers (m,) of the elements and the rows (m, k) of their nodes in the node table.
+
+    `kind` is the type of all of them in an INP file, such as C3D20R; "" in other formats.
+    """
 
     numbers: np.ndarray
     rows: np.ndarray
+    kind: str = ""
 
 
 def element_table(
@@ -41,7 +45,7 @@ def element_table(
         message = f"{file.path.name}: element {number} is turned inside out or folded"
         findings.error(given.name, message, file.place, id="FE-010")
         return None
-    return BodyTable(found.numbers, rows)
+    return BodyTable(found.numbers, rows, found.kind)
 
 
 def _rows(given: FlexibleInput, found: ElementTable) -> np.ndarray:

@@ -20,8 +20,7 @@ if TYPE_CHECKING:
 
 COUNTS = (4, 8, 10, 20)
 _KNOWN = "tetrahedra of 4 or 10 and hexahedra of 8 or 20 nodes"
-_INP_TYPE = re.compile(r"TYPE\s*=\s*C3D(4|8|10|20)[A-Z]*\s*(,|$)")
-_INP_NAME = re.compile(r"TYPE\s*=\s*(\w+)")
+_INP_TYPE = re.compile(r"TYPE\s*=\s*(C3D(4|8|10|20)[A-Z]*)\s*(,|$)")
 _CDB_FORMAT = re.compile(r"\(\s*\d+i(\d{1,3})(?!\d)", re.IGNORECASE)
 # In EBLOCK eleven integers precede the nodes, the ninth of which counts them.
 _CDB_HEAD, _CDB_COUNT = 11, 8
@@ -30,8 +29,20 @@ _FROM_NASTRAN = [*range(12), *range(16, 20), *range(12, 16)]
 
 
 @dataclass(frozen=True)
+class _Element:
+    """An element as its file gives it; `kind` is its type in an INP file, "" in others."""
+
+    number: int
+    nodes: list[int]
+    line: int
+    kind: str = ""
+
+
+@dataclass(frozen=True)
 class ElementTable:
     """Node numbers (m, k) of the elements, k 4, 8, 10 or 20, and the numbers of the elements (m,).
+
+    `kind` is their type in an INP file, such as C3D20R; "" in other formats.
 
     Hexahedra: corners of one face, of the opposite one, then the middles of edges as Abaqus and ANSYS have
     them.  Tetrahedra: corners, then the middles of the edges 1-2, 2-3, 3-1, 1-4, 2-4, 3-4.
@@ -39,12 +50,13 @@ class ElementTable:
 
     numbers: np.ndarray
     nodes: np.ndarray
+    kind: str = ""
 
 
 def read_elements(path: Path, form: str) -> ElementTable:
-    """The elements beside the nodes of `path`, in the format INP, CDB or BDF.
+    """Return the elements beside the nodes of `path`, in the format INP, CDB or BDF.
 
-    Raises FEFileFault when there are none, or others than tetrahedra or hexahedra of one kind.
+    Raises FEFileFault when there are none, others than tetrahedra or hexahedra of one type, or one twice.
     """
     readers = {"INP": _inp_elements, "CDB": _cdb_elements, "BDF": _bdf_elements}
     if form not in readers:
@@ -54,35 +66,52 @@ def read_elements(path: Path, form: str) -> ElementTable:
     found = list(readers[form](path))
     if not found:
         raise FEFileFault(f"{path.name} holds no elements in format {form}", id="FE-020")
-    counts = {len(nodes) for _, nodes, _ in found}
-    for number, nodes, line in found:
-        if len(nodes) not in COUNTS or len(set(nodes)) < len(nodes):
-            message = f"element {number} has not the different nodes of one of the {_KNOWN}"
-            raise line_fault(path.name, line, message)
+    _check_nodes(path.name, found)
+    _check_kinds(path.name, found)
+    _check_numbers(path.name, found)
+    return ElementTable(
+        np.array([element.number for element in found], dtype=np.int64),
+        np.array([element.nodes for element in found], dtype=np.int64),
+        found[0].kind,
+    )
+
+
+def _check_nodes(name: str, found: list[_Element]) -> None:
+    for element in found:
+        if len(element.nodes) not in COUNTS or len(set(element.nodes)) < len(element.nodes):
+            message = f"element {element.number} has not the different nodes of one of the {_KNOWN}"
+            raise line_fault(name, element.line, message)
+
+
+def _check_kinds(name: str, found: list[_Element]) -> None:
+    counts = {len(element.nodes) for element in found}
     if len(counts) > 1:
         mixed = " and of ".join(map(str, sorted(counts)))
-        raise FEFileFault(f"{path.name} mixes elements of {mixed} nodes; one kind is wanted", id="FE-021")
-    numbers, nodes, _ = zip(*found, strict=True)  # type: ignore[assignment]
-    return ElementTable(np.array(numbers, dtype=np.int64), np.array(nodes, dtype=np.int64))
+        raise FEFileFault(f"{name} mixes elements of {mixed} nodes; one kind is wanted", id="FE-021")
+    kinds = sorted({element.kind for element in found})
+    if len(kinds) > 1:
+        raise FEFileFault(
+            f"{name} mixes elements of types {' and '.join(kinds)}; one type is wanted", id="FE-084"
+        )
 
 
-def element_type(path: Path, form: str) -> str:
-    """Return the type of the first elements of an INP file, such as C3D20R; "" for other formats."""
-    for line in lines_of(path) if form == "INP" else ():
-        kind = _INP_NAME.search(line.upper()) if line.upper().startswith("*ELEMENT") else None
-        if kind:
-            return kind[1]
-    return ""
+def _check_numbers(name: str, found: list[_Element]) -> None:
+    first: dict[int, int] = {}
+    for element in found:
+        if element.number in first:
+            message = f"element {element.number} is given twice, first on line {first[element.number]}"
+            raise line_fault(name, element.line, message)
+        first[element.number] = element.line
 
 
-def _inp_elements(path: Any) -> "Iterator[tuple[int, list[int], int]]":
+def _inp_elements(path: Any) -> "Iterator[_Element]":
     """Data lines of *ELEMENT; a line that ends in a comma is continued."""
-    wanted, words, first = 0, [], 0  # type: ignore[var-annotated]
+    kind, wanted, words, first = "", 0, [], 0  # type: ignore[var-annotated]
     for number, line in enumerate(lines_of(path), start=1):
         if line.startswith("**") or not line.strip():
             continue
         if line.startswith("*"):
-            wanted = _inp_type(path, number, line.upper())
+            kind, wanted = _inp_type(path, number, line.upper())
             continue
         if not wanted:
             continue
@@ -90,19 +119,19 @@ def _inp_elements(path: Any) -> "Iterator[tuple[int, list[int], int]]":
         words += [word for word in map(str.strip, line.split(",")) if word]
         if len(words) > wanted or not line.rstrip().endswith(","):
             values = _integers(path, first, words)
-            yield values[0], values[1:], first
+            yield _Element(values[0], values[1:], first, kind)
             words = []
 
 
-def _inp_type(path: Path, number: int, line: str) -> int:
-    """Nodes of the elements below this keyword, 0 when it is no *ELEMENT."""
+def _inp_type(path: Path, number: int, line: str) -> tuple[str, int]:
+    """Return type and nodes of the elements below this keyword, "" and 0 when it is no *ELEMENT."""
     if line.split(",")[0].strip() != "*ELEMENT":
-        return 0
+        return "", 0
     kind = _INP_TYPE.search(line)
     if kind is None:
         message = f"stresses are known of {_KNOWN} only, types C3D4, C3D10, C3D8, C3D20 and their variants"
         raise line_fault(path.name, number, message)
-    return int(kind[1])
+    return kind[1], int(kind[2])
 
 
 def _integers(path: Path, number: int, words: list[str]) -> list[int]:
@@ -113,7 +142,7 @@ def _integers(path: Path, number: int, words: list[str]) -> list[int]:
         raise line_fault(path.name, number, message) from None
 
 
-def _cdb_elements(path: Any) -> "Iterator[tuple[int, list[int], int]]":
+def _cdb_elements(path: Any) -> "Iterator[_Element]":
     """EBLOCK, cut by the format below it; nodes that do not fit stand on the next line."""
     lines = lines_of(path)
     start = next((i for i, line in enumerate(lines) if line.upper().startswith("EBLOCK")), None)
@@ -130,7 +159,8 @@ def _cdb_elements(path: Any) -> "Iterator[tuple[int, list[int], int]]":
         line = line.rstrip()
         words += _integers(path, number, [line[i : i + width] for i in range(0, len(line), width)])
         if len(words) >= _CDB_HEAD and len(words) >= _CDB_HEAD + words[_CDB_COUNT]:
-            yield words[_CDB_HEAD - 1], words[_CDB_HEAD : _CDB_HEAD + words[_CDB_COUNT]], first
+            nodes = words[_CDB_HEAD : _CDB_HEAD + words[_CDB_COUNT]]
+            yield _Element(words[_CDB_HEAD - 1], nodes, first)
             words = []
     raise FEFileFault(f"{path.name}: EBLOCK does not end with -1; is the file cut off?", id="FE-022")
 
@@ -140,7 +170,7 @@ _SOLIDS = ("CHEXA", "CPENTA", "CTETRA", "CPYRAM", "CHEXA1", "CHEXA2")
 _MOST_POINTS = {"CHEXA": 20, "CTETRA": 10}
 
 
-def _bdf_elements(path: Path) -> "Iterator[tuple[int, list[int], int]]":
+def _bdf_elements(path: Path) -> "Iterator[_Element]":
     for card in bulk_cards(path, _SOLIDS):
         number = integer_field(path, card, 0, "the number of the element")
         if card.name not in _MOST_POINTS:
@@ -148,7 +178,8 @@ def _bdf_elements(path: Path) -> "Iterator[tuple[int, list[int], int]]":
             raise line_fault(path.name, card.line, message)
         fields = range(2, 2 + _MOST_POINTS[card.name])
         given = [integer_field(path, card, i, "a grid point") for i in fields if _filled(card, i)]
-        yield number, [given[i] for i in _FROM_NASTRAN] if len(given) == 20 else given, card.line
+        nodes = [given[i] for i in _FROM_NASTRAN] if len(given) == 20 else given
+        yield _Element(number, nodes, card.line)
 
 
 def _filled(card: BulkCard, index: int) -> bool:

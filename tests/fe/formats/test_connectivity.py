@@ -59,6 +59,13 @@ def test_every_format_gives_the_nodes_in_one_order(tmp_path, kind):
     assert found.nodes.tolist() == [wanted]
 
 
+def test_the_type_is_that_of_elements_not_of_a_keyword_without_any(tmp_path):
+    """Nor of the keyword *ELEMENT OUTPUT."""
+    text = "*ELEMENT OUTPUT, TYPE=C3D8\n*ELEMENT, TYPE=C3D20\n" + FILES["INP 20"][0]
+    (tmp_path / "x").write_text(text)
+    assert read_elements(tmp_path / "x", "INP").kind == "C3D20R"
+
+
 REFUSED = {
     "a shell": (
         "INP",
@@ -84,6 +91,26 @@ REFUSED = {
         "INP",
         "".join(FILES[kind][0] for kind in ("INP 8", "INP 20")),
         "x mixes elements of 8 and of 20 nodes",
+    ),
+    "two types of as many nodes": (
+        "INP",
+        FILES["INP 20"][0] + FILES["INP 20"][0].replace("C3D20R", "C3D20").replace("5, ", "6, ", 1),
+        "x mixes elements of types C3D20 and C3D20R; one type is wanted",
+    ),
+    "an element twice": (
+        "INP",
+        "*ELEMENT, TYPE=C3D4\n7, 1, 2, 3, 4\n8, 2, 3, 4, 5\n*ELEMENT, TYPE=C3D4\n7, 1, 2, 3, 4\n",
+        "x, line 5: element 7 is given twice, first on line 2",
+    ),
+    "a card twice": (
+        "BDF",
+        "CTETRA,5,1,1,2,3,4\nCTETRA,5,1,2,3,4,6\n",
+        "x, line 2: element 5 is given twice, first on line 1",
+    ),
+    "a row of EBLOCK twice": (
+        "CDB",
+        "\n".join([*cdb(EIGHT).splitlines()[:3], *cdb(EIGHT).splitlines()[2:]]),
+        "x, line 4: element 5 is given twice, first on line 3",
     ),
     "a word": (
         "INP",
