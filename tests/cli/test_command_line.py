@@ -12,6 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import h5py
+import numpy as np
 import pytest
 
 pytestmark = pytest.mark.processes
@@ -373,9 +374,10 @@ def test_a_limit_of_memory_ends_a_run_in_words_and_in_time(tmp_path, megabytes):
         [sys.executable, "-c", code, "run", str(FOUR_BAR)],
         cwd=tmp_path, capture_output=True, text=True, timeout=60,
     )  # fmt: skip
-    # Earlier versions of the libraries are content with 160 MB.
-    assert done.returncode == (0 if "26 rows" in done.stderr else 1)
-    assert any(word in done.stderr for word in ("not enough memory", "for want of memory", "26 rows"))
+    if megabytes == 160 and np.__version__ < "2.1" and done.returncode == 0:
+        return  # numpy 2.0 is content with so much
+    assert done.returncode == 1
+    assert "not enough memory" in done.stderr or "for want of memory" in done.stderr
 
 
 def test_a_read_only_install_without_home_runs_from_any_folder(tmp_path):
