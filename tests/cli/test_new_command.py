@@ -349,7 +349,7 @@ ROD += [*5 * [""], "0 0.5 0", "1.25", "", "0 0 -9.81"]
 
 
 def test_a_dafms_deck_through_a_pipe_passes_the_real_check(tmp_path):
-    """A rod of 1 m and 2.5 kg about its end: 2.5 kg m^2 / 3; refused without the counts of elements before."""
+    """A rod of 1 m, 2.5 kg about its end: 2.5 kg m^2 / 3; refused before without the counts of elements."""
     done = piped(lines=ROD, cwd=tmp_path, dialect="dafms")
     assert (done.returncode, done.stderr) == (0, "NEW.DAT: written; flexmb check NEW.DAT accepts it\n")
     deck = read_deck(read_text(tmp_path / "NEW.DAT"))
