@@ -1,4 +1,4 @@
-"""What Python calls of the kernels, and with which arguments: data, from which all of them can be compiled.
+"""Kernels that Python calls, and their argument types: data, from which all of them can be compiled.
 
 A unit is what one analysis needs, and one file of machine code.  Words: f2 is an array of floats of two
 dimensions (i: integers, c: complex, b: truth values); CONSTRAINT1 one of records; `int`, `float`, `bool` are

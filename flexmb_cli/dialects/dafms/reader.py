@@ -19,7 +19,7 @@ from .system_cards import read_system
 
 @dataclass
 class Layout:
-    """How long the lists of a deck are: counts per body, body 1 first."""
+    """Lengths of the lists of a deck: counts per body, body 1 first."""
 
     bodies: int
     dimension: int

@@ -1,4 +1,4 @@
-"""What `flexmb new young` asks for, in the order of YOUNG's own dialogue, and the deck it gives.
+"""Questions of `flexmb new young`, in the order of YOUNG's own dialogue, and the deck it gives.
 
 Liang Yong, YOUNG dissertation (1996), listing of the program, procedures IN_BODY to IN_GROUN.  Records,
 names, meanings and units are those of the reader's table.

@@ -1,4 +1,4 @@
-"""What a YOUNG deck describes, in the terms of `model.exchange`: for conversion to other dialects."""
+"""Rigid model of a YOUNG deck, in the terms of `model.exchange`: for conversion to other dialects."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any

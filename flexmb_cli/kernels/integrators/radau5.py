@@ -48,7 +48,7 @@ MEMORY = np.dtype(
 
 
 class RadauIntegration(NamedTuple):
-    """What an integration keeps from call to call, for n speeds and states of N numbers."""
+    """State of an integration between calls, for n speeds and states of N numbers."""
 
     clock: np.ndarray  # (1,) CLOCK
     memory: np.ndarray  # (1,) MEMORY

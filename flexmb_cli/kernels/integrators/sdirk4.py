@@ -42,7 +42,7 @@ MEMORY = np.dtype(
 
 
 class Implicit(NamedTuple):
-    """What an integration keeps from call to call, for states of n numbers, NS of them speeds."""
+    """State of an integration between calls, for states of n numbers, NS of them speeds."""
 
     clock: np.ndarray  # one record of CLOCK
     z: np.ndarray  # (n,) state at the time t

@@ -25,7 +25,7 @@ ASIDE = ALL_STAGES
 
 
 class Integration(NamedTuple):
-    """What an integration keeps from call to call, for states of n numbers."""
+    """State of an integration between calls, for states of n numbers."""
 
     clock: np.ndarray  # one record of CLOCK
     z: np.ndarray  # (n,) state at the time t

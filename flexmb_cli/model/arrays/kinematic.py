@@ -52,7 +52,7 @@ CONSTRAINT = np.dtype(
 
 @dataclass(frozen=True)
 class KinematicArrays:
-    """What the kernels and the solver need to know of a mechanism."""
+    """Arrays of a mechanism for the kernels and the solver."""
 
     constraints: np.ndarray  # (k,) CONSTRAINT
     equations: tuple[Equation, ...]

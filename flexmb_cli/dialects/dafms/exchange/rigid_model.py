@@ -1,4 +1,4 @@
-"""What a DAFMS deck of rigid bodies describes, in the terms of `model.exchange`."""
+"""Rigid model of a DAFMS deck, in the terms of `model.exchange`."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any

@@ -1,4 +1,4 @@
-"""What a VSDF deck of rigid bodies describes, in the terms of `model.exchange`."""
+"""Rigid model of a VSDF deck, in the terms of `model.exchange`."""
 
 import math
 from collections.abc import Callable
