@@ -19,7 +19,7 @@ from .outcome import Listener, Outcome, RunOptions, Stop
 class ModesReport:
     """Result of one deck: `outcome` holds faults and exit code, `bodies` the flexible ones.
 
-    `mechanism` is None where its small motions were not asked for, or not found.
+    `mechanism` is None where its linearised motion was not asked for, or not found.
     """
 
     outcome: Outcome

@@ -47,7 +47,7 @@ class YoungForm:
         if last.section == "title":
             return _faults_of_title(last)
         if last.section == "counts":
-            # Forward runs may leave freedoms open, and repeat equations.
+            # Forward runs may leave degrees of freedom open, and repeat equations.
             return _faults_of_counts(last, complete and len(records) == 2)
         if last.section == OPENING:
             return []

@@ -106,7 +106,7 @@ def _first_grounds(mechanism: Any, findings: Any) -> Iterator[Ground]:
 
 
 def _to_check(grounds: "Iterator[Any]", mechanism: Any) -> list[Ground]:
-    """Return the grounds of bodies that something else holds, too, or of impossible attitudes, among thousands."""
+    """Return the grounds, few of maybe thousands, of bodies held by others, too, or with wrong angles."""
     others = {item.body for item in chain(mechanism.simplified, mechanism.drivers)}
     return [
         ground

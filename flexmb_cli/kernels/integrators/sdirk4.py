@@ -178,7 +178,7 @@ _advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row))
 def integrate_rows(tree: Any, work, coordinates: np.ndarray, integration, report, budget: int):
     """Fill the rows of `report`, at most `budget` evaluations and the rest of a step; a code.
 
-    `march.before` holds the slope at z.
+    `integration.before` holds the slope at z.
     """
     return _advance(integration, report, budget, tree, work, coordinates)
 

@@ -41,7 +41,7 @@ CLOCK_SIZE = 6
 
 @kernel
 def screws_expected(motion: np.ndarray, h: float, expected: np.ndarray) -> None:
-    """Angles of the screws a time h later, by their rates: they settle the whole turns."""
+    """Angles of the screws a time h later, by their rates: they determine the whole revolutions."""
     for s in range(expected.size):
         expected[s] = motion[s, 0] + h * (motion[s, 1] + 0.5 * h * motion[s, 2])
 

@@ -22,7 +22,7 @@ from .assembly import (
     redundancy_warning,
     too_large_to_rank,
 )
-from .driver_axes import keeps_axis, refuse_contradicted_drive, refuse_tilted_drive
+from .driver_axes import keeps_axis, refuse_contradicted_drive, refuse_off_axis_drive
 from .position import Evaluator
 from .rows import Rows, first_rows, joined_rows
 from .settings import KinematicSettings
@@ -86,7 +86,7 @@ class KinematicAnalysis:
         first = self._block(0, 1)
         if first is None:
             first = self._assemble_otherwise()
-        refuse_tilted_drive(self.mechanism, first)
+        refuse_off_axis_drive(self.mechanism, first)
         return first
 
     @property

@@ -75,7 +75,7 @@ class _Conversion:
                             integrator.parameter)  # fmt: skip
         joints = [self._joint(joint) for joint in deck.joints]
         drivers = [item for item in deck.motions if item.kind in _DIRECTIONS]
-        self._refuse_several_turns(drivers)
+        self._refuse_several_rotations(drivers)
         self.refusals.add_elements(replace(deck.elements, reported=False))
         for pin in deck.pins:
             if any(pin.functions):
@@ -163,7 +163,7 @@ class _Conversion:
                 ]
         return joints, held
 
-    def _refuse_several_turns(self, drivers: Any) -> None:
+    def _refuse_several_rotations(self, drivers: Any) -> None:
         turned = [item.target for item in drivers if _DIRECTIONS[item.kind] > 3]
         for item in drivers:
             if _DIRECTIONS[item.kind] > 3 and turned.count(item.target) > 1:
