@@ -1,4 +1,4 @@
-"""What a file is that is no deck, by its first bytes."""
+"""Recognition of files that are no decks, by their first bytes."""
 
 from collections.abc import Iterable
 from pathlib import Path

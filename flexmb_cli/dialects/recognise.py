@@ -1,4 +1,4 @@
-"""Which dialect a deck is in, and its reader."""
+"""Recognition of a deck's dialect, and its reader."""
 
 import re
 from collections.abc import Iterator, Sequence

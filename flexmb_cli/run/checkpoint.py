@@ -1,4 +1,4 @@
-"""What a stopped run leaves to go on from: the rows so far and the state after them, in `<stem>.resume`.
+"""File `<stem>.resume` of a stopped run: the rows so far and the state after them.
 
 The file is a resume file: one line that says of which run it is, then one entry for each block of rows, each
 with its length and checksum.  A checkpoint stands behind the rows of an entry; one that is larger than the
