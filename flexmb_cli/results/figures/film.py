@@ -12,9 +12,10 @@ import h5py
 import numpy as np
 
 from ...quick_dataclass import dataclass
-from ..hdf5.stress import von_mises
+from ..quantities.quantities import ResultError
+from .contours import CONTOURS, ENERGY, VON_MISES, contour_ranges, nodal_values, unit_of
 from .depth_buffer import DepthBuffer
-from .element_bodies import ElementBody, element_bodies, largest_stress
+from .element_bodies import ElementBody, element_bodies
 from .element_faces import outer_faces, triangles
 from .report_scene import GREY, LONGEST_ANIMATION, MOST_TRACES, SHORTEST_ANIMATION, TRACE, colour_of, rounded
 from .scene import Scene, read_scene
@@ -23,6 +24,7 @@ from .view import view_of
 FORMATS = ("mp4", "gif")
 VIEWS = {"x": ((1, 0, 0), (0, 0, 1)), "y": ((0, -1, 0), (0, 0, 1)), "z": ((0, 0, 1), (0, 1, 0))}
 MOST_FRAMES = 3000
+COLOURS_OF_FILMS = (*(name for name in CONTOURS if name != ENERGY), "body")
 # Of the largest size of the mechanism: radius of a tube; share of the picture that it fills.
 TUBE_RADIUS, FILLED = 0.008, 1 / 1.12
 JOINT = "#6B6B6B"
@@ -34,12 +36,16 @@ CONTOURS_BEGIN = 0.2  # of viridis, where contours begin: below it is as dark as
 
 @dataclass(frozen=True)
 class FilmLook:
-    """Width and height in pixels, frames a second, and a view of `VIEWS`, else that of the report."""
+    """Width and height in pixels, frames a second, a view of `VIEWS`, else that of the report, and colours.
+
+    `colours`: one of CONTOURS, else each body has its own.
+    """
 
     width: int = 960
     height: int = 540
     rate: int = 25
     view: str = "start"
+    colours: str = VON_MISES
 
 
 def film_bytes(result: h5py.File, form: str, look: FilmLook) -> bytes:
@@ -76,6 +82,10 @@ def film_frames(result: h5py.File, look: FilmLook) -> Iterator[np.ndarray]:
     scene = read_scene(result)
     bodies = list(element_bodies(result, scene.body_names, slice(None)))
     canvas = _Canvas(scene, bodies, look)
+    if look.colours in CONTOURS and look.colours != VON_MISES and not canvas.legend:
+        raise ResultError(
+            result.filename, f"there is no body with elements to colour by {look.colours}", id="RESULT-028"
+        )
     drawn, frame = None, np.zeros(0)
     for row in film_rows(scene.time, look.rate):
         if row != drawn:
@@ -111,16 +121,18 @@ class _Camera:
 class _Surface:
     """Triangles of a finite-element body or of shapes, and what they are coloured by."""
 
-    def __init__(self, body: Any, most: float):
-        self.body, self.most = body, most
+    def __init__(self, body: Any, contour: str, ends: tuple[float, float] | None):
+        self.body, self.contour, self.ends = body, contour, ends
         self.of_elements = isinstance(body, ElementBody)
         self.triangles = triangles(outer_faces(body.cells)) if self.of_elements else body.triangles
 
     def values(self, row: int) -> np.ndarray | None:
         """Values (m, 3) from 0 to 1 of the corners of the triangles, None where there is one colour."""
-        if not self.of_elements or not self.most:
+        if not self.of_elements or not self.ends:
             return None
-        return (von_mises(self.body.stress(row)) / self.most)[self.triangles]
+        found = nodal_values(self.body, self.body.amplitude[row : row + 1]).get(self.contour)
+        low, high = self.ends
+        return None if found is None else ((found[:, 0] - low) / ((high - low) or 1.0))[self.triangles]
 
 
 class _Canvas:
@@ -133,14 +145,14 @@ class _Canvas:
         self.contours = colormaps["viridis"](np.linspace(CONTOURS_BEGIN, 1, 256))[:, :3]
         self.camera = _Camera(_all_places(scene, bodies), scene.gravity, look)
         self.buffer = DepthBuffer(look.width, look.height)
-        most = largest_stress(bodies)
+        ends = contour_ranges(bodies).get(look.colours)
         shown = {*(one.number for one in bodies), *(shape.number for shape in scene.shapes)}
         self.lines = [body for body in scene.bodies if body.number not in shown]
-        self.surfaces = [_Surface(body, most) for body in (*bodies, *scene.shapes)]
+        self.surfaces = [_Surface(body, look.colours, ends) for body in (*bodies, *scene.shapes)]
         paths = np.swapaxes(scene.points, 0, 1)[:MOST_TRACES]
         self.traces = [self.camera.seen(path) for path in paths if np.ptp(path, axis=0).any()]
         self.labels = rounded(scene.time)
-        self.legend = f"von Mises stress, 0 to {most:.3g} Pa" if most else ""
+        self.legend = _legend(look.colours, *ends) if ends else ""
 
     def frame(self, row: int) -> np.ndarray:
         """The picture of a row."""
@@ -170,6 +182,10 @@ class _Canvas:
         colours = _rgb(colour_of(surface.body))[None] if values is None else self.contours
         # Elements face outwards; files of shapes may not.
         self.buffer.triangles(corners, colours, values, surface.of_elements)
+
+
+def _legend(contour: str, low: float, high: float) -> str:
+    return f"{contour}, {low:.3g} to {high:.3g} {unit_of(contour)}".rstrip()
 
 
 def _write(picture: np.ndarray, text: str, top: int) -> None:
