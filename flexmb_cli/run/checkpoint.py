@@ -225,7 +225,8 @@ def _packed(arrays: dict[str, np.ndarray]) -> bytes:
     given = {name: np.asarray(array) for name, array in arrays.items()}
     reported = [[name, dtype_to_descr(array.dtype), array.shape] for name, array in given.items()]
     # Joined as they lie: a copy of each array would take a third of the time.
-    return b"".join((json.dumps(reported).encode(), b"\n", *map(np.ascontiguousarray, given.values())))
+    parts = [np.ascontiguousarray(array).data for array in given.values()]
+    return b"".join((json.dumps(reported).encode(), b"\n", *parts))
 
 
 def _is_whole(entry: Any) -> Any:

@@ -27,7 +27,7 @@ class AnyFinite(click.types.FloatParamType):
         return _finite(self, super().convert(value, param, ctx), value, param, ctx)
 
 
-def _refuse_comma(kind: click.ParamType, value: Any, param: Any, ctx: Any) -> None:
+def _refuse_comma(kind: "AnyFinite | Finite", value: Any, param: Any, ctx: Any) -> None:
     if isinstance(value, str) and _DECIMAL_COMMA.fullmatch(value.strip()):
         kind.fail(f"{value} has a decimal comma; write {value.strip().replace(',', '.')}", param, ctx)
 
