@@ -38,7 +38,20 @@ def _table(source: DeckText) -> "dict[Any, Any]":
         message = f"{fault} belongs to no study"
         raise DeckError([Fault("error", message, fault.place, id="STUDY-012")]) from None
     except TomlError as fault:
+        _refuse_deck(source)
         raise DeckError([Fault("error", f"not TOML: {fault}", fault.place, id="STUDY-011")]) from None
+
+
+def _refuse_deck(source: DeckText) -> None:
+    """A deck given instead of a study is reported as one."""
+    from ..dialects.recognise import dialect_named, recognise
+
+    try:
+        title = dialect_named(recognise(source.lines)).title
+    except DeckError:
+        return
+    message = f'this is a {title} deck, not a study; flexmb run computes it, a study names it in deck = "…"'
+    raise DeckError([Fault("error", message, Place(1, 1), id="STUDY-028")])
 
 
 class _Reader:

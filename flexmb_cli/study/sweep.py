@@ -66,7 +66,7 @@ class Job:
 
 @dataclass(frozen=True)
 class BlockDone:
-    """How many cases of a block this call solved, and how many of all its cases failed."""
+    """Progress of a block: cases that this call solved, and failures among all its cases."""
 
     block: int
     solved: int

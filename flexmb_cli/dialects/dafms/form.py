@@ -1,4 +1,4 @@
-"""What `flexmb new dafms` asks for: the records of the reader's table of cards, body by body.
+"""Questions of `flexmb new dafms`: the records of the reader's table of cards, body by body.
 
 A flexible body is typed number by number or made from a uniform beam (`beam.py`).  The deck
 itself is written by `deck_writer.py`.

@@ -1,4 +1,4 @@
-"""What `flexmb new dafms` refuses at once: ranges, columns, beams and tables that are none.
+"""Answers that `flexmb new dafms` refuses at once: ranges, columns, beams and tables that are none.
 
 `flexmb check`, which the finished deck must pass, knows the rest.
 """

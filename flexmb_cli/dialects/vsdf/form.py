@@ -1,4 +1,4 @@
-"""What `flexmb new vsdf` asks for, and the deck it gives: cards of the reader's table, in free form.
+"""Questions of `flexmb new vsdf`, and the deck it gives: cards of the reader's table, in free form.
 
 A flexible body needs its node table, a rigid one its mass; of all other cards, such as those of a flexible
 body's two matrices, the dialogue asks how many there are.
