@@ -177,7 +177,9 @@ def _drawn(
         look = replace(look, font="")
     try:
         return picture(panels, form, title, look or None)
-    except OSError as error:
+    except (OSError, ValueError) as error:
+        if not options["style"]:
+            raise
         raise click.UsageError(f"--style {options['style']}: {error}") from None
     except (RuntimeError, FileNotFoundError) as error:
         raise click.UsageError(f"--latex: LaTeX cannot be run: {str(error).splitlines()[0]}") from None

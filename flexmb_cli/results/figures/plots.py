@@ -2,6 +2,7 @@
 
 import io
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .curves import Panel
@@ -56,12 +57,17 @@ def picture(panels: Sequence[Panel], form: str, title: str = "", look: Look | No
 
 
 def _apply(look: Look, matplotlib: "ModuleType") -> None:
-    """Set the settings of a look; those of its style file come last."""
+    """Set the settings of a look; those of its style file come last.  Raises ValueError for one of LaTeX."""
     matplotlib.rcParams.update(look.settings())
-    if look.style:
-        from matplotlib import style
+    if not look.style:
+        return
+    from matplotlib import style
 
-        style.use(look.style)
+    # Of a name with a point matplotlib would import what stands before it.
+    known = look.style in ("default", "mpl15", "mpl20", *style.library)
+    style.use(look.style if known else Path(look.style))
+    if matplotlib.rcParams["text.usetex"] and not look.latex:
+        raise ValueError("text.usetex starts LaTeX, another program: give --latex, too")
 
 
 def _sizes(panels: Any, look: Look | None) -> tuple[float, list[float], float]:
