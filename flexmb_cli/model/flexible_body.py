@@ -47,7 +47,7 @@ class ElementMaterial:
 
 @dataclass(frozen=True)
 class FlexibleInput:
-    """What a deck says of a flexible body; nodes by their numbers in the table.
+    """Data of a deck about a flexible body; nodes by their numbers in the table.
 
     `reference`: the three nodes of (100)-(102), () for none.  With `clamped` nodes those are held in the
     body frame instead of (103); with neither the frame is that of mean axes.  `modes`: how many, 0 for all.
@@ -76,7 +76,7 @@ class FlexibleInput:
 
 @dataclass(frozen=True)
 class Dropped:
-    """What the body's basis leaves out.
+    """Modes that the body's basis leaves out.
 
     `internal`: degrees of freedom inside elements, condensed; `shapes`: nodes and axes of the static shapes
     that others or the frame's conditions made superfluous; `modes`: eigenmodes of (104) that exist and are
