@@ -93,7 +93,7 @@ def test_the_pendulum_swings_as_listed(name, column):
 
 
 def test_the_revolute_pendulum_is_near_the_nonlinear_one():
-    """At the six instants the speed differs by up to 6.2e-2 m/s; the paper, section XI, has 4e-2 for nine modes."""
+    """At the six instants the speed differs by 6.2e-2 m/s; the paper, section XI, has 4e-2 for nine modes."""
     run = Run(with_grid(supplied("pendulum"), 0.5, 0.05))
     z, vz = np.array([values[2] for values in PENDULUM.values()]).T
     places, speeds = (run.at(list(PENDULUM), f"point_{kind}")[:, 0, 2] for kind in ("position", "velocity"))
