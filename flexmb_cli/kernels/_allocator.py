@@ -1,4 +1,4 @@
-"""What numba's code calls for memory, in LLVM's language: arrays that a kernel makes live on C's heap.
+"""Memory functions that numba's code calls, in LLVM's language: arrays of a kernel live on C's heap.
 
 The names and the layout of a block are numba's (numba/core/runtime/nrt.cpp).
 """

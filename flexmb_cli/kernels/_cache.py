@@ -1,4 +1,4 @@
-"""Where a user's compiled kernels lie, and who may have put them there.
+"""Folder of a user's compiled kernels, and the check of its owner.
 
 Objects are code.  A folder or file counts only if it belongs to this user or to root and nobody else can
 write to it; anything else is as if it were not there, and is named once (`refused`).

@@ -1,4 +1,4 @@
-"""How kernels are compiled: whole where Python calls one, else as parts that are linked into what calls them.
+"""Compilation of kernels: whole where Python calls one, else as parts that are linked into their callers.
 
 numba by itself optimises each function that a kernel calls, makes machine code of it, and optimises it once
 more within every caller: half of the time of a first run.  Here a function that a kernel calls is brought

@@ -1,4 +1,4 @@
-"""What a card of a VSDF deck is: a keyword, and the fields of its data cards."""
+"""Card of a VSDF deck: a keyword, and the fields of its data cards."""
 
 from ...quick_dataclass import dataclass
 

@@ -1,4 +1,4 @@
-"""What `flexmb new young` asks for, in the order of YOUNG's own dialogue, and the deck it gives.
+"""Questions of `flexmb new young`, in the order of YOUNG's own dialogue, and the deck it gives.
 
 Liang Yong, YOUNG dissertation (1996), listing of the program, procedures IN_BODY to IN_GROUN.  Records,
 names, meanings and units are those of the reader's table.
@@ -47,7 +47,7 @@ class YoungForm:
         if last.section == "title":
             return _faults_of_title(last)
         if last.section == "counts":
-            # Forward runs may leave freedoms open, and repeat equations.
+            # Forward runs may leave degrees of freedom open, and repeat equations.
             return _faults_of_counts(last, complete and len(records) == 2)
         if last.section == OPENING:
             return []

@@ -1,4 +1,4 @@
-"""What `flexmb new young` asks for behind dT: an analysis, then card by card, and the lines they give."""
+"""Questions of `flexmb new young` behind dT: an analysis, then card by card, and the lines they give."""
 
 from collections.abc import Iterator, Sequence
 

@@ -229,7 +229,7 @@ class _Read(Record):
 
     def _number(self, k: Any) -> Any:
         word, column = self._words[self._first + k], self._section.columns[k]  # type: ignore[attr-defined]
-        label = column.label(_turns(self._section, self.values))  # type: ignore[attr-defined]
+        label = column.label(_is_rotation(self._section, self.values))  # type: ignore[attr-defined]
         return Number(column.key, self.values[k], *label, word.place, word.text)  # type: ignore[call-arg]
 
 
@@ -263,7 +263,7 @@ def _values(
         yield value
 
 
-def _turns(section: Section, values: tuple[float, ...]) -> Any:
+def _is_rotation(section: Section, values: tuple[float, ...]) -> Any:
     """Return whether the record's direction is a rotation, so that its values are angles."""
     where = section.direction
     return where is not None and where < len(values) and values[where] in (4, 5, 6)

@@ -1,4 +1,4 @@
-"""What a matrix file delivers, and the one exception of all file readers."""
+"""Content of a matrix file, and the one exception of all file readers."""
 
 import numpy as np
 

@@ -36,7 +36,7 @@ MOST_BLURRED = 1e-5  # by how much the projection may move a step over a singula
 
 
 class Integration(NamedTuple):
-    """What an integration keeps from call to call, for states of N numbers."""
+    """State of an integration between calls, for states of N numbers."""
 
     clock: np.ndarray  # (1,) CLOCK
     z: np.ndarray  # (N,) state at the time t

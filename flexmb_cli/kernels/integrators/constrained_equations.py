@@ -1,4 +1,4 @@
-"""What integrators ask of a constrained mechanism: slopes, projection, report rows.
+"""Interface of integrators to a constrained mechanism: slopes, projection, report rows.
 
 The accelerations are those of the index-1 equations.  The state z (2 n + b + 1,) of b bodies with n speeds
 holds coordinates, speeds and the work of drivers and loads since the start.

@@ -35,7 +35,7 @@ IMPOSSIBLE_ERROR = 1e10  # error of a step that cannot be made
 
 
 class Equations(NamedTuple):
-    """What DOP853 asks of a system: kernels of (integration, ..., *arrays).
+    """Interface of DOP853 to a system: kernels of (integration, ..., *arrays).
 
     The integration has clock, z, old, trial (N,), slopes (16, N), dense (7, N) and units (N,).
     """

@@ -15,7 +15,7 @@ SLOWEST = 0.2  # least factor on the length of a step, by its error
 MOST_MOVED = 10.0  # tolerances by which a projection may move the end of an accepted step
 ITERATED = 0.02  # of the tolerance: what the iterations of a step of chosen length may leave
 CAUTION = 0.8  # power of what an iteration left of its error: by it the first of the next step is trusted
-CLOSING = 1e-10  # share of a state that closing may move whatever the tolerance: gaps of 1e-13 m, and more
+PROJECTION_SHARE = 1e-10  # of a state that the projection may move at any tolerance: gaps of 1e-13 m
 
 
 @kernel
@@ -41,15 +41,15 @@ def scaled_norm(integration, state: "np.ndarray", change):
 
 @kernel
 def strayed(open_end, closed_end, clock: Any):
-    """Place in the state that closing the loops moved too far at the end of a step, or -1.
+    """Place in the state that the projection onto the loops moved too far at the end of a step, or -1.
 
     A step that was good left the loops but for its error.  One across a singular position may land on
-    the other motion that begins there: then closing is what moves the tree, not the equations.
+    the other motion that begins there: then the projection is what moves the tree, not the equations.
     """
     worst, place = 1.0, -1
     for i in range(open_end.shape[0] - 1):
         size = abs(closed_end[i])
-        most = MOST_MOVED * tolerance(clock, 1.0, size) + CLOSING * (1.0 + size)
+        most = MOST_MOVED * tolerance(clock, 1.0, size) + PROJECTION_SHARE * (1.0 + size)
         share = abs(closed_end[i] - open_end[i]) / most
         # `not <=` lets a nan through as the worst place.
         if not share <= worst:

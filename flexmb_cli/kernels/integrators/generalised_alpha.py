@@ -47,7 +47,7 @@ MEMORY = np.dtype(
 
 
 class AlphaIntegration(NamedTuple):
-    """What an integration keeps from call to call, for n speeds, states of N numbers, m equations."""
+    """State of an integration between calls, for n speeds, states of N numbers, m equations."""
 
     clock: np.ndarray  # (1,) CLOCK
     memory: np.ndarray  # (1,) MEMORY

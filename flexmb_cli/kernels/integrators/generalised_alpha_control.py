@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 SAFETY, FASTEST = 0.85, 3.0
 SHARE_BEFORE = 0.5  # of the step over a singular position that lies in front of it
-NEAR_ENOUGH = 0.15  # of a step before that one: it is left out
+SHORTEST_BEFORE = 0.15  # of a step before that one: it is left out
 MOST_PASSING = 30.0  # steps, that the one over a singular position may be long
 SAME_TIME_IN_STEP = 1e-9  # of a step: times this near to each other are one
 OF_ERROR = 1e-6  # of the step's error: what the iterations may leave in a step of given length
@@ -77,7 +77,7 @@ def _laid_out(clock: "np.void", memory) -> float:
     before = way - SHARE_BEFORE * memory["passing"]
     if not (0.0 < way < LOOK * memory["passing"] and before < LOOK * step):
         return step
-    if before <= NEAR_ENOUGH * step:
+    if before <= SHORTEST_BEFORE * step:
         return way / SHARE_BEFORE
     return before / math.ceil(before / step)
 

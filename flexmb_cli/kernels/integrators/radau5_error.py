@@ -94,7 +94,7 @@ def next_factor(clock: Any, memory, h: float, error):
 
 
 @kernel
-def turns_left(system: Any, integration):
+def steps_within_rotation_limit(system: Any, integration):
     """Return how many steps like this one a body may turn in one, for rows between its ends.
 
     A turn θ leaves (θ/2)⁵ max |d/dx x³ (1 - x)³| / 720 of its rate in Hermite's quintic.

@@ -42,7 +42,7 @@ MEMORY = np.dtype(
 
 
 class Implicit(NamedTuple):
-    """What an integration keeps from call to call, for states of n numbers, NS of them speeds."""
+    """State of an integration between calls, for states of n numbers, NS of them speeds."""
 
     clock: np.ndarray  # one record of CLOCK
     z: np.ndarray  # (n,) state at the time t
@@ -178,7 +178,7 @@ _advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row))
 def integrate_rows(tree: Any, work, coordinates: np.ndarray, integration, report, budget: int):
     """Fill the rows of `report`, at most `budget` evaluations and the rest of a step; a code.
 
-    `march.before` holds the slope at z.
+    `integration.before` holds the slope at z.
     """
     return _advance(integration, report, budget, tree, work, coordinates)
 

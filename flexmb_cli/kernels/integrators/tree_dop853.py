@@ -25,7 +25,7 @@ ASIDE = ALL_STAGES
 
 
 class Integration(NamedTuple):
-    """What an integration keeps from call to call, for states of n numbers."""
+    """State of an integration between calls, for states of n numbers."""
 
     clock: np.ndarray  # one record of CLOCK
     z: np.ndarray  # (n,) state at the time t
@@ -100,7 +100,7 @@ def _close(integration, tree: Any, work, coordinates: np.ndarray):
 
 @kernel
 def _take_back(integration, place: tuple[float, float, float]) -> None:
-    """Go back to the start of the last step, for closing the loops moved its end too far."""
+    """Go back to the start of the last step, for the projection moved its end too far."""
     clock = integration.clock[0]
     clock["t"], clock["step"] = clock["step_start"], 0.2 * clock["step_length"]
     # A resumed run begins with the shorter step too.

@@ -3,16 +3,34 @@
 Young (1996), section 5.2 (procedure KINEM).  Between report times the continuation takes the steps it
 needs: a step counts only if the positions, velocities and accelerations at its two ends belong to
 one smooth curve, so that a mechanism is never carried over to another way of assembling it.
+
+The factors of Φ_q are an argument: `follow` has dense ones, `solvers.kinematics.sparse` sparse ones.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .._jit import allocating, kernel
 from . import constraints as equations
 from .joints import driver
-from .newton import CONVERGED, ITERATIONS, OF_COORDINATE, PHI, System, Work, largest, make_work, newton, rates
+from .newton import (
+    CONVERGED,
+    DENSE,
+    ITERATIONS,
+    OF_COORDINATE,
+    PHI,
+    LinearSolver,
+    System,
+    Work,
+    largest,
+    make_work,
+    newton_by,
+    rates_by,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 # Position defect allowed between the ends of a step, in the length scale or of Euler parameters, and
 # as a part of the way moved.  Another branch is as far off as the way to it is long.
@@ -41,7 +59,7 @@ CLOCK_SIZE = 6
 
 @kernel
 def screws_expected(motion: np.ndarray, h: float, expected: np.ndarray) -> None:
-    """Angles of the screws a time h later, by their rates: they settle the whole turns."""
+    """Angles of the screws a time h later, by their rates: they determine the whole revolutions."""
     for s in range(expected.size):
         expected[s] = motion[s, 0] + h * (motion[s, 1] + 0.5 * h * motion[s, 2])
 
@@ -84,35 +102,6 @@ def predict(state: np.ndarray, h: float, q: np.ndarray) -> None:
     """q at a time h after `state`, by velocity and acceleration."""
     for k in range(q.size):
         q[k] = state[POSITION, k] + h * (state[VELOCITY, k] + 0.5 * h * state[ACCELERATION, k])
-
-
-@kernel
-def attempt(
-    system: System,
-    work: Work,
-    state: np.ndarray,
-    motion: np.ndarray,
-    t: float,
-    t_new: float,
-    limit: float,
-    most: int,
-    new: np.ndarray,
-    expected: np.ndarray,
-) -> tuple[float, float, int, int, float]:
-    """Solve at t_new from what `state` at t predicts; returns (defect, way moved, sign of det Φ_q,
-    iterations, largest |dΦ/dt|); the defect is infinite where it failed.
-
-    limit and most bound Newton's corrections and their number.
-    """
-    h = t_new - t
-    predict(state, h, new[POSITION])
-    screws_expected(motion, h, expected)
-    code, iterations, sign = newton(system, work, new[POSITION], t_new, expected, limit, most)
-    if code != CONVERGED:
-        return np.inf, 0.0, sign, iterations, np.inf
-    gap = rates(system, work, new[POSITION], t_new, new[VELOCITY], new[ACCELERATION])
-    off, moved = defect(system, state, new, h)
-    return off, moved, sign, iterations, gap
 
 
 @kernel
@@ -175,48 +164,125 @@ def is_barred(clock: np.ndarray, target: float) -> bool:
     return clock[NEXT_LENGTH] <= max(SMALLEST_PART * clock[LAST_LENGTH], tick)
 
 
-@kernel
-def advance(
-    system: System,
-    work: Work,
-    state: np.ndarray,
-    motion: np.ndarray,
-    clock: np.ndarray,
-    target: float,
-    new: np.ndarray,
-    expected: np.ndarray,
-) -> tuple[bool, float]:
-    """Carry `state` from clock[TIME] to `target`; returns (arrived, largest |dΦ/dt|).
+def _attempt_by(linear, made):
+    newton, rates = newton_by(linear, made), rates_by(linear, made)
 
-    Not arrived with clock[BUDGET] left: the way is barred.  A clock[NEXT_LENGTH] of 0 says that `state`
-    holds estimates: they are assembled at clock[TIME] = target, where no curve can be asked for.
-    """
-    assembling = clock[NEXT_LENGTH] == 0.0
-    limit, most = (
-        (LARGEST_ASSEMBLY_CORRECTION, int(system.limits[ITERATIONS]))
-        if assembling
-        else (NO_LIMIT, STEP_ITERATIONS)
-    )
-    gap = 0.0
-    while clock[TIME] < target or clock[NEXT_LENGTH] == 0.0:
-        if clock[BUDGET] <= 0.0:
-            return False, gap
-        clock[BUDGET] -= 1.0
-        t_new = step_to(clock, target)
-        off, moved, sign = np.inf, 0.0, 0
-        if not angle_too_far(system.constraints, clock[TIME], t_new):
-            off, moved, sign, iterations, gap = attempt(
-                system, work, state, motion, clock[TIME], t_new, limit, most, new, expected
-            )
-            clock[SPENT] += iterations
-        if acceptable(clock, off, moved, sign):
-            accept(system, work, new, expected, state, motion)
-            after_success(clock, t_new, off, sign)
-        else:
-            clock[NEXT_LENGTH] = 0.5 * (t_new - clock[TIME])
-            if is_barred(clock, target):
+    @made
+    def attempt(
+        system: System,
+        work: Work,
+        state: np.ndarray,
+        motion: np.ndarray,
+        t: float,
+        t_new: float,
+        limit: float,
+        most: int,
+        new: np.ndarray,
+        expected: np.ndarray,
+    ) -> tuple[float, float, int, int, float]:
+        """Solve at t_new from what `state` at t predicts; returns (defect, way moved, sign of det Φ_q,
+        iterations, largest |dΦ/dt|); the defect is infinite where it failed.
+
+        limit and most bound Newton's corrections and their number.
+        """
+        h = t_new - t
+        predict(state, h, new[POSITION])
+        screws_expected(motion, h, expected)
+        code, iterations, sign = newton(system, work, new[POSITION], t_new, expected, limit, most)
+        if code != CONVERGED:
+            return np.inf, 0.0, sign, iterations, np.inf
+        gap = rates(system, work, new[POSITION], t_new, new[VELOCITY], new[ACCELERATION])
+        off, moved = defect(system, state, new, h)
+        return off, moved, sign, iterations, gap
+
+    return attempt
+
+
+@kernel
+def bounds_of_newton(system: System, clock: np.ndarray) -> tuple[float, int]:
+    """Largest scaled correction and most iterations: an assembly has a long way from its estimates."""
+    if clock[NEXT_LENGTH] == 0.0:
+        return LARGEST_ASSEMBLY_CORRECTION, int(system.limits[ITERATIONS])
+    return NO_LIMIT, STEP_ITERATIONS
+
+
+def _advance_by(linear, made):
+    attempt = _attempt_by(linear, made)
+
+    @made
+    def advance(
+        system: System,
+        work: Work,
+        state: np.ndarray,
+        motion: np.ndarray,
+        clock: np.ndarray,
+        target: float,
+        new: np.ndarray,
+        expected: np.ndarray,
+    ) -> tuple[bool, float]:
+        """Carry `state` from clock[TIME] to `target`; returns (arrived, largest |dΦ/dt|).
+
+        Not arrived with clock[BUDGET] left: the way is barred.  A clock[NEXT_LENGTH] of 0 says that `state`
+        holds estimates: they are assembled at clock[TIME] = target, where no curve can be asked for.
+        """
+        limit, most = bounds_of_newton(system, clock)
+        gap = 0.0
+        while clock[TIME] < target or clock[NEXT_LENGTH] == 0.0:
+            if clock[BUDGET] <= 0.0:
                 return False, gap
-    return True, gap
+            clock[BUDGET] -= 1.0
+            t_new = step_to(clock, target)
+            off, moved, sign = np.inf, 0.0, 0
+            if not angle_too_far(system.constraints, clock[TIME], t_new):
+                off, moved, sign, iterations, gap = attempt(
+                    system, work, state, motion, clock[TIME], t_new, limit, most, new, expected
+                )
+                clock[SPENT] += iterations
+            if acceptable(clock, off, moved, sign):
+                accept(system, work, new, expected, state, motion)
+                after_success(clock, t_new, off, sign)
+            else:
+                clock[NEXT_LENGTH] = 0.5 * (t_new - clock[TIME])
+                if is_barred(clock, target):
+                    return False, gap
+        return True, gap
+
+    return advance
+
+
+def continuation(linear: LinearSolver, made: "Callable[..., Any]" = kernel) -> "Callable[..., Any]":
+    """Return `fill_rows` with these factors; `made` compiles the functions or leaves them as they are."""
+    advance = _advance_by(linear, made)
+
+    @made
+    def fill_rows(
+        system: System,
+        work: Work,
+        state: np.ndarray,
+        motion: np.ndarray,
+        clock: np.ndarray,
+        times: np.ndarray,
+        out: np.ndarray,
+        audit: np.ndarray,
+        new: np.ndarray,
+        expected: np.ndarray,
+    ) -> int:
+        """As `follow`, with room for a new row (3, n) and for the angles of the screws."""
+        for row in range(times.size):
+            arrived, gap = advance(system, work, state, motion, clock, times[row], new, expected)
+            if not arrived:
+                return row
+            copy(state, out[row])
+            audit[row, 0] = largest(work.vectors[PHI])
+            audit[row, 1] = gap
+            audit[row, 2] = clock[SPENT]
+            clock[SPENT] = 0.0
+        return times.size
+
+    return fill_rows
+
+
+_fill_rows = continuation(DENSE)
 
 
 @allocating
@@ -239,13 +305,4 @@ def follow(
     work = make_work(state.shape[1])
     new = np.empty((3, state.shape[1]))
     expected = np.empty(motion.shape[0])
-    for row in range(times.size):
-        arrived, gap = advance(system, work, state, motion, clock, times[row], new, expected)
-        if not arrived:
-            return row
-        copy(state, out[row])
-        audit[row, 0] = largest(work.vectors[PHI])
-        audit[row, 1] = gap
-        audit[row, 2] = clock[SPENT]
-        clock[SPENT] = 0.0
-    return times.size
+    return _fill_rows(system, work, state, motion, clock, times, out, audit, new, expected)

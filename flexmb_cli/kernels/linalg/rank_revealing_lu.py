@@ -1,4 +1,4 @@
-"""Which equations of a constraint Jacobian are independent, and elimination with those alone.
+"""Independent equations of a constraint Jacobian, and elimination with those alone.
 
 Redundant but consistent equations are ordinary in mechanisms: planar loops of spatial joints,
 Bricard's and Bennett's linkages.  Elimination with free choice of row and column shows the rank; the

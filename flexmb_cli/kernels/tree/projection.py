@@ -45,7 +45,7 @@ def largest_rate(closures: np.ndarray) -> float:
 
 
 class Metric(NamedTuple):
-    """In what measure corrections are the least: kernels of (tree, work, coordinates, ..., *arrays)."""
+    """Metric in which corrections are the least: kernels of (tree, work, coordinates, ..., *arrays)."""
 
     begin: "Callable[..., Any]"  # (..., *arrays): what corrections need, where the frames are placed
     respond: "Callable[..., Any]"  # (..., z, *arrays): responses of all coordinates to the rows' changes

@@ -22,7 +22,7 @@ from .assembly import (
     redundancy_warning,
     too_large_to_rank,
 )
-from .driver_axes import keeps_axis, refuse_contradicted_drive, refuse_tilted_drive
+from .driver_axes import keeps_axis, refuse_contradicted_drive, refuse_off_axis_drive
 from .position import Evaluator
 from .rows import Rows, first_rows, joined_rows
 from .settings import KinematicSettings
@@ -86,7 +86,7 @@ class KinematicAnalysis:
         first = self._block(0, 1)
         if first is None:
             first = self._assemble_otherwise()
-        refuse_tilted_drive(self.mechanism, first)
+        refuse_off_axis_drive(self.mechanism, first)
         return first
 
     @property
@@ -164,7 +164,7 @@ class KinematicAnalysis:
         """Attempts of a call; that the way is barred shows in what is left, and an assembly takes one."""
         return self._at_once(MOST_STEPS_A_ROW) + 1
 
-    def marcher(self) -> Callable[..., Any]:
+    def follower(self) -> Callable[..., Any]:
         """The continuation of this mechanism, by dense or by sparse factors: see `continuation.follow`."""
         if not self.evaluator.is_large:
             return lambda *arguments: continuation.follow(self.system, *arguments)
@@ -194,7 +194,7 @@ class KinematicAnalysis:
 
     def _follow(self, times: np.ndarray, out: np.ndarray, audit: np.ndarray) -> int:
         """Fill rows until all are reached or the way is barred; returns how many were."""
-        reached, follow = 0, self.marcher()
+        reached, follow = 0, self.follower()
         while reached < times.size:
             self.clock[continuation.BUDGET] = self._budget
             rest = slice(reached, None)
@@ -247,7 +247,9 @@ class KinematicAnalysis:
         self._restart(q)
         first, start = self._block(0, 1), self.singularities.memory()
         later = t + START_ASIDE * self.mechanism.time.step
-        arrived = first is not None and self.carry(self.marcher(), self.state, self.motion, self.clock, later)
+        arrived = first is not None and self.carry(
+            self.follower(), self.state, self.motion, self.clock, later
+        )
         if not arrived or mobility(self.evaluator, self.state[0], later, self.motion[:, 0]).dofs == 0:
             self.system = full
             raise singular_start(self, q, t)

@@ -79,7 +79,7 @@ class PassedKinematicSingularities(PassedSingularities):
 
         Yield bifurcations, else the worst place.
         """
-        analysis, integration = self.analysis, self.analysis.marcher()
+        analysis, integration = self.analysis, self.analysis.follower()
         memory, begin, end = interval
         state, motion, clock = (part.copy() for part in memory)
         analysis.carry(integration, state, motion, clock, begin)

@@ -37,7 +37,7 @@ def row_across(analysis: Any, t: float, memory: Any) -> Rows | None:
     if not before < t < after:
         return None
     analysis.state, analysis.motion, analysis.clock = (part.copy() for part in memory)
-    integration, ends, signs = analysis.marcher(), [], []
+    integration, ends, signs = analysis.follower(), [], []
     for time in (before, after):
         if not analysis.carry(integration, analysis.state, analysis.motion, analysis.clock, time):
             return None
