@@ -1,25 +1,13 @@
 """Cards behind DYNAMICS: one table of keywords, columns and meanings."""
 
-from typing import TYPE_CHECKING
-
 from .card import Card, vector, whole
 from .elements.cards import FUNCTION_CARDS, JOINT_CARDS
 from .sections import Column
 from .shape_cards import SHAPE_CARDS
 
-if TYPE_CHECKING:
-    pass
-
-
 _BODY = whole("body", "number of the body")
-
-
 _FOLLOWING = whole("following", "0: global axes, 1: the axes of the body, turning with it")
-
-
 _FACTOR = whole("factor", "number of the function that multiplies it, 0: none")
-
-
 CARDS = (
     Card(
         "MASS",

@@ -1,7 +1,6 @@
 """Cards of the integration of a YOUNG deck: TOLERANCE, GALF, RAD5, and the times of the rows."""
 
 import math
-from typing import TYPE_CHECKING
 
 from ...deck.record import Deck
 from ...model.diagnostics import Findings
@@ -12,13 +11,7 @@ from ...model.loads import (
 from ...model.time_checks import unsteppable
 from .dynamic_cards import FORWARD, analysis_of
 
-if TYPE_CHECKING:
-    pass
-
-
 DEFAULT_TOLERANCE = 1e-9
-
-
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-13, 1e-2
 
 

@@ -13,6 +13,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 
+INDEX = re.compile(r"\s*\d+(?=\s|$)")
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?(nan|inf)", re.IGNORECASE | re.ASCII)
+
+
 def split_index(text: str) -> tuple[int, str, int]:
     """Number of the body or point (three columns wide), the rest of the line, and where that begins."""
     head = INDEX.match(text)
@@ -20,12 +24,6 @@ def split_index(text: str) -> tuple[int, str, int]:
     digits = text[:end].strip()
     is_number = digits.isdecimal() and digits.isascii() and len(digits) <= 9
     return (int(digits) if is_number else 0), text[end:], end
-
-
-INDEX = re.compile(r"\s*\d+(?=\s|$)")
-
-
-NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?(nan|inf)", re.IGNORECASE | re.ASCII)
 
 
 def split_row(rest: str, columns: Columns) -> "Sequence[Any] | None":

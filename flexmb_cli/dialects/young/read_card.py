@@ -16,8 +16,6 @@ from .sections import Column
 
 # Words that stand for no number, where one is wanted, and are no keyword.
 NO_NUMBER = re.compile(r"nan|inf(inity)?", re.IGNORECASE)
-
-
 # A card without comments: its keyword and its numbers.
 _PLAIN_CARD = re.compile(r"[A-Za-z]\w*\s+([^\s{A-Za-z][^\s{]*(?:\s+[^\s{A-Za-z][^\s{]*)*)\s*({)?")
 
