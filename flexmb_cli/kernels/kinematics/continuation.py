@@ -120,7 +120,7 @@ def copy(source: np.ndarray, target: np.ndarray) -> Any:
             target[row, k] = source[row, k]
 
 
-def _attempt_by(linear, made):
+def _attempt_by(linear: "LinearSolver", made: "Callable[..., Any]"):
     newton, rates = newton_by(linear, made), rates_by(linear, made)
 
     @made
@@ -162,7 +162,7 @@ def bounds_of_newton(system: System, clock: np.ndarray) -> tuple[float, int]:
     return NO_LIMIT, STEP_ITERATIONS
 
 
-def _advance_by(linear, made):
+def _advance_by(linear: "LinearSolver", made: "Callable[..., Any]"):
     attempt = _attempt_by(linear, made)
 
     @made

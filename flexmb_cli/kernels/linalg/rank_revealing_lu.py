@@ -108,7 +108,12 @@ def _clear_below(left: np.ndarray, order: np.ndarray, k: int) -> None:
 
 @allocating
 def factorise(
-    jacobian: np.ndarray, columns, order: np.ndarray, rank: int, factors: np.ndarray, entries
+    jacobian: np.ndarray,
+    columns: "np.ndarray",
+    order: np.ndarray,
+    rank: int,
+    factors: np.ndarray,
+    entries: "np.ndarray",
 ) -> float:
     """Factors of the first `rank` rows in the order at hand: factors (m, n), columns in pivot order.
 
@@ -135,7 +140,16 @@ def factorise(
 
 
 @kernel
-def _take_row(jacobian: np.ndarray, columns, row, places, factors: np.ndarray, entries, i, following) -> None:
+def _take_row(
+    jacobian: np.ndarray,
+    columns: "np.ndarray",
+    row: int,
+    places: "np.ndarray",
+    factors: np.ndarray,
+    entries: "np.ndarray",
+    i: int,
+    following: "np.ndarray",
+) -> None:
     """Put a row of the Jacobian in row i of the factors.
 
     following (n + 1,) becomes the chain of its places in order: that after place j, n behind the last; the
@@ -158,7 +172,9 @@ def _take_row(jacobian: np.ndarray, columns, row, places, factors: np.ndarray, e
 
 
 @kernel
-def _eliminate(factors: np.ndarray, entries, i, end, rank: int, following):
+def _eliminate(
+    factors: np.ndarray, entries: "np.ndarray", i: int, end: int, rank: int, following: "np.ndarray"
+):
     """Take multiples of the rows before `end` from row i; they stay. Returns the largest."""
     n, largest, count = factors.shape[1], 0.0, FIRST_ENTRY
     k = following[n]
@@ -202,7 +218,7 @@ def smallest_pivot(factors: np.ndarray, rank: int) -> float:
 
 @kernel
 def free_motions(
-    factors: np.ndarray, entries, order: np.ndarray, rank: int, m: int, motions: np.ndarray
+    factors: np.ndarray, entries: "np.ndarray", order: np.ndarray, rank: int, m: int, motions: np.ndarray
 ) -> None:
     """Fill motions (n, n - rank): its columns span the speeds that the equations leave free."""
     n = factors.shape[1]
@@ -220,7 +236,13 @@ def free_motions(
 
 @kernel
 def dependent_speeds(
-    factors: np.ndarray, entries, order: np.ndarray, rank: int, m: int, right_side: np.ndarray, x: np.ndarray
+    factors: np.ndarray,
+    entries: "np.ndarray",
+    order: np.ndarray,
+    rank: int,
+    m: int,
+    right_side: np.ndarray,
+    x: np.ndarray,
 ) -> None:
     """Fill x (n,) with a solution of the independent equations whose free speeds are zero.
 
@@ -244,7 +266,7 @@ def dependent_speeds(
 
 
 @allocating
-def transposed_solution(factors: np.ndarray, entries, rank: int, y: np.ndarray) -> None:
+def transposed_solution(factors: np.ndarray, entries: "np.ndarray", rank: int, y: np.ndarray) -> None:
     """Solve Bᵀ x = y in place, y (rank,) in pivot order, B the leading block."""
     for j in range(rank):
         y[j] /= factors[j, j]
@@ -258,7 +280,7 @@ def transposed_solution(factors: np.ndarray, entries, rank: int, y: np.ndarray) 
 
 
 @allocating
-def _rows_below(entries, rank: int):
+def _rows_below(entries: "np.ndarray", rank: int):
     """The rows with an entry below the diagonal, column by column, and where each column begins and ends."""
     starts = np.zeros(rank + 2, np.int64)
     for i in range(rank):
@@ -276,7 +298,7 @@ def _rows_below(entries, rank: int):
 
 
 @kernel
-def row_times(jacobian: np.ndarray, columns, row, x, scale):
+def row_times(jacobian: np.ndarray, columns: np.ndarray, row: int, x: np.ndarray, scale: np.ndarray):
     """Product of a row of the Jacobian and x / scale, both (n,)."""
     total = 0.0
     for p in range(1, 1 + columns[row, 0]):
