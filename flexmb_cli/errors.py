@@ -1,4 +1,4 @@
-"""What can go wrong, as values and exceptions: a sentence, a place, an object, and an exit code.
+"""Faults as values and exceptions: a sentence, a place, an object, and an exit code.
 
 Faults are collected, not thrown one at a time: a reader goes on after a fault and raises one
 `DeckError` that carries all of them.  Only the commands (`cli`) turn them into text on a stream.
@@ -23,7 +23,7 @@ SHOWN_LINE = 160
 
 
 class Place(NamedTuple):
-    """Where something stands in a deck: line and column count from 1, columns in characters."""
+    """Place in a deck: line and column count from 1, columns in characters."""
 
     line: int  # from 1
     column: int  # of the first character, from 1

@@ -1,4 +1,4 @@
-"""How flexmb is installed here: from a checkout or from a wheel, by pip, pipx or uv."""
+"""Installation of flexmb on this machine: from a checkout or from a wheel, by pip, pipx or uv."""
 
 import importlib.util
 import json

@@ -44,7 +44,7 @@ def _vector(values: "list[float] | np.ndarray", scale: float) -> str:
 def _dropped_lines(body: Any) -> "Iterator[Any]":
     dropped = body.dropped
     if dropped.internal:
-        yield f"    internal freedoms condensed: {dropped.internal}"
+        yield f"    internal degrees of freedom condensed: {dropped.internal}"
     if dropped.dependent:
         yield f"    static shapes dropped, superfluous beside the others or held: {dropped.dependent}"
         names = _of_nodes(dropped.shapes)
@@ -53,6 +53,11 @@ def _dropped_lines(body: Any) -> "Iterator[Any]":
         yield (
             f"    shapes without mass: {body.massless}; they answer loads as in statics (the last, with the "
             "highest frequency of the others)"
+        )
+    if body.massless_in_motion:
+        yield (
+            f"    deformations without mass once the nodes of the frame move: {body.massless_in_motion}; "
+            "they answer loads as in statics"
         )
     if dropped.modes:
         following = dropped.next_frequency

@@ -19,7 +19,7 @@ _DRAFT = "flexmb new"
 
 
 class Form(Protocol):
-    """What a dialect asks for.
+    """Questions of a dialect.
 
     `entries`: all records that the answers so far (name → text) announce, in order; an entry depends on
     answers before it only.  `faults`: what the last of the records brings in, its later numbers missing
@@ -35,7 +35,7 @@ class Form(Protocol):
 
 
 class Dialogue:
-    """Where the dialogue stands.  `values`: the answers by full name ("body.1.x"), as typed.
+    """State of a dialogue.  `values`: the answers by full name ("body.1.x"), as typed.
 
     An answer that is refused changes nothing, except that the dialogue goes back when the fault lies in
     an earlier answer.

@@ -65,7 +65,7 @@ def fortran_format(text: str) -> Format:
 
 
 class Field:
-    """What stands in the columns of one edit descriptor.
+    """Content of the columns of one edit descriptor.
 
     `raw` has the field's width; `spelled` is it without the blanks around; `column` is that of the
     first character that is not blank, the field's first when all are.

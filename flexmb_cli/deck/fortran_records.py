@@ -181,7 +181,7 @@ class _Card:
     def check_edges(self) -> None:
         """Warn of a number cut in two: it begins in one field and leaves blanks in the next.
 
-        Fields that touch because the right one is full are the custom of these decks.
+        Fields that touch because the right one is full are usual in these decks.
         """
         for left, right in pairwise(self.fields):
             if left.raw[-1] == " " or right.raw[0] == " " or right.raw[-1] != " ":

@@ -87,7 +87,7 @@ def blocks_of(records: Sequence[Record]) -> list[Block]:
 
 @dataclass(frozen=True)
 class Made(Sequence[Any]):
-    """What `make` makes of each record, when it is looked at."""
+    """Records that `make` builds one by one, when they are looked at."""
 
     records: Sequence[Record]
     make: Callable[[Record], object]

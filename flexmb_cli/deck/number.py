@@ -1,4 +1,4 @@
-"""How numbers are spelled: the Pascal and Fortran forms, and what is said of every other form."""
+"""Spelling of numbers: the Pascal and Fortran forms, and the faults of every other form."""
 
 import math
 import re

@@ -73,7 +73,7 @@ class _Joined(Sequence[Number]):
 
 
 class _Positions(Mapping[str, int]):
-    """Where among the numbers each key stands, found by looking through them."""
+    """Index of each key among the numbers, found by looking through them."""
 
     def __init__(self, numbers: Sequence[Number]):
         self.numbers = numbers

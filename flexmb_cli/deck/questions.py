@@ -1,4 +1,4 @@
-"""What a dialogue asks: values, the records they belong to, and how a question reads."""
+"""Questions of a dialogue: values, the records they belong to, and their wording."""
 
 import re
 from itertools import groupby
@@ -74,7 +74,7 @@ TITLE_ENTRY = Entry(
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked now: cells of a record from its cell `first` on, and what Enter gives for each."""
+    """Current question: cells of a record from its cell `first` on, and what Enter gives for each."""
 
     entry: Entry
     first: int

@@ -1,4 +1,4 @@
-"""What a reader delivers: the deck's text, and every number of it with a name, a meaning and a place."""
+"""Result of a reader: the deck's text, and every number of it with a name, a meaning and a place."""
 
 import dataclasses
 from collections.abc import Iterable, Sequence

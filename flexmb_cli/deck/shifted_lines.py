@@ -1,6 +1,6 @@
-"""The custom of one record a line, and the lines that seem to break it by a lost or surplus number.
+"""Lines of decks of one record a line that seem shifted by a lost or surplus number.
 
-YOUNG decks are free format, so a lost zero shifts every later number.  When a deck keeps the custom
+YOUNG decks are free format, so a lost zero shifts every later number.  When a deck has one record a line
 almost everywhere, a line that holds neither its record nor a fair part of one is the likely slip.
 """
 
@@ -22,7 +22,7 @@ def slips(
 
     `records` are (subject, numbers needed) in the deck's order.  Lines and records are walked side by
     side.  A line that fits no record is a slip when the line after it fits the next record again and
-    at least `kept_per_slip` lines keep the custom for each that does not; a deck wrapped at some
+    at least `kept_per_slip` lines hold one record for each that does not; a deck wrapped at some
     width seldom satisfies either.
     """
     lines = list(Counter(word.line for word in read_words).items())

@@ -22,7 +22,7 @@ MOST_OF_ALL_SHAPES = 1_000_000  # of a deck: hundreds of its lines may name one 
 
 @dataclass(frozen=True)
 class Keys:
-    """What a dialect calls the numbers of a shape: body, sizes, offset (m) and angles (rad)."""
+    """Names of a dialect for the numbers of a shape: body, sizes, offset (m) and angles (rad)."""
 
     body: str = "body"
     sizes: tuple[str, ...] = ("a", "b", "c")

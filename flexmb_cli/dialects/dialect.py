@@ -1,4 +1,4 @@
-"""What the rest of the program knows of a dialect: a record that names the parts in the dialect's folder."""
+"""Description of a dialect for the rest of the program: a record that names the parts in its folder."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib import import_module

@@ -63,7 +63,7 @@ def check_holes(
         findings.error(
             given.name,
             f"the {what} of node {node} along {axis} is {diagonal[row]:.6g}; {hint} "
-            f"({wrong.size} of {len(diagonal)} such freedoms)",
+            f"({wrong.size} of {len(diagonal)} such degrees of freedom)",
             place,
             id="FE-056",
         )
@@ -82,7 +82,8 @@ def check_isotropy(given: FlexibleInput, S: np.ndarray, findings: Findings) -> f
             f"{given.numbers[row // 3]}: the equations need equal masses in all directions and none between "
             "them"
         )
-        remedy = "; a condensed mass matrix, or internal freedoms in it? export the matrix of solid elements"
+        doubt = "; a condensed mass matrix, or internal degrees of freedom in it?"
+        remedy = f"{doubt} export the matrix of solid elements"
         if severe:
             findings.error(given.name, message + remedy, given.mass.place, id="FE-057")
         else:

@@ -57,7 +57,8 @@ def condensed(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
         matrix, solve = stored(condensed_on(outer, coupling, inner)), solver(inner)
     except Singular:
         raise FEFileFault(
-            f"{name}: the {len(internal)} internal freedoms have no stiffness of their own", id="FE-061"
+            f"{name}: the {len(internal)} internal degrees of freedom have no stiffness of their own",
+            id="FE-061",
         ) from None
     return NodalMatrix(matrix, file, nodal, internal, lambda shapes: -solve(coupling @ shapes))
 

@@ -67,11 +67,11 @@ def static_shapes(K: np.ndarray, S: np.ndarray, frame: Frame, forces: np.ndarray
 def _supports(r0: np.ndarray) -> np.ndarray:
     """Six rows that hold the body: a node, one far from it, and one far from their line."""
     first = int(np.argmax(np.linalg.norm(r0 - r0.mean(axis=0), axis=1)))
-    arms = r0 - r0[first]
-    second = int(np.argmax(np.linalg.norm(arms, axis=1)))
-    third = int(np.argmax(np.linalg.norm(np.cross(arms, arms[second]), axis=1)))
-    normal = np.cross(arms[second], arms[third])
-    along = int(np.argmax(np.abs(arms[second])))
+    relative = r0 - r0[first]
+    second = int(np.argmax(np.linalg.norm(relative, axis=1)))
+    third = int(np.argmax(np.linalg.norm(np.cross(relative, relative[second]), axis=1)))
+    normal = np.cross(relative[second], relative[third])
+    along = int(np.argmax(np.abs(relative[second])))
     others = [axis for axis in range(3) if axis != along]
     last = max(others, key=lambda axis: abs(normal[axis]))
     rows = [

@@ -1,7 +1,9 @@
-"""What numba's code calls for memory, in LLVM's language: arrays that a kernel makes live on C's heap.
+"""Memory functions that numba's code calls, in LLVM's language: arrays of a kernel live on C's heap.
 
 The names and the layout of a block are numba's (numba/core/runtime/nrt.cpp).
 """
+
+from typing import Any
 
 from llvmlite import ir
 
@@ -28,7 +30,7 @@ def add_allocator(module: ir.Module) -> None:
     builder.ret_void()
 
 
-def _add_alloc(module, malloc, name: str, aligned) -> None:
+def _add_alloc(module: Any, malloc: Any, name: str, aligned: Any) -> None:
     """void *name(size, alignment): a block with one reference, null where there is no memory."""
     parameters = [WORD, _INT] if aligned else [WORD]
     function = ir.Function(module, ir.FunctionType(_ADDRESS, parameters), name)

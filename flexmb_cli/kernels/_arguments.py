@@ -1,4 +1,4 @@
-"""How values of Python become the words that compiled code takes, and its words the values it returns.
+"""Conversion of Python values into the words that compiled code takes, and back.
 
 A parameter is described by what JSON can hold: "i", "f", "b" for numbers, ["a", dimensions, type] for an
 array and ["t", class, parameters] for a tuple.  An array is handed over as address and shape.

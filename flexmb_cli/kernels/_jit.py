@@ -1,4 +1,4 @@
-"""How a function becomes a kernel: compiled where Python or another kernel calls it, or left as it is.
+"""Decorator of kernels: compiled where Python or another kernel calls them, or left as they are.
 
 Whoever builds a system to look at it only, as `check` does, builds and evaluates it within
 `interpreting()`: the same kernels then run as plain Python on numpy arrays, and nothing is compiled.

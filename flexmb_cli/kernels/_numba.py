@@ -78,11 +78,11 @@ def pass_of(kind: type) -> Any:
 
 @contextlib.contextmanager
 def without_lock_events() -> "Iterator[None]":
-    """Tell nobody of calls of LLVM within the block: numba measures them all."""
-    told = llvm.ffi.lib._lock._cblist
-    kept = list(told)
-    told.clear()
+    """Notify no listener of calls of LLVM within the block: numba times them all."""
+    listeners = llvm.ffi.lib._lock._cblist
+    kept = list(listeners)
+    listeners.clear()
     try:
         yield
     finally:
-        told.extend(kept)
+        listeners.extend(kept)

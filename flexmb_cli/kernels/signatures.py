@@ -1,4 +1,4 @@
-"""What Python calls of the kernels, and with which arguments: data, from which all of them can be compiled.
+"""Kernels that Python calls, and their argument types: data, from which all of them can be compiled.
 
 A unit is what one analysis needs, and one file of machine code.  Words: f2 is an array of floats of two
 dimensions (i: integers, c: complex, b: truth values); CONSTRAINT1 one of records; `int`, `float`, `bool` are
@@ -92,15 +92,20 @@ UNITS = {
         "kinematics.continuation.follow": "Mechanism f2 f2 f1 f1 f3 f2",
         "kinematics.newton.evaluate_position": "Mechanism Newton f1 float f1",
         "kinematics.newton.reach_of": "Mechanism f1",
+        "kinematics.newton.set_rest": "Mechanism Newton f1",
+        "kinematics.newton.add_correction": "Newton float f1",
+        "kinematics.newton.largest": "f1",
+        "kinematics.continuation.bounds_of_newton": "Mechanism f1",
+        "kinematics.continuation.copy": "f2 f2",
         "kinematics.continuation.predict": "f2 float f1",
         "kinematics.continuation.screws_expected": "f2 float f1",
         "kinematics.continuation.defect": "Mechanism f2 f2 float",
-        "kinematics.continuation.step_to": "f1 float",
+        "kinematics.continuation_clock.step_to": "f1 float",
         "kinematics.continuation.angle_too_far": "CONSTRAINT1 float float",
-        "kinematics.continuation.acceptable": "f1 float float int",
+        "kinematics.continuation_clock.acceptable": "f1 float float int",
         "kinematics.continuation.accept": "Mechanism Newton f2 f1 f2 f2",
-        "kinematics.continuation.after_success": "f1 float float int",
-        "kinematics.continuation.is_barred": "f1 float",
+        "kinematics.continuation_clock.after_success": "f1 float float int",
+        "kinematics.continuation_clock.is_barred": "f1 float",
     },
     "constrained": {
         "constrained.accelerations.evaluate_jacobian": "System Work f1",

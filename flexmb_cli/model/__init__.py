@@ -1,1 +1,1 @@
-"""What a deck means: mechanisms and trees in SI units, with names.  No numba."""
+"""Models of decks: mechanisms and trees in SI units, with names.  No numba."""

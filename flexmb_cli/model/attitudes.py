@@ -1,4 +1,4 @@
-"""What a deck itself says of the attitudes of its bodies, and the estimates that follow from it."""
+"""Attitudes of bodies that a deck itself gives, and the estimates that follow from them."""
 
 import math
 from typing import Any
@@ -17,7 +17,7 @@ def held_coordinate(direction: int, value: float) -> tuple[int, float]:
 
 
 class Attitudes:
-    """What the deck itself says of the attitudes: estimates, held components, rotational drivers."""
+    """Attitudes that the deck itself gives: estimates, held components, rotational drivers."""
 
     def __init__(self, mechanism: Mechanism):
         self.bodies = mechanism.bodies

@@ -8,7 +8,7 @@ LARGEST_NUMBER = 1e50  # of a deck: products of four such numbers are still doub
 
 @dataclass
 class Findings:
-    """What was found wrong or doubtful so far; nothing is thrown before all of it is known."""
+    """Faults and doubts found so far; nothing is thrown before all of it is known."""
 
     faults: list[Fault] = field(default_factory=FaultList)
 

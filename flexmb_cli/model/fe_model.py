@@ -1,4 +1,4 @@
-"""What a VSDF deck describes before its matrices are reduced: bodies, and what acts at their nodes.
+"""Model of a VSDF deck before its matrices are reduced: bodies, and what acts at their nodes.
 
 Bodies are numbered from 0, the ground is -1.  A node is named by its number in the body's node table, or
 by that of a node set.  Positions of nodes are in the axes of their node table, those of the ground global.
@@ -170,7 +170,7 @@ class Integrator:
 
 @dataclass(frozen=True)
 class StressSelection:
-    """Where the stresses of a body are reported: its nodes and elements by number, and its largest one."""
+    """Selection of a body's stresses to report: its nodes and elements by number, and its largest one."""
 
     body: int
     nodes: tuple[int, ...] = ()

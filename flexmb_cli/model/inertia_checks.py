@@ -1,4 +1,4 @@
-"""Whether every body of a tree has inertia left where it moves, its nodes being free to stay behind.
+"""Inertia left in every body of a tree where it moves, its nodes being free to stay behind.
 
 A node that moves against the turning body takes no part in the coupled inertia: what resists the
 hinge is the inertia of the whole body less that of its nodes along their free axes.  DAFMS decks

@@ -1,4 +1,4 @@
-"""What can be integrated in double precision: times, and tolerances of a step; how many rows are computed."""
+"""Limits of double precision: times, and tolerances of a step; the number of rows to compute."""
 
 LONGEST_TIME, SHORTEST_TIME = (
     1e9,

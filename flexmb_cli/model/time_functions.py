@@ -192,9 +192,7 @@ def smoothness(function: MotionFunction) -> int:
 
 @dataclass(frozen=True)
 class Motion:
-    """What a function prescribes: a coordinate of a body (`kind` TRAX ... ROTZ), or of a joint (ANGL,
-    STRK).
-    """
+    """Prescribed motion of a coordinate of a body (`kind` TRAX ... ROTZ), or of a joint (ANGL, STRK)."""
 
     name: str
     kind: str

@@ -37,7 +37,7 @@ METHODS = ("dop853", "radau", "lsoda", "sdirk4")
 
 @dataclass(frozen=True, eq=False)
 class Elasticity:
-    """What makes a body flexible: NP lumped nodes with the same free axes, NM = NP · len(axes).
+    """Elastic properties of a body: NP lumped nodes with the same free axes, NM = NP · len(axes).
 
     `positions` (NP, 3): undeformed, from O_k in O_k axes, m; `masses` (NP,): kg, positive; `axes`:
     directions of the nodal displacements, ascending; `stiffness`, `damping` (NM, NM): clamped at
@@ -193,7 +193,7 @@ class Closure:
 
 @dataclass(frozen=True)
 class Coordinate:
-    """What a generalized coordinate is: `motion` of `body` about or along `axis`, of `node` if elastic."""
+    """Generalized coordinate: `motion` of `body` about or along `axis`, of `node` if elastic."""
 
     body: int
     motion: str
@@ -212,7 +212,7 @@ def default_tolerances(method: str) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Integration:
-    """How to integrate: one of METHODS, relative and absolute tolerance of a step.
+    """Settings of the integration: one of METHODS, relative and absolute tolerance of a step.
 
     dop853 is explicit and compiled; sdirk4 is implicit and compiled, for stiff elastic modes; radau is
     implicit too, and slower; lsoda is of the family the thesis used (DGEAR).

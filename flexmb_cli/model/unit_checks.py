@@ -1,4 +1,4 @@
-"""What makes one doubt that a deck is in SI units, and bodies that have no mass: notes of all commands.
+"""Doubts that a deck is in SI units, and bodies that have no mass: notes of all commands.
 
 A deck drawn in millimetres with masses in kilograms runs without complaint and gives nonsense.  Its
 gravity, its lengths, the radii of gyration of its bodies and their densities tell.  Masses in tonnes with all

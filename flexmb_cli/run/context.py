@@ -1,4 +1,4 @@
-"""What one run has from beginning to end: its options, what becomes of it, and who hears how far it is."""
+"""Context of one run from beginning to end: its options, its outcome, and the listener to its progress."""
 
 from typing import NamedTuple, Protocol
 
@@ -7,7 +7,7 @@ from .outcome import Listener, Outcome, RunOptions, refuse_warnings
 
 
 class TextStream(Protocol):
-    """Where a listing goes that is not kept in a file."""
+    """Destination of a listing that is not kept in a file."""
 
     def write(self, text: str, /) -> int:
         """Write `text`."""

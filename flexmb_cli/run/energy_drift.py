@@ -1,4 +1,4 @@
-"""How far the total energy of a run strays: for the statistics of -v, and as a warning."""
+"""Drift of the total energy of a run: for the statistics of -v, and as a warning."""
 
 from collections.abc import Mapping
 
@@ -19,7 +19,7 @@ OF_TREES = (
 
 
 class EnergyDrift:
-    """How far the total energy has moved from its first value, and what it may be measured against.
+    """Largest distance of the total energy from its first value, and its possible scales.
 
     `reasons` and what to do about them end the warning; `reference` names what `scale` is.
     """

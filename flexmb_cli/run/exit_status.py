@@ -1,4 +1,4 @@
-"""How a deck ends that does not come to its last time: what learns of it, and its exit code."""
+"""End of a deck that does not come to its last time: its reports, and its exit code."""
 
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any

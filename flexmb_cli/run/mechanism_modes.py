@@ -28,7 +28,7 @@ MOST_SPEEDS_INTERPRETED = 30
 
 @dataclass(frozen=True)
 class Wish:
-    """What to linearise about: `time`, s (None: the start), or the `equilibrium` found from there.
+    """State to linearise about: `time`, s (None: the start), or the `equilibrium` found from there.
 
     `state_space`: whether B, C and D are asked for; `out`: the file that they go to.
     """

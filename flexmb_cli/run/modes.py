@@ -17,9 +17,9 @@ from .outcome import Listener, Outcome, RunOptions, Stop
 
 @dataclass
 class ModesReport:
-    """What became of one deck: `outcome` holds faults and exit code, `bodies` the flexible ones.
+    """Result of one deck: `outcome` holds faults and exit code, `bodies` the flexible ones.
 
-    `mechanism` is None where its small motions were not asked for, or not found.
+    `mechanism` is None where its linearised motion was not asked for, or not found.
     """
 
     outcome: Outcome
@@ -90,6 +90,7 @@ def _as_dict(body: FlexibleBody) -> dict[str, Any]:
         "effective_mass": body.effective_mass.tolist(),
         "effective_limit": body.effective_limit.tolist(),
         "massless": body.massless,
+        "massless_in_motion": body.massless_in_motion,
         "dropped": _as_record(body.dropped),
     }
 

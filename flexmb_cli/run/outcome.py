@@ -1,4 +1,4 @@
-"""What is asked of a run, and what became of it."""
+"""Options of a run, and its outcome."""
 
 from collections.abc import Callable
 from contextlib import contextmanager
@@ -22,7 +22,7 @@ class Terminated(BaseException):
 
 
 class Stop:
-    """What a signal asked for: KeyboardInterrupt or Terminated, None before.
+    """Exception that a signal asked for: KeyboardInterrupt or Terminated, None before.
 
     `held`: how many ask that it be noted only.  A command notes it, and lets it be raised while a deck is
     read or solved (`released`): files and records are never half done.
@@ -119,7 +119,7 @@ class RunOptions:
 
 @dataclass
 class Outcome:
-    """What became of one deck; fills while the deck is run.
+    """Outcome of one deck; fills while the deck is run.
 
     `deck` is the deck as named by the user, `settings` what `--set` changed of it, `source` its text once
     read, `echo` the list of its numbers if asked for, `statistics` what the solver counted, `resumable`
@@ -167,7 +167,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Listener:
-    """Where a run tells how far it is: `begin(rows)`, `advance(rows)`, `notice(sentence)`, `status(doing)`.
+    """Listener to the progress of a run: `begin(rows)`, `advance(rows)`, `notice(sentence)`, `status(doing)`.
 
     A notice stays; a status holds until the first row.
     """

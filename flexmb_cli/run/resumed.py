@@ -1,4 +1,4 @@
-"""What a run takes over from the resume file of a stopped one, once it fits the run.
+"""Rows and state that a run takes over from the resume file of a stopped one, once it fits the run.
 
 A checksum says that the file is as it was written, not that this run wrote it: blocks of values and the
 state behind them must have the names, shapes and types that this run gives them.

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class Analysis(Protocol):
-    """What is asked of an analysis that is solved."""
+    """Interface of an analysis that is solved."""
 
     def rows(self) -> Iterator[Any]:
         """Yield blocks of report rows."""

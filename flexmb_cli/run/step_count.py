@@ -1,4 +1,4 @@
-"""What is counted of the dynamics of a mechanism under constraints."""
+"""Step counts of the dynamics of a mechanism under constraints."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING

@@ -12,7 +12,7 @@ NO_FOLDER = "no folder to keep compiled kernels in; set NUMBA_CACHE_DIR to one t
 
 
 class Notices(Protocol):
-    """Who shows a sentence to the user."""
+    """Receiver of sentences for the user."""
 
     def notice(self, sentence: str) -> None:
         """Show the sentence."""

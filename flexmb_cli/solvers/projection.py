@@ -41,7 +41,7 @@ class Equations(Protocol):
 
 @dataclass(frozen=True)
 class Corrections:
-    """How a position is corrected.
+    """Correction of a position.
 
     `met`: the largest scaled residual that ends the corrections; `most` is their number.  `dependent`:
     singular values, of the largest, along which nothing is corrected.  `hopeless`: the largest residual

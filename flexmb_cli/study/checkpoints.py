@@ -1,4 +1,4 @@
-"""What a study has got so far: a folder of part files, one for every block of cases.
+"""Checkpoints of a study: a folder of part files, one for every block of cases.
 
 A case is kept the moment it is solved, with its length and checksum: a kill tears at most the case being
 written, which then does not count.  Whoever works on a block holds a lock on its file, so that no case is

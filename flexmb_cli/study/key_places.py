@@ -1,4 +1,4 @@
-"""Where the names of a study stand: tomllib does not tell."""
+"""Places of the names of a study: tomllib does not give them."""
 
 import re
 from collections.abc import Iterable, Iterator

@@ -30,7 +30,7 @@ _NO_SERIES = np.zeros((0, 0))
 
 @dataclass(frozen=True)
 class CaseResult:
-    """What is kept of a case: its number from 0, exit code, rows solved, values and series by position."""
+    """Result of a case: its number from 0, exit code, rows solved, values and series by position."""
 
     case: int
     exit_code: int

@@ -66,7 +66,7 @@ class Job:
 
 @dataclass(frozen=True)
 class BlockDone:
-    """How many cases of a block this call solved, and how many of all its cases failed."""
+    """Progress of a block: cases that this call solved, and failures among all its cases."""
 
     block: int
     solved: int
@@ -135,8 +135,10 @@ class Sweep:
 
     def end(self) -> None:
         """Remove what was kept: the table has it."""
-        self.job.parts.remove()
-        self.lock.leave()
+        try:
+            self.job.parts.remove()
+        finally:
+            self.lock.leave()
 
     @property
     def failed(self) -> int:

@@ -37,7 +37,7 @@ class Column:
 
 @dataclass(frozen=True)
 class TableHead:
-    """What a table is of: texts of study and deck, name and digest of the deck, columns in order, rows."""
+    """Head of a table: texts of study and deck, name and digest of the deck, columns in order, rows."""
 
     study: str
     deck: str

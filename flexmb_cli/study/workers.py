@@ -1,4 +1,4 @@
-"""Who solves the blocks of a study: this process, or processes beside it."""
+"""Solution of the blocks of a study: by this process, or by processes beside it."""
 
 import signal
 from collections import Counter, deque

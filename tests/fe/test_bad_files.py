@@ -296,7 +296,8 @@ def test_a_node_without_mass(tmp_path):
         M[3:6] = M[:, 3:6] = 0.0
 
     assert spoilt(tmp_path, change) == [
-        "error: the mass of node 12 along x is 0; is the node in no element? (3 of 21 such freedoms)"
+        "error: the mass of node 12 along x is 0; is the node in no element? "
+        "(3 of 21 such degrees of freedom)"
     ]
 
 
@@ -306,7 +307,8 @@ def test_a_node_that_no_element_has(tmp_path):
 
     found = spoilt(tmp_path, change)
     assert found[0] == (
-        "error: the stiffness of node 17 along x is 0; is the node in no element? (3 of 21 such freedoms)"
+        "error: the stiffness of node 17 along x is 0; is the node in no element? "
+        "(3 of 21 such degrees of freedom)"
     )
 
 
@@ -317,7 +319,7 @@ def test_a_condensed_mass_matrix_couples_directions(tmp_path):
     assert spoilt(tmp_path, change) == [
         "error: the mass of directions x, y, z differs by 5.0e-01 of the largest entry, most at node 11: the "
         "equations need equal masses in all directions and none between them; a condensed mass matrix, or "
-        "internal freedoms in it? export the matrix of solid elements"
+        "internal degrees of freedom in it? export the matrix of solid elements"
     ]
 
 

@@ -77,11 +77,11 @@ def test_a_stiffness_without_its_six_rigid_motions_is_refused(size, tmp_path):
 def test_a_negative_stiffness_or_mass_is_told_by_its_diagonal(tmp_path):
     r, m, M, K = truss(1)
     assert reported(tmp_path, r, M, -K, modes=3) == [
-        f"body 1: the stiffness of node 11 along x is {-K[0, 0]:.6g}; a diagonal must be positive (21 of 21 such freedoms)"
+        f"body 1: the stiffness of node 11 along x is {-K[0, 0]:.6g}; a diagonal must be positive (21 of 21 such degrees of freedom)"
     ]
     m[0, 0] -= 10.0
     assert reported(tmp_path, r, np.kron(m, np.eye(3)), K, modes=3) == [
-        f"body 1: the mass of node 11 along x is {m[0, 0]:.6g}; a diagonal must be positive (3 of 21 such freedoms)"
+        f"body 1: the mass of node 11 along x is {m[0, 0]:.6g}; a diagonal must be positive (3 of 21 such degrees of freedom)"
     ]
 
 
@@ -89,7 +89,7 @@ def test_a_node_in_no_element_is_refused(tmp_path):
     r, _, M, K = truss(1)
     K[:3], K[:, :3] = 0.0, 0.0
     assert reported(tmp_path, r, M, K, modes=3)[0] == (
-        "body 1: the stiffness of node 11 along x is 0; is the node in no element? (3 of 21 such freedoms)"
+        "body 1: the stiffness of node 11 along x is 0; is the node in no element? (3 of 21 such degrees of freedom)"
     )
 
 

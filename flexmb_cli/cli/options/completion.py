@@ -1,4 +1,4 @@
-"""What the shell offers behind TAB where a command takes files, quantities or examples."""
+"""Shell completion of files, quantities and examples."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What the commands that take decks share: options, and how faults are shown."""
+"""Options and fault printing of all commands that take decks."""
 
 from typing import TYPE_CHECKING, Any, TypeVar
 

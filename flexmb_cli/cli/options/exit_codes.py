@@ -1,4 +1,4 @@
-"""What the exit codes of every command mean, as its help and its man page show them."""
+"""Meaning of the exit codes of every command, for its help and its man page."""
 
 DONE = {
     "run": "every deck is solved",

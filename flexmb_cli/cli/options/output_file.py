@@ -1,4 +1,4 @@
-"""Where a command that reads results writes: to a file of its own, or to standard output."""
+"""Output of commands that read results: to a file of its own, or to standard output."""
 
 import os
 from typing import TYPE_CHECKING, Any

@@ -44,13 +44,13 @@ def outcomes_in_parallel(decks: Any, options: RunOptions, jobs: int, progress: P
 
 @dataclass
 class _Unable:
-    """What a process sends that cannot begin."""
+    """Message of a process that cannot begin."""
 
     reason: str
 
 
 class _Doing(str):
-    """What a process is doing for a while."""
+    """Message of a process about its present activity."""
 
 
 @dataclass

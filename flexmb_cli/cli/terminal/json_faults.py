@@ -1,4 +1,4 @@
-"""What `--json` prints of a command that ended in a fault."""
+"""JSON output of a command that ended in a fault."""
 
 import json
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""How far a run or a study is: one status line on a terminal, a line every ten seconds in a log with -v.
+"""Progress of a run or a study: one status line on a terminal, a line every ten seconds in a log with -v.
 
 Written here and not by a library: the least one that estimates the remaining time adds a tenth to the start.
 """

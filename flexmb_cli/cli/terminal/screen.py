@@ -1,4 +1,4 @@
-"""What is printed: strangers' texts and file names command no terminal; tables reach pipes unchanged."""
+"""Safe printing: texts of decks and file names control no terminal; tables reach pipes unchanged."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""Where something is to be written, as the command line names it."""
+"""Place of an output, as the command line names it."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What a card of FMBD.DAT is."""
+"""Card of FMBD.DAT: its fields, formats and meanings."""
 
 from ...deck.fortran_records import Item
 from ...quick_dataclass import dataclass

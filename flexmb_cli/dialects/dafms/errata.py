@@ -1,4 +1,4 @@
-"""What the echoes of the historic program have otherwise: Zhao, thesis (1992), appendix C."""
+"""Differences of the echoes of the historic program: Zhao, thesis (1992), appendix C."""
 
 import numpy as np
 

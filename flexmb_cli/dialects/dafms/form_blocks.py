@@ -70,7 +70,7 @@ def block_entries(answers: Answers, k: int) -> list[Entry]:
         return []
     counts = (
         Cell("NUMNP", "number of nodes", letter=INTEGER),
-        Cell("NDF", "elastic freedoms of a node: 1 axis 3, 2 axes 2 and 3, 3 all", letter=INTEGER),
+        Cell("NDF", "elastic degrees of freedom of a node: 1 axis 3, 2 axes 2 and 3, 3 all", letter=INTEGER),
     )
     entries = [Entry("elastic", k, f"nodes of body {k}", counts)]
     dofs, nodes = answers.axes(k)

@@ -19,7 +19,7 @@ from .system_cards import read_system
 
 @dataclass
 class Layout:
-    """How long the lists of a deck are: counts per body, body 1 first."""
+    """Lengths of the lists of a deck: counts per body, body 1 first."""
 
     bodies: int
     dimension: int
@@ -101,7 +101,7 @@ def _read_control(records: Records, layout: Layout, read: list[Record]) -> None:
     translations = [_read_dofs(records, "NT", "translation", k) for k in range(1, n + 1)]
     rotations = [_read_dofs(records, "NR", "rotation", k) for k in range(1, n + 1)]
     nodes = _read_list(records, "NUMNP", "number of nodes, 0: rigid", n)
-    dofs = _read_list(records, "NDF", "elastic freedoms of a node", n)
+    dofs = _read_list(records, "NDF", "elastic degrees of freedom of a node", n)
     time = records.read("I5", [Item("IT", "number of integration steps")], "time")
     time += records.read("F10.5", [Item("H", "length of a step", "s")], "time")
     _check_nodes(records, nodes, dofs)
@@ -156,7 +156,9 @@ def _check_nodes(records: Records, nodes: tuple[Number, ...], dofs: tuple[Number
             message = f"NUMNP = {count.value}: a body has 0 nodes (rigid) or more"
             records.report("error", f"body {k}", message, count.place)
         elif count.value and dof.value not in (1, 2, 3):
-            message = f"NDF = {dof.value}: a node has 1 (axis 3), 2 (axes 2, 3) or 3 elastic freedoms"
+            message = (
+                f"NDF = {dof.value}: a node has 1 (axis 3), 2 (axes 2, 3) or 3 elastic degrees of freedom"
+            )
             records.report("error", f"body {k}", message, dof.place)
 
 

@@ -1,4 +1,4 @@
-"""How a DAFMS deck begins."""
+"""Recognition of DAFMS decks by their first lines."""
 
 from collections.abc import Sequence
 from itertools import islice

@@ -1,4 +1,4 @@
-"""When and from where a tree of FMBD.DAT moves: IT and H, X(L) and Y(L), TOLR and METH."""
+"""Initial state and time settings of a tree of FMBD.DAT: IT and H, X(L) and Y(L), TOLR and METH."""
 
 import math
 

@@ -46,7 +46,7 @@ def _of_function(k: int) -> tuple[str, str, str]:
 
 
 class _System:
-    """What TSYSIN has read so far: the deck's records and the line of every card."""
+    """Cards read by TSYSIN so far: the deck's records and the line of every card."""
 
     def __init__(self, records: Records, layout: "Layout", read: list[Record]):
         self.records = records

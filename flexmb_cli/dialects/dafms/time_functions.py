@@ -1,4 +1,4 @@
-"""What acts on a tree of FMBD.DAT: pulses, tables, springs, dampers, motors, drives, closures."""
+"""Loads on a tree of FMBD.DAT: pulses, tables, springs, dampers, motors, drives, closures."""
 
 from typing import TYPE_CHECKING, Any
 

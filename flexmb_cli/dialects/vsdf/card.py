@@ -1,4 +1,4 @@
-"""What a card of a VSDF deck is: a keyword, and the fields of its data cards."""
+"""Card of a VSDF deck: a keyword, and the fields of its data cards."""
 
 from ...quick_dataclass import dataclass
 
@@ -43,6 +43,11 @@ class Card:
 def whole_column(key: str, meaning: str, default: int | None = 0) -> Column:
     """A field of an integer."""
     return Column(key, meaning, letter="I", default=default)
+
+
+def word_column(key: str, meaning: str, words: tuple[str, ...]) -> Column:
+    """A field of one of some words."""
+    return Column(key, meaning, letter="A", skip=1, words=words, default=None)
 
 
 def vector_columns(key: str, meaning: str, unit: str = "", default: float | None = 0.0) -> tuple[Column, ...]:

@@ -10,7 +10,7 @@ _NAMES = {"I": "an integer", "F": "a number", "A": "a word", "T": "a file name"}
 
 
 class Field(NamedTuple):
-    """What stands in a field, and the field's place."""
+    """Content of a field, and the field's place."""
 
     text: str  # without the blanks around it
     column: int  # of the first character of the text, from 1

@@ -1,4 +1,4 @@
-"""How a VSDF deck begins."""
+"""Recognition of VSDF decks by their first lines."""
 
 import re
 from collections.abc import Sequence

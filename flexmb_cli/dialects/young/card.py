@@ -1,4 +1,4 @@
-"""What a card behind DYNAMICS is: a keyword, and the columns of its numbers."""
+"""Card behind DYNAMICS: a keyword, and the columns of its numbers."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -79,7 +79,7 @@ class RepeatedColumns(Sequence[Column]):
 
 
 class Positions(Mapping[str, int]):
-    """Where each key stands among the columns of a card with numbers that repeat."""
+    """Index of each key among the columns of a card with numbers that repeat."""
 
     def __init__(self, columns: RepeatedColumns):
         self.columns = columns

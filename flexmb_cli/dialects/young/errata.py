@@ -1,4 +1,4 @@
-"""What the listings of the historic program have wrong, and why: `diff --explain` marks these differences.
+"""Errors in the listings of the historic program: `diff --explain` marks these differences.
 
 Liang Yong, dissertation (1996), Appendix B; every cause was found by putting the slip into a re-computation,
 and everything not listed here is reproduced to the printed digit.

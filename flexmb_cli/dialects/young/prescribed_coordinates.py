@@ -67,7 +67,7 @@ def _sorted_places(held: Any) -> Any:
 def _by_bodies(mechanism: Any, findings: Findings) -> Iterator[list[_Hold]]:
     """Return what holds each body; of the holds of a large deck those of one body at a time."""
     by_body: dict[int, list[_Hold]] = {}
-    for hold in _of_grounds(_worth_looking_at(_first_grounds(mechanism, findings), mechanism)):
+    for hold in _of_grounds(_to_check(_first_grounds(mechanism, findings), mechanism)):
         by_body.setdefault(hold.body, []).append(hold)
     held = array("i", (item.body for item in chain(mechanism.simplified, mechanism.drivers)))
     order, given = _sorted_places(held), len(mechanism.simplified)
@@ -105,8 +105,8 @@ def _first_grounds(mechanism: Any, findings: Any) -> Iterator[Ground]:
             findings.error(ground.name, message, ground.place, id="YOUNG-047")
 
 
-def _worth_looking_at(grounds: "Iterator[Any]", mechanism: Any) -> list[Ground]:
-    """Of grounds that nothing else holds only those that no attitude may have: there may be thousands."""
+def _to_check(grounds: "Iterator[Any]", mechanism: Any) -> list[Ground]:
+    """Return the grounds, few of maybe thousands, of bodies held by others, too, or with wrong angles."""
     others = {item.body for item in chain(mechanism.simplified, mechanism.drivers)}
     return [
         ground

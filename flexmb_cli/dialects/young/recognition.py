@@ -1,4 +1,4 @@
-"""How a YOUNG deck begins."""
+"""Recognition of YOUNG decks by their first lines."""
 
 from collections.abc import Sequence
 from itertools import islice

@@ -91,7 +91,7 @@ def _read_one(layout: _Layout, heading: Any, records: Any) -> tuple[str, MatrixF
             return name, of_strings(f"{layout.file}, matrix {name}", columns, strings)
         held = len(record) // layout.word - 3
         if column < 1 or words > held:
-            message = f"matrix {name}, column {column}: {words} words are told and {held} are there"
+            message = f"matrix {name}, column {column}: the record claims {words} words and holds {held}"
             raise FEFileFault(f"{layout.file}: {message}", id="FE-048")
         strings += _column(layout, record, (column, row, words), rows < 0, layout.value(kind))
     raise FEFileFault(

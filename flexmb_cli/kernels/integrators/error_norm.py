@@ -15,23 +15,23 @@ SLOWEST = 0.2  # least factor on the length of a step, by its error
 MOST_MOVED = 10.0  # tolerances by which a projection may move the end of an accepted step
 ITERATED = 0.02  # of the tolerance: what the iterations of a step of chosen length may leave
 CAUTION = 0.8  # power of what an iteration left of its error: by it the first of the next step is trusted
-CLOSING = 1e-10  # share of a state that closing may move whatever the tolerance: gaps of 1e-13 m, and more
+PROJECTION_SHARE = 1e-10  # of a state that the projection may move at any tolerance: gaps of 1e-13 m
 
 
 @kernel
-def tolerance(clock: Any, unit, size: int):
+def tolerance(clock: Any, unit: float, size: int):
     """Return the error allowed in a component of this size, whose absolute tolerance is of `unit`."""
     return clock["atol"] * unit + clock["rtol"] * size
 
 
 @kernel
-def displacement_tolerance(clock: Any, unit):
+def displacement_tolerance(clock: Any, unit: float):
     """Return the error allowed in a displacement, or a rotation vector, of the size of its unit."""
     return (clock["atol"] + clock["rtol"]) * unit
 
 
 @kernel
-def scaled_norm(integration, state: "np.ndarray", change):
+def scaled_norm(integration: "Any", state: "np.ndarray", change: "np.ndarray"):
     """Root mean square of a change (N,), the work left out, against the tolerances at a state (N,)."""
     clock, total, counted = integration.clock[0], 0.0, change.shape[0] - 1
     for i in range(counted):
@@ -40,16 +40,16 @@ def scaled_norm(integration, state: "np.ndarray", change):
 
 
 @kernel
-def strayed(open_end, closed_end, clock: Any):
-    """Place in the state that closing the loops moved too far at the end of a step, or -1.
+def strayed(open_end: "np.ndarray", closed_end: "np.ndarray", clock: Any):
+    """Place in the state that the projection onto the loops moved too far at the end of a step, or -1.
 
     A step that was good left the loops but for its error.  One across a singular position may land on
-    the other motion that begins there: then closing is what moves the tree, not the equations.
+    the other motion that begins there: then the projection is what moves the tree, not the equations.
     """
     worst, place = 1.0, -1
     for i in range(open_end.shape[0] - 1):
         size = abs(closed_end[i])
-        most = MOST_MOVED * tolerance(clock, 1.0, size) + CLOSING * (1.0 + size)
+        most = MOST_MOVED * tolerance(clock, 1.0, size) + PROJECTION_SHARE * (1.0 + size)
         share = abs(closed_end[i] - open_end[i]) / most
         # `not <=` lets a nan through as the worst place.
         if not share <= worst:

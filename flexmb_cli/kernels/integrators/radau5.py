@@ -2,7 +2,7 @@
 
 Steps keep the error of a step within the tolerance; they do not depend on how the report rows are cut into
 calls.  The end of every step is brought onto positions and speeds to round-off by the shortest way in the
-measure of the matrix of the step, so that stiff motions stay at rest.  Rows inside a step come from Hermite's
+metric of the matrix of the step, so that stiff motions stay at rest.  Rows inside a step come from Hermite's
 quintic through coordinates, their rates and accelerations at both ends, and are brought there as well.
 """
 
@@ -21,7 +21,7 @@ from ..linalg.rank_revealing_lu import BRANCHING, smallest_pivot
 from .clock import BEGIN, READY, STEP_VANISHED, laid_out, new_clock
 from .constrained_equations import code_of_gap, interpolate_angles, note_gap
 from .error_norm import MOST_MOVED, SLOWEST
-from .radau5_error import FASTEST, SAFETY, next_factor, step_error, turns_left, work_error
+from .radau5_error import FASTEST, SAFETY, next_factor, step_error, steps_within_rotation_limit, work_error
 from .radau5_projection import between, close_trial, moved, project_state
 from .radau5_singular_step import singular_step
 from .radau5_step import LAST_STEP, START, place_trial, prepare, renew_matrices, solve_step
@@ -48,7 +48,7 @@ MEMORY = np.dtype(
 
 
 class RadauIntegration(NamedTuple):
-    """What an integration keeps from call to call, for n speeds and states of N numbers."""
+    """State of an integration between calls, for n speeds and states of N numbers."""
 
     clock: np.ndarray  # (1,) CLOCK
     memory: np.ndarray  # (1,) MEMORY
@@ -136,7 +136,7 @@ def _renew(system: System, work: Work, integration: RadauIntegration) -> int:
 
 
 @kernel
-def _length(integration, system: Any, work):
+def _length(integration: "RadauIntegration", system: Any, work: "Work"):
     """Return the length of the step to try, whose matrices are renewed where they are of another position."""
     clock = integration.clock[0]
     copy(integration.angles[NEW], work.angles)
@@ -146,7 +146,7 @@ def _length(integration, system: Any, work):
 
 
 @kernel
-def _is_current(integration, system: Any, work):
+def _is_current(integration: "RadauIntegration", system: Any, work: "Work"):
     """Renew the matrices where another order of elimination holds; return whether they are those of z."""
     if work.quality[0] != integration.memory[0]["quality"]:
         integration.clock[0]["fault"] = _renew(system, work, integration)
@@ -155,7 +155,7 @@ def _is_current(integration, system: Any, work):
 
 
 @kernel
-def _attempt(integration, h: float, system: Any, work):
+def _attempt(integration: "RadauIntegration", h: float, system: Any, work: "Work"):
     """`_try_step` or, in front of a singular position, a step over it; 0 where it begins at one."""
     clock, memory, factor = integration.clock[0], integration.memory[0], 0.0
     way, left = clock["singular"] - clock["t"], clock["stop"] - clock["t"]
@@ -174,7 +174,7 @@ def _attempt(integration, h: float, system: Any, work):
 
 
 @kernel
-def _reject(integration, h: float, factor: float, system: Any, work) -> None:
+def _reject(integration: "RadauIntegration", h: float, factor: float, system: Any, work: "Work") -> None:
     clock, memory = integration.clock[0], integration.memory[0]
     clock["step"] = h * factor
     clock["rejections"] += 1
@@ -192,7 +192,7 @@ def _try_step(system: System, work: Work, integration: RadauIntegration, h: floa
     clock["error"] = error = (
         max(step_error(system, work, integration, h), work_error(integration, h)) / blurred
     )
-    angles = turns_left(system, integration)
+    angles = steps_within_rotation_limit(system, integration)
     factor = min(next_factor(clock, integration.memory[0], h, error), SAFETY * angles)
     if not (error < 1.0 and angles > 1.0):
         return -max(SLOWEST, factor) if error < 1e10 else -SLOWEST
@@ -244,7 +244,7 @@ def _accept(integration: RadauIntegration, factor: float, system: System, work: 
 
 
 @kernel
-def _is_singular(work, clock: Any, memory):
+def _is_singular(work: "Work", clock: Any, memory: "np.void"):
     """Return whether a pivot at the end of the last step was as good as zero."""
     for k in range(work.rank[0] if clock["steps"] > 0 else 0):
         if abs(work.pivots[k]) < 10.0 * memory["branching"]:

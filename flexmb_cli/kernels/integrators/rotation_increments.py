@@ -1,4 +1,4 @@
-"""How far bodies turn in a step, as rotation vectors in body axes from where it starts.
+"""Rotations of bodies in a step, as rotation vectors in body axes from where it starts.
 
 A steady turn has no error, however long the step is: without a bound steps would reach over several turns,
 of which report rows between the ends know nothing.

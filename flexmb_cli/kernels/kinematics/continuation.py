@@ -3,45 +3,62 @@
 Young (1996), section 5.2 (procedure KINEM).  Between report times the continuation takes the steps it
 needs: a step counts only if the positions, velocities and accelerations at its two ends belong to
 one smooth curve, so that a mechanism is never carried over to another way of assembling it.
+
+The factors of Φ_q are an argument: `follow` has dense ones, `solvers.kinematics.sparse` sparse ones.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .._jit import allocating, kernel
 from . import constraints as equations
+from .continuation_clock import (
+    BUDGET,
+    NEXT_LENGTH,
+    SPENT,
+    TIME,
+    acceptable,
+    after_success,
+    is_barred,
+    step_to,
+)
 from .joints import driver
-from .newton import CONVERGED, ITERATIONS, OF_COORDINATE, PHI, System, Work, largest, make_work, newton, rates
+from .newton import (
+    CONVERGED,
+    DENSE,
+    ITERATIONS,
+    OF_COORDINATE,
+    PHI,
+    LinearSolver,
+    System,
+    Work,
+    largest,
+    make_work,
+    newton_by,
+    rates_by,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 # Position defect allowed between the ends of a step, in the length scale or of Euler parameters, and
 # as a part of the way moved.  Another branch is as far off as the way to it is long.
 SMOOTH = 1e-2
 SMOOTH_PART = 0.1
 TINY_LENGTH = 1e-9
-ROOM_TO_GROW = 1.0 / 64.0  # twice the step makes the defect 32 times as large
-WHOLE = 1e-6  # the clock rounds the length of a step
 LARGEST_TURN = 1.1  # rad that a driver may turn in one step
-SMALLEST_PART = 2.0**-26  # of the last step that went well: below, the way is barred
-CLOCK_ROUND_OFF = 2e-15  # of the time: shorter steps do not move the clock
-# Scaled way within which det Φ_q may change its sign: shorter ones come so near to the bifurcation that
-# round-off hides which curve is smooth.
-BIFURCATION_LENGTH = 1e-4
 NO_LIMIT = 1e3
 STEP_ITERATIONS = 20
 LARGEST_ASSEMBLY_CORRECTION = 0.5
 
 # Rows of `state` and of `out`.
 POSITION, VELOCITY, ACCELERATION = 0, 1, 2
-# Places in `clock`: time reached, step to try (0: assemble first), sign of det Φ_q, last step taken,
-# attempts left before the caller is asked, iterations spent on the row so far.
-TIME, NEXT_LENGTH, SIGN, LAST_LENGTH, BUDGET, SPENT = 0, 1, 2, 3, 4, 5
-CLOCK_SIZE = 6
 
 
 @kernel
 def screws_expected(motion: np.ndarray, h: float, expected: np.ndarray) -> None:
-    """Angles of the screws a time h later, by their rates: they settle the whole turns."""
+    """Angles of the screws a time h later, by their rates: they determine the whole revolutions."""
     for s in range(expected.size):
         expected[s] = motion[s, 0] + h * (motion[s, 1] + 0.5 * h * motion[s, 2])
 
@@ -87,35 +104,6 @@ def predict(state: np.ndarray, h: float, q: np.ndarray) -> None:
 
 
 @kernel
-def attempt(
-    system: System,
-    work: Work,
-    state: np.ndarray,
-    motion: np.ndarray,
-    t: float,
-    t_new: float,
-    limit: float,
-    most: int,
-    new: np.ndarray,
-    expected: np.ndarray,
-) -> tuple[float, float, int, int, float]:
-    """Solve at t_new from what `state` at t predicts; returns (defect, way moved, sign of det Φ_q,
-    iterations, largest |dΦ/dt|); the defect is infinite where it failed.
-
-    limit and most bound Newton's corrections and their number.
-    """
-    h = t_new - t
-    predict(state, h, new[POSITION])
-    screws_expected(motion, h, expected)
-    code, iterations, sign = newton(system, work, new[POSITION], t_new, expected, limit, most)
-    if code != CONVERGED:
-        return np.inf, 0.0, sign, iterations, np.inf
-    gap = rates(system, work, new[POSITION], t_new, new[VELOCITY], new[ACCELERATION])
-    off, moved = defect(system, state, new, h)
-    return off, moved, sign, iterations, gap
-
-
-@kernel
 def accept(
     system: System, work: Work, new: np.ndarray, expected: np.ndarray, state: np.ndarray, motion: np.ndarray
 ) -> None:
@@ -132,91 +120,125 @@ def copy(source: np.ndarray, target: np.ndarray) -> Any:
             target[row, k] = source[row, k]
 
 
-@kernel
-def step_to(clock: np.ndarray, target: float) -> float:
-    """End of the step to try next: the target, or a part of the way that leaves no sliver."""
-    left = target - clock[TIME]
-    return target if clock[NEXT_LENGTH] >= left else clock[TIME] + min(clock[NEXT_LENGTH], 0.5 * left)
+def _attempt_by(linear: "LinearSolver", made: "Callable[..., Any]"):
+    newton, rates = newton_by(linear, made), rates_by(linear, made)
+
+    @made
+    def attempt(
+        system: System,
+        work: Work,
+        state: np.ndarray,
+        motion: np.ndarray,
+        t: float,
+        t_new: float,
+        limit: float,
+        most: int,
+        new: np.ndarray,
+        expected: np.ndarray,
+    ) -> tuple[float, float, int, int, float]:
+        """Solve at t_new from what `state` at t predicts; returns (defect, way moved, sign of det Φ_q,
+        iterations, largest |dΦ/dt|); the defect is infinite where it failed.
+
+        limit and most bound Newton's corrections and their number.
+        """
+        h = t_new - t
+        predict(state, h, new[POSITION])
+        screws_expected(motion, h, expected)
+        code, iterations, sign = newton(system, work, new[POSITION], t_new, expected, limit, most)
+        if code != CONVERGED:
+            return np.inf, 0.0, sign, iterations, np.inf
+        gap = rates(system, work, new[POSITION], t_new, new[VELOCITY], new[ACCELERATION])
+        off, moved = defect(system, state, new, h)
+        return off, moved, sign, iterations, gap
+
+    return attempt
 
 
 @kernel
-def acceptable(clock: np.ndarray, off: float, moved: float, sign: int) -> bool:
-    """Return whether a step may be taken: on one smooth curve, and with det Φ_q of one sign.
-
-    The ways of assembling a mechanism are separated by positions at which det Φ_q is zero.  Where two
-    of them come close, the other can look smoother than the true one; the sign tells them apart.  A
-    sign that changes on a way too short for a narrow pass to hide in is a true bifurcation.
-    """
+def bounds_of_newton(system: System, clock: np.ndarray) -> tuple[float, int]:
+    """Largest scaled correction and most iterations: an assembly has a long way from its estimates."""
     if clock[NEXT_LENGTH] == 0.0:
-        return off < np.inf
-    if off > 1.0:
-        return False
-    return sign == clock[SIGN] or moved <= BIFURCATION_LENGTH
+        return LARGEST_ASSEMBLY_CORRECTION, int(system.limits[ITERATIONS])
+    return NO_LIMIT, STEP_ITERATIONS
 
 
-@kernel
-def after_success(clock: np.ndarray, t_new: float, off: float, sign: int) -> None:
-    """Move the clock; a step taken whole and with room to spare may be doubled, the first one is free."""
-    h = t_new - clock[TIME]
-    if clock[NEXT_LENGTH] == 0.0:
-        clock[NEXT_LENGTH] = np.inf
-    elif h >= (1.0 - WHOLE) * clock[NEXT_LENGTH] and off <= ROOM_TO_GROW:
-        clock[NEXT_LENGTH] = 2.0 * h
-    if h > 0.0:
-        clock[LAST_LENGTH] = h
-    clock[TIME] = t_new
-    clock[SIGN] = sign
+def _advance_by(linear: "LinearSolver", made: "Callable[..., Any]"):
+    attempt = _attempt_by(linear, made)
 
+    @made
+    def advance(
+        system: System,
+        work: Work,
+        state: np.ndarray,
+        motion: np.ndarray,
+        clock: np.ndarray,
+        target: float,
+        new: np.ndarray,
+        expected: np.ndarray,
+    ) -> tuple[bool, float]:
+        """Carry `state` from clock[TIME] to `target`; returns (arrived, largest |dΦ/dt|).
 
-@kernel
-def is_barred(clock: np.ndarray, target: float) -> bool:
-    """Return whether the next step is too short to be worth a try."""
-    tick = CLOCK_ROUND_OFF * max(abs(clock[TIME]), abs(target))
-    return clock[NEXT_LENGTH] <= max(SMALLEST_PART * clock[LAST_LENGTH], tick)
-
-
-@kernel
-def advance(
-    system: System,
-    work: Work,
-    state: np.ndarray,
-    motion: np.ndarray,
-    clock: np.ndarray,
-    target: float,
-    new: np.ndarray,
-    expected: np.ndarray,
-) -> tuple[bool, float]:
-    """Carry `state` from clock[TIME] to `target`; returns (arrived, largest |dΦ/dt|).
-
-    Not arrived with clock[BUDGET] left: the way is barred.  A clock[NEXT_LENGTH] of 0 says that `state`
-    holds estimates: they are assembled at clock[TIME] = target, where no curve can be asked for.
-    """
-    assembling = clock[NEXT_LENGTH] == 0.0
-    limit, most = (
-        (LARGEST_ASSEMBLY_CORRECTION, int(system.limits[ITERATIONS]))
-        if assembling
-        else (NO_LIMIT, STEP_ITERATIONS)
-    )
-    gap = 0.0
-    while clock[TIME] < target or clock[NEXT_LENGTH] == 0.0:
-        if clock[BUDGET] <= 0.0:
-            return False, gap
-        clock[BUDGET] -= 1.0
-        t_new = step_to(clock, target)
-        off, moved, sign = np.inf, 0.0, 0
-        if not angle_too_far(system.constraints, clock[TIME], t_new):
-            off, moved, sign, iterations, gap = attempt(
-                system, work, state, motion, clock[TIME], t_new, limit, most, new, expected
-            )
-            clock[SPENT] += iterations
-        if acceptable(clock, off, moved, sign):
-            accept(system, work, new, expected, state, motion)
-            after_success(clock, t_new, off, sign)
-        else:
-            clock[NEXT_LENGTH] = 0.5 * (t_new - clock[TIME])
-            if is_barred(clock, target):
+        Not arrived with clock[BUDGET] left: the way is barred.  A clock[NEXT_LENGTH] of 0 says that `state`
+        holds estimates: they are assembled at clock[TIME] = target, where no curve can be asked for.
+        """
+        limit, most = bounds_of_newton(system, clock)
+        gap = 0.0
+        while clock[TIME] < target or clock[NEXT_LENGTH] == 0.0:
+            if clock[BUDGET] <= 0.0:
                 return False, gap
-    return True, gap
+            clock[BUDGET] -= 1.0
+            t_new = step_to(clock, target)
+            off, moved, sign = np.inf, 0.0, 0
+            if not angle_too_far(system.constraints, clock[TIME], t_new):
+                off, moved, sign, iterations, gap = attempt(
+                    system, work, state, motion, clock[TIME], t_new, limit, most, new, expected
+                )
+                clock[SPENT] += iterations
+            if acceptable(clock, off, moved, sign):
+                accept(system, work, new, expected, state, motion)
+                after_success(clock, t_new, off, sign)
+            else:
+                clock[NEXT_LENGTH] = 0.5 * (t_new - clock[TIME])
+                if is_barred(clock, target):
+                    return False, gap
+        return True, gap
+
+    return advance
+
+
+def continuation(linear: LinearSolver, made: "Callable[..., Any]" = kernel) -> "Callable[..., Any]":
+    """Return `fill_rows` with these factors; `made` compiles the functions or leaves them as they are."""
+    advance = _advance_by(linear, made)
+
+    @made
+    def fill_rows(
+        system: System,
+        work: Work,
+        state: np.ndarray,
+        motion: np.ndarray,
+        clock: np.ndarray,
+        times: np.ndarray,
+        out: np.ndarray,
+        audit: np.ndarray,
+        new: np.ndarray,
+        expected: np.ndarray,
+    ) -> int:
+        """As `follow`, with room for a new row (3, n) and for the angles of the screws."""
+        for row in range(times.size):
+            arrived, gap = advance(system, work, state, motion, clock, times[row], new, expected)
+            if not arrived:
+                return row
+            copy(state, out[row])
+            audit[row, 0] = largest(work.vectors[PHI])
+            audit[row, 1] = gap
+            audit[row, 2] = clock[SPENT]
+            clock[SPENT] = 0.0
+        return times.size
+
+    return fill_rows
+
+
+_fill_rows = continuation(DENSE)
 
 
 @allocating
@@ -239,13 +261,4 @@ def follow(
     work = make_work(state.shape[1])
     new = np.empty((3, state.shape[1]))
     expected = np.empty(motion.shape[0])
-    for row in range(times.size):
-        arrived, gap = advance(system, work, state, motion, clock, times[row], new, expected)
-        if not arrived:
-            return row
-        copy(state, out[row])
-        audit[row, 0] = largest(work.vectors[PHI])
-        audit[row, 1] = gap
-        audit[row, 2] = clock[SPENT]
-        clock[SPENT] = 0.0
-    return times.size
+    return _fill_rows(system, work, state, motion, clock, times, out, audit, new, expected)

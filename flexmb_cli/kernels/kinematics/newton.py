@@ -4,7 +4,7 @@ Young (1996), sections 4.3 and 5.2 (procedures NEWTON, LINEAR and KINEM).  Lengt
 the mechanism's length scale, so that all residuals and corrections are pure numbers of order one.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from .._jit import kernel, plain_allocating
 from ..linalg.lu import factorise, substitute
 from ..linalg.rotation import RATE, REMAINDER, A, rotation_matrices, rotation_rates
 from . import constraints as equations
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 CONVERGED, STALLED, SINGULAR = 0, 1, 2
 
@@ -137,41 +140,6 @@ def factorise_at(system: System, work: Work, q: np.ndarray) -> int:
 
 
 @kernel
-def newton(
-    system: System, work: Work, q: np.ndarray, t: float, expected: np.ndarray, limit: float, most: int
-) -> tuple[int, int, int]:
-    """Improve q until only round-off is left; the factors of the last iteration stay in work.
-
-    `limit` bounds the scaled correction of one iteration, `most` their number.  Returns (code,
-    iterations, sign of det Φ_q).  A and Φ of `work` belong to the q returned.
-    """
-    correction = work.vectors[CORRECTION]
-    sign = 0
-    previous = np.inf
-    for iteration in range(1, most + 1):
-        gap = evaluate_position(system, work, q, t, expected)
-        if not gap < np.inf:
-            return STALLED, iteration, sign
-        if gap <= system.limits[EARLY_END] and iteration > 1:
-            return CONVERGED, iteration - 1, sign
-        sign = factorise_at(system, work, q)
-        if sign == 0:
-            return SINGULAR, iteration, sign
-        size = solve_linear(system, work, work.vectors[PHI], correction)
-        shrink = 1.0 if size <= limit else limit / size
-        for k in range(q.size):
-            q[k] -= shrink * correction[k]
-        reach = reach_of(system, q)
-        if size <= LAST_CORRECTION * reach:
-            gap = evaluate_position(system, work, q, t, expected)
-            return (CONVERGED if gap <= SOLVED_RESIDUAL * reach else STALLED), iteration, sign
-        if iteration > 3 and shrink == 1.0 and size > previous:
-            return STALLED, iteration, sign
-        previous = size
-    return STALLED, most, sign
-
-
-@kernel
 def reach_of(system: System, q: np.ndarray) -> float:
     """Largest scaled coordinate, at least 1: round-off grows with it when a mechanism travels far."""
     found = 1.0
@@ -192,33 +160,108 @@ def row_times(system: System, work: Work, row: int, values: np.ndarray) -> float
 
 
 @kernel
-def solve_refined(system: System, work: Work, solution: np.ndarray) -> None:
-    """Solve Φ_q solution = RIGHT_SIDE by the factors at hand and the true phi_q; REST is what is left.
-
-    The factors are those of Newton's last iteration, which is nearly, but not quite, here: each
-    refinement multiplies the error by that small distance.
-    """
-    right_side, rest, correction = work.vectors[RIGHT_SIDE], work.vectors[REST], work.vectors[CORRECTION]
-    size = solve_linear(system, work, right_side, solution)
-    for _ in range(3):
-        for row in range(rest.size):
-            rest[row] = right_side[row] - row_times(system, work, row, solution)
-        if largest_scaled(system, rest) <= REFINED * size:
-            break
-        solve_linear(system, work, rest, correction)
-        for k in range(solution.size):
-            solution[k] += correction[k]
+def set_rest(system: System, work: Work, solution: np.ndarray) -> float:
+    """Set REST to RIGHT_SIDE - Φ_q solution; returns its largest scaled component."""
+    right_side, rest = work.vectors[RIGHT_SIDE], work.vectors[REST]
+    for row in range(rest.size):
+        rest[row] = right_side[row] - row_times(system, work, row, solution)
+    return largest_scaled(system, rest)
 
 
 @kernel
-def rates(system: System, work: Work, q: np.ndarray, t: float, qd: np.ndarray, qdd: np.ndarray) -> float:
-    """Fill qd and qdd at a position found by `newton`; returns the largest |dΦ/dt|."""
-    rotations, right_side = work.rotations, work.vectors[RIGHT_SIDE]
-    equations.jacobian(system.constraints, q, rotations[A], work.phi_q)
-    equations.velocity(system.constraints, t, right_side)
-    solve_refined(system, work, qd)
-    gap = largest(work.vectors[REST])
-    rotation_rates(q, qd, rotations[RATE], rotations[REMAINDER])
-    equations.acceleration(system.constraints, q, qd, t, rotations, right_side)
-    solve_refined(system, work, qdd)
-    return gap
+def add_correction(work: Work, factor: float, solution: np.ndarray) -> None:
+    """solution += factor CORRECTION."""
+    correction = work.vectors[CORRECTION]
+    for k in range(solution.size):
+        solution[k] += factor * correction[k]
+
+
+class LinearSolver(NamedTuple):
+    """Factors of Φ_q: kernels or functions of Python."""
+
+    # (system, work, q): make the factors at q, where A belongs to q; sign of det Φ_q, 0 where it is singular
+    factorise: "Callable[..., Any]"
+    # (system, work, right_side, solution): solve by the factors at hand; largest scaled component
+    solve: "Callable[..., Any]"
+
+
+def newton_by(linear: LinearSolver, made: "Callable[..., Any]" = kernel) -> "Callable[..., Any]":
+    """Return Newton's method with these factors; `made` compiles the function or leaves it as it is."""
+    factorise, solve = linear
+
+    @made
+    def newton(
+        system: System, work: Work, q: np.ndarray, t: float, expected: np.ndarray, limit: float, most: int
+    ) -> tuple[int, int, int]:
+        """Improve q until only round-off is left; the factors of the last iteration are kept.
+
+        `limit` bounds the scaled correction of one iteration, `most` their number.  Returns (code,
+        iterations, sign of det Φ_q).  A and Φ of `work` belong to the q returned.
+        """
+        sign = 0
+        previous = np.inf
+        for iteration in range(1, most + 1):
+            gap = evaluate_position(system, work, q, t, expected)
+            if not gap < np.inf:
+                return STALLED, iteration, sign
+            if gap <= system.limits[EARLY_END] and iteration > 1:
+                return CONVERGED, iteration - 1, sign
+            sign = factorise(system, work, q)
+            if sign == 0:
+                return SINGULAR, iteration, sign
+            size = solve(system, work, work.vectors[PHI], work.vectors[CORRECTION])
+            shrink = 1.0 if size <= limit else limit / size
+            add_correction(work, -shrink, q)
+            reach = reach_of(system, q)
+            if size <= LAST_CORRECTION * reach:
+                gap = evaluate_position(system, work, q, t, expected)
+                return (CONVERGED if gap <= SOLVED_RESIDUAL * reach else STALLED), iteration, sign
+            if iteration > 3 and shrink == 1.0 and size > previous:
+                return STALLED, iteration, sign
+            previous = size
+        return STALLED, most, sign
+
+    return newton
+
+
+def _refinement_by(linear: "LinearSolver", made: "Callable[..., Any]"):
+    solve = linear.solve
+
+    @made
+    def solve_refined(system: System, work: Work, solution: np.ndarray) -> None:
+        """Solve Φ_q solution = RIGHT_SIDE by the factors at hand and the true phi_q; REST is what is left.
+
+        The factors are those of Newton's last iteration, which is nearly, but not quite, here: each
+        refinement multiplies the error by that small distance.
+        """
+        size = solve(system, work, work.vectors[RIGHT_SIDE], solution)
+        for _ in range(3):
+            if set_rest(system, work, solution) <= REFINED * size:
+                break
+            solve(system, work, work.vectors[REST], work.vectors[CORRECTION])
+            add_correction(work, 1.0, solution)
+
+    return solve_refined
+
+
+def rates_by(linear: LinearSolver, made: "Callable[..., Any]" = kernel) -> "Callable[..., Any]":
+    """Return the solution of velocities and accelerations with these factors, `made` as in `newton_by`."""
+    solve_refined = _refinement_by(linear, made)
+
+    @made
+    def rates(system: System, work: Work, q: np.ndarray, t: float, qd: np.ndarray, qdd: np.ndarray) -> float:
+        """Fill qd and qdd at a position found by `newton`; returns the largest |dΦ/dt|."""
+        rotations, right_side = work.rotations, work.vectors[RIGHT_SIDE]
+        equations.jacobian(system.constraints, q, rotations[A], work.phi_q)
+        equations.velocity(system.constraints, t, right_side)
+        solve_refined(system, work, qd)
+        gap = largest(work.vectors[REST])
+        rotation_rates(q, qd, rotations[RATE], rotations[REMAINDER])
+        equations.acceleration(system.constraints, q, qd, t, rotations, right_side)
+        solve_refined(system, work, qdd)
+        return gap
+
+    return rates
+
+
+DENSE = LinearSolver(factorise_at, solve_linear)

@@ -1,7 +1,7 @@
 """Forces along the coordinates: elastic bodies, springs and dampers, motors; prescribed motion.
 
 Geometric stiffening acts on the elastic coordinates only; its reaction on the body is of second
-order in the displacements and left out, as are pulls by the acceleration of the body's origin.
+order in the displacements and left out, as is axial prestress by the acceleration of the body's origin.
 
 `tree` is a `model.arrays.tree.TreeArrays`.
 """
@@ -54,7 +54,7 @@ def coordinate_efforts(
 
 @part
 def axial_prestress(tree: "TreeArrays", work: "np.ndarray", body: "np.void") -> tuple[float, float]:
-    """Return what pulls along a beam: square of the angular velocity across it, and gravity along it."""
+    """Return what prestresses a beam: square of the angular velocity across it, and gravity along it."""
     s = work[body["frame"]]
     along, w = outward(s["axes"], triple(body["beam"], 0)), triple(s["angular"], 0)
     return dot(w, w) - dot(w, along) ** 2, dot(triple(tree.gravity, 0), along)

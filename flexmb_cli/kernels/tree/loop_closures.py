@@ -102,7 +102,7 @@ def _gap_acceleration(row: "np.void", a: "np.void", b: "np.void") -> float:
 
 @kernel
 def add_closure_forces(closures: "np.ndarray", work: "np.ndarray") -> None:
-    """Take the closing forces off the bias of the two frames of each row."""
+    """Subtract the constraint forces from the bias of the two frames of each row."""
     if closures.shape[0] == 0:
         return
     evaluate_closures(closures, work)

@@ -1,4 +1,4 @@
-"""What hangs on node frames, and its exchange with all elastic coordinates of their body.
+"""Loads on node frames, and their exchange with all elastic coordinates of the body.
 
 With X = (al, a) of the body, w its elastic accelerations, F the forces on what hangs on the node frames:
 nodal masses give w = w_0 - L X - m^-1 Dᵀ F, node frames move with A = T X + D w + r and need F = I A + b.

@@ -45,7 +45,7 @@ def largest_rate(closures: np.ndarray) -> float:
 
 
 class Metric(NamedTuple):
-    """In what measure corrections are the least: kernels of (tree, work, coordinates, ..., *arrays)."""
+    """Metric in which corrections are the least: kernels of (tree, work, coordinates, ..., *arrays)."""
 
     begin: "Callable[..., Any]"  # (..., *arrays): what corrections need, where the frames are placed
     respond: "Callable[..., Any]"  # (..., z, *arrays): responses of all coordinates to the rows' changes
@@ -107,7 +107,7 @@ def move_coordinates(tree: "TreeArrays", coordinates: np.ndarray, z: np.ndarray)
 
 
 @allocating
-def _move_parts(tree, coordinates, q, attitudes):
+def _move_parts(tree: "TreeArrays", coordinates: "np.ndarray", q: "np.ndarray", attitudes: "np.ndarray"):
     largest = 0.0
     for m in range(coordinates.shape[0]):
         largest = max(largest, abs(coordinates[m]["response"]))

@@ -1,7 +1,7 @@
 """Bringing coordinates and speeds onto the closures without exciting what an implicit step walks over.
 
 As `projection`, but the least correction in the metric of the matrix of the step: stiff bodies
-move as if rigid.  In the measure of the mass matrix light nodes would move most, however stiff.
+move as if rigid.  In the metric of the mass matrix light nodes would move most, however stiff.
 """
 
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""What forces on frames alone do to a tree: the accelerations b^-1 Jᵀ, without velocities or loads.
+"""Response of a tree to forces on frames alone: the accelerations b^-1 Jᵀ, without velocities or loads.
 
 Uses the inertias, couplings and pivots that the last solution of the tree left behind, so that a
 force costs a fraction of a solution.

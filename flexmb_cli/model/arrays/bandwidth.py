@@ -1,4 +1,4 @@
-"""Which places of a flexible body's matrices count: a condensed matrix is full, but falls off.
+"""Bandwidth of a flexible body's matrices: a condensed matrix is full, but falls off.
 
 Condensing the rotations out of a beam leaves a stiffness between any two nodes, which falls by the
 factor 2 - sqrt(3) from node to node: thirty nodes away it is below the round-off of the diagonal.

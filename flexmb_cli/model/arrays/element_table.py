@@ -31,7 +31,7 @@ class JointCoordinateName:
 
 
 class Joints(Protocol):
-    """What the elements need to know of the joints, numbered from 0."""
+    """Joint data of the elements; joints are numbered from 0."""
 
     def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
         """The primitive of a joint coordinate; `expected`: an angle at the start, where it is not 0."""

@@ -52,7 +52,7 @@ CONSTRAINT = np.dtype(
 
 @dataclass(frozen=True)
 class KinematicArrays:
-    """What the kernels and the solver need to know of a mechanism."""
+    """Arrays of a mechanism for the kernels and the solver."""
 
     constraints: np.ndarray  # (k,) CONSTRAINT
     equations: tuple[Equation, ...]
@@ -214,7 +214,7 @@ def _add_driver(rows: _Rows, driver: Driver) -> None:
 
 
 def _add_normalisation(rows: _Rows, attitudes: Attitudes, mechanism: Mechanism, body: int) -> None:
-    """|p| = 1 of a body, unless a rotational driver or three held components settle e0.
+    """|p| = 1 of a body, unless a rotational driver or three held components determine e0.
 
     With e1, e2, e3 all held and e0 = 0 (a half turn) the normalisation has no slope in e0.
     """

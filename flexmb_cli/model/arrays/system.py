@@ -1,4 +1,4 @@
-"""What the kernels of constrained dynamics need to know of a mechanism, and the names that go with it."""
+"""Arrays of a mechanism for the kernels of constrained dynamics, and the names that go with them."""
 
 import numpy as np
 

@@ -157,7 +157,7 @@ def vector(values: Any) -> Vector:
 
 
 class Refusals:
-    """What a conversion cannot carry over, collected."""
+    """Items that a conversion cannot carry over, collected."""
 
     def __init__(self) -> None:
         self.items: list[tuple[str, Place | None, str]] = []

@@ -1,4 +1,4 @@
-"""What rigid bodies look like, with the numbers of its card, so that it can be written as another card."""
+"""Shapes of rigid bodies, with the numbers of their cards, so that they can be written as other cards."""
 
 import math
 from typing import Any

@@ -1,4 +1,4 @@
-"""What the hinges of a tree hang on when every body has coordinates of its own.
+"""Frames that carry the hinges of a tree when every body has coordinates of its own.
 
 A hinge sits on a *base*: a point P_k of a body, moving with a node where it has one, and the axes of
 P_k.  Where P_k turns with the slope of its node (DAFMS thesis, 1992, eqs. 2.7 and 2.24), massless

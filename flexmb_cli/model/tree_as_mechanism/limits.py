@@ -1,4 +1,4 @@
-"""What of a tree the formulation in absolute coordinates does not carry over."""
+"""Limits of the formulation of a tree in absolute coordinates."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -26,7 +26,9 @@ def repeated_in_planar_tree(tree: Tree) -> int | None:
         off = np.linalg.norm(np.cross(normal, axis)) if motion == ROTATION else abs(normal @ axis)
         if off > PARALLEL:
             return None
-    return sum(_spans(closure.directions, _axes_of(closure.b, poses), normal) for closure in tree.closures)
+    return sum(
+        _contains_normal(closure.directions, _axes_of(closure.b, poses), normal) for closure in tree.closures
+    )
 
 
 def _moving_axes(tree: Tree, frames: Frames, poses: list[Pose]) -> list[tuple[str, np.ndarray]]:
@@ -43,7 +45,7 @@ def _axes_of(body: int, poses: list[Pose]) -> np.ndarray:
     return np.eye(3) if body == INERTIAL else poses[body].A
 
 
-def _spans(directions: tuple[int, ...], axes: np.ndarray, normal: np.ndarray) -> bool:
+def _contains_normal(directions: tuple[int, ...], axes: np.ndarray, normal: np.ndarray) -> bool:
     """Return whether the closed directions, axes 1 to 3 of a body, combine to the normal."""
     along = axes[:, [axis - 1 for axis in directions]]
     return bool(np.linalg.norm(normal - along @ (along.T @ normal)) <= PARALLEL)

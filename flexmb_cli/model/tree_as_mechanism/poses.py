@@ -1,4 +1,4 @@
-"""Where the bodies of a tree are and how they move at the start, in coordinates of their own.
+"""Initial positions and velocities of the bodies of a tree, in coordinates of their own.
 
 DAFMS thesis (1992), sections 2.2-2.3, walked outward body by body.
 """
@@ -15,7 +15,7 @@ from .frames import Base, Frames, NodeFrame
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Where a body is and how it moves, global axes: r, v, angular velocity w (3,); attitude A (3, 3)."""
+    """Pose and motion of a body, global axes: r, v, angular velocity w (3,); attitude A (3, 3)."""
 
     r: np.ndarray
     A: np.ndarray

@@ -1,4 +1,4 @@
-"""Which error of the program of 1996 stands behind a number of an archived listing of any YOUNG deck.
+"""Errors of the program of 1996 behind a number of an archived listing of any YOUNG deck.
 
 The deck is run with all known errors, and with all but one of them.  A number of the listing that the
 first run gives, to a unit of its last digit, is explained; the errors behind it are those without which
@@ -29,7 +29,7 @@ DATASETS = {
 
 
 class Emulation:
-    """What the program of 1996 would print of a deck, with all errors and without each of them."""
+    """Listing that the program of 1996 would print of a deck, with all errors and without each of them."""
 
     def __init__(self, path: str):
         deck = read_deck(read_text(path))

@@ -29,7 +29,7 @@ class Pair:
 
 @dataclass
 class Compared:
-    """What became of one pair: its report, the file that is missing, or why it cannot be read."""
+    """Result of one pair: its report, the file that is missing, or why it cannot be read."""
 
     pair: Pair
     report: Report | None = None

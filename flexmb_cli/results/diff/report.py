@@ -1,4 +1,4 @@
-"""What a comparison found: counts for every kind of column, the worst place, what is missing."""
+"""Result of a comparison: counts for every kind of column, the worst place, missing entries."""
 
 import math
 from typing import TYPE_CHECKING, Any

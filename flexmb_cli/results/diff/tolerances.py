@@ -1,4 +1,4 @@
-"""What counts as a difference between two results, for every kind of column and for single quantities."""
+"""Tolerances of a comparison of two results, for every kind of column and for single quantities."""
 
 import math
 import re

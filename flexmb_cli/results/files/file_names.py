@@ -1,4 +1,4 @@
-"""Where the results of a deck go, and the refusal of two results at one place."""
+"""File names of a deck's results, and the refusal of two results at one place."""
 
 import os
 from pathlib import Path

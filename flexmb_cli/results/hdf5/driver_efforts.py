@@ -1,4 +1,4 @@
-"""What drivers deliver, in a result: a force along a coordinate, or a torque about an axis."""
+"""Efforts of drivers in a result: a force along a coordinate, or a torque about an axis."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""What the HDF5 result of a mechanism's dynamics holds beyond its kinematics."""
+"""Content of the HDF5 result of a mechanism's dynamics beyond its kinematics."""
 
 from typing import TYPE_CHECKING
 

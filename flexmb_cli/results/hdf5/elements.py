@@ -1,4 +1,4 @@
-"""What the HDF5 result of a YOUNG deck with elements at joints holds beyond its dynamics."""
+"""Content of the HDF5 result of a YOUNG deck with elements at joints beyond its dynamics."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What the HDF5 result of a mechanism of rigid and flexible bodies holds."""
+"""Content of the HDF5 result of a mechanism of rigid and flexible bodies."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -1,4 +1,4 @@
-"""What the HDF5 result of a mechanism's kinematics holds."""
+"""Content of the HDF5 result of a mechanism's kinematics."""
 
 from typing import Any
 

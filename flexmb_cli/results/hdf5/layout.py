@@ -1,4 +1,4 @@
-"""What an HDF5 result holds: axes, datasets along time, and datasets that stay."""
+"""Layout of an HDF5 result: axes, datasets along time, and datasets that stay."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -47,7 +47,7 @@ class Constant:
 
 @dataclass(frozen=True)
 class Layout:
-    """What a result holds besides the deck: `rows` is the number of report rows of a whole run."""
+    """Layout of a result besides the deck: `rows` is the number of report rows of a whole run."""
 
     analysis: str
     rows: int

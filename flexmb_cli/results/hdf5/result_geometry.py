@@ -1,4 +1,4 @@
-"""What of a model's shape the result keeps, so that it can be drawn without its deck.
+"""Geometry of a model that the result keeps, so that it can be drawn without its deck.
 
 Where joints and points sit on their bodies is constant in body axes; the motion of the bodies does the
 rest.  Bodies are numbered from 1 as in decks, 0 is the ground (the inertial frame of a tree).

@@ -1,4 +1,4 @@
-"""What rigid bodies look like, in a result: the surfaces of all shapes of a model, one behind the other."""
+"""Shapes of rigid bodies in a result: the surfaces of all shapes of a model, one behind the other."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""How much memory the texts of an HDF5 file take, found without reading them.
+"""Memory of the texts of an HDF5 file, found without reading them.
 
 A text of variable length is stored as a reference of 16 bytes: its length (4), then the place of the text.
 Thousands of them may lead to the same megabyte, so the lengths are summed up.  HDF5 File Format

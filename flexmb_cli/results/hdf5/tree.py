@@ -1,4 +1,4 @@
-"""What the HDF5 result of a tree's dynamics holds.
+"""Content of the HDF5 result of a tree's dynamics.
 
 Report rows come as values by the path of their dataset, so that a stopped run can keep them as they are.
 """

@@ -1,4 +1,4 @@
-"""How the elements of a result's datasets may be called: words from its paths, names and dimension scales."""
+"""Names of the elements of a result's datasets: words from its paths, names and dimension scales."""
 
 import re
 from typing import Any
@@ -159,7 +159,7 @@ def _slot(word: str, axes: "list[Any]", item: Any) -> Slot:
 
 
 class _Labels:
-    """How the elements along the axes of a result may be called."""
+    """Names of the elements along the axes of a result."""
 
     def __init__(self, result: h5py.File, found: dict[str, h5py.Dataset]):
         self._result = result

@@ -24,7 +24,7 @@ _OF_BODY = ("stress", "strain", "elastic", "modal")
 
 @dataclass(frozen=True)
 class Readable:
-    """What is measured, of which thing, and along which axis; "" for what there is not."""
+    """Parts of a name: the quantity, its object, and its axis; "" for a missing part."""
 
     quantity: str
     thing: str

@@ -1,4 +1,4 @@
-"""What is said of a name that a result does not have: near names, or why it has none of that kind."""
+"""Message about a name that a result does not have: near names, or why it has none of that kind."""
 
 import re
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Text of the small motions of a mechanism: frequencies, damping, what moves most, and the position."""
+"""Text of the linearised motion of a mechanism: frequencies, damping, what moves most, and the position."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -32,7 +32,7 @@ def modes_text(report: Any) -> str:
 def _mechanism_lines(found: Any) -> "Iterator[Any]":
     modes = found.modes
     where = "about the equilibrium" if found.equilibrium else "of the mechanism"
-    yield f"  small motions {where} at t = {found.time:.6g} s: freedoms {len(modes.eigenvalues) // 2}"
+    yield f"  linearised motion {where} at t = {found.time:.6g} s: DOF {len(modes.eigenvalues) // 2}"
     if not modes.constant:
         yield f"    frozen at t = {found.time:.6g} s: the coefficients change along the motion"
     if found.equilibrium:

@@ -1,4 +1,4 @@
-"""What `flexmb verify` prints of two formulations of one deck."""
+"""Text of `flexmb verify` about two formulations of one deck."""
 
 from typing import Any
 

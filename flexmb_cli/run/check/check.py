@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class CheckReport:
-    """What `check` found; `outcome` holds faults and the exit code.
+    """Report of `check`; `outcome` holds faults and the exit code.
 
     `analysis`: that of the model, see `run.model.ANALYSES`.  `bodies`: those of a mechanism with flexible
     ones.

@@ -1,4 +1,4 @@
-"""What the checks of all models share: parts counted, gaps before and after assembly."""
+"""Common part of the checks of all models: parts counted, gaps before and after assembly."""
 
 from collections.abc import Sized
 from typing import TYPE_CHECKING, Any

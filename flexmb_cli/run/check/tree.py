@@ -27,7 +27,7 @@ MOST_COORDINATES_INTERPRETED = 400  # coordinates
 
 @dataclass(frozen=True)
 class TreeFindings:
-    """What `check` found of a tree; None where the start could not be evaluated.
+    """Findings of `check` about a tree; None where the start could not be evaluated.
 
     `coordinates`: (name, unit, coordinate, speed) at the start, loops closed; `lightest`: the
     coordinate with the least inertia left of its body's own, and that share; `gaps`: (closure, gap as

@@ -1,4 +1,4 @@
-"""Why a mechanism could not be integrated further, and what is said of equations that repeat others."""
+"""Failures of the integration of a mechanism, and messages about redundant equations."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""How far the positions of a VSDF deck leave its joints apart, and what bringing them together has moved."""
+"""Gaps of joints at the positions of a VSDF deck, and the displacements that close them."""
 
 import math
 from typing import TYPE_CHECKING, Any

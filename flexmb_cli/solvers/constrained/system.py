@@ -1,4 +1,4 @@
-"""What a dynamic analysis hands to the kernels."""
+"""Input of the kernels of a dynamic analysis."""
 
 from typing import Any
 

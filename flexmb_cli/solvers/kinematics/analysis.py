@@ -7,6 +7,7 @@ import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...kernels.kinematics import continuation
+from ...kernels.kinematics.continuation_clock import BUDGET, CLOCK_SIZE, TIME
 from ...model.arrays.kinematic import KinematicArrays, kinematic_arrays
 from ...model.mechanism import Mechanism
 from ..checkpoint import faults_reported, reported, row_of, taken
@@ -22,7 +23,7 @@ from .assembly import (
     redundancy_warning,
     too_large_to_rank,
 )
-from .driver_axes import keeps_axis, refuse_contradicted_drive, refuse_tilted_drive
+from .driver_axes import keeps_axis, refuse_contradicted_drive, refuse_off_axis_drive
 from .position import Evaluator
 from .rows import Rows, first_rows, joined_rows
 from .settings import KinematicSettings
@@ -57,8 +58,8 @@ class KinematicAnalysis:
         self.state[0] = q
         self.motion = np.zeros((self.arrays.screw_angles.size, 3))
         self.motion[:, 0] = self.arrays.screw_angles
-        self.clock = np.zeros(continuation.CLOCK_SIZE)
-        self.clock[continuation.TIME] = self.mechanism.time.time(0)
+        self.clock = np.zeros(CLOCK_SIZE)
+        self.clock[TIME] = self.mechanism.time.time(0)
 
     @property
     def evaluator(self) -> Evaluator:
@@ -86,7 +87,7 @@ class KinematicAnalysis:
         first = self._block(0, 1)
         if first is None:
             first = self._assemble_otherwise()
-        refuse_tilted_drive(self.mechanism, first)
+        refuse_off_axis_drive(self.mechanism, first)
         return first
 
     @property
@@ -164,7 +165,7 @@ class KinematicAnalysis:
         """Attempts of a call; that the way is barred shows in what is left, and an assembly takes one."""
         return self._at_once(MOST_STEPS_A_ROW) + 1
 
-    def marcher(self) -> Callable[..., Any]:
+    def follower(self) -> Callable[..., Any]:
         """The continuation of this mechanism, by dense or by sparse factors: see `continuation.follow`."""
         if not self.evaluator.is_large:
             return lambda *arguments: continuation.follow(self.system, *arguments)
@@ -185,21 +186,21 @@ class KinematicAnalysis:
     ) -> bool:
         """Move state, motion and clock to the time t, or by so many attempts at a step; whether there."""
         out, audit = np.empty((1, *state.shape)), np.empty((1, 3))
-        while clock[continuation.TIME] < t:
-            clock[continuation.BUDGET] = attempts or self._budget
+        while clock[TIME] < t:
+            clock[BUDGET] = attempts or self._budget
             follow(state, motion, clock, np.array([t]), out, audit)
-            if attempts or clock[continuation.BUDGET] > 0.0:
+            if attempts or clock[BUDGET] > 0.0:
                 break
-        return clock[continuation.TIME] >= t
+        return clock[TIME] >= t
 
     def _follow(self, times: np.ndarray, out: np.ndarray, audit: np.ndarray) -> int:
         """Fill rows until all are reached or the way is barred; returns how many were."""
-        reached, follow = 0, self.marcher()
+        reached, follow = 0, self.follower()
         while reached < times.size:
-            self.clock[continuation.BUDGET] = self._budget
+            self.clock[BUDGET] = self._budget
             rest = slice(reached, None)
             reached += follow(self.state, self.motion, self.clock, times[rest], out[rest], audit[rest])
-            if self.clock[continuation.BUDGET] > 0.0:
+            if self.clock[BUDGET] > 0.0:
                 break
         return reached
 
@@ -247,7 +248,9 @@ class KinematicAnalysis:
         self._restart(q)
         first, start = self._block(0, 1), self.singularities.memory()
         later = t + START_ASIDE * self.mechanism.time.step
-        arrived = first is not None and self.carry(self.marcher(), self.state, self.motion, self.clock, later)
+        arrived = first is not None and self.carry(
+            self.follower(), self.state, self.motion, self.clock, later
+        )
         if not arrived or mobility(self.evaluator, self.state[0], later, self.motion[:, 0]).dofs == 0:
             self.system = full
             raise singular_start(self, q, t)

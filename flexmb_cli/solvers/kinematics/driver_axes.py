@@ -2,7 +2,7 @@
 
 The driver's two rows, e_k = sin(θ/2) and e0 = cos(θ/2), stand in place of the body's normalisation:
 the other two parameters must come out 0 from the joints, and so must their rates.  If they do not, the
-joints tilt the body against its driver's axis: |p| is not 1 or does not stay 1, and the position is no
+joints turn the body away from its driver's axis: |p| is not 1 or does not stay 1, and the position is no
 position, or the rates are no motion.
 """
 
@@ -28,16 +28,16 @@ if TYPE_CHECKING:
 
 
 UPRIGHT = 1e-9
-TILTED = 5e-5  # of an Euler parameter, or of its rates: |p| is UPRIGHT beyond 1
+OFF_AXIS = 5e-5  # of an Euler parameter, or of its rates: |p| is UPRIGHT beyond 1
 UNITS = "rad", "rad/s", "rad/s²"
 
 
-def refuse_tilted_drive(mechanism: Mechanism, first: Rows) -> None:
-    """Raise ModelError naming the driven bodies that the first row shows tilted."""
+def refuse_off_axis_drive(mechanism: Mechanism, first: Rows) -> None:
+    """Raise ModelError naming the driven bodies that the first row shows off_axis."""
     faults = [
-        Fault("error", _message(driver, off[0], tilted[0]), driver.place, driver.name, id="SOLVE-010")
-        for driver, off, tilted in _axis_deviations(mechanism, first)
-        if tilted[0].any()
+        Fault("error", _message(driver, off[0], off_axis[0]), driver.place, driver.name, id="SOLVE-010")
+        for driver, off, off_axis in _axis_deviations(mechanism, first)
+        if off_axis[0].any()
     ]
     if faults:
         raise ModelError(faults)
@@ -75,11 +75,11 @@ def _can_turn(driver: Any, q: np.ndarray, motions: Any) -> Any:
 
 
 def keeps_axis(mechanism: Mechanism, rows: Rows) -> Rows:
-    """The rows, if no driven body tilts in them; raises AnalysisError at the first that does."""
-    for driver, off, tilted in _axis_deviations(mechanism, rows):
-        if tilted.any():
-            k = int(np.argmax(tilted.any(axis=1)))
-            message = f"at t = {rows.time[k]:.6g} s {driver.name}: {_message(driver, off[k], tilted[k])}"
+    """The rows, if all driven bodies keep their axes in them; raises AnalysisError at the first that does."""
+    for driver, off, off_axis in _axis_deviations(mechanism, rows):
+        if off_axis.any():
+            k = int(np.argmax(off_axis.any(axis=1)))
+            message = f"at t = {rows.time[k]:.6g} s {driver.name}: {_message(driver, off[k], off_axis[k])}"
             fault = Fault("error", message, driver.place, about=driver.name, id="SOLVE-012")
             raise AnalysisError(fault, float(rows.time[k]))
     return rows
@@ -100,11 +100,11 @@ def _axis_deviations(mechanism: Mechanism, rows: Rows) -> "Iterator[tuple[Driver
     for driver in _turning(mechanism):
         others = [k for k in (1, 2, 3) if k != driver.direction - 3]
         off = np.stack([np.linalg.norm(order[:, driver.body, others], axis=-1) for order in orders], axis=-1)
-        yield driver, off, off > TILTED * sizes
+        yield driver, off, off > OFF_AXIS * sizes
 
 
-def _message(driver: Driver, off: np.ndarray, tilted: np.ndarray) -> str:
-    axis, k = "xyz"[driver.direction - 4], int(np.argmax(tilted))
+def _message(driver: Driver, off: np.ndarray, off_axis: np.ndarray) -> str:
+    axis, k = "xyz"[driver.direction - 4], int(np.argmax(off_axis))
     return (
         f"the joints turn body {driver.body + 1} away from the global {axis} axis that this driver turns "
         f"it about, by {2.0 * off[k]:.3g} {UNITS[k]}; align the joint's axis with "

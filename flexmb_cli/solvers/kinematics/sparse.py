@@ -1,9 +1,9 @@
-"""The continuation of `kernels.kinematics.continuation` for mechanisms too large for dense factors.
+"""Factors of Φ_q for mechanisms too large for dense ones, with which the continuation is the same.
 
-The same predictor, Newton iteration and acceptance test; the linear algebra is SuperLU's (scipy) on a
-fixed pattern, with the fill-reducing order of the columns found once.
+They are SuperLU's (scipy) on a fixed pattern, with the fill-reducing order of the columns found once.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,20 +11,8 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from ...kernels.kinematics import constraints as equations
-from ...kernels.kinematics import continuation as dense
-from ...kernels.kinematics.newton import (
-    CONVERGED,
-    ITERATIONS,
-    LAST_CORRECTION,
-    PIVOT,
-    REFINED,
-    SINGULAR,
-    SOLVED_RESIDUAL,
-    STALLED,
-    reach_of,
-)
-from ...kernels.linalg.rotation import RATE, REMAINDER, rotation_rates
+from ...kernels.kinematics.continuation import continuation
+from ...kernels.kinematics.newton import PIVOT, LinearSolver, System, Work
 from .position import Evaluator
 
 
@@ -92,112 +80,17 @@ class SparseContinuation:
 
     def __init__(self, evaluator: Evaluator, repeated: tuple[int, ...] = (), dependent: tuple[int, ...] = ()):
         self.evaluator = evaluator
-        self.arrays = evaluator.arrays
-        self.system = evaluator.system
         self.factors = SparseFactors(evaluator, repeated, dependent)
+        self._fill_rows = continuation(LinearSolver(self._factorise, self._solve), made=_as_it_is)
 
-    def newton(
-        self, q: np.ndarray, t: float, expected: np.ndarray, limit: float, most: int
-    ) -> tuple[int, int, int]:
-        """Improve q in place until only round-off is left; returns (code, iterations, sign)."""
-        previous, sign = np.inf, 0
-        for iteration in range(1, most + 1):
-            gap = self.evaluator.residual(q, t, expected)
-            if not np.all(np.isfinite(gap)):
-                return STALLED, iteration, sign
-            sign = self.factors.factorise(q)
-            if not sign:
-                return SINGULAR, iteration, sign
-            correction = self.factors.solve(gap)
-            size = np.max(np.abs(correction))
-            shrink = min(1.0, limit / size) if size > 0.0 else 1.0
-            q -= shrink * correction * self.arrays.column_scale
-            reach = reach_of(self.system, q)
-            if size <= LAST_CORRECTION * reach:
-                left = np.max(np.abs(self.evaluator.residual(q, t, expected)))
-                return (CONVERGED if left <= SOLVED_RESIDUAL * reach else STALLED), iteration, sign
-            if iteration > 3 and shrink == 1.0 and size > previous:
-                return STALLED, iteration, sign
-            previous = size
-        return STALLED, most, sign
+    def _factorise(self, _system: System, _work: Work, q: np.ndarray) -> int:
+        return self.factors.factorise(q)
 
-    def rates(self, q: np.ndarray, t: float, qd: np.ndarray, qdd: np.ndarray) -> float:
-        """Fill qd and qdd at a position found by `newton`; returns the largest |dΦ/dt|."""
-        work, constraints = self.evaluator.work, self.system.constraints
-        right_side = work.vectors[1]
-        equations.velocity(constraints, t, right_side)
-        matrix = self.evaluator.sparse_matrix(q)
-        gap = self._solve_refined(matrix, right_side, qd)
-        rotation_rates(q, qd, work.rotations[RATE], work.rotations[REMAINDER])
-        equations.acceleration(constraints, q, qd, t, work.rotations, right_side)
-        self._solve_refined(matrix, right_side, qdd)
-        return gap
-
-    def _solve_refined(self, matrix: Any, right_side: np.ndarray, solution: np.ndarray) -> float:
-        scaled = right_side / self.arrays.row_scale
-        x = self.factors.solve(scaled)
-        for _ in range(3):
-            rest = scaled - matrix @ x
-            if np.max(np.abs(rest)) <= REFINED * np.max(np.abs(x)):
-                break
-            x += self.factors.solve(rest)
-        solution[:] = x * self.arrays.column_scale
-        return np.max(np.abs(rest * self.arrays.row_scale))
-
-    def attempt(
-        self,
-        state: np.ndarray,
-        motion: np.ndarray,
-        t: float,
-        t_new: float,
-        limit: float,
-        most: int,
-        new: np.ndarray,
-        expected: np.ndarray,
-    ) -> tuple[float, float, int, int, float]:
-        """One step, as the kernel's `attempt`."""
-        h = t_new - t
-        dense.predict(state, h, new[0])
-        dense.screws_expected(motion, h, expected)
-        code, iterations, sign = self.newton(new[0], t_new, expected, limit, most)
-        if code != CONVERGED:
-            return np.inf, 0.0, sign, iterations, np.inf
-        gap = self.rates(new[0], t_new, new[1], new[2])
-        return *dense.defect(self.system, state, new, h), sign, iterations, gap
-
-    def advance(
-        self,
-        state: np.ndarray,
-        motion: np.ndarray,
-        clock: np.ndarray,
-        target: float,
-        new: np.ndarray,
-        expected: np.ndarray,
-    ) -> tuple[bool, float]:
-        """Carry `state` to `target`, as the kernel's `advance`."""
-        assembling = clock[dense.NEXT_LENGTH] == 0.0
-        limit = dense.LARGEST_ASSEMBLY_CORRECTION if assembling else dense.NO_LIMIT
-        most = int(self.system.limits[ITERATIONS]) if assembling else dense.STEP_ITERATIONS
-        gap = 0.0
-        while clock[dense.TIME] < target or clock[dense.NEXT_LENGTH] == 0.0:
-            if clock[dense.BUDGET] <= 0.0:
-                return False, gap
-            clock[dense.BUDGET] -= 1.0
-            t, t_new = clock[dense.TIME], dense.step_to(clock, target)
-            off, moved, sign = np.inf, 0.0, 0
-            if not dense.angle_too_far(self.system.constraints, t, t_new):
-                off, moved, sign, iterations, gap = self.attempt(
-                    state, motion, t, t_new, limit, most, new, expected
-                )
-                clock[dense.SPENT] += iterations
-            if dense.acceptable(clock, off, moved, sign):
-                dense.accept(self.system, self.evaluator.work, new, expected, state, motion)
-                dense.after_success(clock, t_new, off, sign)
-            else:
-                clock[dense.NEXT_LENGTH] = 0.5 * (t_new - t)
-                if dense.is_barred(clock, target):
-                    return False, gap
-        return True, gap
+    def _solve(self, _system: System, _work: Work, right_side: np.ndarray, solution: np.ndarray) -> float:
+        arrays = self.evaluator.arrays
+        x = self.factors.solve(right_side / arrays.row_scale)
+        solution[:] = x * arrays.column_scale
+        return float(np.max(np.abs(x)))
 
     def follow(
         self,
@@ -209,12 +102,11 @@ class SparseContinuation:
         audit: np.ndarray,
     ) -> int:
         """Fill report rows; returns the number of rows reached."""
+        system, work = self.evaluator.system, self.evaluator.work
         new, expected = np.empty_like(state), np.empty(len(motion))
-        for row, target in enumerate(times):
-            arrived, gap = self.advance(state, motion, clock, target, new, expected)
-            if not arrived:
-                return row
-            out[row] = state
-            audit[row] = np.max(np.abs(self.evaluator.work.vectors[0])), gap, clock[dense.SPENT]
-            clock[dense.SPENT] = 0.0
-        return len(times)
+        return int(self._fill_rows(system, work, state, motion, clock, times, out, audit, new, expected))
+
+
+def _as_it_is(function: Callable[..., Any]) -> Callable[..., Any]:
+    """SuperLU cannot be called by compiled code."""
+    return function

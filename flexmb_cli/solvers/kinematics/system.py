@@ -1,4 +1,4 @@
-"""What a kinematic analysis hands to the kernels, and the quantities derived from its coordinates."""
+"""Input of the kernels of a kinematic analysis, and the quantities derived from its coordinates."""
 
 from typing import Any
 

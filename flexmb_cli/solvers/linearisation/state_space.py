@@ -63,7 +63,7 @@ class Input:
 
 
 class Responses(ABC):
-    """What a formulation answers to changes of state and inputs about a LinearisedMotion."""
+    """Responses of a formulation to changes of state and inputs about a LinearisedMotion."""
 
     motion: LinearisedMotion
     inputs: list[Input]

@@ -1,4 +1,4 @@
-"""What inputs and outputs of a linearised mechanism are called in the terms of its dialect."""
+"""Names of inputs and outputs of a linearised mechanism in the terms of its dialect."""
 
 from ...model.flexible_mechanism import NodePoint
 from ...model.joint_elements import JointElements, is_angle

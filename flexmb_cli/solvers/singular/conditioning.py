@@ -1,4 +1,4 @@
-"""How near a position is to a singular one: its condition, and what is weakest there, by name."""
+"""Conditioning of a position: its distance from a singular one, and what is weakest there, by name."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...kernels.kinematics.continuation import BUDGET, SIGN, TIME
+from ...kernels.kinematics.continuation_clock import BUDGET, SIGN, TIME
 from ...model.equations import Equation
 from .conditioning import conditioning, conditioning_text
 from .passed import Passed, PassedSingularities
@@ -79,7 +79,7 @@ class PassedKinematicSingularities(PassedSingularities):
 
         Yield bifurcations, else the worst place.
         """
-        analysis, integration = self.analysis, self.analysis.marcher()
+        analysis, integration = self.analysis, self.analysis.follower()
         memory, begin, end = interval
         state, motion, clock = (part.copy() for part in memory)
         analysis.carry(integration, state, motion, clock, begin)

@@ -1,4 +1,4 @@
-"""Why a mechanism could not be carried to the next report time."""
+"""Reasons that a mechanism cannot be carried to the next report time."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -1,4 +1,4 @@
-"""Why a mechanism cannot be assembled or moved: gaps, redundant equations and free motions, by name."""
+"""Reasons that a mechanism cannot be assembled or moved: gaps, redundant equations and free motions."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +23,7 @@ BACK = Corrections(met=1e-13, most=60, dependent=DEPENDENT)
 
 @dataclass(frozen=True)
 class Gap:
-    """What is left of one owner's equations: its worst part and the residual there, in its unit."""
+    """Residual of one owner's equations: its worst part and the residual there, in its unit."""
 
     equation: Equation
     value: float

@@ -10,6 +10,7 @@ cross; what differs is handed in by a subclass:
 - `conditioning` and `sentence`: the Jacobian there, of coordinates or of speeds, and what is said.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -36,7 +37,7 @@ class Passed:
     crosses: bool
 
 
-class PassedSingularities:
+class PassedSingularities(ABC):
     """Looks for singular positions along the rows of a motion; notes go to `warnings`.
 
     Not active, it looks for nothing.  `names`: the equations; `most_reported`: how many of them a note names.
@@ -53,21 +54,21 @@ class PassedSingularities:
             for passed in self.located(interval):
                 self.tell(passed)
 
+    @abstractmethod
     def suspected(self, *seen: Any) -> Iterable[Any]:
         """Return the intervals in which a singular position may lie."""
-        raise NotImplementedError
 
+    @abstractmethod
     def located(self, interval: Any) -> Iterable[Passed]:
         """Return the singular positions of an interval."""
-        raise NotImplementedError
 
+    @abstractmethod
     def conditioning(self, passed: Passed) -> Conditioning:
         """Return the conditioning of the Jacobian there."""
-        raise NotImplementedError
 
+    @abstractmethod
     def sentence(self, passed: Passed, weak: Conditioning, owners: list[Equation]) -> str:
         """Return what is said of a position, whose weakest equations belong to `owners`."""
-        raise NotImplementedError
 
     def tell(self, passed: Passed) -> None:
         """Note a position, unless there are notes enough."""

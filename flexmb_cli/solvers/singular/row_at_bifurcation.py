@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...kernels.kinematics import constraints as equations
-from ...kernels.kinematics.continuation import NEXT_LENGTH, SIGN, SPENT, TIME
+from ...kernels.kinematics.continuation_clock import NEXT_LENGTH, SIGN, SPENT, TIME
 from ..kinematics.rows import Rows
 from ..kinematics.system import rows_of
 from ..projection import Corrections, Instant, project
@@ -37,7 +37,7 @@ def row_across(analysis: Any, t: float, memory: Any) -> Rows | None:
     if not before < t < after:
         return None
     analysis.state, analysis.motion, analysis.clock = (part.copy() for part in memory)
-    integration, ends, signs = analysis.marcher(), [], []
+    integration, ends, signs = analysis.follower(), [], []
     for time in (before, after):
         if not analysis.carry(integration, analysis.state, analysis.motion, analysis.clock, time):
             return None

@@ -1,4 +1,4 @@
-"""What is weakest at a position, by name, and the notes of the singular positions that a motion passes.
+"""Weakest equations at a position, by name, and the notes of the singular positions that a motion passes.
 
 The same for kinematics, whose Jacobian is that of coordinates, and for dynamics, whose Jacobian is of speeds.
 """

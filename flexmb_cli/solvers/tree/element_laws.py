@@ -14,7 +14,7 @@ SLOW = 1e-9  # of the creep speed: tanh(x) / x is 1 there
 
 @dataclass(frozen=True)
 class Effort:
-    """What an element does in its coordinate x with the rate v.
+    """Effort of an element in its coordinate x with the rate v.
 
     `effort` drives x to larger values, N or N m; `energy`, J, is the potential of its part `kept`.
     """

@@ -1,4 +1,4 @@
-"""Where the bodies of a tree are at an instant, and the forces that elements put on them."""
+"""Positions of the bodies of a tree at an instant, and the forces that elements put on them."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What is said of closed directions that other ones close, too."""
+"""Messages about closed directions that other ones close, too."""
 
 import numpy as np
 

@@ -84,9 +84,10 @@ CASES = [
             ("    1    1\n  500", "    1    4\n  500"),
         ),
         [
-            "8:10: error: body 2: NDF = 4: a node has 1 (axis 3), 2 (axes 2, 3) or 3 elastic freedoms",
+            "8:10: error: body 2: NDF = 4: a node has 1 (axis 3), 2 (axes 2, 3) or 3 "
+            "elastic degrees of freedom",
         ],
-        id="more than three freedoms of a node",
+        id="more than three degrees of freedom of a node",
     ),
     pytest.param(
         deck_text(

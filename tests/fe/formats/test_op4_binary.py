@@ -125,7 +125,7 @@ def test_values_beyond_the_last_row_are_refused(tmp_path):
 def test_counts_that_the_record_does_not_hold_are_refused(tmp_path):
     writer = Writer()
     raw = writer.heading(2, 2) + writer.record((1, 1, 6), writer.values([1.0, 2.0]))
-    assert reported(tmp_path, raw) == "x.op4: matrix KAAX, column 1: 6 words are told and 4 are there"
+    assert reported(tmp_path, raw) == "x.op4: matrix KAAX, column 1: the record claims 6 words and holds 4"
 
 
 def test_a_string_of_no_length_is_refused(tmp_path):

@@ -11,6 +11,7 @@ from flexmb_cli.dialects.young.build import build_young
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.solvers.kinematics import position
 from flexmb_cli.solvers.kinematics.analysis import KinematicAnalysis
+from flexmb_cli.solvers.kinematics.settings import KinematicSettings
 from tests.solvers.kinematics.geometry import Gaps
 from tests.solvers.kinematics.rssr import carried
 from tests.solvers.kinematics.rssr_chain import chain, deck_text, rod_ends, stage
@@ -57,6 +58,18 @@ def test_dense_and_sparse_factors_give_the_same_motion(derivative, monkeypatch):
     sparse = solved(mechanism)
     assert largest_difference(coordinates(sparse, derivative), coordinates(dense, derivative)) <= 1e-12
     assert np.all(sparse.newton_iterations == dense.newton_iterations)
+
+
+def test_a_tolerance_ends_newton_as_early_with_sparse_factors_as_with_dense_ones(monkeypatch):
+    """Newton's error squares at each iteration: 1e-4 is met one iteration before round-off, at least once."""
+    mechanism, early = chain(2, TimeGrid(0.0, 2.0, 1.0)), KinematicSettings(tolerance=1e-4)
+    exact, dense = (iterations(mechanism, settings) for settings in (KinematicSettings(), early))
+    monkeypatch.setattr(position, "DENSE_LIMIT", 10)
+    assert iterations(mechanism, early) == dense < exact
+
+
+def iterations(mechanism, settings):
+    return sum(int(rows.newton_iterations.sum()) for rows in KinematicAnalysis(mechanism, settings).rows())
 
 
 @pytest.mark.long_motion

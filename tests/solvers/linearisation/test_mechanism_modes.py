@@ -50,7 +50,7 @@ def test_the_text_names_what_moves_and_where_it_rests():
     done = flexmb("-", "--equilibrium", deck=PENDULUM)
     assert done.stdout.splitlines() == [
         "-: YOUNG deck",
-        "  small motions about the equilibrium at t = 0 s: freedoms 1",
+        "  linearised motion about the equilibrium at t = 0 s: DOF 1",
         "    body 1: 0 0 0 1 0 0 0",
         "    body 2: 0 0 0 0.707107 0 0.707107 0",
         "    mode            Hz  damping ratio  moves most",

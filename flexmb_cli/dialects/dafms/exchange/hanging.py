@@ -1,4 +1,4 @@
-"""How a body hangs in a tree that is written as a DAFMS deck: its hinge, and the frames O_k and P_k."""
+"""Suspension of a body in a tree that is written as a DAFMS deck: its hinge, and the frames O_k and P_k."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What a DAFMS deck of rigid bodies describes, in the terms of `model.exchange`."""
+"""Rigid model of a DAFMS deck, in the terms of `model.exchange`."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....deck.record import Deck
-from ....errors import Fault, ModelError
+from ....errors import Fault, ModelError, Place
+from ....model.exchange.conversion import Conversion, about_centre
 from ....model.exchange.functions import constant
 from ....model.exchange.rigid_model import (
     RADAU,
     CoordinateSpring,
-    Refusals,
     RigidBody,
     RigidJoint,
     RigidModel,
@@ -52,35 +52,35 @@ class _Named:
 
 def rigid_model(deck: Deck, build: Callable[[], Tree], start: Callable[[Tree], Start]) -> RigidModel:
     """Return the rigid model of a deck at its start; raises ModelError with all that is not converted."""
-    tree, refusals = build(), Refusals()
-    for body in tree.bodies:
-        if body.elastic is not None:
-            refusals.add(body, "the body is flexible; only rigid bodies are converted")
-    _raise(refusals)
-    made = _Conversion(tree, start(tree), refusals)
-    found = replace(made.model(), shapes=exchanged_shapes(deck))
-    _raise(refusals)
-    return found
+    tree = build()
+    _refuse_flexible(tree)
+    return _Conversion(tree, start(tree)).converted(lambda: exchanged_shapes(deck))
 
 
-def _raise(refusals: Any) -> None:
-    faults = [Fault("error", message, place, name, id="DAFMS-150") for message, place, name in refusals.items]
-    if faults:
-        raise ModelError(faults)
+def _refuse_flexible(tree: Tree) -> None:
+    message = "the body is flexible; only rigid bodies are converted"
+    flexible = [body for body in tree.bodies if body.elastic is not None]
+    if flexible:
+        raise ModelError([_refused(message, body.place, body.name) for body in flexible])
 
 
-class _Conversion:
+def _refused(message: str, place: Place | None, name: str) -> Fault:
+    return Fault("error", message, place, name, id="DAFMS-150")
+
+
+class _Conversion(Conversion):
     """Collects the parts of the model."""
 
-    def __init__(self, tree: Tree, start: Start, refusals: Any):
-        self.tree, self.start, self.refusals = tree, start, refusals
-        self.A = [rotation_matrix(p) for p in start.p]
+    def __init__(self, tree: Tree, start: Start):
+        super().__init__(start, _refused)
+        self.tree = tree
+        self.A = [A for _, A in self.now]
         self.number: dict[int, int] = {}  # of the joint of a body's hinge
         self.q = {
             (c.body, c.motion, c.axis): float(q) for c, q in zip(tree.coordinates, start.q, strict=True)
         }
 
-    def model(self) -> Any:
+    def model(self) -> RigidModel:
         tree, time = self.tree, self.tree.time
         joints: list[RigidJoint] = []
         for k in range(len(tree.bodies)):
@@ -106,14 +106,13 @@ class _Conversion:
             stepping=stepping if explicit else replace(stepping, method=RADAU),
         )
 
-    def _body(self, k: int) -> Any:
-        body, start = self.tree.bodies[k], self.start
+    def _body(self, k: int) -> RigidBody:
+        body = self.tree.bodies[k]
         c = np.array(body.centre, float)
-        inertia = np.asarray(body.inertia, float) - body.mass * (c @ c * np.eye(3) - np.outer(c, c))
+        inertia = about_centre(body.mass, c, body.inertia)
         # What the difference leaves of a thin rod's moment is round-off of the numbers given.
         inertia[np.abs(inertia) < 1e-12 * np.abs(body.inertia).max()] = 0.0
-        motion = start.r[k], start.p[k], start.v[k], start.omega[k]
-        return RigidBody(body.name, *motion, body.mass, c, inertia, body.place)
+        return self.rigid_body(k, body.name, (body.mass, c, inertia), body.place)
 
     def _add_hinge(self, joints: Any, k: int) -> None:
         hinge = self.tree.hinges[k]
@@ -177,11 +176,11 @@ class _Conversion:
         a, b = (self._place(body, point) for body, point in ends)
         return abs((a - b) @ normal) < _OPEN
 
-    def _place(self, body: Any, point: tuple[float, float, float]) -> Any:
-        point = np.array(point, float)  # type: ignore[assignment]
-        return point if body == INERTIAL else self.start.r[body] + self.A[body] @ point
+    def _place(self, body: int, point: tuple[float, float, float]) -> np.ndarray:
+        r = np.array(point, float)
+        return r if body == INERTIAL else self.start.r[body] + self.A[body] @ r
 
-    def _coordinate(self, item: Any, what: str) -> Any:
+    def _coordinate(self, item: Any, what: str) -> tuple[int, str, float] | None:
         """Number of the joint, its coordinate, and the value at the start; None where there is none."""
         hinge = self.tree.hinges[item.body]
         name = self.tree.bodies[item.body].name
@@ -200,22 +199,27 @@ class _Conversion:
                 # From 0 at the start, as joint coordinates here are.
                 function = MotionFunction(POLYNOMIAL, (0.0, item.B, 0.5 * item.A, 0.0))
                 name = f"motion of {self.tree.bodies[item.body].name}"
-                yield JointDriver(name, *found[:2], function, item.place)  # type: ignore[call-arg]
+                joint, coordinate, _ = found
+                yield JointDriver(name, joint, coordinate, function, item.place)
 
     def _motors(self) -> "Iterator[Any]":
         for item in self.tree.motors:
             found = self._coordinate(item, "motor")
             if found:
                 name = f"motor of {self.tree.bodies[item.body].name}"
-                yield JointMotor(name, *found[:2], _function(item.function), item.place)  # type: ignore[call-arg]
+                joint, coordinate, _ = found
+                yield JointMotor(name, joint, coordinate, _function(item.function), item.place)
 
     def _springs(self) -> "Iterator[Any]":
         for item in self.tree.springs:
             found = self._coordinate(item, "spring or damper")
             if found:
-                *where, q = found
+                joint, coordinate, q = found
                 name = f"spring of {self.tree.bodies[item.body].name}"
-                yield CoordinateSpring(name, *where, item.stiffness, item.rest - q, item.damping, item.place)  # type: ignore[call-arg]
+                rest = item.rest - q
+                yield CoordinateSpring(
+                    name, joint, coordinate, item.stiffness, rest, item.damping, item.place
+                )
 
     def _torques(self) -> "Iterator[Any]":
         for k, body in enumerate(self.tree.bodies):

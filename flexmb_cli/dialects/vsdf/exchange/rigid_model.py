@@ -1,4 +1,4 @@
-"""What a VSDF deck of rigid bodies describes, in the terms of `model.exchange`."""
+"""Rigid model of a VSDF deck, in the terms of `model.exchange`."""
 
 import math
 from collections.abc import Callable
@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from ....deck.record import Deck
-from ....errors import Fault, ModelError
+from ....errors import Fault, ModelError, Place
+from ....model.exchange.conversion import Conversion, about_centre, coordinate_since
 from ....model.exchange.functions import constant, moved
 from ....model.exchange.rigid_model import (
     ALPHA,
@@ -15,14 +16,13 @@ from ....model.exchange.rigid_model import (
     RADAU,
     BodyDriver,
     CoordinateSpring,
-    Refusals,
     RigidBody,
     RigidJoint,
     RigidModel,
     Stepping,
     vector,
 )
-from ....model.exchange.start import Pair, Start, angle_between, stroke_between
+from ....model.exchange.start import Start
 from ....model.flexible_mechanism import FlexibleMechanism
 from ....model.joint_elements import JointDriver
 from ....model.joints import ANGLE, STROKE
@@ -46,36 +46,32 @@ def rigid_model(
     message = "the body is flexible (FLEX); only rigid bodies are converted"
     if flexible:
         raise ModelError([Fault("error", message, r.place, r.subject, id="VSDF-152") for r in flexible])
-    mechanism, refusals = build(), Refusals()
-    made = _Conversion(mechanism, start(mechanism), refusals)
-    found = replace(made.model(), shapes=exchanged_shapes(deck))
-    _raise(refusals)
-    return found
+    mechanism = build()
+    return _Conversion(mechanism, start(mechanism)).converted(lambda: exchanged_shapes(deck))
 
 
-def _raise(refusals: Any) -> None:
-    faults = [Fault("error", message, place, name, id="VSDF-151") for message, place, name in refusals.items]
-    if faults:
-        raise ModelError(faults)
+def _refused(message: str, place: Place | None, name: str) -> Fault:
+    return Fault("error", message, place, name, id="VSDF-151")
 
 
-class _Conversion:
-    """Collects the parts of the model."""
+class _Conversion(Conversion):
+    """Collects the parts of the model; the ground is the last of the poses."""
 
-    def __init__(self, mechanism: Any, start: Start, refusals: Any):
-        self.deck, self.start, self.refusals = mechanism, start, refusals
+    def __init__(self, mechanism: FlexibleMechanism, start: Start):
+        super().__init__(start, _refused)
+        self.deck = mechanism
         ground = np.zeros(3), np.eye(3)
         self.first = [(body.r, rotation_matrix(body.p)) for body in mechanism.bodies] + [ground]
-        self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)] + [ground]
+        self.now.append(ground)
 
-    def model(self) -> Any:
+    def model(self) -> RigidModel:
         deck, integrator = self.deck, self.deck.integrator
         method = _METHODS.get(integrator.method, EXPLICIT)
         stepping = Stepping(method, _TOLERANCE if method == ALPHA else integrator.parameter, integrator.step,
                             integrator.parameter)  # fmt: skip
         joints = [self._joint(joint) for joint in deck.joints]
         drivers = [item for item in deck.motions if item.kind in _DIRECTIONS]
-        self._refuse_several_turns(drivers)
+        self._refuse_several_rotations(drivers)
         self.refusals.add_elements(replace(deck.elements, reported=False))
         for pin in deck.pins:
             if any(pin.functions):
@@ -120,12 +116,10 @@ class _Conversion:
             for f in self.deck.forces
         )
 
-    def _body(self, k: int) -> Any:
-        body, start = self.deck.bodies[k], self.start
+    def _body(self, k: int) -> RigidBody:
+        body = self.deck.bodies[k]
         c = body.s0 / body.m
-        inertia = body.J0 - body.m * (c @ c * np.eye(3) - np.outer(c, c))
-        motion = start.r[k], start.p[k], start.v[k], start.omega[k]
-        return RigidBody(body.name, *motion, body.m, c, inertia, body.place)
+        return self.rigid_body(k, body.name, (body.m, c, about_centre(body.m, c, body.J0)), body.place)
 
     def _joint(self, joint: Any) -> Any:
         i, j = joint.a[0].body, joint.b[0].body
@@ -163,7 +157,7 @@ class _Conversion:
                 ]
         return joints, held
 
-    def _refuse_several_turns(self, drivers: Any) -> None:
+    def _refuse_several_rotations(self, drivers: Any) -> None:
         turned = [item.target for item in drivers if _DIRECTIONS[item.kind] > 3]
         for item in drivers:
             if _DIRECTIONS[item.kind] > 3 and turned.count(item.target) > 1:
@@ -172,13 +166,9 @@ class _Conversion:
     def _joint_spring(self, item: Any) -> Any:
         joint = self.deck.joints[item.joint]
         coordinate = STROKE if joint.kind == "translational" else ANGLE
-        i, j = joint.a[0].body, joint.b[0].body
-        first, now = (Pair(*poses[i], *poses[j]) for poses in (self.first, self.now))
-        s = joint.a[1].r0 - joint.a[0].r0
-        if coordinate == ANGLE:
-            q = angle_between(s, first, now)
-        else:
-            q = stroke_between(s, joint.a[0].r0, joint.b[0].r0, first, now)
+        bodies, s = (joint.a[0].body, joint.b[0].body), joint.a[1].r0 - joint.a[0].r0
+        axis = s, joint.a[0].r0, joint.b[0].r0
+        q = coordinate_since(coordinate, axis, bodies, (self.first, self.now))
         return CoordinateSpring(item.name, item.joint, coordinate, item.k, item.q0 - q, item.c, item.place)
 
 

@@ -1,39 +1,38 @@
-"""What a YOUNG deck describes, in the terms of `model.exchange`: for conversion to other dialects."""
+"""Rigid model of a YOUNG deck, in the terms of `model.exchange`: for conversion to other dialects."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...deck.record import Deck
-from ...errors import Fault, ModelError
-from ...model.arrays.dynamic import inertia_matrix
-from ...model.attitudes import Attitudes
-from ...model.exchange.functions import constant, moved
-from ...model.exchange.rigid_model import (
+from ....deck.record import Deck
+from ....errors import Fault, ModelError, Place
+from ....model.arrays.dynamic import inertia_matrix
+from ....model.attitudes import Attitudes
+from ....model.exchange.conversion import Conversion, coordinate_since
+from ....model.exchange.functions import constant, moved
+from ....model.exchange.rigid_model import (
     ALPHA,
     EXPLICIT,
     RADAU,
     BodyDriver,
     CoordinateSpring,
-    Refusals,
     RigidBody,
     RigidJoint,
     RigidModel,
     Stepping,
     vector,
 )
-from ...model.exchange.shapes import RigidShape, shifted
-from ...model.exchange.start import Pair, Start, angle_between, stroke_between
-from ...model.joint_elements import JointDriver, JointMotor
-from ...model.joints import ANGLE
-from ...model.loads import AppliedForce, AppliedTorque, DynamicModel, SpringDamper
-from ...model.mechanism import GROUND, Point, TimeGrid
-from ...model.time_functions import POLYNOMIAL, MotionFunction
-from ...model.vectors import rotation_matrix
-from ...quick_dataclass import replace
-from .dynamic_cards import analysis_of
-from .shapes import exchanged_shapes
+from ....model.exchange.shapes import RigidShape, shifted
+from ....model.exchange.start import Start
+from ....model.joint_elements import JointDriver, JointMotor
+from ....model.loads import AppliedForce, AppliedTorque, DynamicModel, SpringDamper
+from ....model.mechanism import GROUND, Driver, Point, Simplified, TimeGrid
+from ....model.time_functions import POLYNOMIAL, MotionFunction
+from ....model.vectors import rotation_matrix
+from ....quick_dataclass import replace
+from ..dynamic_cards import analysis_of
+from ..shapes import exchanged_shapes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -59,31 +58,28 @@ def rigid_model(
         raise ModelError([Fault("error", message, id="YOUNG-150")])
     model = build()
     made = _Conversion(model, start(model))
-    found = replace(made.model(), shapes=tuple(map(made.shape, exchanged_shapes(deck))))
-    faults = [
-        Fault("error", message, place, name, id="YOUNG-151") for message, place, name in made.refusals.items
-    ]
-    if faults:
-        raise ModelError(faults)
-    return found
+    return made.converted(lambda: tuple(map(made.shape, exchanged_shapes(deck))))
 
 
-class _Conversion:
+def _refused(message: str, place: Place | None, name: str) -> Fault:
+    return Fault("error", message, place, name, id="YOUNG-151")
+
+
+class _Conversion(Conversion):
     """Collects the parts, grounded bodies becoming the ground."""
 
-    def __init__(self, model: Any, start: Start):
-        self.deck, self.start, self.mechanism = model, start, model.mechanism
-        self.refusals = Refusals()
+    def __init__(self, model: DynamicModel, start: Start):
+        super().__init__(start, _refused)
+        self.deck, self.mechanism = model, model.mechanism
         held = {ground.body for ground in self.mechanism.grounds}
         moving = [k for k in range(len(self.mechanism.bodies)) if k not in held]
         self.number = dict.fromkeys((GROUND, *held), GROUND) | {k: n for n, k in enumerate(moving)}
         self.moving = moving
         estimates = Attitudes(self.mechanism).estimates().reshape(-1, 7)
         self.first = [(q[:3], rotation_matrix(q[3:])) for q in estimates]
-        self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)]
         self.joints: dict[int, int] = {}
 
-    def model(self) -> Any:
+    def model(self) -> RigidModel:
         deck, time = self.deck, self.mechanism.time
         self._refuse_foreign()
         joints = self._joints()
@@ -146,16 +142,15 @@ class _Conversion:
             return Stepping(ALPHA, deck.tolerance, steps.length, steps.radius)
         return Stepping(RADAU if deck.radau else EXPLICIT, deck.tolerance)
 
-    def _body(self, k: int) -> Any:
-        body, start = self.mechanism.bodies[k], self.start
+    def _body(self, k: int) -> RigidBody:
+        body = self.mechanism.bodies[k]
         mass = next((item for item in self.deck.masses if item.body == k), None)
         data = (
             (mass.mass, np.array(mass.centre, float), inertia_matrix(mass.inertia))
             if mass
             else (0.0, np.zeros(3), np.zeros((3, 3)))
         )
-        motion = start.r[k], start.p[k], start.v[k], start.omega[k]
-        return RigidBody(f"body {k + 1}", *motion, *data, body.place)  # type: ignore[call-arg]
+        return self.rigid_body(k, f"body {k + 1}", data, body.place)
 
     def _point(self, body: Any, point: tuple[float, float, float]) -> Any:
         """A point of a body, global where the body is at rest."""
@@ -177,10 +172,10 @@ class _Conversion:
             if item.kind == "revolute-cylindrical":
                 self.refusals.add(item, "the composite joint REVCYL is not converted")
             else:
-                self._add_joint(found, item, item.kind, item.size, None)  # type: ignore[arg-type]
+                self._add_joint(found, item, item.kind, item.size, None)
         return tuple(found)
 
-    def _add_joint(self, found: Any, joint: Any, kind: Any, size: Any, k: int) -> None:
+    def _add_joint(self, found: Any, joint: Any, kind: Any, size: Any, k: int | None) -> None:
         i, j = self.number[joint.i], self.number[joint.j]
         if i == GROUND == j:
             return
@@ -198,14 +193,14 @@ class _Conversion:
         elements = self.deck.elements
         driven = {item.item: item.function for item in elements.driven}
         supported = {item.item: item.function for item in elements.supports}
-        found = []
-        for n, item in enumerate(self.mechanism.drivers):
-            function = driven.get(n) or MotionFunction(POLYNOMIAL, (item.C, item.B, 0.5 * item.A, 0.0))
-            found.append((item, function))
-        for n, item in enumerate(self.mechanism.simplified):
-            if item.direction > 3:
-                self.refusals.add(item, "a held Euler parameter (directions 4 to 6) is not converted")
-            found.append((item, supported.get(n) or constant(item.value)))
+        found: list[tuple[Driver | Simplified, MotionFunction]] = []
+        for n, driver in enumerate(self.mechanism.drivers):
+            prescribed = MotionFunction(POLYNOMIAL, (driver.C, driver.B, 0.5 * driver.A, 0.0))
+            found.append((driver, driven.get(n) or prescribed))
+        for n, held in enumerate(self.mechanism.simplified):
+            if held.direction > 3:
+                self.refusals.add(held, "a held Euler parameter (directions 4 to 6) is not converted")
+            found.append((held, supported.get(n) or constant(held.value)))
         return tuple(
             BodyDriver(
                 item.name, self.number[item.body], item.direction, self._function(function), item.place
@@ -217,10 +212,8 @@ class _Conversion:
     def _offset(self, number: int, coordinate: str) -> Any:
         """A joint coordinate at the start: YOUNG counts it from the estimates."""
         joint = self.mechanism.joints[number]
-        first, now = (Pair(*poses[joint.i], *poses[joint.j]) for poses in (self.first, self.now))
-        if coordinate == ANGLE:
-            return angle_between(joint.s_i, first, now)
-        return stroke_between(joint.s_i, joint.P_i, joint.P_j, first, now)
+        axis = joint.s_i, joint.P_i, joint.P_j
+        return coordinate_since(coordinate, axis, (joint.i, joint.j), (self.first, self.now))
 
     def _joint_driver(self, item: Any) -> Any:
         # The function is met at the start, whatever number of turns it begins with.
