@@ -20,7 +20,7 @@ LINE_SPACING, POINTS_PER_INCH = 1.5, 72
 LETTER, HANDLE = 0.55, 5.0
 # Width of a number below an axis by the size of letters; part of a picture's width that a panel has at least.
 TICK, NARROWEST = 2.6, 0.75
-SMALL = 0.9  # size of a legend's letters and of numbers by that of the others
+SMALLER_LETTERS = 0.9  # size of a legend's letters and of numbers by that of the others
 
 
 @dataclass(frozen=True)
@@ -48,13 +48,13 @@ class Look:
 
     def in_legend(self, label: str) -> str:
         """The label of a curve in lines that are as long as a panel is wide."""
-        letter = SMALL * self._letter
+        letter = SMALLER_LETTERS * self._letter
         letters = (NARROWEST * self.inches - HANDLE * letter) / (LETTER * letter)
         return "\n".join(textwrap.wrap(label, max(8, int(letters))))
 
     @property
     def ticks(self) -> int:
-        """How many numbers stand side by side below a panel."""
+        """Return how many numbers stand side by side below a panel."""
         return max(1, min(TICKS, int(NARROWEST * self.inches / (TICK * self._letter))))
 
     @property
@@ -98,9 +98,10 @@ class Look:
     def settings(self) -> dict[str, Any]:
         """Settings of matplotlib that follow, for rcParams."""
         size = self.size or 8.0
+        smaller = SMALLER_LETTERS * size
         found: dict[str, Any] = {
             "font.size": size, "axes.labelsize": size, "axes.titlesize": size, "figure.titlesize": size,
-            "legend.fontsize": SMALL * size, "xtick.labelsize": SMALL * size, "ytick.labelsize": SMALL * size,
+            "legend.fontsize": smaller, "xtick.labelsize": smaller, "ytick.labelsize": smaller,
             "lines.linewidth": 1.0, "axes.linewidth": 0.6, "xtick.direction": "in", "ytick.direction": "in",
             "pdf.fonttype": 42, "svg.fonttype": "path", "text.usetex": self.latex,
         }  # fmt: skip
