@@ -12,7 +12,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 # (b) By file: where in it, and what is put there.  Gravity by its strength alone, downwards.
 CARD = {
-    "flexmb_cli/dialects/vsdf/cards.py": (
+    "flexmb_cli/dialects/vsdf/cards/joints_and_loads.py": (
         '    Card("GRAV", ',
         '    Card("DOWN", "weight", "DOWN", "single", (Column("g", "gravity along -z", "m/s^2"),)),\n',
     ),

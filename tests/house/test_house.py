@@ -25,6 +25,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 # Decks whose bodies have more coordinates than `fe.linear_algebra.DENSE`: their matrices are sparse, SciPy's.
 OF_SPARSE_MATRICES = ("strap_medium", "strap_fine")
 MOST_FILES = 25  # in a folder
+MOST_LINES = 300  # of a file
 
 
 def of_annotations(tree):
@@ -177,6 +178,16 @@ def test_no_folder_is_crowded():
         and len(files := [file for file in path.iterdir() if file.is_file()]) > MOST_FILES
     ]
     assert not crowded
+
+
+def test_no_file_is_long():
+    """Files of one subject; a long one wants to be two."""
+    long = [
+        f"{path.relative_to(PACKAGE)}: {lines} lines"
+        for path in MODULES
+        if (lines := len(path.read_text(encoding="utf-8").splitlines())) > MOST_LINES
+    ]
+    assert not long
 
 
 @pytest.mark.processes
