@@ -22,6 +22,9 @@ from .terminal.written_place import WrittenPlace
 )
 @click.option("--view", type=click.Choice(["start", "x", "y", "z"]), default="start",
               help="Look along this axis [default: the page's first view].")  # fmt: skip
+@click.option("--colours", default="von Mises stress", metavar="NAME",
+              help="What colours finite-element bodies of the film, such as 'principal stress 1' or "
+              "'body'; an unknown name lists all [default: von Mises stress].")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
 def report(result: str, output: str | None, quiet: bool, movie: Any, **film: Any) -> None:
     """Write a self-contained HTML page: motion in 3-D, curves, audit and deck of RESULT.h5.
@@ -96,14 +99,17 @@ def _write_film(path: str, target: Any, page: Any, film: Any, quiet: bool) -> No
 def _film_look(film: Any) -> Any:
     import re
 
-    from ..results.figures.film import FilmLook
+    from ..results.figures.film import COLOURS_OF_FILMS, FilmLook
 
     found = re.fullmatch(r"([0-9]{2,4})x([0-9]{2,4})", film["size"])
     width, height = map(int, found.groups()) if found else (0, 0)
     if not (64 <= width <= 4096 and 64 <= height <= 4096):
         raise click.UsageError(f"--size {film['size']}: two numbers from 64 to 4096 wanted, such as 960x540")
+    if film["colours"] not in COLOURS_OF_FILMS:
+        known = ", ".join(COLOURS_OF_FILMS)
+        raise click.UsageError(f"--colours {film['colours']}: wanted is one of: {known}")
     # Video has whole blocks of two pixels.
-    return FilmLook(width - width % 2, height - height % 2, film["fps"], film["view"])
+    return FilmLook(width - width % 2, height - height % 2, film["fps"], film["view"], film["colours"])
 
 
 def _need_film_libraries(form: str) -> None:

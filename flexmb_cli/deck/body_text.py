@@ -54,6 +54,11 @@ def _dropped_lines(body: Any) -> "Iterator[Any]":
             f"    shapes without mass: {body.massless}; they answer loads as in statics (the last, with the "
             "highest frequency of the others)"
         )
+    if body.massless_in_motion:
+        yield (
+            f"    deformations without mass once the nodes of the frame move: {body.massless_in_motion}; "
+            "they answer loads as in statics"
+        )
     if dropped.modes:
         following = dropped.next_frequency
         first = "" if math.isnan(following) else f", the first at {following:.6g} Hz"

@@ -1,7 +1,6 @@
 """Recognition of files that are no decks, by their first bytes."""
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 from pathlib import Path
 
 MOST_NAMES = 2000  # of a folder that are looked at
@@ -40,6 +39,8 @@ def _same_stem(name: str, names: Iterable[str]) -> str:
 
 
 def _nearest(name: str, names: Iterable[str]) -> str:
+    from difflib import get_close_matches
+
     by_letters = {other.lower(): other for other in names}
     found = get_close_matches(name.lower(), by_letters, n=1, cutoff=0.8)
     return by_letters[found[0]] if found else ""

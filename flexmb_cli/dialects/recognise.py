@@ -16,6 +16,8 @@ from .dialect import Dialect
 AUTO = "auto"
 CHOOSES = "--dialect chooses one"
 _FIRST_LINES = 20  # that are not blank
+_STUDY_LINES = 200
+_OF_STUDY = re.compile(r"\s*(\[(parameters|results)\]\s*(#.*)?$|deck\s*=\s*[\"'])")
 
 
 def read_deck(source: DeckText, dialect: str = AUTO) -> Deck:
@@ -64,6 +66,8 @@ def _meant_instead(first: Word, lines: Sequence[str]) -> str:
         return "a comment is opened here and never closed with }"
     if any("\uff01" <= letter <= "\uff5e" for letter in first.text):
         return "these are full-width characters; type the deck in plain ASCII ones"
+    if any(map(_OF_STUDY.match, islice(lines, _STUDY_LINES))):
+        return "this is a study, not a deck; flexmb sweep computes it"
     if set(first.text) == {"#"}:
         return "this is a page of text (Markdown), not a deck"
     printed = next((d.title for d in every_dialect() if _is_listing(d, lines)), "")

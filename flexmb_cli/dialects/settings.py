@@ -77,7 +77,8 @@ class SettableDeck:
                 changes[name] = changed
                 taken.append(f"{name}={changed.text}")
             except number.Misspelt as fault:
-                faults.append(Fault("error", f"--set {setting}: {fault}", id="DECK-016"))
+                name, message = setting.partition("=")[0].strip(), f"--set {setting}: {fault}"
+                faults.append(Fault("error", message, about=name, id="DECK-016"))
         if faults:
             raise DeckError(faults)
         records = self._with_changes(changes)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 # To be raised when the arrays, or how they are computed, change.
-LAYOUT = 9
+LAYOUT = 10
 # Bytes behind the arrays: a damage anywhere makes the body anew, instead of another body.
 DIGEST = 32
 _VARIABLES = (("FLEXMB_CACHE_DIR", ""), ("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache"))
@@ -103,7 +103,7 @@ def load(given: FlexibleInput) -> tuple[FlexibleBody, list[Fault]] | None:
 
 def _restored(given: Any, notes: "dict[Any, Any]", stored: Any) -> "tuple[FlexibleBody, Any]":
     arrays = {name: stored[name] for name in _ARRAYS}
-    for name in ("m", "mass_deviation", "rigid_residual", "massless"):
+    for name in ("m", "mass_deviation", "rigid_residual", "massless", "massless_in_motion"):
         arrays[name] = arrays[name].item()
     left_out = notes["dropped"]
     left_out["shapes"] = tuple((node, axis) for node, axis in left_out["shapes"])

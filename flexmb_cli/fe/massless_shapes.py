@@ -2,6 +2,9 @@
 
 Reduced integration (C3D20R, C3D10, C3D4 of CalculiX) leaves mass matrices that are only semidefinite.
 Such shapes z have S z = 0: inertia does not see them, and K alone decides how concentrated forces bend them.
+
+A shape z that moves the nodes of the frame is, in this frame, a deformation d = z - R a, which has mass.
+But the body can move by d and R a at once: the Schur complement of Mff in the body's mass matrix is singular.
 """
 
 import numpy as np
@@ -52,3 +55,22 @@ def quasi_static_shapes(K: np.ndarray, light: np.ndarray) -> np.ndarray:
     shapes = light @ vectors
     check_strain(K, shapes[:, 0])
     return shapes / np.sqrt(values)
+
+
+def massless_in_motion(S: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    """Amplitudes (N, k), orthonormal, of the modes that have no mass once the body moves against them.
+
+    `moved` (3 n, N): modes of unit modal mass less the rigid motion that has their momentum; `S` (3 n, 3 n).
+    """
+    left = moved.T @ (S @ moved)
+    shares, amplitudes = np.linalg.eigh((left + left.T) / 2)
+    return amplitudes[:, shares < MASSLESS_SHAPE]
+
+
+def static_mass(values: np.ndarray, light: np.ndarray) -> np.ndarray:
+    """Modal mass (N, N) that puts the deformations `light` (N, k) at the highest of the eigenvalues `values`.
+
+    It works on the share that a deformation has in `light`, as K measures shares, and on nothing else.
+    """
+    forces = values[:, None] * light
+    return forces @ np.linalg.solve(light.T @ forces, forces.T) / values[-1]

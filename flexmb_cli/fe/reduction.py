@@ -18,10 +18,10 @@ from .formats.matrix_file import FEFileFault
 from .input_tests import Figures, check_matrices, check_reference, rigid_motions, scalar_mass
 from .invariants import effective_masses, inertia_invariants
 from .linear_algebra import Matrix, all_but, in_three_directions, of_mass, turned
-from .massless_shapes import split_by_mass
+from .massless_shapes import massless_in_motion, split_by_mass, static_mass
 from .nodal_matrices import NodalMatrix, condensed, nodal_part
 from .precision import frequency_errors
-from .reference_frame import Frame, reference_frame
+from .reference_frame import Frame, reference_frame, without_momentum
 from .static_shapes import as_solved
 
 if TYPE_CHECKING:
@@ -95,6 +95,9 @@ def _body(
     Phi, omega = basis.shapes, np.sqrt(np.maximum(basis.values, 0.0))
     invariants = inertia_invariants(frame.r0, Phi, matrices.scalar)
     invariants["Mff"] = _with_massless(invariants["Mff"], basis.massless)
+    moving = _massless_in_motion(matrices.S, frame, basis)
+    if moving.shape[1]:
+        invariants["Mff"] += static_mass(basis.values, moving)
     alpha, beta, ratio = given.damping
     Kr = np.diag(basis.values)
     Dr = alpha * invariants["Mff"] + beta * Kr + np.diag(2.0 * ratio * omega)
@@ -116,6 +119,7 @@ def _body(
         mass_deviation=figures.mass_deviation,
         rigid_residual=figures.rigid_residual,
         massless=basis.massless,
+        massless_in_motion=moving.shape[1],
         dropped=Dropped(
             len(matrices.of_stiffness.internal),
             basis.superfluous,
@@ -136,6 +140,17 @@ def _with_massless(Mff: np.ndarray, count: int) -> np.ndarray:
     completed = np.eye(len(Mff))
     completed[:first, :first] = Mff[:first, :first]
     return completed
+
+
+def _massless_in_motion(S: Matrix, frame: Frame, basis: Basis) -> np.ndarray:
+    """Amplitudes (N, k) of the deformations that a rigid motion rids of their mass; none in mean axes."""
+    heavy = len(basis.values) - basis.massless
+    amplitudes = np.zeros((len(basis.values), 0))
+    if not frame.mean and heavy:
+        found = massless_in_motion(S, without_momentum(frame.r0, basis.shapes[:, :heavy], S))
+        amplitudes = np.zeros((len(basis.values), found.shape[1]))
+        amplitudes[:heavy] = found
+    return amplitudes
 
 
 def _effective_limit(S: np.ndarray, frame: Frame) -> np.ndarray:

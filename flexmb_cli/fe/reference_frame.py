@@ -33,11 +33,17 @@ class Frame:
         """`shapes` (3 n, k) less the rigid motion that keeps them from fulfilling the frame's conditions."""
         if self.clamped:
             return shapes
-        rigid = rigid_motions(self.r0)
         if self.mean:
-            weighted = (S @ rigid).T
-            return shapes - rigid @ np.linalg.solve(weighted @ rigid, weighted @ shapes)
+            return without_momentum(self.r0, shapes, S)
+        rigid = rigid_motions(self.r0)
         return shapes - rigid @ np.linalg.solve(rigid[self.held], shapes[self.held])
+
+
+def without_momentum(r0: np.ndarray, shapes: np.ndarray, S: np.ndarray) -> np.ndarray:
+    """`shapes` (3 n, k) less the rigid motion that has their momentum and moment of momentum."""
+    rigid = rigid_motions(r0)
+    weighted = (S @ rigid).T
+    return shapes - rigid @ np.linalg.solve(weighted @ rigid, weighted @ shapes)
 
 
 def reference_frame(given: FlexibleInput, centre: np.ndarray) -> Frame:

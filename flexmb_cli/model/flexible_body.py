@@ -132,7 +132,7 @@ class FlexibleBody:
     J2: np.ndarray  # (N, N, 3, 3) P_k' S P_l
     C0: np.ndarray  # (3, N) R0' S Phi
     C1: np.ndarray  # (N, 3, N) P_k' S Phi
-    Mff: np.ndarray  # (N, N) Phi' S Phi
+    Mff: np.ndarray  # (N, N) Phi' S Phi, and what puts shapes without mass at the highest frequency
     Kr: np.ndarray  # (N, N) Phi' K Phi
     Dr: np.ndarray  # (N, N) damping
     KG: np.ndarray  # (3, 3, N, N) geometric stiffness per (w~ w~)_ij; (0, 0, N, N) when there is none
@@ -143,6 +143,7 @@ class FlexibleBody:
     mass_deviation: float  # largest |S^ij - m_ij E| relative to the largest entry of S
     rigid_residual: float  # largest |K R| of the six rigid motions relative to the largest entry of K
     massless: int = 0  # shapes without mass, the last ones, of unit modal mass all the same
+    massless_in_motion: int = 0  # deformations without mass once the nodes of the frame move, see `Mff`
     dropped: Dropped = field(default_factory=Dropped)
     stress: BodyStress | None = None
 

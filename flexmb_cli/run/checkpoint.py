@@ -224,7 +224,9 @@ def _packed(arrays: dict[str, np.ndarray]) -> bytes:
     """An entry: a line that describes the arrays, and their bytes; files of numpy take ten times longer."""
     given = {name: np.asarray(array) for name, array in arrays.items()}
     reported = [[name, dtype_to_descr(array.dtype), array.shape] for name, array in given.items()]
-    return json.dumps(reported).encode() + b"\n" + b"".join(array.tobytes() for array in given.values())
+    # Joined as they lie: a copy of each array would take a third of the time.
+    parts = [np.ascontiguousarray(array).data for array in given.values()]
+    return b"".join((json.dumps(reported).encode(), b"\n", *parts))
 
 
 def _is_whole(entry: Any) -> Any:

@@ -90,6 +90,7 @@ def _as_dict(body: FlexibleBody) -> dict[str, Any]:
         "effective_mass": body.effective_mass.tolist(),
         "effective_limit": body.effective_limit.tolist(),
         "massless": body.massless,
+        "massless_in_motion": body.massless_in_motion,
         "dropped": _as_record(body.dropped),
     }
 

@@ -47,7 +47,10 @@ class StudyLock:
                 "it ends or stop it, or have it solved elsewhere (-o and --parts name other places)",
                 id="STUDY-010",
             )
-        return self._stands()
+        stands = self._stands()
+        if not stands:
+            self._file.close()
+        return stands
 
     def _stands(self) -> bool:
         try:

@@ -40,11 +40,24 @@ def _table(source: DeckText) -> "dict[Any, Any]":
     try:
         return tomllib.loads(source.text.replace("\r\n", "\n"))
     except (ValueError, RecursionError) as fault:
+        _refuse_deck(source)
         # tomllib leaves integers of thousands of digits to int(), which refuses them without a place.
         found = _SYNTAX.match(str(fault))
         place = Place(int(found[2]), int(found[3])) if found else None
         message = f"not TOML: {found[1] if found else fault}"
         raise DeckError([Fault("error", message, place, id="STUDY-011")]) from None
+
+
+def _refuse_deck(source: DeckText) -> None:
+    """A deck given instead of a study is reported as one."""
+    from ..dialects.recognise import dialect_named, recognise
+
+    try:
+        title = dialect_named(recognise(source.lines)).title
+    except DeckError:
+        return
+    message = f'this is a {title} deck, not a study; flexmb run computes it, a study names it in deck = "…"'
+    raise DeckError([Fault("error", message, Place(1, 1), id="STUDY-028")])
 
 
 def _refuse_deep_names(source: DeckText) -> None:

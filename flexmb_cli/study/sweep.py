@@ -135,8 +135,10 @@ class Sweep:
 
     def end(self) -> None:
         """Remove what was kept: the table has it."""
-        self.job.parts.remove()
-        self.lock.leave()
+        try:
+            self.job.parts.remove()
+        finally:
+            self.lock.leave()
 
     @property
     def failed(self) -> int:

@@ -205,3 +205,21 @@ def test_a_run_to_standard_output_says_so(flexmb):
     code, printed, reported = flexmb("run", FOUR_BAR, "--out", "-", "--no-h5")
     assert (code, reported) == (0, f"{FOUR_BAR}: 26 rows → standard output\n")
     assert printed.count("TIME=") == 26
+
+
+def test_a_study_given_to_run_and_a_deck_given_to_sweep_are_named(flexmb, tmp_path):
+    (tmp_path / "study.toml").write_text('# speeds\ndeck = "a.dat"\n[parameters]\n')
+    code, _, told = flexmb("run", "study.toml")
+    assert code == 2 and "this is a study, not a deck; flexmb sweep computes it" in told
+    code, _, told = flexmb("sweep", FOUR_BAR)
+    assert code == 2 and "this is a YOUNG deck, not a study; flexmb run computes it" in told
+
+
+def test_a_decimal_comma_in_an_option_gets_its_remedy(flexmb):
+    code, _, told = flexmb("table", "any.h5", "body.1.x", "--from", "1,5")
+    assert code == 2 and "1,5 has a decimal comma; write 1.5" in told
+
+
+def test_a_setting_of_an_unknown_name_is_an_object_of_its_own(flexmb):
+    code, out, _ = flexmb("run", FOUR_BAR, "--set", "drivr.1.B=3", "--json")
+    assert code == 2 and json.loads(out)["faults"][0]["object"] == "drivr.1.B"

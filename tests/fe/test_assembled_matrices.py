@@ -134,6 +134,18 @@ def test_an_element_given_twice_does_not_count_twice(tmp_path):
     assert said.count("b.inp, line 17: element 2 is given twice, first on line 16") == 1
 
 
+def test_elements_of_different_numbers_on_the_same_nodes_are_told(tmp_path):
+    """The third turns the second by a quarter: its mass of 0.15 x 0.2 x 0.1 m came once more in silence."""
+    given = meshed(tmp_path, Beam((0.3, 0.2, 0.1), (2, 1, 1), "C3D8", density=DENSITY))
+    path = given.material.file.path
+    path.write_text(path.read_text().replace(SECOND, SECOND + "3, 9, 11, 7, 5, 10, 12, 8, 6\n"))
+    body, faults = flexible_body(given, cached=False)
+    assert body.m == pytest.approx(1.5 * 0.3 * 0.2 * 0.1 * DENSITY, rel=1e-12)
+    (said,) = [one for one in faults if "same nodes" in one.message]
+    assert "b.inp: element 3 has the same nodes as element 2; each counts" in said.message
+    assert said.severity == "warning"
+
+
 def test_two_types_of_one_number_of_nodes_are_refused(tmp_path):
     """All elements were taken for those of the first type."""
     said = refused(tmp_path, "C3D8", lambda text: text.replace(SECOND, "*ELEMENT, TYPE=C3D8I\n" + SECOND))

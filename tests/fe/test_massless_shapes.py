@@ -3,12 +3,17 @@
 import math
 from dataclasses import replace
 
+import h5py
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from scipy.linalg import eigh
+from scipy.spatial.distance import pdist
 
+from flexmb_cli.cli.run import run
 from flexmb_cli.errors import ModelError
 from flexmb_cli.fe.flexible_bodies import flexible_body
+from flexmb_cli.fe.invariants import EPSILON
 from scripts.brick_beam import Beam
 from tests.fe.supplied import body
 from tests.fe.tetrahedra import tetrahedra
@@ -89,32 +94,108 @@ def test_all_modes_answer_forces_at_massless_nodes_as_the_stiffness_says(tmp_pat
     assert force @ bent == pytest.approx(force[held:] @ flexibility @ force[held:], rel=1e-9)
 
 
-@pytest.mark.parametrize("choices", [{}, {"attachment": range(11, 19)}], ids=["all modes", "and ATTM"])
-def test_a_patch_of_tetrahedra_stretches_uniformly(tmp_path, choices):
-    """A block under a tension sigma on two faces: u = sigma/E (x, -nu y, -nu z), exact in linear elements.
+YOUNG, POISSON, TENSION, SIZE = 2.0e11, 0.3, 6.0e7, np.array([0.3, 0.2, 0.1])
 
-    Six tetrahedra with one point each give no mass to two combinations of its eight nodes.
+
+def stretched_block():
+    """Nodes, K and S of a block of six tetrahedra, and forces at its nodes: a tension on two faces.
+
+    One point each leaves the masses (8, 8) of the rank 5.  Also the numbers of the nodes at the origin,
+    along x and along y.
     """
-    young, poisson, tension, size = 2.0e11, 0.3, 1.0e8, np.array([0.3, 0.2, 0.1])
-    placed, elements = Beam(tuple(size), (1, 1, 1), "C3D4").mesh()
+    placed, elements = Beam(tuple(SIZE), (1, 1, 1), "C3D4").mesh()
     positions = np.array(list(placed.values()))
-    K, S = tetrahedra(positions, elements, young, poisson, 7800.0)
+    K, S = tetrahedra(positions, elements, YOUNG, POISSON, 7800.0)
     force = np.zeros(positions.shape)
     for face, sign in ((0.3, 1.0), (0.0, -1.0)):
         for nodes in elements:
             on_face = [node - 1 for node in nodes if positions[node - 1, 0] == face]
             if len(on_face) == 3:
-                force[on_face, 0] += sign * tension * size[1] * size[2] / 2 / 3
-    corner, along, across = (
-        int(np.flatnonzero((positions == size * place).all(axis=1))[0]) + 11
+                force[on_face, 0] += sign * TENSION * SIZE[1] * SIZE[2] / 2 / 3
+    corners = tuple(
+        int(np.flatnonzero((positions == SIZE * place).all(axis=1))[0]) + 11
         for place in ([0, 0, 0], [1, 0, 0], [0, 1, 0])
     )
-    given = files_input(tmp_path, positions, S, K, reference=(corner, along, across), modes=0)
+    return positions, K, S, force, corners
+
+
+@pytest.mark.parametrize("choices", [{}, {"attachment": range(11, 19)}], ids=["all modes", "and ATTM"])
+def test_a_patch_of_tetrahedra_stretches_uniformly(tmp_path, choices):
+    """A block under a tension sigma on two faces: u = sigma/E (x, -nu y, -nu z), exact in linear elements."""
+    positions, K, S, force, corners = stretched_block()
+    given = files_input(tmp_path, positions, S, K, reference=corners, modes=0)
     found = body(replace(given, attachment=tuple(choices.get("attachment", ()))))
     bent = found.Phi @ np.linalg.solve(found.Kr, found.Phi.T @ force.ravel())
-    expected = tension / young * positions * [1.0, -poisson, -poisson]
+    expected = TENSION / YOUNG * positions * [1.0, -POISSON, -POISSON]
     assert found.massless
     assert bent.reshape(-1, 3) == pytest.approx(expected, abs=1e-10 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("interface", [(), range(11, 19)], ids=["all modes", "CRBN at all nodes"])
+def test_let_go_a_body_framed_by_nodes_has_the_frequencies_of_the_condensed_stiffness(tmp_path, interface):
+    """Three directions of three shapes without mass: most move the frame's nodes, and have mass in the frame.
+
+    The rigid motion is free, so that modes keep the Schur complement of Mff.
+    """
+    positions, K, S, _, corners = stretched_block()
+    given = files_input(tmp_path, positions, S, K, reference=corners, modes=0)
+    found = body(replace(given, interface=tuple(interface)))
+    s, E = EPSILON @ found.s0, np.eye(3)
+    Mrr = np.block([[found.m * E, s], [s.T, found.J0]])
+    Mrf = np.vstack([found.S1, -found.C0])
+    free = eigh(found.Kr, found.Mff - Mrf.T @ np.linalg.solve(Mrr, Mrf), eigvals_only=True)
+    expected = frequencies_without_massless(K, S)[6:]
+    assert found.massless + found.massless_in_motion == 9 == K.shape[0] - 6 - len(expected)
+    assert np.sqrt(free[: len(expected)]) / math.tau == pytest.approx(expected, rel=1e-8)
+    assert np.sqrt(free[len(expected) :]) / math.tau == pytest.approx(found.frequencies[-1], rel=1e-8)
+
+
+PATCH = """\
+VSDF A BLOCK OF TETRAHEDRA ON A BALL JOINT
+BODY
+    1 FLEX    0{0:5d}{1:5d}{2:5d}
+FEMN
+    1 TXT  nodes.txt
+FEMM
+    1 MM   M.mtx
+FEMK
+    1 MM   K.mtx
+DAMP
+    1       0.0       0.0       1.0
+JOIN
+    1 SPHE    0    0    0    1{0:5d}
+FORC
+{forces}
+TIME
+     0.005     0.005
+INTG
+ RAD5    1.0E-8
+OUTN
+    1   11   12   13   14   15   16   17   18
+END
+STAR
+STOP
+"""
+
+
+@pytest.mark.long_motion
+def test_a_patch_on_a_ball_joint_comes_to_rest_uniformly_stretched(tmp_path):
+    """The tension is balanced: the joint bears nothing, and the block stretches as in the test above.
+
+    The distances of its nodes are compared, as the joint leaves it free to turn.
+    """
+    positions, K, S, force, corners = stretched_block()
+    files_input(tmp_path, positions, S, K)
+    rows = [f"{11 + k} {x!r} {y!r} {z!r}" for k, (x, y, z) in enumerate(positions.tolist())]
+    (tmp_path / "nodes.txt").write_text("\n".join(rows) + "\n")
+    loads = [f"    1{11 + k:5d}{pull:10.1f}       0.0       0.0    1" for k, (pull, _, _) in enumerate(force)]
+    (tmp_path / "patch.vsdf").write_text(PATCH.format(*corners, forces="\n".join(loads)))
+    done = CliRunner().invoke(run, [str(tmp_path / "patch.vsdf"), "-q", "-o", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    with h5py.File(tmp_path / "patch.h5") as result:
+        found = result["point/position"][-1]
+    stretched = positions * (1.0 + TENSION / YOUNG * np.array([1.0, -POISSON, -POISSON]))
+    assert pdist(found) == pytest.approx(pdist(stretched), abs=1e-6 * TENSION / YOUNG * SIZE[0])
 
 
 @pytest.mark.long_motion

@@ -1,9 +1,12 @@
 """A real number on the command line that is neither nan nor inf: in a range, or any."""
 
 import math
+import re
 from typing import Any
 
 import click
+
+_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(e[-+]?\d+)?", re.IGNORECASE)
 
 
 class Finite(click.FloatRange):
@@ -11,6 +14,7 @@ class Finite(click.FloatRange):
 
     def convert(self, value: Any, param: Any, ctx: Any) -> Any:
         """The number, or a usage error that names the option."""
+        _refuse_comma(self, value, param, ctx)
         return _finite(self, super().convert(value, param, ctx), value, param, ctx)
 
 
@@ -19,7 +23,13 @@ class AnyFinite(click.types.FloatParamType):
 
     def convert(self, value: Any, param: Any, ctx: Any) -> Any:
         """The number, or a usage error that names the option."""
+        _refuse_comma(self, value, param, ctx)
         return _finite(self, super().convert(value, param, ctx), value, param, ctx)
+
+
+def _refuse_comma(kind: "AnyFinite | Finite", value: Any, param: Any, ctx: Any) -> None:
+    if isinstance(value, str) and _DECIMAL_COMMA.fullmatch(value.strip()):
+        kind.fail(f"{value} has a decimal comma; write {value.strip().replace(',', '.')}", param, ctx)
 
 
 def _finite(kind: AnyFinite | Finite, number: float, value: Any, param: Any, ctx: click.Context) -> Any:

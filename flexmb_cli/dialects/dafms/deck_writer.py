@@ -17,8 +17,9 @@ from .elements.cards import ELEMENT_CARDS
 
 OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")
 OPTIONAL = ("GRAV", "LOOP", "SPRI", "DAMP", "MOTR", "TABM", "PRES", "FORC", "TOQU", "TABL", "DESN")
-OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH", "GEOM")  # type: ignore[assignment]
-OPTIONAL += tuple(card.word for card in ELEMENT_CARDS)
+OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH")  # type: ignore[assignment]
+# Cards that FMBD.DAT did not have: their counts are asked for last.
+ADDED = ("GEOM", *(card.word for card in ELEMENT_CARDS))
 
 WIDE_REAL, _REAL, _INTEGER = 13, 10, 5
 WIDEST, FUNCTION = 20, "function."  # of the numbers of FUNC, four on a line
@@ -94,9 +95,11 @@ class _Deck:
         for word in OF_EVERY_BODY:
             lines += self._card(CARDS[word])
         lines += self._state()
-        for word in OPTIONAL:
-            if counts[word]:
-                lines += self._card(CARDS[word])
+        added = self.by_prefix["elements"]
+        for words, given in ((OPTIONAL, counts), (ADDED, added)):
+            for word in words:
+                if given[word]:
+                    lines += self._card(CARDS[word])
         return [*lines, ("END ", ""), ("STAR", ""), ("STOP", "")]
 
     def _body(self, k: int) -> Record:

@@ -12,7 +12,7 @@ from ...deck.record import Record
 from ...errors import Fault
 from .card import Card
 from .cards import CARDS
-from .deck_writer import OF_EVERY_BODY, OPTIONAL, deck_lines
+from .deck_writer import ADDED, OF_EVERY_BODY, OPTIONAL, deck_lines
 from .form_blocks import Answers, block_entries, counted
 from .form_cards import body_entry, counted_entries
 from .form_faults import faults_of
@@ -50,6 +50,10 @@ _COUNTS = Entry(
         *(_count_cell(CARDS[word]) for word in OPTIONAL),
     ),
 )
+# Last and optional: answers piped from a file that was written for the cards of FMBD.DAT give a deck still.
+_ELEMENTS = Entry(
+    "elements", 0, "shapes and elements", tuple(_count_cell(CARDS[word]) for word in ADDED), True
+)
 
 
 class DafmsForm:
@@ -72,6 +76,10 @@ class DafmsForm:
         entries += [_state_entry(m, what) for m, what in enumerate(_coordinates(answers, bodies), 1)]
         for word in OPTIONAL:
             entries += counted_entries(word, answers, bodies)
+        entries.append(_ELEMENTS)
+        if all(0 <= answers.integer(f"elements.{word}", -1) <= MOST_ASKED for word in ADDED):
+            for word in ADDED:
+                entries += counted_entries(word, answers, bodies, "elements")
         return entries
 
     def faults(self, records: Sequence[Record], complete: bool) -> list[Fault]:

@@ -35,9 +35,9 @@ def body_entry(word: str, answers: Answers, k: int) -> Entry:
     return Entry(entry.section, entry.number, entry.subject, changed)
 
 
-def counted_entries(word: str, answers: Answers, bodies: range) -> list[Entry]:
-    """The records of the card `word`, as many as its count says."""
-    card, count = CARDS[word], answers.integer(f"counts.{word}")
+def counted_entries(word: str, answers: Answers, bodies: range, counts: str = "counts") -> list[Entry]:
+    """The records of the card `word`, as many as its count in the record `counts` says."""
+    card, count = CARDS[word], answers.integer(f"{counts}.{word}")
     if not count or card.layout == "switch":
         return []
     if card.layout == "single":

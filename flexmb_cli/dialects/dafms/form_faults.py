@@ -102,7 +102,7 @@ def _outside(records: Any, record: Record, value: Any) -> Any:
 def _range(records: list[Record], record: Record, key: str) -> tuple[int | None, int | None]:
     """Least and most value of an integer; (None, None) where only its columns bound it."""
     bodies = records[1]["N"] if len(records) > 2 else MOST_ASKED
-    if record.section == "counts" and key != "NDM":
+    if record.section in ("counts", "elements") and key != "NDM":
         several = key == "N" or CARDS[key].layout == "entries"
         return (int(key == "N"), MOST_ASKED if several else 1)
     if key.startswith(("NT.", "NR.")) or (record.section == "closure" and key in ("C1", "C2", "C3")):

@@ -13,10 +13,16 @@ from ...deck.record import Number, Record
 from ...errors import Fault
 from .card import Card, Column
 from .cards import BY_WORD, CARDS, END, FINAL
+from .elements.cards import ELEMENT_CARDS
 
 _BODY, _FLEXIBLE, _RIGID = BY_WORD["BODY"], ("FEMN",), ("RIGI",)
 _SINGLE = tuple(card for card in CARDS if card.counted == "single")
-_COUNTED = tuple(card for card in CARDS if card not in _SINGLE and card.word not in (*_FLEXIBLE, *_RIGID))
+# Their counts are asked for last: answers piped from a file written before they were there still give
+# a deck.
+_ADDED = tuple(card for card in CARDS if card.word in ("GEOM", "GSTL") or card in ELEMENT_CARDS)
+_COUNTED = tuple(
+    card for card in CARDS if card not in (*_SINGLE, *_ADDED) and card.word not in (*_FLEXIBLE, *_RIGID)
+)
 
 
 def _count_cell(card: Card) -> Cell:
@@ -26,6 +32,7 @@ def _count_cell(card: Card) -> Cell:
 
 
 _COUNTS = Entry("counts", 0, "counts", tuple(_count_cell(card) for card in _COUNTED))
+_ELEMENTS = Entry("elements", 0, "shapes and elements", tuple(_count_cell(card) for card in _ADDED), True)
 
 
 class VsdfForm:
@@ -34,8 +41,8 @@ class VsdfForm:
     dialect = "vsdf"
 
     def entries(self, values: dict[str, str]) -> list[Entry]:
-        """Title, counts, bodies with what each kind needs, the other cards, and those of the whole deck."""
-        counts = _counts(values)
+        """Title, counts, bodies with what each kind needs, other cards, those of the whole deck, elements."""
+        counts = _counts(values, _COUNTS)
         entries = [TITLE_ENTRY, _COUNTS]
         if not counts:
             return entries
@@ -47,12 +54,16 @@ class VsdfForm:
             entries += [_entry(BY_WORD[word], k) for word in words]
         for card in _COUNTED[1:]:
             entries += [_entry(card, k) for k in range(1, counts[card.word] + 1)]
-        return entries + [_entry(card, 0) for card in _SINGLE]
+        entries += [*(_entry(card, 0) for card in _SINGLE), _ELEMENTS]
+        added = _counts(values, _ELEMENTS)
+        for card in _ADDED if added else ():
+            entries += [_entry(card, k) for k in range(1, added[card.word] + 1)]
+        return entries
 
     def faults(self, records: Sequence[Record], complete: bool) -> list[Fault]:
         """Counts, numbers of bodies and joints, and lists of nodes; `flexmb check` knows the rest."""
         last = records[-1]
-        if last.section == "counts":
+        if last.section in _OF_COUNTS:
             return [
                 fault
                 for count in last.numbers
@@ -74,6 +85,8 @@ class VsdfForm:
         lines.append(("* Lengths in m, angles in rad, times in s, masses in kg.", ""))
         section = ""
         for record in records[2:]:
+            if record.section in _OF_COUNTS:
+                continue
             card = _BY_SECTION[record.section]
             if record.section != section:
                 section = record.section
@@ -84,11 +97,13 @@ class VsdfForm:
 
 
 _BY_SECTION = {card.section: card for card in CARDS}
+_OF_COUNTS = (_COUNTS.section, _ELEMENTS.section)
 
 
-def _counts(values: dict[str, str]) -> dict[str, int]:
+def _counts(values: dict[str, str], entry: Entry) -> dict[str, int]:
+    """Return the counts that `entry` asked for, empty before all of them are known and sensible."""
     try:
-        counts = {cell.key: number.integer(values[f"counts.{cell.key}"])[0] for cell in _COUNTS.cells}
+        counts = {cell.key: number.integer(values[f"{entry.prefix}.{cell.key}"])[0] for cell in entry.cells}
     except (KeyError, number.Misspelt):
         return {}
     return counts if max(counts.values()) <= MOST_ASKED else {}

@@ -63,6 +63,22 @@ def _rows(given: FlexibleInput, found: ElementTable) -> np.ndarray:
     return rows
 
 
+def warn_of_same_nodes(given: FlexibleInput, table: BodyTable, findings: Findings) -> None:
+    """Warn of the first elements whose nodes are the same: files joined twice have them."""
+    keys = np.sort(table.rows, axis=1)
+    _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    again = np.flatnonzero(first[inverse.ravel()] != np.arange(len(keys)))
+    if not len(again):
+        return
+    one, other = table.numbers[first[inverse.ravel()[again[0]]]], table.numbers[again[0]]
+    more = f"; so do {len(again) - 1} more" if len(again) > 1 else ""
+    message = (
+        f"{given.material.file.path.name}: element {other} has the same nodes as element {one}{more}; "  # type: ignore[union-attr]
+        "each counts, with its mass and stiffness where these are made of the elements"
+    )
+    findings.warn(given.name, message, given.material.place, id="FE-085")  # type: ignore[union-attr]
+
+
 def foreign_stiffness(body: BodyElements, material: ElementMaterial, remedy: str) -> str:
     """Return the message on a stiffness matrix that the elements do not assemble to."""
     values = f"E = {material.young:g} Pa, nu = {material.poisson:g}"

@@ -14,7 +14,7 @@ from ...model.diagnostics import Findings
 from ...model.flexible_body import BodyStress, FlexibleBody, FlexibleInput
 from ..reference_frame import Frame
 from . import tetrahedra
-from .body_elements import FOREIGN, BodyTable, element_table, foreign_stiffness
+from .body_elements import FOREIGN, BodyTable, element_table, foreign_stiffness, warn_of_same_nodes
 from .element_stiffness import (
     BodyElements,
     element_stiffness,
@@ -45,6 +45,7 @@ def body_stress(
     table = element_table(given, material.file, frame.r0, findings)
     if table is None:
         return None
+    warn_of_same_nodes(given, table, findings)
     body = matching_elements(frame.r0, table.rows, (material.young, material.poisson), K)
     if body.deviation > FOREIGN:
         body = _at_best_points(given, frame.r0, table, body, K, findings)

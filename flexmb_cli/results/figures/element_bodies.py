@@ -1,7 +1,6 @@
 """Finite-element bodies of a result, whose elements it holds: nodes, cells, motion and stresses over time."""
 
-import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 import h5py
@@ -9,7 +8,7 @@ import numpy as np
 
 from ...quick_dataclass import dataclass, replace
 from ..hdf5.stored_result import Damaged, check_shapes
-from ..hdf5.stress import MOST_STRESSES, von_mises
+from ..hdf5.stress import POISSON, YOUNG
 from .element_faces import FACES
 from .scene import rotations
 
@@ -21,7 +20,24 @@ _SHAPES = {
     "cell": "ek",
     "element": "e",
 }
+_CONSTANTS = (YOUNG, POISSON)
+# Of the elements that `OUTS` selects: names of VTK's cell data, and axes behind those of time and element.
+ELEMENT_SERIES = {
+    "element_stress": ("stress", "element_tensor", "6"),
+    "element_von_mises": ("stress", "element_von_mises", ""),
+    "element_principal_stress": ("stress", "element_principal", "3"),
+    "element_strain": ("strain", "element_tensor", "6"),
+    "strain_energy": ("strain", "element_energy", ""),
+}
 _SERIES = ("amplitude", "rate", "origin", "turn", "velocity", "spin")
+
+
+@dataclass(frozen=True)
+class HookesLaw:
+    """Young's modulus, Pa, and Poisson's ratio."""
+
+    young: float
+    poisson: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +46,8 @@ class ElementBody:
 
     `undeformed` (n, 3), `shape` (n, 3, N), `stress_shape` (n, 6, N): body axes; `amplitude`, `rate` (T, N);
     `origin`, `velocity`, `spin` (T, 3): global axes; `turn` (T, 3, 3): body to global axes.
+    `material`: None in results of earlier versions; `selected` (e,): rows of `cells` of the elements that
+    `of_elements` is about, arrays (T, e, ...) by names of `ELEMENT_SERIES`.
     """
 
     number: int
@@ -45,10 +63,14 @@ class ElementBody:
     turn: np.ndarray
     velocity: np.ndarray
     spin: np.ndarray
+    material: HookesLaw | None = None
+    selected: np.ndarray | None = None
+    of_elements: dict[str, np.ndarray] | None = None
 
     def at(self, rows: slice) -> "ElementBody":
         """Return the body at some of its rows."""
-        return replace(self, **{key: getattr(self, key)[rows] for key in _SERIES})
+        of_elements = {key: values[rows] for key, values in (self.of_elements or {}).items()}
+        return replace(self, of_elements=of_elements, **{key: getattr(self, key)[rows] for key in _SERIES})
 
     def deformation(self, row: int) -> np.ndarray:
         """Elastic displacements (n, 3) of the nodes in a row, global axes."""
@@ -77,31 +99,6 @@ def element_bodies(result: h5py.File, names: tuple[str, ...], rows: slice) -> It
             yield _body(result, number, name, rows)
 
 
-def largest_stress(bodies: Sequence[ElementBody]) -> float:
-    """Return the largest equivalent stress at a node of `bodies` in any row, Pa; 0 without bodies."""
-    return max((_largest(body.stress_shape, body.amplitude, von_mises) for body in bodies), default=0.0)
-
-
-def largest_deformation(bodies: Sequence[ElementBody]) -> float:
-    """Return the longest elastic displacement of a node of `bodies` in any row, m; 0 without bodies."""
-    return max((_largest(body.shape, body.amplitude, _lengths) for body in bodies), default=0.0)
-
-
-def _lengths(vectors: np.ndarray) -> np.ndarray:
-    return np.sqrt(np.square(vectors).sum(axis=-1))
-
-
-# What is not finite has no colour.
-@np.errstate(all="ignore")
-def _largest(shape: np.ndarray, amplitude: np.ndarray, measure: Callable[[np.ndarray], np.ndarray]) -> float:
-    """Return the largest finite `measure` of `shape` (n, k, N) times a row of `amplitude` (T, N)."""
-    most, rows = 0.0, max(1, MOST_STRESSES // max(1, math.prod(shape.shape[:2])))
-    for first in range(0, len(amplitude), rows):
-        values = measure(np.moveaxis(shape @ amplitude[first : first + rows].T, 1, -1))
-        most = max(most, float(np.max(values, where=np.isfinite(values), initial=0.0)))
-    return most
-
-
 def _body(result: Any, number: Any, name: Any, rows: Any) -> ElementBody:
     group, modal = f"elastic/{name}", f"modal/{name}"
     shapes = {f"{group}/{key}": letters for key, letters in _SHAPES.items()}
@@ -112,7 +109,7 @@ def _body(result: Any, number: Any, name: Any, rows: Any) -> ElementBody:
     check_shapes(result, shapes | series, {"t": len(result["time"])})
     numbers = result[f"{group}/node"][:]
     one = number - 1
-    return ElementBody(  # type: ignore[call-arg]
+    body = ElementBody(  # type: ignore[call-arg]
         number,
         name,
         numbers,
@@ -123,7 +120,34 @@ def _body(result: Any, number: Any, name: Any, rows: Any) -> ElementBody:
         rotations(result["body/euler_parameters"][rows, one]),
         result["body/velocity"][rows, one],
         result["body/angular_velocity"][rows, one],
+        _material(result, group),
     )
+    return _with_elements(result, body, rows)
+
+
+def _material(result: h5py.File, group: str) -> HookesLaw | None:
+    paths = [f"{group}/{key}" for key in _CONSTANTS]
+    check_shapes(result, dict.fromkeys(paths, ""), {})
+    if not all(path in result for path in paths):
+        return None
+    return HookesLaw(*(float(result[path][()]) for path in paths))
+
+
+def _with_elements(result: h5py.File, body: ElementBody, rows: slice) -> ElementBody:
+    """Return the body with what the result has of its elements along time."""
+    number = f"stress/{body.name}/element"
+    paths = {key: f"{kind}/{body.name}/{name}" for key, (kind, name, _) in ELEMENT_SERIES.items()}
+    if number not in result or any(path not in result for path in paths.values()):
+        return body
+    shapes = {path: f"te{ELEMENT_SERIES[key][2]}" for key, path in paths.items()}
+    check_shapes(result, {number: "e"} | shapes, {"t": len(result["time"])})
+    numbers = result[f"elastic/{body.name}/element"][:].tolist()
+    places = {element: row for row, element in enumerate(numbers)}
+    selected = result[number][:].tolist()
+    if not places.keys() >= set(selected):
+        raise Damaged(f"/{number} names elements that {body.name} has not")
+    series = {key: result[path][rows] for key, path in paths.items()}
+    return replace(body, selected=np.array([places[one] for one in selected]), of_elements=series)
 
 
 def _rows_of(cells: np.ndarray, numbers: np.ndarray, name: str) -> np.ndarray:

@@ -36,13 +36,19 @@ def outer_faces(cells: np.ndarray) -> np.ndarray:
 
     A face of a quadratic element has its middles between its corners.
     """
+    return outer_faces_of_elements(cells)[0]
+
+
+def outer_faces_of_elements(cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the outer faces (f, s), and the rows (f,) of the elements `cells` that have them."""
     faces = _rings(cells.shape[1])
     corners = 3 if cells.shape[1] in (4, 10) else 4
     every = cells[:, faces].reshape(-1, faces.shape[1])
     # Middles follow from the corners.
     keys = np.sort(every[:, :: faces.shape[1] // corners], axis=1)
     _, first, counts = np.unique(keys, axis=0, return_index=True, return_counts=True)
-    return every[np.sort(first[counts == 1])]
+    outer = np.sort(first[counts == 1])
+    return every[outer], outer // len(faces)
 
 
 def _rings(nodes: int) -> np.ndarray:

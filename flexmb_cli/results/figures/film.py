@@ -1,6 +1,6 @@
 """A film of a result: the report's picture of the motion, frame by frame, as MP4 or GIF.
 
-Faces of bodies are drawn from back to front by matplotlib and written by imageio.
+Bodies are drawn with a depth buffer, texts by matplotlib; imageio writes the frames.
 """
 
 import tempfile
@@ -12,8 +12,10 @@ import h5py
 import numpy as np
 
 from ...quick_dataclass import dataclass
-from ..hdf5.stress import von_mises
-from .element_bodies import ElementBody, element_bodies, largest_stress
+from ..quantities.quantities import ResultError
+from .contours import CONTOURS, ENERGY, VON_MISES, contour_ranges, nodal_values, unit_of
+from .depth_buffer import DepthBuffer
+from .element_bodies import ElementBody, element_bodies
 from .element_faces import outer_faces, triangles
 from .report_scene import GREY, LONGEST_ANIMATION, MOST_TRACES, SHORTEST_ANIMATION, TRACE, colour_of, rounded
 from .scene import Scene, read_scene
@@ -22,23 +24,28 @@ from .view import view_of
 FORMATS = ("mp4", "gif")
 VIEWS = {"x": ((1, 0, 0), (0, 0, 1)), "y": ((0, -1, 0), (0, 0, 1)), "z": ((0, 0, 1), (0, 1, 0))}
 MOST_FRAMES = 3000
+COLOURS_OF_FILMS = (*(name for name in CONTOURS if name != ENERGY), "body")
 # Of the largest size of the mechanism: radius of a tube; share of the picture that it fills.
 TUBE_RADIUS, FILLED = 0.008, 1 / 1.12
-# Tubes are cut into so many faces, so that each is before or behind other bodies as a whole.
-PIECES = 8
-AMBIENT = 0.55
+JOINT = "#6B6B6B"
 DOTS = 72  # an inch
+TEXT_HEIGHT, LETTERS = 20, 12  # heights of a line of text and of its letters, pixels
+BAR = (10, 180)  # height and width of the legend's colours, pixels
 CONTOURS_BEGIN = 0.2  # of viridis, where contours begin: below it is as dark as a dark page
 
 
 @dataclass(frozen=True)
 class FilmLook:
-    """Width and height in pixels, frames a second, and a view of `VIEWS`, else that of the report."""
+    """Width and height in pixels, frames a second, a view of `VIEWS`, else that of the report, and colours.
+
+    `colours`: one of CONTOURS, else each body has its own.
+    """
 
     width: int = 960
     height: int = 540
     rate: int = 25
     view: str = "start"
+    colours: str = VON_MISES
 
 
 def film_bytes(result: h5py.File, form: str, look: FilmLook) -> bytes:
@@ -75,6 +82,10 @@ def film_frames(result: h5py.File, look: FilmLook) -> Iterator[np.ndarray]:
     scene = read_scene(result)
     bodies = list(element_bodies(result, scene.body_names, slice(None)))
     canvas = _Canvas(scene, bodies, look)
+    if look.colours in CONTOURS and look.colours != VON_MISES and not canvas.legend:
+        raise ResultError(
+            result.filename, f"there is no body with elements to colour by {look.colours}", id="RESULT-028"
+        )
     drawn, frame = None, np.zeros(0)
     for row in film_rows(scene.time, look.rate):
         if row != drawn:
@@ -89,7 +100,7 @@ class _Camera:
         view = view_of(places, gravity)
         eye, up = VIEWS.get(look.view, (view.eye, view.up))
         right = np.cross(up, eye)
-        self.axes = np.stack([right / np.linalg.norm(right), np.cross(eye, right), eye]).astype(float)
+        self.axes = np.stack([right / np.linalg.norm(right), np.cross(right, eye), eye]).astype(float)
         self.axes /= np.linalg.norm(self.axes, axis=1)[:, None]
         self.size = np.array([look.width, look.height])
         flat = places @ self.axes[:2].T
@@ -98,28 +109,30 @@ class _Camera:
         spans = np.maximum(high - low, 0.04 * self.extent)
         self.scale = float(np.min(self.size / spans)) * FILLED
         self.middle = (low + high) / 2
+        self.radius = max(1.0, TUBE_RADIUS * self.extent * self.scale)  # of tubes, pixels
 
     def seen(self, places: np.ndarray) -> Any:
-        """Pixels from the lower left corner, and depth in pixels (..., 3)."""
+        """Pixels from the upper left corner, and depth in pixels (..., 3)."""
         seen = places @ self.axes.T * self.scale
         seen[..., :2] += self.size / 2 - self.middle * self.scale
         return seen
 
 
 class _Surface:
-    """Triangles of a finite-element body or of shapes, their places and colours in every row."""
+    """Triangles of a finite-element body or of shapes, and what they are coloured by."""
 
-    def __init__(self, body: Any, most: float):
-        self.body, self.most = body, most
+    def __init__(self, body: Any, contour: str, ends: tuple[float, float] | None):
+        self.body, self.contour, self.ends = body, contour, ends
         self.of_elements = isinstance(body, ElementBody)
         self.triangles = triangles(outer_faces(body.cells)) if self.of_elements else body.triangles
 
-    def colours(self, row: Any, contours: Any) -> Any:
-        """Colours (m, 3) of the triangles."""
-        if not self.of_elements or not self.most:
-            return np.tile(_rgb(colour_of(self.body)), (len(self.triangles), 1))
-        stress = von_mises(self.body.stress(row))[self.triangles].mean(axis=1)
-        return contours(CONTOURS_BEGIN + (1 - CONTOURS_BEGIN) * stress / self.most)[:, :3]
+    def values(self, row: int) -> np.ndarray | None:
+        """Values (m, 3) from 0 to 1 of the corners of the triangles, None where there is one colour."""
+        if not self.of_elements or not self.ends:
+            return None
+        found = nodal_values(self.body, self.body.amplitude[row : row + 1]).get(self.contour)
+        low, high = self.ends
+        return None if found is None else ((found[:, 0] - low) / ((high - low) or 1.0))[self.triangles]
 
 
 class _Canvas:
@@ -127,87 +140,65 @@ class _Canvas:
 
     def __init__(self, scene: Scene, bodies: list[ElementBody], look: FilmLook):
         from matplotlib import colormaps
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
 
-        self.scene, self.contours = scene, colormaps["viridis"]
+        self.scene = scene
+        self.contours = colormaps["viridis"](np.linspace(CONTOURS_BEGIN, 1, 256))[:, :3]
         self.camera = _Camera(_all_places(scene, bodies), scene.gravity, look)
-        most = largest_stress(bodies)
+        self.buffer = DepthBuffer(look.width, look.height)
+        ends = contour_ranges(bodies).get(look.colours)
         shown = {*(one.number for one in bodies), *(shape.number for shape in scene.shapes)}
         self.lines = [body for body in scene.bodies if body.number not in shown]
-        self.surfaces = [_Surface(body, most) for body in (*bodies, *scene.shapes)]
-        self.figure = Figure(figsize=self.camera.size / DOTS, dpi=DOTS)  # type: ignore[arg-type]
-        self.axis = self.figure.add_axes((0, 0, 1, 1))
-        self.axis.set(xlim=(0, look.width), ylim=(0, look.height))
-        self.axis.set_axis_off()
+        self.surfaces = [_Surface(body, look.colours, ends) for body in (*bodies, *scene.shapes)]
+        paths = np.swapaxes(scene.points, 0, 1)[:MOST_TRACES]
+        self.traces = [self.camera.seen(path) for path in paths if np.ptp(path, axis=0).any()]
         self.labels = rounded(scene.time)
-        self._prepare(most)
-        self.canvas = FigureCanvasAgg(self.figure)
-
-    def _prepare(self, most: float) -> None:
-        from matplotlib.collections import LineCollection, PolyCollection
-
-        paths = np.swapaxes(self.scene.points, 0, 1)[:MOST_TRACES]
-        moving = [path for path in paths if np.ptp(path, axis=0).any()]
-        traces = [self.camera.seen(path)[:, :2] for path in moving]
-        self.axis.add_collection(LineCollection(traces, colors=TRACE, linewidths=0.8))
-        self.faces = self.axis.add_collection(PolyCollection([], linewidths=0.3))
-        (self.joints,) = self.axis.plot(
-            [], [], "o", color="#555555", markersize=self._points(3 * TUBE_RADIUS)
-        )
-        self.time = self.axis.text(12, 12, "", fontsize=13, color="#222222")
-        if most:
-            self.axis.text(
-                12,
-                self.camera.size[1] - 24,
-                f"von Mises stress, 0 (dark) to {most:.3g} Pa (bright)",
-                fontsize=11,
-            )
-
-    def _points(self, length: Any) -> Any:
-        """Points of a length in parts of the mechanism's size."""
-        return max(2.0, length * self.camera.extent * self.camera.scale)
+        self.legend = _legend(look.colours, *ends) if ends else ""
 
     def frame(self, row: int) -> np.ndarray:
         """The picture of a row."""
-        parts = [self._surface(surface, row) for surface in self.surfaces]
-        parts += [self._tubes(body, row) for body in self.lines]
-        polygons, depths, colours = (np.concatenate(part) for part in zip(*parts, strict=True))
-        order = np.argsort(depths, kind="stable")
-        self.faces.set_verts(polygons[order])  # type: ignore[attr-defined]
-        self.faces.set_facecolor(colours[order])  # type: ignore[arg-type]
-        self.faces.set_edgecolor(colours[order])  # type: ignore[arg-type]
-        joints = self.camera.seen(self.scene.joints[row])
-        self.joints.set_data(joints[:, 0], joints[:, 1])
-        self.time.set_text(f"t = {self.labels[row]} s")
-        self.canvas.draw()
-        return np.array(self.canvas.buffer_rgba())[..., :3]
+        self.buffer.begin()
+        for surface in self.surfaces:
+            self._surface(surface, row)
+        for body in self.lines:
+            marks = self.camera.seen(body.marks[row])
+            radius = self.camera.radius * (0.6 if body.still else 1.0)
+            colour = _rgb(GREY if body.still else colour_of(body))
+            self.buffer.tubes(marks[body.edges[:, 0]], marks[body.edges[:, 1]], radius, colour)
+        joints = self.camera.seen(self.scene.joints[row]) + (0, 0, self.camera.radius)
+        self.buffer.tubes(joints, joints, 1.5 * self.camera.radius, _rgb(JOINT))
+        for trace in self.traces:
+            self.buffer.path(trace, _rgb(TRACE))
+        picture = self.buffer.picture()
+        _write(picture, f"t = {self.labels[row]} s", -26)
+        if self.legend:
+            bar = self.contours[np.arange(BAR[1]) * len(self.contours) // BAR[1]]
+            picture[12 : 12 + BAR[0], 12 : 12 + BAR[1]] = (255 * bar)[:, : picture.shape[1] - 12]
+            _write(picture, self.legend, 16 + BAR[0])
+        return picture
 
-    def _surface(self, surface: Any, row: Any) -> Any:
-        """Corners (m, 4, 2), depths (m,) and colours (m, 3) of the triangles that are seen."""
+    def _surface(self, surface: _Surface, row: int) -> None:
         corners = self.camera.seen(surface.body.places(row))[surface.triangles]
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        area = normal[:, 2] / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
-        light = AMBIENT + (1 - AMBIENT) * np.abs(area)
-        colours = surface.colours(row, self.contours) * light[:, None]
+        values = surface.values(row)
+        colours = _rgb(colour_of(surface.body))[None] if values is None else self.contours
         # Elements face outwards; files of shapes may not.
-        seen = area > 0 if surface.of_elements else area != 0
-        flat = corners[seen][:, [0, 1, 2, 2], :2]
-        return flat, corners[seen][..., 2].mean(axis=1), colours[seen]
+        self.buffer.triangles(corners, colours, values, surface.of_elements)
 
-    def _tubes(self, body: Any, row: Any) -> Any:
-        marks = self.camera.seen(body.marks[row])
-        start, end = (marks[body.edges[:, k]] for k in (0, 1))
-        cuts = np.linspace(0, 1, PIECES + 1)[:, None, None]
-        points = start + cuts * (end - start)
-        p, q = points[:-1].reshape(-1, 3), points[1:].reshape(-1, 3)
-        along = (q - p)[:, :2]
-        length = np.maximum(np.linalg.norm(along, axis=1), 1e-9)[:, None]
-        radius = TUBE_RADIUS * self.camera.extent * self.camera.scale * (0.6 if body.still else 1.0)
-        side = along[:, ::-1] * (-1, 1) / length * radius
-        polygons = np.stack([p[:, :2] - side, q[:, :2] - side, q[:, :2] + side, p[:, :2] + side], axis=1)
-        colour = _rgb(GREY if body.still else colour_of(body))
-        return polygons, (p[:, 2] + q[:, 2]) / 2 + radius, np.tile(colour, (len(polygons), 1))
+
+def _legend(contour: str, low: float, high: float) -> str:
+    return f"{contour}, {low:.3g} to {high:.3g} {unit_of(contour)}".rstrip()
+
+
+def _write(picture: np.ndarray, text: str, top: int) -> None:
+    """Write `text` into `picture` (height, width, 3) at the left, at a row, from below where that is < 0."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    room = picture[top:][:TEXT_HEIGHT, 12:]
+    figure = Figure(figsize=(room.shape[1] / DOTS, room.shape[0] / DOTS), dpi=DOTS)
+    figure.text(0, 0.3, text, fontsize=LETTERS, color="black")
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    room[:] = room * (np.array(canvas.buffer_rgba())[..., :1] / 255)
 
 
 def _rgb(text: str) -> Any:

@@ -11,8 +11,9 @@ import h5py
 import numpy as np
 
 from .body_shapes import BodyShape
-from .element_bodies import ElementBody, element_bodies, largest_deformation, largest_stress
-from .element_faces import face_edges, outer_faces, triangles
+from .contours import ENERGY, Ranges, contour_ranges, unit_of
+from .element_bodies import ElementBody, element_bodies
+from .element_faces import face_edges, outer_faces_of_elements, triangles
 from .look import COLOURS
 from .scene import DrawnBody, Scene, read_scene
 from .view import view_of
@@ -64,6 +65,7 @@ def scene_data(scene: Scene, surfaces: list[ElementBody], rows: slice = slice(No
     """
     every = scene.places
     view = view_of(every, scene.gravity)
+    ranges = contour_ranges(surfaces)
     seconds = float(scene.time[-1] - scene.time[0])
     return {
         "time": scene.time.tolist(),
@@ -73,12 +75,11 @@ def scene_data(scene: Scene, surfaces: list[ElementBody], rows: slice = slice(No
         "view": {"eye": list(view.eye), "up": list(view.up)},
         "bodies": [_lines(body) for body in _lined(scene, surfaces)],
         "surfaces": [
-            *(_surface(body.at(rows)) for body in surfaces),
+            *(_surface(body.at(rows), ranges) for body in surfaces),
             *map(_rigid_surface, scene.shapes),
         ],
         "ranges": {
-            "von Mises stress": largest_stress(surfaces),
-            "deformation": largest_deformation(surfaces),
+            name: {"low": low, "high": high, "unit": unit_of(name)} for name, (low, high) in ranges.items()
         },
         "joints": {"marks": _numbers(scene.joints), "names": list(scene.joint_names)},
         "traces": _traces(scene),
@@ -107,12 +108,13 @@ def _lines(body: DrawnBody) -> "dict[str, Any]":
     return data | {"marks": _numbers(marks), "edges": _integers(body.edges)}
 
 
-def _surface(body: ElementBody) -> Any:
-    faces = outer_faces(body.cells)
+def _surface(body: ElementBody, ranges: Ranges) -> Any:
+    faces, elements = outer_faces_of_elements(body.cells)
     nodes = np.unique(faces)
     place = np.zeros(len(body.undeformed), int)
     place[nodes] = np.arange(len(nodes))
     faces = place[faces]
+    drawn = _fans(faces, len(nodes)) if faces.shape[1] == 8 else triangles(faces)
     return {
         "name": body.name,
         "colour": colour_of(body),
@@ -124,9 +126,24 @@ def _surface(body: ElementBody) -> Any:
         "amplitude": _numbers(body.amplitude),
         "origin": _numbers(body.origin),
         "turn": _numbers(body.turn),
-        "triangles": _integers(_fans(faces, len(nodes)) if faces.shape[1] == 8 else triangles(faces)),
+        "triangles": _integers(drawn),
         "edges": _integers(face_edges(faces)),
+        "material": [body.material.young, body.material.poisson] if body.material else None,
+        **_energies(body, np.repeat(elements, len(drawn) // len(faces)), ranges),
     }
+
+
+def _energies(body: ElementBody, elements: np.ndarray, ranges: Ranges) -> dict[str, Any]:
+    """Energies of selected elements as bytes (T, e), and which of them each triangle shows, -1: none."""
+    if not body.of_elements or body.selected is None:
+        return {"energy": "", "energies": 0, "shown": ""}
+    energy, most = body.of_elements["strain_energy"], ranges[ENERGY][1]
+    outside = np.flatnonzero(np.isin(body.selected, elements))
+    column = np.full(len(body.cells), -1, np.int32)
+    column[body.selected[outside]] = np.arange(len(outside))
+    part = np.clip(np.nan_to_num(energy[:, outside]) / (most or 1.0), 0, 1)
+    levels = np.round(255 * part).astype(np.uint8)
+    return {"energy": _bytes(levels), "energies": len(outside), "shown": _integers(column[elements])}
 
 
 def _rigid_surface(shape: BodyShape) -> Any:
@@ -144,6 +161,10 @@ def _rigid_surface(shape: BodyShape) -> Any:
         "turn": _numbers(shape.turn),
         "triangles": _integers(shape.triangles),
         "edges": "",
+        "material": None,
+        "energy": "",
+        "energies": 0,
+        "shown": "",
     }
 
 
@@ -183,8 +204,12 @@ def _traces(scene: Scene) -> list[dict[str, str]]:
 
 
 def _numbers(values: np.ndarray) -> str:
-    return base64.b64encode(np.ascontiguousarray(values, "<f4").tobytes()).decode("ascii")
+    return _bytes(np.ascontiguousarray(values, "<f4"))
 
 
 def _integers(values: np.ndarray) -> str:
-    return base64.b64encode(np.ascontiguousarray(values, "<u4").tobytes()).decode("ascii")
+    return _bytes(np.ascontiguousarray(values, "<i4"))
+
+
+def _bytes(values: np.ndarray) -> str:
+    return base64.b64encode(values.tobytes()).decode("ascii")

@@ -9,23 +9,27 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ..hdf5.stress import von_mises
+from ..hdf5.stress import principal_stresses, strains, von_mises
 from .body_shapes import BodyShape
-from .element_bodies import ElementBody
+from .element_bodies import ELEMENT_SERIES, ElementBody
 from .scene import GROUND_NUMBER, DrawnBody, Scene
 
 # Types of VTK by the nodes of an element; nodes stand in the order of Abaqus in all four.
 CELL_TYPES = {4: 10, 8: 12, 10: 24, 20: 25}
 VERTEX, VTK_LINE, TRIANGLE = 1, 3, 5
 # Name of the point data: components of a point.
-FIELDS = {"displacement": 3, "deformation": 3, "velocity": 3, "stress": 6, "von_mises": 1}
+FIELDS = {
+    "displacement": 3, "deformation": 3, "velocity": 3, "stress": 6, "von_mises": 1, "principal_stress": 3,
+    "strain": 6,
+}  # fmt: skip
 
 
 def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> None:
     """Fill the group VTKHDF: elements as cells, triangles of shapes, other bodies as lines between marks.
 
     `displacement` is from the first row, `deformation` the elastic one, m, `velocity` m/s, in global axes;
-    `stress` xx yy zz xy yz zx in the axes of its body, Pa, nan where a body has none.
+    `stress` and `strain` xx yy zz xy yz zx in the axes of its body, nan where a body has none.  Cells have
+    what the deck selects of the elements, nan elsewhere.
     """
     shown = {*(one.number for one in bodies), *(shape.number for shape in scene.shapes)}
     drawn = [body for body in scene.bodies if body.number not in shown]
@@ -35,9 +39,10 @@ def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> No
     steps, count = len(scene.time), sum(counts)
     points = root.create_dataset("Points", (steps * count, 3), "f8")
     data = root.create_group("PointData")
+    known = {name: width for name, width in FIELDS.items() if name != "strain" or _strained(bodies)}
     fields = {
         name: data.create_dataset(name, (steps * count, width) if width > 1 else (steps * count,), "f8")
-        for name, width in FIELDS.items()
+        for name, width in known.items()
     }
     first = None
     for row in range(steps):
@@ -50,7 +55,26 @@ def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> No
             field[at] = values[name]
     owners = [body.number for body in (*bodies, *drawn, *scene.shapes)]  # type: ignore[attr-defined]
     data["body"] = np.repeat(np.array(owners, np.int32), counts)
+    _write_cell_data(root, bodies, steps)
     _write_steps(root, scene.time, count)
+
+
+def _strained(bodies: list[ElementBody]) -> bool:
+    return any(body.material for body in bodies)
+
+
+def _write_cell_data(root: h5py.Group, bodies: list[ElementBody], steps: int) -> None:
+    """Write what the result has of elements along time; the cells of `bodies` come first."""
+    if not any(body.of_elements for body in bodies):
+        return
+    data, count = root.create_group("CellData"), int(root["NumberOfCells"][0])
+    for name, (_, _, width) in ELEMENT_SERIES.items():
+        values, first = np.full((steps, count, *map(int, width)), np.nan), 0
+        for body in bodies:
+            if body.of_elements and body.selected is not None:
+                values[:, first + body.selected] = body.of_elements[name]
+            first += len(body.cells)
+        data[name] = values.reshape(-1, *values.shape[2:])
 
 
 def _row(
@@ -63,14 +87,29 @@ def _row(
     rest = sum(len(own) for _, own in rigid)
     velocities = [body.velocities(row) for body in bodies]
     velocities += [_rigid_velocities(scene, number, own, row) for number, own in rigid]
-    stress = np.concatenate([*(body.stress(row) for body in bodies), np.full((rest, 6), np.nan)])
+    none = np.full((rest, 6), np.nan)
+    stress = np.concatenate([*(body.stress(row) for body in bodies), none])
     deformation = [body.deformation(row) for body in bodies] + [np.zeros((rest, 3))]
     return np.concatenate(places), {
         "deformation": np.concatenate(deformation),
         "velocity": np.concatenate(velocities),
         "stress": stress,
         "von_mises": von_mises(stress),
+        "principal_stress": _principal(stress),
+        "strain": np.concatenate([*(_strain(body, row) for body in bodies), none]),
     }
+
+
+def _principal(stress: np.ndarray) -> np.ndarray:
+    """Principal stresses (n, 3) of tensors (n, 6), nan where one is not finite."""
+    finite, found = np.isfinite(stress).all(axis=1), np.full((len(stress), 3), np.nan)
+    found[finite] = principal_stresses(stress[finite])
+    return found
+
+
+def _strain(body: ElementBody, row: int) -> np.ndarray:
+    stress = body.stress(row)
+    return strains(stress, body.material) if body.material else np.full_like(stress, np.nan)
 
 
 def _rigid_velocities(scene: Scene, number: int, places: np.ndarray, row: int) -> np.ndarray:
@@ -127,6 +166,9 @@ def _write_steps(root: h5py.Group, time: np.ndarray, count: int) -> None:
     for name in ("CellOffsets", "ConnectivityIdOffsets"):
         group[name] = np.zeros((steps, 1), np.int64)
     offsets = group.create_group("PointDataOffsets")
-    for name in FIELDS:
-        offsets[name] = at
-    offsets["body"] = np.zeros(steps, np.int64)
+    for name in root["PointData"]:
+        offsets[name] = at if name != "body" else np.zeros(steps, np.int64)
+    if "CellData" in root:
+        offsets_of_cells = group.create_group("CellDataOffsets")
+        for name in root["CellData"]:
+            offsets_of_cells[name] = np.arange(steps, dtype=np.int64) * int(root["NumberOfCells"][0])

@@ -6,6 +6,7 @@ the mean over its volume; von Mises and principal stresses are those of the aver
 
 import math
 from collections.abc import Iterator
+from typing import Protocol
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody, StressO
 from .layout import Axis, Constant, Series, Values
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
+YOUNG, POISSON = "young_modulus", "poisson_ratio"
 # Rows at a time: the stresses of all nodes of a large body are many numbers.
 MOST_STRESSES = 2**22
 
@@ -22,6 +24,18 @@ def _stress(body: FloatingBody) -> BodyStress:
     stress = body.reduced.stress
     assert stress is not None, "stresses are reported of a body of known material"
     return stress
+
+
+class Elastic(Protocol):
+    """Material of Hooke's law."""
+
+    @property
+    def young(self) -> float:
+        """Young's modulus, Pa."""
+
+    @property
+    def poisson(self) -> float:
+        """Poisson's ratio."""
 
 
 def element_axis(body: FloatingBody) -> list[Axis]:
@@ -48,6 +62,9 @@ def element_constants(body: FloatingBody) -> Iterator[Constant]:
     axes = (f"{group}/node", f"{group}/component", f"modal/{body.name}/mode")
     meaning = f"stress at the nodes of {body.name} per unit of each mode, axes of the body"
     yield Constant(f"{group}/stress_shape", axes, stress.nodal, "Pa or Pa/m", meaning)
+    modulus, ratio = np.array(stress.young), np.array(stress.poisson)
+    yield Constant(f"{group}/{YOUNG}", (), modulus, "Pa", f"Young's modulus of {body.name}")
+    yield Constant(f"{group}/{POISSON}", (), ratio, "1", f"Poisson's ratio of {body.name}")
 
 
 def stress_axes(mechanism: FlexibleMechanism) -> list[Axis]:
@@ -71,17 +88,22 @@ def stress_series(mechanism: FlexibleMechanism) -> list[Series]:
 def _series(mechanism: FlexibleMechanism, output: StressOutput) -> Iterator[Series]:
     group, strain = _group(mechanism, output), _group(mechanism, output, "strain")
     name = mechanism.bodies[output.body].name
-    for kind, numbers, where in (
-        ("node", output.nodes, "mean over the elements at the node"),
-        ("element", output.elements, "mean over the element"),
+    for kind, numbers, where, of_mean in (
+        (
+            "node",
+            output.nodes,
+            "mean over the elements at the node",
+            "mean stress at the node",
+        ),
+        ("element", output.elements, "mean over the element", "mean stress of the element"),
     ):
         if not len(numbers):
             continue
         axis = f"{group}/{kind}"
         tensor, principal = (axis, f"{group}/component"), (axis, f"{group}/principal")
         yield Series(f"{group}/{kind}_tensor", tensor, "Pa", f"stress, {where}, axes of {name}")
-        yield Series(f"{group}/{kind}_von_mises", (axis,), "Pa", f"von Mises stress, {where}")
-        yield Series(f"{group}/{kind}_principal", principal, "Pa", f"principal stresses, {where}")
+        yield Series(f"{group}/{kind}_von_mises", (axis,), "Pa", f"von Mises stress of the {of_mean}")
+        yield Series(f"{group}/{kind}_principal", principal, "Pa", f"principal stresses of the {of_mean}")
         yield Series(
             f"{strain}/{kind}_tensor", tensor, "1", f"strain, {where}, axes of {name}; xy is half the angle"
         )
@@ -133,7 +155,7 @@ def principal_stresses(stress: np.ndarray) -> np.ndarray:
     return np.linalg.eigvalsh(full)[..., ::-1]
 
 
-def strains(stress: np.ndarray, material: BodyStress) -> np.ndarray:
+def strains(stress: np.ndarray, material: "Elastic") -> np.ndarray:
     """Strain tensors (..., 6) of stresses by Hooke's law; xy yz zx are halves of angles."""
     young, poisson = material.young, material.poisson
     strain = stress * ((1 + poisson) / young)

@@ -131,7 +131,7 @@ class TreeAnalysis:
         grid = self.tree.time
         most = max(256, LARGEST_FRAMES // len(self.arrays.frames))
         last = min(self.row + min(most, LARGEST_BLOCK), grid.rows)
-        return np.array([grid.time(k) for k in range(self.row, last)])
+        return grid.start + np.arange(self.row, last) * grid.step
 
     def due_times(self, t: float) -> list[float]:
         """Report times that have no row yet and do not lie past t."""

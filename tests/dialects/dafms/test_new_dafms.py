@@ -10,7 +10,7 @@ from flexmb_cli.deck.text import decode, read_text
 from flexmb_cli.dialects.dafms.beam import Beam
 from flexmb_cli.dialects.dafms.build import build_dafms
 from flexmb_cli.dialects.dafms.cards import CARDS
-from flexmb_cli.dialects.dafms.deck_writer import OPTIONAL
+from flexmb_cli.dialects.dafms.deck_writer import ADDED, OPTIONAL
 from flexmb_cli.dialects.dafms.form import DafmsForm
 from flexmb_cli.dialects.dafms.skyline import full_matrix
 from flexmb_cli.dialects.recognise import read_deck
@@ -34,6 +34,8 @@ def line_for(deck, entry, count):
         size = deck.section("counts")[0]
         given = [_count(deck, CARDS[word]) for word in OPTIONAL]
         return " ".join(map(str, [size["N"], size["NDM"], *given]))
+    if section == "elements":
+        return " ".join(str(_count(deck, CARDS[word])) for word in ADDED)
     if section == "body":
         body = deck.section("counts")[k]
         flags = [body[f"{letter}{axis}"] for letter in ("NT", "NR") for axis in (1, 2, 3)]
@@ -151,7 +153,8 @@ FLEXIBLE = [*ROD[:4], "beam", "1.2 3 40 0.5", "", "", "", ""]
 
 def test_a_rigid_pendulum_asked_for():
     """Columns by hand from decks/dafms/FORMAT.md: I5 fields, F10.5 fields, one record a card and body."""
-    dialogue = talk(*ROD, "2.5", "0.3 0 0.3", *[""] * 5, "0 0.5 0", "1.25", "", "0 0 -9.81")
+    none = " ".join("0" * len(ADDED))
+    dialogue = talk(*ROD, "2.5", "0.3 0 0.3", *[""] * 5, "0 0.5 0", "1.25", "", "0 0 -9.81", none)
     assert dialogue.question is None
     lines = [line for line, _ in dialogue.lines]
     assert lines[:8] == [

@@ -9,6 +9,7 @@ from flexmb_cli.deck.text import decode, read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.vsdf.build import build_vsdf
 from flexmb_cli.dialects.vsdf.cards import CARDS
+from flexmb_cli.dialects.vsdf.elements.cards import ELEMENT_CARDS
 from flexmb_cli.dialects.vsdf.form import VsdfForm
 from flexmb_cli.model.fe_model import Integrator
 from tests.dialects.vsdf.element_cases import CASES
@@ -19,6 +20,8 @@ BY_SECTION = {card.section: card for card in CARDS}
 SECTIONS = {card.word: card.section for card in CARDS}
 OF_ONE_BODY = ("FEMN", "RIGI")
 ALWAYS = (*OF_ONE_BODY, "GRAV", "TIME", "INTG")
+ADDED = [card for card in CARDS if card.word in ("GEOM", "GSTL") or card in ELEMENT_CARDS]
+COUNTED = [card for card in CARDS if card.word not in ALWAYS and card not in ADDED]
 
 
 def record_for(deck, entry):
@@ -34,9 +37,9 @@ def line_for(deck, question):
     entry = question.entry
     if entry.section == "title":
         return deck.one("title")["title"]
-    if entry.section == "counts":
-        counted = [card.section for card in CARDS if card.word not in ALWAYS]
-        return " ".join(str(len(deck.section(section))) for section in counted)
+    if entry.section in ("counts", "elements"):
+        counted = COUNTED if entry.section == "counts" else ADDED
+        return " ".join(str(len(deck.section(card.section))) for card in counted)
     record = record_for(deck, entry)
     if record is None:
         return ""
@@ -95,10 +98,9 @@ def talk(*answers):
 
 
 COUNTS = {"BODY": 1, "NODE": 1, "JOIN": 1, "OUTN": 1}
-COUNTED = [card.word for card in CARDS if card.word not in ALWAYS]
 ROD = [
     "rod",
-    " ".join(str(COUNTS.get(word, 0)) for word in COUNTED),
+    " ".join(str(COUNTS.get(card.word, 0)) for card in COUNTED),
     *("RIGD 0 0 0 0", "2.5 0 0 0.5", "1 1 0.1"),
     *("", "", "", "1 7", "", "SPHE 0 0 0 1 7", "", "", "", ""),
 ]
@@ -106,7 +108,8 @@ ROD = [
 
 def test_a_rigid_pendulum_asked_for():
     """2.5 kg hung from the ground by a sphere at node 7; cards and fields as in decks/vsdf/FORMAT.md."""
-    dialogue = talk(*ROD, "1 7", "0 0 -9.81", "1 0.1", "", "", "", "")
+    none = " ".join("0" * len(ADDED))
+    dialogue = talk(*ROD, "1 7", "0 0 -9.81", "1 0.1", "", "", "", "", none)
     assert dialogue.question is None
     lines = [line.strip() for line, _ in dialogue.lines if not line.startswith("*")]
     assert lines == [
@@ -129,7 +132,7 @@ def test_numbers_of_bodies_and_lists_of_nodes_are_checked_at_once():
 
 
 def test_a_flexible_body_is_asked_for_its_files():
-    counts = " ".join("1" if word in ("BODY", "FEMM", "FEMK") else "0" for word in COUNTED)
+    counts = " ".join("1" if card.word in ("BODY", "FEMM", "FEMK") else "0" for card in COUNTED)
     dialogue = talk("", counts, "flex 9 1 13 9", "TXT my model/nodes.txt")
     assert dialogue.question.entry.subject == "card FEMM 1"
     assert dialogue.values["node_table.1.file"] == "my model/nodes.txt"

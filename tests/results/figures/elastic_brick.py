@@ -10,6 +10,8 @@ from tests.results import conftest
 from tests.results.figures.turning_bar import write_bar
 
 STRESS = 1e6  # Pa in xx at every node, of one unit of the mode; the other components are 0
+YOUNG, POISSON = 2e11, 0.3  # of steel, Pa
+ENERGY = 3e-4  # J of the second element, of one unit of the mode; a third of it in the others
 LENGTH = 2.0  # m, of the block along x: its far end moves by so much, of one unit of the mode
 
 
@@ -28,6 +30,22 @@ def write_brick(path, amplitude, cells=(1, 1, 1)):
         group["node_position"], group["shape"], group["stress_shape"] = places, shape, stress
         group["node"], group["cell"] = np.array(list(placed)), np.array(elements)
         group["element"] = np.arange(1, len(elements) + 1)
+        group["young_modulus"], group["poisson_ratio"] = YOUNG, POISSON
         modal = file.create_group("modal/body 2")
         modal["amplitude"], modal["rate"] = amplitude[:, None], np.zeros((len(amplitude), 1))
     return path
+
+
+def select_elements(path, *numbers):
+    """Let the result have what `OUTS` selects of elements: stress and strain of the mode, and energies."""
+    with h5py.File(path, "r+") as file:
+        amplitude = np.repeat(file["modal/body 2/amplitude"][:], len(numbers), axis=1)
+        stress, strain = np.zeros((*amplitude.shape, 6)), np.zeros((*amplitude.shape, 6))
+        stress[..., 0] = STRESS * amplitude
+        strain[..., :3] = stress[..., :1] / YOUNG * (1, -POISSON, -POISSON)
+        group, strains = file.create_group("stress/body 2"), file.create_group("strain/body 2")
+        group["element"] = np.array(numbers)
+        group["element_tensor"], group["element_von_mises"] = stress, np.abs(stress[..., 0])
+        group["element_principal"] = np.sort(stress[..., :3])[..., ::-1]
+        strains["element_tensor"] = strain
+        strains["element_energy"] = ENERGY * amplitude**2 * np.where(np.array(numbers) == 2, 1, 1 / 3)

@@ -11,6 +11,7 @@ from flexmb_cli.results.figures.element_faces import face_edges, outer_faces, tr
 from flexmb_cli.results.figures.report_scene import with_centres
 from scripts.brick_beam import Beam
 from tests.fe.elements.test_stress_results import result  # noqa: F401
+from tests.results.figures.elastic_brick import POISSON, STRESS, YOUNG, write_brick
 
 SIZE, CELLS = (0.3, 0.2, 0.1), (3, 2, 2)
 
@@ -60,6 +61,11 @@ def steps(result, tmp_path):  # noqa: F811
             for k in range(grid.GetPointData().GetNumberOfArrays())
         }
         data["points"] = vtk_to_numpy(grid.GetPoints().GetData()).copy()
+        cells = grid.GetCellData()
+        data |= {
+            cells.GetArrayName(k): vtk_to_numpy(cells.GetArray(k)).copy()
+            for k in range(cells.GetNumberOfArrays())
+        }
         data["types"] = [grid.GetCellType(k) for k in range(grid.GetNumberOfCells())]
         data["cell"] = [grid.GetCell(0).GetPointId(k) for k in range(20)]
         found.append(data)
@@ -101,6 +107,49 @@ def test_vtk_reads_the_stresses_of_nodes_and_none_of_rigid_bodies(steps):
     assert found[2]["von_mises"][place] == pytest.approx(wanted, rel=1e-9)
     assert found[2]["stress"][place] == pytest.approx(file["stress/body 2/node_tensor"][2, 0], rel=1e-9)
     assert np.isnan(found[2]["von_mises"][found[2]["body"] != 2]).all()
+
+
+def test_vtk_reads_principal_stresses_and_strains_of_nodes(steps):
+    """Against the series of node 45, which the deck selects; none of rigid bodies."""
+    found, file = steps
+    place = int(np.flatnonzero(file["elastic/body 2/node"][:] == 45)[0])
+    for name, path in (
+        ("principal_stress", "stress/body 2/node_principal"),
+        ("strain", "strain/body 2/node_tensor"),
+    ):
+        wanted = file[path][2, 0]
+        assert found[2][name][place] == pytest.approx(wanted, abs=1e-9 * abs(wanted).max())
+        assert np.isnan(found[2][name][found[2]["body"] != 2]).all()
+
+
+def test_vtk_reads_energies_and_mean_stresses_of_elements(steps):
+    """They stand at the bricks of the rod, cells of type 25, and are not a number elsewhere."""
+    found, file = steps
+    bricks = np.array(found[2]["types"]) == 25
+    for name, path in (
+        ("strain_energy", "strain/body 2/element_energy"),
+        ("element_strain", "strain/body 2/element_tensor"),
+        ("element_stress", "stress/body 2/element_tensor"),
+        ("element_von_mises", "stress/body 2/element_von_mises"),
+        ("element_principal_stress", "stress/body 2/element_principal"),
+    ):
+        for row in range(3):
+            np.testing.assert_array_equal(found[row][name][bricks], file[path][row])
+            assert np.isnan(found[row][name][~bricks]).all()
+
+
+def test_a_bar_in_tension_has_its_closed_form_in_vtk(tmp_path):
+    """sigma along x: principal stresses sigma, 0, 0, strains sigma / E and -nu sigma / E."""
+    bar = write_brick(tmp_path / "r.h5", np.array([0.5, 0.5]))
+    done = CliRunner().invoke(export, [str(bar), "--to", "vtkhdf", "-o", str(tmp_path / "r.vtkhdf"), "-q"])
+    assert done.exit_code == 0, done.output
+    with h5py.File(tmp_path / "r.vtkhdf") as file:
+        data = {name: values[:8] for name, values in file["VTKHDF/PointData"].items()}
+        assert "CellData" not in file["VTKHDF"]
+    sigma = 0.5 * STRESS
+    np.testing.assert_allclose(data["principal_stress"], np.tile([sigma, 0, 0], (8, 1)), atol=1e-9)
+    strain = sigma / YOUNG * np.array([1, -POISSON, -POISSON, 0, 0, 0])
+    np.testing.assert_allclose(data["strain"], np.tile(strain, (8, 1)), rtol=1e-12, atol=1e-20)
 
 
 def test_the_middle_of_a_quadratic_face_is_interpolated_by_its_eight_nodes():

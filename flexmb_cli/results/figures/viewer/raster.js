@@ -36,9 +36,10 @@ class Raster {
     return found;
   }
 
-  // Triangles of places (n, 3); values (n) from 0 to 255 choose the colour of a palette of STEPS, null: it has one.
+  // Triangles of places (n, 3); values (n) from 0 to 255 choose the colour of a palette of STEPS, null: it has one;
+  // they are those of places, or of triangles when these are flat.
   // Those of closed surfaces are left out where they show their inner side.
-  triangles(places, index, palette, values, closed, owner) {
+  triangles(places, index, palette, values, closed, owner, flat = false) {
     const {width, height, pixels, depth, owner: owners} = this, steps = values ? STEPS : 1, count = index.length;
     for (let k = 0; k < count; k += 3) {
       const i = index[k], j = index[k + 1], l = index[k + 2];
@@ -58,7 +59,8 @@ class Raster {
       const zx = -nx / area, zy = -ny / area, light = Math.abs(area) / Math.sqrt(nx * nx + ny * ny + area * area);
       const base = ((LEVELS - 1) * (DARKEST + (1 - DARKEST) * light) | 0) * steps;
       let ta = 0, tx = 0, ty = 0;
-      if (values) {
+      if (flat) ta = values[k / 3];
+      else if (values) {
         ta = values[i];
         const tu = values[j] - ta, tv = values[l] - ta;
         tx = (tu * vy - tv * uy) / area; ty = (tv * ux - tu * vx) / area;

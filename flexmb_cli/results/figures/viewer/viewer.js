@@ -1,7 +1,7 @@
 // The report's viewer: bodies as tubes, as finite-element surfaces and by their shapes.
 // Displacements and stresses of surfaces are superposed from modes here: u = sum of shape times amplitude.
 
-const NAMED = {"von Mises stress": "Pa", "deformation": "m"};
+const ENERGY = "strain energy of the element", COMPONENTS = ["xx", "yy", "zz", "xy", "yz", "zx"];
 const RATIOS = [0.5, 0.7, 1, 1.4, 2], SLOW = 13, QUICK = 5, MOST_PIXELS = 4e6;
 
 function bytes(text) { return Uint8Array.from(atob(text), c => c.charCodeAt(0)).buffer; }
@@ -11,7 +11,38 @@ function rgb(text) { return [1, 3, 5].map(k => parseInt(text.slice(k, k + 2), 16
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const scaled = (a, s) => [a[0] * s, a[1] * s, a[2] * s];
+// The digits of a value of a unit that tell it.
+const told = (value, unit) => `${value ? value.toPrecision(3) : 0} ${unit}`.trim();
 const unit = a => scaled(a, 1 / (Math.hypot(...a) || 1));
+
+const NONE = 0xffffffff;  // of the elements that are not reported
+
+function vonMises(xx, yy, zz, xy, yz, zx) {
+  const direct = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2;
+  return Math.sqrt(direct / 2 + 3 * (xy * xy + yz * yz + zx * zx));
+}
+
+// The principal value number k, 1 the largest, of a tensor, by the invariants of its deviator.
+function principal(k, xx, yy, zz, xy, yz, zx) {
+  const mean = (xx + yy + zz) / 3, x = xx - mean, y = yy - mean, z = zz - mean;
+  const radius = vonMises(xx, yy, zz, xy, yz, zx) / 1.5, third = x * y * z + 2 * xy * yz * zx - x * yz * yz - y * zx * zx - z * xy * xy;
+  const angle = Math.acos(Math.min(1, Math.max(-1, radius ? 4 * third / radius ** 3 : 1))) / 3;
+  return mean + radius * Math.cos(angle + [0, 0, 4, 2][k] * Math.PI / 3);
+}
+
+// The function of a stress that a colouring shows, null where it shows none; material: E and nu, or null.
+// Strains follow by Hooke's law, xy yz zx are halves of angles.
+function measured(colouring, material) {
+  if (colouring === "von Mises stress") return vonMises;
+  const words = colouring.split(" "), which = words.pop(), quantity = words.pop();
+  if (quantity !== "stress" && (quantity !== "strain" || !material)) return null;
+  const c = COMPONENTS.indexOf(which), k = Number(which);
+  const value = words[0] === "principal" ? (xx, yy, zz, xy, yz, zx) => principal(k, xx, yy, zz, xy, yz, zx)
+    : (xx, yy, zz, xy, yz, zx) => c === 0 ? xx : c === 1 ? yy : c === 2 ? zz : c === 3 ? xy : c === 4 ? yz : zx;
+  if (quantity === "stress") return value;
+  const [young, poisson] = material, trace = c < 3 ? poisson / young : 0;
+  return (xx, yy, zz, xy, yz, zx) => (1 + poisson) / young * value(xx, yy, zz, xy, yz, zx) - trace * (xx + yy + zz);
+}
 
 class Viewer {
   constructor(box, scene) {
@@ -28,7 +59,7 @@ class Viewer {
     this.turn = {eye: unit(scene.view.eye), up: unit(scene.view.up)};
     this.zoom = 1; this.shift = [0, 0]; this.magnify = 1; this.colouring = this.contoured.length ? "von Mises stress" : "body";
     this.ratio = 2; this.cost = 8;
-    this.ranges = scene.ranges;  // largest values of all report rows, so that colours mean the same throughout
+    this.ranges = scene.ranges;  // those of all report rows, so that colours mean the same throughout
     this.controls();
     this.show(0);
   }
@@ -39,7 +70,20 @@ class Viewer {
     made.count = made.nodes.length / 3;
     made.displaced = new Float32Array(3 * made.count); made.screen = new Float32Array(3 * made.count);
     made.values = new Float32Array(made.count);
+    if (one.energies) this.prepareEnergies(made);
     return made;
+  }
+
+  // Triangles of elements whose energy is known, and the others.
+  prepareEnergies(one) {
+    const shown = integers(one.shown), parts = [[], []], columns = [];
+    shown.forEach((column, t) => {
+      parts[column === NONE ? 1 : 0].push(...one.triangles.subarray(3 * t, 3 * t + 3));
+      if (column !== NONE) columns.push(column);
+    });
+    one.energy = new Uint8Array(bytes(one.energy)); one.columns = columns;
+    one.known = new Uint32Array(parts[0]); one.unknown = new Uint32Array(parts[1]);
+    one.flat = new Float32Array(columns.length);
   }
 
   prepareTrace(one) {
@@ -60,7 +104,8 @@ class Viewer {
     }
     if (colouring === "deformation")
       for (let n = 0; n < count; n++) values[n] = Math.hypot(u[3 * n], u[3 * n + 1], u[3 * n + 2]);
-    if (colouring === "von Mises stress")
+    const measure = measured(colouring, one.material);
+    if (measure)
       for (let n = 0, at = 0; n < count; n++) {
         let xx = 0, yy = 0, zz = 0, xy = 0, yz = 0, zx = 0;
         for (let k = 0; k < N; k++, at++) {
@@ -69,8 +114,7 @@ class Viewer {
           xy += stress[at + 3 * N] * part; yz += stress[at + 4 * N] * part; zx += stress[at + 5 * N] * part;
         }
         at += 5 * N;
-        const direct = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2;
-        values[n] = Math.sqrt(direct / 2 + 3 * (xy * xy + yz * yz + zx * zx));
+        values[n] = measure(xx, yy, zz, xy, yz, zx);
       }
   }
 
@@ -160,14 +204,29 @@ class Viewer {
 
   drawSurfaces(camera) {
     this.surfaces.forEach((one, k) => {
-      const most = one.modes ? this.ranges[this.colouring] : undefined, coloured = most !== undefined;
+      const range = this.rangeOf(one), owner = this.lines.length + k + 1;
       this.fill(one, this.frame, this.colouring);
       this.carry(camera, one);
-      if (coloured) for (let n = 0, scale = most ? (STEPS - 1e-3) / most : 0; n < one.count; n++) one.values[n] = Math.min(STEPS - 1e-3, one.values[n] * scale);
-      // Triangles of STL files may face either way; those of elements face outwards.
-      this.raster.triangles(one.screen, one.triangles, coloured ? this.contours : one.palette, coloured ? one.values : null, one.modes > 0, this.lines.length + k + 1);
+      if (range && this.colouring === ENERGY) this.drawEnergies(one, owner);
+      else {
+        if (range) for (let n = 0, scale = range.high > range.low ? (STEPS - 1e-3) / (range.high - range.low) : 0; n < one.count; n++) one.values[n] = Math.min(STEPS - 1e-3, (one.values[n] - range.low) * scale);
+        // Triangles of STL files may face either way; those of elements face outwards.
+        this.raster.triangles(one.screen, one.triangles, range ? this.contours : one.palette, range ? one.values : null, one.modes > 0, owner);
+      }
       if (one.edges.length && this.part("mesh").checked) this.raster.lines(one.screen, one.edges, 0, 1, 1);
     });
+  }
+
+  drawEnergies(one, owner) {
+    one.columns.forEach((column, t) => { one.flat[t] = one.energy[this.frame * one.energies + column]; });
+    this.raster.triangles(one.screen, one.known, this.contours, one.flat, true, owner, true);
+    this.raster.triangles(one.screen, one.unknown, one.palette, null, true, owner);
+  }
+
+  // Smallest and largest value of what a surface is coloured by; nothing where it has none.
+  rangeOf(one) {
+    const without = !one.modes || (this.colouring === ENERGY ? !one.energies : this.colouring.includes("strain") && !one.material);
+    return without ? undefined : this.ranges[this.colouring];
   }
 
   tell() {
@@ -175,7 +234,7 @@ class Viewer {
     this.part("slider").value = this.frame;
     const range = this.ranges[this.colouring];
     this.part("legend").hidden = range === undefined || !this.contoured.length;
-    this.part("legend-text").textContent = range === undefined ? "" : `${this.colouring}, 0 to ${range.toPrecision(3)} ${NAMED[this.colouring]}`;
+    this.part("legend-text").textContent = range === undefined ? "" : `${this.colouring}, ${told(range.low, "")} to ${told(range.high, range.unit)}`;
   }
 
   part(name) { return this.box.querySelector(`[data-part="${name}"]`); }
@@ -183,6 +242,7 @@ class Viewer {
   controls() {
     const slider = this.part("slider"), last = this.scene.time.length - 1, again = () => this.show(this.frame);
     slider.max = last;
+    for (const name of [...Object.keys(this.ranges), "body"]) this.part("colour").add(new Option(name));
     const stepped = (name, event, frame) => this.part(name).addEventListener(event, () => { this.pause(); this.show(Math.min(last, Math.max(0, frame()))); });
     stepped("slider", "input", () => Number(slider.value));
     stepped("back", "click", () => this.frame - 1);
@@ -253,12 +313,19 @@ class Viewer {
 
   nodeAt(surface, x, y) {
     const one = this.surfaces[surface];
-    let found = "", least = Infinity, height = -Infinity;
+    let found = -1, least = Infinity, height = -Infinity;
     for (let n = 0; one && n < one.numbers.length; n++) {
       const gap = (one.screen[3 * n] - x) ** 2 + (one.screen[3 * n + 1] - y) ** 2, z = one.screen[3 * n + 2];
-      if (gap < least - 1 || (gap < least + 1 && z > height)) { least = gap; height = z; found = ` node ${one.numbers[n]}`; }
+      if (gap < least - 1 || (gap < least + 1 && z > height)) { least = gap; height = z; found = n; }
     }
-    return found;
+    return found < 0 ? "" : ` node ${one.numbers[found]}${this.valueAt(one, found)}`;
+  }
+
+  // The value of what is coloured at a node.
+  valueAt(one, n) {
+    const range = this.rangeOf(one);
+    if (!range || this.colouring === ENERGY) return "";
+    return `: ${told(range.low + one.values[n] * (range.high - range.low) / (STEPS - 1e-3), range.unit)}`;
   }
 
   play() {

@@ -1,0 +1,92 @@
+"""What the surfaces of finite-element bodies are coloured by, and its range over all rows.
+
+Stresses and strains are superposed from those of the modes; the report's viewer does the same (`viewer.js`).
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ..hdf5.stress import COMPONENTS, MOST_STRESSES, strains, von_mises
+from .element_bodies import ElementBody
+
+# The smallest and the largest value, by CONTOURS.
+Ranges = dict[str, tuple[float, float]]
+VON_MISES, DEFORMATION, ENERGY = "von Mises stress", "deformation", "strain energy of the element"
+ORDER = (1, 2, 3)
+STRESSES = (VON_MISES, *(f"principal stress {k}" for k in ORDER), *(f"stress {c}" for c in COMPONENTS))
+STRAINS = (*(f"principal strain {k}" for k in ORDER), *(f"strain {c}" for c in COMPONENTS))
+CONTOURS = (*STRESSES, *STRAINS, DEFORMATION, ENERGY)
+# Begin at 0: they have no sign.
+UNSIGNED = (VON_MISES, DEFORMATION, ENERGY)
+# Stresses and strains that are smaller than this part of the largest one are round-off and have no colour.
+ROUND_OFF_PART = 1e-9
+
+
+def unit_of(contour: str) -> str:
+    """Return the unit of one of CONTOURS, "" for none."""
+    return {DEFORMATION: "m", ENERGY: "J"}.get(contour, "Pa" if contour in STRESSES else "")
+
+
+def nodal_values(body: ElementBody, amplitude: np.ndarray) -> dict[str, np.ndarray]:
+    """Values (n, T) at the nodes of a body by CONTOURS, for `amplitude` (T, N)."""
+    stress = np.moveaxis(body.stress_shape @ amplitude.T, 1, -1)
+    principal = principal_values(stress)
+    found = {VON_MISES: von_mises(stress)}
+    found |= {f"principal stress {k}": principal[..., k - 1] for k in ORDER}
+    found |= {f"stress {c}": stress[..., k] for k, c in enumerate(COMPONENTS)}
+    if body.material:
+        strain = strains(stress, body.material)
+        stretched = strains(np.concatenate([principal, np.zeros_like(principal)], axis=-1), body.material)
+        found |= {f"principal strain {k}": stretched[..., k - 1] for k in ORDER}
+        found |= {f"strain {c}": strain[..., k] for k, c in enumerate(COMPONENTS)}
+    moved = body.shape @ amplitude.T
+    return found | {DEFORMATION: np.sqrt(np.square(moved).sum(axis=1))}
+
+
+def principal_values(tensor: np.ndarray) -> np.ndarray:
+    """Principal values (..., 3), the largest first, of tensors (..., 6), for colours: to about eight digits.
+
+    By the invariants of the deviator; `principal_stresses` is for numbers.
+    """
+    mean = tensor[..., :3].mean(axis=-1)
+    x, y, z = np.moveaxis(tensor[..., :3] - mean[..., None], -1, 0)
+    xy, yz, zx = np.moveaxis(tensor[..., 3:], -1, 0)
+    radius = von_mises(tensor) / 1.5
+    third = x * y * z + 2 * xy * yz * zx - x * yz**2 - y * zx**2 - z * xy**2
+    cosine = 4 * third / np.where(radius > 0, radius, 1.0) ** 3
+    angle = np.arccos(np.clip(cosine, -1, 1)) / 3
+    first, last = mean + radius * np.cos(angle), mean + radius * np.cos(angle + 2 * np.pi / 3)
+    return np.stack([first, 3 * mean - first - last, last], axis=-1)
+
+
+# What is not finite has no colour.
+@np.errstate(all="ignore")
+def contour_ranges(bodies: Sequence[ElementBody]) -> Ranges:
+    """Return the smallest and largest finite value of each of CONTOURS in all rows of `bodies`.
+
+    Those without sign begin at 0.
+    """
+    found: Ranges = {}
+    for name, values in (pair for body in bodies for pair in _all_values(body)):
+        finite = np.isfinite(values)
+        low, high = found.get(name, (np.inf, -np.inf))
+        low = min(low, float(np.min(values, where=finite, initial=np.inf)))
+        found[name] = low, max(high, float(np.max(values, where=finite, initial=-np.inf)))
+    kept = {name: ends if ends[0] <= ends[1] else (0.0, 0.0) for name, ends in found.items()}
+    kept |= {name: (0.0, kept[name][1]) for name in UNSIGNED if name in kept}
+    for names in (STRESSES, STRAINS):
+        least = ROUND_OFF_PART * max((abs(end) for name in names for end in kept.get(name, ())), default=0.0)
+        for name in kept.keys() & set(names):
+            low, high = (0.0 if abs(end) <= least else end for end in kept[name])
+            kept[name] = low, high
+    return {name: kept[name] for name in CONTOURS if name in kept}
+
+
+def _all_values(body: ElementBody) -> Iterator[tuple[str, np.ndarray]]:
+    rows = max(1, MOST_STRESSES // max(1, math.prod(body.stress_shape.shape[:2])))
+    for first in range(0, len(body.amplitude), rows):
+        yield from nodal_values(body, body.amplitude[first : first + rows]).items()
+    if body.of_elements:
+        yield ENERGY, body.of_elements["strain_energy"]
