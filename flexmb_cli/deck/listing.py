@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import DeckError, Fault
 from ..quick_dataclass import dataclass, field
+from .bounded_file import first_bytes
 from .fortran_format import Edit
 
 if TYPE_CHECKING:
@@ -127,7 +128,7 @@ def read_bytes(path: "Path | str") -> bytes:
 
 def _bounded(path: "Path | str", file: BinaryIO) -> bytes:
     # A device or a pipe tells no size, and may never end.
-    content = file.read(LARGEST_LISTING + 1)
+    content = first_bytes(file, LARGEST_LISTING + 1)
     if len(content) > LARGEST_LISTING:
         reason = (
             f"is larger than {LARGEST_LISTING >> 20} MB: compare the HDF5 results, which are read in parts"

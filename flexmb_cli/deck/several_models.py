@@ -10,6 +10,7 @@ from collections.abc import Iterable
 
 from ..errors import DeckError, Fault
 from ..quick_dataclass import replace
+from .bounded_file import first_bytes
 from .record import DeckText
 from .text import LARGEST_DECK, STANDARD_INPUT
 
@@ -45,7 +46,7 @@ def models_of(deck: str) -> list[str]:
         return [deck]
     try:
         with open(deck, "rb") as file:
-            raw = file.read(LARGEST_DECK)
+            raw = first_bytes(file, LARGEST_DECK)
     except OSError:
         return [deck]
     if raw.count(MODEL.encode()) < 2:

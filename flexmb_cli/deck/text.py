@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from ..errors import DeckError, Fault, Place
+from .bounded_file import first_bytes
 from .record import DeckText
 
 LARGEST_DECK = 64 * 1024 * 1024
@@ -58,7 +59,7 @@ def _file_bytes(path: Path, what: str) -> bytes:
 
 def _first_bytes(stream: BinaryIO, what: str) -> bytes:
     # Pipes and devices have no size beforehand: one byte more than allowed is enough to know.
-    raw = stream.read(LARGEST_DECK + 1)
+    raw = first_bytes(stream, LARGEST_DECK + 1)
     if len(raw) > LARGEST_DECK:
         raise _too_large(what)
     return raw

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from ..deck.record import Deck, DeckText
 from ..dialects import DIALECTS
 from ..dialects.recognise import dialect_named, read_deck
-from ..errors import DeckError, Fault, FlexmbError, ModelError
+from ..errors import DeckError, Fault, FlexmbError, ModelError, visible
 from ..quick_dataclass import replace
 from .context import Run
 from .model import analysis_of, folder_of, model_of
@@ -34,7 +34,8 @@ def converted(path: str, form: str, changes: tuple[str, ...] = (), unit: str = S
     try:
         run = Run(Outcome(path), options)
         deck = open_deck(path, options, run.outcome)
-        name = PurePath(deck.source.name).stem
+        # What a file is called may come from anywhere, and must not be more than a word of the new file.
+        name = visible(PurePath(deck.source.name).stem)
         if form in DIALECTS:
             _refuse_own(deck, form)
             return _deck_of(deck, run, form, (unit, to_unit))
@@ -68,7 +69,8 @@ def _deck_of(deck: Deck, run: Run, form: str, units: tuple[str, str]) -> str:
 
 
 def _title(deck: Deck) -> Any:
-    return f"converted from the {dialect_named(deck.dialect).title} deck {PurePath(deck.source.name).name}"
+    name = visible(PurePath(deck.source.name).name)
+    return f"converted from the {dialect_named(deck.dialect).title} deck {name}"
 
 
 def _refuse_unreadable(text: Any, form: Any, run: Run) -> None:

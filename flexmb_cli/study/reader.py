@@ -4,12 +4,11 @@ A study is data: names are looked up and numbers taken, nothing is evaluated.
 """
 
 import math
-import re
-import tomllib
 from functools import cached_property
 from typing import Any, TypeGuard
 
 from ..deck.record import DeckText
+from ..deck.toml_table import DeepNameError, TomlError, toml_table
 from ..dialects import DIALECTS
 from ..dialects.recognise import AUTO
 from ..errors import DeckError, Fault, Place
@@ -21,9 +20,6 @@ MOST_VALUES = 1_000_000  # of one parameter
 KEYS = ("deck", "dialect", "sampling", "count", "seed", "parameters", "results")
 RANGE_KEYS = ("from", "to", "count", "scale")
 SCALES = ("linear", "log")
-DEEPEST_NAME = 64  # parts
-_BETWEEN_NAMES = re.compile(r"[][,={}]")
-_SYNTAX = re.compile(r"(.*) \(at line (\d+), column (\d+)\)")
 
 
 def read_study(source: DeckText) -> Study:
@@ -36,16 +32,14 @@ def read_study(source: DeckText) -> Study:
 
 
 def _table(source: DeckText) -> "dict[Any, Any]":
-    _refuse_deep_names(source)
     try:
-        return tomllib.loads(source.text.replace("\r\n", "\n"))
-    except (ValueError, RecursionError) as fault:
+        return toml_table(source)
+    except DeepNameError as fault:
+        message = f"{fault} belongs to no study"
+        raise DeckError([Fault("error", message, fault.place, id="STUDY-012")]) from None
+    except TomlError as fault:
         _refuse_deck(source)
-        # tomllib leaves integers of thousands of digits to int(), which refuses them without a place.
-        found = _SYNTAX.match(str(fault))
-        place = Place(int(found[2]), int(found[3])) if found else None
-        message = f"not TOML: {found[1] if found else fault}"
-        raise DeckError([Fault("error", message, place, id="STUDY-011")]) from None
+        raise DeckError([Fault("error", f"not TOML: {fault}", fault.place, id="STUDY-011")]) from None
 
 
 def _refuse_deck(source: DeckText) -> None:
@@ -58,18 +52,6 @@ def _refuse_deck(source: DeckText) -> None:
         return
     message = f'this is a {title} deck, not a study; flexmb run computes it, a study names it in deck = "…"'
     raise DeckError([Fault("error", message, Place(1, 1), id="STUDY-028")])
-
-
-def _refuse_deep_names(source: DeckText) -> None:
-    """A name of a hundred thousand parts takes tomllib hours."""
-    for number, line in enumerate(source.lines, 1):
-        if line.count(".") > DEEPEST_NAME and any(map(_is_deep, _BETWEEN_NAMES.split(line))):
-            message = f"a name of more than {DEEPEST_NAME} parts belongs to no study"
-            raise DeckError([Fault("error", message, Place(number, 1), id="STUDY-012")])
-
-
-def _is_deep(piece: str) -> bool:
-    return sum(bool(part.strip()) for part in piece.split(".")) > DEEPEST_NAME
 
 
 class _Reader:

@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from dataclasses import dataclass
+from importlib import metadata
 from pathlib import Path
 
 import h5py
@@ -30,6 +31,11 @@ class Written:
 
     sha256: str
     size: int
+
+
+def linear_algebra() -> str:
+    """Return what the last digits of LAPACK depend on: processor, numpy and scipy, which bring their own."""
+    return f"{processor()},numpy-{np.__version__},scipy-{metadata.version('scipy')}"
 
 
 def processor() -> str:

@@ -8,6 +8,16 @@ from pathlib import Path
 from answer import Answer
 from damaged_bricks import brick_seeds, modes_of_brick
 from damaged_decks import check_deck, read_deck_of
+from damaged_exchanges import (
+    check_with_shape,
+    compare_by_tolerances,
+    compare_matlab_file,
+    compare_table,
+    convert_deck,
+    draw_in_style,
+    shape_seeds,
+    table_seeds,
+)
 from damaged_leftovers import (
     cache_seeds,
     draft_seeds,
@@ -51,8 +61,14 @@ def kinds() -> Iterator[Kind]:
     yield Kind("hdf5-bytes", result_seeds, show_damaged_bytes)
     yield Kind("hdf5-structure", result_seeds, show_damaged_structure)
     yield Kind("argument", argument_seeds, name_quantities)
+    yield Kind("matlab-file", table_seeds, compare_matlab_file)
+    yield Kind("table", table_seeds, compare_table)
+    yield Kind("tolerances", result_seeds, compare_by_tolerances)
     # Here the mechanism is assembled, by kernels that are interpreted.
     yield Kind("checked-deck", no_seeds, check_deck, slow=5.0)
+    yield Kind("shape", shape_seeds, check_with_shape, slow=5.0)
+    yield Kind("conversion", no_seeds, convert_deck, slow=5.0)
+    yield Kind("style", result_seeds, draw_in_style, slow=5.0)
     yield Kind("draft", draft_seeds, go_on_with_draft)
     yield Kind("body-cache", cache_seeds, reduce_from_cache)
     yield Kind("study-parts", study_seeds, go_on_from_parts)

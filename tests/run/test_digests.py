@@ -6,7 +6,8 @@ pinned by `scripts/determinism/run digests`, which writes `digests.txt` of the p
 
 Tables of VSDF decks hold what LAPACK leaves of zeros, which is another on other processors.  Where a digest
 is another there, the last rows count, to a ten-thousandth of the largest number of a line (`last_rows.txt`).
-The HDF5 results of VSDF decks are compared where `contents.txt` was made on the same type of processor.
+The HDF5 results of VSDF decks are compared where `contents.txt` was made: on the same type of processor, with
+the same numpy and scipy.
 """
 
 import hashlib
@@ -21,7 +22,7 @@ import h5py
 import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts/determinism"))
-from shipped import content_digest, processor
+from shipped import content_digest, linear_algebra
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 pytestmark = pytest.mark.processes
@@ -93,8 +94,8 @@ def test_the_hdf5_results_of_vsdf_decks_are_the_pinned_ones_on_the_same_processo
     found = contents_of(folders("vsdf"), "vsdf")
     assert found.keys() == pinned_contents("vsdf").keys(), UPDATE
     head = (Path(__file__).parent / "contents.txt").read_text(encoding="utf-8").splitlines()[0]
-    if head.rpartition(" ")[2] != processor():
-        pytest.skip(f"LAPACK rounds otherwise on {processor()}; {head[2:]}")
+    if head.rpartition(" ")[2] != linear_algebra():
+        pytest.skip(f"LAPACK rounds otherwise with {linear_algebra()}; {head[2:]}")
     assert found == pinned_contents("vsdf"), UPDATE
 
 

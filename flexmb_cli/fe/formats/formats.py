@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any
 
+from ...quick_dataclass import replace
+from .file_text import printed_digits
 from .matrix_file import FEFileFault, MatrixFile
 
 # The mapping that a format needs beside the matrix itself.
@@ -23,7 +25,7 @@ def read_matrix(
     if found.size > len(found.values):
         message = f"{found.size} rows and {len(found.values)} entries: rows without any are no body's"
         raise FEFileFault(f"{path.name} has {message}", id="FE-030")
-    return found
+    return replace(found, digits=printed_digits(path))
 
 
 def _read(path: Path, form: str, letter: str, mapping: Path | None, mapping_form: str) -> MatrixFile:

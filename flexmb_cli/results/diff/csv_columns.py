@@ -80,10 +80,13 @@ def read_csv(path: str) -> Columns:
     first = text.partition("\n")[0]
     separator = "\t" if first.startswith(f"{TIME_HEAD}\t") else ","
     rows = csv.reader(io.StringIO(text), delimiter=separator)
-    heads = tuple(next(rows))
-    if len(set(heads)) < len(heads):
-        raise TableError(path, [Fault("error", "two columns have the same heading", id="DIFF-014")])
-    values = [_numbers(path, rows.line_num, row, len(heads)) for row in rows if row]
+    try:
+        heads = tuple(next(rows))
+        if len(set(heads)) < len(heads):
+            raise TableError(path, [Fault("error", "two columns have the same heading", id="DIFF-014")])
+        values = [_numbers(path, rows.line_num, row, len(heads)) for row in rows if row]
+    except csv.Error as error:
+        raise TableError(path, [Fault("error", f"line {rows.line_num}: {error}", id="DIFF-031")]) from error
     kinds = {head: kind_of_name(head.partition(" [")[0]) for head in heads}
     return Columns(path, heads, kinds, np.array(values, dtype=float).reshape(-1, len(heads)))
 
@@ -120,20 +123,34 @@ def _read_result(path: str) -> Columns:
         return Columns(path, tuple(kinds), kinds, read(file, quantities), whole=True)
 
 
-def _common_rows(report: Any, a: Any, b: Any) -> Any:
+def _common_rows(report: Report, a: Columns, b: Columns) -> tuple[np.ndarray, np.ndarray]:
     """Row numbers of both tables that belong together: by time, unless there are as many in both."""
     if len(a.time) == len(b.time):
-        rows = np.arange(len(a.time))
-        return rows, rows
-    longest = max((abs(float(x.time[-1])) for x in (a, b) if len(x.time)), default=0.0)
-    coincident = np.abs(a.time[:, None] - b.time[None, :]) <= SAME_TIME * longest
-    rows = np.nonzero(coincident)  # type: ignore[assignment]
+        same = np.arange(len(a.time))
+        return same, same
+    rows = _rows_of_one_time(a, b)
     for one, other, found in ((a, b, rows[0]), (b, a, rows[1])):
         alone = np.setdiff1d(np.arange(len(one.time)), found)
         if alone.size:
             first = f"the first at t = {one.time[alone[0]]:.10g}"
             report.missing.append(f"{alone.size} rows of {one.name} are not in {other.name}, {first}")
     return rows
+
+
+def _rows_of_one_time(a: Columns, b: Columns) -> tuple[np.ndarray, np.ndarray]:
+    """Return numbers of rows of `a` and of `b` in pairs of one time, without a table of all pairs."""
+    longest = max((abs(float(x.time[-1])) for x in (a, b) if len(x.time)), default=0.0)
+    tolerance = SAME_TIME * longest if np.isfinite(longest) else 0.0
+    order = np.argsort(b.time, kind="stable")
+    first = np.searchsorted(b.time[order], a.time - tolerance, "left")
+    last = np.searchsorted(b.time[order], a.time + tolerance, "right")
+    counts = np.where(np.isfinite(a.time), last - first, 0)
+    if counts.sum() > len(a.time) + len(b.time):
+        message = "its rows do not fit those of the other table: one time stands in many of them"
+        raise TableError(b.name, [Fault("error", message, id="DIFF-032")])
+    rows = np.repeat(np.arange(len(a.time)), counts)
+    within = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
+    return rows, order[first[rows] + within]
 
 
 def _compare_column(

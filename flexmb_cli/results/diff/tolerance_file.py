@@ -9,10 +9,12 @@ acceleration = { atol = 1e-6 }             # a type of column; a number alone is
 last_digit = 1
 """
 
-import tomllib
 from fnmatch import fnmatchcase
 from typing import Any
 
+from ...deck.text import read_text
+from ...deck.toml_table import TomlError, toml_table
+from ...errors import DeckError
 from ...quick_dataclass import dataclass, field, replace
 from .tolerances import KINDS, Tolerance, ToleranceError, Tolerances
 
@@ -56,15 +58,7 @@ def read_tolerances(path: str, general: Tolerances) -> FileTolerances:
 
     Raises `ToleranceError` for a file that cannot be read, and for words that mean nothing.
     """
-    try:
-        with open(path, "rb") as file:
-            content = tomllib.load(file)
-    except OSError as error:
-        raise ToleranceError(
-            f"--tolerances: {path} cannot be read: {error.strerror}", id="DIFF-021"
-        ) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ToleranceError(f"--tolerances: {path} is no TOML file: {error}", id="DIFF-022") from error
+    content = _content(path)
     files = content.pop("files", {})
     if not (isinstance(files, dict) and all(isinstance(table, dict) for table in files.values())):
         raise ToleranceError(
@@ -73,6 +67,23 @@ def read_tolerances(path: str, general: Tolerances) -> FileTolerances:
     first = _overruled(_tolerances(path, "", content), general)
     shared = {name: _tolerances(path, f'files."{name}".', table) for name, table in files.items()}
     return FileTolerances(path, first, {name: replace(x, used=first.used) for name, x in shared.items()})
+
+
+def _content(path: str) -> dict[str, Any]:
+    """Return the table of the file at `path`, which may be anybody's."""
+    try:
+        source = read_text(path, "file of tolerances")
+        if source.warnings:
+            raise TomlError("it is not UTF-8", source.warnings[0].place)
+        return toml_table(source)
+    except DeckError as failure:
+        reported = failure.faults[0].message
+        raise ToleranceError(f"--tolerances: {path}: {reported}", id="DIFF-021") from failure
+    except TomlError as error:
+        where = f" (line {error.place.line}, column {error.place.column})" if error.place else ""
+        raise ToleranceError(
+            f"--tolerances: {path} is no TOML file: {error}{where}", id="DIFF-022"
+        ) from error
 
 
 def _overruled(general: Tolerances, special: Tolerances) -> Tolerances:

@@ -56,18 +56,23 @@ class Look:
         rows = -(-len(labels) // self.legend_columns(labels))
         return rows * LINE_SPACING * (self.size or 8.0) / POINTS_PER_INCH
 
-    @property
-    def lacks_font(self) -> bool:
-        """Return whether matplotlib finds no font of the family; LaTeX finds its own."""
-        from matplotlib.font_manager import FontProperties, fontManager
+    def apply(self) -> list[str]:
+        """Set matplotlib's settings, those of the style file last; return families that are not installed.
 
-        if not self.font or self.latex:
-            return False
-        try:
-            fontManager.findfont(FontProperties(family=[self.font]), fallback_to_default=False)
-        except ValueError:
-            return True
-        return False
+        These are left out.  Raises OSError for a style that there is not.
+        """
+        from matplotlib import rcParams, style
+
+        rcParams.update(self.settings())  # type: ignore[arg-type]
+        if self.style:
+            style.use(self.style)
+        # LaTeX finds its own fonts.
+        if rcParams["text.usetex"]:
+            return []
+        missing = [family for family in rcParams["font.family"] if not _is_installed(family)]
+        kept = [family for family in rcParams["font.family"] if family not in missing]
+        rcParams["font.family"] = kept or ["sans-serif"]
+        return missing
 
     def settings(self) -> dict[str, Any]:
         """Settings of matplotlib that follow, for rcParams."""
@@ -79,3 +84,14 @@ class Look:
             "pdf.fonttype": 42, "svg.fonttype": "path", "text.usetex": self.latex,
         }  # fmt: skip
         return found | ({"font.family": self.font} if self.font else {})
+
+
+def _is_installed(family: str) -> bool:
+    """Return whether matplotlib finds a font of the family; serif and the like stand for several."""
+    from matplotlib.font_manager import FontProperties, fontManager
+
+    try:
+        fontManager.findfont(FontProperties(family=[family]), fallback_to_default=False)
+    except ValueError:
+        return False
+    return True

@@ -1,15 +1,11 @@
 """Curves as PNG, SVG or PDF by matplotlib: the same curves give the same bytes."""
 
 import io
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from .curves import Panel
 from .look import COLOURS, PANEL, ROOMY, SQUARE_PART, TICKS, Look
-
-if TYPE_CHECKING:
-    from types import ModuleType
-
 
 FORMATS = ("png", "svg", "pdf")
 DASHES = ("-", "--", ":", "-.", (0, (8, 2)), (0, (5, 1, 1, 1, 1, 1)), (0, (1, 4)), (0, (9, 3, 3, 3)))
@@ -26,11 +22,18 @@ METADATA = {
 }
 
 
-def picture(panels: Sequence[Panel], form: str, title: str = "", look: Look | None = None) -> bytes:
+def picture(
+    panels: Sequence[Panel],
+    form: str,
+    title: str = "",
+    look: Look | None = None,
+    tell_missing: Callable[[str], object] = str,
+) -> bytes:
     """The panels one below the other as a file of `form`, one of `FORMATS`.
 
     Colours tell quantities apart, dashes results, and quantities where there are no more colours; panels
-    over time share its axis, and paths (both axes of one unit) have equal ones.  A `look` is for print.
+    over time share its axis, and paths (both axes of one unit) have equal ones.  A `look` is for print;
+    `tell_missing` is called with each of its font families that is not installed.
     Imports matplotlib; raises OSError for a style that there is not.
     """
     import matplotlib
@@ -41,7 +44,8 @@ def picture(panels: Sequence[Panel], form: str, title: str = "", look: Look | No
         matplotlib.rcdefaults()
         matplotlib.rcParams["svg.hashsalt"] = "flexmb"
         if look:
-            _apply(look, matplotlib)
+            for family in look.apply():
+                tell_missing(family)
         width, heights, rest = _sizes(panels, look)
         figure = Figure(figsize=(width, sum(heights) + rest), layout="constrained")
         axes = figure.subplots(len(panels), squeeze=False, height_ratios=heights)[:, 0]
@@ -53,15 +57,6 @@ def picture(panels: Sequence[Panel], form: str, title: str = "", look: Look | No
         stream = io.BytesIO()
         figure.savefig(stream, format=form, dpi=RESOLUTION, metadata=METADATA[form])
     return stream.getvalue()
-
-
-def _apply(look: Look, matplotlib: "ModuleType") -> None:
-    """Set the settings of a look; those of its style file come last."""
-    matplotlib.rcParams.update(look.settings())
-    if look.style:
-        from matplotlib import style
-
-        style.use(look.style)
 
 
 def _sizes(panels: Any, look: Look | None) -> tuple[float, list[float], float]:

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
+from ...deck.listing import read_bytes
 from ..hdf5.stored_result import attribute
 from ..quantities.quantities import ResultError
+from .matlab_reader import read_variable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -39,26 +41,9 @@ def matlab_fields(result: h5py.File) -> dict[str, np.ndarray]:
 def read_matlab(path: str) -> dict[str, np.ndarray]:
     """Return the fields of a file that `flexmb export --to mat` wrote, by their paths.
 
-    Raises ValueError, TypeError, NotImplementedError, KeyError or OSError when it is another file.
+    Raises TableError when it cannot be read, ValueError when it is another file.
     """
-    from scipy.io import loadmat
-
-    record = loadmat(path, struct_as_record=True, squeeze_me=False, chars_as_strings=True)["flexmb"]
-    return dict(_flat(_unpacked(record)))
-
-
-def _unpacked(record: np.ndarray) -> "dict[Any, Any]":
-    """A struct of 1 by 1 as a dictionary."""
-    fields = record[0, 0]
-    return {name: _opened(fields[name]) for name in fields.dtype.names}
-
-
-def _opened(value: np.ndarray) -> "dict[Any, Any] | np.ndarray":
-    if value.dtype.names:
-        return _unpacked(value)
-    if value.dtype == object:
-        return np.array([str(np.ravel(cell)[0]) if np.size(cell) else "" for cell in np.ravel(value)])
-    return value
+    return dict(_flat(read_variable(read_bytes(path), "flexmb")))
 
 
 def _flat(content: "dict[Any, Any]", prefix: str = "") -> "Iterator[Any]":

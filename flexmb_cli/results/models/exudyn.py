@@ -5,6 +5,7 @@ has assembled, so that joints are closed to round-off.  Exudyn's reference manua
 Create…) is the source of the calls.
 """
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -63,6 +64,7 @@ rows = np.hstack([table[0][:, :1], *(column[:, 1:] for column in table)])
 np.savetxt("{title}-exudyn.csv", rows, delimiter=",", fmt="%.17g")
 """
 STEPS_PER_ROW = 100
+_NO_WORD = re.compile(r"""[\\"'\x00-\x1f]""")
 
 
 def exudyn_script(model: DynamicModel, start: dict[str, np.ndarray], name: str) -> str:
@@ -71,6 +73,8 @@ def exudyn_script(model: DynamicModel, start: dict[str, np.ndarray], name: str) 
     `start`: "r" (bodies, 3) in m, Euler parameters "p" (bodies, 4), "v" and "omega" (bodies, 3), global axes.
     Raises ModelError for what is not converted.
     """
+    # The name stands in texts of the script: with a quotation mark it could be any statement.
+    name = _NO_WORD.sub("_", name)
     faults = [
         Fault("error", message, place, subject, id="RESULT-025")
         for message, place, subject in _foreign(model)

@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+import tracemalloc
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -215,6 +216,7 @@ def test_a_csv_table_with_a_selection_is_compared_in_its_own_columns(tmp_path):
         ("time [s],body.1.x [m]\n0,1\n0.1\n", "line 3 has 1 columns, the heading 2"),
         ("time [s],body.1.x [m]\n0,one\n", "line 2: could not convert string to float: 'one'"),
         ("time [s],body.1.x [m],body.1.x [m]\n0,1,1\n", "two columns have the same heading"),
+        (f"time [s],body.1.x [m]\n0,{200_000 * '1'}\n", "line 2: field larger than field limit (131072)"),
     ],
 )
 def test_a_csv_table_that_cannot_be_read_is_refused_with_its_line(text, reported, tmp_path):
@@ -222,6 +224,25 @@ def test_a_csv_table_that_cannot_be_read_is_refused_with_its_line(text, reported
     done = compared(write_result(tmp_path / "a.h5", 3), tmp_path / "a.csv")
     assert (done.exit_code, done.stdout) == (2, "")
     assert reported in done.stderr
+
+
+def test_tables_of_many_rows_are_compared_without_a_table_of_all_pairs(tmp_path):
+    """A table of 60,000 times 59,999 rows took 3.6 GB; two files of 5 MB took 90 GB."""
+    rows = [f"{k / 1000},{k % 7}" for k in range(60_000)]
+    for name, chosen in (("a.csv", rows), ("b.csv", rows[:100] + rows[101:])):
+        (tmp_path / name).write_text("\n".join(["time [s],body.1.x [m]", *chosen]))
+    tracemalloc.start()
+    done = compared(tmp_path / "a.csv", tmp_path / "b.csv")
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert done.exit_code == 1
+    assert "1 rows of" in done.stdout and "the first at t = 0.1" in done.stdout
+    assert peak < 100e6
+    (tmp_path / "b.csv").write_text("\n".join(["time [s],body.1.x [m]", *59_000 * ["0,1"]]))
+    (tmp_path / "a.csv").write_text("\n".join(["time [s],body.1.x [m]", *60_000 * ["0,1"]]))
+    done = compared(tmp_path / "a.csv", tmp_path / "b.csv")
+    assert done.exit_code == 2
+    assert "one time stands in many of them" in done.stderr
 
 
 def test_names_in_headings_have_the_kinds_of_their_datasets(tmp_path):
@@ -280,8 +301,17 @@ def test_a_tolerance_of_a_quantity_holds_for_tables_and_exports_too(tmp_path):
         ('[quantities]\n"body.9.x" = 1', 'quantities "body.9.x"'),
         ('[files."tow.h5"]\natol = 1', 'files "tow.h5"'),
         ("files = 3", 'write a table of tolerances for each, [files."PATTERN"]'),
-        ("atol =", "is no TOML file"),
+        ("atol =", "is no TOML file: Invalid value"),
+        # Found by fuzzing: a traceback each, or hours.
+        ("atol = " + 5000 * "9", "is no TOML file: Exceeds the limit"),
+        ("kinds = " + 3000 * "[", "is no TOML file: "),
+        (
+            ".".join(100_000 * "a") + " = 1",
+            "is no TOML file: a name of more than 64 parts (line 1, column 1)",
+        ),
+        ("atol = 1 # \0", "--tolerances: "),
     ],
+    ids=lambda value: value[:30],
 )
 def test_a_tolerance_that_would_do_nothing_is_refused(text, reported, folders, tmp_path):
     done = compared(*folders, "--tolerances", tolerances(tmp_path, text))

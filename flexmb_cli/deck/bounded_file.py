@@ -1,0 +1,25 @@
+"""Content of a stream that may be longer than anybody wants, without room for the longest."""
+
+import os
+from contextlib import suppress
+from typing import BinaryIO
+
+_PIECE = 2**20  # bytes
+
+
+def first_bytes(stream: BinaryIO, most: int) -> bytes:
+    """Return the first `most` bytes of a stream, or all of them.
+
+    `stream.read(most)` reserves as many bytes as are asked for, whatever there is.
+    """
+    expected = 0
+    # A stream in memory has no descriptor.
+    with suppress(OSError, ValueError):
+        expected = os.fstat(stream.fileno()).st_size
+    pieces = [stream.read(min(expected + 1, most))]
+    found = len(pieces[0])
+    # A pipe or a device tells no size, and a file may have grown.
+    while expected < found < most and (piece := stream.read(min(_PIECE, most - found))):
+        pieces.append(piece)
+        found += len(piece)
+    return b"".join(pieces)
