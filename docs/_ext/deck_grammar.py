@@ -9,7 +9,8 @@ from pathlib import Path
 
 from flexmb_cli.dialects.dafms.cards import CARDS as DAFMS
 from flexmb_cli.dialects.vsdf.cards import BY_WORD, DATA_WORDS
-from flexmb_cli.dialects.young.dynamic_cards import BY_KEYWORD, LAST_CARD
+from flexmb_cli.dialects.young.cards import BY_KEYWORD
+from flexmb_cli.dialects.young.dynamic_cards import LAST_CARD
 
 FILE = Path(__file__).resolve().parents[2] / "docs/editors/vscode/syntaxes/flexmb.tmLanguage.json"
 # Lines of their own that open and close models.

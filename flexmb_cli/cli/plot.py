@@ -13,6 +13,7 @@ from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
     from ..results.figures.curves import Panel, Source
+    from ..results.figures.look import Look
 
 
 @click.command()
@@ -160,7 +161,6 @@ def _drawn(
     panels: "list[Panel]", form: str, title: str, width: float | None, options: "dict[str, Any]"
 ) -> bytes:
     """The picture's bytes; options of print need a width."""
-    from ..quick_dataclass import replace
     from ..results.figures.look import Look
     from ..results.figures.plots import picture
 
@@ -171,18 +171,22 @@ def _drawn(
         raise click.UsageError(
             f"--style {options['style']}: a file wanted; nothing is fetched from a network"
         )
-    look = width and Look(width, options["font"], options["font_size"], options["style"], options["latex"])
-    if look and look.lacks_font:
-        tell(f"flexmb: warning: --font {look.font}: no such font is installed; matplotlib's own is taken")
-        look = replace(look, font="")
+    look = None
     try:
-        return picture(panels, form, title, look or None)
-    except (OSError, ValueError) as error:
-        if not options["style"]:
-            raise
+        if width:
+            look = Look(width, *(options[name] for name in ("font", "font_size", "style", "latex")))
+        return picture(panels, form, title, look, lambda family: _warn_of_font(look, family))
+    except ValueError as error:
+        raise click.UsageError(f"--width: {error}") from None
+    except OSError as error:
         raise click.UsageError(f"--style {options['style']}: {error}") from None
     except (RuntimeError, FileNotFoundError) as error:
         raise click.UsageError(f"--latex: LaTeX cannot be run: {str(error).splitlines()[0]}") from None
+
+
+def _warn_of_font(look: "Look | None", family: str) -> None:
+    option = f"--style {look.style}: font" if look and family != look.font else "--font"
+    tell(f"flexmb: warning: {option} {family}: no such font is installed; matplotlib's own is taken")
 
 
 def _source(

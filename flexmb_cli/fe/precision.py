@@ -1,8 +1,12 @@
-"""How well the digits of the matrix files determine each frequency.
+"""Precision to which the digits of the matrix files determine each frequency.
 
 First-order perturbation: with unit modal mass the errors δK, δM of the entries shift the eigenvalue by
 φ' δK φ - ω² φ' δM φ, the frequency by half of that over ω², relatively.  Slender bodies lose digits by it:
 their strain energy is what large terms φ_i K_ij φ_j of opposite signs leave.
+
+Numbers were rounded to some digits when nearly all of many different ones need just these.  Otherwise a
+number has as many digits as the longest that the file prints, zeros included: 0.108 in a file of sixteen
+digits means 0.1080000000000000.  Where all are short, like 2.0 and 0.108, they are exact.
 
 Entries that are written alike are rounded alike.  In a regular mesh such errors add up instead of averaging
 out, hence the sum over entries of one magnitude before the sum of squares over magnitudes.
@@ -26,6 +30,10 @@ if TYPE_CHECKING:
 DECIMALS = 15
 # Decimal digits of single precision; its values are decimals of more digits, of which the last say nothing.
 SINGLE = 7
+# Programs that print matrices print at least so many digits.
+FEWEST_PRINTED = 5
+# Of numbers rounded to some digits nine tenths need all of them; a few numbers may do so by chance.
+NEED_ALL, BY_CHANCE = 0.7, 10
 # Rounded matrices miss twice the root sum of squares in one case of twenty.
 MARGIN = 2.0
 # Rounding and the forces of a translation tell the same error within these factors; a stiffness that balances
@@ -43,21 +51,26 @@ class EntryErrors:
 
 
 def frequency_errors(K: NodalMatrix, S: NodalMatrix, shapes: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Relative errors (N,) to expect of the frequencies of `shapes` (3 n, N), axes of the node table.
+    """Relative errors (2, N) to expect of the frequencies of `shapes` (3 n, N), by `K` and by `S`.
 
-    `values` (N,): eigenvalues ω², rad²/s²; the shapes have unit modal mass.
+    `values` (N,): eigenvalues ω², rad²/s²; the shapes have unit modal mass, axes of the node table.
     """
     of_stiffness = _energy_errors(K, stiffness_errors(K), shapes) / values
-    of_mass = _energy_errors(S, rounding_errors(S.file.values), shapes)
-    return MARGIN / 2 * np.hypot(of_stiffness, of_mass)
+    of_mass = _energy_errors(S, rounding_errors(S.file.values, S.file.digits), shapes)
+    return MARGIN / 2 * np.vstack([of_stiffness, of_mass])
 
 
-def rounding_errors(values: np.ndarray) -> EntryErrors:
-    """Return errors of `values` (k,) that were rounded to as many digits as they have."""
-    digits, single = _decimals(values), values.astype(np.float32)
-    if digits > SINGLE and (single == values).all():
+def rounding_errors(values: np.ndarray, printed: int = 0) -> EntryErrors:
+    """Return errors of `values` (k,) that were rounded to as many digits as they have.
+
+    `printed`: digits that the text shows, 0 where there is none.
+    """
+    needed, single = _decimals(values), values.astype(np.float32)
+    rounded = _look_rounded(values, needed)
+    digits = needed if rounded else max(needed, printed)
+    if needed > SINGLE and (single == values).all():
         return EntryErrors(_uniform(np.spacing(np.abs(single)).astype(float), values), True, SINGLE)
-    if digits > DECIMALS:
+    if digits > DECIMALS or (digits < FEWEST_PRINTED and not rounded):
         return EntryErrors(_uniform(np.spacing(np.abs(values)), values), True, digits)
     power = np.floor(np.log10(np.where(values, np.abs(values), 1.0)))
     return EntryErrors(_uniform(10.0 ** (power + 1 - digits), values), True, digits)
@@ -66,12 +79,20 @@ def rounding_errors(values: np.ndarray) -> EntryErrors:
 def _decimals(values: np.ndarray) -> int:
     """The significant digits that all values are content with, DECIMALS + 1 where these are too few."""
     magnitudes = distinct(np.abs(values[values != 0]))
-    power = np.floor(np.log10(magnitudes))
-    for digits in range(1, DECIMALS + 1):
-        unit = 10.0 ** (power + 1 - digits)
-        if (np.abs(np.rint(magnitudes / unit) * unit - magnitudes) <= 1e-15 * magnitudes).all():
-            return digits
-    return DECIMALS + 1
+    fits = (digits for digits in range(1, DECIMALS + 1) if _fits(magnitudes, digits).all())
+    return next(fits, DECIMALS + 1)
+
+
+def _fits(magnitudes: np.ndarray, digits: int) -> np.ndarray:
+    """Return which numbers are content with so many significant digits."""
+    unit = 10.0 ** (np.floor(np.log10(magnitudes)) + 1 - digits)
+    return np.abs(np.rint(magnitudes / unit) * unit - magnitudes) <= 1e-15 * magnitudes
+
+
+def _look_rounded(values: np.ndarray, digits: int) -> bool:
+    """Return whether nearly all of many different numbers need all of their digits."""
+    magnitudes = distinct(np.abs(values[values != 0]))
+    return len(magnitudes) >= BY_CHANCE and bool(np.mean(~_fits(magnitudes, digits - 1)) > NEED_ALL)
 
 
 def _uniform(unit: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -84,7 +105,7 @@ def stiffness_errors(K: NodalMatrix) -> EntryErrors:
 
     Those sum up a row of errors, and would be zero without.
     """
-    file, rounding = K.file, rounding_errors(K.file.values)
+    file, rounding = K.file, rounding_errors(K.file.values, K.file.digits)
     shifts = K.extended(np.tile(np.eye(3), (len(K.matrix.diagonal()) // 3, 1)))
     forces, expected = np.zeros((2, file.size, 3))
     for rows, columns, kept in _directions(file):

@@ -182,15 +182,17 @@ def _errors(
     heavy = len(basis.values) - basis.massless
     errors = np.full(len(basis.values), np.nan)
     shapes = _in_axes_of_table(frame, as_solved(frame, basis.shapes[:, :heavy]))
-    errors[:heavy] = frequency_errors(matrices.of_stiffness, matrices.of_mass, shapes, basis.values[:heavy])
+    parts = frequency_errors(matrices.of_stiffness, matrices.of_mass, shapes, basis.values[:heavy])
+    errors[:heavy] = np.hypot(*parts)
     worst = int(np.argmax(errors[:heavy]))
     if errors[worst] > DOUBTFUL_FREQUENCY:
+        by_mass = parts[1, worst] > parts[0, worst]
         message = (
-            f"the digits of the matrices leave mode {worst + 1}, "
+            f"the digits of the {'mass' if by_mass else 'stiffness'} matrix leave mode {worst + 1}, "
             f"{math.sqrt(basis.values[worst]) / math.tau:.4g} Hz, a relative error of about "
-            f"{errors[worst]:.0e}; export them with more digits, in double precision"
+            f"{errors[worst]:.0e}; export it with more digits, in double precision"
         )
-        findings.warn(given.name, message, given.stiffness.place, id="FE-012")
+        findings.warn(given.name, message, (given.mass if by_mass else given.stiffness).place, id="FE-012")
     return errors
 
 

@@ -3,6 +3,8 @@
 The names and the layout of a block are numba's (numba/core/runtime/nrt.cpp).
 """
 
+from typing import Any
+
 from llvmlite import ir
 
 WORD, _BYTE, _INT = ir.IntType(64), ir.IntType(8), ir.IntType(32)
@@ -28,7 +30,7 @@ def add_allocator(module: ir.Module) -> None:
     builder.ret_void()
 
 
-def _add_alloc(module, malloc, name: str, aligned) -> None:
+def _add_alloc(module: Any, malloc: Any, name: str, aligned: Any) -> None:
     """void *name(size, alignment): a block with one reference, null where there is no memory."""
     parameters = [WORD, _INT] if aligned else [WORD]
     function = ir.Function(module, ir.FunctionType(_ADDRESS, parameters), name)

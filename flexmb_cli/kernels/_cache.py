@@ -41,12 +41,12 @@ def _is_own(found: os.stat_result) -> bool:
     return not hasattr(os, "getuid") or (found.st_uid in (0, os.getuid()) and not found.st_mode & 0o022)
 
 
-def _is_safe_base(found):
+def _is_safe_base(found: os.stat_result):
     """A folder for all, such as /tmp, will do where nobody can take away what is another's."""
     return _is_own(found) or (found.st_uid == 0 and bool(found.st_mode & stat.S_ISVTX))
 
 
-def _refuse(path, found) -> None:
+def _refuse(path: Path, found: os.stat_result) -> None:
     if stat.S_ISLNK(found.st_mode):
         reason = "it is a link; remove it"
     elif found.st_uid not in (0, os.getuid()):
@@ -98,7 +98,7 @@ def content(name: str) -> bytes | None:
     return None
 
 
-def _open_unlinked(path, flags):
+def _open_unlinked(path: str, flags: int) -> int:
     """Open a regular file, not what a link or a pipe of that name leads to."""
     number = os.open(path, flags | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
     if not stat.S_ISREG(os.fstat(number).st_mode):
@@ -120,7 +120,7 @@ def folder_to_write() -> Path | None:
     return None
 
 
-def _make(folder) -> None:
+def _make(folder: Path) -> None:
     folder.parent.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     for below in (folder.parent, folder):
         below.mkdir(mode=0o700, exist_ok=True)
@@ -150,7 +150,7 @@ def versions(place: Path) -> list[Path]:
     return sorted(found, key=lambda path: path.stat().st_mtime, reverse=True)
 
 
-def _prune(folder) -> None:
+def _prune(folder: Path) -> None:
     """Delete the folders of old versions."""
     import shutil
 

@@ -91,15 +91,15 @@ class LoadedObject:
         places = range(first, first + size * count, size)
         return [_Section(*struct.unpack_from("<IIQQQQIIQQ", self._code, place)) for place in places]
 
-    def _entries(self, section, kind):
+    def _entries(self, section: Any, kind: Any):
         return np.frombuffer(self._code, kind, section.size // kind.itemsize, section.offset)
 
-    def _text(self, table, offset):
+    def _text(self, table: int, offset: int):
         """The name at `offset` of a string table."""
         begin = self._sections[table].offset + offset
         return self._code[begin : self._code.index(b"\0", begin)]
 
-    def _name(self, symbol):
+    def _name(self, symbol: int):
         return self._text(self._table.link, int(self._symbols["name"][symbol])).decode()
 
     def _laid_out(self):
@@ -145,7 +145,7 @@ class LoadedObject:
                 for kind in _WIDTHS:
                     self._write_values(found[found["kind"] == kind], kind, self._places[section.info])
 
-    def _write_values(self, relocations, kind, place: tuple[float, float, float]) -> None:
+    def _write_values(self, relocations: np.ndarray, kind: Any, place: Any) -> None:
         """Write S + A, or S + A - P, of all relocations of a kind."""
         offsets = place + relocations["offset"]
         addresses = self._addresses[relocations["symbol"]]
@@ -164,7 +164,7 @@ class LoadedObject:
             raise NotLoadedError(f"memory cannot be made executable: errno {ctypes.get_errno()}")
 
 
-def _rounded_up(size: int, step):
+def _rounded_up(size: int, step: int):
     return size + -size % max(1, step)
 
 

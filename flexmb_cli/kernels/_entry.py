@@ -74,13 +74,13 @@ class Entry:
                 return result
         return self._call_new(values)
 
-    def _call_new(self, values):
+    def _call_new(self, values: tuple[Any, ...]):
         """Load or compile what takes such values, and call it."""
         if _objects.target() is None or not self._make_ready(values):
             return self.dispatcher(*values)
         return self(*values)
 
-    def _make_ready(self, values) -> bool:
+    def _make_ready(self, values: tuple[Any, ...]) -> bool:
         """Load or compile what takes such values; whether an object can."""
         unit = unit_of(self._name)
         if unit is not None and Words(unit_parameters(unit)[self._name]).pack(values):
@@ -92,7 +92,9 @@ class Entry:
         own = f"{self._name}-{hashlib.sha256(key_of(parameters).encode()).hexdigest()[:12]}"
         return self._find(values, own, self._digest(), lambda: [(self, self._name, parameters)])
 
-    def _find(self, values, unit, digest, entries) -> bool:
+    def _find(
+        self, values: tuple[Any, ...], unit: str, digest: str, entries: Callable[[], list[Any]]
+    ) -> bool:
         """Load a unit, or compile its entries; whether this kernel then takes the values."""
 
         def found():

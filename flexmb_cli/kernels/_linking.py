@@ -59,7 +59,7 @@ class WholeLibrary(JITCodeLibrary):
                 self._codegen.set_env(variable.name, constants)  # type: ignore[attr-defined]
 
 
-def with_parts_of_parts(libraries):
+def with_parts_of_parts(libraries: Any):
     """All of them, each before those that it calls.
 
     LLVM links such a function only where something that is linked already calls it, and a part may name
@@ -67,7 +67,7 @@ def with_parts_of_parts(libraries):
     """
     found, ended = {}, []  # type: ignore[var-annotated]
 
-    def visit(library) -> None:
+    def visit(library: Any) -> None:
         if library not in found:
             found[library] = None
             for called in library._linking_libraries if isinstance(library, PartLibrary) else ():
@@ -79,7 +79,7 @@ def with_parts_of_parts(libraries):
     return reversed(ended)
 
 
-def refuse_missing(module) -> None:
+def refuse_missing(module: Any) -> None:
     """Code without what it calls would end the process when it runs, and be kept on the disk.
 
     So would code that numba is to bind late, when the process knows all addresses.
@@ -99,7 +99,7 @@ class WholeCompiler(Compiler):
         """Return the only way from text to LLVM's language."""
         return [ShortPipeline()]
 
-    def compile_extra(self, func):
+    def compile_extra(self, func: Any):
         """Compile into a `WholeLibrary`, which can be kept on the disk."""
         self.state.library = WholeLibrary(self.state.targetctx.codegen(), func.__qualname__)
         self.state.library.enable_object_caching()
@@ -117,7 +117,7 @@ class PartCompiler(Compiler):
         """Return the only way from text to LLVM's language."""
         return [ShortPipeline()]
 
-    def compile_extra(self, func):
+    def compile_extra(self, func: Any):
         """Compile into a `PartLibrary`; what numba takes for an address is a key to find it by."""
         self.state.library = PartLibrary(self.state.targetctx.codegen(), func.__qualname__)
         self.state.flags.no_compile = True
@@ -128,7 +128,7 @@ class PartCompiler(Compiler):
         return result._replace(entry_point=key)
 
 
-def _refuse_uncounted(function, flags, result):
+def _refuse_uncounted(function: Any, flags: Any, result: Any):
     """Refuse a kernel that counts references to arrays and gets one from a kernel that does not, or else.
 
     The memory of such an array would be given back while it is in use, or never.
@@ -145,7 +145,7 @@ def _refuse_uncounted(function, flags, result):
             )
 
 
-def _holds_arrays(kind):
+def _holds_arrays(kind: Any):
     """Return whether a type is an array or holds one."""
     if isinstance(kind, types.BaseTuple):
         return any(map(_holds_arrays, kind))  # type: ignore[call-overload]
@@ -155,7 +155,7 @@ def _holds_arrays(kind):
 class Part(CPUDispatcher):
     """A function as kernels call it."""
 
-    def add_overload(self, cres) -> None:
+    def add_overload(self, cres: Any) -> None:
         """Keep what was compiled for kernels; there is nothing that Python could call."""
         self.overloads[tuple(cres.signature.args)] = cres
 

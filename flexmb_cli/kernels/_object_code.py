@@ -3,13 +3,13 @@
 A wrapper takes the numbers, addresses and lengths of the arguments as 64-bit words.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import llvmlite.binding as llvm
 
 from ._allocator import add_allocator
 from ._front_end import quick
-from ._linking import ENVIRONMENT, Kernel, refuse_missing, with_parts_of_parts
+from ._linking import ENVIRONMENT, refuse_missing, with_parts_of_parts
 from ._numba import cpu_target, create_nrt_module, global_compiler_lock
 from ._objects import OF_C
 from ._values import add_wrapper, numba_type, result_of
@@ -19,7 +19,7 @@ class Entry(NamedTuple):
     """A kernel that Python calls."""
 
     name: str  # "module.function"
-    kernel: Kernel  # the Python function
+    kernel: Any  # the Python function, a Kernel
     parameters: list  # as `_arguments` describes them
 
 
@@ -38,7 +38,7 @@ def emit_object(unit: str, entries: list[Entry], machines: dict) -> dict:
         return {target: (reported, _machine_code(module, *machine)) for target, machine in machines.items()}
 
 
-def _linked(unit, entries):
+def _linked(unit: str, entries: list[Entry]):
     """LLVM's code of all entries with their parts, and what tells of each."""
     context = cpu_target.target_context
     library = context.codegen().create_library(unit)
@@ -65,7 +65,7 @@ def _linked(unit, entries):
     return module.as_bitcode(), reported
 
 
-def _hide_all_but(module, symbols) -> None:
+def _hide_all_but(module: Any, symbols: Any) -> None:
     """Leave nothing else to be seen: LLVM may then change how functions are called, or drop them."""
     for function in module.functions:
         if not function.is_declaration and function.name not in symbols:
@@ -76,7 +76,7 @@ def _hide_all_but(module, symbols) -> None:
             variable.linkage = "internal"
 
 
-def _machine_code(bitcode, triple, processor):
+def _machine_code(bitcode: bytes, triple: str, processor: str):
     """Position-independent object of LLVM's code; nothing allows a fused multiply-add."""
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
@@ -102,7 +102,7 @@ def _machine_code(bitcode, triple, processor):
     return machine.emit_object(module)
 
 
-def _refuse_foreign(module) -> None:
+def _refuse_foreign(module: Any) -> None:
     """Return what neither the object nor the C library has would be called at address 0."""
     called = {function.name for function in module.functions if function.is_declaration}
     foreign = {name for name in called if not name.startswith("llvm.")} - OF_C

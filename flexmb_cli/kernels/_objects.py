@@ -65,7 +65,7 @@ def kernel_digest() -> str:
     return digest.hexdigest()[:16]
 
 
-def _texts(folder) -> "Iterator[Any]":
+def _texts(folder: str) -> "Iterator[Any]":
     """Paths of the files of Python that the kernels consist of."""
     for found in os.scandir(folder):
         if found.is_dir():
@@ -149,7 +149,7 @@ def load(content: bytes, digest: str) -> dict[str, list[Compiled]]:
     return found
 
 
-def _elf_engine(code):
+def _elf_engine(code: bytes):
     """Return an object of x86-64 Linux in memory, None where only LLVM can load it."""
     if target() != "x86_64-linux":
         return None
@@ -160,7 +160,7 @@ def _elf_engine(code):
     return None
 
 
-def _llvm_engine(code):
+def _llvm_engine(code: bytes):
     require_memory(TO_LOAD)
     import llvmlite.binding as llvm
 
@@ -176,7 +176,7 @@ def _llvm_engine(code):
     return engine
 
 
-def _name_symbols(llvm) -> None:
+def _name_symbols(llvm: Any) -> None:
     """Tell LLVM where the functions of the C library are: on Windows it does not find them by itself."""
     library = ctypes.WinDLL("ucrtbase")  # type: ignore[attr-defined]
     for name in OF_C:

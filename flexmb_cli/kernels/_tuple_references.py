@@ -41,7 +41,7 @@ class _Address(models.PrimitiveModel):
 class _FieldTypes(AttributeTemplate):
     key = TupleReference
 
-    def generic_resolve(self, reference, name):  # type: ignore[override]
+    def generic_resolve(self, reference: Any, name: str):  # type: ignore[override]
         """Return the type of a field, None where there is no such field."""
         field = reference.fields.get(name)
         return field and field.kind

@@ -34,7 +34,7 @@ def numba_type(parameter: Any):
     return {"i": types.int64, "f": types.float64, "b": types.boolean}[parameter]
 
 
-def _named(parameter, kinds):
+def _named(parameter: list[Any], kinds: Any):
     """The type of a named tuple; its fields follow one another."""
     module, _, name = parameter[1].partition(":")
     names = getattr(importlib.import_module(module), name)._fields
@@ -72,14 +72,14 @@ def add_wrapper(context: Any, module: ir.Module, symbol: str, compiled: Any) -> 
     builder.ret(code(0))
 
 
-def _values(context, builder, words, kinds, first: int = 0) -> "Iterator[Any]":
+def _values(context: Any, builder: Any, words: Any, kinds: Any, first: int = 0) -> "Iterator[Any]":
     """Yield the values of types that follow one another from word `first` on."""
     for kind in kinds:
         yield _value(context, builder, words, first, kind)
         first += _size(kind)
 
 
-def _size(kind) -> int:
+def _size(kind: Any) -> int:
     """Return how many words a value of a type takes."""
     if isinstance(kind, TupleReference):
         return sum(_size(field.kind) for field in kind.fields.values())
@@ -88,7 +88,7 @@ def _size(kind) -> int:
     return 1 + kind.ndim if isinstance(kind, types.Array) else 1
 
 
-def _value(context, builder, words, first: int, kind):
+def _value(context: Any, builder: Any, words: Any, first: int, kind: Any):
     """numba's value of the type `kind` from word `first` on."""
     if isinstance(kind, TupleReference):
         return builder.gep(words, [WORD(first)])
@@ -104,7 +104,7 @@ def _value(context, builder, words, first: int, kind):
     return builder.icmp_unsigned("!=", word, WORD(0)) if isinstance(kind, types.Boolean) else word
 
 
-def _read(builder, words, place: int, kind):
+def _read(builder: Any, words: Any, place: int, kind: Any):
     """The word at a place as a value of LLVM's type `kind`; no store of a kernel changes it."""
     at = builder.bitcast(builder.gep(words, [WORD(place)]), kind.as_pointer())
     word = builder.load(at)
@@ -113,13 +113,13 @@ def _read(builder, words, place: int, kind):
 
 
 @lower_getattr_generic(TupleReference)
-def _field_value(context, builder, reference, words, name: str):
+def _field_value(context: Any, builder: Any, reference: Any, words: Any, name: str):
     """The value of a field of a tuple."""
     field = reference.fields[name]
     return _value(context, builder, words, field.first, field.kind)
 
 
-def _contiguous(context, builder, kind, data, shape, owner):
+def _contiguous(context: Any, builder: Any, kind: Any, data: Any, shape: Any, owner: Any):
     """numba's value of an array in the memory of `owner`."""
     size = WORD(context.get_abi_sizeof(context.get_data_type(kind.dtype)))
     strides = [size]
@@ -134,11 +134,11 @@ def _contiguous(context, builder, kind, data, shape, owner):
 
 
 @intrinsic
-def _block(typing, flat, first, shape):
+def _block(typing: Any, flat: Any, first: Any, shape: Any):
     """The view of `linalg.blocks`: numba's own reshape looks at all strides, and took a tenth of a step."""
     kind = types.Array(flat.dtype, len(shape), "C")
 
-    def generate(context, builder, signature, values):
+    def generate(context: Any, builder: Any, signature: Any, values: Any):
         array = make_array(flat)(context, builder, values[0])
         data, lengths = builder.gep(array.data, [values[1]]), cgutils.unpack_tuple(builder, values[2])
         view = _contiguous(context, builder, kind, data, lengths, array.meminfo)
@@ -152,7 +152,7 @@ def built_in_type(name: str) -> types.Type:
     return cpu_target.typing_context.resolve_value_type({"block": _block}[name])
 
 
-def _store_result(builder, kind, value, room, k: Any):
+def _store_result(builder: Any, kind: Any, value: Any, room: Any, k: Any):
     """Store what a kernel returns from word k on; return the word behind it."""
     if kind is types.none:
         return k

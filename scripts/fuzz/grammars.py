@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from flexmb_cli.dialects.dafms import cards as dafms_cards
 from flexmb_cli.dialects.vsdf import cards as vsdf_cards
 from flexmb_cli.dialects.vsdf.card import WIDTHS
-from flexmb_cli.dialects.young import dynamic_cards
+from flexmb_cli.dialects.young import cards as young_cards
 from flexmb_cli.dialects.young.sections import COUNTS, TIME, YOUNG_SECTIONS
 
 HOSTILE_INTEGERS = (0, -1, 7, 99, 99999, 10**6, 2**31, 10**11, 10**15, 10**18, -(10**9), 10**40)
@@ -65,7 +65,7 @@ def _young_record(draw, columns):
 
 
 def _young_dynamics(draw):
-    cards = draw(st.lists(st.sampled_from(dynamic_cards.CARDS), max_size=6))
+    cards = draw(st.lists(st.sampled_from(young_cards.CARDS), max_size=6))
     lines = [f"{card.keyword} {_young_record(draw, card.columns)}" for card in cards]
     return ["", f"DYNAMICS {draw(st.sampled_from(('forward', 'inverse')))}", *lines, "END"]
 

@@ -9,7 +9,7 @@ from flexmb_cli.deck.dialogue import Dialogue, draft_text, from_draft
 from flexmb_cli.deck.text import decode, read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.young.build import build_young
-from flexmb_cli.dialects.young.form import YoungForm
+from flexmb_cli.dialects.young.dialogue.form import YoungForm
 from flexmb_cli.errors import DeckError
 
 DECKS = Path(__file__).parents[2] / "decks" / "young"

@@ -13,6 +13,7 @@ from flexmb_cli.model.loads import AppliedForce, AppliedTorque, DynamicModel, Ma
 from flexmb_cli.model.mechanism import Body, Joint, Mechanism, TimeGrid
 from flexmb_cli.results.texts.verify_text import verify_text
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.verify.difference import Size, largest_difference
 from flexmb_cli.run.verify.verify import verify_deck
 from flexmb_cli.solvers.natural_coordinates import motion
 from flexmb_cli.solvers.natural_coordinates.motion import NaturalMotion, coordinates_of, speeds_of
@@ -64,6 +65,43 @@ def test_an_error_in_one_of_the_formulations_shows(tmp_path, monkeypatch):
     right = motion.mass_matrix
     monkeypatch.setattr(motion, "mass_matrix", lambda model: right(model) * 1.001)
     assert verified(deck).outcome.exit_code == 1
+
+
+TURNTABLE = Path(__file__).resolve().parents[1] / "solvers/linearisation/turning/turntable.dat"
+
+
+@pytest.mark.parametrize("driver", ["2 6 0 3 0", "2 6 0 0 0"], ids=["turning", "at rest"])
+def test_a_mass_that_rests_between_springs_agrees_though_all_its_motion_is_round_off(tmp_path, driver):
+    """Newton's first law: 100 N/m from both sides leave the mass of a turntable in its centre."""
+    deck = tmp_path / "IN.dat"
+    deck.write_text(TURNTABLE.read_text().replace("2 6 0 3 0", driver))
+    found = verified(deck, 1e-6)
+    assert found.outcome.exit_code == 0, found.differences
+    speed = next(each for each in found.differences if each.name == "body velocity")
+    assert speed.difference < 1e-12 < speed.scale
+
+
+@pytest.mark.long_motion
+def test_a_truss_that_rests_between_springs_agrees_in_both_frames(deck):
+    """Two springs pull at one node with 100 N to either side."""
+    position = truss(5)[0][16 - 11] + [0.1, 0.2, 0.3]
+    nodes = [position + [side, 0.0, 0.0] for side in (-2.0, 2.0)]
+    cards = [f"{0:5d}{k:5d}" + "".join(f"{x:10.6f}" for x in node) for k, node in enumerate(nodes, 1)]
+    springs = [f"{k:5d}    1   16    0{k:5d}     100.0       0.0       1.0" for k in (1, 2)]
+    head, tail = TRUSS.split("VELO\n")[0], TRUSS[TRUSS.index("TIME\n") :]
+    deck.write_text("\n".join([head + "NODE", *cards, "SPRI", *springs, tail]))
+    found = verified(deck, 1e-6)
+    assert found.outcome.exit_code == 0, found.differences
+
+
+def test_a_motion_far_slower_than_the_size_of_the_mechanism_is_compared_by_itself():
+    """A millionth of the length in the time of the run is the least speed that counts; 1e-4 is above it."""
+    size = Size(length=2.0, time=4.0, mass=3.0)
+    slow = largest_difference("v", "m/s", np.zeros(2), np.full(2, 1e-4), np.full(2, 1.1e-4), size)
+    assert slow.relative == pytest.approx(0.1)
+    rest = largest_difference("v", "m/s", np.zeros(2), np.full(2, 1e-17), np.full(2, -1e-17), size)
+    assert rest.scale == 2.0 / 4.0 * 1e-6
+    assert size.least("m, rad") == 2e-6 and size.least("N, N m") == 1e-3 * 3.0 * 2.0 / 16.0 * 2.0
 
 
 def test_screws_are_refused_by_name():

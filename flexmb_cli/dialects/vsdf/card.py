@@ -45,6 +45,11 @@ def whole_column(key: str, meaning: str, default: int | None = 0) -> Column:
     return Column(key, meaning, letter="I", default=default)
 
 
+def word_column(key: str, meaning: str, words: tuple[str, ...]) -> Column:
+    """A field of one of some words."""
+    return Column(key, meaning, letter="A", skip=1, words=words, default=None)
+
+
 def vector_columns(key: str, meaning: str, unit: str = "", default: float | None = 0.0) -> tuple[Column, ...]:
     """The fields of three components."""
     return tuple(Column(f"{key}.{axis}", f"{meaning}, {axis}", unit, default=default) for axis in "xyz")

@@ -1,8 +1,6 @@
 """The dynamic cards of a YOUNG deck to masses, loads and first velocities of its mechanism."""
 
-import math
 from functools import partial
-from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +11,6 @@ from ...errors import Fault, ModelError
 from ...model.arrays.dynamic import inertia_matrix
 from ...model.diagnostics import Findings
 from ...model.loads import (
-    AlphaSteps,
     AppliedForce,
     AppliedTorque,
     DynamicModel,
@@ -22,13 +19,13 @@ from ...model.loads import (
     SpringDamper,
 )
 from ...model.mechanism import GROUND
-from ...model.time_checks import unsteppable
 from .build import build_young
 from .dynamic_cards import FORWARD, analysis_of
 from .elements.build import build_elements, build_functions
+from .integration_cards import alpha_steps, check_method, check_time, tolerance_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
 
 ELEMENTS = ("Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx")
@@ -37,8 +34,6 @@ _OF_BODIES = (
     *("revcyl", "revsph", "sphsph"),
 )
 INERTIA_ROUND_OFF = 1e-9  # of the largest moment of inertia
-DEFAULT_TOLERANCE = 1e-9
-LEAST_TOLERANCE, MOST_TOLERANCE = 1e-13, 1e-2
 
 
 def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
@@ -51,7 +46,7 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
     functions = build_functions(deck, findings)
     _check_bodies(deck, len(mechanism.bodies), findings)
     _check_once(deck, findings)
-    _check_method(deck, findings)
+    check_method(deck, findings)
     model = DynamicModel(
         mechanism,
         analysis_of(deck),  # type: ignore[arg-type]
@@ -61,13 +56,13 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
         _one_of(_made(deck, "spring", _spring, findings), _made(deck, "damper", _damper, findings)),
         next((record.vector("g") for record in deck.section("gravity")), (0.0, 0.0, 0.0)),
         _made(deck, "velocity", _velocity, findings),
-        _tolerance(deck, findings),
-        _alpha_steps(deck, findings),
+        tolerance_of(deck, findings),
+        alpha_steps(deck, findings),
         bool(deck.section("radau")),
         build_elements(deck, mechanism, functions, findings),
     )
     functions.note_unused()
-    _check_time(model, findings)
+    check_time(model, findings)
     _doubt_massless(model, findings)
     _doubt_idle_velocities(model, findings)
     _note_loads_at_rest(model, findings)
@@ -226,57 +221,6 @@ def _velocity(record: Record, _findings: Any) -> InitialVelocity:
     )
 
 
-def _tolerance(deck: Deck, findings: Findings) -> float:
-    """That of RAD5, else that of TOLERANCE, else the default."""
-    found = DEFAULT_TOLERANCE
-    for section, key in (("tolerance", "relative"), ("radau", "tolerance")):
-        for record in deck.section(section):
-            number = record.at(key)
-            if section == "radau" and number.value == 0.0:
-                continue
-            if not (math.isfinite(number.value) and LEAST_TOLERANCE <= number.value <= MOST_TOLERANCE):
-                message = f"must lie between {LEAST_TOLERANCE:g} and {MOST_TOLERANCE:g}; read {number.text}"
-                findings.error(section, message, number.place, id="YOUNG-009")
-            found = float(number.value)
-    return found
-
-
-def _check_method(deck: Deck, findings: Findings) -> None:
-    """A deck has one method, which only a forward analysis uses."""
-    for record in deck.section("radau"):
-        if deck.section("generalised-alpha"):
-            message = "the deck asks for GALF as well; remove one of them"
-            findings.error(record.subject, message, record.place, id="YOUNG-010")
-        if analysis_of(deck) != FORWARD:
-            findings.warn(record.subject, "is not used: nothing is integrated", record.place, id="YOUNG-011")
-
-
-def _alpha_steps(deck: Deck, findings: Findings) -> AlphaSteps | None:
-    records = deck.section("generalised-alpha")
-    if not records:
-        return None
-    step, radius = records[0].at("step"), records[0].at("radius")
-    if not (math.isfinite(step.value) and step.value >= 0.0):
-        findings.error(
-            records[0].subject, f"a step must not be negative; read {step.text}", step.place, id="YOUNG-012"
-        )
-    if not 0.0 <= radius.value <= 1.0:
-        message = f"the spectral radius lies between 0 and 1; read {radius.text}"
-        findings.error(records[0].subject, message, radius.place, id="YOUNG-013")
-    if analysis_of(deck) != FORWARD:
-        findings.warn(
-            records[0].subject, "is not used: nothing is integrated", records[0].place, id="YOUNG-014"
-        )
-    return AlphaSteps(float(step.value), float(radius.value))
-
-
-def _check_time(model: DynamicModel, findings: Findings) -> None:
-    grid = model.mechanism.time
-    fault = unsteppable(max(abs(grid.start), abs(grid.end)), grid.step)
-    if fault and model.analysis == FORWARD:
-        findings.error("time", fault, grid.place, id="YOUNG-015")
-
-
 def _doubt_massless(model: DynamicModel, findings: Findings) -> None:
     reported = {ground.body for ground in model.mechanism.grounds} | {item.body for item in model.masses}
     for number, body in enumerate(model.mechanism.bodies):
@@ -284,18 +228,27 @@ def _doubt_massless(model: DynamicModel, findings: Findings) -> None:
             findings.warn(body.name, "has no MASS card and is taken as massless", body.place, id="YOUNG-016")
 
 
+def _loaded_bodies(
+    model: DynamicModel,
+) -> "Iterator[tuple[AppliedForce | AppliedTorque | SpringDamper, tuple[int, ...]]]":
+    for force in model.forces:
+        yield force, (force.body,)
+    for torque in model.torques:
+        yield torque, (torque.body,)
+    for spring in model.springs:
+        yield spring, (spring.i, spring.j)
+
+
 def _note_loads_at_rest(model: DynamicModel, findings: Findings) -> None:
     """Note the loads that act on bodies at rest only."""
     at_rest = {GROUND, *(ground.body for ground in model.mechanism.grounds)}
     bodies = model.mechanism.bodies
-    loads = ((item, (item.body,)) for item in chain(model.forces, model.torques))  # type: ignore[attr-defined]
-    lines = ((item, (item.i, item.j)) for item in model.springs)
-    for item, numbers in chain(loads, lines):
+    for item, numbers in _loaded_bodies(model):
         if at_rest.issuperset(numbers):
             names = " and ".join(bodies[n].name if n != GROUND else "the ground" for n in numbers)
             held = "is held" if len(numbers) == 1 else "are held"
             message = f"moves nothing: {names} {held} at rest by a ground constraint, which bears it"
-            findings.note(item.name, message, item.place, id="YOUNG-017")  # type: ignore[attr-defined]
+            findings.note(item.name, message, item.place, id="YOUNG-017")
 
 
 def _doubt_idle_velocities(model: DynamicModel, findings: Findings) -> None:

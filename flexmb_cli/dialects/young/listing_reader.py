@@ -7,19 +7,27 @@ do not matter.  Lines that are no part of the layout are passed over.
 
 import re
 import warnings
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...deck.listing import LARGEST_INDEX, EchoLine, Listing, ListingForm, Section, TableError
-from ...deck.table_columns import HEADINGS, OLD_DECIMALS, SECTIONS, Columns
+from ...deck.table_columns import HEADINGS, SECTIONS, Columns
 from ...errors import Fault, Place
 from ...quick_dataclass import dataclass, field
 from .errata import young_errors
+from .listing_rows import (
+    echo_numbers,
+    is_row_of,
+    row_fault,
+    split_index,
+    split_row,
+    unit_of,
+    units_of,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    pass
 
 
 FAST_LINES = 4096
@@ -88,19 +96,19 @@ class _Scan:
         if not head:
             return
         if self._open is not None and head.isdigit():
-            self._take_row(number, line)
-        elif self._interrupted is not None and _is_row_of(self._interrupted.columns, line):
+            self._take_row(self._open, number, line)
+        elif self._interrupted is not None and is_row_of(self._interrupted.columns, line):
             self._open = self._interrupted
-            self._take_row(number, line)
-        elif not self.time and head in "0123456789.+-" and (numbers := _echo_numbers(line)):
+            self._take_row(self._open, number, line)
+        elif not self.time and head in "0123456789.+-" and (numbers := echo_numbers(line)):
             self.echo.append(EchoLine(number, self._title, *numbers))
         else:
             self._take_words(number, line)
 
-    def _take_row(self, number: int, line: str) -> None:
-        self._open.text.append(line)  # type: ignore[union-attr]
-        self._open.step.append(len(self.time) - 1)  # type: ignore[union-attr]
-        self._open.line.append(number)  # type: ignore[union-attr]
+    def _take_row(self, section: _Gathered, number: int, line: str) -> None:
+        section.text.append(line)
+        section.step.append(len(self.time) - 1)
+        section.line.append(number)
 
     def _take_words(self, number: int, line: str) -> None:
         words = line.split()
@@ -117,7 +125,7 @@ class _Scan:
             # Column titles begin a section; behind an unknown heading nothing goes on.
             self._interrupted = None
             if self._open is not None:
-                self._take_title(words[1:])
+                self._take_title(self._open, words[1:])
         else:
             self._interrupted, self._open = self._open or self._interrupted, None
             self._title = " ".join(words)
@@ -143,24 +151,23 @@ class _Scan:
             )
             return
         self.time.append(float(match[1]))
-        self.time_unit = _unit(match[1])
+        self.time_unit = unit_of(match[1])
 
     def _open_section(self, key: str) -> None:
         self._interrupted, self._open = None, self.sections.setdefault(key, _Gathered(SECTIONS[key]))
 
-    def _take_title(self, words: Any) -> None:
+    def _take_title(self, section: _Gathered, words: list[str]) -> None:
         """A title with fewer columns than the layout names those that are there."""
-        standard = self._open.columns  # type: ignore[union-attr]
+        standard = section.columns
         known = {name.lower(): k for k, name in enumerate(standard.names)}
-        chosen = [known.get(word.lower()) for word in words]
-        if len(words) == len(standard.names) or not words or None in chosen:
+        chosen = [known[word.lower()] for word in words if word.lower() in known]
+        if len(words) == len(standard.names) or not words or len(chosen) < len(words):
             return
-        self._open.columns = Columns(  # type: ignore[union-attr]
+        section.columns = Columns(
             standard.item,
-            *(  # type: ignore[arg-type]
-                tuple(values[k] for k in chosen)  # type: ignore[index]
-                for values in (standard.names, standard.kinds, standard.decimals)
-            ),
+            tuple(standard.names[k] for k in chosen),
+            tuple(standard.kinds[k] for k in chosen),
+            tuple(standard.decimals[k] for k in chosen),
         )
 
 
@@ -174,7 +181,7 @@ def _section(key: str, lines: list[str], gathered: _Gathered, faults: Any) -> Se
         if block is None:
             block = _read_one_by_one(key, texts, gathered.line[start : start + FAST_LINES], columns, faults)
         table[start : start + FAST_LINES] = block
-    units = _units(gathered.text[0], columns) if gathered.text else 10.0 ** -np.array(columns.decimals)
+    units = units_of(gathered.text[0], columns) if gathered.text else 10.0 ** -np.array(columns.decimals)
     return Section(
         columns.names,
         columns.kinds,
@@ -227,84 +234,13 @@ def _read_one_by_one(
     block = np.full((len(texts), len(columns.names) + 1), np.nan)
     block[:, 0] = 0
     for row, (text, number) in enumerate(zip(texts, numbers, strict=True)):
-        index, rest, offset = _split_index(text)
-        words = _split_row(rest, columns)
+        index, rest, offset = split_index(text)
+        words = split_row(rest, columns)
         if not 1 <= index <= LARGEST_INDEX:
             sentence = f"a number of a {columns.item} is expected first, read {text[:offset].strip()!r}"
             faults.append(Fault("error", sentence, Place(number, 1, offset), key, id="YOUNG-059"))
         elif words is None:
-            faults.append(_row_fault(key, index, rest, number, offset, columns))
+            faults.append(row_fault(key, index, rest, number, offset, columns))
         else:
             block[row] = [index, *map(float, words)]
     return block
-
-
-def _split_index(text: str) -> tuple[int, str, int]:
-    """Number of the body or point (three columns wide), the rest of the line, and where that begins."""
-    head = INDEX.match(text)
-    end = head.end() if head else 3
-    digits = text[:end].strip()
-    is_number = digits.isdecimal() and digits.isascii() and len(digits) <= 9
-    return (int(digits) if is_number else 0), text[end:], end
-
-
-INDEX = re.compile(r"\s*\d+(?=\s|$)")
-NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?(nan|inf)", re.IGNORECASE | re.ASCII)
-
-
-def _split_row(rest: str, columns: Columns) -> "Sequence[Any] | None":
-    """Spellings of the numbers of a line, separated by blanks or else by the decimals of their columns."""
-    words = rest.split()
-    if len(words) == len(columns.names) and all(NUMBER.fullmatch(word) for word in words):
-        return words
-    for decimals in (columns.decimals, len(columns.decimals) * (OLD_DECIMALS,)):
-        match = _pattern(decimals).fullmatch(rest)
-        if match:
-            return match.groups()
-    return None
-
-
-def _is_row_of(columns: Any, line: str) -> Any:
-    """Return whether a line reads as a body or point and its numbers."""
-    index, rest, _ = _split_index(line)
-    return index > 0 and _split_row(rest, columns) is not None
-
-
-@lru_cache(maxsize=64)
-def _pattern(decimals: tuple[int, ...]) -> re.Pattern[str]:
-    number = r"\s*([-+]?\d*\.\d{%d}|[-+]?nan|[-+]?inf)"
-    return re.compile("".join(number % count for count in decimals) + r"\s*")
-
-
-def _row_fault(key: str, index: int, rest: str, number: int, offset: int, columns: Columns) -> Fault:
-    words = list(re.finditer(r"\S+", rest))
-    bad = next((word for word in words if not NUMBER.fullmatch(word[0])), None)
-    shown = bad or (words[0] if words else None)
-    place = Place(number, offset + (shown.start() if shown else 0) + 1, len(shown[0]) if shown else 1)
-    wanted = f"{len(columns.names)} numbers are expected ({columns.names[0]} … {columns.names[-1]})"
-    read = f"{bad[0]!r} is no number of this table" if bad else f"{len(words)} are there"
-    return Fault("error", f"{wanted}, {read}", place, f"{key} of {columns.item} {index}", id="YOUNG-031")
-
-
-def _units(text: str, columns: Columns) -> np.ndarray:
-    words = _split_row(_split_index(text)[1], columns)
-    if words is None:
-        return 10.0 ** -np.array(columns.decimals)
-    return np.array([_unit(word) for word in words])
-
-
-def _unit(word: str) -> float:
-    """One unit of the last digit of a number in fixed-point notation."""
-    return float(f"1e-{len(word.partition('.')[2])}")
-
-
-def _echo_numbers(line: str) -> "tuple[tuple[Any, ...], tuple[Any, ...]] | None":
-    """Values and units of a line of numbers; None when the line is text.  Echoes print two decimals."""
-    if not re.fullmatch(r"[-+.\d\s]*\d[-+.\d\s]*", line):
-        return None
-    words = re.findall(r"[-+]?\d*\.\d\d|[-+]?\d+(?![.\d])", line)
-    if "".join(words) != "".join(line.split()):
-        words = line.split()
-    if not all(NUMBER.fullmatch(word) for word in words):
-        return None
-    return tuple(map(float, words)), tuple(map(_unit, words))

@@ -6,18 +6,19 @@ never looked at, as in the historic program.
 
 from collections.abc import Iterator
 from contextlib import suppress
-from functools import cached_property, partial
+from functools import partial
 from itertools import islice
 from typing import Any
 
 from ...deck import many_records, number
 from ...deck.many_records import Block, ManyRecords
-from ...deck.record import Deck, DeckText, Number, Record
+from ...deck.record import Deck, DeckText
 from ...deck.shifted_lines import slips, with_slip_named
 from ...deck.words import UNCLOSED, Word, Words, end_of
-from ...errors import DeckError, Fault, FaultList, Place
-from ...quick_dataclass import dataclass, field, replace
+from ...errors import DeckError, Fault, FaultList
+from ...quick_dataclass import dataclass, field
 from .eleven_counts import EARLIER_SECTIONS, are_eleven_counts, completed, lines_begin_records
+from .read_record import ReadRecord, subject_of
 from .sections import BODIES, COUNTS, YOUNG_SECTIONS, Section
 
 DIALECT = "young"
@@ -107,7 +108,7 @@ class _Reading:
         self.faults.append(Fault("error", message, end_of(self.source.lines), subject, id="YOUNG-058"))
 
 
-def _read_counts(reading: _Reading) -> "_Read":
+def _read_counts(reading: _Reading) -> "ReadRecord":
     section = reading.sections[0]
     found = reading.take(len(section.columns))
     record = _record(reading, section, 0, found)
@@ -130,7 +131,7 @@ def _too_few_counts(found: int) -> str:
     return f"the deck ends after {found} of the 12 counts"
 
 
-def _read_sections(reading: _Reading, counts: "_Read") -> "ManyRecords | tuple[_Read, ...]":
+def _read_sections(reading: _Reading, counts: "ReadRecord") -> "ManyRecords | tuple[ReadRecord, ...]":
     wanted = sum(size for _, size in _blocks(reading, counts))
     found = reading.take(wanted)
     records, position = [counts], 0
@@ -149,12 +150,12 @@ def _read_sections(reading: _Reading, counts: "_Read") -> "ManyRecords | tuple[_
                 f"the deck ends {where}; by its counts the deck needs "
                 f"{wanted + len(counts.values)} numbers, it has {reading.taken}"
             )
-            reading.early_end(_subject(section, number_of_record), message)
+            reading.early_end(subject_of(section, number_of_record), message)
             break
     return tuple(records) if wanted <= many_records.MANY_NUMBERS else _many(reading, counts)
 
 
-def _many(reading: _Reading, counts: "_Read") -> ManyRecords:
+def _many(reading: _Reading, counts: "ReadRecord") -> ManyRecords:
     """The records of a large deck without errors."""
     blocks = [Block(COUNTS.name, 1, [counts].__getitem__)]
     first = len(counts.values)
@@ -166,15 +167,15 @@ def _many(reading: _Reading, counts: "_Read") -> ManyRecords:
     return ManyRecords(blocks)
 
 
-def _again(section: Section, words: Words, first: int, index: int) -> "_Read":
+def _again(section: Section, words: Words, first: int, index: int) -> "ReadRecord":
     """A record that was read without error before."""
     start = first + index * len(section.columns)
     texts = words.texts(start, start + len(section.columns))
     values = tuple(spelled(text)[0] for spelled, text in zip(section.spellings, texts, strict=True))
-    return _Read(section, index + 1 if section.count else 0, values, words, start)
+    return ReadRecord(section, index + 1 if section.count else 0, values, words, start)
 
 
-def _expected(reading: _Reading, counts: "_Read") -> Iterator[tuple[Section, int]]:
+def _expected(reading: _Reading, counts: "ReadRecord") -> Iterator[tuple[Section, int]]:
     """Every record that the counts announce, lazily: a small file may announce a trillion."""
     for section in reading.sections[1:]:
         if section.count:
@@ -184,56 +185,13 @@ def _expected(reading: _Reading, counts: "_Read") -> Iterator[tuple[Section, int
             yield section, 0
 
 
-def _blocks(reading: _Reading, counts: "_Read") -> Iterator[tuple[Section, int]]:
+def _blocks(reading: _Reading, counts: "ReadRecord") -> Iterator[tuple[Section, int]]:
     """Pairs (section, numbers in the whole section)."""
     for section in reading.sections[1:]:
         yield section, len(section.columns) * (counts[section.count] if section.count else 1)
 
 
-def relabelled(record: Record, key: str) -> Record:
-    """Return `record` after a change of the number `key`: a direction gives the values behind it units."""
-    return labelled(record) if key == "direction" else record
-
-
-def labelled(record: Record) -> Record:
-    """`record` with the meanings and units that its present direction gives the values behind it."""
-    section = next((section for section in YOUNG_SECTIONS if section.name == record.section), None)
-    if section is None:
-        return record
-    turning = any(n.key == "direction" and n.value in (4, 5, 6) for n in record.numbers)
-    return record.with_numbers(
-        replace(number, meaning=column.label(turning)[0], unit=column.label(turning)[1])
-        for column, number in zip(section.columns, record.numbers, strict=True)
-    )
-
-
-class _Read(Record):
-    """A record of a deck; what is more of its numbers than their values is made when it is looked at."""
-
-    def __init__(self, section: Section, number: int, values: tuple[Any, ...], words: Words, first: int):
-        vars(self).update(
-            section=section.name, number=number, subject=_subject(section, number), made={}, values=values,
-            positions=section.positions, _section=section, _words=words, _first=first,
-        )  # fmt: skip
-
-    @cached_property
-    def numbers(self) -> tuple[Number, ...]:
-        return tuple(map(self._number, range(len(self.values))))
-
-    @property
-    def place(self) -> Place | None:
-        return self._words[self._first].place  # type: ignore[attr-defined]
-
-    def at(self, key: str) -> Number:
-        return self._number(self.positions[key])
-
-    def _number(self, k: Any) -> Any:
-        word, column = self._words[self._first + k], self._section.columns[k]  # type: ignore[attr-defined]
-        label = column.label(_is_rotation(self._section, self.values))  # type: ignore[attr-defined]
-        return Number(column.key, self.values[k], *label, word.place, word.text)  # type: ignore[call-arg]
-
-
-def _record(reading: _Reading, section: Section, number_of_record: int, found: range) -> _Read:
+def _record(reading: _Reading, section: Section, number_of_record: int, found: range) -> ReadRecord:
     texts = reading.words.texts(found.start, found.stop)
     try:
         read = [spelled(text) for spelled, text in zip(section.spellings, texts, strict=False)]
@@ -242,14 +200,14 @@ def _record(reading: _Reading, section: Section, number_of_record: int, found: r
         values, doubts = (), (True,)
     if any(doubts):
         values = tuple(_values(reading, section, number_of_record, found))
-    return _Read(section, number_of_record, values, reading.words, found.start)
+    return ReadRecord(section, number_of_record, values, reading.words, found.start)
 
 
 def _values(
     reading: _Reading, section: Section, number_of_record: int, found: range
 ) -> Iterator[float | None]:
     """The values of a record, None for a word that is no number; each of its faults is reported."""
-    subject = _subject(section, number_of_record)
+    subject = subject_of(section, number_of_record)
     for column, spelled, place in zip(section.columns, section.spellings, found, strict=False):
         word = reading.words[place]
         try:
@@ -263,17 +221,7 @@ def _values(
         yield value
 
 
-def _is_rotation(section: Section, values: tuple[float, ...]) -> Any:
-    """Return whether the record's direction is a rotation, so that its values are angles."""
-    where = section.direction
-    return where is not None and where < len(values) and values[where] in (4, 5, 6)
-
-
-def _subject(section: Section, number_of_record: int) -> str:
-    return f"{section.subject} {number_of_record}" if number_of_record else section.subject
-
-
-def _slips_of(reading: _Reading, counts: _Read) -> tuple[Fault, ...]:
+def _slips_of(reading: _Reading, counts: ReadRecord) -> tuple[Fault, ...]:
     """Slips, looked for only where the numbers needed do not end with a line: no other deck has any."""
     wanted = sum(size for _, size in _blocks(reading, counts)) + len(counts.values)
     behind = _words_behind(reading)
@@ -281,7 +229,7 @@ def _slips_of(reading: _Reading, counts: _Read) -> tuple[Fault, ...]:
         return ()
     # No record is empty, so the words taken bound the number of records worth listing.
     expected = islice(_expected(reading, counts), reading.taken)
-    sizes = [(_subject(section, k), len(section.columns)) for section, k in expected]
+    sizes = [(subject_of(section, k), len(section.columns)) for section, k in expected]
     taken = reading.words.upto(reading.taken)
     return slips([*taken, *behind], [(COUNTS.subject, len(counts.values)), *sizes])
 
@@ -328,7 +276,7 @@ def _numbers_left_over(reading: Any) -> "Iterator[Any]":
         yield Fault("warning", message, following[0].place, "", id="YOUNG-061")
 
 
-def _slip_of_counts(reading: _Reading, record: _Read) -> tuple[Fault, ...]:
+def _slip_of_counts(reading: _Reading, record: ReadRecord) -> tuple[Fault, ...]:
     """The counts' own slip: judged by the body estimates that follow, which are 7 numbers a line."""
     reading.take(2 * len(BODIES.columns))
     bodies = [(f"body {k}", len(BODIES.columns)) for k in (1, 2)]

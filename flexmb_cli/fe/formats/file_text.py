@@ -22,6 +22,11 @@ _INTEGER = re.compile(r"[+-]?[0-9]{1,15}", re.ASCII)
 _REAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([EeDd]?[+-][0-9]+|[EeDd][0-9]+)?", re.ASCII)
 _NOT_FINITE = ("nan", "inf", "infinity")
 _EXACT = 2.0**53
+_COMMENT = re.compile(rb"^[ \t]*[%*$#].*$", re.MULTILINE)
+# A final ".0" is no digit that a format asks for: shortest forms of round numbers have it too.
+_FRACTION = re.compile(rb"([0-9]*)\.(?!0?(?![0-9]))([0-9]+)")
+# So much of a file shows its format, bytes.
+_SAMPLE = 2**20
 
 
 def bytes_of(path: Path, largest: int = LARGEST_FILE) -> bytes:
@@ -68,6 +73,16 @@ def real(text: str) -> float:
         raise ValueError(text)
     exponent = (found[2] or "").lstrip("EeDd")
     return float(f"{text[: found.end(1)]}e{exponent or 0}")
+
+
+def printed_digits(path: Path) -> int:
+    """Significant digits of the longest real number at the beginning of a file, 0 of a binary one."""
+    with open(path, "rb") as stream:
+        sample = stream.read(_SAMPLE)
+    if is_binary(sample):
+        return 0
+    numbers = _FRACTION.finditer(_COMMENT.sub(b"", sample))
+    return max((len((found[1] + found[2]).lstrip(b"0")) for found in numbers), default=0)
 
 
 def is_binary(raw: bytes) -> bool:

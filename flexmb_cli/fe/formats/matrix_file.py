@@ -22,7 +22,8 @@ class MatrixFile:
 
     `one_triangle`: the entries off the diagonal stand for their mirror images too.  `equations`
     (size, 2): node and direction (1 2 3) of every row; None: rows follow the node table, x y z of its
-    first node first.
+    first node first.  `digits`: significant digits of the longest number as it is printed, final zeros
+    included; 0 where no text tells.
     """
 
     size: int
@@ -31,6 +32,7 @@ class MatrixFile:
     values: np.ndarray  # (k,) float64
     one_triangle: bool
     equations: np.ndarray | None = None
+    digits: int = 0
 
 
 def labelled(entries: np.ndarray, values: np.ndarray, one_triangle: bool | None = None) -> MatrixFile:

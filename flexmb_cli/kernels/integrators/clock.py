@@ -57,7 +57,7 @@ def new_clock() -> np.ndarray:
 
 
 @kernel
-def laid_out(clock, h, share):
+def laid_out(clock: "np.void", h: float, share: float):
     """Length of the next step, at most a little longer than h, for a step over the position ahead that has
     it at this share of its length."""
     way = clock["singular"] - clock["t"]
@@ -71,6 +71,6 @@ def laid_out(clock, h, share):
 
 
 @kernel
-def leads_over(clock, h):
+def leads_over(clock: "np.void", h: float):
     """Return whether a step of length h leads over the singular position ahead."""
     return 0.0 < clock["singular"] - clock["t"] < h

@@ -8,7 +8,7 @@ Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second e
 II.4-II.6; projection: Hairer and Wanner, volume II, section VII.2.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -32,6 +32,10 @@ from .explicit_error import error_on_constraints
 from .singular_ahead import NOISE, look_ahead, round_off
 from .time_loop import SHORT
 
+if TYPE_CHECKING:
+    from ..constrained.report import Report
+    from ..constrained.system import System, Work
+
 MOST_BLURRED = 1e-5  # by how much the projection may move a step over a singular position, scaled
 
 
@@ -48,7 +52,7 @@ class Integration(NamedTuple):
     angles: np.ndarray  # (3, angles) rad, see `angle_unwrapping`
 
 
-def new_integration(work, angles):
+def new_integration(work: "Work", angles: int):
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
     n = 2 * work.jacobian.shape[1] + work.mass.shape[0] + 1
     return Integration(
@@ -64,12 +68,12 @@ def new_integration(work, angles):
 
 
 @kernel
-def _normalise(integration, system, work):
+def _normalise(integration: "Integration", system: "System", work: "Work"):
     """Leave the Euler parameters as they are: the projection brings them to length one."""
 
 
 @kernel
-def _finish(integration, h, system, work):
+def _finish(integration: "Integration", h: float, system: "System", work: "Work"):
     """Project the end of a step and fill its slope; the factor on the step length, or minus that of a try."""
     clock = integration.clock[0]
     if not expect_angles(system, work, integration, h) < MOST_TURNED:
@@ -85,7 +89,7 @@ def _finish(integration, h, system, work):
 
 
 @kernel
-def _holds(system, work, integration, h, moved):
+def _holds(system: "System", work: "Work", integration: "Integration", h: float, moved: float):
     """Return whether a step may be made, whose projected end is in trial and was `moved` by so much."""
     clock = integration.clock[0]
     noise = max(1.0, NOISE * round_off(work) / clock["rtol"])
@@ -96,7 +100,7 @@ def _holds(system, work, integration, h, moved):
 
 
 @kernel
-def _watch(integration, system, work):
+def _watch(integration: "Integration", system: "System", work: "Work"):
     """Look for short steps, gaps and singular positions ahead; PHI belongs to the state."""
     clock = integration.clock[0]
     clock["longest"] = max(clock["longest"], clock["step_length"])
@@ -115,14 +119,14 @@ def _watch(integration, system, work):
 
 
 @kernel
-def _close(integration, system, work):
+def _close(integration: "Integration", system: "System", work: "Work"):
     """The projected end of a step is the start of the next."""
     copy(integration.slopes[STAGES], integration.slopes[0])
     return READY
 
 
 @kernel
-def _fill_row(integration, t, report, system, work):
+def _fill_row(integration: "Integration", t: float, report: "Report", system: "System", work: "Work"):
     """Fill a report row at a time up to the present one; a code."""
     clock, x = integration.clock[0], 1.0
     copy(integration.z, integration.trial)
@@ -136,7 +140,9 @@ _advance = dop853(Equations(slope, _normalise, _finish, _watch, _close, _fill_ro
 
 
 @kernel
-def integrate_rows(task, system, work, integration, report, budget):
+def integrate_rows(
+    task: int, system: "System", work: "Work", integration: "Integration", report: "Report", budget: int
+):
     """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; a code.
 
     clock["row"] counts the rows filled.  The order of elimination must have been chosen.
@@ -147,7 +153,7 @@ def integrate_rows(task, system, work, integration, report, budget):
 
 
 @kernel
-def _begin(integration, system, work):
+def _begin(integration: "Integration", system: "System", work: "Work"):
     clock = integration.clock[0]
     copy(integration.z, integration.old)
     copy(integration.z, integration.trial)

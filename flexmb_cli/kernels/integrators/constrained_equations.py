@@ -6,6 +6,8 @@ holds coordinates, speeds and the work of drivers and loads since the start.
 Projection: Hairer and Wanner, Solving Ordinary Differential Equations II (second edition), section VII.2.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from .._jit import allocating, kernel
@@ -19,11 +21,27 @@ from ..linalg.copying import copy
 from .clock import CONTRADICTION, READY, STEP_VANISHED
 from .error_norm import scaled_norm
 
+if TYPE_CHECKING:
+    from ..constrained.report import Report
+    from ..constrained.system import System, Work
+    from .constrained_dop853 import Integration
+    from .generalised_alpha import AlphaIntegration
+    from .radau5 import RadauIntegration
+
 REPEATED_GAP = 1e-7  # what equations that repeat others may be off, scaled
 
 
 @kernel
-def evaluate(integration, t, angles, projects, out, ud, system, work):
+def evaluate(
+    integration: "Integration | AlphaIntegration | RadauIntegration",
+    t: float,
+    angles: "np.ndarray",
+    projects: bool,
+    out: "np.ndarray",
+    ud: "np.ndarray",
+    system: "System",
+    work: "Work",
+):
     """Fill the slope `out` (N,) and the accelerations `ud` (n,) at `trial`, projected first where asked.
 
     Returns by how many tolerances the projection moved it, infinity where clock["fault"] is set, and the
@@ -46,7 +64,13 @@ def evaluate(integration, t, angles, projects, out, ud, system, work):
 
 
 @kernel
-def slope(integration, stage, t, system, work):
+def slope(
+    integration: "Integration | RadauIntegration",
+    stage: int,
+    t: float,
+    system: "System",
+    work: "Work",
+):
     """Fill the slope at `trial`; return whether there is one."""
     out = integration.slopes[stage]
     ud = coordinates_and_speeds(system, out)[1]
@@ -55,7 +79,13 @@ def slope(integration, stage, t, system, work):
 
 
 @kernel
-def projected_slope(integration, stage, t, system, work):
+def projected_slope(
+    integration: "Integration | RadauIntegration",
+    stage: int,
+    t: float,
+    system: "System",
+    work: "Work",
+):
     """Bring `trial` onto the constraints and fill its slope; return by how many tolerances that moved it."""
     out = integration.slopes[stage]
     ud = coordinates_and_speeds(system, out)[1]
@@ -63,7 +93,9 @@ def projected_slope(integration, stage, t, system, work):
 
 
 @allocating
-def project(integration, t, system, work):
+def project(
+    integration: "Integration | AlphaIntegration | RadauIntegration", t: float, system: "System", work: "Work"
+):
     """Bring `trial` onto the constraints at t, with the factors there.
 
     Returns by how many tolerances it moved, or infinity.
@@ -83,20 +115,22 @@ def project(integration, t, system, work):
 
 
 @kernel
-def note_gap(integration, system, work):
+def note_gap(
+    integration: "Integration | AlphaIntegration | RadauIntegration", system: "System", work: "Work"
+):
     """Note the largest gap, whose equations belong to the state."""
     clock = integration.clock[0]
     clock["gap"], clock["equation"] = largest_gap(system, work)
 
 
 @kernel
-def code_of_gap(integration):
+def code_of_gap(integration: "Integration | AlphaIntegration | RadauIntegration"):
     """Return whether equations that repeat others still do, as a code."""
     return READY if integration.clock[0]["gap"] <= REPEATED_GAP else CONTRADICTION
 
 
 @kernel
-def interpolate_angles(integration, x):
+def interpolate_angles(integration: "Integration | AlphaIntegration | RadauIntegration", x: float):
     """Fill the angles expected at the fraction x of the last step."""
     angles = integration.angles
     for s in range(angles.shape[1]):
@@ -104,7 +138,14 @@ def interpolate_angles(integration, x):
 
 
 @kernel
-def report_trial(integration, t, x, report, system, work):
+def report_trial(
+    integration: "Integration | RadauIntegration",
+    t: float,
+    x: float,
+    report: "Report",
+    system: "System",
+    work: "Work",
+):
     """Fill a report row from `trial` at the fraction x of the last step, projected inside it; a code."""
     clock, row, expected = integration.clock[0], integration.clock[0]["row"], integration.angles[EXPECTED]
     interpolate_angles(integration, x)

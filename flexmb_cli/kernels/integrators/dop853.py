@@ -57,9 +57,9 @@ def dop853(equations: Equations) -> Callable:
     return time_loop(Method(_length, attempt, accept, _reject, fill_row))
 
 
-def _attempts(slope, normalise, finish):
+def _attempts(slope: "Callable[..., Any]", normalise: "Callable[..., Any]", finish: "Callable[..., Any]"):
     @kernel
-    def attempt(integration, h: float, *arrays: Any):
+    def attempt(integration: "Any", h: float, *arrays: Any):
         clock, trial = integration.clock[0], integration.trial
         for stage in range(1, STAGES):
             set_stage(integration.z, integration.slopes, stage, h, trial)
@@ -77,9 +77,9 @@ def _attempts(slope, normalise, finish):
     return attempt
 
 
-def _acceptance(slope, watch, close):
+def _acceptance(slope: "Callable[..., Any]", watch: "Callable[..., Any]", close: "Callable[..., Any]"):
     @kernel
-    def fill_dense(integration, *arrays: Any) -> None:
+    def fill_dense(integration: "Any", *arrays: Any) -> None:
         clock, old, slopes = integration.clock[0], integration.old, integration.slopes
         start, h = clock["step_start"], clock["step_length"]
         for stage in range(STAGES + 1, ALL_STAGES):
@@ -91,7 +91,7 @@ def _acceptance(slope, watch, close):
         set_dense(old, integration.z, slopes, h, integration.dense)
 
     @kernel
-    def accept(integration, factor: float, *arrays: Any):
+    def accept(integration: "Any", factor: float, *arrays: Any):
         clock = integration.clock[0]
         _end_step(integration, factor)
         code = watch(integration, *arrays)
@@ -103,7 +103,7 @@ def _acceptance(slope, watch, close):
 
 
 @kernel
-def _length(integration, *arrays: Any):
+def _length(integration: "Any", *arrays: Any):
     clock = integration.clock[0]
     return min(laid_out(clock, clock["step"], SHARE), clock["stop"] - clock["t"])
 
@@ -115,7 +115,7 @@ def _largest_error(clock: Any, h: float):
 
 
 @kernel
-def _end_step(integration, factor: float) -> None:
+def _end_step(integration: "Any", factor: float) -> None:
     """Make the end of a step, which is in `trial`, the state."""
     clock, h = integration.clock[0], integration.clock[0]["length"]
     for i in range(integration.z.shape[0]):
@@ -130,7 +130,7 @@ def _end_step(integration, factor: float) -> None:
 
 
 @kernel
-def _reject(integration, h: float, factor: float, *arrays: Any) -> None:
+def _reject(integration: "Any", h: float, factor: float, *arrays: Any) -> None:
     clock = integration.clock[0]
     clock["step"] = h * factor
     clock["rejections"] += 1
@@ -138,7 +138,7 @@ def _reject(integration, h: float, factor: float, *arrays: Any) -> None:
 
 
 @kernel
-def first_step(integration, slope):
+def first_step(integration: "Any", slope: "Callable[..., Any]"):
     """Length of the first step by the state z and its slope (N,) alone, s."""
     z = integration.z
     size, speed = scaled_norm(integration, z, z), scaled_norm(integration, z, slope)
@@ -158,7 +158,7 @@ def set_stage(z: "np.ndarray", slopes: "np.ndarray", stage: int, h: float, out: 
 
 
 @kernel
-def next_factor(error, rejected):
+def next_factor(error: float, rejected: int):
     """Factor on the step length after a step with this error; `rejected`: the step before failed."""
     if error == 0.0:
         return 1.0 if rejected else FASTEST
@@ -168,7 +168,9 @@ def next_factor(error, rejected):
 
 
 @kernel
-def set_dense(z: "np.ndarray", new: "np.ndarray", slopes: "np.ndarray", h: float, dense) -> None:
+def set_dense(
+    z: "np.ndarray", new: "np.ndarray", slopes: "np.ndarray", h: float, dense: "np.ndarray"
+) -> None:
     """Fill dense (7, n), the terms of the interpolating polynomial of the step from z to new."""
     for i in range(z.shape[0]):
         change = new[i] - z[i]
@@ -183,7 +185,7 @@ def set_dense(z: "np.ndarray", new: "np.ndarray", slopes: "np.ndarray", h: float
 
 
 @kernel
-def interpolate(z: "np.ndarray", dense, x, out: "np.ndarray") -> None:
+def interpolate(z: "np.ndarray", dense: "np.ndarray", x: float, out: "np.ndarray") -> None:
     """State at the fraction x of the step that began at z."""
     for i in range(z.shape[0]):
         total = 0.0
@@ -193,7 +195,7 @@ def interpolate(z: "np.ndarray", dense, x, out: "np.ndarray") -> None:
 
 
 @kernel
-def step_error(integration, h):
+def step_error(integration: "Any", h: float):
     """Error of the step from z to trial, and the place in z of its largest component."""
     clock, z, new = integration.clock[0], integration.z, integration.trial
     counted, worst, largest = z.shape[0] - 1, 0, 0.0
@@ -210,7 +212,7 @@ def step_error(integration, h):
 
 
 @kernel
-def weighted(weights, slopes, i):
+def weighted(weights: "np.ndarray", slopes: "np.ndarray", i: int):
     """Weighted sum of the slopes of component i."""
     total = 0.0
     for j in range(STAGES):
@@ -219,7 +221,7 @@ def weighted(weights, slopes, i):
 
 
 @kernel
-def combined(h, square_5, square_3, counted):
+def combined(h: float, square_5: float, square_3: float, counted: int):
     """Error by the squares of the estimates of orders 5 and 3 over so many components."""
     if square_5 == 0.0:
         return 0.0

@@ -19,19 +19,19 @@ PROJECTION_SHARE = 1e-10  # of a state that the projection may move at any toler
 
 
 @kernel
-def tolerance(clock: Any, unit, size: int):
+def tolerance(clock: Any, unit: float, size: int):
     """Return the error allowed in a component of this size, whose absolute tolerance is of `unit`."""
     return clock["atol"] * unit + clock["rtol"] * size
 
 
 @kernel
-def displacement_tolerance(clock: Any, unit):
+def displacement_tolerance(clock: Any, unit: float):
     """Return the error allowed in a displacement, or a rotation vector, of the size of its unit."""
     return (clock["atol"] + clock["rtol"]) * unit
 
 
 @kernel
-def scaled_norm(integration, state: "np.ndarray", change):
+def scaled_norm(integration: "Any", state: "np.ndarray", change: "np.ndarray"):
     """Root mean square of a change (N,), the work left out, against the tolerances at a state (N,)."""
     clock, total, counted = integration.clock[0], 0.0, change.shape[0] - 1
     for i in range(counted):
@@ -40,7 +40,7 @@ def scaled_norm(integration, state: "np.ndarray", change):
 
 
 @kernel
-def strayed(open_end, closed_end, clock: Any):
+def strayed(open_end: "np.ndarray", closed_end: "np.ndarray", clock: Any):
     """Place in the state that the projection onto the loops moved too far at the end of a step, or -1.
 
     A step that was good left the loops but for its error.  One across a singular position may land on

@@ -3,6 +3,8 @@
 Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), section II.10.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from .._jit import allocating, kernel
@@ -14,9 +16,13 @@ from .dop853 import combined, weighted
 from .dop853_table import ERROR_3, ERROR_5
 from .error_norm import displacement_tolerance, tolerance
 
+if TYPE_CHECKING:
+    from ..constrained.system import System, Work
+    from .constrained_dop853 import Integration
+
 
 @allocating
-def error_on_constraints(system, work, integration, h):
+def error_on_constraints(system: "System", work: "Work", integration: "Integration", h: float):
     """Error of the step from z to trial, which has been projected, whose factors are at hand.
 
     Only what the projection leaves of it counts: across a singular position, where the stages tell one
@@ -47,7 +53,7 @@ def error_on_constraints(system, work, integration, h):
 
 
 @kernel
-def _keep_allowed(system, work, change):
+def _keep_allowed(system: "System", work: "Work", change: "np.ndarray"):
     """Leave of a change (n,) of speeds what the constraints allow."""
     zero, step, gamma = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
     for row in range(gamma.shape[0]):

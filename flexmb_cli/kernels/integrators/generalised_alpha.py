@@ -111,12 +111,12 @@ def _first_step(system: System, integration: AlphaIntegration) -> float:
 
 
 @kernel
-def _length(integration, system: Any, work):
+def _length(integration: "AlphaIntegration", system: Any, work: "Work"):
     return next_length(integration.clock[0], integration.memory[0])
 
 
 @kernel
-def _attempt(integration, h: float, system: Any, work):
+def _attempt(integration: "AlphaIntegration", h: float, system: Any, work: "Work"):
     """Find the end of a step of length h; 1, or minus the factor on the length for another try."""
     clock, memory = integration.clock[0], integration.memory[0]
     if not solve_step(system, work, integration, h):
@@ -127,7 +127,7 @@ def _attempt(integration, h: float, system: Any, work):
 
 
 @kernel
-def _reject(integration, h: float, factor: float, system: Any, work) -> None:
+def _reject(integration: "AlphaIntegration", h: float, factor: float, system: Any, work: "Work") -> None:
     retreat(integration.clock[0], integration.memory[0], h, h * factor)
 
 

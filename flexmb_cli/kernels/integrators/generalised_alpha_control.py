@@ -31,7 +31,7 @@ PASSING = 0.005  # of the tolerance: error of a step over a singular position, o
 
 
 @kernel
-def share_of(clock: "np.void", memory, work: "Work", h: float, fastest: float) -> float:
+def share_of(clock: "np.void", memory: "np.void", work: "Work", h: float, fastest: float) -> float:
     """The share of the tolerance that a step of length h may err by, all of it where lengths are given.
 
     The few steps over singular positions have a share of their own.  No share is below what the round-off
@@ -49,7 +49,7 @@ def share_of(clock: "np.void", memory, work: "Work", h: float, fastest: float) -
 
 
 @kernel
-def left_over(clock: "np.void", memory, work: "Work", share: float) -> float:
+def left_over(clock: "np.void", memory: "np.void", work: "Work", share: float) -> float:
     """Return what iterations may leave of a step's share: steps of given length have their own error."""
     if memory["fixed"] > 0.0:
         return OF_ERROR * clock["error"]
@@ -58,7 +58,7 @@ def left_over(clock: "np.void", memory, work: "Work", share: float) -> float:
 
 
 @kernel
-def next_length(clock: "np.void", memory) -> float:
+def next_length(clock: "np.void", memory: "np.void") -> float:
     """Length of the next step: steps of given length end at whole multiples."""
     left, step = clock["stop"] - clock["t"], _laid_out(clock, memory)
     if memory["fixed"] > 0.0:
@@ -67,7 +67,7 @@ def next_length(clock: "np.void", memory) -> float:
 
 
 @kernel
-def _laid_out(clock: "np.void", memory) -> float:
+def _laid_out(clock: "np.void", memory: "np.void") -> float:
     """Length of a step so that one of the length `passing` leads over the singular position ahead.
 
     Round-off of speeds grows towards that position, so that the longest step that is exact enough leads
@@ -83,7 +83,7 @@ def _laid_out(clock: "np.void", memory) -> float:
 
 
 @kernel
-def retreat(clock: Any, memory, tried, h: float) -> None:
+def retreat(clock: Any, memory: "np.void", tried: float, h: float) -> None:
     """After a step of length `tried` that was not found, or not well enough: one of length h."""
     if leads_over(clock, tried):
         memory["passing"] = h
@@ -94,7 +94,7 @@ def retreat(clock: Any, memory, tried, h: float) -> None:
 
 
 @kernel
-def factor_of(clock: "np.void", memory) -> float:
+def factor_of(clock: "np.void", memory: "np.void") -> float:
     """Length of the next step by that of the one behind, whose error is known."""
     factor = SAFETY * clock["error"] ** -0.5 if clock["error"] > 0.0 else FASTEST
     if memory["turned"] > 0.0:
@@ -103,7 +103,7 @@ def factor_of(clock: "np.void", memory) -> float:
 
 
 @kernel
-def advance(clock: "np.void", memory, h: float) -> None:
+def advance(clock: "np.void", memory: "np.void", h: float) -> None:
     """The time of the state, and the length of the next step."""
     clock["step_start"], clock["step_length"] = clock["t"], h
     t, same = clock["t"] + h, SAME_TIME_IN_STEP * h
@@ -122,7 +122,7 @@ def advance(clock: "np.void", memory, h: float) -> None:
 
 
 @kernel
-def _passing_step(clock: "np.void", memory, h: float) -> float:
+def _passing_step(clock: "np.void", memory: "np.void", h: float) -> float:
     """Length of a step whose error is what one over a singular position may have, after one of length h."""
     error = clock["error"] * memory["share"]
     longest = MOST_PASSING * clock["step"]

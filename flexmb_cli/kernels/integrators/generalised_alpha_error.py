@@ -1,9 +1,12 @@
 """Errors of a step of the generalised-α method, in tolerances, by the growth of the accelerations."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel, part
 from .error_norm import displacement_tolerance, tolerance
+
+if TYPE_CHECKING:
+    from .generalised_alpha import AlphaIntegration
 
 # Rows of the accelerations kept (5, n): of the step's end as it is found, its start, the start of the step
 # before; the means at both ends.
@@ -11,7 +14,7 @@ NEW, LAST, BEFORE, MEAN, NEW_MEAN = 0, 1, 2, 3, 4
 
 
 @part
-def step_error(system: Any, integration, h: float):
+def step_error(system: Any, integration: "AlphaIntegration", h: float):
     """Error of the step in tolerances, from the growth of the accelerations.
 
     By Taylor's series, with s = α_m - α_f: (1/12 + s²/4) h³ d(ud)/dt in positions and
@@ -34,7 +37,7 @@ def step_error(system: Any, integration, h: float):
 
 
 @part
-def correction_size(system: Any, integration, by_speed: float):
+def correction_size(system: Any, integration: "AlphaIntegration", by_speed: float):
     """The change of the speeds by `step` in tolerances."""
     clock, n, total = integration.clock[0], system.speed_scale.shape[0], 0.0
     first = integration.z.shape[0] - 1 - n
@@ -45,7 +48,7 @@ def correction_size(system: Any, integration, by_speed: float):
 
 
 @kernel
-def fastest_change(system: Any, integration):
+def fastest_change(system: Any, integration: "AlphaIntegration"):
     """The largest rate at which accelerations change speeds, 1/s."""
     n = system.speed_scale.shape[0]
     first = integration.z.shape[0] - 1 - n

@@ -4,7 +4,7 @@ from .._jit import kernel
 
 
 @kernel
-def quintic(x, a, b, v: tuple[float, float, float], w, p, r):
+def quintic(x: float, a: float, b: float, v: float, w: float, p: float, r: float):
     """Value and derivative at x; a, b, v, w, p, r: values, first and second derivatives at 0 and at 1."""
     rest, slope, bend = b - a - v - 0.5 * p, w - v - p, r - p
     c3 = 10.0 * rest - 4.0 * slope + 0.5 * bend
@@ -15,7 +15,7 @@ def quintic(x, a, b, v: tuple[float, float, float], w, p, r):
 
 
 @kernel
-def cubic(x, a, b, da: float, db: float):
+def cubic(x: float, a: float, b: float, da: float, db: float):
     """Value at x; a, b, da, db: values and derivatives at 0 and at 1."""
     change = b - a
     return a + x * (da + x * (3.0 * change - 2.0 * da - db + x * (da + db - 2.0 * change)))

@@ -136,7 +136,7 @@ def _renew(system: System, work: Work, integration: RadauIntegration) -> int:
 
 
 @kernel
-def _length(integration, system: Any, work):
+def _length(integration: "RadauIntegration", system: Any, work: "Work"):
     """Return the length of the step to try, whose matrices are renewed where they are of another position."""
     clock = integration.clock[0]
     copy(integration.angles[NEW], work.angles)
@@ -146,7 +146,7 @@ def _length(integration, system: Any, work):
 
 
 @kernel
-def _is_current(integration, system: Any, work):
+def _is_current(integration: "RadauIntegration", system: Any, work: "Work"):
     """Renew the matrices where another order of elimination holds; return whether they are those of z."""
     if work.quality[0] != integration.memory[0]["quality"]:
         integration.clock[0]["fault"] = _renew(system, work, integration)
@@ -155,7 +155,7 @@ def _is_current(integration, system: Any, work):
 
 
 @kernel
-def _attempt(integration, h: float, system: Any, work):
+def _attempt(integration: "RadauIntegration", h: float, system: Any, work: "Work"):
     """`_try_step` or, in front of a singular position, a step over it; 0 where it begins at one."""
     clock, memory, factor = integration.clock[0], integration.memory[0], 0.0
     way, left = clock["singular"] - clock["t"], clock["stop"] - clock["t"]
@@ -174,7 +174,7 @@ def _attempt(integration, h: float, system: Any, work):
 
 
 @kernel
-def _reject(integration, h: float, factor: float, system: Any, work) -> None:
+def _reject(integration: "RadauIntegration", h: float, factor: float, system: Any, work: "Work") -> None:
     clock, memory = integration.clock[0], integration.memory[0]
     clock["step"] = h * factor
     clock["rejections"] += 1
@@ -244,7 +244,7 @@ def _accept(integration: RadauIntegration, factor: float, system: System, work: 
 
 
 @kernel
-def _is_singular(work, clock: Any, memory):
+def _is_singular(work: "Work", clock: Any, memory: "np.void"):
     """Return whether a pivot at the end of the last step was as good as zero."""
     for k in range(work.rank[0] if clock["steps"] > 0 else 0):
         if abs(work.pivots[k]) < 10.0 * memory["branching"]:

@@ -3,7 +3,7 @@
 Hairer and Wanner, Solving Ordinary Differential Equations II (second edition), section IV.8.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,13 +16,17 @@ from .radau5_step import MASS_LAYER, START, STIFFNESS_LAYER
 from .radau5_table import ERROR, REAL, STAGES, WEIGHTS
 from .rotation_increments import LONGEST_TURN, largest_turn
 
+if TYPE_CHECKING:
+    from ..constrained.system import Work
+    from .radau5 import RadauIntegration
+
 SAFETY, FASTEST = 0.9, 6.0
 CALM = 1e-2  # error in tolerances below which it has not grown
 STEEPEST = 3.0 / (25.0 * 5.0**0.5)  # slope of x³ (1 - x)³
 
 
 @kernel
-def step_error(system: Any, work, integration, h: float):
+def step_error(system: Any, work: "Work", integration: "RadauIntegration", h: float):
     """Error of the step in tolerances, of order 3: stiff motions are taken out by the matrix."""
     clock, n, rank, m = integration.clock[0], integration.rates.shape[1], work.rank[0], work.jacobian.shape[0]
     u = coordinates_and_speeds(system, integration.z)[1]
@@ -60,7 +64,7 @@ def step_error(system: Any, work, integration, h: float):
 
 
 @kernel
-def work_error(integration, h: float):
+def work_error(integration: "RadauIntegration", h: float):
     """Error of the work in the step, of order 3, in tolerances: its own, and what those of speeds allow."""
     error = REAL * h * integration.memory[0]["power"]
     for stage in range(STAGES):
@@ -70,7 +74,7 @@ def work_error(integration, h: float):
 
 
 @kernel
-def work_scale(integration):
+def work_scale(integration: "RadauIntegration"):
     """The work that the tolerance allows to be wrong, J: its own, and what that of the speeds allows."""
     clock, u, last = integration.clock[0], integration.speeds[STAGES - 1], integration.z.shape[0] - 1
     first = last - u.shape[0]
@@ -82,7 +86,7 @@ def work_scale(integration):
 
 
 @kernel
-def next_factor(clock: Any, memory, h: float, error):
+def next_factor(clock: Any, memory: "np.void", h: float, error: float):
     """Factor on the step length: by the error of this step, and by its growth since the last."""
     if not error > 0.0:
         return FASTEST
@@ -94,7 +98,7 @@ def next_factor(clock: Any, memory, h: float, error):
 
 
 @kernel
-def steps_within_rotation_limit(system: Any, integration):
+def steps_within_rotation_limit(system: Any, integration: "RadauIntegration"):
     """Return how many steps like this one a body may turn in one, for rows between its ends.
 
     A turn θ leaves (θ/2)⁵ max |d/dx x³ (1 - x)³| / 720 of its rate in Hermite's quintic.

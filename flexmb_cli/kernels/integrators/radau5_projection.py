@@ -67,7 +67,7 @@ def project_state(
 
 
 @allocating
-def between(system: Any, integration, x, point) -> None:
+def between(system: Any, integration: "RadauIntegration", x: float, point: "np.ndarray") -> None:
     """Fill point with the state at the fraction x of the last step."""
     clock, old, z, n = integration.clock[0], integration.old, integration.z, system.speed_scale.shape[0]
     bodies, h = system.masses.shape[0], clock["step_length"]

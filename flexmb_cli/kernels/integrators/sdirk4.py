@@ -10,7 +10,7 @@ The state is that of `tree_motion`: its speeds are iterated, coordinates follow 
 parameters and the applied work are taken from the last evaluation.
 """
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from .hermite import cubic, quintic
 from .sdirk4_step import STAGES, prepare_matrix, solve_stages, step_error
 from .time_loop import Method, time_loop
 from .tree_dop853 import observe_trial
+
+if TYPE_CHECKING:
+    from ..tree.report import Report as TreeReport
 
 SLOW_CONTRACTION = 0.2  # contraction at which b is renewed for the next step
 KEPT = 1.3  # a growth up to this factor is not worth a new matrix
@@ -78,12 +81,12 @@ def implicit_work(clock: np.ndarray, z: np.ndarray, speeds: int, closures: np.nd
 
 
 @kernel
-def _length(s, tree: Any, work, coordinates: np.ndarray):
+def _length(s: "Implicit", tree: Any, work: "np.ndarray", coordinates: np.ndarray):
     return min(s.clock[0]["step"], s.clock[0]["stop"] - s.clock[0]["t"])
 
 
 @kernel
-def _attempt(s, h: float, tree: Any, work, coordinates: np.ndarray):
+def _attempt(s: "Implicit", h: float, tree: Any, work: "np.ndarray", coordinates: np.ndarray):
     """Find the end of a step of length h; the factor on the next length, or minus that of another try."""
     clock, z = s.clock[0], s.z
     if not prepare_matrix(tree, work, coordinates, z, h, s):
@@ -104,12 +107,14 @@ def _attempt(s, h: float, tree: Any, work, coordinates: np.ndarray):
 
 
 @kernel
-def _reject(s, h: float, factor: float, tree: Any, work, coordinates: np.ndarray) -> None:
+def _reject(
+    s: "Implicit", h: float, factor: float, tree: Any, work: "np.ndarray", coordinates: np.ndarray
+) -> None:
     """Leave the clock as it is: not every failed attempt is followed by a shorter one."""
 
 
 @kernel
-def _retreat(clock: Any, h: float, s) -> None:
+def _retreat(clock: Any, h: float, s: "Implicit") -> None:
     """After iterations that do not converge: a new matrix, or a shorter step when it is new already."""
     if s.memory[0]["fresh"] != 0:
         clock["step"] = h / 4.0
@@ -119,7 +124,7 @@ def _retreat(clock: Any, h: float, s) -> None:
 
 
 @kernel
-def _accept(s, factor: float, tree: Any, work, coordinates: np.ndarray):
+def _accept(s: "Implicit", factor: float, tree: Any, work: "np.ndarray", coordinates: np.ndarray):
     """Make the end of a step the state, and close its loops; a code."""
     clock, z, h = s.clock[0], s.z, s.clock[0]["length"]
     clock["step_start"], clock["step_length"] = clock["t"], h
@@ -144,7 +149,9 @@ def _accept(s, factor: float, tree: Any, work, coordinates: np.ndarray):
 
 
 @kernel
-def _close_loops(tree: Any, work, coordinates: np.ndarray, clock: Any, z: np.ndarray, h: float, s) -> None:
+def _close_loops(
+    tree: Any, work: "np.ndarray", coordinates: np.ndarray, clock: Any, z: np.ndarray, h: float, s: "Implicit"
+) -> None:
     """Close the loops at the end of a step; the step is taken back where that moves it too far."""
     copy(z, s.trial)
     project_stiffly(tree, work, coordinates, z, s.stiff)
@@ -161,7 +168,9 @@ def _close_loops(tree: Any, work, coordinates: np.ndarray, clock: Any, z: np.nda
 
 
 @kernel
-def _fill_row(s, t: float, report, tree: Any, work, coordinates: np.ndarray):
+def _fill_row(
+    s: "Implicit", t: float, report: "TreeReport", tree: Any, work: "np.ndarray", coordinates: np.ndarray
+):
     """Fill a report row at a time up to the present one; a code."""
     clock = s.clock[0]
     copy(s.z, s.trial)
@@ -175,7 +184,14 @@ _advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row))
 
 
 @kernel
-def integrate_rows(tree: Any, work, coordinates: np.ndarray, integration, report, budget: int):
+def integrate_rows(
+    tree: Any,
+    work: "np.ndarray",
+    coordinates: np.ndarray,
+    integration: "Implicit",
+    report: "TreeReport",
+    budget: int,
+):
     """Fill the rows of `report`, at most `budget` evaluations and the rest of a step; a code.
 
     `integration.before` holds the slope at z.

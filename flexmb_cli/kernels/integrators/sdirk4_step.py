@@ -3,7 +3,7 @@
 Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.6.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from ..tree.implicit_matrix import factorise, renew, set_mass_times, solve_stiff
 from ..tree.kane import SOLVED
 from ..tree.motion import derivative
 from .error_norm import CAUTION, ITERATED, tolerance
+
+if TYPE_CHECKING:
+    from .sdirk4 import Implicit
 
 STAGES, DIAGONAL = 5, 0.25
 TIMES = np.array([1 / 4, 3 / 4, 11 / 20, 1 / 2, 1.0])
@@ -33,7 +36,9 @@ LEAST = 1e-3  # contraction that is trusted: a smaller one may be round-off
 
 
 @kernel
-def prepare_matrix(tree: Any, work, coordinates: np.ndarray, z: np.ndarray, h: float, s):
+def prepare_matrix(
+    tree: Any, work: "np.ndarray", coordinates: np.ndarray, z: np.ndarray, h: float, s: "Implicit"
+):
     """Renew b where it is stale and the factors where b or the step length is another one."""
     memory = s.memory[0]
     if memory["stale"] != 0:
@@ -46,7 +51,9 @@ def prepare_matrix(tree: Any, work, coordinates: np.ndarray, z: np.ndarray, h: f
 
 
 @kernel
-def solve_stages(tree: Any, work, coordinates: np.ndarray, clock: Any, z: np.ndarray, h: float, s):
+def solve_stages(
+    tree: Any, work: "np.ndarray", coordinates: np.ndarray, clock: Any, z: np.ndarray, h: float, s: "Implicit"
+):
     """Slopes of all stages; s.trial is the state of the last one.  False when an iteration fails."""
     n = z.shape[0]
     s.memory[0]["contraction"] = 0.0
@@ -65,7 +72,16 @@ def solve_stages(tree: Any, work, coordinates: np.ndarray, clock: Any, z: np.nda
 
 
 @kernel
-def _solve_stage(tree: Any, work, coordinates: np.ndarray, clock: Any, t: float, h: float, slope, s):
+def _solve_stage(
+    tree: Any,
+    work: "np.ndarray",
+    coordinates: np.ndarray,
+    clock: Any,
+    t: float,
+    h: float,
+    slope: "np.ndarray",
+    s: "Implicit",
+):
     """Iterate the slope of one stage."""
     memory = s.memory[0]
     # A first iteration is trusted somewhat less than those before it were.
@@ -93,7 +109,7 @@ def _solve_stage(tree: Any, work, coordinates: np.ndarray, clock: Any, t: float,
 
 
 @kernel
-def _place_trial(h: float, slope, s) -> None:
+def _place_trial(h: float, slope: "np.ndarray", s: "Implicit") -> None:
     """Speeds from their slopes, coordinates from the speeds, the rest as it is."""
     speeds = s.change.shape[0]
     for i in range(slope.shape[0]):
@@ -103,7 +119,7 @@ def _place_trial(h: float, slope, s) -> None:
 
 
 @kernel
-def _correct(tree: Any, clock: Any, h: float, slope, s):
+def _correct(tree: Any, clock: Any, h: float, slope: "np.ndarray", s: "Implicit"):
     """Newton's correction of the slopes, and its size against the tolerance."""
     speeds = s.change.shape[0]
     for m in range(speeds):
@@ -126,7 +142,7 @@ def _correct(tree: Any, clock: Any, h: float, slope, s):
 
 
 @kernel
-def step_error(tree: Any, clock: Any, z: np.ndarray, h: float, s):
+def step_error(tree: Any, clock: Any, z: np.ndarray, h: float, s: "Implicit"):
     """Error of the step against the tolerance, what the matrix calls stiff taken out."""
     speeds, last = s.change.shape[0], z.shape[0] - 1
     for i in range(z.shape[0]):

@@ -3,7 +3,7 @@
 A resumed run goes on from the start of the last step and makes the same steps as an uninterrupted one.
 """
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from .clock import NO_INERTIA, READY, new_clock
 from .dop853 import Equations, dop853, first_step, interpolate, next_factor
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGES
 from .error_norm import scaled_norm, strayed
+
+if TYPE_CHECKING:
+    from ..tree.report import Report as TreeReport
 
 # Tasks besides BEGIN and INTEGRATION of `clock`: close the loops of z; go on at z with a known step.
 CLOSE, GO_ON = 2, 3
@@ -45,7 +48,14 @@ def new_integration(n: int) -> Integration:
 
 
 @kernel
-def evaluate(integration, slope, t: float, tree: Any, work, coordinates: np.ndarray):
+def evaluate(
+    integration: "Integration",
+    slope: "np.ndarray",
+    t: float,
+    tree: Any,
+    work: "np.ndarray",
+    coordinates: np.ndarray,
+):
     """Fill the slope (n,) of `trial`; return whether there is one."""
     clock = integration.clock[0]
     clock["evaluations"] += 1
@@ -54,17 +64,19 @@ def evaluate(integration, slope, t: float, tree: Any, work, coordinates: np.ndar
 
 
 @kernel
-def _slope(integration, stage: int, t: float, tree: Any, work, coordinates: np.ndarray):
+def _slope(
+    integration: "Integration", stage: int, t: float, tree: Any, work: "np.ndarray", coordinates: np.ndarray
+):
     return evaluate(integration, integration.slopes[stage], t, tree, work, coordinates)
 
 
 @kernel
-def _normalise(integration, tree: Any, work, coordinates: np.ndarray) -> None:
+def _normalise(integration: "Integration", tree: Any, work: "np.ndarray", coordinates: np.ndarray) -> None:
     normalise_attitudes(tree, integration.trial)
 
 
 @kernel
-def _finish(integration, h: float, tree: Any, work, coordinates: np.ndarray):
+def _finish(integration: "Integration", h: float, tree: Any, work: "np.ndarray", coordinates: np.ndarray):
     clock = integration.clock[0]
     if not _slope(integration, STAGES, clock["t"] + h, tree, work, coordinates):
         return -0.2
@@ -72,13 +84,13 @@ def _finish(integration, h: float, tree: Any, work, coordinates: np.ndarray):
 
 
 @kernel
-def _watch(integration, tree: Any, work, coordinates: np.ndarray):
+def _watch(integration: "Integration", tree: Any, work: "np.ndarray", coordinates: np.ndarray):
     """Tables of loads end the steps by `stop`: there are no other events."""
     return READY
 
 
 @kernel
-def _close(integration, tree: Any, work, coordinates: np.ndarray):
+def _close(integration: "Integration", tree: Any, work: "np.ndarray", coordinates: np.ndarray):
     """Close the loops at the end of a step, whose slope then is that at the start of the next; a code."""
     clock = integration.clock[0]
     if tree.closures.shape[0] == 0:
@@ -99,7 +111,7 @@ def _close(integration, tree: Any, work, coordinates: np.ndarray):
 
 
 @kernel
-def _take_back(integration, place: tuple[float, float, float]) -> None:
+def _take_back(integration: "Integration", place: int) -> None:
     """Go back to the start of the last step, for the projection moved its end too far."""
     clock = integration.clock[0]
     clock["t"], clock["step"] = clock["step_start"], 0.2 * clock["step_length"]
@@ -112,7 +124,14 @@ def _take_back(integration, place: tuple[float, float, float]) -> None:
 
 
 @kernel
-def _fill_row(integration, t: float, report, tree: Any, work, coordinates: np.ndarray):
+def _fill_row(
+    integration: "Integration",
+    t: float,
+    report: "TreeReport",
+    tree: Any,
+    work: "np.ndarray",
+    coordinates: np.ndarray,
+):
     """Fill a report row at a time up to the present one; a code."""
     clock = integration.clock[0]
     copy(integration.z, integration.trial)
@@ -128,7 +147,15 @@ def _fill_row(integration, t: float, report, tree: Any, work, coordinates: np.nd
 
 
 @kernel
-def observe_trial(integration, slope, t: float, report, tree: Any, work, coordinates: np.ndarray):
+def observe_trial(
+    integration: "Integration",
+    slope: "np.ndarray",
+    t: float,
+    report: "TreeReport",
+    tree: Any,
+    work: "np.ndarray",
+    coordinates: np.ndarray,
+):
     """Fill a report row from `trial`, its loops closed first; a code."""
     fault = integration.clock[0]["fault"]
     found = evaluate(integration, slope, t, tree, work, coordinates)
@@ -148,13 +175,20 @@ _advance = dop853(Equations(_slope, _normalise, _finish, _watch, _close, _fill_r
 
 
 @kernel
-def integrate_rows(tree: Any, work, coordinates: np.ndarray, integration, report, budget: int):
+def integrate_rows(
+    tree: Any,
+    work: "np.ndarray",
+    coordinates: np.ndarray,
+    integration: "Integration",
+    report: "TreeReport",
+    budget: int,
+):
     """Fill the rows of `report`, at most `budget` evaluations and the rest of a step; a code."""
     return _advance(integration, report, budget, tree, work, coordinates)
 
 
 @kernel
-def begin(task: int, tree: Any, work, coordinates: np.ndarray, integration):
+def begin(task: int, tree: Any, work: "np.ndarray", coordinates: np.ndarray, integration: "Integration"):
     """Do a task that makes no steps; a code."""
     clock = integration.clock[0]
     copy(integration.z, integration.trial)
@@ -170,7 +204,7 @@ def begin(task: int, tree: Any, work, coordinates: np.ndarray, integration):
 
 
 @kernel
-def _choose_first_step(integration, tree: Any, work, coordinates: np.ndarray):
+def _choose_first_step(integration: "Integration", tree: Any, work: "np.ndarray", coordinates: np.ndarray):
     """Choose the first step (Hairer et al., section II.4) from the first slope and a probe."""
     clock, counted = integration.clock[0], integration.z.shape[0] - 1
     first = first_step(integration, integration.slopes[0])

@@ -224,7 +224,7 @@ def newton_by(linear: LinearSolver, made: "Callable[..., Any]" = kernel) -> "Cal
     return newton
 
 
-def _refinement_by(linear, made):
+def _refinement_by(linear: "LinearSolver", made: "Callable[..., Any]"):
     solve = linear.solve
 
     @made

@@ -1,10 +1,15 @@
 """Copies of vectors by a loop: assignments of slices compile slowly."""
 
+from typing import TYPE_CHECKING
+
 from .._jit import kernel
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 @kernel
-def copy(a, b) -> None:
+def copy(a: "np.ndarray", b: "np.ndarray") -> None:
     """Copy a to b."""
     for i in range(a.shape[0]):
         b[i] = a[i]

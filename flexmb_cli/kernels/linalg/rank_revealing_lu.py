@@ -16,6 +16,7 @@ import numpy as np
 
 from .._jit import allocating, kernel
 from .lu import GOOD_ENOUGH
+from .sparse_rows import FIRST_ENTRY, eliminate, take_row
 
 RANK_TOLERANCE = 1e-9  # of the largest entry: what is left below counts as zero
 SMALLEST_FACTOR = 1e-12
@@ -23,7 +24,6 @@ WORN = 0.1  # of the quality of the factors when the order was chosen: asks for 
 # Pivot below which the equations leave a second motion free but for round-off: two branches, 1e-16 of
 # gap apart, come as near as a pivot of 1e-8.
 BRANCHING = 1e-6
-FIRST_ENTRY = 3  # column of `entries` where the places begin
 
 
 @kernel
@@ -108,7 +108,12 @@ def _clear_below(left: np.ndarray, order: np.ndarray, k: int) -> None:
 
 @allocating
 def factorise(
-    jacobian: np.ndarray, columns, order: np.ndarray, rank: int, factors: np.ndarray, entries
+    jacobian: np.ndarray,
+    columns: "np.ndarray",
+    order: np.ndarray,
+    rank: int,
+    factors: np.ndarray,
+    entries: "np.ndarray",
 ) -> float:
     """Factors of the first `rank` rows in the order at hand: factors (m, n), columns in pivot order.
 
@@ -125,70 +130,13 @@ def factorise(
         places[order[m + j]] = j
     growth, smallest, end = 1.0, 1e300, rank
     for i in range(rank):
-        _take_row(jacobian, columns, order[i], places, factors, entries, i, following)
-        growth = max(growth, _eliminate(factors, entries, i, min(i, end), rank, following))
+        take_row(jacobian, columns, order[i], places, factors, entries, i, following)
+        growth = max(growth, eliminate(factors, entries, i, min(i, end), rank, following))
         if i < end:
             smallest = min(smallest, abs(factors[i, i]))
             if not abs(factors[i, i]) > SMALLEST_FACTOR:
                 end = i
     return smallest / growth if end == rank else 0.0
-
-
-@kernel
-def _take_row(jacobian: np.ndarray, columns, row, places, factors: np.ndarray, entries, i, following) -> None:
-    """Put a row of the Jacobian in row i of the factors.
-
-    following (n + 1,) becomes the chain of its places in order: that after place j, n behind the last; the
-    first one is following[n].
-    """
-    n = factors.shape[1]
-    factors[i, i] = 0.0
-    for p in range(FIRST_ENTRY, entries[i, 2]):
-        factors[i, entries[i, p]] = 0.0
-    following[n] = n
-    for p in range(1, 1 + columns[row, 0]):
-        place = places[columns[row, p]]
-        factors[i, place] = jacobian[row, columns[row, p]]
-        if factors[i, place] != 0.0:
-            at = n
-            while following[at] < place:
-                at = following[at]
-            following[place] = following[at]
-            following[at] = place
-
-
-@kernel
-def _eliminate(factors: np.ndarray, entries, i, end, rank: int, following):
-    """Take multiples of the rows before `end` from row i; they stay. Returns the largest."""
-    n, largest, count = factors.shape[1], 0.0, FIRST_ENTRY
-    k = following[n]
-    while k < end:
-        if factors[i, k] != 0.0:
-            factor = factors[i, k] / factors[k, k]
-            factors[i, k] = factor
-            largest = max(largest, abs(factor))
-            entries[i, count] = k
-            count += 1
-            at = k
-            for p in range(entries[k, 0], entries[k, 2]):
-                j = entries[k, p]
-                factors[i, j] -= factor * factors[k, j]
-                while following[at] < j:
-                    at = following[at]
-                if following[at] != j:
-                    following[j] = following[at]
-                    following[at] = j
-        k = following[k]
-    entries[i, 0] = entries[i, 1] = count
-    while k < n:
-        if factors[i, k] != 0.0 and k != i:
-            entries[i, count] = k
-            count += 1
-            if k < rank:
-                entries[i, 1] = count
-        k = following[k]
-    entries[i, 2] = count
-    return largest
 
 
 @kernel
@@ -202,7 +150,7 @@ def smallest_pivot(factors: np.ndarray, rank: int) -> float:
 
 @kernel
 def free_motions(
-    factors: np.ndarray, entries, order: np.ndarray, rank: int, m: int, motions: np.ndarray
+    factors: np.ndarray, entries: "np.ndarray", order: np.ndarray, rank: int, m: int, motions: np.ndarray
 ) -> None:
     """Fill motions (n, n - rank): its columns span the speeds that the equations leave free."""
     n = factors.shape[1]
@@ -220,7 +168,13 @@ def free_motions(
 
 @kernel
 def dependent_speeds(
-    factors: np.ndarray, entries, order: np.ndarray, rank: int, m: int, right_side: np.ndarray, x: np.ndarray
+    factors: np.ndarray,
+    entries: "np.ndarray",
+    order: np.ndarray,
+    rank: int,
+    m: int,
+    right_side: np.ndarray,
+    x: np.ndarray,
 ) -> None:
     """Fill x (n,) with a solution of the independent equations whose free speeds are zero.
 
@@ -244,7 +198,7 @@ def dependent_speeds(
 
 
 @allocating
-def transposed_solution(factors: np.ndarray, entries, rank: int, y: np.ndarray) -> None:
+def transposed_solution(factors: np.ndarray, entries: "np.ndarray", rank: int, y: np.ndarray) -> None:
     """Solve Bᵀ x = y in place, y (rank,) in pivot order, B the leading block."""
     for j in range(rank):
         y[j] /= factors[j, j]
@@ -258,7 +212,7 @@ def transposed_solution(factors: np.ndarray, entries, rank: int, y: np.ndarray) 
 
 
 @allocating
-def _rows_below(entries, rank: int):
+def _rows_below(entries: "np.ndarray", rank: int):
     """The rows with an entry below the diagonal, column by column, and where each column begins and ends."""
     starts = np.zeros(rank + 2, np.int64)
     for i in range(rank):
@@ -276,7 +230,7 @@ def _rows_below(entries, rank: int):
 
 
 @kernel
-def row_times(jacobian: np.ndarray, columns, row, x, scale):
+def row_times(jacobian: np.ndarray, columns: np.ndarray, row: int, x: np.ndarray, scale: np.ndarray):
     """Product of a row of the Jacobian and x / scale, both (n,)."""
     total = 0.0
     for p in range(1, 1 + columns[row, 0]):

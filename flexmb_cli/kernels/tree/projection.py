@@ -107,7 +107,7 @@ def move_coordinates(tree: "TreeArrays", coordinates: np.ndarray, z: np.ndarray)
 
 
 @allocating
-def _move_parts(tree, coordinates, q, attitudes):
+def _move_parts(tree: "TreeArrays", coordinates: "np.ndarray", q: "np.ndarray", attitudes: "np.ndarray"):
     largest = 0.0
     for m in range(coordinates.shape[0]):
         largest = max(largest, abs(coordinates[m]["response"]))

@@ -23,7 +23,9 @@ class Report(NamedTuple):
 
 
 @kernel
-def observe(tree: Any, work, coordinates: np.ndarray, z: np.ndarray, report, row) -> None:
+def observe(
+    tree: Any, work: "np.ndarray", coordinates: np.ndarray, z: np.ndarray, report: "Report", row: int
+) -> None:
     """Fill a report row from the state z, which has just been evaluated."""
     copy(z, report.rows[row])
     for k in range(work.shape[0]):

@@ -14,7 +14,7 @@ from ...model.mechanism import Mechanism
 from ...quick_dataclass import replace
 from ..context import Run
 from ..outcome import Stop
-from .difference import Difference, largest_difference
+from .difference import Difference, Size, largest_difference
 
 if TYPE_CHECKING:
     from ...solvers.constrained.rows import DynamicRows
@@ -55,7 +55,15 @@ def compare(
         rows = motion.kinematic(X)
     else:
         rows = motion.forward(X, speeds_of(X, start.velocity[0], start.angular_velocity[0]))
-    return _differences(_joined(blocks), rows, motion)
+    return _differences(_joined(blocks), rows, motion, _size(mechanism, model))
+
+
+def _size(mechanism: Mechanism, model: DynamicModel | None) -> Size:
+    from ...model.arrays.kinematic import length_scale
+
+    time = mechanism.time
+    mass = sum(item.mass for item in model.masses) if model else 0.0
+    return Size(length_scale(mechanism), time.end - time.start, mass)
 
 
 def _refuse_elements(model: Any) -> None:
@@ -75,7 +83,7 @@ def _joined(blocks: "list[DynamicRows]") -> dict[str, np.ndarray]:
     return {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
 
 
-def _differences(found: dict[str, np.ndarray], rows: Any, motion: Any) -> tuple[Difference, ...]:
+def _differences(found: dict[str, np.ndarray], rows: Any, motion: Any, size: Size) -> tuple[Difference, ...]:
     """Return the differences of positions, attitudes and their derivatives, and of efforts."""
     from ...solvers.natural_coordinates.equations import rotation_of
 
@@ -100,14 +108,21 @@ def _differences(found: dict[str, np.ndarray], rows: Any, motion: Any) -> tuple[
         pairs.append(
             ("driver effort", "N, N m", np.where(known, efforts, 0.0), np.where(known, rows.effort, 0.0))
         )
-    return tuple(_difference(rows.time, *pair) for pair in pairs)  # type: ignore[arg-type]
+    return tuple(_difference(rows.time, size, *pair) for pair in pairs)  # type: ignore[arg-type]
 
 
 def _difference(
-    time: np.ndarray, name: Any, unit: str, one: np.ndarray, other: np.ndarray, least: float = 0.0
+    time: np.ndarray,
+    size: Size,
+    name: Any,
+    unit: str,
+    one: np.ndarray,
+    other: np.ndarray,
+    least: float = 0.0,
 ) -> Any:
     """Return a difference; what should be zero is measured by `least`, the size of what it is made of."""
-    return largest_difference(name, unit, time, one, other, max(least, float(np.max(np.abs(one)))))
+    scale = max(least, float(np.max(np.abs(one))))
+    return largest_difference(name, unit, time, one, other, size, scale)
 
 
 def _omega(X: np.ndarray, rates: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ from ...quick_dataclass import fields, replace
 from ..context import Run
 from ..model import folder_of
 from ..outcome import Stop
-from .difference import Difference, largest_difference
+from .difference import Difference, Size, largest_difference
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -79,17 +79,24 @@ def _rows(mechanism: Any) -> Any:
     return rows, not analysis.found.redundant  # type: ignore[union-attr]
 
 
+def _size(mechanism: FlexibleMechanism) -> Size:
+    from ...model.arrays.flexible import length_scale
+
+    time = mechanism.time
+    return Size(length_scale(mechanism), time.end - time.start, sum(body.m for body in mechanism.bodies))
+
+
 def _differences(mechanism: Any, one: Any, other: Any, unique: Any) -> "Iterator[Any]":
-    time = one["time"]
+    time, size = one["time"], _size(mechanism)
     for name, unit, key in SERIES + ELEMENTS + (FORCES if unique else ()):
         if key in one and one[key].size:
-            yield largest_difference(name, unit, time, one[key], other[key])
+            yield largest_difference(name, unit, time, one[key], other[key], size)
     rigid = [k for k, body in enumerate(mechanism.bodies) if body.flexible is None]
     if rigid:
         for name, unit, key in (("position", "m", "position"), ("velocity", "m/s", "velocity")):
             yield largest_difference(
-                f"rigid body {name}", unit, time, one[key][:, rigid], other[key][:, rigid]
+                f"rigid body {name}", unit, time, one[key][:, rigid], other[key][:, rigid], size
             )
     moved = max(np.max(np.abs(one[name])) for name in ("kinetic", "strain"))
     for name in ENERGIES:
-        yield largest_difference(f"{name} energy", "J", time, one[name], other[name], moved)
+        yield largest_difference(f"{name} energy", "J", time, one[name], other[name], size, moved)

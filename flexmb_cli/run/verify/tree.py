@@ -10,7 +10,7 @@ from ...quick_dataclass import replace
 from ..context import Run
 from ..outcome import Stop
 from ..solutions.tree import absolute_analysis, kane_analysis, kane_analysis_with_elements, values_of
-from .difference import Difference, largest_difference
+from .difference import Difference, Size, largest_difference
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -68,25 +68,33 @@ def compare(
     tree: Tree, kane: dict[str, np.ndarray], absolute: dict[str, np.ndarray]
 ) -> tuple[Difference, ...]:
     """Return what two motions of a tree differ in, quantity by quantity."""
-    found = [*_coordinates(tree, kane, absolute)]
+    size = _size(tree, kane)
+    found = [*_coordinates(tree, size, kane, absolute)]
     for kind, unit in POINTS.items():
         for place in ("body", "point"):
             path = f"{place}/{kind}"
-            found.append(_largest(f"{place} {kind}", unit, kane, kane[path], absolute[path]))
+            found.append(_largest(f"{place} {kind}", unit, size, kane, kane[path], absolute[path]))
     attitudes = kane["body/euler_parameters"], absolute["body/euler_parameters"]
     # p and -p are one attitude.
     signs = np.where(np.sum(attitudes[0] * attitudes[1], axis=-1, keepdims=True) < 0, -1.0, 1.0)
-    found.append(_largest("body attitude", "1", kane, attitudes[0], signs * attitudes[1]))
+    found.append(_largest("body attitude", "1", size, kane, attitudes[0], signs * attitudes[1]))
     path = "body/angular_velocity"
-    found.append(_largest("body angular velocity", "rad/s", kane, kane[path], absolute[path]))
+    found.append(_largest("body angular velocity", "rad/s", size, kane, kane[path], absolute[path]))
     moved = max(np.max(np.abs(kane[f"energy/{name}"])) for name in ("kinetic", "strain"))
     for name in ENERGIES if _moves_freely(tree) else ENERGIES[:-1]:
         pair = kane[f"energy/{name}"], absolute[f"energy/{name}"]
-        found.append(_largest(f"{name} energy", "J", kane, *pair, scale=moved))
+        found.append(_largest(f"{name} energy", "J", size, kane, *pair, scale=moved))
     for path, (name, unit) in ELEMENTS.items():
         if path in kane and kane[path].size:
-            found.append(_largest(name, unit, kane, kane[path], absolute[path]))
+            found.append(_largest(name, unit, size, kane, kane[path], absolute[path]))
     return tuple(found)
+
+
+def _size(tree: Tree, kane: dict[str, np.ndarray]) -> Size:
+    """Return the size of a tree, its length from where bodies and points come."""
+    places = (kane["body/position"], kane["point/position"])
+    length = max(float(np.max(np.abs(place), initial=0.0)) for place in places)
+    return Size(length, tree.time.end - tree.time.start, sum(body.mass for body in tree.bodies))
 
 
 def _moves_freely(tree: Tree) -> bool:
@@ -96,7 +104,7 @@ def _moves_freely(tree: Tree) -> bool:
     return held + sum(len(c.directions) for c in tree.closures) < len(tree.coordinates)
 
 
-def _coordinates(tree: Tree, kane: Any, absolute: Any) -> "Iterator[Any]":
+def _coordinates(tree: Tree, size: Size, kane: Any, absolute: Any) -> "Iterator[Any]":
     """Coordinates and speeds by kind; integrals of angular velocities are no coordinates of a position."""
     kinds = np.array([c.motion for c in tree.coordinates])
     ball = [c.motion == ROTATION and len(tree.hinges[c.body].rotations) == 3 for c in tree.coordinates]
@@ -107,8 +115,8 @@ def _coordinates(tree: Tree, kane: Any, absolute: Any) -> "Iterator[Any]":
                 own &= ~np.array(ball, bool)
             if own.any():
                 pair = kane[path][:, own], absolute[path][:, own]
-                yield _largest(f"{kind} {name}", unit + per, kane, *pair)
+                yield _largest(f"{kind} {name}", unit + per, size, kane, *pair)
 
 
-def _largest(name: str, unit: Any, kane: Any, one: Any, other: Any, scale: Any = None) -> Any:
-    return largest_difference(name, unit, kane["time"], one, other, scale)
+def _largest(name: str, unit: Any, size: Size, kane: Any, one: Any, other: Any, scale: Any = None) -> Any:
+    return largest_difference(name, unit, kane["time"], one, other, size, scale)

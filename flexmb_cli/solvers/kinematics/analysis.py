@@ -7,6 +7,7 @@ import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...kernels.kinematics import continuation
+from ...kernels.kinematics.continuation_clock import BUDGET, CLOCK_SIZE, TIME
 from ...model.arrays.kinematic import KinematicArrays, kinematic_arrays
 from ...model.mechanism import Mechanism
 from ..checkpoint import faults_reported, reported, row_of, taken
@@ -57,8 +58,8 @@ class KinematicAnalysis:
         self.state[0] = q
         self.motion = np.zeros((self.arrays.screw_angles.size, 3))
         self.motion[:, 0] = self.arrays.screw_angles
-        self.clock = np.zeros(continuation.CLOCK_SIZE)
-        self.clock[continuation.TIME] = self.mechanism.time.time(0)
+        self.clock = np.zeros(CLOCK_SIZE)
+        self.clock[TIME] = self.mechanism.time.time(0)
 
     @property
     def evaluator(self) -> Evaluator:
@@ -185,21 +186,21 @@ class KinematicAnalysis:
     ) -> bool:
         """Move state, motion and clock to the time t, or by so many attempts at a step; whether there."""
         out, audit = np.empty((1, *state.shape)), np.empty((1, 3))
-        while clock[continuation.TIME] < t:
-            clock[continuation.BUDGET] = attempts or self._budget
+        while clock[TIME] < t:
+            clock[BUDGET] = attempts or self._budget
             follow(state, motion, clock, np.array([t]), out, audit)
-            if attempts or clock[continuation.BUDGET] > 0.0:
+            if attempts or clock[BUDGET] > 0.0:
                 break
-        return clock[continuation.TIME] >= t
+        return clock[TIME] >= t
 
     def _follow(self, times: np.ndarray, out: np.ndarray, audit: np.ndarray) -> int:
         """Fill rows until all are reached or the way is barred; returns how many were."""
         reached, follow = 0, self.follower()
         while reached < times.size:
-            self.clock[continuation.BUDGET] = self._budget
+            self.clock[BUDGET] = self._budget
             rest = slice(reached, None)
             reached += follow(self.state, self.motion, self.clock, times[rest], out[rest], audit[rest])
-            if self.clock[continuation.BUDGET] > 0.0:
+            if self.clock[BUDGET] > 0.0:
                 break
         return reached
 

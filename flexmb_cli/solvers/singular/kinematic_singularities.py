@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...kernels.kinematics.continuation import BUDGET, SIGN, TIME
+from ...kernels.kinematics.continuation_clock import BUDGET, SIGN, TIME
 from ...model.equations import Equation
 from .conditioning import conditioning, conditioning_text
 from .passed import Passed, PassedSingularities

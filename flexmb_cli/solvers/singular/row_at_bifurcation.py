@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...kernels.kinematics import constraints as equations
-from ...kernels.kinematics.continuation import NEXT_LENGTH, SIGN, SPENT, TIME
+from ...kernels.kinematics.continuation_clock import NEXT_LENGTH, SIGN, SPENT, TIME
 from ..kinematics.rows import Rows
 from ..kinematics.system import rows_of
 from ..projection import Corrections, Instant, project

@@ -9,7 +9,7 @@ from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.settings import apply_settings
 from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
 from flexmb_cli.dialects.young.card import MOST_NUMBERS
-from flexmb_cli.dialects.young.dynamic_cards import CARDS
+from flexmb_cli.dialects.young.cards import CARDS
 from flexmb_cli.errors import DeckError, ModelError
 from flexmb_cli.results.texts.echo import echo
 

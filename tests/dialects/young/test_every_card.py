@@ -11,8 +11,8 @@ from flexmb_cli.deck.dialogue import Dialogue, draft_text, from_draft
 from flexmb_cli.deck.text import decode
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
-from flexmb_cli.dialects.young.dynamic_cards import BY_KEYWORD
-from flexmb_cli.dialects.young.form import YoungForm, YoungFormWithCards
+from flexmb_cli.dialects.young.cards import BY_KEYWORD
+from flexmb_cli.dialects.young.dialogue.form import YoungForm, YoungFormWithCards
 from tests.solvers.constrained.element_decks import FREE, ROTOR
 from tests.solvers.constrained.elements.element_cases import CASES, Case
 

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from flexmb_cli.dialects.young.dynamic_cards import CARDS
+from flexmb_cli.dialects.young.cards import CARDS
 from tests.solvers.constrained.element_decks import ARM, ROTOR, SLIDER, TWO_ROTORS, rows_of
 
 # What acts on the motion; the others give masses, gravity, the start, integrators and pictures.

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator, Sequence
 
-from ...deck import number
-from ...deck.questions import INTEGER, MOST_ASKED, REAL, Cell, Entry
-from ...deck.record import Record
-from .shape_cards import SHAPE_CARDS
+from ....deck import number
+from ....deck.questions import INTEGER, MOST_ASKED, REAL, Cell, Entry
+from ....deck.record import Record
+from ..shape_cards import SHAPE_CARDS
 
 GEOM = SHAPE_CARDS[0]
 SHAPES_ENTRY = Entry(

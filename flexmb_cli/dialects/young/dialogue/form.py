@@ -6,16 +6,16 @@ names, meanings and units are those of the reader's table.
 
 from collections.abc import Sequence
 
-from ...deck import number
-from ...deck.questions import INTEGER, MOST_ASKED, REAL, TITLE_ENTRY, Cell, Entry
-from ...deck.record import Number, Record
-from ...errors import Fault
-from .build import faults_of_last
-from .equation_count import imbalance
+from ....deck import number
+from ....deck.questions import INTEGER, MOST_ASKED, REAL, TITLE_ENTRY, Cell, Entry
+from ....deck.record import Number, Record
+from ....errors import Fault
+from ..build import faults_of_last
+from ..equation_count import imbalance
+from ..sections import COUNTS, YOUNG_SECTIONS, Column, Section
+from ..shapes import faults_of_shape
 from .form_cards import OPENING, OPENING_ENTRY, card_entries, card_lines, faults_of_card, is_card
 from .form_shapes import GEOM, SHAPES_ENTRY, shape_entries, shape_lines
-from .sections import COUNTS, YOUNG_SECTIONS, Column, Section
-from .shapes import faults_of_shape
 
 # Where an empty answer is sensible: joint points and frames at the origin, at rest and not turned.
 _ZERO = {"x", "y", "z", "e1", "e2", "e3", "C", "A", "value", "alpha", "beta", "gamma", "start"}

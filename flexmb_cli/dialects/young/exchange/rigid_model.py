@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...deck.record import Deck
-from ...errors import Fault, ModelError, Place
-from ...model.arrays.dynamic import inertia_matrix
-from ...model.attitudes import Attitudes
-from ...model.exchange.conversion import Conversion, coordinate_since
-from ...model.exchange.functions import constant, moved
-from ...model.exchange.rigid_model import (
+from ....deck.record import Deck
+from ....errors import Fault, ModelError, Place
+from ....model.arrays.dynamic import inertia_matrix
+from ....model.attitudes import Attitudes
+from ....model.exchange.conversion import Conversion, coordinate_since
+from ....model.exchange.functions import constant, moved
+from ....model.exchange.rigid_model import (
     ALPHA,
     EXPLICIT,
     RADAU,
@@ -23,16 +23,16 @@ from ...model.exchange.rigid_model import (
     Stepping,
     vector,
 )
-from ...model.exchange.shapes import RigidShape, shifted
-from ...model.exchange.start import Start
-from ...model.joint_elements import JointDriver, JointMotor
-from ...model.loads import AppliedForce, AppliedTorque, DynamicModel, SpringDamper
-from ...model.mechanism import GROUND, Driver, Point, Simplified, TimeGrid
-from ...model.time_functions import POLYNOMIAL, MotionFunction
-from ...model.vectors import rotation_matrix
-from ...quick_dataclass import replace
-from .dynamic_cards import analysis_of
-from .shapes import exchanged_shapes
+from ....model.exchange.shapes import RigidShape, shifted
+from ....model.exchange.start import Start
+from ....model.joint_elements import JointDriver, JointMotor
+from ....model.loads import AppliedForce, AppliedTorque, DynamicModel, SpringDamper
+from ....model.mechanism import GROUND, Driver, Point, Simplified, TimeGrid
+from ....model.time_functions import POLYNOMIAL, MotionFunction
+from ....model.vectors import rotation_matrix
+from ....quick_dataclass import replace
+from ..dynamic_cards import analysis_of
+from ..shapes import exchanged_shapes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

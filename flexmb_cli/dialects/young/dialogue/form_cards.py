@@ -2,14 +2,15 @@
 
 from collections.abc import Iterator, Sequence
 
-from ...deck import number
-from ...deck.questions import INTEGER, REAL, TEXT, WORD, Cell, Entry
-from ...deck.record import Number, Record
-from ...errors import Fault
-from .card import Card
-from .dynamic_cards import BY_KEYWORD, CARDS, FORWARD, INVERSE, LAST_CARD
-from .sections import Column
-from .shape_cards import SHAPE_CARDS
+from ....deck import number
+from ....deck.questions import INTEGER, REAL, TEXT, WORD, Cell, Entry
+from ....deck.record import Number, Record
+from ....errors import Fault
+from ..card import Card
+from ..cards import BY_KEYWORD, CARDS
+from ..dynamic_cards import FORWARD, INVERSE, LAST_CARD
+from ..sections import Column
+from ..shape_cards import SHAPE_CARDS
 
 OPENING, NEXT_CARD, SHAPES = "opening", "card", "GEOMETRY"
 _ANALYSES = (FORWARD.upper(), INVERSE.upper(), SHAPES)

@@ -4,16 +4,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...errors import Fault, ModelError
-from ...model.exchange.functions import constant, points_of, polynomial_of, simple, value_of, without_jumps
-from ...model.exchange.rigid_model import ALPHA, RADAU, Refusals, RigidModel, across
-from ...model.exchange.shapes import RigidShape, notes_of
-from ...model.joints import ANGLE, JOINT_TYPES
-from ...model.mechanism import GROUND
-from ...model.shapes import KINDS
-from ...model.time_functions import SINE
-from .build_dynamics import LEAST_TOLERANCE, MOST_TOLERANCE
-from .sections import COUNT_OF, COUNTS
+from ....errors import Fault, ModelError
+from ....model.exchange.functions import constant, points_of, polynomial_of, simple, value_of, without_jumps
+from ....model.exchange.rigid_model import ALPHA, RADAU, Refusals, RigidModel, across
+from ....model.exchange.shapes import RigidShape, notes_of
+from ....model.joints import ANGLE, JOINT_TYPES
+from ....model.mechanism import GROUND
+from ....model.shapes import KINDS
+from ....model.time_functions import SINE
+from ..integration_cards import LEAST_TOLERANCE, MOST_TOLERANCE
+from ..sections import COUNT_OF, COUNTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -1,0 +1,126 @@
+"""Cards of the analysis and its results: stiffening, times, integrator, output, materials, shapes."""
+
+from ....solvers.constrained.integrators import METHODS
+from ..card import Card, Column, vector_columns, whole_column, word_column
+from .columns import BODY, MATRIX_FORMS, NODE
+
+STRESS_PLACES = ("NODE", "ELEM", "MAX")
+SHAPES = ("BOX", "CYLI", "TUBE", "CONE", "SPHE")
+
+_SHAPED = whole_column("body", "rigid body, 0: ground", None)
+# Offset and angles of a shape.
+_PLACED = (
+    *vector_columns("offset", "middle of the shape, body axes", "m"),
+    Column("alpha", "turned about x, then", "rad", default=0.0),
+    Column("beta", "about y, then", "rad", default=0.0),
+    Column("gamma", "about z, axes of the body", "rad", default=0.0),
+)
+
+ANALYSIS_CARDS = (
+    Card(
+        "GEOS",
+        "stiffening",
+        "stiffening of body {}",
+        "body",
+        (
+            BODY,
+            whole_column("on", "1: centrifugal stiffening"),
+            Column("E", "Young's modulus of the elements; empty: by MATL or FEMG", "Pa", default=0.0),
+            Column("nu", "Poisson's ratio of the elements", default=0.0),
+        ),
+    ),
+    Card(
+        "FEMG",
+        "unit_load",
+        "geometric stiffness {}",
+        "list",
+        (
+            BODY,
+            whole_column("load", "unit load, 4 to 12: xx xy xz yx ... zz", None),
+            word_column("form", "format of the file", MATRIX_FORMS),
+            Column("file", "file of the geometric stiffness", letter="T", skip=1, default=None),
+        ),
+    ),
+    Card(
+        "TIME",
+        "time",
+        "TIME",
+        "single",
+        (
+            Column("end", "last time", "s", default=None),
+            Column("output", "time between rows", "s", default=None),
+            Column("step", "step of integration, 0: chosen by tolerance", "s", default=0.0),
+        ),
+    ),
+    Card(
+        "INTG",
+        "integrator",
+        "INTG",
+        "single",
+        (
+            word_column(
+                "method",
+                ", ".join(f"{word} {method.meaning}" for word, method in METHODS.items()),
+                tuple(METHODS),
+            ),
+            Column("rho", "spectral radius at infinity, or tolerance", default=0.0),
+            Column("stabilise", "constraint stabilisation", "1/s", default=0.0),
+        ),
+    ),
+    Card("OUTN", "output", "output nodes {}", "list", (BODY,), NODE),
+    Card(
+        "MATL",
+        "material",
+        "material of body {}",
+        "body",
+        (
+            BODY,
+            Column("E", "Young's modulus of the elements", "Pa", default=None),
+            Column("nu", "Poisson's ratio of the elements", default=0.0),
+            Column("rho", "density, to test the mass by; empty: no test", "kg/m^3", default=0.0),
+        ),
+    ),
+    Card(
+        "OUTS",
+        "stress_output",
+        "stress output {}",
+        "list",
+        (BODY, word_column("what", "where stresses are reported", STRESS_PLACES)),
+        whole_column("number", "node, node set or element; none: all"),
+    ),
+    Card(
+        "PLAC",
+        "placement",
+        "placement {}",
+        "list",
+        (
+            BODY,
+            NODE,
+            *vector_columns(
+                "p", "point that it lies at (first), towards (second), beside (third), global", "m"
+            ),
+        ),
+    ),
+    Card(
+        "GEOM",
+        "shape",
+        "shape {}",
+        "list",
+        (
+            _SHAPED,
+            word_column("shape", "shape for pictures", SHAPES),
+            Column("a", "length along x; of all but a box the radius", "m", default=0.0),
+            Column("b", "length along y; of all but a box the length along z", "m", default=0.0),
+            Column("c", "length along z; inner radius of a tube, upper one of a cone", "m", default=0.0),
+            *_PLACED,
+        ),
+    ),
+    Card(
+        "GSTL",
+        "shape_file",
+        "shape file {}",
+        "list",
+        (_SHAPED, Column("unit", "metres in a unit of the file; empty: 1", "m", default=1.0), *_PLACED),
+        second=(Column("file", "STL file", letter="T", skip=1, default=None),),
+    ),
+)

@@ -1,0 +1,100 @@
+"""Cards behind DYNAMICS: one table of keywords, columns and meanings."""
+
+from .card import Card, vector, whole
+from .elements.cards import FUNCTION_CARDS, JOINT_CARDS
+from .sections import Column
+from .shape_cards import SHAPE_CARDS
+
+_BODY = whole("body", "number of the body")
+_FOLLOWING = whole("following", "0: global axes, 1: the axes of the body, turning with it")
+_FACTOR = whole("factor", "number of the function that multiplies it, 0: none")
+CARDS = (
+    Card(
+        "MASS",
+        "mass",
+        (
+            _BODY,
+            Column("m", "mass", "kg"),
+            *vector("centre", "the centre of mass, body axes", "m"),
+            *(
+                Column(
+                    f"I{a}",
+                    f"element {a} of the inertia tensor about the centre of mass, body axes",
+                    "kg m^2",
+                )
+                for a in ("xx", "yy", "zz", "xy", "yz", "zx")
+            ),
+        ),
+        optional=3,
+    ),
+    Card(
+        "FORCE",
+        "force",
+        (
+            _BODY,
+            *vector("P", "the point of action, body axes", "m"),
+            *vector("F", "the force", "N"),
+            _FOLLOWING,
+            _FACTOR,
+        ),
+        optional=2,
+    ),
+    Card("TORQUE", "torque", (_BODY, *vector("T", "the torque", "N m"), _FOLLOWING, _FACTOR), optional=2),
+    Card(
+        "SPRING",
+        "spring",
+        (
+            whole("I", "number of body I, 0: the ground"),
+            whole("J", "number of body J, 0: the ground"),
+            *vector("P_i", "the end on body I, body axes", "m"),
+            *vector("P_j", "the end on body J, body axes", "m"),
+            Column("stiffness", "stiffness", "N/m"),
+            Column("free_length", "length without force", "m"),
+            Column("damping", "force of the damper in line per rate of length", "N s/m"),
+        ),
+        optional=1,
+    ),
+    Card(
+        "DAMPER",
+        "damper",
+        (
+            whole("I", "number of body I, 0: the ground"),
+            whole("J", "number of body J, 0: the ground"),
+            *vector("P_i", "the end on body I, body axes", "m"),
+            *vector("P_j", "the end on body J, body axes", "m"),
+            Column("damping", "force per rate of length", "N s/m"),
+        ),
+    ),
+    Card("GRAVITY", "gravity", vector("g", "the acceleration of gravity, global axes", "m/s^2")),
+    Card(
+        "VELOCITY",
+        "velocity",
+        (
+            _BODY,
+            *vector("v", "the velocity of the body's origin at the start, global axes", "m/s"),
+            *vector("w", "the angular velocity at the start, global axes", "rad/s"),
+        ),
+        optional=3,
+    ),
+    Card("TOLERANCE", "tolerance", (Column("relative", "error tolerance of the integration"),)),
+    Card(
+        "GALF",
+        "generalised-alpha",
+        (
+            Column("step", "length of the steps of the generalised-alpha method, 0: by the tolerance", "s"),
+            Column("radius", "spectral radius at infinity, 1: no numerical damping, 0: the most"),
+        ),
+    ),
+    Card(
+        "RAD5",
+        "radau",
+        (Column("tolerance", "error tolerance of Radau's method of order 5, 0: that of TOLERANCE"),),
+        optional=1,
+    ),
+    *FUNCTION_CARDS,
+    *JOINT_CARDS,
+    *SHAPE_CARDS,
+)
+
+
+BY_KEYWORD = {card.keyword: card for card in CARDS}

@@ -1,0 +1,1 @@
+"""Questions of `flexmb new young`, and the deck that the answers give."""

@@ -1,0 +1,1 @@
+"""A YOUNG deck of rigid bodies to and from other dialects."""

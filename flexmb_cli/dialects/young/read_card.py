@@ -1,0 +1,148 @@
+"""Records of cards; those of a large deck make the places of their numbers when they are looked at."""
+
+import re
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from itertools import islice, takewhile
+from typing import Any
+
+from ...deck import number
+from ...deck.record import DeckText, Number, Record
+from ...deck.words import Word, words_from
+from ...errors import Fault, FaultList, Place
+from .card import Card, Positions, RepeatedColumns
+from .cards import CARDS
+from .sections import Column
+
+# Words that stand for no number, where one is wanted, and are no keyword.
+NO_NUMBER = re.compile(r"nan|inf(inity)?", re.IGNORECASE)
+# A card without comments: its keyword and its numbers.
+_PLAIN_CARD = re.compile(r"[A-Za-z]\w*\s+([^\s{A-Za-z][^\s{]*(?:\s+[^\s{A-Za-z][^\s{]*)*)\s*({)?")
+
+
+def card_at(source: DeckText, section: str, starts: Any, index: int) -> "ReadCard":
+    """Return the card of a section that begins at a place of the text; `starts`: those of all its cards."""
+    kind = next(card for card in CARDS if card.section == section)
+    return ReadCard(source, kind, index + 1, starts[index])
+
+
+class CardRecords:
+    """Makes records of cards; `faults` holds those of their numbers."""
+
+    def __init__(self) -> None:
+        self.faults: list[Fault] = FaultList()
+
+    def error(self, place: Place, subject: str, message: str) -> None:
+        """Report what is wrong at a place."""
+        self.faults.append(Fault("error", message, place, subject, id="YOUNG-020"))
+
+    def record(
+        self,
+        kind: Card,
+        columns: Sequence[Column],
+        number_of_card: int,
+        keyword: Word,
+        found: Sequence[Word],
+    ) -> Record:
+        """The record of a card with as many words as it needs; faults of its numbers are noted."""
+        subject = f"{kind.section} {number_of_card}"
+        numbers = [self.number(subject, *pair) for pair in zip(columns, found, strict=False)]
+        # Where columns repeat, nothing is left out.
+        left_out = columns[len(found) :]
+        numbers += [
+            Number(c.key, 0 if c.is_integer else 0.0, c.meaning, c.unit, keyword.place, "0") for c in left_out
+        ]
+        return Record(kind.section, number_of_card, subject, tuple(numbers))
+
+    def number(self, subject: str, column: Column, word: Word) -> Number:
+        """The number that a word spells; 0 where it is none."""
+        if column.is_text:
+            return Number(column.key, word.text, column.meaning, column.unit, word.place, word.text)
+        value: float = 0
+        try:
+            value, doubt = number.integer(word.text) if column.is_integer else number.real(word.text)
+            if doubt:
+                self.faults.append(
+                    Fault("warning", f"{column.key}: {doubt}", word.place, subject, id="YOUNG-021")
+                )
+        except number.Misspelt as fault:
+            self.error(word.place, subject, f"{column.key} {fault}")
+        return Number(column.key, value, column.meaning, column.unit, word.place, word.text)
+
+
+class ReadCard(Record):
+    """A card of a large deck: places of its numbers are made when they are looked at."""
+
+    _source: DeckText
+    _kind: Card
+    _start: int  # in the text, from 0
+
+    def __init__(self, source: DeckText, kind: Card, number_of_card: int, start: int):
+        names = {"section": kind.section, "number": number_of_card, "made": {}}
+        names["subject"] = f"{kind.section} {number_of_card}"
+        vars(self).update(names, _source=source, _kind=kind, _start=start)
+
+    def _columns(self, count: int) -> Sequence[Column]:
+        columns = self._kind.columns_of(count)
+        assert columns is not None, "the card was read before"
+        return columns
+
+    @cached_property
+    def values(self) -> tuple[float | int, ...]:
+        """Values of the numbers."""
+        if not self._plain:
+            return tuple(item.value for item in self.numbers)
+        texts = self._plain[1].split()
+        columns = self._columns(len(texts))
+        spellings = [number.integer if column.is_integer else number.real for column in columns]
+        read = [spelled(text)[0] for spelled, text in zip(spellings, texts, strict=False)]
+        return *read, *(0 if column.is_integer else 0.0 for column in columns[len(read) :])
+
+    @cached_property
+    def positions(self) -> Mapping[str, int]:  # type: ignore[override]
+        """Return where among the numbers each key stands."""
+        count = len(self._plain[1].split()) if self._plain else len(self.numbers)
+        columns = self._columns(count)
+        if isinstance(columns, RepeatedColumns):
+            return Positions(columns)
+        return {column.key: k for k, column in enumerate(columns)}
+
+    def at(self, key: str) -> Number:
+        """The number called `key`; the others of a long card are not made."""
+        if not self._kind.repeated:
+            return super().at(key)
+        k = self.positions[key]
+        word = next(islice(words_from(self._source.lines, self._start), k + 1, None))
+        column = self._columns(len(self.positions))[k]
+        return CardRecords().number(self.subject, column, word)
+
+    @cached_property
+    def numbers(self) -> tuple[Number, ...]:
+        """The numbers with their places."""
+        behind = words_from(self._source.lines, self._start)
+        keyword = next(behind)
+        found = [next(behind)] if self._kind.begins_with_text else []
+        found += takewhile(lambda word: not is_keyword(word), behind)
+        columns = self._columns(len(found))
+        return CardRecords().record(self._kind, columns, self.number, keyword, found).numbers
+
+    @property
+    def place(self) -> Place:
+        """Place of the first number."""
+        if self._plain is None:
+            return self.numbers[0].place  # type: ignore[return-value]
+        first = self._plain[1].split(maxsplit=1)[0]
+        return Place(*self._source.lines.place_of(self._plain.start(1)), len(first))
+
+    @cached_property
+    def _plain(self) -> Any:
+        """The card in the text; None where a comment stands in it or behind it."""
+        if self._kind.begins_with_text:
+            return None
+        found = _PLAIN_CARD.match(self._source.text, self._start)
+        return found if found and not found[2] else None
+
+
+def is_keyword(word: Word) -> bool:
+    """Return whether a word is no number, so that it begins a card."""
+    return word.text[0].isalpha() and not NO_NUMBER.fullmatch(word.text)
