@@ -1,4 +1,4 @@
-"""How pictures look: width on paper, fonts, a style file of matplotlib, texts by LaTeX."""
+"""Style of pictures: width on paper, fonts, a style file of matplotlib, texts by LaTeX."""
 
 import textwrap
 from typing import Any
