@@ -83,9 +83,9 @@ class ElementBody:
 
     def velocities(self, row: int) -> np.ndarray:
         """Velocities (n, 3) of the nodes in a row, global axes: v + omega x (x - r) + A Phi eta'."""
-        arms = self.places(row) - self.origin[row]
+        offsets = self.places(row) - self.origin[row]
         relative = self.shape @ self.rate[row] @ self.turn[row].T
-        return self.velocity[row] + np.cross(self.spin[row], arms) + relative
+        return self.velocity[row] + np.cross(self.spin[row], offsets) + relative
 
     def stress(self, row: int) -> np.ndarray:
         """Stresses (n, 6) xx yy zz xy yz zx of the nodes in a row, body axes."""
