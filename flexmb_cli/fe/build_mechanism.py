@@ -74,8 +74,9 @@ def _body(given: VsdfBody, cached: Any) -> tuple[FloatingBody, list[Fault]]:
     motion = np.array(given.velocity), np.array(given.omega)
     places = {"place": given.place, "velocity_place": given.velocity_place}
     if given.flexible is None:
-        m, c = given.rigid.mass, np.array(given.rigid.centre)  # type: ignore[union-attr]
-        about_origin = given.rigid.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))  # type: ignore[union-attr]
+        assert given.rigid is not None, "a body is flexible or rigid"
+        m, c = given.rigid.mass, np.array(given.rigid.centre)
+        about_origin = given.rigid.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))
         pose = np.array(given.r), np.array(given.p)
         return FloatingBody(given.name, *pose, *motion, m, m * c, about_origin, **places), []  # type: ignore[arg-type]
     found, doubts = flexible_body(given.flexible, cached)

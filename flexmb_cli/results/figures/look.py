@@ -81,7 +81,7 @@ class Look:
     def apply(self) -> list[str]:
         """Set matplotlib's settings, those of the style file last; return families that are not installed.
 
-        These are left out.  Raises OSError for a style that there is not, or that asks for LaTeX by itself.
+        These are left out.  Raises OSError for a style that there is not, or that would start LaTeX unasked.
         """
         from matplotlib import rcParams, style
 

@@ -244,6 +244,23 @@ def test_a_font_that_is_not_installed_is_told_once(bar, tmp_path, caplog):
     assert pictures[0] == pictures[1] != pictures[2]
 
 
+@pytest.mark.parametrize("lines, missing", [
+    ("font.family: No Such Font\n", True),
+    ("font.family: serif\nfont.serif: No Such Font\n", True),
+    ("font.family: serif\nfont.serif: No Such Font, DejaVu Serif\n", False),
+    ("font.family: No Such Font\ntext.usetex: True\n", False),
+])  # fmt: skip
+def test_a_font_of_a_style_file_that_is_not_installed_is_told_once(bar, tmp_path, caplog, lines, missing):
+    """LaTeX finds its own fonts; where there is none, that is told instead."""
+    pytest.importorskip("matplotlib")
+    (tmp_path / "s.mplstyle").write_text(lines)
+    options = ["--width", "85", "--style", str(tmp_path / "s.mplstyle"), "-o", str(tmp_path / "p.png")]
+    done = CliRunner().invoke(plot, [str(bar), "point.1", *options])
+    family = "serif" if "serif" in lines else "No Such Font"
+    assert done.output.count(f"s.mplstyle: font {family}: no such font is installed") == missing
+    assert "findfont" not in caplog.text
+
+
 def test_a_style_file_starts_no_program(bar, tmp_path):
     """It drew by LaTeX, with a preamble of its own, though nobody asked for it."""
     pytest.importorskip("matplotlib")
@@ -266,23 +283,6 @@ def test_a_style_of_a_file_imports_no_package_of_its_name(bar, tmp_path, monkeyp
         plot, [str(bar), "point.1", "--width", "85", "--style", "journal.mplstyle", "-q"]
     )
     assert (done.exit_code, Path("seen").exists()) == (0, False), done.output
-
-
-@pytest.mark.parametrize("lines, missing", [
-    ("font.family: No Such Font\n", True),
-    ("font.family: serif\nfont.serif: No Such Font\n", True),
-    ("font.family: serif\nfont.serif: No Such Font, DejaVu Serif\n", False),
-    ("font.family: No Such Font\ntext.usetex: True\n", False),
-])  # fmt: skip
-def test_a_font_of_a_style_file_that_is_not_installed_is_told_once(bar, tmp_path, caplog, lines, missing):
-    """LaTeX finds its own fonts; where there is none, that is told instead."""
-    pytest.importorskip("matplotlib")
-    (tmp_path / "s.mplstyle").write_text(lines)
-    options = ["--width", "85", "--style", str(tmp_path / "s.mplstyle"), "-o", str(tmp_path / "p.png")]
-    done = CliRunner().invoke(plot, [str(bar), "point.1", *options])
-    family = "serif" if "serif" in lines else "No Such Font"
-    assert done.output.count(f"s.mplstyle: font {family}: no such font is installed") == missing
-    assert "findfont" not in caplog.text
 
 
 def test_a_style_file_decides_last(bar, tmp_path):
