@@ -77,6 +77,25 @@ def test_loops_and_couplings_agree(tmp_path):
     assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-8]
 
 
+# Body 1, light, slides along axis 1; body 2 hangs from it and turns about axis 3.
+CART = (
+    SHORT.replace("    1    0    0    0    0\n    2", "    1    1    1    0    0\n    2", 1)
+    .replace("    1    1    0    0    1\n    2    1", "    1    0    0    0    0\n    2    1", 1)
+    .replace("    1       1.5\n", "    1       0.1\n")
+    .replace("    2       1.0       0.0", "    2       0.0       0.0", 1)
+    .replace("    1       0.4       0.0", "    1       0.0       0.0")
+    .replace("Y(L)\n       0.0       0.0       0.0", "Y(L)\n       0.0       1.0      -2.2")
+)
+
+
+def test_friction_agrees_where_it_changes_its_own_normal_force_by_more_than_the_whole(tmp_path):
+    """The rod leans by φ: each N of friction on the light slide changes the normal force by about tan φ N."""
+    found = verified(
+        tmp_path, f"{CART}{card('FRIC', integers(1) + reals(1.5, 1.5, 1, 0.001))}\nEND \nSTAR\nSTOP\n", 1e-7
+    )
+    assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-7]
+
+
 def test_an_error_in_one_formulation_shows(tmp_path, monkeypatch):
     right = element_forces.spring_effort
     monkeypatch.setattr(element_forces, "spring_effort", lambda item, x, v: right(item, x, 1.001 * v))

@@ -17,6 +17,7 @@ import numpy as np
 from .._jit import allocating, kernel, part
 from ..kinematics import constraints as equations
 from ..linalg.cholesky import cholesky, cholesky_solve
+from ..linalg.copying import copy
 from ..linalg.rank_revealing_lu import (
     WORN,
     choose,
@@ -27,9 +28,11 @@ from ..linalg.rank_revealing_lu import (
 from ..linalg.rotation import RATE, REMAINDER, A, rotation_matrices, rotation_rates
 from .body_vectors import geometry_of, move_vectors, place_vectors
 from .constraint_primitives import equation_accelerations, equation_rows
-from .dry_friction import FRICTION_CONVERGED, MOST_SUBSTITUTIONS, has_friction, normal_changes
+from .dry_friction import COMPONENTS, fill_joint_forces, fill_normal_forces, first_friction, has_friction
+from .elements import DAMPING, EFFORT, NORMAL, POWER, add_unit_friction
 from .forces import add_applied_forces
 from .mass_matrix import inertia_and_elastic_forces, mass_matrices, mass_times
+from .multipliers import fill_multipliers
 from .speeds import add_turning, coordinate_rates, speed_jacobian
 from .system import (
     FORCES,
@@ -84,7 +87,7 @@ def factorise_at(system: System, work: Work, q: np.ndarray) -> int:
     if code != SOLVED:
         return code
     mass_matrices(system, work, q)
-    return _reduce_mass(system, work, work.jacobian.shape[1] - work.rank[0])
+    return reduce_mass(system, work)
 
 
 @kernel
@@ -104,8 +107,9 @@ def factorise_constraints(system: System, work: Work, q: np.ndarray) -> int:
 
 
 @part
-def _reduce_mass(system: System, work: Work, free: int) -> int:
+def reduce_mass(system: System, work: Work) -> int:
     """Zᵀ M Z and its Cholesky factor."""
+    free = work.jacobian.shape[1] - work.rank[0]
     column, product = work.vectors[UNKNOWN], work.vectors[PRODUCT]
     for f in range(free):
         for k in range(work.jacobian.shape[1]):
@@ -199,7 +203,6 @@ def accelerate(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: floa
     work then holds all forces but those of the constraints.
     """
     power = fill_forces(system, work, q, u, t)
-    fill_gamma(system, work, q, u, t)
     forces, product = work.vectors[FORCES], work.vectors[PRODUCT]
     solve(system, work, forces, work.rows[GAMMA], ud)
     # Constraints that do not move do no work: what is left of their power is the drivers'.
@@ -211,39 +214,53 @@ def accelerate(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: floa
 
 @part
 def fill_forces(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: float) -> float:
-    """Fill FORCES with all but the constraint forces; returns the power of those that store no energy.
+    """Fill GAMMA, and FORCES with all but the constraint forces; returns the power of those that store no
+    energy.
 
-    Mass matrices, body vectors and factors of the constraints belong to q.
+    Mass matrices, body vectors and factors of the constraints belong to q, where there is friction those of
+    `reduce_mass` too.
     """
     move_vectors(geometry_of(system, work), u)
-    if has_friction(system.loads):
-        _iterate_friction(system, work, q, u, t)
-    return _forces(system, work, q, u, t)
-
-
-@kernel
-def _forces(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: float) -> float:
+    _fill_gamma(system, work, q, u, t)
     power = inertia_and_elastic_forces(system, work, q, u, work.vectors[FORCES])
-    return power + add_applied_forces(system, work, u, t, work.vectors[FORCES])
+    power += add_applied_forces(system, work, u, t, work.vectors[FORCES])
+    if has_friction(system.loads):
+        power += _add_friction(system, work)
+    return power
 
 
 @allocating
-def _iterate_friction(system: Any, work, q: np.ndarray, u: np.ndarray, t: float) -> None:
-    """Find the normal forces of friction that agree with the accelerations they cause."""
-    n = work.jacobian.shape[1]
-    ud = np.empty(n)
-    if _reduce_mass(system, work, n - work.rank[0]) != SOLVED:
-        return
-    for _ in range(MOST_SUBSTITUTIONS):
-        _forces(system, work, q, u, t)
-        fill_gamma(system, work, q, u, t)
-        solve(system, work, work.vectors[FORCES], work.rows[GAMMA], ud)
-        if normal_changes(system, work, ud) < FRICTION_CONVERGED:
-            return
+def _add_friction(system: Any, work) -> float:
+    """Add the friction of all joints to FORCES, on which it depends, and on GAMMA; returns its power."""
+    (m, n), first = work.jacobian.shape, first_friction(system.loads)
+    count, applied = system.loads.shape[0] - first, work.vectors[FORCES]
+    sides, gamma, ud = np.zeros((1 + count, n)), np.zeros((2, m)), np.empty(n)
+    forces, normals = np.empty((1 + count, count, COMPONENTS)), np.empty(count)
+    copy(work.rows[GAMMA], gamma[0])
+    for k in range(1 + count):
+        if k == 0:
+            copy(applied[:n], sides[k])
+        else:
+            add_unit_friction(system, work, first + k - 1, sides[k])
+            copy(sides[k], applied)
+        solve(system, work, applied, gamma[min(k, 1)], ud)
+        fill_multipliers(system, work, ud, work.rows[SCALED])
+        fill_joint_forces(system, work, first, work.rows[SCALED], forces[k])
+    fill_normal_forces(forces, normals)
+    copy(sides[0], applied)
+    power = 0.0
+    for k in range(count):
+        answer = work.responses[first + k]
+        for column in (EFFORT, POWER, DAMPING, NORMAL):
+            answer[column] *= normals[k]
+        power += answer[POWER]
+        for i in range(n):
+            applied[i] += normals[k] * sides[1 + k, i]
+    return power
 
 
 @part
-def fill_gamma(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: float) -> None:
+def _fill_gamma(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: float) -> None:
     """Fill GAMMA, the right-hand side of J u̇ = γ, where phi_q and the moved body vectors belong to q and
     u.
     """

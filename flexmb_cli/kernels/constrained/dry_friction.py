@@ -1,7 +1,12 @@
-"""Joint forces that dry friction follows, which follow from the friction in turn.
+"""Normal forces of dry friction, which follow from the joint forces that the friction itself changes.
 
-The accelerations are linear in the friction efforts, and these in the joint forces: repeated substitution
-converges as a geometric series whose ratio is about the coefficient of friction.
+The accelerations are linear in the friction efforts, and the joint forces in both.  Joint forces for unit
+normal forces are therefore found once, with the factors at hand; what is left is one equation a friction,
+
+    N = |F across the axis| + thread |F along it| + preload,   F = F0 + Σ N_p F_p,
+
+which Newton's method solves.  Of several solutions the one is taken that is reached where friction grows
+from none: with s F_p in place of F_p, s goes from 0 to 1 in steps short enough to stay on one branch.
 """
 
 import math
@@ -10,13 +15,16 @@ from typing import Any
 import numpy as np
 
 from .._jit import allocating, kernel
+from ..linalg.copying import copy
 from .body_vectors import VECTOR, vector
-from .elements import FRICTION, NORMAL
-from .multipliers import fill_multipliers
-from .system import SCALED
+from .elements import FRICTION
 
-MOST_SUBSTITUTIONS = 100
-FRICTION_CONVERGED = 1e-13  # of the largest force
+# Of a joint force: three across the axis, what a thread bears of the one along it, the preload.
+THREAD, PRELOAD, COMPONENTS = 3, 4, 5
+LARGEST_GROWTH = 0.9  # of s, of that by which friction could change its own normal force by the whole
+SHORTEST_GROWTH = 1e-6  # of s: the solution ends where a shorter step would be needed
+MOST_ITERATIONS = 30
+NORMALS_FOUND = 1e-11  # Newton's last step, of the largest normal force: the next would be round-off
 
 
 @kernel
@@ -26,38 +34,134 @@ def has_friction(loads: np.ndarray) -> bool:
 
 
 @kernel
-def normal_changes(system: Any, work, ud: np.ndarray):
-    """Fill the normal forces of the friction elements for the accelerations ud, whose FORCES are at hand.
+def first_friction(loads: np.ndarray) -> int:
+    """Return the place of the first friction among the loads."""
+    k = loads.shape[0]
+    while k > 0 and loads[k - 1]["kind"] == FRICTION:
+        k -= 1
+    return k
 
-    Returns the largest change, of the largest force.
-    """
-    lam = work.rows[SCALED]
-    fill_multipliers(system, work, ud, lam)
-    change, largest = 0.0, 0.0
-    for k in range(system.loads.shape[0]):
-        load = system.loads[k]
-        if load["kind"] != FRICTION:
-            continue
-        found = _normal(system, work, load, lam) + load["preload"]
-        change = max(change, abs(found - work.responses[k, NORMAL]))
-        largest = max(largest, found)
-        work.responses[k, NORMAL] = found
-    return change / largest if largest > 0.0 else 0.0
+
+@kernel
+def fill_joint_forces(system: Any, work, first: int, lam: np.ndarray, found: np.ndarray) -> None:
+    """Fill found (frictions, 5) with the joint forces of the multipliers lam, N, and the preloads."""
+    for k in range(found.shape[0]):
+        load = system.loads[first + k]
+        group, axis = system.groups[load["group"]], vector(work.body_vectors[VECTOR], load["body_vector"])
+        # The ground has no columns; the other body bears the opposite force.
+        body = group["body_j"] if group["body_j"] >= 0 else group["body_i"]
+        along = square = 0.0
+        for i in range(3):
+            column, total = 6 * body + i, 0.0
+            for row in range(group["first_row"], group["end_row"]):
+                total += (
+                    lam[row] * system.row_scale[row] * work.jacobian[row, column] / system.speed_scale[column]
+                )
+            found[k, i] = total
+            along += total * axis[i]
+            square += axis[i] * axis[i]
+        # Between nodes of a flexible body the axis stretches.
+        for i in range(3):
+            found[k, i] -= along / square * axis[i]
+        found[k, THREAD] = load["thread"] * along / math.sqrt(square)
+        found[k, PRELOAD] = load["preload"]
 
 
 @allocating
-def _normal(system, work, load, lam: np.ndarray):
-    """Size of the joint's force across its axis, and of that on the flanks of a thread, N."""
-    group, axis = system.groups[load["group"]], vector(work.body_vectors[VECTOR], load["body_vector"])
-    force = np.zeros(3)
-    # The ground has no columns; the other body bears the opposite force.
-    body = group["body_j"] if group["body_j"] >= 0 else group["body_i"]
-    for row in range(group["first_row"], group["end_row"]):
-        for i in range(3):
-            k = 6 * body + i
-            force[i] += lam[row] * system.row_scale[row] * work.jacobian[row, k] / system.speed_scale[k]
-    # Between nodes of a flexible body the axis stretches.
-    size = axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]
-    along = (force[0] * axis[0] + force[1] * axis[1] + force[2] * axis[2]) / math.sqrt(size)
-    square = force[0] * force[0] + force[1] * force[1] + force[2] * force[2] - along * along
-    return math.sqrt(max(square, 0.0)) + load["thread"] * abs(along)
+def fill_normal_forces(forces: np.ndarray, normals: np.ndarray) -> None:
+    """Fill normals (m,), N, from joint forces (1 + m, m, 5): without friction, and by unit normal forces.
+
+    Where no normal forces agree with the joint forces that they cause, they are not numbers.
+    """
+    m = normals.shape[0]
+    trial, equations, grown, share = np.zeros(m), np.empty((m, m + 1)), 0.0, 0.0
+    growth = LARGEST_GROWTH / max(_reach(forces), LARGEST_GROWTH)
+    while growth > SHORTEST_GROWTH:
+        if _solve(forces, share, trial, equations):
+            copy(trial, normals)
+            if share == 1.0:
+                return
+            grown = share
+        else:
+            copy(normals, trial)
+            growth *= 0.5
+        share = min(grown + growth, 1.0)
+    for k in range(m):
+        normals[k] = np.nan
+
+
+@kernel
+def _reach(forces: np.ndarray) -> float:
+    """The most by which unit normal forces change one of them."""
+    most = 0.0
+    for k in range(forces.shape[1]):
+        total = 0.0
+        for p in range(1, forces.shape[0]):
+            force = forces[p, k]
+            across = force[0] * force[0] + force[1] * force[1] + force[2] * force[2]
+            total += math.sqrt(across) + abs(force[THREAD])
+        most = max(most, total)
+    return most
+
+
+@kernel
+def _solve(forces: np.ndarray, share: float, normals: np.ndarray, equations: np.ndarray) -> bool:
+    """Bring normals (m,) to a solution for s = share by Newton's method; returns whether it got there.
+
+    Equations (m, m + 1) is its work.
+    """
+    m = normals.shape[0]
+    for _ in range(MOST_ITERATIONS):
+        for k in range(m):
+            _linearise(forces, share, normals, k, equations[k])
+        if not _eliminate(equations):
+            return False
+        moved = largest = 0.0
+        for k in range(m):
+            normals[k] += equations[k, m]
+            moved, largest = max(moved, abs(equations[k, m])), max(largest, abs(normals[k]))
+        if moved <= NORMALS_FOUND * largest:
+            return True
+    return False
+
+
+@kernel
+def _linearise(forces: np.ndarray, share: float, normals: np.ndarray, k: int, equation: np.ndarray) -> None:
+    """Fill equation (m + 1,) of Newton's step: the slopes of normal force k less its size, and its gap."""
+    m, own = normals.shape[0], forces[0, k]
+    x, y, z, w = own[0], own[1], own[2], own[THREAD]
+    for p in range(m):
+        force, amount = forces[1 + p, k], share * normals[p]
+        x, y, z = x + amount * force[0], y + amount * force[1], z + amount * force[2]
+        w += amount * force[THREAD]
+    across = math.sqrt(x * x + y * y + z * z)
+    inverse = 1.0 / across if across > 0.0 else 0.0
+    for p in range(m):
+        force = forces[1 + p, k]
+        change = inverse * (x * force[0] + y * force[1] + z * force[2])
+        change += force[THREAD] if w > 0.0 else -force[THREAD]
+        equation[p] = (1.0 if p == k else 0.0) - share * change
+    equation[m] = across + abs(w) + own[PRELOAD] - normals[k]
+
+
+@kernel
+def _eliminate(equations: np.ndarray) -> bool:
+    """Solve the equations (m, m + 1) in place, the unknowns into the last column; False where singular."""
+    m = equations.shape[0]
+    for k in range(m):
+        pivot = k
+        for i in range(k + 1, m):
+            if abs(equations[i, k]) > abs(equations[pivot, k]):
+                pivot = i
+        if not abs(equations[pivot, k]) > 0.0:
+            return False
+        inverse = 1.0 / equations[pivot, k]
+        for j in range(k, m + 1):
+            held = equations[pivot, j]
+            equations[pivot, j] = equations[k, j]
+            equations[k, j] = held * inverse
+        for i in range(m):
+            amount = equations[i, k]
+            for j in range(k, m + 1 if i != k else 0):
+                equations[i, j] -= amount * equations[k, j]
+    return True

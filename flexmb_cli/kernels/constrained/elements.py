@@ -37,8 +37,6 @@ SMALL = 1e-6  # of the creep speed: tanh(x)/x is 1 there
 def add_element(system: "System", work: "Work", k: int, f: "np.ndarray") -> float:
     """Add element k to f (n,); returns the power of what stores no energy."""
     load, answer = system.loads[k], work.responses[k]
-    if load["kind"] == FRICTION:
-        return _add_friction(system, work, load, answer, f)
     geometry = geometry_of(system, work)
     directed = _fill_coordinate(geometry, work, load, answer)
     effort, kept = _effort(system, load, answer)
@@ -123,25 +121,25 @@ def _pushed_back(load, depth, approach, sign, answer: "np.ndarray"):
 
 
 @kernel
-def _add_friction(system: Any, work, load, answer: "np.ndarray", f):
-    """Friction of a joint by the force NORMAL between its parts; returns its power."""
-    geometry, r = geometry_of(system, work), load["radius"]
+def add_unit_friction(system: Any, work, k: int, f: "np.ndarray") -> None:
+    """Add friction k by the normal force 1 N to f (n,), and answer for it."""
+    load, answer, geometry = system.loads[k], work.responses[k], geometry_of(system, work)
+    r = load["radius"]
     turning = primitive_rates(geometry, load["primitive"])[0] * r if load["primitive"] >= 0 else 0.0
     sliding = primitive_rates(geometry, load["stroke"])[0] if load["stroke"] >= 0 else 0.0
-    v, N = math.sqrt(turning * turning + sliding * sliding), answer[NORMAL]
+    v = math.sqrt(turning * turning + sliding * sliding)
     share, slope = friction_share(load, v)
     if load["primitive"] >= 0:
-        add_primitive_row(geometry, load["primitive"], -N * share * turning * r, f)
+        add_primitive_row(geometry, load["primitive"], -share * turning * r, f)
     if load["stroke"] >= 0:
-        add_primitive_row(geometry, load["stroke"], -N * share * sliding, f)
+        add_primitive_row(geometry, load["stroke"], -share * sliding, f)
     signed = v if load["primitive"] >= 0 and load["stroke"] >= 0 else turning + sliding
-    answer[COORDINATE], answer[SPEED], answer[EFFORT] = 0.0, signed, -N * share * signed
-    answer[POWER], answer[DAMPING] = -N * share * v * v, N * max(slope, 0.0)
-    return answer[POWER]
+    answer[COORDINATE], answer[SPEED], answer[EFFORT] = 0.0, signed, -share * signed
+    answer[POWER], answer[DAMPING], answer[NORMAL] = -share * v * v, max(slope, 0.0), 1.0
 
 
 @kernel
-def friction_share(load, v: tuple[float, float, float]):
+def friction_share(load, v: float):
     """μ(v)/v and dμ/dv at the sliding speed v >= 0."""
     x, fade = v / load["creep"], math.exp(-((v / load["stribeck"]) ** 2))
     mu = load["dynamic"] + (load["static"] - load["dynamic"]) * fade

@@ -26,7 +26,7 @@ FORCE, TORQUE, LINE, RELATIVE = 1, 2, 3, 4
 
 @kernel
 def add_applied_forces(system: System, work: Work, u: "np.ndarray", t: float, f: "np.ndarray") -> float:
-    """Add all applied forces to f (n,).
+    """Add all applied forces but friction to f (n,).
 
     Returns the power of those that store no energy: forces, torques and dampers.
     """
@@ -37,9 +37,9 @@ def add_applied_forces(system: System, work: Work, u: "np.ndarray", t: float, f:
             power += _add_line(system, work, load, work.responses[k], f)
         elif load["kind"] == RELATIVE:
             power += _add_relative(system, work, load, work.responses[k], t, f)
-        elif load["kind"] >= ELEMENT:
+        elif load["kind"] == ELEMENT:
             power += add_element(system, work, k, f)
-        else:
+        elif load["kind"] < ELEMENT:
             factor = 1.0
             if load["function"] >= 0:
                 factor = function_values(system.functions, system.knots, load["function"], t)[0]

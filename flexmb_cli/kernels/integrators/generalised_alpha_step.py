@@ -25,10 +25,11 @@ from ..constrained.accelerations import (
     factorise_constraints,
     fill_column,
     fill_forces,
-    fill_gamma,
+    reduce_mass,
     solve,
 )
 from ..constrained.angle_unwrapping import EXPECTED, expect_angles
+from ..constrained.dry_friction import has_friction
 from ..constrained.mass_matrix import mass_matrices, mass_times
 from ..constrained.projection import evaluate_residual, rate_gap
 from ..constrained.report import coordinates_and_speeds
@@ -209,6 +210,10 @@ def _evaluate(system: System, work: Work, integration: "AlphaIntegration", t: fl
     if code != SOLVED:
         return code
     mass_matrices(system, work, q)
+    if has_friction(system.loads):
+        code = reduce_mass(system, work)
+        if code != SOLVED:
+            return code
     gaps, ud = integration.gaps, integration.rates[NEW]
     evaluate_residual(system, work, q, t, integration.angles[EXPECTED])
     rate_gap(system, work, u, t)
@@ -216,7 +221,6 @@ def _evaluate(system: System, work: Work, integration: "AlphaIntegration", t: fl
         gaps[POSITION_GAP, row] = -work.rows[PHI, row]
         gaps[SPEED_GAP, row] = work.rows[GAMMA, row]
     power = fill_forces(system, work, q, u, t)
-    fill_gamma(system, work, q, u, t)
     for row in range(gaps.shape[1]):
         total = row_times(work.jacobian, work.columns, row, ud, system.speed_scale)
         gaps[ACCELERATION_GAP, row] = work.rows[GAMMA, row] - total * system.row_scale[row]

@@ -23,9 +23,10 @@ from ..constrained.accelerations import (
     factorise_constraints,
     fill_column,
     fill_forces,
-    fill_gamma,
+    reduce_mass,
     split,
 )
+from ..constrained.dry_friction import has_friction
 from ..constrained.mass_matrix import mass_matrices, mass_times
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.system import FORCES, GAMMA, PRODUCT, SOLVED, UNKNOWN, System, Work
@@ -219,8 +220,11 @@ def _evaluate(system: System, work: Work, integration: "RadauIntegration", stage
         return code
     n, rank, ud = u.shape[0], work.rank[0], integration.rates[1 + stage]
     mass_matrices(system, work, q)
+    if has_friction(system.loads):
+        code = reduce_mass(system, work)
+        if code != SOLVED:
+            return code
     power = fill_forces(system, work, q, u, t)
-    fill_gamma(system, work, q, u, t)
     gaps, product, missing = work.rows[GAMMA], work.vectors[PRODUCT], integration.missing
     for row in range(gaps.shape[0]):
         total = row_times(work.jacobian, work.columns, row, ud, system.speed_scale)

@@ -40,6 +40,8 @@ def step_failure(analysis: Any, answer: int, due: float = np.inf) -> AnalysisErr
         )
         message = f"at t = {t:.6g} s equations that repeated others contradict them: {gap.text}; {reason}"
         return AnalysisError(about("error", message, worst), t, norms)
+    if not rows_before_jam(analysis.work.responses[None]):
+        return jam_failure(t)
     if clock["fault"] == NO_INERTIA:
         return inertia_failure(analysis, t)
     if due <= t and (owners := _weakest_at_row(analysis, norms)):
@@ -51,6 +53,21 @@ def step_failure(analysis: Any, answer: int, due: float = np.inf) -> AnalysisErr
     reason, owners = _why_steps_fall(analysis, norms)
     message = f"at t = {t:.6g} s the step length falls to {step:.1e} s: {reason}"
     return AnalysisError(about("error", message, *owners[:1]), t, norms)
+
+
+def rows_before_jam(responses: np.ndarray) -> int:
+    """Return how many rows of responses (T, loads, columns) come before one without a normal force."""
+    known: np.ndarray = np.isfinite(responses).all(axis=(1, 2))
+    return int(known.size if known.all() else np.argmin(known))
+
+
+def jam_failure(t: float) -> AnalysisError:
+    """Return that no normal force of a friction agrees with the accelerations that it causes."""
+    message = (
+        f"at t = {t:.6g} s friction jams a joint: no normal force agrees with the accelerations that it "
+        "causes; end the run before, or give less friction (FRICTION, FRIC) or another load there"
+    )
+    return AnalysisError(Fault("error", message, None, "friction", id="SOLVE-038"), t)
 
 
 def _weakest_at_row(analysis: Any, norms: Any) -> Any:

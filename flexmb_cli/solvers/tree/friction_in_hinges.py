@@ -52,8 +52,8 @@ class FrictionInHinges:
             found.append((signed, -N * friction_per_speed(item, v) * signed))
         return found
 
-    def normals(self, analysis: "TreeWithElements", placed: "PlacedBodies") -> np.ndarray:
-        """Forces between the parts: across the axis of the hinge, and the preload."""
+    def forces_across(self, analysis: "TreeWithElements", placed: "PlacedBodies") -> np.ndarray:
+        """Forces (frictions, 4) between the parts across the axes of the hinges; no hinge has a thread."""
         needed = _needed_forces(analysis, placed)
         found = []
         for item in self.items:
@@ -63,8 +63,8 @@ class FrictionInHinges:
                 (ROTATION, hinge.rotations[0]) if hinge.rotations else (TRANSLATION, hinge.translations[0])
             )
             along = analysis.coordinates["direction"][self.number[item.joint, f"{motion} {axis}"]]
-            found.append(float(np.linalg.norm(force - (force @ along) * along)))
-        return self.preloads + found
+            found.append([*(force - (force @ along) * along), 0.0])
+        return np.array(found)
 
     def _is_beyond(self, body: int, hinge: int) -> bool:
         while body not in (INERTIAL, hinge):

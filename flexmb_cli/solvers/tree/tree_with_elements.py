@@ -2,8 +2,8 @@
 
 Generalised forces of the elements are found from their definitions and handed to the recursion as loads.
 Couplings and friction, whose efforts depend on the accelerations, use that these are linear in the efforts:
-the recursion answers a unit effort, and friction follows from the force that the bodies beyond a hinge need
-by Newton's law.  Steps are those of scipy's DOP853; couplings and loops hold by their accelerations.
+the recursion answers a unit effort, and normal forces follow from the force that the bodies beyond a hinge
+need by Newton's law.  Steps are those of scipy's DOP853; couplings and loops hold by their accelerations.
 """
 
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from ...errors import AnalysisError, Fault
-from ...kernels.constrained.dry_friction import FRICTION_CONVERGED, MOST_SUBSTITUTIONS
+from ...kernels.constrained.dry_friction import COMPONENTS, PRELOAD, fill_normal_forces
 from ...kernels.integrators.clock import NO_INERTIA
 from ...kernels.integrators.tree_dop853 import GO_ON
 from ...model.arrays.tree import FUNCTION, body_frames
@@ -22,6 +22,8 @@ from ...model.tree import Prescribed, Tree
 from ...model.tree_as_mechanism.frames import hinge_frames
 from ...model.tree_as_mechanism.loop_assembly import closed_tree
 from ...quick_dataclass import fields, replace
+from ..compilation import interpreting
+from ..constrained.failures import jam_failure
 from ..constrained.tree_element_rows import TreeElementRows
 from .analysis import TreeAnalysis, breakpoints, set_functions
 from .element_forces import Answer, ElementForces
@@ -55,6 +57,7 @@ class TreeWithElements(TreeAnalysis):
         self.friction = FrictionInHinges(closed, self.forces.number)
         self.terms = self._coupling_terms()
         self.answers: list[Answer] = []
+        self.jams = False  # no normal forces of friction agree with the motion of the last slope
         self.energy = self._energy_at(tree.time.start, self.state.copy())
 
     def _coupling_terms(self) -> np.ndarray:
@@ -77,7 +80,7 @@ class TreeWithElements(TreeAnalysis):
                 while solver.status == "running":
                     solver.step()
                     if solver.status == "failed":
-                        raise _vanished(solver.t)
+                        raise jam_failure(solver.t) if self.jams else _vanished(solver.t)
                     yield from self._observed(solver.dense_output(), solver.t)
                 t, z = stop, solver.y
 
@@ -105,6 +108,8 @@ class TreeWithElements(TreeAnalysis):
         for time in self.due_times(t):
             z = state_at(time)
             self.slope(time, z)
+            if self.jams:
+                raise jam_failure(time)
             self.clock["stop"] = np.inf
             rows = self.observe(lambda _t, z=z: z, [time])
             yield self._with_answers(rows)
@@ -131,17 +136,31 @@ class TreeWithElements(TreeAnalysis):
         """z' (n,); leaves the loads of the elements in the arrays and their answers in `answers`."""
         placed = self._place(t, z)
         self.answers = self.forces.add(placed, t)
-        slope = self._moved(t, z, placed, placed.effort)
-        normal = self.friction.preloads
-        for _ in range(MOST_SUBSTITUTIONS if normal.size else 0):
-            slope = self._moved(t, z, placed, placed.effort + self.friction.efforts(normal, placed.y))
-            before, normal = normal, self.friction.normals(self, placed)
-            if np.max(np.abs(normal - before)) <= FRICTION_CONVERGED * np.max(normal):
-                break
+        normals = self._normals(t, z, placed)
+        slope = self._moved(t, z, placed, placed.effort + self.friction.efforts(normals, placed.y))
+        self.jams = not np.isfinite(normals).all()
         self.answers += [
-            (0.0, v, Effort(effort, 0.0, 0.0)) for v, effort in self.friction.answers(normal, placed.y)
+            (0.0, v, Effort(effort, 0.0, 0.0)) for v, effort in self.friction.answers(normals, placed.y)
         ]
         return slope
+
+    def _normals(self, t: float, z: np.ndarray, placed: PlacedBodies) -> np.ndarray:
+        """Normal forces (frictions,) that agree with the forces in the hinges, which they change."""
+        count = len(self.friction.items)
+        forces, normals = np.zeros((1 + count, count, COMPONENTS)), np.zeros(count)
+        size = 1.0
+        for k in range(1 + count if count else 0):
+            unit = size * (np.arange(1, 1 + count) == k)
+            self._moved(t, z, placed, placed.effort + self.friction.efforts(unit, placed.y))
+            forces[k, :, :PRELOAD] = self.friction.forces_across(self, placed)
+            if k == 0:
+                forces[0, :, PRELOAD] = self.friction.preloads
+                # Differences are formed from changes of the forces' own size.
+                size = float(np.max(np.abs(forces[0]))) or 1.0
+        forces[1:, :, :PRELOAD] = (forces[1:, :, :PRELOAD] - forces[0, :, :PRELOAD]) / size
+        with interpreting():
+            fill_normal_forces(forces, normals)
+        return normals
 
     def _energy_at(self, t: float, z: np.ndarray) -> float:
         return sum(effort.energy for *_, effort in self.forces.add(self._place(t, z), t))

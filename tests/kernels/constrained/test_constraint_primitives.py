@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.kernels.constrained import time_functions
-from flexmb_cli.kernels.constrained.accelerations import evaluate_jacobian, fill_forces, fill_gamma
+from flexmb_cli.kernels.constrained.accelerations import evaluate_jacobian, fill_forces
 from flexmb_cli.kernels.constrained.mass_matrix import mass_matrices
 from flexmb_cli.kernels.constrained.projection import fill_nu
 from flexmb_cli.kernels.constrained.system import FORCES, GAMMA
@@ -66,7 +66,6 @@ def assert_rows_and_right_sides(analysis, moves_time=False):
     evaluate_jacobian(analysis.system, analysis.work, q)
     mass_matrices(analysis.system, analysis.work, q)
     fill_forces(analysis.system, analysis.work, q, u, 0.7)
-    fill_gamma(analysis.system, analysis.work, q, u, 0.7)
     gamma = analysis.work.rows[GAMMA].copy()
     wanted = -along(analysis, q, u, SECOND, 2, moves_time)
     np.testing.assert_allclose(gamma, wanted, atol=3e-7 * max(1.0, np.abs(gamma).max()))

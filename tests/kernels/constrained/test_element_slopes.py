@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from flexmb_cli.kernels.constrained.elements import NORMAL
+from flexmb_cli.kernels.constrained.accelerations import evaluate_jacobian
+from flexmb_cli.kernels.constrained.body_vectors import geometry_of, move_vectors
+from flexmb_cli.kernels.constrained.elements import DAMPING, ELEMENT, add_element, add_unit_friction
 from flexmb_cli.kernels.constrained.tangent import add_stiff
 from tests.dialects.vsdf.mechanisms import random_state
-from tests.kernels.constrained.test_constraint_primitives import FIRST, H, forces_at
+from tests.kernels.constrained.test_constraint_primitives import FIRST, H
 from tests.solvers.constrained.element_decks import ARM, SLIDER, analysis_of, model_of
 
-# Spheres about the origins of their frames: no force of inertia changes with the speeds.
 BALLS = "MASS 2 1 0 0 0 1 1 1\nMASS 3 1 0 0 0 1 1 1\n"
 CASES = {
     "angle": (ARM, f"{BALLS}TSPRING 2 8 0 0.4"),
@@ -19,12 +20,28 @@ CASES = {
 }
 
 
+NORMAL_FORCE = 5.0  # N: what the equations of motion would find
+
+
+def forces_at(analysis, q, u):
+    """Forces (n,) of the elements; friction has its normal force."""
+    system, work, f = analysis.system, analysis.work, np.zeros(u.size)
+    evaluate_jacobian(system, work, q)
+    move_vectors(geometry_of(system, work), u)
+    for k in range(len(system.loads)):
+        if system.loads[k]["kind"] == ELEMENT:
+            add_element(system, work, k, f)
+        else:
+            add_unit_friction(system, work, k, f)
+            f, work.responses[k, DAMPING] = NORMAL_FORCE * f, NORMAL_FORCE * work.responses[k, DAMPING]
+    return f
+
+
 @pytest.mark.parametrize(("mechanism", "cards"), CASES.values(), ids=CASES)
 def test_the_damping_of_an_element_is_the_slope_of_its_force(mechanism, cards):
     """Central differences of order four by each speed; a bearing of radius r has N mu'(v) r²."""
     analysis = analysis_of(model_of(mechanism, "0 1 1", cards))
     system, work = analysis.system, analysis.work
-    work.responses[:, NORMAL] = 5.0  # N: what the equations of motion would find
     q, u = random_state(analysis)
     E = np.eye(u.size)
     D = -sum(w * np.array([forces_at(analysis, q, u + k * H * e) for e in E]) for k, w in FIRST.items()).T / H

@@ -144,6 +144,7 @@ def test_a_film_is_coloured_by_what_is_asked_for(path, tmp_path):
     with h5py.File(path) as file:
         scene = read_scene(file)
         bodies = list(element_bodies(file, scene.body_names, slice(None)))
+    assert film._Canvas(scene, bodies, film.FilmLook(64, 64)).frame(0).shape == (64, 64, 3)
     look = film.FilmLook(320, 200, colours="principal stress 3")
     canvas = film._Canvas(scene, bodies, look)
     assert canvas.legend == "principal stress 3, -2.5e+05 to 0 Pa"

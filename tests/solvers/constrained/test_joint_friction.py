@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from flexmb_cli.errors import AnalysisError
 from tests.solvers.constrained.element_decks import METHODS, ROTOR, SLIDER, rows_of
 
 G = 9.81
@@ -93,13 +94,18 @@ def test_a_mass_on_a_belt_sticks_and_slips_with_the_period_of_the_closed_form():
     assert found == pytest.approx(np.full(len(found), period), rel=0.003)
 
 
-@pytest.mark.parametrize(("sense", "sign"), [(1.0, 1.0), (-1.0, -1.0)])
-def test_a_power_screw_lifts_its_load_by_the_torque_of_machine_design(sense, sign):
+# Raised by a lead of 0.1665 m a radian it nearly jams: friction takes all but a thousandth.  Lowered by
+# leads above r/μ, friction changes its own normal force by more than the half, and than the whole.
+@pytest.mark.parametrize(
+    ("sense", "sign", "pitch"),
+    [(1.0, 1.0, 0.003), (-1.0, -1.0, 0.003), (-1.0, -1.0, 0.17), (-1.0, -1.0, 0.3), (1.0, 1.0, 0.1665)],
+)
+def test_a_power_screw_lifts_its_load_by_the_torque_of_machine_design(sense, sign, pitch):
     """Shigley, Mechanical Engineering Design, section 8-2, square thread: to raise a load F by a thread of
     radius r and lead angle λ takes T = F r (tan λ + μ)/(1 - μ tan λ), to lower it F r (μ - tan λ)/(1 + μ tan
     λ).
     """
-    r, pitch, mu, load = 0.02, 0.003, 0.12, 2.0 * 9.81
+    r, mu, load = 0.02, 0.12, 2.0 * 9.81
     slope = pitch / r
     screw = SCREW.replace("PITCH", f"{pitch}")
     cards = f"MASS 2 2 0 0 0 1 1 1\nGRAVITY 0 0 -9.81\nPOLYNOMIAL 1 0 {sense}\nANGLE 1 1\n"
@@ -110,3 +116,52 @@ def test_a_power_screw_lifts_its_load_by_the_torque_of_machine_design(sense, sig
     # What the friction takes is what the driver gives beyond the weight's potential.
     power = torque * sense - load * pitch * sense
     assert rows.element_power[-1, 0] == pytest.approx(-power, rel=1e-8)
+
+
+CRANK_SLIDER = """4 0 0 0 0 3 0 1 0 0 0 1
+0 0 0 1 0 0 0
+0 0 0 1 0 0 0
+1 0 0 1 0 0 0
+2.05 0 0 1 0 0 0
+1 2 0 0 0 0 0 0 0 0 1 0 0 1
+2 3 1 0 0 0 0 0 1 0 1 0 0 1
+3 4 1.05 0 0 0 0 0 1.05 0 1 0 0 1
+1 4 2.05 0 0 0 0 0 3.05 0 0 1 0 0 2.05 1 0 0 0 1
+1 0 0 0 0 0 0
+"""
+
+
+def crank_slider(mu, force, analysis):
+    """A crank of 1 m at 1 rad/s, a rod of 1.05 m without mass, a slider of 2 kg that a force pushes."""
+    cards = (
+        "MASS 2 1 0 0 0 1 1 1\nMASS 3 1e-9 0 0 0 1e-12 1e-12 1e-12\nMASS 4 2 0 0 0 1 1 1\n"
+        f"POLYNOMIAL 1 0 1\nANGLE 1 1\nFRICTION 4 {mu} {mu} 1 1e-7\nFORCE 4 0 0 0 {force} 0 0\n"
+    )
+    return rows_of(CRANK_SLIDER, "0 1.6 0.1", cards, analysis)
+
+
+@pytest.mark.parametrize("analysis", ["inverse", pytest.param("forward", marks=pytest.mark.long_motion)])
+def test_friction_that_helps_the_rod_follows_newtons_law_beyond_the_reach_of_substitution(analysis):
+    """Rod at the angle φ with the force S: m a = S cos φ + F + μ S sin φ where the slider returns.
+
+    At 1.4 s μ tan φ = 1.09: substitution would grow from one normal force to the next.
+    """
+    mu, force, m, rod = 0.4, -30.0, 2.0, 1.05
+    rows = crank_slider(mu, force, analysis)
+    t = rows.time[1:]
+    root = np.sqrt(rod**2 - np.sin(t) ** 2)
+    v = -np.sin(t) - np.sin(t) * np.cos(t) / root
+    a = -np.cos(t) - (np.cos(2 * t) / root + (np.sin(t) * np.cos(t)) ** 2 / root**3)
+    sine, cosine = np.sin(t) / rod, root / rod
+    friction = mu * sine * (m * a - force) / (cosine + mu * sine)
+    assert np.max(mu * sine / cosine) > 1.2
+    assert rows.element_effort[1:, 0] == pytest.approx(friction, rel=1e-6)
+    assert rows.driver_effort[1:, 0] == pytest.approx((m * a - force - friction) * v, rel=1e-6)
+
+
+def test_a_joint_that_jams_ends_the_run_and_keeps_the_rows_before():
+    """With μ tan φ above 1 friction against the rod grows with its own normal force: none holds."""
+    with pytest.raises(AnalysisError, match="friction jams a joint") as raised:
+        crank_slider(0.35, 30.0, "inverse")
+    # μ tan φ = 1 where sin φ = 1/√(1 + μ²), which is beyond the reach of the rod up to 1.4 s.
+    assert 1.4 < raised.value.time < 1.6
