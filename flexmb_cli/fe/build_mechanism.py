@@ -103,6 +103,7 @@ class _Points:
     def __init__(self, model: VsdfModel, bodies: list[FloatingBody]):
         self.model = model
         self.bodies = bodies
+        self.found: dict[End, NodePoint] = {}
 
     def mechanism(self) -> FlexibleMechanism:
         """The mechanism, item by item."""
@@ -124,6 +125,12 @@ class _Points:
         )
 
     def point(self, end: End) -> NodePoint:
+        """The point of an end, one for all that are attached there: a deck may have 200,000 loads."""
+        if end not in self.found:
+            self.found[end] = self._point(end)
+        return self.found[end]
+
+    def _point(self, end: End) -> NodePoint:
         """The point of an end; that of a node set is the mean of its nodes."""
         if end.body == GROUND:
             return NodePoint(

@@ -149,8 +149,8 @@ class ElementTable:
         found = [self._spring(item) for item in self.elements.springs]
         found += [self._line(item) for item in self.elements.lines]
         found += [self._stop(item) for item in self.elements.stops]
-        for item in self.elements.bushings:
-            found += self._bushing(item)
+        for number, bushing in enumerate(self.elements.bushings):
+            found += self._bushing(number, bushing)
         for name in self.reported:
             found.append(self._at(name.joint, name.coordinate, SPRING))
         found += [self._motor(item) for item in self.elements.motors]
@@ -200,7 +200,7 @@ class ElementTable:
         record["lower"], record["upper"] = item.lower, item.upper
         return record
 
-    def _bushing(self, item: Any) -> "Iterator[Any]":
+    def _bushing(self, number: int, item: Any) -> "Iterator[Any]":
         """Six loads, along and about the axes of body i."""
         table = self.table
         head, tail = self._end(item.j, item.P_j), self._end(item.i, item.P_i)
@@ -210,8 +210,15 @@ class ElementTable:
         for k in range(3):
             after, last = axes[(k + 1) % 3], axes[(k + 2) % 3]
             records.append(table.angle(after, last, table.body_vector(item.j, turned[:, (k + 1) % 3])))
-        for record, stiffness, damping in zip(records, item.stiffness, item.damping, strict=True):
+        for k, (record, stiffness, damping) in enumerate(
+            zip(records, item.stiffness, item.damping, strict=True)
+        ):
             load = blank_load(ELEMENT)
+            load["group"] = number
+            if k >= 3 and (stiffness or damping):
+                # The angle about an axis would jump where the other body's has turned through a right angle.
+                load["body_vector"] = axes[k - 3]
+                load["tilted"] = table.body_vector(item.j, turned[:, k - 3])
             load["shape"], load["primitive"] = SPRING, table.spring(record)
             load["stiffness"], load["damping"] = stiffness, damping
             yield load
