@@ -103,3 +103,11 @@ def test_what_a_page_includes_is_linked_for_readers_of_the_files():
     included = [(page, name) for page in PAGES for name in re.findall(r"\{include\} (\S+)", page.read_text())]
     assert len(included) > 3
     assert not [page.name for page, name in included if f"]({name})" not in page.read_text()]
+
+
+@pytest.mark.parametrize("page", sorted(DOCS.rglob("*/index.md")), ids=lambda page: page.parent.name)
+def test_an_index_links_its_pages_for_readers_of_the_files(page):
+    """A Git host does not show the table of contents that Sphinx makes."""
+    text = page.read_text(encoding="utf-8")
+    (tree,) = re.findall(r"```\{toctree\}\n:hidden:\n\n(.*?)```", text, re.DOTALL)
+    assert re.findall(r"^\* \[[^]]+\]\(([\w-]+)\.md\): \S", text, re.MULTILINE) == tree.split()
