@@ -68,8 +68,6 @@ class _Deck:
             self.refusals.add(
                 item, "DAFMS prescribes hinge coordinates, not those of a body: drive the joint"
             )
-        for item in self.model.springs:
-            self.refusals.add(item, "DAFMS has no springs and dampers between points")
         for item in (*self.model.forces, *self.model.torques):
             if item.following:
                 self.refusals.add(item, "loads in DAFMS keep to inertial axes")
@@ -205,7 +203,7 @@ class _Deck:
     def _points(self, item: Any, function: Any) -> Any:
         points = points_of(function)
         if points is None:
-            self.refusals.add(item, "DAFMS varies loads by tables only; give the function as TABLE")
+            self.refusals.add(item, "only tables of loads are converted to DAFMS; give the function as TABLE")
         return points or []
 
     def _table(self, k: int, which: Any, points: Any) -> Any:
@@ -230,13 +228,38 @@ class _Deck:
         for item in self.model.joint_drivers:
             c = polynomial_of(item.function)
             if c is None or len(c) > 3:
-                message = "DAFMS prescribes a coordinate as C + B t + A t^2/2 only"
+                message = "only motions C + B t + A t^2/2 are converted to DAFMS (PRES)"
                 self.refusals.add(item, message)
                 continue
             C, B, half = (*c, 0.0, 0.0)[:3]
             motions.append(self._dof(item) + "".join(self._real(x) for x in (C, B, 2.0 * half)))
-        cards = ("SPRI", springs), ("DAMP", dampers), ("MOTR", motors), ("TABM", tables), ("PRES", motions)
+        springs_in_line = list(map(self._spring, self.model.springs))
+        cards = (
+            ("LSPR", springs_in_line),
+            ("SPRI", springs),
+            ("DAMP", dampers),
+            ("MOTR", motors),
+            ("TABM", tables),
+            ("PRES", motions),
+        )
         return [line for word, entries in cards for line in self._entries(word, entries)]
+
+    def _spring(self, item: Any) -> str:
+        """A spring and damper between points in the axes of O_k."""
+        ends = (item.i, item.P_i), (item.j, item.P_j)
+        numbers = [x for body, _ in ends for x in (0 if body == GROUND else self.number[body], 0)]
+        points = [x for body, P in ends for x in self._point(body, P)]
+        law = item.stiffness, item.free_length, item.damping
+        rows = points, law
+        return "\n".join([_integers(*numbers, 0, 0), *("".join(map(self._real, row)) for row in rows)])
+
+    def _point(self, body: int, P: Any) -> Any:
+        """A point from O_k, axes of O_k; of the ground from the origin."""
+        place = self.model.position(body, P)
+        if body == GROUND:
+            return place
+        hung = self.hung[body]
+        return hung.own.T @ (place - hung.origin)
 
     def _shapes(self) -> list[str]:
         """Primitives in the axes of O_k; DAFMS names no files."""

@@ -179,7 +179,7 @@ class _Deck:
             return function.kind, *function.c
         if function.kind == TABLE:
             return TABLE, float(self._table(list(zip(function.times, function.values, strict=True))))
-        message = "VSDF moves by polynomials to the third power, a spin-up, a sine or a natural spline only"
+        message = "only motions by polynomials to the third power, a spin-up, a sine or a table are converted to VSDF"
         self.refusals.add(item, message)
         return ("",)
 
@@ -195,7 +195,7 @@ class _Deck:
             return value, 0
         points = points_of(function)
         if points is None:
-            self.refusals.add(item, "VSDF varies a load by straight lines only; give its function as TABLE")
+            self.refusals.add(item, "only tables of loads are converted to VSDF; give its function as TABLE")
             return 1.0, 0
         return 1.0, self._table(without_jumps(points))
 
