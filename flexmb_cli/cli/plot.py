@@ -176,6 +176,8 @@ def _drawn(
         if width:
             look = Look(width, *(options[name] for name in ("font", "font_size", "style", "latex")))
         return picture(panels, form, title, look, lambda family: _warn_of_font(look, family))
+    except ValueError as error:
+        raise click.UsageError(f"--width: {error}") from None
     except OSError as error:
         raise click.UsageError(f"--style {options['style']}: {error}") from None
     except (RuntimeError, FileNotFoundError) as error:

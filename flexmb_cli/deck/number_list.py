@@ -94,6 +94,9 @@ class _Positions(Mapping[str, int]):
 class LongRecord(Record):
     """A record whose last numbers are a `NumberList`."""
 
+    head: tuple[Number, ...]
+    rest: NumberList
+
     def __init__(self, section: str, number: int, subject: str, head: Sequence[Number], rest: NumberList):
         vars(self).update(section=section, number=number, subject=subject, made={}, rest=rest)
         vars(self).update(head=tuple(head), numbers=_Joined(tuple(head), rest) if head else rest)
@@ -101,8 +104,8 @@ class LongRecord(Record):
     @cached_property
     def values(self) -> Sequence[float]:  # type: ignore[override]
         """Values of the numbers."""
-        head = [number.value for number in self.head]  # type: ignore[attr-defined]
-        return [*head, *self.rest.values] if head else self.rest.values  # type: ignore[attr-defined]
+        head = [number.value for number in self.head]
+        return [*head, *self.rest.values] if head else self.rest.values
 
     @property
     def positions(self) -> Mapping[str, int]:  # type: ignore[override]
@@ -114,8 +117,8 @@ class LongRecord(Record):
 
     def with_number(self, index: int, number: Number) -> Record:
         """Return the record with another number at `index`."""
-        count, head = len(self.head), list(self.head)  # type: ignore[attr-defined]
-        rest = self.rest if index < count else self.rest.with_changed(index - count, number)  # type: ignore[attr-defined]
+        count, head = len(self.head), list(self.head)
+        rest = self.rest if index < count else self.rest.with_changed(index - count, number)
         head[index : index + 1] = [number] if index < count else []
         return LongRecord(self.section, self.number, self.subject, head, rest)
 

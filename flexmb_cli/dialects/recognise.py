@@ -16,8 +16,6 @@ from .dialect import Dialect
 AUTO = "auto"
 CHOOSES = "--dialect chooses one"
 _FIRST_LINES = 20  # that are not blank
-_STUDY_LINES = 200
-_OF_STUDY = re.compile(r"\s*(\[(parameters|results)\]\s*(#.*)?$|deck\s*=\s*[\"'])")
 
 
 def read_deck(source: DeckText, dialect: str = AUTO) -> Deck:
@@ -66,7 +64,7 @@ def _meant_instead(first: Word, lines: Sequence[str]) -> str:
         return "a comment is opened here and never closed with }"
     if any("\uff01" <= letter <= "\uff5e" for letter in first.text):
         return "these are full-width characters; type the deck in plain ASCII ones"
-    if any(map(_OF_STUDY.match, islice(lines, _STUDY_LINES))):
+    if _is_study(lines):
         return "this is a study, not a deck; flexmb sweep computes it"
     if set(first.text) == {"#"}:
         return "this is a page of text (Markdown), not a deck"
@@ -74,6 +72,19 @@ def _meant_instead(first: Word, lines: Sequence[str]) -> str:
     return (
         f"this is a table that a {printed} run printed; give the deck it was computed from" if printed else ""
     )
+
+
+def _is_study(lines: Sequence[str]) -> bool:
+    """Return whether these are the lines of a study file, which is TOML and names a deck."""
+    # Long lines may hold names of so many parts that TOML is read for hours.
+    if len(lines) > 1000 or not all(len(line) < 1000 for line in lines):
+        return False
+    import tomllib
+
+    try:
+        return "deck" in tomllib.loads("\n".join(lines))
+    except (ValueError, RecursionError):
+        return False
 
 
 def _is_listing(dialect: Dialect, lines: Sequence[str]) -> bool:

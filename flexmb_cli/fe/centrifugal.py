@@ -26,16 +26,17 @@ def centrifugal_stiffness(
     `K`, `S`: (3 n, 3 n), body axes; `Phi` (3 n, N).  Faults of elements and material go to
     `findings`, and the answer is zero then.
     """
-    size = Phi.shape[1]
-    table = element_table(given, given.stiffening.file, frame.r0, findings)  # type: ignore[union-attr]
+    size, stiffening = Phi.shape[1], given.stiffening
+    assert stiffening is not None, "centrifugal stiffness needs a material"
+    table = element_table(given, stiffening.file, frame.r0, findings)
     if table is None:
         return np.zeros((3, 3, size, size))
-    material = given.stiffening.young, given.stiffening.poisson  # type: ignore[union-attr]
+    material = stiffening.young, stiffening.poisson
     body = matching_elements(frame.r0, table.rows, material, K)
     if body.deviation > FOREIGN:
         remedy = "give geometric stiffness matrices by FEMG"
-        message = foreign_stiffness(body, given.stiffening, remedy)  # type: ignore[arg-type]
-        findings.error(given.name, message, given.stiffening.place, id="FE-009")  # type: ignore[union-attr]
+        message = foreign_stiffness(body, stiffening, remedy)
+        findings.error(given.name, message, stiffening.place, id="FE-009")
     pairs = [(i, j) for i in range(3) for j in range(i, 3)]
     forces = np.column_stack([_load(frame.r0, S, i, j) for i, j in pairs])
     displacements = static_shapes(K, S, frame, forces)

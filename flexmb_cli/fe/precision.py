@@ -1,4 +1,4 @@
-"""How well the digits of the matrix files determine each frequency.
+"""Precision to which the digits of the matrix files determine each frequency.
 
 First-order perturbation: with unit modal mass the errors δK, δM of the entries shift the eigenvalue by
 φ' δK φ - ω² φ' δM φ, the frequency by half of that over ω², relatively.  Slender bodies lose digits by it:

@@ -27,19 +27,12 @@ def element_names(model: DynamicModel | FlexibleMechanism) -> list[tuple[str, st
 
 def names_of(elements: JointElements) -> Iterator[tuple[str, str]]:
     """Name of every element and unit of its coordinate."""
-    for item in elements.springs:
-        yield item.name, _unit(item.coordinate)
-    for item in elements.lines:  # type: ignore[assignment]
-        yield item.name, LENGTH
-    for item in elements.stops:  # type: ignore[assignment]
-        yield item.name, _unit(item.coordinate)
-    for item in elements.bushings:  # type: ignore[assignment]
-        for part, unit in _BUSHING:
-            yield f"{item.name} {part}", unit
-    for item in elements.frictions:  # type: ignore[assignment]
-        yield item.name, LENGTH
-    for item in elements.motors:  # type: ignore[assignment]
-        yield item.name, _unit(item.coordinate)
+    yield from ((spring.name, _unit(spring.coordinate)) for spring in elements.springs)
+    yield from ((line.name, LENGTH) for line in elements.lines)
+    yield from ((stop.name, _unit(stop.coordinate)) for stop in elements.stops)
+    yield from ((f"{item.name} {part}", unit) for item in elements.bushings for part, unit in _BUSHING)
+    yield from ((friction.name, LENGTH) for friction in elements.frictions)
+    yield from ((motor.name, _unit(motor.coordinate)) for motor in elements.motors)
 
 
 def _unit(coordinate: str) -> str:

@@ -46,6 +46,12 @@ class FloatingBody:
         """N, the number of modal coordinates: 0 for a rigid body."""
         return self.flexible.modes if self.flexible else 0
 
+    @property
+    def reduced(self) -> FlexibleBody:
+        """Nodes and modes of a flexible body."""
+        assert self.flexible is not None, f"{self.name} is rigid"
+        return self.flexible
+
 
 @dataclass(frozen=True)
 class NodePoint:

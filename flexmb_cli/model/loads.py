@@ -1,4 +1,4 @@
-"""What moves a mechanism besides its drivers: masses, forces, torques, springs, gravity, first velocities.
+"""Loads of a mechanism besides its drivers: masses, forces, torques, springs, gravity, first velocities.
 
 SI units.  Bodies are numbered from 0, as in `mechanism`; points and vectors are in the axes of their
 body unless the text says global.  Every item keeps its readable name and its place in the deck.

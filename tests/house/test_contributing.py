@@ -1,4 +1,4 @@
-"""CONTRIBUTING.md: a card, a quantity and an integrator are added to a copy by the files that it names."""
+"""CONTRIBUTING.md: a joint, a card, a quantity and an integrator are added to a copy by the page."""
 
 import csv
 import os
@@ -10,6 +10,21 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+# (a) A point on a plane of the other body.
+JOINT = {
+    "flexmb_cli/model/joints.py": (
+        '    JointType("revolute-spherical",',
+        '    JointType("point on plane", 0, 1, (*_P, "Q_i"), meets=False),\n',
+    ),
+    "flexmb_cli/model/arrays/node_joints.py": (
+        '    "revolute-spherical": (_in_plane,',
+        '    "point on plane": (_in_plane,),\n',
+    ),
+    "flexmb_cli/dialects/vsdf/__init__.py": (
+        '        "RSPH": "revolute-spherical",',
+        '        "PLAN": "point on plane",\n',
+    ),
+}
 # (b) By file: where in it, and what is put there.  Gravity by its strength alone, downwards.
 CARD = {
     "flexmb_cli/dialects/vsdf/cards/joints_and_loads.py": (
@@ -65,17 +80,28 @@ STAR
 STOP
 """
 
+# The mass centre on the plane through the origin whose normal is (1, 0, 1).
+PLANE = """\
+NODE
+    0    1       0.0       0.0       0.0
+    0    2       1.0       0.0       1.0
+    1    3       0.0       0.0       0.0
+JOIN
+    1 PLAN    0    1    2    1    3
+TIME
+"""
+
 pytestmark = pytest.mark.processes
 
 
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory):
-    """A copy of the package with all three, and a deck."""
+    """A copy of the package with all four, and a deck."""
     folder = tmp_path_factory.mktemp("copy")
     shutil.copytree(ROOT / "flexmb_cli", folder / "flexmb_cli", ignore=shutil.ignore_patterns("__pycache__"))
     for name, origin in KERNELS.items():
         shutil.copy(ROOT / origin, folder / name)
-    for name, (place, added) in (CARD | QUANTITY | INTEGRATOR).items():
+    for name, (place, added) in (JOINT | CARD | QUANTITY | INTEGRATOR).items():
         text = (folder / name).read_text(encoding="utf-8")
         assert text.count(place) == 1
         (folder / name).write_text(text.replace(place, added + place), encoding="utf-8")
@@ -93,11 +119,23 @@ def flexmb(copy, *words):
 
 
 def test_as_few_files_are_touched_as_the_page_says():
-    assert len(CARD) <= 3 and len(QUANTITY) <= 2 and len(KERNELS | INTEGRATOR) <= 3
+    assert len(JOINT) <= 4 and len(CARD) <= 3 and len(QUANTITY) <= 2 and len(KERNELS | INTEGRATOR) <= 3
     page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     assert all(
-        name.removeprefix("flexmb_cli/dialects/vsdf/").split("/")[-1] in page for name in CARD | QUANTITY
+        name.removeprefix("flexmb_cli/dialects/vsdf/").split("/")[-1] in page
+        for name in JOINT | CARD | QUANTITY
     )
+
+
+def test_a_joint_of_three_files_is_read_and_held(copy):
+    """The plane bears g cos 45° across it: x = g t²/4 and z = -g t²/4."""
+    (copy / "plane.vsdf").write_text(DECK.replace("TIME\n", PLANE))
+    flexmb(copy, "run", "-q", "plane.vsdf", "--no-out", "--h5", "plane.h5")
+    table = flexmb(copy, "table", "plane.h5", "body.1.x", "body.1.z")
+    rows = [[float(x) for x in row] for row in list(csv.reader(table.splitlines()))[1:]]
+    expected = [9.5 / 4.0 * t * t for t, _, _ in rows]
+    assert [x for _, x, _ in rows] == pytest.approx(expected, abs=1e-9)
+    assert [-z for _, _, z in rows] == pytest.approx(expected, abs=1e-9)
 
 
 def test_a_card_of_two_files_is_read_echoed_set_and_obeyed(copy):

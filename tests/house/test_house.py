@@ -150,14 +150,26 @@ def test_only_the_command_line_prints_and_exits():
     assert not found
 
 
-def test_functions_say_what_they_do_and_no_riddles():
-    """A docstring of a function begins with a verb: "Return whether …", not "Whether …"."""
-    riddles = ("What ", "How ", "Whether ", "Where ", "Who ", "Why ")
+def test_docstrings_say_what_things_do_or_are_and_no_riddles():
+    """Functions: "Return whether …", not "Whether …"; files and classes: "Result of …", not "What …"."""
+    riddles = ("What ", "How ", "Whether ", "Where ", "Who ", "Why ", "When ", "Which ", "Of ")
+    documented = (ast.FunctionDef, ast.ClassDef, ast.Module)
     found = [
-        f"{path.relative_to(PACKAGE)}: {node.name}"
+        f"{path.relative_to(PACKAGE)}: {getattr(node, 'name', 'the file')}"
         for path in MODULES
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.FunctionDef) and (ast.get_docstring(node) or "").startswith(riddles)
+        if isinstance(node, documented) and (ast.get_docstring(node) or "").startswith(riddles)
+    ]
+    assert not found
+
+
+def test_parts_that_subclasses_give_are_abstract():
+    """`raise NotImplementedError` is found by the run that needs the part, an abstract method at once."""
+    found = [
+        f"{path.relative_to(PACKAGE)}:{node.lineno}"
+        for path in MODULES
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Raise) and node.exc and "NotImplementedError" in ast.unparse(node.exc)
     ]
     assert not found
 

@@ -21,6 +21,8 @@ from ...model.tree import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from ...deck.record import Record
 
 
@@ -30,19 +32,20 @@ def build_functions_of_time(
     """Keyword arguments of `Tree` for everything that drives or loads it over time."""
     hinged = _HingeCards(values, hinges, findings)
     springs = [
-        Spring(*where, stiffness, rest=rest, place=record.place)  # type: ignore[call-arg, misc]
+        Spring(*where, stiffness, rest=rest, place=record.place)
         for record, where in hinged.entries("spring")
         for stiffness, rest in [_behind_the_hinge(record)]
     ]
     springs += _dampers(hinged, findings)
     motors = [
-        Motor(*where, constant(*_behind_the_hinge(record)), record.place)  # type: ignore[call-arg]
+        Motor(*where, constant(*_behind_the_hinge(record)), record.place)
         for record, where in hinged.entries("motor")
     ]
-    motors += [Motor(*where, _table(r, findings), r.place) for r, where in hinged.entries("motor_table")]  # type: ignore[call-arg]
+    motors += [Motor(*where, _table(r, findings), r.place) for r, where in hinged.entries("motor_table")]
     drives = [
-        Prescribed(*where, *_behind_the_hinge(record), record.place)  # type: ignore[call-arg]
+        Prescribed(*where, C, B, A, record.place)
         for record, where in hinged.entries("prescribed")
+        for C, B, A in [_behind_the_hinge(record)]
     ]
     _check_drives(drives, findings)
     _check_rotations(values, bodies, findings)
@@ -61,11 +64,11 @@ def _dampers(hinged: "_HingeCards", findings: Findings) -> list[Spring]:
         if damping < 0:
             message = f"CS = {damping}: a negative damper feeds energy in"
             findings.warn(record.subject, message, record.at("CS").place, id="DAFMS-056")
-        dampers.append(Spring(*where, damping=damping, place=record.place))  # type: ignore[misc]
+        dampers.append(Spring(*where, damping=damping, place=record.place))
     return dampers
 
 
-def _behind_the_hinge(record: Any) -> Any:
+def _behind_the_hinge(record: "Record") -> list[Any]:
     """Values behind K and A, by their places.
 
     A record that is asked for a key keeps a table of its keys, 460 bytes, and there may be 100,000 records.
@@ -81,7 +84,7 @@ class _HingeCards:
         self.hinges = hinges
         self.findings = findings
 
-    def entries(self, section: str) -> Any:
+    def entries(self, section: str) -> "Iterator[tuple[Record, tuple[int, str, int]]]":
         """Pairs (record, (body, motion, axis)) of the entries that name a free axis."""
         for record in self.values.section(section):
             where = self._where(record)

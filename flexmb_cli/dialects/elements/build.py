@@ -4,6 +4,7 @@ A dialect says by a subclass of `ElementMaker` how its cards name joints and end
 `JOINT_CARDS` which of its sections give which elements.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -38,23 +39,23 @@ MOST_ELEMENTS = 20_000  # of a deck; one takes up to 6 kB
 _FRICTION = ("dynamic", "static", "stribeck", "creep", "radius", "preload")
 
 
-class ElementMaker:
+class ElementMaker(ABC):
     """Makes elements of records; None where a fault was found."""
 
     def __init__(self, functions: Functions, findings: Findings, start: float):
         self.functions, self.findings, self.start = functions, findings, start
 
+    @abstractmethod
     def where(self, record: Record, coordinate: str | None, suffix: str = "") -> tuple[int, str] | None:
         """Joint and coordinate that a card means, by keys that end in `suffix`; None where there is none."""
-        raise NotImplementedError
 
+    @abstractmethod
     def sliding(self, record: Record) -> tuple[int, bool] | None:
         """Joint whose parts slide on each other, and whether they turn; None where there is none."""
-        raise NotImplementedError
 
+    @abstractmethod
     def ends(self, record: Record) -> dict[str, Any] | None:
         """Bodies i and j (-1: ground) and ends P_i, P_j of an element between two bodies."""
-        raise NotImplementedError
 
     def refuse_twice(self, items: Sequence[Any], key: Callable[..., Any]) -> None:
         """Refuse two items for one thing."""

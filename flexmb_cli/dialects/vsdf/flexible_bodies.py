@@ -45,14 +45,15 @@ def flexible_body(
             findings.error(record.subject, message, record.place, id="VSDF-023")
     _check_mapping(values.record("mapping", k), files, findings)
     _check_shapes(values, k, findings)
-    if table is None or None in (files["mass_matrix"], files["stiffness_matrix"]):
+    mass, stiffness = files["mass_matrix"], files["stiffness_matrix"]
+    if table is None or mass is None or stiffness is None:
         return VsdfBody(record.subject, **pose)
     nodes = dict(zip(map(int, table.numbers), table.positions, strict=True))
     sets = sets_of(values, k, nodes, findings)
     given = FlexibleInput(
         record.subject,
-        files["mass_matrix"],  # type: ignore[arg-type]
-        files["stiffness_matrix"],  # type: ignore[arg-type]
+        mass,
+        stiffness,
         table.numbers,
         table.positions,
         files["mapping"],

@@ -1,7 +1,6 @@
 """The dynamic cards of a YOUNG deck to masses, loads and first velocities of its mechanism."""
 
 from functools import partial
-from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,7 +25,7 @@ from .elements.build import build_elements, build_functions
 from .integration_cards import alpha_steps, check_method, check_time, tolerance_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
 
 ELEMENTS = ("Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx")
@@ -229,18 +228,27 @@ def _doubt_massless(model: DynamicModel, findings: Findings) -> None:
             findings.warn(body.name, "has no MASS card and is taken as massless", body.place, id="YOUNG-016")
 
 
+def _loaded_bodies(
+    model: DynamicModel,
+) -> "Iterator[tuple[AppliedForce | AppliedTorque | SpringDamper, tuple[int, ...]]]":
+    for force in model.forces:
+        yield force, (force.body,)
+    for torque in model.torques:
+        yield torque, (torque.body,)
+    for spring in model.springs:
+        yield spring, (spring.i, spring.j)
+
+
 def _note_loads_at_rest(model: DynamicModel, findings: Findings) -> None:
     """Note the loads that act on bodies at rest only."""
     at_rest = {GROUND, *(ground.body for ground in model.mechanism.grounds)}
     bodies = model.mechanism.bodies
-    loads = ((item, (item.body,)) for item in chain(model.forces, model.torques))  # type: ignore[attr-defined]
-    lines = ((item, (item.i, item.j)) for item in model.springs)
-    for item, numbers in chain(loads, lines):
+    for item, numbers in _loaded_bodies(model):
         if at_rest.issuperset(numbers):
             names = " and ".join(bodies[n].name if n != GROUND else "the ground" for n in numbers)
             held = "is held" if len(numbers) == 1 else "are held"
             message = f"moves nothing: {names} {held} at rest by a ground constraint, which bears it"
-            findings.note(item.name, message, item.place, id="YOUNG-017")  # type: ignore[attr-defined]
+            findings.note(item.name, message, item.place, id="YOUNG-017")
 
 
 def _doubt_idle_velocities(model: DynamicModel, findings: Findings) -> None:

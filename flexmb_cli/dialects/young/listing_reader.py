@@ -96,19 +96,19 @@ class _Scan:
         if not head:
             return
         if self._open is not None and head.isdigit():
-            self._take_row(number, line)
+            self._take_row(self._open, number, line)
         elif self._interrupted is not None and is_row_of(self._interrupted.columns, line):
             self._open = self._interrupted
-            self._take_row(number, line)
+            self._take_row(self._open, number, line)
         elif not self.time and head in "0123456789.+-" and (numbers := echo_numbers(line)):
             self.echo.append(EchoLine(number, self._title, *numbers))
         else:
             self._take_words(number, line)
 
-    def _take_row(self, number: int, line: str) -> None:
-        self._open.text.append(line)  # type: ignore[union-attr]
-        self._open.step.append(len(self.time) - 1)  # type: ignore[union-attr]
-        self._open.line.append(number)  # type: ignore[union-attr]
+    def _take_row(self, section: _Gathered, number: int, line: str) -> None:
+        section.text.append(line)
+        section.step.append(len(self.time) - 1)
+        section.line.append(number)
 
     def _take_words(self, number: int, line: str) -> None:
         words = line.split()
@@ -125,7 +125,7 @@ class _Scan:
             # Column titles begin a section; behind an unknown heading nothing goes on.
             self._interrupted = None
             if self._open is not None:
-                self._take_title(words[1:])
+                self._take_title(self._open, words[1:])
         else:
             self._interrupted, self._open = self._open or self._interrupted, None
             self._title = " ".join(words)
@@ -156,19 +156,18 @@ class _Scan:
     def _open_section(self, key: str) -> None:
         self._interrupted, self._open = None, self.sections.setdefault(key, _Gathered(SECTIONS[key]))
 
-    def _take_title(self, words: Any) -> None:
+    def _take_title(self, section: _Gathered, words: list[str]) -> None:
         """A title with fewer columns than the layout names those that are there."""
-        standard = self._open.columns  # type: ignore[union-attr]
+        standard = section.columns
         known = {name.lower(): k for k, name in enumerate(standard.names)}
-        chosen = [known.get(word.lower()) for word in words]
-        if len(words) == len(standard.names) or not words or None in chosen:
+        chosen = [known[word.lower()] for word in words if word.lower() in known]
+        if len(words) == len(standard.names) or not words or len(chosen) < len(words):
             return
-        self._open.columns = Columns(  # type: ignore[union-attr]
+        section.columns = Columns(
             standard.item,
-            *(  # type: ignore[arg-type]
-                tuple(values[k] for k in chosen)  # type: ignore[index]
-                for values in (standard.names, standard.kinds, standard.decimals)
-            ),
+            tuple(standard.names[k] for k in chosen),
+            tuple(standard.kinds[k] for k in chosen),
+            tuple(standard.decimals[k] for k in chosen),
         )
 
 

@@ -41,11 +41,12 @@ def body_stress(
     `K` (3 n, 3 n), body axes; `mass`, kg, that of the mass matrix; `Phi` (3 n, N).
     """
     material = given.material
-    table = element_table(given, material.file, frame.r0, findings)  # type: ignore[union-attr]
+    assert material is not None, "stresses need a material"
+    table = element_table(given, material.file, frame.r0, findings)
     if table is None:
         return None
     warn_of_same_nodes(given, table, findings)
-    body = matching_elements(frame.r0, table.rows, (material.young, material.poisson), K)  # type: ignore[union-attr]
+    body = matching_elements(frame.r0, table.rows, (material.young, material.poisson), K)
     if body.deviation > FOREIGN:
         body = _at_best_points(given, frame.r0, table, body, K, findings)
     _check_density(given, mass, body, findings)
@@ -53,8 +54,8 @@ def body_stress(
         table.numbers,
         table.rows,
         body.elements.formulation.name,
-        material.young,  # type: ignore[union-attr]
-        material.poisson,  # type: ignore[union-attr]
+        material.young,
+        material.poisson,
         body.deviation,
         nodal_stresses(body, Phi),
     )
@@ -139,11 +140,12 @@ def _terms_of(nodes: int, count: int) -> "Callable[..., Any]":
 def elements_of(body: FlexibleBody, chosen: np.ndarray) -> BodyElements:
     """Return the elements at the places `chosen` of the body's table, with their strains."""
     stress = body.stress
-    formulations = FORMULATIONS[stress.rows.shape[1]]  # type: ignore[union-attr]
-    formulation = next(one for one in formulations if one.name == stress.formulation)  # type: ignore[union-attr]
-    made = solid_elements(body.r0, stress.rows[chosen], formulation)  # type: ignore[union-attr]
-    D = elasticity(stress.young, stress.poisson)  # type: ignore[union-attr]
-    return BodyElements(made, D, element_stiffness(made, D)[1], stress.deviation)  # type: ignore[union-attr]
+    assert stress is not None, "elements are those of a body of known material"
+    formulations = FORMULATIONS[stress.rows.shape[1]]
+    formulation = next(one for one in formulations if one.name == stress.formulation)
+    made = solid_elements(body.r0, stress.rows[chosen], formulation)
+    D = elasticity(stress.young, stress.poisson)
+    return BodyElements(made, D, element_stiffness(made, D)[1], stress.deviation)
 
 
 def point_stresses(body: FlexibleBody, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

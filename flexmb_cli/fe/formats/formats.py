@@ -43,24 +43,36 @@ def _read(path: Path, form: str, letter: str, mapping: Path | None, mapping_form
 def _matrix_reader(form: Any) -> Any:
     """Return what reads a format; a run imports the readers of its files only."""
     if form == "HB":
-        from .harwell_boeing import read_harwell_boeing as reader
-    elif form == "CCX":
-        from .calculix import read_calculix as reader
-    elif form == "DMIG":
-        from .nastran import read_dmig as reader  # type: ignore[assignment]
-    elif form == "OP4":
-        from .nastran_op4 import read_op4 as reader  # type: ignore[assignment]
-    elif form == "MM":
-        from .matrix_market import read_matrix_market as reader  # type: ignore[assignment]
-    else:
-        from .abaqus import read_abaqus as reader  # type: ignore[assignment]
-    return reader
+        from .harwell_boeing import read_harwell_boeing
+
+        return read_harwell_boeing
+    if form == "CCX":
+        from .calculix import read_calculix
+
+        return read_calculix
+    if form == "DMIG":
+        from .nastran import read_dmig
+
+        return read_dmig
+    if form == "OP4":
+        from .nastran_op4 import read_op4
+
+        return read_op4
+    if form == "MM":
+        from .matrix_market import read_matrix_market
+
+        return read_matrix_market
+    from .abaqus import read_abaqus
+
+    return read_abaqus
 
 
 def _mapping_reader(form: Any) -> Any:
     """Return what reads the mapping of a format."""
     if form == "ANS":
-        from .harwell_boeing import read_mapping as reader
-    else:
-        from .calculix import read_dofs as reader
-    return reader
+        from .harwell_boeing import read_mapping
+
+        return read_mapping
+    from .calculix import read_dofs
+
+    return read_dofs

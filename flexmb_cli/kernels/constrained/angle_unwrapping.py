@@ -26,7 +26,7 @@ MOST_TURNED = 2.5  # rad in a step, less than half a turn: the stages of a step 
 
 
 @kernel
-def _turn_rate(work, c: Any, u: "np.ndarray"):
+def _turn_rate(work: Work, c: Any, u: "np.ndarray"):
     """Rate of a screw's angle: the relative turning along its axis, rad/s."""
     i, j = 6 * c["body_i"] + 3, 6 * c["body_j"] + 3
     axis = rotate(work.rotations[A], c["body_i"], c["s_i"])

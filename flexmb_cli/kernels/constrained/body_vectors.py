@@ -24,7 +24,7 @@ VECTOR = 0  # row of the vectors themselves, before those of RATE and REMAINDER
 
 
 class Geometry(NamedTuple):
-    """What body vectors and primitives need of a System and its Work.
+    """Arrays of a System and its Work that body vectors and primitives need.
 
     A kernel called for every body vector pays for every array that it is handed.
     """

@@ -1,4 +1,4 @@
-"""What is reported of a mechanism at one time: accelerations, constraint forces, energies, residuals."""
+"""Report of a mechanism at one time: accelerations, constraint forces, energies, residuals."""
 
 from typing import TYPE_CHECKING, NamedTuple
 

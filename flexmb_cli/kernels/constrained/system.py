@@ -1,9 +1,10 @@
-"""What the kernels of constrained dynamics pass around: the model, and arrays used again and again.
+"""Arguments of the kernels of constrained dynamics: the model, and arrays used again and again.
 
 A mechanism of b bodies with E modal coordinates and m equations has n = 6 b + E speeds u: v and ω of every
 body, then all η̇; its coordinates q (n + b,) are r and p of every body, then all η.
 """
 
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -127,11 +128,11 @@ def columns_of(system: Any):
 
 
 @plain
-def _speeds_of(parts, bodies: int):
+def _speeds_of(parts: Iterable[tuple[int, int, int]], bodies: int) -> list[int]:
     """Sorted speeds that (body, first modal coordinate, number of modes) of some body vectors have; none at
     -1.
     """
-    speeds: set[Any] = set()
+    speeds: set[int] = set()
     for body, first, modes in parts:
         if body >= 0:
             speeds.update(range(6 * body, 6 * body + 6))

@@ -119,9 +119,12 @@ class ElementTable:
     def add_couplings(self) -> None:
         """An equation for every coupling of joint coordinates."""
         for item in self.elements.couplings:
-            records = [self._scaled(self.joints.primitive(*where), factor) for *where, factor in item.terms]  # type: ignore[arg-type]
+            records = [
+                self._scaled(self.joints.primitive(joint, coordinate), factor)
+                for joint, coordinate, factor in item.terms
+            ]
             is_length = not all(is_angle(coordinate) for _, coordinate, _ in item.terms)
-            first = sum(factor * self.joints.start(*where) for *where, factor in item.terms)  # type: ignore[arg-type, misc]
+            first = sum(factor * self.joints.start(joint, kind) for joint, kind, factor in item.terms)
             records[0]["constant"] += first
             record = self.table.chained(records)
             ends = self.joints.bodies(item.terms[0][0])
@@ -146,10 +149,10 @@ class ElementTable:
         found = [self._spring(item) for item in self.elements.springs]
         found += [self._line(item) for item in self.elements.lines]
         found += [self._stop(item) for item in self.elements.stops]
-        for number, item in enumerate(self.elements.bushings):
-            found += self._bushing(number, item)
-        for item in self.reported:  # type: ignore[assignment]
-            found.append(self._at(item.joint, item.coordinate, SPRING))  # type: ignore[attr-defined]
+        for number, bushing in enumerate(self.elements.bushings):
+            found += self._bushing(number, bushing)
+        for name in self.reported:
+            found.append(self._at(name.joint, name.coordinate, SPRING))
         found += [self._motor(item) for item in self.elements.motors]
         return found + [self._friction(item) for item in self.elements.frictions]
 

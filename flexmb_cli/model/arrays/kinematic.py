@@ -76,10 +76,10 @@ def kinematic_arrays(mechanism: Mechanism) -> KinematicArrays:
     attitudes = Attitudes(mechanism)
     for joint in mechanism.joints:
         _add_joint(rows, mechanism, joint)
-    for item in mechanism.simplified:
-        rows.hold(item.name, item.place, item.body, item.direction, item.value)
-    for item in mechanism.distances:  # type: ignore[assignment]
-        _add_distance(rows, item)
+    for held in mechanism.simplified:
+        rows.hold(held.name, held.place, held.body, held.direction, held.value)
+    for distance in mechanism.distances:
+        _add_distance(rows, distance)
     for driver in mechanism.drivers:
         _add_driver(rows, driver)
     for ground in mechanism.grounds:
@@ -146,15 +146,15 @@ class _Rows:
 
 def _add_joint(rows: Any, mechanism: Any, joint: Joint) -> None:
     kind = BY_NAME[joint.kind]
-    values = {"P_i": joint.P_i, "P_j": joint.P_j}
+    values: dict[str, Any] = {"P_i": joint.P_i, "P_j": joint.P_j}
     if "Q_i" in kind.points:
-        values |= {"s_i": unit(joint.s_i), "s_j": unit(joint.s_j)}  # type: ignore[dict-item]
-        values["a_i"], values["b_i"] = across(values["s_i"])  # type: ignore[assignment]
+        values |= {"s_i": unit(joint.s_i), "s_j": unit(joint.s_j)}
+        values["a_i"], values["b_i"] = across(values["s_i"])
     if "H_i" in kind.points and kind.size != PITCH:
-        values |= {"h_i": unit(joint.h_i), "h_j": unit(joint.h_j)}  # type: ignore[dict-item]
+        values |= {"h_i": unit(joint.h_i), "h_j": unit(joint.h_j)}
     if kind.size == PITCH:
         values |= _screw_values(mechanism, joint, values["s_i"])
-        values["screw"] = len(rows.screw_angles)  # type: ignore[assignment]
+        values["screw"] = len(rows.screw_angles)
         rows.screw_angles.append(values.pop("theta"))
     rows.add(kind, joint.i, joint.j, joint_equations(joint, rows.length), **values)
 

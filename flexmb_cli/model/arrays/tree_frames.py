@@ -55,8 +55,8 @@ NODAL_MASS = np.dtype(
 
 def rotation_matrix(attitude: Any) -> np.ndarray:
     """Rotation matrix (3, 3) of Euler parameters e0..e3, which need not be normalised."""
-    e0, *e = np.array(attitude, float) / math.hypot(*attitude)
-    e = np.array(e)  # type: ignore[assignment]
+    e0, *vector_part = np.array(attitude, float) / math.hypot(*attitude)
+    e = np.array(vector_part)
     cross = np.array([[0, -e[2], e[1]], [e[2], 0, -e[0]], [-e[1], e[0], 0]])
     return 2 * np.outer(e, e) + (2 * e0 * e0 - 1) * np.eye(3) + 2 * e0 * cross
 
@@ -219,9 +219,10 @@ def _node_frame(body: Any, k: Any, node: Any, parent: Any, index: Any) -> np.nda
 
 def _nodal_mass(body: Body, k: int, node: Any, index: "dict[Any, Any]") -> Any:
     elastic = body.elastic
+    assert elastic is not None, "nodal masses are those of an elastic body"
     return (
-        tuple(elastic.positions[node]),  # type: ignore[union-attr]
-        elastic.masses[node],  # type: ignore[union-attr]
-        tuple(elastic.forces[node]),  # type: ignore[union-attr]
+        tuple(elastic.positions[node]),
+        elastic.masses[node],
+        tuple(elastic.forces[node]),
         tuple(_node_coordinates(body, k, node, index)),
     )

@@ -31,11 +31,16 @@ def without_driven(mechanism: Mechanism, elements: JointElements) -> Mechanism:
 
 def point_joint(joint: Joint) -> PointJoint:
     """The joint between points P and P + s, as tables of primitives have it."""
-    ends = [
-        (_point(body, P), _point(body, np.add(P, s)))
-        for body, P, s in ((joint.i, joint.P_i, joint.s_i), (joint.j, joint.P_j, joint.s_j))
-    ]
-    return PointJoint(joint.name, joint.kind, *ends, joint.pitch, joint.place)  # type: ignore[arg-type, call-arg]
+    a, b = _ends(joint)
+    return PointJoint(joint.name, joint.kind, a, b, joint.pitch, joint.place)
+
+
+def _ends(joint: Joint | CompositeJoint) -> tuple[tuple[NodePoint, ...], tuple[NodePoint, ...]]:
+    """Points P and P + s on bodies i and j."""
+    return (
+        (_point(joint.i, joint.P_i), _point(joint.i, np.add(joint.P_i, joint.s_i))),
+        (_point(joint.j, joint.P_j), _point(joint.j, np.add(joint.P_j, joint.s_j))),
+    )
 
 
 def _point(body: int, r0: np.ndarray | tuple[float, float, float]) -> NodePoint:
@@ -70,8 +75,8 @@ class _Equations:
         for item in self.elements.supports:
             held = self.model.mechanism.simplified[item.item]
             self._along_axis(held.name, held.body, held.direction, item)
-        for item in self.elements.composites:  # type: ignore[assignment]
-            self._composite(item)  # type: ignore[arg-type]
+        for composite in self.elements.composites:
+            self._composite(composite)
 
     def _driven(self, item: Any) -> None:
         driver = self.model.mechanism.drivers[item.item]
@@ -92,16 +97,13 @@ class _Equations:
         self.table.equations(name, item.place, NONE, body, [("xyz"[direction - 1], True, record)])
 
     def _composite(self, item: CompositeJoint) -> Any:
-        ends = [
-            (_point(body, P), _point(body, np.add(P, s)))
-            for body, P, s in ((item.i, item.P_i, item.s_i), (item.j, item.P_j, item.s_j))
-        ]
+        a, b = _ends(item)
         if item.kind == "revolute-cylindrical":
-            parts = _revolute_cylindrical(self.table, *ends)
+            parts = _revolute_cylindrical(self.table, a, b)
         else:
             body_vectors = JointVectors(
                 self.table,
-                PointJoint(item.name, item.kind, *ends, item.size, item.place),  # type: ignore[arg-type, call-arg]
+                PointJoint(item.name, item.kind, a, b, item.size, item.place),
             )
             parts = [part for make in EQUATIONS_OF[item.kind] for part in make(body_vectors)]
         self.table.equations(item.name, item.place, item.i, item.j, parts)

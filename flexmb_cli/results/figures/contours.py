@@ -1,4 +1,4 @@
-"""What the surfaces of finite-element bodies are coloured by, and its range over all rows.
+"""Colours of the surfaces of finite-element bodies, and their range over all rows.
 
 Stresses and strains are superposed from those of the modes; the report's viewer does the same (`viewer.js`).
 """

@@ -1,4 +1,4 @@
-"""Which curves of a result are drawn, and in which panels: one for each unit."""
+"""Curves of a result that are drawn, and their panels: one for each unit."""
 
 from collections.abc import Sequence
 from itertools import takewhile

@@ -171,8 +171,9 @@ class _Canvas:
         picture = self.buffer.picture()
         _write(picture, f"t = {self.labels[row]} s", -26)
         if self.legend:
-            bar = self.contours[np.arange(BAR[1]) * len(self.contours) // BAR[1]]
-            picture[12 : 12 + BAR[0], 12 : 12 + BAR[1]] = (255 * bar)[:, : picture.shape[1] - 12]
+            width = min(BAR[1], picture.shape[1] - 24)
+            bar = self.contours[np.arange(width) * len(self.contours) // width]
+            picture[12 : 12 + BAR[0], 12 : 12 + width] = 255 * bar
             _write(picture, self.legend, 16 + BAR[0])
         return picture
 

@@ -1,4 +1,4 @@
-"""Which of a body's points are joined by lines when it is drawn.
+"""Lines between a body's points when it is drawn.
 
 Gabriel and Sokal, Systematic Zoology 18 (1969), 259-278: two points are neighbours when the sphere on the
 line between them holds no third one.  Points in a row become a chain, three points of a link a triangle

@@ -1,11 +1,16 @@
 """Curves as PNG, SVG or PDF by matplotlib: the same curves give the same bytes."""
 
 import io
+import warnings
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .curves import Panel
 from .look import COLOURS, PANEL, ROOMY, SQUARE_PART, TICKS, Look
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 FORMATS = ("png", "svg", "pdf")
 DASHES = ("-", "--", ":", "-.", (0, (8, 2)), (0, (5, 1, 1, 1, 1, 1)), (0, (1, 4)), (0, (9, 3, 3, 3)))
@@ -37,7 +42,6 @@ def picture(
     Imports matplotlib; raises OSError for a style that there is not.
     """
     import matplotlib
-    from matplotlib.figure import Figure
 
     # A user's matplotlibrc shall not decide what flexmb draws.
     with matplotlib.rc_context():
@@ -46,25 +50,73 @@ def picture(
         if look:
             for family in look.apply():
                 tell_missing(family)
-        width, heights, rest = _sizes(panels, look)
-        figure = Figure(figsize=(width, sum(heights) + rest), layout="constrained")
-        axes = figure.subplots(len(panels), squeeze=False, height_ratios=heights)[:, 0]
-        for panel, axis in zip(panels, axes, strict=True):
-            _draw(panel, axis, look)
-        axes[-1].set_xlabel(_text(panels[-1].x_label, look))
-        if title:
-            figure.suptitle(_plain(title))
+        figure = fitted_figure(panels, title, look)
         stream = io.BytesIO()
         figure.savefig(stream, format=form, dpi=RESOLUTION, metadata=METADATA[form])
     return stream.getvalue()
 
 
-def _sizes(panels: Any, look: Look | None) -> tuple[float, list[float], float]:
+def fitted_figure(panels: Sequence[Panel], title: str, look: Look | None) -> "Figure":
+    """Return the figure of `picture`, with the settings of matplotlib as they are.
+
+    In print, legends of many curves and those that would cover a curve stand below their panels.  Raises
+    ValueError where letters leave no room.
+    """
+    below = {k for k, panel in enumerate(panels) if len(panel.curves) > ROOMY}
+    figure = _figure(panels, title, look, below)
+    covering = _check_room(figure, look) - below if look else set()
+    if not (look and covering):
+        return figure
+    figure = _figure(panels, title, look, below | covering)
+    _check_room(figure, look)
+    return figure
+
+
+def _figure(panels: Sequence[Panel], title: str, look: Look | None, below: set[int]) -> "Figure":
+    """The picture, legends of the panels `below` below them."""
+    from matplotlib.figure import Figure
+
+    width, heights, rest = _sizes(panels, look, below)
+    figure = Figure(figsize=(width, sum(heights) + rest), layout="constrained")
+    axes = figure.subplots(len(panels), squeeze=False, height_ratios=heights)[:, 0]
+    for k, (panel, axis) in enumerate(zip(panels, axes, strict=True)):
+        _draw(panel, axis, look)
+        if len(panel.curves) > 1:
+            _legend(panel, axis, look, k in below, k == len(panels) - 1)
+    axes[-1].set_xlabel(_text(panels[-1].x_label, look))
+    if title:
+        figure.suptitle(_plain(title))
+    return figure
+
+
+def _check_room(figure: "Figure", look: Look) -> set[int]:
+    """Return the panels whose legends cover curves.  Raises ValueError where letters leave no room."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        figure.draw_without_rendering()
+    if any("constrained_layout not applied" in str(one.message) for one in told):
+        raise ValueError(
+            f"letters of {look.size:g} points leave no room for curves in {look.width:g} mm: choose a wider "
+            "picture, smaller letters or fewer curves"
+        )
+    return {k for k, axis in enumerate(figure.axes) if _covers(axis)}
+
+
+def _covers(axis: "Axes") -> bool:
+    legend = axis.get_legend()
+    if legend is None:
+        return False
+    box = legend.get_window_extent()
+    paths = (line.get_transform().transform_path(line.get_path()) for line in axis.lines)
+    return any(path.intersects_bbox(box, filled=False) for path in paths)
+
+
+def _sizes(panels: Any, look: Look | None, below: set[int]) -> tuple[float, list[float], float]:
     """Width of the picture, heights of its panels, and what legends and the lowest axis take, in."""
     if look is None:
         return WIDTH, [SQUARE if panel.same_unit else HEIGHT for panel in panels], 0.5
     heights = [look.inches * (SQUARE_PART if panel.same_unit else PANEL) for panel in panels]
-    legends = sum(look.legend_height([curve.label for curve in panel.curves]) for panel in panels)
+    legends = sum(look.legend_height([curve.label for curve in panels[k].curves]) for k in below)
     return look.inches, heights, legends + 0.3
 
 
@@ -74,20 +126,30 @@ def _draw(panel: Panel, axis: Any, look: Any) -> None:
         drawn = style(curve.quantity, curve.result, results)
         if look:
             drawn["linewidth"] *= 0.75
-        axis.plot(curve.x, curve.y, label=_text(curve.label, look), **drawn)
+        label = look.in_legend(curve.label) if look else curve.label
+        axis.plot(curve.x, curve.y, label=_text(label, look), **drawn)
     axis.set_ylabel(_text(look.wrapped(panel.y_label) if look else panel.y_label, look))
     if look:
         axis.locator_params(nbins=TICKS)
+        axis.locator_params(axis="x", nbins=look.ticks)
     axis.grid(True, linewidth=0.4, color="#cccccc")
     axis.margins(x=0.02)
     if panel.same_unit:
         axis.set_aspect("equal", adjustable="datalim")
-    if look and 1 < len(panel.curves) <= ROOMY:
-        axis.legend(loc="best", frameon=False)
-    elif look and len(panel.curves) > ROOMY:
+
+
+def _legend(panel: Panel, axis: Any, look: Look | None, below: bool, lowest: bool) -> None:
+    if look and below:
         columns = look.legend_columns([curve.label for curve in panel.curves])
-        axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=columns, frameon=False)
-    elif len(panel.curves) > 1:
+        # Letters' heights that the numbers of the axis take, and its label.
+        room = 4.0 if lowest else 2.0
+        axis.legend(
+            loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=room, ncols=columns, frameon=False
+        )
+    elif look:
+        # It takes no room of its own: one that is larger than the panel covers curves.
+        axis.legend(loc="best", frameon=False).set_in_layout(False)
+    else:
         columns = -(-len(panel.curves) // LEGEND_ROWS)
         axis.legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5), ncols=columns)
 

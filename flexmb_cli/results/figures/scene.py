@@ -1,4 +1,4 @@
-"""What can be drawn of a result: bodies as lines between their joints, points and nodes, over time.
+"""Scene of a result: bodies as lines between their joints, points and nodes, over time.
 
 Everything comes from the result file alone: its motion, and where joints, points and nodes sit on their
 bodies (`result_geometry`).  Lengths in m, global axes; T rows of time.
@@ -136,7 +136,7 @@ def _check_shapes(result: h5py.File) -> None:
 
 
 class _Motion:
-    """Where points of bodies are; body 0 is the ground, flexible bodies carry their nodes along."""
+    """Positions of points of bodies; body 0 is the ground, flexible bodies carry their nodes along."""
 
     def __init__(self, result: h5py.File, rows: slice, every_node: bool = True):
         self.position = result["body/position"][rows]

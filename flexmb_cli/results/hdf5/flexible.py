@@ -73,7 +73,7 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
     for body in _flexible(mechanism):
         axis, meaning = _mode_axis(body).path, f"modal coordinates of {body.name}"
         series.append(Series(_amplitude(body), (axis,), "m or 1", meaning))
-        if body.flexible.stress:  # type: ignore[union-attr]
+        if body.reduced.stress:
             series.append(Series(_rate(body), (axis,), "m/s or 1/s", f"rates of the {meaning}"))
     series += stress_series(mechanism)
     found = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), tuple(_constants(mechanism)))
@@ -117,7 +117,7 @@ def _mode_axis(body: FloatingBody) -> Axis:
 
 
 def _node_axis(body: FloatingBody) -> Axis:
-    numbers = tuple(map(int, body.flexible.numbers))  # type: ignore[union-attr]
+    numbers = tuple(map(int, body.reduced.numbers))
     return Axis(f"elastic/{body.name}/node", numbers, f"node of {body.name}, its number in the node table")
 
 
@@ -125,9 +125,9 @@ def _constants(mechanism: FlexibleMechanism) -> "Iterator[Any]":
     yield from gravity(mechanism.gravity)
     for body in _flexible(mechanism):
         meaning = f"frequencies of the modes of {body.name}, held in its frame"
-        frequencies = np.array(body.flexible.frequencies)  # type: ignore[union-attr]
+        frequencies = np.array(body.reduced.frequencies)
         yield Constant(f"modal/{body.name}/frequency", (_mode_axis(body).path,), frequencies, "Hz", meaning)
-        yield from shape_geometry(body.name, body.flexible.r0, body.flexible.Phi)  # type: ignore[union-attr]
+        yield from shape_geometry(body.name, body.reduced.r0, body.reduced.Phi)
         yield from element_constants(body)
     if mechanism.outputs:
         yield point_bodies([point.body for point in mechanism.outputs])

@@ -50,10 +50,11 @@ class ResultFile:
                 f"{path}: an HDF5 file can only be a regular file; --no-h5 writes none", id="RESULT-014"
             )
         self._written = 0
-        self._status, self._message, self._notes = COMPLETE, "", ()
+        self._status, self._message = COMPLETE, ""
+        self._notes: tuple[str, ...] = ()
         self._waiting: list[Values] = []
         self._chunk = chunk_rows(layout)
-        self._file = None
+        self._file: h5py.File = None  # until the file is open
         try:
             with located(self._place.path):
                 self._disk = FullDiskGuard(self._place.duplicate())
@@ -81,18 +82,18 @@ class ResultFile:
 
     def note(self, notes: tuple[str, ...]) -> None:
         """Sentences that the run is to be remembered for, such as singular positions that it passed."""
-        self._notes = notes  # type: ignore[assignment]
+        self._notes = notes
 
     def finish(self) -> None:
         """Write what waits and how the run ended; the file is whole, but not in its place."""
         if self._rows_waiting:
             self._write(self._rows_waiting)
         with self._on_disk():
-            self._file.attrs["status"] = self._status  # type: ignore[union-attr]
-            self._file.attrs["message"] = self._message  # type: ignore[union-attr]
+            self._file.attrs["status"] = self._status
+            self._file.attrs["message"] = self._message
             if self._notes:
                 self._file.attrs["notes"] = "\n".join(self._notes)
-            self._file.close()  # type: ignore[union-attr]
+            self._file.close()
             self._disk.close()
         self._place.finish()
 
@@ -154,21 +155,21 @@ class ResultFile:
                 set_texts(self._file, **{name: "\n".join(lines)})
         if AS_PRINTED in deck.options:
             set_texts(self._file, emulation=EMULATED)
-        text = self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT)  # type: ignore[union-attr]
+        text = self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT)
         set_texts(text, units="1", long_name="text of the deck")
 
     def _make_axis(self, axis: Any) -> h5py.Dataset:
-        scale = self._file.create_dataset(axis.path, data=_plain(axis.values), dtype=_kind(axis.values))  # type: ignore[union-attr]
+        scale = self._file.create_dataset(axis.path, data=_plain(axis.values), dtype=_kind(axis.values))
         scale.make_scale(axis.path.rpartition("/")[2])
         set_texts(scale, units="1", long_name=axis.long_name)
         for path, texts, long_name in axis.labels:
-            dataset = self._file.create_dataset(path, data=list(texts), dtype=TEXT)  # type: ignore[union-attr]
+            dataset = self._file.create_dataset(path, data=list(texts), dtype=TEXT)
             attach_scales(dataset, [scale])
             set_texts(dataset, units="1", long_name=long_name)
         return scale
 
     def _make_constant(self, constant: Any, scales: dict[str, h5py.Dataset]) -> None:
-        dataset = self._file.create_dataset(constant.path, data=constant.values)  # type: ignore[union-attr]
+        dataset = self._file.create_dataset(constant.path, data=constant.values)
         attach_scales(dataset, [self._scale_for(constant.path, path, scales) for path in constant.axes])
         set_texts(dataset, units=constant.units, long_name=constant.long_name)
 
@@ -179,7 +180,7 @@ class ResultFile:
             return scales[axis]
         path = f"{dataset.rpartition('/')[0]}/{name}"
         if path not in scales:
-            scales[path] = self._file.create_dataset(path, data=scales[axis][:])  # type: ignore[union-attr]
+            scales[path] = self._file.create_dataset(path, data=scales[axis][:])
             scales[path].make_scale(name)
             set_texts(scales[path], units="1", long_name=scales[axis].attrs["long_name"])
         return scales[path]

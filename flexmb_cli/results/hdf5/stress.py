@@ -6,10 +6,11 @@ the mean over its volume; von Mises and principal stresses are those of the aver
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 
+from ...model.flexible_body import BodyStress
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody, StressOutput
 from .layout import Axis, Constant, Series, Values
 
@@ -19,9 +20,27 @@ YOUNG, POISSON = "young_modulus", "poisson_ratio"
 MOST_STRESSES = 2**22
 
 
+def _stress(body: FloatingBody) -> BodyStress:
+    stress = body.reduced.stress
+    assert stress is not None, "stresses are reported of a body of known material"
+    return stress
+
+
+class Elastic(Protocol):
+    """Material of Hooke's law."""
+
+    @property
+    def young(self) -> float:
+        """Young's modulus, Pa."""
+
+    @property
+    def poisson(self) -> float:
+        """Poisson's ratio."""
+
+
 def element_axis(body: FloatingBody) -> list[Axis]:
     """The elements of a body of known material, their nodes, and components of stress."""
-    stress, group = body.flexible.stress, f"elastic/{body.name}"  # type: ignore[union-attr]
+    stress, group = body.reduced.stress, f"elastic/{body.name}"
     if stress is None:
         return []
     corners = tuple(range(1, stress.rows.shape[1] + 1))
@@ -34,10 +53,10 @@ def element_axis(body: FloatingBody) -> list[Axis]:
 
 def element_constants(body: FloatingBody) -> Iterator[Constant]:
     """Nodes of the elements, and the stresses of the modes."""
-    stress, group = body.flexible.stress, f"elastic/{body.name}"  # type: ignore[union-attr]
+    stress, group = body.reduced.stress, f"elastic/{body.name}"
     if stress is None:
         return
-    numbers = body.flexible.numbers[stress.rows]  # type: ignore[union-attr]
+    numbers = body.reduced.numbers[stress.rows]
     meaning = f"numbers of the nodes of every element of {body.name}; {stress.formulation}"
     yield Constant(f"{group}/cell", (f"{group}/element", f"{group}/corner"), numbers, "1", meaning)
     axes = (f"{group}/node", f"{group}/component", f"modal/{body.name}/mode")
@@ -114,7 +133,7 @@ def stress_values(mechanism: FlexibleMechanism, values: Values) -> dict[str, np.
                 found[f"{group}/{kind}_tensor"] = tensor
                 found[f"{group}/{kind}_von_mises"] = von_mises(tensor)
                 found[f"{group}/{kind}_principal"] = principal_stresses(tensor)
-                found[f"{strain}/{kind}_tensor"] = strains(tensor, body.flexible.stress)  # type: ignore[union-attr]
+                found[f"{strain}/{kind}_tensor"] = strains(tensor, _stress(body))
         if len(output.elements):
             found[f"{strain}/element_energy"] = element_energies(output, body, eta)
         if output.largest:
@@ -136,7 +155,7 @@ def principal_stresses(stress: np.ndarray) -> np.ndarray:
     return np.linalg.eigvalsh(full)[..., ::-1]
 
 
-def strains(stress: np.ndarray, material: Any) -> np.ndarray:
+def strains(stress: np.ndarray, material: "Elastic") -> np.ndarray:
     """Strain tensors (..., 6) of stresses by Hooke's law; xy yz zx are halves of angles."""
     young, poisson = material.young, material.poisson
     strain = stress * ((1 + poisson) / young)
@@ -147,7 +166,7 @@ def strains(stress: np.ndarray, material: Any) -> np.ndarray:
 def element_energies(output: StressOutput, body: FloatingBody, eta: np.ndarray) -> np.ndarray:
     """Strain energies (T, e), J, of the reported elements: the integral of sigma : epsilon / 2."""
     shapes, volumes = output.points, output.volumes
-    strain = strains(np.moveaxis(shapes, 2, -1).copy(), body.flexible.stress)  # type: ignore[union-attr]
+    strain = strains(np.moveaxis(shapes, 2, -1).copy(), _stress(body))
     doubled = np.moveaxis(strain, -1, 2) * np.array([1, 1, 1, 2, 2, 2])[:, None]
     energies = np.einsum("egam,egan,eg->emn", shapes, doubled, volumes, optimize=True) / 2
     return np.einsum("emn,tm,tn->te", energies, eta, eta, optimize=True)
@@ -155,7 +174,7 @@ def element_energies(output: StressOutput, body: FloatingBody, eta: np.ndarray) 
 
 def largest_von_mises(body: FloatingBody, eta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Largest equivalent stress (T,) at any node, and the number of that node (T,)."""
-    shapes = body.flexible.stress.nodal  # type: ignore[union-attr]
+    shapes = _stress(body).nodal
     largest, node = np.empty(len(eta)), np.empty(len(eta))
     rows = max(1, MOST_STRESSES // math.prod(shapes.shape[:2]))
     for first in range(0, len(eta), rows):
@@ -163,5 +182,5 @@ def largest_von_mises(body: FloatingBody, eta: np.ndarray) -> tuple[np.ndarray, 
         equivalent = von_mises(np.einsum("san,tn->tsa", shapes, eta[part], optimize=True))
         place = equivalent.argmax(axis=1)
         largest[part] = equivalent[np.arange(len(place)), place]
-        node[part] = body.flexible.numbers[place]  # type: ignore[union-attr]
+        node[part] = body.reduced.numbers[place]
     return largest, node

@@ -1,4 +1,4 @@
-"""How far two motions of one deck lie apart, quantity by quantity."""
+"""Difference between two motions of one deck, quantity by quantity."""
 
 import numpy as np
 

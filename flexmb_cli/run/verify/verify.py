@@ -21,7 +21,7 @@ from .difference import Difference
 
 @dataclass
 class Verification:
-    """What a comparison found; `tolerance` is what a relative difference may reach.
+    """Result of a comparison; `tolerance` is what a relative difference may reach.
 
     `formulations` names what was compared.
     """

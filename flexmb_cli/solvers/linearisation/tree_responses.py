@@ -93,13 +93,15 @@ class TreeResponses(Responses):
     def _function_inputs(self) -> "Iterator[Input]":
         """Torques on bodies and motors."""
         still = np.zeros(self.n)
-        for k, item in enumerate((*self.tree.torques, *self.tree.motors)):
-            body = self.tree.bodies[item.body].name  # type: ignore[attr-defined]
-            if k < len(self.tree.torques):
-                signal = Signal(f"{body} torque {AXES[item.axis - 1]}", "N m")  # type: ignore[attr-defined]
-            else:
-                unit = "N m" if item.motion == ROTATION else "N"  # type: ignore[attr-defined]
-                signal = Signal(f"{body} {item.motion} {item.axis} motor", unit)  # type: ignore[attr-defined]
+        signals = [
+            Signal(f"{self.tree.bodies[torque.body].name} torque {AXES[torque.axis - 1]}", "N m")
+            for torque in self.tree.torques
+        ]
+        for motor in self.tree.motors:
+            unit = "N m" if motor.motion == ROTATION else "N"
+            name = f"{self.tree.bodies[motor.body].name} {motor.motion} {motor.axis} motor"
+            signals.append(Signal(name, unit))
+        for k, signal in enumerate(signals):
             yield Input(signal, still, still, self._changed("functions", "c0", k), 1.0)
 
     def _body_inputs(self) -> "Iterator[Any]":

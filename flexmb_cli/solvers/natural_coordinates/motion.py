@@ -143,24 +143,25 @@ class NaturalMotion:
     def forces(self, X: np.ndarray, V: np.ndarray) -> np.ndarray:
         """Return the generalised forces of all loads."""
         model, n = self.model, len(self.mechanism.bodies)
+        assert model is not None, "a mechanism without masses has no forces"
         Q = np.zeros(SIZE * n)
-        for item in model.masses:  # type: ignore[union-attr]
-            Q += item.mass * np.array(model.gravity) @ point(n, item.body, item.centre)  # type: ignore[union-attr]
-        for item in model.forces:  # type: ignore[union-attr]
-            F = np.array(item.force, float)
-            Q += (vector(n, item.body, F) @ X if item.following else F) @ point(n, item.body, item.point)
-        for item in model.torques:  # type: ignore[union-attr]
-            own = slice(SIZE * item.body + 3, SIZE * item.body + SIZE)
-            T = np.array(item.torque, float)
-            T = vector(n, item.body, T) @ X if item.following else T
+        for mass in model.masses:
+            Q += mass.mass * np.array(model.gravity) @ point(n, mass.body, mass.centre)
+        for force in model.forces:
+            F = np.array(force.force, float)
+            Q += (vector(n, force.body, F) @ X if force.following else F) @ point(n, force.body, force.point)
+        for torque in model.torques:
+            own = slice(SIZE * torque.body + 3, SIZE * torque.body + SIZE)
+            T = np.array(torque.torque, float)
+            T = vector(n, torque.body, T) @ X if torque.following else T
             # T · ω with ω = Σ d_a × (dd_a/dt) / 2.
             Q[own] += 0.5 * np.cross(T, X[own].reshape(3, 3)).ravel()
-        for item in model.springs:  # type: ignore[union-attr]
-            form = point(n, item.j, item.P_j) - point(n, item.i, item.P_i)
+        for spring in model.springs:
+            form = point(n, spring.j, spring.P_j) - point(n, spring.i, spring.P_i)
             d, rate = form @ X, form @ V
             length = np.linalg.norm(d)
             if length > 0.0:
-                pull = item.stiffness * (length - item.free_length) + item.damping * (d @ rate) / length
+                pull = spring.stiffness * (length - spring.free_length) + spring.damping * (d @ rate) / length
                 Q -= pull * d / length @ form
         return Q
 

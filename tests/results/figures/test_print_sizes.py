@@ -1,0 +1,74 @@
+"""Pictures for print at all widths: nothing is clipped, nothing covers anything."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from flexmb_cli.cli.plot import plot
+from flexmb_cli.results.figures.curves import Curve, Panel
+from flexmb_cli.results.figures.look import Look
+from flexmb_cli.results.figures.plots import fitted_figure
+from tests.results.figures.turning_bar import write_bar
+
+matplotlib = pytest.importorskip("matplotlib")
+TIMES = np.linspace(0, 0.5, 200)
+NAMES = ("von Mises stress of body 2 element 1234", "x", "largest von Mises stress of body 2", "y")
+
+
+def figure_of(look, *panels):
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        look.apply()
+        figure = fitted_figure(panels, "", look)
+        figure.draw_without_rendering()
+    return figure
+
+
+def panel(names):
+    """Waves that leave no corner free."""
+    waves = [np.cos(40 * TIMES + k) * 1e6 for k in range(len(names))]
+    return Panel("time [s]", "Pa", tuple(Curve(*pair, k) for k, pair in enumerate(named(names, waves))))
+
+
+def named(names, waves):
+    return [(name, TIMES, wave) for name, wave in zip(names, waves, strict=True)]
+
+
+@pytest.mark.parametrize("count", [4, 6])
+@pytest.mark.parametrize("millimetres", [40, 60, 85, 180])
+def test_nothing_is_clipped_and_legends_cover_no_curve(millimetres, count):
+    """The boxes of labels and legends lie within the picture, and no two numbers of an axis meet."""
+    waves = panel((NAMES * 2)[:count])
+    figure = figure_of(Look(millimetres, size=8.0), waves, waves)
+    for axis in figure.axes:
+        legend = axis.get_legend().get_window_extent()
+        assert not legend.overlaps(axis.bbox)
+        for box in (legend, axis.yaxis.label.get_window_extent(), axis.xaxis.label.get_window_extent()):
+            assert box.x0 >= -1 and box.x1 <= figure.bbox.x1 + 1
+            assert box.y0 >= -1 and box.y1 <= figure.bbox.y1 + 1
+        assert not legend.overlaps(axis.xaxis.label.get_window_extent()) or not axis.get_xlabel()
+        low, high = axis.get_xlim()
+        ticks = zip(axis.get_xticks(), axis.get_xticklabels(), strict=True)
+        boxes = [text.get_window_extent() for x, text in ticks if low <= x <= high]
+        assert len(boxes) >= 2
+        assert all(one.x1 < other.x0 for one, other in pairwise(boxes))
+        assert axis.bbox.width > 0.4 * figure.bbox.width
+
+
+def test_a_legend_that_covers_nothing_stays_inside():
+    flat = Panel("time [s]", "m", tuple(Curve(name, TIMES, TIMES * k) for k, name in enumerate("ab")))
+    (axis,) = figure_of(Look(85, size=8.0), flat).axes
+    legend = axis.get_legend().get_window_extent()
+    assert axis.bbox.x0 <= legend.x0 and legend.y1 <= axis.bbox.y1 and legend.y0 >= axis.bbox.y0
+
+
+def test_letters_that_leave_no_room_are_a_usage_error(deck, mechanism, rows, tmp_path):
+    """Matplotlib drew curves of no size, with a warning in its own words."""
+    bar = write_bar(tmp_path / "r.h5", deck, mechanism, rows, np.arange(7.0))
+    options = ["--width", "20", "--font-size", "16", "-o", str(tmp_path / "p.png")]
+    done = CliRunner().invoke(plot, [str(bar), "point.1", "body.2.velocity", *options])
+    assert done.exit_code == 2
+    assert "letters of 16 points leave no room for curves in 20 mm" in done.output
+    assert not (tmp_path / "p.png").exists()
