@@ -86,8 +86,8 @@ def test_a_changed_deck_or_finite_element_file_has_another_digest(tmp_path):
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))
 def test_every_figure_of_a_page_is_drawn_by_the_build_after_its_command(page):
-    """The pictures of the build are those of `pictures.FIGURES`, each below a `flexmb plot` that is shown."""
-    drawn = {target for *_, target in pictures.FIGURES}
+    """The pictures of the build are those of `pictures.py`, each below a `flexmb plot` that is shown."""
+    drawn = {target for *_, target in (*pictures.FIGURES, *pictures.STUDY_FIGURES)}
     in_gallery = {f"{deck.stem}{deck.suffix.lower()}.png": deck.name for deck in DECKS}
     text = page.read_text(encoding="utf-8")
     for match in re.finditer(r"\{(?:figure|image)\} (\S+)", text):
