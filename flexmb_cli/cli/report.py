@@ -45,6 +45,8 @@ def report(result: str, output: str | None, quiet: bool, movie: Any, **film: Any
     from ..study.text import is_study
     from .options.output_file import STANDARD_OUTPUT, refuse_inputs, reported
 
+    if not movie:
+        _refuse_options_of_films()
     if movie:
         _write_film(result, movie, output, film, quiet)
         return
@@ -62,6 +64,17 @@ def report(result: str, output: str | None, quiet: bool, movie: Any, **film: Any
         tell(f"{result}: note: {lacking}")
     if not quiet:
         tell(f"{result} → {reported(output)}, {_size(len(page))}")
+
+
+def _refuse_options_of_films() -> None:
+    context = click.get_current_context()
+    given = [
+        f"--{name}"
+        for name in ("fps", "size", "view", "colours")
+        if context.get_parameter_source(name) == click.core.ParameterSource.COMMANDLINE
+    ]
+    if given:
+        raise click.UsageError(f"{', '.join(given)}: for films; give --movie, too")
 
 
 def _size(count: int) -> str:

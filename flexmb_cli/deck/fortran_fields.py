@@ -1,6 +1,6 @@
 """Numbers and records for FORTRAN input: every field filled with the digits its columns can hold."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 
 def filled(value: float, width: int) -> str:
@@ -35,7 +35,7 @@ def _exponential(value: float, width: int) -> str:
     return ""
 
 
-def real_list(values: Sequence[float], width: int, per_line: int) -> str:
+def real_list(values: Iterable[float], width: int, per_line: int) -> str:
     """A list of reals, `per_line` fields of `width` columns in a record, lines ended by LF."""
     return _lines([filled(float(value), width).rjust(width) for value in values], per_line)
 

@@ -103,7 +103,8 @@ class SettableDeck:
 
     def _with_changes(self, changes: Any) -> Any:
         """The records with new numbers; those left alone stay the same objects."""
-        changed_records, dialect = {}, dialect_named(self.deck.dialect)  # type: ignore[var-annotated]
+        changed_records: dict[Any, Any] = {}
+        dialect = dialect_named(self.deck.dialect)
         for name, changed in changes.items():
             index, key = self._place(name)
             record = changed_records.get(index, self.deck.records[index])

@@ -74,8 +74,9 @@ def _body(given: VsdfBody, cached: Any) -> tuple[FloatingBody, list[Fault]]:
     motion = np.array(given.velocity), np.array(given.omega)
     places = {"place": given.place, "velocity_place": given.velocity_place}
     if given.flexible is None:
-        m, c = given.rigid.mass, np.array(given.rigid.centre)  # type: ignore[union-attr]
-        about_origin = given.rigid.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))  # type: ignore[union-attr]
+        assert given.rigid is not None, "a body is flexible or rigid"
+        m, c = given.rigid.mass, np.array(given.rigid.centre)
+        about_origin = given.rigid.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))
         pose = np.array(given.r), np.array(given.p)
         return FloatingBody(given.name, *pose, *motion, m, m * c, about_origin, **places), []  # type: ignore[arg-type]
     found, doubts = flexible_body(given.flexible, cached)
@@ -102,6 +103,7 @@ class _Points:
     def __init__(self, model: VsdfModel, bodies: list[FloatingBody]):
         self.model = model
         self.bodies = bodies
+        self.found: dict[End, NodePoint] = {}
 
     def mechanism(self) -> FlexibleMechanism:
         """The mechanism, item by item."""
@@ -123,6 +125,12 @@ class _Points:
         )
 
     def point(self, end: End) -> NodePoint:
+        """The point of an end, one for all that are attached there: a deck may have 200,000 loads."""
+        if end not in self.found:
+            self.found[end] = self._point(end)
+        return self.found[end]
+
+    def _point(self, end: End) -> NodePoint:
         """The point of an end; that of a node set is the mean of its nodes."""
         if end.body == GROUND:
             return NodePoint(

@@ -76,14 +76,15 @@ def _symmetric(gram: np.ndarray) -> np.ndarray:
 def _pivots(gram: Any, first: Any) -> np.ndarray:
     """Columns in the order of elimination: the `first`, then always the one with the largest remainder."""
     remainder = np.diag(gram).copy()
-    rows, order = np.zeros((len(gram), len(gram))), []  # type: ignore[var-annotated]
+    rows = np.zeros((len(gram), len(gram)))
+    order: list[int] = []
     for k in range(len(gram)):
         pivot = k if k < first else _largest(remainder)
         if remainder[pivot] < DEPENDENT_SHAPE:
             if k < first:
                 continue
             break
-        rows[len(order)] = (gram[pivot] - rows[: len(order), pivot] @ rows[: len(order)]) / np.sqrt(  # type: ignore[index, operator]
+        rows[len(order)] = (gram[pivot] - rows[: len(order), pivot] @ rows[: len(order)]) / np.sqrt(
             remainder[pivot]
         )
         remainder = remainder - rows[len(order)] ** 2

@@ -173,7 +173,7 @@ def _vsdf(size):
     yield "vsdf comments", lambda: f"{deck}\n{_filled('* a comment' + chr(10), size)}END{end}"
     yield "vsdf table", lambda: cards("TABL", table)
     yield "vsdf table by commas", lambda: cards("TABL", "1,{k},{f}\n")
-    yield "vsdf nodes", lambda: cards("NODE", "    0{k:5d}       1.0       0.0       0.0\n")
+    yield "vsdf nodes", lambda: cards("NODE", "0,{k},1.0,0.0,0.0\n")
     yield "vsdf forces", lambda: cards("FORC", "    1   51       1.0       0.0       0.0\n")
     yield "vsdf output nodes", lambda: cards("OUTN", "    1   51\n")
     yield "vsdf springs", lambda: cards("NODE\n    0    1       9.0\nSPRI", "{k},0,1,1,51,1.0\n")

@@ -13,6 +13,7 @@ CHECKOUT = Path(__file__).resolve().parents[2]
 PACKAGE = "flexmb_cli"
 MADE = shutil.ignore_patterns("__pycache__", ".*", "_build", "build", "dist")  # not of the checkout itself
 LEFT_OUT = ["--ignore=tests/house"]  # tests that read sources and run no kernel
+# `made`: an argument of the function that makes the kernel, which compiles it or leaves it to Python.
 DECORATORS = {"kernel", "part", "allocating", "made"}
 ONLY = "not long_motion and not processes"
 ENVIRONMENT = {"NUMBA_DISABLE_JIT": "1", "OPENBLAS_NUM_THREADS": "1"}

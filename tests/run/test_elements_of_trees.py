@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from flexmb_cli.errors import AnalysisError
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.context import Run
 from flexmb_cli.run.mechanism_modes import Wish, tree_modes
@@ -12,12 +13,21 @@ from flexmb_cli.run.outcome import Listener, Outcome, RunOptions
 from flexmb_cli.run.verify.verify import verify_deck
 from flexmb_cli.solvers.constrained import analysis as constrained
 from flexmb_cli.solvers.tree import element_forces
+from flexmb_cli.solvers.tree.tree_with_elements import TreeWithElements
 from tests.dialects.dafms.dafms_decks import build, deck_text
-from tests.dialects.dafms.test_dafms_elements import CASES, TWO_LINKS, card, deck, function, integers, reals
+from tests.dialects.dafms.test_dafms_elements import (
+    CASES,
+    SHORT,
+    TWO_LINKS,
+    card,
+    deck,
+    function,
+    integers,
+    reals,
+)
 from tests.run.dafms_runs import ENDINGS, altered, run, stop_after
 
 pytestmark = pytest.mark.long_motion
-SHORT = TWO_LINKS.replace("       0.1\nCONN", "      0.01\nCONN")
 # A clamped beam of two nodes, 0.25 m and 0.5 m from the clamp, EI = 5.5 N m2, a spring at its tip.
 POSITIONS, MASSES = np.array([0.25, 0.5]), np.array([0.02145, 0.010725])
 HELD = f"{function(1, 3, 0.0)}\n{card('PREF', integers(1, 1, 1, 0))}\n"
@@ -41,7 +51,7 @@ def verified(folder, text, tolerance=1e-8):
 
 @pytest.mark.parametrize("name", CASES)
 def test_kanes_equations_and_absolute_coordinates_agree(tmp_path, name):
-    # Beyond a quarter turn the angles of a bushing about the other axes jump by half a turn, either way.
+    # The bushing ends the longer run: its bodies turn by more than a quarter.
     model = SHORT if name == "bushing" else TWO_LINKS
     found = verified(tmp_path, f"{model}{CASES[name][1]}\nEND \nSTAR\nSTOP\n", 1e-7)
     assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-7]
@@ -94,6 +104,12 @@ def test_friction_agrees_where_it_changes_its_own_normal_force_by_more_than_the_
         tmp_path, f"{CART}{card('FRIC', integers(1) + reals(1.5, 1.5, 1, 0.001))}\nEND \nSTAR\nSTOP\n", 1e-7
     )
     assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-7]
+
+
+def test_a_bushing_that_turns_too_far_ends_the_recursion(tmp_path):
+    tree = build(f"{TWO_LINKS}{CASES['bushing'][1]}\nEND \nSTAR\nSTOP\n")[0]
+    with pytest.raises(AnalysisError, match="bushing 1 have turned by a quarter turn"):
+        list(TreeWithElements(tree).rows())
 
 
 def test_an_error_in_one_formulation_shows(tmp_path, monkeypatch):

@@ -42,8 +42,8 @@ def beam_block(beam: Beam, dimension: int = 2) -> str:
             integer_list([len(addresses)]),
             integer_list(range(1, len(addresses) + 1)),
             integer_list(addresses),
-            real_list(packed, 13, 6),  # type: ignore[arg-type]
-            real_list(beam.masses, 10, 10),  # type: ignore[arg-type]
+            real_list(packed, 13, 6),
+            real_list(beam.masses, 10, 10),
         )
     )
 
@@ -74,7 +74,7 @@ def beam_deck(beam: Beam, title: str, steps: int = 500, step: float = 0.001) -> 
             f"MASS\n{indexed(1, [beam.mass])}",
             f"INER\n{indexed(1, [beam.inertia, 0.0, beam.inertia])}",
             f"EULT\n{indexed(1, attitude)}EULL\n{indexed(1, attitude)}",
-            f"Y(L)\n{real_list(np.zeros(2 * coordinates), 10, 5)}",  # type: ignore[arg-type]
+            f"Y(L)\n{real_list(np.zeros(2 * coordinates), 10, 5)}",
             "END \nSTAR\nSTOP\n",
         )
     )

@@ -144,7 +144,8 @@ class _Deck:
         lines = [_indexed(record, record.numbers[:half]) for record in nodes]
         lines += [_indexed(record, record.numbers[half:]) for record in nodes]
         lines.append((f"{size:5d}", ""))
-        addresses, skyline = [], self.by_prefix[f"skyline.{k}"]  # type: ignore[var-annotated]
+        addresses: list[Any] = []
+        skyline = self.by_prefix[f"skyline.{k}"]
         for height in skyline.numbers:
             addresses.append((addresses[-1] if addresses else 0) + height.value)
         for numbers in (range(1, size + 1), addresses):

@@ -91,16 +91,20 @@ def parse_echo(name: str, text: str) -> Listing | None:
     lines = text.split("\n")
     if not any("==N==NDM==" in line for line in lines[:50]):
         return None
-    echo, words, faults = [], [], []  # type: ignore[var-annotated]
+    echo: list[EchoLine] = []
+    words: list[tuple[int, str]] = []
+    faults: list[Fault] = []
     for number, line in enumerate(lines, 1):
         if line.startswith(_HEADING):
             words.append((number, " ".join(line.split())))
         elif match := _TAGGED.match(line):
-            echo.append(_echo_line(number, line, match, faults))
+            read = _echo_line(number, line, match, faults)
+            if read is not None:  # else there is a fault
+                echo.append(read)
     if faults:
         raise TableError(name, faults, lines)
     empty = np.empty(0)
-    return Listing(name, tuple(echo), empty, 1.0, {}, form=ECHO, words=tuple(words))  # type: ignore[arg-type]
+    return Listing(name, tuple(echo), empty, 1.0, {}, form=ECHO, words=tuple(words))
 
 
 def _echo_line(number: int, line: str, match: re.Match[str], faults: Any) -> EchoLine | None:

@@ -1,9 +1,11 @@
 """The fields of one data card: cut by columns, or by commas where the card has one."""
 
 import functools
+from collections import Counter
 from typing import NamedTuple
 
 from ...deck import number
+from ...deck.record import Number
 from .card import WIDTHS, Column
 
 _NAMES = {"I": "an integer", "F": "a number", "A": "a word", "T": "a file name"}
@@ -153,3 +155,20 @@ def _cut_by_commas(line: str, columns: tuple[Column, ...]) -> list[Field]:
         first += len(raw) + 1
     missing = range(len(found) + 1, len(columns) + 1)
     return found + [Field("", len(line) + 1, index=index) for index in missing]
+
+
+def with_own_keys(numbers: list[Number]) -> tuple[Number, ...]:
+    """Fields that repeat get a number behind their key, so that every number has its own name."""
+    keys = [number.key for number in numbers]
+    if len(set(keys)) == len(keys):
+        return tuple(numbers)
+    named: list[Number] = []
+    counts: dict[str, int] = {}
+    repeated = Counter(keys)
+    for found in numbers:
+        if repeated[found.key] > 1:
+            counts[found.key] = counts.get(found.key, 0) + 1
+            key = f"{found.key}{counts[found.key]}"
+            found = Number(key, found.value, found.meaning, found.unit, found.place, found.text)
+        named.append(found)
+    return tuple(named)

@@ -85,21 +85,23 @@ def build_springs(
     springs = []
     for record in values.section("spring"):
         _check_not_negative(record, ("k", "c", "length"), findings)
-        ends = [
+        a, b = (
             find_end(bodies, ground, record.at(side), record.at(f"n{side}"), record.subject, findings)
             for side in "ab"
-        ]
-        if ends[0] and ends[0] == ends[1]:
+        )
+        if a is None or b is None:
+            continue
+        if a == b:
             message = "both ends are the same node"
             findings.error(record.subject, message, record.at("nb").place, id="VSDF-067")
-        elif all(ends) and _in_one_solid(*ends, bodies):  # type: ignore[arg-type, call-arg]
-            what = "the ground" if ends[0].body == GROUND else f"body {ends[0].body + 1}, which is rigid"  # type: ignore[union-attr]
+        elif _in_one_solid(a, b, bodies):
+            what = "the ground" if a.body == GROUND else f"body {a.body + 1}, which is rigid"
             message = f"both ends are on {what}, so their distance never changes"
             findings.error(record.subject, message, record.at("b").place, id="VSDF-068")
-        elif all(ends):
+        else:
             given = record.at("length")
             length = float(given.value) if given.text else math.nan
-            springs.append(NodeSpring(record.subject, *ends, record["k"], record["c"], length, record.place))  # type: ignore[arg-type, call-arg]
+            springs.append(NodeSpring(record.subject, a, b, record["k"], record["c"], length, record.place))
     return tuple(springs)
 
 

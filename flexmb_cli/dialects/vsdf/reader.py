@@ -2,7 +2,6 @@
 
 import re
 from array import array
-from collections import Counter
 from functools import partial
 from typing import Any
 
@@ -54,7 +53,7 @@ def _again(source: DeckText, card: Card, lines: Any, index: int) -> Record:
     if card.second:
         numbers += reader._read_second(card)
     number = _number_of(card, numbers[0], index + 1)
-    return Record(card.section, number, card.subject.format(number), _with_own_keys(numbers))
+    return Record(card.section, number, card.subject.format(number), fields.with_own_keys(numbers))
 
 
 def _number_of(card: Card, head: Number, count: int) -> Any:
@@ -82,7 +81,8 @@ class _Reader:
     def read(self) -> None:
         """Title, keyword blocks, END, STAR and STOP."""
         self._read_title()
-        card, ended = None, {}  # type: ignore[var-annotated]
+        card: Card | None = None
+        ended: dict[str, Any] = {}
         while (line := self._next()) is not None:
             if len(self.faults) > _MOST_FAULTS:
                 place = Place(self.at, 1)
@@ -255,7 +255,7 @@ class _Reader:
         if self.numbers > many_records.MANY_NUMBERS:
             self.kept, self.records = False, []
         if self.kept:
-            self.records.append(Record(card.section, number, subject, _with_own_keys(numbers)))
+            self.records.append(Record(card.section, number, subject, fields.with_own_keys(numbers)))
 
     def _given(self, section: str, number: int, count: int) -> int:
         """The line where a record of this number stands already, 0 without one."""
@@ -282,18 +282,3 @@ def _hint(word: str) -> str:
 
     close = get_close_matches(word, KNOWN_WORDS, n=1, cutoff=0.5)
     return f"; is '{close[0]}' meant?" if close else ""
-
-
-def _with_own_keys(numbers: list[Number]) -> tuple[Number, ...]:
-    """Fields that repeat get a number behind their key, so that every number has its own name."""
-    keys = [number.key for number in numbers]
-    if len(set(keys)) == len(keys):
-        return tuple(numbers)
-    named, counts, repeated = [], {}, Counter(keys)  # type: ignore[var-annotated]
-    for found in numbers:
-        if repeated[found.key] > 1:
-            counts[found.key] = counts.get(found.key, 0) + 1
-            key = f"{found.key}{counts[found.key]}"
-            found = Number(key, found.value, found.meaning, found.unit, found.place, found.text)
-        named.append(found)
-    return tuple(named)

@@ -134,13 +134,14 @@ class _Cards:
 
     def _opening_record(self) -> Record:
         found = MARKER.fullmatch(self.source.lines[self.opening - 1])
-        self.shapes_alone = found["shapes"] is not None  # type: ignore[index]
+        assert found is not None, "the line was found by this pattern"
+        self.shapes_alone = found["shapes"] is not None
         key = "shapes" if self.shapes_alone else "analysis"
-        place = Place(self.opening, found.start(key) + 1, len(found[key]))  # type: ignore[index, union-attr]
+        place = Place(self.opening, found.start(key) + 1, len(found[key]))
         section, meaning = SECTION, "inverse: forces of the driven motion; forward: motion under forces"
         if self.shapes_alone:
             section, meaning = GEOMETRY, "shapes of bodies follow, for pictures"
-        number = Number(key, found[key].lower(), meaning, "", place, found[key])  # type: ignore[index]
+        number = Number(key, found[key].lower(), meaning, "", place, found[key])
         return Record(section, 0, section, (number,))
 
     def _finish(self, card: list[Word]) -> None:

@@ -106,7 +106,8 @@ def _check_numbers(name: str, found: list[_Element]) -> None:
 
 def _inp_elements(path: Any) -> "Iterator[_Element]":
     """Data lines of *ELEMENT; a line that ends in a comma is continued."""
-    kind, wanted, words, first = "", 0, [], 0  # type: ignore[var-annotated]
+    words: list[str] = []
+    kind, wanted, first = "", 0, 0
     for number, line in enumerate(lines_of(path), start=1):
         if line.startswith("**") or not line.strip():
             continue
@@ -151,7 +152,8 @@ def _cdb_elements(path: Any) -> "Iterator[_Element]":
     layout = _CDB_FORMAT.match(lines[start + 1].strip()) if start + 1 < len(lines) else None
     if layout is None:
         raise line_fault(path.name, start + 2, "a format such as (19i9) must follow EBLOCK")
-    width, words, first = max(1, int(layout[1])), [], 0  # type: ignore[var-annotated]
+    words: list[int] = []
+    width, first = max(1, int(layout[1])), 0
     for number, line in enumerate(lines[start + 2 :], start=start + 3):
         if line.strip() == "-1":
             return

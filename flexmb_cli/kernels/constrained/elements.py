@@ -75,10 +75,20 @@ def _fill_coordinate(geometry: Geometry, work: "Work", load: "np.void", answer: 
             return False
         answer[SPEED] = dot(d, v) / answer[COORDINATE]
         return True
+    if load["tilted"] >= 0 and not _is_upright(geometry, load):
+        answer[COORDINATE], answer[SPEED] = math.nan, math.nan
+        return True
     turn = geometry.primitives[k]["turn"]
     answer[COORDINATE] = primitive_value(geometry, k, work.angles[turn] if turn >= 0 else 0.0)
     answer[SPEED] = primitive_rates(geometry, k)[0]
     return True
+
+
+@kernel
+def _is_upright(geometry: Geometry, load: "np.void") -> bool:
+    """Return whether the axes of both bodies about which a bushing turns are within a right angle."""
+    placed = geometry.placed[VECTOR]
+    return dot(vector(placed, load["body_vector"]), vector(placed, load["tilted"])) > 0.0
 
 
 @kernel

@@ -163,6 +163,11 @@ def bounds_of_newton(system: System, clock: np.ndarray) -> tuple[float, int]:
 
 
 def _advance_by(linear: "LinearSolver", made: "Callable[..., Any]"):
+    """Return `advance`, which carries `state` from clock[TIME] to `target`: (arrived, largest |dΦ/dt|).
+
+    Not arrived with clock[BUDGET] left: the way is barred.  A clock[NEXT_LENGTH] of 0 says that `state`
+    holds estimates: they are assembled at clock[TIME] = target, where no curve can be asked for.
+    """
     attempt = _attempt_by(linear, made)
 
     @made
@@ -176,11 +181,6 @@ def _advance_by(linear: "LinearSolver", made: "Callable[..., Any]"):
         new: np.ndarray,
         expected: np.ndarray,
     ) -> tuple[bool, float]:
-        """Carry `state` from clock[TIME] to `target`; returns (arrived, largest |dΦ/dt|).
-
-        Not arrived with clock[BUDGET] left: the way is barred.  A clock[NEXT_LENGTH] of 0 says that `state`
-        holds estimates: they are assembled at clock[TIME] = target, where no curve can be asked for.
-        """
         limit, most = bounds_of_newton(system, clock)
         gap = 0.0
         while clock[TIME] < target or clock[NEXT_LENGTH] == 0.0:

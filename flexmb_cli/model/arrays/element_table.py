@@ -119,9 +119,12 @@ class ElementTable:
     def add_couplings(self) -> None:
         """An equation for every coupling of joint coordinates."""
         for item in self.elements.couplings:
-            records = [self._scaled(self.joints.primitive(*where), factor) for *where, factor in item.terms]  # type: ignore[arg-type]
+            records = [
+                self._scaled(self.joints.primitive(joint, coordinate), factor)
+                for joint, coordinate, factor in item.terms
+            ]
             is_length = not all(is_angle(coordinate) for _, coordinate, _ in item.terms)
-            first = sum(factor * self.joints.start(*where) for *where, factor in item.terms)  # type: ignore[arg-type, misc]
+            first = sum(factor * self.joints.start(joint, kind) for joint, kind, factor in item.terms)
             records[0]["constant"] += first
             record = self.table.chained(records)
             ends = self.joints.bodies(item.terms[0][0])
@@ -146,10 +149,10 @@ class ElementTable:
         found = [self._spring(item) for item in self.elements.springs]
         found += [self._line(item) for item in self.elements.lines]
         found += [self._stop(item) for item in self.elements.stops]
-        for item in self.elements.bushings:
-            found += self._bushing(item)
-        for item in self.reported:  # type: ignore[assignment]
-            found.append(self._at(item.joint, item.coordinate, SPRING))  # type: ignore[attr-defined]
+        for number, bushing in enumerate(self.elements.bushings):
+            found += self._bushing(number, bushing)
+        for name in self.reported:
+            found.append(self._at(name.joint, name.coordinate, SPRING))
         found += [self._motor(item) for item in self.elements.motors]
         return found + [self._friction(item) for item in self.elements.frictions]
 
@@ -197,7 +200,7 @@ class ElementTable:
         record["lower"], record["upper"] = item.lower, item.upper
         return record
 
-    def _bushing(self, item: Any) -> "Iterator[Any]":
+    def _bushing(self, number: int, item: Any) -> "Iterator[Any]":
         """Six loads, along and about the axes of body i."""
         table = self.table
         head, tail = self._end(item.j, item.P_j), self._end(item.i, item.P_i)
@@ -207,8 +210,15 @@ class ElementTable:
         for k in range(3):
             after, last = axes[(k + 1) % 3], axes[(k + 2) % 3]
             records.append(table.angle(after, last, table.body_vector(item.j, turned[:, (k + 1) % 3])))
-        for record, stiffness, damping in zip(records, item.stiffness, item.damping, strict=True):
+        for k, (record, stiffness, damping) in enumerate(
+            zip(records, item.stiffness, item.damping, strict=True)
+        ):
             load = blank_load(ELEMENT)
+            load["group"] = number
+            if k >= 3 and (stiffness or damping):
+                # The angle about an axis would jump where the other body's has turned through a right angle.
+                load["body_vector"] = axes[k - 3]
+                load["tilted"] = table.body_vector(item.j, turned[:, k - 3])
             load["shape"], load["primitive"] = SPRING, table.spring(record)
             load["stiffness"], load["damping"] = stiffness, damping
             yield load

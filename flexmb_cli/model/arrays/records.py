@@ -68,7 +68,9 @@ LOAD = np.dtype(
     [
         ("kind", np.int64),  # FORCE, TORQUE, LINE, RELATIVE, ELEMENT or FRICTION
         # Point of action of a force; of a torque any body vector of its body; of friction the axis.
+        # Of a bushing's turn about an axis of one body that axis.
         ("body_vector", np.int64),
+        ("tilted", np.int64),  # ELEMENT: the other body's axis within a right angle of it, -1: none
         ("primitive", np.int64),  # RELATIVE, ELEMENT: the angle or stroke the spring acts in; LINE: its V
         ("following", np.int64),  # 1: the vector is in body axes
         ("function", np.int64),  # what multiplies the vector, -1: 1; RELATIVE: effort of a motor, -1: none
@@ -85,7 +87,7 @@ LOAD = np.dtype(
         ("lower", np.float64),  # STOP: where it begins below, m, rad
         ("upper", np.float64),  # STOP: and above, m, rad
         ("stroke", np.int64),  # FRICTION: primitive of the stroke, -1: none; `primitive` is the angle
-        ("group", np.int64),  # FRICTION: number of the joint among the groups
+        ("group", np.int64),  # FRICTION: number of the joint among the groups; of a bushing its own
         ("dynamic", np.float64),  # FRICTION: coefficient of sliding
         ("static", np.float64),  # FRICTION: coefficient at rest
         ("stribeck", np.float64),  # FRICTION: speed at which the one passes into the other, m/s
@@ -169,6 +171,16 @@ def blank_load(kind: int) -> np.ndarray:
     """A LOAD record of a kind that refers to nothing."""
     record = np.zeros((), LOAD)
     record["kind"] = kind
-    for field in ("body_vector", "primitive", "function", "curve", "energy", "damper", "stroke", "group"):
+    for field in (
+        "body_vector",
+        "tilted",
+        "primitive",
+        "function",
+        "curve",
+        "energy",
+        "damper",
+        "stroke",
+        "group",
+    ):
         record[field] = NONE
     return record

@@ -150,7 +150,8 @@ def _rigid(index: "dict[Any, Any]", item: Motor | Prescribed | Spring) -> int:
 def _elastic_bodies(tree: Any, index: Any, of_body: Any) -> tuple[np.ndarray, ...]:
     """Records of the flexible bodies, reach, and their stiffness, damping and stiffening matrices, flat."""
     reach = np.zeros((len(index), 2), np.int64)
-    records, matrices = [], {"stiffness": [], "damping": [], "stiffening": []}  # type: ignore[var-annotated]
+    records: list[Any] = []
+    matrices: dict[str, list[Any]] = {"stiffness": [], "damping": [], "stiffening": []}
     for k, body in enumerate(tree.bodies):
         elastic = body.elastic
         if elastic is None:

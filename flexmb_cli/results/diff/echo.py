@@ -42,7 +42,7 @@ def _compare_head(report: Any, kind: str, a: Any, b: Listing, tolerances: Any) -
     lines = [[line for line in x.echo if line.kind == kind] for x in (a, b)]
     counts = [[len(line.values) for line in part] for part in lines]
     if counts[0] == counts[1]:
-        _compare_lines(report, *lines, tolerances, a.form)  # type: ignore[arg-type, call-arg]
+        _compare_lines(report, lines[0], lines[1], tolerances, a.form)
         return
     title = "echo of the input" if kind == "echo" else kind
     sums = [sum(part) for part in counts]
@@ -104,12 +104,13 @@ def _compare_kind(
     a, b = (np.array([line.values[n] for line, n in part]) for part in (places, others))
     units = [np.array([line.units[n] for line, n in part]) for part in (places, others)]
     unit = np.maximum(*units)
-    slack, known = np.where((units[0] != units[1]) & form.fewer_decimals, 0.5 * unit, 0.0), ()
+    slack = np.where((units[0] != units[1]) & form.fewer_decimals, 0.5 * unit, 0.0)
+    known: tuple[Any, ...] = ()
     if places[0][0].edits:
         a, b = as_stars(a, b, lambda position: places[position[0]][0].edits[places[position[0]][1]])
         if report.explaining and form.echo_error:
             cause, explains = form.echo_error
-            known = ((cause, explains(a, b, unit)),)  # type: ignore[assignment]
+            known = ((cause, explains(a, b, unit)),)
 
     def describe(position: Any, distance: Any) -> Found:
         line, number = places[position[0]]

@@ -63,11 +63,16 @@ class Compared:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain record for `--json`."""
-        record = {"name": self.pair.name, "a": self.pair.a, "b": self.pair.b, "equal": self.equal}
+        record: dict[str, Any] = {
+            "name": self.pair.name,
+            "a": self.pair.a,
+            "b": self.pair.b,
+            "equal": self.equal,
+        }
         if self.failure is not None:
-            record["faults"] = [fault.as_dict() for fault in self.failure.faults]  # type: ignore[assignment]
+            record["faults"] = [fault.as_dict() for fault in self.failure.faults]
         if self.missing:
-            record["missing"] = [self.missing]  # type: ignore[assignment]
+            record["missing"] = [self.missing]
         return (self.report.as_dict() if self.report else {}) | record | {"updated": self.updated}
 
 

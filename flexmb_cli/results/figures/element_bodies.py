@@ -1,5 +1,6 @@
 """Finite-element bodies of a result, whose elements it holds: nodes, cells, motion and stresses over time."""
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -82,9 +83,9 @@ class ElementBody:
 
     def velocities(self, row: int) -> np.ndarray:
         """Velocities (n, 3) of the nodes in a row, global axes: v + omega x (x - r) + A Phi eta'."""
-        arms = self.places(row) - self.origin[row]
+        offsets = self.places(row) - self.origin[row]
         relative = self.shape @ self.rate[row] @ self.turn[row].T
-        return self.velocity[row] + np.cross(self.spin[row], arms) + relative
+        return self.velocity[row] + np.cross(self.spin[row], offsets) + relative
 
     def stress(self, row: int) -> np.ndarray:
         """Stresses (n, 6) xx yy zz xy yz zx of the nodes in a row, body axes."""
@@ -130,7 +131,10 @@ def _material(result: h5py.File, group: str) -> HookesLaw | None:
     check_shapes(result, dict.fromkeys(paths, ""), {})
     if not all(path in result for path in paths):
         return None
-    return HookesLaw(*(float(result[path][()]) for path in paths))
+    young, poisson = (float(result[path][()]) for path in paths)
+    if not (0 < young < math.inf and -1 < poisson < 0.5):
+        raise Damaged(f"/{group} has a material of E = {young:g} Pa and nu = {poisson:g}")
+    return HookesLaw(young, poisson)
 
 
 def _with_elements(result: h5py.File, body: ElementBody, rows: slice) -> ElementBody:

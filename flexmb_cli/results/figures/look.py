@@ -1,6 +1,7 @@
 """Style of pictures: width on paper, fonts, a style file of matplotlib, texts by LaTeX."""
 
 import textwrap
+from pathlib import Path
 from typing import Any
 
 from ...quick_dataclass import dataclass
@@ -80,13 +81,17 @@ class Look:
     def apply(self) -> list[str]:
         """Set matplotlib's settings, those of the style file last; return families that are not installed.
 
-        These are left out.  Raises OSError for a style that there is not.
+        These are left out.  Raises OSError for a style that there is not, or that would start LaTeX unasked.
         """
         from matplotlib import rcParams, style
 
         rcParams.update(self.settings())  # type: ignore[arg-type]
         if self.style:
-            style.use(self.style)
+            # Of a name with a point matplotlib would import what stands before it.
+            known = self.style in ("default", "mpl15", "mpl20", *style.library)
+            style.use(self.style if known else Path(self.style))
+        if rcParams["text.usetex"] and not self.latex:
+            raise OSError("text.usetex starts LaTeX, another program: give --latex, too")
         # LaTeX finds its own fonts.
         if rcParams["text.usetex"]:
             return []

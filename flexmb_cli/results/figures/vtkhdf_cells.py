@@ -116,8 +116,8 @@ def _rigid_velocities(scene: Scene, number: int, places: np.ndarray, row: int) -
     if number == GROUND_NUMBER or scene.velocity is None:
         return np.zeros_like(places)
     one = number - 1
-    arms = places - scene.origin[row, one]  # type: ignore[index]
-    return scene.velocity[row, one] + np.cross(scene.spin[row, one], arms)  # type: ignore[index]
+    offsets = places - scene.origin[row, one]  # type: ignore[index]
+    return scene.velocity[row, one] + np.cross(scene.spin[row, one], offsets)  # type: ignore[index]
 
 
 def _cells_of(body: Any) -> Any:

@@ -96,7 +96,8 @@ def _centre(body: FloatingBody) -> list[float]:
 
 def _gaps(analysis: Any, q: np.ndarray) -> dict[tuple[str, str], float]:
     """Largest residual of each owner's equations, as {(owner, unit): m or 1}."""
-    arrays, gaps = analysis.arrays, {}  # type: ignore[var-annotated]
+    arrays = analysis.arrays
+    gaps: dict[tuple[str, str], float] = {}
     scaled = analysis.evaluator.residual(q, analysis.grid.start, arrays.angles)
     for equation, value in zip(arrays.equations, np.abs(scaled * arrays.row_scale), strict=True):
         key = equation.owner, equation.unit

@@ -17,7 +17,7 @@ from ..singular.dynamic_singularities import PassedDynamicSingularities
 from ..singular.mobility import Mobility
 from ..singular.rank_of_speeds import is_singular
 from .coinciding_ends import refuse_coinciding_ends
-from .failures import jam_failure, repetition, rows_before_jam, step_failure
+from .failures import force_failure, repetition, rows_with_forces, step_failure
 from .integrators import ExplicitSteps, Steps
 from .start import order_of_elimination
 from .start_speeds import start_speeds
@@ -136,11 +136,11 @@ class ConstrainedMotion:
             answer = self._call(codes.INTEGRATION, report)
             filled = int(self.clock["row"][0])
             times = times[filled:]
-            known = rows_before_jam(report.responses[:filled])
+            known = rows_with_forces(report.responses[:filled])
             if known:
                 yield report._replace(**_first(report, known))
             if known < filled:
-                raise jam_failure(float(report.times[known]))
+                raise force_failure(self, report.responses[known], float(report.times[known]))
             if answer == codes.STEP_SHORT:
                 self._excuse_short_steps()
             elif answer not in (codes.ROWS_FULL, codes.PAUSED):

@@ -5,8 +5,10 @@ from typing import Any
 import numpy as np
 
 from ...errors import AnalysisError, Fault
+from ...kernels.constrained.elements import COORDINATE
 from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators.clock import CONTRADICTION
+from ...model.arrays.records import ELEMENT
 from ..singular.mobility import Gap, about
 from ..singular.rank_of_speeds import (
     SINGULAR_CONDITION,
@@ -40,8 +42,8 @@ def step_failure(analysis: Any, answer: int, due: float = np.inf) -> AnalysisErr
         )
         message = f"at t = {t:.6g} s equations that repeated others contradict them: {gap.text}; {reason}"
         return AnalysisError(about("error", message, worst), t, norms)
-    if not rows_before_jam(analysis.work.responses[None]):
-        return jam_failure(t)
+    if not rows_with_forces(analysis.work.responses[None]):
+        return force_failure(analysis, analysis.work.responses, t)
     if clock["fault"] == NO_INERTIA:
         return inertia_failure(analysis, t)
     if due <= t and (owners := _weakest_at_row(analysis, norms)):
@@ -55,10 +57,27 @@ def step_failure(analysis: Any, answer: int, due: float = np.inf) -> AnalysisErr
     return AnalysisError(about("error", message, *owners[:1]), t, norms)
 
 
-def rows_before_jam(responses: np.ndarray) -> int:
-    """Return how many rows of responses (T, loads, columns) come before one without a normal force."""
+def rows_with_forces(responses: np.ndarray) -> int:
+    """Return how many rows of responses (T, loads, columns) come before one that has no force."""
     known: np.ndarray = np.isfinite(responses).all(axis=(1, 2))
     return int(known.size if known.all() else np.argmin(known))
+
+
+def force_failure(analysis: Any, responses: np.ndarray, t: float) -> AnalysisError:
+    """Return why loads (responses, (loads, columns)) have no force at t: a bushing, else friction."""
+    loads = analysis.arrays.loads
+    turned = np.flatnonzero((loads["kind"] == ELEMENT) & ~np.isfinite(responses[:, COORDINATE]))
+    return bushing_failure(int(loads["group"][turned[0]]), t) if turned.size else jam_failure(t)
+
+
+def bushing_failure(number: int, t: float) -> AnalysisError:
+    """Return that the bodies of the bushing `number`, from 0, have turned too far."""
+    message = (
+        f"at t = {t:.6g} s the bodies of bushing {number + 1} have turned by a quarter turn against each "
+        "other, beyond which its angles jump; end the run before, make it stiffer, or give it stiffness and "
+        "damping about one axis only where the bodies turn about that axis"
+    )
+    return AnalysisError(Fault("error", message, None, f"bushing {number + 1}", id="SOLVE-039"), t)
 
 
 def jam_failure(t: float) -> AnalysisError:

@@ -109,9 +109,9 @@ def natural_equations(mechanism: Mechanism) -> NaturalEquations:
     for item in mechanism.simplified:
         if item.direction < 4 or item.body not in turned:
             _hold(found, item.body, item.direction, item.value)
-    for item in mechanism.distances:  # type: ignore[assignment]
-        form = point(n, item.i, (0,) * 3) - point(n, item.j, (0,) * 3)  # type: ignore[attr-defined]
-        found.add_linear(form[item.direction - 1 : item.direction], item.value)
+    for pair in mechanism.distances:
+        form = point(n, pair.i, (0,) * 3) - point(n, pair.j, (0,) * 3)
+        found.add_linear(form[pair.direction - 1 : pair.direction], pair.value)
     for ground in mechanism.grounds:
         found.add_linear(point(n, ground.body, (0,) * 3), ground.values[:3])
         e = np.sin(np.array(ground.values[3:]) / 2.0)

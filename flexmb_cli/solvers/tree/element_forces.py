@@ -28,6 +28,7 @@ class ElementForces:
         ]
         # Angles of the bushings found last: whole turns go on from them.
         self._angles = np.zeros((len(self.elements.bushings), 3))
+        self.overturned: int | None = None  # number of a bushing whose angles jump
 
     @staticmethod
     def _axes(axes: np.ndarray, body: int) -> np.ndarray:
@@ -40,8 +41,14 @@ class ElementForces:
         found = [self._in_joint(placed, item) for item in self.elements.springs]
         found += [self._in_line(placed, item) for item in self.elements.lines]
         found += [self._in_joint(placed, item) for item in self.elements.stops]
-        for bushing, turned, angles in zip(self.elements.bushings, self._turned, self._angles, strict=True):
-            found += [*_along_axes(placed, bushing), *_about_axes(placed, bushing, turned, angles)]
+        self.overturned = None
+        for k, item in enumerate(self.elements.bushings):
+            if _is_overturned(placed, item, self._turned[k]):
+                self.overturned = k
+            found += [
+                *_along_axes(placed, item),
+                *_about_axes(placed, item, self._turned[k], self._angles[k]),
+            ]
         return found
 
     def _in_joint(self, placed: PlacedBodies, item: JointSpring | EndStop) -> Answer:
@@ -83,6 +90,13 @@ def _along_axes(placed: PlacedBodies, item: Bushing) -> "Iterator[Answer]":
         placed.push(_end(item.P_i), -force)
         placed.twist(item.i, -1, np.cross(gap, force))
         yield x, v, effort
+
+
+def _is_overturned(placed: PlacedBodies, item: Bushing, turned: np.ndarray) -> bool:
+    """Return whether an axis about which there is a torque has turned through a right angle."""
+    cosines = np.sum(placed.axes_of(item.i) * (placed.axes_of(item.j) @ turned), axis=0)
+    acts = np.array(item.stiffness[3:]) + np.array(item.damping[3:]) != 0.0
+    return bool(np.any(acts & (cosines <= 0.0)))
 
 
 def _about_axes(

@@ -23,7 +23,7 @@ from ...model.tree_as_mechanism.frames import hinge_frames
 from ...model.tree_as_mechanism.loop_assembly import closed_tree
 from ...quick_dataclass import fields, replace
 from ..compilation import interpreting
-from ..constrained.failures import jam_failure
+from ..constrained.failures import bushing_failure, jam_failure
 from ..constrained.tree_element_rows import TreeElementRows
 from .analysis import TreeAnalysis, breakpoints, set_functions
 from .element_forces import Answer, ElementForces
@@ -80,7 +80,7 @@ class TreeWithElements(TreeAnalysis):
                 while solver.status == "running":
                     solver.step()
                     if solver.status == "failed":
-                        raise jam_failure(solver.t) if self.jams else _vanished(solver.t)
+                        raise self._force_failure(solver.t) or _vanished(solver.t)
                     yield from self._observed(solver.dense_output(), solver.t)
                 t, z = stop, solver.y
 
@@ -108,8 +108,8 @@ class TreeWithElements(TreeAnalysis):
         for time in self.due_times(t):
             z = state_at(time)
             self.slope(time, z)
-            if self.jams:
-                raise jam_failure(time)
+            if failure := self._force_failure(time):
+                raise failure
             self.clock["stop"] = np.inf
             rows = self.observe(lambda _t, z=z: z, [time])
             yield self._with_answers(rows)
@@ -133,16 +133,32 @@ class TreeWithElements(TreeAnalysis):
         return TreeElementRows(**kept, **{name: np.array(row)[None] for name, row in columns.items()})  # type: ignore[arg-type]
 
     def slope(self, t: float, z: np.ndarray) -> np.ndarray:
-        """z' (n,); leaves the loads of the elements in the arrays and their answers in `answers`."""
+        """z' (n,); leaves the loads of the elements in the arrays and their answers in `answers`.
+
+        Not numbers where an element has no force, see `_force_failure`, or the state none.
+        """
+        unknown = np.full(z.size, np.nan)
+        if not np.isfinite(z).all():
+            return unknown
         placed = self._place(t, z)
         self.answers = self.forces.add(placed, t)
+        if self.forces.overturned is not None:
+            return unknown
         normals = self._normals(t, z, placed)
-        slope = self._moved(t, z, placed, placed.effort + self.friction.efforts(normals, placed.y))
         self.jams = not np.isfinite(normals).all()
+        if self.jams:
+            return unknown
+        slope = self._moved(t, z, placed, placed.effort + self.friction.efforts(normals, placed.y))
         self.answers += [
             (0.0, v, Effort(effort, 0.0, 0.0)) for v, effort in self.friction.answers(normals, placed.y)
         ]
         return slope
+
+    def _force_failure(self, t: float) -> AnalysisError | None:
+        """Return why elements had no force in the last slope, or None."""
+        if self.forces.overturned is not None:
+            return bushing_failure(self.forces.overturned, float(t))
+        return jam_failure(float(t)) if self.jams else None
 
     def _normals(self, t: float, z: np.ndarray, placed: PlacedBodies) -> np.ndarray:
         """Normal forces (frictions,) that agree with the forces in the hinges, which they change."""

@@ -50,6 +50,7 @@ GRAV
 TOLR
     1.000E-12    1.000E-13
 """
+SHORT = TWO_LINKS.replace("       0.1\nCONN", "      0.01\nCONN")
 MASSES = "MASS 2 1.5 0.4 0 0 0.1 0.2 0.2\nMASS 3 0.8 0.3 0 0 0.05 0.1 0.1\nGRAVITY 0 -9.81 0\n"
 
 
@@ -121,8 +122,10 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_an_arm_moves_as_the_same_arm_in_a_young_deck(name):
     young, dafms = CASES[name]
-    one = young_rows(ARM, "0 0.5 0.1", f"{MASSES}{young}\nJOINTS\nTOLERANCE 1e-12")
-    other = rows_of(dafms)
+    # A bushing ends the longer run: its bodies turn by more than a quarter.
+    times, model = ("0 0.05 0.01", SHORT) if name == "bushing" else ("0 0.5 0.1", TWO_LINKS)
+    one = young_rows(ARM, times, f"{MASSES}{young}\nJOINTS\nTOLERANCE 1e-12")
+    other = rows_of(dafms, model=model)
     assert other.q == pytest.approx(one.joint_coordinate, abs=1e-8)
     assert other.y == pytest.approx(one.joint_rate, abs=1e-7)
     assert other.element_effort == pytest.approx(one.element_effort, abs=1e-6)

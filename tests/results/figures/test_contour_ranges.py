@@ -87,6 +87,9 @@ def test_the_legend_of_the_page_has_the_largest_values_of_all_rows(browser, path
     browser.get((tmp_path / "r.html").as_uri())
     wait(lambda: browser.execute_script("return window.flexmb && window.flexmb.ready"))
     assert part(browser, "legend-text").text == "von Mises stress, 0 to 2.50e+5 Pa"
+    # What the pointer says of a node behind its number: the stress of the first row.
+    told = browser.execute_script("const v = window.flexmb.viewer; return v.valueAt(v.surfaces[0], 0)")
+    assert told == ": 250 Pa"
     browser.execute_script("const v = window.flexmb.viewer; v.colouring = 'deformation'; v.show(0)")
     assert part(browser, "legend-text").text == "deformation, 0 to 0.500 m"
 
@@ -152,6 +155,29 @@ def test_a_film_is_coloured_by_what_is_asked_for(path, tmp_path):
     assert canvas.surfaces[0].values(PEAK + 1) == pytest.approx(1, abs=1e-9)
     done = CliRunner().invoke(report, [str(path), "--movie", str(tmp_path / "a.gif"), "--colours", "stress"])
     assert done.exit_code == 2 and "wanted is one of: von Mises stress, principal stress 1" in done.output
+
+
+@pytest.mark.parametrize(
+    "young, poisson", [(np.nan, 0.3), (0.0, 0.3), (np.inf, 0.3), (2e11, 0.6), (2e11, np.nan)]
+)
+def test_a_damaged_material_is_told(tmp_path, young, poisson):
+    path = write_brick(tmp_path / "r.h5", np.zeros(3))
+    with h5py.File(path, "r+") as file:
+        file["elastic/body 2/young_modulus"][()] = young
+        file["elastic/body 2/poisson_ratio"][()] = poisson
+    done = CliRunner().invoke(report, [str(path), "-o", str(tmp_path / "r.html")])
+    assert "/elastic/body 2 has a material of E =" in str(done.exception)
+    assert not (tmp_path / "r.html").exists()
+
+
+def test_results_without_a_material_have_stresses_and_no_strains(tmp_path):
+    """Those of earlier versions."""
+    path = write_brick(tmp_path / "r.h5", np.ones(3))
+    with h5py.File(path, "r+") as file:
+        del file["elastic/body 2/poisson_ratio"]
+        data = report_scene(file)
+    assert not [name for name in data["ranges"] if "strain" in name] and "stress xx" in data["ranges"]
+    assert data["surfaces"][0]["material"] is None
 
 
 def test_colours_that_a_result_has_not_are_refused(tmp_path):

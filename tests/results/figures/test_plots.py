@@ -4,6 +4,7 @@ import re
 import shutil
 import sys
 import time
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -258,6 +259,30 @@ def test_a_font_of_a_style_file_that_is_not_installed_is_told_once(bar, tmp_path
     family = "serif" if "serif" in lines else "No Such Font"
     assert done.output.count(f"s.mplstyle: font {family}: no such font is installed") == missing
     assert "findfont" not in caplog.text
+
+
+def test_a_style_file_starts_no_program(bar, tmp_path):
+    """It drew by LaTeX, with a preamble of its own, though nobody asked for it."""
+    pytest.importorskip("matplotlib")
+    (tmp_path / "s.mplstyle").write_text("text.usetex: True\n")
+    options = ["--width", "85", "--style", str(tmp_path / "s.mplstyle"), "-o", str(tmp_path / "p.svg")]
+    done = CliRunner().invoke(plot, [str(bar), "point.1", *options])
+    assert done.exit_code == 2
+    assert "text.usetex starts LaTeX, another program: give --latex, too" in done.output
+
+
+def test_a_style_of_a_file_imports_no_package_of_its_name(bar, tmp_path, monkeypatch):
+    """matplotlib takes name.mplstyle for a style of the package `name`, and imports it."""
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    Path("journal").mkdir()
+    Path("journal/__init__.py").write_text("open('seen', 'w')")
+    Path("journal.mplstyle").write_text("lines.linewidth: 2\n")
+    done = CliRunner().invoke(
+        plot, [str(bar), "point.1", "--width", "85", "--style", "journal.mplstyle", "-q"]
+    )
+    assert (done.exit_code, Path("seen").exists()) == (0, False), done.output
 
 
 def test_a_style_file_decides_last(bar, tmp_path):

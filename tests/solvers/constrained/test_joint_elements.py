@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from flexmb_cli.errors import AnalysisError
 from tests.solvers.constrained.element_decks import ARM, FREE, METHODS, ROTOR, SLIDER, TWO_ROTORS, rows_of
 
 SPUN = "MASS 2 1 0 0 0 1 1 0.5\n"
@@ -236,3 +237,22 @@ def test_a_belt_makes_inertias_one(method):
     )
     rows = rows_of(TWO_ROTORS, "0 1 0.5", cards)
     assert rows.joint_coordinate[-1, 0] == pytest.approx(2 / (0.3 + 0.8 / 4) / 2, rel=1e-8)
+
+
+def turned_bushing(about, end):
+    """A rotor that turns by 1 rad/s on a bushing with stiffnesses about x, y, z."""
+    cards = f"{SPUN}POLYNOMIAL 1 0 1\nANGLE 1 1\nBUSHING 1 2 0 0 0 0 0 0 0 0 0 {about} 0 0 0 0 0 0"
+    return rows_of(ROTOR, f"0 {end} 0.5", cards, "inverse")
+
+
+def test_a_bushing_about_the_axis_of_a_shaft_winds_up_over_many_turns():
+    rows = turned_bushing("0 0 7", 9)
+    assert rows.driver_effort[:, 0] == pytest.approx(7 * rows.time, abs=1e-9)
+
+
+def test_a_bushing_stops_the_run_before_its_other_angles_jump():
+    """At a quarter turn about z the axes x of both bodies stand at right angles: t = π/2 s."""
+    with pytest.raises(AnalysisError, match="bushing 1 have turned by a quarter turn") as raised:
+        turned_bushing("5 0 7", 2)
+    assert raised.value.time == pytest.approx(math.pi / 2, abs=0.5)
+    assert turned_bushing("5 0 7", 1.5).driver_effort[-1, 0] == pytest.approx(7 * 1.5, abs=1e-9)

@@ -105,10 +105,10 @@ class _Maker(JointMaker):
             self.findings.error(record.subject, message, record.at("b").place, id="VSDF-103")
             return None
         if record.section == "bushing":
-            self._refuse_turns(record, a, b)
+            self._refuse_rotations(record, a, b)
         return {"i": a.body, "j": b.body, "P_i": a, "P_j": b}
 
-    def _refuse_turns(self, record: Record, a: Any, b: Any) -> None:
+    def _refuse_rotations(self, record: Record, a: Any, b: Any) -> None:
         """Nodes of a flexible body have no attitude."""
         flexible = [e.body for e in (a, b) if e.body != GROUND and self.bodies[e.body].flexible is not None]
         turning = [
