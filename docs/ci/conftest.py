@@ -1,9 +1,9 @@
-"""Collect decks as tests: run each and compare its results with those in the folder `reference`.
+"""Collect decks as tests: each deck is run, its results are compared with those in the folder `reference`.
 
 Copy this file beside your decks and make the references by `flexmb run *.dat *.vsdf -o reference`.  A folder
-`reference/four-bar/` holds those of `four-bar.vsdf` alone (`flexmb run four-bar.vsdf -o reference/four-bar`);
-decks whose results have the same names need that.  A deck without references is skipped.  Tolerances stand in
-`tolerances.toml` beside the deck.
+`reference/four-bar/` holds those of `four-bar.vsdf` alone (`flexmb run four-bar.vsdf -o
+reference/four-bar`); decks whose results have the same names need that.  A deck without references is
+skipped.  Tolerances are read from `tolerances.toml` beside the deck.
 """
 
 import subprocess
