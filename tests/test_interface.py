@@ -170,8 +170,8 @@ def test_check_reports_mobility():
 def test_a_study_gives_columns():
     """Of the supplied study: five speeds by two points of the coupler, ten cases that all run.
 
-    The end of the coupler goes around with the crank of 0.1 m; the other end swings on a circle whose plane has
-    x = 0, so that the middle is half as fast along x.  The first row has the largest speed, when the crank stands up.
+    The end of the coupler goes around with the crank of 0.1 m; its other end swings in the plane x = 0: the
+    middle is half as fast along x.  The first row has the largest speed, when the crank stands up.
     """
     table = sweep(DECKS / "studies/rssr.toml")
     assert table["parameter/driver.1.B"].shape == (10,)

@@ -118,7 +118,7 @@ def _tell_version(context: click.Context, option: Any, asked: bool) -> None:
              subcommand_metavar="[COMMAND] [ARGS]...",
              context_settings={"help_option_names": ["-h", "--help"]})  # fmt: skip
 @click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_tell_version,
-              help="Show the version, and in a checkout the commit, and exit.")  # fmt: skip
+              help="Show the version and the commit, and exit.")  # fmt: skip
 @click.option("--debug", is_flag=True, help="Show the traceback of a fault of flexmb itself.")
 @click.pass_context
 def cli(context: click.Context, debug: bool) -> None:

@@ -1,5 +1,6 @@
 """`flexmb --version`: the version, and in a checkout the commit that git itself names."""
 
+import runpy
 import shutil
 import subprocess
 import sys
@@ -55,6 +56,24 @@ def test_outside_a_checkout_there_is_none(tmp_path, content):
     if content is not None:
         (tmp_path / ".git").write_bytes(content if isinstance(content, bytes) else content.encode())
     assert commit(tmp_path) == ""
+
+
+def test_an_installation_names_the_commit_it_was_built_from(checkout, tmp_path, monkeypatch):
+    """`pip install .` leaves no git folder behind: setup.py keeps the commit in a file."""
+    monkeypatch.setattr("setuptools.setup", lambda **_: None)
+    shutil.copy(TOP / "setup.py", checkout)
+    place = Path("flexmb_cli/cli/terminal")
+    for folder in (checkout, tmp_path / "site-packages"):
+        (folder / place).mkdir(parents=True)
+        shutil.copy(TOP / place / "commit.py", folder / place)
+    runpy.run_path(str(checkout / "setup.py"))["write_commit"](tmp_path / "site-packages")
+    installed = runpy.run_path(str(tmp_path / "site-packages" / place / "commit.py"))["commit"]
+    assert len(installed()) == 10 and git(checkout, "rev-parse", "HEAD").startswith(installed())
+
+
+def test_a_wheel_of_an_archive_names_no_commit(tmp_path):
+    (tmp_path / "_commit.txt").write_text("")
+    assert commit(tmp_path, tmp_path / "_commit.txt") == commit(tmp_path, tmp_path / "none") == ""
 
 
 @pytest.mark.processes

@@ -1,4 +1,4 @@
-"""Meaning of the exit codes of every command, for its help and its man page."""
+"""The end of the help of every command: the meaning of exit codes; of the program also where to read on."""
 
 DONE = {
     "run": "every deck is solved",
@@ -22,6 +22,14 @@ OF_ALL = {
     "3": "a fault of flexmb itself; please report it",
     "130, 143": "interrupted by Ctrl-C; terminated",
 }
+READ_ON = [
+    "",
+    "\b",
+    "Read on:",
+    "  man flexmb               the manual (checkout: man -l docs/man/flexmb.1)",
+    "  flexmb examples --all    decks, and their formats (decks/*/FORMAT.md)",
+    "  docs/tutorial/index.md   lessons, in a checkout",
+]
 
 
 def exit_codes(command: str) -> dict[str, str]:
@@ -33,4 +41,4 @@ def exit_codes(command: str) -> dict[str, str]:
 def epilog(command: str) -> str:
     """Return the lines that end the help of a command."""
     lines = [f"  {code:9} {meaning}" for code, meaning in exit_codes(command).items()]
-    return "\n".join(["\b", "Exit codes:", *lines])
+    return "\n".join(["\b", "Exit codes:", *lines, *(READ_ON if command == "flexmb" else ())])

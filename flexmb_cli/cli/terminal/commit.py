@@ -1,17 +1,19 @@
-"""The commit of the checkout in which flexmb runs, read from git's own files: no other program is started."""
+"""The commit of the checkout in which flexmb runs or was built, read from files; starts no program."""
 
 from pathlib import Path
 
 DIGITS_SHOWN = 10  # digits
 CHECKOUT = Path(__file__).resolve().parents[3]
+BUILT_FROM = Path(__file__).with_name("_commit.txt")  # that setup.py puts into an installation
 
 
-def commit(checkout: Path = CHECKOUT) -> str:
-    """Return the first digits of the commit, "" outside a checkout of flexmb."""
-    if not (checkout / "pyproject.toml").is_file():
-        return ""
+def commit(checkout: Path = CHECKOUT, built_from: Path = BUILT_FROM) -> str:
+    """Return the first digits of the commit, "" where neither checkout nor installation tell it."""
     try:
-        found = _head(_git_folder(checkout))
+        if (checkout / "pyproject.toml").is_file():
+            found = _head(_git_folder(checkout))
+        else:
+            found = built_from.read_text(encoding="utf-8").strip()
     except (OSError, UnicodeDecodeError):
         return ""
     is_hash = len(found) >= DIGITS_SHOWN and all(digit in "0123456789abcdef" for digit in found)
