@@ -143,6 +143,7 @@ def _copy(deck: Path, folder: Path, force: bool) -> list[Path]:
 
 
 def _refuse_taken(targets: Any, force: Any) -> None:
-    taken = [str(target) for target in targets if target.exists()]
+    """Refuse targets that exist; a copy would also be written where a link to nothing leads."""
+    taken = [str(target) for target in targets if target.exists() or target.is_symlink()]
     if taken and not force:
         raise click.UsageError(f"{taken[0]} is there already; --force replaces it")

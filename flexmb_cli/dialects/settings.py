@@ -13,6 +13,8 @@ COUNTS = "counts"
 _NEAREST = 3
 _COMPARED = 20_000  # names of a deck with an unknown one: each comparison takes a tenth of a millisecond
 
+MOST_SHOWN = 200  # characters of a setting in a message
+
 
 def apply_settings(deck: Deck, settings: list[str]) -> Deck:
     """`deck` with the numbers named in `settings` ("driver.1.B=6.28") set; the last of two wins.
@@ -77,7 +79,8 @@ class SettableDeck:
                 changes[name] = changed
                 taken.append(f"{name}={changed.text}")
             except number.Misspelt as fault:
-                name, message = setting.partition("=")[0].strip(), f"--set {setting}: {fault}"
+                shown = setting if len(setting) <= MOST_SHOWN else f"{setting[:MOST_SHOWN]}…"
+                name, message = setting.partition("=")[0].strip(), f"--set {shown}: {fault}"
                 faults.append(Fault("error", message, about=name, id="DECK-016"))
         if faults:
             raise DeckError(faults)

@@ -2,14 +2,19 @@
 
 import html
 import json
+from base64 import b64encode
+from hashlib import sha256
 from typing import Any
 
 import numpy as np
 
+from ..errors import lines_visible
 from .cases_table import CasesTable
 
 PAGE = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
+<html lang="en"><head><meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy}">
+<meta name="viewport" content="width=device-width">
 <title>{title}</title>
 <style>body {{ font-family: sans-serif; margin: 1em auto; max-width: 75em; padding: 0 1em }}
 .plot {{ width: 100%; height: 30em }} pre {{ overflow-x: auto; background: #f4f4f4; padding: 1em }}</style>
@@ -18,11 +23,19 @@ PAGE = """<!doctype html>
 <h2>Parallel coordinates</h2><div class="plot" id="parallel"></div>
 <h2>Results</h2>{places}
 <h2>Study</h2><pre>{study}</pre>
-<script>const figures = {figures};
+<script>{drawing}</script></body></html>
+"""
+DRAWING = """const figures = {figures};
 for (const [place, figure] of Object.entries(figures))
   Plotly.newPlot(place, figure.data, figure.layout, {{responsive: true, displaylogo: false}});
-</script></body></html>
 """
+# Plotly sets styles of elements, draws parallel coordinates with functions that it composes of its own text
+# ('unsafe-eval'), and hands the picture that a reader saves to the browser as data: or blob:.  It needs no
+# network; a form, which default-src leaves free, could send the numbers to its makers.
+POLICY = (
+    "default-src 'none'; script-src {scripts} 'unsafe-eval'; style-src 'unsafe-inline'; "
+    "img-src data: blob:; form-action 'none'; base-uri 'none'"
+)
 
 
 def study_page(cases: CasesTable, study: str, library: str) -> str:
@@ -32,16 +45,33 @@ def study_page(cases: CasesTable, study: str, library: str) -> str:
     places = "".join(f'<div class="plot" id="{name}"></div>' for name in figures if name != "parallel")
     solved = len(next(iter(cases.results.values())))
     counts = f"{solved} cases solved, {cases.failed} failed"
+    drawing = DRAWING.format(figures=_json(figures))
     return PAGE.format(
-        title=html.escape(f"Study of {cases.deck_name}"), counts=counts, places=places, library=library,
-        study=html.escape(study), figures=json.dumps(figures).replace("</", "<\\/"),
+        policy=POLICY.format(scripts=f"{_digest(library)} {_digest(drawing)}"), library=library,
+        title=_shown(f"Study of {cases.deck_name}"), counts=counts, places=places,
+        study=_shown(study), drawing=drawing,
     )  # fmt: skip
+
+
+def _digest(script: str) -> str:
+    """Return the source expression of a script (Content Security Policy level 3, section 2.3.1)."""
+    return f"'sha256-{b64encode(sha256(script.encode('utf-8')).digest()).decode('ascii')}'"
+
+
+def _shown(text: str) -> str:
+    """Return HTML that shows `text`, with marks for what turns the writing or cannot be printed."""
+    return html.escape(lines_visible(text.replace("\r\n", "\n")))
+
+
+def _json(figures: dict[str, Any]) -> str:
+    """Return JSON without markup for readers of HTML: `<!--<script>` would hide the end of the script."""
+    return json.dumps(figures).replace("<", "\\u003c")
 
 
 def _parallel(cases: Any) -> "dict[str, list[dict[str, dict[Any, Any] | list[Any] | str]]]":
     columns = {**(cases.varied or cases.parameters), **cases.results}
     last = next(reversed(cases.results))
-    dimensions = [{"label": html.escape(name), "values": _list(values)} for name, values in columns.items()]
+    dimensions = [{"label": _shown(name), "values": _list(values)} for name, values in columns.items()]
     line = {"color": _list(cases.results[last]), "colorscale": "Viridis"}
     return {"data": [{"type": "parcoords", "dimensions": dimensions, "line": line}], "layout": {}}  # type: ignore[dict-item]
 
@@ -50,7 +80,7 @@ def _result(cases: Any, name: Any) -> Any:
     """A curve over one parameter, else points over the first two, coloured by the result."""
     across = list((cases.varied or cases.parameters).items())
     values = _list(cases.results[name])
-    layout = {"title": {"text": html.escape(name)}, "xaxis": {"title": {"text": html.escape(across[0][0])}}}
+    layout = {"title": {"text": _shown(name)}, "xaxis": {"title": {"text": _shown(across[0][0])}}}
     trace = {"type": "scatter", "mode": "markers", "x": _list(across[0][1]), "y": values}
     if len(across) == 1:
         order = np.argsort(across[0][1], kind="stable")
@@ -60,7 +90,7 @@ def _result(cases: Any, name: Any) -> Any:
         marker = {"color": values, "colorscale": "Viridis", "showscale": True}
         trace |= {"y": _list(across[1][1]), "text": [f"{value:.6g}" for value in cases.results[name]]}
         trace |= {"marker": marker}
-        layout["yaxis"] = {"title": {"text": html.escape(across[1][0])}}
+        layout["yaxis"] = {"title": {"text": _shown(across[1][0])}}
     return {"data": [trace], "layout": layout}
 
 

@@ -62,6 +62,16 @@ def test_nothing_of_the_user_is_replaced(tmp_path):
     assert (tmp_path / "IN4-BAR.dat").read_bytes() == (DECKS / "young/IN4-BAR.dat").read_bytes()
 
 
+@pytest.mark.parametrize("words, name", [(["IN4-BAR"], "IN4-BAR.dat"), (["--all"], "decks")])
+def test_a_link_that_leads_nowhere_is_not_written_through(words, name, tmp_path):
+    """`exists` is false of such a link: the deck was written where it leads."""
+    (tmp_path / "here").mkdir()
+    (tmp_path / "here" / name).symlink_to(tmp_path / "elsewhere")
+    done = CliRunner().invoke(examples, [*words, "-o", str(tmp_path / "here")])
+    assert done.exit_code == 2 and "--force replaces it" in done.stderr
+    assert not (tmp_path / "elsewhere").exists()
+
+
 def test_all_examples_lie_as_the_documentation_names_them(tmp_path):
     done = flexmb(tmp_path, "examples", "--all")
     assert done.stdout.endswith(" examples → decks\n")

@@ -57,3 +57,16 @@ def test_all_faulty_settings_are_named_at_once():
         "--set time.end=1,5: time.end must be a number; read '1,5': decimal comma? write a point",
         "--set time.end: write NAME=VALUE, such as time.end=2.5",
     ]
+
+
+def test_a_setting_of_a_megabyte_is_shown_cut(tmp_path):
+    """The message held all of it."""
+    from click.testing import CliRunner
+
+    from flexmb_cli.cli.check import check
+    from tests.dialects.vsdf.vsdf_decks import RIGID
+
+    (tmp_path / "pendulum.vsdf").write_text(RIGID)
+    done = CliRunner().invoke(check, [str(tmp_path / "pendulum.vsdf"), "--set", f"gravity.x={'1' * 10**6}"])
+    said = done.output + str(done.exception)
+    assert "--set" in said and len(said) < 1000

@@ -2,6 +2,9 @@
 
 import json
 import re
+from base64 import b64encode
+from dataclasses import replace
+from hashlib import sha256
 
 import numpy as np
 import pytest
@@ -13,8 +16,10 @@ from flexmb_cli.cli.report import report
 from flexmb_cli.study.cases_table import cases_table
 from flexmb_cli.study.curve_family import curve_family
 from flexmb_cli.study.figures import kind_for
+from flexmb_cli.study.page import study_page
 from flexmb_cli.study.table import Column, TableHead, write_table
 from flexmb_cli.study.text import open_study
+from tests.results.figures.test_content_policy import Loaded
 
 LENGTH, RATE = Column("parameter/length", "m", "length"), Column("parameter/rate", "rad/s", "rate")
 TOP, PATH = Column("result/top", "m", "max of z"), Column("result/path", "m", "series of z", 3)
@@ -122,6 +127,35 @@ def test_the_page_of_a_study_holds_its_numbers(tmp_path):
     assert [axis["label"] for axis in parallel["dimensions"]] == ["length [m]", "rate [rad/s]", "top [m]"]
     assert parallel["dimensions"][2]["values"] == [2.0, 5.5, 5.0]
     assert figures["result0"]["data"][0]["y"] == [1.0, 3.0, 2.0]
+
+
+def test_the_policy_of_the_page_of_a_study_allows_its_own_scripts_and_no_network(tmp_path):
+    """Without a policy a fault of the library could have loaded anything from anywhere."""
+    pytest.importorskip("plotly")
+    assert called(report, study(tmp_path / "s.h5", CLOUD), "-o", tmp_path / "s.html").exit_code == 0
+    found = Loaded((tmp_path / "s.html").read_text(encoding="utf-8"))
+    rules = dict(rule.strip().split(" ", 1) for rule in found.policy.split(";"))
+    digests = [b64encode(sha256(script.encode()).digest()).decode() for script in found.scripts]
+    assert len(digests) == 2
+    assert rules == {
+        "default-src": "'none'",
+        "script-src": " ".join([*(f"'sha256-{digest}'" for digest in digests), "'unsafe-eval'"]),
+        "style-src": "'unsafe-inline'",
+        "img-src": "data: blob:",
+        "form-action": "'none'",
+        "base-uri": "'none'",
+    }
+    assert (found.before_policy, found.handlers, found.addresses) == ([], [], [])
+
+
+def test_names_of_a_study_neither_end_the_script_nor_turn_the_writing(tmp_path):
+    """`<!--<script>` made the browser read the end of the script as a part of it."""
+    with open_study(study(tmp_path / "s.h5", CLOUD)) as file:
+        cases = cases_table(file, (), "s.h5")
+    cases = replace(cases, deck_name="\u202eabc", results={"<!--<script>\u202e": cases.results["top [m]"]})
+    page = study_page(cases, "\u202eb\x1b<!--<script>", "1;")
+    assert "\u202e" not in page and "\x1b" not in page and "\\u202e" not in page
+    assert page.count("<script>") == 2 and "<!--" not in page
 
 
 def test_exports_of_a_study_hold_every_column(tmp_path):
