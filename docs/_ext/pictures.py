@@ -7,6 +7,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 from deck_runs import DOCS, RESULTS, TOP, digest, flexmb, program, solved
 from gallery import gallery
@@ -23,6 +24,10 @@ FIGURES = [
 ]
 
 
+# Those of a study: the study, result, other options, file.
+STUDY_FIGURES = [("studies/rssr.toml", "path", ["--width", "85"], "study.png")]
+
+
 def figures() -> None:
     """Draw the pictures of the tutorial."""
     results = solved([TOP / "decks" / deck for deck, *_ in FIGURES])
@@ -31,6 +36,10 @@ def figures() -> None:
     for deck, names, options, target in FIGURES:
         found = paths[smooth] if "--x" in options else results[TOP / "decks" / deck]
         flexmb("plot", found, *names, *options, "-q", "-o", PICTURES / target)
+    for study, result, options, target in STUDY_FIGURES:
+        table = RESULTS / f"{Path(study).stem}.h5"
+        flexmb("sweep", TOP / "decks" / study, "-q", "--fresh", "-o", table)
+        flexmb("plot", table, result, *options, "-q", "-o", PICTURES / target)
 
 
 def sources() -> None:

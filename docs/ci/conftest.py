@@ -1,7 +1,9 @@
-"""Collect decks as tests: a deck with a folder of references is run, and its results are compared.
+"""Collect decks as tests: each deck is run, its results are compared with those in the folder `reference`.
 
-Copy this file beside your decks.  The references of `four-bar.vsdf` are the files in `reference/four-bar/`,
-made by `flexmb run four-bar.vsdf -o reference/four-bar`.  Tolerances are read from `tolerances.toml` there.
+Copy this file beside your decks and make the references by `flexmb run *.dat *.vsdf -o reference`.  A folder
+`reference/four-bar/` holds those of `four-bar.vsdf` alone (`flexmb run four-bar.vsdf -o
+reference/four-bar`); decks whose results have the same names need that.  A deck without references is
+skipped.  Tolerances are read from `tolerances.toml` beside the deck.
 """
 
 import subprocess
@@ -12,9 +14,8 @@ SUFFIXES = (".dat", ".DAT", ".PAS", ".vsdf")
 
 
 def pytest_collect_file(file_path, parent):
-    """Collect every deck that has references."""
-    reference = file_path.parent / "reference" / file_path.stem
-    if file_path.suffix in SUFFIXES and reference.is_dir():
+    """Collect every deck beside a folder of references."""
+    if file_path.suffix in SUFFIXES and (file_path.parent / "reference").is_dir():
         return DeckFile.from_parent(parent, path=file_path)
     return None
 
@@ -33,11 +34,22 @@ class DeckTest(pytest.Item):
     def runtest(self):
         """Fail with what flexmb prints."""
         deck = self.path
+        own, common = deck.parent / "reference" / deck.stem, deck.parent / "reference"
+        # IN4-BAR.dat gives OUT4-BAR.dat and OUT4-BAR.h5, four-bar.vsdf gives four-bar.OUT and four-bar.h5.
+        stems = {deck.stem, f"OUT{deck.stem.removeprefix('IN')}"}
+        if not own.is_dir() and not any(path.stem in stems for path in common.iterdir() if path.is_file()):
+            pytest.skip(f"no references of {deck.name} in {common}")
         results = self.config._tmp_path_factory.mktemp(deck.stem)
         self.call("run", "--quiet", deck, "-o", results)
         tolerances = deck.parent / "tolerances.toml"
         options = ("--tolerances", tolerances) if tolerances.exists() else ()
-        self.call("diff", deck.parent / "reference" / deck.stem, results, *options)
+        if own.is_dir():
+            self.call("diff", own, results, *options)
+            return
+        kept = [path.name for path in sorted(results.iterdir()) if (common / path.name).exists()]
+        assert kept, f"none of the results of {deck.name} has a reference in {common}"
+        for name in kept:
+            self.call("diff", common / name, results / name, *options)
 
     def call(self, *words):
         """Run flexmb; a failure is the text that it prints."""

@@ -118,6 +118,7 @@ UNITS = {
         "constrained.projection.rate_gap": "System Work f1 float",
         "constrained.mass_matrix.mass_matrices": "System Work f1",
         "constrained.mass_matrix.mass_times": "System Work f1 f1",
+        "constrained.dry_friction.fill_normal_forces": "f3 f1",
         "constrained.angle_unwrapping.fill_angles": "System Work f1 f1 f1",
         "constrained.speeds.move": "int f1 f1",
         "constrained.speeds.normalise": "int f1",

@@ -161,11 +161,9 @@ def _vsdf(size):
     text = (DECKS / "vsdf/pendulum.vsdf").read_text().replace(" fe/", f" {DECKS}/vsdf/fe/")
     deck, end = text.split("\nEND", 1)
 
-    def cards(word, line):
-        lines = "".join(
-            line.format(k=k, t=k * 1e-3, f=k % 7)
-            for k in range(1, size // len(line.format(k=1, t=1, f=1)) + 1)
-        )
+    def cards(word, line, most=10**9):
+        count = min(most, size // len(line.format(k=1, t=1, f=1)))
+        lines = "".join(line.format(k=k, t=k * 1e-3, f=k % 7) for k in range(1, count + 1))
         return f"{deck}\n{word}\n{lines}END{end}"
 
     table = "    1{t:10.3f}{f:10.1f}\n"
@@ -176,5 +174,6 @@ def _vsdf(size):
     yield "vsdf nodes", lambda: cards("NODE", "0,{k},1.0,0.0,0.0\n")
     yield "vsdf forces", lambda: cards("FORC", "    1   51       1.0       0.0       0.0\n")
     yield "vsdf output nodes", lambda: cards("OUTN", "    1   51\n")
-    yield "vsdf springs", lambda: cards("NODE\n    0    1       9.0\nSPRI", "{k},0,1,1,51,1.0\n")
-    yield "vsdf node sets", lambda: cards("NSET", "1,{k},1,2,3\n").replace("1,{k}", "1,1000")
+    spring = "NODE\n    0    1       9.0\nSPRI", "{k},0,1,1,51,1.0\n"
+    yield "vsdf springs", lambda: cards(*spring, most=20_000)
+    yield "vsdf node sets", lambda: cards("NSET", "1,9{k:06d},1,2,3\n")

@@ -86,8 +86,8 @@ def test_a_changed_deck_or_finite_element_file_has_another_digest(tmp_path):
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))
 def test_every_figure_of_a_page_is_drawn_by_the_build_after_its_command(page):
-    """The pictures of the build are those of `pictures.FIGURES`, each below a `flexmb plot` that is shown."""
-    drawn = {target for *_, target in pictures.FIGURES}
+    """The pictures of the build are those of `pictures.py`, each below a `flexmb plot` that is shown."""
+    drawn = {target for *_, target in (*pictures.FIGURES, *pictures.STUDY_FIGURES)}
     in_gallery = {f"{deck.stem}{deck.suffix.lower()}.png": deck.name for deck in DECKS}
     text = page.read_text(encoding="utf-8")
     for match in re.finditer(r"\{(?:figure|image)\} (\S+)", text):
@@ -103,3 +103,11 @@ def test_what_a_page_includes_is_linked_for_readers_of_the_files():
     included = [(page, name) for page in PAGES for name in re.findall(r"\{include\} (\S+)", page.read_text())]
     assert len(included) > 3
     assert not [page.name for page, name in included if f"]({name})" not in page.read_text()]
+
+
+@pytest.mark.parametrize("page", sorted(DOCS.rglob("*/index.md")), ids=lambda page: page.parent.name)
+def test_an_index_links_its_pages_for_readers_of_the_files(page):
+    """A Git host does not show the table of contents that Sphinx makes."""
+    text = page.read_text(encoding="utf-8")
+    (tree,) = re.findall(r"```\{toctree\}\n:hidden:\n\n(.*?)```", text, re.DOTALL)
+    assert re.findall(r"^\* \[[^]]+\]\(([\w-]+)\.md\): \S", text, re.MULTILINE) == tree.split()

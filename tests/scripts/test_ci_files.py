@@ -99,17 +99,20 @@ def test_the_steps_of_gitlab_run_and_compare(project):
     assert shell(script).returncode == 1
 
 
-def test_decks_are_collected_as_tests(project):
+@pytest.mark.parametrize("own", ["", "IN4-BAR"], ids=["references of all decks", "a folder for each deck"])
+def test_decks_are_collected_as_tests(project, own):
+    """The references are those that the first sentence of the page makes; a deck without any is skipped."""
     folder, shell = project
     decks = folder / "decks"
     shutil.copy(TOP / "docs/ci/conftest.py", decks)
     (decks / "reference").mkdir()
-    shutil.move(folder / "reference", decks / "reference/IN4-BAR")
-    shutil.copy(TOP / "decks/young/IN1-1-1.dat", decks)  # without references: no test
-    pytest_here = "python -m pytest -p no:cacheprovider -q decks"
+    shutil.copytree(folder / "reference", decks / "reference" / own, dirs_exist_ok=True)
+    shutil.copy(TOP / "decks/young/IN1-1-1.dat", decks)
+    pytest_here = "python -m pytest -p no:cacheprovider -q -rs decks"
     done = shell(pytest_here)
-    assert done.returncode == 0 and "1 passed" in done.stdout, done.stdout
-    spoil(decks / "reference/IN4-BAR/OUT4-BAR.dat")
+    assert done.returncode == 0 and "1 passed, 1 skipped" in done.stdout, done.stdout
+    assert "no references of IN1-1-1.dat" in done.stdout
+    spoil(decks / "reference" / own / "OUT4-BAR.dat")
     done = shell(pytest_here)
     assert done.returncode == 1
     assert "numbers differ" in done.stdout and "body 2, X at t = 1.8" in done.stdout
@@ -142,3 +145,11 @@ def test_the_pages_show_the_files_themselves():
     shown = re.findall(r"```\{literalinclude\} (\S+)", page)
     assert {Path(name).name for name in shown} == {"conftest.py", "Dockerfile", "gitlab-ci.yml"}
     assert all((TOP / "docs/how-to" / name).resolve().is_file() for name in shown)
+    assert all(f"]({name})" in page for name in shown)  # a Git host shows no {literalinclude}
+
+
+def test_no_version_is_named_that_no_tag_has():
+    """`@v0.1.0` and `rev: v0.1.0` failed: the repository has no tags."""
+    page = (TOP / "docs/how-to/ci-files.md").read_text(encoding="utf-8")
+    named = re.findall(r"(?:flexmb@|rev: )(\S+)", page)
+    assert named == ["COMMIT", "COMMIT"] and "git ls-remote" in page

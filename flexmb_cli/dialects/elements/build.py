@@ -266,6 +266,9 @@ def friction(maker: ElementMaker, record: Record) -> JointFriction | None:
         if not record[key] > 0.0:
             message = f"{key} is a speed above 0; read {record[key]:g}"
             maker.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-010")
+    if record["static"] < record["dynamic"]:
+        message = f"sticks with {record['static']:g}, less than it slides with: are the numbers exchanged?"
+        maker.findings.warn(record.subject, message, record.at("static").place, id="ELEMENTS-027")
     found = maker.sliding(record)
     if found is None:
         return None

@@ -1,6 +1,7 @@
 """Forces, torques, springs and output nodes of a VSDF deck."""
 
 import math
+from collections.abc import Sequence
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
@@ -8,6 +9,7 @@ from ...model.diagnostics import Findings
 from ...model.fe_model import BodyTorque, End, JointSpring, NodeForce, NodeJoint, NodeSpring, VsdfBody
 from ...model.mechanism import GROUND
 from ...model.time_functions import MotionFunction
+from ..elements.build import MOST_ELEMENTS
 from ..elements.functions import Functions
 from .bodies import end_of_body
 from .joints import SLIDING, TURNING, find_end
@@ -83,7 +85,7 @@ def build_springs(
 ) -> tuple[NodeSpring, ...]:
     """The cards SPRI."""
     springs = []
-    for record in values.section("spring"):
+    for record in _bounded(values.section("spring"), findings):
         _check_not_negative(record, ("k", "c", "length"), findings)
         a, b = (
             find_end(bodies, ground, record.at(side), record.at(f"n{side}"), record.subject, findings)
@@ -105,6 +107,16 @@ def build_springs(
     return tuple(springs)
 
 
+def _bounded(records: Sequence[Record], findings: Findings) -> Sequence[Record]:
+    """Return the records, none where they are more than fit into the memory that a deck may take."""
+    if len(records) <= MOST_ELEMENTS:
+        return records
+    last = records[MOST_ELEMENTS]
+    message = f"the deck has {len(records)} springs of this card; at most {MOST_ELEMENTS} are taken"
+    findings.error(last.subject, message, last.place, id="VSDF-110")
+    return ()
+
+
 def _in_one_solid(a: End, b: End, bodies: tuple[VsdfBody, ...]) -> bool:
     return a.body == b.body and (a.body == GROUND or bodies[a.body].flexible is None)
 
@@ -123,7 +135,7 @@ def build_joint_springs(
     springs = []
     kinds = {joint.name: joint.kind for joint in joints}
     count = len(values.section("joint"))
-    for record in values.section("joint_spring"):
+    for record in _bounded(values.section("joint_spring"), findings):
         _check_not_negative(record, ("k", "c"), findings)
         number = record.at("joint")
         if not 1 <= number.value <= count:

@@ -10,7 +10,7 @@ from none: with s F_p in place of F_p, s goes from 0 to 1 in steps short enough 
 """
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from .._jit import allocating, kernel
 from ..linalg.copying import copy
 from .body_vectors import VECTOR, vector
 from .elements import FRICTION
+
+if TYPE_CHECKING:
+    from .system import Work
 
 # Of a joint force: three across the axis, what a thread bears of the one along it, the preload.
 THREAD, PRELOAD, COMPONENTS = 3, 4, 5
@@ -43,7 +46,7 @@ def first_friction(loads: np.ndarray) -> int:
 
 
 @kernel
-def fill_joint_forces(system: Any, work, first: int, lam: np.ndarray, found: np.ndarray) -> None:
+def fill_joint_forces(system: Any, work: "Work", first: int, lam: np.ndarray, found: np.ndarray) -> None:
     """Fill found (frictions, 5) with the joint forces of the multipliers lam, N, and the preloads."""
     for k in range(found.shape[0]):
         load = system.loads[first + k]

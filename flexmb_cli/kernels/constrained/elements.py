@@ -53,7 +53,7 @@ def add_element(system: "System", work: "Work", k: int, f: "np.ndarray") -> floa
 
 
 @kernel
-def add_along_line(geometry: Any, k: int, share, f) -> None:
+def add_along_line(geometry: Any, k: int, share: float, f: "np.ndarray") -> None:
     """Add to f the force `share` times V of primitive k that drives its ends apart."""
     d, ends = vector(geometry.relative_vectors[VECTOR, k], 0), geometry.primitives[k]["ends"]
     add_vector_row(geometry, ends[0, 1], d, -share, True, f)
@@ -120,7 +120,7 @@ def _effort(system: "System", load: "np.void", answer: "np.ndarray") -> tuple[fl
 
 
 @kernel
-def _pushed_back(load, depth, approach, sign, answer: "np.ndarray"):
+def _pushed_back(load: "np.void", depth: float, approach: float, sign: float, answer: "np.ndarray"):
     """A stop at a depth that grows at `approach`: effort, its part with a potential; fills slopes."""
     k, b = load["stiffness"], load["damping"]
     share = max(0.0, 1.0 + b * approach)
@@ -131,7 +131,7 @@ def _pushed_back(load, depth, approach, sign, answer: "np.ndarray"):
 
 
 @kernel
-def add_unit_friction(system: Any, work, k: int, f: "np.ndarray") -> None:
+def add_unit_friction(system: Any, work: "Work", k: int, f: "np.ndarray") -> None:
     """Add friction k by the normal force 1 N to f (n,), and answer for it."""
     load, answer, geometry = system.loads[k], work.responses[k], geometry_of(system, work)
     r = load["radius"]
@@ -149,7 +149,7 @@ def add_unit_friction(system: Any, work, k: int, f: "np.ndarray") -> None:
 
 
 @kernel
-def friction_share(load, v: float):
+def friction_share(load: "np.void", v: float):
     """μ(v)/v and dμ/dv at the sliding speed v >= 0."""
     x, fade = v / load["creep"], math.exp(-((v / load["stribeck"]) ** 2))
     mu = load["dynamic"] + (load["static"] - load["dynamic"]) * fade
@@ -161,7 +161,7 @@ def friction_share(load, v: float):
 
 @kernel
 def add_element_slope(
-    geometry: Any, work, load, k: int, by_position: float, by_speed: float, y: "np.ndarray"
+    geometry: Any, work: "Work", load: "np.void", k: int, by_position: float, by_speed: float, y: "np.ndarray"
 ) -> None:
     """y += (by_position K + by_speed D) x of element k, where the body vectors have been moved by x."""
     answer, r = work.responses[k], load["radius"]

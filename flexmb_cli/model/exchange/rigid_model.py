@@ -11,7 +11,7 @@ import numpy as np
 
 from ...errors import Place
 from ...quick_dataclass import dataclass, fields
-from ..joint_elements import JointDriver, JointElements, JointMotor
+from ..joint_elements import EndStop, JointDriver, JointElements, JointFriction, JointMotor
 from ..loads import AppliedForce, AppliedTorque, SpringDamper
 from ..mechanism import GROUND, Point, TimeGrid, Vector
 from ..time_functions import MotionFunction
@@ -117,6 +117,8 @@ class RigidModel:
     stepping: Stepping = Stepping()
     notes: tuple[str, ...] = ()
     shapes: tuple[RigidShape, ...] = ()
+    stops: tuple[EndStop, ...] = ()
+    frictions: tuple[JointFriction, ...] = ()
 
     def axes(self, body: int) -> np.ndarray:
         """Rotation matrix (3, 3) of a body or of the ground."""

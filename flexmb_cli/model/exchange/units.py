@@ -61,6 +61,8 @@ class _Scaling:
                 for item in model.motors
             ),
             joint_springs=tuple(self._joint_spring(item) for item in model.joint_springs),
+            stops=tuple(self._stop(item) for item in model.stops),
+            frictions=tuple(self._friction(item) for item in model.frictions),
             springs=tuple(self._spring(item) for item in model.springs),
             forces=tuple(
                 replace(item, force=_times(F, item.force), point=_times(L, item.point))
@@ -91,6 +93,21 @@ class _Scaling:
         factor = self.torque if revolutions else self.M
         rest = item.rest if revolutions else self.L * item.rest
         return replace(item, stiffness=factor * item.stiffness, damping=factor * item.damping, rest=rest)
+
+    def _stop(self, item: Any) -> Any:
+        revolutions = item.coordinate == ANGLE
+        length = 1.0 if revolutions else self.L
+        return replace(
+            item,
+            lower=length * item.lower,
+            upper=length * item.upper,
+            stiffness=(self.torque if revolutions else self.M) * item.stiffness,
+            damping=item.damping / length,
+        )
+
+    def _friction(self, item: Any) -> Any:
+        scaled_lengths = {name: self.L * getattr(item, name) for name in ("stribeck", "creep", "radius")}
+        return replace(item, **scaled_lengths, preload=self.force * item.preload)
 
     def _spring(self, item: Any) -> Any:
         L, M = self.L, self.M

@@ -14,7 +14,7 @@ NEEDS = {
     "reaction": f"reactions need masses: {FORCES}",
     "driver": f"efforts of drivers need masses: {FORCES}",
     "energy": f"energies need masses: {FORCES}",
-    "element": f"elements need cards such as TSPRING or BUSHING: {FORCES}",
+    "element": f"elements need cards such as TSPRING or BUSHING, or the card JOINTS beside SPRING: {FORCES}",
     "elastic": "elastic displacements need a flexible body",
     "modal": "modal amplitudes need a flexible body",
     "stress": "stresses need the cards MATL and OUTS of a VSDF deck",

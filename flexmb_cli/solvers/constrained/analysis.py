@@ -18,6 +18,7 @@ from ..singular.mobility import Mobility
 from ..singular.rank_of_speeds import is_singular
 from .coinciding_ends import refuse_coinciding_ends
 from .failures import force_failure, repetition, rows_with_forces, step_failure
+from .initial_stops import notes_of_pressed_stops
 from .integrators import ExplicitSteps, Steps
 from .start import order_of_elimination
 from .start_speeds import start_speeds
@@ -223,6 +224,7 @@ class ConstrainedMotion:
         answer = self._call(codes.BEGIN, blank_report(self.arrays, np.zeros(0)))
         if answer != codes.READY:
             raise step_failure(self, answer)
+        self.warnings += notes_of_pressed_stops(self.arrays.loads, self.work.responses)
         return found
 
     def _call(self, task: int, report: "Report") -> int:

@@ -454,3 +454,11 @@ def test_a_megabyte_of_faults_is_left_after_a_thousand():
     faults = reported("VSDF T\nBODY\n    1 RIGD\n" + "QQQQ\n" * 200_000)
     assert 1000 < len(faults) < 1010
     assert "not read from here on" in faults[-1]
+
+
+def test_more_springs_than_memory_allows_are_refused(monkeypatch):
+    """One takes 2.6 kB, a hundred times its card: 10 MB of them took 1.6 GB."""
+    monkeypatch.setattr("flexmb_cli.dialects.vsdf.loads.MOST_ELEMENTS", 1)
+    springs = "JSPR\n    1      10.0\n    1      10.0\nEND"
+    (message,) = reported(changed(("END", springs)))
+    assert message.endswith("joint spring 2: the deck has 2 springs of this card; at most 1 are taken")

@@ -178,3 +178,11 @@ def test_points_too_near_for_a_slope_are_refused():
     assert messages("STEP 1 0 0 1e-320 1") == [
         "6:12: step 1: the end 9.99989e-321 s must be later than the start 0 s"
     ]
+
+
+@pytest.mark.parametrize(("static", "warned"), [(0.1, True), (0.3, False)])
+def test_sticking_friction_below_sliding_friction_is_warned_of(static, warned):
+    cards = "".join(f"MASS {k} 1 0 0 0 1 1 1\n" for k in (2, 3)) + f"FRICTION 2 0.3 {static} 0.1 1e-3 0.05"
+    faults = build_young_dynamics(read(cards))[1]
+    found = [fault for fault in faults if "less than it slides with" in fault.message]
+    assert [fault.severity for fault in found] == ["warning"] * warned

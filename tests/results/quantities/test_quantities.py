@@ -11,6 +11,7 @@ import pytest
 
 from flexmb_cli import solve
 from flexmb_cli.results.quantities.quantities import ResultError, names, open_result, read, resolve
+from flexmb_cli.results.quantities.unknown_names import hint_for
 from tests.results.results import SERIES, value, write_result
 
 DECKS = Path(__file__).resolve().parents[3] / "decks"
@@ -266,3 +267,8 @@ def test_a_file_that_is_cut_off_is_named_in_words(tmp_path):
     with pytest.raises(ResultError, match="the file is cut off: copy it anew") as caught, open_result(path):
         pass
     assert "synchronously" not in str(caught.value)
+
+
+def test_a_result_without_elements_names_the_card_that_brings_in_those_of_springs():
+    """SPRING alone fills no columns of elements."""
+    assert "the card JOINTS beside SPRING" in hint_for("element.1.effort", [])

@@ -43,7 +43,7 @@ CONVERTED = {
 # Of those with dynamics, or of rigid bodies, why the others are refused.
 REFUSED = {
     ("young/dynamics/IN-ANDREWS.dat", "dafms"): "revolute joint 6: the joint closes a loop",
-    ("young/dynamics/IN-ARM.dat", "dafms"): "DAFMS prescribes a coordinate as C + B t + A t^2/2 only",
+    ("young/dynamics/IN-ARM.dat", "dafms"): "only motions C + B t + A t^2/2 are converted to DAFMS",
     ("young/dynamics/IN-BRICARD.dat", "vsdf"): "body 1: a VSDF body needs principal moments of inertia above",
     ("young/dynamics/IN-BRICARD.dat", "dafms"): "closes a loop",
     ("young/dynamics/IN-RSSR-MASS.dat", "vsdf"): "simplified constraint 1: a held Euler parameter",
@@ -165,6 +165,32 @@ def test_a_chain_of_every_joint_moves_alike_in_all_dialects_and_back(tmp_path):
     tree = convert(tmp_path / "chain.dat", "dafms", tmp_path)
     assert_alike(tmp_path / "chain.dat", [tree], COLUMNS)
     assert_alike(tree, [convert(tree, "young", tmp_path, "tree")], EXACT)
+
+
+STOPS = (
+    "TSTOP 3 -0.1 0.15 900 0.2\nASTOP 6 -0.01 0.03 4e4\n"
+    "FRICTION 3 0.1 0.2 0.3 0.02 0.1 2\nFRICTION 6 0.2 0.2 1 0.05\n"
+)
+
+
+@pytest.mark.long_motion
+@pytest.mark.parametrize("form", ["vsdf", "dafms"])
+def test_stops_and_friction_act_alike_in_other_dialects(form, tmp_path):
+    (tmp_path / "chain.dat").write_text(CHAIN.replace("TSPRING 3", f"{STOPS}TSPRING 3"))
+    (tmp_path / "without.dat").write_text(CHAIN)
+    new = convert(tmp_path / "chain.dat", form, tmp_path)
+    assert_alike(tmp_path / "chain.dat", [new], 1e-6)
+    assert np.abs(motion(new)[0] - motion(tmp_path / "without.dat")[0]).max() > 1e-3
+
+
+SPRINGS = "SPRING 2 8 0.1 0 0 0 0.2 0 50 0.4 1\nLSPRING 0 5 0.3 0 1 0.1 0 0.2 40 0.5 0.8 3\n"
+
+
+@pytest.mark.long_motion
+def test_springs_between_points_act_alike_in_a_tree(tmp_path):
+    text = CHAIN.replace("TSPRING 3", f"{SPRINGS}TSPRING 3")
+    (tmp_path / "chain.dat").write_text(text)
+    assert_alike(tmp_path / "chain.dat", [convert(tmp_path / "chain.dat", "dafms", tmp_path)], 1e-6)
 
 
 # Links, a weld, a pin and a screw, which close loops; the plane of the link is beside the point of its axis.
@@ -296,12 +322,10 @@ def test_a_deck_in_millimetres_becomes_one_in_si_units_and_back(tmp_path):
 @pytest.mark.parametrize(
     ("form", "old", "new", "reported"),
     [
-        ("vsdf", "TSPRING 3", "TSTOP 3 -1 1 1e4\nTSPRING 3", "end stops are not converted"),
-        ("vsdf", "TSPRING 3", "FRICTION 3 0.1 0.2 0.1 1e-3 0.1\nTSPRING 3", "dry friction is not converted"),
+        ("vsdf", "TSPRING 3", "COUPLING 3 1 2 5 1 1\nTSPRING 3", "couplings of joint coordinates are not"),
         ("vsdf", "ASPRING 6", "ASPRING 5", "VSDF has no spring in the stroke of a cylindrical joint"),
-        ("vsdf", "TABLE 1 0 0 0.6 2 0.9 1", "SINE 1 0 1 2", "VSDF varies a load by straight lines only"),
+        ("vsdf", "TABLE 1 0 0 0.6 2 0.9 1", "SINE 1 0 1 2", "only tables of loads are converted to VSDF"),
         ("vsdf", "MASS 3 1.5 0.03 0 0.01 0.2 0.3 0.25 0.01 0 0.02\n", "", "body 3: a VSDF body needs a mass"),
-        ("dafms", "TSPRING 3", "SPRING 2 8 0 0 0 0 0 0 5 1\nTSPRING 3", "DAFMS has no springs and dampers"),
         ("dafms", "TORQUE 8 0.3 0.2 0.1 0", "TORQUE 8 0.3 0.2 0.1 1", "loads in DAFMS keep to inertial axes"),
         ("dafms", "TMOTOR 4 1", "FORCE 4 1 0 0 5 0 0", "DAFMS has forces at the origin O_k of a body only"),
         ("dafms", "8 0 1 1 1 2 1 1 0 0 0 1", "8 0 1 1 1 2 1 0 1 0 0 1", "no hinge like a screw joint"),

@@ -7,7 +7,17 @@ import pytest
 from scipy.optimize import brentq
 
 from flexmb_cli.errors import AnalysisError
-from tests.solvers.constrained.element_decks import ARM, FREE, METHODS, ROTOR, SLIDER, TWO_ROTORS, rows_of
+from tests.solvers.constrained.element_decks import (
+    ARM,
+    FREE,
+    METHODS,
+    ROTOR,
+    SLIDER,
+    TWO_ROTORS,
+    analysis_of,
+    model_of,
+    rows_of,
+)
 
 SPUN = "MASS 2 1 0 0 0 1 1 0.5\n"
 SLID = "MASS 2 2 0 0 0 1 1 1\n"
@@ -256,3 +266,15 @@ def test_a_bushing_stops_the_run_before_its_other_angles_jump():
         turned_bushing("5 0 7", 2)
     assert raised.value.time == pytest.approx(math.pi / 2, abs=0.5)
     assert turned_bushing("5 0 7", 1.5).driver_effort[-1, 0] == pytest.approx(7 * 1.5, abs=1e-9)
+
+
+@pytest.mark.parametrize("start, noted", [(0.25, True), (0.05, False)])
+def test_a_stop_that_is_pressed_at_the_start_is_noted_with_depth_and_force(start, noted):
+    """The end of the slide stands 0.15 m behind the stop: 400 N/m · 0.15 m."""
+    cards = f"{SLID}POLYNOMIAL 1 {start} 0\nSTROKE 1 1\nASTOP 1 -1 0.1 400\n"
+    analysis = analysis_of(model_of(SLIDER, "0 1 1", cards))
+    analysis.start()
+    found = [fault for fault in analysis.warnings if "behind its limit" in fault.message]
+    assert len(found) == noted
+    if noted:
+        assert "0.15 (m or rad)" in found[0].message and "60 (N or N m)" in found[0].message

@@ -9,16 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from ....deck.fortran_fields import filled
 from ....errors import Fault, ModelError
 from ....model.exchange.chain import chain_of
-from ....model.exchange.functions import points_of, polynomial_of, value_of
+from ....model.exchange.functions import value_of
 from ....model.exchange.rigid_model import EXPLICIT, Refusals, RigidModel
 from ....model.exchange.shapes import shifted
-from ....model.joints import ANGLE
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS
 from ....model.vectors import euler_parameters
+from .element_cards import ElementCards, integers
 from .hanging import FREE, Hanging, hinge_frame
 
 _APART = 1e-9  # m: of the point of a force from O_k
@@ -40,7 +39,7 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     return "\n".join([*lines, "END ", "STAR", "STOP", *notes, ""]).replace("DFMB", f"DFMB {title}", 1)
 
 
-class _Deck:
+class _Deck(ElementCards):
     """Frames of the tree while its cards are made."""
 
     def __init__(self, model: Any):
@@ -68,8 +67,6 @@ class _Deck:
             self.refusals.add(
                 item, "DAFMS prescribes hinge coordinates, not those of a body: drive the joint"
             )
-        for item in self.model.springs:
-            self.refusals.add(item, "DAFMS has no springs and dampers between points")
         for item in (*self.model.forces, *self.model.torques):
             if item.following:
                 self.refusals.add(item, "loads in DAFMS keep to inertial axes")
@@ -82,10 +79,10 @@ class _Deck:
         bodies = [self._hang(link) for link in self.links]
         N, time = len(bodies), self.model.time
         return [
-            _integers(N, 3), "DFMB",
+            integers(N, 3), "DFMB",
             *(self._dofs(k, hung, 1) for k, hung in enumerate(bodies, start=1)),
             *(self._dofs(k, hung, 0) for k, hung in enumerate(bodies, start=1)),
-            *_lists([0] * N), *_lists([0] * N), _integers(time.rows - 1), self._real(time.step),
+            *_lists([0] * N), *_lists([0] * N), integers(time.rows - 1), self.real(time.step),
             "CONN", *_lists([self.number[hung.link.parent] for hung in bodies]),
             *self._bodies("MASS", [[self._own(hung).mass] for hung in bodies]),
             *self._inertia(bodies),
@@ -94,9 +91,9 @@ class _Deck:
             *self._bodies("EULL", [_scalar_last(self._parent(hung).T @ hung.frame) for hung in bodies]),
             *self._state(bodies),
             *self._bodies("RC(K", [self._centre(hung) for hung in bodies]),
-            "GRAV", f"{0:5d}" + "".join(self._real(g) for g in self.model.gravity),
-            *self._loads(bodies), *self._hinge_elements(), *self._shapes(),
-            *([] if self.model.stepping.method == EXPLICIT else ["METH", _integers(_IMPLICIT)]),
+            "GRAV", f"{0:5d}" + "".join(self.real(g) for g in self.model.gravity),
+            *self._loads(bodies), *self.hinge_elements(), *self._shapes(),
+            *([] if self.model.stepping.method == EXPLICIT else ["METH", integers(_IMPLICIT)]),
         ]  # fmt: skip
 
     def _hang(self, link: Any) -> Any:
@@ -150,7 +147,7 @@ class _Deck:
                 place = np.zeros(3) if turning or hung.kind != "free" else hung.origin
                 speeds += [rates[axis - 1] for axis in axes]
                 coordinates += [place[axis - 1] for axis in axes]
-        fields = [self._real(x) for x in (*speeds, *coordinates)]
+        fields = [self.real(x) for x in (*speeds, *coordinates)]
         rows = ["".join(fields[i : i + 5]) for i in range(0, len(fields), 5)]
         return ["Y(L)", *rows] if rows else []
 
@@ -170,7 +167,7 @@ class _Deck:
 
     def _dofs(self, k: int, hung: Any, which: Any) -> Any:
         axes = hung.free(which)
-        return _integers(k, len(axes), *(int(axis in axes) for axis in (1, 2, 3)))
+        return integers(k, len(axes), *(int(axis in axes) for axis in (1, 2, 3)))
 
     def _loads(self, bodies: Any) -> Any:
         """Constant forces at O_k and torques, then torques by tables."""
@@ -192,51 +189,15 @@ class _Deck:
         cards: list[Any] = []
         for word, loads in (("FORC", forces), ("TOQU", torques)):
             cards += self._bodies(word, loads) if np.any(loads) else []
-        return [*cards, *self._entries("TABL", tables)]
+        return [*cards, *self.entries("TABL", tables)]
 
     def _torque_tables(self, item: Any, k: int) -> Any:
-        points = self._points(item, item.factor)
+        points = self.points_at(item, item.factor)
         return [
-            self._table(k, axis, [(t, item.torque[axis - 1] * v) for t, v in points])
+            self.table(k, axis, [(t, item.torque[axis - 1] * v) for t, v in points])
             for axis in (1, 2, 3)
             if item.torque[axis - 1]
         ]
-
-    def _points(self, item: Any, function: Any) -> Any:
-        points = points_of(function)
-        if points is None:
-            self.refusals.add(item, "DAFMS varies loads by tables only; give the function as TABLE")
-        return points or []
-
-    def _table(self, k: int, which: Any, points: Any) -> Any:
-        lines = [_integers(k, which, len(points))]
-        return "\n".join([*lines, *(self._real(t) + self._real(v) for t, v in points)])
-
-    def _hinge_elements(self) -> Any:
-        """Springs, dampers, motors and prescribed motions."""
-        springs, dampers, motors, tables, motions = [], [], [], [], []
-        for item in self.model.joint_springs:
-            head = self._dof(item)
-            if item.stiffness:
-                springs.append(head + self._real(item.stiffness) + self._real(item.rest))
-            if item.damping:
-                dampers.append(head + self._real(item.damping))
-        for item in self.model.motors:
-            value = value_of(item.function)
-            if value is not None:
-                motors.append(self._dof(item) + self._real(value))
-            else:
-                tables.append(self._table(*self._place(item), self._points(item, item.function)))  # type: ignore[call-arg]
-        for item in self.model.joint_drivers:
-            c = polynomial_of(item.function)
-            if c is None or len(c) > 3:
-                message = "DAFMS prescribes a coordinate as C + B t + A t^2/2 only"
-                self.refusals.add(item, message)
-                continue
-            C, B, half = (*c, 0.0, 0.0)[:3]
-            motions.append(self._dof(item) + "".join(self._real(x) for x in (C, B, 2.0 * half)))
-        cards = ("SPRI", springs), ("DAMP", dampers), ("MOTR", motors), ("TABM", tables), ("PRES", motions)
-        return [line for word, entries in cards for line in self._entries(word, entries)]
 
     def _shapes(self) -> list[str]:
         """Primitives in the axes of O_k; DAFMS names no files."""
@@ -246,35 +207,14 @@ class _Deck:
                 body, hung = self.model.bodies[shape.body], self.hung[shape.body]
                 shape = shifted(shape, shape.body, hung.own.T @ (body.r - hung.origin), hung.own.T @ body.A)
             if not shape.file:
-                head = _integers(self.number[shape.body], KINDS.index(shape.kind) + 1)
-                entries.append(head + "".join(map(self._real, shape.sizes)))
-                entries.append("".join(map(self._real, (*shape.offset, *shape.angles))))
-        return ["GEOM", _integers(len(entries) // 2), *entries] if entries else []
-
-    def _place(self, item: Any) -> Any:
-        """Body of the hinge, and the number of its degree of freedom."""
-        k = self.hinge_of[item.joint]
-        axis = self.hung[self.links[k - 1].body].axis
-        return k, axis if item.coordinate == ANGLE else axis + 3
-
-    def _dof(self, item: Any) -> Any:
-        return _integers(*self._place(item))
-
-    def _entries(self, word: Any, entries: Any) -> Any:
-        return [word, _integers(len(entries)), *entries] if entries else []
+                head = integers(self.number[shape.body], KINDS.index(shape.kind) + 1)
+                entries.append(head + "".join(map(self.real, shape.sizes)))
+                entries.append("".join(map(self.real, (*shape.offset, *shape.angles))))
+        return ["GEOM", integers(len(entries) // 2), *entries] if entries else []
 
     def _bodies(self, word: Any, rows: Any) -> Any:
         """A card with a record for every body."""
-        return [word, *(f"{k:5d}" + "".join(map(self._real, row)) for k, row in enumerate(rows, start=1))]
-
-    def _real(self, value: Any) -> Any:
-        """Ten columns of a number; its rounding is kept for the notes."""
-        value = float(value) + 0.0
-        # Round-off of the frames, which would fill its columns by an exponent.
-        text = "0.0" if abs(value) < 1e-15 else filled(value, 10)
-        if value and text != "0.0":
-            self.rounding = max(self.rounding, abs(float(text) - value) / max(abs(value), 1e-3))
-        return text.rjust(10)
+        return [word, *(f"{k:5d}" + "".join(map(self.real, row)) for k, row in enumerate(rows, start=1))]
 
 
 def _scalar_last(A: Any) -> Any:
@@ -282,9 +222,5 @@ def _scalar_last(A: Any) -> Any:
     return (*e, e0)
 
 
-def _integers(*values: Any) -> Any:
-    return "".join(f"{value:5d}" for value in values)
-
-
 def _lists(values: Any) -> Any:
-    return [_integers(*values[i : i + 10]) for i in range(0, len(values), 10)]
+    return [integers(*values[i : i + 10]) for i in range(0, len(values), 10)]

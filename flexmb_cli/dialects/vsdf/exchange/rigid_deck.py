@@ -8,6 +8,7 @@ from ....errors import Fault, ModelError
 from ....model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
 from ....model.exchange.rigid_model import ALPHA, RADAU, Refusals, RigidModel, across
 from ....model.exchange.shapes import RigidShape, notes_of
+from ....model.joint_elements import EndStop, JointFriction
 from ....model.joints import ANGLE
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS
@@ -70,6 +71,9 @@ class _Deck:
             ("TORQ", self._torques()),
             ("SPRI", [self._spring(n, item) for n, item in enumerate(model.springs, start=1)]),
             ("JSPR", [self._joint_spring(item) for item in model.joint_springs]),
+            ("TSTO", [_stop(item) for item in model.stops if item.coordinate == ANGLE]),
+            ("ASTO", [_stop(item) for item in model.stops if item.coordinate != ANGLE]),
+            ("FRIC", [_friction(item) for item in model.frictions]),
             ("GRAV", [_record(*model.gravity)]),
             ("TIME", [_record(model.time.end, model.time.step, stepping.step)]),
             ("INTG", [_record(_METHODS.get(stepping.method, "RK45"), self._parameter())]),
@@ -179,7 +183,7 @@ class _Deck:
             return function.kind, *function.c
         if function.kind == TABLE:
             return TABLE, float(self._table(list(zip(function.times, function.values, strict=True))))
-        message = "VSDF moves by polynomials to the third power, a spin-up, a sine or a natural spline only"
+        message = "only polynomials to the third power, spin-ups, sines and tables of motions are converted"
         self.refusals.add(item, message)
         return ("",)
 
@@ -195,7 +199,7 @@ class _Deck:
             return value, 0
         points = points_of(function)
         if points is None:
-            self.refusals.add(item, "VSDF varies a load by straight lines only; give its function as TABLE")
+            self.refusals.add(item, "only tables of loads are converted to VSDF; give its function as TABLE")
             return 1.0, 0
         return 1.0, self._table(without_jumps(points))
 
@@ -243,6 +247,15 @@ class _Deck:
         elif item.stiffness < 0 or item.damping < 0:
             self.refusals.add(item, "VSDF springs have no negative stiffness or damping")
         return _record(item.joint + 1, item.stiffness, item.damping, item.rest)
+
+
+def _stop(item: EndStop) -> str:
+    return _record(item.joint + 1, item.lower, item.upper, item.stiffness, item.damping)
+
+
+def _friction(item: JointFriction) -> str:
+    numbers = item.dynamic, item.static, item.stribeck, item.creep, item.radius, item.preload
+    return _record(item.joint + 1, *numbers)
 
 
 def _shape(shape: RigidShape) -> str:

@@ -25,7 +25,7 @@ from ....model.exchange.rigid_model import (
 )
 from ....model.exchange.shapes import RigidShape, shifted
 from ....model.exchange.start import Start
-from ....model.joint_elements import JointDriver, JointMotor
+from ....model.joint_elements import EndStop, JointDriver, JointMotor
 from ....model.loads import AppliedForce, AppliedTorque, DynamicModel, SpringDamper
 from ....model.mechanism import GROUND, Driver, Point, Simplified, TimeGrid
 from ....model.time_functions import POLYNOMIAL, MotionFunction
@@ -41,8 +41,6 @@ if TYPE_CHECKING:
 _FOREIGN = {
     "couplings": "couplings of joint coordinates are not converted",
     "bushings": "bushings are not converted",
-    "stops": "end stops are not converted",
-    "frictions": "dry friction is not converted",
 }
 
 
@@ -110,6 +108,11 @@ class _Conversion(Conversion):
             ),
             self._stepping(),
             self._notes(),
+            stops=tuple(self._stop(item) for item in deck.elements.stops if item.joint in self.joints),
+            frictions=tuple(
+                replace(item, joint=self.joints[item.joint])
+                for item in deck.elements.frictions if item.joint in self.joints
+            ),
         )  # fmt: skip
 
     def shape(self, shape: RigidShape) -> RigidShape:
@@ -214,6 +217,11 @@ class _Conversion(Conversion):
         joint = self.mechanism.joints[number]
         axis = joint.s_i, joint.P_i, joint.P_j
         return coordinate_since(coordinate, axis, (joint.i, joint.j), (self.first, self.now))
+
+    def _stop(self, item: EndStop) -> EndStop:
+        offset = self._offset(item.joint, item.coordinate)
+        joint, lower, upper = self.joints[item.joint], item.lower - offset, item.upper - offset
+        return replace(item, joint=joint, lower=lower, upper=upper)
 
     def _joint_driver(self, item: Any) -> Any:
         # The function is met at the start, whatever number of turns it begins with.

@@ -18,15 +18,15 @@ OTHERS = {"MASS", "GRAVITY", "VELOCITY", "TOLERANCE", "GALF", "RAD5", "GEOM", "S
 KEYWORDS = tuple(card.keyword for card in CARDS if card.keyword not in OTHERS)
 END, STEP = 0.2, 0.002  # s
 POWERS = (1.2, 0.9, -0.7)  # the motion is 1.2 t + 0.9 t² - 0.7 t³, rad or m
-MOTION = f"POLYNOMIAL 90 0 {' '.join(map(str, POWERS))}\n"
+REVERSING = (1.2, -5.0, -4.0)  # comes to rest after 0.1 s, and goes back
 HALFWAY = 0.1  # s, where tables bend and stops are met
 CUT = 1e-6  # s, in which one spline follows another
 AT_HALFWAY = sum(c * HALFWAY**k for k, c in enumerate(POWERS, 1))
 
 
-def motion(t):
+def motion(t, powers=POWERS):
     """The coordinate that is driven, and its rate."""
-    a, b, c = POWERS
+    a, b, c = powers
     return t * (a + t * (b + t * c)), a + t * (2 * b + t * 3 * c)
 
 
@@ -74,11 +74,13 @@ class Case:
     coordinate: int = 1
     breaks: tuple[float, ...] = ()  # s, where the effort bends
     column: int = -1  # of its driver among the efforts: angles come before strokes
+    powers: tuple[float, float, float] = POWERS  # of the motion
 
     @property
     def driver(self) -> str:
         """The card that lets the coordinate follow `MOTION`."""
-        return f"{MOTION}{('ANGLE', 'STROKE')[self.coordinate - 1]} {self.joint} 90\n"
+        powers = " ".join(map(str, self.powers))
+        return f"POLYNOMIAL 90 0 {powers}\n{('ANGLE', 'STROKE')[self.coordinate - 1]} {self.joint} 90\n"
 
     def motor(self, times, efforts) -> str:
         """Cards of an effort given at `times`, cubic between the breaks, and of the rate at the start."""
@@ -95,7 +97,7 @@ class Case:
             text += f"PRODUCT {300 + k} {100 + k} {200 + k}\n"
             parts.append(str(300 + k))
         text += f"SUM 99 {' '.join(parts)}\n{('TMOTOR', 'AMOTOR')[self.coordinate - 1]} {self.joint} 99\n"
-        return f"{text}RATE {self.joint} {self.coordinate} {POWERS[0]}\n"
+        return f"{text}RATE {self.joint} {self.coordinate} {self.powers[0]}\n"
 
 
 def _varied(function: str, *breaks: float) -> Case:
@@ -140,6 +142,19 @@ CASES = {
     "RATE": Case(ROTOR, TURNED),
     "JOINTS": Case(ROTOR, f"{TURNED}JOINTS\n"),
 }  # fmt: skip
+
+
+# Friction of other joints, which stops, turns round and slides back; slow enough for splines to follow.
+SLEEVE = "2 0 0 0 0 0 {} 0 {} 0 0 1\n" + _FRAMES * 2 + "1 2 0 0 0 0 0 0 0 0 1 0 0 1{}\n1 0 0 0 0 0 0\n"
+BEARING = "FRICTION 1 0.2 0.25 0.5 0.1 0.04 3\n"
+CASES_OF_FRICTION = {
+    "revolute": Case(ROTOR, f"{TURNED}{BEARING}", powers=REVERSING),
+    "translational": Case(SLIDER, f"{SLID}FRICTION 1 0.2 0.25 5 0.5 0 3\n", coordinate=2, powers=REVERSING),
+    "cylindrical": Case(
+        SLEEVE.format(1, 0, ""), f"{TURNED}SINE 5 0 0.02 9\nSTROKE 1 5\n{BEARING}", column=0, powers=REVERSING
+    ),
+    "screw": Case(SLEEVE.format(0, 1, " 1 0 0 1 0 0 0.03"), f"{TURNED}{BEARING}", powers=REVERSING),
+}
 
 
 def without(keyword: str, case: Case) -> str:

@@ -9,14 +9,24 @@ import functools
 import numpy as np
 import pytest
 
-from tests.solvers.constrained.elements.element_cases import CASES, KEYWORDS, forward, free, inverse, motion
+from tests.solvers.constrained.elements.element_cases import (
+    CASES,
+    CASES_OF_FRICTION,
+    KEYWORDS,
+    forward,
+    free,
+    inverse,
+    motion,
+)
+
+ALL = CASES | CASES_OF_FRICTION
 
 # Cards of an integrator, and what the coordinate and its rate may be off.
 METHODS = {
     "DOP853": ("TOLERANCE 1e-12\n", 1e-9, 1e-8),
     "RAD5": ("RAD5 1e-9\n", 1e-9, 1e-8),
-    "GALF with chosen steps": ("GALF 0 0.9\nTOLERANCE 1e-8\n", 2e-7, 2e-6),
-    "GALF with steps of 0.1 ms": ("GALF 1e-4 0.9\n", 2e-8, 5e-8),
+    "GALF with chosen steps": ("GALF 0 0.9\nTOLERANCE 1e-10\n", 1e-8, 1e-7),
+    "GALF with steps of 0.05 ms": ("GALF 5e-5 0.9\n", 1e-8, 2e-8),
 }
 
 
@@ -34,26 +44,27 @@ def test_every_card_that_acts_has_a_case():
 
 @functools.cache
 def driven(keyword):
-    return inverse(CASES[keyword])
+    return inverse(ALL[keyword])
 
 
 @pytest.mark.long_motion
-@pytest.mark.parametrize("keyword", KEYWORDS)
+@pytest.mark.parametrize("keyword", ALL)
 def test_an_inverse_run_follows_the_motion(keyword):
-    rows, place = driven(keyword), CASES[keyword].joint - 1
-    angle, rate = motion(rows.time)
+    rows, case = driven(keyword), ALL[keyword]
+    place = case.joint - 1
+    angle, rate = motion(rows.time, case.powers)
     assert rows.joint_coordinate[:, place] == pytest.approx(angle, abs=1e-12)
     assert rows.joint_rate[:, place] == pytest.approx(rate, abs=1e-11)
 
 
 @pytest.mark.long_motion
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("keyword", KEYWORDS)
+@pytest.mark.parametrize("keyword", ALL)
 def test_the_effort_of_an_inverse_run_gives_the_motion_back(keyword, method):
-    case, given = CASES[keyword], driven(keyword)
+    case, given = ALL[keyword], driven(keyword)
     card, near, near_rate = METHODS[method]
     found, same = forward(case, given, card)
-    angle, rate = motion(found.time)
+    angle, rate = motion(found.time, case.powers)
     assert found.joint_coordinate[:, case.joint - 1] == pytest.approx(angle, abs=near)
     assert found.joint_rate[:, case.joint - 1] == pytest.approx(rate, abs=near_rate)
     # What moves along, and what all elements but the motor do, which is the last.
