@@ -1,6 +1,7 @@
 """flexmb: kinematics and dynamics of rigid and flexible multibody systems from legacy decks.
 
-The Python interface is imported when it is used: `read_deck`, `check`, `solve`, `sweep`, `Result`.
+The Python interface is imported when it is used: `read_deck`, `check`, `solve`, `sweep`, `Result`,
+and the exceptions that these raise.
 """
 
 from typing import TYPE_CHECKING
@@ -8,9 +9,32 @@ from typing import TYPE_CHECKING
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from .interface import FlexmbError, OpenDeck, Result, check, read_deck, solve, sweep
+    from .interface import (
+        AnalysisError,
+        DeckError,
+        FlexmbError,
+        ModelError,
+        OpenDeck,
+        Result,
+        check,
+        read_deck,
+        solve,
+        sweep,
+    )
 
-__all__ = ["FlexmbError", "OpenDeck", "Result", "__version__", "check", "read_deck", "solve", "sweep"]
+__all__ = [
+    "AnalysisError",
+    "DeckError",
+    "FlexmbError",
+    "ModelError",
+    "OpenDeck",
+    "Result",
+    "__version__",
+    "check",
+    "read_deck",
+    "solve",
+    "sweep",
+]
 
 
 def __getattr__(name: str) -> object:

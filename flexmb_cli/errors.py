@@ -13,6 +13,8 @@ from .quick_dataclass import dataclass, field
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from .result import Result
+
 
 DONE, ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT = 0, 1, 2, 3
 COMPLETE, FAILED = "complete", "failed"  # status of a result
@@ -146,10 +148,12 @@ class ModelError(DeckError):
 class AnalysisError(FlexmbError):
     """The analysis stopped at `time`; what was computed before is kept (exit 1).
 
-    `norms` carries the figures of the failure (remaining gap, worst residuals) for `--json`.
+    `norms` carries the figures of the failure (remaining gap, worst residuals) for `--json`; `result` the
+    rows so far, where `interface.solve` raised it.
     """
 
     exit_code = ANALYSIS_FAILED
+    result: "Result | None" = None
 
     def __init__(self, fault: Fault, time: float, norms: dict[str, Any] | None = None):
         super().__init__(fault.sentence, (fault,))

@@ -16,15 +16,17 @@ class MissingExtra(FlexmbError):
 def needed(module: str, package: str, extra: str, what: str) -> ModuleType:
     """Return the imported `module` of `package`, which `what` needs and the extra brings.
 
-    Call it before any work begins.  Raises MissingExtra with the command that installs the extra.
+    Call it before any work begins.  Raises MissingExtra with the command that installs the extra, or the
+    package where no extra has it ("").
     """
     try:
         return importlib.import_module(module)
     except ImportError as fault:
         # What it imports would cost every start-up.
-        from .installation import install_command
+        from .installation import command_for, install_command
 
         absent = isinstance(fault, ModuleNotFoundError) and (fault.name or "") in (package, module)
         reason = "which is not installed" if absent else f"which cannot be imported ({fault})"
-        message = f"{what} needs {package}, {reason}; install it with: {install_command(extra)}"
+        command = install_command(extra) if extra else command_for([package])
+        message = f"{what} needs {package}, {reason}; install it with: {command}"
         raise MissingExtra(message, id="FLEXMB-006") from fault

@@ -6,6 +6,7 @@ import os
 import re
 import shlex
 import sys
+from collections.abc import Sequence
 from importlib import metadata
 from pathlib import Path
 from urllib.parse import unquote, urlparse
@@ -20,10 +21,15 @@ def install_command(extra: str) -> str:
         where = "." if checkout == Path.cwd() else str(checkout)
         return f"{_installer()} -e {shlex.quote(f'{where}[{extra}]')}"
     # flexmb is on no index: its extra is installed by the names of its libraries.
-    libraries = " ".join(shlex.quote(library) for library in _libraries(extra))
+    return command_for(_libraries(extra))
+
+
+def command_for(libraries: Sequence[str]) -> str:
+    """Return the shell command that installs libraries into the environment that runs this program."""
+    named = " ".join(map(shlex.quote, libraries))
     if Path(sys.prefix, "pipx_metadata.json").exists():
-        return f"pipx inject {DISTRIBUTION} {libraries}"
-    return f"{_installer()} {libraries}"
+        return f"pipx inject {DISTRIBUTION} {named}"
+    return f"{_installer()} {named}"
 
 
 def _checkout() -> Path | None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .deck.record import Deck
-from .errors import COMPLETE, FAILED, AnalysisError, Fault, FlexmbError
+from .errors import COMPLETE, FAILED, AnalysisError, DeckError, Fault, FlexmbError, ModelError
 from .quick_dataclass import dataclass, replace
 from .result import Result
 
@@ -123,9 +123,7 @@ def solve(deck: OpenDeck | str | os.PathLike[str], **options: float | str) -> "R
         try:
             blocks.extend(solution.blocks_counted())
         except AnalysisError as failure:
-            failure.result = _result(  # type: ignore[attr-defined]
-                opened, solution, blocks, [*run.outcome.faults, *doubts], failure
-            )
+            failure.result = _result(opened, solution, blocks, [*run.outcome.faults, *doubts], failure)
             raise
     return _result(opened, solution, blocks, [*run.outcome.faults, *doubts], None)
 
@@ -231,7 +229,10 @@ def write_study(path: str, study: "Sweep") -> None:
 
 
 __all__ = [
+    "AnalysisError",
+    "DeckError",
     "FlexmbError",
+    "ModelError",
     "OpenDeck",
     "Result",
     "check",

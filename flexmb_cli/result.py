@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import COMPLETE, FAILED, Fault, sentences
+from .extras import needed
 from .quick_dataclass import dataclass, field
 
 if TYPE_CHECKING:
@@ -74,9 +75,14 @@ class Result(Mapping[str, np.ndarray]):
         file.close()
 
     def to_xarray(self) -> "xarray.DataTree":
-        """Return the result as xarray opens its file: groups of labelled arrays; needs h5netcdf."""
+        """Return the result as xarray opens its file: groups of labelled arrays; needs h5netcdf.
+
+        Raises MissingExtra, a FlexmbError, with the command that installs what is missing.
+        """
         import tempfile
 
+        needed("xarray", "xarray", "", "to_xarray")
+        needed("h5netcdf", "h5netcdf", "", "to_xarray")
         import xarray
 
         with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
@@ -85,7 +91,8 @@ class Result(Mapping[str, np.ndarray]):
                 return tree.load()
 
     def to_pandas(self, *names: str) -> "pandas.DataFrame":
-        """Return the quantities named, each a column, with the time as index."""
+        """Return the quantities named, each a column, with the time as index; raises MissingExtra."""
+        needed("pandas", "pandas", "", "to_pandas")
         import pandas
 
         columns = {

@@ -9,10 +9,19 @@ import pytest
 from click.testing import CliRunner
 
 import flexmb_cli
-from flexmb_cli import FlexmbError, check, interface, read_deck, solve, sweep
+from flexmb_cli import (
+    AnalysisError,
+    DeckError,
+    FlexmbError,
+    ModelError,
+    check,
+    interface,
+    read_deck,
+    solve,
+    sweep,
+)
 from flexmb_cli.cli import cli
 from flexmb_cli.cli.run import run
-from flexmb_cli.errors import AnalysisError
 from flexmb_cli.run.outcome import RunOptions
 
 DECKS = Path(__file__).resolve().parents[1] / "decks"
@@ -61,6 +70,7 @@ def test_a_failure_names_the_deck_and_the_place_in_it(tmp_path, text, changes, m
         ({"atol": float("nan")}, ValueError, "solve needs 0 < atol < 1; read nan"),
         ({"most_iterations": "many"}, ValueError, "solve needs 1 <= most_iterations, finite; read 'many'"),
         ({"formulation": "newton"}, ValueError, "formulation is one of kane, absolute; read 'newton'"),
+        ({"method": "rk45"}, ValueError, "method is one of dop853, radau, alpha, lsoda, sdirk4; read"),
         ({"rtoll": 1}, TypeError, "solve has no option 'rtoll'; is rtol meant?"),
         ({"folder": "x"}, TypeError, "solve has no option 'folder'; it has rtol, "),
     ],
@@ -101,6 +111,24 @@ def test_xarray_sees_groups_with_units():
     tree = solve(FOUR_BAR).to_xarray()
     assert tree["body"]["position"].attrs["units"] == "m"
     assert tree["body"]["position"].shape == (26, 4, 3)
+
+
+def test_documented_exceptions_are_those_that_are_raised(tmp_path):
+    assert issubclass(ModelError, DeckError) and issubclass(AnalysisError, FlexmbError)
+    (tmp_path / "empty.dat").write_text("")
+    with pytest.raises(DeckError):
+        read_deck(tmp_path / "empty.dat")
+
+
+@pytest.mark.parametrize(
+    ("module", "call"),
+    [("pandas", lambda result: result.to_pandas("time")), ("xarray", lambda result: result.to_xarray())],
+)
+def test_a_library_that_is_missing_is_named_with_its_installation(module, call, monkeypatch):
+    result = solve(FOUR_BAR)
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(FlexmbError, match=rf"to_{module} needs {module}.*; install it with: .*{module}$"):
+        call(result)
 
 
 def test_rows_before_a_lock_are_kept(tmp_path):

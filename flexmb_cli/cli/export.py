@@ -32,8 +32,8 @@ def export(result: str, form: str, output: str | None, quiet: bool) -> None:
     Example:
         flexmb export OUT4-BAR.h5 --to vtkhdf -o four-bar.vtkhdf
     """
+    from ..results.hdf5.stored_result import is_study
     from ..results.quantities.quantities import open_result, refuse_uneven, shortfall
-    from ..study.text import is_study
     from .options.output_file import refuse_inputs, refuse_standard_output, reported
 
     output = output or f"{Path(result).stem}{SUFFIX[form]}"

@@ -72,7 +72,7 @@ def plot(
     """
     from ..extras import needed
     from ..results.figures.plots import FORMATS
-    from ..study.text import is_study
+    from ..results.hdf5.stored_result import is_study
     from .options.output_file import refuse_inputs, refuse_standard_output
 
     output = output or f"{Path(result).stem}.png"

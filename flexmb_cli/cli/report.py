@@ -42,7 +42,7 @@ def report(result: str, output: str | None, quiet: bool, movie: Any, **film: Any
     from pathlib import Path
 
     from ..results.files.replaced_file import write_whole
-    from ..study.text import is_study
+    from ..results.hdf5.stored_result import is_study
     from .options.output_file import STANDARD_OUTPUT, refuse_inputs, reported
 
     if not movie:
@@ -86,8 +86,8 @@ def _write_film(path: str, target: Any, page: Any, film: Any, quiet: bool) -> No
 
     from ..results.figures.film import FORMATS, film_bytes
     from ..results.files.replaced_file import write_whole
+    from ..results.hdf5.stored_result import is_study
     from ..results.quantities.quantities import open_result, refuse_uneven
-    from ..study.text import is_study
     from .options.output_file import refuse_inputs, refuse_standard_output
 
     refuse_standard_output(target, "a film")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, FlexmbError
-from .options.deck_options import DECK, deck_options, show_faults, with_models
+from .options.deck_options import DECK, deck_options, refuse_strange_models, show_faults, with_models
 from .options.finite import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, Finite
 from .terminal.screen import show, standard_output, tell, wants_debug
 from .terminal.stops import stop_on_signals
@@ -87,6 +87,7 @@ def run(
     integration = _given(options, rtol="rtol", atol="atol", method="method")
     options |= {"echo": echo, "debug": wants_debug()}
     choices = RunOptions(changes=changes, solver=solver, integration=integration, **options)
+    refuse_strange_models(decks, changes)
     _refuse_shared_files(decks, choices)
     stop_on_signals()
     codes = []
@@ -195,7 +196,7 @@ def _refuse_shared_files(decks: Any, options: "RunOptions") -> None:
     for path, model in map(named_model, decks):
         name = path if path == "-" else PurePath(path).name
         results.append((path, result_paths(name, _dialect(path, options), *places, model)))
-    refuse_shared(results)
+    refuse_shared(results, decks)
 
 
 def _dialect(deck: str, options: "RunOptions") -> str:

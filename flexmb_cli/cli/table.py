@@ -52,7 +52,7 @@ def table(
         flexmb table study.h5 top --format text
         flexmb table OUT.h5 driver.1.effort --as-table 1
     """
-    from ..study.text import is_study
+    from ..results.hdf5.stored_result import is_study
 
     if number and (listing or style or is_study(result)):
         raise click.UsageError(

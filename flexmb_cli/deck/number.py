@@ -47,7 +47,7 @@ def real(word: str) -> tuple[float, str]:
     bare = _BARE_EXPONENT.fullmatch(word)
     found = bare or _REAL.fullmatch(word)
     if found is None:
-        raise Misspelt(f"must be a number; read {shown(word)}{_hint(word)}")
+        raise Misspelt(f"must be a number; read {shown(word)}{hint(word)}")
     value = _double(word, *found.groups())  # type: ignore[arg-type]
     return value, f"{shown(word)} is taken for {value:.6g}; write the exponent with e" if bare else ""
 
@@ -83,5 +83,6 @@ def shown(word: str) -> str:
     return f"'{short}'" if short.isprintable() else ascii(short)
 
 
-def _hint(word: str) -> str:
+def hint(word: str) -> str:
+    """Return what is wrong with the spelling of a number, and the remedy, behind a colon; "" if unknown."""
     return next((f": {hint}" for pattern, hint in _HINTS if pattern.search(word)), "")

@@ -80,12 +80,17 @@ def changes_of(changes: tuple[str, ...], source: DeckText, model: int) -> list[s
     named = [(change, _NAMED.fullmatch(change)) for change in changes]
     if not any(found for _, found in named):
         return list(changes)
-    count = max(1, len(model_starts(source.lines)))
-    strange = [change for change, found in named if found and int(found[1]) > count]
+    refuse_strange(changes, max(1, len(model_starts(source.lines))))
+    own = max(model, 1)
+    return [found[2] if found else change for change, found in named if not found or int(found[1]) == own]
+
+
+def refuse_strange(changes: tuple[str, ...], count: int) -> None:
+    """Raise DeckError for settings of a model beyond the `count` that a deck holds."""
+    found = [(change, _NAMED.fullmatch(change)) for change in changes]
+    strange = [change for change, named in found if named and int(named[1]) > count]
     if strange:
         holds = "one model" if count == 1 else f"{count} models"
         raise DeckError(
             [Fault("error", f"--set {change}: the deck holds {holds}", id="DAFMS-044") for change in strange]
         )
-    own = max(model, 1)
-    return [found[2] if found else change for change, found in named if not found or int(found[1]) == own]

@@ -16,6 +16,7 @@ from .dialect import Dialect
 AUTO = "auto"
 CHOOSES = "--dialect chooses one"
 _FIRST_LINES = 20  # that are not blank
+_FIRST_WORDS = 60  # of a deck with a title
 
 
 def read_deck(source: DeckText, dialect: str = AUTO) -> Deck:
@@ -69,8 +70,22 @@ def _meant_instead(first: Word, lines: Sequence[str]) -> str:
     if set(first.text) == {"#"}:
         return "this is a page of text (Markdown), not a deck"
     printed = next((d.title for d in every_dialect() if _is_listing(d, lines)), "")
-    return (
-        f"this is a table that a {printed} run printed; give the deck it was computed from" if printed else ""
+    if printed:
+        return f"this is a table that a {printed} run printed; give the deck it was computed from"
+    if _is_title(first, lines):
+        return f"a title stands in braces: {{ {lines[first.place.line - 1].strip()} }}"
+    return ""
+
+
+def _is_title(first: Word, lines: Sequence[str]) -> bool:
+    """Return whether words stand above the counts of a YOUNG deck: a line of eleven or twelve integers."""
+    title = first.place.line
+    by_line: dict[int, list[str]] = {}
+    for word in islice(words(lines), _FIRST_WORDS):
+        by_line.setdefault(word.place.line, []).append(word.text)
+    later = [texts for line, texts in by_line.items() if line > title]
+    return not first.text.isdecimal() and any(
+        len(texts) in (11, 12) and all(map(str.isdecimal, texts)) for texts in later
     )
 
 

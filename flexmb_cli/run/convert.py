@@ -16,8 +16,6 @@ from .solution import solution_of
 
 if TYPE_CHECKING:
     from ..model.loads import DynamicModel
-    from ..model.mechanism import Mechanism
-    from ..model.tree import Tree
 
 
 SI = "m"
@@ -39,8 +37,11 @@ def converted(path: str, form: str, changes: tuple[str, ...] = (), unit: str = S
         if form in DIALECTS:
             _refuse_own(deck, form)
             return _deck_of(deck, run, form, (unit, to_unit))
-        write = _mjcf if form == "mjcf" else _exudyn
-        return write(model_of(deck, run), name)
+        model = model_of(deck, run)
+        if form == "mjcf" and analysis_of(model) != "tree":
+            message = "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints"
+            raise ModelError([Fault("error", message + _other_way(deck, run, model), id="RUN-027")])
+        return _mjcf(model, name) if form == "mjcf" else _exudyn(model, name)
     except FlexmbError as failure:
         failure.file = failure.file or path
         raise
@@ -83,16 +84,32 @@ def _refuse_unreadable(text: Any, form: Any, run: Run) -> None:
         raise ModelError([Fault("error", message, id="RUN-062")]) from failure
 
 
-def _mjcf(model: "Mechanism | Tree", name: str) -> str:
+def _other_way(deck: Deck, run: Run, model: Any) -> str:
+    """Return which conversion takes a mechanism that is no tree, each having been tried; "" for none."""
+    for form in DIALECTS:
+        if form != deck.dialect and _gives_a_tree(deck, run, form):
+            return f"; it is an open chain: convert it --to {form} first, then that deck --to mjcf"
+    try:
+        _exudyn(model, "")
+    except FlexmbError:
+        return ""
+    return "; --to exudyn takes it"
+
+
+def _gives_a_tree(deck: Deck, run: Run, form: str) -> bool:
+    """Return whether the deck converts to a dialect and from there to MJCF."""
+    try:
+        text = _deck_of(deck, run, form, (SI, SI))
+        tree, _ = dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
+        return analysis_of(tree) == "tree" and bool(_mjcf(tree, ""))
+    except FlexmbError:
+        return False
+
+
+def _mjcf(model: Any, name: str) -> str:
     from ..results.models.mjcf import mjcf
 
-    if analysis_of(model) != "tree":
-        message = "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints"
-        message += "; --to exudyn takes it" * (
-            analysis_of(model) == "dynamic" and getattr(model, "analysis", "") == "forward"
-        )
-        raise ModelError([Fault("error", message, id="RUN-027")])
-    return mjcf(model, name)  # type: ignore[arg-type]
+    return mjcf(model, name)
 
 
 def _exudyn(model: Any, name: Any) -> str:

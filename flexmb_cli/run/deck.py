@@ -4,7 +4,7 @@ from ..deck.record import Deck
 from ..errors import BAD_INPUT
 from ..results.files.file_names import ResultPaths, result_paths
 from .context import Run, TextStream
-from .earlier_results import notes_of_earlier_results
+from .earlier_results import warnings_of_earlier_results
 from .exit_status import ending_recorded
 from .open_deck import open_deck, own_options, warn_of_foreign_options
 from .outcome import Listener, Outcome, RunOptions, Stop
@@ -34,7 +34,7 @@ def run_deck(
                 # By now the model tells what it took for empty fields.
                 outcome.echo = echo(deck)
     if outcome.exit_code == BAD_INPUT:
-        outcome.faults += notes_of_earlier_results(path, options)
+        outcome.faults += warnings_of_earlier_results(path, options)
     return outcome
 
 

@@ -9,8 +9,8 @@ from ..results.files.file_names import result_paths
 from .outcome import RunOptions
 
 
-def notes_of_earlier_results(path: str, options: RunOptions) -> list[Fault]:
-    """Return a note that names the results of an earlier run of the deck at `path`, if there are any.
+def warnings_of_earlier_results(path: str, options: RunOptions) -> list[Fault]:
+    """Return a warning that names the results of an earlier run of the deck at `path`, if there are any.
 
     A deck that cannot be read tells no dialect, so the names of all dialects are looked for.
     """
@@ -29,5 +29,15 @@ def notes_of_earlier_results(path: str, options: RunOptions) -> list[Fault]:
             model,
         ).files
     }
-    there = ", ".join(sorted(file for file in named if Path(file).is_file()))
-    return [Fault("note", f"still of an earlier run: {there}", id="RUN-042")] if there else []
+    there = ", ".join(sorted(file for file in named if Path(file).is_file() and not _is_of_study(file)))
+    return [Fault("warning", f"still of an earlier run: {there}", id="RUN-042")] if there else []
+
+
+def _is_of_study(file: str) -> bool:
+    """Return whether a file is the table of `flexmb sweep STEM.toml`, which no run replaces unasked."""
+    if not file.endswith(".h5"):
+        return False
+    # Decks without faults need no HDF5 library for this.
+    from ..results.hdf5.stored_result import is_study
+
+    return is_study(file)

@@ -24,7 +24,7 @@ def refuse_foreign_method(deck: Deck, options: RunOptions) -> None:
     dialect, method = dialect_named(deck.dialect), options.integration.get("method")
     if method not in (None, *dialect.methods) and dialect.takes_steps(deck):
         known = dialect.methods
-        reported = f"--method {method}: a {dialect.title} deck is integrated by {', '.join(known[:-1])}"
+        reported = f"method {method}: a {dialect.title} deck is integrated by {', '.join(known[:-1])}"
         raise ModelError([Fault("error", f"{reported} or {known[-1]}", id="RUN-025")])
 
 
@@ -34,8 +34,9 @@ def set_tolerances(analysis: SteppedAnalysis, options: RunOptions, outcome: Outc
     if not given:
         return
     if not analysis.integrator.chosen:
-        names = " and ".join(f"--{name}" for name in given)
-        message = f"{names}: the deck gives the length of the steps; set it to 0, or take --method radau"
+        # `interface.solve` has these options, too: no dashes.
+        names = " and ".join(given)
+        message = f"{names}: the deck gives the length of the steps; set it to 0, or take the method radau"
         outcome.faults.append(Fault("warning", message, id="RUN-026"))
     for name, value in given.items():
         analysis.clock[name] = value

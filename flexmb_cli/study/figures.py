@@ -10,7 +10,9 @@ from ..results.figures.look import COLOURS
 from ..results.figures.plots import HEIGHT, METADATA, RESOLUTION, WIDTH
 from .cases_table import CasesTable
 
+ONLY_ROUND_OFF = "varies by round-off only"
 KINDS = ("auto", "curve", "map", "scatter", "parallel")
+ROUND_OFF = 1e-10  # of the size of a result: what varies less is no influence of a parameter
 MOST_LINES = 2000  # of parallel coordinates: more hide each other
 
 
@@ -58,6 +60,9 @@ def _curves(figure: Any, cases: CasesTable) -> None:
     for axis, (label, values) in zip(axes, cases.results.items(), strict=True):
         axis.plot(x[order], values[order], color=COLOURS[0], marker=".", linewidth=1.3)
         axis.set_ylabel(_plain(label))
+        if (flat := flat_range(values)) is not None:
+            axis.set_ylim(*flat)
+            axis.set_title(ONLY_ROUND_OFF, fontsize="small")
         axis.grid(True, linewidth=0.4, color="#cccccc")
     axes[-1].set_xlabel(_plain(name))
 
@@ -75,9 +80,24 @@ def _maps(figure: Any, cases: CasesTable) -> None:
         cells = np.full((rows.size, columns.size), np.nan)
         cells[place] = values
         drawn = axis.pcolormesh(columns, rows, cells, shading="nearest", cmap="viridis", rasterized=True)
+        if (flat := flat_range(values)) is not None:
+            drawn.set_clim(*flat)
+            axis.set_title(ONLY_ROUND_OFF, fontsize="small")
         figure.colorbar(drawn, ax=axis, label=_plain(label))
         axis.set_xlabel(_plain(x_name))
         axis.set_ylabel(_plain(y_name))
+
+
+def flat_range(values: np.ndarray) -> tuple[float, float] | None:
+    """Return limits in which a result that varies by round-off only is flat; None where it varies more."""
+    finite = values[np.isfinite(values)]
+    if finite.size < 2:
+        return None
+    low, high = float(finite.min()), float(finite.max())
+    size = max(abs(low), abs(high))
+    if not 0 < high - low <= ROUND_OFF * size:
+        return None
+    return low - 0.05 * size, high + 0.05 * size
 
 
 def _scatter(figure: Any, cases: CasesTable) -> None:
@@ -90,6 +110,9 @@ def _scatter(figure: Any, cases: CasesTable) -> None:
             axis = grid[row, column]
             axis.plot(x, values, ".", color=COLOURS[0], markersize=3, rasterized=len(x) > MOST_LINES)
             axis.grid(True, linewidth=0.4, color="#cccccc")
+            if (flat := flat_range(values)) is not None:
+                axis.set_ylim(*flat)
+                axis.set_title(ONLY_ROUND_OFF, fontsize="small")
             if column == 0:
                 axis.set_ylabel(_plain(label))
             if row == len(cases.results) - 1:

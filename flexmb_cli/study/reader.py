@@ -4,6 +4,7 @@ A study is data: names are looked up and numbers taken, nothing is evaluated.
 """
 
 import math
+import re
 from functools import cached_property
 from typing import Any, TypeGuard
 
@@ -39,7 +40,15 @@ def _table(source: DeckText) -> "dict[Any, Any]":
         raise DeckError([Fault("error", message, fault.place, id="STUDY-012")]) from None
     except TomlError as fault:
         _refuse_deck(source)
-        raise DeckError([Fault("error", f"not TOML: {fault}", fault.place, id="STUDY-011")]) from None
+        message = f"not TOML: {fault}{_bare_text(source, fault.place)}"
+        raise DeckError([Fault("error", message, fault.place, id="STUDY-011")]) from None
+
+
+def _bare_text(source: DeckText, place: Place | None) -> str:
+    """Return the remedy where the value at fault is a text without quotes, else an empty text."""
+    line = source.lines[place.line - 1] if place and place.line <= len(source.lines) else ""
+    found = re.fullmatch(r"\s*([^=#]{1,80}?)\s*=\s*([A-Za-z][^\"'\[{#]{0,200}?)\s*(#.*)?", line)
+    return f'; texts stand in quotes: {found[1]} = "{found[2]}"' if found else ""
 
 
 def _refuse_deck(source: DeckText) -> None:

@@ -15,15 +15,12 @@ import numpy as np
 
 from ..errors import visible
 from ..quick_dataclass import dataclass
-from ..results.hdf5.heap_bounds import fault_of_heaps
 from ..results.hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, understood
 from ..results.quantities.quantities import NOTHING, ResultError
 from ..results.quantities.quantity_names import folded
 from ..results.quantities.table import SEPARATOR, TEXT_NUMBER, TEXT_WIDTH
 from .table import NUMBERS_WRITTEN
 
-# Of any number behind it.
-CONVENTIONS = "flexmb-study-"
 CASE, EXIT_CODE, MESSAGE = "case", "exit_code", "message"
 GROUPS = ("parameter", "result")
 
@@ -54,15 +51,6 @@ class StudyColumn:
         """Return whether `pattern`, with `*` and `?`, means this column; its group may be left out."""
         names = {folded(self.name), folded(self.path.rpartition("/")[2] or self.name)}
         return any(name == folded(pattern) or fnmatch.fnmatchcase(name, folded(pattern)) for name in names)
-
-
-def is_study(path: str) -> bool:
-    """Return whether the file at `path` can be opened and is the table of a study."""
-    try:
-        with h5py.File(path, "r") as file, understood():
-            return not fault_of_heaps(file) and attribute(file, "Conventions").startswith(CONVENTIONS)
-    except (OSError, Damaged):
-        return False
 
 
 @contextmanager

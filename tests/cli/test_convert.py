@@ -154,6 +154,21 @@ def test_what_the_other_program_cannot_hold_is_refused_and_leaves_no_file(deck, 
     assert not output.exists()
 
 
+def test_an_open_chain_is_sent_to_mjcf_by_way_of_its_tree(tmp_path):
+    """Each conversion that the refusal names is accepted; a loop without loads is sent nowhere."""
+    (tmp_path / "a.DAT").write_text((DECKS / "dafms/spatial_rigid.DAT").read_text())
+    young, tree = str(tmp_path / "a.dat"), str(tmp_path / "b.DAT")
+    invoke = CliRunner().invoke
+    assert invoke(convert, [str(tmp_path / "a.DAT"), "--to", "young", "-o", young]).exit_code == 0
+    refused = invoke(convert, [young, "--to", "mjcf", "-o", str(tmp_path / "c.xml")]).exception
+    assert "it is an open chain: convert it --to dafms first, then that deck --to mjcf" in str(refused)
+    assert "exudyn" not in str(refused)
+    assert invoke(convert, [young, "--to", "dafms", "-o", tree]).exit_code == 0
+    assert invoke(convert, [tree, "--to", "mjcf", "-o", str(tmp_path / "c.xml")]).exit_code == 0
+    refused = invoke(convert, [str(DECKS / "young/dynamics/IN4-BAR-MASS.dat"), "--to", "mjcf"]).exception
+    assert str(refused).endswith("this deck describes a mechanism with constraints")
+
+
 def test_a_load_by_a_function_of_time_does_not_convert_to_exudyn(tmp_path):
     text = (DECKS / "young/dynamics/IN-BRICARD.dat").read_text()
     deck = tmp_path / "driven.dat"

@@ -10,6 +10,7 @@ import pytest
 
 from flexmb_cli import cli as package
 from flexmb_cli.cli import cli, main
+from flexmb_cli.study.table import Column, TableHead, write_table
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 FOUR_BAR = str(DECKS / "young" / "IN4-BAR.dat")
@@ -196,9 +197,20 @@ def test_results_of_an_earlier_run_are_named_where_the_deck_has_errors(flexmb, t
     deck.write_text(Path(FOUR_BAR).read_text())
     assert flexmb("run", "IN4-BAR.dat", "-q")[0] == 0
     deck.write_text(Path(FOUR_BAR).read_text().replace("0 2.5 0.1", "0 2.5 x"))
-    code, _, reported = flexmb("run", "IN4-BAR.dat")
-    assert code == 2
-    assert "IN4-BAR.dat: note: still of an earlier run: OUT4-BAR.dat, OUT4-BAR.h5\n" in reported
+    for options in ((), ("-q",)):
+        code, _, reported = flexmb("run", "IN4-BAR.dat", *options)
+        assert code == 2
+        assert "IN4-BAR.dat: warning: still of an earlier run: OUT4-BAR.dat, OUT4-BAR.h5\n" in reported
+
+
+def test_the_table_of_a_study_is_no_result_of_an_earlier_run(flexmb, tmp_path):
+    """`flexmb sweep f.toml` writes f.h5, which a run of f.dat would write, too."""
+    (tmp_path / "f.dat").write_text(Path(FOUR_BAR).read_text().replace("0 2.5 0.1", "0 2.5 x"))
+    head = TableHead("a = 1", "deck", "a.dat", "0" * 64, (Column("parameter/a", "m", "a"),), 1)
+    write_table(str(tmp_path / "f.h5"), head, [(1, 0, 3, "", [1.0])])
+    assert "earlier run" not in flexmb("run", "f.dat")[2]
+    (tmp_path / "f.OUT").write_text("")
+    assert "f.dat: warning: still of an earlier run: f.OUT\n" in flexmb("run", "f.dat")[2]
 
 
 def test_a_run_to_standard_output_says_so(flexmb):

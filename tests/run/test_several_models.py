@@ -54,8 +54,11 @@ def test_settings_name_a_model_or_hold_for_all(folder):
     assert ["BM==    1   0.35000" in echo for echo in echoes] == [False, True]
     assert [len((folder / f"FMBD-{k}.T2").read_text().splitlines()) for k in (1, 2)] == [4, 4]
     done = flexmb("FMBD.DAT", "--set", "3:time.IT=2")
-    assert done.exit_code == 2
-    assert "--set 3:time.IT=2: the deck holds 2 models" in done.stderr
+    # Once, and not once a model.
+    assert (done.exception.exit_code, done.exception.file) == (2, "FMBD.DAT")
+    assert str(done.exception) == "--set 3:time.IT=2: the deck holds 2 models"
+    done = flexmb("FMBD.DAT", "--out", "-")
+    assert str(done.exception).startswith("1:FMBD.DAT and 2:FMBD.DAT would both write to standard output")
 
 
 def test_one_model_is_run_by_its_name(folder):

@@ -62,6 +62,20 @@ def test_the_picture_suits_the_parameters(pairs, kind, tmp_path):
     assert (tmp_path / "again.svg").read_bytes() == (tmp_path / "s.svg").read_bytes()
 
 
+@pytest.mark.parametrize(("pairs", "kind"), [(LINE, "curve"), (GRID, "map"), (CLOUD, "scatter")])
+def test_a_result_that_varies_by_round_off_is_drawn_flat_and_says_so(pairs, kind, tmp_path):
+    """2 m and 2 m + 4e-16 m, one unit of the last place of a double, are the same result."""
+    pytest.importorskip("matplotlib")
+    head = TableHead("a = 1", "deck", "a.dat", "0" * 64, (LENGTH, RATE, TOP), len(pairs))
+    rows = [(n, 0, 3, "", [*pair, np.nextafter(2, 3) if n % 2 else 2]) for n, pair in enumerate(pairs, 1)]
+    write_table(str(tmp_path / "s.h5"), head, rows)
+    assert called(plot, tmp_path / "s.h5", "-o", tmp_path / "s.svg").exit_code == 0
+    labels = re.findall(r"<!-- (.*?) -->", (tmp_path / "s.svg").read_text())
+    assert "varies by round-off only" in labels and "2.0" in {label.strip("0") + "0" for label in labels}
+    called(plot, study(tmp_path / "varied.h5", pairs), "-o", tmp_path / "varied.svg")
+    assert "round-off" not in (tmp_path / "varied.svg").read_text()
+
+
 def test_series_are_drawn_over_their_times_coloured_by_the_parameter(tmp_path):
     """Case n has the times n, 2 n, 3 n; the failed case is left out."""
     pytest.importorskip("matplotlib")

@@ -152,3 +152,8 @@ def test_a_name_of_many_parts_is_refused_before_it_is_read():
 def test_dots_in_lists_comments_and_paths_make_no_deep_name():
     text = GRID.replace("[1, 2.5]", "[" + "1.5, " * 100 + "]").replace(HEAD, HEAD + "#" + "." * 100 + "\n")
     assert len(study(text).parameters[0].values) == 100
+
+
+def test_a_text_without_quotes_is_told_to_stand_in_them():
+    with pytest.raises(DeckError, match=r'texts stand in quotes: top = "max body\.3\.z"'):
+        study(HEAD + "[results]\ntop = max body.3.z\n")

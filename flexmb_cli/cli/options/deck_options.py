@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from ...dialects import DIALECTS
-from ...errors import compiler_style
+from ...errors import FlexmbError, compiler_style
 from ..terminal.screen import tell
 from ..terminal.stops import stop_on_signals
 from .completion import files
@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 # What a command reports of a deck, with its `outcome`.
 Report = TypeVar("Report", bound="CheckReport | ModesReport | Verification")
+
+# Results of an earlier run look like those of this one, which wrote none.
+_SHOWN_ALWAYS = "RUN-042"
 
 DECK = click.argument("decks", metavar="DECK...", nargs=-1, required=True, shell_complete=files)
 
@@ -61,9 +64,25 @@ def with_models(decks: tuple[str, ...]) -> list[str]:
     return [name for deck in decks for name in models_of(deck)]
 
 
+def refuse_strange_models(decks: list[str], changes: tuple[str, ...]) -> None:
+    """Raise DeckError, once a deck, for a setting of a model that a deck with several of them lacks."""
+    from ...deck.several_models import models_of, named_model, refuse_strange
+
+    for path in dict.fromkeys(path for path, model in map(named_model, decks) if model):
+        try:
+            refuse_strange(changes, len(models_of(path)))
+        except FlexmbError as failure:
+            failure.file = path
+            raise
+
+
 def show_faults(outcome: "Outcome", quiet: bool) -> None:
-    """Faults of an outcome on standard error, as compilers show them; with `quiet` errors only."""
-    faults = [fault for fault in outcome.faults if fault.severity == "error" or not quiet]
+    """Faults of an outcome on standard error, as compilers do; with `quiet` errors, and old results."""
+    faults = [
+        fault
+        for fault in outcome.faults
+        if not quiet or fault.severity == "error" or fault.id == _SHOWN_ALWAYS
+    ]
     if faults:
         lines = outcome.source.lines if outcome.source else ()
         click.echo(compiler_style(outcome.deck, faults, lines), err=True)

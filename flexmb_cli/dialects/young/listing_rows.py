@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...deck.number import hint
 from ...deck.table_columns import OLD_DECIMALS, Columns
 from ...errors import Fault, Place
 
@@ -57,7 +58,7 @@ def row_fault(key: str, index: int, rest: str, number: int, offset: int, columns
     shown = bad or (words[0] if words else None)
     place = Place(number, offset + (shown.start() if shown else 0) + 1, len(shown[0]) if shown else 1)
     wanted = f"{len(columns.names)} numbers are expected ({columns.names[0]} … {columns.names[-1]})"
-    read = f"{bad[0]!r} is no number of this table" if bad else f"{len(words)} are there"
+    read = f"{bad[0]!r} is no number of this table{hint(bad[0])}" if bad else f"{len(words)} are there"
     return Fault("error", f"{wanted}, {read}", place, f"{key} of {columns.item} {index}", id="YOUNG-031")
 
 

@@ -1,6 +1,7 @@
 """File names of a deck's results, and the refusal of two results at one place."""
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -90,10 +91,11 @@ def result_paths(
     )
 
 
-def refuse_shared(results: list[tuple[str, ResultPaths]]) -> None:
+def refuse_shared(results: list[tuple[str, ResultPaths]], names: Sequence[str] = ()) -> None:
     """Raise `OutputError` when two results, or a result and a deck, would be the same file.
 
-    `results` are pairs (deck's path as given, "-" for standard input; its `ResultPaths`).
+    `results` are pairs (deck's path as given, "-" for standard input; its `ResultPaths`);
+    `names` what the user calls each, "2:DECK" for a model of several.
     """
     decks = {_identity(deck): deck for deck, _ in results if deck != STANDARD_INPUT}
     owners: dict[str, int] = {}
@@ -101,7 +103,8 @@ def refuse_shared(results: list[tuple[str, ResultPaths]]) -> None:
         for path in paths.files:
             _refuse_overwriting(deck, path, decks)
             _refuse_second(results, number, path, owners)
-    tables = [deck for deck, paths in results if paths.out == STANDARD_OUTPUT]
+    shown = names or [deck for deck, _ in results]
+    tables = [name for name, (_, paths) in zip(shown, results, strict=True) if paths.out == STANDARD_OUTPUT]
     if len(tables) > 1:
         raise OutputError(
             f"{tables[0]} and {tables[1]} would both write to standard output; run them one by one",

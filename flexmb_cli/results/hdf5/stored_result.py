@@ -33,6 +33,8 @@ _OF_OUTPUT = (errno.EPIPE, errno.ENOSPC, errno.EBADF, errno.EDQUOT, errno.EFBIG)
 FREE_BYTES, MOST_TIMES = 2**26, 100
 # The last part of `Conventions`, of results and of the tables of studies.
 NEWEST_LAYOUT = 2
+# The beginning of `Conventions` of the tables of studies.
+OF_STUDIES = "flexmb-study-"
 # Scales along one axis of a dataset: netCDF and flexmb attach one.
 MOST_SCALES = 64
 
@@ -61,6 +63,15 @@ def check_structure(file: h5py.File) -> None:
     except (ValueError, TypeError, SystemError) as error:
         # h5py, where a name is no text or a message of HDF5 quotes one.
         raise Damaged(f"its structure cannot be read: {visible(str(error))}") from error
+
+
+def is_study(path: str) -> bool:
+    """Return whether the file at `path` can be opened and is the table of a study."""
+    try:
+        with h5py.File(path, "r") as file, understood():
+            return not fault_of_heaps(file) and attribute(file, "Conventions").startswith(OF_STUDIES)
+    except (OSError, Damaged):
+        return False
 
 
 def newer_layout(file: h5py.File) -> str:

@@ -9,10 +9,12 @@ from pathlib import Path
 import pytest
 
 from flexmb_cli.deck.record import DeckText
+from flexmb_cli.deck.table_columns import Columns
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.young.build import build_young
-from flexmb_cli.errors import ModelError
+from flexmb_cli.dialects.young.listing_rows import row_fault
+from flexmb_cli.errors import DeckError, ModelError
 from tests.dialects.young.young_decks import PENDULUM
 
 DECK = Path(__file__).resolve().parents[3] / "decks/young/IN1-4-3.dat"
@@ -65,3 +67,24 @@ def test_twelve_counts_on_two_lines_are_twelve():
     wrapped = PENDULUM.replace("0 0 0 0 0 1\n", "0 0 0 0 0\n1\n")
     assert read(wrapped).one("counts")["NGROUN"] == 1
     assert not [fault for fault in read(wrapped).warnings if "11 counts" in fault.message]
+
+
+@pytest.mark.parametrize("counts", [PRINTED, PENDULUM])
+def test_a_title_above_the_counts_is_told_to_stand_in_braces(counts):
+    with pytest.raises(DeckError) as caught:
+        read("SPATIAL FOUR BAR\n" + counts)
+    assert str(caught.value) == "a title stands in braces: { SPATIAL FOUR BAR }"
+
+
+@pytest.mark.parametrize(
+    ("word", "remedy"),
+    [
+        ("17.O16", "letter O instead of zero?"),
+        ("-4,250", "decimal comma? write a point"),
+        ("–8.500", "is the minus sign a dash? write '-'"),
+    ],
+)
+def test_slips_of_a_scan_in_a_listing_get_the_remedy_of_decks(word, remedy):
+    columns = Columns("body", ("X", "Y"), ("position", "position"), (3, 3))
+    fault = row_fault("position", 1, f" {word} 1.000", 4, 3, columns)
+    assert fault.message.endswith(f"{word!r} is no number of this table: {remedy}")

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from flexmb_cli.cli.plot import plot
 from flexmb_cli.results.figures.curves import Curve, Panel
 from flexmb_cli.results.figures.look import Look
-from flexmb_cli.results.figures.plots import fitted_figure
+from flexmb_cli.results.figures.plots import fitted_figure, picture
 from tests.results.figures.turning_bar import write_bar
 
 matplotlib = pytest.importorskip("matplotlib")
@@ -62,6 +62,13 @@ def test_a_legend_that_covers_nothing_stays_inside():
     (axis,) = figure_of(Look(85, size=8.0), flat).axes
     legend = axis.get_legend().get_window_extent()
     assert axis.bbox.x0 <= legend.x0 and legend.y1 <= axis.bbox.y1 and legend.y0 >= axis.bbox.y0
+
+
+def test_pictures_for_print_have_300_dots_per_inch():
+    """85 mm are 85/25.4 in, 1003 dots of a PNG; its width stands in bytes 16 to 20 (PNG, section 11.2.2)."""
+    flat = Panel("time [s]", "m", (Curve("a", TIMES, TIMES, 0),))
+    file = picture([flat], "png", look=Look(85, size=8.0))
+    assert abs(int.from_bytes(file[16:20], "big") - 85 / 25.4 * 300) <= 1
 
 
 def test_letters_that_leave_no_room_are_a_usage_error(deck, mechanism, rows, tmp_path):
