@@ -80,7 +80,8 @@ class _Frame:
             )
         middle = (self.left + self.right) / 2
         parts.append(
-            f'<text class="title" x="{middle}" y="{PIXELS_HIGH - 6}" text-anchor="middle">{escape(x_label)}</text>'
+            f'<text class="title" x="{middle}" y="{PIXELS_HIGH - 6}"'
+            f' text-anchor="middle">{escape(x_label)}</text>'
         )
         return "".join(parts)
 

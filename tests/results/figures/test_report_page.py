@@ -263,7 +263,7 @@ def test_long_names_of_curves_are_not_cut_off(tmp_path):
 
 @pytest.mark.parametrize("size", [1e-13, 1.0, 4.86e6, 1.25e-300])
 def test_numbers_at_the_axes_lie_within_the_picture_on_a_phone_too(size):
-    """There letters are 36 units high in a picture 1000 wide; DejaVu Sans has digits 0.636 as wide as high."""
+    """There letters are 36 units high in a picture 1000 wide; DejaVu's digits are 0.636 as wide as high."""
     curve = Curve("a", 0.001234 * TIMES, -size * TIMES)
     drawn = curve_figure(Panel("time [s]", "m", (curve,)), "a [m]", 0)
     placed = r'x="([-0-9.]+)" y="[-0-9.]+" text-anchor="{}">([^<]*)<'
@@ -430,7 +430,8 @@ return [...document.querySelectorAll('.curves > svg')].map(svg => {
   const box = one => { const b = one.getBoundingClientRect(); return [b.left, b.right, b.top, b.bottom]; };
   const texts = [...svg.querySelectorAll('text')].filter(one => getComputedStyle(one).display !== 'none');
   const high = parseFloat(getComputedStyle(texts[0]).fontSize) * svg.getScreenCTM().a;
-  return [high, texts.map(box), texts.map(one => one.textContent), box(svg.parentElement.querySelector('ul'))];
+  const legend = svg.parentElement.querySelector('ul');
+  return [high, texts.map(box), texts.map(one => one.textContent), box(legend)];
 })
 """
 
