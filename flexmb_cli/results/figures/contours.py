@@ -84,6 +84,26 @@ def contour_ranges(bodies: Sequence[ElementBody]) -> Ranges:
     return {name: kept[name] for name in CONTOURS if name in kept}
 
 
+@np.errstate(all="ignore")
+def resting_row(bodies: Sequence[ElementBody]) -> int:
+    """Return the row of the largest von Mises stress of `bodies` where the first has none, else the first."""
+    if not bodies:
+        return 0
+    largest = np.max([_largest_stress(body) for body in bodies], axis=0)
+    return int(np.argmax(largest)) if largest[0] <= ROUND_OFF_PART * largest.max() else 0
+
+
+def _largest_stress(body: ElementBody) -> np.ndarray:
+    """Largest finite von Mises stress (T,) at the nodes."""
+    found = np.zeros(len(body.amplitude))
+    rows = max(1, MOST_STRESSES // max(1, math.prod(body.stress_shape.shape[:2])))
+    for first in range(0, len(found), rows):
+        part = slice(first, first + rows)
+        values = von_mises(np.moveaxis(body.stress_shape @ body.amplitude[part].T, 1, -1))
+        found[part] = np.max(values, axis=0, where=np.isfinite(values), initial=0.0)
+    return found
+
+
 def _all_values(body: ElementBody) -> Iterator[tuple[str, np.ndarray]]:
     rows = max(1, MOST_STRESSES // max(1, math.prod(body.stress_shape.shape[:2])))
     for first in range(0, len(body.amplitude), rows):

@@ -4,6 +4,7 @@ Curves with more points than the picture has columns are drawn between the small
 each column, so that fast oscillations show as their envelope.
 """
 
+import math
 from html import escape
 from typing import Any
 
@@ -15,7 +16,7 @@ from .look import COLOURS
 PIXELS_WIDE, PIXELS_HIGH = 1000, 300
 LEFT, RIGHT, TOP, BOTTOM = 90, 34, 14, 44
 # Width of a digit in the large letters of a narrow screen, and what parts a number from the frame.
-DIGIT, GAP = 15, 14
+DIGIT, GAP = 23, 14
 ENVELOPE_COLUMNS = 450
 # More points than this for each column are an envelope.
 POINTS_PER_COLUMN = 3
@@ -62,21 +63,32 @@ class _Frame:
     def drawn(self, x_label: str) -> str:
         """Grid, ticks and the name of the x axis."""
         parts = []
-        for value, text in _ticks(*self.x):
-            x = self.places(value, self.y[0])[0, 0]
+        ticks = _ticks(*self.x)
+        every = self.shown_when_narrow(ticks)
+        for k, (value, text) in enumerate(ticks):
+            x, kind = self.places(value, self.y[0])[0, 0], "below" if k % every == 0 else "below between"
             parts.append(f'<path class="grid" d="M{x:.1f} {TOP}V{PIXELS_HIGH - BOTTOM}"/>')
             parts.append(
-                f'<text x="{x:.1f}" y="{PIXELS_HIGH - BOTTOM + 17}" text-anchor="middle">{text}</text>'
+                f'<text class="{kind}" x="{x:.1f}" y="{PIXELS_HIGH - BOTTOM + 17}"'
+                f' text-anchor="middle">{text}</text>'
             )
         for value, text in _ticks(*self.y):
             y = self.places(self.x[0], value)[0, 1]
             parts.append(f'<path class="grid" d="M{self.left} {y:.1f}H{self.right:g}"/>')
-            parts.append(f'<text x="{self.left - 7}" y="{y + 4:.1f}" text-anchor="end">{text}</text>')
+            parts.append(
+                f'<text class="beside" x="{self.left - 7}" y="{y + 4:.1f}" text-anchor="end">{text}</text>'
+            )
         middle = (self.left + self.right) / 2
         parts.append(
-            f'<text x="{middle}" y="{PIXELS_HIGH - 6}" text-anchor="middle">{escape(x_label)}</text>'
+            f'<text class="title" x="{middle}" y="{PIXELS_HIGH - 6}"'
+            f' text-anchor="middle">{escape(x_label)}</text>'
         )
         return "".join(parts)
+
+    def shown_when_narrow(self, ticks: list[tuple[float, str]]) -> int:
+        """Return 1 where all numbers of the x axis have room in large letters, 2 for every other one, 3 …"""
+        widest = DIGIT * max(len(text) for _, text in ticks) + GAP
+        return max(1, math.ceil(widest * (len(ticks) - 1) / (self.right - self.left)))
 
 
 def _range(arrays: list[np.ndarray], margin: float) -> tuple[float, float]:

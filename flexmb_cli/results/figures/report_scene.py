@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from .body_shapes import BodyShape
-from .contours import ENERGY, Ranges, contour_ranges, unit_of
+from .contours import ENERGY, Ranges, contour_ranges, resting_row, unit_of
 from .element_bodies import ElementBody, element_bodies
 from .element_faces import face_edges, outer_faces_of_elements, triangles
 from .look import COLOURS
@@ -66,16 +66,18 @@ def scene_data(scene: Scene, surfaces: list[ElementBody], rows: slice = slice(No
     every = scene.places
     view = view_of(every, scene.gravity)
     ranges = contour_ranges(surfaces)
+    shown = [body.at(rows) for body in surfaces]
     seconds = float(scene.time[-1] - scene.time[0])
     return {
         "time": scene.time.tolist(),
         "labels": rounded(scene.time),
+        "rest": resting_row(shown),
         "seconds": min(max(seconds, SHORTEST_ANIMATION), LONGEST_ANIMATION),
         "box": {"low": every.min(axis=0).tolist(), "high": every.max(axis=0).tolist()},
         "view": {"eye": list(view.eye), "up": list(view.up)},
         "bodies": [_lines(body) for body in _lined(scene, surfaces)],
         "surfaces": [
-            *(_surface(body.at(rows), ranges) for body in surfaces),
+            *(_surface(body, ranges) for body in shown),
             *map(_rigid_surface, scene.shapes),
         ],
         "ranges": {

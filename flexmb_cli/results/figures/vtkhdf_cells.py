@@ -20,7 +20,7 @@ VERTEX, VTK_LINE, TRIANGLE = 1, 3, 5
 # Name of the point data: components of a point.
 FIELDS = {
     "displacement": 3, "deformation": 3, "velocity": 3, "stress": 6, "von_mises": 1, "principal_stress": 3,
-    "strain": 6,
+    "strain": 6, "principal_strain": 3,
 }  # fmt: skip
 
 
@@ -39,7 +39,7 @@ def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> No
     steps, count = len(scene.time), sum(counts)
     points = root.create_dataset("Points", (steps * count, 3), "f8")
     data = root.create_group("PointData")
-    known = {name: width for name, width in FIELDS.items() if name != "strain" or _strained(bodies)}
+    known = {name: width for name, width in FIELDS.items() if "strain" not in name or _strained(bodies)}
     fields = {
         name: data.create_dataset(name, (steps * count, width) if width > 1 else (steps * count,), "f8")
         for name, width in known.items()
@@ -89,6 +89,7 @@ def _row(
     velocities += [_rigid_velocities(scene, number, own, row) for number, own in rigid]
     none = np.full((rest, 6), np.nan)
     stress = np.concatenate([*(body.stress(row) for body in bodies), none])
+    strain = np.concatenate([*(_strain(body, row) for body in bodies), none])
     deformation = [body.deformation(row) for body in bodies] + [np.zeros((rest, 3))]
     return np.concatenate(places), {
         "deformation": np.concatenate(deformation),
@@ -96,14 +97,15 @@ def _row(
         "stress": stress,
         "von_mises": von_mises(stress),
         "principal_stress": _principal(stress),
-        "strain": np.concatenate([*(_strain(body, row) for body in bodies), none]),
+        "strain": strain,
+        "principal_strain": _principal(strain),
     }
 
 
-def _principal(stress: np.ndarray) -> np.ndarray:
-    """Principal stresses (n, 3) of tensors (n, 6), nan where one is not finite."""
-    finite, found = np.isfinite(stress).all(axis=1), np.full((len(stress), 3), np.nan)
-    found[finite] = principal_stresses(stress[finite])
+def _principal(tensor: np.ndarray) -> np.ndarray:
+    """Principal values (n, 3) of tensors (n, 6), nan where one is not finite."""
+    finite, found = np.isfinite(tensor).all(axis=1), np.full((len(tensor), 3), np.nan)
+    found[finite] = principal_stresses(tensor[finite])
     return found
 
 

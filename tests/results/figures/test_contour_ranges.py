@@ -94,6 +94,33 @@ def test_the_legend_of_the_page_has_the_largest_values_of_all_rows(browser, path
     assert part(browser, "legend-text").text == "deformation, 0 to 0.500 m"
 
 
+@pytest.mark.parametrize(
+    "amplitude, row",
+    [([0, 0.1, -0.3, 0.2], 2), ([0.01, 0.1, -0.3, 0.2], 0), ([0, 0, 0], 0)],
+)
+def test_a_page_without_stress_at_first_opens_at_the_largest(tmp_path, amplitude, row):
+    """Von Mises stress of a bar in tension or compression is 1 MPa times the size of the amplitude."""
+    with h5py.File(write_brick(tmp_path / "r.h5", np.array(amplitude, float))) as file:
+        assert report_scene(file)["rest"] == row
+
+
+@pytest.mark.processes
+def test_the_page_opens_at_the_largest_stress_and_plays_from_the_first_frame(browser, tmp_path):  # noqa: F811
+    """Row 2 of 0..3 is a time of 2 s of 3; a step back leads to 1 s."""
+    path = write_brick(tmp_path / "r.h5", np.array([0, 0.1, -0.3, 0.2]))
+    done = CliRunner().invoke(report, [str(path), "-o", str(tmp_path / "r.html")])
+    assert done.exit_code == 0, done.output
+    browser.get((tmp_path / "r.html").as_uri())
+    wait(lambda: browser.execute_script("return window.flexmb && window.flexmb.ready"))
+    assert part(browser, "time").text == "t = 2 s"
+    played = "const v = window.flexmb.viewer; v.play(); v.pause(); return v.frame"
+    assert browser.execute_script(played) == 0
+    browser.execute_script("window.flexmb.viewer.show(2)")
+    part(browser, "back").click()
+    assert part(browser, "time").text == "t = 1 s"
+    assert browser.execute_script(played) == 1
+
+
 TENSOR = (3.0, -1.0, 2.0, 0.5, -2.5, 1.5)  # Pa, xx yy zz xy yz zx
 
 

@@ -150,6 +150,7 @@ def test_a_bar_in_tension_has_its_closed_form_in_vtk(tmp_path):
     np.testing.assert_allclose(data["principal_stress"], np.tile([sigma, 0, 0], (8, 1)), atol=1e-9)
     strain = sigma / YOUNG * np.array([1, -POISSON, -POISSON, 0, 0, 0])
     np.testing.assert_allclose(data["strain"], np.tile(strain, (8, 1)), rtol=1e-12, atol=1e-20)
+    np.testing.assert_allclose(data["principal_strain"], np.tile(strain[:3], (8, 1)), rtol=1e-9)
 
 
 def test_the_middle_of_a_quadratic_face_is_interpolated_by_its_eight_nodes():

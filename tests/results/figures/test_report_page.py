@@ -263,14 +263,14 @@ def test_long_names_of_curves_are_not_cut_off(tmp_path):
 
 @pytest.mark.parametrize("size", [1e-13, 1.0, 4.86e6, 1.25e-300])
 def test_numbers_at_the_axes_lie_within_the_picture_on_a_phone_too(size):
-    """There letters are 26 units high in a picture 1000 wide; Helvetica's digits are 0.56 as wide as high."""
+    """There letters are 36 units high in a picture 1000 wide; DejaVu's digits are 0.636 as wide as high."""
     curve = Curve("a", 0.001234 * TIMES, -size * TIMES)
     drawn = curve_figure(Panel("time [s]", "m", (curve,)), "a [m]", 0)
-    placed = r'<text x="([-0-9.]+)" y="[-0-9.]+" text-anchor="{}">([^<]*)<'
+    placed = r'x="([-0-9.]+)" y="[-0-9.]+" text-anchor="{}">([^<]*)<'
     left = re.findall(placed.format("end"), drawn)
-    assert left and all(float(x) - 0.56 * 26 * len(text) >= 0 for x, text in left)
+    assert left and all(float(x) - 0.636 * 36 * len(text) >= 0 for x, text in left)
     below = re.findall(placed.format("middle"), drawn)[:-1]
-    assert all(float(x) + 0.56 * 26 * len(text) / 2 <= 1000 for x, text in below)
+    assert all(float(x) + 0.636 * 36 * len(text) / 2 <= 1000 for x, text in below)
 
 
 def test_the_heading_of_stresses_says_what_they_are():
@@ -423,6 +423,36 @@ def test_controls_do_not_lie_on_each_other_and_nothing_is_wider_than_the_page(pa
         for other in boxes[:k]:
             apart = left >= other[1] or right <= other[0] or top >= other[3] or bottom <= other[2]
             assert apart, (k, boxes)
+
+
+LETTERS = """
+return [...document.querySelectorAll('.curves > svg')].map(svg => {
+  const box = one => { const b = one.getBoundingClientRect(); return [b.left, b.right, b.top, b.bottom]; };
+  const texts = [...svg.querySelectorAll('text')].filter(one => getComputedStyle(one).display !== 'none');
+  const high = parseFloat(getComputedStyle(texts[0]).fontSize) * svg.getScreenCTM().a;
+  const legend = svg.parentElement.querySelector('ul');
+  return [high, texts.map(box), texts.map(one => one.textContent), box(legend)];
+})
+"""
+
+
+@pytest.mark.processes
+def test_letters_of_curves_are_twelve_pixels_high_on_a_phone(page):
+    """Nothing is cut off or covers anything; boxes have a quarter of a line above and below digits."""
+    size = {"width": 390, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+    page.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    wait(lambda: page.execute_script("return window.innerWidth") == 390)
+    figures = page.execute_script(LETTERS)
+    page.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    assert figures
+    for high, boxes, texts, legend in figures:
+        assert high >= 12 and len(texts) >= 5
+        inner = [(a, b, c + high / 4, d - high / 4) for a, b, c, d in boxes]
+        for k, (left, right, top, bottom) in enumerate(inner):
+            assert left >= 0 and right <= 390 and bottom <= legend[2], texts[k]
+            for other in inner[:k]:
+                apart = left >= other[1] or right <= other[0] or top >= other[3] or bottom <= other[2]
+                assert apart, (texts[k], texts[inner.index(other)])
 
 
 @pytest.mark.processes

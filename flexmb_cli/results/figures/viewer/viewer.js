@@ -61,7 +61,9 @@ class Viewer {
     this.ratio = 2; this.cost = 8;
     this.ranges = scene.ranges;  // those of all report rows, so that colours mean the same throughout
     this.controls();
-    this.show(0);
+    // Where the first frame has no stress the page opens, and prints, at the one that has most; motion begins at the first.
+    this.opened = scene.rest > 0;
+    this.show(scene.rest);
   }
 
   prepareSurface(one) {
@@ -243,7 +245,7 @@ class Viewer {
     const slider = this.part("slider"), last = this.scene.time.length - 1, again = () => this.show(this.frame);
     slider.max = last;
     for (const name of [...Object.keys(this.ranges), "body"]) this.part("colour").add(new Option(name));
-    const stepped = (name, event, frame) => this.part(name).addEventListener(event, () => { this.pause(); this.show(Math.min(last, Math.max(0, frame()))); });
+    const stepped = (name, event, frame) => this.part(name).addEventListener(event, () => { this.opened = false; this.pause(); this.show(Math.min(last, Math.max(0, frame()))); });
     stepped("slider", "input", () => Number(slider.value));
     stepped("back", "click", () => this.frame - 1);
     stepped("forward", "click", () => this.frame + 1);
@@ -332,7 +334,8 @@ class Viewer {
     this.playing = true; this.part("play").textContent = "pause";
     this.ratio = RATIOS.includes(this.ratio) && this.ratio <= 1 ? this.ratio : 1;
     const time = this.scene.time, last = time.length - 1;
-    if (this.frame === last) this.frame = 0;
+    if (this.frame === last || this.opened) this.frame = 0;
+    this.opened = false;
     let begun = performance.now(), from = this.frame;
     this.part("speed").onchange = () => { begun = performance.now(); from = this.frame; };
     const step = now => {
