@@ -70,7 +70,8 @@ def is_study(path: str) -> bool:
     try:
         with h5py.File(path, "r") as file, understood():
             return not fault_of_heaps(file) and attribute(file, "Conventions").startswith(OF_STUDIES)
-    except (OSError, Damaged):
+    except (OSError, ValueError, TypeError, SystemError, Damaged):
+        # Whoever reads the file next tells what is wrong with it.
         return False
 
 

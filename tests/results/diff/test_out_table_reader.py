@@ -154,12 +154,15 @@ def test_a_line_with_too_few_numbers_is_located():
     ]
 
 
-@pytest.mark.parametrize("word", ["-1.8l33", "-1.8133e", "\u0130nf"])
-def test_a_word_among_the_numbers_is_located(word):
+@pytest.mark.parametrize("word, remedy", [
+    ("-1.8l33", "letter l instead of one?"),
+    ("-1.8133e", "digits of the exponent are missing"),
+    ("\u0130nf", "write plain ASCII characters, not full-width or typographic ones"),
+])  # fmt: skip
+def test_a_word_among_the_numbers_is_located(word, remedy):
     text = BLOCK.replace("-1.7319 -1.8133", f"-1.7319 {word}")
-    assert faults(text) == [
-        (21, 29, f"point of point 1: 9 numbers are expected (X … ddZ), '{word}' is no number of this table"),
-    ]
+    wrong = f"point of point 1: 9 numbers are expected (X … ddZ), '{word}' is no number of this table"
+    assert faults(text) == [(21, 29, f"{wrong}: {remedy}")]
 
 
 def test_all_bad_lines_are_told_in_their_order():
