@@ -1,12 +1,18 @@
 """`flexmb report`: a page on a result."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from .options.completion import files
+from .options.finite import AnyFinite
+from .options.interval import Interval
 from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
+
+if TYPE_CHECKING:
+    from ..results.figures.body_look import BodyLook
+    from ..results.figures.film import FilmLook
 
 
 @click.command()
@@ -23,10 +29,14 @@ from .terminal.written_place import WrittenPlace
 @click.option("--view", type=click.Choice(["start", "x", "y", "z"]), default="start",
               help="Look along this axis [default: the page's first view].")  # fmt: skip
 @click.option("--colours", default="von Mises stress", metavar="NAME",
-              help="What colours finite-element bodies of the film, such as 'principal stress 1' or "
+              help="What colours finite-element bodies, such as 'principal stress 1' or "
               "'body'; an unknown name lists all [default: von Mises stress].")  # fmt: skip
+@click.option("--range", "ends", type=Interval(), metavar="LOW,HIGH",
+              help="Values of the first and the last colour [default: smallest and largest].")  # fmt: skip
+@click.option("--scale", type=AnyFinite(), default=1.0, metavar="X",
+              help="Show deformations of finite-element bodies X times as large [default: 1].")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
-def report(result: str, output: str | None, quiet: bool, movie: Any, **film: Any) -> None:
+def report(result: str, output: str | None, quiet: bool, movie: Any, **looks: Any) -> None:
     """Write a self-contained HTML page: motion in 3-D, curves, audit and deck of RESULT.h5.
 
     The page needs no network and no graphics card: play, scrub and turn the motion in any browser.
@@ -45,17 +55,18 @@ def report(result: str, output: str | None, quiet: bool, movie: Any, **film: Any
     from ..results.hdf5.stored_result import is_study
     from .options.output_file import STANDARD_OUTPUT, refuse_inputs, reported
 
-    if not movie:
-        _refuse_options_of_films()
+    bodies = _body_look(looks)
     if movie:
-        _write_film(result, movie, output, film, quiet)
+        _write_film(result, movie, output, looks, bodies, quiet)
         return
+    _refuse_options(("fps", "size", "view"), "for films; give --movie, too")
     output = output or f"{Path(result).stem}.html"
     refuse_inputs(output, [result])
     if is_study(result):
+        _refuse_options(("colours", "range", "scale"), "for results of a run; this is the table of a study")
         page, lacking = _study_page(result), ""
     else:
-        page, lacking = _result_page(result)
+        page, lacking = _result_page(result, bodies)
     if output == STANDARD_OUTPUT:
         click.echo(page, nl=False)
     else:
@@ -66,22 +77,33 @@ def report(result: str, output: str | None, quiet: bool, movie: Any, **film: Any
         tell(f"{result} → {reported(output)}, {_size(len(page))}")
 
 
-def _refuse_options_of_films() -> None:
-    context = click.get_current_context()
+def _refuse_options(names: tuple[str, ...], why: str) -> None:
+    context, parameters = click.get_current_context(), {"range": "ends"}
     given = [
         f"--{name}"
-        for name in ("fps", "size", "view", "colours")
-        if context.get_parameter_source(name) == click.core.ParameterSource.COMMANDLINE
+        for name in names
+        if context.get_parameter_source(parameters.get(name, name)) == click.core.ParameterSource.COMMANDLINE
     ]
     if given:
-        raise click.UsageError(f"{', '.join(given)}: for films; give --movie, too")
+        raise click.UsageError(f"{', '.join(given)}: {why}")
+
+
+def _body_look(looks: dict[str, Any]) -> "BodyLook":
+    from ..results.figures.body_look import COLOURS, OWN_COLOURS, BodyLook
+
+    colours, ends = looks["colours"], looks["ends"]
+    if colours not in COLOURS:
+        raise click.UsageError(f"--colours {colours}: wanted is one of: {', '.join(COLOURS)}")
+    if ends and colours == OWN_COLOURS:
+        raise click.UsageError("--range: bodies that have a colour each show no values")
+    return BodyLook(colours, ends, looks["scale"])
 
 
 def _size(count: int) -> str:
     return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.0f} kB"
 
 
-def _write_film(path: str, target: Any, page: Any, film: Any, quiet: bool) -> None:
+def _write_film(path: str, target: Any, page: Any, looks: Any, bodies: "BodyLook", quiet: bool) -> None:
     from pathlib import Path
 
     from ..results.figures.film import FORMATS, film_bytes
@@ -96,7 +118,7 @@ def _write_film(path: str, target: Any, page: Any, film: Any, quiet: bool) -> No
         raise click.UsageError(f"{target}: films are written as .mp4 or .gif files")
     if page:
         raise click.UsageError("--movie writes a film in place of the page; leave out -o")
-    look = _film_look(film)
+    look = _film_look(looks, bodies, form)
     _need_film_libraries(form)
     if is_study(path):
         raise click.UsageError(f"{path} is the table of a study, which has no motion")
@@ -105,24 +127,27 @@ def _write_film(path: str, target: Any, page: Any, film: Any, quiet: bool) -> No
         refuse_uneven(file)
         content = film_bytes(file, form, look)
     write_whole(target, content)
-    if not quiet:
-        tell(f"{path} → {target}, {len(content) / 1e6:.1f} MB")
+    if quiet:
+        return
+    if look.rate < looks["fps"]:
+        tell(
+            f"{target}: note: {look.rate} frames a second, the most that browsers show of a GIF; MP4 has more"
+        )
+    tell(f"{path} → {target}, {len(content) / 1e6:.1f} MB")
 
 
-def _film_look(film: Any) -> Any:
+def _film_look(looks: dict[str, Any], bodies: "BodyLook", form: str) -> "FilmLook":
     import re
 
-    from ..results.figures.film import COLOURS_OF_FILMS, FilmLook
+    from ..results.figures.film import MOST_OF_GIFS, FilmLook
 
-    found = re.fullmatch(r"([0-9]{2,4})x([0-9]{2,4})", film["size"])
+    found = re.fullmatch(r"([0-9]{2,4})x([0-9]{2,4})", looks["size"])
     width, height = map(int, found.groups()) if found else (0, 0)
     if not (64 <= width <= 4096 and 64 <= height <= 4096):
-        raise click.UsageError(f"--size {film['size']}: two numbers from 64 to 4096 wanted, such as 960x540")
-    if film["colours"] not in COLOURS_OF_FILMS:
-        known = ", ".join(COLOURS_OF_FILMS)
-        raise click.UsageError(f"--colours {film['colours']}: wanted is one of: {known}")
+        raise click.UsageError(f"--size {looks['size']}: two numbers from 64 to 4096 wanted, such as 960x540")
+    rate = min(looks["fps"], MOST_OF_GIFS) if form == "gif" else looks["fps"]
     # Video has whole blocks of two pixels.
-    return FilmLook(width - width % 2, height - height % 2, film["fps"], film["view"], film["colours"])
+    return FilmLook(width - width % 2, height - height % 2, rate, looks["view"], bodies)
 
 
 def _need_film_libraries(form: str) -> None:
@@ -135,13 +160,13 @@ def _need_film_libraries(form: str) -> None:
         needed("imageio_ffmpeg", "imageio-ffmpeg", "movie", f"{what} of an MP4 file")
 
 
-def _result_page(path: str) -> tuple[bytes, str]:
+def _result_page(path: str, bodies: "BodyLook") -> tuple[bytes, str]:
     from ..results.figures.report_page import report_page
     from ..results.quantities.quantities import open_result, refuse_uneven, shortfall
 
     with open_result(path) as file:
         refuse_uneven(file)
-        return report_page(file).encode("utf-8"), shortfall(file)
+        return report_page(file, bodies).encode("utf-8"), shortfall(file)
 
 
 def _study_page(path: str) -> bytes:

@@ -59,6 +59,7 @@ def plate(triangles: int, modes: int, instants: int) -> ElementBody:
         1, "plate", np.arange(1, n + 1), np.array(elements) - 1, places,
         shape, np.repeat(bent[:, None], 6, axis=1) * chance.normal(size=(1, 6, modes)),
         chance.normal(size=(instants, modes)), np.zeros((instants, modes)), still, turn, still, still,
+        np.arange(1, len(elements) + 1),
     )  # fmt: skip
 
 

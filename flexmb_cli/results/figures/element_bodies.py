@@ -46,7 +46,8 @@ class ElementBody:
     """A body of n nodes, `cells` (m, k) of rows of nodes, and N modes; SI units.
 
     `undeformed` (n, 3), `shape` (n, 3, N), `stress_shape` (n, 6, N): body axes; `amplitude`, `rate` (T, N);
-    `origin`, `velocity`, `spin` (T, 3): global axes; `turn` (T, 3, 3): body to global axes.
+    `origin`, `velocity`, `spin` (T, 3): global axes; `turn` (T, 3, 3): body to global axes;
+    `element_numbers` (m,): those of the file.
     `material`: None in results of earlier versions; `selected` (e,): rows of `cells` of the elements that
     `of_elements` is about, arrays (T, e, ...) by names of `ELEMENT_SERIES`.
     """
@@ -64,6 +65,7 @@ class ElementBody:
     turn: np.ndarray
     velocity: np.ndarray
     spin: np.ndarray
+    element_numbers: np.ndarray
     material: HookesLaw | None = None
     selected: np.ndarray | None = None
     of_elements: dict[str, np.ndarray] | None = None
@@ -77,9 +79,9 @@ class ElementBody:
         """Elastic displacements (n, 3) of the nodes in a row, global axes."""
         return self.shape @ self.amplitude[row] @ self.turn[row].T
 
-    def places(self, row: int) -> np.ndarray:
-        """Positions (n, 3) of the nodes in a row, global axes."""
-        return self.origin[row] + self.undeformed @ self.turn[row].T + self.deformation(row)
+    def places(self, row: int, scale: float = 1.0) -> np.ndarray:
+        """Positions (n, 3) of the nodes in a row, global axes, deformed `scale` times as much."""
+        return self.origin[row] + self.undeformed @ self.turn[row].T + scale * self.deformation(row)
 
     def velocities(self, row: int) -> np.ndarray:
         """Velocities (n, 3) of the nodes in a row, global axes: v + omega x (x - r) + A Phi eta'."""
@@ -121,6 +123,7 @@ def _body(result: Any, number: Any, name: Any, rows: Any) -> ElementBody:
         rotations(result["body/euler_parameters"][rows, one]),
         result["body/velocity"][rows, one],
         result["body/angular_velocity"][rows, one],
+        result[f"{group}/element"][:],
         _material(result, group),
     )
     return _with_elements(result, body, rows)
@@ -145,8 +148,7 @@ def _with_elements(result: h5py.File, body: ElementBody, rows: slice) -> Element
         return body
     shapes = {path: f"te{ELEMENT_SERIES[key][2]}" for key, path in paths.items()}
     check_shapes(result, {number: "e"} | shapes, {"t": len(result["time"])})
-    numbers = result[f"elastic/{body.name}/element"][:].tolist()
-    places = {element: row for row, element in enumerate(numbers)}
+    places = {element: row for row, element in enumerate(body.element_numbers.tolist())}
     selected = result[number][:].tolist()
     if not places.keys() >= set(selected):
         raise Damaged(f"/{number} names elements that {body.name} has not")

@@ -5,6 +5,7 @@ Bodies are drawn with a depth buffer, texts by matplotlib; imageio writes the fr
 
 import tempfile
 from collections.abc import Iterator
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,12 @@ import h5py
 import numpy as np
 
 from ...quick_dataclass import dataclass
-from ..quantities.quantities import ResultError
-from .contours import CONTOURS, ENERGY, VON_MISES, contour_ranges, nodal_values, unit_of
+from .body_look import DEFAULT_LOOK, BodyLook, check_look
+from .contours import ENERGY, Ranges, contour_ranges, nodal_values, unit_of
 from .depth_buffer import DepthBuffer
 from .element_bodies import ElementBody, element_bodies
-from .element_faces import outer_faces, triangles
+from .element_faces import outer_faces_of_elements, triangles
+from .film_texts import Texts
 from .report_scene import GREY, LONGEST_ANIMATION, MOST_TRACES, SHORTEST_ANIMATION, TRACE, colour_of, rounded
 from .scene import Scene, read_scene
 from .view import view_of
@@ -24,28 +26,23 @@ from .view import view_of
 FORMATS = ("mp4", "gif")
 VIEWS = {"x": ((1, 0, 0), (0, 0, 1)), "y": ((0, -1, 0), (0, 0, 1)), "z": ((0, 0, 1), (0, 1, 0))}
 MOST_FRAMES = 3000
-COLOURS_OF_FILMS = (*(name for name in CONTOURS if name != ENERGY), "body")
+# GIF files count hundredths of a second, and browsers show frames of less than two for ten.
+MOST_OF_GIFS = 50
 # Of the largest size of the mechanism: radius of a tube; share of the picture that it fills.
 TUBE_RADIUS, FILLED = 0.008, 1 / 1.12
 JOINT = "#6B6B6B"
-DOTS = 72  # an inch
-TEXT_HEIGHT, LETTERS = 20, 12  # heights of a line of text and of its letters, pixels
-BAR = (10, 180)  # height and width of the legend's colours, pixels
 CONTOURS_BEGIN = 0.2  # of viridis, where contours begin: below it is as dark as a dark page
 
 
 @dataclass(frozen=True)
 class FilmLook:
-    """Width and height in pixels, frames a second, a view of `VIEWS`, else that of the report, and colours.
-
-    `colours`: one of CONTOURS, else each body has its own.
-    """
+    """Width and height in pixels, frames a second, a view of `VIEWS`, else that of the report, and bodies."""
 
     width: int = 960
     height: int = 540
     rate: int = 25
     view: str = "start"
-    colours: str = VON_MISES
+    bodies: BodyLook = DEFAULT_LOOK
 
 
 def film_bytes(result: h5py.File, form: str, look: FilmLook) -> bytes:
@@ -56,15 +53,24 @@ def film_bytes(result: h5py.File, form: str, look: FilmLook) -> bytes:
     import imageio.v2 as imageio
 
     frames = film_frames(result, look)
+    first = next(frames)  # faults of the result come before all else
     # Frames of video are whole blocks of two pixels.
-    options = {"macro_block_size": 2} if form == "mp4" else {"loop": 0}
-    rate = {"fps": look.rate} if form == "mp4" else {"duration": 1000 / look.rate}
+    options: dict[str, Any] = {"macro_block_size": 2, "fps": look.rate}
+    if form == "gif":
+        count = len(film_rows(result["time"][:], look.rate))
+        options = {"loop": 0, "duration": gif_durations(count, look.rate)}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"film.{form}"
-        with imageio.get_writer(path, **options, **rate) as writer:  # type: ignore[arg-type]
-            for frame in frames:
+        with imageio.get_writer(path, **options) as writer:
+            for frame in chain([first], frames):
                 writer.append_data(frame)  # type: ignore[attr-defined]
         return path.read_bytes()
+
+
+def gif_durations(count: int, rate: int) -> list[int]:
+    """Durations, ms, of `count` frames, whole hundredths of a second that add up to `count` / `rate`."""
+    ends = [round(100 * k / rate) for k in range(count + 1)]
+    return [10 * (end - begin) for begin, end in pairwise(ends)]
 
 
 def film_rows(time: np.ndarray, rate: int) -> list[int]:
@@ -81,11 +87,9 @@ def film_frames(result: h5py.File, look: FilmLook) -> Iterator[np.ndarray]:
     """Frames (height, width, 3) of bytes."""
     scene = read_scene(result)
     bodies = list(element_bodies(result, scene.body_names, slice(None)))
-    canvas = _Canvas(scene, bodies, look)
-    if look.colours in CONTOURS and look.colours != VON_MISES and not canvas.legend:
-        raise ResultError(
-            result.filename, f"there is no body with elements to colour by {look.colours}", id="RESULT-028"
-        )
+    ranges = contour_ranges(bodies)
+    check_look(result.filename, look.bodies, ranges, scene.size)
+    canvas = _Canvas(scene, bodies, look, ranges)
     drawn, frame = None, np.zeros(0)
     for row in film_rows(scene.time, look.rate):
         if row != drawn:
@@ -121,38 +125,64 @@ class _Camera:
 class _Surface:
     """Triangles of a finite-element body or of shapes, and what they are coloured by."""
 
-    def __init__(self, body: Any, contour: str, ends: tuple[float, float] | None):
-        self.body, self.contour, self.ends = body, contour, ends
+    def __init__(self, body: Any, look: BodyLook, ends: tuple[float, float] | None):
+        self.body, self.contour, self.ends, self.scale = body, look.colours, ends, look.scale
         self.of_elements = isinstance(body, ElementBody)
-        self.triangles = triangles(outer_faces(body.cells)) if self.of_elements else body.triangles
+        if self.of_elements:
+            faces, elements = outer_faces_of_elements(body.cells)
+            self.triangles = triangles(faces)
+            self.elements = np.repeat(elements, len(self.triangles) // len(faces))
+        else:
+            self.triangles = body.triangles
+
+    def places(self, row: int) -> np.ndarray:
+        """Positions (n, 3) in a row, global axes."""
+        return self.body.places(row, self.scale) if self.of_elements else self.body.places(row)
 
     def values(self, row: int) -> np.ndarray | None:
-        """Values (m, 3) from 0 to 1 of the corners of the triangles, None where there is one colour."""
+        """Values (m, 3) of the corners of the triangles, 0: the first colour, 1: the last one.
+
+        None where there is one colour; nan for elements that are not reported.
+        """
         if not self.of_elements or not self.ends:
             return None
-        found = nodal_values(self.body, self.body.amplitude[row : row + 1]).get(self.contour)
+        found = self._energies(row) if self.contour == ENERGY else self._nodal(row)
         low, high = self.ends
-        return None if found is None else ((found[:, 0] - low) / ((high - low) or 1.0))[self.triangles]
+        return None if found is None else (found - low) / ((high - low) or 1.0)
+
+    def _nodal(self, row: int) -> np.ndarray | None:
+        found = nodal_values(self.body, self.body.amplitude[row : row + 1]).get(self.contour)
+        return None if found is None else found[:, 0][self.triangles]
+
+    def _energies(self, row: int) -> np.ndarray | None:
+        if not self.body.of_elements:
+            return None
+        of_cells = np.full(len(self.body.cells), np.nan)
+        of_cells[self.body.selected] = self.body.of_elements["strain_energy"][row]
+        return np.repeat(of_cells[self.elements, None], 3, axis=1)
 
 
 class _Canvas:
     """The picture: what does not move is made once."""
 
-    def __init__(self, scene: Scene, bodies: list[ElementBody], look: FilmLook):
+    def __init__(self, scene: Scene, bodies: list[ElementBody], look: FilmLook, ranges: Ranges):
         from matplotlib import colormaps
 
-        self.scene = scene
+        self.scene, bodies_look = scene, look.bodies
         self.contours = colormaps["viridis"](np.linspace(CONTOURS_BEGIN, 1, 256))[:, :3]
-        self.camera = _Camera(_all_places(scene, bodies), scene.gravity, look)
+        self.camera = _Camera(_all_places(scene, bodies, bodies_look.scale), scene.gravity, look)
         self.buffer = DepthBuffer(look.width, look.height)
-        ends = contour_ranges(bodies).get(look.colours)
+        reached = ranges.get(bodies_look.colours)
+        ends = reached and (bodies_look.ends or reached)
         shown = {*(one.number for one in bodies), *(shape.number for shape in scene.shapes)}
         self.lines = [body for body in scene.bodies if body.number not in shown]
-        self.surfaces = [_Surface(body, look.colours, ends) for body in (*bodies, *scene.shapes)]
+        self.surfaces = [_Surface(body, bodies_look, ends) for body in (*bodies, *scene.shapes)]
         paths = np.swapaxes(scene.points, 0, 1)[:MOST_TRACES]
         self.traces = [self.camera.seen(path) for path in paths if np.ptp(path, axis=0).any()]
-        self.labels = rounded(scene.time)
-        self.legend = _legend(look.colours, *ends) if ends else ""
+        magnified = f", deformation × {bodies_look.scale:g}" if bodies_look.scale != 1 else ""
+        self.labels = [f"t = {time} s{magnified}" for time in rounded(scene.time)]
+        self.legend = _legend(bodies_look.colours, ends, reached) if ends and reached else ""
+        self.texts = Texts(look.width, look.height, self.legend, self.contours)
 
     def frame(self, row: int) -> np.ndarray:
         """The picture of a row."""
@@ -168,45 +198,30 @@ class _Canvas:
         self.buffer.tubes(joints, joints, 1.5 * self.camera.radius, _rgb(JOINT))
         for trace in self.traces:
             self.buffer.path(trace, _rgb(TRACE))
-        picture = self.buffer.picture()
-        _write(picture, f"t = {self.labels[row]} s", -26)
-        if self.legend:
-            width = min(BAR[1], picture.shape[1] - 24)
-            bar = self.contours[np.arange(width) * len(self.contours) // width]
-            picture[12 : 12 + BAR[0], 12 : 12 + width] = 255 * bar
-            _write(picture, self.legend, 16 + BAR[0])
-        return picture
+        return self.texts.written(self.buffer.picture(), self.labels[row])
 
     def _surface(self, surface: _Surface, row: int) -> None:
-        corners = self.camera.seen(surface.body.places(row))[surface.triangles]
-        values = surface.values(row)
-        colours = _rgb(colour_of(surface.body))[None] if values is None else self.contours
+        corners = self.camera.seen(surface.places(row))[surface.triangles]
+        values, own = surface.values(row), _rgb(colour_of(surface.body))[None]
+        known = np.zeros(len(corners), bool) if values is None else np.isfinite(values).all(axis=1)
         # Elements face outwards; files of shapes may not.
-        self.buffer.triangles(corners, colours, values, surface.of_elements)
+        closed = surface.of_elements
+        if values is not None:
+            self.buffer.triangles(corners[known], self.contours, values[known], closed)
+        self.buffer.triangles(corners[~known], own, None, closed)
 
 
-def _legend(contour: str, low: float, high: float) -> str:
-    return f"{contour}, {low:.3g} to {high:.3g} {unit_of(contour)}".rstrip()
-
-
-def _write(picture: np.ndarray, text: str, top: int) -> None:
-    """Write `text` into `picture` (height, width, 3) at the left, at a row, from below where that is < 0."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    room = picture[top:][:TEXT_HEIGHT, 12:]
-    figure = Figure(figsize=(room.shape[1] / DOTS, room.shape[0] / DOTS), dpi=DOTS)
-    figure.text(0, 0.3, text, fontsize=LETTERS, color="black")
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    room[:] = room * (np.array(canvas.buffer_rgba())[..., :1] / 255)
+def _legend(contour: str, ends: tuple[float, float], reached: tuple[float, float]) -> str:
+    """Colours and values; where these are others than the smallest and the largest, these as well."""
+    words = f"{contour}, {ends[0]:.3g} to {ends[1]:.3g} {unit_of(contour)}".rstrip()
+    return words if ends == reached else f"{words} (of {reached[0]:.3g} to {reached[1]:.3g})"
 
 
 def _rgb(text: str) -> Any:
     return np.array([int(text[k : k + 2], 16) for k in (1, 3, 5)]) / 255
 
 
-def _all_places(scene: Any, bodies: Any) -> Any:
+def _all_places(scene: Scene, bodies: list[ElementBody], scale: float) -> np.ndarray:
     """Everything at all times; of finite-element bodies at some."""
     rows = np.unique(np.linspace(0, len(scene.time) - 1, 20).astype(int))
-    return np.concatenate([scene.places, *(body.places(row) for body in bodies for row in rows)])
+    return np.concatenate([scene.places, *(body.places(row, scale) for body in bodies for row in rows)])

@@ -24,6 +24,7 @@ from ...quick_dataclass import replace
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, is_number, is_text, settings_of, texts
 from ..quantities.quantities import ResultError, names, shortfall
 from ..texts.echo import echo
+from .body_look import DEFAULT_LOOK, BodyLook
 from .curves import Panel, Source, default_quantities, panels, still_energies
 from .report_curves import curve_figure
 from .report_scene import report_scene
@@ -33,11 +34,11 @@ AUDITED = {"time": "t", "energy/total": "t", "energy/kinetic": "t"}
 TITLES = {"kinematic": "Kinematics", "dynamic": "Dynamics", "static": "Equilibrium", "modal": "Modes"}
 
 
-def report_page(result: h5py.File) -> str:
-    """The page on `result`.  Raises `ResultError` when the file has no deck."""
+def report_page(result: h5py.File, look: BodyLook = DEFAULT_LOOK) -> str:
+    """The page on `result`, which opens with `look`.  Raises `ResultError` when the file has no deck."""
     if "deck" not in result:
         raise ResultError(result.filename, "this is no result of a run: it has no deck", id="RESULT-001")
-    scene = report_scene(result)
+    scene = report_scene(result, look)
     check_shapes(result, AUDITED, {})
     script = viewer_script()
     return Template(_viewer("page.html")).substitute(

@@ -10,6 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from .body_look import DEFAULT_LOOK, BodyLook, check_look, largest_scale
 from .body_shapes import BodyShape
 from .contours import ENERGY, Ranges, contour_ranges, resting_row, unit_of
 from .element_bodies import ElementBody, element_bodies
@@ -41,15 +42,20 @@ def frame_rows(rows: int, places: int = 1) -> slice:
     return slice(0, rows, next(ending, least))
 
 
-def report_scene(result: h5py.File) -> dict[str, Any] | None:
-    """Bodies, joints, traces, view and times of `result`; None when it has nothing to draw."""
+def report_scene(result: h5py.File, look: BodyLook = DEFAULT_LOOK) -> dict[str, Any] | None:
+    """Bodies, joints, traces, view and times of `result`; None when it has nothing to draw.
+
+    Raises `ResultError` where bodies cannot be shown as `look` wants it.
+    """
     rows = len(result["time"])
     if not rows or "body/position" not in result:
         return None
     first = read_scene(result, slice(0, 1), every_node=False)
     bodies = list(element_bodies(result, first.body_names, slice(None)))
     every = frame_rows(rows, stored_places(first, bodies))
-    return scene_data(read_scene(result, every, every_node=False), bodies, every)
+    scene, ranges = read_scene(result, every, every_node=False), contour_ranges(bodies)
+    check_look(result.filename, look, ranges, scene.size)
+    return scene_data(scene, bodies, every, look, ranges)
 
 
 def stored_places(scene: Scene, surfaces: list[ElementBody]) -> int:
@@ -58,14 +64,20 @@ def stored_places(scene: Scene, surfaces: list[ElementBody]) -> int:
     return marks + len(scene.joint_names) + min(len(scene.point_names), MOST_TRACES)
 
 
-def scene_data(scene: Scene, surfaces: list[ElementBody], rows: slice = slice(None)) -> dict[str, Any]:
+def scene_data(
+    scene: Scene,
+    surfaces: list[ElementBody],
+    rows: slice = slice(None),
+    look: BodyLook = DEFAULT_LOOK,
+    ranges: Ranges | None = None,
+) -> dict[str, Any]:
     """The viewer's data of a scene, whose bodies among `surfaces` are drawn by their elements.
 
     The scene is at `rows` of those of the surfaces; colours reach to the largest values of all rows.
     """
     every = scene.places
     view = view_of(every, scene.gravity)
-    ranges = contour_ranges(surfaces)
+    ranges = contour_ranges(surfaces) if ranges is None else ranges
     shown = [body.at(rows) for body in surfaces]
     seconds = float(scene.time[-1] - scene.time[0])
     return {
@@ -82,6 +94,12 @@ def scene_data(scene: Scene, surfaces: list[ElementBody], rows: slice = slice(No
         ],
         "ranges": {
             name: {"low": low, "high": high, "unit": unit_of(name)} for name, (low, high) in ranges.items()
+        },
+        "look": {
+            "colours": look.colours,
+            "ends": list(look.ends) if look.ends else None,
+            "scale": look.scale,
+            "largest": largest_scale(ranges, scene.size),
         },
         "joints": {"marks": _numbers(scene.joints), "names": list(scene.joint_names)},
         "traces": _traces(scene),
@@ -136,16 +154,20 @@ def _surface(body: ElementBody, ranges: Ranges) -> Any:
 
 
 def _energies(body: ElementBody, elements: np.ndarray, ranges: Ranges) -> dict[str, Any]:
-    """Energies of selected elements as bytes (T, e), and which of them each triangle shows, -1: none."""
+    """Energies of selected elements (T, e), and which of them each triangle shows, -1: none.
+
+    As square roots, of the largest one's, in 65535 steps: small energies keep their first digits.
+    """
     if not body.of_elements or body.selected is None:
-        return {"energy": "", "energies": 0, "shown": ""}
+        return {"energy": "", "elements": [], "shown": ""}
     energy, most = body.of_elements["strain_energy"], ranges[ENERGY][1]
     outside = np.flatnonzero(np.isin(body.selected, elements))
     column = np.full(len(body.cells), -1, np.int32)
     column[body.selected[outside]] = np.arange(len(outside))
     part = np.clip(np.nan_to_num(energy[:, outside]) / (most or 1.0), 0, 1)
-    levels = np.round(255 * part).astype(np.uint8)
-    return {"energy": _bytes(levels), "energies": len(outside), "shown": _integers(column[elements])}
+    levels = np.round(65535 * np.sqrt(part)).astype("<u2")
+    numbers = body.element_numbers[body.selected[outside]].tolist()
+    return {"energy": _bytes(levels), "elements": numbers, "shown": _integers(column[elements])}
 
 
 def _rigid_surface(shape: BodyShape) -> Any:
@@ -165,7 +187,7 @@ def _rigid_surface(shape: BodyShape) -> Any:
         "edges": "",
         "material": None,
         "energy": "",
-        "energies": 0,
+        "elements": [],
         "shown": "",
     }
 

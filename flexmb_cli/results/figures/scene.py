@@ -76,6 +76,11 @@ class Scene:
         parts += [shape.corners for shape in self.shapes]
         return np.concatenate([part.reshape(-1, 3) for part in parts])
 
+    @property
+    def size(self) -> float:
+        """Diagonal, m, of the box around all places."""
+        return float(np.linalg.norm(np.ptp(self.places, axis=0))) or 1.0
+
 
 # Numbers too large for a picture are found at its end.
 @np.errstate(all="ignore")

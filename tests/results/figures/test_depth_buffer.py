@@ -108,7 +108,7 @@ def test_a_film_shows_crossing_shapes_up_to_the_line_in_which_they_meet():
     none = np.zeros((1, 0, 3))
     shapes = plate(1, False), plate(2, True)
     scene = Scene(np.zeros(1), (), (), none, none, (), none, np.zeros(3), shapes=shapes)
-    picture = film._Canvas(scene, [], film.FilmLook(320, 200, 25, "z")).frame(0).astype(int)
+    picture = film._Canvas(scene, [], film.FilmLook(320, 200, 25, "z"), {}).frame(0).astype(int)
     rows = picture[30:170]
     blue, orange = rows[..., 2] > rows[..., 0] + 50, rows[..., 0] > rows[..., 2] + 50
     assert blue[:, 18:160].all() and not blue[:, 160:].any()

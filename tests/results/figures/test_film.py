@@ -78,7 +78,7 @@ def test_frames_show_the_row_that_has_been_reached():
         (["--movie", "-"], "cannot go to standard output"),
         (["--movie", "a.gif", "--size", "10x10"], "two numbers from 64 to 4096"),
         (["--movie", "a.gif", "-o", "a.html"], "leave out -o"),
-        (["--colours", "body", "--fps", "5"], "--fps, --colours: for films; give --movie, too"),
+        (["--view", "x", "--fps", "5"], "--fps, --view: for films; give --movie, too"),
     ],
 )
 def test_what_is_no_film_is_refused(path, tmp_path, monkeypatch, words, told):

@@ -80,8 +80,8 @@ class Raster {
         for (let at = row * width + first, end = row * width + last; at < end; at++) {
           if (z > depth[at]) {
             depth[at] = z; owners[at] = owner;
-            const step = value | 0;
-            pixels[at] = palette[base + (step < 0 ? 0 : step < steps ? step : steps - 1)];
+            // Values may be far outside of the range.
+            pixels[at] = palette[base + (value >= steps ? steps - 1 : value > 0 ? value | 0 : 0)];
           }
           z += zx; value += tx;
         }

@@ -1,7 +1,7 @@
 // The report's viewer: bodies as tubes, as finite-element surfaces and by their shapes.
 // Displacements and stresses of surfaces are superposed from modes here: u = sum of shape times amplitude.
 
-const ENERGY = "strain energy of the element", COMPONENTS = ["xx", "yy", "zz", "xy", "yz", "zx"];
+const DEFORMATION = "deformation", ENERGY = "strain energy of the element", COMPONENTS = ["xx", "yy", "zz", "xy", "yz", "zx"];
 const RATIOS = [0.5, 0.7, 1, 1.4, 2], SLOW = 13, QUICK = 5, MOST_PIXELS = 4e6;
 
 function bytes(text) { return Uint8Array.from(atob(text), c => c.charCodeAt(0)).buffer; }
@@ -57,9 +57,13 @@ class Viewer {
     this.names = [...this.lines, ...this.surfaces].map(one => one.name).concat(this.joints.names);
     this.contours = palette(Array.from({length: STEPS}, (_, k) => viridis(CONTOURS_BEGIN + (1 - CONTOURS_BEGIN) * k / (STEPS - 1))));
     this.turn = {eye: unit(scene.view.eye), up: unit(scene.view.up)};
-    this.zoom = 1; this.shift = [0, 0]; this.magnify = 1; this.colouring = this.contoured.length ? "von Mises stress" : "body";
+    this.zoom = 1; this.shift = [0, 0];
     this.ratio = 2; this.cost = 8;
     this.ranges = scene.ranges;  // those of all report rows, so that colours mean the same throughout
+    this.chosen = {};  // those that are wanted in their place
+    const {colours, ends, scale} = scene.look;
+    this.magnify = scale; this.colouring = this.ranges[colours] ? colours : this.contoured.length && this.ranges[DEFORMATION] && colours !== "body" ? DEFORMATION : "body";
+    if (ends && this.ranges[colours]) this.chosen[colours] = ends;
     this.controls();
     // Where the first frame has no stress the page opens, and prints, at the one that has most; motion begins at the first.
     this.opened = scene.rest > 0;
@@ -72,7 +76,7 @@ class Viewer {
     made.count = made.nodes.length / 3;
     made.displaced = new Float32Array(3 * made.count); made.screen = new Float32Array(3 * made.count);
     made.values = new Float32Array(made.count);
-    if (one.energies) this.prepareEnergies(made);
+    if (one.elements.length) this.prepareEnergies(made);
     return made;
   }
 
@@ -83,7 +87,7 @@ class Viewer {
       parts[column === NONE ? 1 : 0].push(...one.triangles.subarray(3 * t, 3 * t + 3));
       if (column !== NONE) columns.push(column);
     });
-    one.energy = new Uint8Array(bytes(one.energy)); one.columns = columns;
+    one.energy = new Uint16Array(bytes(one.energy)); one.columns = columns;
     one.known = new Uint32Array(parts[0]); one.unknown = new Uint32Array(parts[1]);
     one.flat = new Float32Array(columns.length);
   }
@@ -104,7 +108,7 @@ class Viewer {
       for (let k = 0; k < N; k++) sum += shape[at++] * eta[k];
       u[r] = sum;
     }
-    if (colouring === "deformation")
+    if (colouring === DEFORMATION)
       for (let n = 0; n < count; n++) values[n] = Math.hypot(u[3 * n], u[3 * n + 1], u[3 * n + 2]);
     const measure = measured(colouring, one.material);
     if (measure)
@@ -209,9 +213,9 @@ class Viewer {
       const range = this.rangeOf(one), owner = this.lines.length + k + 1;
       this.fill(one, this.frame, this.colouring);
       this.carry(camera, one);
-      if (range && this.colouring === ENERGY) this.drawEnergies(one, owner);
+      if (range && this.colouring === ENERGY) this.drawEnergies(one, owner, range);
       else {
-        if (range) for (let n = 0, scale = range.high > range.low ? (STEPS - 1e-3) / (range.high - range.low) : 0; n < one.count; n++) one.values[n] = Math.min(STEPS - 1e-3, (one.values[n] - range.low) * scale);
+        if (range) for (let n = 0, scale = range.high > range.low ? (STEPS - 1e-3) / (range.high - range.low) : 0; n < one.count; n++) one.values[n] = (one.values[n] - range.low) * scale;
         // Triangles of STL files may face either way; those of elements face outwards.
         this.raster.triangles(one.screen, one.triangles, range ? this.contours : one.palette, range ? one.values : null, one.modes > 0, owner);
       }
@@ -219,24 +223,35 @@ class Viewer {
     });
   }
 
-  drawEnergies(one, owner) {
-    one.columns.forEach((column, t) => { one.flat[t] = one.energy[this.frame * one.energies + column]; });
+  drawEnergies(one, owner, range) {
+    const scale = range.high > range.low ? (STEPS - 1e-3) / (range.high - range.low) : 0;
+    one.columns.forEach((column, t) => { one.flat[t] = (this.energyOf(one, column) - range.low) * scale; });
     this.raster.triangles(one.screen, one.known, this.contours, one.flat, true, owner, true);
     this.raster.triangles(one.screen, one.unknown, one.palette, null, true, owner);
   }
 
+  // The energy of one of the reported elements, which is stored as its square root.
+  energyOf(one, column) { return this.ranges[ENERGY].high * (one.energy[this.frame * one.elements.length + column] / 65535) ** 2; }
+
   // Smallest and largest value of what a surface is coloured by; nothing where it has none.
   rangeOf(one) {
-    const without = !one.modes || (this.colouring === ENERGY ? !one.energies : this.colouring.includes("strain") && !one.material);
-    return without ? undefined : this.ranges[this.colouring];
+    const stressed = this.colouring === DEFORMATION || one.stress.length > 0;
+    const without = !one.modes || (this.colouring === ENERGY ? !one.elements.length : !stressed || (this.colouring.includes("strain") && !one.material));
+    return without ? undefined : this.wanted();
+  }
+
+  // The range of the colours: that of all rows, or the one that is wanted in its place.
+  wanted() {
+    const range = this.ranges[this.colouring], [low, high] = this.chosen[this.colouring] || [];
+    return range && low !== undefined ? {...range, low, high} : range;
   }
 
   tell() {
     this.part("time").textContent = `t = ${this.scene.labels[this.frame]} s`;
     this.part("slider").value = this.frame;
-    const range = this.ranges[this.colouring];
+    const range = this.wanted(), whole = this.ranges[this.colouring], span = (ends, unit) => `${told(ends.low, "")} to ${told(ends.high, unit)}`;
     this.part("legend").hidden = range === undefined || !this.contoured.length;
-    this.part("legend-text").textContent = range === undefined ? "" : `${this.colouring}, ${told(range.low, "")} to ${told(range.high, range.unit)}`;
+    this.part("legend-text").textContent = range === undefined ? "" : `${this.colouring}, ${span(range, range.unit)}${this.chosen[this.colouring] ? ` (of ${span(whole, "")})` : ""}${this.magnify === 1 ? "" : `, deformation × ${this.magnify}`}`;
   }
 
   part(name) { return this.box.querySelector(`[data-part="${name}"]`); }
@@ -251,10 +266,13 @@ class Viewer {
     stepped("forward", "click", () => this.frame + 1);
     this.part("play").addEventListener("click", () => { if (this.playing) { this.pause(); again(); } else this.play(); });
     this.part("view").addEventListener("change", event => this.look(event.target.value));
-    this.part("colour").addEventListener("change", event => { this.colouring = event.target.value; again(); });
-    this.part("scale").addEventListener("change", event => { this.magnify = Number(event.target.value) || 0; again(); });
+    this.part("colour").value = this.colouring; this.part("scale").value = this.magnify; this.part("scale").max = this.scene.look.largest;
+    this.offerRange();
+    this.part("colour").addEventListener("change", event => { this.colouring = event.target.value; this.offerRange(); again(); });
+    this.part("scale").addEventListener("change", () => { this.scale(); again(); });
+    for (const name of ["low", "high"]) this.part(name).addEventListener("change", () => { this.choose(); again(); });
     for (const name of ["mesh", "traces"]) this.part(name).addEventListener("change", again);
-    for (const name of ["colour", "scale", "mesh"]) this.part(name).parentElement.hidden = !this.contoured.length;
+    for (const name of ["colour", "low", "scale", "mesh"]) this.part(name).parentElement.hidden = !this.contoured.length;
     this.part("traces").parentElement.hidden = !this.traces.length;
     this.part("shade").addEventListener("click", () => {
       const root = document.documentElement, dark = root.dataset.shade ? root.dataset.shade === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
@@ -264,6 +282,39 @@ class Viewer {
     new ResizeObserver(again).observe(this.canvas);
     this.mouse();
   }
+
+  // Deformations so many times as large; what is no such number is told, and the scale stays.
+  scale() {
+    const field = this.part("scale"), wanted = field.valueAsNumber, {largest} = this.scene.look;
+    if (wanted >= 0 && wanted <= largest) this.magnify = wanted;
+    this.warn(wanted === this.magnify ? "" : `The scale of the deformation is a number from 0 to ${largest}; it stays ${this.magnify}.`);
+    field.value = this.magnify;
+  }
+
+  // The values of the first and the last colour, in fields that show those of all rows where they are empty.
+  offerRange() {
+    const whole = this.ranges[this.colouring], chosen = this.chosen[this.colouring] || ["", ""];
+    ["low", "high"].forEach((name, k) => {
+      const field = this.part(name);
+      field.value = chosen[k]; field.placeholder = whole ? told(whole[name], "") : "";
+    });
+    this.part("low").parentElement.hidden = !whole || !this.contoured.length;
+    this.warn("");
+  }
+
+  choose() {
+    const whole = this.ranges[this.colouring], fields = [this.part("low"), this.part("high")];
+    const bad = fields.some(field => field.validity.badInput), empty = fields.every(field => field.value === "");
+    const [low, high] = fields.map((field, k) => field.value === "" ? [whole.low, whole.high][k] : field.valueAsNumber);
+    if (bad || (!empty && !(low < high))) {
+      this.offerRange();
+      return this.warn("The first number of the range must be smaller than the second; the range stays.");
+    }
+    if (empty) delete this.chosen[this.colouring]; else this.chosen[this.colouring] = [low, high];
+    this.warn("");
+  }
+
+  warn(words) { this.part("warning").textContent = words; }
 
   mouse() {
     const held = new Map(); let apart = 0;
@@ -314,13 +365,28 @@ class Viewer {
   }
 
   nodeAt(surface, x, y) {
-    const one = this.surfaces[surface];
+    const one = this.surfaces[surface], element = one && this.elementAt(one, x, y);
+    if (element) return element;
     let found = -1, least = Infinity, height = -Infinity;
     for (let n = 0; one && n < one.numbers.length; n++) {
       const gap = (one.screen[3 * n] - x) ** 2 + (one.screen[3 * n + 1] - y) ** 2, z = one.screen[3 * n + 2];
       if (gap < least - 1 || (gap < least + 1 && z > height)) { least = gap; height = z; found = n; }
     }
     return found < 0 ? "" : ` node ${one.numbers[found]}${this.valueAt(one, found)}`;
+  }
+
+  // Number and energy of the element that is seen at a place, where elements are coloured by energies.
+  elementAt(one, x, y) {
+    const range = this.colouring === ENERGY && this.rangeOf(one), {screen, known} = one;
+    let found = -1, height = -Infinity;
+    for (let t = 0; range && t < known.length; t += 3) {
+      const [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = [0, 1, 2].map(k => screen.subarray(3 * known[t + k], 3 * known[t + k] + 3));
+      const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
+      const v = ((x - ax) * (cy - ay) - (y - ay) * (cx - ax)) / area, w = ((bx - ax) * (y - ay) - (by - ay) * (x - ax)) / area;
+      const z = az + v * (bz - az) + w * (cz - az);
+      if (area < 0 && v >= 0 && w >= 0 && v + w <= 1 && z > height) { height = z; found = one.columns[t / 3]; }
+    }
+    return found < 0 ? "" : ` element ${one.elements[found]}: ${told(this.energyOf(one, found), range.unit)}`;
   }
 
   // The value of what is coloured at a node.
