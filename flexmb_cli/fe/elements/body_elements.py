@@ -8,10 +8,13 @@ from ...quick_dataclass import dataclass
 from ..formats.connectivity import ElementTable, read_elements
 from ..formats.matrix_file import FEFileFault
 from .element_stiffness import BodyElements
-from .solid_elements import FORMULATIONS, solid_elements
+from .solid_elements import FORMULATIONS, integration_points, jacobians, node_coordinates
 
 # The stiffness need only differ by this share of its largest entry for stresses to be off by several times.
 FOREIGN = 1e-4
+# Of det J at a node, relative to its mean at the points of integration. Elements whose nodes are interchanged have
+# less than FOLDED; elements with middles at a quarter of their edges, for cracks, have 0.
+FOLDED, NEGATIVE = -0.5, -1e-6
 
 
 @dataclass(frozen=True)
@@ -39,13 +42,55 @@ def element_table(
     except FEFileFault as fault:
         findings.error(given.name, str(fault), file.place, id=fault.id)
         return None
-    volumes = solid_elements(positions, rows, FORMULATIONS[rows.shape[1]][0]).volumes
-    if not (volumes > 0).all():
-        number = found.numbers[np.flatnonzero(~(volumes > 0).all(axis=1))[0]]
-        message = f"{file.path.name}: element {number} is turned inside out or folded"
+    number = _folded(found.numbers, rows, positions)
+    if number is not None:
+        message = (
+            f"{file.path.name}: element {number} is turned inside out or folded; check the order and places "
+            "of its nodes"
+        )
         findings.error(given.name, message, file.place, id="FE-010")
         return None
     return BodyTable(found.numbers, rows, found.kind)
+
+
+def _folded(numbers: np.ndarray, rows: np.ndarray, positions: np.ndarray) -> int | None:
+    """Return the number of the first element that is turned inside out or folded."""
+    found = ~(_determinants(rows, positions) > 0).all(axis=1)
+    found[~found] = (_relative_determinants(rows[~found], positions) < FOLDED).any(axis=1)
+    return int(numbers[np.flatnonzero(found)[0]]) if found.any() else None
+
+
+def _determinants(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    """Return det J (m, g) at the points of integration of elements."""
+    points, _ = integration_points(rows.shape[1], FORMULATIONS[rows.shape[1]][0])
+    return np.linalg.det(jacobians(positions[rows], points))
+
+
+def _relative_determinants(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    """Return det J (m, k) at the nodes of elements, relative to its mean at the points of integration."""
+    at_nodes = np.linalg.det(jacobians(positions[rows], node_coordinates(rows.shape[1])))
+    return at_nodes / _determinants(rows, positions).mean(axis=1)[:, None]
+
+
+def warn_of_distortion(
+    given: FlexibleInput, table: BodyTable, positions: np.ndarray, findings: Findings
+) -> None:
+    """Warn of the element whose Jacobian determinant is the most negative at a node."""
+    found = _relative_determinants(table.rows, positions)
+    element, node = np.unravel_index(int(found.argmin()), found.shape)
+    if found[element, node] >= NEGATIVE:
+        return
+    count = int((found < NEGATIVE).any(axis=1).sum())
+    more = f"; {count} elements have such nodes" if count > 1 else ""
+    material = given.material
+    assert material is not None, "stresses need a material"
+    at = given.numbers[table.rows[element, node]]
+    message = (
+        f"{material.file.path.name}: element {table.numbers[element]} is distorted: its Jacobian determinant "
+        f"at node {at} is {found[element, node]:.2g} of its mean{more}; "
+        "stresses there are doubtful"
+    )
+    findings.warn(given.name, message, material.place, id="FE-086")
 
 
 def _rows(given: FlexibleInput, found: ElementTable) -> np.ndarray:

@@ -134,12 +134,22 @@ class SolidElements:
         return B.reshape(*dx.shape[:2], 6, -1)
 
 
+def node_coordinates(nodes: int) -> np.ndarray:
+    """Return the natural coordinates (k, 3) of the nodes of elements with so many."""
+    return (tetrahedra.NODES if nodes in tetrahedra.COUNTS else CUBE)[:nodes]
+
+
+def jacobians(place: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Return Jacobians (m, g, 3, 3) at natural `points` (g, 3) of elements of nodes at `place` (m, k, 3)."""
+    return np.einsum("mki,gkj->mgij", place, shape_slopes(points, place.shape[1]))
+
+
 def solid_elements(positions: np.ndarray, rows: np.ndarray, formulation: Formulation) -> SolidElements:
     """Elements `rows` (m, k) of nodes at `positions` (n, 3), m."""
     points, weights = integration_points(rows.shape[1], formulation)
     place = positions[rows]
     slopes = shape_slopes(points, rows.shape[1])
-    jacobian = np.einsum("mki,gkj->mgij", place, slopes)
+    jacobian = jacobians(place, points)
     inverse, volume = np.linalg.inv(jacobian), np.linalg.det(jacobian)
     gradients = np.einsum("gkj,mgji->mgki", slopes, inverse)
     if formulation.incompatible:

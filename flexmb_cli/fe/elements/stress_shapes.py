@@ -14,7 +14,14 @@ from ...model.diagnostics import Findings
 from ...model.flexible_body import BodyStress, FlexibleBody, FlexibleInput
 from ..reference_frame import Frame
 from . import tetrahedra
-from .body_elements import FOREIGN, BodyTable, element_table, foreign_stiffness, warn_of_same_nodes
+from .body_elements import (
+    FOREIGN,
+    BodyTable,
+    element_table,
+    foreign_stiffness,
+    warn_of_distortion,
+    warn_of_same_nodes,
+)
 from .element_stiffness import (
     BodyElements,
     element_stiffness,
@@ -23,7 +30,14 @@ from .element_stiffness import (
     stresses,
     uniform_strain_deviation,
 )
-from .solid_elements import CUBE, FORMULATIONS, Formulation, elasticity, integration_points, solid_elements
+from .solid_elements import (
+    FORMULATIONS,
+    Formulation,
+    elasticity,
+    integration_points,
+    node_coordinates,
+    solid_elements,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -46,6 +60,7 @@ def body_stress(
     if table is None:
         return None
     warn_of_same_nodes(given, table, findings)
+    warn_of_distortion(given, table, frame.r0, findings)
     body = matching_elements(frame.r0, table.rows, (material.young, material.poisson), K)
     if body.deviation > FOREIGN:
         body = _at_best_points(given, frame.r0, table, body, K, findings)
@@ -122,9 +137,8 @@ def nodal_stresses(body: BodyElements, Phi: np.ndarray) -> np.ndarray:
 def extrapolation(nodes: int, formulation: Formulation) -> np.ndarray:
     """Matrix (k, g) from values at the points of integration to those at the nodes of an element."""
     points, _ = integration_points(nodes, formulation)
-    places = tetrahedra.NODES[:nodes] if nodes in tetrahedra.COUNTS else CUBE[:nodes]
     terms = _terms_of(nodes, len(points))
-    return terms(places) @ np.linalg.pinv(terms(points))
+    return terms(node_coordinates(nodes)) @ np.linalg.pinv(terms(points))
 
 
 def _terms_of(nodes: int, count: int) -> "Callable[..., Any]":
