@@ -6,6 +6,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from flexmb_cli.results.figures.body_look import BodyLook
 from flexmb_cli.results.figures.film import FilmLook
 
 INSTANTS = 7  # of the mechanism
@@ -17,6 +18,9 @@ GROUND_COLOUR = "#999999"
 DOTS = 110  # an inch
 LABEL, LEGEND = 34, 1  # letters of a line of a label; curves of one row of a legend
 FRAME = FilmLook(560, 480, 1)
+# Decks shown at their last instant alone, from a side and between other values: straps, so that the stress at
+# the hole is seen, which is exceeded at their joints, single nodes.
+LOOKS = {"strap": FilmLook(840, 440, 1, "z", BodyLook(ends=(0.0, 1.1e8)))}
 
 
 def draw(result: Path, mechanism: Path, curves: Path) -> bool:
@@ -46,7 +50,11 @@ def _film_frame(file, picture):
 
     from flexmb_cli.results.figures.film import film_frames
 
-    *_, frame = (frame for _, frame in zip(range(3), film_frames(file, FRAME), strict=False))
+    look = next((look for name, look in LOOKS.items() if picture.name.startswith(name)), None)
+    if look:
+        frame = next(film_frames(file, look, slice(-1, None)))
+    else:
+        *_, frame = (frame for _, frame in zip(range(3), film_frames(file, FRAME), strict=False))
     image.imsave(picture, frame, metadata={"Software": None})
 
 

@@ -19,9 +19,10 @@ FOLDERS = {
 HEAD = """# Gallery
 
 Every supplied deck: the mechanism at some instants (faint: earlier), the curves that `flexmb plot` draws by
-default, and key numbers. Finite-element bodies with a card `MATL` are coloured by von Mises stress, and
-bodies with shapes (`GEOM`) look like these. `flexmb examples NAME` copies a deck with its files,
-`flexmb report` shows its motion. `scripts/docs` makes this page and its pictures.
+default, and key numbers. Finite-element bodies are coloured by von Mises stress, those without a card `MATL`
+by their deformation; the straps by values up to that at the hole, which their joints exceed. Bodies with
+shapes (`GEOM`) look like these. `flexmb examples NAME` copies a deck with its files, `flexmb report` shows
+its motion. `scripts/docs` makes this page and its pictures.
 """
 
 

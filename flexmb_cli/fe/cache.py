@@ -16,7 +16,7 @@ import numpy as np
 
 from ..errors import Fault
 from ..managed_files import UnsafePlace, open_managed
-from ..model.flexible_body import BodyStress, Dropped, ElementMaterial, FlexibleBody, FlexibleInput
+from ..model.flexible_body import BodyMesh, BodyStress, Dropped, ElementMaterial, FlexibleBody, FlexibleInput
 from ..quick_dataclass import fields
 
 if TYPE_CHECKING:
@@ -24,12 +24,15 @@ if TYPE_CHECKING:
 
 
 # To be raised when the arrays, or how they are computed, change.
-LAYOUT = 11
+LAYOUT = 12
 # Bytes behind the arrays: a damage anywhere makes the body anew, instead of another body.
 DIGEST = 32
 _VARIABLES = (("FLEXMB_CACHE_DIR", ""), ("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache"))
 _ENDING = ".body"
-_ARRAYS = tuple(item.name for item in fields(FlexibleBody) if item.name not in ("name", "dropped", "stress"))
+_ARRAYS = tuple(
+    item.name for item in fields(FlexibleBody) if item.name not in ("name", "dropped", "stress", "mesh")
+)
+_MESH = tuple(item.name for item in fields(BodyMesh))
 _STRESS = tuple(item.name for item in fields(BodyStress))
 
 
@@ -52,7 +55,13 @@ def cache_folder() -> Path | None:
 def key_of(given: FlexibleInput) -> str:
     """Name of everything the body depends on.  Raises OSError when a file cannot be read."""
     digest = hashlib.sha256(f"flexmb body {LAYOUT}".encode())
-    files = [given.mass, given.stiffness, given.mapping, *(load.file for load in given.unit_loads)]
+    files = [
+        given.mass,
+        given.stiffness,
+        given.mapping,
+        given.mesh,
+        *(load.file for load in given.unit_loads),
+    ]
     files += [material.file for material in (given.stiffening, given.material) if material]
     for file in files:
         digest.update(f"|{file.form}".encode() if file else b"|none")
@@ -107,7 +116,9 @@ def _restored(given: Any, notes: "dict[Any, Any]", stored: Any) -> "tuple[Flexib
         arrays[name] = arrays[name].item()
     left_out = notes["dropped"]
     left_out["shapes"] = tuple((node, axis) for node, axis in left_out["shapes"])
-    body = FlexibleBody(given.name, **arrays, dropped=Dropped(**left_out), stress=_stress(stored))
+    body = FlexibleBody(
+        given.name, **arrays, dropped=Dropped(**left_out), stress=_stress(stored), mesh=_mesh(stored)
+    )
     places = {"mass": given.mass.place, "stiffness": given.stiffness.place, "body": given.place}
     faults = [
         Fault("warning", text, places[where], given.name, id="FE-008") for where, text in notes["warnings"]
@@ -123,6 +134,13 @@ def _stress(stored: Any) -> BodyStress | None:
     return BodyStress(**{name: value if value.ndim else value.item() for name, value in arrays.items()})
 
 
+def _mesh(stored: Any) -> BodyMesh | None:
+    """The elements of a body that is drawn by them alone."""
+    if "mesh_rows" not in stored:
+        return None
+    return BodyMesh(**{name: stored[f"mesh_{name}"] for name in _MESH})
+
+
 def store(given: FlexibleInput, body: FlexibleBody, warnings: list[Fault]) -> None:
     """Keep `body`; a disk that refuses it is passed over, for the cache only saves time."""
     folder = cache_folder()
@@ -136,6 +154,8 @@ def store(given: FlexibleInput, body: FlexibleBody, warnings: list[Fault]) -> No
     arrays = {name: np.asarray(getattr(body, name)) for name in _ARRAYS}
     if body.stress:
         arrays |= {f"stress_{name}": np.asarray(getattr(body.stress, name)) for name in _STRESS}
+    if body.mesh:
+        arrays |= {f"mesh_{name}": getattr(body.mesh, name) for name in _MESH}
     try:
         _write(folder / f"{key_of(given)}{_ENDING}", notes | {"arrays": list(arrays)}, arrays.values())
     except OSError:

@@ -11,7 +11,7 @@ from ..quick_dataclass import dataclass
 from .body_basis import Basis, basis_of
 from .centrifugal import centrifugal_stiffness
 from .elements.assembled_matrices import element_matrix
-from .elements.body_elements import element_table
+from .elements.body_elements import element_mesh, element_table
 from .elements.stress_shapes import body_stress
 from .formats.formats import OF_ELEMENTS, read_matrix
 from .formats.matrix_file import FEFileFault
@@ -127,6 +127,7 @@ def _body(
             math.sqrt(basis.next_value) / math.tau,
         ),
         stress=given.material and body_stress(given, matrices.K, invariants["m"], frame, Phi, findings),  # type: ignore[arg-type]
+        mesh=element_mesh(given),
     )
 
 

@@ -53,7 +53,8 @@ class FlexibleInput:
     body frame instead of (103); with neither the frame is that of mean axes.  `modes`: how many, 0 for all.
     `attachment`: nodes of static attachment modes; `interface`: nodes of a Craig-Bampton basis.
     `damping`: alpha, 1/s, beta, s, and the ratio of every mode.  `stiffening`: elements whose stresses
-    stiffen the body, `material`: those whose stresses are wanted.
+    stiffen the body, `material`: those whose stresses are wanted, `mesh`: the file of elements
+    whose material is not known.
     """
 
     name: str
@@ -72,6 +73,7 @@ class FlexibleInput:
     stiffening: ElementMaterial | None = None
     material: ElementMaterial | None = None
     place: Place | None = None
+    mesh: FEFile | None = None
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,14 @@ class Dropped:
     def dependent(self) -> int:
         """Return how many static shapes were superfluous."""
         return len(self.shapes)
+
+
+@dataclass(frozen=True)
+class BodyMesh:
+    """The elements of a body of no known material, by which it is drawn."""
+
+    numbers: np.ndarray  # (m,) element numbers
+    rows: np.ndarray  # (m, k) rows of the elements' nodes
 
 
 @dataclass(frozen=True)
@@ -146,6 +156,7 @@ class FlexibleBody:
     massless_in_motion: int = 0  # deformations without mass once the nodes of the frame move, see `Mff`
     dropped: Dropped = field(default_factory=Dropped)
     stress: BodyStress | None = None
+    mesh: BodyMesh | None = None  # where there is no `stress`
 
     @property
     def modes(self) -> int:

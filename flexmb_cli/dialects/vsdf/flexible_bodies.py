@@ -11,7 +11,7 @@ from ...fe.formats.node_table import NodeTable, read_node_table
 from ...model.diagnostics import Findings
 from ...model.fe_model import VsdfBody
 from ...model.flexible_body import FEFile, FlexibleInput, UnitLoad
-from .materials import matrices_of_elements, stiffening_material, stress_material
+from .materials import matrices_of_elements, mesh_file, stiffening_material, stress_material
 from .nodes import members_of, sets_of
 
 if TYPE_CHECKING:
@@ -65,6 +65,7 @@ def flexible_body(
         stiffening=stiffening_material(values, k, files["node_table"], findings),  # type: ignore[arg-type]
         material=stress_material(values, k, files["node_table"], findings),  # type: ignore[arg-type]
         place=record.place,
+        mesh=mesh_file(values, k, files["node_table"]),  # type: ignore[arg-type]
     )
     stiffened = _stiffened(values.record("stiffening", k), given, findings)
     return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)

@@ -5,7 +5,7 @@ from typing import Any
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
-from ...fe.formats.formats import OF_ELEMENTS
+from ...fe.formats.formats import FORMS_WITH_ELEMENTS, OF_ELEMENTS
 from ...model.diagnostics import Findings
 from ...model.flexible_body import ElementMaterial, FEFile
 
@@ -43,6 +43,11 @@ def stress_material(values: DeckValues, k: int, file: FEFile, findings: Findings
         message = f"a density must be above zero; read {density.text}"
         findings.error(record.subject, message, density.place, id="VSDF-088")
     return _material(record, file, findings, float(density.value) if density.text else math.nan)
+
+
+def mesh_file(values: DeckValues, k: int, file: FEFile) -> FEFile | None:
+    """Return the file of elements by which body `k` is drawn alone, None where `MATL` makes more of them."""
+    return file if file.form in FORMS_WITH_ELEMENTS and not values.record("material", k) else None
 
 
 def _material(record: Record, file: FEFile, findings: Findings, density: float = math.nan) -> ElementMaterial:

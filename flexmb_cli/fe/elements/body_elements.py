@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...model.diagnostics import Findings
-from ...model.flexible_body import ElementMaterial, FEFile, FlexibleInput
+from ...model.flexible_body import BodyMesh, ElementMaterial, FEFile, FlexibleInput
 from ...quick_dataclass import dataclass
 from ..formats.connectivity import ElementTable, read_elements
 from ..formats.matrix_file import FEFileFault
@@ -12,9 +12,9 @@ from .solid_elements import FORMULATIONS, integration_points, jacobians, node_co
 
 # The stiffness need only differ by this share of its largest entry for stresses to be off by several times.
 FOREIGN = 1e-4
-# Of det J at a node, relative to its mean at the points of integration. Elements whose nodes are interchanged have
-# less than FOLDED; elements with middles at a quarter of their edges, for cracks, have 0.
-FOLDED, NEGATIVE = -0.5, -1e-6
+# Of det J at a node, relative to its mean at the points of integration. Elements whose nodes are interchanged
+# have less than FOLDED; elements with middles at a quarter of their edges, for cracks, have 0.
+FOLDED, DISTORTED = -0.5, -1e-6
 
 
 @dataclass(frozen=True)
@@ -55,9 +55,10 @@ def element_table(
 
 def _folded(numbers: np.ndarray, rows: np.ndarray, positions: np.ndarray) -> int | None:
     """Return the number of the first element that is turned inside out or folded."""
-    found = ~(_determinants(rows, positions) > 0).all(axis=1)
-    found[~found] = (_relative_determinants(rows[~found], positions) < FOLDED).any(axis=1)
-    return int(numbers[np.flatnonzero(found)[0]]) if found.any() else None
+    sound = np.flatnonzero((_determinants(rows, positions) > 0).all(axis=1))
+    folded = (_relative_determinants(rows[sound], positions) < FOLDED).any(axis=1)
+    found = np.setdiff1d(np.arange(len(rows)), sound[~folded])
+    return int(numbers[found[0]]) if found.size else None
 
 
 def _determinants(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
@@ -78,9 +79,9 @@ def warn_of_distortion(
     """Warn of the element whose Jacobian determinant is the most negative at a node."""
     found = _relative_determinants(table.rows, positions)
     element, node = np.unravel_index(int(found.argmin()), found.shape)
-    if found[element, node] >= NEGATIVE:
+    if found[element, node] >= DISTORTED:
         return
-    count = int((found < NEGATIVE).any(axis=1).sum())
+    count = int((found < DISTORTED).any(axis=1).sum())
     more = f"; {count} elements have such nodes" if count > 1 else ""
     material = given.material
     assert material is not None, "stresses need a material"
@@ -91,6 +92,20 @@ def warn_of_distortion(
         "stresses there are doubtful"
     )
     findings.warn(given.name, message, material.place, id="FE-086")
+
+
+def element_mesh(given: FlexibleInput) -> BodyMesh | None:
+    """Return the elements of a body of no known material, for pictures; None where they cannot be read.
+
+    They have no part in its motion, so that other kinds of elements are no fault.
+    """
+    if given.mesh is None:
+        return None
+    try:
+        found = read_elements(given.mesh.path, given.mesh.form)
+        return BodyMesh(found.numbers, _rows(given, found))
+    except FEFileFault:
+        return None
 
 
 def _rows(given: FlexibleInput, found: ElementTable) -> np.ndarray:

@@ -11,6 +11,8 @@ from .matrix_file import FEFileFault, MatrixFile
 NEEDS_MAPPING = {"HB": "ANS", "CCX": "CCX"}
 # The form of a "file" that stands for the elements themselves.
 OF_ELEMENTS = "MESH"
+# Node tables that may hold elements, too.
+FORMS_WITH_ELEMENTS = ("INP", "CDB", "BDF")
 
 
 def read_matrix(

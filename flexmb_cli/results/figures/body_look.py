@@ -32,6 +32,13 @@ def largest_scale(ranges: Ranges, size: float) -> float:
     return float(f"{max(1.0, found):.2g}")
 
 
+def shown_colours(look: BodyLook, ranges: Ranges) -> str:
+    """Return the colours of a result of `ranges`: without stresses the default is the deformation."""
+    if look.colours in ranges or look.colours != VON_MISES:
+        return look.colours
+    return DEFORMATION if DEFORMATION in ranges else OWN_COLOURS
+
+
 def check_look(path: str, look: BodyLook, ranges: Ranges, size: float) -> None:
     """Raise `ResultError` where a result of `ranges` and `size`, m, cannot be shown as `look` wants it."""
     _check_colours(path, look, ranges)

@@ -3,7 +3,6 @@
 Stresses and strains are superposed from those of the modes; the report's viewer does the same (`viewer.js`).
 """
 
-import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -31,6 +30,12 @@ def unit_of(contour: str) -> str:
 
 def nodal_values(body: ElementBody, amplitude: np.ndarray) -> dict[str, np.ndarray]:
     """Values (n, T) at the nodes of a body by CONTOURS, for `amplitude` (T, N)."""
+    moved = body.shape @ amplitude.T
+    found = _stresses_and_strains(body, amplitude) if body.stress_shape is not None else {}
+    return found | {DEFORMATION: np.sqrt(np.square(moved).sum(axis=1))}
+
+
+def _stresses_and_strains(body: ElementBody, amplitude: np.ndarray) -> dict[str, np.ndarray]:
     stress = np.moveaxis(body.stress_shape @ amplitude.T, 1, -1)
     principal = principal_values(stress)
     found = {VON_MISES: von_mises(stress)}
@@ -41,8 +46,7 @@ def nodal_values(body: ElementBody, amplitude: np.ndarray) -> dict[str, np.ndarr
         stretched = strains(np.concatenate([principal, np.zeros_like(principal)], axis=-1), body.material)
         found |= {f"principal strain {k}": stretched[..., k - 1] for k in ORDER}
         found |= {f"strain {c}": strain[..., k] for k, c in enumerate(COMPONENTS)}
-    moved = body.shape @ amplitude.T
-    return found | {DEFORMATION: np.sqrt(np.square(moved).sum(axis=1))}
+    return found
 
 
 def principal_values(tensor: np.ndarray) -> np.ndarray:
@@ -87,16 +91,17 @@ def contour_ranges(bodies: Sequence[ElementBody]) -> Ranges:
 @np.errstate(all="ignore")
 def resting_row(bodies: Sequence[ElementBody]) -> int:
     """Return the row of the largest von Mises stress of `bodies` where the first has none, else the first."""
-    if not bodies:
+    stressed = [body for body in bodies if body.stress_shape is not None]
+    if not stressed:
         return 0
-    largest = np.max([_largest_stress(body) for body in bodies], axis=0)
+    largest = np.max([_largest_stress(body) for body in stressed], axis=0)
     return int(np.argmax(largest)) if largest[0] <= ROUND_OFF_PART * largest.max() else 0
 
 
 def _largest_stress(body: ElementBody) -> np.ndarray:
     """Largest finite von Mises stress (T,) at the nodes."""
     found = np.zeros(len(body.amplitude))
-    rows = max(1, MOST_STRESSES // max(1, math.prod(body.stress_shape.shape[:2])))
+    rows = _rows_at_a_time(body)
     for first in range(0, len(found), rows):
         part = slice(first, first + rows)
         values = von_mises(np.moveaxis(body.stress_shape @ body.amplitude[part].T, 1, -1))
@@ -104,8 +109,13 @@ def _largest_stress(body: ElementBody) -> np.ndarray:
     return found
 
 
+def _rows_at_a_time(body: ElementBody) -> int:
+    """Return of how many rows the stresses are computed together."""
+    return max(1, MOST_STRESSES // max(1, len(COMPONENTS) * len(body.undeformed)))
+
+
 def _all_values(body: ElementBody) -> Iterator[tuple[str, np.ndarray]]:
-    rows = max(1, MOST_STRESSES // max(1, math.prod(body.stress_shape.shape[:2])))
+    rows = _rows_at_a_time(body)
     for first in range(0, len(body.amplitude), rows):
         yield from nodal_values(body, body.amplitude[first : first + rows]).items()
     if body.of_elements:

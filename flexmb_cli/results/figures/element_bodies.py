@@ -16,7 +16,6 @@ from .scene import rotations
 _SHAPES = {
     "node_position": "n3",
     "shape": "n3m",
-    "stress_shape": "n6m",
     "node": "n",
     "cell": "ek",
     "element": "e",
@@ -45,8 +44,9 @@ class HookesLaw:
 class ElementBody:
     """A body of n nodes, `cells` (m, k) of rows of nodes, and N modes; SI units.
 
-    `undeformed` (n, 3), `shape` (n, 3, N), `stress_shape` (n, 6, N): body axes; `amplitude`, `rate` (T, N);
-    `origin`, `velocity`, `spin` (T, 3): global axes; `turn` (T, 3, 3): body to global axes;
+    `undeformed` (n, 3), `shape` (n, 3, N), `stress_shape` (n, 6, N), None without a material: body axes;
+    `amplitude`, `rate` (T, N); `origin`, `velocity`, `spin` (T, 3): global axes; `turn` (T, 3, 3): body to
+    global axes;
     `element_numbers` (m,): those of the file.
     `material`: None in results of earlier versions; `selected` (e,): rows of `cells` of the elements that
     `of_elements` is about, arrays (T, e, ...) by names of `ELEMENT_SERIES`.
@@ -58,7 +58,7 @@ class ElementBody:
     cells: np.ndarray
     undeformed: np.ndarray
     shape: np.ndarray
-    stress_shape: np.ndarray
+    stress_shape: np.ndarray | None
     amplitude: np.ndarray
     rate: np.ndarray
     origin: np.ndarray
@@ -90,7 +90,9 @@ class ElementBody:
         return self.velocity[row] + np.cross(self.spin[row], offsets) + relative
 
     def stress(self, row: int) -> np.ndarray:
-        """Stresses (n, 6) xx yy zz xy yz zx of the nodes in a row, body axes."""
+        """Stresses (n, 6) xx yy zz xy yz zx of the nodes in a row, body axes; nan if not known."""
+        if self.stress_shape is None:
+            return np.full((len(self.undeformed), 6), np.nan)
         return self.stress_shape @ self.amplitude[row]
 
 
@@ -107,9 +109,10 @@ def _body(result: Any, number: Any, name: Any, rows: Any) -> ElementBody:
     shapes = {f"{group}/{key}": letters for key, letters in _SHAPES.items()}
     series = {f"{modal}/{key}": "tm" for key in ("amplitude", "rate")}
     missing = [path for path in (*shapes, *series) if path not in result]
+    stress = f"{group}/stress_shape"
     if missing:
         raise Damaged(f"/{missing[0]} is missing")
-    check_shapes(result, shapes | series, {"t": len(result["time"])})
+    check_shapes(result, shapes | series | {stress: "n6m"}, {"t": len(result["time"])})
     numbers = result[f"{group}/node"][:]
     one = number - 1
     body = ElementBody(  # type: ignore[call-arg]
@@ -117,7 +120,8 @@ def _body(result: Any, number: Any, name: Any, rows: Any) -> ElementBody:
         name,
         numbers,
         _rows_of(result[f"{group}/cell"][:], numbers, name),
-        *(result[f"{group}/{key}"][:] for key in ("node_position", "shape", "stress_shape")),
+        *(result[f"{group}/{key}"][:] for key in ("node_position", "shape")),
+        result[stress][:] if stress in result else None,
         *(result[f"{modal}/{key}"][rows] for key in ("amplitude", "rate")),
         result["body/position"][rows, one],
         rotations(result["body/euler_parameters"][rows, one]),

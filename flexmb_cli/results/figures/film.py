@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 
 from ...quick_dataclass import dataclass
-from .body_look import DEFAULT_LOOK, BodyLook, check_look
+from .body_look import DEFAULT_LOOK, BodyLook, check_look, shown_colours
 from .contours import ENERGY, Ranges, contour_ranges, nodal_values, unit_of
 from .depth_buffer import DepthBuffer
 from .element_bodies import ElementBody, element_bodies
@@ -83,13 +83,13 @@ def film_rows(time: np.ndarray, rate: int) -> list[int]:
     return np.clip(np.searchsorted(time, shown + 1e-9 * span, "right") - 1, 0, len(time) - 1).tolist()
 
 
-def film_frames(result: h5py.File, look: FilmLook) -> Iterator[np.ndarray]:
-    """Frames (height, width, 3) of bytes."""
-    scene = read_scene(result)
+def film_frames(result: h5py.File, look: FilmLook, rows: slice = slice(None)) -> Iterator[np.ndarray]:
+    """Frames (height, width, 3) of bytes of the motion in `rows`; colours are those of all rows."""
+    scene = read_scene(result, rows)
     bodies = list(element_bodies(result, scene.body_names, slice(None)))
     ranges = contour_ranges(bodies)
     check_look(result.filename, look.bodies, ranges, scene.size)
-    canvas = _Canvas(scene, bodies, look, ranges)
+    canvas = _Canvas(scene, [body.at(rows) for body in bodies], look, ranges)
     drawn, frame = None, np.zeros(0)
     for row in film_rows(scene.time, look.rate):
         if row != drawn:
@@ -125,8 +125,8 @@ class _Camera:
 class _Surface:
     """Triangles of a finite-element body or of shapes, and what they are coloured by."""
 
-    def __init__(self, body: Any, look: BodyLook, ends: tuple[float, float] | None):
-        self.body, self.contour, self.ends, self.scale = body, look.colours, ends, look.scale
+    def __init__(self, body: Any, contour: str, scale: float, ends: tuple[float, float] | None):
+        self.body, self.contour, self.ends, self.scale = body, contour, ends, scale
         self.of_elements = isinstance(body, ElementBody)
         if self.of_elements:
             faces, elements = outer_faces_of_elements(body.cells)
@@ -172,16 +172,19 @@ class _Canvas:
         self.contours = colormaps["viridis"](np.linspace(CONTOURS_BEGIN, 1, 256))[:, :3]
         self.camera = _Camera(_all_places(scene, bodies, bodies_look.scale), scene.gravity, look)
         self.buffer = DepthBuffer(look.width, look.height)
-        reached = ranges.get(bodies_look.colours)
+        contour = shown_colours(bodies_look, ranges)
+        reached = ranges.get(contour)
         ends = reached and (bodies_look.ends or reached)
         shown = {*(one.number for one in bodies), *(shape.number for shape in scene.shapes)}
         self.lines = [body for body in scene.bodies if body.number not in shown]
-        self.surfaces = [_Surface(body, bodies_look, ends) for body in (*bodies, *scene.shapes)]
+        self.surfaces = [
+            _Surface(body, contour, bodies_look.scale, ends) for body in (*bodies, *scene.shapes)
+        ]
         paths = np.swapaxes(scene.points, 0, 1)[:MOST_TRACES]
         self.traces = [self.camera.seen(path) for path in paths if np.ptp(path, axis=0).any()]
         magnified = f", deformation × {bodies_look.scale:g}" if bodies_look.scale != 1 else ""
         self.labels = [f"t = {time} s{magnified}" for time in rounded(scene.time)]
-        self.legend = _legend(bodies_look.colours, ends, reached) if ends and reached else ""
+        self.legend = _legend(contour, ends, reached) if ends and reached else ""
         self.texts = Texts(look.width, look.height, self.legend, self.contours)
 
     def frame(self, row: int) -> np.ndarray:

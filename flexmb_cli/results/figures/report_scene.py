@@ -10,7 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from .body_look import DEFAULT_LOOK, BodyLook, check_look, largest_scale
+from .body_look import DEFAULT_LOOK, BodyLook, check_look, largest_scale, shown_colours
 from .body_shapes import BodyShape
 from .contours import ENERGY, Ranges, contour_ranges, resting_row, unit_of
 from .element_bodies import ElementBody, element_bodies
@@ -96,7 +96,7 @@ def scene_data(
             name: {"low": low, "high": high, "unit": unit_of(name)} for name, (low, high) in ranges.items()
         },
         "look": {
-            "colours": look.colours,
+            "colours": shown_colours(look, ranges),
             "ends": list(look.ends) if look.ends else None,
             "scale": look.scale,
             "largest": largest_scale(ranges, scene.size),
@@ -142,7 +142,9 @@ def _surface(body: ElementBody, ranges: Ranges) -> Any:
         "numbers": body.node_numbers[nodes].tolist(),
         "nodes": _numbers(with_centres(body.undeformed[nodes], faces)),
         "shape": _numbers(with_centres(body.shape[nodes], faces)),
-        "stress": _numbers(with_centres(body.stress_shape[nodes], faces)),
+        "stress": ""
+        if body.stress_shape is None
+        else _numbers(with_centres(body.stress_shape[nodes], faces)),
         "amplitude": _numbers(body.amplitude),
         "origin": _numbers(body.origin),
         "turn": _numbers(body.turn),

@@ -39,7 +39,7 @@ def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> No
     steps, count = len(scene.time), sum(counts)
     points = root.create_dataset("Points", (steps * count, 3), "f8")
     data = root.create_group("PointData")
-    known = {name: width for name, width in FIELDS.items() if "strain" not in name or _strained(bodies)}
+    known = {name: width for name, width in FIELDS.items() if _known(name, bodies)}
     fields = {
         name: data.create_dataset(name, (steps * count, width) if width > 1 else (steps * count,), "f8")
         for name, width in known.items()
@@ -59,8 +59,12 @@ def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> No
     _write_steps(root, scene.time, count)
 
 
-def _strained(bodies: list[ElementBody]) -> bool:
-    return any(body.material for body in bodies)
+def _known(field: str, bodies: list[ElementBody]) -> bool:
+    """Return whether a body has what the field is about."""
+    if "strain" in field:
+        return any(body.material for body in bodies)
+    stressed = "stress" in field or field == "von_mises"
+    return not stressed or any(body.stress_shape is not None for body in bodies)
 
 
 def _write_cell_data(root: h5py.Group, bodies: list[ElementBody], steps: int) -> None:

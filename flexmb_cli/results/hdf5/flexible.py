@@ -9,6 +9,7 @@ from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .joint_coordinates import coordinate_names, joint_values, with_elements
 from .layout import EULER_PARAMETER, XYZ, Axis, Constant, Layout, Series, Values, numbered_axis
+from .mesh import mesh_axes, mesh_constants
 from .motion_series import BODY_MOTION, JOINT_VECTOR, POINT_MOTION
 from .result_geometry import SIDE, gravity, joint_geometry, point_bodies, shape_geometry
 from .shapes import with_shapes
@@ -63,7 +64,7 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
         if items:
             axes.append(driver_axis_with_units(numbered_axis(kind, [item.name for item in items]), units))
     for body in _flexible(mechanism):
-        axes += [_mode_axis(body), _node_axis(body), *element_axis(body)]
+        axes += [_mode_axis(body), _node_axis(body), *element_axis(body), *mesh_axes(body)]
     axes += stress_axes(mechanism)
     present = {axis.path for axis in axes}
     series = [
@@ -73,7 +74,7 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
     for body in _flexible(mechanism):
         axis, meaning = _mode_axis(body).path, f"modal coordinates of {body.name}"
         series.append(Series(_amplitude(body), (axis,), "m or 1", meaning))
-        if body.reduced.stress:
+        if body.reduced.stress or body.reduced.mesh:
             series.append(Series(_rate(body), (axis,), "m/s or 1/s", f"rates of the {meaning}"))
     series += stress_series(mechanism)
     found = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), tuple(_constants(mechanism)))
@@ -129,6 +130,7 @@ def _constants(mechanism: FlexibleMechanism) -> "Iterator[Any]":
         yield Constant(f"modal/{body.name}/frequency", (_mode_axis(body).path,), frequencies, "Hz", meaning)
         yield from shape_geometry(body.name, body.reduced.r0, body.reduced.Phi)
         yield from element_constants(body)
+        yield from mesh_constants(body)
     if mechanism.outputs:
         yield point_bodies([point.body for point in mechanism.outputs])
     if mechanism.joints:

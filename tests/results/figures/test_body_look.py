@@ -152,7 +152,7 @@ def typed(page, name, text):
 
 @pytest.mark.processes
 def test_the_page_opens_as_the_options_want_it_and_its_fields_are_checked(shown):
-    legend = "strain energy of the element, 0 to 6.00e-8 J (of 0 to 3.00e-8), deformation × 50"
+    legend = "strain energy of the element, 0 to 6.00e-8 J (of 0 to 3.00e-8); deformation × 50"
     assert part(shown, "legend-text").text == legend
     assert part(shown, "colour").get_property("value") == ENERGIES[1]
     assert typed(shown, "scale", "100") == ("100", "")

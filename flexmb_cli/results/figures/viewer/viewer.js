@@ -62,7 +62,7 @@ class Viewer {
     this.ranges = scene.ranges;  // those of all report rows, so that colours mean the same throughout
     this.chosen = {};  // those that are wanted in their place
     const {colours, ends, scale} = scene.look;
-    this.magnify = scale; this.colouring = this.ranges[colours] ? colours : this.contoured.length && this.ranges[DEFORMATION] && colours !== "body" ? DEFORMATION : "body";
+    this.magnify = scale; this.colouring = colours;
     if (ends && this.ranges[colours]) this.chosen[colours] = ends;
     this.controls();
     // Where the first frame has no stress the page opens, and prints, at the one that has most; motion begins at the first.
@@ -111,7 +111,7 @@ class Viewer {
     if (colouring === DEFORMATION)
       for (let n = 0; n < count; n++) values[n] = Math.hypot(u[3 * n], u[3 * n + 1], u[3 * n + 2]);
     const measure = measured(colouring, one.material);
-    if (measure)
+    if (measure && stress.length)
       for (let n = 0, at = 0; n < count; n++) {
         let xx = 0, yy = 0, zz = 0, xy = 0, yz = 0, zx = 0;
         for (let k = 0; k < N; k++, at++) {
@@ -251,7 +251,7 @@ class Viewer {
     this.part("slider").value = this.frame;
     const range = this.wanted(), whole = this.ranges[this.colouring], span = (ends, unit) => `${told(ends.low, "")} to ${told(ends.high, unit)}`;
     this.part("legend").hidden = range === undefined || !this.contoured.length;
-    this.part("legend-text").textContent = range === undefined ? "" : `${this.colouring}, ${span(range, range.unit)}${this.chosen[this.colouring] ? ` (of ${span(whole, "")})` : ""}${this.magnify === 1 ? "" : `, deformation × ${this.magnify}`}`;
+    this.part("legend-text").textContent = range === undefined ? "" : `${this.colouring}, ${span(range, range.unit)}${this.chosen[this.colouring] ? ` (of ${span(whole, "")})` : ""}${this.magnify === 1 ? "" : `; deformation × ${this.magnify}`}`;
   }
 
   part(name) { return this.box.querySelector(`[data-part="${name}"]`); }
