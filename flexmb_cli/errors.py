@@ -81,7 +81,7 @@ class Fault:
 
 
 class FaultList(list[Fault]):
-    """Faults as they are found: `MOST_LISTED_ERRORS` errors, of warnings and notes of one kind `MOST_ALIKE`."""
+    """Faults as they are found: no more than `MOST_LISTED_ERRORS` errors, `MOST_ALIKE` doubts of one kind."""
 
     def append(self, fault: Fault) -> None:
         """Add a fault, or say once that there are more like it."""
