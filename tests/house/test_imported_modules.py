@@ -78,7 +78,13 @@ INTEGRATIONS = {"alpha_march", "radau_march"}
 RUNS = {
     "young": ("young/IN1-1-1.dat", (), TREES | CONSTRAINED | FLEXIBLE),
     "young forward": ("young/dynamics/IN-ANDREWS.dat", ("time.end=0.0001",), TREES | FLEXIBLE | INTEGRATIONS),
-    "dafms": ("dafms/pendulum.DAT", ("time.IT=2",), CONSTRAINED | FLEXIBLE | {"implicit", "newton", "young"}),
+    "dafms": (
+        "dafms/pendulum.DAT",
+        ("time.IT=2",),
+        CONSTRAINED
+        | FLEXIBLE
+        | {"implicit", "newton", "young", "flexible_", "element_table", "elements.build"},
+    ),
     "vsdf": ("vsdf/pendulum.vsdf", ("time.end=0.0001",), TREES | {"radau_march", "young"}),
 }
 
