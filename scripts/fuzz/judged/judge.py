@@ -19,8 +19,8 @@ def judge(
 ) -> str:
     """What is wrong with the result at `path`, "" for nothing; `text`: a YoungText, or None.
 
-    `warned`: the run itself warned of its energy; `coarse`: of its steps; `smooth`: no element has
-    corners.  `judged` gets a word when differences of rows were compared.
+    `warned`: the run itself warned of its energy; `coarse`: of its steps; `smooth`: no element of the deck
+    has corners.  `judged` gets a word when differences of rows were compared.
     """
     result = Result(path)
     try:
