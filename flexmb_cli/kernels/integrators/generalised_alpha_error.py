@@ -11,6 +11,8 @@ if TYPE_CHECKING:
 # Rows of the accelerations kept (5, n): of the step's end as it is found, its start, the start of the step
 # before; the means at both ends.
 NEW, LAST, BEFORE, MEAN, NEW_MEAN = 0, 1, 2, 3, 4
+# Rows of what is missing in the equations (3, m), and of the corrections that close these gaps (3, n).
+ACCELERATION_GAP, SPEED_GAP, POSITION_GAP = 0, 1, 2
 
 
 @part
@@ -39,12 +41,12 @@ def step_error(system: Any, integration: "AlphaIntegration", h: float):
 
 @part
 def correction_size(system: Any, integration: "AlphaIntegration", by_speed: float):
-    """The change of the speeds by `step` in tolerances."""
+    """The change of the speeds by the correction of the accelerations, in tolerances."""
     clock, n, total = integration.clock[0], system.speed_scale.shape[0], 0.0
     first = clock["counted"] - n
     for k in range(n):
         scale = tolerance(clock, integration.units[first + k], abs(integration.trial[first + k]))
-        total += (by_speed * integration.step[k] / scale) ** 2
+        total += (by_speed * integration.corrections[ACCELERATION_GAP, k] / scale) ** 2
     return (total / n) ** 0.5
 
 
