@@ -1,6 +1,6 @@
 """One self-contained HTML page on a result: status, moving picture, curves, audit, deck and its echo.
 
-The viewer is the package's own (`viewer/`, 25 kB, drawn without WebGL), and curves are SVG: a page needs no
+The viewer is the package's own (`viewer/`, 35 kB, drawn without WebGL), and curves are SVG: a page needs no
 network and no library.  The page's content security policy names the one script by its hash and forbids
 everything else, network included; whatever comes from the file is escaped besides.
 """
