@@ -189,7 +189,7 @@ def test_a_joint_that_jams_ends_the_run_and_keeps_the_rows_before():
 @pytest.mark.long_motion
 @pytest.mark.parametrize("card", METHODS.values(), ids=METHODS)
 def test_a_jam_that_steps_only_come_near_to_ends_a_free_motion_as_a_jam(card):
-    """Three frictions, and a flywheel that nothing drives: steps vanish in front of the jam, where all slides.
+    """Three frictions, and a flywheel that nothing drives: steps vanish in front of the jam, all slides.
 
     Friction of the slider alone locks where tan φ = 1/μ, sin φ = sin ωt/1.05: at 1.346 s; the bearings
     of the rod add to it, so that it jams before.
