@@ -107,7 +107,7 @@ class ElementLines:
         return q - float((self.at(joint.j, joint.P_j) - self.at(joint.i, joint.P_i)) @ axis)
 
     def _pair(self, item: Any) -> str:
-        return f"bodyNumbers=[{self.word(item.i)}, {self.word(item.j)}]"
+        return f"itemNumbers=[{self.word(item.i)}, {self.word(item.j)}]"
 
     def _ends(self, item: Any) -> str:
         ends = ((item.i, item.P_i), (item.j, item.P_j))
