@@ -14,6 +14,7 @@ from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.dafms.build import build_dafms
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
+from flexmb_cli.interface import solve
 from flexmb_cli.model.loads import AppliedForce, DynamicModel, InitialVelocity, SpringDamper
 from flexmb_cli.model.mechanism import Joint, Mechanism, TimeGrid
 from flexmb_cli.model.tree import Body, Hinge, Spring, Tree
@@ -22,7 +23,7 @@ from flexmb_cli.results.hdf5.dynamic import dynamic_values
 from flexmb_cli.results.models.exudyn import exudyn_script
 from flexmb_cli.results.models.exudyn_joints import independent_axes
 from flexmb_cli.results.models.mjcf import mjcf
-from flexmb_cli.run.convert import start_of
+from flexmb_cli.run.convert import converted, start_of
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from flexmb_cli.solvers.tree.points import point_motion
 from tests.solvers.constrained.dynamic_runs import AT_REST, GROUND, body, run, uneven_masses
@@ -135,6 +136,58 @@ def test_a_mechanism_moves_alike_in_exudyn(tmp_path):
         np.testing.assert_allclose(found[:, 1 + 3 * k : 4 + 3 * k], r[:, b] + arms, atol=1e-6)
 
 
+# A spherical, a revolute and a translational joint with springs, stops and a cable; estimates are off.
+SPRUNG = """\
+4 0 0 1 0 1 0 1 0 0 0 1
+0 0 0 1 0 0 0
+0.31 0.02 0.01 0.99 0.05 0.02 0.1
+0.81 0.02 0.02 1 0.01 0 0
+1.32 0.1 0.15 0.98 0.1 0.1 0
+3 4 0.2 0 0.03 -0.2 0.01 0
+1 2 0 0 0 -0.3 0 0 0 0 1 -0.3 0 1
+2 3 0.2 0 0 -0.2 0 0 1.2 0 0 0.8 0 0 0.2 0 1 -0.2 1 0
+1 0 0 0 0 0 0
+0 0.3 0.05
+
+DYNAMICS forward
+MASS 2 2 0.05 0.01 0.02 0.3 0.4 0.5 0.02 0.03 -0.04
+MASS 3 1.5 0.03 0 0.01 0.2 0.3 0.25 0.01 0 0.02
+MASS 4 1.2 0.1 0.02 0 0.22 0.27 0.3
+GRAVITY 0.5 -9.81 -1.3
+TSPRING 2 20 0.2 0.5 1.5
+ASPRING 3 300 0.02 4 2
+TSTOP 2 -0.3 0.1 60 0.2
+ASTOP 3 -0.005 0.005 400 0.1
+LSPRING 0 4 0.5 1.5 0 0.2 0 0.1 60 1.2 0.7 5
+CABLE 0 3 0.5 -1.2 0 0.1 0.1 0 300 1.25 0.2
+SPRING 0 2 0.2 1 0 0.1 0 0 20 0.5 0.1
+RATE 2 1 0.8
+TOLERANCE 1e-12
+END
+"""
+
+
+@pytest.mark.processes
+@pytest.mark.long_motion
+def test_springs_stops_and_a_cable_act_alike_in_exudyn(tmp_path):
+    """The script halves its steps as long as that changes more than is compared."""
+    pytest.importorskip("exudyn", reason="Exudyn is not installed (extra bench)")
+    (tmp_path / "IN-S.dat").write_text(SPRUNG)
+    script = converted(str(tmp_path / "IN-S.dat"), "exudyn")
+    (tmp_path / "m.py").write_text(
+        script.replace("TOLERANCE, MOST_STEPS = 1e-07", "TOLERANCE, MOST_STEPS = 1e-06")
+    )
+    done = subprocess.run([sys.executable, "m.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    found = np.loadtxt(tmp_path / "IN-S-exudyn.csv", delimiter=",")
+    values = solve(tmp_path / "IN-S.dat")
+    assert np.abs(values["element/effort"][:]).max(axis=0).min() > 1  # all of them act
+    for b, centre in enumerate(((0.05, 0.01, 0.02), (0.03, 0, 0.01), (0.1, 0.02, 0)), 1):
+        r, p = values["body/position"][:, b], values["body/euler_parameters"][:, b]
+        places = r + np.array([rotation_matrix(row) @ np.array(centre) for row in p])
+        np.testing.assert_allclose(found[:, 3 * b - 2 : 3 * b + 1], places, atol=1e-6)
+
+
 @pytest.mark.parametrize(
     ("deck", "form", "reported"),
     [
@@ -181,10 +234,10 @@ def test_a_load_by_a_function_of_time_does_not_convert_to_exudyn(tmp_path):
 def test_an_element_at_a_joint_is_refused_where_it_stands(tmp_path):
     text = (DECKS / "young/dynamics/IN-BRICARD.dat").read_text()
     deck = tmp_path / "sprung.dat"
-    deck.write_text(re.sub(r"\nEND\b", "\nTSPRING 1 5 0\nEND", text))
+    deck.write_text(re.sub(r"\nEND\b", "\nFRICTION 1 0.1 0.1 1 0.01 0.1\nEND", text))
     done = CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(tmp_path / "m.py")])
     (fault,) = done.exception.faults
-    assert (fault.subject, fault.place.line) == ("tspring 1", text[: text.index("\nEND")].count("\n") + 2)
+    assert (fault.subject, fault.place.line) == ("friction 1", text[: text.index("\nEND")].count("\n") + 2)
 
 
 def mass_centres(deck):

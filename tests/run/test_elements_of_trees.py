@@ -8,6 +8,7 @@ import pytest
 from flexmb_cli.errors import AnalysisError
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.context import Run
+from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.mechanism_modes import Wish, tree_modes
 from flexmb_cli.run.outcome import Listener, Outcome, RunOptions
 from flexmb_cli.run.verify.verify import verify_deck
@@ -172,6 +173,16 @@ def test_check_counts_elements_and_their_energy(tmp_path, name, dof, potential):
     report = check_deck(str(path), RunOptions())
     assert report.counts["degrees_of_freedom"] == dof
     assert report.tree.energies["potential"] == pytest.approx(potential, abs=1e-12)
+
+
+def test_a_run_notes_a_stop_that_is_pressed_at_the_start_by_its_card(tmp_path):
+    text = deck(card("HSTO", integers(1, 3) + reals(0.1, 0.5, 100)))
+    (tmp_path / "x.DAT").write_text(text)
+    found = run_deck(str(tmp_path / "x.DAT"), RunOptions(folder=str(tmp_path)))
+    (note,) = [fault for fault in found.faults if fault.severity == "note"]
+    assert note.message.startswith("it begins 0.1 rad behind its limit and pushes with 10 N m; correct")
+    lines = text.splitlines()
+    assert (note.subject, note.place.line) == ("hinge stop 1", lines.index("HSTO") + 3)
 
 
 def test_check_refuses_what_a_run_refuses(tmp_path):

@@ -20,7 +20,7 @@ import numpy as np
 from .._jit import allocating, kernel
 from ..linalg.copying import copy
 from .body_vectors import VECTOR, vector
-from .elements import FRICTION
+from .elements import ELEMENT, FRICTION
 
 if TYPE_CHECKING:
     from .system import Work
@@ -37,6 +37,15 @@ NORMALS_FOUND = 1e-11  # Newton's last step, of the largest normal force: the ne
 def has_friction(loads: np.ndarray) -> bool:
     """Return whether there is any friction; it stands behind all other loads."""
     return loads.shape[0] > 0 and loads[loads.shape[0] - 1]["kind"] == FRICTION
+
+
+@kernel
+def has_elements(loads: np.ndarray) -> bool:
+    """Return whether there are springs, stops or cables at joints or in line, or friction."""
+    k = loads.shape[0]
+    while k > 0 and loads[k - 1]["kind"] < ELEMENT:
+        k -= 1
+    return k > 0
 
 
 @kernel

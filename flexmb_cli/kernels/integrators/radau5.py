@@ -13,7 +13,7 @@ import numpy as np
 from .._jit import allocating, kernel
 from ..constrained.accelerations import factorise_constraints, fill_forces, reduce_mass
 from ..constrained.angle_unwrapping import EXPECTED, MOST_TURNED, NEW, expect_angles, unwrap_angles
-from ..constrained.dry_friction import has_friction
+from ..constrained.dry_friction import has_elements, has_friction
 from ..constrained.mass_matrix import mass_matrices
 from ..constrained.report import NOW, Report, complete, coordinates_and_speeds, fill_load_powers
 from ..constrained.system import NO_INERTIA, SOLVED, System, Work
@@ -139,10 +139,10 @@ def _renew(system: System, work: Work, integration: RadauIntegration) -> int:
     if code == SOLVED:
         mass_matrices(system, work, q)
         if has_friction(system.loads):
-            # Its slopes change by all within a step: those of a trial that failed may not be numbers.
             code = reduce_mass(system, work)
-            if code == SOLVED:
-                fill_forces(system, work, q, u, integration.clock[0]["t"])
+        if code == SOLVED and has_elements(system.loads):
+            # Their slopes change by all within a step: those of a trial that failed may not be numbers.
+            fill_forces(system, work, q, u, integration.clock[0]["t"])
     if code == SOLVED:
         renew_matrices(system, work, integration.matrices)
         integration.memory[0]["quality"] = work.quality[0]

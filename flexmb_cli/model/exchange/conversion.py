@@ -8,13 +8,17 @@ import numpy as np
 
 from ...errors import Fault, ModelError, Place
 from ...quick_dataclass import replace
+from ..joint_elements import Bushing
 from ..joints import ANGLE
+from ..mechanism import GROUND, Vector
 from ..vectors import rotation_matrix
-from .rigid_model import Refusals, RigidBody, RigidModel
+from .rigid_model import Refusals, RigidBody, RigidModel, vector
 from .shapes import RigidShape
 from .start import Pair, Start, angle_between, stroke_between
 
 Pose = tuple[np.ndarray, np.ndarray]  # origin (3,), m, and rotation matrix (3, 3), body to global axes
+End = tuple[int, Vector]  # body of the new model, and a point on it
+SAME_ATTITUDE = 1e-9  # rad
 # (message, place, name) of an item that is not converted: the dialect's fault
 Refused = Callable[[str, Place | None, str], Fault]
 
@@ -44,11 +48,42 @@ class Conversion(ABC):
         if self.refusals.items:
             raise ModelError([self._refused(*item) for item in self.refusals.items])
 
+    def bushing(self, item: Bushing, ends: tuple[End, End], first: list[Pose]) -> Bushing | None:
+        """Return a bushing between `ends` (new body, point), or None where other dialects have none like it.
+
+        `first`: poses in which its frames coincide in attitude, which in the new deck do so at the start.
+        """
+        (i, P_i), (j, P_j) = ends
+        turned = _turn_since(first, self.now, item.i, item.j)
+        if any((*item.stiffness[3:], *item.damping[3:])) and turned > SAME_ATTITUDE:
+            message = f"the bodies of the bushing have turned by {turned:.3g} rad from where it has no torque"
+            self.refusals.add(item, f"{message} at the start; other dialects begin without torque")
+            return None
+        if i == GROUND != item.i and not np.allclose(self.now[item.i][1], np.eye(3), atol=SAME_ATTITUDE):
+            self.refusals.add(item, "the axes of a bushing are those of body I, which is grounded and turned")
+            return None
+        return replace(item, i=i, j=j, P_i=P_i, P_j=P_j)
+
     def rigid_body(self, k: int, name: str, masses: tuple[float, Any, Any], place: Place | None) -> RigidBody:
         """Return body k at the start; `masses`: mass, its centre (3,), moments (3, 3) about it, body axes."""
         start, (mass, centre, moments) = self.start, masses
         motion = start.r[k], start.p[k], start.v[k], start.omega[k]
         return RigidBody(name, *motion, mass, centre, moments, place)
+
+
+def place_of(point: Any) -> Vector:
+    """Return a node's place, or a point of a rigid body, in the axes of its body."""
+    return vector(getattr(point, "r0", point))
+
+
+def _turn_since(first: list[Pose], now: list[Pose], i: int, j: int) -> float:
+    """Angle by which body j has turned against body i between two sets of poses; -1: the ground."""
+    still = np.eye(3)
+    relative = [
+        (poses[i][1] if i != GROUND else still).T @ (poses[j][1] if j != GROUND else still)
+        for poses in (first, now)
+    ]
+    return float(np.linalg.norm(relative[0] - relative[1]) / 2.0**0.5)
 
 
 def about_centre(mass: float, centre: np.ndarray, inertia: Any) -> np.ndarray:

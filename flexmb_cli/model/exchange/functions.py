@@ -75,6 +75,26 @@ def scaled(function: MotionFunction, factor: float) -> MotionFunction:
     return MotionFunction(POLYNOMIAL, (factor * c0, factor * c1, factor * c2, factor * c3))
 
 
+def stretched(function: MotionFunction, factor: float) -> MotionFunction:
+    """The function t → function(t / factor), for other units of what it depends on."""
+    if factor == 1.0:
+        return function
+    if function.kind == POLYNOMIAL:
+        return stretched(piecewise(((0.0, *function.c),)), factor)
+    if function.kind == SINE:
+        mean, size, omega, phase = function.c
+        return MotionFunction(SINE, (mean, size, omega / factor, phase))
+    if function.kind == PIECEWISE:
+        return piecewise(
+            tuple((t * factor, *(c / factor**n for n, c in enumerate(cs))) for t, *cs in function.pieces)
+        )
+    if function.kind == COMPOUND:
+        terms = tuple(tuple(stretched(factor_of, factor) for factor_of in term) for term in function.terms)
+        return MotionFunction(COMPOUND, terms=terms)
+    times = tuple(t * factor for t in function.times)
+    return replace(function, times=times, curvature=tuple(g / factor**2 for g in function.curvature))
+
+
 def simple(function: MotionFunction) -> MotionFunction:
     """The same function as one polynomial of a piece, or as one sine, where it is one; else itself."""
     if function.kind == POLYNOMIAL:

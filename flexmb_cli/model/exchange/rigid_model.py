@@ -10,8 +10,17 @@ from typing import Any
 import numpy as np
 
 from ...errors import Place
-from ...quick_dataclass import dataclass, fields
-from ..joint_elements import EndStop, JointDriver, JointElements, JointFriction, JointMotor
+from ...quick_dataclass import dataclass
+from ..joint_elements import (
+    Bushing,
+    Coupling,
+    EndStop,
+    JointDriver,
+    JointFriction,
+    JointMotor,
+    JointSpring,
+    LineSpring,
+)
 from ..loads import AppliedForce, AppliedTorque, SpringDamper
 from ..mechanism import GROUND, Point, TimeGrid, Vector
 from ..time_functions import MotionFunction
@@ -119,6 +128,10 @@ class RigidModel:
     shapes: tuple[RigidShape, ...] = ()
     stops: tuple[EndStop, ...] = ()
     frictions: tuple[JointFriction, ...] = ()
+    preloaded: tuple[JointSpring, ...] = ()  # with a preload, or with forces by functions
+    lines: tuple[LineSpring, ...] = ()  # cables, and springs in line with a preload or functions
+    bushings: tuple[Bushing, ...] = ()  # whose frames coincide in attitude at the start
+    couplings: tuple[Coupling, ...] = ()
 
     def axes(self, body: int) -> np.ndarray:
         """Rotation matrix (3, 3) of a body or of the ground."""
@@ -167,9 +180,3 @@ class Refusals:
     def add(self, item: Any, message: str) -> None:
         """Refuse an item, which has a name and a place in its deck."""
         self.items.append((message, item.place, item.name))
-
-    def add_elements(self, elements: JointElements) -> None:
-        """Refuse elements at joints and between bodies."""
-        for field in fields(elements):
-            for item in getattr(elements, field.name) or ():
-                self.add(item, "elements at joints are not converted from this dialect")

@@ -4,7 +4,7 @@ from typing import Any
 
 from ...quick_dataclass import dataclass, replace
 from ..joints import ANGLE
-from .functions import scaled
+from .functions import scaled, stretched
 from .rigid_model import RigidModel, vector
 from .shapes import scaled_shape
 
@@ -64,6 +64,10 @@ class _Scaling:
             stops=tuple(self._stop(item) for item in model.stops),
             frictions=tuple(self._friction(item) for item in model.frictions),
             springs=tuple(self._spring(item) for item in model.springs),
+            preloaded=tuple(self._preloaded(item) for item in model.preloaded),
+            lines=tuple(self._line(item) for item in model.lines),
+            bushings=tuple(self._bushing(item) for item in model.bushings),
+            couplings=tuple(self._coupling(item) for item in model.couplings),
             forces=tuple(
                 replace(item, force=_times(F, item.force), point=_times(L, item.point))
                 for item in model.forces
@@ -93,6 +97,45 @@ class _Scaling:
         factor = self.torque if revolutions else self.M
         rest = item.rest if revolutions else self.L * item.rest
         return replace(item, stiffness=factor * item.stiffness, damping=factor * item.damping, rest=rest)
+
+    def _preloaded(self, item: Any) -> Any:
+        if item.coordinate == ANGLE:
+            return self._with_characteristics(item, 1.0, self.torque)
+        return self._with_characteristics(item, self.L, self.force)
+
+    def _line(self, item: Any) -> Any:
+        ends = {name: _times(self.L, getattr(item, name)) for name in ("P_i", "P_j")}
+        if item.slack:
+            per_rate = {"damping": item.damping / self.L}
+            return replace(
+                item, **ends, **per_rate, stiffness=self.M * item.stiffness, rest=self.L * item.rest
+            )
+        return self._with_characteristics(replace(item, **ends), self.L, self.force)
+
+    def _with_characteristics(self, item: Any, length: float, force: float) -> Any:
+        """A spring and damper whose coordinate has the unit `length` and whose effort has `force`."""
+        functions = {
+            name: function and stretched(scaled(function, force), length)
+            for name, function in (("curve", item.curve), ("damper", item.damper))
+        }
+        per_length = {name: force / length * getattr(item, name) for name in ("stiffness", "damping")}
+        return replace(item, **functions, **per_length, rest=length * item.rest, preload=force * item.preload)
+
+    def _bushing(self, item: Any) -> Any:
+        factors = (self.M,) * 3 + (self.torque,) * 3
+        ends = {name: _times(self.L, getattr(item, name)) for name in ("P_i", "P_j")}
+        scaled_six = {
+            name: tuple(f * x for f, x in zip(factors, getattr(item, name), strict=True))
+            for name in ("stiffness", "damping")
+        }
+        return replace(item, **ends, **scaled_six)
+
+    def _coupling(self, item: Any) -> Any:
+        terms = tuple(
+            (joint, coordinate, factor if coordinate == ANGLE else factor / self.L)
+            for joint, coordinate, factor in item.terms
+        )
+        return replace(item, terms=terms)
 
     def _stop(self, item: Any) -> Any:
         revolutions = item.coordinate == ANGLE

@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 
 from ...errors import Fault, ModelError
+from ...model.arrays.element_table import coordinates_of_joints
 from ...model.loads import DynamicModel
 from ...model.mechanism import GROUND
 from ...model.vectors import rotation_matrix
-from ...quick_dataclass import fields
+from .exudyn_elements import ElementLines, foreign_elements
 from .exudyn_joints import HELD, independent_axes, joint_frames
 
 HEAD = '''"""{title}, written by flexmb for Exudyn 1.13 or later.  SI units.
@@ -109,7 +110,7 @@ def exudyn_script(
         raise ModelError(faults)
     time, placed = model.mechanism.time, _Placed(model, start)
     lines = [_head(placed, name), "bodies = []"]
-    lines += [*placed.bodies(), *placed.joints([start, *later]), *placed.loads()]
+    lines += [*placed.bodies(), *placed.joints([start, *later]), *placed.loads(), *placed.elements()]
     intervals = max(time.rows - 1, 1)
     return "\n".join(lines) + TAIL.format(
         title=name,
@@ -122,7 +123,7 @@ def exudyn_script(
 
 
 def _head(placed: "_Placed", name: str) -> str:
-    shapes = placed.graphics([GROUND, *sorted(placed.still)])
+    shapes = placed.graphics([GROUND, *sorted(placed.still - {GROUND})])
     return HEAD.format(title=name, gravity=_list(placed.model.gravity), ground=shapes.removeprefix(", "))
 
 
@@ -145,12 +146,7 @@ def _foreign(model: Any) -> Iterator[tuple[Any, ...]]:
     for load in (*model.forces, *model.torques):
         if load.factor is not None:
             yield "loads over time do not convert", load.place, load.name
-    for spring in model.springs:
-        if GROUND in (spring.i, spring.j):
-            yield "springs to body 0 do not convert: end them on a grounded body", spring.place, spring.name
-    groups = (getattr(model.elements, field.name) for field in fields(model.elements))
-    for item in (item for group in groups if isinstance(group, tuple) for item in group):
-        yield "elements at joints do not convert", item.place, item.name
+    yield from foreign_elements(model.elements)
 
 
 class _Placed:
@@ -159,7 +155,7 @@ class _Placed:
     def __init__(self, model: DynamicModel, start: dict[str, np.ndarray]):
         self.model, self.start = model, start
         self.A = [rotation_matrix(p) for p in start["p"]]
-        self.still = {item.body for item in model.mechanism.grounds}
+        self.still = {GROUND, *(item.body for item in model.mechanism.grounds)}
         self.centre = np.zeros((len(self.A), 3))
         moving = sorted(mass.body for mass in model.masses if mass.body not in self.still)
         self.numbers = {body: number for number, body in enumerate(moving)}
@@ -247,7 +243,22 @@ class _Placed:
                     f"loadVector={_list(torque.torque)}, bodyFixed={bool(torque.following)})"
                 )
 
+    def elements(self) -> Iterator[str]:
+        """Yield lines of springs, stops, cables and links, from the joint coordinates at the start."""
+        joints, q = self.model.mechanism.joints, {}
+        if len(self.start["q"]):
+            names = [(item.joint, item.coordinate) for item in coordinates_of_joints(joints)]
+            q = dict(zip(names, map(float, self.start["q"]), strict=True))
+        made = ElementLines(joints, self._word, self._local, self._at, self._turned, q)
+        yield from made.lines(self.model.elements)
+
+    def _turned(self, body: int) -> np.ndarray:
+        """Rotation matrix (3, 3) of a body or of the ground."""
+        return np.eye(3) if body == GROUND else self.A[body]
+
     def _at(self, body: int, point: tuple[float, float, float]) -> np.ndarray:
+        if body == GROUND:
+            return np.array(point, float)
         return self.start["r"][body] + self.A[body] @ np.array(point)
 
     def _local(self, body: Any, point: Any) -> Any:

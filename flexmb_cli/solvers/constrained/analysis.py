@@ -11,6 +11,7 @@ from ...kernels.integrators import clock as codes
 from ...model.arrays.function_table import break_times
 from ...model.arrays.records import CABLE, ELEMENT, FRICTION, STOP
 from ...model.arrays.system import SystemArrays
+from ...model.joint_elements import JointElements
 from ...model.mechanism import TimeGrid
 from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of
 from ..singular.dynamic_singularities import PassedDynamicSingularities
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from ...kernels.constrained.report import Report
 
 
+NO_ELEMENTS = JointElements()
 CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
 LARGEST_BLOCK = 256  # rows
 SAME_TIME_IN_RUN = 1e-9  # of a run: times this near to each other are one
@@ -52,10 +54,10 @@ class ConstrainedMotion:
         grid: TimeGrid,
         tolerance: float,
         integrator: Steps | None = None,
-        works: bool = False,
+        elements: JointElements = NO_ELEMENTS,
     ):
-        self.arrays = arrays
-        self.works = len(arrays.loads) if works else 0  # loads whose works are kept
+        self.arrays, self.elements = arrays, elements
+        self.works = len(arrays.loads) if elements else 0  # loads whose works are kept
         self.grid = grid
         self.integrator = integrator or ExplicitSteps()
         self.system = constrained_system(arrays)
@@ -230,7 +232,7 @@ class ConstrainedMotion:
         answer = self._call(codes.BEGIN, blank_report(self.arrays, np.zeros(0), self.works))
         if answer != codes.READY:
             raise step_failure(self, answer)
-        self.warnings += notes_of_pressed_stops(self.arrays.loads, self.work.responses)
+        self.warnings += notes_of_pressed_stops(self.elements.stops, self.arrays.loads, self.work.responses)
         return found
 
     def _call(self, task: int, report: "Report") -> int:

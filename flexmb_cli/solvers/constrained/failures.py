@@ -8,6 +8,7 @@ from ...errors import AnalysisError, Fault
 from ...kernels.constrained.accelerations import accelerations
 from ...kernels.constrained.angle_unwrapping import NEW
 from ...kernels.constrained.elements import COORDINATE, FRICTION
+from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators.clock import CONTRADICTION
 from ...model.arrays.records import ELEMENT
@@ -27,6 +28,7 @@ GO_ON = (
     "times as large or as small"
 )
 IMPLICIT = ("RAD5", "GALF")
+MOMENTS = (1e-9, 1e-7, 1e-5)  # of a run: how far behind the state a jam is looked for
 
 
 def step_failure(analysis: Any, answer: int, due: float = np.inf) -> AnalysisError:
@@ -49,6 +51,8 @@ def step_failure(analysis: Any, answer: int, due: float = np.inf) -> AnalysisErr
         _overturned(analysis, analysis.work.responses).size or not _has_forces(analysis, t)
     ):
         return force_failure(analysis, analysis.work.responses, t)
+    if _jams_ahead(analysis, t):
+        return jam_failure(t)
     if clock["fault"] == NO_INERTIA:
         return inertia_failure(analysis, t)
     if due <= t and (owners := _weakest_at_row(analysis, norms)):
@@ -62,12 +66,25 @@ def step_failure(analysis: Any, answer: int, due: float = np.inf) -> AnalysisErr
     return AnalysisError(about("error", message, *owners[:1]), t, norms)
 
 
-def _has_forces(analysis: Any, t: float) -> bool:
-    """Return whether all loads have forces at the state that the steps have reached."""
-    work, z, ud = analysis.work, analysis.integration.z, np.zeros(analysis.arrays.speeds)
+def _jams_ahead(analysis: Any, t: float) -> bool:
+    """Return whether friction has no normal forces where its speeds lead the state in a moment.
+
+    Steps come as near to such a place as they like, and none leads over it.
+    """
+    if not np.any(analysis.arrays.loads["kind"] == FRICTION):
+        return False
+    span = analysis.grid.end - analysis.grid.start
+    return any(not _has_forces(analysis, t, share * span) for share in MOMENTS)
+
+
+def _has_forces(analysis: Any, t: float, ahead: float = 0.0) -> bool:
+    """Return whether all loads have forces at the state that the steps have reached, or so much later, s."""
+    work, ud = analysis.work, np.zeros(analysis.arrays.speeds)
     work.angles[:] = analysis.integration.angles[NEW]
     end = ud.size + analysis.arrays.bodies
-    accelerations(analysis.system, work, z[:end], z[end : end + ud.size], t, ud)
+    q, u = np.split(analysis.integration.z[: end + ud.size].copy(), [end])
+    move(analysis.arrays.bodies, q, ahead * u)
+    accelerations(analysis.system, work, q, u, t + ahead, ud)
     return bool(rows_with_forces(work.responses[None]))
 
 

@@ -46,8 +46,8 @@ class FlexibleDynamics(ConstrainedMotion):
 
     def __init__(self, mechanism: FlexibleMechanism):
         steps, tolerance = integrator_of(mechanism.integrator)
-        works = bool(mechanism.elements)
-        super().__init__(flexible_arrays(mechanism), mechanism.time, tolerance, steps, works)
+        arrays = flexible_arrays(mechanism)
+        super().__init__(arrays, mechanism.time, tolerance, steps, mechanism.elements)
         self.mechanism = mechanism
         self.velocities, self.springs = tuple(_velocities(mechanism)), mechanism.springs  # type: ignore[assignment]
 

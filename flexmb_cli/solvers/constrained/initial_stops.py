@@ -7,21 +7,24 @@ import numpy as np
 from ...errors import Fault
 from ...kernels.constrained.elements import COORDINATE, EFFORT
 from ...model.arrays.records import ELEMENT, STOP
+from ...model.joint_elements import EndStop, is_angle
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
-def notes_of_pressed_stops(loads: np.ndarray, responses: np.ndarray) -> "Iterator[Fault]":
+def notes_of_pressed_stops(
+    stops: tuple[EndStop, ...], loads: np.ndarray, responses: np.ndarray
+) -> "Iterator[Fault]":
     """Yield a note for each stop that pushes at the start; responses (loads, columns) belong to it."""
-    stops = np.flatnonzero((loads["kind"] == ELEMENT) & (loads["shape"] == STOP))
-    for number, k in enumerate(stops, start=1):
+    records = np.flatnonzero((loads["kind"] == ELEMENT) & (loads["shape"] == STOP))
+    for stop, k in zip(stops, records, strict=True):
+        length, force = ("rad", "N m") if is_angle(stop.coordinate) else ("m", "N")
         effort, x = responses[k, EFFORT], responses[k, COORDINATE]
         if effort != 0.0:
             depth = max(x - loads["upper"][k], loads["lower"][k] - x)
             message = (
-                f"it begins {depth:.4g} (m or rad) behind its limit and pushes with "
-                f"{abs(effort):.4g} (N or N m); correct the limits or the position at the start "
-                "if that is not meant"
+                f"it begins {depth:.4g} {length} behind its limit and pushes with {abs(effort):.4g} {force}; "
+                "correct the limits or the position at the start if that is not meant"
             )
-            yield Fault("note", message, None, f"end stop {number}", id="SOLVE-040")
+            yield Fault("note", message, stop.place, stop.name, id="SOLVE-040")

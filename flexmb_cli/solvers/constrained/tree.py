@@ -65,7 +65,7 @@ class AbsoluteTree(ConstrainedMotion):
         arrays = absolute_arrays(tree, self.frames, self._bodies)
         stiff = tree.elements and tree.integration.method in IMPLICIT
         super().__init__(
-            arrays, tree.time, tree.integration.rtol, RadauSteps() if stiff else None, bool(tree.elements)
+            arrays, tree.time, tree.integration.rtol, RadauSteps() if stiff else None, tree.elements
         )
         self.clock["atol"] = tree.integration.atol
         self._speeds = np.concatenate([np.concatenate([body.velocity, body.omega]) for body in bodies])

@@ -30,7 +30,7 @@ class ForwardDynamics(ConstrainedMotion):
 
     def __init__(self, model: DynamicModel):
         arrays, steps = dynamic_arrays(model), _integrator(model)
-        super().__init__(arrays, model.mechanism.time, model.tolerance, steps, bool(model.elements))
+        super().__init__(arrays, model.mechanism.time, model.tolerance, steps, model.elements)
         self.model = model
         self.mechanism = model.mechanism
         self.velocities, self.springs = model.velocities, model.springs  # type: ignore[assignment]

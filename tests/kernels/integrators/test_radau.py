@@ -6,15 +6,17 @@ from numpy.polynomial import Polynomial
 
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.kernels._jit import interpreting
-from flexmb_cli.kernels.constrained.elements import RESPONSE_COLUMNS
+from flexmb_cli.kernels.constrained.elements import DAMPING, RESPONSE_COLUMNS, STIFFNESS
 from flexmb_cli.kernels.constrained.report import NOW, TRIED
 from flexmb_cli.kernels.constrained.speeds import coordinate_accelerations, coordinate_rates, speeds_of_rates
+from flexmb_cli.kernels.constrained.system import SOLVED
 from flexmb_cli.kernels.integrators import radau5
 from flexmb_cli.kernels.integrators.radau5 import _attempt
 from flexmb_cli.kernels.integrators.radau5_singular_step import _bend, _spread_power
 from flexmb_cli.kernels.integrators.radau5_step import START
 from flexmb_cli.kernels.integrators.radau5_table import COMPLEX, REAL, TIMES, WEIGHTS
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
+from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 from tests.dialects.vsdf.mechanisms import analysis_of, sample
 from tests.dialects.vsdf.test_runs import Run, momenta
 from tests.dialects.vsdf.vsdf_decks import build, supplied
@@ -81,6 +83,18 @@ def test_accelerations_found_at_the_end_of_a_singular_step_bend_those_of_its_sta
     integration.rates[START + 3] = at(new[2])
     _bend(integration, expected, STEP)
     np.testing.assert_allclose(integration.rates[START + 1 : START + 4], [at(t) for t in new], atol=1e-11)
+
+
+def test_a_rejected_step_leaves_the_slopes_of_the_state_to_stops_and_cables():
+    """Both are slack in the state; the trial that failed met them."""
+    cards = "MASS 2 1 0 0 0 1 1 1\nTSTOP 1 -1 0.1 900 0.2\nCABLE 0 2 2 0 0 1 0 0 80 1.5\nRAD5\n"
+    analysis = ForwardDynamics(model_of(ROTOR, "0 1 0.1", cards))
+    analysis.start()
+    matrices = analysis.integration.matrices.copy()
+    analysis.work.responses[:, [STIFFNESS, DAMPING]] = 70.0
+    with interpreting():
+        assert radau5._renew(analysis.system, analysis.work, analysis.integration) == SOLVED
+    np.testing.assert_allclose(analysis.integration.matrices, matrices, atol=1e-14)
 
 
 def test_the_power_of_a_singular_step_changes_evenly(integration):

@@ -277,4 +277,5 @@ def test_a_stop_that_is_pressed_at_the_start_is_noted_with_depth_and_force(start
     found = [fault for fault in analysis.warnings if "behind its limit" in fault.message]
     assert len(found) == noted
     if noted:
-        assert "0.15 (m or rad)" in found[0].message and "60 (N or N m)" in found[0].message
+        assert "0.15 m behind" in found[0].message and "pushes with 60 N;" in found[0].message
+        assert (found[0].subject, found[0].place.line) == ("astop 1", 11)

@@ -186,6 +186,24 @@ def test_a_joint_that_jams_ends_the_run_and_keeps_the_rows_before():
     assert 1.4 < raised.value.time < 1.6
 
 
+@pytest.mark.long_motion
+@pytest.mark.parametrize("card", METHODS.values(), ids=METHODS)
+def test_a_jam_that_steps_only_come_near_to_ends_a_free_motion_as_a_jam(card):
+    """Three frictions, and a flywheel that nothing drives: steps vanish in front of the jam, all slides.
+
+    Friction of the slider alone locks where tan φ = 1/μ, sin φ = sin ωt/1.05: at 1.346 s; the bearings
+    of the rod add to it, so that it jams before.
+    """
+    cards = (
+        "MASS 2 1 0 0 0 1 1 1e6\nMASS 3 0.01 0 0 0 1e-3 1e-3 1e-3\nMASS 4 2 0 0 0 1 1 1\nRATE 1 1 1\n"
+        "FRICTION 4 0.4 0.4 1 1e-4\nFRICTION 3 0.2 0.2 1 1e-4 0.05 5\nFRICTION 2 0.2 0.2 1 1e-4 0.05 5\n"
+        f"FORCE 4 0 0 0 30 0 0\n{card}"
+    )
+    with pytest.raises(AnalysisError, match="friction jams a joint") as raised:
+        rows_of(CRANK_SLIDER, "0 1.6 0.4", cards)
+    assert 1.25 < raised.value.time < 1.346
+
+
 def test_steps_that_friction_shortens_name_another_method_and_a_larger_creep_speed():
     """GALF by the default tolerance cannot follow the first 10 ns; no joint jams in the state at rest."""
     cards = "MASS 2 12 0 0 0 1 1 1e-6\nGRAVITY 0 0 -9.81\nFRICTION 1 0.15 0.15 1 1e-6 0.004\nGALF 0 0.9\n"

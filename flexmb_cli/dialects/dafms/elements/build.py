@@ -29,7 +29,7 @@ from ...elements.build import build_elements as elements_of
 from ...elements.functions import Functions, GivenFunction
 from .cards import FUNCTION_KINDS
 
-COUPLED_RATE = 1e-9  # rate that the speeds of Y(L) may leave of a coupling, of the largest
+COUPLED_RATE = 1e-6  # rate that speeds of Y(L), in ten columns, may leave of a coupling, of the largest
 _CARDS = {
     "drivers": [("function_drive", joint_driver(None))],
     "motors": [("function_motor", motor(None))],

@@ -2,15 +2,24 @@
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ....deck.fortran_fields import filled
+from ....model.exchange.function_cards import Card, FunctionCards
 from ....model.exchange.functions import points_of, polynomial_of, value_of
 from ....model.joints import ANGLE
 from ....model.mechanism import GROUND
+from ..elements.cards import FUNCTION_KINDS
 
 if TYPE_CHECKING:
     from ....model.exchange.chain import Link
     from ....model.exchange.rigid_model import Refusals
     from .hanging import Hanging
+
+
+_SAME_AXES = 1e-9
+_ON_A_RECORD = 4  # numbers of a function
+_KIND_NUMBERS = {kind: number for number, kind in FUNCTION_KINDS.items()}
 
 
 def integers(*values: int) -> str:
@@ -24,6 +33,7 @@ class ElementCards:
     model: Any
     refusals: "Refusals"
     rounding: float  # the largest of numbers, relative
+    functions: FunctionCards
     number: dict[int, int]  # of bodies in the tree
     hinge_of: dict[int | None, int]
     links: "list[Link]"
@@ -32,6 +42,8 @@ class ElementCards:
     def hinge_elements(self) -> Any:
         """Springs, dampers, motors and prescribed motions."""
         springs, dampers, motors, tables, motions = [], [], [], [], []
+        by_function: list[str] = []
+        driven: list[str] = []
         for item in self.model.joint_springs:
             head = self._dof(item)
             if item.stiffness:
@@ -42,23 +54,76 @@ class ElementCards:
             value = value_of(item.function)
             if value is not None:
                 motors.append(self._dof(item) + self.real(value))
+            elif points := points_of(item.function):
+                tables.append(self.table(*self._place(item), points))  # type: ignore[call-arg]
             else:
-                tables.append(self.table(*self._place(item), self.points_at(item, item.function)))  # type: ignore[call-arg]
+                by_function.append(self._dof(item) + integers(self._number(item.function, item)))
         for item in self.model.joint_drivers:
             c = polynomial_of(item.function)
             if c is None or len(c) > 3:
-                message = "only motions C + B t + A t^2/2 are converted to DAFMS (PRES)"
-                self.refusals.add(item, message)
+                driven.append(self._dof(item) + integers(self._number(item.function, item), 0))
                 continue
             C, B, half = (*c, 0.0, 0.0)[:3]
             motions.append(self._dof(item) + "".join(self.real(x) for x in (C, B, 2.0 * half)))
         cards: list[tuple[str, list[Any]]] = [
-            ("LSPR", list(map(self._spring, self.model.springs))),
+            ("LSPR", [*map(self._spring, self.model.springs), *self._lines(slack=False)]),
+            ("CABL", self._lines(slack=True)),
             ("SPRI", springs), ("DAMP", dampers), ("MOTR", motors), ("TABM", tables), ("PRES", motions),
+            ("HSPR", list(map(self._preloaded, self.model.preloaded))),
             ("HSTO", list(map(self._stop, self.model.stops))),
+            ("BUSH", list(map(self._bushing, self.model.bushings))),
+            ("COUP", [x for n, item in enumerate(self.model.couplings, 1) for x in self._terms(n, item)]),
             ("FRIC", list(map(self._friction, self.model.frictions))),
+            ("MOTF", by_function), ("PREF", driven),
         ]  # fmt: skip
+        cards.insert(0, ("FUNC", list(map(_function, self.functions.cards))))
         return [line for word, entries in cards for line in self.entries(word, entries)]
+
+    def _number(self, function: Any, item: Any) -> int:
+        """Number of the function card of an item; 0 where it cannot be written."""
+        number = self.functions.number(function)
+        if not number:
+            self.refusals.add(item, "its function of time is not converted: DAFMS has no card for it")
+        return number
+
+    def _preloaded(self, item: Any) -> str:
+        numbers = item.stiffness, item.rest, item.damping, item.preload
+        return str(self._dof(item)) + "".join(map(self.real, numbers)) + integers(*self._functions(item))
+
+    def _functions(self, item: Any) -> list[int]:
+        return [self._number(f, item) if f else 0 for f in (item.curve, item.damper)]
+
+    def _lines(self, slack: bool) -> list[str]:
+        """Cables, or springs in line with preloads or functions."""
+        found = []
+        for item in self.model.lines:
+            if item.slack == slack:
+                law = [item.stiffness, item.rest, item.damping, *([] if slack else [item.preload])]
+                head = () if slack else self._functions(item)
+                found.append(self._between(item, head, law))
+        return found
+
+    def _bushing(self, item: Any) -> str:
+        if item.i != GROUND and np.abs(self.hung[item.i].own - self.model.axes(item.i)).max() > _SAME_AXES:
+            message = "a bushing acts along the axes of its first body, which DAFMS lays along its hinge"
+            self.refusals.add(item, message)
+        return self._between(item, (), item.stiffness, item.damping)
+
+    def _between(self, item: Any, head: Any, *rows: Any) -> str:
+        """An element between two bodies: numbers, points, its law."""
+        ends = (item.i, item.P_i), (item.j, item.P_j)
+        numbers = [x for body, _ in ends for x in (0 if body == GROUND else self.number[body], 0)]
+        points = [x for body, P in ends for x in self._point(body, P)]
+        lines = ["".join(map(self.real, row)) for row in (points, *rows)]
+        return "\n".join([integers(*numbers, *head), *lines])
+
+    def _terms(self, number: int, item: Any) -> list[str]:
+        """The terms of a coupling."""
+        found = []
+        for joint, coordinate, factor in item.terms:
+            freedom = self._freedom(joint, coordinate)
+            found.append(integers(number, *freedom) + self.real(factor))
+        return found
 
     def _stop(self, item: Any) -> str:
         numbers = item.lower, item.upper, item.stiffness, item.damping
@@ -70,12 +135,7 @@ class ElementCards:
 
     def _spring(self, item: Any) -> str:
         """A spring and damper between points in the axes of O_k."""
-        ends = (item.i, item.P_i), (item.j, item.P_j)
-        numbers = [x for body, _ in ends for x in (0 if body == GROUND else self.number[body], 0)]
-        points = [x for body, P in ends for x in self._point(body, P)]
-        law = item.stiffness, item.free_length, item.damping
-        rows = points, law
-        return "\n".join([integers(*numbers, 0, 0), *("".join(map(self.real, row)) for row in rows)])
+        return self._between(item, (0, 0), (item.stiffness, item.free_length, item.damping))
 
     def _point(self, body: int, P: Any) -> Any:
         """A point from O_k, axes of O_k; of the ground from the origin."""
@@ -99,9 +159,12 @@ class ElementCards:
 
     def _place(self, item: Any) -> Any:
         """Body of the hinge, and the number of its degree of freedom."""
-        k = self.hinge_of[item.joint]
+        return self._freedom(item.joint, item.coordinate)
+
+    def _freedom(self, joint: int, coordinate: str) -> tuple[int, int]:
+        k = self.hinge_of[joint]
         axis = self.hung[self.links[k - 1].body].axis
-        return k, axis if item.coordinate == ANGLE else axis + 3
+        return k, axis if coordinate == ANGLE else axis + 3
 
     def _dof(self, item: Any) -> Any:
         return integers(*self._place(item))
@@ -118,3 +181,11 @@ class ElementCards:
         if value and text != "0.0":
             self.rounding = max(self.rounding, abs(float(text) - value) / max(abs(value), 1e-3))
         return text.rjust(10)
+
+
+def _function(card: Card) -> str:
+    """The records of a function: number, kind, how many numbers; the numbers with all their digits."""
+    number, kind, values = card
+    rows = [values[k : k + _ON_A_RECORD] for k in range(0, len(values), _ON_A_RECORD)]
+    head = integers(number, _KIND_NUMBERS[kind], len(values))
+    return "\n".join([head, *("".join(f"{x:20.12E}" for x in row) for row in rows)])

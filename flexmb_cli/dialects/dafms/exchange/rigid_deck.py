@@ -11,6 +11,7 @@ import numpy as np
 
 from ....errors import Fault, ModelError
 from ....model.exchange.chain import chain_of
+from ....model.exchange.function_cards import FunctionCards
 from ....model.exchange.functions import value_of
 from ....model.exchange.rigid_model import EXPLICIT, Refusals, RigidModel
 from ....model.exchange.shapes import shifted
@@ -44,6 +45,7 @@ class _Deck(ElementCards):
 
     def __init__(self, model: Any):
         self.model, self.refusals, self.rounding = model, Refusals(), 0.0
+        self.functions = FunctionCards()
         self.links = chain_of(model, self.refusals)
         self.number = {link.body: k for k, link in enumerate(self.links, start=1)} | {GROUND: 0}
         self.hinge_of = {link.joint: k for k, link in enumerate(self.links, start=1)}

@@ -7,7 +7,7 @@ import numpy as np
 
 from ....deck.record import Deck
 from ....errors import Fault, ModelError, Place
-from ....model.exchange.conversion import Conversion, about_centre
+from ....model.exchange.conversion import about_centre, place_of
 from ....model.exchange.functions import constant
 from ....model.exchange.rigid_model import (
     RADAU,
@@ -27,6 +27,7 @@ from ....model.tree import INERTIAL, ROTATION, TRANSLATION, Tree
 from ....model.vectors import rotation_matrix
 from ....quick_dataclass import dataclass, replace
 from ..shapes import exchanged_shapes
+from .converted_elements import ConvertedElements
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -68,7 +69,7 @@ def _refused(message: str, place: Place | None, name: str) -> Fault:
     return Fault("error", message, place, name, id="DAFMS-150")
 
 
-class _Conversion(Conversion):
+class _Conversion(ConvertedElements):
     """Collects the parts of the model."""
 
     def __init__(self, tree: Tree, start: Start):
@@ -86,7 +87,7 @@ class _Conversion(Conversion):
         for k in range(len(tree.bodies)):
             self._add_hinge(joints, k)
         joints += self._closures()
-        self.refusals.add_elements(tree.elements)
+        elements = self._elements()
         explicit = tree.integration.method in ("dop853", "lsoda")
         stepping = Stepping(tolerance=tree.integration.rtol)
         return RigidModel(
@@ -94,8 +95,8 @@ class _Conversion(Conversion):
             replace(time, start=0.0, end=time.end - time.start),
             vector(tree.gravity),
             tuple(joints),
-            joint_drivers=tuple(self._prescribed()),
-            motors=tuple(self._motors()),
+            joint_drivers=(*self._prescribed(), *elements["drivers"]),
+            motors=(*self._motors(), *elements["motors"]),
             joint_springs=tuple(self._springs()),
             forces=tuple(
                 AppliedForce(f"force of {body.name}", k, vector(body.force), place=body.place)
@@ -104,6 +105,18 @@ class _Conversion(Conversion):
             ),
             torques=tuple(self._torques()),
             stepping=stepping if explicit else replace(stepping, method=RADAU),
+            stops=elements["stops"],
+            frictions=tuple(
+                replace(item, joint=self.number[item.joint])
+                for item in tree.elements.frictions
+                if item.joint in self.number
+            ),
+            preloaded=elements["springs"],
+            lines=tuple(
+                replace(item, P_i=place_of(item.P_i), P_j=place_of(item.P_j)) for item in tree.elements.lines
+            ),
+            bushings=tuple(self._bushings()),
+            couplings=tuple(self._couplings()),
         )
 
     def _body(self, k: int) -> RigidBody:

@@ -6,24 +6,24 @@ import numpy as np
 
 from ....errors import Fault, ModelError
 from ....model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
-from ....model.exchange.rigid_model import ALPHA, RADAU, Refusals, RigidModel, across
+from ....model.exchange.rigid_model import ALPHA, RADAU, RigidModel, across
 from ....model.exchange.shapes import RigidShape, notes_of
-from ....model.joint_elements import EndStop, JointFriction
 from ....model.joints import ANGLE
-from ....model.mechanism import GROUND
 from ....model.shapes import KINDS
 from ....model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE
 from ..cards import FINAL, SHAPES
-from ..joints import BY_WORD, SLIDING, TURNING
+from ..joints import BY_WORD
+from .element_cards import ElementCards, record
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    pass
 
 
 _WORDS = {kind.name: (word, kind) for word, kind in BY_WORD.items()}
 _METHODS = {ALPHA: "GALF", RADAU: "RAD5"}
 _DIRECTIONS = ("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ")
 _SHAPES = dict(zip(KINDS, SHAPES, strict=True))
+OF_FUNCTION = 5  # law of a motion by a function
 _BEYOND = 1e-9  # of the largest moment of inertia
 
 
@@ -47,11 +47,11 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     return "\n".join([*lines, *(word.strip() for word in FINAL), ""])
 
 
-class _Deck:
+class _Deck(ElementCards):
     """Collects nodes and tables while the cards are made."""
 
     def __init__(self, model: Any):
-        self.model, self.refusals = model, Refusals()
+        super().__init__(model)
         # Nodes on axes are as far from joints as joints from the origins of their bodies.
         points = [P for joint in model.joints for P in (joint.P_i, joint.P_j)]
         self.arm = float(max((np.linalg.norm(P) for P in points), default=0.0)) or 1.0
@@ -70,23 +70,22 @@ class _Deck:
             ("FORC", self._forces()),
             ("TORQ", self._torques()),
             ("SPRI", [self._spring(n, item) for n, item in enumerate(model.springs, start=1)]),
-            ("JSPR", [self._joint_spring(item) for item in model.joint_springs]),
-            ("TSTO", [_stop(item) for item in model.stops if item.coordinate == ANGLE]),
-            ("ASTO", [_stop(item) for item in model.stops if item.coordinate != ANGLE]),
-            ("FRIC", [_friction(item) for item in model.frictions]),
-            ("GRAV", [_record(*model.gravity)]),
-            ("TIME", [_record(model.time.end, model.time.step, stepping.step)]),
-            ("INTG", [_record(_METHODS.get(stepping.method, "RK45"), self._parameter())]),
-            ("OUTN", [_record(p.body + 1, self._node(p.body, p.s)) for p in model.points]),
+            ("JSPR", [self._joint_spring(item) for item in model.joint_springs if self.has_jspr(item)]),
+            *self.elements(),
+            ("GRAV", [record(*model.gravity)]),
+            ("TIME", [record(model.time.end, model.time.step, stepping.step)]),
+            ("INTG", [record(_METHODS.get(stepping.method, "RK45"), self._parameter())]),
+            ("OUTN", [record(p.body + 1, self._node(p.body, p.s)) for p in model.points]),
         ]
-        nodes = [_record(body + 1, number, *place) for (body, *place), number in self.nodes.items()]
+        nodes = [record(body + 1, number, *place) for (body, *place), number in self.nodes.items()]
         numbered = range(1, len(bodies) + 1)
         return [
-            ("BODY", [_record(k, "RIGD") for k in numbered]),
+            ("BODY", [record(k, "RIGD") for k in numbered]),
             ("RIGI", [line for body in bodies for line in body["RIGI"]]),
             *((word, [body[word] for body in bodies if body[word]]) for word in ("POSI", "EULP", "VELO")),
             ("NODE", nodes),
             ("TABL", self.tables),
+            ("FUNC", self.function_records()),
             *others,
             ("GEOM", [_shape(shape) for shape in model.shapes if not shape.file]),
             ("GSTL", [line for shape in model.shapes if shape.file for line in _file(shape)]),
@@ -102,10 +101,10 @@ class _Deck:
         moments = J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[1, 2], J[2, 0]
         velocity = (*body.velocity, *(body.A.T @ body.omega))
         return {
-            "RIGI": [_record(k + 1, body.mass, *body.centre), _record(*moments)],
-            "POSI": _record(k + 1, *body.r),
-            "EULP": _record(k + 1, *body.p),
-            "VELO": _record(k + 1, *velocity) if any(velocity) else "",
+            "RIGI": [record(k + 1, body.mass, *body.centre), record(*moments)],
+            "POSI": record(k + 1, *body.r),
+            "EULP": record(k + 1, *body.p),
+            "VELO": record(k + 1, *velocity) if any(velocity) else "",
         }
 
     def _check_mass(self, body: Any) -> None:
@@ -134,7 +133,7 @@ class _Deck:
         a, b = self._ends(joint)
         a, b = [*a[: kind.points_on("i")], "", "", ""], [*b[: kind.points_on("j")], "", "", ""]
         bodies = joint.i + 1, joint.j + 1
-        return _record(
+        return record(
             number, word, bodies[0], a[0], a[1], bodies[1], b[0], b[1], a[2], b[2],
             *([joint.size] if kind.size else []),
         )  # fmt: skip
@@ -160,17 +159,17 @@ class _Deck:
         return found
 
     def _motions(self) -> Any:
-        found = []
+        found: list[tuple[Any, str, int]] = []
         turned = [item.body for item in self.model.drivers if item.direction > 3]
         for item in self.model.drivers:
             if item.direction > 3 and turned.count(item.body) > 1:
                 self.refusals.add(item, "VSDF turns a body about one axis only")
             found.append((item, _DIRECTIONS[item.direction - 1], item.body + 1))
-        for item in self.model.joint_drivers:
-            word = "ANGL" if item.coordinate == ANGLE else "STRK"
-            found.append((item, word, item.joint + 1))
+        for driver in self.model.joint_drivers:
+            word = "ANGL" if driver.coordinate == ANGLE else "STRK"
+            found.append((driver, word, driver.joint + 1))
         return [
-            _record(n, word, target, *self._function(item))
+            record(n, word, target, *self._function(item))
             for n, (item, word, target) in enumerate(found, start=1)
         ]  # fmt: skip
 
@@ -183,13 +182,11 @@ class _Deck:
             return function.kind, *function.c
         if function.kind == TABLE:
             return TABLE, float(self._table(list(zip(function.times, function.values, strict=True))))
-        message = "only polynomials to the third power, spin-ups, sines and tables of motions are converted"
-        self.refusals.add(item, message)
-        return ("",)
+        return OF_FUNCTION, float(self.number(function, item))
 
     def _table(self, points: Any) -> Any:
         self.table_count += 1
-        self.tables += [_record(self.table_count, float(t), float(v)) for t, v in points]
+        self.tables += [record(self.table_count, float(t), float(v)) for t, v in points]
         return self.table_count
 
     def _factor(self, function: Any, item: Any) -> Any:
@@ -198,81 +195,40 @@ class _Deck:
         if value is not None:
             return value, 0
         points = points_of(function)
-        if points is None:
-            self.refusals.add(item, "only tables of loads are converted to VSDF; give its function as TABLE")
-            return 1.0, 0
-        return 1.0, self._table(without_jumps(points))
+        return 1.0, self.number(function, item) if points is None else self._table(without_jumps(points))
 
     def _forces(self) -> Any:
         found = []
         for item in self.model.forces:
             factor, table = self._factor(item.factor, item)
             force = [factor * x for x in item.force]
-            found.append(_record(item.body + 1, self._node(item.body, item.point), *force,
+            found.append(record(item.body + 1, self._node(item.body, item.point), *force,
                                  int(item.following), table))  # fmt: skip
-        return found + [line for item in self.model.motors if item.coordinate != ANGLE
-                        for line in self._motor(item)]  # fmt: skip
+        return found
 
     def _torques(self) -> Any:
         found = []
         for item in self.model.torques:
             factor, table = self._factor(item.factor, item)
             torque = [factor * x for x in item.torque]
-            found.append(_record(item.body + 1, *torque, int(item.following), table))
-        return found + [line for item in self.model.motors if item.coordinate == ANGLE
-                        for line in self._motor(item)]  # fmt: skip
-
-    def _motor(self, item: Any) -> "Iterator[Any]":
-        """A pair of loads along the axis, which turns with both bodies."""
-        joint = self.model.joints[item.joint]
-        factor, table = self._factor(item.function, item)
-        axis = self.model.axis(joint)
-        for body, P, sign in ((joint.i, joint.P_i, -1.0), (joint.j, joint.P_j, 1.0)):
-            if body != GROUND:
-                along = sign * factor * (self.model.axes(body).T @ axis)
-                where = (body + 1,) if item.coordinate == ANGLE else (body + 1, self._node(body, P))
-                yield _record(*where, *along, 1, table)
+            found.append(record(item.body + 1, *torque, int(item.following), table))
+        return found
 
     def _spring(self, number: int, item: Any) -> Any:
         if item.stiffness < 0 or item.damping < 0 or item.free_length < 0:
             self.refusals.add(item, "VSDF springs have no negative stiffness, damping or length at rest")
         ends = (item.i + 1, self._node(item.i, item.P_i), item.j + 1, self._node(item.j, item.P_j))
-        return _record(number, *ends, item.stiffness, item.damping, item.free_length)
+        return record(number, *ends, item.stiffness, item.damping, item.free_length)
 
     def _joint_spring(self, item: Any) -> Any:
-        kind = self.model.joints[item.joint].kind
-        known = kind in TURNING if item.coordinate == ANGLE else kind in SLIDING and kind not in TURNING
-        if not known:
-            self.refusals.add(item, f"VSDF has no spring in the {item.coordinate} of a {kind} joint")
-        elif item.stiffness < 0 or item.damping < 0:
+        if item.stiffness < 0 or item.damping < 0:
             self.refusals.add(item, "VSDF springs have no negative stiffness or damping")
-        return _record(item.joint + 1, item.stiffness, item.damping, item.rest)
-
-
-def _stop(item: EndStop) -> str:
-    return _record(item.joint + 1, item.lower, item.upper, item.stiffness, item.damping)
-
-
-def _friction(item: JointFriction) -> str:
-    numbers = item.dynamic, item.static, item.stribeck, item.creep, item.radius, item.preload
-    return _record(item.joint + 1, *numbers)
+        return record(item.joint + 1, item.stiffness, item.damping, item.rest)
 
 
 def _shape(shape: RigidShape) -> str:
-    return _record(shape.body + 1, _SHAPES[shape.kind], *shape.sizes, *shape.offset, *shape.angles)
+    return record(shape.body + 1, _SHAPES[shape.kind], *shape.sizes, *shape.offset, *shape.angles)
 
 
 def _file(shape: RigidShape) -> tuple[str, str]:
-    return _record(shape.body + 1, shape.unit, *shape.offset, *shape.angles), f" {shape.file}"
-
-
-def _record(*values: Any) -> Any:
-    """A card in free form; the blank in front keeps a word from being read as a keyword."""
-    return "    " + ",".join(_text(value) for value in values)
-
-
-def _text(value: Any) -> Any:
-    if isinstance(value, str | int):
-        return str(value)
-    # 0.0 and no negative zero; all digits of a double.
-    return repr(float(value) + 0.0)
+    return record(shape.body + 1, shape.unit, *shape.offset, *shape.angles), f" {shape.file}"

@@ -1,14 +1,14 @@
 """Rigid model of a VSDF deck, in the terms of `model.exchange`."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 
 from ....deck.record import Deck
 from ....errors import Fault, ModelError, Place
-from ....model.exchange.conversion import Conversion, about_centre, coordinate_since
+from ....model.exchange.conversion import Conversion, about_centre, coordinate_since, place_of
 from ....model.exchange.functions import constant, moved
 from ....model.exchange.rigid_model import (
     ALPHA,
@@ -24,7 +24,7 @@ from ....model.exchange.rigid_model import (
 )
 from ....model.exchange.start import Start
 from ....model.flexible_mechanism import FlexibleMechanism
-from ....model.joint_elements import JointDriver
+from ....model.joint_elements import Bushing, JointDriver
 from ....model.joints import ANGLE, STROKE
 from ....model.loads import AppliedForce, AppliedTorque, SpringDamper
 from ....model.mechanism import GROUND, Point
@@ -72,7 +72,6 @@ class _Conversion(Conversion):
         joints = [self._joint(joint) for joint in deck.joints]
         drivers = [item for item in deck.motions if item.kind in _DIRECTIONS]
         self._refuse_several_rotations(drivers)
-        self.refusals.add_elements(replace(deck.elements, reported=False))
         for pin in deck.pins:
             if any(pin.functions):
                 self.refusals.add(pin, "supports that move are not converted")
@@ -88,7 +87,7 @@ class _Conversion(Conversion):
                 for m in deck.motions
                 if m.kind in _COORDINATES
             ),
-            (),
+            deck.elements.motors,
             tuple(self._joint_spring(item) for item in deck.joint_springs),
             self._springs(),
             self._forces(),
@@ -98,7 +97,31 @@ class _Conversion(Conversion):
             ),
             tuple(Point(p.name, p.body, vector(p.r0)) for p in deck.outputs if p.body != GROUND),
             stepping,
+            stops=tuple(self._since_start(item, "lower", "upper") for item in deck.elements.stops),
+            frictions=deck.elements.frictions,
+            preloaded=tuple(self._since_start(item, "rest") for item in deck.elements.springs),
+            lines=tuple(
+                replace(item, P_i=place_of(item.P_i), P_j=place_of(item.P_j)) for item in deck.elements.lines
+            ),
+            bushings=tuple(self._bushings()),
+            couplings=deck.elements.couplings,
         )  # fmt: skip
+
+    def _bushings(self) -> Iterator[Bushing]:
+        for item in self.deck.elements.bushings:
+            ends = (item.i, place_of(item.P_i)), (item.j, place_of(item.P_j))
+            if found := self.bushing(item, ends, self.first):
+                yield found
+
+    def _since_start(self, item: Any, *names: str) -> Any:
+        """Return an element whose values `names` of a joint coordinate count from the start."""
+        since = self._coordinate_since(self.deck.joints[item.joint], item.coordinate)
+        return replace(item, **{name: getattr(item, name) - since for name in names})
+
+    def _coordinate_since(self, joint: Any, coordinate: str) -> float:
+        bodies, s = (joint.a[0].body, joint.b[0].body), joint.a[1].r0 - joint.a[0].r0
+        axis = s, joint.a[0].r0, joint.b[0].r0
+        return coordinate_since(coordinate, axis, bodies, (self.first, self.now))
 
     def _springs(self) -> tuple[SpringDamper, ...]:
         return tuple(
@@ -166,9 +189,7 @@ class _Conversion(Conversion):
     def _joint_spring(self, item: Any) -> Any:
         joint = self.deck.joints[item.joint]
         coordinate = STROKE if joint.kind == "translational" else ANGLE
-        bodies, s = (joint.a[0].body, joint.b[0].body), joint.a[1].r0 - joint.a[0].r0
-        axis = s, joint.a[0].r0, joint.b[0].r0
-        q = coordinate_since(coordinate, axis, bodies, (self.first, self.now))
+        q = self._coordinate_since(joint, coordinate)
         return CoordinateSpring(item.name, item.joint, coordinate, item.k, item.q0 - q, item.c, item.place)
 
 

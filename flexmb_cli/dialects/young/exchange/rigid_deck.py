@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....errors import Fault, ModelError
-from ....model.exchange.functions import constant, points_of, polynomial_of, simple, value_of, without_jumps
+from ....model.exchange.function_cards import FunctionCards
+from ....model.exchange.functions import constant, polynomial_of, value_of
 from ....model.exchange.rigid_model import ALPHA, RADAU, Refusals, RigidModel, across
 from ....model.exchange.shapes import RigidShape, notes_of
 from ....model.joints import ANGLE, JOINT_TYPES
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS
-from ....model.time_functions import SINE
 from ..integration_cards import LEAST_TOLERANCE, MOST_TOLERANCE
 from ..sections import COUNT_OF, COUNTS
 
@@ -42,7 +42,7 @@ class _Deck:
 
     def __init__(self, model: Any):
         self.model, self.refusals = model, Refusals()
-        self.functions: list[str] = []
+        self.functions = FunctionCards()
         proper = [joint for joint in model.joints if joint.kind not in _LINKS]
         self.with_ground = any(GROUND in (joint.i, joint.j) for joint in proper)
         self.sorted = {
@@ -70,7 +70,7 @@ class _Deck:
             "DYNAMICS forward",
             *self._masses(),
             f"GRAVITY {_line(*model.gravity)}",
-            *self.functions,
+            *(f"{kind.upper()} {n} {_line(*numbers)}" for n, kind, numbers in self.functions.cards),
             *(card for _, card in drives if card),
             *loads,
             *self._method(),
@@ -123,19 +123,10 @@ class _Deck:
 
     def _function(self, function: Any, item: Any) -> Any:
         """Number of a function card; 1 stands in where there is none."""
-        function, number = simple(function), len(self.functions) + 1
-        c, points = polynomial_of(function), points_of(function)
-        if c is not None:
-            self.functions.append(f"POLYNOMIAL {number} {_line(*c)}")
-        elif function.kind == SINE:
-            self.functions.append(f"SINE {number} {_line(*function.c)}")
-        elif points is not None:
-            numbers = [x for point in without_jumps(points) for x in point]
-            self.functions.append(f"TABLE {number} {_line(*numbers)}")
-        else:
+        number = self.functions.number(function)
+        if not number:
             self.refusals.add(item, "the law is not converted: YOUNG knows no spin-up and no natural spline")
-            return 1
-        return number
+        return number or 1
 
     def _masses(self) -> "Iterator[Any]":
         for k, body in enumerate(self.model.bodies, start=1):
@@ -166,6 +157,7 @@ class _Deck:
         for item in model.springs:
             ends = item.i + 1, item.j + 1, *item.P_i, *item.P_j
             cards.append(f"SPRING {_line(*ends, item.stiffness, item.free_length, item.damping)}")
+        cards += self._elements()
         for item in model.forces:
             force, factor = self._factor(item.force, item)
             numbers = _line(item.body + 1, *item.point, *force, int(item.following), factor)
@@ -175,9 +167,42 @@ class _Deck:
             cards.append(f"TORQUE {_line(item.body + 1, *torque, int(item.following), factor)}")
         return cards
 
+    def _elements(self) -> "Iterator[str]":
+        """The cards of springs with functions, cables, stops, bushings, couplings and friction."""
+        model = self.model
+        for item in model.preloaded:
+            yield f"{self._word(item, 'TSPRING', 'ASPRING')} {self._characteristics(item)}"
+        for item in model.lines:
+            ends = _line(item.i + 1, item.j + 1, *item.P_i, *item.P_j)
+            cable = _line(item.stiffness, item.rest, item.damping)
+            yield f"CABLE {ends} {cable}" if item.slack else f"LSPRING {ends} {self._characteristics(item)}"
+        for item in model.stops:
+            numbers = _line(item.lower, item.upper, item.stiffness, item.damping)
+            yield f"{self._word(item, 'TSTOP', 'ASTOP')} {numbers}"
+        for item in model.bushings:
+            ends = item.i + 1, item.j + 1, *item.P_i, *item.P_j
+            yield f"BUSHING {_line(*ends, *item.stiffness, *item.damping)}"
+        for item in model.couplings:
+            terms = [
+                (self._number(joint), 1 if coordinate == ANGLE else 2, factor)
+                for joint, coordinate, factor in item.terms
+            ]
+            yield f"COUPLING {_line(*(x for term in terms for x in term))}"
+        for item in model.frictions:
+            numbers = item.dynamic, item.static, item.stribeck, item.creep, item.radius, item.preload
+            yield f"FRICTION {_line(self._number(item.joint), *numbers)}"
+
+    def _characteristics(self, item: Any) -> str:
+        """Numbers of a spring and damper, those of its functions last."""
+        functions = [self._function(f, item) if f else 0 for f in (item.curve, item.damper)]
+        return str(_line(item.stiffness, item.rest, item.damping, item.preload, *functions))
+
+    def _number(self, joint: int) -> int:
+        """Number of a joint of the model in the deck."""
+        return self.joint_number[id(self.model.joints[joint])]
+
     def _word(self, item: Any, turning: Any, sliding: Any) -> Any:
-        number = self.joint_number[id(self.model.joints[item.joint])]
-        return f"{turning if item.coordinate == ANGLE else sliding} {number}"
+        return f"{turning if item.coordinate == ANGLE else sliding} {self._number(item.joint)}"
 
     def _factor(self, load: Any, item: Any) -> Any:
         value = value_of(item.factor)

@@ -9,14 +9,12 @@ from ....deck.record import Deck
 from ....errors import Fault, ModelError, Place
 from ....model.arrays.dynamic import inertia_matrix
 from ....model.attitudes import Attitudes
-from ....model.exchange.conversion import Conversion, coordinate_since
 from ....model.exchange.functions import constant, moved
 from ....model.exchange.rigid_model import (
     ALPHA,
     EXPLICIT,
     RADAU,
     BodyDriver,
-    CoordinateSpring,
     RigidBody,
     RigidJoint,
     RigidModel,
@@ -25,23 +23,20 @@ from ....model.exchange.rigid_model import (
 )
 from ....model.exchange.shapes import RigidShape, shifted
 from ....model.exchange.start import Start
-from ....model.joint_elements import EndStop, JointDriver, JointMotor
-from ....model.loads import AppliedForce, AppliedTorque, DynamicModel, SpringDamper
+from ....model.joint_elements import (
+    JointDriver,
+)
+from ....model.loads import AppliedForce, AppliedTorque, DynamicModel
 from ....model.mechanism import GROUND, Driver, Point, Simplified, TimeGrid
 from ....model.time_functions import POLYNOMIAL, MotionFunction
 from ....model.vectors import rotation_matrix
 from ....quick_dataclass import replace
 from ..dynamic_cards import analysis_of
 from ..shapes import exchanged_shapes
+from .converted_elements import ConvertedElements
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-
-_FOREIGN = {
-    "couplings": "couplings of joint coordinates are not converted",
-    "bushings": "bushings are not converted",
-}
+    pass
 
 
 def rigid_model(
@@ -63,7 +58,7 @@ def _refused(message: str, place: Place | None, name: str) -> Fault:
     return Fault("error", message, place, name, id="YOUNG-151")
 
 
-class _Conversion(Conversion):
+class _Conversion(ConvertedElements):
     """Collects the parts, grounded bodies becoming the ground."""
 
     def __init__(self, model: DynamicModel, start: Start):
@@ -113,6 +108,10 @@ class _Conversion(Conversion):
                 replace(item, joint=self.joints[item.joint])
                 for item in deck.elements.frictions if item.joint in self.joints
             ),
+            preloaded=tuple(self._preloaded()),
+            lines=tuple(self._lines()),
+            bushings=tuple(self._bushings()),
+            couplings=tuple(self._couplings()),
         )  # fmt: skip
 
     def shape(self, shape: RigidShape) -> RigidShape:
@@ -123,9 +122,6 @@ class _Conversion(Conversion):
         return shifted(shape, GROUND, *self.now[shape.body])
 
     def _refuse_foreign(self) -> None:
-        for field, message in _FOREIGN.items():
-            for item in getattr(self.deck.elements, field):
-                self.refusals.add(item, message)
         for item in self.mechanism.distances:
             self.refusals.add(item, "differences of single coordinates (NSIMP2) are not converted")
 
@@ -212,64 +208,8 @@ class _Conversion(Conversion):
             if self.number[item.body] != GROUND
         )
 
-    def _offset(self, number: int, coordinate: str) -> Any:
-        """A joint coordinate at the start: YOUNG counts it from the estimates."""
-        joint = self.mechanism.joints[number]
-        axis = joint.s_i, joint.P_i, joint.P_j
-        return coordinate_since(coordinate, axis, (joint.i, joint.j), (self.first, self.now))
-
-    def _stop(self, item: EndStop) -> EndStop:
-        offset = self._offset(item.joint, item.coordinate)
-        joint, lower, upper = self.joints[item.joint], item.lower - offset, item.upper - offset
-        return replace(item, joint=joint, lower=lower, upper=upper)
-
     def _joint_driver(self, item: Any) -> Any:
         # The function is met at the start, whatever number of turns it begins with.
         time = self.mechanism.time.start
         function = moved(item.function, time, item.function.at(time)[0])
         return JointDriver(item.name, self.joints[item.joint], item.coordinate, function, item.place)
-
-    def _motors(self) -> "Iterator[Any]":
-        for item in self.deck.elements.motors:
-            if item.joint in self.joints:
-                yield replace(item, joint=self.joints[item.joint], function=self._function(item.function))
-
-    def _joint_springs(self) -> Any:
-        """Springs without preload, and motors with the preload of those without stiffness."""
-        springs, motors = [], []
-        for item in self.deck.elements.springs:
-            if item.curve or item.damper:
-                self.refusals.add(item, "springs and dampers with functions are not converted")
-            elif item.joint in self.joints:
-                joint, name = self.joints[item.joint], item.name
-                rest = item.rest - self._offset(item.joint, item.coordinate)
-                if item.preload and not item.stiffness:
-                    function = constant(-item.preload)
-                    motors.append(JointMotor(name, joint, item.coordinate, function, item.place))
-                elif item.preload:
-                    rest -= item.preload / item.stiffness
-                springs.append(
-                    CoordinateSpring(
-                        name, joint, item.coordinate, item.stiffness, rest, item.damping, item.place
-                    )
-                )
-        return tuple(springs), tuple(motors)
-
-    def _springs(self) -> Any:
-        found = [self._spring(item, item.free_length) for item in self.deck.springs]
-        for item in self.deck.elements.lines:
-            if item.slack:
-                self.refusals.add(item, "cables are not converted")
-            elif item.curve or item.damper:
-                self.refusals.add(item, "springs and dampers with functions are not converted")
-            elif item.preload and not item.stiffness:
-                self.refusals.add(item, "a preload without stiffness is not converted")
-            else:
-                shift = item.preload / item.stiffness if item.preload else 0.0
-                found.append(self._spring(item, item.rest - shift))
-        return tuple(spring for spring in found if not spring.i == GROUND == spring.j)
-
-    def _spring(self, item: Any, rest: Any) -> Any:
-        i, j = self.number[item.i], self.number[item.j]
-        ends = self._point(item.i, item.P_i), self._point(item.j, item.P_j)
-        return SpringDamper(item.name, i, j, *ends, item.stiffness, rest, item.damping, item.place)

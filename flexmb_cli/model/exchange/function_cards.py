@@ -1,0 +1,102 @@
+"""Functions of time as cards that YOUNG, VSDF and DAFMS decks have alike: kinds, and the numbers of each."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from ..piecewise_polynomials import Pieces, continuous_rates, smooth_step, spline_table
+from ..time_functions import COMPOUND, PIECEWISE, SINE, MotionFunction
+from .functions import points_of, polynomial_of, simple, without_jumps
+
+Card = tuple[int, str, tuple[float, ...]]  # number of the function, its kind, the numbers that define it
+SAME = 1e-9  # of the largest value: coefficients that two cards have in common
+CUBIC = 4  # coefficients of a cubic
+
+
+class FunctionCards:
+    """Numbers the functions of a deck, from `first` on."""
+
+    def __init__(self, first: int = 1) -> None:
+        self.first = first
+        self.cards: list[Card] = []
+
+    def number(self, function: MotionFunction) -> int:
+        """Return the number of a function, whose cards are added; 0 for one that has no card."""
+        function = simple(function)
+        if function.kind == COMPOUND:
+            return self._sum(function.terms)
+        found = _card_of(function)
+        return self._add(*found) if found else 0
+
+    def _add(self, kind: str, numbers: Sequence[float]) -> int:
+        self.cards.append((self.first + len(self.cards), kind, tuple(numbers)))
+        return self.cards[-1][0]
+
+    def _sum(self, terms: tuple[tuple[MotionFunction, ...], ...]) -> int:
+        parts = [self._product(factors) for factors in terms]
+        if 0 in parts:
+            return 0
+        return parts[0] if len(parts) == 1 else self._add("sum", parts)
+
+    def _product(self, factors: tuple[MotionFunction, ...]) -> int:
+        parts = [self.number(factor) for factor in factors]
+        if 0 in parts:
+            return 0
+        return parts[0] if len(parts) == 1 else self._add("product", parts)
+
+
+def _card_of(function: MotionFunction) -> tuple[str, tuple[float, ...]] | None:
+    """Kind and numbers of a function that is no sum or product; None where no card says the same."""
+    if c := polynomial_of(function):
+        return "polynomial", c
+    if function.kind == SINE:
+        return "sine", function.c
+    if points := points_of(function):
+        return "table", tuple(x for point in without_jumps(points) for x in point)
+    if function.kind != PIECEWISE:
+        return None
+    return _step(function.pieces) or _spline(function.pieces)
+
+
+def _step(pieces: Pieces) -> tuple[str, tuple[float, ...]] | None:
+    """A smooth step between two values that hold outside."""
+    if len(pieces) != 3:
+        return None
+    (_, v0, *_), (t0, *_), (t1, v1, *_) = pieces
+    wanted = smooth_step(t0, v0, t1, v1)
+    return ("step", (t0, v0, t1, v1)) if _alike(pieces[1:], wanted[1:]) and not any(pieces[0][2:]) else None
+
+
+def _spline(pieces: Pieces) -> tuple[str, tuple[float, ...]] | None:
+    """A cubic spline, whose last piece goes on: any point of it is the last."""
+    if len(pieces) < 3 or continuous_rates(pieces) < 2:
+        return None
+    times = [piece[0] for piece in pieces]
+    times.append(2.0 * times[-1] - times[-2])
+    values = [piece[1] for piece in pieces]
+    values.append(_value(pieces[-1], times[-1]))
+    if not _alike(pieces, spline_table(times, values)):
+        return None
+    return "spline", tuple(x for point in zip(times, values, strict=True) for x in point)
+
+
+def _value(piece: tuple[float, ...], t: float) -> float:
+    return float(np.polynomial.polynomial.polyval(t - piece[0], piece[1:]))
+
+
+def _alike(one: Pieces, other: Pieces) -> bool:
+    """Return whether pieces have the same starts and the same values within and at the ends of each."""
+    if [piece[0] for piece in one] != [piece[0] for piece in other]:
+        return False
+    starts = [piece[0] for piece in one]
+    spans = [b - a for a, b in pairwise(starts)] or [1.0]
+    spans.append(spans[-1])
+    size = max(
+        abs(c) * span**n for piece, span in zip(one, spans, strict=True) for n, c in enumerate(piece[1:])
+    )
+    return all(
+        abs(_value(a, a[0] + x * span) - _value(b, b[0] + x * span)) <= SAME * size
+        for a, b, span in zip(one, other, spans, strict=True)
+        for x in (0.0, 0.25, 0.5, 0.75, 1.0)
+    )
