@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from ..results.figures.curves import Source
     from ..results.figures.look import Look
 
+# Lines of the title that mark numbers of `run --as-printed`, short enough for a column of print.
+EMULATION = ("With the known errors of", "the program of 1996 (--as-printed)")
+
 
 @click.command()
 @click.argument("result", metavar="RESULT.h5", shell_complete=files)
@@ -123,6 +126,8 @@ def _plot_results(
             title = ""
         if title is None:
             title = ", ".join(dict.fromkeys(attribute(one.result, "deck_name") for one in sources))
+        if any(attribute(one.result, "emulation") for one in sources):
+            title = "\n".join(filter(None, [title, *EMULATION]))
     form = Path(output).suffix[1:].lower()
     write_whole(output, _drawn(picture, (drawn, form, title), width, print_options))
     if not quiet:
@@ -211,7 +216,7 @@ def _source(
     quiet: bool,
 ) -> "Source":
     from ..results.figures.curves import Source, default_quantities, still_energies
-    from ..results.quantities.quantities import ResultError, open_result, resolve, shortfall
+    from ..results.quantities.quantities import ResultError, open_result, remarks, resolve, shortfall
     from ..results.quantities.table import chosen_rows
 
     file = open_files.enter_context(open_result(path))
@@ -221,16 +226,18 @@ def _source(
         raise click.UsageError(f"--x {across} means {len(abscissa)} quantities ({few} …); name one of them")
     quantities = resolve(file, names, path) if names else default_quantities(file)
     quantities = [quantity for quantity in quantities if quantity.name != abscissa[0].name]
-    rows, reported = chosen_rows(file, *window), shortfall(file)
+    rows = chosen_rows(file, *window)
     if not rows:
-        reason = "no rows in this window of time" if len(file["time"]) else reported or "it has no rows"
+        reason = (
+            "no rows in this window of time" if len(file["time"]) else shortfall(file) or "it has no rows"
+        )
         raise ResultError(path, f"nothing to draw: {reason}", id="CLI-006")
     if not quantities:
         raise ResultError(
             path, f"nothing to draw over {abscissa[0].name}: name another quantity", id="CLI-007"
         )
-    if reported and not quiet:
-        tell(f"{path}: note: {reported}")
+    for note in () if quiet else remarks(file):
+        tell(f"{path}: note: {note}")
     still = () if names or quiet else still_energies(file)
     if still:
         tell(f"{path}: note: not drawn, for they do not change: {', '.join(still)}")
