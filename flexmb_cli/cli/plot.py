@@ -215,7 +215,7 @@ def _source(
     window: Any,
     quiet: bool,
 ) -> "Source":
-    from ..results.figures.curves import Source, default_quantities, still_energies
+    from ..results.figures.curves import DefaultCurves, Source, default_curves, still_energies
     from ..results.quantities.quantities import ResultError, open_result, remarks, resolve, shortfall
     from ..results.quantities.table import chosen_rows
 
@@ -224,8 +224,8 @@ def _source(
     if len(abscissa) != 1:
         few = ", ".join(quantity.name for quantity in abscissa[:4])
         raise click.UsageError(f"--x {across} means {len(abscissa)} quantities ({few} …); name one of them")
-    quantities = resolve(file, names, path) if names else default_quantities(file)
-    quantities = [quantity for quantity in quantities if quantity.name != abscissa[0].name]
+    chosen = DefaultCurves(resolve(file, names, path), []) if names else default_curves(file)
+    quantities = [quantity for quantity in chosen.quantities if quantity.name != abscissa[0].name]
     rows = chosen_rows(file, *window)
     if not rows:
         reason = (
@@ -236,7 +236,7 @@ def _source(
         raise ResultError(
             path, f"nothing to draw over {abscissa[0].name}: name another quantity", id="CLI-007"
         )
-    for note in () if quiet else remarks(file):
+    for note in () if quiet else [*remarks(file), *(f"{cut}; NAMEs draw others" for cut in chosen.cut)]:
         tell(f"{path}: note: {note}")
     still = () if names or quiet else still_energies(file)
     if still:
