@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Write a straight beam of solid elements for CalculiX, which writes its mass and stiffness matrices.
 
-Example: scripts/brick_beam.py rod --size 0.5 0.01 0.02 --cells 12 1 1 --element C3D20R --solve
+Example: scripts/brick_beam.py rod --size 0.5 0.01 0.02 --cells 12 1 1 --element C3D8I --solve
 leaves rod.inp, rod.mas, rod.sti and rod.dof: node table, matrices and their rows for a VSDF deck.
+C3D20R needs two cells across: a single row of them moves without strain.
 """
 
 import argparse

@@ -33,7 +33,7 @@ def export(result: str, form: str, output: str | None, quiet: bool) -> None:
         flexmb export OUT4-BAR.h5 --to vtkhdf -o four-bar.vtkhdf
     """
     from ..results.hdf5.stored_result import is_study
-    from ..results.quantities.quantities import open_result, refuse_uneven, shortfall
+    from ..results.quantities.quantities import open_result, refuse_uneven, remarks
     from .options.output_file import refuse_inputs, refuse_standard_output, reported
 
     output = output or f"{Path(result).stem}{SUFFIX[form]}"
@@ -49,10 +49,10 @@ def export(result: str, form: str, output: str | None, quiet: bool) -> None:
         return
     with open_result(result) as file:
         refuse_uneven(file)
-        lacking = shortfall(file)
+        notes = remarks(file)
         WRITERS[form](file, output)
-    if lacking and not quiet:
-        tell(f"{result}: note: {lacking}")
+    for note in () if quiet else notes:
+        tell(f"{result}: note: {note}")
     if not quiet:
         tell(f"{result} → {reported(output)}")
 

@@ -12,8 +12,13 @@ from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
-    from ..results.figures.curves import Panel, Source
+    from collections.abc import Callable
+
+    from ..results.figures.curves import Source
     from ..results.figures.look import Look
+
+# Lines of the title that mark numbers of `run --as-printed`, short enough for a column of print.
+EMULATION = ("With the known errors of", "the program of 1996 (--as-printed)")
 
 
 @click.command()
@@ -85,7 +90,7 @@ def plot(
         if others or across != "time" or start is not None or stop is not None or every > 1:
             raise click.UsageError("the table of a study has no times: --with, --x, --from, --to and --every")
         refuse_inputs(output, [result])
-        _plot_study(result, names, output, form, kind, title, quiet)
+        _plot_study(result, names, output, kind, title, width, quiet, print_options)
         return
     if kind != "auto":
         raise click.UsageError(f"--kind {kind} is for tables of studies, and {result} is none")
@@ -107,6 +112,7 @@ def _plot_results(
 ) -> None:
     """Draw quantities of results over time, or across another; `part`: begin, end and stride of the rows."""
     from ..results.figures.curves import panels
+    from ..results.figures.plots import picture
     from ..results.files.replaced_file import write_whole
     from ..results.hdf5.stored_result import attribute
 
@@ -120,49 +126,60 @@ def _plot_results(
             title = ""
         if title is None:
             title = ", ".join(dict.fromkeys(attribute(one.result, "deck_name") for one in sources))
-    write_whole(output, _drawn(drawn, Path(output).suffix[1:].lower(), title, width, print_options))
+        if any(attribute(one.result, "emulation") for one in sources):
+            title = "\n".join(filter(None, [title, *EMULATION]))
+    form = Path(output).suffix[1:].lower()
+    write_whole(output, _drawn(picture, (drawn, form, title), width, print_options))
     if not quiet:
         curves = sum(len(panel.curves) for panel in drawn)
         tell(f"{paths[0]} → {output}, {curves} curve{'s' * (curves != 1)}")
 
 
 def _plot_study(
-    path: str, names: tuple[str, ...], output: str, form: str, kind: str, title: str | None, quiet: bool
+    path: str,
+    names: tuple[str, ...],
+    output: str,
+    kind: str,
+    title: str | None,
+    width: float | None,
+    quiet: bool,
+    print_options: "dict[str, Any]",
 ) -> None:
     from ..results.files.replaced_file import write_whole
     from ..study.cases_table import cases_table
     from ..study.curve_family import curve_family, family_picture, names_series
-    from ..study.figures import kind_for, study_picture
+    from ..study.figures import UnsuitedStudy, kind_for, study_picture
     from ..study.text import open_study
 
+    form = Path(output).suffix[1:].lower()
     with open_study(path) as file:
-        if kind == "auto" and names_series(file, names, path):
-            family = curve_family(file, names, path)
-            write_whole(
-                output, family_picture(family, form, family.cases.deck_name if title is None else title)
-            )
-            if not quiet:
-                left_out = f"; {family.cases.failed} failed cases are left out" if family.cases.failed else ""
-                tell(f"{path} → {output}, {len(family.times)} cases of {', '.join(family.series)}{left_out}")
-            return
-        cases = cases_table(file, names, path)
-    kind = kind_for(cases) if kind == "auto" else kind
-    try:
-        drawn = study_picture(cases, kind, form, cases.deck_name if title is None else title)
-    except ValueError as fault:
-        raise click.UsageError(f"{path}: {fault}") from fault
-    write_whole(output, drawn)
+        family = (
+            curve_family(file, names, path) if kind == "auto" and names_series(file, names, path) else None
+        )
+        cases = family.cases if family else cases_table(file, names, path)
+    if title is None:
+        title = "" if width else cases.deck_name
+    if family:
+        content = _drawn(family_picture, (family, form, title), width, print_options)
+        what = f"{len(family.times)} cases of {', '.join(family.series)}"
+    else:
+        kind = kind_for(cases) if kind == "auto" else kind
+        try:
+            content = _drawn(study_picture, (cases, kind, form, title), width, print_options)
+        except UnsuitedStudy as fault:
+            raise click.UsageError(f"{path}: {fault}") from fault
+        what = f"{kind} of {', '.join(cases.results)}"
+    write_whole(output, content)
     if not quiet:
         left_out = f"; {cases.failed} failed cases are left out" if cases.failed else ""
-        tell(f"{path} → {output}, {kind} of {', '.join(cases.results)}{left_out}")
+        tell(f"{path} → {output}, {what}{left_out}")
 
 
 def _drawn(
-    panels: "list[Panel]", form: str, title: str, width: float | None, options: "dict[str, Any]"
+    draw: "Callable[..., bytes]", arguments: "tuple[Any, ...]", width: float | None, options: "dict[str, Any]"
 ) -> bytes:
-    """The picture's bytes; options of print need a width."""
+    """The bytes of the picture that `draw` makes of its arguments and a look; print options need a width."""
     from ..results.figures.look import Look
-    from ..results.figures.plots import picture
 
     given = [f"--{name.replace('_', '-')}" for name in ("font", "style", "latex") if options[name]]
     if given and not width:
@@ -175,7 +192,7 @@ def _drawn(
     try:
         if width:
             look = Look(width, *(options[name] for name in ("font", "font_size", "style", "latex")))
-        return picture(panels, form, title, look, lambda family: _warn_of_font(look, family))
+        return draw(*arguments, look, lambda family: _warn_of_font(look, family))
     except ValueError as error:
         raise click.UsageError(f"--width: {error}") from None
     except OSError as error:
@@ -199,7 +216,7 @@ def _source(
     quiet: bool,
 ) -> "Source":
     from ..results.figures.curves import DefaultCurves, Source, default_curves, still_energies
-    from ..results.quantities.quantities import ResultError, open_result, resolve, shortfall
+    from ..results.quantities.quantities import ResultError, open_result, remarks, resolve, shortfall
     from ..results.quantities.table import chosen_rows
 
     file = open_files.enter_context(open_result(path))
@@ -209,18 +226,18 @@ def _source(
         raise click.UsageError(f"--x {across} means {len(abscissa)} quantities ({few} …); name one of them")
     chosen = DefaultCurves(resolve(file, names, path), []) if names else default_curves(file)
     quantities = [quantity for quantity in chosen.quantities if quantity.name != abscissa[0].name]
-    rows, reported = chosen_rows(file, *window), shortfall(file)
+    rows = chosen_rows(file, *window)
     if not rows:
-        reason = "no rows in this window of time" if len(file["time"]) else reported or "it has no rows"
+        reason = (
+            "no rows in this window of time" if len(file["time"]) else shortfall(file) or "it has no rows"
+        )
         raise ResultError(path, f"nothing to draw: {reason}", id="CLI-006")
     if not quantities:
         raise ResultError(
             path, f"nothing to draw over {abscissa[0].name}: name another quantity", id="CLI-007"
         )
-    if reported and not quiet:
-        tell(f"{path}: note: {reported}")
-    for cut in () if quiet else chosen.cut:
-        tell(f"{path}: note: {cut}; NAMEs draw others")
+    for note in () if quiet else [*remarks(file), *(f"{cut}; NAMEs draw others" for cut in chosen.cut)]:
+        tell(f"{path}: note: {note}")
     still = () if names or quiet else still_energies(file)
     if still:
         tell(f"{path}: note: not drawn, for they do not change: {', '.join(still)}")

@@ -64,15 +64,15 @@ def report(result: str, output: str | None, quiet: bool, movie: Any, **looks: An
     refuse_inputs(output, [result])
     if is_study(result):
         _refuse_options(("colours", "range", "scale"), "for results of a run; this is the table of a study")
-        page, lacking = _study_page(result), ""
+        page, notes = _study_page(result), list[str]()
     else:
-        page, lacking = _result_page(result, bodies)
+        page, notes = _result_page(result, bodies)
     if output == STANDARD_OUTPUT:
         click.echo(page, nl=False)
     else:
         write_whole(output, page)
-    if lacking and not quiet:
-        tell(f"{result}: note: {lacking}")
+    for note in () if quiet else notes:
+        tell(f"{result}: note: {note}")
     if not quiet:
         tell(f"{result} → {reported(output)}, {_size(len(page))}")
 
@@ -109,7 +109,7 @@ def _write_film(path: str, target: Any, page: Any, looks: Any, bodies: "BodyLook
     from ..results.figures.film import FORMATS, film_bytes
     from ..results.files.replaced_file import write_whole
     from ..results.hdf5.stored_result import is_study
-    from ..results.quantities.quantities import open_result, refuse_uneven
+    from ..results.quantities.quantities import open_result, refuse_uneven, remarks
     from .options.output_file import refuse_inputs, refuse_standard_output
 
     refuse_standard_output(target, "a film", "--movie")
@@ -125,10 +125,12 @@ def _write_film(path: str, target: Any, page: Any, looks: Any, bodies: "BodyLook
     refuse_inputs(target, [path])
     with open_result(path) as file:
         refuse_uneven(file)
-        content = film_bytes(file, form, look)
+        content, notes = film_bytes(file, form, look), remarks(file)
     write_whole(target, content)
     if quiet:
         return
+    for note in notes:
+        tell(f"{path}: note: {note}")
     if look.rate < looks["fps"]:
         tell(
             f"{target}: note: {look.rate} frames a second, the most that browsers show of a GIF; MP4 has more"
@@ -160,13 +162,13 @@ def _need_film_libraries(form: str) -> None:
         needed("imageio_ffmpeg", "imageio-ffmpeg", "movie", f"{what} of an MP4 file")
 
 
-def _result_page(path: str, bodies: "BodyLook") -> tuple[bytes, str]:
+def _result_page(path: str, bodies: "BodyLook") -> tuple[bytes, list[str]]:
     from ..results.figures.report_page import report_page
-    from ..results.quantities.quantities import open_result, refuse_uneven, shortfall
+    from ..results.quantities.quantities import open_result, refuse_uneven, remarks
 
     with open_result(path) as file:
         refuse_uneven(file)
-        return report_page(file, bodies).encode("utf-8"), shortfall(file)
+        return report_page(file, bodies).encode("utf-8"), remarks(file)
 
 
 def _study_page(path: str) -> bytes:

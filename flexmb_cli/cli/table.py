@@ -24,7 +24,7 @@ if TYPE_CHECKING:
               help="csv (default), tsv, jsonl: JSON Lines, text: aligned (default of --list).")  # fmt: skip
 @click.option("--as-table", "number", type=click.IntRange(1), metavar="N",
               help="Print splines as cards of the deck's dialect: functions N, N + 1 and on.")  # fmt: skip
-@click.option("-q", "--quiet", is_flag=True, help="Do not remark that a result is not complete.")
+@click.option("-q", "--quiet", is_flag=True, help="Print no notes on the result.")
 def table(
     result: str,
     names: tuple[str, ...],
@@ -132,10 +132,9 @@ def _remark_settings(path: str, settings: list[str], quiet: bool) -> None:
 
 def _remark(path: str, file: "h5py.File", rows: range, quiet: bool) -> None:
     """Tell on standard error what the numbers do not show."""
-    from ..results.quantities.quantities import shortfall
+    from ..results.quantities.quantities import remarks
 
-    reported = shortfall(file)
-    if reported and not quiet:
-        tell(f"{path}: note: {reported}")
+    for note in () if quiet else remarks(file):
+        tell(f"{path}: note: {note}")
     if not rows and len(file["time"]) and not quiet:
         tell(f"{path}: note: it has no rows in this window of time")

@@ -13,6 +13,8 @@ from ..quick_dataclass import replace
 from .words import LONGEST_CARET, Word
 
 KEPT_PER_SLIP = 2
+FEWEST_LINES = 4  # that tell a lost line from a deck of few, long lines
+MOST_NAMED = 4
 
 
 def slips(
@@ -26,7 +28,13 @@ def slips(
     width seldom satisfies either.
     """
     lines = list(Counter(word.line for word in read_words).items())
-    slipped = _walk([held for _, held in lines], [needed for _, needed in records], kept_per_slip)
+    held, needed = [held for _, held in lines], [needed for _, needed in records]
+    if lost := _lost_line(held, needed):
+        first, last = lost
+        names = _one_of([subject for subject, _ in records[first : last + 1]])
+        found = _warning(_extents(read_words), *lines[last], *records[last])
+        return (replace(found, message=f"{found.message}: the line of {names} seems to be missing"),)
+    slipped = _walk(held, needed, kept_per_slip)
     if not slipped:
         return ()
     extents = _extents(read_words)
@@ -47,6 +55,32 @@ def with_slip_named(faults: Sequence[Fault], slipped: Sequence[Fault]) -> list[F
             named[index] = replace(fault, message=message)
             break
     return named
+
+
+def _lost_line(held: list[int], needed: list[int]) -> tuple[int, int] | None:
+    """Return the first and the last record that a lost line may have held, all of one size; None for none.
+
+    Every other line then holds one record.  The line at the place of the last one is the first that does
+    not fit.
+    """
+    if len(held) != len(needed) - 1 or len(held) < FEWEST_LINES:
+        return None
+    last = 0
+    while last < len(held) and held[last] == needed[last]:
+        last += 1
+    if last == len(held) or held[-1] < needed[-1] or held[last:-1] != needed[last + 1 : -1]:
+        return None
+    first = last
+    while first and needed[first - 1] == needed[last]:
+        first -= 1
+    return first, last
+
+
+def _one_of(subjects: list[str]) -> str:
+    """Return subjects as a choice, of many the first and the last."""
+    if len(subjects) > MOST_NAMED:
+        return f"one of {subjects[0]} to {subjects[-1]}"
+    return " or ".join(filter(None, [", ".join(subjects[:-1]), subjects[-1]]))
 
 
 def _walk(held: Any, needed: Any, kept_per_slip: Any) -> list[tuple[int, int]]:

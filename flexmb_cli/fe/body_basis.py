@@ -102,7 +102,7 @@ def _free_motion(given: FlexibleInput, shape: np.ndarray) -> str:
         )
     return (
         f"held in its frame the body still moves without strain, most at node {node}: is the mesh in one "
-        "piece, without hinges?"
+        "piece, without hinges, and, of elements with reduced integration (C3D20R), with two or more across?"
     )
 
 

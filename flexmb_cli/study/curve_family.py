@@ -1,7 +1,7 @@
 """Series of a study as a family of curves: each case over its times, coloured by a parameter."""
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -10,6 +10,9 @@ from ..quick_dataclass import dataclass
 from ..results.quantities.quantities import ResultError
 from .cases_table import CasesTable, cases_table
 from .text import EXIT_CODE, StudyColumn, chosen_columns, study_columns
+
+if TYPE_CHECKING:
+    from ..results.figures.look import Look
 
 TIMES = "result/time"
 MOST_CASE_CURVES = 500  # evenly chosen of more cases: further ones hide each other
@@ -45,33 +48,38 @@ def curve_family(table: h5py.File, patterns: Iterable[str], file: str) -> CurveF
     return CurveFamily(cases, table[TIMES][solved[chosen]], series)
 
 
-def family_picture(family: CurveFamily, form: str, title: str) -> bytes:
-    """Return the picture as a file of `form`.  Imports matplotlib."""
-    from ..results.figures.plots import HEIGHT, WIDTH
-    from .figures import drawn
+def family_picture(
+    family: CurveFamily,
+    form: str,
+    title: str,
+    look: "Look | None" = None,
+    tell_missing: Callable[[str], object] = str,
+) -> bytes:
+    """Return the picture as a file of `form`; `look`, `tell_missing`: as of `plots.picture`."""
+    from .figures import drawn, label_axis, set_size
 
     def draw(figure: Any) -> None:
-        figure.set_size_inches(WIDTH, HEIGHT * len(family.series) + 0.5)
+        set_size(figure, look, len(family.series))
         axes = figure.subplots(len(family.series), squeeze=False, sharex=True)[:, 0]
         for axis, (label, values) in zip(axes, family.series.items(), strict=True):
-            axis.set_ylabel(label.replace("$", r"\$"))
+            label_axis(axis, "y", label, look)
             axis.grid(True, linewidth=0.4, color="#cccccc")
-            _draw_cases(figure, axis, family, values)
-        axes[-1].set_xlabel("time [s]")
+            _draw_cases(figure, axis, family, values, look)
+        label_axis(axes[-1], "x", "time [s]", look)
 
-    return drawn(draw, form, title)
+    return drawn(draw, form, title, look, tell_missing)
 
 
-def _draw_cases(figure: Any, axis: Any, family: Any, values: Any) -> None:
-    import matplotlib
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
+def _draw_cases(figure: Any, axis: Any, family: CurveFamily, values: np.ndarray, look: "Look | None") -> None:
+    from matplotlib import rcParams
+
+    from .figures import add_key, colours_of
 
     name, parameter = next(iter((family.cases.varied or family.cases.parameters).items()))
-    colours = ScalarMappable(Normalize(parameter.min(), parameter.max()), matplotlib.colormaps["viridis"])
+    colours = colours_of(parameter)
     for times, curve, colour in zip(family.times, values, colours.to_rgba(parameter), strict=True):
-        axis.plot(times, curve, color=colour, linewidth=1.0)
-    figure.colorbar(colours, ax=axis, label=name.replace("$", r"\$"))
+        axis.plot(times, curve, color=colour, linewidth=rcParams["lines.linewidth"] if look else 1.0)
+    add_key(figure, colours, axis, name, look)
 
 
 def _named(table: Any, patterns: Any, file: Any) -> list[StudyColumn]:

@@ -1,18 +1,20 @@
 """Pictures of a study by matplotlib: curves, maps, scatter plots, parallel coordinates."""
 
 import io
+import textwrap
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from ..results.figures.look import COLOURS
-from ..results.figures.plots import HEIGHT, METADATA, RESOLUTION, WIDTH
+from ..results.figures.look import COLOURS, PANEL, TICKS, Look
+from ..results.figures.plots import HEIGHT, METADATA, PRINTED, RESOLUTION, WIDTH, check_room, shown
 from .cases_table import CasesTable
 
 ONLY_ROUND_OFF = "varies by round-off only"
 KINDS = ("auto", "curve", "map", "scatter", "parallel")
 ROUND_OFF = 1e-10  # of the size of a result: what varies less is no influence of a parameter
+MAP_HEIGHT, PARALLEL_HEIGHT = 4.2, 4.0  # in
 MOST_LINES = 2000  # of parallel coordinates: more hide each other
 
 
@@ -23,16 +25,34 @@ def kind_for(cases: CasesTable) -> str:
     return "map" if cases.is_grid else "scatter"
 
 
-def study_picture(cases: CasesTable, kind: str, form: str, title: str) -> bytes:
+def study_picture(
+    cases: CasesTable,
+    kind: str,
+    form: str,
+    title: str,
+    look: Look | None = None,
+    tell_missing: Callable[[str], object] = str,
+) -> bytes:
     """Return the picture as a file of `form`, one of `plots.FORMATS`.  Imports matplotlib.
 
-    Raises ValueError, in words for the user, where the study does not suit the kind.
+    `look`, `tell_missing`: as of `plots.picture`.  Raises UnsuitedStudy where the study does not
+    suit the kind, ValueError where letters leave no room in print.
     """
     draw = {"curve": _curves, "map": _maps, "scatter": _scatter, "parallel": _parallel}[kind]
-    return drawn(lambda figure: draw(figure, cases), form, title)
+    return drawn(lambda figure: draw(figure, cases, look), form, title, look, tell_missing)
 
 
-def drawn(draw: Callable[..., Any], form: str, title: str) -> bytes:
+class UnsuitedStudy(Exception):
+    """A study does not suit a type of picture; the text says why, for the user."""
+
+
+def drawn(
+    draw: Callable[[Any], None],
+    form: str,
+    title: str,
+    look: Look | None = None,
+    tell_missing: Callable[[str], object] = str,
+) -> bytes:
     """Return what `draw` puts on a figure, as a file of `form`."""
     import matplotlib
     from matplotlib.figure import Figure
@@ -40,52 +60,91 @@ def drawn(draw: Callable[..., Any], form: str, title: str) -> bytes:
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams["svg.hashsalt"] = "flexmb"
+        if look:
+            for family in look.apply():
+                tell_missing(family)
         figure = Figure(layout="constrained")
         draw(figure)
-        figure.suptitle(title.replace("$", r"\$"))
+        if title or not look:
+            figure.suptitle(shown(title, look))
+        if look:
+            check_room(figure, look)
         stream = io.BytesIO()
-        figure.savefig(stream, format=form, dpi=RESOLUTION, metadata=METADATA[form])
+        figure.savefig(stream, format=form, dpi=PRINTED if look else RESOLUTION, metadata=METADATA[form])
     return stream.getvalue()
 
 
-def _curves(figure: Any, cases: CasesTable) -> None:
+def set_size(
+    figure: Any, look: Look | None, panels: int, height: float = HEIGHT, width: float = WIDTH
+) -> None:
+    """Give the figure its size: on a screen that of `panels` of a height, in; in print the width on paper."""
+    if look is None:
+        figure.set_size_inches(width, height * panels + 0.5)
+        return
+    part = PANEL * max(1.0, height / HEIGHT)
+    figure.set_size_inches(look.inches, look.inches * part * panels + 0.3)
+
+
+def label_axis(axis: Any, which: str, label: str, look: Look | None, columns: int = 1) -> None:
+    """Write the label of the axis "x" or "y".
+
+    In print it is wrapped, and there are fewer ticks; `columns`: panels side by side.
+    """
+    wrapped = look.wrapped(label) if look and which == "y" else label
+    axis.set(**{f"{which}label": shown(wrapped, look)})
+    if look:
+        axis.locator_params(axis=which, nbins=max(1, look.ticks // columns) if which == "x" else TICKS)
+
+
+def _thickness(width: float, look: Look | None) -> dict[str, float]:
+    """Return the width of curves on a screen; in print that of the look, or of its style file."""
+    return {} if look else {"linewidth": width}
+
+
+def _curves(figure: Any, cases: CasesTable, look: Look | None) -> None:
     """Each result over the one parameter that varies."""
     if len(cases.varied) > 1:
         names = ", ".join(cases.varied)
-        raise ValueError(f"a curve needs one parameter that varies, these do: {names}; take --kind scatter")
+        raise UnsuitedStudy(
+            f"a curve needs one parameter that varies, these do: {names}; take --kind scatter"
+        )
     name, x = next(iter((cases.varied or cases.parameters).items()))
     order = np.argsort(x, kind="stable")
-    figure.set_size_inches(WIDTH, HEIGHT * len(cases.results) + 0.5)
+    set_size(figure, look, len(cases.results))
     axes = figure.subplots(len(cases.results), squeeze=False, sharex=True)[:, 0]
     for axis, (label, values) in zip(axes, cases.results.items(), strict=True):
-        axis.plot(x[order], values[order], color=COLOURS[0], marker=".", linewidth=1.3)
-        axis.set_ylabel(_plain(label))
+        axis.plot(x[order], values[order], color=COLOURS[0], marker=".", **_thickness(1.3, look))
+        label_axis(axis, "y", label, look)
         if (flat := flat_range(values)) is not None:
             axis.set_ylim(*flat)
             axis.set_title(ONLY_ROUND_OFF, fontsize="small")
         axis.grid(True, linewidth=0.4, color="#cccccc")
-    axes[-1].set_xlabel(_plain(name))
+    label_axis(axes[-1], "x", name, look)
 
 
-def _maps(figure: Any, cases: CasesTable) -> None:
+def _maps(figure: Any, cases: CasesTable, look: Look | None) -> None:
     """Each result over two parameters, a cell for every pair of values."""
     if not cases.is_grid:
-        raise ValueError("a map needs two parameters with every pair of values solved; take --kind scatter")
+        raise UnsuitedStudy(
+            "a map needs two parameters with every pair of values solved; take --kind scatter"
+        )
     (x_name, x), (y_name, y) = cases.varied.items()
     columns, rows = np.unique(x), np.unique(y)
     place = np.searchsorted(rows, y), np.searchsorted(columns, x)
-    figure.set_size_inches(WIDTH, 4.2 * len(cases.results) + 0.5)
+    set_size(figure, look, len(cases.results), MAP_HEIGHT)
     axes = figure.subplots(len(cases.results), squeeze=False)[:, 0]
     for axis, (label, values) in zip(axes, cases.results.items(), strict=True):
         cells = np.full((rows.size, columns.size), np.nan)
         cells[place] = values
-        drawn = axis.pcolormesh(columns, rows, cells, shading="nearest", cmap="viridis", rasterized=True)
+        drawn_cells = axis.pcolormesh(
+            columns, rows, cells, shading="nearest", cmap="viridis", rasterized=True
+        )
         if (flat := flat_range(values)) is not None:
-            drawn.set_clim(*flat)
+            drawn_cells.set_clim(*flat)
             axis.set_title(ONLY_ROUND_OFF, fontsize="small")
-        figure.colorbar(drawn, ax=axis, label=_plain(label))
-        axis.set_xlabel(_plain(x_name))
-        axis.set_ylabel(_plain(y_name))
+        add_key(figure, drawn_cells, axis, label, look)
+        label_axis(axis, "x", x_name, look)
+        label_axis(axis, "y", y_name, look)
 
 
 def flat_range(values: np.ndarray) -> tuple[float, float] | None:
@@ -100,10 +159,10 @@ def flat_range(values: np.ndarray) -> tuple[float, float] | None:
     return low - 0.05 * size, high + 0.05 * size
 
 
-def _scatter(figure: Any, cases: CasesTable) -> None:
+def _scatter(figure: Any, cases: CasesTable, look: Look | None) -> None:
     """Each result over each parameter that varies."""
     across = cases.varied or cases.parameters
-    figure.set_size_inches(max(WIDTH, 3.0 * len(across)), HEIGHT * len(cases.results) + 0.5)
+    set_size(figure, look, len(cases.results), width=max(WIDTH, 3.0 * len(across)))
     grid = figure.subplots(len(cases.results), len(across), squeeze=False, sharex="col", sharey="row")
     for row, (label, values) in enumerate(cases.results.items()):
         for column, (name, x) in enumerate(across.items()):
@@ -114,35 +173,51 @@ def _scatter(figure: Any, cases: CasesTable) -> None:
                 axis.set_ylim(*flat)
                 axis.set_title(ONLY_ROUND_OFF, fontsize="small")
             if column == 0:
-                axis.set_ylabel(_plain(label))
+                label_axis(axis, "y", label, look)
             if row == len(cases.results) - 1:
-                axis.set_xlabel(_plain(name))
+                label_axis(axis, "x", name, look, len(across))
 
 
-def _parallel(figure: Any, cases: CasesTable) -> None:
+def _parallel(figure: Any, cases: CasesTable, look: Look | None) -> None:
     """A line for every case through its parameters and results, coloured by the last result."""
     axes = {**(cases.varied or cases.parameters), **cases.results}
     last = next(reversed(cases.results))
     chosen = np.unique(np.linspace(0, len(cases.results[last]) - 1, MOST_LINES).astype(int))
     scaled = np.column_stack([_scaled(values)[chosen] for values in axes.values()])
-    figure.set_size_inches(max(WIDTH, 1.8 * len(axes)), 4.5)
+    set_size(figure, look, 1, PARALLEL_HEIGHT, max(WIDTH, 1.8 * len(axes)))
     axis = figure.subplots()
-    import matplotlib
-
-    colours = matplotlib.colormaps["viridis"](scaled[:, -1])
-    for line, colour in zip(scaled, colours, strict=True):
-        axis.plot(range(len(axes)), line, color=colour, linewidth=0.8, alpha=0.7)
-    labels = [f"{_plain(name)}\n{values.min():.4g} to {values.max():.4g}" for name, values in axes.items()]
+    colours = colours_of(cases.results[last])
+    for line, colour in zip(scaled, colours.to_rgba(cases.results[last][chosen]), strict=True):
+        axis.plot(range(len(axes)), line, color=colour, alpha=0.7, **_thickness(0.8, look))
+    labels = [_axis_label(name, values, len(axes), look) for name, values in axes.items()]
     axis.set_xticks(range(len(axes)), labels, fontsize="small")
     axis.set_yticks([])
     axis.grid(True, axis="x", linewidth=0.8, color="#888888")
+    add_key(figure, colours, axis, last, look)
+
+
+def colours_of(values: np.ndarray) -> Any:
+    """Return the colours of values from the least to the largest, as matplotlib wants them for a key."""
+    import matplotlib
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    return ScalarMappable(Normalize(np.nanmin(values), np.nanmax(values)), matplotlib.colormaps["viridis"])
+
+
+def add_key(figure: Any, colours: Any, axis: Any, label: str, look: Look | None) -> None:
+    """Put a scale of the colours beside `axis`."""
+    figure.colorbar(colours, ax=axis, label=shown(look.wrapped(label) if look else label, look))
+
+
+def _axis_label(name: str, values: np.ndarray, axes: int, look: Look | None) -> str:
+    """Return name and range below an axis of parallel coordinates, in print no wider than its share."""
+    lines = [name, f"{values.min():.4g} to {values.max():.4g}"]
+    if look:
+        lines = [part for line in lines for part in textwrap.wrap(line, look.letters_below(axes))]
+    return shown("\n".join(lines), look)
 
 
 def _scaled(values: np.ndarray) -> np.ndarray:
     low, high = np.nanmin(values), np.nanmax(values)
     return (values - low) / (high - low) if high > low else np.full(values.shape, 0.5)
-
-
-def _plain(text: str) -> str:
-    """Text that matplotlib does not take for mathematics."""
-    return text.replace("$", r"\$")

@@ -72,3 +72,26 @@ def test_the_four_bar_lines_as_they_stand_in_print_are_all_named():
         "universal joint 1: needs 14 numbers; line 9 has 13",
         "revolute joint 1: needs 14 numbers; line 10 has 13",
     ]
+
+
+@pytest.mark.parametrize(
+    ("lost", "reported"),
+    [
+        (10, (13, "body 5 needs 7 numbers; line 13 has 5: the line of one of body 1 to body 5")),
+        (16, (16, "spherical joint 1 needs 8 numbers; line 16 has 14: the line of spherical joint 1")),
+        (17, (19, "line 19 has 20: the line of revolute joint 1, revolute joint 2 or cylindrical joint 1")),
+        (19, (19, "line 19 has 20: the line of revolute joint 1, revolute joint 2 or cylindrical joint 1")),
+        (21, (21, "line 21 has 7: the line of distance constraint 1")),
+    ],
+)
+def test_a_lost_line_is_named_with_the_records_that_it_may_have_held(lost, reported):
+    """Records of one size follow each other: the first line that does not fit stands behind them."""
+    (deck,) = (path for path in DECKS if path.stem == "IN5BODY")
+    lines = deck.read_text(encoding="utf-8").splitlines()
+    found = faults("\n".join(lines[: lost - 1] + lines[lost:]))
+    line, text = reported
+    (warning,) = [fault for fault in found if fault.id == "DECK-008"]
+    assert warning.place.line == line
+    assert f"{text} seems to be missing" in f"{warning.subject} {warning.message}"
+    errors = [fault.message for fault in found if fault.severity == "error"]
+    assert sum(f"(look first at line {line}: " in message for message in errors) == 1

@@ -93,6 +93,40 @@ def test_series_are_drawn_over_their_times_coloured_by_the_parameter(tmp_path):
     assert {"time [s]", "path [m]", "length [m]"} <= set(labels)
 
 
+FAMILY = Column("result/time", "s", "series of time", 3)
+
+
+@pytest.mark.parametrize(
+    "words", [["path"], ["--kind", "curve"], ["--kind", "scatter"], ["--kind", "parallel"]]
+)
+def test_a_picture_of_a_study_for_print_has_the_width_the_font_and_no_title(words, tmp_path):
+    """85 mm at 300 dots per inch are 1003.9 pixels."""
+    pytest.importorskip("matplotlib")
+    head = TableHead("a = 1", "deck", "a.dat", "0" * 64, (LENGTH, TOP, PATH, FAMILY), 3)
+    series = np.array([1.0, 2.0, 4.0])
+    write_table(
+        str(tmp_path / "s.h5"), head, [(n, 0, 3, "", [n / 10, n, n * series, series]) for n in (1, 2, 3)]
+    )
+    printed = [tmp_path / "s.h5", *(words if words[0] == "path" else ["top", *words]), "--width", 85]
+    assert called(plot, *printed, "-o", tmp_path / "s.png").exit_code == 0
+    assert int.from_bytes((tmp_path / "s.png").read_bytes()[16:20], "big") == 1003
+    assert called(plot, *printed, "-o", tmp_path / "s.svg").exit_code == 0
+    assert called(plot, *printed, "--font", "monospace", "-o", tmp_path / "font.svg").exit_code == 0
+    texts = [(tmp_path / name).read_text() for name in ("s.svg", "font.svg")]
+    assert texts[0] != texts[1] and "DejaVuSansMono" in texts[1]
+    assert not any("<!-- a.dat -->" in text for text in texts)
+
+
+def test_print_options_of_a_picture_of_a_study_need_a_width(tmp_path):
+    pytest.importorskip("matplotlib")
+    path = study(tmp_path / "s.h5", LINE)
+    done = called(plot, path, "--font", "serif", "-o", tmp_path / "s.png")
+    assert done.exit_code == 2 and "--font: for pictures of print; give --width, too" in done.output
+    done = called(plot, path, "--width", 20, "--font-size", 40, "-o", tmp_path / "s.png")
+    assert done.exit_code == 2 and "letters of 40 points leave no room" in done.output
+    assert not (tmp_path / "s.png").exists()
+
+
 def test_the_numbers_drawn_are_those_of_the_table(tmp_path):
     """Of a 3 by 2 grid with one failed case five cases are left, each with 10 length + rate."""
     path = study(tmp_path / "s.h5", GRID, failed=(4,))
@@ -128,7 +162,10 @@ def test_parallel_coordinates_have_an_axis_for_every_column(tmp_path):
     path = study(tmp_path / "s.h5", CLOUD)
     assert called(plot, path, "--kind", "parallel", "-o", tmp_path / "s.svg").exit_code == 0
     labels = re.findall(r"<!-- (.*?) -->", (tmp_path / "s.svg").read_text())
-    assert {"0.1 to 0.3", "1 to 3", "2 to 5.5"} <= {line for label in labels for line in label.split("\n")}
+    lines = [line for label in labels for line in label.split("\n")]
+    assert {"0.1 to 0.3", "1 to 3", "2 to 5.5"} <= set(lines)
+    # Below its axis, and at the scale of the colours, which goes from 2 to 5.5 m.
+    assert lines.count("top [m]") == 2 and {"2.5", "5.0"} <= set(lines)
 
 
 def test_the_page_of_a_study_holds_its_numbers(tmp_path):

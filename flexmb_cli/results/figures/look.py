@@ -58,6 +58,10 @@ class Look:
         """Return how many numbers stand side by side below a panel."""
         return max(1, min(TICKS, int(NARROWEST * self.inches / (TICK * self._letter))))
 
+    def letters_below(self, columns: int) -> int:
+        """Return how many small letters stand in one of `columns` below a panel."""
+        return max(4, int(NARROWEST * self.inches / columns / (LETTER * SMALLER_LETTERS * self._letter)))
+
     @property
     def _letter(self) -> float:
         """Size of letters, in."""

@@ -65,11 +65,11 @@ def fitted_figure(panels: Sequence[Panel], title: str, look: Look | None) -> "Fi
     """
     below = {k for k, panel in enumerate(panels) if len(panel.curves) > ROOMY}
     figure = _figure(panels, title, look, below)
-    covering = _check_room(figure, look) - below if look else set()
+    covering = check_room(figure, look) - below if look else set()
     if not (look and covering):
         return figure
     figure = _figure(panels, title, look, below | covering)
-    _check_room(figure, look)
+    check_room(figure, look)
     return figure
 
 
@@ -84,13 +84,13 @@ def _figure(panels: Sequence[Panel], title: str, look: Look | None, below: set[i
         _draw(panel, axis, look)
         if len(panel.curves) > 1:
             _legend(panel, axis, look, k in below, k == len(panels) - 1)
-    axes[-1].set_xlabel(_text(panels[-1].x_label, look))
+    axes[-1].set_xlabel(shown(panels[-1].x_label, look))
     if title:
         figure.suptitle(_plain(title))
     return figure
 
 
-def _check_room(figure: "Figure", look: Look) -> set[int]:
+def check_room(figure: "Figure", look: Look) -> set[int]:
     """Return the panels whose legends cover curves.  Raises ValueError where letters leave no room."""
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
@@ -128,8 +128,8 @@ def _draw(panel: Panel, axis: Any, look: Any) -> None:
         if look:
             drawn["linewidth"] *= 0.75
         label = look.in_legend(curve.label) if look else curve.label
-        axis.plot(curve.x, curve.y, label=_text(label, look), **drawn)
-    axis.set_ylabel(_text(look.wrapped(panel.y_label) if look else panel.y_label, look))
+        axis.plot(curve.x, curve.y, label=shown(label, look), **drawn)
+    axis.set_ylabel(shown(look.wrapped(panel.y_label) if look else panel.y_label, look))
     if look:
         axis.locator_params(nbins=TICKS)
         axis.locator_params(axis="x", nbins=look.ticks)
@@ -165,7 +165,7 @@ def style(quantity: int, result: int = 0, results: int = 1) -> dict[str, Any]:
     }
 
 
-def _text(text: str, look: Any) -> str:
+def shown(text: str, look: Look | None) -> str:
     """Text as matplotlib, or LaTeX, shows it."""
     if look is None or not look.latex:
         return _plain(text)

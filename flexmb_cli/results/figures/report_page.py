@@ -22,7 +22,7 @@ from ...dialects.settings import apply_settings
 from ...errors import DeckError, lines_visible
 from ...quick_dataclass import replace
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, is_number, is_text, settings_of, texts
-from ..quantities.quantities import ResultError, names, shortfall
+from ..quantities.quantities import ResultError, names, remarks, shortfall
 from ..texts.echo import echo
 from .body_look import DEFAULT_LOOK, BodyLook
 from .curves import Panel, Source, default_curves, panels, still_energies
@@ -109,12 +109,12 @@ def _left_out(result: h5py.File) -> str:
 
 
 def _status(result: h5py.File) -> str:
-    reported = shortfall(result)
-    if reported:
-        return f'<p class="failed">{_shown(reported)}</p>'
+    notes = "".join(f'<p class="failed">{_shown(note)}</p>' for note in remarks(result))
+    if shortfall(result):
+        return notes
     time = result["time"][:]
     span = f", t = {time[0]:g} to {time[-1]:g} s" if len(time) else ""
-    return f"<p>Complete: {len(time)} rows{span}.</p>"
+    return f"{notes}<p>Complete: {len(time)} rows{span}.</p>"
 
 
 def _audit(result: h5py.File) -> list[tuple[str, str]]:

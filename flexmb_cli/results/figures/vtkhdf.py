@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from ...quick_dataclass import replace
+from ..hdf5.stored_result import attribute
 from .element_bodies import ElementBody, element_bodies
 from .scene import Scene, read_scene
 from .vtkhdf_cells import write_cells
@@ -28,7 +29,7 @@ def vtkhdf_bytes(result: h5py.File, rows: slice = slice(None)) -> bytes:
     scene = read_scene(result, rows)
     bodies = list(element_bodies(result, scene.body_names, rows))
     if bodies:
-        return _grid(scene, bodies)
+        return _grid(scene, bodies, result)
     shaped = {shape.number for shape in scene.shapes}
     scene = replace(scene, bodies=tuple(body for body in scene.bodies if body.number not in shaped))
     points = _points(scene)
@@ -41,7 +42,20 @@ def vtkhdf_bytes(result: h5py.File, rows: slice = slice(None)) -> bytes:
         _write_points(root, scene, points)
         _write_cells(root, scene)
         _write_steps(root, scene, points.shape[1])
+        _write_remark(root, result)
     return stream.getvalue()
+
+
+def _write_remark(root: h5py.Group, result: h5py.File) -> None:
+    """Mark numbers of an emulation by a text among the data of the whole set."""
+    if text := attribute(result, "emulation"):
+        root.create_group("FieldData").create_dataset(
+            "emulation", data=[text.encode("ascii", "replace")], dtype=h5py.string_dtype("ascii")
+        )
+        # Without these VTK reads a value of each step, beyond the end.
+        steps = int(root["Steps"].attrs["NSteps"])
+        root["Steps/FieldDataOffsets/emulation"] = np.zeros(steps, np.int64)
+        root["Steps/FieldDataSizes/emulation"] = np.ones((steps, 2), np.int64)
 
 
 def _points(scene: Any) -> Any:
@@ -52,13 +66,14 @@ def _points(scene: Any) -> Any:
     return np.concatenate(parts, axis=1)
 
 
-def _grid(scene: Scene, bodies: list[ElementBody]) -> bytes:
+def _grid(scene: Scene, bodies: list[ElementBody], result: h5py.File) -> bytes:
     stream = io.BytesIO()
     with h5py.File(stream, "w", libver=("v108", "v108")) as file:
         root = file.create_group("VTKHDF")
         root.attrs["Version"] = np.array(VERSION, np.int64)
         root.attrs.create("Type", b"UnstructuredGrid", dtype=h5py.string_dtype("ascii", 16))
         write_cells(root, scene, bodies)
+        _write_remark(root, result)
     return stream.getvalue()
 
 

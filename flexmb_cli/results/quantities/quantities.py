@@ -197,6 +197,11 @@ def shortfall(result: h5py.File) -> str:
     return f"the run is not complete, {end}" + (f": {message}" if message else "")
 
 
+def remarks(result: h5py.File) -> list[str]:
+    """Return what a reader of any number must know: an emulation, a run that is not complete."""
+    return [text for text in (attribute(result, "emulation"), shortfall(result)) if text]
+
+
 def _elements(result: h5py.File, path: str, rows: slice, index: np.ndarray) -> np.ndarray:
     """Elements (rows, places) of a dataset at the places `index` (places, axes) behind time."""
     low, high = index.min(axis=0), index.max(axis=0) + 1

@@ -1,0 +1,60 @@
+"""Numbers of `flexmb run --as-printed` are marked by every command that shows them."""
+
+import re
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from flexmb_cli.cli.export import export
+from flexmb_cli.cli.plot import plot
+from flexmb_cli.cli.report import report
+from flexmb_cli.cli.table import table
+from flexmb_cli.run.deck import run_deck
+from flexmb_cli.run.outcome import RunOptions
+
+DECK = Path(__file__).resolve().parents[2] / "decks/young/IN4-BAR.dat"
+
+
+@pytest.fixture
+def emulated(tmp_path, monkeypatch):
+    """Two rows of the four-bar by the program of 1996, in the current folder."""
+    monkeypatch.chdir(tmp_path)
+    run_deck(str(DECK), RunOptions(as_printed=True, changes=("time.end=0.1",)))
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        (table, ["body.3.z"]),
+        (export, ["--to", "csv"]),
+        (export, ["--to", "mat"]),
+        (report, []),
+        (plot, ["--title", "T"]),
+    ],
+)
+def test_each_command_marks_the_numbers_of_an_emulation(emulated, command, words):
+    if command is plot:
+        pytest.importorskip("matplotlib")
+        words = [*words, "-o", "p.svg"]
+    done = CliRunner().invoke(command, ["OUT4-BAR.h5", *words])
+    assert done.exit_code == 0, done.output
+    assert "note: numbers of the program YOUNG of 1996 with its known errors" in done.stderr
+    if command is report:
+        page = Path("OUT4-BAR.html").read_text(encoding="utf-8")
+        assert '<p class="failed">numbers of the program YOUNG of 1996' in page
+    if command is plot:
+        text = Path("p.svg").read_text()
+        assert re.search(r"<!-- T\s.*?With the known errors of.*?the program of 1996 ", text, re.S)
+
+
+def test_paraview_shows_the_mark_of_an_emulation(emulated):
+    """VTK's own reader finds the text at the last step, too."""
+    vtk = pytest.importorskip("vtk", reason="VTK is not installed (extra export-check)")
+    assert CliRunner().invoke(export, ["OUT4-BAR.h5", "--to", "vtkhdf"]).exit_code == 0
+    reader = vtk.vtkHDFReader()
+    reader.SetFileName("OUT4-BAR.vtkhdf")
+    reader.SetStep(1)
+    reader.Update()
+    text = reader.GetOutputDataObject(0).GetFieldData().GetAbstractArray("emulation").GetValue(0)
+    assert text.startswith("numbers of the program YOUNG of 1996 with its known errors")
