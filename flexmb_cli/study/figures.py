@@ -1,14 +1,15 @@
 """Pictures of a study by matplotlib: curves, maps, scatter plots, parallel coordinates."""
 
 import io
-import textwrap
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ..results.figures.look import COLOURS, PANEL, TICKS, Look
-from ..results.figures.plots import HEIGHT, METADATA, PRINTED, RESOLUTION, WIDTH, check_room, shown
+from ..results.figures.label_fitting import Letters
+from ..results.figures.look import COLOURS, NARROWEST, PANEL, TICKS, Look
+from ..results.figures.plots import HEIGHT, METADATA, PRINTED, RESOLUTION, WIDTH, fit_figure, shown
 from .cases_table import CasesTable
 
 ONLY_ROUND_OFF = "varies by round-off only"
@@ -68,7 +69,7 @@ def drawn(
         if title or not look:
             figure.suptitle(shown(title, look))
         if look:
-            check_room(figure, look)
+            fit_figure(figure, look)
         stream = io.BytesIO()
         figure.savefig(stream, format=form, dpi=PRINTED if look else RESOLUTION, metadata=METADATA[form])
     return stream.getvalue()
@@ -85,15 +86,21 @@ def set_size(
     figure.set_size_inches(look.inches, look.inches * part * panels + 0.3)
 
 
-def label_axis(axis: Any, which: str, label: str, look: Look | None, columns: int = 1) -> None:
+def label_axis(axis: Any, which: str, label: str, look: Look | None) -> None:
     """Write the label of the axis "x" or "y".
 
-    In print it is wrapped, and there are fewer ticks; `columns`: panels side by side.
+    In print it is wrapped, and there are fewer ticks.
     """
-    wrapped = look.wrapped(label) if look and which == "y" else label
-    axis.set(**{f"{which}label": shown(wrapped, look)})
+    axis.set(**{f"{which}label": _label(label, look) if which == "y" else shown(label, look)})
     if look:
-        axis.locator_params(axis=which, nbins=max(1, look.ticks // columns) if which == "x" else TICKS)
+        axis.locator_params(axis=which, nbins=TICKS)
+
+
+def _label(label: str, look: Look | None) -> str:
+    """Return a vertical label, in print in lines that are no longer than a panel is high."""
+    if look is None:
+        return shown(label, look)
+    return Letters("axes.labelsize").wrapped(label, PANEL * look.inches, partial(shown, look=look))
 
 
 def _thickness(width: float, look: Look | None) -> dict[str, float]:
@@ -175,7 +182,7 @@ def _scatter(figure: Any, cases: CasesTable, look: Look | None) -> None:
             if column == 0:
                 label_axis(axis, "y", label, look)
             if row == len(cases.results) - 1:
-                label_axis(axis, "x", name, look, len(across))
+                label_axis(axis, "x", name, look)
 
 
 def _parallel(figure: Any, cases: CasesTable, look: Look | None) -> None:
@@ -207,14 +214,15 @@ def colours_of(values: np.ndarray) -> Any:
 
 def add_key(figure: Any, colours: Any, axis: Any, label: str, look: Look | None) -> None:
     """Put a scale of the colours beside `axis`."""
-    figure.colorbar(colours, ax=axis, label=shown(look.wrapped(label) if look else label, look))
+    figure.colorbar(colours, ax=axis, label=_label(label, look))
 
 
 def _axis_label(name: str, values: np.ndarray, axes: int, look: Look | None) -> str:
     """Return name and range below an axis of parallel coordinates, in print no wider than its share."""
     lines = [name, f"{values.min():.4g} to {values.max():.4g}"]
     if look:
-        lines = [part for line in lines for part in textwrap.wrap(line, look.letters_below(axes))]
+        letters = Letters("xtick.labelsize")
+        lines = [letters.wrapped(line, NARROWEST * look.inches / axes) for line in lines]
     return shown("\n".join(lines), look)
 
 

@@ -1,10 +1,10 @@
 """Style of pictures: width on paper, fonts, a style file of matplotlib, texts by LaTeX."""
 
-import textwrap
 from pathlib import Path
 from typing import Any
 
 from ...quick_dataclass import dataclass
+from .label_fitting import Letters
 
 # Okabe and Ito's colours, distinguished by everyone.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#B22222", "#6A3D9A")
@@ -15,12 +15,11 @@ PANEL, SQUARE_PART = 0.45, 0.85
 # Curves of a panel whose legend still fits into it.
 ROOMY = 4
 TICKS = 6
-# Distance of a legend's lines by the size of letters; points an inch.
-LINE_SPACING, POINTS_PER_INCH = 1.5, 72
-# Widths of a letter and of a line of a legend by the size of letters.
-LETTER, HANDLE = 0.55, 5.0
-# Width of a number below an axis by the size of letters; part of a picture's width that a panel has at least.
-TICK, NARROWEST = 2.6, 0.75
+THICKNESS = 1.3  # of a line, points
+# Distance of a legend's lines, and width of what stands before a name, by the size of letters.
+LINE_SPACING, HANDLE = 1.5, 5.0
+NARROWEST = 0.75  # part of a picture's width that a panel has at least
+PRINTED_PART = 0.75  # of lines in print by those on a screen
 SMALLER_LETTERS = 0.9  # size of a legend's letters and of numbers by that of the others
 
 
@@ -42,35 +41,15 @@ class Look:
         """The width, in."""
         return self.width / MILLIMETRES
 
-    def wrapped(self, label: str) -> str:
-        """The label of a vertical axis in lines that are no longer than a panel is high."""
-        letters = PANEL * self.inches / (LETTER * (self.size or 8.0) / POINTS_PER_INCH)
-        return "\n".join(textwrap.wrap(label, max(10, int(letters))))
-
     def in_legend(self, label: str) -> str:
         """The label of a curve in lines that are as long as a panel is wide."""
-        letter = SMALLER_LETTERS * self._letter
-        letters = (NARROWEST * self.inches - HANDLE * letter) / (LETTER * letter)
-        return "\n".join(textwrap.wrap(label, max(8, int(letters))))
-
-    @property
-    def ticks(self) -> int:
-        """Return how many numbers stand side by side below a panel."""
-        return max(1, min(TICKS, int(NARROWEST * self.inches / (TICK * self._letter))))
-
-    def letters_below(self, columns: int) -> int:
-        """Return how many small letters stand in one of `columns` below a panel."""
-        return max(4, int(NARROWEST * self.inches / columns / (LETTER * SMALLER_LETTERS * self._letter)))
-
-    @property
-    def _letter(self) -> float:
-        """Size of letters, in."""
-        return (self.size or 8.0) / POINTS_PER_INCH
+        letters = Letters("legend.fontsize")
+        return letters.wrapped(label, NARROWEST * self.inches - HANDLE * letters.inches)
 
     def legend_columns(self, labels: list[str]) -> int:
         """Return how many names stand side by side below a panel."""
-        size = (self.size or 8.0) / POINTS_PER_INCH
-        widest = max(map(len, labels)) * LETTER * size + HANDLE * size
+        letters = Letters("legend.fontsize")
+        widest = max(map(letters.width, labels)) + HANDLE * letters.inches
         return 2 if 2 * widest < self.inches else 1
 
     def legend_height(self, labels: list[str]) -> float:
@@ -80,20 +59,20 @@ class Look:
         # Names stand one below the other, column by column, and the longest of a row counts.
         rows = -(-len(labels) // columns)
         rows = sum(max(lines[row::rows]) for row in range(rows))
-        return rows * LINE_SPACING * (self.size or 8.0) / POINTS_PER_INCH
+        return rows * LINE_SPACING * Letters("legend.fontsize").inches
 
     def apply(self) -> list[str]:
         """Set matplotlib's settings, those of the style file last; return families that are not installed.
 
         These are left out.  Raises OSError for a style that there is not, or that would start LaTeX unasked.
         """
-        from matplotlib import rcParams, style
+        from matplotlib import rcParams
 
-        rcParams.update(self.settings())  # type: ignore[arg-type]
+        rcParams.update(settings() | self.settings())  # type: ignore[arg-type]
         if self.style:
-            # Of a name with a point matplotlib would import what stands before it.
-            known = self.style in ("default", "mpl15", "mpl20", *style.library)
-            style.use(self.style if known else Path(self.style))
+            _use_style(self.style)
+        # A tight box would change the width that was asked for.
+        rcParams["savefig.bbox"] = None
         if rcParams["text.usetex"] and not self.latex:
             raise OSError("text.usetex starts LaTeX, another program: give --latex, too")
         # LaTeX finds its own fonts.
@@ -111,10 +90,40 @@ class Look:
         found: dict[str, Any] = {
             "font.size": size, "axes.labelsize": size, "axes.titlesize": size, "figure.titlesize": size,
             "legend.fontsize": smaller, "xtick.labelsize": smaller, "ytick.labelsize": smaller,
-            "lines.linewidth": 1.0, "axes.linewidth": 0.6, "xtick.direction": "in", "ytick.direction": "in",
+            "lines.linewidth": PRINTED_PART * THICKNESS,
+            "axes.linewidth": 0.6, "legend.frameon": False, "xtick.direction": "in", "ytick.direction": "in",
             "pdf.fonttype": 42, "svg.fonttype": "path", "text.usetex": self.latex,
         }  # fmt: skip
         return found | ({"font.family": self.font} if self.font else {})
+
+
+def settings() -> dict[str, Any]:
+    """Return the settings of matplotlib for curves of every kind, which a style file may change."""
+    from cycler import cycler
+
+    return {
+        "axes.prop_cycle": cycler(color=COLOURS), "lines.linewidth": THICKNESS, "axes.xmargin": 0.02,
+        "axes.grid": True, "grid.linewidth": 0.4, "grid.color": "#cccccc",
+    }  # fmt: skip
+
+
+def _use_style(name: str) -> None:
+    """Use a style of matplotlib or the style file `name`.  Raises OSError where there is neither."""
+    from difflib import get_close_matches
+
+    from matplotlib import style
+
+    # Of a name with a point matplotlib would import what stands before it.
+    if name in ("default", "mpl15", "mpl20", *style.library):
+        style.use(name)
+        return
+    if not Path(name).is_file():
+        near = get_close_matches(name, style.available, cutoff=0.4) or ["ggplot", "classic", "grayscale"]
+        raise OSError(f"no such file, and no style of matplotlib, such as {', '.join(near)}, has this name")
+    try:
+        style.use(Path(name))
+    except UnicodeDecodeError:
+        raise OSError("it is no style file: its bytes are no text in UTF-8") from None
 
 
 def _is_installed(family: str) -> bool:

@@ -3,23 +3,34 @@
 import io
 import warnings
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from .curves import Panel
-from .look import COLOURS, PANEL, ROOMY, SQUARE_PART, TICKS, Look
+from .label_fitting import LABEL_LINE, Letters, fit_labels
+from .look import COLOURS, HANDLE, NARROWEST, PANEL, ROOMY, SQUARE_PART, THICKNESS, TICKS, Look, settings
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+CYCLE: tuple[dict[str, Any], ...] = tuple({"color": colour} for colour in COLOURS)
 FORMATS = ("png", "svg", "pdf")
 DASHES = ("-", "--", ":", "-.", (0, (8, 2)), (0, (5, 1, 1, 1, 1, 1)), (0, (1, 4)), (0, (9, 3, 3, 3)))
-THICKNESSES = (1.3, 2.6, 0.6)
-LEGEND_ROWS = 14
+# Of curves by that of the first ones.
+THICKNESSES = (1.0, 2.0, 0.6 / THICKNESS)
+LEGEND_ROWS, LEGEND_LETTERS = 14, "small"
+# Part of a screen's picture that the names of curves take before they are wrapped; what its panels keep, in.
+NAMES_PART, PANEL_WIDTH = 0.4, 4.0
+# Part of the height of a panel that its label takes before it is wrapped.
+LABEL_PART = 0.9
+LABEL_DEPTH = 0.2  # part of the width of a picture that a label with many lines takes
 WIDTH, HEIGHT, SQUARE, RESOLUTION = 8.0, 2.8, 6.0, 150
 PRINTED = 300  # dots per inch, which journals ask for
 # Signs that LaTeX takes for commands.
 _LATEX = {sign: f"\\{sign}" for sign in "#$%&_{}"} | {"\\": r"\textbackslash{}", "^": r"\^{}", "~": r"\~{}"}
+MOST_LAYOUTS = 6  # of a figure, until labels fit
+SQUEEZED = 0.7  # part of the wanted height of panels
 # No dates and no versions: pictures are compared in repositories.
 METADATA = {
     "png": {"Software": None},
@@ -51,6 +62,8 @@ def picture(
         if look:
             for family in look.apply():
                 tell_missing(family)
+        else:
+            matplotlib.rcParams.update(settings())  # type: ignore[arg-type]
         figure = fitted_figure(panels, title, look)
         stream = io.BytesIO()
         figure.savefig(stream, format=form, dpi=PRINTED if look else RESOLUTION, metadata=METADATA[form])
@@ -60,16 +73,22 @@ def picture(
 def fitted_figure(panels: Sequence[Panel], title: str, look: Look | None) -> "Figure":
     """Return the figure of `picture`, with the settings of matplotlib as they are.
 
-    In print, legends of many curves and those that would cover a curve stand below their panels.  Raises
-    ValueError where letters leave no room.
+    In print, legends of many curves and those that would cover a curve stand below their panels, but where
+    the style has a place for them.  Raises ValueError where letters leave no room.
     """
-    below = {k for k, panel in enumerate(panels) if len(panel.curves) > ROOMY}
+    from matplotlib import rcParams
+
+    placed = look is not None and rcParams["legend.loc"] != "best"
+    below = {k for k, panel in enumerate(panels) if len(panel.curves) > ROOMY and not placed}
     figure = _figure(panels, title, look, below)
-    covering = check_room(figure, look) - below if look else set()
-    if not (look and covering):
+    _fit(figure, panels, look)
+    if not look:
         return figure
-    figure = _figure(panels, title, look, below | covering)
-    check_room(figure, look)
+    hiding = {k for k, axis in enumerate(figure.axes) if (_overflows if placed else _covers)(axis)} - below
+    if not hiding:
+        return figure
+    figure = _figure(panels, title, look, below | hiding)
+    _fit(figure, panels, look)
     return figure
 
 
@@ -77,30 +96,76 @@ def _figure(panels: Sequence[Panel], title: str, look: Look | None, below: set[i
     """The picture, legends of the panels `below` below them."""
     from matplotlib.figure import Figure
 
+    show = partial(shown, look=look)
     width, heights, rest = _sizes(panels, look, below)
+    letters = Letters("figure.titlesize")
+    heading = letters.wrapped(title, LABEL_PART * width, show)
+    # Other pictures have room for one line.
+    rest += LABEL_LINE * letters.inches * (len(heading.splitlines()) if look else heading.count("\n"))
     figure = Figure(figsize=(width, sum(heights) + rest), layout="constrained")
     axes = figure.subplots(len(panels), squeeze=False, height_ratios=heights)[:, 0]
+    labels = Letters("axes.labelsize")
     for k, (panel, axis) in enumerate(zip(panels, axes, strict=True)):
         _draw(panel, axis, look)
+        text, points = labels.fitted(panel.y_label, LABEL_PART * heights[k], LABEL_DEPTH * width, show)
+        axis.set_ylabel(text, fontsize=points)
         if len(panel.curves) > 1:
             _legend(panel, axis, look, k in below, k == len(panels) - 1)
-    axes[-1].set_xlabel(shown(panels[-1].x_label, look))
-    if title:
-        figure.suptitle(_plain(title))
+    axes[-1].set_xlabel(labels.wrapped(panels[-1].x_label, NARROWEST * width, show))
+    if heading:
+        figure.suptitle(heading)
     return figure
 
 
-def check_room(figure: "Figure", look: Look) -> set[int]:
-    """Return the panels whose legends cover curves.  Raises ValueError where letters leave no room."""
+def _fit(figure: "Figure", panels: Sequence[Panel], look: Look | None) -> None:
+    if look and _grow(figure, _sizes(panels, look, set())[1]):
+        _lay_out(figure)
+    fit_figure(figure, look)
+
+
+def fit_figure(figure: "Figure", look: Look | None) -> None:
+    """Lay the figure out, and again while labels change.  Raises ValueError where letters leave no room."""
+    cramped = _lay_out(figure)
+    try:
+        for _ in range(MOST_LAYOUTS):
+            if not fit_labels(figure):
+                break
+            cramped = _lay_out(figure)
+    except ValueError:
+        cramped = True
+    if cramped and look:
+        raise ValueError(
+            f"letters of {Letters('axes.labelsize').points:g} points leave no room for curves in "
+            f"{look.width:g} mm: choose a wider picture, smaller letters or fewer curves"
+        )
+
+
+def _lay_out(figure: "Figure") -> bool:
+    """Give everything its place; return whether there is too little room."""
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         figure.draw_without_rendering()
-    if any("constrained_layout not applied" in str(one.message) for one in told):
-        raise ValueError(
-            f"letters of {look.size:g} points leave no room for curves in {look.width:g} mm: choose a wider "
-            "picture, smaller letters or fewer curves"
-        )
-    return {k for k, axis in enumerate(figure.axes) if _covers(axis)}
+    return any("constrained_layout not applied" in str(one.message) for one in told)
+
+
+def _grow(figure: "Figure", heights: list[float]) -> bool:
+    """Make a figure higher whose legends take much of the height of its panels; return whether they do."""
+    wanted = sum(heights)
+    found = sum(axis.bbox.height for axis in figure.axes) / figure.dpi
+    if found >= SQUEEZED * wanted:
+        return False
+    width, height = figure.get_size_inches()
+    figure.set_size_inches(width, height + wanted - found)
+    return True
+
+
+def _overflows(axis: "Axes") -> bool:
+    """Return whether the legend is larger than its panel."""
+    legend = axis.get_legend()
+    if legend is None:
+        return False
+    box = legend.get_window_extent()
+    return bool(box.width > axis.bbox.width or box.height > axis.bbox.height)
 
 
 def _covers(axis: "Axes") -> bool:
@@ -115,54 +180,76 @@ def _covers(axis: "Axes") -> bool:
 def _sizes(panels: Any, look: Look | None, below: set[int]) -> tuple[float, list[float], float]:
     """Width of the picture, heights of its panels, and what legends and the lowest axis take, in."""
     if look is None:
-        return WIDTH, [SQUARE if panel.same_unit else HEIGHT for panel in panels], 0.5
+        return _screen_width(panels), [SQUARE if panel.same_unit else HEIGHT for panel in panels], 0.5
     heights = [look.inches * (SQUARE_PART if panel.same_unit else PANEL) for panel in panels]
     legends = sum(look.legend_height([curve.label for curve in panels[k].curves]) for k in below)
     return look.inches, heights, legends + 0.3
 
 
-def _draw(panel: Panel, axis: Any, look: Any) -> None:
+def _screen_width(panels: Sequence[Panel]) -> float:
+    """Width of a picture for the screen, in: names of many curves in columns widen it."""
+    letters = Letters(LEGEND_LETTERS)
+    room = NAMES_PART * WIDTH
+    names = [
+        -(-len(panel.curves) // LEGEND_ROWS)
+        * (
+            min(room, max(letters.width(_plain(curve.label)) for curve in panel.curves))
+            + HANDLE * letters.inches
+        )
+        for panel in panels
+        if len(panel.curves) > 1
+    ]
+    return max(WIDTH, PANEL_WIDTH + max(names, default=0.0))
+
+
+def _draw(panel: Panel, axis: "Axes", look: Look | None) -> None:
+    from matplotlib import rcParams
+
     results = 1 + max(curve.result for curve in panel.curves)
+    cycle, thickness = list(rcParams["axes.prop_cycle"]), rcParams["lines.linewidth"]
+    letters = Letters(LEGEND_LETTERS)
     for curve in panel.curves:
-        drawn = style(curve.quantity, curve.result, results)
-        if look:
-            drawn["linewidth"] *= 0.75
-        label = look.in_legend(curve.label) if look else curve.label
+        drawn = style(curve.quantity, curve.result, results, cycle, thickness)
+        label = look.in_legend(curve.label) if look else letters.wrapped(curve.label, NAMES_PART * WIDTH)
         axis.plot(curve.x, curve.y, label=shown(label, look), **drawn)
-    axis.set_ylabel(shown(look.wrapped(panel.y_label) if look else panel.y_label, look))
     if look:
         axis.locator_params(nbins=TICKS)
-        axis.locator_params(axis="x", nbins=look.ticks)
-    axis.grid(True, linewidth=0.4, color="#cccccc")
-    axis.margins(x=0.02)
     if panel.same_unit:
         axis.set_aspect("equal", adjustable="datalim")
 
 
-def _legend(panel: Panel, axis: Any, look: Look | None, below: bool, lowest: bool) -> None:
+def _legend(panel: Panel, axis: "Axes", look: Look | None, below: bool, lowest: bool) -> None:
     if look and below:
         columns = look.legend_columns([curve.label for curve in panel.curves])
         # Letters' heights that the numbers of the axis take, and its label.
         room = 4.0 if lowest else 2.0
-        axis.legend(
-            loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=room, ncols=columns, frameon=False
-        )
+        axis.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=room, ncols=columns)
     elif look:
         # It takes no room of its own: one that is larger than the panel covers curves.
-        axis.legend(loc="best", frameon=False).set_in_layout(False)
+        axis.legend().set_in_layout(False)
     else:
         columns = -(-len(panel.curves) // LEGEND_ROWS)
-        axis.legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5), ncols=columns)
+        axis.legend(fontsize=LEGEND_LETTERS, loc="center left", bbox_to_anchor=(1.0, 0.5), ncols=columns)
 
 
-def style(quantity: int, result: int = 0, results: int = 1) -> dict[str, Any]:
-    """Colour, dashes and width of the curve of a quantity of one of `results`: no two alike among 192."""
-    dashes = result + results * (quantity // len(COLOURS))
-    return {
-        "color": COLOURS[quantity % len(COLOURS)],
-        "linestyle": DASHES[dashes % len(DASHES)],
-        "linewidth": THICKNESSES[dashes // len(DASHES) % len(THICKNESSES)],
-    }
+def style(
+    quantity: int,
+    result: int = 0,
+    results: int = 1,
+    cycle: Sequence[dict[str, Any]] = CYCLE,
+    thickness: float = THICKNESS,
+) -> dict[str, Any]:
+    """Return how the curve of a quantity of one of `results` is drawn: no two alike among 192.
+
+    Properties of the `cycle` tell quantities apart; where it begins anew, and between results, dashes do,
+    and beyond these multiples of the `thickness`.
+    """
+    dashes = result + results * (quantity // len(cycle))
+    drawn = dict(cycle[quantity % len(cycle)])
+    if dashes:
+        drawn["linestyle"] = DASHES[dashes % len(DASHES)]
+        drawn["linewidth"] = thickness * THICKNESSES[dashes // len(DASHES) % len(THICKNESSES)]
+    return drawn
 
 
 def shown(text: str, look: Look | None) -> str:
@@ -172,6 +259,6 @@ def shown(text: str, look: Look | None) -> str:
     return "".join(_LATEX.get(sign, sign) for sign in text)
 
 
-def _plain(text: str) -> Any:
+def _plain(text: str) -> str:
     """Text that matplotlib does not take for mathematics."""
     return text.replace("$", r"\$")

@@ -1,0 +1,131 @@
+"""Labels and numbers of axes that fit: measured as drawn, wrapped, thinned out or made smaller."""
+
+from collections.abc import Callable, Mapping
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axis import Axis
+    from matplotlib.figure import Figure
+    from matplotlib.text import Text
+    from matplotlib.transforms import Bbox
+
+POINTS_PER_INCH = 72
+# Width of a letter by the size of letters, where LaTeX would have to run for each measurement.
+LETTER = 0.55
+# Labels with a word longer than their panel get smaller, down to this part of their size.
+LEAST_LETTERS = 0.5
+# Sizes that are tried for a label of many words, and the distance of its lines by the size of letters.
+PARTS, LABEL_LINE = (1.0, 0.9, 0.8, 0.7, 0.6, LEAST_LETTERS), 1.3
+# Least distance of two numbers of an axis by the size of letters: across, and one above the other.
+GAP_BESIDE, GAP_ABOVE = 0.5, 0.1
+FEWEST_BINS = 1
+
+
+class Letters:
+    """Letters of the size that the settings of matplotlib have by `key`, or of the size `key`, points."""
+
+    def __init__(self, key: str):
+        from matplotlib import rcParams
+        from matplotlib.figure import Figure
+        from matplotlib.font_manager import FontProperties
+
+        known: Mapping[str, Any] = rcParams  # type: ignore[assignment]
+        self.points = FontProperties(size=known.get(key, key)).get_size_in_points()
+        self._latex = rcParams["text.usetex"]
+        self._figure = Figure()
+
+    @property
+    def inches(self) -> float:
+        """The size, in."""
+        return self.points / POINTS_PER_INCH
+
+    def width(self, text: str) -> float:
+        """Return the width of a line, in."""
+        if self._latex:
+            return LETTER * self.inches * len(text)
+        drawn = self._figure.text(0, 0, text, fontsize=self.points)
+        width = drawn.get_window_extent().width / self._figure.dpi
+        drawn.remove()
+        return float(width)
+
+    def wrapped(self, text: str, room: float, shown: Callable[[str], str] = str) -> str:
+        """Return the words, as `shown`, in lines that are at most `room` in long; no word is broken."""
+        lines: list[str] = []
+        for word in text.split():
+            longer = f"{lines[-1]} {word}" if lines else word
+            if lines and self.width(shown(longer)) <= room:
+                lines[-1] = longer
+            else:
+                lines.append(word)
+        return "\n".join(map(shown, lines))
+
+    def fitted(
+        self, text: str, room: float, depth: float, shown: Callable[[str], str] = str
+    ) -> tuple[str, float]:
+        """Return a text in lines of at most `room`, and the size of its letters, points.
+
+        They are as large as possible where the lines take at most `depth`, in, and `LEAST_LETTERS` at least.
+        """
+        for part in PARTS:
+            lines = self.wrapped(text, room / part, shown)
+            if LABEL_LINE * (lines.count("\n") + 1) * part * self.inches <= depth:
+                break
+        return lines, part * self.points
+
+
+def fit_labels(figure: "Figure") -> bool:
+    """Make labels smaller and numbers fewer where the figure, laid out, has no room; return whether it did.
+
+    Raises ValueError where letters would get too small.
+    """
+    changed, least = False, LEAST_LETTERS**2 * Letters("axes.labelsize").points
+    for axes in figure.axes:
+        across, up = axes.bbox.width, axes.bbox.height
+        box, half = axes.yaxis.label.get_window_extent(), figure.bbox.width / 2
+        changed |= _shrink(axes.yaxis.label, box.height, up, least)
+        box, middle = axes.xaxis.label.get_window_extent(), (axes.bbox.x0 + axes.bbox.x1) / 2
+        changed |= _shrink(axes.xaxis.label, box.width, 2 * (half - abs(half - middle)), least)
+        changed |= _thin_out(axes.xaxis, across, 0) | _thin_out(axes.yaxis, up, 1)
+    return changed
+
+
+def _shrink(label: "Text", size: float, room: float, least: float) -> bool:
+    """Make the letters of a label, `least` points at least, smaller when its `size` exceeds its `room`."""
+    if size <= room:
+        return False
+    # A little less, for letters have whole pixels.
+    points = 0.98 * float(label.get_fontsize()) * room / size
+    if points < least:
+        raise ValueError("no room for a label")
+    label.set_fontsize(points)
+    return True
+
+
+def _thin_out(axis: "Axis", room: float, direction: int) -> bool:
+    """Give an axis fewer numbers where two of them meet; direction 0: across, 1: upwards."""
+    boxes = number_boxes(axis)
+    low, high = (("x0", "x1"), ("y0", "y1"))[direction]
+    if not boxes:
+        return False
+    gap = (GAP_BESIDE, GAP_ABOVE)[direction] * min(box.height for box in boxes)
+    if all(getattr(one, high) + gap <= getattr(other, low) for one, other in pairwise(boxes)):
+        return False
+    size = max(getattr(box, high) - getattr(box, low) for box in boxes)
+    bins = min(int(room / (size + gap)), len(boxes) - 2)
+    if bins < FEWEST_BINS:
+        return False
+    axis.axes.locator_params(axis="y" if direction else "x", nbins=bins)
+    return True
+
+
+def number_boxes(axis: "Axis") -> "list[Bbox]":
+    """Return the boxes of the numbers that an axis shows, pixels, in their order."""
+    low, high = sorted(axis.get_view_interval())
+    shown = zip(axis.get_majorticklocs(), axis.get_majorticklabels(), strict=False)
+    margin = 1e-9 * (high - low)
+    return [
+        text.get_window_extent()
+        for at, text in shown
+        if low - margin <= at <= high + margin and text.get_text()
+    ]
