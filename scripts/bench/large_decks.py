@@ -1,6 +1,7 @@
 """Large legal decks: how much memory and time `flexmb check` takes of each kind of content.
 
-Example: scripts/bench/run large_decks 62 "YOUNG bodies" (megabytes, then kinds; all of them without any).
+Example: scripts/bench/run large_decks 62 "young bodies" (megabytes, then kinds; all of them without any).
+"young all FORCE" and its like are decks of the shortest cards of every word, right or wrong.
 A deck of n bytes shall take at most 12 n bytes and 200 MB, and time in proportion to n.
 """
 
@@ -11,6 +12,7 @@ import tempfile
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
+from large_card_kinds import card_kinds
 from large_kinds import kinds
 
 MOST_PER_BYTE, MOST_BESIDES = 12, 200 * 10**6
@@ -46,14 +48,15 @@ def main() -> int:
     megabytes, chosen = int(sys.argv[1]) if sys.argv[1:] else 8, sys.argv[2:]
     bad = 0
     with tempfile.TemporaryDirectory() as folder:
-        for name, made in kinds(megabytes).items():
+        for name, made in (*kinds(megabytes).items(), *card_kinds(megabytes * 10**6)):
             if chosen and not any(word in name for word in chosen):
                 continue
             text = made()
             took, peak, fault = measured(text, name.split()[0], Path(folder))
             size = len(text.encode())
             too_much = peak > MOST_PER_BYTE * size + MOST_BESIDES
-            bad += bool(too_much or fault)
+            refused = " all " in name and fault and "a fault of flexmb" not in fault
+            bad += bool(too_much or (fault and not refused))
             reported = f"{name:22} {size / 1e6:6.1f} MB {took:7.1f} s {peak / 1e6:7.0f} MB"
             print(reported, "too much" if too_much else "", fault, flush=True)
     return 1 if bad else 0
