@@ -252,6 +252,20 @@ def test_a_damaged_entry_is_told_with_its_place(tmp_path):
     assert doubts_of(path) == [("note", said)]
 
 
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="owners of files")
+def test_rows_of_another_user_are_told(tmp_path, monkeypatch):
+    """Its checksums are no secret: whoever may write the file chooses the rows of the result."""
+    path = tmp_path / "x.resume"
+    kept(path)
+    owner = path.stat().st_uid
+    if owner == 0:  # root gives its files away, others look as somebody else
+        os.chown(path, 65534, -1)
+    else:
+        monkeypatch.setattr(os, "geteuid", lambda: owner + 1)
+    said = "of another user, whose rows are taken; without --resume none are"
+    assert doubts_of(path) == [("warning", said)]
+
+
 @pytest.mark.parametrize("entry", [b"", b"no arrays"])
 def test_an_entry_without_arrays_is_told(tmp_path, entry):
     """Zeros, as behind a loss of power, are entries without content, and their checksum, 0, is right."""

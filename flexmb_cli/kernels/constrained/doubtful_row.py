@@ -63,7 +63,7 @@ def fill_doubtful_row(
         if not (
             solved and _change(speeds, system.speed_scale) < rtol * _largest(speeds[1], system.speed_scale)
         ):
-            for i in range(raw.shape[0] - 1 - n, raw.shape[0]):
+            for i in range(n + system.masses.shape[0], raw.shape[0]):
                 z[i] = raw[i]
         _fill_without_forces(system, work, place, t, power if solved else np.nan, report, row)
     copy(z, report.states[row])

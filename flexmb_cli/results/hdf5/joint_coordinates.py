@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import Any
 
-from ...model.arrays.element_table import coordinates_of_joints
 from ...model.joints import ANGLE
 from ...quick_dataclass import replace
 from .layout import Axis, Layout, Series, Values, numbered_axis
@@ -27,6 +26,15 @@ ELEMENT_SERIES = {
         "element/power", (ELEMENT,), "W", "power of what the element dissipates (negative) or drives"
     ),
     "element_energy": Series("element/energy", (ELEMENT,), "J", "energy that the element stores"),
+    "element_work": Series(
+        "element/work", (ELEMENT,), "J", "work of its power since the start: negative, what it has dissipated"
+    ),
+    "dissipated": Series(
+        "energy/dissipated",
+        (),
+        "J",
+        "what springs' dampers, stops, cables, bushings and friction have dissipated since the start",
+    ),
 }
 SERIES = JOINT_SERIES | ELEMENT_SERIES
 
@@ -43,7 +51,8 @@ def with_elements(
     present = {axis.path for axis in axes}
     # A tree has series of its coordinates already.
     wanted = SERIES if coordinates else ELEMENT_SERIES
-    series = [item for item in wanted.values() if present.issuperset(item.axes)]
+    # What all elements together dissipate has no axis, but belongs to theirs.
+    series = [item for item in wanted.values() if present.issuperset(item.axes or (ELEMENT,))]
     return replace(layout, axes=tuple(axes), series=(*layout.series, *series))
 
 
@@ -60,6 +69,8 @@ def with_units(axis: Axis, kind: str, units: Sequence[str]) -> Axis:
 
 def coordinate_names(joints: Sequence[Any], names: Sequence[str]) -> list[tuple[str, str]]:
     """Names and units of all joint coordinates; `names` of the joints."""
+    from ...model.arrays.element_table import coordinates_of_joints  # much that trees do without
+
     return [
         (f"{names[item.joint]} {item.coordinate}", "rad" if item.coordinate == ANGLE else "m")
         for item in coordinates_of_joints(joints)

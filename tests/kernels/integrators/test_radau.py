@@ -5,8 +5,12 @@ import pytest
 from numpy.polynomial import Polynomial
 
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
+from flexmb_cli.kernels._jit import interpreting
+from flexmb_cli.kernels.constrained.elements import RESPONSE_COLUMNS
+from flexmb_cli.kernels.constrained.report import NOW, TRIED
 from flexmb_cli.kernels.constrained.speeds import coordinate_accelerations, coordinate_rates, speeds_of_rates
 from flexmb_cli.kernels.integrators import radau5
+from flexmb_cli.kernels.integrators.radau5 import _attempt
 from flexmb_cli.kernels.integrators.radau5_singular_step import _bend, _spread_power
 from flexmb_cli.kernels.integrators.radau5_step import START
 from flexmb_cli.kernels.integrators.radau5_table import COMPLEX, REAL, TIMES, WEIGHTS
@@ -15,6 +19,8 @@ from tests.dialects.vsdf.mechanisms import analysis_of, sample
 from tests.dialects.vsdf.test_runs import Run, momenta
 from tests.dialects.vsdf.vsdf_decks import build, supplied
 from tests.kernels.integrators.test_generalised_alpha import GRID
+from tests.solvers.constrained.element_decks import ROTOR, model_of
+from tests.solvers.constrained.element_decks import analysis_of as young_analysis_of
 
 METHOD = " GALF       0.9"
 LAST_STEP, STEP = 0.2, 0.3  # s
@@ -57,7 +63,7 @@ def test_coordinate_accelerations_are_the_rates_of_coordinate_rates():
 @pytest.fixture
 def integration(tmp_path):
     """An integration over a singular position: the last step took 0.2 s, the next one takes 0.3 s."""
-    found = radau5.new_integration(analysis_of(sample(tmp_path)).work, 0)
+    found = radau5.new_integration(analysis_of(sample(tmp_path)).work, 0, 1)
     found.clock["step_length"] = LAST_STEP
     return found
 
@@ -78,9 +84,11 @@ def test_accelerations_found_at_the_end_of_a_singular_step_bend_those_of_its_sta
 
 
 def test_the_power_of_a_singular_step_changes_evenly(integration):
-    integration.memory["power"] = 2.0
-    assert _spread_power(integration, 5.0) == 3.0
+    work = integration.newton._replace(responses=np.full((1, RESPONSE_COLUMNS), -4.0))
+    integration.memory["power"], integration.load_powers[NOW] = 2.0, -1.0
+    assert _spread_power(integration, work, 5.0) == 3.0
     np.testing.assert_allclose(integration.powers, 2.0 + 3.0 * TIMES, rtol=1e-15)
+    np.testing.assert_allclose(integration.load_powers[TRIED:, 0], -1.0 - 3.0 * TIMES, rtol=1e-15)
 
 
 @pytest.mark.long_motion
@@ -118,3 +126,14 @@ def test_stiff_modes_do_not_shorten_the_steps():
         evaluations.append(int(analysis.clock["evaluations"][0]))
     assert np.abs(places[1] - places[0]).max() < 1e-8
     assert 6 * evaluations[1] < evaluations[0]
+
+
+def test_a_step_that_ends_where_a_pivot_has_vanished_is_tried_again_with_half_its_length():
+    """A pivot below the threshold behind a good step, with none at its start: nothing of it is accepted."""
+    with interpreting():
+        analysis = young_analysis_of(model_of(ROTOR, "0 1 1", "MASS 2 1 0 0 0 1 1 1\nRAD5"))
+        analysis.start()
+        integration, system, work = analysis.integration, analysis.system, analysis.work
+        assert _attempt(integration, 1e-3, system, work) > 0.0
+        integration.memory["branching"] = 2.0 * np.abs(np.diag(work.factors)[: work.rank[0]]).max()
+        assert _attempt(integration, 1e-3, system, work) == -0.5

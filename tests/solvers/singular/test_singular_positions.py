@@ -165,3 +165,17 @@ def test_a_row_in_line_has_no_reactions_and_is_told(card, number, length):
     assert np.flatnonzero(np.isnan(forces).any(axis=(1, 2))).tolist() == [50]
     (told,) = [note.message for note in analysis.warnings if note.id == "SOLVE-041"]
     assert "at t = 0.25 s a row stands" in told
+
+
+def test_the_rows_of_a_block_are_looked_at_at_once(monkeypatch):
+    """A call of numpy's for each row took as long as ten steps."""
+    sizes, svd = [], np.linalg.svd
+    monkeypatch.setattr(
+        np.linalg, "svd", lambda a, *how, **named: sizes.append(a.shape) or svd(a, *how, **named)
+    )
+    mechanism = Parallelogram(0.5, 1.5, 2.0, 1.0, (1.0, 1.0, 1.0)).mechanism(Integrator("RAD5", 0.0, 1e-4))
+    analysis = FlexibleDynamics(replace(mechanism, time=TimeGrid(0.0, 0.01, 0.002)))
+    assert sum(len(rows.time) for rows in analysis.rows()) == 6
+    equations, speeds = len(analysis.arrays.equations), analysis.arrays.speeds
+    assert sizes.count((6, equations, speeds)) == 1
+    assert sizes.count((equations, speeds)) < 6  # those of the start
