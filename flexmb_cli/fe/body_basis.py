@@ -156,10 +156,11 @@ def _with_attachment(given: FlexibleInput, K: Any, S: Any, frame: Frame, basis: 
     forces, count = np.hstack([K @ basis.shapes, attached]), len(basis.values)
     found = reduced_basis(shapes, forces, S, count)
     superfluous = np.setdiff1d(rows, moving[found.kept[found.kept >= count] - count])
-    return Basis(
-        found.values, modes.signed(found.shapes), found.massless, _named(given, superfluous),
-        basis.left_out, basis.next_value,
-    )  # fmt: skip
+    # Shapes under forces at all nodes span every deformation, and with them the modes not asked for.
+    complete = len(found.values) >= count + basis.left_out
+    left_out, following = (0, math.nan) if complete else (basis.left_out, basis.next_value)
+    shapes = modes.signed(found.shapes)
+    return Basis(found.values, shapes, found.massless, _named(given, superfluous), left_out, following)
 
 
 def _interface_basis(given: FlexibleInput, K: np.ndarray, S: np.ndarray, frame: Frame) -> Basis:

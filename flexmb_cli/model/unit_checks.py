@@ -24,13 +24,20 @@ IN_MILLIMETRES = (9.5e3, 10.1e3)  # gravity of the earth, mm/s²
 ON_EARTH = (9.5, 10.1)  # m/s²
 FASTEST_SOUND = 2e4  # m/s; 18,000 in diamond
 LARGE = 50.0  # m between the joints of one body, for a mechanism under gravity
-WIDE = 30.0  # radius of gyration over the distance of joints: inertia in kg mm² would be 1000
+# Radius of gyration over the distance of joints.  A rod between joints at its ends has 0.58, with its mass in
+# tonnes 18, with its inertia in kg mm² 580.  A flywheel may have its joint beside its centre: a wide body is
+# doubted if it is too light for its size as well, or wider than any.
+WIDE, WIDE_WITHOUT_AXIS, WIDEST_OF_ALL = 30.0, 12.0, 300.0
 NARROW = 1e-2  # the other way round: 1e-3
 THIN = 1e-3  # kg/m³ of the box around its nodes; air has 1.2, osmium in millimetres 2e-5
 FOAM = 20.0  # kg/m³ of that box; light foams have 20, tungsten in tonnes 19, steel in tonnes 7.9
 # kg/m³ of the ellipsoid with a rigid body's mass and inertia.  With a mass in tonnes it grows √1000 times in
 # every direction: osmium gets 7e-4, steel 2.5e-4.  1 kg with 1 kg m² about all axes has 6e-2.
 HOLLOW = 1e-3
+# Of the homogeneous ellipsoid, disc or rod with a body's mass and inertia: kg/m³, kg/m² (paper has 0.08) and
+# kg/m, above which the body is heavy enough for its size.  Steel wire of 1.3 mm has 0.01 kg/m.
+HEAVY = {3: 1.0, 2: 0.1, 1: 0.01}
+FLAT = 1e-6  # of the largest semi-axis: a body without extent in that direction
 
 
 @dataclass(frozen=True)
@@ -49,13 +56,23 @@ class Extent:
         return max(self.moments)
 
     @property
-    def density(self) -> float:
-        """Density of the homogeneous ellipsoid with this mass and these moments, kg/m³; inf of a thin one."""
+    def axes(self) -> np.ndarray:
+        """Semi-axes of the homogeneous ellipsoid with this mass and these moments, m; 0 where it has none."""
         squares = [2.5 * (sum(self.moments) - 2.0 * moment) for moment in self.moments]
-        if not self.mass > 0.0 or min(squares) <= 0.0:
-            return np.inf
-        axes = np.sqrt(np.array(squares) / self.mass)
-        return self.mass / (4.0 / 3.0 * np.pi * float(np.prod(axes)))
+        return np.sqrt(np.maximum(squares, 0.0) / self.mass) if self.mass > 0.0 else np.zeros(3)
+
+    @property
+    def density(self) -> float:
+        """Density of that ellipsoid, kg/m³; inf of a thin one."""
+        axes = self.axes
+        return self.mass / (4.0 / 3.0 * np.pi * float(np.prod(axes))) if np.all(axes > 0.0) else np.inf
+
+    @property
+    def heavy(self) -> bool:
+        """Return whether ellipsoid, disc or rod has the density of a material."""
+        axes = self.axes[self.axes > FLAT * self.axes.max()]
+        volume = {3: 4.0 / 3.0 * np.pi, 2: np.pi, 1: 2.0}.get(axes.size, 1.0) * float(np.prod(axes))
+        return self.mass > HEAVY.get(axes.size, 0.0) * volume
 
     @property
     def radius(self) -> float:
@@ -90,7 +107,7 @@ def unit_doubts(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Fault]
 def _of_body(body: Extent) -> "Iterator[str]":
     if body.mass == 0.0 and body.inertia == 0.0:
         yield "has neither mass nor inertia: only what it is joined to can carry it"
-    if body.radius and body.size and not NARROW <= body.radius / body.size <= WIDE:
+    if body.radius and body.size and _is_doubtful(body):
         yield (
             f"mass {body.mass:.4g} kg and inertia {body.inertia:.4g} kg m² make a radius of gyration of "
             f"{body.radius:.3g} m, joints are up to {body.size:.3g} m from the mass centre: "
@@ -101,6 +118,13 @@ def _of_body(body: Extent) -> "Iterator[str]":
             f"mass {body.mass:.4g} kg and inertia {body.inertia:.4g} kg m² are those of an ellipsoid of "
             f"{body.density:.2g} kg/m³, air has 1.2: is the mass in kg, and not in tonnes?"
         )
+
+
+def _is_doubtful(body: Extent) -> bool:
+    """Return whether radius of gyration and distance of joints belong to different units."""
+    ratio = body.radius / body.size
+    wide = WIDE if np.isfinite(body.density) else WIDE_WITHOUT_AXIS
+    return ratio < NARROW or ratio > WIDEST_OF_ALL or (ratio > wide and not body.heavy)
 
 
 def _of_frequencies(mechanism: "FlexibleMechanism") -> Any:

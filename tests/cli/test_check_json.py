@@ -92,3 +92,10 @@ def test_of_very_many_gaps_the_widest_are_listed(monkeypatch):
     lines = list(check_text.assembly_lines(SimpleNamespace(gaps=gaps, time=0.0)))
     assert [line.split()[0] for line in lines[1:3]] == ["driver", "joint"]
     assert lines[3] == "    and 1 with narrower gaps of the estimates; --json has all"
+
+
+def test_round_off_is_not_printed_as_a_singular_value():
+    """36 equations of Bricard's linkage, rank 35: the next value is round-off, another on every processor."""
+    report = run_check.check_deck(str(DECKS / "young/dynamics/IN-BRICARD.dat"), RunOptions())
+    assert report.smallest < 1e-12
+    assert "  rank 35 of 36, smallest singular value below 1e-12\n" in check_text.check_text(report)

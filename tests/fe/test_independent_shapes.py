@@ -46,6 +46,9 @@ def test_attachment_modes_of_all_nodes_bend_as_the_whole_stiffness(tmp_path):
     wanted[np.ix_(free, free)] = np.linalg.inv(K[np.ix_(free, free)])
     np.testing.assert_allclose(flexibility(found), wanted, atol=1e-11 * np.abs(wanted).max())
     assert found.modes == len(free)
+    # As many modes as degrees of freedom: none is left out.
+    assert found.dropped.modes == 0
+    assert not any("modes left out" in line for line in body_lines(found))
 
 
 def test_superfluous_static_shapes_are_named_with_node_and_axis():

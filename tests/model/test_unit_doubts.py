@@ -67,6 +67,24 @@ def test_supplied_decks_are_in_si_units(path):
     assert [f.message for f in report.outcome.faults if f.severity == "note" and "SI" in f.message] == []
 
 
+def test_a_thin_rod_with_its_mass_in_tonnes_is_noticed():
+    """0.5 m between joints at the ends: radius of gyration √(1000/12) 0.5 m = 4.56 m."""
+    (note,) = unit_doubts(rod(mass=0.002))
+    assert "make a radius of gyration of 4.56 m, joints are up to 0.25 m" in note.message
+
+
+@pytest.mark.parametrize("thickness", [0.0, 0.01])
+def test_a_flywheel_with_a_joint_beside_its_centre_raises_no_doubt(thickness):
+    """50 kg, 0.5 m: radius of gyration 0.354 m, the joint 0.01 m from the centre."""
+    m, r = 50.0, 0.5
+    across = m * (3.0 * r * r + thickness**2) / 12.0
+    joint = Joint("revolute", "joint", 0, 0, (0.01, 0.0, 0.0), (0.01, 0.0, 0.0))
+    bodies = (Body("body 1", (0.0, 0.0, 0.0), UNTURNED),)
+    mechanism = Mechanism(bodies=bodies, joints=(joint,), time=TimeGrid(0.0, 1.0, 0.1))
+    given = MassProperties("mass 1", 0, m, (0.0,) * 3, (across, across, m * r * r / 2.0, 0.0, 0.0, 0.0))
+    assert unit_doubts(DynamicModel(mechanism, masses=(given,), gravity=(0.0, 0.0, -9.81))) == []
+
+
 def bar(density, tonnes):
     """Return a homogeneous steel bar with all its moments, kg m²; the mass in kg or in tonnes."""
     a, b, c = BAR

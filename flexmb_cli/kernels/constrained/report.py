@@ -71,10 +71,25 @@ def complete(
     row: int,
 ) -> None:
     """Fill a row of `report` whose rates have just been found, by the factors at hand."""
-    q, u = coordinates_and_speeds(system, z)
-    report.powers[row] = power
     fill_multipliers(system, work, report.rates[row], report.multipliers[row])
     fill_wrenches(system, work, report.multipliers[row], report.wrenches[row])
+    complete_motion(system, work, z, t, expected, power, report, row)
+
+
+@kernel
+def complete_motion(
+    system: System,
+    work: Work,
+    z: "np.ndarray",
+    t: float,
+    expected: "np.ndarray",
+    power: float,
+    report: Report,
+    row: int,
+) -> None:
+    """Fill what a row of `report` has besides rates and constraint forces."""
+    q, u = coordinates_and_speeds(system, z)
+    report.powers[row] = power
     for k in range(work.responses.shape[0]):
         for column in range(work.responses.shape[1]):
             report.responses[row, k, column] = work.responses[k, column]

@@ -45,6 +45,7 @@ CLOCK = np.dtype(
         ("equation", np.int64),  # equation with that gap
         ("pivot_order", np.float64),  # quality of the order of elimination at the end of the last step
         ("pivot_time", np.float64),  # time of that end, s
+        ("firmest", np.float64),  # largest that the smallest pivot was at the end of a step
         ("singular", np.float64),  # time of the singular position ahead, s, infinity: none near
     ]
 )

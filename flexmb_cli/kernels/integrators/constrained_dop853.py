@@ -19,13 +19,15 @@ from ..constrained.system import SOLVED
 from ..linalg.copying import copy
 from .clock import BEGIN, READY, STEP_VANISHED, leads_over, new_clock
 from .constrained_equations import (
+    IN_DOUBT,
     code_of_gap,
+    fill_doubtful,
     note_gap,
     projected_slope,
     report_trial,
     slope,
 )
-from .dop853 import SLOWEST, Equations, dop853, first_step, interpolate, next_factor
+from .dop853 import SLOWEST, Equations, dop853, first_step, interpolate, interpolate_slopes, next_factor
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGES
 from .error_norm import MOST_MOVED
 from .explicit_error import error_on_constraints
@@ -132,12 +134,28 @@ def _close(integration: "Integration", system: "System", work: "Work"):
 @kernel
 def _fill_row(integration: "Integration", t: float, report: "Report", system: "System", work: "Work"):
     """Fill a report row at a time up to the present one; a code."""
+    clock, rates = integration.clock[0], report.rates[integration.clock[0]["row"]]
+    x = _place_row(integration, t)
+    code = report_trial(integration, t, x, report, system, work)
+    if code == IN_DOUBT:
+        _place_row(integration, t)
+        interpolate_slopes(
+            integration.dense, x, clock["step_length"], clock["counted"] - rates.shape[0], rates
+        )
+        fill_doubtful(integration, t, x, report, system, work)
+        return READY
+    return code
+
+
+@kernel
+def _place_row(integration: "Integration", t: float):
+    """Bring `trial` to a time up to the present one; return the fraction of the last step."""
     clock, x = integration.clock[0], 1.0
     copy(integration.z, integration.trial)
     if t < clock["t"]:
         x = (t - clock["step_start"]) / clock["step_length"]
         interpolate(integration.old, integration.dense, x, integration.trial)
-    return report_trial(integration, t, x, report, system, work)
+    return x
 
 
 _advance = dop853(Equations(slope, _normalise, _finish, _watch, _close, _fill_row))

@@ -13,11 +13,13 @@ import numpy as np
 from .._jit import allocating, kernel
 from ..constrained.accelerations import accelerate, factorise_at
 from ..constrained.angle_unwrapping import EXPECTED, NEW, OLD
+from ..constrained.doubtful_row import fill_doubtful_row
 from ..constrained.projection import largest_gap, project_position, project_speeds
 from ..constrained.report import BEHIND, NOW, complete, coordinates_and_speeds, fill_load_powers
 from ..constrained.speeds import coordinate_rates, normalise
 from ..constrained.system import SOLVED
 from ..linalg.copying import copy
+from ..linalg.rank_revealing_lu import smallest_pivot
 from .clock import CONTRADICTION, READY, STEP_VANISHED
 from .error_norm import scaled_norm
 from .hermite import cubic
@@ -30,6 +32,8 @@ if TYPE_CHECKING:
     from .radau5 import RadauIntegration
 
 REPEATED_GAP = 1e-7  # what equations that repeat others may be off, scaled
+IN_DOUBT = -1  # code of a row that round-off may rule
+DOUBTFUL_PIVOT = 2e-3  # of the largest that the smallest pivot was, at most 1: round-off may rule a row below
 
 
 @kernel
@@ -121,9 +125,10 @@ def project(
 def note_gap(
     integration: "Integration | AlphaIntegration | RadauIntegration", system: "System", work: "Work"
 ):
-    """Note the largest gap, whose equations belong to the state."""
+    """Note the largest gap, whose equations belong to the state, and the smallest pivot."""
     clock = integration.clock[0]
     clock["gap"], clock["equation"] = largest_gap(system, work)
+    clock["firmest"] = max(clock["firmest"], smallest_pivot(work.factors, work.rank[0]))
 
 
 @kernel
@@ -177,16 +182,54 @@ def report_trial(
     system: "System",
     work: "Work",
 ):
-    """Fill a report row from `trial` at the fraction x of the last step, projected inside it; a code."""
+    """Fill a report row from `trial` at the fraction x of the last step, projected inside it; a code.
+
+    IN_DOUBT where the row is not filled since it `is_doubtful`.
+    """
     clock, row, expected = integration.clock[0], integration.clock[0]["row"], integration.angles[EXPECTED]
     interpolate_angles(integration, x)
     # The slope of a row is not needed: a stage of the next step goes into its place.
     power = evaluate(
         integration, t, expected, x < 1.0, integration.slopes[1], report.rates[row], system, work
     )[1]
+    if is_doubtful(clock, work):
+        return IN_DOUBT
     if clock["fault"] != SOLVED:
         return STEP_VANISHED
     complete(system, work, integration.trial, t, expected, power, report, row)
     copy(integration.trial, report.states[row])
     clock["row"] += 1
     return READY
+
+
+@kernel
+def is_doubtful(clock: "np.void", work: "Work"):
+    """Return whether a row inside or at the end of a step, whose factors are at hand, lies so near a singular
+    position that round-off may rule it.
+    """
+    firm = DOUBTFUL_PIVOT * min(1.0, clock["firmest"])
+    # `not >` doubts a nan.
+    return clock["step_length"] > 0.0 and not smallest_pivot(work.factors, work.rank[0]) > firm
+
+
+@kernel
+def fill_doubtful(
+    integration: "Integration | AlphaIntegration | RadauIntegration",
+    t: float,
+    x: float,
+    report: "Report",
+    system: "System",
+    work: "Work",
+):
+    """Fill a report row at t that `is_doubtful`; `trial` and its rates are those of the interpolation.
+
+    At the fraction x = 1, the end of a run, that knows no more of the accelerations than the equations: nan.
+    """
+    clock, row = integration.clock[0], integration.clock[0]["row"]
+    if x == 1.0:
+        for k in range(report.rates.shape[1]):
+            report.rates[row, k] = np.nan
+    place = integration.trial, integration.units, integration.angles[EXPECTED]
+    fill_doubtful_row(system, work, integration.z, place, t, clock["rtol"], report, row)
+    clock["fault"] = SOLVED
+    clock["row"] += 1

@@ -195,6 +195,20 @@ def interpolate(z: "np.ndarray", dense: "np.ndarray", x: float, out: "np.ndarray
 
 
 @kernel
+def interpolate_slopes(dense: "np.ndarray", x: float, h: float, first: int, out: "np.ndarray") -> None:
+    """Fill out with the rates of `interpolate`, from place `first` on, in a step of length h."""
+    for i in range(out.shape[0]):
+        total = slope = 0.0
+        for term in range(DENSE_TERMS - 1, -1, -1):
+            total += dense[term, first + i]
+            if term % 2 == 0:
+                slope, total = slope * x + total, total * x
+            else:
+                slope, total = slope * (1.0 - x) - total, total * (1.0 - x)
+        out[i] = slope / h
+
+
+@kernel
 def step_error(integration: "Any", h: float):
     """Error of the step from z to trial, and the place in z of its largest component."""
     clock, z, new = integration.clock[0], integration.z, integration.trial

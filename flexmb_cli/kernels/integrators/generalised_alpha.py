@@ -18,11 +18,19 @@ from ..constrained.system import System, Work
 from ..linalg.copying import copy
 from ..linalg.rotation import A, rotation_matrices
 from .clock import BEGIN, READY, STEP_VANISHED, new_clock
-from .constrained_equations import add_works, code_of_gap, interpolate_angles, note_gap, works_between
+from .constrained_equations import (
+    add_works,
+    code_of_gap,
+    fill_doubtful,
+    interpolate_angles,
+    is_doubtful,
+    note_gap,
+    works_between,
+)
 from .generalised_alpha_control import SAME_TIME_IN_STEP, SLOWEST, advance, factor_of, next_length, retreat
 from .generalised_alpha_error import BEFORE, LAST, MEAN, NEW, NEW_MEAN, fastest_change
 from .generalised_alpha_step import iterate, solve_step, turn_exactly
-from .hermite import cubic
+from .hermite import cubic, cubic_slope
 from .rotation_increments import FAR_TURN, LONGEST_TURN, largest_turn, set_slope, shift_between
 from .singular_ahead import look_ahead
 from .time_loop import Method, time_loop
@@ -179,14 +187,17 @@ def _accept(integration: AlphaIntegration, factor: float, system: System, work: 
 @kernel
 def _fill_row(integration: AlphaIntegration, t: float, report: Report, system: System, work: Work) -> Any:
     """Fill a report row at a time up to the present one; a code."""
-    clock, angles, row, x = integration.clock[0], integration.angles, integration.clock[0]["row"], 1.0
-    copy(integration.z, integration.trial)
-    if t < clock["t"] - SAME_TIME_IN_STEP * clock["step_length"]:
-        x = (t - clock["step_start"]) / clock["step_length"]
-        _between(system, integration, x, integration.trial)
+    clock, angles, row = integration.clock[0], integration.angles, integration.clock[0]["row"]
+    x = _place_row(system, integration, t)
     interpolate_angles(integration, x)
     copy(angles[EXPECTED], work.angles)
-    if not iterate(system, work, integration, t, 0.0, 0.0, 0.0):
+    found = iterate(system, work, integration, t, 0.0, 0.0, 0.0)
+    if is_doubtful(clock, work):
+        _place_row(system, integration, t)
+        _accelerations_between(integration, x, report.rates[row])
+        fill_doubtful(integration, t, x, report, system, work)
+        return READY
+    if not found:
         return STEP_VANISHED
     copy(integration.trial, report.states[row])
     copy(integration.rates[NEW], report.rates[row])
@@ -195,6 +206,27 @@ def _fill_row(integration: AlphaIntegration, t: float, report: Report, system: S
     )
     clock["row"] += 1
     return READY
+
+
+@kernel
+def _place_row(system: System, integration: AlphaIntegration, t: float) -> float:
+    """Bring `trial` to a time up to the present one; return the fraction of the last step."""
+    clock, x = integration.clock[0], 1.0
+    copy(integration.z, integration.trial)
+    if t < clock["t"] - SAME_TIME_IN_STEP * clock["step_length"]:
+        x = (t - clock["step_start"]) / clock["step_length"]
+        _between(system, integration, x, integration.trial)
+    return x
+
+
+@kernel
+def _accelerations_between(integration: AlphaIntegration, x: float, ud: np.ndarray) -> None:
+    """Fill ud (n,) with the slope of the speeds of `_between`."""
+    old, z, rates, h = integration.old, integration.z, integration.rates, integration.clock[0]["step_length"]
+    first = integration.clock[0]["counted"] - ud.shape[0]
+    for k in range(ud.shape[0]):
+        i = first + k
+        ud[k] = cubic_slope(x, old[i], z[i], h * rates[BEFORE, k], h * rates[LAST, k]) / h
 
 
 _advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row), SAME_TIME_IN_STEP)

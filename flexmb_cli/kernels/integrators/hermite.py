@@ -15,6 +15,13 @@ def quintic(x: float, a: float, b: float, v: float, w: float, p: float, r: float
 
 
 @kernel
+def cubic_slope(x: float, a: float, b: float, da: float, db: float):
+    """Derivative of `cubic` at x."""
+    change = b - a
+    return da + x * (2.0 * (3.0 * change - 2.0 * da - db) + 3.0 * x * (da + db - 2.0 * change))
+
+
+@kernel
 def cubic(x: float, a: float, b: float, da: float, db: float):
     """Value at x; a, b, da, db: values and derivatives at 0 and at 1."""
     change = b - a

@@ -20,10 +20,17 @@ from ..constrained.system import NO_INERTIA, SOLVED, System, Work
 from ..linalg.copying import copy
 from ..linalg.rank_revealing_lu import BRANCHING, smallest_pivot
 from .clock import BEGIN, READY, STEP_VANISHED, laid_out, new_clock
-from .constrained_equations import add_works, code_of_gap, interpolate_angles, note_gap
+from .constrained_equations import (
+    add_works,
+    code_of_gap,
+    fill_doubtful,
+    interpolate_angles,
+    is_doubtful,
+    note_gap,
+)
 from .error_norm import MOST_MOVED, SLOWEST
 from .radau5_error import FASTEST, SAFETY, next_factor, step_error, steps_within_rotation_limit, work_error
-from .radau5_projection import between, close_trial, moved, project_state
+from .radau5_projection import accelerations_between, close_trial, moved, place_row, project_state
 from .radau5_singular_step import singular_step
 from .radau5_step import LAST_STEP, START, place_trial, prepare, renew_matrices, solve_step
 from .radau5_table import QUADRATURE, STAGES, WEIGHTS
@@ -32,7 +39,6 @@ from .time_loop import Method, time_loop
 
 WORN_MATRICES = 0.01  # what an iteration may leave before the matrices are renewed
 BRANCHING_START = 0.1  # of the smallest pivot at the start, where that is tiny: smaller ones are singular
-BLIND_PIVOT = 30.0  # of that pivot, in front of which a row has no accelerations but those of round-off
 SHARE = 0.45  # of a step in front of a singular position
 NO_ORDER = 0.0  # quality of matrices that are not those of the state
 
@@ -124,8 +130,7 @@ def _begin(integration: RadauIntegration, system: System, work: Work) -> int:
 def _first_step(system: System, integration: RadauIntegration) -> float:
     """A hundredth of the time in which the accelerations make the speeds."""
     clock, n = integration.clock[0], system.speed_scale.shape[0]
-    u = coordinates_and_speeds(system, integration.z)[1]
-    fastest = 0.0
+    fastest, u = 0.0, coordinates_and_speeds(system, integration.z)[1]
     for k in range(n):
         fastest = max(fastest, abs(integration.rates[START, k]) / (system.speed_scale[k] + abs(u[k])))
     return 0.01 * min(1.0 / fastest if fastest > 0.0 else 1.0, clock["stop"] - clock["t"])
@@ -203,9 +208,8 @@ def _try_step(system: System, work: Work, integration: RadauIntegration, h: floa
     if not solve_step(system, work, integration, h):
         return -0.5
     blurred = blur(work, clock["rtol"])
-    clock["error"] = error = (
-        max(step_error(system, work, integration, h), work_error(integration, h)) / blurred
-    )
+    error = max(step_error(system, work, integration, h), work_error(integration, h)) / blurred
+    clock["error"] = error
     angles = steps_within_rotation_limit(system, integration)
     factor = min(next_factor(clock, integration.memory[0], h, error), SAFETY * angles)
     if not (error < 1.0 and angles > 1.0):
@@ -227,7 +231,6 @@ def _accept(integration: RadauIntegration, factor: float, system: System, work: 
     """Make the end of a step the state; a code."""
     clock, memory, rates, z = integration.clock[0], integration.memory[0], integration.rates, integration.z
     end, h = clock["counted"], clock["length"]
-    last = h >= clock["stop"] - clock["t"]
     copy(z, integration.old)
     copy(integration.trial, z)
     z[end] = integration.old[end]
@@ -239,7 +242,7 @@ def _accept(integration: RadauIntegration, factor: float, system: System, work: 
         copy(rates[START + node], rates[LAST_STEP + node])
     copy(rates[LAST_STEP + STAGES], rates[START])
     clock["step_start"], clock["step_length"] = clock["t"], h
-    clock["t"] = clock["stop"] if last else clock["t"] + h
+    clock["t"] = clock["stop"] if h >= clock["stop"] - clock["t"] else clock["t"] + h
     clock["step"] = h * factor
     clock["rejected"], memory["last_error"] = 0, clock["error"]
     clock["steps"] += 1
@@ -264,15 +267,16 @@ def _is_singular(work: "Work", clock: Any, memory: "np.void"):
 @kernel
 def _fill_row(integration: RadauIntegration, t: float, report: Report, system: System, work: Work) -> Any:
     """Fill a report row at a time up to the present one; a code."""
-    clock, angles, row, x = integration.clock[0], integration.angles, integration.clock[0]["row"], 1.0
-    copy(integration.z, integration.trial)
-    if t < clock["t"]:
-        x = (t - clock["step_start"]) / clock["step_length"]
-        between(system, integration, x, integration.trial)
+    clock, angles, row = integration.clock[0], integration.angles, integration.clock[0]["row"]
+    x = place_row(system, integration, t)
     interpolate_angles(integration, x)
     clock["fault"], power = project_state(system, work, integration, t, report.rates[row])
-    blind = BLIND_PIVOT * integration.memory[0]["branching"]
-    if clock["fault"] != SOLVED or smallest_pivot(work.factors, work.rank[0]) < blind:
+    if is_doubtful(clock, work):
+        place_row(system, integration, t)
+        accelerations_between(integration, x, report.rates[row])
+        fill_doubtful(integration, t, x, report, system, work)
+        return READY
+    if clock["fault"] != SOLVED:
         return STEP_VANISHED
     copy(integration.trial, report.states[row])
     complete(system, work, integration.trial, t, angles[EXPECTED], power, report, row)

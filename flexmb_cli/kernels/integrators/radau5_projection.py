@@ -15,10 +15,12 @@ from ..constrained.projection import close_gaps, close_rates
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import coordinate_accelerations, coordinate_rates, normalise, speeds_of_rates
 from ..constrained.system import SOLVED, System, Work
+from ..linalg.copying import copy
 from .constrained_equations import works_between
 from .error_norm import scaled_norm
 from .hermite import cubic, quintic
 from .radau5_step import LAST_STEP, START
+from .radau5_table import STAGES, TIMES
 
 if TYPE_CHECKING:
     from .radau5 import RadauIntegration
@@ -65,6 +67,36 @@ def project_state(
         mass_matrices(system, work, q)
         code = close_trial(system, work, integration, t)
     return accelerations(system, work, q, u, t, ud) if code == SOLVED else (code, 0.0)
+
+
+@kernel
+def place_row(system: System, integration: "RadauIntegration", t: float):
+    """Bring `trial` to a time up to the present one; return the fraction of the last step."""
+    clock, x = integration.clock[0], 1.0
+    copy(integration.z, integration.trial)
+    if t < clock["t"]:
+        x = (t - clock["step_start"]) / clock["step_length"]
+        between(system, integration, x, integration.trial)
+    return x
+
+
+@kernel
+def accelerations_between(integration: "RadauIntegration", x: float, ud: "np.ndarray") -> None:
+    """Fill ud (n,) at the fraction x of the last step, through those of its start and its stages."""
+    for k in range(ud.shape[0]):
+        ud[k] = 0.0
+    for node in range(STAGES + 1):
+        weight = 1.0
+        for other in range(STAGES + 1):
+            if other != node:
+                weight *= (x - _node_time(other)) / (_node_time(node) - _node_time(other))
+        for k in range(ud.shape[0]):
+            ud[k] += weight * integration.rates[LAST_STEP + node, k]
+
+
+@kernel
+def _node_time(node: int):
+    return TIMES[node - 1] if node > 0 else 0.0
 
 
 @allocating

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from ...errors import visible
-from .check_text import assembly_lines, few, redundant_lines
+from .check_text import assembly_lines, few, redundant_lines, smallest_value
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -23,7 +23,8 @@ def check_flexible_text(report: Any) -> str:
         f"degrees of freedom without motions {counts['degrees_of_freedom']}, "
         f"report times {counts['report_times']}",
         *assembly_lines(report),
-        f"  rank {report.rank} of {counts['equations']}, smallest singular value {report.smallest:.1e}",
+        f"  rank {report.rank} of {counts['equations']}, smallest singular value "
+        f"{smallest_value(report.smallest)}",
         *redundant_lines(report),
         *_free_line(report.free),
     ]

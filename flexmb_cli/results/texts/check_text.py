@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 COLUMNS = ("x", "y", "z", "e0", "e1", "e2", "e3")
 MOST_NAMES_SHOWN = 8
 MOST_GAPS = 500
+ROUND_OFF_VALUE = 1e-12  # of the largest: smaller singular values are round-off, another on other processors
 
 
 def check_text(report: Any) -> str:
@@ -60,10 +61,15 @@ def _rank_lines(report: Any) -> "Iterator[Any]":
     if report.rank is None:
         return
     coordinates = report.counts["coordinates"]
-    yield f"  rank {report.rank} of {coordinates}, smallest singular value {report.smallest:.1e}"
+    yield f"  rank {report.rank} of {coordinates}, smallest singular value {smallest_value(report.smallest)}"
     yield from redundant_lines(report)
     for names in report.free:
         yield "  not determined to first order: " + few(names)
+
+
+def smallest_value(value: float) -> str:
+    """Return a singular value of the scaled Jacobian, and no digits of round-off."""
+    return f"{value:.1e}" if value >= ROUND_OFF_VALUE else f"below {ROUND_OFF_VALUE:.0e}"
 
 
 def redundant_lines(report: Any) -> "Iterator[Any]":

@@ -13,12 +13,18 @@ from ...model.arrays.records import CABLE, ELEMENT, FRICTION, STOP
 from ...model.arrays.system import SystemArrays
 from ...model.joint_elements import JointElements
 from ...model.mechanism import TimeGrid
-from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of
+from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of, taken
 from ..singular.dynamic_singularities import PassedDynamicSingularities
 from ..singular.mobility import Mobility
 from ..singular.rank_of_speeds import is_singular
 from .coinciding_ends import refuse_coinciding_ends
-from .failures import force_failure, repetition, rows_with_forces, step_failure
+from .failures import (
+    force_failure,
+    note_undetermined_rows,
+    repetition,
+    rows_with_forces,
+    step_failure,
+)
 from .initial_stops import notes_of_pressed_stops
 from .integrators import ExplicitSteps, Steps
 from .start import order_of_elimination
@@ -65,6 +71,7 @@ class ConstrainedMotion:
         self.warnings: list[Fault] = []
         self.found: Mobility | None = None
         self.row, self.resumed = 0, False
+        self.undetermined: list[float] = []  # times of rows without constraint forces, s
         self.singularities: PassedDynamicSingularities = None  # type: ignore[assignment]  # see `rows`
         self._first = np.zeros(0)  # coordinates at the start
         coordinates, n = arrays.coordinate_scale.size, arrays.speeds
@@ -104,6 +111,7 @@ class ConstrainedMotion:
             self.clock["stop"] = stop
             for report in self._reports(times[rows[rows >= self.row]]):
                 self.singularities.look(report.times, report.states)
+                note_undetermined_rows(self, report)
                 self.row += report.times.size
                 yield self.block(report)  # type: ignore[attr-defined]
             # To the very breakpoint, where there need not be a row.
@@ -119,6 +127,7 @@ class ConstrainedMotion:
         return {
             "row": np.array(self.row),
             "warnings": reported(self.warnings),
+            "undetermined": np.array(self.undetermined),
             **arrays_in(integration=self.integration, work=self.work),
             **self.singularities.checkpoint,
         }
@@ -135,6 +144,7 @@ class ConstrainedMotion:
             PassedDynamicSingularities(self),
         )
         self.warnings[:] = faults_reported(checkpoint)
+        self.undetermined = taken(checkpoint, "undetermined", (None,)).tolist()
         fill_arrays(checkpoint, integration=self.integration, work=self.work)
         self.singularities.restore(checkpoint)
 
@@ -153,7 +163,7 @@ class ConstrainedMotion:
             if answer == codes.STEP_SHORT:
                 self._excuse_short_steps()
             elif answer not in (codes.ROWS_FULL, codes.PAUSED):
-                raise step_failure(self, answer, times[0] if times.size else np.inf)
+                raise step_failure(self, answer)
 
     def _excuse_short_steps(self) -> None:
         """Go on where steps are short for a load or a spring; raises AnalysisError at a singular position."""

@@ -23,6 +23,8 @@ from ..singular.weakest import owners_text
 from .start import inertia_failure
 
 SHOWN_OWNERS = 6
+SHOWN_TIMES = 10
+UNDETERMINED = "SOLVE-041"
 GO_ON = (
     "; where the motion locks, free it or end the run before; where it should pass, try a tolerance ten "
     "times as large or as small"
@@ -31,8 +33,8 @@ IMPLICIT = ("RAD5", "GALF")
 MOMENTS = (1e-9, 1e-7, 1e-5)  # of a run: how far behind the state a jam is looked for
 
 
-def step_failure(analysis: Any, answer: int, due: float = np.inf) -> AnalysisError:
-    """Return why a ConstrainedMotion could make no step, or no row that was `due` at that time."""
+def step_failure(analysis: Any, answer: int) -> AnalysisError:
+    """Return why a ConstrainedMotion could make no step."""
     clock = analysis.clock[0]
     t, step = float(clock["t"]), float(clock["step"])
     norms = {"reached": t, "step": step}
@@ -55,12 +57,6 @@ def step_failure(analysis: Any, answer: int, due: float = np.inf) -> AnalysisErr
         return jam_failure(t)
     if clock["fault"] == NO_INERTIA:
         return inertia_failure(analysis, t)
-    if due <= t and (owners := _weakest_at_row(analysis, norms)):
-        message = (
-            f"at t = {due:.6g} s a row stands on a singular position of {owners_text(owners)}, where "
-            "accelerations and reactions are not determined; choose other times"
-        )
-        return AnalysisError(about("error", message, owners[0]), t, norms)
     reason, owners = _why_steps_fall(analysis, norms)
     message = f"at t = {t:.6g} s the step length falls to {step:.1e} s: {reason}"
     return AnalysisError(about("error", message, *owners[:1]), t, norms)
@@ -127,12 +123,6 @@ def jam_failure(t: float) -> AnalysisError:
     return AnalysisError(Fault("error", message, None, "friction", id="SOLVE-038"), t)
 
 
-def _weakest_at_row(analysis: Any, norms: Any) -> Any:
-    """The equations that are singular where a row could not be made; none where they are not."""
-    norms["condition"], owners = weakest_of_speeds(analysis, analysis.integration.trial)
-    return owners if norms["condition"] > SINGULAR_CONDITION else []
-
-
 def _why_steps_fall(analysis: Any, norms: Any) -> Any:
     """The reason in words, and the equations it lies in; the condition goes into `norms`."""
     condition, owners = weakest_of_speeds(analysis, analysis.integration.z)
@@ -187,6 +177,24 @@ def repetition(found: Any, usual: int | None, kind: str, each: str) -> Fault:
         "motion is unique, reactions are those of least norm"
     )
     return about("warning", message, *placed)
+
+
+def note_undetermined_rows(analysis: Any, report: Any) -> None:
+    """Note the times of all rows so far, those of a report among them, that round-off rules."""
+    times, warnings = analysis.undetermined, analysis.warnings
+    found = report.times[np.isnan(report.multipliers).any(axis=1)].tolist()
+    if not found:
+        return
+    warnings[:] = [fault for fault in warnings if fault.id != UNDETERMINED]
+    times += found
+    shown = ", ".join(f"{t:.6g}" for t in times[:SHOWN_TIMES])
+    others = f" s and {len(times) - SHOWN_TIMES} others" if len(times) > SHOWN_TIMES else " s"
+    message = (
+        f"at t = {shown}{others} a row stands so near to a singular position that round-off rules what the "
+        "equations say: accelerations are those of the step over it (nan at the end of the run), reactions "
+        "are not determined (nan)"
+    )
+    warnings.append(Fault("note", message, id="SOLVE-041"))
 
 
 def _in_deck(equation: Any) -> Any:
