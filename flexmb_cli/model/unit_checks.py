@@ -14,7 +14,7 @@ from ..errors import Fault, Place
 from ..quick_dataclass import dataclass
 
 if TYPE_CHECKING:  # a run imports the models of its own dialect only
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from .flexible_mechanism import FlexibleMechanism
     from .loads import DynamicModel
@@ -66,7 +66,7 @@ class Extent:
 def unit_doubts(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Fault]:
     """Notes on the bodies and the gravity of any model with masses."""
     kind = type(model).__name__
-    extents, gravity = _EXTENTS[kind](model), float(np.linalg.norm(model.gravity))  # type: ignore[operator]
+    extents, gravity = _EXTENTS[kind](model), float(np.linalg.norm(model.gravity))
     notes = [
         Fault("note", note, body.place, body.name, id="MODEL-010")
         for body in extents
@@ -210,4 +210,8 @@ def _of_tree(tree: "Tree") -> Iterable[Extent]:
     return found
 
 
-_EXTENTS = {"DynamicModel": _of_young, "FlexibleMechanism": _of_mechanism, "Tree": _of_tree}
+_EXTENTS: "dict[str, Callable[[Any], Iterable[Extent]]]" = {
+    "DynamicModel": _of_young,
+    "FlexibleMechanism": _of_mechanism,
+    "Tree": _of_tree,
+}

@@ -16,8 +16,20 @@ from .cards import CARDS
 from .elements.cards import ELEMENT_CARDS
 
 OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")
-OPTIONAL = ("GRAV", "LOOP", "SPRI", "DAMP", "MOTR", "TABM", "PRES", "FORC", "TOQU", "TABL", "DESN")
-OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH")  # type: ignore[assignment]
+OPTIONAL: tuple[str, ...] = (
+    "GRAV",
+    "LOOP",
+    "SPRI",
+    "DAMP",
+    "MOTR",
+    "TABM",
+    "PRES",
+    "FORC",
+    "TOQU",
+    "TABL",
+    "DESN",
+)
+OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH")
 # Cards that FMBD.DAT did not have: their counts are asked for last.
 ADDED = ("GEOM", *(card.word for card in ELEMENT_CARDS))
 

@@ -222,7 +222,7 @@ class Tables:
     def __init__(self, streams: tuple[Any, ...], deck: Deck, layout: str, analysis: Any):
         self.echo, *units = streams
         self.deck, self.layout, self.analysis = deck, layout, analysis
-        self.series = Series(*units, len(analysis.tree.coordinates), layout) if units else None  # type: ignore[call-arg]
+        self.series = Series(units[0], units[1], len(analysis.tree.coordinates), layout) if units else None
 
     def begin(self) -> None:
         """Write the echo."""

@@ -16,9 +16,9 @@ from .joints import SLIDING, TURNING
 
 Tables = dict[int, MotionFunction | None]  # by their numbers, None for those with faults
 
-# Laws of MOTN: the coordinate, or its rate, follows a function.
-FUNCTION_LAW, RATE_LAW = 5, 6
-OF_FUNCTIONS = (FUNCTION_LAW, RATE_LAW)
+# Numbers of MOTN where the coordinate, or its rate, follows a function.
+BY_FUNCTION, RATE_BY_FUNCTION = 5, 6
+OF_FUNCTIONS = (BY_FUNCTION, RATE_BY_FUNCTION)
 
 
 @dataclass
@@ -28,12 +28,12 @@ class _Table:
     first: int
     times: "array[float]" = field(default_factory=lambda: array("d"))
     values: "array[float]" = field(default_factory=lambda: array("d"))
-    late: tuple[float, Place] | None = None
+    late: tuple[float, Place | None] | None = None
 
     def add(self, record: Record) -> None:
         """Take the point of a card."""
         if self.times and self.late is None and not record["t"] > self.times[-1]:
-            self.late = self.times[-1], record.at("t").place  # type: ignore[assignment]
+            self.late = self.times[-1], record.at("t").place
         self.times.append(record["t"])
         self.values.append(record["f"])
 
@@ -50,7 +50,7 @@ def build_tables(values: DeckValues, findings: Findings) -> Tables:
 
 
 def _function_of(number: int, table: _Table, first: Record, findings: Findings) -> MotionFunction | None:
-    """The law of a table whose first card is `first`."""
+    """The function of a table whose first card is `first`."""
     if number < 1:
         message = f"tables are numbered from 1; read {first.at('table').text}"
         findings.error(f"table {number}", message, first.place, id="VSDF-054")
@@ -82,7 +82,7 @@ def build_motions(
     motions = []
     for record in values.section("motion"):
         if record["law"] in OF_FUNCTIONS:
-            follow = functions.motion if record["law"] == FUNCTION_LAW else functions.integrated
+            follow = functions.motion if record["law"] == BY_FUNCTION else functions.integrated
             function = follow(record, 0.0, key="c0")
         else:
             function = _function(record, tables, findings)
@@ -115,7 +115,7 @@ def _target_exists(
 
 def _function(record: Record, tables: Any, findings: Findings) -> MotionFunction | None:
     function = record.at("law")
-    constants = tuple(float(record[f"c{i}"]) for i in range(4))
+    c0, c1, c2, c3 = (float(record[f"c{i}"]) for i in range(4))
     if not POLYNOMIAL <= function.value <= TABLE:
         message = (
             f"law {function.value} is outside 1..6 (1 polynomial, 2 spin-up, 3 sine, 4 table, 5 function, "
@@ -129,11 +129,11 @@ def _function(record: Record, tables: Any, findings: Findings) -> MotionFunction
         message = "the sine needs c2, rad/s; it stands still without"
         findings.error(record.subject, message, record.at("c2").place, id="VSDF-060")
         return None
-    if function.value == SPIN_UP and not constants[1] > 0:
+    if function.value == SPIN_UP and not c1 > 0:
         message = "the spin-up time c1 must be above zero"
         findings.error(record.subject, message, record.at("c1").place, id="VSDF-061")
         return None
-    return MotionFunction(function.value, constants)  # type: ignore[arg-type]
+    return MotionFunction(function.value, (c0, c1, c2, c3))
 
 
 def find_table(record: Record, number: Number, tables: Tables, findings: Findings) -> MotionFunction | None:

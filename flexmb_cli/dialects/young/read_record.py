@@ -1,5 +1,6 @@
 """Records of a YOUNG deck as they were read, with the units that a direction gives their values."""
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -56,11 +57,11 @@ class ReadRecord(Record):
 
     def _number(self, k: Any) -> Any:
         word, column = self._words[self._first + k], self._section.columns[k]
-        label = column.label(is_rotation(self._section, self.values))
-        return Number(column.key, self.values[k], *label, word.place, word.text)  # type: ignore[call-arg]
+        meaning, unit = column.label(is_rotation(self._section, self.values))
+        return Number(column.key, self.values[k], meaning, unit, word.place, word.text)
 
 
-def is_rotation(section: Section, values: tuple[float, ...]) -> Any:
+def is_rotation(section: Section, values: Sequence[float]) -> bool:
     """Return whether the record's direction is a rotation, so that its values are angles."""
     where = section.direction
     return where is not None and where < len(values) and values[where] in (4, 5, 6)

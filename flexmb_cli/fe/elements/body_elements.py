@@ -72,11 +72,12 @@ def warn_of_same_nodes(given: FlexibleInput, table: BodyTable, findings: Finding
         return
     one, other = table.numbers[first[inverse.ravel()[again[0]]]], table.numbers[again[0]]
     more = f"; so do {len(again) - 1} more" if len(again) > 1 else ""
+    assert given.material is not None, "the body has a table of elements"
     message = (
-        f"{given.material.file.path.name}: element {other} has the same nodes as element {one}{more}; "  # type: ignore[union-attr]
+        f"{given.material.file.path.name}: element {other} has the same nodes as element {one}{more}; "
         "each counts, with its mass and stiffness where these are made of the elements"
     )
-    findings.warn(given.name, message, given.material.place, id="FE-085")  # type: ignore[union-attr]
+    findings.warn(given.name, message, given.material.place, id="FE-085")
 
 
 def foreign_stiffness(body: BodyElements, material: ElementMaterial, remedy: str) -> str:

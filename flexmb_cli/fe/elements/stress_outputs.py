@@ -13,10 +13,11 @@ from .stress_shapes import point_stresses
 
 def stress_outputs(model: VsdfModel, bodies: list[FloatingBody]) -> tuple[StressOutput, ...]:
     """Return what the model reports of its bodies.  Raises ModelError for an element that a body lacks."""
-    return tuple(_output(selection, bodies[selection.body].flexible) for selection in model.stresses)  # type: ignore[arg-type]
+    return tuple(_output(selection, bodies[selection.body].flexible) for selection in model.stresses)
 
 
-def _output(selection: StressSelection, body: FlexibleBody) -> StressOutput:
+def _output(selection: StressSelection, body: FlexibleBody | None) -> StressOutput:
+    assert body is not None and body.stress is not None, "a selection is of a flexible body with a material"
     nodes = np.array(selection.nodes, dtype=np.int64)
     order = np.argsort(body.numbers)
     rows = order[np.searchsorted(body.numbers[order], nodes)]
@@ -26,7 +27,7 @@ def _output(selection: StressSelection, body: FlexibleBody) -> StressOutput:
     return StressOutput(
         selection.body,
         nodes,
-        body.stress.nodal[rows],  # type: ignore[union-attr]
+        body.stress.nodal[rows],
         elements,
         points,
         volumes,

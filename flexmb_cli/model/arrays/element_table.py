@@ -189,7 +189,9 @@ class ElementTable:
         record["free_length"], record["preload"] = item.rest, item.preload
         if item.curve is not None:
             record["curve"] = self.table.function(item.curve, of_time=False)
-            record["energy"] = self.table.function(integral_of(item.curve), of_time=False)  # type: ignore[arg-type]
+            energy = integral_of(item.curve)
+            assert energy is not None, "a curve is no product"
+            record["energy"] = self.table.function(energy, of_time=False)
         if item.damper is not None:
             record["damper"] = self.table.function(item.damper, of_time=False)
         return record

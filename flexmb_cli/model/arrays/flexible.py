@@ -98,7 +98,7 @@ def _elements(table: Any, mechanism: Any) -> Any:
     return found
 
 
-def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism) -> np.ndarray:
+def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism) -> list[np.ndarray]:
     records = [_force(table, item) for item in mechanism.forces]
     records += [_torque(table, item) for item in mechanism.torques]
     records += [_spring(table, item) for item in mechanism.springs]
@@ -107,7 +107,7 @@ def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism) -> np.ndarray:
         record["primitive"] = table.spring(spring_primitive(table, mechanism.joints[item.joint]))
         record["stiffness"], record["damping"], record["free_length"] = item.k, item.c, item.q0
         records.append(record)
-    return records  # type: ignore[return-value]
+    return records
 
 
 def _force(table: PrimitiveTable, item: PointForce) -> np.ndarray:

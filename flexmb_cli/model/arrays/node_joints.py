@@ -77,9 +77,11 @@ class JointVectors:
         gamma = math.atan2(s @ np.cross(across, target), across @ target)
         B = math.cos(gamma) * (np.eye(3) - np.outer(s, s)) + math.sin(gamma) * tilde(s)
         B = B / np.linalg.norm(across)
-        f = table.between(self.a[0], self.a[2], B)  # type: ignore[assignment]
-        g = table.between(self.a[0], self.a[2], tilde(s) @ B)
-        return f, g, table.between(self.b[0], self.b[2], np.eye(3) / np.linalg.norm(h))  # type: ignore[return-value]
+        return (
+            table.between(self.a[0], self.a[2], B),
+            table.between(self.a[0], self.a[2], tilde(s) @ B),
+            table.between(self.b[0], self.b[2], np.eye(3) / np.linalg.norm(h)),
+        )
 
     def stroke(self) -> np.ndarray:
         """The primitive of the stroke, 0 at t = 0."""

@@ -179,11 +179,12 @@ def _stiffening(tree: Any, k: Any) -> np.ndarray:
     elastic = tree.bodies[k].elastic
     masses = elastic.masses + hanging_masses(tree, k)
     direction = beam_direction(elastic.positions, elastic.stiffened_from)
+    assert direction is not None, "a stiffened body is straight"
     return np.array(
         [
             across(
                 geometric_stiffness(elastic.positions, elastic.stiffened_from, prestress),
-                direction,  # type: ignore[arg-type]
+                direction,
                 elastic.axes,
             )
             for prestress in (masses * (elastic.positions @ direction), masses)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import Fault, ModelError, Place
+from ...errors import Fault, Place
 from ...quick_dataclass import replace
 from ..joints import ANGLE
 from ..vectors import rotation_matrix
@@ -36,13 +36,8 @@ class Conversion(ABC):
     def converted(self, shapes: Callable[[], tuple[RigidShape, ...]]) -> RigidModel:
         """Return the model with `shapes`; raises ModelError with all that is not converted."""
         found = replace(self.model(), shapes=shapes())
-        self.raise_refused()
+        self.refusals.raise_faults(self._refused)
         return found
-
-    def raise_refused(self) -> None:
-        """Raise ModelError if an item is not converted."""
-        if self.refusals.items:
-            raise ModelError([self._refused(*item) for item in self.refusals.items])
 
     def rigid_body(self, k: int, name: str, masses: tuple[float, Any, Any], place: Place | None) -> RigidBody:
         """Return body k at the start; `masses`: mass, its centre (3,), moments (3, 3) about it, body axes."""

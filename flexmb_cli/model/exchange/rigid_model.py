@@ -5,11 +5,11 @@ Bodies are numbered from 0; -1 is the ground, whose axes are global.  SI units; 
 of their body.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...errors import Place
+from ...errors import Fault, ModelError, Place
 from ...quick_dataclass import dataclass, fields
 from ..joint_elements import EndStop, JointDriver, JointElements, JointFriction, JointMotor
 from ..loads import AppliedForce, AppliedTorque, SpringDamper
@@ -17,6 +17,9 @@ from ..mechanism import GROUND, Point, TimeGrid, Vector
 from ..time_functions import MotionFunction
 from ..vectors import rotation_matrix
 from .shapes import RigidShape
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 EXPLICIT, RADAU, ALPHA = "explicit", "radau", "alpha"
 
@@ -42,6 +45,12 @@ class RigidBody:
     def A(self) -> np.ndarray:
         """Rotation matrix (3, 3), body to global axes."""
         return rotation_matrix(self.p)
+
+    @property
+    def moments(self) -> tuple[float, ...]:
+        """Moments of inertia xx, yy, zz, xy, yz, zx about the mass centre, kg m²."""
+        J = self.inertia
+        return J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[1, 2], J[2, 0]
 
 
 @dataclass(frozen=True)
@@ -167,6 +176,11 @@ class Refusals:
     def add(self, item: Any, message: str) -> None:
         """Refuse an item, which has a name and a place in its deck."""
         self.items.append((message, item.place, item.name))
+
+    def raise_faults(self, refused: "Callable[[str, Place | None, str], Fault]") -> None:
+        """Raise ModelError if an item was refused; `refused` makes the dialect's fault of each."""
+        if self.items:
+            raise ModelError([refused(*item) for item in self.items])
 
     def add_elements(self, elements: JointElements) -> None:
         """Refuse elements at joints and between bodies."""

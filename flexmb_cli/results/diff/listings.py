@@ -95,7 +95,7 @@ def _compare_section(
     kinds = np.array([first.kinds[first.columns.index(column)] for column in shared])
     if first.edits:
         edits = [first.edits[first.columns.index(column)] for column in shared]
-        values = as_stars(*values, lambda position: edits[position[1]])  # type: ignore[call-arg]
+        values = as_stars(values[0], values[1], lambda position: edits[position[1]])
     if flips is not None:
         signs = np.where(np.isin(_keys(first, picks[0]), flips), -1.0, 1.0)
         values = values[0], np.where(np.isin(kinds, SIGNED_KINDS), values[1] * signs[:, None], values[1])

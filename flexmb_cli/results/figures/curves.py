@@ -121,9 +121,9 @@ def default_quantities(result: h5py.File) -> list[Quantity]:
         moving = _moving(result, wanted)
         # Bodies are drawn where there are no points that tell the motion.
         if moving and not (dataset == "body/position" and chosen):
-            chosen += _crowd(moving)
+            chosen += _few_of_each_unit(moving)
     stresses = [one for one in known if one.dataset.startswith("stress/") and one.name.endswith("von_mises")]
-    chosen += _crowd(_moving(result, stresses))
+    chosen += _few_of_each_unit(_moving(result, stresses))
     return chosen + _energies(result) + [quantity for quantity in known if quantity.dataset == TOTAL]
 
 
@@ -170,9 +170,10 @@ def _moving(result: h5py.File, quantities: list[Quantity]) -> list[Quantity]:
     return [q for q, size in zip(quantities, ranges, strict=True) if size > STILL * ranges.max()]
 
 
-def _crowd(quantities: Any) -> list[Quantity]:
+def _few_of_each_unit(quantities: Any) -> list[Quantity]:
     """At most `MOST_CURVES` of a unit, the first ones."""
-    kept, count = [], {}  # type: ignore[var-annotated]
+    kept: list[Quantity] = []
+    count: dict[str, int] = {}
     for quantity in quantities:
         count[quantity.unit] = count.get(quantity.unit, 0) + 1
         if count[quantity.unit] <= MOST_CURVES:

@@ -164,12 +164,12 @@ def _triangle_rows(corners: np.ndarray, width: int, height: int) -> tuple[np.nda
     )
     k, row = _rows(upper[:, 1], lower[:, 1], height)
     y = row + 0.5
-    whole = _crossing(upper, lower, k, y)
-    part = np.where(y < middle[k, 1], _crossing(upper, middle, k, y), _crossing(middle, lower, k, y))
+    whole = _side_at(upper, lower, k, y)
+    part = np.where(y < middle[k, 1], _side_at(upper, middle, k, y), _side_at(middle, lower, k, y))
     return k, row, *_columns(np.minimum(whole, part), np.maximum(whole, part), width)
 
 
-def _crossing(p: np.ndarray, q: np.ndarray, k: np.ndarray, y: np.ndarray) -> np.ndarray:
+def _side_at(p: np.ndarray, q: np.ndarray, k: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Return where sides from p to q, both (m, 3), are at heights y of sides k."""
     # Triangles that share a side compute it alike, so that there is no gap between them.
     rise = q[:, 1] - p[:, 1]

@@ -110,13 +110,20 @@ def _body(result: Any, number: Any, name: Any, rows: Any) -> ElementBody:
     check_shapes(result, shapes | series, {"t": len(result["time"])})
     numbers = result[f"{group}/node"][:]
     one = number - 1
-    body = ElementBody(  # type: ignore[call-arg]
+    undeformed, shape, stress_shape = (
+        result[f"{group}/{key}"][:] for key in ("node_position", "shape", "stress_shape")
+    )
+    amplitude, rate = (result[f"{modal}/{key}"][rows] for key in ("amplitude", "rate"))
+    body = ElementBody(
         number,
         name,
         numbers,
         _rows_of(result[f"{group}/cell"][:], numbers, name),
-        *(result[f"{group}/{key}"][:] for key in ("node_position", "shape", "stress_shape")),
-        *(result[f"{modal}/{key}"][rows] for key in ("amplitude", "rate")),
+        undeformed,
+        shape,
+        stress_shape,
+        amplitude,
+        rate,
         result["body/position"][rows, one],
         rotations(result["body/euler_parameters"][rows, one]),
         result["body/velocity"][rows, one],

@@ -57,11 +57,11 @@ def film_bytes(result: h5py.File, form: str, look: FilmLook) -> bytes:
 
     frames = film_frames(result, look)
     # Frames of video are whole blocks of two pixels.
-    options = {"macro_block_size": 2} if form == "mp4" else {"loop": 0}
-    rate = {"fps": look.rate} if form == "mp4" else {"duration": 1000 / look.rate}
+    options: dict[str, Any] = {"macro_block_size": 2} if form == "mp4" else {"loop": 0}
+    rate: dict[str, Any] = {"fps": look.rate} if form == "mp4" else {"duration": 1000 / look.rate}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"film.{form}"
-        with imageio.get_writer(path, **options, **rate) as writer:  # type: ignore[arg-type]
+        with imageio.get_writer(path, **options, **rate) as writer:
             for frame in frames:
                 writer.append_data(frame)  # type: ignore[attr-defined]
         return path.read_bytes()
@@ -106,8 +106,8 @@ class _Camera:
         flat = places @ self.axes[:2].T
         low, high = flat.min(axis=0), flat.max(axis=0)
         self.extent = float(np.linalg.norm(np.ptp(places, axis=0))) or 1.0
-        spans = np.maximum(high - low, 0.04 * self.extent)
-        self.scale = float(np.min(self.size / spans)) * FILLED
+        widths = np.maximum(high - low, 0.04 * self.extent)
+        self.scale = float(np.min(self.size / widths)) * FILLED
         self.middle = (low + high) / 2
         self.radius = max(1.0, TUBE_RADIUS * self.extent * self.scale)  # of tubes, pixels
 

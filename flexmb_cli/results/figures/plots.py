@@ -92,10 +92,10 @@ def _figure(panels: Sequence[Panel], title: str, look: Look | None, below: set[i
 
 def _check_room(figure: "Figure", look: Look) -> set[int]:
     """Return the panels whose legends cover curves.  Raises ValueError where letters leave no room."""
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         figure.draw_without_rendering()
-    if any("constrained_layout not applied" in str(one.message) for one in told):
+    if any("constrained_layout not applied" in str(one.message) for one in caught):
         raise ValueError(
             f"letters of {look.size:g} points leave no room for curves in {look.width:g} mm: choose a wider "
             "picture, smaller letters or fewer curves"

@@ -41,10 +41,12 @@ def view_of(places: np.ndarray, gravity: np.ndarray) -> View:
 def _normal(places: Any) -> np.ndarray | None:
     """Normal (3,) of the plane of all places; None when they fill space or only a line."""
     centred = places - places.mean(axis=0)
-    _, size, axes = np.linalg.svd(centred, full_matrices=False) if len(places) > 2 else (0, np.ones(3), 0)
+    if len(places) <= 2:
+        return None
+    _, size, axes = np.linalg.svd(centred, full_matrices=False)
     if size[2] > PLANAR * size[0] or size[1] <= PLANAR * size[0]:
         return None
-    normal = axes[2]  # type: ignore[index]
+    normal = axes[2]
     return normal * np.sign(normal[np.argmax(np.abs(normal))])
 
 

@@ -8,7 +8,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from functools import partial
 from math import prod
-from typing import Any
+from typing import Any, Protocol
 
 import h5py
 import numpy as np
@@ -79,14 +79,30 @@ def function_points(
     ]
 
 
-def list_text(quantities: Sequence[Quantity], style: str = "text") -> str:
+class Named(Protocol):
+    """A quantity of a result or a column of a study."""
+
+    @property
+    def name(self) -> str:
+        """The name that commands take."""
+
+    @property
+    def unit(self) -> str:
+        """The unit, SI."""
+
+    @property
+    def long_name(self) -> str:
+        """The meaning in words."""
+
+
+def list_text(quantities: Sequence[Named], style: str = "text") -> str:
     """Name, unit and meaning of quantities, a line each."""
     heads = ("name", "unit", "meaning")
     rows = [(quantity.name, quantity.unit, quantity.long_name) for quantity in quantities]
     if style == "jsonl":
         return "".join(json.dumps(dict(zip(heads, row, strict=True))) + "\n" for row in rows)
     if style != "text":
-        return _separated_lines([heads, *rows], style)  # type: ignore[list-item]
+        return _separated_lines([list(heads), *map(list, rows)], style)
     widths = [max(len(row[k]) for row in rows) for k in (0, 1)]
     return "".join(
         f"{name.ljust(widths[0])}  {unit.ljust(widths[1])}  {reported}\n" for name, unit, reported in rows

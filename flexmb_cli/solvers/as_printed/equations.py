@@ -143,11 +143,14 @@ def parallel(state: State, joint: Any, indices_wrong: bool) -> Rows:
     still = np.zeros((3, 3))
     of_i = np.concatenate([still, -product(b, state.slope(i, s_i))], axis=1)
     of_j = np.concatenate([still, product(a, state.slope(j, s_j))], axis=1)
-    parts = (a, -state.remainder(j, s_j)), (b, state.remainder(i, s_i))
-    parts = (*parts, (tilde(state.rate(i, s_i)), -2.0 * state.rate(j, s_j)))  # type: ignore[assignment]
     multiply = _row_sums if indices_wrong else product
-    gamma = sum(multiply(matrix, vector) for matrix, vector in parts)
-    return Rows(product(a, state.vector(j, s_j)), of_i, of_j, gamma)  # type: ignore[arg-type]
+    gamma = (
+        0.0  # no component is -0
+        + multiply(a, -state.remainder(j, s_j))
+        + multiply(b, state.remainder(i, s_i))
+        + multiply(tilde(state.rate(i, s_i)), -2.0 * state.rate(j, s_j))
+    )
+    return Rows(product(a, state.vector(j, s_j)), of_i, of_j, gamma)
 
 
 def _row_sums(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:

@@ -26,10 +26,15 @@ class Steps:
     system, work, integration, report, budget).
     """
 
-    chosen = True  # whether the lengths of its steps are its own choice
+    length = 0.0  # s, of its steps; 0 where they are its own choice
 
     def __init__(self, module: str):
         self._module = f"{KERNELS}.{module}"
+
+    @property
+    def chosen(self) -> bool:
+        """Return whether the lengths of its steps are its own choice."""
+        return self.length == 0.0
 
     @property
     def entry(self) -> str:
@@ -73,11 +78,6 @@ class GeneralisedAlpha(Steps):
     def __init__(self, radius: float = 0.9, length: float = 0.0):
         super().__init__("generalised_alpha")
         self.radius, self.length = radius, length
-
-    @property
-    def chosen(self) -> bool:  # type: ignore[override]
-        """Return whether the lengths of its steps are its own choice."""
-        return self.length == 0.0
 
     def new_integration(self, work: "Work", angles: int) -> "AlphaIntegration":
         """Return an integration with the settings of the method."""

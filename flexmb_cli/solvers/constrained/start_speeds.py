@@ -15,6 +15,8 @@ from ..singular.mobility import about
 from .rows import body_axes, global_axes
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ...model.equations import Equation
     from ...model.loads import InitialVelocity
     from .analysis import ConstrainedMotion
@@ -108,7 +110,7 @@ def _root(M: Any) -> np.ndarray:
 
 
 def given_speeds(
-    velocities: "tuple[InitialVelocity, ...]", bodies: int, q: np.ndarray
+    velocities: "Sequence[InitialVelocity]", bodies: int, q: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return which of the speeds (6 bodies,) `velocities` give, and their values."""
     given, wanted = np.zeros((bodies, 6), dtype=bool), np.zeros((bodies, 6))
@@ -151,7 +153,7 @@ def _doubt_change(analysis: Any, u: np.ndarray, wanted: np.ndarray, given: np.nd
 
 def _shown(analysis: Any, u: np.ndarray, item: "InitialVelocity") -> str:
     p = analysis.integration.z[7 * item.body + 3 : 7 * item.body + 7]
-    angular = u[3:] if analysis.turns_in_body_axes else global_axes(p, u[3:])
+    angular = u[3:] if analysis.omega_in_body_axes else global_axes(p, u[3:])
     return "velocity ({:.6g}, {:.6g}, {:.6g}) m/s, angular ({:.6g}, {:.6g}, {:.6g}) rad/s".format(
         *(u[:3] + 0.0), *(angular + 0.0)
     )

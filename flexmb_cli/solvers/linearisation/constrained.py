@@ -197,14 +197,14 @@ def linearised(
     Of the axes of `formulation` the first that make A constant are taken; where none do, the first.
     Raises AnalysisError at a singular position and where a motion has no inertia.
     """
-    first = None
+    found: list[tuple[LinearisedMotion, np.ndarray, bool]] = []
     for axes in formulation.AXES:
         motion = formulation(analysis, axes)
         A = motion.first_order()
         if motion.is_constant(A):
             return motion, A, True
-        first = first or (motion, A, False)
-    return first  # type: ignore[return-value]
+        found.append((motion, A, False))
+    return found[0]
 
 
 def modes(analysis: "ForwardDynamics", formulation: type = ConstrainedLinearised) -> Modes:

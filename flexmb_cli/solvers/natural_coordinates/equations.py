@@ -115,7 +115,7 @@ def natural_equations(mechanism: Mechanism) -> NaturalEquations:
     for ground in mechanism.grounds:
         found.add_linear(point(n, ground.body, (0,) * 3), ground.values[:3])
         e = np.sin(np.array(ground.values[3:]) / 2.0)
-        _fix(found, ground.body, rotation_of((np.sqrt(max(0.0, 1.0 - e @ e)), *e)))  # type: ignore[call-overload]
+        _fix(found, ground.body, rotation_of((np.sqrt(max(0.0, float(1.0 - e @ e))), *e)))
     for driver in mechanism.drivers:
         _drive(found, driver)
     found.close()

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...model.joint_elements import JointFriction
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Tree
-from .element_laws import friction_per_speed
+from .element_efforts import friction_per_speed
 
 if TYPE_CHECKING:
     from .placed_bodies import PlacedBodies

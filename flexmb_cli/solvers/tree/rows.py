@@ -142,9 +142,9 @@ def continued_signs(parameters: np.ndarray, last: np.ndarray | None) -> np.ndarr
     """The same attitudes (T, N, 4) with signs that go on from row to row, the first from `last`."""
     last = unturned(parameters.shape[1]) if last is None else last
     chain = np.concatenate([last[None], parameters])
-    turns = np.sign(np.sum(chain[1:] * chain[:-1], axis=-1))
-    turns[turns == 0] = 1.0
-    return parameters * np.cumprod(turns, axis=0)[..., None]
+    signs = np.sign(np.sum(chain[1:] * chain[:-1], axis=-1))
+    signs[signs == 0] = 1.0
+    return parameters * np.cumprod(signs, axis=0)[..., None]
 
 
 def unturned(bodies: int) -> np.ndarray:

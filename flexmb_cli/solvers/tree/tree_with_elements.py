@@ -26,8 +26,8 @@ from ..compilation import interpreting
 from ..constrained.failures import bushing_failure, jam_failure
 from ..constrained.tree_element_rows import TreeElementRows
 from .analysis import TreeAnalysis, breakpoints, set_functions
+from .element_efforts import Effort
 from .element_forces import Answer, ElementForces
-from .element_laws import Effort
 from .friction_in_hinges import FrictionInHinges
 from .placed_bodies import PlacedBodies
 from .rows import TreeRows
@@ -122,7 +122,7 @@ class TreeWithElements(TreeAnalysis):
             rows.potential + energy,
             rows.applied_work + energy - self.energy,
         )
-        columns = {
+        columns: dict[str, Any] = {
             "element_coordinate": [x for x, _, _ in self.answers],
             "element_rate": [v for _, v, _ in self.answers],
             "element_effort": [effort.effort for *_, effort in self.answers],
@@ -130,7 +130,8 @@ class TreeWithElements(TreeAnalysis):
             "element_energy": [effort.energy for *_, effort in self.answers],
             "driver_effort": self.coordinates["drive"][self.arrays.prescribed["coordinate"]],
         }
-        return TreeElementRows(**kept, **{name: np.array(row)[None] for name, row in columns.items()})  # type: ignore[arg-type]
+        columns = {name: np.array(row)[None] for name, row in columns.items()}
+        return TreeElementRows(**kept, **columns)
 
     def slope(self, t: float, z: np.ndarray) -> np.ndarray:
         """z' (n,); leaves the loads of the elements in the arrays and their answers in `answers`.

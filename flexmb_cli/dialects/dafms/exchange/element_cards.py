@@ -43,7 +43,8 @@ class ElementCards:
             if value is not None:
                 motors.append(self._dof(item) + self.real(value))
             else:
-                tables.append(self.table(*self._place(item), self.points_at(item, item.function)))  # type: ignore[call-arg]
+                k, which = self._place(item)
+                tables.append(self.table(k, which, self.points_at(item, item.function)))
         for item in self.model.joint_drivers:
             c = polynomial_of(item.function)
             if c is None or len(c) > 3:
@@ -73,8 +74,8 @@ class ElementCards:
         ends = (item.i, item.P_i), (item.j, item.P_j)
         numbers = [x for body, _ in ends for x in (0 if body == GROUND else self.number[body], 0)]
         points = [x for body, P in ends for x in self._point(body, P)]
-        law = item.stiffness, item.free_length, item.damping
-        rows = points, law
+        constants = item.stiffness, item.free_length, item.damping
+        rows = points, constants
         return "\n".join([integers(*numbers, 0, 0), *("".join(map(self.real, row)) for row in rows)])
 
     def _point(self, body: int, P: Any) -> Any:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....errors import Fault, ModelError
+from ....errors import Fault, Place
 from ....model.exchange.functions import constant, points_of, polynomial_of, simple, value_of, without_jumps
 from ....model.exchange.rigid_model import ALPHA, RADAU, Refusals, RigidModel, across
 from ....model.exchange.shapes import RigidShape, notes_of
@@ -27,14 +27,14 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     """Return the deck's text; raises ModelError with all that YOUNG does not know."""
     made = _Deck(model)
     lines = made.lines()
-    faults = [
-        Fault("error", message, place, name, id="YOUNG-152") for message, place, name in made.refusals.items
-    ]
-    if faults:
-        raise ModelError(faults)
+    made.refusals.raise_faults(_refused)
     notes = [title, f"Units: {units}", *model.notes, *notes_of(model.shapes)]
     head = [f"{{ {note.replace('{', '(').replace('}', ')')} }}" for note in notes]
     return "\n".join([*head, *lines, ""])
+
+
+def _refused(message: str, place: Place | None, name: str) -> Fault:
+    return Fault("error", message, place, name, id="YOUNG-152")
 
 
 class _Deck:
@@ -139,9 +139,7 @@ class _Deck:
 
     def _masses(self) -> "Iterator[Any]":
         for k, body in enumerate(self.model.bodies, start=1):
-            J = body.inertia
-            moments = J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[1, 2], J[2, 0]
-            yield f"MASS {_line(k, body.mass, *body.centre, *moments)}"
+            yield f"MASS {_line(k, body.mass, *body.centre, *body.moments)}"
         for k, body in enumerate(self.model.bodies, start=1):
             if any((*body.velocity, *body.omega)):
                 yield f"VELOCITY {_line(k, *body.velocity, *body.omega)}"
