@@ -28,7 +28,14 @@ from ..linalg.rank_revealing_lu import (
 from ..linalg.rotation import RATE, REMAINDER, A, rotation_matrices, rotation_rates
 from .body_vectors import geometry_of, move_vectors, place_vectors
 from .constraint_primitives import equation_accelerations, equation_rows
-from .dry_friction import COMPONENTS, fill_joint_forces, fill_normal_forces, first_friction, has_friction
+from .dry_friction import (
+    COMPONENTS,
+    fill_feedback,
+    fill_joint_forces,
+    fill_normal_forces,
+    first_friction,
+    has_friction,
+)
 from .elements import DAMPING, EFFORT, NORMAL, POWER, add_unit_friction
 from .forces import add_applied_forces
 from .mass_matrix import inertia_and_elastic_forces, mass_matrices, mass_times
@@ -236,6 +243,7 @@ def _add_friction(system: Any, work: "Work") -> float:
     count, applied = system.loads.shape[0] - first, work.vectors[FORCES]
     sides, gamma, ud = np.zeros((1 + count, n)), np.zeros((2, m)), np.empty(n)
     forces, normals = np.empty((1 + count, count, COMPONENTS)), np.empty(count)
+    feedback = np.empty(count)
     copy(work.rows[GAMMA], gamma[0])
     for k in range(1 + count):
         if k == 0:
@@ -247,12 +255,14 @@ def _add_friction(system: Any, work: "Work") -> float:
         fill_multipliers(system, work, ud, work.rows[SCALED])
         fill_joint_forces(system, work, first, work.rows[SCALED], forces[k])
     fill_normal_forces(forces, normals)
+    fill_feedback(forces, normals, feedback)
     copy(sides[0], applied)
     power = 0.0
     for k in range(count):
         answer = work.responses[first + k]
         for column in (EFFORT, POWER, DAMPING, NORMAL):
             answer[column] *= normals[k]
+        answer[DAMPING] *= feedback[k]
         power += answer[POWER]
         for i in range(n):
             applied[i] += normals[k] * sides[1 + k, i]

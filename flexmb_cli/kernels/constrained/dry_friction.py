@@ -7,6 +7,9 @@ normal forces are therefore found once, with the factors at hand; what is left i
 
 which Newton's method solves.  Of several solutions the one is taken that is reached where friction grows
 from none: with s F_p in place of F_p, s goes from 0 to 1 in steps short enough to stay on one branch.
+
+An effort that changes by e at the same N changes N too: with J = ∂N/∂N_p of the right side the efforts
+change by (1 - J)⁻¹ e.  Implicit methods take its diagonal into their slopes.
 """
 
 import math
@@ -93,6 +96,25 @@ def fill_normal_forces(forces: np.ndarray, normals: np.ndarray) -> None:
         normals[k] = np.nan
 
 
+@allocating
+def fill_feedback(forces: np.ndarray, normals: np.ndarray, feedback: np.ndarray) -> None:
+    """Fill feedback (m,): the efforts' changes, of those at the normal forces found.
+
+    They are 1 where friction does not change its own normal force, or not to be told, and never below 0:
+    matrices of implicit methods must stay positive definite.
+    """
+    m = normals.shape[0]
+    equations = np.zeros((m, 2 * m))
+    for k in range(m):
+        _linearise(forces, 1.0, normals, k, equations[k])
+        equations[k, m] = 0.0
+    for k in range(m):
+        equations[k, m + k] = 1.0
+    told = _eliminate(equations)
+    for k in range(m):
+        feedback[k] = max(equations[k, m + k], 0.0) if told else 1.0
+
+
 @kernel
 def _reach(forces: np.ndarray) -> float:
     """The most by which unit normal forces change one of them."""
@@ -149,8 +171,8 @@ def _linearise(forces: np.ndarray, share: float, normals: np.ndarray, k: int, eq
 
 @kernel
 def _eliminate(equations: np.ndarray) -> bool:
-    """Solve the equations (m, m + 1) in place, the unknowns into the last column; False where singular."""
-    m = equations.shape[0]
+    """Solve the equations (m, m + sides) in place, the unknowns behind column m; False where singular."""
+    m, end = equations.shape
     for k in range(m):
         pivot = k
         for i in range(k + 1, m):
@@ -159,12 +181,12 @@ def _eliminate(equations: np.ndarray) -> bool:
         if not abs(equations[pivot, k]) > 0.0:
             return False
         inverse = 1.0 / equations[pivot, k]
-        for j in range(k, m + 1):
+        for j in range(k, end):
             held = equations[pivot, j]
             equations[pivot, j] = equations[k, j]
             equations[k, j] = held * inverse
         for i in range(m):
             amount = equations[i, k]
-            for j in range(k, m + 1 if i != k else 0):
+            for j in range(k, end if i != k else 0):
                 equations[i, j] -= amount * equations[k, j]
     return True

@@ -11,8 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .._jit import allocating, kernel
-from ..constrained.accelerations import factorise_constraints
+from ..constrained.accelerations import factorise_constraints, fill_forces, reduce_mass
 from ..constrained.angle_unwrapping import EXPECTED, MOST_TURNED, NEW, expect_angles, unwrap_angles
+from ..constrained.dry_friction import has_friction
 from ..constrained.mass_matrix import mass_matrices
 from ..constrained.report import Report, complete, coordinates_and_speeds
 from ..constrained.system import NO_INERTIA, SOLVED, System, Work
@@ -126,10 +127,16 @@ def _first_step(system: System, integration: RadauIntegration) -> float:
 @kernel
 def _renew(system: System, work: Work, integration: RadauIntegration) -> int:
     """The matrices of the state z anew; a code."""
-    q = coordinates_and_speeds(system, integration.z)[0]
+    q, u = coordinates_and_speeds(system, integration.z)
     code = factorise_constraints(system, work, q)
     if code == SOLVED:
         mass_matrices(system, work, q)
+        if has_friction(system.loads):
+            # Its slopes change by all within a step: those of a trial that failed may not be numbers.
+            code = reduce_mass(system, work)
+            if code == SOLVED:
+                fill_forces(system, work, q, u, integration.clock[0]["t"])
+    if code == SOLVED:
         renew_matrices(system, work, integration.matrices)
         integration.memory[0]["quality"] = work.quality[0]
     return code

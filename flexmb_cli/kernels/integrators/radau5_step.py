@@ -14,6 +14,7 @@ which the eigenvectors of A part into a real matrix and a complex one.  What els
 is left to the iteration.
 """
 
+import math
 from typing import TYPE_CHECKING
 
 from .._jit import kernel
@@ -157,9 +158,23 @@ def predict(system: System, integration: "RadauIntegration", h: float) -> None:
             for k in range(rates.shape[1]):
                 rates[1 + stage, k] += weight * rates[LAST_STEP + node, k]
     integration.shifts[:] = 0.0
+    _forget_failure(system, integration)
     # θ̇ depends on θ: the second time it is a good one.
     for _ in range(2):
         place_stages(system, integration, h)
+
+
+@kernel
+def _forget_failure(system: System, integration: "RadauIntegration") -> None:
+    """Take the speeds of the start for those of stages that are not numbers.
+
+    Where a load had no force in the last try, as jammed friction, no change would make them numbers again.
+    """
+    u = coordinates_and_speeds(system, integration.z)[1]
+    for stage in range(STAGES):
+        for k in range(u.shape[0]):
+            if not math.isfinite(integration.speeds[stage, k]):
+                integration.speeds[stage, k] = u[k]
 
 
 @kernel

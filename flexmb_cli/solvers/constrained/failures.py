@@ -5,7 +5,9 @@ from typing import Any
 import numpy as np
 
 from ...errors import AnalysisError, Fault
-from ...kernels.constrained.elements import COORDINATE
+from ...kernels.constrained.accelerations import accelerations
+from ...kernels.constrained.angle_unwrapping import NEW
+from ...kernels.constrained.elements import COORDINATE, FRICTION
 from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators.clock import CONTRADICTION
 from ...model.arrays.records import ELEMENT
@@ -22,9 +24,9 @@ from .start import inertia_failure
 SHOWN_OWNERS = 6
 GO_ON = (
     "; where the motion locks, free it or end the run before; where it should pass, try a tolerance ten "
-    "times as large or as small, or GALF"
+    "times as large or as small"
 )
-STIFF = "; try RAD5 or GALF, or a smaller one"
+IMPLICIT = ("RAD5", "GALF")
 
 
 def step_failure(analysis: Any, answer: int, due: float = np.inf) -> AnalysisError:
@@ -42,7 +44,10 @@ def step_failure(analysis: Any, answer: int, due: float = np.inf) -> AnalysisErr
         )
         message = f"at t = {t:.6g} s equations that repeated others contradict them: {gap.text}; {reason}"
         return AnalysisError(about("error", message, worst), t, norms)
-    if not rows_with_forces(analysis.work.responses[None]):
+    # Friction that only a trial jammed is not what ends the run.
+    if not rows_with_forces(analysis.work.responses[None]) and (
+        _overturned(analysis, analysis.work.responses).size or not _has_forces(analysis, t)
+    ):
         return force_failure(analysis, analysis.work.responses, t)
     if clock["fault"] == NO_INERTIA:
         return inertia_failure(analysis, t)
@@ -57,6 +62,15 @@ def step_failure(analysis: Any, answer: int, due: float = np.inf) -> AnalysisErr
     return AnalysisError(about("error", message, *owners[:1]), t, norms)
 
 
+def _has_forces(analysis: Any, t: float) -> bool:
+    """Return whether all loads have forces at the state that the steps have reached."""
+    work, z, ud = analysis.work, analysis.integration.z, np.zeros(analysis.arrays.speeds)
+    work.angles[:] = analysis.integration.angles[NEW]
+    end = z.size - 1 - ud.size
+    accelerations(analysis.system, work, z[:end], z[end:-1], t, ud)
+    return bool(rows_with_forces(work.responses[None]))
+
+
 def rows_with_forces(responses: np.ndarray) -> int:
     """Return how many rows of responses (T, loads, columns) come before one that has no force."""
     known: np.ndarray = np.isfinite(responses).all(axis=(1, 2))
@@ -65,9 +79,16 @@ def rows_with_forces(responses: np.ndarray) -> int:
 
 def force_failure(analysis: Any, responses: np.ndarray, t: float) -> AnalysisError:
     """Return why loads (responses, (loads, columns)) have no force at t: a bushing, else friction."""
-    loads = analysis.arrays.loads
-    turned = np.flatnonzero((loads["kind"] == ELEMENT) & ~np.isfinite(responses[:, COORDINATE]))
-    return bushing_failure(int(loads["group"][turned[0]]), t) if turned.size else jam_failure(t)
+    turned = _overturned(analysis, responses)
+    return (
+        bushing_failure(int(analysis.arrays.loads["group"][turned[0]]), t) if turned.size else jam_failure(t)
+    )
+
+
+def _overturned(analysis: Any, responses: np.ndarray) -> np.ndarray:
+    """Return which loads are bushings whose bodies have turned too far."""
+    elements = analysis.arrays.loads["kind"] == ELEMENT
+    return np.flatnonzero(elements & ~np.isfinite(responses[:, COORDINATE]))
 
 
 def bushing_failure(number: int, t: float) -> AnalysisError:
@@ -103,7 +124,8 @@ def _why_steps_fall(analysis: Any, norms: Any) -> Any:
     if condition > SINGULAR_CONDITION:
         joints = owners_text(owners)
         return (
-            f"a singular position of {joints} ({size}), a dead centre or a branching, is reached{GO_ON}",
+            f"a singular position of {joints} ({size}), a dead centre or a branching, is reached{GO_ON}"
+            + (", or GALF" if analysis.integrator.card != "GALF" else ""),
             owners,
         )
     if owners := repeating_here_only(analysis):
@@ -113,9 +135,17 @@ def _why_steps_fall(analysis: Any, norms: Any) -> Any:
         )
         return reason, owners
     return (
-        f"the joints are far from singular ({size}), so a load, stiffness or speed is too great{STIFF}",
+        f"the joints are far from singular ({size}), so a load, stiffness or speed is too great; "
+        + _remedies(analysis),
         [],
     )
+
+
+def _remedies(analysis: Any) -> str:
+    """The remedies where forces are too stiff for the method in use, which is none of them."""
+    methods = " or ".join(card for card in IMPLICIT if card != analysis.integrator.card)
+    creep = ", or a larger creep speed" if np.any(analysis.arrays.loads["kind"] == FRICTION) else ""
+    return f"try {methods}, or a smaller one{creep}"
 
 
 def repetition(found: Any, usual: int | None, kind: str, each: str) -> Fault:

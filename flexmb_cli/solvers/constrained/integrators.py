@@ -27,6 +27,7 @@ class Steps:
     """
 
     length = 0.0  # s, of its steps; 0 where they are its own choice
+    card = ""  # the word for it on cards
 
     def __init__(self, module: str):
         self._module = f"{KERNELS}.{module}"
@@ -58,12 +59,16 @@ class Steps:
 class ExplicitSteps(Steps):
     """DOP853."""
 
+    card = "RK45"
+
     def __init__(self) -> None:
         super().__init__("constrained_dop853")
 
 
 class RadauSteps(Steps):
     """Radau IIA of order 5, however stiff modes, springs and dampers are."""
+
+    card = "RAD5"
 
     def __init__(self) -> None:
         super().__init__("radau5")
@@ -74,6 +79,8 @@ class GeneralisedAlpha(Steps):
 
     `radius`: the spectral radius at infinity, 1 for no numerical damping, 0 for the most.
     """
+
+    card = "GALF"
 
     def __init__(self, radius: float = 0.9, length: float = 0.0):
         super().__init__("generalised_alpha")

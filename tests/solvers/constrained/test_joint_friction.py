@@ -118,6 +118,22 @@ def test_a_power_screw_lifts_its_load_by_the_torque_of_machine_design(sense, sig
     assert rows.element_power[-1, 0] == pytest.approx(-power, rel=1e-8)
 
 
+@pytest.mark.parametrize("mass", [5.0, 12.0])
+@pytest.mark.parametrize(
+    ("card", "near"), [("RAD5\n", 1e-6), ("GALF 0 0.9\nTOLERANCE 1e-4\n", 1e-3)], ids=["RAD5", "GALF"]
+)
+def test_a_screw_at_rest_that_locks_itself_creeps_by_implicit_methods(card, near, mass):
+    """On flanks of the lead angle λ the load stands where μ tanh(v/c) = tan λ = p/r, v = ω √(r² + p²).
+
+    From rest friction grows by m p²/I, 0.5 and 1.2, beyond what its normal force at rest says.
+    """
+    p, r, mu, creep = 3.18e-4, 0.004, 0.15, 1e-6
+    cards = f"MASS 2 {mass} 0 0 0 1 1 1e-6\nGRAVITY 0 0 -9.81\nFRICTION 1 {mu} {mu} 1 {creep} {r}\n{card}"
+    rows = rows_of(SCREW.replace("PITCH", f"{p}"), "0 0.02 0.01", cards)
+    wanted = -creep * math.atanh(p / (mu * r)) / math.hypot(r, p)
+    assert rows.joint_rate[-1, 0] == pytest.approx(wanted, rel=near)
+
+
 CRANK_SLIDER = """4 0 0 0 0 3 0 1 0 0 0 1
 0 0 0 1 0 0 0
 0 0 0 1 0 0 0
@@ -165,3 +181,10 @@ def test_a_joint_that_jams_ends_the_run_and_keeps_the_rows_before():
         crank_slider(0.35, 30.0, "inverse")
     # μ tan φ = 1 where sin φ = 1/√(1 + μ²), which is beyond the reach of the rod up to 1.4 s.
     assert 1.4 < raised.value.time < 1.6
+
+
+def test_steps_that_friction_shortens_name_another_method_and_a_larger_creep_speed():
+    """GALF by the default tolerance cannot follow the first 10 ns; no joint jams in the state at rest."""
+    cards = "MASS 2 12 0 0 0 1 1 1e-6\nGRAVITY 0 0 -9.81\nFRICTION 1 0.15 0.15 1 1e-6 0.004\nGALF 0 0.9\n"
+    with pytest.raises(AnalysisError, match=r"try RAD5, or a smaller one, or a larger creep speed$"):
+        rows_of(SCREW.replace("PITCH", "3.18e-4"), "0 0.02 0.01", cards)
