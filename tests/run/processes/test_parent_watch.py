@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-DECKS = Path(__file__).parents[2] / "decks"
+DECKS = Path(__file__).parents[3] / "decks"
 
 pytestmark = [
     pytest.mark.skipif(sys.platform == "win32", reason="groups of processes are Unix's"),
