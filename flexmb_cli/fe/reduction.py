@@ -164,15 +164,18 @@ def _effective_limit(S: np.ndarray, frame: Frame) -> np.ndarray:
     carried = (S @ rigid)[free]
     inner = S[free][:, free]
     if not isinstance(inner, np.ndarray):
-        return np.einsum("ij,ij->j", carried, of_mass(inner, carried))
+        found: np.ndarray = np.einsum("ij,ij->j", carried, of_mass(inner, carried))
+        return found
     # Shapes without mass make the matrix singular; they carry nothing.
     split = split_by_mass(inner)
-    return np.sum((split.heavy.T @ carried) ** 2 / split.masses[:, None], axis=0)
+    of_masses: np.ndarray = np.sum((split.heavy.T @ carried) ** 2 / split.masses[:, None], axis=0)
+    return of_masses
 
 
 def _in_axes_of_table(frame: Frame, Phi: np.ndarray) -> np.ndarray:
     n, size = len(frame.r0), Phi.shape[1]
-    return np.einsum("ab,nbk->nak", frame.axes, Phi.reshape(n, 3, size)).reshape(3 * n, size)
+    found: np.ndarray = np.einsum("ab,nbk->nak", frame.axes, Phi.reshape(n, 3, size)).reshape(3 * n, size)
+    return found
 
 
 def _errors(
@@ -211,4 +214,5 @@ def _geometric(
         found = _read(given, load.file, "K", nodal_part, findings)
         if found is not None:
             reduced[load.i, load.j] = shapes.T @ (found.matrix @ shapes)
-    return np.einsum("ia,jb,ijkl->abkl", frame.axes, frame.axes, reduced)
+    made: np.ndarray = np.einsum("ia,jb,ijkl->abkl", frame.axes, frame.axes, reduced)
+    return made

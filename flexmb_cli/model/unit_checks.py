@@ -139,7 +139,8 @@ def _of_densities(mechanism: "FlexibleMechanism") -> Any:
 def _sides(points: np.ndarray) -> np.ndarray:
     """Lengths of the box around points (n, 3), along their principal axes: slender bodies may lie askew."""
     centred = points - points.mean(axis=0)
-    return np.ptp(centred @ np.linalg.eigh(centred.T @ centred)[1], axis=0)[::-1]
+    found: np.ndarray = np.ptp(centred @ np.linalg.eigh(centred.T @ centred)[1], axis=0)[::-1]
+    return found
 
 
 def _farthest(points: Any, centre: np.ndarray | tuple[float, float, float]) -> float:
@@ -154,7 +155,8 @@ def _about_centre(
     inertia: np.ndarray, mass: float, centre: np.ndarray | tuple[float, float, float]
 ) -> np.ndarray:
     c = np.asarray(centre, dtype=float)
-    return inertia - mass * (c @ c * np.eye(3) - np.outer(c, c))
+    found: np.ndarray = inertia - mass * (c @ c * np.eye(3) - np.outer(c, c))
+    return found
 
 
 def _of_young(model: "DynamicModel") -> Iterable[Extent]:

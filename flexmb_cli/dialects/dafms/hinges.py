@@ -40,7 +40,7 @@ def _parent(values: Any, k: Any, findings: Any) -> int:
         message = f"L = {number.value}: parents are numbered below their children, here {allowed}"
         findings.error(f"body {k}", message, number.place, id="DAFMS-033")
         return INERTIAL
-    return number.value - 1
+    return int(number.value - 1)
 
 
 def _hinge(

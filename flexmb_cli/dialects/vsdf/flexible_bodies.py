@@ -154,7 +154,7 @@ def _modes(record: Record, findings: Findings) -> int:
             record.subject, f"a number of modes is 0 or more; read {number.text}", number.place, id="VSDF-029"
         )
         return 0
-    return number.value
+    return int(number.value)
 
 
 def _node_lists(

@@ -108,7 +108,8 @@ class _Reader:
             self.at += 1
             line = self.lines[self.at - 1].rstrip()
             if line and not line.startswith(_COMMENT):
-                return line
+                found: str | None = line
+                return found
         return None
 
     def _read_title(self) -> None:

@@ -161,7 +161,7 @@ def _following(record: Record, findings: Findings) -> bool:
     if following not in (0, 1):
         message = f"following must be 0 (global axes) or 1 (body axes); read {following}"
         findings.error(record.subject, message, record.at("following").place, id="YOUNG-007")
-    return following == 1
+    return bool(following == 1)
 
 
 def _force(record: Record, findings: Findings, functions: Any) -> AppliedForce:

@@ -53,7 +53,8 @@ class ReadRecord(Record):
 
     def at(self, key: str) -> Number:
         """The number called `key`."""
-        return self._number(self.positions[key])
+        found: Number = self._number(self.positions[key])
+        return found
 
     def _number(self, k: Any) -> Any:
         word, column = self._words[self._first + k], self._section.columns[k]

@@ -37,7 +37,8 @@ def _output(selection: StressSelection, body: FlexibleBody | None) -> StressOutp
 
 def _elements(selection: StressSelection, body: Any) -> np.ndarray:
     if selection.every_element:
-        return body.stress.numbers
+        found: np.ndarray = body.stress.numbers
+        return found
     return np.array(selection.elements, dtype=np.int64)
 
 
@@ -51,4 +52,5 @@ def _places(selection: StressSelection, body: Any, elements: Any) -> np.ndarray:
         first, last = sorted_numbers[[0, -1]]
         message = f"{body.name} has no element {missing[0]}; its elements are {first} to {last}"
         raise ModelError([Fault("error", message, selection.place, "OUTS", id="FE-071")])
-    return found
+    made: np.ndarray = found
+    return made

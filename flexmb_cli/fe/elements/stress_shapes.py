@@ -124,7 +124,8 @@ def extrapolation(nodes: int, formulation: Formulation) -> np.ndarray:
     points, _ = integration_points(nodes, formulation)
     places = tetrahedra.NODES[:nodes] if nodes in tetrahedra.COUNTS else CUBE[:nodes]
     terms = _terms_of(nodes, len(points))
-    return terms(places) @ np.linalg.pinv(terms(points))
+    found: np.ndarray = terms(places) @ np.linalg.pinv(terms(points))
+    return found
 
 
 def _terms_of(nodes: int, count: int) -> "Callable[..., Any]":

@@ -164,7 +164,8 @@ def whole(name: str, values: np.ndarray, numbers: Sequence[int], meaning: str) -
 
 
 def _is_whole(values: np.ndarray) -> np.ndarray:
-    return (np.abs(values) < _EXACT) & (values == np.rint(values))
+    found: np.ndarray = (np.abs(values) < _EXACT) & (values == np.rint(values))
+    return found
 
 
 def check_range(name: str, entries: np.ndarray, numbers: Sequence[int], size: int) -> None:

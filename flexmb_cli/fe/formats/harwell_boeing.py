@@ -45,7 +45,8 @@ def read_harwell_boeing(path: Path, equations: np.ndarray) -> MatrixFile:
         sections.append(_numbers(name, lines, start, lengths, form, wanted))
         start += lengths
     pointers_, rows_, values_ = sections
-    return _matrix(name, kind, size, pointers_, rows_, values_, equations)
+    found: MatrixFile = _matrix(name, kind, size, pointers_, rows_, values_, equations)
+    return found
 
 
 def read_mapping(path: Path) -> np.ndarray:

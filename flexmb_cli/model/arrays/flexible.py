@@ -60,7 +60,8 @@ def _mode_scale(body: FloatingBody, length: float) -> np.ndarray:
     """The modal coordinates whose largest displacement is `length`."""
     if body.flexible is None:
         return np.zeros(0)
-    return length / np.abs(body.flexible.Phi).max(axis=0)
+    found: np.ndarray = length / np.abs(body.flexible.Phi).max(axis=0)
+    return found
 
 
 def _masses(bodies: tuple[FloatingBody, ...]) -> np.ndarray:

@@ -34,7 +34,8 @@ class JointVectors:
 
     def _unit(self, points: tuple[NodePoint, ...]) -> np.ndarray:
         s = points[1].r0 - points[0].r0
-        return s / np.linalg.norm(s)
+        found: np.ndarray = s / np.linalg.norm(s)
+        return found
 
     def body_vector_of(self, points: tuple[NodePoint, ...]) -> int:
         """The vector from P to Q, 1 long at t = 0."""

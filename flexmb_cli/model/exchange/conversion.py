@@ -49,7 +49,8 @@ class Conversion(ABC):
 def about_centre(mass: float, centre: np.ndarray, inertia: Any) -> np.ndarray:
     """Return moments of inertia (3, 3) about the mass centre (3,), of those about the origin (Steiner)."""
     c = centre
-    return np.asarray(inertia, float) - mass * (c @ c * np.eye(3) - np.outer(c, c))
+    found: np.ndarray = np.asarray(inertia, float) - mass * (c @ c * np.eye(3) - np.outer(c, c))
+    return found
 
 
 def coordinate_since(

@@ -136,7 +136,8 @@ class RigidModel:
     def position(self, body: int, point: Any) -> np.ndarray:
         """Global position (3,) at the start of a point of a body or of the ground."""
         point = np.asarray(point, float)
-        return point if body == GROUND else self.bodies[body].r + self.bodies[body].A @ point
+        found: np.ndarray = point if body == GROUND else self.bodies[body].r + self.bodies[body].A @ point
+        return found
 
     def velocity(self, body: int, point: Any) -> np.ndarray:
         """Global velocity (3,) at the start of a point of a body or of the ground."""
@@ -152,13 +153,15 @@ class RigidModel:
     def axis(self, joint: RigidJoint) -> np.ndarray:
         """Unit vector (3,) along the axis of a joint at the start, global axes."""
         s = self.axes(joint.i) @ np.array(joint.s_i)
-        return s / np.linalg.norm(s)
+        found: np.ndarray = s / np.linalg.norm(s)
+        return found
 
 
 def across(axis: Any) -> np.ndarray:
     """A unit vector (3,) at right angles to an axis."""
     g = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    return g / np.linalg.norm(g)
+    found: np.ndarray = g / np.linalg.norm(g)
+    return found
 
 
 def vector(values: Any) -> Vector:

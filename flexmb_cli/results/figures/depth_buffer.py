@@ -110,13 +110,15 @@ class DepthBuffer:
         places, depth = at[above], depth[above]
         np.maximum.at(self.depth, places, depth)
         # The first of equals is drawn last.
-        return above[depth == self.depth[places]][::-1]
+        found: np.ndarray = above[depth == self.depth[places]][::-1]
+        return found
 
 
 def _mean(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Return the means, rounded down, of the four bytes of packed colours (Dietz, "Aggregate Magic")."""
     # One pass over words takes a third of the time that bytes take.
-    return (one & other) + (((one ^ other) & np.uint32(0xFEFEFEFE)) >> np.uint32(1))
+    found: np.ndarray = (one & other) + (((one ^ other) & np.uint32(0xFEFEFEFE)) >> np.uint32(1))
+    return found
 
 
 def _palette(colours: np.ndarray) -> np.ndarray:
@@ -174,7 +176,8 @@ def _side_at(p: np.ndarray, q: np.ndarray, k: np.ndarray, y: np.ndarray) -> np.n
     # Triangles that share a side compute it alike, so that there is no gap between them.
     rise = q[:, 1] - p[:, 1]
     slope = np.divide(q[:, 0] - p[:, 0], rise, out=np.zeros(len(p)), where=rise > 0)
-    return p[k, 0] + (y - p[k, 1]) * slope[k]
+    found: np.ndarray = p[k, 0] + (y - p[k, 1]) * slope[k]
+    return found
 
 
 def _tube_rows(

@@ -75,21 +75,25 @@ class ElementBody:
 
     def deformation(self, row: int) -> np.ndarray:
         """Elastic displacements (n, 3) of the nodes in a row, global axes."""
-        return self.shape @ self.amplitude[row] @ self.turn[row].T
+        found: np.ndarray = self.shape @ self.amplitude[row] @ self.turn[row].T
+        return found
 
     def places(self, row: int) -> np.ndarray:
         """Positions (n, 3) of the nodes in a row, global axes."""
-        return self.origin[row] + self.undeformed @ self.turn[row].T + self.deformation(row)
+        found: np.ndarray = self.origin[row] + self.undeformed @ self.turn[row].T + self.deformation(row)
+        return found
 
     def velocities(self, row: int) -> np.ndarray:
         """Velocities (n, 3) of the nodes in a row, global axes: v + omega x (x - r) + A Phi eta'."""
         offsets = self.places(row) - self.origin[row]
         relative = self.shape @ self.rate[row] @ self.turn[row].T
-        return self.velocity[row] + np.cross(self.spin[row], offsets) + relative
+        found: np.ndarray = self.velocity[row] + np.cross(self.spin[row], offsets) + relative
+        return found
 
     def stress(self, row: int) -> np.ndarray:
         """Stresses (n, 6) xx yy zz xy yz zx of the nodes in a row, body axes."""
-        return self.stress_shape @ self.amplitude[row]
+        found: np.ndarray = self.stress_shape @ self.amplitude[row]
+        return found
 
 
 def element_bodies(result: h5py.File, names: tuple[str, ...], rows: slice) -> Iterator[ElementBody]:

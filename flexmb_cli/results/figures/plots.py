@@ -172,6 +172,6 @@ def _text(text: str, look: Any) -> str:
     return "".join(_LATEX.get(sign, sign) for sign in text)
 
 
-def _plain(text: str) -> Any:
+def _plain(text: str) -> str:
     """Text that matplotlib does not take for mathematics."""
     return text.replace("$", r"\$")

@@ -47,14 +47,16 @@ def _normal(places: Any) -> np.ndarray | None:
     if size[2] > PLANAR * size[0] or size[1] <= PLANAR * size[0]:
         return None
     normal = axes[2]
-    return normal * np.sign(normal[np.argmax(np.abs(normal))])
+    found: np.ndarray | None = normal * np.sign(normal[np.argmax(np.abs(normal))])
+    return found
 
 
 def _aside(up: np.ndarray) -> np.ndarray:
     """The direction to a viewer who stands to the side and a little above."""
     across = np.roll(np.abs(up).round(), 1) if np.count_nonzero(np.abs(up).round()) == 1 else np.eye(3)[0]
     side = np.cross(up, across)
-    return 0.75 * side + 1.0 * across + 0.55 * up
+    found: np.ndarray = 0.75 * side + 1.0 * across + 0.55 * up
+    return found
 
 
 def _plain(vector: np.ndarray) -> Any:

@@ -120,7 +120,8 @@ def _rigid_velocities(scene: Scene, number: int, places: np.ndarray, row: int) -
         return np.zeros_like(places)
     one = number - 1
     offsets = places - scene.origin[row, one]
-    return scene.velocity[row, one] + np.cross(scene.spin[row, one], offsets)
+    found: np.ndarray = scene.velocity[row, one] + np.cross(scene.spin[row, one], offsets)
+    return found
 
 
 def _cells_of(body: Any) -> Any:

@@ -117,7 +117,7 @@ class ReplacedText:
     def write(self, text: str) -> int:
         """Write `text`."""
         with self._discarding():
-            return self._stream.write(text)
+            return int(self._stream.write(text))
 
     @property
     def temporary(self) -> str:

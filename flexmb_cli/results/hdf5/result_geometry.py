@@ -107,7 +107,10 @@ def _centre(body: "Body") -> np.ndarray | tuple[float, float, float]:
     """Return what a flexible body's nodes leave of its mass sits at its origin."""
     if body.elastic is None:
         return body.centre
-    return body.elastic.masses @ body.elastic.positions / max(body.mass, body.elastic.masses.sum())
+    found: np.ndarray = (
+        body.elastic.masses @ body.elastic.positions / max(body.mass, body.elastic.masses.sum())
+    )
+    return found
 
 
 def _closed_points(tree: "Tree", closure: "Closure") -> list[tuple[float, float, float]]:

@@ -112,7 +112,7 @@ def list_text(quantities: Sequence[Named], style: str = "text") -> str:
 def _block_length(result: h5py.File, columns: list[Quantity]) -> int:
     paths = {column.dataset for column in columns}
     width = sum(prod(result[path].shape[1:]) for path in paths)
-    return max(1, min(BLOCK_ROWS, BLOCK_NUMBERS // width))
+    return int(max(1, min(BLOCK_ROWS, BLOCK_NUMBERS // width)))
 
 
 def _lines(heads: list[str], values: list[list[float]], style: str) -> str:
@@ -134,7 +134,7 @@ def _text_line(cells: list[str], heads: list[str]) -> str:
     return "  ".join(cell.rjust(max(len(head), TEXT_WIDTH)) for cell, head in pairs) + "\n"
 
 
-def _separated_lines(rows: list[list[str]], style: str) -> Any:
+def _separated_lines(rows: list[list[str]], style: str) -> str:
     page = io.StringIO()
     csv.writer(page, delimiter=SEPARATOR[style], lineterminator="\n").writerows(rows)
     return page.getvalue()

@@ -155,7 +155,8 @@ def parallel(state: State, joint: Any, indices_wrong: bool) -> Rows:
 
 def _row_sums(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
     """Return what the program has in place of a product: component M of the vector where N is meant."""
-    return (matrix[:, 0] + matrix[:, 1] + matrix[:, 2]) * vector
+    found: np.ndarray = (matrix[:, 0] + matrix[:, 1] + matrix[:, 2]) * vector
+    return found
 
 
 def along(state: State, joint: "Joint") -> Rows:
@@ -181,7 +182,10 @@ def along(state: State, joint: "Joint") -> Rows:
 def separation(state: State, joint: "Joint") -> np.ndarray:
     """d, the vector from P_i to P_j."""
     i, j = joint.i, joint.j
-    return state.q[j, :3] + state.vector(j, joint.P_j) - state.q[i, :3] - state.vector(i, joint.P_i)
+    found: np.ndarray = (
+        state.q[j, :3] + state.vector(j, joint.P_j) - state.q[i, :3] - state.vector(i, joint.P_i)
+    )
+    return found
 
 
 def separation_rate(state: State, joint: "Joint", wrong: bool = False) -> np.ndarray:
@@ -192,4 +196,5 @@ def separation_rate(state: State, joint: "Joint", wrong: bool = False) -> np.nda
         state.qd[k, :3] + product(state.slope(k, P), state.qd[k, taken])
         for k, P in ((i, joint.P_i), (j, joint.P_j))
     ]
-    return ends[1] - ends[0]
+    found: np.ndarray = ends[1] - ends[0]
+    return found

@@ -255,8 +255,10 @@ class ConstrainedMotion(ABC):
         return found
 
     def _call(self, task: int, report: "Report") -> int:
-        return self.integrator.integrate_rows(
-            task, self.system, self.work, self.integration, report, CALL_EVALUATIONS
+        return int(
+            self.integrator.integrate_rows(
+                task, self.system, self.work, self.integration, report, CALL_EVALUATIONS
+            )
         )
 
     def screw_angles(self, q: np.ndarray) -> np.ndarray:

@@ -45,7 +45,8 @@ class Steps:
     @property
     def integrate_rows(self) -> Callable[..., Any]:
         """The kernel."""
-        return import_module(self._module).integrate_rows
+        found: Callable[..., Any] = import_module(self._module).integrate_rows
+        return found
 
     def new_integration(self, work: Any, angles: int) -> Any:
         """Return an integration at time 0 with an empty state, for this work and so many angles."""
@@ -90,7 +91,8 @@ class GeneralisedAlpha(Steps):
         """Return an integration with the settings of the method."""
         integration = super().new_integration(work, angles)
         integration.memory["rho"], integration.memory["fixed"] = self.radius, self.length
-        return integration
+        found: AlphaIntegration = integration
+        return found
 
     def doubts(self, clock: "np.void") -> list[Fault]:
         """Return what is doubtful about the steps taken: some of given length had to be divided."""

@@ -56,7 +56,8 @@ def start_speeds(analysis: Any, q: Any, t: float) -> np.ndarray:
     if np.max(_changes(analysis, u, wanted, given), initial=0.0) > 0.0:
         u = _after_impulse(analysis, q, particular, motions, wanted, given)
     _doubt_change(analysis, u, wanted, given)
-    return u
+    found: np.ndarray = u
+    return found
 
 
 def _nearest(motions: Any, rest: Any) -> Any:
@@ -89,7 +90,8 @@ def _after_impulse(
         shares = left[:, :rank].T @ (weights @ (aim - u)) / values[:rank]
         u += motions @ (right[:rank].T @ shares)
         motions = motions @ right[rank:].T
-    return u * scale
+    found: np.ndarray = u * scale
+    return found
 
 
 def _mass_matrix(analysis: "FlexibleDynamics", q: np.ndarray) -> np.ndarray:
@@ -106,7 +108,8 @@ def _root(M: Any) -> np.ndarray:
     """Return a matrix R with Rᵀ R = M; what has no mass has no weight."""
     values, vectors = np.linalg.eigh(M)
     values[values <= MASSLESS * values.max(initial=0.0)] = 0.0
-    return np.sqrt(values)[:, None] * vectors.T
+    found: np.ndarray = np.sqrt(values)[:, None] * vectors.T
+    return found
 
 
 def given_speeds(

@@ -46,4 +46,5 @@ def rows_of_drivers(tree: Tree, arrays: SystemArrays) -> np.ndarray:
     functions = np.arange(end - len(tree.elements.drivers), end)
     first = end - functions.size - couplings - prescribed
     groups = np.concatenate([np.arange(first, first + prescribed), functions])
-    return arrays.groups["first_row"][groups]
+    found: np.ndarray = arrays.groups["first_row"][groups]
+    return found

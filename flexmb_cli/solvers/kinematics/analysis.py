@@ -195,7 +195,7 @@ class KinematicAnalysis:
             follow(state, motion, clock, np.array([t]), out, audit)
             if attempts or clock[BUDGET] > 0.0:
                 break
-        return clock[TIME] >= t
+        return bool(clock[TIME] >= t)
 
     def _follow(self, times: np.ndarray, out: np.ndarray, audit: np.ndarray) -> int:
         """Fill rows until all are reached or the way is barred; returns how many were."""

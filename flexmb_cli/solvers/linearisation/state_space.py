@@ -117,7 +117,8 @@ def _response(responses: Responses, one: Input) -> np.ndarray:
     def answer(amount: float) -> np.ndarray:
         return responses.respond(amount * one.d, amount * one.w, one.change(amount))
 
-    return differentiated(answer, one.step)
+    found: np.ndarray = differentiated(answer, one.step)
+    return found
 
 
 def state_space(responses: Responses, later: Responses, states: tuple[Signal, ...]) -> StateSpace:

@@ -162,13 +162,15 @@ class TreeAnalysis:
 
     def call(self, task: int) -> int:
         """Have the kernel do one of the tasks of `tree_dop853` that make no steps; its code."""
-        return tree_dop853.begin(task, self.arrays, self.work, self.coordinates, self.integration)
+        return int(tree_dop853.begin(task, self.arrays, self.work, self.coordinates, self.integration))
 
     def integrate_rows(self, report: Report) -> int:
         """Fill report rows by DOP853; its code."""
         budget = 1 + CALL_WORK // (1 + len(self.coordinates))
-        return tree_dop853.integrate_rows(
-            self.arrays, self.work, self.coordinates, self.integration, report, budget
+        return int(
+            tree_dop853.integrate_rows(
+                self.arrays, self.work, self.coordinates, self.integration, report, budget
+            )
         )
 
     def _blank_report(self, times: np.ndarray) -> Any:

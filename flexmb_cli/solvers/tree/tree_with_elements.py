@@ -218,7 +218,8 @@ class TreeWithElements(TreeAnalysis):
         self.clock["t"], self.state[:] = t, z
         if self.call(GO_ON) == NO_INERTIA:
             raise self.failure()
-        return self.integration.slopes[0].copy()
+        found: np.ndarray = self.integration.slopes[0].copy()
+        return found
 
 
 def _motion_and_axis(coordinate: str) -> tuple[str, int]:

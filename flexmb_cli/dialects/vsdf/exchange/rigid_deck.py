@@ -265,12 +265,12 @@ def _file(shape: RigidShape) -> tuple[str, str]:
     return _record(shape.body + 1, shape.unit, *shape.offset, *shape.angles), f" {shape.file}"
 
 
-def _record(*values: Any) -> Any:
+def _record(*values: Any) -> str:
     """A card in free form; the blank in front keeps a word from being read as a keyword."""
     return "    " + ",".join(_text(value) for value in values)
 
 
-def _text(value: Any) -> Any:
+def _text(value: Any) -> str:
     if isinstance(value, str | int):
         return str(value)
     # 0.0 and no negative zero; all digits of a double.

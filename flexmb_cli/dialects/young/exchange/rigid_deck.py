@@ -199,5 +199,5 @@ def _shape(shape: RigidShape) -> str:
     return f"GEOM {_line(shape.body + 1, KINDS.index(shape.kind) + 1, *shape.sizes)} {place}"
 
 
-def _line(*values: Any) -> Any:
+def _line(*values: Any) -> str:
     return " ".join(str(v) if isinstance(v, int) else repr(float(v) + 0.0) for v in values)
