@@ -6,10 +6,14 @@ reference/four-bar`); decks whose results have the same names need that.  A deck
 skipped.  Tolerances are read from `tolerances.toml` beside the deck.
 """
 
+import importlib.util
 import subprocess
+import sys
 
 import pytest
 
+# The environment of pytest need not be active: then flexmb is not on the search path.
+FLEXMB = (sys.executable, "-m", "flexmb_cli") if importlib.util.find_spec("flexmb_cli") else ("flexmb",)
 SUFFIXES = (".dat", ".DAT", ".PAS", ".vsdf")
 
 
@@ -53,7 +57,7 @@ class DeckTest(pytest.Item):
 
     def call(self, *words):
         """Run flexmb; a failure is the text that it prints."""
-        done = subprocess.run(["flexmb", *map(str, words)], capture_output=True, text=True)
+        done = subprocess.run([*FLEXMB, *map(str, words)], capture_output=True, text=True)
         if done.returncode:
             pytest.fail(f"{done.stdout}{done.stderr}", pytrace=False)
 

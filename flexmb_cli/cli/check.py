@@ -35,7 +35,7 @@ def check(
     _check_jacobian_option(jacobian)
     codes = []
     choices = RunOptions(changes=changes, debug=wants_debug(), **options)
-    for report in every_deck(decks, lambda deck: interface.check(deck, choices, jacobian)):
+    for report in every_deck(decks, changes, lambda deck: interface.check(deck, choices, jacobian)):
         show_faults(report.outcome, quiet)
         if as_json:
             if echo and report.deck and not quiet:

@@ -65,7 +65,7 @@ def modes(
     codes = []
     choices = RunOptions(changes=changes, debug=wants_debug(), **options)
     wish = Wish(time, equilibrium, state_space=as_json, out=out)
-    for report in every_deck(decks, lambda deck: modes_of_deck(deck, wish, choices, listener)):
+    for report in every_deck(decks, changes, lambda deck: modes_of_deck(deck, wish, choices, listener)):
         progress.clear()
         show_faults(report.outcome, quiet)
         if as_json:

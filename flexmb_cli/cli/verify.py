@@ -48,7 +48,7 @@ def verify(
     progress = Progress("verify", "decks", quiet, False)
     listener = Listener(notice=progress.notice, status=progress.status)
     codes = []
-    for found in every_deck(decks, lambda deck: verify_deck(deck, choices, tolerance, listener)):
+    for found in every_deck(decks, changes, lambda deck: verify_deck(deck, choices, tolerance, listener)):
         progress.clear()
         if found.outcome.echo:
             show(found.outcome.echo, err=True)

@@ -1,10 +1,12 @@
 """The records of a large deck, each made when it is looked at: kept, they would take many times the deck."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cached_property
 from itertools import chain
 from typing import Any
 
 from ..quick_dataclass import dataclass, field, replace
+from .number_table import NumberTable
 from .record import Record
 
 MANY_NUMBERS = 100_000  # numbers; fewer are kept as records, which studies share
@@ -12,12 +14,16 @@ MANY_NUMBERS = 100_000  # numbers; fewer are kept as records, which studies shar
 
 @dataclass(frozen=True)
 class Block(Sequence[Record]):
-    """All records of one section, which `made` makes of their places in it; `changed` ones are kept."""
+    """All records of one section, which `made` makes of their places in it; `changed` ones are kept.
+
+    `table`: their numbers, where all of them have the same ones.
+    """
 
     section: str
     size: int
     made: Callable[[int], Record]
     changed: Mapping[int, Record] = field(default_factory=dict)
+    table: NumberTable | None = None
 
     def __len__(self) -> int:
         return self.size
@@ -33,7 +39,18 @@ class Block(Sequence[Record]):
     def numbered(self, number: int) -> Record | None:
         """Return the record of this number; those of most sections are numbered in their order."""
         neighbours = (self[k] for k in (number - 1, number) if 0 <= k < self.size)
-        return next((record for record in chain(neighbours, self) if record.number == number), None)
+        found = next((record for record in neighbours if record.number == number), None)
+        if found is None and number in self._places:
+            found = self[self._places[number]]
+        return found
+
+    @cached_property
+    def _places(self) -> dict[int, int]:
+        """Places of the records by their numbers, the first of each."""
+        places: dict[int, int] = {}
+        for k, record in enumerate(self):
+            places.setdefault(record.number, k)
+        return places
 
     def _record(self, index: int) -> Record:
         return self.changed[index] if index in self.changed else self.made(index)

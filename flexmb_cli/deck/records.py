@@ -1,9 +1,11 @@
 """Records of a deck by section and number, with the zeros of the cards that were not given."""
 
+from array import array
 from collections.abc import Sequence
 from typing import Any
 
 from ..errors import Place
+from .number_table import places_by
 from .record import Deck, Number, Record
 
 
@@ -16,6 +18,7 @@ class DeckValues:
         self._records: dict[str, dict[int, Record]] = {}
         for record in () if self.many else deck.records:
             self._records.setdefault(record.section, {})[record.number] = record
+        self._of_bodies: dict[str, dict[int, array[int]]] = {}
 
     def section(self, name: str) -> Sequence[Record]:
         """All records of a section in the deck's order; empty when its card is not given."""
@@ -29,6 +32,18 @@ class DeckValues:
             found = self.deck.section(section)
             return found.numbered(number) if found else None  # type: ignore[attr-defined]
         return self._records.get(section, {}).get(number)
+
+    def of_body(self, section: str, body: int) -> list[Record]:
+        """Return the records of a section whose first number is that of a body."""
+        places = self.places_of_body(section, body)
+        records = self.section(section) if len(places) else ()
+        return [records[k] for k in places]
+
+    def places_of_body(self, section: str, body: int) -> Sequence[int]:
+        """Return where among the records of a section those of a body stand."""
+        if section not in self._of_bodies:
+            self._of_bodies[section] = places_by(self.section(section), "body")
+        return self._of_bodies[section].get(body, ())
 
     def number(self, section: str, number: int, key: str) -> Number:
         """One number of a card that must be there."""

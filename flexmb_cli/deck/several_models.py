@@ -11,10 +11,12 @@ from collections.abc import Iterable
 from ..errors import DeckError, Fault
 from ..quick_dataclass import replace
 from .bounded_file import first_bytes
+from .lines import Lines
 from .record import DeckText
 from .text import LARGEST_DECK, STANDARD_INPUT
 
 MODEL, END, STOP = "DFMB", "END ", "STOP"
+MOST_MODELS = 100  # each reads the whole deck
 _NAMED = re.compile(r"([1-9][0-9]{0,5}):(.+)", re.DOTALL)
 
 
@@ -41,7 +43,10 @@ def named_model(deck: str) -> tuple[str, int]:
 
 
 def models_of(deck: str) -> list[str]:
-    """Return the names of the models in a deck with several of them, else `deck` itself."""
+    """Return the names of the models in a deck with several of them, else `deck` itself.
+
+    So it does for more than `MOST_MODELS`, which the reader refuses.
+    """
     if deck == STANDARD_INPUT or not os.path.isfile(deck):
         return [deck]
     try:
@@ -51,13 +56,13 @@ def models_of(deck: str) -> list[str]:
         return [deck]
     if raw.count(MODEL.encode()) < 2:
         return [deck]
-    count = len(model_starts(DeckText(deck, raw.decode("latin-1"), "").lines))
-    return [f"{k}:{deck}" for k in range(1, count + 1)] if count > 1 else [deck]
+    count = len(model_starts(Lines(raw.decode("latin-1"))))
+    return [f"{k}:{deck}" for k in range(1, count + 1)] if 1 < count <= MOST_MODELS else [deck]
 
 
 def only_model(source: DeckText, model: int) -> DeckText:
     """Return the deck with the lines of all other models blank; raises DeckError for a number it lacks."""
-    lines = source.lines
+    lines = Lines(source.text)  # not kept: they take four times a deck of blank lines
     starts = model_starts(lines)
     if not 1 <= model <= len(starts):
         message = f"there is no model {model}: the deck holds {len(starts) or 'none'}"
@@ -80,7 +85,7 @@ def changes_of(changes: tuple[str, ...], source: DeckText, model: int) -> list[s
     named = [(change, _NAMED.fullmatch(change)) for change in changes]
     if not any(found for _, found in named):
         return list(changes)
-    refuse_strange(changes, max(1, len(model_starts(source.lines))))
+    refuse_strange(changes, max(1, len(model_starts(Lines(source.text)))))
     own = max(model, 1)
     return [found[2] if found else change for change, found in named if not found or int(found[1]) == own]
 

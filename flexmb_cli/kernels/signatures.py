@@ -56,11 +56,11 @@ TUPLES = {
     "Integration": ("kernels.integrators.constrained_dop853:Integration", "CLOCK1 f1 f1 f1 f2 f2 f1 f2"),
     "AlphaIntegration": (
         "kernels.integrators.generalised_alpha:AlphaIntegration",
-        "CLOCK1 ALPHA_MEMORY1 f1 f1 f1 f1 f2 f2 f1 f1 f1 f2 Work",
+        "CLOCK1 ALPHA_MEMORY1 f1 f1 f1 f1 f2 f2 f1 f1 f1 f2 f2 Work",
     ),
     "RadauIntegration": (
         "kernels.integrators.radau5:RadauIntegration",
-        "CLOCK1 RADAU_MEMORY1 f1 f1 f1 f1 f2 f2 f2 f2 f2 f2 f2 f1 f1 f2 f3 f3 c2 f1 c1 Work",
+        "CLOCK1 RADAU_MEMORY1 f1 f1 f1 f1 f2 f2 f2 f2 f2 f2 f2 f1 f1 f2 f2 f3 f3 c2 f1 c1 Work",
     ),
     "Tree": (
         "model.arrays.tree:TreeArrays",

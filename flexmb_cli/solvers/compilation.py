@@ -7,7 +7,7 @@ from typing import Protocol
 from ..errors import OutputError
 
 _reported: set[str] = set()  # entries this process need not look for again: a study asks for every case
-COMPILING = "compiling kernels (once per version, 10 s to a minute)"
+COMPILING = "compiling kernels (once per version, 5 to 20 s)"
 NO_FOLDER = "no folder to keep compiled kernels in; set NUMBA_CACHE_DIR to one that can be written"
 
 

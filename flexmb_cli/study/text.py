@@ -16,7 +16,7 @@ import numpy as np
 from ..errors import visible
 from ..quick_dataclass import dataclass
 from ..results.hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, understood
-from ..results.quantities.quantities import NOTHING, ResultError
+from ..results.quantities.quantities import NOTHING, SHOWS_ALL, ResultError
 from ..results.quantities.quantity_names import folded
 from ..results.quantities.table import SEPARATOR, TEXT_NUMBER, TEXT_WIDTH
 from .table import NUMBERS_WRITTEN
@@ -104,7 +104,7 @@ def _unknown(columns: Any, pattern: str) -> str:
     known = {column.path.rpartition("/")[2]: column.name for column in columns}
     close = [known[word] for word in get_close_matches(pattern, known, cutoff=0.4)]
     hint = f"; near it are {', '.join(close)}" if close else ""
-    return f"{pattern or NOTHING}: the study has no such parameter or result{hint}; --list shows all"
+    return f"{pattern or NOTHING}: the study has no such parameter or result{hint}{SHOWS_ALL}"
 
 
 def study_text(

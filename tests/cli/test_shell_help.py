@@ -160,3 +160,16 @@ def test_the_grammar_colours_the_decks():
         assert not pairs - {(text.strip(), scope) for _, text, scope in tokens}, deck
         bare = [token for token in tokens if token[2] == "source.flexmb"]
         assert len(bare) < 0.02 * len(tokens) + 3, bare
+
+
+@pytest.mark.parametrize("name", ["", *COMMANDS])
+def test_help_texts_are_sound_as_pages_of_the_documentation(name):
+    """reStructuredText takes such a `*` for the beginning of an emphasis, and warns."""
+    command = cli.get_command(None, name) if name else cli
+    texts = [
+        command.help or "",
+        command.epilog or "",
+        *(getattr(p, "help", None) or "" for p in command.params),
+    ]
+    for text in texts:
+        assert not re.search(r"(?:^|[\s([{<\-/:])\*(?=\S)", text), text

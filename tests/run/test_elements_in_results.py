@@ -70,6 +70,10 @@ def test_elements_have_names_and_units_curves_and_an_energy_that_adds_up(result)
     work = file["energy/applied_work"]
     assert integral(power, file["time"][:]) == pytest.approx(work[-1] - work[0], rel=1e-4)
     assert np.ptp(file["energy/total"]) < 1e-7 * np.max(file["energy/kinetic"])
+    taken = [integral(power, file["time"][:]) for power in file["element/power"][:].T]
+    assert file["element/work"][-1] == pytest.approx(taken, rel=1e-3)
+    assert file["energy/dissipated"][-1] == pytest.approx(-sum(taken), rel=1e-4)
+    assert {"element.4.work", "energy.dissipated"} <= set(by_name)
 
 
 def test_the_work_of_a_stop_is_found_where_nothing_is_free_to_move(tmp_path):

@@ -7,7 +7,9 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli.cli.check import check
+from flexmb_cli.cli.modes import modes
 from flexmb_cli.cli.run import run as run_command
+from flexmb_cli.deck import several_models
 from flexmb_cli.deck.record import DeckText
 from flexmb_cli.deck.several_models import models_of, only_model
 from flexmb_cli.errors import DeckError
@@ -100,3 +102,20 @@ def test_results_of_models_and_of_other_decks_are_not_mixed_up(folder):
     (folder / "FMBD-2.DAT").write_text(TEXT)
     done = flexmb("FMBD.DAT", "FMBD-2.DAT")
     assert "would both write FMBD-2.OUT" in str(done.exception)
+
+
+def test_a_setting_of_a_model_that_is_not_there_is_reported_once(folder):
+    for command in (check, modes):
+        found = CliRunner().invoke(command, ["FMBD.DAT", "--set", "7:mass.1.BM=3"])
+        assert isinstance(found.exception, DeckError)
+        assert [fault.message for fault in found.exception.faults] == [
+            "--set 7:mass.1.BM=3: the deck holds 2 models"
+        ]
+
+
+def test_a_deck_of_more_models_than_are_solved_is_refused(folder, monkeypatch):
+    """Each model reads the whole deck: ten thousand models of a kilobyte would take hours."""
+    monkeypatch.setattr(several_models, "MOST_MODELS", 1)
+    assert models_of("FMBD.DAT") == ["FMBD.DAT"]
+    outcome = run_deck("FMBD.DAT", RunOptions())
+    assert outcome.exit_code == 2 and "a second DFMB card" in outcome.faults[0].message

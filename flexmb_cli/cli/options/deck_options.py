@@ -45,12 +45,18 @@ def deck_options(command: "Callable[..., Any]") -> "Callable[..., Any]":
     return command
 
 
-def every_deck(decks: tuple[str, ...], examine: "Callable[[str], Report]") -> "Iterator[Report]":
+def every_deck(
+    decks: tuple[str, ...], changes: tuple[str, ...], examine: "Callable[[str], Report]"
+) -> "Iterator[Report]":
     """Return what `examine` finds of each deck, also of those that it is not asked for any more after a
     stop.
+
+    Raises DeckError for settings among the `changes` of a model that a deck lacks.
     """
     stop_on_signals()
-    for deck in with_models(decks):
+    named = with_models(decks)
+    refuse_strange_models(named, changes)
+    for deck in named:
         report = examine(deck)
         yield report
         if report.outcome.exit_code > 128:

@@ -27,7 +27,7 @@ READ_ON = [
     "\b",
     "Read on:",
     "  man flexmb               the manual (checkout: man -l docs/man/flexmb.1)",
-    "  flexmb examples --all    decks, and their formats (decks/*/FORMAT.md)",
+    "  flexmb examples --all    decks, and their formats (decks/DIALECT/FORMAT.md)",
     "  docs/tutorial/index.md   lessons, in a checkout",
 ]
 

@@ -10,6 +10,7 @@ from typing import Any
 from ...deck.fortran_records import Item, MissingRecord, Records, Unreadable
 from ...deck.number_list import NumberList, record_of
 from ...deck.record import Deck, DeckText, Number, Record
+from ...deck.several_models import MOST_MODELS
 from ...errors import DeckError, Place
 from ...quick_dataclass import dataclass, field
 from .cards import CARDS, KNOWN_WORDS, MACROS, SWITCHES
@@ -256,7 +257,8 @@ def _read_macros(records: Records) -> Record:
         if word == "STOP":
             break
         if word == "DFMB":
-            records.stop("", "a second DFMB card: flexmb solves one model a deck; split the deck here")
+            message = f"of a file up to {MOST_MODELS} models are solved, of standard input one"
+            records.stop("", f"a second DFMB card: {message}; split the deck here")
         elif word == "STAR":
             stars.append(records.line)
         elif word in CARDS:

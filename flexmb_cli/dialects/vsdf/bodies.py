@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...deck.number_table import outside
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.fe_model import RigidMass, VsdfBody
@@ -41,12 +42,11 @@ def _check_body_numbers(values: DeckValues, count: int, findings: Findings) -> N
     sections = [name for name, _ in (*FLEXIBLE_ONLY, *LISTS)]
     sections += ["rigid", "node_set", "position", "attitude", "velocity", "node"]
     for section in sections:
-        for record in values.section(section):
+        lowest = 0 if section == "node" else 1
+        for record in outside(values.section(section), "body", lowest, count):
             number = record.at("body")
-            lowest = 0 if section == "node" else 1
-            if not lowest <= number.value <= count:
-                message = f"body number {number.value} is outside {lowest}..{count}"
-                findings.error(record.subject, message, number.place, id="VSDF-001")
+            message = f"body number {number.value} is outside {lowest}..{count}"
+            findings.error(record.subject, message, number.place, id="VSDF-001")
 
 
 def _body(values: Any, k: Any, folder: Any, findings: Any) -> VsdfBody:
@@ -90,11 +90,9 @@ def _rigid(
     findings: Any,
 ) -> VsdfBody:
     for section, word in (*FLEXIBLE_ONLY, *LISTS):
-        for given in values.section(section):
-            if given["body"] == k:
-                findings.error(
-                    given.subject, f"{word} is for FLEX bodies; body {k} is RIGD", given.place, id="VSDF-004"
-                )
+        for given in values.of_body(section, k):
+            message = f"{word} is for FLEX bodies; body {k} is RIGD"
+            findings.error(given.subject, message, given.place, id="VSDF-004")
     rigid = values.record("rigid", k)
     if rigid is None:
         findings.error(

@@ -72,10 +72,9 @@ def flexible_body(
 
 def _refuse_rigid_cards(values: DeckValues, k: Any, findings: Findings) -> None:
     for section, word in (("rigid", "RIGI"), ("node", "NODE")):
-        for given in values.section(section):
-            if given["body"] == k:
-                message = f"{word} is for RIGD bodies; body {k} is FLEX"
-                findings.error(given.subject, message, given.place, id="VSDF-022")
+        for given in values.of_body(section, k):
+            message = f"{word} is for RIGD bodies; body {k} is FLEX"
+            findings.error(given.subject, message, given.place, id="VSDF-022")
 
 
 def _or_density(values: DeckValues, k: Any, files: Any) -> Any:
@@ -104,9 +103,8 @@ def _check_mapping(record: Record | None, files: "dict[Any, Any]", findings: Fin
 
 def _check_shapes(values: DeckValues, k: int, findings: Findings) -> None:
     """The interface nodes of Craig and Bampton's method have their static shapes; no others are added."""
-    bodies = [record["body"] for record in values.section("interface")]
-    for record in values.section("attachment"):
-        if record["body"] == k and k in bodies:
+    if values.places_of_body("interface", k):
+        for record in values.of_body("attachment", k):
             message = f"ATTM is not read beside CRBN of body {k}; name its nodes on CRBN, or remove CRBN"
             findings.error(record.subject, message, record.place, id="VSDF-025")
 
@@ -169,9 +167,8 @@ def _node_lists(
     lists = {}
     for section, _ in LISTS:
         found = []
-        for record in values.section(section):
-            if record["body"] == k:
-                found += [n for m in members_of(record, known, k, findings) for n in known[m]]
+        for record in values.of_body(section, k):
+            found += [n for m in members_of(record, known, k, findings) for n in known[m]]
         lists[section] = tuple(dict.fromkeys(found))
     return lists
 
@@ -188,9 +185,7 @@ def _damping(record: Record | None, findings: Findings) -> Any:
 
 def _unit_loads(values: DeckValues, k: Any, folder: Any, findings: Findings) -> tuple[UnitLoad, ...]:
     loads: list[UnitLoad] = []
-    for record in values.section("unit_load"):
-        if record["body"] != k:
-            continue
+    for record in values.of_body("unit_load", k):
         number = record.at("load")
         if not 4 <= number.value <= 12:
             message = f"unit load {number.value}: only 4 to 12 (xx xy xz yx yy yz zx zy zz) are used"

@@ -159,10 +159,10 @@ def build_outputs(
     values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
 ) -> tuple[End, ...]:
     """The cards OUTN: nodes and node sets, in the deck's order, each once."""
-    ends = []
+    ends: dict[End, None] = {}
     for record in values.section("output"):
         for number in record.numbers[1:]:
             end = find_end(bodies, ground, record.at("body"), number, record.subject, findings)
-            if end and end not in ends:
-                ends.append(end)
+            if end:
+                ends.setdefault(end)
     return tuple(ends)

@@ -1,18 +1,19 @@
 """Motions of a VSDF deck, cards MOTN, and the tables that they follow."""
 
-from array import array
-from itertools import pairwise
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
+from ...deck.number_table import column, places_by
 from ...deck.record import Number, Record
 from ...deck.records import DeckValues
-from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.fe_model import NodeJoint, VsdfBody
 from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionFunction, table_function
-from ...quick_dataclass import dataclass, field
 from ..elements.functions import Functions
 from .joints import SLIDING, TURNING
+
+if TYPE_CHECKING:
+    import numpy as np
 
 Tables = dict[int, MotionFunction | None]  # by their numbers, None for those with faults
 
@@ -21,52 +22,39 @@ BY_FUNCTION, RATE_BY_FUNCTION = 5, 6
 OF_FUNCTIONS = (BY_FUNCTION, RATE_BY_FUNCTION)
 
 
-@dataclass
-class _Table:
-    """The points of one table so far; `first`: the place of its first card; `late`: a time out of order."""
-
-    first: int
-    times: "array[float]" = field(default_factory=lambda: array("d"))
-    values: "array[float]" = field(default_factory=lambda: array("d"))
-    late: tuple[float, Place | None] | None = None
-
-    def add(self, record: Record) -> None:
-        """Take the point of a card."""
-        if self.times and self.late is None and not record["t"] > self.times[-1]:
-            self.late = self.times[-1], record.at("t").place
-        self.times.append(record["t"])
-        self.values.append(record["f"])
-
-
 def build_tables(values: DeckValues, findings: Findings) -> Tables:
     """The tables by their numbers, None for those with faults; times must ascend."""
-    points: dict[int, _Table] = {}
     cards = values.section("table")
-    for index, record in enumerate(cards):
-        points.setdefault(record["table"], _Table(index)).add(record)
-    return {
-        number: _function_of(number, table, cards[table.first], findings) for number, table in points.items()
-    }
+    times, ordinates = column(cards, "t"), column(cards, "f")
+    tables: Tables = {}
+    for number, places in places_by(cards, "table").items():
+        tables[number] = _function_of(number, times[places], ordinates[places], findings, cards, places)
+    return tables
 
 
-def _function_of(number: int, table: _Table, first: Record, findings: Findings) -> MotionFunction | None:
-    """The function of a table whose first card is `first`."""
+def _function_of(
+    number: int,
+    times: "np.ndarray",
+    ordinates: "np.ndarray",
+    findings: Findings,
+    cards: Sequence[Record],
+    places: Sequence[int],
+) -> MotionFunction | None:
+    """The function of the table whose points are the `cards` at `places`; None, and a fault, without one."""
+    first = cards[places[0]]
     if number < 1:
         message = f"tables are numbered from 1; read {first.at('table').text}"
         findings.error(f"table {number}", message, first.place, id="VSDF-054")
-    if len(table.times) < 2:
+    if len(times) < 2:
         findings.error(f"table {number}", "a table needs two points at least", first.place, id="VSDF-055")
         return None
-    if table.late is not None:
-        before, place = table.late
-        message = f"times must ascend; {_late_time(table):g} s follows {before:g} s"
-        findings.error(f"table {number}", message, place, id="VSDF-056")
+    late = (times[1:] <= times[:-1]).nonzero()[0]
+    if late.size:
+        k = late[0] + 1
+        message = f"times must ascend; {times[k]:g} s follows {times[k - 1]:g} s"
+        findings.error(f"table {number}", message, cards[places[k]].at("t").place, id="VSDF-056")
         return None
-    return table_function(table.times, table.values)
-
-
-def _late_time(table: _Table) -> float:
-    return next(after for before, after in pairwise(table.times) if not after > before)
+    return table_function(times.tolist(), ordinates.tolist())
 
 
 def build_motions(

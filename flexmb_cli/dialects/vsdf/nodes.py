@@ -1,9 +1,11 @@
 """Nodes that cards of a VSDF deck give to rigid bodies and the ground, and sets of any body's nodes."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from ...deck.number_table import column
 from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
@@ -11,12 +13,22 @@ from ...model.diagnostics import Findings
 
 def given_nodes(values: DeckValues, k: int, findings: Findings) -> dict[int, np.ndarray]:
     """Places (3,) of the nodes of body k (0: the ground), m in its axes, by their numbers."""
-    nodes = {}
-    for record in values.section("node"):
-        if record["body"] != k:
-            continue
+    cards, places = values.section("node"), values.places_of_body("node", k)
+    if not len(places):
+        return {}
+    numbers = column(cards, "node")[places].astype(int).tolist()
+    positions = np.column_stack([column(cards, f"r.{axis}")[places] for axis in "xyz"]).astype(float)
+    if min(numbers) < 1 or len(set(numbers)) < len(numbers):
+        _report_numbers([cards[place] for place in places], k, findings)
+    return dict(zip(numbers, positions, strict=True))
+
+
+def _report_numbers(cards: Sequence[Record], k: int, findings: Findings) -> None:
+    """Report nodes of body k whose number another has, or none may have."""
+    seen = set()
+    for record in cards:
         number = record["node"]
-        if number in nodes:
+        if number in seen:
             owner = f"body {k}" if k else "the ground"
             findings.error(
                 record.subject, f"{owner} already has a node {number}", record.at("node").place, id="VSDF-075"
@@ -24,21 +36,19 @@ def given_nodes(values: DeckValues, k: int, findings: Findings) -> dict[int, np.
         if number < 1:
             message = f"node numbers begin at 1; read {number}"
             findings.error(record.subject, message, record.at("node").place, id="VSDF-076")
-        nodes[number] = np.array(record.vector("r"))
-    return nodes
+        seen.add(number)
 
 
 def sets_of(
     values: DeckValues, k: int, nodes: dict[int, Any], findings: Findings
 ) -> dict[int, tuple[int, ...]]:
     """The sets of body k, whose `nodes` are: their nodes by the sets' numbers."""
-    sets: dict[Any, Any] = {}
-    for record in values.section("node_set"):
-        if record["body"] != k:
-            continue
+    sets: dict[int, list[int]] = {}
+    seen: dict[int, set[int]] = {}
+    for record in values.of_body("node_set", k):
         number = record.at("set")
         members = members_of(record, nodes, k, findings)
-        _check_once(record, sets.get(number.value, ()), findings)
+        _check_once(record, seen.setdefault(number.value, set()), findings)
         if number.value in nodes:
             message = f"{number.value} is a node of body {k}; a set needs a number of its own"
             findings.error(record.subject, message, number.place, id="VSDF-077")
@@ -47,13 +57,12 @@ def sets_of(
                 record.subject, f"sets are numbered from 1; read {number.text}", number.place, id="VSDF-078"
             )
         elif members:
-            sets[number.value] = sets.get(number.value, ()) + members
-    return sets
+            sets.setdefault(number.value, []).extend(members)
+    return {number: tuple(members) for number, members in sets.items()}
 
 
-def _check_once(record: Record, before: "tuple[Any, ...]", findings: Findings) -> None:
+def _check_once(record: Record, seen: set[int], findings: Findings) -> None:
     """A set is the mean of its nodes: one that it names twice would count double."""
-    seen = set(before)
     for number in record.numbers[2:]:
         if number.value in seen:
             findings.error(

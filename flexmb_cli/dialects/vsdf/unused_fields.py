@@ -6,6 +6,7 @@ A written 0 is what an empty field means, and is let pass.
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from ...deck.number_table import column, places_by, without_any
 from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
@@ -37,10 +38,9 @@ def refuse_unread(values: DeckValues, findings: Findings) -> None:
             for key, reason in unread(record):
                 _refuse(record, key, reason, findings)
     for section, keys in _VALUES.items():
-        for record in values.section(section):
-            if not any(record.at(key).text for key in keys):
-                message = f"{', '.join(keys)} are all empty, so the card does nothing"
-                findings.error(record.subject, message, record.at(keys[0]).place, id="VSDF-083")
+        for record in without_any(values.section(section), keys):
+            message = f"{', '.join(keys)} are all empty, so the card does nothing"
+            findings.error(record.subject, message, record.at(keys[0]).place, id="VSDF-083")
     _doubt_switched_off(values, findings)
 
 
@@ -110,20 +110,18 @@ def _doubt_switched_off(values: DeckValues, findings: Findings) -> None:
 def doubt_tables(values: DeckValues, tables: dict[int, Any], findings: Findings) -> None:
     """Warnings of `tables` without faults that neither a motion nor a load names."""
     used = {record["c0"] for record in values.section("motion") if record["law"] == TABLE}
-    used |= {record["table"] for section in ("force", "torque") for record in values.section(section)}
+    for section in ("force", "torque"):
+        used |= set(column(values.section(section), "table").tolist())
     used |= {
         r.numbers[2].value
         for r in values.section("function")
         if r["kind"] in OF_TABLES and len(r.numbers) == 3
     }
     idle = {number for number, function in tables.items() if function is not None} - used
-    for record in values.section("table"):
-        if not idle:  # there may be a million points
-            return
-        number = record.at("table")
-        if number.value not in idle:
-            continue
-        idle.remove(number.value)
+    cards = values.section("table")
+    first = {number: places[0] for number, places in places_by(cards, "table").items() if number in idle}
+    for k in first.values():
+        number = cards[k].at("table")
         message = (
             "no card uses it; a motion of law 4 names a table in c0, a force or a torque in its last field, "
             "a function of kind TABL or SPLI behind its kind"

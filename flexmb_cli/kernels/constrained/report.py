@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from .._jit import kernel
 from .accelerations import accelerations
+from .elements import POWER
 from .forces import spring_energy
 from .mass_matrix import kinetic_energy, strain_energy, weight_energy
 from .multipliers import fill_multipliers, fill_wrenches
@@ -14,11 +15,15 @@ if TYPE_CHECKING:
     import numpy as np
 
 
+# Rows of the powers of loads (rows, K): at the state, at the start of the step behind, and what is tried.
+NOW, BEHIND, TRIED = 0, 1, 2
+
+
 class Report(NamedTuple):
     """T rows of a mechanism of b bodies with n speeds and m equations."""
 
     times: "np.ndarray"  # (T,) s
-    states: "np.ndarray"  # (T, 2 n + b + 1) coordinates, speeds, work of drivers and applied loads, J
+    states: "np.ndarray"  # (T, N) coordinates, speeds, work of drivers and applied loads, then of K loads, J
     rates: "np.ndarray"  # (T, n) of the speeds, m/s² or 1/s²
     wrenches: "np.ndarray"  # (T, groups, 2, 6) on both bodies, N and N m, see `fill_wrenches`
     multipliers: "np.ndarray"  # (T, m) scaled
@@ -33,6 +38,13 @@ def coordinates_and_speeds(system: System, z: "np.ndarray") -> "tuple[np.ndarray
     n = system.speed_scale.shape[0]
     end = n + system.masses.shape[0]
     return z[:end], z[end : end + n]
+
+
+@kernel
+def fill_load_powers(work: Work, powers: "np.ndarray") -> None:
+    """Fill powers (K,), W, of the first K loads, whose forces have just been found."""
+    for k in range(powers.shape[0]):
+        powers[k] = work.responses[k, POWER]
 
 
 @kernel

@@ -36,6 +36,7 @@ CLOCK = np.dtype(
         ("rejections", np.int64),  # failed attempts since the start
         ("rtol", np.float64),  # relative tolerance
         ("atol", np.float64),  # absolute tolerance, of units of the state
+        ("counted", np.int64),  # components of the state whose errors count; behind them stand works
         ("error", np.float64),  # error of the step that is tried, in tolerances
         ("worst", np.int64),  # place in the state of its largest component
         ("strayed", np.int64),  # whether the last attempt failed because the projection moved it too far
@@ -49,9 +50,13 @@ CLOCK = np.dtype(
 )
 
 
-def new_clock() -> np.ndarray:
-    """Return a clock (1,) of CLOCK at time 0, without a stop and without a singular position ahead."""
+def new_clock(counted: int = 0) -> np.ndarray:
+    """Return a clock (1,) of CLOCK at time 0, without a stop and without a singular position ahead.
+
+    `counted` components of the state have errors that count.
+    """
     clock = np.zeros(1, CLOCK)
+    clock["counted"] = counted
     clock["stop"] = clock["next"] = clock["singular"] = np.inf
     return clock
 

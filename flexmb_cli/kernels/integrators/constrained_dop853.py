@@ -52,11 +52,15 @@ class Integration(NamedTuple):
     angles: np.ndarray  # (3, angles) rad, see `angle_unwrapping`
 
 
-def new_integration(work: "Work", angles: int):
-    """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
-    n = 2 * work.jacobian.shape[1] + work.mass.shape[0] + 1
+def new_integration(work: "Work", angles: int, works: int = 0):
+    """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles.
+
+    The works of the first `works` loads are kept.
+    """
+    counted = 2 * work.jacobian.shape[1] + work.mass.shape[0]
+    n = counted + 1 + works
     return Integration(
-        new_clock(),
+        new_clock(counted),
         np.zeros(n),
         np.zeros(n),
         np.zeros(n),

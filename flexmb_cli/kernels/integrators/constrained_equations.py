@@ -14,12 +14,13 @@ from .._jit import allocating, kernel
 from ..constrained.accelerations import accelerate, factorise_at
 from ..constrained.angle_unwrapping import EXPECTED, NEW, OLD
 from ..constrained.projection import largest_gap, project_position, project_speeds
-from ..constrained.report import complete, coordinates_and_speeds
+from ..constrained.report import BEHIND, NOW, complete, coordinates_and_speeds, fill_load_powers
 from ..constrained.speeds import coordinate_rates, normalise
 from ..constrained.system import SOLVED
 from ..linalg.copying import copy
 from .clock import CONTRADICTION, READY, STEP_VANISHED
 from .error_norm import scaled_norm
+from .hermite import cubic
 
 if TYPE_CHECKING:
     from ..constrained.report import Report
@@ -59,7 +60,9 @@ def evaluate(
         return np.inf, 0.0
     power = accelerate(system, work, q, u, t, ud)
     coordinate_rates(system.masses.shape[0], q, u, coordinates_and_speeds(system, out)[0])
-    out[out.shape[0] - 1] = power
+    last = clock["counted"]
+    out[last] = power
+    fill_load_powers(work, out[last + 1 :])
     return moved, power
 
 
@@ -127,6 +130,34 @@ def note_gap(
 def code_of_gap(integration: "Integration | AlphaIntegration | RadauIntegration"):
     """Return whether equations that repeat others still do, as a code."""
     return READY if integration.clock[0]["gap"] <= REPEATED_GAP else CONTRADICTION
+
+
+@kernel
+def add_works(integration: "AlphaIntegration | RadauIntegration", weights: "np.ndarray", h: float) -> None:
+    """Add to z what the loads did in the step that ends there; weights (rows,) of their powers.
+
+    The last row of powers is that of the end.
+    """
+    powers, first = integration.load_powers, integration.clock[0]["counted"] + 1
+    for k in range(powers.shape[1]):
+        mean = 0.0
+        for row in range(powers.shape[0]):
+            mean += weights[row] * powers[row, k]
+        integration.z[first + k] = integration.old[first + k] + h * mean
+    copy(powers[NOW], powers[BEHIND])
+    copy(powers[powers.shape[0] - 1], powers[NOW])
+
+
+@kernel
+def works_between(
+    integration: "AlphaIntegration | RadauIntegration", x: float, h: float, point: "np.ndarray"
+) -> None:
+    """Fill the works of the loads in point at the fraction x of the last step, of length h."""
+    powers, first = integration.load_powers, integration.clock[0]["counted"] + 1
+    old, z = integration.old, integration.z
+    for k in range(powers.shape[1]):
+        i = first + k
+        point[i] = cubic(x, old[i], z[i], h * powers[BEHIND, k], h * powers[NOW, k])
 
 
 @kernel

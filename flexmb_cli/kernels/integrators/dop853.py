@@ -198,7 +198,7 @@ def interpolate(z: "np.ndarray", dense: "np.ndarray", x: float, out: "np.ndarray
 def step_error(integration: "Any", h: float):
     """Error of the step from z to trial, and the place in z of its largest component."""
     clock, z, new = integration.clock[0], integration.z, integration.trial
-    counted, worst, largest = z.shape[0] - 1, 0, 0.0
+    counted, worst, largest = clock["counted"], 0, 0.0
     square_5 = square_3 = 0.0
     for i in range(counted):
         scale = tolerance(clock, integration.units[i], max(abs(z[i]), abs(new[i])))

@@ -32,8 +32,9 @@ def displacement_tolerance(clock: Any, unit: float):
 
 @kernel
 def scaled_norm(integration: "Any", state: "np.ndarray", change: "np.ndarray"):
-    """Root mean square of a change (N,), the work left out, against the tolerances at a state (N,)."""
-    clock, total, counted = integration.clock[0], 0.0, change.shape[0] - 1
+    """Root mean square of a change (N,), works left out, against the tolerances at a state (N,)."""
+    clock, total = integration.clock[0], 0.0
+    counted = clock["counted"]
     for i in range(counted):
         total += (change[i] / tolerance(clock, integration.units[i], abs(state[i]))) ** 2
     return (total / counted) ** 0.5

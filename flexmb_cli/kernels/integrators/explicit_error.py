@@ -29,7 +29,7 @@ def error_on_constraints(system: "System", work: "Work", integration: "Integrati
     motion from another badly, it takes most of it away.
     """
     clock, n = integration.clock[0], system.speed_scale.shape[0]
-    first = integration.z.shape[0] - 1 - n
+    first = clock["counted"] - n
     q, u = integration.trial[:first], integration.trial[first : first + n]
     square_5 = square_3 = 0.0
     for order in range(2):

@@ -13,12 +13,12 @@ import numpy as np
 from .._jit import allocating, kernel
 from ..constrained.angle_unwrapping import EXPECTED, unwrap_angles
 from ..constrained.body_vectors import geometry_of, place_vectors
-from ..constrained.report import Report, complete, coordinates_and_speeds
+from ..constrained.report import NOW, TRIED, Report, complete, coordinates_and_speeds
 from ..constrained.system import System, Work
 from ..linalg.copying import copy
 from ..linalg.rotation import A, rotation_matrices
 from .clock import BEGIN, READY, STEP_VANISHED, new_clock
-from .constrained_equations import code_of_gap, interpolate_angles, note_gap
+from .constrained_equations import add_works, code_of_gap, interpolate_angles, note_gap, works_between
 from .generalised_alpha_control import SAME_TIME_IN_STEP, SLOWEST, advance, factor_of, next_length, retreat
 from .generalised_alpha_error import BEFORE, LAST, MEAN, NEW, NEW_MEAN, fastest_change
 from .generalised_alpha_step import iterate, solve_step, turn_exactly
@@ -26,6 +26,8 @@ from .hermite import cubic
 from .rotation_increments import FAR_TURN, LONGEST_TURN, largest_turn, set_slope, shift_between
 from .singular_ahead import look_ahead
 from .time_loop import Method, time_loop
+
+TRAPEZOID = np.array([0.5, 0.0, 0.5])  # weights of the powers of loads in the work of a step
 
 MEMORY = np.dtype(
     [
@@ -61,15 +63,20 @@ class AlphaIntegration(NamedTuple):
     step: np.ndarray  # (n,) correction of the accelerations, scaled
     shift: np.ndarray  # (n,) correction of speeds or positions, scaled
     gaps: np.ndarray  # (3, m) missing in the equations, rows POSITION_GAP, SPEED_GAP, ACCELERATION_GAP
+    load_powers: np.ndarray  # (3, K) of each load whose work is kept, rows NOW, BEHIND and TRIED, W
     newton: Work  # whose `reduced` is the matrix of an iteration
 
 
-def new_integration(work: Any, angles: Any) -> AlphaIntegration:
-    """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
+def new_integration(work: Any, angles: Any, works: int = 0) -> AlphaIntegration:
+    """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles.
+
+    The works of the first `works` loads are kept.
+    """
     m, n = work.jacobian.shape
-    size = 2 * n + work.mass.shape[0] + 1
+    counted = 2 * n + work.mass.shape[0]
+    size = counted + 1 + works
     return AlphaIntegration(
-        new_clock(),
+        new_clock(counted),
         np.zeros(1, MEMORY),
         np.zeros(size),
         np.zeros(size),
@@ -81,6 +88,7 @@ def new_integration(work: Any, angles: Any) -> AlphaIntegration:
         np.zeros(n),
         np.zeros(n),
         np.zeros((3, m)),
+        np.zeros((3, works)),
         work._replace(reduced=np.zeros_like(work.reduced)),
     )
 
@@ -94,6 +102,7 @@ def _begin(integration: AlphaIntegration, system: System, work: Work) -> int:
     if not iterate(system, work, integration, clock["t"], 0.0, 0.0, 0.0):
         return STEP_VANISHED
     memory["power"] = memory["new_power"]
+    copy(integration.load_powers[TRIED], integration.load_powers[NOW])
     copy(integration.trial, integration.z)
     copy(integration.z, integration.old)
     for kind in (LAST, BEFORE, MEAN):
@@ -134,11 +143,10 @@ def _reject(integration: "AlphaIntegration", h: float, factor: float, system: An
 @kernel
 def _holds(system: System, integration: AlphaIntegration, h: float) -> bool:
     """Return whether a step of length h is within the tolerance, and turns no body too far."""
-    bodies, first = system.masses.shape[0], integration.z.shape[0] - 1 - integration.rates.shape[1]
-    clock, memory = integration.clock[0], integration.memory[0]
-    fastest = max(
-        largest_turn(bodies, integration.z[first:-1]), largest_turn(bodies, integration.trial[first:-1])
-    )
+    bodies, clock, memory = system.masses.shape[0], integration.clock[0], integration.memory[0]
+    u = coordinates_and_speeds(system, integration.z)[1]
+    new = coordinates_and_speeds(system, integration.trial)[1]
+    fastest = max(largest_turn(bodies, u), largest_turn(bodies, new))
     memory["turned"] = h * fastest / LONGEST_TURN
     return clock["error"] < 1.0 and memory["turned"] < 1.0
 
@@ -147,11 +155,12 @@ def _holds(system: System, integration: AlphaIntegration, h: float) -> bool:
 def _accept(integration: AlphaIntegration, factor: float, system: System, work: Work):
     """Make the end of a step the state; a code."""
     clock, memory, rates, z = integration.clock[0], integration.memory[0], integration.rates, integration.z
-    last, h = z.shape[0] - 1, clock["length"]
+    last, h = clock["counted"], clock["length"]
     copy(z, integration.old)
     copy(integration.trial, z)
     z[last] = integration.old[last] + 0.5 * h * (memory["power"] + memory["new_power"])
     memory["old_power"], memory["power"] = memory["power"], memory["new_power"]
+    add_works(integration, TRAPEZOID, h)
     copy(rates[LAST], rates[BEFORE])
     copy(rates[NEW], rates[LAST])
     copy(rates[NEW_MEAN], rates[MEAN])
@@ -214,7 +223,7 @@ def _between(system: Any, integration: AlphaIntegration, x: float, point: np.nda
         integration.z,
         system.speed_scale.shape[0],
     )
-    nq, h, bodies = z.shape[0] - 1 - n, clock["step_length"], system.masses.shape[0]
+    nq, h, bodies = clock["counted"] - n, clock["step_length"], system.masses.shape[0]
     shift, before, after, mean = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     for k in range(n):
         before[k] = old[nq + k]
@@ -234,3 +243,4 @@ def _between(system: Any, integration: AlphaIntegration, x: float, point: np.nda
         point[i] = cubic(x, old[i], z[i], h * integration.rates[BEFORE, k], h * integration.rates[LAST, k])
     last = nq + n
     point[last] = cubic(x, old[last], z[last], h * memory["old_power"], h * memory["power"])
+    works_between(integration, x, h, point)

@@ -21,7 +21,7 @@ def step_error(system: Any, integration: "AlphaIntegration", h: float):
     (1/12 - s²/2) h³ d²(ud)/dt² in speeds.
     """
     clock, rates, n = integration.clock[0], integration.rates, system.speed_scale.shape[0]
-    first, rho = integration.z.shape[0] - 1 - n, integration.memory[0]["rho"]
+    first, rho = clock["counted"] - n, integration.memory[0]["rho"]
     s = (rho - 1.0) / (rho + 1.0)
     of_position, of_speed = (1.0 / 12.0 + 0.25 * s * s) * h * h, (1.0 / 12.0 - 0.5 * s * s) * h
     length, total = clock["step_length"], 0.0
@@ -40,7 +40,7 @@ def step_error(system: Any, integration: "AlphaIntegration", h: float):
 def correction_size(system: Any, integration: "AlphaIntegration", by_speed: float):
     """The change of the speeds by `step` in tolerances."""
     clock, n, total = integration.clock[0], system.speed_scale.shape[0], 0.0
-    first = integration.z.shape[0] - 1 - n
+    first = clock["counted"] - n
     for k in range(n):
         scale = tolerance(clock, integration.units[first + k], abs(integration.trial[first + k]))
         total += (by_speed * integration.step[k] / scale) ** 2
@@ -51,7 +51,7 @@ def correction_size(system: Any, integration: "AlphaIntegration", by_speed: floa
 def fastest_change(system: Any, integration: "AlphaIntegration"):
     """The largest rate at which accelerations change speeds, 1/s."""
     n = system.speed_scale.shape[0]
-    first = integration.z.shape[0] - 1 - n
+    first = integration.clock[0]["counted"] - n
     fastest = 0.0
     for k in range(n):
         size = system.speed_scale[k] + abs(integration.z[first + k])

@@ -32,7 +32,7 @@ from ..constrained.angle_unwrapping import EXPECTED, expect_angles
 from ..constrained.dry_friction import has_friction
 from ..constrained.mass_matrix import mass_matrices, mass_times
 from ..constrained.projection import evaluate_residual, rate_gap
-from ..constrained.report import coordinates_and_speeds
+from ..constrained.report import TRIED, coordinates_and_speeds, fill_load_powers
 from ..constrained.speeds import move
 from ..constrained.system import (
     CORRECTION,
@@ -137,7 +137,6 @@ def iterate(
             if iteration > 1 and not (contraction < 1.0 or size < FLOOR / clock["rtol"]):
                 return False
             left = memory["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
-        # Errors of steps of order 2 add up: those of chosen steps get a share of the tolerance each.
         share = memory["share"] = share_of(clock, memory, work, h, fastest_change(system, integration))
         clock["error"] = step_error(system, integration, h) / share
         enough = max(left_over(clock, memory, work, share), FLOOR / clock["rtol"])
@@ -231,6 +230,7 @@ def _evaluate(system: System, work: Work, integration: "AlphaIntegration", t: fl
         # Constraints that do not move do no work: what is left of their power is the drivers'.
         power -= forces[k] * u[k]
     integration.memory[0]["new_power"] = power
+    fill_load_powers(work, integration.load_powers[TRIED])
     return code
 
 

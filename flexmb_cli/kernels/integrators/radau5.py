@@ -15,18 +15,18 @@ from ..constrained.accelerations import factorise_constraints, fill_forces, redu
 from ..constrained.angle_unwrapping import EXPECTED, MOST_TURNED, NEW, expect_angles, unwrap_angles
 from ..constrained.dry_friction import has_friction
 from ..constrained.mass_matrix import mass_matrices
-from ..constrained.report import Report, complete, coordinates_and_speeds
+from ..constrained.report import NOW, Report, complete, coordinates_and_speeds, fill_load_powers
 from ..constrained.system import NO_INERTIA, SOLVED, System, Work
 from ..linalg.copying import copy
 from ..linalg.rank_revealing_lu import BRANCHING, smallest_pivot
 from .clock import BEGIN, READY, STEP_VANISHED, laid_out, new_clock
-from .constrained_equations import code_of_gap, interpolate_angles, note_gap
+from .constrained_equations import add_works, code_of_gap, interpolate_angles, note_gap
 from .error_norm import MOST_MOVED, SLOWEST
 from .radau5_error import FASTEST, SAFETY, next_factor, step_error, steps_within_rotation_limit, work_error
 from .radau5_projection import between, close_trial, moved, project_state
 from .radau5_singular_step import singular_step
 from .radau5_step import LAST_STEP, START, place_trial, prepare, renew_matrices, solve_step
-from .radau5_table import STAGES, WEIGHTS
+from .radau5_table import QUADRATURE, STAGES, WEIGHTS
 from .singular_ahead import blur, look_ahead
 from .time_loop import Method, time_loop
 
@@ -66,6 +66,7 @@ class RadauIntegration(NamedTuple):
     momenta: np.ndarray  # (3, n) M u of the stages
     missing: np.ndarray  # (n,) forces missing in the equations of motion
     powers: np.ndarray  # (3,) of drivers and loads that store no energy, at the stages, W
+    load_powers: np.ndarray  # (5, K) of each load whose work is kept: NOW, BEHIND, stages; W
     rest: np.ndarray  # (3, n) missing in the stages, in free motions
     motions: np.ndarray  # (3, n, n) the free speeds at the stages
     matrices: np.ndarray  # (3, n, n) of the free motions, MASS_LAYER, DAMPING_LAYER, STIFFNESS_LAYER
@@ -75,16 +76,21 @@ class RadauIntegration(NamedTuple):
     newton: Work  # whose `reduced` is the real matrix
 
 
-def new_integration(work: Any, angles: Any) -> RadauIntegration:
-    """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
+def new_integration(work: Any, angles: Any, works: int = 0) -> RadauIntegration:
+    """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles.
+
+    The works of the first `works` loads are kept.
+    """
     n = work.jacobian.shape[1]
-    size = 2 * n + work.mass.shape[0] + 1
+    counted = 2 * n + work.mass.shape[0]
+    size = counted + 1 + works
     return RadauIntegration(
-        new_clock(), np.zeros(1, MEMORY),
+        new_clock(counted), np.zeros(1, MEMORY),
         np.zeros(size), np.zeros(size), np.zeros(size), np.ones(size),
         np.zeros((3, angles)), np.zeros((2 * (STAGES + 1), n)),
         np.zeros((STAGES, n)), np.zeros((STAGES, n)), np.zeros((STAGES, n)), np.zeros((STAGES, n)),
-        np.zeros((STAGES, n)), np.zeros(n), np.zeros(STAGES), np.zeros((STAGES, n)),
+        np.zeros((STAGES, n)), np.zeros(n), np.zeros(STAGES), np.zeros((STAGES + 2, works)),
+        np.zeros((STAGES, n)),
         np.zeros((STAGES, n, n)), np.zeros((3, n, n)), np.zeros((n, n), complex),
         np.zeros(n), np.zeros(n, complex), work._replace(reduced=np.zeros_like(work.reduced)),
     )  # fmt: skip
@@ -106,6 +112,7 @@ def _begin(integration: RadauIntegration, system: System, work: Work) -> int:
         return STEP_VANISHED
     copy(integration.trial, integration.z)
     copy(integration.z, integration.old)
+    fill_load_powers(work, integration.load_powers[NOW])
     memory["branching"] = min(BRANCHING, BRANCHING_START * smallest_pivot(work.factors, work.rank[0]))
     for node in range(STAGES + 1):
         copy(rates[START], rates[LAST_STEP + node])
@@ -218,14 +225,8 @@ def _try_step(system: System, work: Work, integration: RadauIntegration, h: floa
 @kernel
 def _accept(integration: RadauIntegration, factor: float, system: System, work: Work):
     """Make the end of a step the state; a code."""
-    clock, memory, rates, z, end = (
-        integration.clock[0],
-        integration.memory[0],
-        integration.rates,
-        integration.z,
-        integration.z.shape[0] - 1,
-    )
-    h = clock["length"]
+    clock, memory, rates, z = integration.clock[0], integration.memory[0], integration.rates, integration.z
+    end, h = clock["counted"], clock["length"]
     last = h >= clock["stop"] - clock["t"]
     copy(z, integration.old)
     copy(integration.trial, z)
@@ -233,6 +234,7 @@ def _accept(integration: RadauIntegration, factor: float, system: System, work: 
     for stage in range(STAGES):
         z[end] += h * WEIGHTS[STAGES - 1, stage] * integration.powers[stage]
     memory["old_power"], memory["power"] = memory["power"], integration.powers[STAGES - 1]
+    add_works(integration, QUADRATURE, h)
     for node in range(STAGES + 1):
         copy(rates[START + node], rates[LAST_STEP + node])
     copy(rates[LAST_STEP + STAGES], rates[START])

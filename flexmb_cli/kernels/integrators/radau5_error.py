@@ -53,7 +53,7 @@ def step_error(system: Any, work: "Work", integration: "RadauIntegration", h: fl
         of_position[f] += REAL * h * y[f]
     add_free(system, work, integration.motions[STAGES - 1], y, speeds)
     add_free(system, work, integration.motions[STAGES - 1], of_position, shifts)
-    total, first = 0.0, integration.z.shape[0] - 1 - n
+    total, first = 0.0, clock["counted"] - n
     for k in range(n):
         scale = tolerance(
             clock, integration.units[first + k], max(abs(u[k]), abs(integration.speeds[STAGES - 1, k]))
@@ -76,7 +76,8 @@ def work_error(integration: "RadauIntegration", h: float):
 @kernel
 def work_scale(integration: "RadauIntegration"):
     """The work that the tolerance allows to be wrong, J: its own, and what that of the speeds allows."""
-    clock, u, last = integration.clock[0], integration.speeds[STAGES - 1], integration.z.shape[0] - 1
+    clock, u = integration.clock[0], integration.speeds[STAGES - 1]
+    last = clock["counted"]
     first = last - u.shape[0]
     scale = tolerance(clock, integration.units[last], abs(integration.z[last]))
     for k in range(u.shape[0]):

@@ -15,6 +15,7 @@ from ..constrained.projection import close_gaps, close_rates
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import coordinate_accelerations, coordinate_rates, normalise, speeds_of_rates
 from ..constrained.system import SOLVED, System, Work
+from .constrained_equations import works_between
 from .error_norm import scaled_norm
 from .hermite import cubic, quintic
 from .radau5_step import LAST_STEP, START
@@ -87,3 +88,4 @@ def between(system: Any, integration: "RadauIntegration", x: float, point: "np.n
     point[last] = cubic(
         x, old[last], z[last], h * integration.memory[0]["old_power"], h * integration.memory[0]["power"]
     )
+    works_between(integration, x, h, point)

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 from .._jit import allocating, kernel
 from ..constrained.angle_unwrapping import MOST_TURNED, expect_angles
+from ..constrained.elements import POWER
+from ..constrained.report import NOW, TRIED
 from ..constrained.system import SOLVED, System, Work
 from .error_norm import tolerance
 from .radau5_error import work_scale
@@ -64,7 +66,7 @@ def singular_step(system: System, work: Work, integration: "RadauIntegration", h
     behind = -work.factors[pivot, pivot] / work.pivots[pivot]
     if not 1.0 / UNEVEN < behind < UNEVEN:
         return False
-    of_work = h * abs(_spread_power(integration, power)) / work_scale(integration)
+    of_work = h * abs(_spread_power(integration, work, power)) / work_scale(integration)
     clock["error"] = max(clock["error"], moved(integration, found), OF_POWER * of_work) / blur(
         work, clock["rtol"]
     )
@@ -89,7 +91,7 @@ def _bend(integration: "RadauIntegration", expected: "np.ndarray", h: float) -> 
 def _unexpected(integration: "RadauIntegration", expected: "np.ndarray") -> float:
     """By how many tolerances of the speeds, a second, the accelerations at the end are not those expected."""
     clock, n, total = integration.clock[0], expected.shape[0], 0.0
-    first = integration.z.shape[0] - 1 - n
+    first = clock["counted"] - n
     for k in range(n):
         scale = tolerance(clock, integration.units[first + k], abs(integration.trial[first + k]))
         total += ((integration.rates[START + STAGES, k] - expected[k]) / scale) ** 2
@@ -97,9 +99,13 @@ def _unexpected(integration: "RadauIntegration", expected: "np.ndarray") -> floa
 
 
 @kernel
-def _spread_power(integration: "RadauIntegration", power: float) -> float:
+def _spread_power(integration: "RadauIntegration", work: Work, power: float) -> float:
     """Powers of the stages between that at the start and that at the end; returns the change."""
-    before = integration.memory[0]["power"]
+    before, of_loads = integration.memory[0]["power"], integration.load_powers
     for stage in range(STAGES):
         integration.powers[stage] = before + TIMES[stage] * (power - before)
+    for k in range(of_loads.shape[1]):
+        first, change = of_loads[NOW, k], work.responses[k, POWER] - of_loads[NOW, k]
+        for stage in range(STAGES):
+            of_loads[TRIED + stage, k] = first + TIMES[stage] * change
     return power - before

@@ -29,7 +29,7 @@ from ..constrained.accelerations import (
 )
 from ..constrained.dry_friction import has_friction
 from ..constrained.mass_matrix import mass_matrices, mass_times
-from ..constrained.report import coordinates_and_speeds
+from ..constrained.report import TRIED, coordinates_and_speeds, fill_load_powers
 from ..constrained.system import FORCES, GAMMA, PRODUCT, SOLVED, UNKNOWN, System, Work
 from ..constrained.tangent import add_stiff
 from ..linalg.cholesky import cholesky, cholesky_solve
@@ -192,7 +192,7 @@ def place_stages(system: System, integration: "RadauIntegration", h: float) -> f
     )
     n, total = rates.shape[1], 0.0
     u = coordinates_and_speeds(system, integration.z)[1]
-    first = integration.z.shape[0] - 1 - n
+    first = clock["counted"] - n
     for stage in range(STAGES):
         for k in range(n):
             change = 0.0
@@ -250,6 +250,7 @@ def _evaluate(system: System, work: Work, integration: "RadauIntegration", stage
         # Constraints that do not move do no work: what is left of their power is the drivers'.
         power -= missing[k] * u[k]
     integration.powers[stage] = power
+    fill_load_powers(work, integration.load_powers[TRIED + stage])
     mass_times(system, work, u, integration.momenta[stage])
     split(system, work, missing, gaps, integration.steps[stage], integration.rest[stage])
     for k in range(n):

@@ -17,6 +17,9 @@ WEIGHTS = np.array(
     ]
 )
 
+# Of the powers of loads, rows NOW, BEHIND and the stages, in the work of a step.
+QUADRATURE = np.array([0.0, 0.0, *WEIGHTS[STAGES - 1]])
+
 # Eigenvalues of WEIGHTS: one is real, the others are a complex one and its conjugate.
 _C = 9.0 ** (1.0 / 3.0)
 REAL = (6.0 + _C * (_C - 1.0)) / 30.0

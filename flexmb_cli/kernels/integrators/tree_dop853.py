@@ -41,7 +41,7 @@ class Integration(NamedTuple):
 
 def new_integration(n: int) -> Integration:
     """An integration at time 0 with an empty state."""
-    clock = new_clock()
+    clock = new_clock(n - 1)
     clock["fault"] = SOLVED
     states = [np.zeros(n) for _ in range(3)]
     return Integration(clock, *states, np.zeros((ASIDE + 1, n)), np.zeros((DENSE_TERMS, n)), np.ones(n))  # type: ignore[call-arg]

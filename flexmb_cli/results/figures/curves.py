@@ -16,7 +16,7 @@ from ..quantities.readable import Readable, readable
 
 # What is drawn of a result of no dialect, such as a study's.
 OF_ANY = ("point/position", "body/position", "driver/effort")
-ENERGIES = ("energy/kinetic", "energy/potential", "energy/strain", "energy/applied_work")
+ENERGIES = ("energy/kinetic", "energy/potential", "energy/strain", "energy/applied_work", "energy/dissipated")
 TOTAL = "energy/total"
 # Drawn of every result with elements.
 OF_ELEMENTS = ("coordinate/q", "element/effort", "driver/effort")

@@ -27,6 +27,15 @@ ELEMENT_SERIES = {
         "element/power", (ELEMENT,), "W", "power of what the element dissipates (negative) or drives"
     ),
     "element_energy": Series("element/energy", (ELEMENT,), "J", "energy that the element stores"),
+    "element_work": Series(
+        "element/work", (ELEMENT,), "J", "work of its power since the start: negative, what it has dissipated"
+    ),
+    "dissipated": Series(
+        "energy/dissipated",
+        (),
+        "J",
+        "what springs' dampers, stops, cables, bushings and friction have dissipated since the start",
+    ),
 }
 SERIES = JOINT_SERIES | ELEMENT_SERIES
 
@@ -43,7 +52,8 @@ def with_elements(
     present = {axis.path for axis in axes}
     # A tree has series of its coordinates already.
     wanted = SERIES if coordinates else ELEMENT_SERIES
-    series = [item for item in wanted.values() if present.issuperset(item.axes)]
+    # What all elements together dissipate has no axis, but belongs to theirs.
+    series = [item for item in wanted.values() if present.issuperset(item.axes or (ELEMENT,))]
     return replace(layout, axes=tuple(axes), series=(*layout.series, *series))
 
 

@@ -25,7 +25,7 @@ from .unknown_names import hint_for
 
 NOTHING = "an empty name"
 TIMES_AT_ONCE = 2**20
-SHOWS_ALL = "; --list shows all"
+SHOWS_ALL = "; flexmb table RESULT.h5 --list shows all"
 
 
 class ResultError(FlexmbError):

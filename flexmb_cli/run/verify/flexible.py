@@ -42,6 +42,7 @@ ELEMENTS = (
     ("element effort", "N, N m", "element_effort"),
     ("element power", "W", "element_power"),
     ("element energy", "J", "element_energy"),
+    ("element work", "J", "element_work"),
 )
 ENERGIES = ("kinetic", "potential", "strain")
 

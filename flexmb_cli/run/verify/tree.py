@@ -87,6 +87,11 @@ def compare(
     for path, (name, unit) in ELEMENTS.items():
         if path in kane and kane[path].size:
             found.append(_largest(name, unit, size, kane, kane[path], absolute[path]))
+    if "element/work" in kane and kane["element/work"].size and _moves_freely(tree):
+        pair = kane["element/work"], absolute["element/work"]
+        # No step controls the error of a work: against all energy that moves, it is as small as theirs.
+        most = max(moved, float(np.max(np.abs(pair[0]))))
+        found.append(_largest("element work", "J", size, kane, *pair, scale=most))
     return tuple(found)
 
 

@@ -53,9 +53,15 @@ class ConstrainedMotion(ABC):
     usual_words = "planar mechanism of spatial joints", "3 a loop"  # of `usual_repetitions`
 
     def __init__(
-        self, arrays: SystemArrays, grid: TimeGrid, tolerance: float, integrator: Steps | None = None
+        self,
+        arrays: SystemArrays,
+        grid: TimeGrid,
+        tolerance: float,
+        integrator: Steps | None = None,
+        works: bool = False,
     ):
         self.arrays = arrays
+        self.works = len(arrays.loads) if works else 0  # loads whose works are kept
         self.grid = grid
         self.integrator = integrator or ExplicitSteps()
         self.system = constrained_system(arrays)
@@ -65,7 +71,7 @@ class ConstrainedMotion(ABC):
         self.row, self.resumed = 0, False
         self._first = np.zeros(0)  # coordinates at the start
         coordinates, n = arrays.coordinate_scale.size, arrays.speeds
-        self.integration = self.integrator.new_integration(self.work, arrays.angles.size)
+        self.integration = self.integrator.new_integration(self.work, arrays.angles.size, self.works)
         self.integration.units[:coordinates] = arrays.coordinate_scale
         self.integration.units[coordinates : coordinates + n] = arrays.speed_scale
         self.clock = self.integration.clock
@@ -159,7 +165,7 @@ class ConstrainedMotion(ABC):
     def _reports(self, times: np.ndarray) -> "Iterator[Report]":
         """Reports of as many rows as a call fills, up to all `times`; raises AnalysisError."""
         while times.size:
-            report = blank_report(self.arrays, times[:LARGEST_BLOCK])
+            report = blank_report(self.arrays, times[:LARGEST_BLOCK], self.works)
             answer = self._call(codes.INTEGRATION, report)
             filled = int(self.clock["row"][0])
             times = times[filled:]
@@ -241,14 +247,14 @@ class ConstrainedMotion(ABC):
         found = self.found = order_of_elimination(self, q, grid.start)
         integration.z[: q.size] = self._first = q
         # Rates that contradict others are refused here: what is left does repeat others.
-        integration.z[q.size : -1] = start_speeds(self, q, grid.start)
+        integration.z[q.size : q.size + self.arrays.speeds] = start_speeds(self, q, grid.start)
         refuse_coinciding_ends(self.system, self.work, self.springs, grid.start)
         if found.redundant:
             self.warnings.append(repetition(found, self.usual_repetitions(q), *self.usual_words))
         self._warn_of_fine_tables()
         self.clock["t"] = grid.start
         self.clock["stop"] = grid.time(grid.rows - 1)
-        answer = self._call(codes.BEGIN, blank_report(self.arrays, np.zeros(0)))
+        answer = self._call(codes.BEGIN, blank_report(self.arrays, np.zeros(0), self.works))
         if answer != codes.READY:
             raise step_failure(self, answer)
         self.warnings += notes_of_pressed_stops(self.arrays.loads, self.work.responses)

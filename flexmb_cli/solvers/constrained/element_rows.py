@@ -25,6 +25,8 @@ class ElementRows(DynamicRows):
     element_effort: np.ndarray  # (T, elements) drives the coordinate to larger values
     element_power: np.ndarray  # (T, elements) W, of dampers, friction and motors
     element_energy: np.ndarray  # (T, elements) J, what it stores
+    element_work: np.ndarray  # (T, elements) J, integral of its power since the start
+    dissipated: np.ndarray  # (T,) J, what all elements but motors have dissipated since the start
 
 
 def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> ElementRows:
@@ -44,11 +46,13 @@ def element_answers(report: Report, first: int, elements: JointElements, coordin
     """Fields of `ElementRows` that the loads from `first` on answer, `coordinates` of joints among them."""
     # A force of none is 0, not -0.
     answers = report.responses[:, first:] + 0.0
+    works = report.states[:, report.states.shape[1] - answers.shape[1] :] + 0.0
     ends = answers.shape[1] - len(elements.frictions)
     last = ends - len(elements.motors)
     begins = last - coordinates
     probes = answers[:, begins:last]
-    found = np.concatenate([answers[:, :begins], answers[:, ends:], answers[:, last:ends]], axis=1)
+    motors, others = np.arange(last, ends), np.r_[:begins, ends : answers.shape[1]]
+    found = answers[:, np.concatenate([others, motors])]
     return {
         "joint_coordinate": probes[..., COORDINATE].copy(),
         "joint_rate": probes[..., SPEED].copy(),
@@ -57,6 +61,9 @@ def element_answers(report: Report, first: int, elements: JointElements, coordin
         "element_effort": found[..., EFFORT].copy(),
         "element_power": found[..., POWER].copy(),
         "element_energy": found[..., ENERGY].copy(),
+        "element_work": works[:, np.concatenate([others, motors])],
+        # 0 - x, unlike -x, leaves no negative zeros.
+        "dissipated": 0.0 - np.sum(works[:, others], axis=1),
     }
 
 

@@ -66,8 +66,8 @@ def _has_forces(analysis: Any, t: float) -> bool:
     """Return whether all loads have forces at the state that the steps have reached."""
     work, z, ud = analysis.work, analysis.integration.z, np.zeros(analysis.arrays.speeds)
     work.angles[:] = analysis.integration.angles[NEW]
-    end = z.size - 1 - ud.size
-    accelerations(analysis.system, work, z[:end], z[end:-1], t, ud)
+    end = ud.size + analysis.arrays.bodies
+    accelerations(analysis.system, work, z[:end], z[end : end + ud.size], t, ud)
     return bool(rows_with_forces(work.responses[None]))
 
 

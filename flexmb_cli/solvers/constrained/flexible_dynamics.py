@@ -46,7 +46,8 @@ class FlexibleDynamics(ConstrainedMotion):
 
     def __init__(self, mechanism: FlexibleMechanism):
         steps, tolerance = integrator_of(mechanism.integrator)
-        super().__init__(flexible_arrays(mechanism), mechanism.time, tolerance, steps)
+        works = bool(mechanism.elements)
+        super().__init__(flexible_arrays(mechanism), mechanism.time, tolerance, steps, works)
         self.mechanism = mechanism
         self.velocities, self.springs = tuple(_velocities(mechanism)), mechanism.springs
 

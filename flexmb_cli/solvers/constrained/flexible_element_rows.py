@@ -22,6 +22,8 @@ class FlexibleElementRows(FlexibleRows):
     element_effort: np.ndarray  # (T, elements)
     element_power: np.ndarray  # (T, elements)
     element_energy: np.ndarray  # (T, elements)
+    element_work: np.ndarray  # (T, elements)
+    dissipated: np.ndarray  # (T,)
 
 
 def flexible_element_rows(

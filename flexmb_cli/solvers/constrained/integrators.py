@@ -22,8 +22,8 @@ KERNELS = "flexmb_cli.kernels.integrators"
 class Steps:
     """Steps whose lengths a method chooses by the tolerance.
 
-    `module`, of `kernels/integrators`, has new_integration(work, angles) and the kernel integrate_rows(task,
-    system, work, integration, report, budget).
+    `module`, of `kernels/integrators`, has new_integration(work, angles, works) and the kernel
+    integrate_rows(task, system, work, integration, report, budget).
     """
 
     length = 0.0  # s, of its steps; 0 where they are its own choice
@@ -48,9 +48,12 @@ class Steps:
         found: Callable[..., Any] = import_module(self._module).integrate_rows
         return found
 
-    def new_integration(self, work: Any, angles: int) -> Any:
-        """Return an integration at time 0 with an empty state, for this work and so many angles."""
-        return import_module(self._module).new_integration(work, angles)
+    def new_integration(self, work: Any, angles: int, works: int) -> Any:
+        """Return an integration at time 0 with an empty state, for this work and so many angles.
+
+        The works of the first `works` loads are kept.
+        """
+        return import_module(self._module).new_integration(work, angles, works)
 
     def doubts(self, clock: Any) -> list[Fault]:
         """Return what is doubtful about the steps taken."""
@@ -87,9 +90,9 @@ class GeneralisedAlpha(Steps):
         super().__init__("generalised_alpha")
         self.radius, self.length = radius, length
 
-    def new_integration(self, work: "Work", angles: int) -> "AlphaIntegration":
+    def new_integration(self, work: "Work", angles: int, works: int) -> "AlphaIntegration":
         """Return an integration with the settings of the method."""
-        integration = super().new_integration(work, angles)
+        integration = super().new_integration(work, angles, works)
         integration.memory["rho"], integration.memory["fixed"] = self.radius, self.length
         found: AlphaIntegration = integration
         return found

@@ -56,7 +56,7 @@ def dynamic_rows(mechanism: Mechanism, report: Report) -> DynamicRows:
         **_forces(mechanism, report.wrenches, q[..., 3:]),
         kinetic=report.audit[:, 0].copy(),
         potential=report.audit[:, 1].copy(),
-        applied_work=report.states[:, -1].copy(),
+        applied_work=report.states[:, 13 * bodies].copy(),
         applied_power=report.powers.copy(),
     )
 

@@ -42,12 +42,12 @@ def new_work(arrays: SystemArrays) -> Work:
     return found
 
 
-def blank_report(arrays: SystemArrays, times: np.ndarray) -> Report:
-    """A report for the given times."""
+def blank_report(arrays: SystemArrays, times: np.ndarray, works: int = 0) -> Report:
+    """A report for the given times; the works of the first `works` loads are kept."""
     rows, n = times.size, arrays.speeds
     return Report(
         times,
-        np.zeros((rows, 2 * n + arrays.bodies + 1)),
+        np.zeros((rows, 2 * n + arrays.bodies + 1 + works)),
         np.zeros((rows, n)),
         np.zeros((rows, len(arrays.groups), 2, 6)),
         np.zeros((rows, len(arrays.equations))),

@@ -64,7 +64,9 @@ class AbsoluteTree(ConstrainedMotion):
         self._bodies = tuple(bodies)
         arrays = absolute_arrays(tree, self.frames, self._bodies)
         stiff = tree.elements and tree.integration.method in IMPLICIT
-        super().__init__(arrays, tree.time, tree.integration.rtol, RadauSteps() if stiff else None)
+        super().__init__(
+            arrays, tree.time, tree.integration.rtol, RadauSteps() if stiff else None, bool(tree.elements)
+        )
         self.clock["atol"] = tree.integration.atol
         self._speeds = np.concatenate([np.concatenate([body.velocity, body.omega]) for body in bodies])
         self._elastic = [elastic_start(tree, k) for k in range(len(tree.bodies))]
@@ -100,7 +102,7 @@ class AbsoluteTree(ConstrainedMotion):
         """Return the coordinates (NS,) of the tree where the bodies are, and its speeds (NS, n) by theirs."""
         n, z = self.arrays.speeds, self.integration.z
         report = blank_report(self.arrays, np.full(n + 1, float(self.clock["t"][0])))
-        report.states[:] = z
+        report.states[:] = z[: report.states.shape[1]]
         report.states[:, -1 - n : -1] = np.eye(n + 1, n, -1)
         rows = absolute_rows(self.tree, self.frames, self.arrays, report, self._angles, self._attitude)
         return rows.q[0], rows.y[1:].T

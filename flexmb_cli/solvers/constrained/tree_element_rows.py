@@ -22,6 +22,8 @@ class TreeElementRows(TreeRows):
     element_effort: np.ndarray  # (T, elements)
     element_power: np.ndarray  # (T, elements)
     element_energy: np.ndarray  # (T, elements)
+    element_work: np.ndarray  # (T, elements)
+    dissipated: np.ndarray  # (T,)
     driver_effort: np.ndarray  # (T, drivers) along the prescribed coordinates
 
 
@@ -31,7 +33,7 @@ def with_elements(tree: Tree, arrays: SystemArrays, rows: TreeRows, report: Repo
     behind = len(list(names_of(tree.elements)))
     first = report.responses.shape[1] - behind
     found = element_answers(report, first, tree.elements, 0)
-    own: dict[str, Any] = {name: value for name, value in found.items() if name.startswith("element")}
+    own: dict[str, Any] = {name: value for name, value in found.items() if not name.startswith("joint")}
     efforts = report.multipliers[:, rows_of_drivers(tree, arrays)].copy()
     return TreeElementRows(**kept, **own, driver_effort=efforts)
 

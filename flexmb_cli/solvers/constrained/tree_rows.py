@@ -117,7 +117,7 @@ def absolute_rows(
         kinetic=report.audit[:, 0].copy(),
         potential=report.audit[:, 1].copy(),
         strain=report.audit[:, 2].copy(),
-        applied_work=report.states[:, -1].copy(),
+        applied_work=report.states[:, 2 * arrays.speeds + arrays.bodies].copy(),
         closure_force=_closure_forces(tree, arrays, report),
         constraint_residual=report.audit[:, 3].copy(),
         velocity_residual=report.audit[:, 4].copy(),

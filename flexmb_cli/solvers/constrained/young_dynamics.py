@@ -31,7 +31,8 @@ class ForwardDynamics(ConstrainedMotion):
     arrays: DynamicArrays
 
     def __init__(self, model: DynamicModel):
-        super().__init__(dynamic_arrays(model), model.mechanism.time, model.tolerance, _integrator(model))
+        arrays, steps = dynamic_arrays(model), _integrator(model)
+        super().__init__(arrays, model.mechanism.time, model.tolerance, steps, bool(model.elements))
         self.model = model
         self.mechanism = model.mechanism
         self.velocities, self.springs = model.velocities, model.springs

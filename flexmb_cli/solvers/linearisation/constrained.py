@@ -67,7 +67,8 @@ class ConstrainedLinearised(LinearisedMotion):
         self.system = analysis.system
         arrays, z = analysis.arrays, analysis.integration.z
         self.count = arrays.coordinate_scale.size
-        here = z[: self.count].copy(), z[self.count : -1].copy(), float(analysis.clock["t"][0])
+        speeds = z[self.count : self.count + arrays.speeds]
+        here = z[: self.count].copy(), speeds.copy(), float(analysis.clock["t"][0])
         self.q, self.u, self.t = state or here
         self.scale, self.duration = arrays.speed_scale, analysis.grid.end - analysis.grid.start
         self.coordinates = JointCoordinates(arrays, axes)
@@ -191,7 +192,8 @@ class ConstrainedLinearised(LinearisedMotion):
     def stand_at(self, y: np.ndarray) -> None:
         """Put the analysis to the position displaced by y (scaled), its independent coordinates at rest."""
         z = self.analysis.integration.z
-        z[: self.count], z[self.count : -1] = self.standing(y)
+        end = self.count + self.analysis.arrays.speeds
+        z[: self.count], z[self.count : end] = self.standing(y)
 
 
 def linearised(

@@ -72,6 +72,8 @@ class TreeWithElements(TreeAnalysis):
         """Yield the report rows; raises AnalysisError without inertia, or where steps vanish."""
         grid, z = self.tree.time, self.state.copy()
         t, end = grid.start, grid.time(grid.rows - 1)
+        self.slope(t, z)
+        z = np.append(z, np.zeros(len(self.answers)))
         for stop in [*self._stops(t, end), end]:
             set_functions(self.tree, self._deck_functions, t, stop)
             yield from self._observed(lambda _t, z=z: z, t)
@@ -91,9 +93,9 @@ class TreeWithElements(TreeAnalysis):
 
     def _solver(self, t: float, z: np.ndarray, stop: float) -> DOP853:
         atol = np.full(z.size, self.tree.integration.atol)
-        atol[-1] = UNCOUNTED
+        atol[self.state.size - 1 :] = UNCOUNTED
         rtol = max(self.tree.integration.rtol, 100 * np.finfo(float).eps)
-        return DOP853(self.slope, t, z, stop, rtol=rtol, atol=atol, max_step=self.tree.time.step)
+        return DOP853(self._slope_with_works, t, z, stop, rtol=rtol, atol=atol, max_step=self.tree.time.step)
 
     def _stops(self, start: float, end: float) -> list[float]:
         """Times at which a load of the deck or a function of an element changes its formula."""
@@ -106,15 +108,15 @@ class TreeWithElements(TreeAnalysis):
 
     def _observed(self, state_at: Any, t: float) -> Iterator[TreeElementRows]:
         for time in self.due_times(t):
-            z = state_at(time)
+            z, works = np.split(state_at(time), [self.state.size])
             self.slope(time, z)
             if failure := self._force_failure(time):
                 raise failure
             self.clock["stop"] = np.inf
             rows = self.observe(lambda _t, z=z: z, [time])
-            yield self._with_answers(rows)
+            yield self._with_answers(rows, works)
 
-    def _with_answers(self, rows: TreeRows) -> TreeElementRows:
+    def _with_answers(self, rows: TreeRows, works: np.ndarray) -> TreeElementRows:
         """The row with what the elements answered last; energy of elements is no work of loads."""
         kept = {field.name: getattr(rows, field.name) for field in fields(TreeRows)}
         energy = sum(effort.energy for *_, effort in self.answers)
@@ -126,12 +128,24 @@ class TreeWithElements(TreeAnalysis):
             "element_coordinate": [x for x, _, _ in self.answers],
             "element_rate": [v for _, v, _ in self.answers],
             "element_effort": [effort.effort for *_, effort in self.answers],
-            "element_power": [(effort.effort - effort.kept) * v for _, v, effort in self.answers],
+            "element_power": self._powers(),
             "element_energy": [effort.energy for *_, effort in self.answers],
+            "element_work": works,
             "driver_effort": self.coordinates["drive"][self.arrays.prescribed["coordinate"]],
         }
-        columns = {name: np.array(row)[None] for name, row in columns.items()}
-        return TreeElementRows(**kept, **columns)
+        dissipated = np.array([-works[: works.size - len(self.model.elements.motors)].sum()])
+        arrays: dict[str, Any] = {name: np.array(row)[None] for name, row in columns.items()}
+        return TreeElementRows(**kept, **arrays, dissipated=dissipated)
+
+    def _powers(self) -> list[float]:
+        """Return the power of each element, W, as it answered last; that of stored energy is left out."""
+        return [(effort.effort - effort.kept) * v for _, v, effort in self.answers]
+
+    def _slope_with_works(self, t: float, z: np.ndarray) -> np.ndarray:
+        """The slope of a state with the works of the elements behind it."""
+        slope = self.slope(t, z[: self.state.size])
+        known = np.isfinite(slope).all()
+        return np.append(slope, self._powers() if known else np.full(z.size - slope.size, np.nan))
 
     def slope(self, t: float, z: np.ndarray) -> np.ndarray:
         """z' (n,); leaves the loads of the elements in the arrays and their answers in `answers`.

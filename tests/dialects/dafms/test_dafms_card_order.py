@@ -31,7 +31,8 @@ CASES = [
             ("STAR\nSTOP", "STAR\nDFMB\nSTOP"),
         ),
         [
-            "64:1: error: a second DFMB card: flexmb solves one model a deck; split the deck here",
+            "64:1: error: a second DFMB card: of a file up to 100 models are solved, of standard input one; "
+            "split the deck here",
         ],
         id="a second model",
     ),

@@ -16,7 +16,7 @@ from flexmb_cli.dialects.dafms.skyline import full_matrix
 from flexmb_cli.dialects.recognise import read_deck
 from tests.dialects.dafms.dafms_decks import read
 from tests.dialects.dafms.test_dafms_elements import deck
-from tests.dialects.dafms.test_every_card import CASES, DRIVER, joined
+from tests.dialects.dafms.test_every_card import CASES, Case, joined
 
 DECKS = Path(__file__).parents[3] / "decks" / "dafms"
 TYPED = sorted(DECKS.glob("*.DAT"))
@@ -121,7 +121,7 @@ def test_a_supplied_deck_typed_in_reads_back_to_the_same_values(path):
 
 @pytest.mark.parametrize("word", CASES)
 def test_every_card_of_functions_and_elements_can_be_typed_in(word):
-    given = read(deck(joined(CASES[word], [] if word == "COUP" else DRIVER)))
+    given = read(deck(joined(CASES[word], [] if word == "COUP" else Case([]).driver)))
     assert read_back(given).section(CARDS[word].section)
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from tests.dialects.vsdf.test_elements import SLIDING, TWO_LINKS
 
 POWERS = (1.2, 0.9, -0.7)  # the motion is 1.2 t + 0.9 t² - 0.7 t³, rad or m
-DRIVEN = f"FUNC\n 90,POLY,0,{','.join(map(str, POWERS))}\n"
+REVERSING = (1.2, -5.0, -4.0)  # comes to rest after 0.1 s, and goes back
 SLOPES = "FUNC\n 5,POLY,0,0,0,40\n 6,POLY,0,0.3,0.1\n"
 VARIED = "FUNC\n 5,SPLI,0,0.3,0.1,1.1,0.2,0.8,0.3,0.4\n 6,SINE,0,2,9\n 7,SUM,5,6\n"
 WEIGHT = "GRAV\n 1.2,-9.81,0.4\n"
@@ -24,17 +24,19 @@ class Case:
     mechanism: str
     cards: str
     coordinate: int = 1
+    powers: tuple[float, float, float] = POWERS  # of the motion
 
     @property
     def driver(self) -> str:
         """Cards of the motion."""
-        return f"{DRIVEN}MOTN\n 1,{('ANGL', 'STRK')[self.coordinate - 1]},1,5,90\n"
+        function = f"FUNC\n 90,POLY,0,{','.join(map(str, self.powers))}\n"
+        return f"{function}MOTN\n 1,{('ANGL', 'STRK')[self.coordinate - 1]},1,5,90\n"
 
     @property
     def motor(self) -> str:
         """Cards that take the place of the motion: function 99 as effort, and the rate at the start."""
         word = ("TMOT", "AMOT")[self.coordinate - 1]
-        return f"{word}\n 1,99\nRATE\n 1,{self.coordinate},{POWERS[0]}\n"
+        return f"{word}\n 1,99\nRATE\n 1,{self.coordinate},{self.powers[0]}\n"
 
 
 def turned(cards: str) -> Case:
@@ -63,6 +65,25 @@ CASES = {
     "FRIC": turned("FRIC\n 1,0.2,0.25,0.5,1e-3,0.04,3\n 2,0.1,0.1,1,0.01,0.05\n"),
     "RATE": turned("RATE\n 2,1,0.6\n"),
     "OUTJ": turned("OUTJ\n 1\n"),
+}  # fmt: skip
+
+# Friction of every joint that has it, which stops, turns round and slides back.
+ALONG_Z = "0,3,1,0,0\n 1,1,0,0,0\n 1,2,0,0,1\n 1,3,1,0,0\nJOIN\n 1,{},0,1,2,1,1,2"
+BEARING = "FRIC\n 1,0.2,0.25,0.5,0.1,0.04,3\n"
+
+
+def sleeve(joint: str) -> str:
+    """The slider's body on another joint about and along z."""
+    return SLIDING.split("NODE")[0] + f"NODE\n 0,1,0,0,0\n 0,2,0,0,1\n {ALONG_Z.format(joint)}"
+
+
+CASES_OF_FRICTION = {
+    "revolute": Case(f"{sleeve('REVO')}\n", f"{WEIGHT}{BEARING}", powers=REVERSING),
+    "translational": Case(SLIDING, f"{WEIGHT}FRIC\n 1,0.2,0.25,5,0.5,0,3\n", 2, REVERSING),
+    "cylindrical": Case(
+        f"{sleeve('CYLI')}\n", f"{WEIGHT}{BEARING}COUP\n 1,1,1,0.05\n 1,1,2,-1\n", powers=REVERSING
+    ),
+    "screw": Case(f"{sleeve('SCRW')},3,3,0.03\n", f"{WEIGHT}{BEARING}", powers=REVERSING),
 }  # fmt: skip
 
 

@@ -44,7 +44,7 @@ def integrated(first, longest, tolerance):
     # The last number of a state is work, which steps are not judged by.
     states = {name: np.ones(2) for name in ("z", "old", "trial", "units")}
     slopes, dense = np.zeros((ALL_STAGES, 2)), np.zeros((DENSE_TERMS, 2))
-    integration = SimpleNamespace(clock=new_clock(), slopes=slopes, dense=dense, **states)
+    integration = SimpleNamespace(clock=new_clock(1), slopes=slopes, dense=dense, **states)
     clock = integration.clock
     clock["stop"], clock["step"], clock["rtol"], clock["atol"] = END, first, tolerance, tolerance
     report = SimpleNamespace(times=np.linspace(0.0, END, 21), values=np.zeros(21))

@@ -5,6 +5,8 @@ import pytest
 from numpy.polynomial import Polynomial
 
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
+from flexmb_cli.kernels.constrained.elements import RESPONSE_COLUMNS
+from flexmb_cli.kernels.constrained.report import NOW, TRIED
 from flexmb_cli.kernels.constrained.speeds import coordinate_accelerations, coordinate_rates, speeds_of_rates
 from flexmb_cli.kernels.integrators import radau5
 from flexmb_cli.kernels.integrators.radau5_singular_step import _bend, _spread_power
@@ -57,7 +59,7 @@ def test_coordinate_accelerations_are_the_rates_of_coordinate_rates():
 @pytest.fixture
 def integration(tmp_path):
     """An integration over a singular position: the last step took 0.2 s, the next one takes 0.3 s."""
-    found = radau5.new_integration(analysis_of(sample(tmp_path)).work, 0)
+    found = radau5.new_integration(analysis_of(sample(tmp_path)).work, 0, 1)
     found.clock["step_length"] = LAST_STEP
     return found
 
@@ -78,9 +80,11 @@ def test_accelerations_found_at_the_end_of_a_singular_step_bend_those_of_its_sta
 
 
 def test_the_power_of_a_singular_step_changes_evenly(integration):
-    integration.memory["power"] = 2.0
-    assert _spread_power(integration, 5.0) == 3.0
+    work = integration.newton._replace(responses=np.full((1, RESPONSE_COLUMNS), -4.0))
+    integration.memory["power"], integration.load_powers[NOW] = 2.0, -1.0
+    assert _spread_power(integration, work, 5.0) == 3.0
     np.testing.assert_allclose(integration.powers, 2.0 + 3.0 * TIMES, rtol=1e-15)
+    np.testing.assert_allclose(integration.load_powers[TRIED:, 0], -1.0 - 3.0 * TIMES, rtol=1e-15)
 
 
 @pytest.mark.long_motion

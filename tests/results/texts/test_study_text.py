@@ -93,7 +93,11 @@ def test_text_is_aligned_and_the_list_tells_units(study):
 @pytest.mark.parametrize(
     "arguments, reported",
     [
-        (["tip"], "tip: the study has no such parameter or result; near it are result.top; --list shows all"),
+        (
+            ["tip"],
+            "tip: the study has no such parameter or result; near it are result.top; "
+            "flexmb table RESULT.h5 --list shows all",
+        ),
         (["--from", "1"], "is the table of a study, a row a case: it has no times for --from and --to"),
     ],
 )

@@ -36,6 +36,9 @@ def test_a_rotor_is_braked_by_its_bearing(card):
     assert rows.joint_coordinate[-1, 0] == pytest.approx(spin**2 / (2 * slow), rel=1e-4)
     assert abs(rows.joint_rate[-1, 0]) < 1e-5
     assert rows.applied_work[-1] == pytest.approx(-inertia * spin**2 / 2, rel=1e-4)
+    assert rows.element_work[-1] == pytest.approx([-inertia * spin**2 / 2], rel=1e-4)
+    lost = inertia / 2 * (spin**2 - (spin - slow * rows.time) ** 2)
+    assert rows.dissipated[sliding] == pytest.approx(lost[sliding], rel=1e-5)
     assert rows.element_effort[sliding, 0] == pytest.approx(np.full(sliding.sum(), -mu * m * G), rel=1e-9)
 
 

@@ -144,6 +144,19 @@ CASES = {
 }  # fmt: skip
 
 
+# Rack and pinion, belt and differential are couplings too; body 2 of the differential carries 3 and 4.
+THREE_ROTORS = (
+    f"4 0 0 0 0 3 0 0 0 0 0 1\n{_FRAMES * 2}1 0 0 1 0 0 0\n2 0 0 1 0 0 0\n1 2 0 0 0 0 0 0 0 0 1 0 0 1\n"
+    "1 3 1 0 0 0 0 0 1 0 1 0 0 1\n1 4 2 0 0 0 0 0 2 0 1 0 0 1\n1 0 0 0 0 0 0\n"
+)
+CASES_OF_COUPLINGS = {
+    "rack and pinion": Case(CRANK, f"{TWO}COUPLING 1 1 -0.2 2 2 1\n"),
+    "belt": Case(TWO_ROTORS, f"{TWO}COUPLING 1 1 0.3 2 1 -0.1\n"),
+    "differential": Case(
+        THREE_ROTORS,
+        f"{TWO}MASS 4 0.5 0.1 0.2 0 0.1 0.1 0.2\nSINE 5 0 0.7 3\nANGLE 2 5\nCOUPLING 1 1 -2 2 1 1 3 1 1\n",
+    ),
+}
 # Friction of other joints, which stops, turns round and slides back; slow enough for splines to follow.
 SLEEVE = "2 0 0 0 0 0 {} 0 {} 0 0 1\n" + _FRAMES * 2 + "1 2 0 0 0 0 0 0 0 0 1 0 0 1{}\n1 0 0 0 0 0 0\n"
 BEARING = "FRICTION 1 0.2 0.25 0.5 0.1 0.04 3\n"

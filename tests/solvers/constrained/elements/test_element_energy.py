@@ -3,13 +3,16 @@
 The energies of the bodies are computed here from their motion, not taken from the program.
 """
 
+import math
+
 import numpy as np
 import pytest
 from scipy.integrate import simpson
 
 from flexmb_cli.model.element_names import element_names
+from flexmb_cli.results.hdf5.elements import element_layout
 from tests.solvers.constrained.body_balances import rotation, tensor
-from tests.solvers.constrained.element_decks import FREE, ROTOR, model_of, rows_of
+from tests.solvers.constrained.element_decks import FREE, METHODS, ROTOR, model_of, rows_of
 from tests.solvers.constrained.elements.element_cases import CASES, END, KEYWORDS, POWERS
 
 TIMES = f"0 {END} 0.001"
@@ -57,9 +60,12 @@ def test_the_energy_audit_closes_with_the_card_and_not_without(keyword):
     stored, power = rows.element_energy.sum(axis=1), rows.element_power
     assert np.ptp(bodies + stored - rows.applied_work) < 1e-8 * scale
     assert np.ptp(rows.total) < 1e-8 * scale
-    lost = np.array([simpson(power[: k + 1].sum(axis=1), x=rows.time[: k + 1]) for k in (100, 200)])
+    lost = np.array([simpson(power[: k + 1], x=rows.time[: k + 1], axis=0) for k in (100, 200)])
+    assert rows.element_work[[100, 200]] == pytest.approx(lost, abs=1e-8 * scale)
     if keyword in STORE | DISSIPATE | {"TMOTOR", "AMOTOR"}:
-        assert rows.applied_work[[100, 200]] == pytest.approx(lost, abs=1e-8 * scale)
+        assert rows.applied_work[[100, 200]] == pytest.approx(lost.sum(axis=1), abs=1e-8 * scale)
+    motors = keyword in {"TMOTOR", "AMOTOR"}
+    assert rows.dissipated[[100, 200]] == pytest.approx(-lost.sum(axis=1) * (not motors), abs=1e-8 * scale)
     closes_without = np.ptp(bodies) < 1e-3 * scale
     assert closes_without == (keyword in DO_NOTHING)
 
@@ -77,6 +83,36 @@ def test_what_an_element_does_is_what_it_releases_and_dissipates(keyword):
     assert (np.abs(released).max() > 1e-3) == (keyword in STORE)
     assert (lost.min() < -1e-3) == (keyword in DISSIPATE)
     assert np.all(rows.element_power <= 1e-15)
+
+
+@pytest.mark.long_motion
+@pytest.mark.parametrize("method", METHODS)
+def test_dampers_dissipate_the_energy_that_a_damped_oscillator_loses(method):
+    """I q̈ + (c1 + c2) q̇ + k q = 0 from rest at 0: Rao, Mechanical Vibrations, section 2.6.
+
+    Of two dampers in one joint each takes its share of c.
+    """
+    inertia, k, c, spin = 0.5, 8.0, (0.1, 0.3), 3.0
+    decay, omega = sum(c) / (2 * inertia), math.sqrt(k / inertia)
+    damped = math.sqrt(omega**2 - decay**2)
+    cards = (
+        f"MASS 2 1 0 0 0 1 1 {inertia}\nTSPRING 1 {k} 0 {c[0]}\nTSPRING 1 0 0 {c[1]}\n"
+        f"RATE 1 1 {spin}\n{METHODS[method]}"
+    )
+    rows = rows_of(ROTOR, "0 2 0.125", cards)
+    t, fade = rows.time, np.exp(-decay * rows.time)
+    angle = spin / damped * fade * np.sin(damped * t)
+    rate = spin * fade * (np.cos(damped * t) - decay / damped * np.sin(damped * t))
+    lost = (inertia * (spin**2 - rate**2) - k * angle**2) / 2
+    near = 1e-5 if method == "GALF" else 1e-7
+    assert rows.dissipated == pytest.approx(lost, abs=near)
+    assert rows.element_work == pytest.approx(-np.outer(lost, c) / sum(c), abs=near)
+
+
+def test_joint_coordinates_alone_bring_no_work():
+    """The card JOINTS adds no springs: nothing is dissipated, and no dataset says so."""
+    layout = element_layout(model_of(ROTOR, "0 0.1 0.1", "MASS 2 1 0 0 0 1 1 1\nJOINTS\n"))
+    assert not {"element/work", "energy/dissipated"} & {series.path for series in layout.series}
 
 
 def test_springs_store_the_energy_of_their_formula():
