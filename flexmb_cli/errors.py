@@ -21,6 +21,7 @@ COMPLETE, FAILED = "complete", "failed"  # status of a result
 
 SHOWN_FAULTS = 20
 MOST_ALIKE = 1000
+MOST_LISTED_ERRORS = 50_000
 SHOWN_LINE = 160
 
 
@@ -80,12 +81,12 @@ class Fault:
 
 
 class FaultList(list[Fault]):
-    """Faults as they are found; of warnings and notes of one kind no more than `MOST_ALIKE` are kept."""
+    """Faults as they are found: no more than `MOST_LISTED_ERRORS` errors, `MOST_ALIKE` doubts of one kind."""
 
     def append(self, fault: Fault) -> None:
         """Add a fault, or say once that there are more like it."""
         if fault.severity == "error":
-            super().append(fault)
+            self._append_error(fault)
             return
         alike = self._counts[fault.id] = self._counts.get(fault.id, 0) + 1
         if alike <= MOST_ALIKE:
@@ -93,6 +94,16 @@ class FaultList(list[Fault]):
         elif alike == MOST_ALIKE + 1:
             message = f"{MOST_ALIKE} like the last are listed, the others are not: {fault.message}"
             super().append(Fault("note", message, fault.place, fault.subject, id="FLEXMB-005"))
+
+    def _append_error(self, fault: Fault) -> None:
+        self._errors += 1
+        if self._errors <= MOST_LISTED_ERRORS:
+            super().append(fault)
+        elif self._errors == MOST_LISTED_ERRORS + 1:
+            message = f"{MOST_LISTED_ERRORS} errors are listed, the others are not"
+            super().append(Fault("error", message, fault.place, id="FLEXMB-007"))
+
+    _errors = 0
 
     def extend(self, faults: Iterable[Fault]) -> None:
         """Add faults."""

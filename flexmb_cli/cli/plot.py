@@ -198,7 +198,7 @@ def _source(
     window: Any,
     quiet: bool,
 ) -> "Source":
-    from ..results.figures.curves import Source, default_quantities, still_energies
+    from ..results.figures.curves import DefaultCurves, Source, default_curves, still_energies
     from ..results.quantities.quantities import ResultError, open_result, resolve, shortfall
     from ..results.quantities.table import chosen_rows
 
@@ -207,8 +207,8 @@ def _source(
     if len(abscissa) != 1:
         few = ", ".join(quantity.name for quantity in abscissa[:4])
         raise click.UsageError(f"--x {across} means {len(abscissa)} quantities ({few} …); name one of them")
-    quantities = resolve(file, names, path) if names else default_quantities(file)
-    quantities = [quantity for quantity in quantities if quantity.name != abscissa[0].name]
+    chosen = DefaultCurves(resolve(file, names, path), []) if names else default_curves(file)
+    quantities = [quantity for quantity in chosen.quantities if quantity.name != abscissa[0].name]
     rows, reported = chosen_rows(file, *window), shortfall(file)
     if not rows:
         reason = "no rows in this window of time" if len(file["time"]) else reported or "it has no rows"
@@ -219,6 +219,8 @@ def _source(
         )
     if reported and not quiet:
         tell(f"{path}: note: {reported}")
+    for cut in () if quiet else chosen.cut:
+        tell(f"{path}: note: {cut}; NAMEs draw others")
     still = () if names or quiet else still_energies(file)
     if still:
         tell(f"{path}: note: not drawn, for they do not change: {', '.join(still)}")

@@ -90,7 +90,7 @@ def _write_film(path: str, target: Any, page: Any, film: Any, quiet: bool) -> No
     from ..results.quantities.quantities import open_result, refuse_uneven
     from .options.output_file import refuse_inputs, refuse_standard_output
 
-    refuse_standard_output(target, "a film")
+    refuse_standard_output(target, "a film", "--movie")
     form = Path(target).suffix[1:].lower()
     if form not in FORMATS:
         raise click.UsageError(f"{target}: films are written as .mp4 or .gif files")

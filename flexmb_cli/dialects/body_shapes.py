@@ -5,13 +5,15 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..deck.record import Deck, Record
 from ..deck.records import DeckValues
 from ..fe.formats.matrix_file import FEFileFault
 from ..fe.formats.stl import read_stl
 from ..model.diagnostics import Findings
 from ..model.exchange.shapes import RigidShape
-from ..model.shapes import Shape, fault_of_sizes, moved, primitive
+from ..model.shapes import LARGEST_LENGTH, Shape, fault_of_sizes, moved, primitive
 from ..quick_dataclass import dataclass
 
 OFFSET = tuple(f"offset.{axis}" for axis in "xyz")
@@ -97,6 +99,8 @@ def primitive_of(record: Record, kind: str, keys: Keys, findings: Findings) -> S
         message = f"{number.key} of a {kind} {wrong[1]}; read {number.text or 'an empty field'}"
         findings.error(record.subject, message, number.place, id="DECK-019")
         return None
+    if _is_far(record, keys, findings):
+        return None
     return primitive(record[keys.body], kind, sizes, *_placed(record, keys))
 
 
@@ -112,7 +116,26 @@ def stl_shape_of(record: Record, keys: Keys, folder: Path, findings: Findings) -
     except FEFileFault as fault:
         findings.error(record.subject, str(fault), name.place, id=fault.id)
         return None
+    if float(np.abs(vertices).max()) > LARGEST_LENGTH / float(unit.value):
+        message = (
+            f"the unit {unit.text} m puts corners of {name.value} farther than {LARGEST_LENGTH:g} m from "
+            "their origin; give 0.001 for a file in mm"
+        )
+        findings.error(record.subject, message, unit.place, id="DECK-042")
+        return None
+    if _is_far(record, keys, findings):
+        return None
     return Shape(record[keys.body], moved(unit.value * vertices, *_placed(record, keys)), triangles)
+
+
+def _is_far(record: Record, keys: Keys, findings: Findings) -> bool:
+    """Return whether the shape lies too far from its body to be drawn, with a fault noted."""
+    for number in map(record.at, keys.offset):
+        if abs(number.value) > LARGEST_LENGTH:
+            message = f"{number.key} must be within {LARGEST_LENGTH:g} m of the body; read {number.text}"
+            findings.error(record.subject, message, number.place, id="DECK-043")
+            return True
+    return False
 
 
 def rigid_shapes(

@@ -18,6 +18,8 @@ from ..errors import Fault
 from ..managed_files import UnsafePlace, open_managed
 from ..model.flexible_body import BodyStress, Dropped, ElementMaterial, FlexibleBody, FlexibleInput
 from ..quick_dataclass import fields
+from .formats.file_text import bytes_of
+from .formats.matrix_file import FEFileFault
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -57,11 +59,19 @@ def key_of(given: FlexibleInput) -> str:
     for file in files:
         digest.update(f"|{file.form}".encode() if file else b"|none")
         if file:
-            digest.update(hashlib.sha256(file.path.read_bytes()).digest())
+            digest.update(hashlib.sha256(_content(file.path)).digest())
     digest.update(np.ascontiguousarray(given.numbers, dtype="<i8").tobytes())
     digest.update(np.ascontiguousarray(given.positions, dtype="<f8").tobytes())
     digest.update(_settings(given).encode())
     return digest.hexdigest()
+
+
+def _content(path: Path) -> bytes:
+    """Return what a file holds; a pipe would be waited for, a device has no end.  Raises OSError."""
+    try:
+        return bytes_of(path)
+    except FEFileFault as fault:
+        raise OSError(str(fault)) from fault
 
 
 def _settings(given: FlexibleInput) -> str:

@@ -6,6 +6,7 @@ and gives the same code, but importing it takes a quarter of the time of importi
 """
 
 import ctypes
+import functools
 import mmap
 import struct
 from typing import Any, NamedTuple
@@ -178,7 +179,13 @@ def _foreign_address(name: str):
     """Return where the process has a function of the C library or its mathematics."""
     for library in (None, "libm.so.6"):
         try:
-            return ctypes.cast(getattr(ctypes.CDLL(library), name), ctypes.c_void_p).value
+            return ctypes.cast(getattr(_library(library), name), ctypes.c_void_p).value
         except (AttributeError, OSError):
             continue
     raise NotLoadedError(f"no function {name}")
+
+
+@functools.cache
+def _library(name: str | None) -> ctypes.CDLL:
+    """Return a library of the process, all of them for None; each makes classes of its own in Python."""
+    return ctypes.CDLL(name)

@@ -20,6 +20,7 @@ from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.runtime.nrtdynmod import create_nrt_module
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, models, register_model
+from numba.np import arrayobj
 from numba.np.arrayobj import make_array, populate_array
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ __all__ = [
     "JITCodeLibrary",
     "PassManager",
     "RuntimeLinker",
+    "arrayobj",
     "cgutils",
     "cpu_target",
     "create_nrt_module",

@@ -56,7 +56,7 @@ TUPLES = {
     "Integration": ("kernels.integrators.constrained_dop853:Integration", "CLOCK1 f1 f1 f1 f2 f2 f1 f2"),
     "AlphaIntegration": (
         "kernels.integrators.generalised_alpha:AlphaIntegration",
-        "CLOCK1 ALPHA_MEMORY1 f1 f1 f1 f1 f2 f2 f1 f1 f1 f2 f2 Work",
+        "CLOCK1 ALPHA_MEMORY1 f1 f1 f1 f1 f2 f2 f2 f2 f2 f2 f2 Work",
     ),
     "RadauIntegration": (
         "kernels.integrators.radau5:RadauIntegration",

@@ -1,10 +1,13 @@
 """Names and units of springs and elements in results, in the order of their loads; motors are the last."""
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
-from .flexible_mechanism import FlexibleMechanism
 from .joint_elements import JointElements, is_angle
-from .loads import DynamicModel
+
+if TYPE_CHECKING:
+    from .flexible_mechanism import FlexibleMechanism
+    from .loads import DynamicModel
 
 LENGTH, TURN = "m", "rad"
 _BUSHING = (
@@ -17,7 +20,7 @@ _BUSHING = (
 )
 
 
-def element_names(model: DynamicModel | FlexibleMechanism) -> list[tuple[str, str]]:
+def element_names(model: "DynamicModel | FlexibleMechanism") -> list[tuple[str, str]]:
     """Name of every spring and element and unit of its coordinate, "m" or "rad"."""
     found = [(item.name, LENGTH) for item in model.springs]
     if isinstance(model, FlexibleMechanism):

@@ -172,14 +172,17 @@ class Integrator:
 
 @dataclass(frozen=True)
 class StressSelection:
-    """Selection of a body's stresses to report: its nodes and elements by number, and its largest one."""
+    """Selection of a body's stresses to report: its nodes and elements by number, and its largest one.
+
+    `places`: where the deck names each of the elements.
+    """
 
     body: int
     nodes: tuple[int, ...] = ()
     elements: tuple[int, ...] = ()
     every_element: bool = False
     largest: bool = False
-    place: Place | None = None
+    places: tuple[Place | None, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,8 @@ SIZES = {
 }
 # Flat sides of a circle, and circles of a sphere between its poles.
 SIDES, CIRCLES = 32, 15
+# m: single precision still holds the third power; a page and a film compute with it.
+LARGEST_LENGTH = 1e12
 # libm differs in the last digits between processors; files must not.
 DIGITS = 12
 _CUBE = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
@@ -52,6 +54,8 @@ def fault_of_sizes(kind: str, sizes: Vector) -> tuple[int, str] | None:
                 return k, f"is not read: a {kind} has {len(wanted)} sizes; leave the field empty"
         elif not (size > 0 or (kind == CONE and k == 2 and size == 0)):
             return k, f"must be above zero: {wanted[k]}"
+        elif size > LARGEST_LENGTH:
+            return k, f"must be at most {LARGEST_LENGTH:g} m: {wanted[k]}"
     if kind == TUBE and sizes[2] >= sizes[0]:
         return 2, f"must be below the outer radius {sizes[0]:g}: inner radius"
     return None

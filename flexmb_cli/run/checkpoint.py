@@ -63,6 +63,9 @@ class ResumeFile:
         if self.path is None or not os.path.lexists(self.path):
             return
         with self._opened() as file:
+            # Root could change anything anyway.
+            if hasattr(os, "geteuid") and os.fstat(file.fileno()).st_uid not in (os.geteuid(), 0):
+                self._doubt("warning", "of another user, whose rows are taken; without --resume none are")
             head = file.readline(_LONGEST_HEAD)
             if _is_blank(head) or (self._head.startswith(head) and head != self._head):
                 self._doubt("warning", "cut in its first line, nothing of the stopped run can be used")

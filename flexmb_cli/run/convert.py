@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 
 SI = "m"
+ROWS_FOR_RANK = 3  # of the motion: a start at rest in a singular position must leave it
 
 
 def converted(path: str, form: str, changes: tuple[str, ...] = (), unit: str = SI, to_unit: str = SI) -> str:
@@ -118,7 +119,8 @@ def _exudyn(model: Any, name: Any) -> str:
     if analysis_of(model) != "dynamic" or model.analysis != "forward":
         message = "--to exudyn takes rigid mechanisms under forces: decks with DYNAMICS forward"
         raise ModelError([Fault("error", message, id="RUN-028")])
-    return exudyn_script(model, start_of(model), name)
+    start, *later = _motion_of(model, ROWS_FOR_RANK)
+    return exudyn_script(model, start, name, later)
 
 
 def start_of(model: "DynamicModel", run: Run | None = None) -> dict[str, Any]:
@@ -126,10 +128,21 @@ def start_of(model: "DynamicModel", run: Run | None = None) -> dict[str, Any]:
 
     Of joint and tree coordinates "q" where the model reports them.
     """
-    values = next(solution_of(_first_row_of(model), run or Run(Outcome(""), RunOptions())).blocks())
+    return _motion_of(model, 1, run)[0]
+
+
+def _motion_of(model: Any, rows: int, run: Run | None = None) -> list[dict[str, Any]]:
+    """Return what `start_of` does, of each of the first rows."""
+    first = _first_rows_of(model, rows)
+    blocks = list(solution_of(first, run or Run(Outcome(""), RunOptions())).blocks())
     names = {"r": "position", "p": "euler_parameters", "v": "velocity", "omega": "angular_velocity"}
-    found = {short: values[f"body/{name}"][0] for short, name in names.items()}
-    return found | {"q": values["coordinate/q"][0] if "coordinate/q" in values else ()}
+    found = []
+    for values in blocks:
+        for row in range(len(values["time"])):
+            motion = {short: values[f"body/{name}"][row] for short, name in names.items()}
+            q = values["coordinate/q"][row] if "coordinate/q" in values else ()
+            found.append(motion | {"q": q})
+    return found
 
 
 def _start(model: Any, run: Run) -> Any:
@@ -138,8 +151,10 @@ def _start(model: Any, run: Run) -> Any:
     return Start(**start_of(model, run))
 
 
-def _first_row_of(model: Any) -> Any:
+def _first_rows_of(model: Any, rows: int) -> Any:
     mechanism = getattr(model, "mechanism", None)
     timed = mechanism or model
-    timed = replace(timed, time=replace(timed.time, end=timed.time.start))
+    time = timed.time
+    end = min(time.last, time.start + (rows - 1) * time.step)
+    timed = replace(timed, time=replace(time, end=end))
     return replace(model, mechanism=timed) if mechanism else timed

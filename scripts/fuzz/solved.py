@@ -23,6 +23,7 @@ from pathlib import Path
 
 SECONDS = 10.0  # of processor time: a deck may ask for any number of steps
 BATCH = 250  # decks of one process
+CORNERS = (b"HSTO", b"CABL", b"ASTO", b"TSTO", b"TSTOP")  # cards
 
 
 def main() -> int:
@@ -54,6 +55,8 @@ def _options():
     parser.add_argument(
         "--dialect", choices=("young", "dafms", "vsdf"), default="", help="of these decks alone"
     )
+    words = "decks with springs, bushings, friction, stops, cables, couplings alone"
+    parser.add_argument("--elements", action="store_true", help=words)
     parser.add_argument("-j", "--jobs", type=int, default=1)
     parser.add_argument("--alone", action="store_true", help=argparse.SUPPRESS)
     return parser.parse_args()
@@ -71,6 +74,7 @@ def _records(options):
 def _together(batches, options):
     keep = ["--keep", str(options.keep)] if options.keep else []
     keep += ["--dialect", options.dialect] if options.dialect else []
+    keep += ["--elements"] if options.elements else []
     running = []
     for first, count in batches:
         words = ["--alone", "--seed", options.seed, "--first", first, "--count", count, *keep]
@@ -98,7 +102,7 @@ def _solve_all(options):
             work.mkdir()
             record = {"number": number, "name": "?", "end": "failed", "wrong": ""}
             try:
-                record |= _solved(random.Random(f"{options.seed}/solved/{number}"), work, options.dialect)
+                record |= _solved(random.Random(f"{options.seed}/solved/{number}"), work, options)
             except TooLong:
                 record["end"] = "too long"
             except Exception:
@@ -119,24 +123,24 @@ def _stop(_number, _frame):
     raise TooLong
 
 
-def _solved(chance, work, dialect) -> dict:
+def _solved(chance, work, options) -> dict:
     from judged.decks import damaged
 
     from flexmb_cli.run.check.check import check_deck
     from flexmb_cli.run.deck import run_deck
     from flexmb_cli.run.outcome import RunOptions
 
-    deck = damaged(chance, dialect)
+    deck = damaged(chance, options.dialect, options.elements)
     # Files that a deck names are found beside it.
     for path in deck.folder.iterdir():
         if path.is_dir():
             (work / path.name).symlink_to(path)
     path = work / deck.name
     path.write_bytes(deck.raw)
-    options = RunOptions(folder=str(work / "out"), no_out=True, h5=str(work / "r.h5"), changes=deck.changes)
+    choices = RunOptions(folder=str(work / "out"), no_out=True, h5=str(work / "r.h5"), changes=deck.changes)
     signal.setitimer(signal.ITIMER_PROF, SECONDS)
-    checked = check_deck(str(path), options).outcome
-    ran = run_deck(str(path), options)
+    checked = check_deck(str(path), choices).outcome
+    ran = run_deck(str(path), choices)
     signal.setitimer(signal.ITIMER_PROF, 0)
     end = {0: "solved", 1: "failed in words", 2: "refused"}.get(ran.exit_code, "interrupted")
     judged = []
@@ -174,7 +178,8 @@ def _judged(deck, ran, result, judged) -> str:
     reported = b"UNCO" in deck.raw or any("energy" in fault.message for fault in ran.faults)
     # Steps that leave out the highest modes make rates that are not theirs; flexmb says so.
     coarse = any("a step of" in fault.message for fault in ran.faults)
-    return judge(result, text, reported, coarse, judged)
+    smooth = not any(word in deck.raw for word in CORNERS)
+    return judge(result, text, reported, coarse, judged, smooth)
 
 
 def _with_changes(text, changes):

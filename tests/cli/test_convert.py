@@ -13,10 +13,14 @@ from flexmb_cli.cli.convert import convert
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.dafms.build import build_dafms
 from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
 from flexmb_cli.model.loads import AppliedForce, DynamicModel, InitialVelocity, SpringDamper
 from flexmb_cli.model.mechanism import Joint, Mechanism, TimeGrid
 from flexmb_cli.model.tree import Body, Hinge, Spring, Tree
+from flexmb_cli.model.vectors import rotation_matrix
+from flexmb_cli.results.hdf5.dynamic import dynamic_values
 from flexmb_cli.results.models.exudyn import exudyn_script
+from flexmb_cli.results.models.exudyn_joints import independent_axes
 from flexmb_cli.results.models.mjcf import mjcf
 from flexmb_cli.run.convert import start_of
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
@@ -123,9 +127,6 @@ def test_a_mechanism_moves_alike_in_exudyn(tmp_path):
     done = subprocess.run([sys.executable, "m.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
     found = np.loadtxt(tmp_path / "chain-exudyn.csv", delimiter=",")
-    from flexmb_cli.model.vectors import rotation_matrix
-    from flexmb_cli.results.hdf5.dynamic import dynamic_values
-
     values = dynamic_values(model, rows)
     r, p = values["body/position"], values["body/euler_parameters"]
     for k, mass in enumerate(model.masses):
@@ -186,10 +187,50 @@ def test_an_element_at_a_joint_is_refused_where_it_stands(tmp_path):
     assert (fault.subject, fault.place.line) == ("tspring 1", text[: text.index("\nEND")].count("\n") + 2)
 
 
-def test_a_supplied_mechanism_is_written_for_exudyn(tmp_path):
-    """The script names every moving body of the deck and is Python; the test above runs such scripts."""
-    output = tmp_path / "bricard.py"
-    deck = DECKS / "young/dynamics/IN-BRICARD.dat"
-    assert CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(output)]).exit_code == 0
-    compile(output.read_text(), "bricard.py", "exec")
-    assert output.read_text().count("CreateRigidBody") == len(re.findall(r"^MASS", deck.read_text(), re.M))
+def mass_centres(deck):
+    """Positions of the mass centres (rows, 3 bodies) by flexmb."""
+    model = build_young_dynamics(read_deck(read_text(str(deck))))[0]
+    values = dynamic_values(model, run(model))
+    r, p = values["body/position"], values["body/euler_parameters"]
+    arms = [
+        np.array([rotation_matrix(row) @ mass.centre for row in p[:, mass.body]]) for mass in model.masses
+    ]
+    return np.hstack([r[:, mass.body] + arm for mass, arm in zip(model.masses, arms, strict=True)])
+
+
+@pytest.mark.processes
+@pytest.mark.parametrize(("name", "old", "new"), [("ANDREWS", "", ""), ("BRICARD", "0 5 0.05", "0 0.5 0.05")])
+def test_a_supplied_mechanism_with_repeated_equations_moves_alike_in_exudyn(name, old, new, tmp_path):
+    """Nine of the squeezer's equations repeat others, one of the trihedral linkage's."""
+    pytest.importorskip("exudyn", reason="Exudyn is not installed (extra bench)")
+    deck = tmp_path / "m.dat"
+    deck.write_text((DECKS / f"young/dynamics/IN-{name}.dat").read_text().replace(old, new))
+    done = CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(tmp_path / "m.py")])
+    assert done.exit_code == 0, done.output
+    call = [sys.executable, "-W", "error::DeprecationWarning", "m.py"]
+    done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    found = np.loadtxt(tmp_path / "m-exudyn.csv", delimiter=",")
+    assert np.ptp(found[:, 1:], axis=0).max() > 0.01
+    np.testing.assert_allclose(found[:, 1:], mass_centres(deck), atol=2e-8)
+
+
+def test_a_start_in_a_singular_position_costs_exudyn_no_equation():
+    """A parallelogram flat on its line has one more repeated equation there than anywhere else."""
+    z = ((0.0, 0.0, 1.0),) * 2
+    joints = (
+        Joint("revolute", "a", 0, 1, (0, 0, 0), (0, 0, 0), *z),
+        Joint("revolute", "b", 0, 3, (2, 0, 0), (0, 0, 0), *z),
+        Joint("revolute", "c", 1, 2, (1, 0, 0), (0, 0, 0), *z),
+        Joint("revolute", "d", 2, 3, (2, 0, 0), (1, 0, 0), *z),
+    )
+    bodies = (GROUND, body(2, (0, 0, 0)), body(3, (1, 0, 0)), body(4, (2, 0, 0)))
+    mechanism = Mechanism(bodies, TimeGrid(0.0, 1.0, 0.1), joints, grounds=(AT_REST,))
+    flat = {"r": np.array([[0.0, 0, 0], [0, 0, 0], [1, 0, 0], [2, 0, 0]]), "p": np.eye(4)[[0, 0, 0, 0]]}
+    turned = np.array([np.cos(0.3), 0.0, 0.0, np.sin(0.3)])
+    up = {
+        "r": np.array([[0.0, 0, 0], [0, 0, 0], [np.cos(0.6), np.sin(0.6), 0], [2, 0, 0]]),
+        "p": np.array([flat["p"][0], turned, flat["p"][0], turned]),
+    }
+    assert sum(map(sum, independent_axes(mechanism, [flat]))) == 16
+    assert independent_axes(mechanism, [flat, up]) == [(1, 1, 1, 1, 1, 0)] * 3 + [(1, 1, 0, 0, 0, 0)]

@@ -131,6 +131,9 @@ def test_every_number_of_a_shape_is_echoed(folder, name):
         ("GEOM 1 5 1 2", r"12: error: shape 1: b of a sphere is not read: a sphere has 1 sizes"),
         ("GEOM 1 3 1 2 1.5", r"14: error: shape 1: c of a tube must be below the outer radius 1"),
         ("GEOM 1", r"1: error: shape 1: GEOM takes 3 to 11 numbers"),
+        ("GEOM 1 5 1e40", r"10: error: shape 1: a of a sphere must be at most 1e\+12 m: radius; read 1e40"),
+        ("GEOM 1 5 1 0 0 0 -1e40", r"18: error: shape 1: offset.y must be within 1e\+12 m of the body"),
+        ("STL sub/wedge.stl 1 1e40", r"21: error: shape_file 1: the unit 1e40 m puts corners of sub/wedge"),
         ("STL none.stl 1 1", r"5: error: shape_file 1: none.stl: no such file"),
         ("STL sub/wedge.stl 1 0", r"21: error: shape_file 1: the unit must be above zero"),
         ("STL sub/wedge.stl", r"1: error: shape_file 1: STL takes 3 to 9 words \(file body unit"),
@@ -165,6 +168,8 @@ def test_shapes_stand_behind_dynamics_too(folder):
     [
         ("vsdf/slider_crank_flex.vsdf", "    1 TUBE", "    2 TUBE", "body 2 is flexible: its nodes"),
         ("vsdf/slider_crank_flex.vsdf", "SPHE,0.3", "SPHE,", "a of a sphere must be above zero"),
+        ("vsdf/slider_crank_flex.vsdf", "SPHE,0.3", "SPHE,1e300", "a of a sphere must be at most 1e+12 m"),
+        ("vsdf/slider_crank_flex.vsdf", "3,0.001", "3,1e300", "the unit 1e300 m puts corners of"),
         ("vsdf/slider_crank_flex.vsdf", "SPHE,0.3", "EGG,0.3", "shape in field 2 must be one of BOX, CYLI"),
         ("vsdf/slider_crank_flex.vsdf", "wedge.stl", "fork.stl", "fork.stl: no such file in"),
         ("dafms/spatial_rigid.DAT", "    0    1       1.0", "    0    9       1.0", "IS must be within"),

@@ -1,11 +1,15 @@
 """Bodies kept on disk: found again, told apart, made anew when anything they depend on changes."""
 
+import os
+import threading
+import time
 from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from flexmb_cli.errors import ModelError
 from flexmb_cli.fe import cache
 from flexmb_cli.fe.flexible_bodies import flexible_body
 from flexmb_cli.model.flexible_body import FlexibleBody
@@ -128,3 +132,19 @@ def test_whole_arrays_with_other_numbers_are_made_anew(folder):
     Path(kept()[0]).write_bytes(raw.replace(mass, np.float64(7.0).tobytes()))
     found, _ = flexible_body(given)
     assert found.m == made.m != 7.0
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes with names")
+def test_a_pipe_in_the_place_of_a_matrix_is_refused_not_waited_for(folder):
+    """The hash of the cache waited for it; a device without end filled the memory."""
+    given = truss_input(folder, 1)
+    given.mass.path.unlink()
+    os.mkfifo(given.mass.path)
+    fed = threading.Timer(3.0, lambda: os.open(given.mass.path, os.O_RDWR))  # ends the wait, if there is one
+    fed.daemon = True
+    fed.start()
+    begun = time.monotonic()
+    with pytest.raises(ModelError, match="no regular file"):
+        flexible_body(given)
+    fed.cancel()
+    assert time.monotonic() - begun < 2.5

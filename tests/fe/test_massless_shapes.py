@@ -210,3 +210,11 @@ def test_so_do_bodies_too_large_for_full_matrices(tmp_path):
     carried = (S @ rigid)[held]
     limit = np.einsum("ij,ij->j", carried, np.linalg.pinv(S[held, held], rcond=1e-10) @ carried)
     assert found.effective_limit[:3] == pytest.approx(limit, rel=1e-9)
+
+
+def test_the_mass_matrix_of_a_body_is_parted_once(tmp_path, monkeypatch):
+    """Modes and the limit of the effective masses ask for the same eigenvectors."""
+    parted, own = [], np.linalg.eigh
+    monkeypatch.setattr(np.linalg, "eigh", lambda matrix: parted.append(matrix.tobytes()) or own(matrix))
+    body(half_massless(tmp_path, clamped=(11, 12, 13), modes=4)[0])
+    assert parted and len(parted) == len(set(parted))

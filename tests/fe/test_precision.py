@@ -173,3 +173,10 @@ def test_modes_and_check_print_the_error_beside_the_frequency(tmp_path, monkeypa
     record = json.loads(CliRunner().invoke(modes, [deck, "--json"]).stdout)
     assert record["bodies"][0]["frequency_errors"][0] == pytest.approx(2.6e-5, rel=0.1)
     assert "Hz, precise to 3e-05\n" in CliRunner().invoke(check, [deck]).stdout
+
+
+def test_numbers_below_the_normal_ones_have_digits_without_a_warning():
+    """Damage left a mass of 1e-320 kg in an OP4 file: its last digit was taken for 0, and divided by."""
+    with np.errstate(all="raise", under="ignore"):
+        found = rounding_errors(np.array([1e-320, 2.5, 1e-310, 0.1]))
+    assert np.isfinite(found.deviation).all()

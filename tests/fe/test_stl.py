@@ -39,7 +39,9 @@ def volume(vertices, triangles):
     return float(np.sum(a * np.cross(b, c)) / 6)
 
 
-@pytest.mark.parametrize("content", [binary(), text(), text().replace(b"\n", b"\r\n"), b"\n" + text()])
+@pytest.mark.parametrize(
+    "content", [binary(), text(), text().replace(b"\n", b"\r\n"), b"\n" + text(), text().upper()]
+)
 def test_text_and_binary_give_the_closed_surface(tmp_path, content):
     (tmp_path / "part.stl").write_bytes(content)
     vertices, triangles = stl.read_stl(tmp_path / "part.stl")
@@ -59,7 +61,8 @@ def test_text_and_binary_give_the_closed_surface(tmp_path, content):
         (binary().replace(struct.pack("<f", 3.0), struct.pack("<f", np.nan)), "not finite"),
         (text()[:-20], "does not end with 'endsolid'"),
         (text().replace(b"vertex", b"vortex", 1), "11 corners and 4 triangles"),
-        (text().replace(b"4.000000E+00", b"4.0O"), "a corner that is no number"),
+        (text().replace(b"4.000000E+00", b"4.0O"), "a corner that is no number: it reads 4.0O$"),
+        (text().replace(b"4.000000E+00", b"\xff" * 90), "it reads \ufffd{40}$"),
         (text().replace(b"4.000000E+00", b"1e999"), "not finite"),
         (b"\xff" * 10_000, "is no STL file"),
     ],

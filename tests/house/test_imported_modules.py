@@ -78,7 +78,13 @@ INTEGRATIONS = {"alpha_march", "radau_march"}
 RUNS = {
     "young": ("young/IN1-1-1.dat", (), TREES | CONSTRAINED | FLEXIBLE),
     "young forward": ("young/dynamics/IN-ANDREWS.dat", ("time.end=0.0001",), TREES | FLEXIBLE | INTEGRATIONS),
-    "dafms": ("dafms/pendulum.DAT", ("time.IT=2",), CONSTRAINED | FLEXIBLE | {"implicit", "newton", "young"}),
+    "dafms": (
+        "dafms/pendulum.DAT",
+        ("time.IT=2",),
+        CONSTRAINED
+        | FLEXIBLE
+        | {"implicit", "newton", "young", "flexible_", "element_table", "elements.build"},
+    ),
     "vsdf": ("vsdf/pendulum.vsdf", ("time.end=0.0001",), TREES | {"radau_march", "young"}),
 }
 
@@ -97,6 +103,12 @@ def test_a_run_imports_its_own_dialect_and_analysis(tmp_path, how):
     keeping = {"random", "shutil", "tempfile", "bz2", "lzma"} if how == "vsdf" else set()
     assert heavy(found) <= OF_RUNS | keeping
     assert "numpy.ma" not in found  # 15 ms, for which numpy's functions on sets ask
+
+
+def test_a_run_starts_no_program(tmp_path):
+    """h5py by itself calls `uname -p`: 6 ms of 110."""
+    found = imported(tmp_path, "run", "-q", DECKS / "young/IN1-1-1.dat", NUMBA_DISABLE_JIT="1")
+    assert "h5py" in found and not found & {"subprocess", "_posixsubprocess"}
 
 
 @pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")

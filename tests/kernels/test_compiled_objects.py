@@ -184,6 +184,7 @@ PRIVATE = {
         "models": ("PrimitiveModel",),
         "register_model": (),
     },
+    "numba.np": {"arrayobj": ("fix_integer_index",)},
     "numba.np.arrayobj": {"make_array": (), "populate_array": ()},
     "llvmlite.binding.ffi": {"lib": ("_lock._cblist",)},
 }

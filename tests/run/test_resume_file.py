@@ -1,5 +1,6 @@
 """The resume file: whole entries count, torn and damaged ones do not, and no other file is touched."""
 
+import os
 import struct
 import sys
 import zlib
@@ -234,3 +235,17 @@ def test_a_resume_file_tells_no_folder_and_removes_nothing_from_another(tmp_path
     assert reported in path.read_bytes()
     rows_of(path)
     assert foreign.exists()
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="owners of files")
+def test_rows_of_another_user_are_told(tmp_path, monkeypatch):
+    """Its checksums are no secret: whoever may write the file chooses the rows of the result."""
+    path = tmp_path / "x.resume"
+    kept(path)
+    owner = path.stat().st_uid
+    if owner == 0:  # root gives its files away, others look as somebody else
+        os.chown(path, 65534, -1)
+    else:
+        monkeypatch.setattr(os, "geteuid", lambda: owner + 1)
+    said = "of another user, whose rows are taken; without --resume none are"
+    assert doubts_of(path) == [("warning", said)]

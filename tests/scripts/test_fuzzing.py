@@ -85,6 +85,11 @@ def test_damaged_decks_are_solved_as_the_judge_sees_it():
     assert "30 decks: " in reported and " solved" in reported and "; 0 wrong" in reported
 
 
+def test_damaged_decks_with_elements_at_joints_are_solved_as_the_judge_sees_it():
+    reported = ran("solved.py", "--elements", "--count", "12", "--seed", "1")
+    assert "12 decks: " in reported and "rates of dafms" in reported and "; 0 wrong" in reported
+
+
 UNSEEN = {"audit/newton_iterations", "audit/velocity_residual", "energy/applied_power"}
 
 

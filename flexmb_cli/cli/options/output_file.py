@@ -21,10 +21,10 @@ def refuse_inputs(output: str, inputs: "Sequence[Any]", option: str = "-o") -> N
             )
 
 
-def refuse_standard_output(output: str, what: str) -> None:
-    """Raise UsageError when `what` is to go to standard output, where it is of no use."""
+def refuse_standard_output(output: str, what: str, option: str = "-o") -> None:
+    """Raise UsageError when `what`, which `option` writes, is to go to standard output."""
     if output == STANDARD_OUTPUT:
-        raise click.UsageError(f"{what} cannot go to standard output; -o names a file")
+        raise click.UsageError(f"{what} cannot go to standard output; {option} names a file")
 
 
 def reported(output: str) -> str:

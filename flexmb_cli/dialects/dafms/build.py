@@ -10,7 +10,7 @@ from ...model.diagnostics import LARGEST_NUMBER, Findings
 from ...model.inertia_checks import check_inertia
 from ...model.tree import Tree
 from .bodies import build_bodies
-from .elements.build import with_elements
+from .elements.cards import ELEMENT_CARDS
 from .hinges import build_hinges
 from .start import build_integration, build_start, build_time
 from .time_functions import build_closures, build_functions_of_time
@@ -56,12 +56,21 @@ def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
         shapes=shapes,
         **functions,
     )
-    tree = with_elements(tree, values, findings)
+    tree = _with_elements(tree, values, findings)
     _stop_at_errors(deck, findings)
     _check_dof(tree, values, findings)
     check_inertia(tree, values, findings)
     _stop_at_errors(deck, findings)
     return tree, findings.in_order
+
+
+def _with_elements(tree: Tree, values: DeckValues, findings: Findings) -> Tree:
+    if not any(values.section(card.section) for card in ELEMENT_CARDS):
+        return tree
+    # They need much of the models of other dialects.
+    from .elements.build import with_elements
+
+    return with_elements(tree, values, findings)
 
 
 def _shapes(values: DeckValues, findings: Findings) -> Any:

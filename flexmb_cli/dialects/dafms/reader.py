@@ -8,7 +8,7 @@ from contextlib import suppress
 from typing import Any
 
 from ...deck.fortran_records import Item, MissingRecord, Records, Unreadable
-from ...deck.number_list import NumberList, record_of
+from ...deck.number_list import LongRecord, NumberList, record_of
 from ...deck.record import Deck, DeckText, Number, Record
 from ...deck.several_models import MOST_MODELS
 from ...errors import DeckError, Place
@@ -16,6 +16,10 @@ from ...quick_dataclass import dataclass, field
 from .cards import CARDS, KNOWN_WORDS, MACROS, SWITCHES
 from .skipped_lines import SkippedLines
 from .system_cards import read_system
+
+# More would take more than twelve times the deck's size.
+MOST_TREE_BODIES = 5000
+MOST_SHORT_NUMBERS = 350_000  # outside long lists
 
 
 @dataclass
@@ -45,12 +49,31 @@ def read_dafms(source: DeckText) -> Deck:
     Unknown cards are skipped, as DAFMS does, and listed as notes among the deck's warnings.
     """
     records = Records(source, KNOWN_WORDS)
-    read: list[Record] = []
+    read: list[Record] = _Read(records)
     with suppress(Unreadable, MissingRecord):
         _read_deck(records, read)
     if records.errors:
         raise DeckError(records.faults)
     return Deck("dafms", source, tuple(read), tuple(records.faults))
+
+
+class _Read(list[Record]):
+    """The records of a deck; its reading stops where their numbers take too much memory."""
+
+    def __init__(self, records: Records):
+        super().__init__()
+        self.records = records
+        self.numbers = 0
+
+    def append(self, record: Record) -> None:
+        """Add a record."""
+        self.numbers += 1 + len(record.head if isinstance(record, LongRecord) else record.numbers)
+        if self.numbers > MOST_SHORT_NUMBERS:
+            message = (
+                f"the deck has more than {MOST_SHORT_NUMBERS} numbers outside lists of one body or table"
+            )
+            self.records.stop("", message, record.place)
+        super().append(record)
 
 
 def _read_deck(records: Records, read: list[Record]) -> None:
@@ -73,6 +96,9 @@ def _read_size(records: Records) -> tuple[Number, ...]:
     bodies, dimension = numbers
     if bodies.value < 1 and not records.errors:
         records.report("error", "counts", f"N = {bodies.value} bodies, need at least 1", bodies.place)
+    if bodies.value > MOST_TREE_BODIES:
+        message = f"N = {bodies.value} bodies, at most {MOST_TREE_BODIES} are taken"
+        records.report("error", "counts", message, bodies.place)
     if dimension.value not in (2, 3) and not records.errors:
         message = f"NDM = {dimension.value}, the dimension is 2 or 3"
         records.report("error", "counts", message, dimension.place)

@@ -14,6 +14,8 @@ from .skipped_lines import SkippedLines
 if TYPE_CHECKING:
     from .reader import Layout
 
+MOST_REPEATED = 1000  # each looks through all records
+
 
 def read_system(records: Records, layout: "Layout", read: list[Record]) -> None:
     """Read TSYSIN's cards into `read`; `layout` gives the lengths of the lists (`dafms.Layout`)."""
@@ -53,6 +55,7 @@ class _System:
         self.layout = layout
         self.read = read
         self.lines: dict[str, int] = {}
+        self.repeated = 0
         self.skipped = SkippedLines(records, "among the TSYSIN cards")
 
     def take(self, word: str, line: str) -> None:
@@ -78,6 +81,9 @@ class _System:
         """A repeated card overwrites what the first one gave."""
         if card.word in self.lines:
             line = self.lines[card.word]
+            self.repeated += 1
+            if self.repeated > MOST_REPEATED:
+                self.records.stop("", f"cards that replace earlier ones: more than {MOST_REPEATED}")
             message = f"card '{card.word}' replaces the one on line {line}"
             self.records.report("warning", "", message, Place(self.records.line, 1, 4))
             sections = ("speed", "coordinate") if card.layout == "state" else (card.section,)

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from ...deck.records import DeckValues
+from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.fe_model import StressSelection, VsdfBody
 
@@ -44,20 +45,21 @@ def _usable(record: "Record", bodies: tuple[VsdfBody, ...], findings: Findings) 
 
 def _selection(k: int, body: VsdfBody, records: "list[Record]", findings: Findings) -> StressSelection:
     nodes: dict[int, None] = {}
-    elements: dict[int, None] = {}
+    elements: dict[int, Place | None] = {}
     every = False
     for record in records:
         numbers = record.numbers[2:]
         if record["what"] == "NODE":
             nodes |= dict.fromkeys(_nodes(record, numbers, body, findings))
         elif record["what"] == "ELEM":
-            elements |= dict.fromkeys(number.value for number in numbers)
+            elements |= {one.value: one.place for one in numbers if one.value not in elements}
             every = every or not numbers
         elif numbers:
             message = f"MAX is of all nodes; read {numbers[0].text}: leave the field empty"
             findings.error(record.subject, message, numbers[0].place, id="VSDF-092")
     largest = any(record["what"] == "MAX" for record in records)
-    return StressSelection(k - 1, tuple(nodes), tuple(elements), every, largest, records[0].place)
+    places = tuple(elements.values())
+    return StressSelection(k - 1, tuple(nodes), tuple(elements), every, largest, places)
 
 
 def _nodes(record: "Record", numbers: Any, body: Any, findings: Findings) -> list[int]:

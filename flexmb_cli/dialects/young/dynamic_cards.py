@@ -38,6 +38,9 @@ SECTION, GEOMETRY = "dynamics", "geometry"
 LAST_CARD = "END"
 INVERSE, FORWARD = "inverse", "forward"
 
+# More would take more than twelve times the deck's size.
+MOST_LOADS, BY_BODY = 200_000, ("mass", "velocity")
+
 
 def read_young_deck(source: DeckText) -> Deck:
     """A YOUNG deck with the records of its dynamic cards, if it has any, behind those of kinematics.
@@ -101,6 +104,7 @@ class _Cards:
     made: CardRecords = field(default_factory=CardRecords)
     starts: dict[str, "array[int]"] = field(default_factory=dict)  # of each section: where in the text
     numbers: int = 0
+    loads: int = 0  # cards whose number that of the bodies does not bound
     shapes_alone: bool = False
 
     def behind(self, records: Sequence[Record]) -> Sequence[Record]:
@@ -122,6 +126,12 @@ class _Cards:
                 break
             if is_keyword(word) and not _wants_text(card):
                 self._finish(card)
+                if self.loads > MOST_LOADS:
+                    message = (
+                        f"there are more than {MOST_LOADS} cards other than {', '.join(BY_BODY).upper()}"
+                    )
+                    self.made.error(word.place, "", f"{message}: the deck is not read from here on")
+                    return
                 card = [word]
                 if word.text.upper() == LAST_CARD:
                     self.made.faults += cards_behind_end(self.source.lines, word.line, BY_KEYWORD)
@@ -162,6 +172,7 @@ class _Cards:
             self.made.error(keyword.place, "", message)
             return
         starts = self.starts.setdefault(kind.section, array("i"))
+        self.loads += kind.section not in BY_BODY
         starts.append(self.source.lines.starts[keyword.line - 1] + keyword.column - 1)
         columns = kind.columns_of(len(found))
         if columns is None:

@@ -1,7 +1,5 @@
 """Stresses that a deck reports, per unit of each mode: of nodes and elements by their numbers."""
 
-from typing import Any
-
 import numpy as np
 
 from ...errors import Fault, ModelError
@@ -21,8 +19,10 @@ def _output(selection: StressSelection, body: FlexibleBody | None) -> StressOutp
     nodes = np.array(selection.nodes, dtype=np.int64)
     order = np.argsort(body.numbers)
     rows = order[np.searchsorted(body.numbers[order], nodes)]
-    elements = _elements(selection, body)
-    chosen = _places(selection, body, elements)
+    numbers = body.stress.numbers
+    named = _rows(numbers, _named_elements(selection, body.name, numbers))
+    chosen = np.arange(len(numbers)) if selection.every_element else named
+    elements = numbers[chosen]
     points, volumes = point_stresses(body, chosen)
     return StressOutput(
         selection.body,
@@ -35,22 +35,26 @@ def _output(selection: StressSelection, body: FlexibleBody | None) -> StressOutp
     )
 
 
-def _elements(selection: StressSelection, body: Any) -> np.ndarray:
-    if selection.every_element:
-        found: np.ndarray = body.stress.numbers
-        return found
-    return np.array(selection.elements, dtype=np.int64)
+def _named_elements(selection: StressSelection, name: str, numbers: np.ndarray) -> np.ndarray:
+    """Return the numbers of the elements that the deck names.  Raises ModelError where the body lacks one."""
+    elements = np.array(selection.elements, dtype=np.int64)
+    faults = [
+        Fault(
+            "error",
+            f"{name} has no element {elements[k]}; its elements are {numbers.min()} to {numbers.max()}",
+            selection.places[k],
+            "OUTS",
+            id="FE-071",
+        )
+        for k in np.flatnonzero(~np.isin(elements, numbers))
+    ]
+    if faults:
+        raise ModelError(faults)
+    return elements
 
 
-def _places(selection: StressSelection, body: Any, elements: Any) -> np.ndarray:
-    """Rows of the body's table of elements."""
-    order = np.argsort(body.stress.numbers)
-    sorted_numbers = body.stress.numbers[order]
-    found = order[np.minimum(np.searchsorted(sorted_numbers, elements), len(order) - 1)]
-    missing = elements[body.stress.numbers[found] != elements]
-    if missing.size:
-        first, last = sorted_numbers[[0, -1]]
-        message = f"{body.name} has no element {missing[0]}; its elements are {first} to {last}"
-        raise ModelError([Fault("error", message, selection.place, "OUTS", id="FE-071")])
-    made: np.ndarray = found
-    return made
+def _rows(numbers: np.ndarray, elements: np.ndarray) -> np.ndarray:
+    """Return the rows of elements in the table of all `numbers`."""
+    order = np.argsort(numbers)
+    found: np.ndarray = order[np.searchsorted(numbers[order], elements)]
+    return found

@@ -38,12 +38,13 @@ def _read_one(name: Any, lines: Any, at: Any) -> tuple[str, MatrixFile, int]:
     parts: list[Any] = []
     while True:
         at += 1
-        column, row = _column(name, lines, at)
+        column, row, words = _column(name, lines, at)
         if column > columns:
             # The column behind the last one closes the matrix with a value of no meaning.
             return label, of_strings(name, columns, parts), at + 2
         if row:
-            at = _read_string(name, lines, at, (row, column, width), parts)
+            head, at = at, _read_string(name, lines, at, (row, column, width), parts)
+            _check_words(name, head, words, len(parts[-1][2]))
             continue
         while at + 1 < len(lines) and len(lines[at + 1].split()) < 3 and "." not in lines[at + 1]:
             at += 1
@@ -75,14 +76,21 @@ def _width(form: str) -> int:
     return width
 
 
-def _column(name: str, lines: list[str], at: int) -> tuple[int, int]:
-    """Number of a column and its first row, 0 when strings follow."""
+def _check_words(name: str, head: int, words: int, found: int) -> None:
+    """Refuse a column of other values than its heading announces, each one word or two (double precision)."""
+    if words not in (found, 2 * found):
+        message = f"the column announces {words} words and holds {found} values; was it cut off, or edited?"
+        raise line_fault(name, head + 1, message)
+
+
+def _column(name: str, lines: list[str], at: int) -> tuple[int, int, int]:
+    """Number of a column, its first row, 0 when strings follow, and how many words it announces."""
     try:
-        column, row, _ = map(integer, lines[at].split())
+        column, row, words = map(integer, lines[at].split())
     except (ValueError, IndexError):
         message = "column, first row and words wanted; was the file cut off?"
         raise line_fault(name, at + 1, message) from None
-    return column, row
+    return column, row, words
 
 
 def _string_row(name: str, lines: list[str], at: int) -> int:

@@ -11,11 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from ...errors import visible
 from .file_text import bytes_of
 from .matrix_file import FEFileFault
 
 # Triangles of a file: more are too many for a page, and nobody sees them.
 MOST_TRIANGLES = 200_000
+LONGEST_WORD = 40  # characters of a word that a message repeats
 LARGEST_STL = 2**27  # bytes: a triangle takes 50 in a binary file, some 250 in text
 _HEADER_BYTES, _TRIANGLE_BYTES = 84, 50
 _RECORD = np.dtype(
@@ -25,9 +27,9 @@ _RECORD = np.dtype(
         ("unused", "<u2"),  # bytes of attributes that programs add
     ]
 )
-_CORNER = re.compile(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)")
-_FACET = re.compile(rb"\bendfacet\b")
-_ENDING = re.compile(rb"\bendsolid\b[^\n]*\s*\Z")
+_CORNER = re.compile(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
+_FACET = re.compile(rb"\bendfacet\b", re.IGNORECASE)
+_ENDING = re.compile(rb"\bendsolid\b[^\n]*\s*\Z", re.IGNORECASE)
 
 
 def read_stl(path: Path) -> tuple[np.ndarray, np.ndarray]:
@@ -39,7 +41,7 @@ def read_stl(path: Path) -> tuple[np.ndarray, np.ndarray]:
     announced = int.from_bytes(raw[80:_HEADER_BYTES], "little") if len(raw) >= _HEADER_BYTES else -1
     if len(raw) == _HEADER_BYTES + _TRIANGLE_BYTES * announced:
         corners = _binary(path.name, raw, announced)
-    elif raw.lstrip().startswith(b"solid") and b"\0" not in raw[:1024]:
+    elif raw[:1024].lstrip().lower().startswith(b"solid") and b"\0" not in raw[:1024]:
         corners = _text(path.name, raw)
     else:
         message = "is no STL file: it neither begins with 'solid', nor has it the length of a binary one"
@@ -73,8 +75,18 @@ def _text(name: str, raw: bytes) -> Any:
         raise FEFileFault(message, id="FE-078")
     try:
         return np.array(words, dtype=bytes).astype(float).reshape(-1, 3)
-    except ValueError as fault:
-        raise FEFileFault(f"{name} has a corner that is no number: {fault}", id="FE-079") from None
+    except ValueError:
+        wrong = visible(next(word for word in words if not _is_number(word)).decode(errors="replace"))
+        message = f"{name} has a corner that is no number: it reads {wrong[:LONGEST_WORD]}"
+        raise FEFileFault(message, id="FE-079") from None
+
+
+def _is_number(word: bytes) -> bool:
+    try:
+        np.array(word).astype(float)
+    except ValueError:
+        return False
+    return True
 
 
 def _check_count(name: str, count: int) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 
 from .._jit import allocating, kernel, part
 from ..kinematics import constraints as equations
-from ..linalg.cholesky import cholesky, cholesky_solve
+from ..linalg.cholesky import cholesky, cholesky_solve, cholesky_solve_rows
 from ..linalg.copying import copy
 from ..linalg.rank_revealing_lu import (
     WORN,
@@ -152,6 +152,22 @@ def solve(system: System, work: Work, forces: np.ndarray, gamma: np.ndarray, x: 
     split(system, work, forces, gamma, x, y)
     cholesky_solve(work.reduced, work.jacobian.shape[1] - work.rank[0], y)
     add_free(system, work, work.motions, y, x)
+
+
+@kernel
+def solve_rows(
+    system: System, work: Work, forces: np.ndarray, gamma: np.ndarray, x: np.ndarray, free: np.ndarray
+) -> None:
+    """Fill each row of x (r, n) as `solve` does for a row of forces (r, n) and one of gamma (r, m).
+
+    free (r, n) is work.
+    """
+    count = work.jacobian.shape[1] - work.rank[0]
+    for k in range(x.shape[0]):
+        split(system, work, forces[k], gamma[k], x[k], free[k])
+    cholesky_solve_rows(work.reduced, count, free)
+    for k in range(x.shape[0]):
+        add_free(system, work, work.motions, free[k], x[k])
 
 
 @kernel

@@ -162,13 +162,14 @@ def _turning_forces(
         h = (h[0] + S_tt[0, b] * w[b], h[1] + S_tt[1, b] * w[b], h[2] + S_tt[2, b] * w[b])
     for k in range(etad.shape[0]):
         h = (h[0] - S_tf[0, k] * etad[k], h[1] - S_tf[1, k] * etad[k], h[2] - S_tf[2, k] * etad[k])
-    f[3] = h[1] * w[2] - h[2] * w[1]
-    f[4] = h[2] * w[0] - h[0] * w[2]
-    f[5] = h[0] * w[1] - h[1] * w[0]
+    f3, f4, f5 = h[1] * w[2] - h[2] * w[1], h[2] * w[0] - h[0] * w[2], h[0] * w[1] - h[1] * w[0]
     for k in range(etad.shape[0]):
-        for a in range(3):
-            for b in range(3):
-                f[3 + a] -= etad[k] * (J1[k, a, b] + T[k, a, b] + T[k, b, a]) * w[b]
+        rate = etad[k]
+        for b in range(3):
+            f3 -= rate * (J1[k, 0, b] + T[k, 0, b] + T[k, b, 0]) * w[b]
+            f4 -= rate * (J1[k, 1, b] + T[k, 1, b] + T[k, b, 1]) * w[b]
+            f5 -= rate * (J1[k, 2, b] + T[k, 2, b] + T[k, b, 2]) * w[b]
+    f[3], f[4], f[5] = f3, f4, f5
 
 
 @kernel

@@ -43,8 +43,7 @@ def evaluate_residual(system: System, work: Work, q: np.ndarray, t: float, expec
     """Fill PHI at q; returns the largest scaled equation of the independent ones."""
     rotation_matrices(q, work.rotations[A])
     place_vectors(geometry_of(system, work), q)
-    equations.residual(system.constraints, q, t, expected, work.rotations[A], work.rows[PHI])
-    equation_residuals(system, work, t, expected, work.rows[PHI])
+    fill_residual(system, work, q, t, expected)
     found = 0.0
     for k in range(work.rank[0]):
         row = work.order[k]
@@ -52,6 +51,13 @@ def evaluate_residual(system: System, work: Work, q: np.ndarray, t: float, expec
         if not gap <= found:
             found = gap if gap > found else np.inf
     return found
+
+
+@kernel
+def fill_residual(system: System, work: Work, q: np.ndarray, t: float, expected: np.ndarray) -> None:
+    """Fill PHI at q, to which rotation matrices and body vectors belong."""
+    equations.residual(system.constraints, q, t, expected, work.rotations[A], work.rows[PHI])
+    equation_residuals(system, work, t, expected, work.rows[PHI])
 
 
 @kernel

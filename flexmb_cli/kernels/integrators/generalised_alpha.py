@@ -59,10 +59,10 @@ class AlphaIntegration(NamedTuple):
     units: np.ndarray  # (N,) a state's unit, of which the absolute tolerance is
     angles: np.ndarray  # (3, angles) rad, see `angle_unwrapping`
     rates: np.ndarray  # (5, n) accelerations, m/s² or 1/s², rows of `generalised_alpha_error`
-    missing: np.ndarray  # (n,) forces missing in the equations of motion, scaled
-    step: np.ndarray  # (n,) correction of the accelerations, scaled
-    shift: np.ndarray  # (n,) correction of speeds or positions, scaled
-    gaps: np.ndarray  # (3, m) missing in the equations, rows POSITION_GAP, SPEED_GAP, ACCELERATION_GAP
+    missing: np.ndarray  # (3, n) forces missing in the equations of motion, scaled; zeros in rows 1, 2
+    corrections: np.ndarray  # (3, n) of accelerations, speeds and positions, scaled
+    free: np.ndarray  # (3, n) their parts along the free motions
+    gaps: np.ndarray  # (3, m) missing in the equations; rows ACCELERATION_GAP, SPEED_GAP, POSITION_GAP
     load_powers: np.ndarray  # (3, K) of each load whose work is kept, rows NOW, BEHIND and TRIED, W
     newton: Work  # whose `reduced` is the matrix of an iteration
 
@@ -84,9 +84,9 @@ def new_integration(work: Any, angles: Any, works: int = 0) -> AlphaIntegration:
         np.ones(size),
         np.zeros((3, angles)),
         np.zeros((5, n)),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n),
+        np.zeros((3, n)),
+        np.zeros((3, n)),
+        np.zeros((3, n)),
         np.zeros((3, m)),
         np.zeros((3, works)),
         work._replace(reduced=np.zeros_like(work.reduced)),

@@ -26,12 +26,12 @@ from ..constrained.accelerations import (
     fill_column,
     fill_forces,
     reduce_mass,
-    solve,
+    solve_rows,
 )
 from ..constrained.angle_unwrapping import EXPECTED, expect_angles
 from ..constrained.dry_friction import has_friction
 from ..constrained.mass_matrix import mass_matrices, mass_times
-from ..constrained.projection import evaluate_residual, rate_gap
+from ..constrained.projection import fill_residual, rate_gap
 from ..constrained.report import TRIED, coordinates_and_speeds, fill_load_powers
 from ..constrained.speeds import move
 from ..constrained.system import (
@@ -52,11 +52,14 @@ from ..linalg.rank_revealing_lu import row_times
 from .error_norm import CAUTION
 from .generalised_alpha_control import left_over, share_of
 from .generalised_alpha_error import (
+    ACCELERATION_GAP,
     BEFORE,
     LAST,
     MEAN,
     NEW,
     NEW_MEAN,
+    POSITION_GAP,
+    SPEED_GAP,
     correction_size,
     fastest_change,
     step_error,
@@ -65,9 +68,6 @@ from .generalised_alpha_error import (
 if TYPE_CHECKING:
     from .generalised_alpha import AlphaIntegration
 
-
-# Rows of what is missing in the equations (3, m).
-POSITION_GAP, SPEED_GAP, ACCELERATION_GAP = 0, 1, 2
 
 MOST_ITERATIONS = 12
 STILL_ITERATIONS = 3  # of a state: positions, speeds, and accelerations that belong to both
@@ -137,7 +137,8 @@ def iterate(
             if iteration > 1 and not (contraction < 1.0 or size < FLOOR / clock["rtol"]):
                 return False
             left = memory["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
-        share = memory["share"] = share_of(clock, memory, work, h, fastest_change(system, integration))
+        fastest = 0.0 if memory["fixed"] > 0.0 else fastest_change(system, integration)
+        share = memory["share"] = share_of(clock, memory, work, h, fastest)
         clock["error"] = step_error(system, integration, h) / share
         enough = max(left_over(clock, memory, work, share), FLOOR / clock["rtol"])
         if left * size < enough and gap < CLOSED_BY_ONE_MORE:
@@ -214,7 +215,7 @@ def _evaluate(system: System, work: Work, integration: "AlphaIntegration", t: fl
         if code != SOLVED:
             return code
     gaps, ud = integration.gaps, integration.rates[NEW]
-    evaluate_residual(system, work, q, t, integration.angles[EXPECTED])
+    fill_residual(system, work, q, t, integration.angles[EXPECTED])
     rate_gap(system, work, u, t)
     for row in range(gaps.shape[1]):
         gaps[POSITION_GAP, row] = -work.rows[PHI, row]
@@ -223,7 +224,7 @@ def _evaluate(system: System, work: Work, integration: "AlphaIntegration", t: fl
     for row in range(gaps.shape[1]):
         total = row_times(work.jacobian, work.columns, row, ud, system.speed_scale)
         gaps[ACCELERATION_GAP, row] = work.rows[GAMMA, row] - total * system.row_scale[row]
-    forces, product = integration.missing, work.vectors[PRODUCT]
+    forces, product = integration.missing[ACCELERATION_GAP], work.vectors[PRODUCT]
     mass_times(system, work, ud, product)
     for k in range(n):
         forces[k] = work.vectors[FORCES, k] - product[k]
@@ -257,26 +258,24 @@ def _correct(
     """Newton's correction; returns its size in tolerances and the largest scaled gap before it."""
     n = system.speed_scale.shape[0]
     q, u = coordinates_and_speeds(system, integration.trial)
-    step, shift, gaps = integration.step, integration.shift, integration.gaps
-    found = _largest(system, gaps)
-    solve(system, integration.newton, integration.missing, gaps[ACCELERATION_GAP], step)
-    for k in range(n):
-        integration.rates[NEW, k] += step[k]
-        u[k] += by_speed * step[k]
-        integration.missing[k] = 0.0
-    size = correction_size(system, integration, by_speed)
-    for k in range(n):
-        step[k] *= by_position
+    gaps, corrections = integration.gaps, integration.corrections
+    found, kinds = _largest(system, gaps), 3 if gaps.shape[1] > 0 else 1
     for row in range(gaps.shape[1]):
         gaps[SPEED_GAP, row] -= by_speed * gaps[ACCELERATION_GAP, row]
         gaps[POSITION_GAP, row] -= by_position * gaps[ACCELERATION_GAP, row]
-    if gaps.shape[1] > 0:
-        solve(system, integration.newton, integration.missing, gaps[SPEED_GAP], shift)
-        for k in range(n):
-            u[k] += shift[k]
-        solve(system, integration.newton, integration.missing, gaps[POSITION_GAP], shift)
-        for k in range(n):
-            step[k] += shift[k]
+    solve_rows(
+        system, integration.newton, integration.missing, gaps, corrections[:kinds], integration.free[:kinds]
+    )
+    step = corrections[ACCELERATION_GAP]
+    for k in range(n):
+        integration.rates[NEW, k] += step[k]
+        u[k] += by_speed * step[k]
+    size = correction_size(system, integration, by_speed)
+    for k in range(n):
+        step[k] *= by_position
+        if kinds > 1:
+            u[k] += corrections[SPEED_GAP, k]
+            step[k] += corrections[POSITION_GAP, k]
     move(system.masses.shape[0], q, step)
     return size, found
 
@@ -285,7 +284,7 @@ def _correct(
 def _largest(system: System, gaps: np.ndarray) -> float:
     """The largest scaled gap of positions and speeds."""
     found = 0.0
-    for kind in range(2):
+    for kind in (SPEED_GAP, POSITION_GAP):
         for row in range(gaps.shape[1]):
             found = max(found, abs(gaps[kind, row]) / system.row_scale[row])
     return found

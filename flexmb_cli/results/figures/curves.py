@@ -106,13 +106,27 @@ class Source:
     energies_change: bool = False
 
 
+@dataclass(frozen=True)
+class DefaultCurves:
+    """The quantities that are drawn when none is named, and a sentence on each crowd that is cut short."""
+
+    quantities: list[Quantity]
+    cut: list[str]
+
+
 def default_quantities(result: h5py.File) -> list[Quantity]:
-    """Return the quantities drawn when none is named: the dialect's main ones that move, and energies.
+    """Return the quantities of `default_curves`."""
+    return default_curves(result).quantities
+
+
+def default_curves(result: h5py.File) -> DefaultCurves:
+    """Return what is drawn when nothing is named: the dialect's main quantities that move, and energies.
 
     Of these those that change, and their sum; `still_energies` are the others.
     """
     known = names(result)
-    chosen: list[Any] = []
+    chosen: list[Quantity] = []
+    cut: list[str] = []
     datasets = list(_datasets(attribute(result, "dialect")))
     if any(quantity.dataset == "element/effort" for quantity in known):
         datasets += [dataset for dataset in OF_ELEMENTS if dataset not in datasets]
@@ -121,10 +135,11 @@ def default_quantities(result: h5py.File) -> list[Quantity]:
         moving = _moving(result, wanted)
         # Bodies are drawn where there are no points that tell the motion.
         if moving and not (dataset == "body/position" and chosen):
-            chosen += _few_of_each_unit(moving)
+            chosen += _few_of_each_unit(result, moving, cut)
     stresses = [one for one in known if one.dataset.startswith("stress/") and one.name.endswith("von_mises")]
-    chosen += _few_of_each_unit(_moving(result, stresses))
-    return chosen + _energies(result) + [quantity for quantity in known if quantity.dataset == TOTAL]
+    chosen += _few_of_each_unit(result, _moving(result, stresses), cut)
+    totals = [quantity for quantity in known if quantity.dataset == TOTAL]
+    return DefaultCurves(chosen + _energies(result) + totals, cut)
 
 
 def _datasets(dialect: str) -> tuple[str, ...]:
@@ -170,12 +185,35 @@ def _moving(result: h5py.File, quantities: list[Quantity]) -> list[Quantity]:
     return [q for q, size in zip(quantities, ranges, strict=True) if size > STILL * ranges.max()]
 
 
-def _few_of_each_unit(quantities: Any) -> list[Quantity]:
-    """At most `MOST_CURVES` of a unit, the first ones."""
+def _few_of_each_unit(result: h5py.File, quantities: list[Quantity], cut: list[str]) -> list[Quantity]:
+    """Return at most `MOST_CURVES` of each unit, in their order; `cut` gets a sentence where it has more.
+
+    Of stresses those with the largest values are kept, of others those that change most.
+    """
     kept: list[Quantity] = []
-    count: dict[str, int] = {}
-    for quantity in quantities:
-        count[quantity.unit] = count.get(quantity.unit, 0) + 1
-        if count[quantity.unit] <= MOST_CURVES:
-            kept.append(quantity)
-    return kept
+    for unit in dict.fromkeys(quantity.unit for quantity in quantities):
+        of_unit = [quantity for quantity in quantities if quantity.unit == unit]
+        if len(of_unit) > MOST_CURVES:
+            of_stress = all(quantity.dataset.startswith("stress/") for quantity in of_unit)
+            cut.append(_cut_short(of_unit, of_stress))
+            of_unit = _largest(result, of_unit, of_stress)
+        kept += of_unit
+    return [quantity for quantity in quantities if quantity in kept]
+
+
+def _largest(result: h5py.File, quantities: list[Quantity], by_value: bool) -> list[Quantity]:
+    values = read(result, quantities)
+    sizes = np.abs(values).max(axis=0) if by_value else np.ptp(values, axis=0)
+    order = np.argsort(-np.nan_to_num(sizes), kind="stable")[:MOST_CURVES]
+    return [quantities[k] for k in sorted(order.tolist())]
+
+
+def _cut_short(quantities: list[Quantity], by_value: bool) -> str:
+    """Return which curves of a unit are left out."""
+    unit = quantities[0].unit
+    what = _common_ending({readable(one).quantity for one in quantities}) or OF_UNIT.get(unit, "")
+    chosen = "with the largest values" if by_value else "that change most"
+    return (
+        f"of {len(quantities)} curves of {what} [{unit}] the {MOST_CURVES} {chosen} are drawn, "
+        f"{len(quantities) - MOST_CURVES} are left out"
+    ).replace(" of  [", " [")

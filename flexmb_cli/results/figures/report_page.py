@@ -24,7 +24,7 @@ from ...quick_dataclass import replace
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, is_number, is_text, settings_of, texts
 from ..quantities.quantities import ResultError, names, shortfall
 from ..texts.echo import echo
-from .curves import Panel, Source, default_quantities, panels, still_energies
+from .curves import Panel, Source, default_curves, panels, still_energies
 from .report_curves import curve_figure
 from .report_scene import report_scene
 
@@ -45,7 +45,7 @@ def report_page(result: h5py.File) -> str:
         title=_shown(_title(result)),
         status=_status(result),
         motion=_viewer("motion.html") if scene else "<p>There are no rows to draw.</p>",
-        curves=_curves(result) + _left_out(result),
+        curves=curves_html(result) + _left_out(result),
         audit=_table(_audit(result)),
         run=_table(_run(result)),
         changes=_changes(result),
@@ -79,18 +79,21 @@ AS_TYPED = "As the deck's text has them."
 AS_CHANGED = "As this run had them; what --set changed has that word in place of its line."
 
 
-def _curves(result: h5py.File) -> str:
+def curves_html(result: h5py.File) -> str:
     """The default curves, a panel for each unit."""
-    quantities = default_quantities(result)
-    rows = len(result["time"])
-    if not quantities or not rows:
+    chosen, rows = default_curves(result), len(result["time"])
+    if not chosen.quantities or not rows:
         return ""
     time = next(quantity for quantity in names(result) if quantity.name == "time")
-    drawn = panels([Source("", result, slice(0, rows), time, quantities, True)])
+    drawn = panels([Source("", result, slice(0, rows), time, chosen.quantities, True)])
     figures = [
         curve_figure(_visible(panel), lines_visible(panel.y_label), k) for k, panel in enumerate(drawn)
     ]
-    return "<h2>Curves</h2>" + "".join(figures)
+    cut = (
+        f"<p>{_shown(each[0].upper() + each[1:])}; flexmb plot with NAMEs draws others.</p>"
+        for each in chosen.cut
+    )
+    return "<h2>Curves</h2>" + "".join((*figures, *cut))
 
 
 def _visible(panel: Panel) -> Panel:

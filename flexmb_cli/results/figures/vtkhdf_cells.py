@@ -17,6 +17,7 @@ from .scene import GROUND_NUMBER, DrawnBody, Scene
 # Types of VTK by the nodes of an element; nodes stand in the order of Abaqus in all four.
 CELL_TYPES = {4: 10, 8: 12, 10: 24, 20: 25}
 VERTEX, VTK_LINE, TRIANGLE = 1, 3, 5
+PRINCIPAL_STRAIN = "element_principal_strain"
 # Name of the point data: components of a point.
 FIELDS = {
     "displacement": 3, "deformation": 3, "velocity": 3, "stress": 6, "von_mises": 1, "principal_stress": 3,
@@ -69,13 +70,22 @@ def _write_cell_data(root: h5py.Group, bodies: list[ElementBody], steps: int) ->
     if not any(body.of_elements for body in bodies):
         return
     data, count = root.create_group("CellData"), int(root["NumberOfCells"][0])
-    for name, (_, _, width) in ELEMENT_SERIES.items():
-        values, first = np.full((steps, count, *map(int, width)), np.nan), 0
+    widths = {name: tuple(map(int, width)) for name, (_, _, width) in ELEMENT_SERIES.items()}
+    for name, width in (widths | {PRINCIPAL_STRAIN: (3,)}).items():
+        values, first = np.full((steps, count, *width), np.nan), 0
         for body in bodies:
             if body.of_elements and body.selected is not None:
-                values[:, first + body.selected] = body.of_elements[name]
+                values[:, first + body.selected] = _of_elements(body.of_elements, name)
             first += len(body.cells)
         data[name] = values.reshape(-1, *values.shape[2:])
+
+
+def _of_elements(known: dict[str, np.ndarray], name: str) -> np.ndarray:
+    """Return a field of the elements; results of earlier versions have no principal strains."""
+    if name != PRINCIPAL_STRAIN:
+        return known[name]
+    strain = known["element_strain"]
+    return _principal(strain.reshape(-1, 6)).reshape(*strain.shape[:-1], 3)
 
 
 def _row(

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import Any
 
-from ...model.arrays.element_table import coordinates_of_joints
 from ...model.joints import ANGLE
 from ...quick_dataclass import replace
 from .layout import Axis, Layout, Series, Values, numbered_axis
@@ -70,6 +69,8 @@ def with_units(axis: Axis, kind: str, units: Sequence[str]) -> Axis:
 
 def coordinate_names(joints: Sequence[Any], names: Sequence[str]) -> list[tuple[str, str]]:
     """Names and units of all joint coordinates; `names` of the joints."""
+    from ...model.arrays.element_table import coordinates_of_joints  # much that trees do without
+
     return [
         (f"{names[item.joint]} {item.coordinate}", "rad" if item.coordinate == ANGLE else "m")
         for item in coordinates_of_joints(joints)

@@ -9,7 +9,6 @@ from contextlib import contextmanager, suppress
 from math import prod
 from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 
 from ... import __version__
@@ -20,6 +19,7 @@ from ..files.disk_failures import located
 from ..files.full_disk_guard import FullDiskGuard
 from ..files.replaced_file import Replacement, put_in_place
 from .layout import TIME, Layout, Series, Values
+from .quick_import import h5py
 from .quick_writing import TEXT, append_rows, attach_scales, growing_dataset, set_texts
 
 if TYPE_CHECKING:

@@ -73,7 +73,7 @@ def stress_axes(mechanism: FlexibleMechanism) -> list[Axis]:
     for output in mechanism.stresses:
         group = _group(mechanism, output)
         axes.append(Axis(f"{group}/component", COMPONENTS, "component"))
-        axes.append(Axis(f"{group}/principal", (1, 2, 3), "principal stress, the largest first"))
+        axes.append(Axis(f"{group}/principal", (1, 2, 3), "principal value, the largest first"))
         for kind, numbers in (("node", output.nodes), ("element", output.elements)):
             if len(numbers):
                 axes.append(Axis(f"{group}/{kind}", tuple(map(int, numbers)), f"number of the {kind}"))
@@ -107,6 +107,7 @@ def _series(mechanism: FlexibleMechanism, output: StressOutput) -> Iterator[Seri
         yield Series(
             f"{strain}/{kind}_tensor", tensor, "1", f"strain, {where}, axes of {name}; xy is half the angle"
         )
+        yield Series(f"{strain}/{kind}_principal", principal, "1", f"principal strains of the {of_mean}")
     if len(output.elements):
         yield Series(f"{strain}/element_energy", (f"{group}/element",), "J", "strain energy of the element")
     if output.largest:
@@ -133,7 +134,9 @@ def stress_values(mechanism: FlexibleMechanism, values: Values) -> dict[str, np.
                 found[f"{group}/{kind}_tensor"] = tensor
                 found[f"{group}/{kind}_von_mises"] = von_mises(tensor)
                 found[f"{group}/{kind}_principal"] = principal_stresses(tensor)
-                found[f"{strain}/{kind}_tensor"] = strains(tensor, _stress(body))
+                strained = strains(tensor, _stress(body))
+                found[f"{strain}/{kind}_tensor"] = strained
+                found[f"{strain}/{kind}_principal"] = principal_stresses(strained)
         if len(output.elements):
             found[f"{strain}/element_energy"] = element_energies(output, body, eta)
         if output.largest:

@@ -6,7 +6,7 @@ Create…) is the source of the calls.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,8 +16,9 @@ from ...model.loads import DynamicModel
 from ...model.mechanism import GROUND
 from ...model.vectors import rotation_matrix
 from ...quick_dataclass import fields
+from .exudyn_joints import HELD, independent_axes, joint_frames
 
-HEAD = '''"""{title}, written by flexmb for Exudyn 1.9 or later.  SI units.
+HEAD = '''"""{title}, written by flexmb for Exudyn 1.13 or later.  SI units.
 
 Run it: results are positions of the mass centres at the report times, in the file {title}-exudyn.csv.
 """
@@ -47,7 +48,6 @@ sensors = [
 ]
 mbs.Assemble()
 settings = exu.SimulationSettings()
-settings.timeIntegration.numberOfSteps = {steps!r}
 settings.timeIntegration.endTime = END
 settings.timeIntegration.newton.relativeTolerance = 1e-10
 settings.timeIntegration.newton.absoluteTolerance = 1e-12
@@ -55,22 +55,48 @@ settings.timeIntegration.newton.absoluteTolerance = 1e-12
 settings.timeIntegration.generalizedAlpha.spectralRadius = 1
 settings.timeIntegration.generalizedAlpha.useNewmark = True
 settings.timeIntegration.generalizedAlpha.useIndex2Constraints = True
-settings.solutionSettings.writeSolutionToFile = False
-settings.solutionSettings.sensorsWritePeriod = END / (ROWS - 1)
+settings.solution.file.write = False
+settings.solution.sensors.writePeriod = END / (ROWS - 1)
 settings.timeIntegration.verboseMode = 0
-mbs.SolveDynamic(settings)
-table = [mbs.GetSensorStoredData(sensor) for sensor in sensors]
-rows = np.hstack([table[0][:, :1], *(column[:, 1:] for column in table)])
+
+
+def solve(steps):
+    # Times and positions by this number of steps.
+    settings.timeIntegration.numberOfSteps = steps
+    mbs.SolveDynamic(settings)
+    table = [mbs.GetSensorStoredData(sensor) for sensor in sensors]
+    return np.hstack([table[0][:, :1], *(column[:, 1:] for column in table)])
+
+
+# The error of this rule has even powers of the step only: two solutions give one whose error falls to a
+# sixteenth with half the steps (Richardson).  Its change is the estimate of its error.
+TOLERANCE, MOST_STEPS = {tolerance!r}, {most!r}
+steps = {steps!r}
+coarse, rows, error = solve(steps), None, np.inf
+while error > TOLERANCE and steps < MOST_STEPS:
+    steps *= 2
+    fine = solve(steps)
+    better = fine + (fine - coarse) / 3
+    error = np.inf if rows is None else np.abs(better - rows).max()
+    coarse, rows = fine, better
 np.savetxt("{title}-exudyn.csv", rows, delimiter=",", fmt="%.17g")
+print(f"{{steps}} steps, estimated error of positions {{error:.1e}} m")
+if error > TOLERANCE:
+    raise SystemExit(f"the error is above {{TOLERANCE:.1e}} m: allow more than {{MOST_STEPS}} steps")
 """
-STEPS_PER_ROW = 100
+# Steps of a report interval: of the first solution, and of the last that the script tries.
+FIRST_STEPS, LAST_STEPS = 10, 10 * 2**10
+POSITION_ERROR = 1e-7  # m
 _NO_WORD = re.compile(r"""[\\"'\x00-\x1f]""")
 
 
-def exudyn_script(model: DynamicModel, start: dict[str, np.ndarray], name: str) -> str:
+def exudyn_script(
+    model: DynamicModel, start: dict[str, np.ndarray], name: str, later: Sequence[dict[str, np.ndarray]] = ()
+) -> str:
     """Return the script.
 
     `start`: "r" (bodies, 3) in m, Euler parameters "p" (bodies, 4), "v" and "omega" (bodies, 3), global axes.
+    `later`: "r" and "p" at later times, which tell a singular start from equations that repeat others.
     Raises ModelError for what is not converted.
     """
     # The name stands in texts of the script: with a quotation mark it could be any statement.
@@ -83,9 +109,16 @@ def exudyn_script(model: DynamicModel, start: dict[str, np.ndarray], name: str) 
         raise ModelError(faults)
     time, placed = model.mechanism.time, _Placed(model, start)
     lines = [_head(placed, name), "bodies = []"]
-    lines += [*placed.bodies(), *placed.joints(), *placed.loads()]
-    end, rows = time.last - time.start, time.rows
-    return "\n".join(lines) + TAIL.format(title=name, end=end, rows=rows, steps=STEPS_PER_ROW * (rows - 1))
+    lines += [*placed.bodies(), *placed.joints([start, *later]), *placed.loads()]
+    intervals = max(time.rows - 1, 1)
+    return "\n".join(lines) + TAIL.format(
+        title=name,
+        end=time.last - time.start,
+        rows=time.rows,
+        steps=FIRST_STEPS * intervals,
+        most=LAST_STEPS * intervals,
+        tolerance=POSITION_ERROR,
+    )
 
 
 def _head(placed: "_Placed", name: str) -> str:
@@ -97,7 +130,7 @@ def _foreign(model: Any) -> Iterator[tuple[Any, ...]]:
     """Yield what cannot be converted: message, place in the deck, subject."""
     mechanism = model.mechanism
     for joint in mechanism.joints:
-        if joint.kind not in _JOINTS:
+        if joint.kind not in HELD:
             yield (
                 "only spherical, revolute, cylindrical and translational joints convert",
                 joint.place,
@@ -118,9 +151,6 @@ def _foreign(model: Any) -> Iterator[tuple[Any, ...]]:
     groups = (getattr(model.elements, field.name) for field in fields(model.elements))
     for item in (item for group in groups if isinstance(group, tuple) for item in group):
         yield "elements at joints do not convert", item.place, item.name
-
-
-_JOINTS = ("spherical", "revolute", "cylindrical", "translational")
 
 
 class _Placed:
@@ -171,26 +201,25 @@ class _Placed:
             surfaces.append(f"shape({points.ravel().tolist()!r}, {triangles!r})")
         return f", graphicsDataList=[{', '.join(surfaces)}]" if surfaces else ""
 
-    def joints(self) -> Iterator[str]:
+    def joints(self, positions: list[dict[str, np.ndarray]]) -> Iterator[str]:
         """Yield a line for every joint."""
-        for joint in self.model.mechanism.joints:
+        mechanism = self.model.mechanism
+        frames, held = joint_frames(mechanism, self.start), independent_axes(mechanism, positions)
+        for joint, frame, axes in zip(mechanism.joints, frames, held, strict=True):
             place = _list(self._at(joint.i, joint.P_i))
-            pair = f"bodyNumbers=[{self._word(joint.i)}, {self._word(joint.j)}], position={place}"
-            if joint.kind == "spherical":
+            pair = f"itemNumbers=[{self._word(joint.i)}, {self._word(joint.j)}], position={place}"
+            axis = f"axis={_list(frame[:, 2])}"
+            if axes != HELD[joint.kind]:
+                yield f"# {joint.name}, without the equations that repeat those of other joints:"
+                yield _generic(pair, frame, axes)
+            elif joint.kind == "spherical":
                 yield f"mbs.CreateSphericalJoint({pair})"
-                continue
-            axis = self.A[joint.i] @ np.array(joint.s_i)
-            axis = axis / np.linalg.norm(axis)
-            if joint.kind == "revolute":
-                yield f"mbs.CreateRevoluteJoint({pair}, axis={_list(axis)})"
+            elif joint.kind == "revolute":
+                yield f"mbs.CreateRevoluteJoint({pair}, {axis})"
             elif joint.kind == "translational":
-                yield f"mbs.CreatePrismaticJoint({pair}, axis={_list(axis)})"
+                yield f"mbs.CreatePrismaticJoint({pair}, {axis})"
             else:
-                frame = [list(map(float, row)) for row in _frame_along(axis)]
-                yield (
-                    f"mbs.CreateGenericJoint({pair}, rotationMatrixAxes=np.array({frame!r}), "
-                    "constrainedAxes=[1, 1, 0, 1, 1, 0])"
-                )
+                yield _generic(pair, frame, axes)
 
     def loads(self) -> "Iterator[Any]":
         """Yield a line for every spring, force and torque."""
@@ -200,21 +229,21 @@ class _Placed:
                 for n, (body, point) in enumerate(((item.i, item.P_i), (item.j, item.P_j)))
             )
             yield (
-                f"mbs.CreateSpringDamper(bodyNumbers=[{self._word(item.i)}, {self._word(item.j)}], {ends}, "
+                f"mbs.CreateSpringDamper(itemNumbers=[{self._word(item.i)}, {self._word(item.j)}], {ends}, "
                 f"referenceLength={item.free_length!r}, stiffness={item.stiffness!r}, "
                 f"damping={item.damping!r})"
             )
         for force in self.model.forces:
             if force.body not in self.still:
                 yield (
-                    f"mbs.CreateForce(bodyNumber={self._word(force.body)}, loadVector={_list(force.force)}, "
+                    f"mbs.CreateForce(itemNumber={self._word(force.body)}, loadVector={_list(force.force)}, "
                     f"localPosition={_list(self._local(force.body, force.point))}, "
                     f"bodyFixed={bool(force.following)})"
                 )
         for torque in self.model.torques:
             if torque.body not in self.still:
                 yield (
-                    f"mbs.CreateTorque(bodyNumber={self._word(torque.body)}, "
+                    f"mbs.CreateTorque(itemNumber={self._word(torque.body)}, "
                     f"loadVector={_list(torque.torque)}, bodyFixed={bool(torque.following)})"
                 )
 
@@ -232,12 +261,15 @@ class _Placed:
         return "ground" if body in self.still else f"bodies[{self.numbers[body]}]"
 
 
-def _frame_along(axis: Any) -> Any:
-    """A rotation matrix whose third axis is `axis`."""
-    across = np.eye(3)[int(np.argmin(np.abs(axis)))]
-    x = np.cross(across, axis)
-    x = x / np.linalg.norm(x)
-    return np.column_stack([x, np.cross(axis, x), axis])
+def _generic(pair: str, frame: np.ndarray, axes: tuple[int, ...]) -> str:
+    """Return the line of a joint that holds `axes` of a frame; without any there is no joint."""
+    if not any(axes):
+        return "# none is left"
+    return (
+        f"mbs.CreateGenericJoint({pair}, "
+        f"rotationMatrixAxes=np.array({[list(map(float, row)) for row in frame]!r}), "
+        f"constrainedAxes={list(axes)!r})"
+    )
 
 
 def _list(values: np.ndarray | tuple[float, float, float]) -> str:

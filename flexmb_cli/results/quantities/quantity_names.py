@@ -28,7 +28,8 @@ FORMS = {
     **{f"{quantity}/{kind}_tensor": (f"{quantity}.{{item}}.{{0}}.{{1}}",)
        for quantity in ("stress", "strain") for kind in ("node", "element")},
     **{f"stress/{kind}_von_mises": ("stress.{item}.{0}.von_mises",) for kind in ("node", "element")},
-    **{f"stress/{kind}_principal": ("stress.{item}.{0}.principal.{1}",) for kind in ("node", "element")},
+    **{f"{quantity}/{kind}_principal": (f"{quantity}.{{item}}.{{0}}.principal.{{1}}",)
+       for quantity in ("stress", "strain") for kind in ("node", "element")},
     "strain/element_energy": ("strain.{item}.{0}.energy",),
     "stress/max_von_mises": ("stress.{item}.max.von_mises",),
     "stress/max_node": ("stress.{item}.max.node",),
@@ -189,7 +190,7 @@ class _Labels:
     def _spellings(self, scale: h5py.Dataset, path: str) -> "list[Any]":
         if not is_number(scale):
             return [(text,) for text in texts(scale)]
-        numbers = [f"{value:g}" for value in scale[:]]
+        numbers = [_number(value) for value in scale[:]]
         names = self._names(scale)
         if names:
             given = list(zip(numbers, names, strict=True))
@@ -247,6 +248,11 @@ def _with_angles(given: list[tuple[str, str]]) -> list[tuple[str, ...]]:
         (*words, f"theta{body}") if body and bodies.count(body) == 1 else words
         for words, body in zip(given, bodies, strict=True)
     ]
+
+
+def _number(value: float) -> str:
+    """The number with all its digits: six made the nodes 1000001 and 1000002 one."""
+    return str(int(value)) if float(value).is_integer() else repr(float(value))
 
 
 def _word(text: str) -> str:

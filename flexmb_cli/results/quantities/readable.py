@@ -11,7 +11,6 @@ _WORDS = {
     "omega": "angular velocity",
     "alpha": "angular acceleration",
     "von_mises": "von Mises stress",
-    "principal": "principal stress",
     "energy": "strain energy",
     "u": "speed",
     "u_rate": "acceleration",
@@ -78,8 +77,14 @@ def _of_body(group: Any, words: Any) -> Any:
     place = place.replace("node", "node ").replace("element", "element ")
     thing = f"body {body} {place}"
     if place == "max":
-        thing, place = f"body {body}", "largest "
-        return Readable(place + _word(quantity[0]), thing, "")
+        head = (
+            "node of the largest von Mises stress"
+            if quantity[0] == "node"
+            else f"largest {_word(quantity[0])}"
+        )
+        return Readable(head, f"body {body}", "")
+    if quantity[0] == "principal":
+        return Readable(f"principal {group}", thing, quantity[-1])
     if len(quantity) == 1 and quantity[0] in _WORDS:
         return Readable(_WORDS[quantity[0]], thing, "")
     return Readable(

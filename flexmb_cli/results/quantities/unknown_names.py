@@ -51,7 +51,21 @@ def _lacking(first: Any, families: Any) -> str:
     wanted = next((word for word in NEEDS if first in (word, f"{word}s", f"{word}es")), None)
     if wanted is None or any(family.path.startswith(f"{wanted}/") for family in families):
         return ""
-    return NEEDS[wanted]
+    return (_in_place_of_displacements(families) if wanted == "elastic" else "") or NEEDS[wanted]
+
+
+def _in_place_of_displacements(families: Sequence[Family]) -> str:
+    """Return what a result has of its flexible bodies, whose displacements are no series."""
+    amplitudes = [
+        one for one in families if one.path.startswith("modal/") and one.path.endswith("/amplitude")
+    ]
+    if not amplitudes:
+        return ""
+    known = ", ".join(one.name((0,)).rpartition(".")[0] for one in amplitudes)
+    return (
+        f"displacements of nodes are series of DAFMS bodies; this result has {known}, the amplitudes of "
+        "modes, and a node on a card OUTN is a point, such as point.1.x"
+    )
 
 
 def _of_things(word: str, families: Sequence[Family]) -> str:

@@ -87,20 +87,25 @@ class PassedDynamicSingularities(PassedSingularities):
 
     def suspected(self, times: np.ndarray, states: np.ndarray) -> Iterator[tuple[Row, Row, Row]]:
         """Yield three rows about each minimum; `states` of the rows at `times` have coordinates first."""
-        size = self.analysis.arrays.coordinate_scale.size
-        for t, state in zip(times, states, strict=True):
-            if self.active and self.row % self.stride == 0 and not self.notes.full:
-                row = Row(float(t), state[:size].copy(), self._smallest(state[:size].copy()))
-                self.seen.append(row)
-                insort(self.sorted, row.value)
-                if self._least_in_the_middle():
-                    yield self.seen[-3], self.seen[-2], self.seen[-1]
-            self.row += 1
+        chosen = np.arange(-self.row % self.stride, len(times), self.stride)
+        self.row += len(times)
+        if not self.active or self.notes.full or not chosen.size:
+            return
+        positions = states[chosen, : self.analysis.arrays.coordinate_scale.size]
+        for row in map(Row, times[chosen].tolist(), positions, self._smallest(positions)):
+            if self.notes.full:
+                return
+            self.seen.append(row)
+            insort(self.sorted, row.value)
+            if self._least_in_the_middle():
+                yield self.seen[-3], self.seen[-2], self.seen[-1]
 
-    def _smallest(self, q: np.ndarray) -> float:
-        """The last singular value that counts, of the largest."""
-        values = np.linalg.svd(self.gaps.jacobian(q), compute_uv=False)
-        return float(values[int(self.analysis.work.rank[0]) - 1] / values[0])
+    def _smallest(self, positions: np.ndarray) -> list[float]:
+        """The last singular value that counts, of the largest, at each of `positions` (k, N)."""
+        jacobians = np.array([self.gaps.jacobian(q) for q in positions])
+        values = np.linalg.svd(jacobians, compute_uv=False)
+        found: list[float] = (values[:, int(self.analysis.work.rank[0]) - 1] / values[:, 0]).tolist()
+        return found
 
     def _least_in_the_middle(self) -> bool:
         """Return whether the row before the last is a minimum, and much below what is usual."""
@@ -132,7 +137,7 @@ class PassedDynamicSingularities(PassedSingularities):
         """Position at the part x of the way between two rows, and its smallest value; inf if open."""
         t, q = first.t + x * (last.t - first.t), (1.0 - x) * first.q + x * last.q
         q, gap = project(Instant(self.gaps, t, self._expected), q, BETWEEN)
-        return q, self._smallest(q) if np.max(np.abs(gap)) <= BETWEEN.met else np.inf
+        return q, self._smallest(q[None])[0] if np.max(np.abs(gap)) <= BETWEEN.met else np.inf
 
     def conditioning(self, passed: Passed) -> Conditioning:
         """Return the conditioning of the Jacobian on speeds there."""

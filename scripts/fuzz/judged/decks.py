@@ -20,10 +20,14 @@ QUICK = (
     ("young/dynamics/IN4-BAR-MASS.dat", 3, ("time.end=0.1", "time.step=0.05")),
     ("young/[de]*.dat", 4, ()),
     ("dafms/elements.DAT", 3, ()),
+    ("dafms/elements_coupled.DAT", 1, ()),
     ("vsdf/elements.vsdf", 3, ()),
+    ("vsdf/coupled.vsdf", 1, ()),
     ("dafms/[ps]*.DAT", 17, ("time.IT=8",)),
-    ("vsdf/[!e]*.vsdf", 3, ("time.end=0.001", "time.output=5e-5", "time.step=5e-5")),
+    ("vsdf/[!ce]*.vsdf", 3, ("time.end=0.001", "time.output=5e-5", "time.step=5e-5")),
 )
+# Those with springs, bushings, friction, stops, cables and couplings.
+ELEMENTS = tuple(kind for kind in QUICK if "[de]" in kind[0] or "elements" in kind[0] or "coupled" in kind[0])
 # Stiff or large: half a second a deck.
 LEFT_OUT = (
     "shaft_beam_n5",
@@ -50,9 +54,9 @@ class Damaged:
     changes: tuple[str, ...]
 
 
-def damaged(chance: random.Random, dialect: str = "") -> Damaged:
-    """A damaged deck of some dialect, or of the one named."""
-    kinds = [kind for kind in QUICK if kind[0].startswith(dialect)]
+def damaged(chance: random.Random, dialect: str = "", elements: bool = False) -> Damaged:
+    """A damaged deck of some dialect, or of the one named; of those with elements at joints, if wanted."""
+    kinds = [kind for kind in (ELEMENTS if elements else QUICK) if kind[0].startswith(dialect)]
     pattern, _, changes = chance.choices(kinds, [share for _, share, _ in kinds])[0]
     found = [*sorted(DECKS.glob(pattern)), *sorted(SEEDS.glob(pattern))]
     decks = [path for path in found if path.stem not in LEFT_OUT]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
+from flexmb_cli.kernels.constrained.elements import COORDINATE
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from tests.dialects.vsdf.vsdf_decks import build, changed, reported, supplied
 
@@ -112,10 +113,11 @@ def test_a_motion_by_a_table_follows_its_spline():
 def test_a_spring_with_a_damper_rings_down_as_the_damped_oscillator():
     """2 kg on 200 N/m with 8 N s/m from 0.1 m: ω = 10, ζ = 0.2; z = 0.1 e^-ζωt (cos ω't + ζω/ω' sin ω't)."""
     cards = "JSPR\n    1     200.0       8.0       0.1\n"
-    rows, _, _ = run(with_cards(cards))
+    rows, _, analysis = run(with_cards(cards))
     t, decay, ringing = rows("time"), 2.0, 10.0 * np.sqrt(1.0 - 0.04)
     left = np.exp(-decay * t) * (np.cos(ringing * t) + decay / ringing * np.sin(ringing * t))
     assert rows("position")[:, 0, 2] == pytest.approx(0.1 * (1.0 - left), abs=1e-9)
+    assert analysis.work.responses[0, COORDINATE] == pytest.approx(0.1 * (1.0 - left[-1]), abs=1e-9)
 
 
 CLAMPED = [

@@ -48,12 +48,13 @@ def test_quantities_have_names_by_nodes_and_elements(result):
         "stress.2.element3.principal.1",
         "stress.2.max.von_mises",
     ]
-    names += ["strain.2.element3.energy", "strain.2.node7.xy"]
+    names += ["strain.2.element3.energy", "strain.2.node7.xy", "strain.2.node45.principal.1"]
     done = CliRunner().invoke(table, [str(result), *names, "-q"])
     assert done.exit_code == 0, done.output
     heading = done.stdout.splitlines()[0]
     assert "stress.2.node45.von_mises [Pa]" in heading
     assert "strain.2.element3.energy [J]" in heading
+    assert "strain.2.node45.principal.1 [1]" in heading
 
 
 def test_the_largest_stress_is_that_of_all_nodes(result):
@@ -111,8 +112,32 @@ def test_a_material_that_is_not_that_of_the_matrices_is_told(line, message, tmp_
     assert any(message in fault.message for fault in faults)
 
 
-def test_an_element_that_is_not_there_is_told():
+@pytest.mark.parametrize(
+    "lines", [["    2 ELEM    3   99", "    2 ELEM   98    1"], ["    2 ELEM", "    2 ELEM    3   99   98"]]
+)
+def test_elements_that_are_not_there_are_told_at_their_fields(lines):
+    """All of them; a line that selects every element hides none."""
     from flexmb_cli.errors import ModelError
 
-    with pytest.raises(ModelError, match="body 2 has no element 99; its elements are 1 to 8"):
-        flexible_mechanism(build(rod("    2 ELEM   99")), cached=False)
+    with pytest.raises(ModelError, match="body 2 has no element 99; its elements are 1 to 8") as caught:
+        flexible_mechanism(build(rod(*lines)), cached=False)
+    text = rod(*lines).splitlines()
+    marked = [
+        text[one.place.line - 1][one.place.column - 1 :][: one.place.width] for one in caught.value.faults
+    ]
+    assert sorted(marked) == ["98", "99"]
+
+
+def test_principal_strains_are_those_of_the_strain_tensors(result):
+    """By the roots of det(eps - x E) = 0, from the tensors of nodes and elements."""
+    with h5py.File(result) as file:
+        for kind in ("node", "element"):
+            tensors = file[f"strain/body 2/{kind}_tensor"][-1]
+            found = file[f"strain/body 2/{kind}_principal"][-1]
+            for (xx, yy, zz, xy, yz, zx), values in zip(tensors, found, strict=True):
+                size = max(abs(values))
+                full = np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
+                residuals = [np.linalg.det((full - x * np.eye(3)) / size) for x in values]
+                assert residuals == pytest.approx([0, 0, 0], abs=1e-12)
+                assert values.sum() == pytest.approx(xx + yy + zz, abs=1e-12 * size)
+                assert (np.diff(values) <= 0).all()

@@ -38,6 +38,12 @@ MATRICES = {
     ),
     "OP4 text without a width": ("OP4", OP4.replace("E23", "E0"), "wanted"),
     "OP4 text with a negative width": ("OP4", OP4.replace("E23", "E-3"), "wanted"),
+    "an OP4 column of fewer values than it announces": (
+        *("OP4", OP4 + "       1       1       4\n 1.0\n" + OP4_END, "announces 4 words and holds 1 values"),
+    ),
+    "an OP4 column of minus two words": (
+        *("OP4", OP4 + "       1       1      -2\n 1.0\n" + OP4_END, "announces -2 words"),
+    ),
     "an OP4 column 0": ("OP4", OP4 + "       0       1       2\n 1.0\n" + OP4_END, "column 0"),
     "OP4 with a milliard of columns": (
         "OP4",

@@ -5,10 +5,12 @@ import pytest
 from numpy.polynomial import Polynomial
 
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
+from flexmb_cli.kernels._jit import interpreting
 from flexmb_cli.kernels.constrained.elements import RESPONSE_COLUMNS
 from flexmb_cli.kernels.constrained.report import NOW, TRIED
 from flexmb_cli.kernels.constrained.speeds import coordinate_accelerations, coordinate_rates, speeds_of_rates
 from flexmb_cli.kernels.integrators import radau5
+from flexmb_cli.kernels.integrators.radau5 import _attempt
 from flexmb_cli.kernels.integrators.radau5_singular_step import _bend, _spread_power
 from flexmb_cli.kernels.integrators.radau5_step import START
 from flexmb_cli.kernels.integrators.radau5_table import COMPLEX, REAL, TIMES, WEIGHTS
@@ -17,6 +19,8 @@ from tests.dialects.vsdf.mechanisms import analysis_of, sample
 from tests.dialects.vsdf.test_runs import Run, momenta
 from tests.dialects.vsdf.vsdf_decks import build, supplied
 from tests.kernels.integrators.test_generalised_alpha import GRID
+from tests.solvers.constrained.element_decks import ROTOR, model_of
+from tests.solvers.constrained.element_decks import analysis_of as young_analysis_of
 
 METHOD = " GALF       0.9"
 LAST_STEP, STEP = 0.2, 0.3  # s
@@ -122,3 +126,14 @@ def test_stiff_modes_do_not_shorten_the_steps():
         evaluations.append(int(analysis.clock["evaluations"][0]))
     assert np.abs(places[1] - places[0]).max() < 1e-8
     assert 6 * evaluations[1] < evaluations[0]
+
+
+def test_a_step_that_ends_where_a_pivot_has_vanished_is_tried_again_with_half_its_length():
+    """A pivot below the threshold behind a good step, with none at its start: nothing of it is accepted."""
+    with interpreting():
+        analysis = young_analysis_of(model_of(ROTOR, "0 1 1", "MASS 2 1 0 0 0 1 1 1\nRAD5"))
+        analysis.start()
+        integration, system, work = analysis.integration, analysis.system, analysis.work
+        assert _attempt(integration, 1e-3, system, work) > 0.0
+        integration.memory["branching"] = 2.0 * np.abs(np.diag(work.factors)[: work.rank[0]]).max()
+        assert _attempt(integration, 1e-3, system, work) == -0.5

@@ -5,7 +5,7 @@ import pytest
 
 from flexmb_cli.kernels.linalg import lu
 from flexmb_cli.kernels.linalg import rank_revealing_lu as rows
-from flexmb_cli.kernels.linalg.cholesky import cholesky, cholesky_solve
+from flexmb_cli.kernels.linalg.cholesky import cholesky, cholesky_solve, cholesky_solve_rows
 from flexmb_cli.kernels.linalg.complex_ldl import factorise_symmetric, solve_symmetric
 from flexmb_cli.kernels.linalg.row_products import product, subtract_multiple
 
@@ -40,6 +40,9 @@ def test_definite_matrices_are_solved_and_others_named_by_their_row(seed):
     np.testing.assert_allclose(factors, np.linalg.cholesky(matrix), rtol=1e-11)
     cholesky_solve(factors, N, x)
     np.testing.assert_allclose(x, np.linalg.solve(matrix, b), rtol=1e-10)
+    several = np.array([b, b**2, -b])
+    cholesky_solve_rows(factors, N, several)
+    np.testing.assert_allclose(several.T, np.linalg.solve(matrix, np.array([b, b**2, -b]).T), rtol=1e-10)
     matrix[3, :] = matrix[:, 3] = matrix[2]
     matrix[3, 3] = matrix[2, 3] = matrix[3, 2] = matrix[2, 2]
     assert cholesky(np.tril(matrix), N, 1e-13) == 4

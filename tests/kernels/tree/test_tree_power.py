@@ -6,9 +6,24 @@ import numpy as np
 import pytest
 
 from flexmb_cli.kernels.tree.energy import applied_power, energies
-from flexmb_cli.model.tree import ROTATION, BodyTorque, Motor, Table
+from flexmb_cli.kernels.tree.kinematics import place_frames
+from flexmb_cli.kernels.tree.loads import coordinate_efforts
+from flexmb_cli.model.mechanism import TimeGrid
+from flexmb_cli.model.tree import (
+    INERTIAL,
+    ROTATION,
+    Body,
+    BodyTorque,
+    Elasticity,
+    Hinge,
+    Motor,
+    Prescribed,
+    Table,
+    Tree,
+)
 from tests.kernels.tree.test_implicit_matrix import dense_parts
-from tests.kernels.tree.test_kane_forward_dynamics import Recursion, close
+from tests.kernels.tree.test_kane_forward_dynamics import Recursion, close, hinged_angle
+from tests.naive.particle_tree import Particles
 from tests.naive.random_trees import random_tree
 
 T = 0.3  # s
@@ -59,3 +74,58 @@ def test_motors_and_torques_that_grow_with_time_act_and_work_with_their_value_at
     elastic = plain.q @ dense_parts(recursion)[2] @ plain.y
     power = applied_power(recursion.arrays, recursion.work, recursion.coordinates, *recursion.state[:3])
     assert power == pytest.approx(force @ plain.y + elastic, rel=1e-10)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_potential_of_weights_is_that_of_the_particles(seed):
+    """- sum of m g · r over the particles."""
+    tree = random_tree(seed, springs=())
+    recursion = Recursion(tree)
+    recursion.forward()
+    particles = Particles(tree, recursion.attitudes)
+    places = particles.positions(tree.q + 0j, np.zeros(len(tree.q))).real
+    expected = -particles.weights @ places @ np.array(tree.gravity)
+    assert abs(expected) > 0.1
+    assert energies(recursion.arrays, recursion.work, tree.q, tree.y)[1] == pytest.approx(expected, rel=1e-10)
+
+
+def test_a_driven_coordinate_takes_the_power_of_its_effort():
+    """F · y of the particles, less that of elastic forces, and effort times speed."""
+    quiet = {"gravity": (0.0, 0.0, 0.0), "springs": ()}
+    body, axis = hinged_angle(random_tree(5))
+    driver = Prescribed(body, ROTATION, axis, 0.0, 0.0, 3.0)
+    recursion = Recursion(random_tree(5, prescribed=(driver,), **quiet))
+    tree, driven = recursion.tree, (body, ROTATION, axis)
+    m = next(i for i, c in enumerate(tree.coordinates) if (c.body, c.motion, c.axis) == driven)
+    recursion.coordinates["held"], recursion.coordinates["rate"][m] = recursion.arrays.given, 3.0
+    rates = recursion.forward()
+    b, remainder, force = recursion.dense()
+    effort = b[m] @ rates + remainder[m] - force[m]
+    assert abs(effort) > 1.0
+    assert abs(tree.y[m] ** 2 - 1.0) > 0.01
+    elastic = tree.q @ dense_parts(recursion)[2] @ tree.y
+    power = applied_power(recursion.arrays, recursion.work, recursion.coordinates, *recursion.state[:3])
+    assert power == pytest.approx(force @ tree.y + elastic + effort * tree.y[m], rel=1e-10)
+
+
+def test_weight_along_a_beam_stiffens_it_as_a_pull_at_its_tip():
+    """A massless beam with a mass m at its tip bends as w = u (3 s² - s³)/2, s = x/L, and its tip sinks by
+    6/5 u²/2L: a pull m g adds 6 m g/5L to the stiffness."""
+    m, g, length, stiffness, u = 0.4, 9.81, 0.8, 30.0, 0.02
+    elastic = Elasticity(
+        np.array([[length, 0.0, 0.0]]), np.array([m]), (3,), np.array([[stiffness]]), np.zeros((1, 3)),
+        stiffened_from=0.0,
+    )  # fmt: skip
+    tree = Tree(
+        (Body("body 1", m, np.diag([0.0, m * length**2, m * length**2]), elastic=elastic),),
+        (Hinge(INERTIAL),),
+        np.array([u]),
+        np.array([0.0]),
+        TimeGrid(0.0, 1.0, 0.1),
+        gravity=(g, 0.0, 0.0),
+    )
+    recursion = Recursion(tree)
+    place_frames(recursion.arrays, recursion.work, recursion.coordinates, *recursion.state[1:])
+    coordinate_efforts(recursion.arrays, recursion.work, *recursion.state[:3], recursion.coordinates)
+    expected = -(stiffness + 1.2 * m * g / length) * u
+    assert recursion.coordinates["effort"][0] == pytest.approx(expected, rel=1e-10)

@@ -132,6 +132,7 @@ def test_vtk_reads_energies_and_mean_stresses_of_elements(steps):
         ("element_stress", "stress/body 2/element_tensor"),
         ("element_von_mises", "stress/body 2/element_von_mises"),
         ("element_principal_stress", "stress/body 2/element_principal"),
+        ("element_principal_strain", "strain/body 2/element_principal"),
     ):
         for row in range(3):
             np.testing.assert_array_equal(found[row][name][bricks], file[path][row])

@@ -75,7 +75,7 @@ def test_frames_show_the_row_that_has_been_reached():
     ("words", "told"),
     [
         (["--movie", "a.avi"], "a.avi: films are written as .mp4 or .gif files"),
-        (["--movie", "-"], "cannot go to standard output"),
+        (["--movie", "-"], "a film cannot go to standard output; --movie names a file"),
         (["--movie", "a.gif", "--size", "10x10"], "two numbers from 64 to 4096"),
         (["--movie", "a.gif", "-o", "a.html"], "leave out -o"),
         (["--colours", "body", "--fps", "5"], "--fps, --colours: for films; give --movie, too"),

@@ -14,6 +14,7 @@ from click.testing import CliRunner
 from flexmb_cli.cli.plot import plot
 from flexmb_cli.results.figures.curves import Curve, Panel, Source, default_quantities, panels
 from flexmb_cli.results.figures.plots import style
+from flexmb_cli.results.figures.report_page import curves_html
 from flexmb_cli.results.quantities.quantities import open_result, resolve
 from flexmb_cli.results.quantities.readable import Readable
 from tests.results.figures.turning_bar import tip, write_bar
@@ -100,6 +101,38 @@ def test_energies_that_do_not_change_are_not_drawn_but_named(tmp_path):
     assert f"{path}: note: not drawn, for they do not change: energy.strain\n" in done.output
     named = CliRunner().invoke(plot, [str(path), "energy.strain", "-o", str(tmp_path / "p.png")])
     assert "not drawn" not in named.output
+
+
+@pytest.fixture
+def crowd(tmp_path):
+    """A result with the von Mises stress of 144 elements; that of element k grows to k MPa."""
+    count = 144
+    with h5py.File(tmp_path / "crowd.h5", "w") as file:
+        file["time"], file["body/name"] = [0.0, 1.0], ["body 1"]
+        file["deck"], file.attrs["deck_name"], file.attrs["dialect"] = "", "crowd.vsdf", "vsdf"
+        file["stress/body 1/element"] = np.arange(1, count + 1)
+        stress = file.create_dataset("stress/body 1/element_von_mises", (2, count), "f8")
+        stress[1], stress.attrs["units"] = 1e6 * np.arange(1, count + 1), "Pa"
+        for dim, path in zip(stress.dims, ("time", "stress/body 1/element"), strict=True):
+            file[path].make_scale(path.rpartition("/")[2])
+            dim.attach_scale(file[path])
+    return tmp_path / "crowd.h5"
+
+
+def test_of_a_crowd_of_stresses_the_largest_are_drawn_and_the_rest_is_counted(crowd, tmp_path):
+    """The first twelve were drawn, without a word about the others."""
+    pytest.importorskip("matplotlib")
+    with open_result(crowd) as file:
+        drawn = [quantity.name for quantity in default_quantities(file)]
+    assert drawn == [f"stress.1.element{k}.von_mises" for k in range(133, 145)]
+    told = "of 144 curves of von Mises stress [Pa] the 12 with the largest values are drawn, 132 are left out"
+    done = CliRunner().invoke(plot, [str(crowd), "-o", str(tmp_path / "p.png")])
+    assert f"{crowd}: note: {told}; NAMEs draw others\n" in done.output
+    assert (
+        "left out" not in CliRunner().invoke(plot, [str(crowd), "-q", "-o", str(tmp_path / "p.png")]).output
+    )
+    with open_result(crowd) as file:
+        assert f"<p>O{told[1:]}; flexmb plot with NAMEs draws others.</p>" in curves_html(file)
 
 
 @pytest.mark.parametrize("results", [1, 2, 3])

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from flexmb_cli import solve
-from flexmb_cli.results.quantities.quantities import ResultError, names, open_result, read, resolve
+from flexmb_cli.results.quantities.quantities import Quantity, ResultError, names, open_result, read, resolve
+from flexmb_cli.results.quantities.readable import readable
 from flexmb_cli.results.quantities.unknown_names import hint_for
 from tests.results.results import SERIES, value, write_result
 
@@ -272,3 +273,57 @@ def test_a_file_that_is_cut_off_is_named_in_words(tmp_path):
 def test_a_result_without_elements_names_the_card_that_brings_in_those_of_springs():
     """SPRING alone fills no columns of elements."""
     assert "the card JOINTS beside SPRING" in hint_for("element.1.effort", [])
+
+
+@pytest.fixture
+def numbered(tmp_path):
+    """A result whose elements and nodes have neighbouring numbers of seven digits."""
+    numbers = np.array([1000001, 1000002, 1000016])
+    with h5py.File(tmp_path / "r.h5", "w") as file:
+        file["time"] = [0.0]
+        file["body/name"] = ["body 1", "body 2"]
+        file["time"].make_scale("time")
+        for kind, path in (
+            ("element", "strain/body 2/element_energy"),
+            ("node", "stress/body 2/node_von_mises"),
+        ):
+            file[f"stress/body 2/{kind}"] = numbers
+            file[f"stress/body 2/{kind}"].make_scale(kind)
+            file[path] = [[1.0, 2.0, 16.0]]
+            for dim, scale in zip(
+                file[path].dims, (file["time"], file[f"stress/body 2/{kind}"]), strict=True
+            ):
+                dim.attach_scale(scale)
+    return tmp_path / "r.h5"
+
+
+@pytest.mark.parametrize("pattern, ends", [
+    ("strain.2.*.energy", "strain.2.element{}.energy"), ("stress.2.*.von_mises", "stress.2.node{}.von_mises"),
+])  # fmt: skip
+def test_numbers_of_seven_digits_are_names_of_their_own(numbered, pattern, ends):
+    """Six digits made 1e+06 of two neighbours."""
+    with open_result(numbered) as file:
+        assert [one.name for one in resolve(file, [pattern])] == [
+            ends.format(n) for n in (1000001, 1000002, 1000016)
+        ]
+        (one,) = resolve(file, [ends.format(1000002)])
+        assert read(file, [one]).tolist() == [[2.0]]
+
+
+def test_what_a_flexible_body_has_in_place_of_displacements_is_named(tmp_path):
+    """The message said that displacements need a flexible body, which body 2 is."""
+    path = write_result(tmp_path / "r.h5", 2)
+    with h5py.File(path, "r+") as file:
+        del file["elastic/body 2/displacement"], file["elastic/body 2/rate"]
+    with pytest.raises(ResultError) as caught, open_result(path) as file:
+        resolve(file, ["elastic.2.node43.x"])
+    assert "this result has modal.2.amplitude, the amplitudes of modes" in str(caught.value)
+    assert "need a flexible body" not in str(caught.value)
+
+
+def test_the_node_of_the_largest_stress_is_called_so():
+    """Its axis read "largest node of body 2"."""
+    node = Quantity("stress.2.max.node", "1", "number of that node", "stress/body 2/max_node", ())
+    assert readable(node).label == "node of the largest von Mises stress of body 2"
+    strain = Quantity("strain.2.node43.principal.1", "1", "", "strain/body 2/node_principal", (0, 0))
+    assert readable(strain).label == "principal strain 1 of body 2 node 43"

@@ -143,3 +143,17 @@ def test_a_row_in_line_is_told_as_such(tolerance):
     steady = Parallelogram(0.5, -2.0, 3.0, 1.0, (0.5, 1.0, 4.0))
     *_, stopped = run(steady, Integrator("RAD5", 0.0, tolerance), 0.5)
     assert "at t = 0.25 s a row stands on a singular position of joint 1" in stopped
+
+
+def test_the_rows_of_a_block_are_looked_at_at_once(monkeypatch):
+    """A call of numpy's for each row took as long as ten steps."""
+    sizes, svd = [], np.linalg.svd
+    monkeypatch.setattr(
+        np.linalg, "svd", lambda a, *how, **named: sizes.append(a.shape) or svd(a, *how, **named)
+    )
+    mechanism = Parallelogram(0.5, 1.5, 2.0, 1.0, (1.0, 1.0, 1.0)).mechanism(Integrator("RAD5", 0.0, 1e-4))
+    analysis = FlexibleDynamics(replace(mechanism, time=TimeGrid(0.0, 0.01, 0.002)))
+    assert sum(len(rows.time) for rows in analysis.rows()) == 6
+    equations, speeds = len(analysis.arrays.equations), analysis.arrays.speeds
+    assert sizes.count((6, equations, speeds)) == 1
+    assert sizes.count((equations, speeds)) < 6  # those of the start

@@ -19,7 +19,7 @@ _BY_SECTION = {card.section: card for card in BY_WORD.values()}
 def many_records(
     source: DeckText, title: Record, starts: "dict[str, array[int]]", rows: "dict[str, array[float]]"
 ) -> ManyRecords:
-    """Return the title's record and those whose lines and numbers `starts` and `rows` give by sections."""
+    """Return that of the title and those whose lines and numbers `starts` and `rows` give by sections."""
     blocks = [Block("title", 1, [title].__getitem__)]
     for section, lines in starts.items():
         card = _BY_SECTION[section]

@@ -1,0 +1,112 @@
+"""Joints of a mechanism for Exudyn, without the equations that repeat others.
+
+Exudyn's generic joint prevents chosen motions in a frame that is fixed to both bodies: displacements along
+the axes of body I's frame, rotations about those of body J's.  All equations must be independent: the setting
+that ignores a singular Jacobian solves some closed loops only.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...model.vectors import rotation_matrix
+
+if TYPE_CHECKING:
+    from ...model.mechanism import Joint, Mechanism
+
+# The displacements and rotations that a joint along the third axis of its frame prevents.
+HELD = {
+    "spherical": (1, 1, 1, 0, 0, 0),
+    "revolute": (1, 1, 1, 1, 1, 0),
+    "cylindrical": (1, 1, 0, 1, 1, 0),
+    "translational": (1, 1, 0, 1, 1, 1),
+}
+# Share of an equation, of unit length, that those before it do not contain: with less it repeats them.
+INDEPENDENT = 1e-7
+
+
+def joint_frames(mechanism: "Mechanism", start: dict[str, np.ndarray]) -> list[np.ndarray]:
+    """Return for every joint its frame at the start (3, 3), whose third column is the joint's axis."""
+    turned = [rotation_matrix(p) for p in start["p"]]
+    return [
+        np.eye(3) if joint.kind == "spherical" else frame_along(turned[joint.i] @ np.array(joint.s_i))
+        for joint in mechanism.joints
+    ]
+
+
+def frame_along(axis: np.ndarray) -> np.ndarray:
+    """Return a rotation matrix whose third column is the direction of `axis`."""
+    axis = axis / np.linalg.norm(axis)
+    across = np.eye(3)[int(np.argmin(np.abs(axis)))]
+    x = np.cross(across, axis)
+    x = x / np.linalg.norm(x)
+    return np.column_stack([x, np.cross(axis, x), axis])
+
+
+def independent_axes(mechanism: "Mechanism", positions: list[dict[str, np.ndarray]]) -> list[tuple[int, ...]]:
+    """Return for every joint which of its six motions are to be prevented, 1 or 0, without repeats.
+
+    `positions`: "r" (bodies, 3) in m and "p" (bodies, 4) at the start and at later times.  At a singular
+    position more equations depend on each other than elsewhere: the position with the greatest rank decides.
+    The last joint of a loop loses the repeated equations.  In a plane loop these are its three equations out
+    of the plane, at every position.
+    """
+    frames = joint_frames(mechanism, positions[0])
+    chosen = [_independent_rows(_rows(mechanism, frames, positions[0], later)) for later in positions]
+    kept = iter(max(chosen, key=sum))
+    return [tuple(int(held and next(kept)) for held in HELD[joint.kind]) for joint in mechanism.joints]
+
+
+def _independent_rows(rows: np.ndarray) -> list[bool]:
+    """Return of every row whether it is independent of those before it that are kept."""
+    basis = np.zeros((0, rows.shape[1]))
+    kept = []
+    for row in rows:
+        size = np.linalg.norm(row)
+        left = row / size if size > 0 else row
+        for _ in range(2):  # once leaves round-off of the size of what was taken away
+            left = left - basis.T @ (basis @ left)
+        kept.append(bool(np.linalg.norm(left) > INDEPENDENT))
+        if kept[-1]:
+            basis = np.vstack([basis, left / np.linalg.norm(left)])
+    return kept
+
+
+def _rows(
+    mechanism: "Mechanism", frames: list[np.ndarray], start: dict[str, np.ndarray], now: dict[str, np.ndarray]
+) -> np.ndarray:
+    """Return the equations of all joints in velocities and angular velocities of the moving bodies."""
+    still = {item.body for item in mechanism.grounds}
+    first, turned = ([rotation_matrix(p) for p in at["p"]] for at in (start, now))
+    columns = {body: 6 * k for k, body in enumerate(k for k in range(len(turned)) if k not in still)}
+    length = float(np.ptp(now["r"], axis=0).max()) or 1.0
+    found: list[np.ndarray] = []
+    for joint, frame in zip(mechanism.joints, frames, strict=True):
+        frame_of_i, frame_of_j = (turned[body] @ first[body].T @ frame for body in (joint.i, joint.j))
+        for axis, held in enumerate(HELD[joint.kind]):
+            if held:
+                direction = frame_of_i[:, axis] if axis < 3 else frame_of_j[:, axis - 3]
+                found.append(_row(joint, axis < 3, direction, turned, columns, length))
+    return np.array(found).reshape(len(found), 6 * len(columns))
+
+
+def _row(
+    joint: "Joint",
+    moves: bool,
+    direction: np.ndarray,
+    turned: list[np.ndarray],
+    columns: dict[int, int],
+    length: float,
+) -> np.ndarray:
+    """Return the equation of no relative velocity along `direction`, or no angular velocity about it."""
+    row = np.zeros(6 * len(columns))
+    for body, point, sign in ((joint.i, joint.P_i, 1.0), (joint.j, joint.P_j, -1.0)):
+        if body not in columns:
+            continue
+        at = columns[body]
+        if moves:
+            row[at : at + 3] = sign * direction
+            row[at + 3 : at + 6] = sign * np.cross(turned[body] @ np.array(point), direction) / length
+        else:
+            row[at + 3 : at + 6] = sign * direction
+    return row
