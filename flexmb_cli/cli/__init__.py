@@ -233,7 +233,7 @@ def _refuse_usage(fault: Any) -> None:
 def _print_json(exit_code: Any, *faults: Any, file: Any = None) -> None:
     from .terminal.json_faults import print_record, wants_json
 
-    if wants_json(cli.commands, sys.argv[1:]):  # type: ignore[arg-type]
+    if wants_json(cli.commands, sys.argv[1:]):
         print_record(exit_code, faults, file)
 
 

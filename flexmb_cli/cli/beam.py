@@ -1,6 +1,7 @@
 """`flexmb beam`: a straight uniform beam as the finite-element block of a DAFMS deck."""
 
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 import click
@@ -96,10 +97,10 @@ def _deck_with(made: Any, path: Any, body: Any) -> str:
     from ..dialects.dafms.beam_cards import with_beam
     from ..errors import FlexmbError, compiler_style
 
-    lines = ()
+    lines: Sequence[str] = ()
     try:
         source = read_text(path)
-        lines = source.lines  # type: ignore[assignment]
+        lines = source.lines
         return with_beam(DIALECT.read(source), body, made)
     except FlexmbError as failure:
         click.echo(compiler_style(path, failure.faults, lines), err=True)

@@ -127,7 +127,7 @@ def _compare_files(a: Any, b: Any, tolerances: Any, update: bool, as_json: bool,
 
 
 def _compare_folders(
-    a: str, b: str, tolerances: "FileTolerances", update: bool, as_json: bool, options: dict[str, bool | None]
+    a: str, b: str, tolerances: "FileTolerances", update: bool, as_json: bool, options: dict[str, Any]
 ) -> "Summary":
     from ..results.diff.accept import accept_pair
     from ..results.diff.compare import compare
@@ -139,7 +139,7 @@ def _compare_folders(
         if form_of(pair.a) != LISTING:
             # Results in full precision have no last printed digit: other files of the folder have.
             chosen = chosen.without_digits()
-        return compare(pair.a, pair.b, chosen, **options)  # type: ignore[arg-type]
+        return compare(pair.a, pair.b, chosen, **options)
 
     with faults_in_json(as_json, {"a": a, "b": b}, b):
         summary = compare_many(a, b, compare_pair)

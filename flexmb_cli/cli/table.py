@@ -109,7 +109,7 @@ def _print_study(
         if names or not listing:
             columns = chosen_columns(columns, names, path)
         if listing:
-            show(list_text(columns, style or "text"))  # type: ignore[arg-type]
+            show(list_text(columns, style or "text"))
             return
         for note in () if quiet else study_notes(file, columns, bool(names)):
             tell(f"{path}: note: {note}")

@@ -44,7 +44,7 @@ def _vector(values: "list[float] | np.ndarray", scale: float) -> str:
 def _dropped_lines(body: Any) -> "Iterator[Any]":
     dropped = body.dropped
     if dropped.internal:
-        yield f"    internal freedoms condensed: {dropped.internal}"
+        yield f"    internal degrees of freedom condensed: {dropped.internal}"
     if dropped.dependent:
         yield f"    static shapes dropped, superfluous beside the others or held: {dropped.dependent}"
         names = _of_nodes(dropped.shapes)

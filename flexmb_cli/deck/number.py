@@ -3,7 +3,6 @@
 import math
 import re
 from functools import lru_cache
-from typing import Any
 
 LONGEST_NUMBER = 100
 MOST_DIGITS = 15
@@ -48,7 +47,8 @@ def real(word: str) -> tuple[float, str]:
     found = bare or _REAL.fullmatch(word)
     if found is None:
         raise Misspelt(f"must be a number; read {shown(word)}{hint(word)}")
-    value = _double(word, *found.groups())  # type: ignore[arg-type]
+    mantissa, exponent = found.groups()
+    value = _double(word, mantissa, exponent)
     return value, f"{shown(word)} is taken for {value:.6g}; write the exponent with e" if bare else ""
 
 
@@ -68,7 +68,7 @@ def integer(word: str) -> tuple[int, str]:
     return int(value), f"should be an integer; {shown(word)} is taken for {int(value)}"
 
 
-def _double(word: str, mantissa: Any, exponent: None) -> Any:
+def _double(word: str, mantissa: str, exponent: str | None) -> float:
     value = float(f"{mantissa}e{exponent}" if exponent else mantissa)
     if math.isinf(value):
         raise Misspelt(f"must be a number of at most 1.8e308 in size; read {shown(word)}")

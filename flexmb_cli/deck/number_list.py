@@ -102,13 +102,13 @@ class LongRecord(Record):
         vars(self).update(head=tuple(head), numbers=_Joined(tuple(head), rest) if head else rest)
 
     @cached_property
-    def values(self) -> Sequence[float]:  # type: ignore[override]
+    def values(self) -> Sequence[float]:
         """Values of the numbers."""
         head = [number.value for number in self.head]
         return [*head, *self.rest.values] if head else self.rest.values
 
     @property
-    def positions(self) -> Mapping[str, int]:  # type: ignore[override]
+    def positions(self) -> Mapping[str, int]:
         """Return where among the numbers each key stands."""
         return _Positions(self.numbers)
 

@@ -89,7 +89,8 @@ class Question:
     @property
     def prompt(self) -> str:
         """Return what Enter gives, and the mark behind which the answer is typed."""
-        return "> " if None in self.offered else f"[{' '.join(self.offered).strip() or 'none'}] > "  # type: ignore[arg-type]
+        offered = [value for value in self.offered if value is not None]
+        return f"[{' '.join(offered).strip() or 'none'}] > " if len(offered) == len(self.offered) else "> "
 
     @property
     def help(self) -> str:
@@ -102,7 +103,9 @@ class Question:
         if len(self.cells) == 1:
             meaning = first.meaning
         else:
-            meaning = first.pattern.format(", ".join(cell.key.split(".")[-1] for cell in self.cells))  # type: ignore[union-attr]
+            meaning = (first.pattern or first.meaning).format(
+                ", ".join(cell.key.split(".")[-1] for cell in self.cells)
+            )
         return f"{meaning}, {first.unit}" if first.unit else meaning
 
 

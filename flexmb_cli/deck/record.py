@@ -1,7 +1,7 @@
 """Result of a reader: the deck's text, and every number of it with a name, a meaning and a place."""
 
 import dataclasses
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -85,12 +85,12 @@ class Record:
         return self.numbers[0].place if self.numbers else None
 
     @cached_property
-    def values(self) -> tuple[Value, ...]:
+    def values(self) -> Sequence[Value]:
         """Values of the numbers."""
         return tuple(number.value for number in self.numbers)
 
     @cached_property
-    def positions(self) -> dict[str, int]:
+    def positions(self) -> Mapping[str, int]:
         """Return where among the numbers each key stands first."""
         return _positions(tuple(number.key for number in self.numbers))
 
@@ -115,7 +115,7 @@ class Record:
 
     def vector(self, key: str) -> tuple[float, float, float]:
         """The three components `key`.x, `key`.y, `key`.z."""
-        return tuple(float(self[f"{key}.{axis}"]) for axis in "xyz")  # type: ignore[return-value]
+        return float(self[f"{key}.x"]), float(self[f"{key}.y"]), float(self[f"{key}.z"])
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,9 @@ class DeckValues:
 
     def number(self, section: str, number: int, key: str) -> Number:
         """One number of a card that must be there."""
-        return self.record(section, number).at(key)  # type: ignore[union-attr]
+        record = self.record(section, number)
+        assert record is not None, f"{section} {number} must be there"
+        return record.at(key)
 
     def values(self, section: str, number: int, default: tuple[Any, ...]) -> tuple[Any, ...]:
         """All values of a record, or `default`."""

@@ -49,9 +49,9 @@ def with_slip_named(faults: Sequence[Fault], slipped: Sequence[Fault]) -> list[F
     named = list(faults)
     for index, fault in enumerate(named):
         if fault.severity == "error" and _may_follow(fault, cause):
-            message = (
-                f"{fault.message} (look first at line {cause.place.line}: {cause.subject} {cause.message})"  # type: ignore[union-attr]
-            )
+            assert cause.place is not None, "a slip is of a line"
+            line = cause.place.line
+            message = f"{fault.message} (look first at line {line}: {cause.subject} {cause.message})"
             named[index] = replace(fault, message=message)
             break
     return named

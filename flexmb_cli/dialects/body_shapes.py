@@ -1,6 +1,7 @@
 """Cards of shapes, the same in all dialects: primitives by their sizes, and STL files, on rigid bodies."""
 
 from collections.abc import Callable, Iterable, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -48,6 +49,31 @@ def on_rigid_body(record: Record, keys: Keys, rigid: Sequence[bool], findings: F
         findings.error(record.subject, message, number.place, id="DECK-018")
         return False
     return True
+
+
+def shapes_of(
+    section: Callable[[str], Sequence[Record]],
+    primitive_of_card: Callable[[Record], Shape | None],
+    rigid: Sequence[bool],
+    folder: Path,
+    findings: Findings,
+) -> tuple[Shape, ...]:
+    """Return the primitives, then the STL shapes, of the sections "shape" and "shape_file".
+
+    `rigid`: of bodies 1, 2, ...; file names are relative to `folder`.
+    """
+    keys = Keys()
+    primitives = (
+        (record, primitive_of_card(record))
+        for record in section("shape")
+        if on_rigid_body(record, keys, rigid, findings)
+    )
+    surfaces = (
+        (record, stl_shape_of(record, keys, folder, findings))
+        for record in section("shape_file")
+        if on_rigid_body(record, keys, rigid, findings)
+    )
+    return few_enough(chain(primitives, surfaces), findings)
 
 
 def few_enough(found: Iterable[tuple[Record, Shape | None]], findings: Findings) -> tuple[Shape, ...]:

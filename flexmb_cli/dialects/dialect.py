@@ -61,19 +61,22 @@ class Dialect(NamedTuple):
         """Return what a reference names."""
         module, _, name = reference.partition(":")
         # A command imports the parts that it uses.
-        return getattr(import_module(f"{self.package}.{module}"), name)
+        found: Callable[..., Any] = getattr(import_module(f"{self.package}.{module}"), name)
+        return found
 
     def fits(self, lines: Sequence[str]) -> bool:
         """Return whether a deck of these lines begins like one of this dialect."""
-        return self.part(self.recogniser)(lines)
+        return bool(self.part(self.recogniser)(lines))
 
     def read(self, source: DeckText) -> Deck:
         """Return the deck with every number named and placed; raises DeckError."""
-        return self.part(self.reader)(source)
+        found: Deck = self.part(self.reader)(source)
+        return found
 
     def build(self, deck: Deck, folder: Path) -> tuple[object, list[Fault]]:
         """Return the model, file names being relative to `folder`, and the doubts; raises ModelError."""
-        return self.part(self.builder)(deck, folder)
+        found: tuple[object, list[Fault]] = self.part(self.builder)(deck, folder)
+        return found
 
     def takes_steps(self, deck: Deck) -> bool:
         """Return whether the deck's analysis takes time steps, rather than solve each row for itself."""

@@ -4,6 +4,7 @@ from itertools import islice
 from typing import Any
 
 from ..deck import number
+from ..deck.many_records import ManyRecords
 from ..deck.record import Deck, Number
 from ..errors import DeckError, Fault
 from ..quick_dataclass import replace
@@ -62,7 +63,8 @@ class SettableDeck:
         if not self._many:
             return self._index.get(prefix)
         first = 0
-        for block in self.deck.records.blocks:  # type: ignore[attr-defined]
+        assert isinstance(self.deck.records, ManyRecords)
+        for block in self.deck.records.blocks:
             if prefix == block.section or prefix.startswith(f"{block.section}."):
                 for k, record in enumerate(block):
                     if record.prefix == prefix:
@@ -115,8 +117,8 @@ class SettableDeck:
         for name, changed in changes.items():
             index, _ = self._place(name)
             changed_records[index] = dialect.relabelled(changed_records[index], changed.key)
-        if self._many:
-            return self.deck.records.with_changed(changed_records)  # type: ignore[attr-defined]
+        if isinstance(self.deck.records, ManyRecords):
+            return self.deck.records.with_changed(changed_records)
         records = list(self.deck.records)
         for index, record in changed_records.items():
             records[index] = record

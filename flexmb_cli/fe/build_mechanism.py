@@ -72,13 +72,13 @@ def _step_doubts(model: VsdfModel, bodies: list[FloatingBody]) -> "Iterator[Faul
 
 def _body(given: VsdfBody, cached: Any) -> tuple[FloatingBody, list[Fault]]:
     motion = np.array(given.velocity), np.array(given.omega)
-    places = {"place": given.place, "velocity_place": given.velocity_place}
+    places: dict[str, Any] = {"place": given.place, "velocity_place": given.velocity_place}
     if given.flexible is None:
         assert given.rigid is not None, "a body is flexible or rigid"
         m, c = given.rigid.mass, np.array(given.rigid.centre)
         about_origin = given.rigid.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))
         pose = np.array(given.r), np.array(given.p)
-        return FloatingBody(given.name, *pose, *motion, m, m * c, about_origin, **places), []  # type: ignore[arg-type]
+        return FloatingBody(given.name, *pose, *motion, m, m * c, about_origin, **places), []
     found, doubts = flexible_body(given.flexible, cached)
     r = np.array(given.r) + given.A @ found.origin
     p = euler_parameters(given.A @ found.axes)
@@ -92,7 +92,7 @@ def _body(given: VsdfBody, cached: Any) -> tuple[FloatingBody, list[Fault]]:
         found.J0,
         found,
         given.stiffened,
-        **places,  # type: ignore[arg-type]
+        **places,
     )
     return body, doubts
 

@@ -115,9 +115,9 @@ def load(given: FlexibleInput) -> tuple[FlexibleBody, list[Fault]] | None:
     content, digest = raw[:-DIGEST], raw[-DIGEST:]
     if hashlib.sha256(content).digest() != digest:
         return None
-    stream = io.BytesIO(content)  # type: ignore[assignment]
-    notes = json.loads(str(np.load(stream, allow_pickle=False)))
-    return _restored(given, notes, {name: np.load(stream, allow_pickle=False) for name in notes["arrays"]})
+    arrays = io.BytesIO(content)
+    notes = json.loads(str(np.load(arrays, allow_pickle=False)))
+    return _restored(given, notes, {name: np.load(arrays, allow_pickle=False) for name in notes["arrays"]})
 
 
 def _restored(given: Any, notes: "dict[Any, Any]", stored: Any) -> "tuple[FlexibleBody, Any]":

@@ -19,8 +19,8 @@ def flexible_body(given: FlexibleInput, cached: bool = True) -> tuple[FlexibleBo
 
     findings = Findings()
     body = reduced_body(given, findings)
-    if any(fault.severity == "error" for fault in findings.faults):
+    if body is None or any(fault.severity == "error" for fault in findings.faults):
         raise ModelError(findings.in_order)
     if cached:
-        cache.store(given, body, findings.faults)  # type: ignore[arg-type]
-    return body, findings.in_order  # type: ignore[return-value]
+        cache.store(given, body, findings.faults)
+    return body, findings.in_order

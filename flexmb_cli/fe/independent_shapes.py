@@ -70,7 +70,8 @@ def _independent(shapes: np.ndarray, forces: np.ndarray, first: int) -> tuple[np
 
 
 def _symmetric(gram: np.ndarray) -> np.ndarray:
-    return (gram + gram.T) / 2
+    found: np.ndarray = (gram + gram.T) / 2
+    return found
 
 
 def _pivots(gram: Any, first: Any) -> np.ndarray:

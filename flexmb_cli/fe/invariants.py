@@ -38,12 +38,14 @@ def inertia_invariants(r0: np.ndarray, Phi: np.ndarray, mass: np.ndarray) -> dic
 
 def _inertia(G: np.ndarray) -> np.ndarray:
     """P_k~' S P_l~ for all pairs, (…, 3, 3)."""
-    return np.einsum("klaa->kl", G)[:, :, None, None] * np.eye(3) - G.transpose(0, 1, 3, 2)
+    found: np.ndarray = np.einsum("klaa->kl", G)[:, :, None, None] * np.eye(3) - G.transpose(0, 1, 3, 2)
+    return found
 
 
 def _moments(G: np.ndarray) -> np.ndarray:
     """P_k~' S phi_l for all pairs, (…, 3)."""
-    return -np.einsum("abc,klbc->kla", EPSILON, G)
+    found: np.ndarray = -np.einsum("abc,klbc->kla", EPSILON, G)
+    return found
 
 
 def effective_masses(S1: np.ndarray, C0: np.ndarray) -> np.ndarray:

@@ -37,7 +37,8 @@ def all_but(size: int, chosen: np.ndarray) -> np.ndarray:
 def distinct(values: np.ndarray) -> np.ndarray:
     """Return the different ones of some numbers, in order."""
     values = np.sort(values, axis=None)
-    return values[np.concatenate([[True], values[1:] != values[:-1]])[: len(values)]]
+    found: np.ndarray = values[np.concatenate([[True], values[1:] != values[:-1]])[: len(values)]]
+    return found
 
 
 def as_array(A: np.ndarray) -> np.ndarray:
@@ -155,4 +156,5 @@ def lowest_by_iteration(
 
     shape = K.shape
     inverse = LinearOperator(shape, lambda x: solve(np.ascontiguousarray(x).ravel()), dtype=np.float64)
-    return eigsh(K, count, S, sigma=0.0, OPinv=inverse, v0=start)
+    found: tuple[np.ndarray, np.ndarray] = eigsh(K, count, S, sigma=0.0, OPinv=inverse, v0=start)
+    return found

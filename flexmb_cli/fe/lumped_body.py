@@ -81,4 +81,5 @@ def _stiffening(tree: Tree, k: int, elastic: Elasticity) -> np.ndarray:
         d,
         elastic.axes,
     )
-    return -np.multiply.outer(np.outer(d, d), matrix)
+    found: np.ndarray = -np.multiply.outer(np.outer(d, d), matrix)
+    return found

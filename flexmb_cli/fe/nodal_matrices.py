@@ -88,7 +88,8 @@ def _check_finite(name: str, file: MatrixFile) -> None:
 def _symmetric(name: str, file: MatrixFile) -> np.ndarray:
     matrix = summed(file.values, file.rows, file.columns, file.size)
     if file.one_triangle:
-        return matrix + without_diagonal(matrix).T
+        found: np.ndarray = matrix + without_diagonal(matrix).T
+        return found
     largest = abs(matrix).max()
     skew = abs(matrix - matrix.T)
     if skew.max() > SYMMETRY * largest:
@@ -98,7 +99,8 @@ def _symmetric(name: str, file: MatrixFile) -> np.ndarray:
             f"{matrix[row, column]:.6g} and {matrix[column, row]:.6g}",
             id="FE-065",
         )
-    return (matrix + matrix.T) / 2
+    mean: np.ndarray = (matrix + matrix.T) / 2
+    return mean
 
 
 def _rows_of_nodes(name: str, equations: np.ndarray, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -87,7 +87,8 @@ def _fits(magnitudes: np.ndarray, digits: int) -> np.ndarray:
     """Return which numbers are content with so many significant digits."""
     unit = 10.0 ** (np.floor(np.log10(magnitudes)) + 1 - digits)
     unit = np.maximum(unit, np.finfo(float).smallest_subnormal)
-    return np.abs(np.rint(magnitudes / unit) * unit - magnitudes) <= 1e-15 * magnitudes
+    found: np.ndarray = np.abs(np.rint(magnitudes / unit) * unit - magnitudes) <= 1e-15 * magnitudes
+    return found
 
 
 def _look_rounded(values: np.ndarray, digits: int) -> bool:
@@ -123,8 +124,10 @@ def stiffness_errors(K: NodalMatrix) -> EntryErrors:
 
 
 def _squares(file: "MatrixFile", shifts: np.ndarray) -> float:
-    return sum(
-        ((file.values[kept, None] * shifts[columns]) ** 2).sum() for _, columns, kept in _directions(file)
+    return float(
+        sum(
+            ((file.values[kept, None] * shifts[columns]) ** 2).sum() for _, columns, kept in _directions(file)
+        )
     )
 
 

@@ -44,11 +44,11 @@ class _Matrices:
 
 
 def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | None:
-    """Return the body that `given` describes; None where `findings` tell why there is none."""
+    """Return the body that `given` describes; None where there is none, for the reason in `findings`."""
     S = _read(given, given.mass, "M", nodal_part, findings)
-    # Elements without a mass have no stiffness for the same reason, which is told once.
-    told = S is None and given.mass.form == given.stiffness.form == OF_ELEMENTS
-    K = None if told else _read(given, given.stiffness, "K", condensed, findings)
+    # Elements without a mass have no stiffness for the same reason, which is reported once.
+    reported = S is None and given.mass.form == given.stiffness.form == OF_ELEMENTS
+    K = None if reported else _read(given, given.stiffness, "K", condensed, findings)
     _check_reference_nodes(given, findings)
     if S is None or K is None or findings.faults:
         return None
@@ -60,7 +60,7 @@ def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | Non
     frame = reference_frame(given, weights @ given.positions / weights.sum())
     matrices = _Matrices(in_three_directions(scalar), turned(K.matrix, frame.axes), scalar, S, K)
     basis = basis_of(given, matrices.K, matrices.S, frame, findings)
-    return basis and _body(given, matrices, frame, basis, figures, findings)  # type: ignore[return-value]
+    return None if basis is None else _body(given, matrices, frame, basis, figures, findings)
 
 
 def _read(given: Any, file: FEFile, letter: str, arrange: "Callable[..., Any]", findings: Any) -> Any:
@@ -93,7 +93,7 @@ def _body(
     findings: Any,
 ) -> FlexibleBody:
     Phi, omega = basis.shapes, np.sqrt(np.maximum(basis.values, 0.0))
-    invariants = inertia_invariants(frame.r0, Phi, matrices.scalar)
+    invariants: dict[str, Any] = inertia_invariants(frame.r0, Phi, matrices.scalar)
     invariants["Mff"] = _with_massless(invariants["Mff"], basis.massless)
     moving = _massless_in_motion(matrices.S, frame, basis)
     if moving.shape[1]:
@@ -108,7 +108,7 @@ def _body(
         frame.origin,
         frame.axes,
         Phi,
-        **invariants,  # type: ignore[arg-type]
+        **invariants,
         Kr=Kr,
         Dr=Dr,
         KG=_geometric(given, matrices, frame, Phi, findings),
@@ -126,7 +126,7 @@ def _body(
             basis.left_out,
             math.sqrt(basis.next_value) / math.tau,
         ),
-        stress=given.material and body_stress(given, matrices.K, invariants["m"], frame, Phi, findings),  # type: ignore[arg-type]
+        stress=given.material and body_stress(given, matrices.K, invariants["m"], frame, Phi, findings),
         mesh=element_mesh(given),
     )
 
@@ -165,15 +165,18 @@ def _effective_limit(S: np.ndarray, frame: Frame) -> np.ndarray:
     carried = (S @ rigid)[free]
     inner = S[free][:, free]
     if not isinstance(inner, np.ndarray):
-        return np.einsum("ij,ij->j", carried, of_mass(inner, carried))
+        found: np.ndarray = np.einsum("ij,ij->j", carried, of_mass(inner, carried))
+        return found
     # Shapes without mass make the matrix singular; they carry nothing.
     split = split_by_mass(inner)
-    return np.sum((split.heavy.T @ carried) ** 2 / split.masses[:, None], axis=0)
+    of_masses: np.ndarray = np.sum((split.heavy.T @ carried) ** 2 / split.masses[:, None], axis=0)
+    return of_masses
 
 
 def _in_axes_of_table(frame: Frame, Phi: np.ndarray) -> np.ndarray:
     n, size = len(frame.r0), Phi.shape[1]
-    return np.einsum("ab,nbk->nak", frame.axes, Phi.reshape(n, 3, size)).reshape(3 * n, size)
+    found: np.ndarray = np.einsum("ab,nbk->nak", frame.axes, Phi.reshape(n, 3, size)).reshape(3 * n, size)
+    return found
 
 
 def _errors(
@@ -212,4 +215,5 @@ def _geometric(
         found = _read(given, load.file, "K", nodal_part, findings)
         if found is not None:
             reduced[load.i, load.j] = shapes.T @ (found.matrix @ shapes)
-    return np.einsum("ia,jb,ijkl->abkl", frame.axes, frame.axes, reduced)
+    made: np.ndarray = np.einsum("ia,jb,ijkl->abkl", frame.axes, frame.axes, reduced)
+    return made

@@ -36,14 +36,16 @@ class Frame:
         if self.mean:
             return without_momentum(self.r0, shapes, S)
         rigid = rigid_motions(self.r0)
-        return shapes - rigid @ np.linalg.solve(rigid[self.held], shapes[self.held])
+        found: np.ndarray = shapes - rigid @ np.linalg.solve(rigid[self.held], shapes[self.held])
+        return found
 
 
 def without_momentum(r0: np.ndarray, shapes: np.ndarray, S: np.ndarray) -> np.ndarray:
     """`shapes` (3 n, k) less the rigid motion that has their momentum and moment of momentum."""
     rigid = rigid_motions(r0)
     weighted = (S @ rigid).T
-    return shapes - rigid @ np.linalg.solve(weighted @ rigid, weighted @ shapes)
+    found: np.ndarray = shapes - rigid @ np.linalg.solve(weighted @ rigid, weighted @ shapes)
+    return found
 
 
 def reference_frame(given: FlexibleInput, centre: np.ndarray) -> Frame:

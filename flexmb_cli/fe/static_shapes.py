@@ -41,7 +41,8 @@ def as_solved(frame: Frame, shapes: np.ndarray) -> np.ndarray:
     if not frame.mean:
         return shapes
     rows, rigid = _supports(frame.r0), rigid_motions(frame.r0)
-    return shapes - rigid @ np.linalg.solve(rigid[rows], shapes[rows])
+    found: np.ndarray = shapes - rigid @ np.linalg.solve(rigid[rows], shapes[rows])
+    return found
 
 
 def unit_forces(size: int, rows: np.ndarray) -> np.ndarray:

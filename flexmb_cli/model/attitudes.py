@@ -1,6 +1,7 @@
 """Attitudes of bodies that a deck itself gives, and the estimates that follow from them."""
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -25,8 +26,11 @@ class Attitudes:
         self.held: Any = [{} for _ in mechanism.bodies]
         holders: list[Simplified | Ground] = [*mechanism.simplified, *mechanism.grounds]
         for item in holders:
-            single = isinstance(item, Simplified)
-            pairs = [(item.direction, item.value)] if single else enumerate(item.values, start=1)  # type: ignore[union-attr]
+            pairs: Iterable[tuple[int, float]] = (
+                [(item.direction, item.value)]
+                if isinstance(item, Simplified)
+                else enumerate(item.values, start=1)
+            )
             for direction, value in pairs:
                 if direction > 3:
                     self.held[item.body][direction] = held_coordinate(direction, value)[1]

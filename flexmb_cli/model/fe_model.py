@@ -56,7 +56,8 @@ class VsdfBody:
 
     def position(self, node: int) -> np.ndarray:
         """Position (3,) of a node, or the mean of a set's, in the axes of the node table."""
-        return np.mean([self.nodes[member] for member in self.members(node)], axis=0)
+        found: np.ndarray = np.mean([self.nodes[member] for member in self.members(node)], axis=0)
+        return found
 
     @property
     def A(self) -> np.ndarray:
@@ -68,7 +69,8 @@ class VsdfBody:
 
     def global_position(self, node: int) -> np.ndarray:
         """Return where a node is at t = 0, undeformed, global axes (3,)."""
-        return np.array(self.r) + self.A @ self.position(node)
+        found: np.ndarray = np.array(self.r) + self.A @ self.position(node)
+        return found
 
 
 @dataclass(frozen=True)

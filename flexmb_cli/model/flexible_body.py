@@ -161,11 +161,12 @@ class FlexibleBody:
     @property
     def modes(self) -> int:
         """N, the number of modal coordinates."""
-        return self.Phi.shape[1]
+        return int(self.Phi.shape[1])
 
     def position(self, node: int) -> np.ndarray:
         """Undeformed position of a node (3,), by its number.  Raises KeyError."""
-        return self.r0[self._row(node)]
+        found: np.ndarray = self.r0[self._row(node)]
+        return found
 
     def shape(self, node: int) -> np.ndarray:
         """Displacement of a node per unit of each modal coordinate, (3, N).  Raises KeyError."""

@@ -148,7 +148,8 @@ def _cross(v: np.ndarray) -> np.ndarray:
 
 
 def _rotation(axis: int, angle: float) -> np.ndarray:
-    return _matrix((np.cos(angle / 2), *(np.sin(angle / 2) * np.eye(3)[axis - 1])))
+    found: np.ndarray = _matrix((np.cos(angle / 2), *(np.sin(angle / 2) * np.eye(3)[axis - 1])))
+    return found
 
 
 def _matrix(attitude: tuple[float, float, float, float]) -> Any:

@@ -4,6 +4,7 @@ SI units.  Bodies are numbered from 0, as in `mechanism`; points and vectors are
 body unless the text says global.  Every item keeps its readable name and its place in the deck.
 """
 
+from collections.abc import Sequence
 from typing import Literal
 
 from ..errors import Place
@@ -103,12 +104,12 @@ class DynamicModel:
 
     mechanism: Mechanism
     analysis: Literal["inverse", "forward"] = "forward"
-    masses: tuple[MassProperties, ...] = ()
-    forces: tuple[AppliedForce, ...] = ()
-    torques: tuple[AppliedTorque, ...] = ()
-    springs: tuple[SpringDamper, ...] = ()
+    masses: Sequence[MassProperties] = ()
+    forces: Sequence[AppliedForce] = ()
+    torques: Sequence[AppliedTorque] = ()
+    springs: Sequence[SpringDamper] = ()
     gravity: Vector = NOWHERE
-    velocities: tuple[InitialVelocity, ...] = ()
+    velocities: Sequence[InitialVelocity] = ()
     tolerance: float = 1e-9
     alpha_steps: AlphaSteps | None = None
     radau: bool = False

@@ -38,7 +38,8 @@ def _axis(joint: Joint, attitudes: Any) -> np.ndarray:
     s = np.array(joint.s_i)
     if joint.i >= 0:
         s = rotation_matrix(attitudes[joint.i]) @ s
-    return s / np.linalg.norm(s)
+    found: np.ndarray = s / np.linalg.norm(s)
+    return found
 
 
 def _loops(joints: Any, grounds: Any, bodies: Any) -> int:

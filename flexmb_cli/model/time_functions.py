@@ -177,7 +177,8 @@ def integral_of(function: MotionFunction, start: float = 0.0) -> MotionFunction 
         return sum_of([piecewise(((start, -turning.at(start)[0], mean),)), turning])
     if function.kind == COMPOUND and all(len(factors) == 1 for factors in function.terms):
         parts = [integral_of(factors[0], start) for factors in function.terms]
-        return None if None in parts else sum_of(parts)  # type: ignore[arg-type]
+        known = [part for part in parts if part is not None]
+        return sum_of(known) if len(known) == len(parts) else None
     return None
 
 

@@ -14,7 +14,7 @@ from ..errors import Fault, Place
 from ..quick_dataclass import dataclass
 
 if TYPE_CHECKING:  # a run imports the models of its own dialect only
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from .flexible_mechanism import FlexibleMechanism
     from .loads import DynamicModel
@@ -83,7 +83,7 @@ class Extent:
 def unit_doubts(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Fault]:
     """Notes on the bodies and the gravity of any model with masses."""
     kind = type(model).__name__
-    extents, gravity = _EXTENTS[kind](model), float(np.linalg.norm(model.gravity))  # type: ignore[operator]
+    extents, gravity = _EXTENTS[kind](model), float(np.linalg.norm(model.gravity))
     notes = [
         Fault("note", note, body.place, body.name, id="MODEL-010")
         for body in extents
@@ -163,7 +163,8 @@ def _of_densities(mechanism: "FlexibleMechanism") -> Any:
 def _sides(points: np.ndarray) -> np.ndarray:
     """Lengths of the box around points (n, 3), along their principal axes: slender bodies may lie askew."""
     centred = points - points.mean(axis=0)
-    return np.ptp(centred @ np.linalg.eigh(centred.T @ centred)[1], axis=0)[::-1]
+    found: np.ndarray = np.ptp(centred @ np.linalg.eigh(centred.T @ centred)[1], axis=0)[::-1]
+    return found
 
 
 def _farthest(points: Any, centre: np.ndarray | tuple[float, float, float]) -> float:
@@ -178,7 +179,8 @@ def _about_centre(
     inertia: np.ndarray, mass: float, centre: np.ndarray | tuple[float, float, float]
 ) -> np.ndarray:
     c = np.asarray(centre, dtype=float)
-    return inertia - mass * (c @ c * np.eye(3) - np.outer(c, c))
+    found: np.ndarray = inertia - mass * (c @ c * np.eye(3) - np.outer(c, c))
+    return found
 
 
 def _of_young(model: "DynamicModel") -> Iterable[Extent]:
@@ -234,4 +236,8 @@ def _of_tree(tree: "Tree") -> Iterable[Extent]:
     return found
 
 
-_EXTENTS = {"DynamicModel": _of_young, "FlexibleMechanism": _of_mechanism, "Tree": _of_tree}
+_EXTENTS: "dict[str, Callable[[Any], Iterable[Extent]]]" = {
+    "DynamicModel": _of_young,
+    "FlexibleMechanism": _of_mechanism,
+    "Tree": _of_tree,
+}

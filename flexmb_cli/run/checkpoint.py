@@ -49,7 +49,7 @@ class ResumeFile:
         self.identity = identity
         self.doubts: list[Fault] = []
         self.last_checkpoint: dict[str, np.ndarray] | None = None
-        self._file = None
+        self._file: BinaryIO | None = None
         self._first = self._end = 0
         self._unsaved = 0  # bytes of rows behind the last checkpoint in the file,
         self._saved_at = monotonic()  # and when that was
@@ -136,7 +136,7 @@ class ResumeFile:
 
     def close(self) -> None:
         """Leave the resume file for `--resume`."""
-        if self._file:
+        if self._file and self.path is not None:
             if self._pending:
                 with suppress(OSError, OutputError):
                     self._write(self._pending)
@@ -148,20 +148,22 @@ class ResumeFile:
 
     def remove(self) -> None:
         """The run is over and leaves nothing to resume; a resume file that was not begun stays."""
-        if self._file:
+        if self._file and self.path is not None:
             self._file.close()
             # Where it must stay, it would only give the same results once more.
             with suppress(OSError):
                 os.unlink(self.path)
 
-    def _opened(self) -> Any:
+    def _opened(self) -> BinaryIO:
+        assert self.path is not None, "there is a file to resume"
         try:
-            return open(open_managed(self.path, os.O_RDONLY), "rb")  # type: ignore[arg-type]
+            return open(open_managed(self.path, os.O_RDONLY), "rb")
         except OSError as error:
             raise OutputError(f"{self.path}: cannot be read: {error.strerror}", id="RUN-006") from error
 
     def _open(self) -> None:
-        file = unbuffered(open_managed(self.path, os.O_RDWR | os.O_CREAT))  # type: ignore[arg-type]
+        assert self.path is not None, "there is a file to write"
+        file = unbuffered(open_managed(self.path, os.O_RDWR | os.O_CREAT))
         obstacle = _obstacle(file)
         if obstacle:
             file.close()
@@ -177,10 +179,11 @@ class ResumeFile:
         self._put(framed(entry, _HEAD))
 
     def _put(self, data: Any) -> None:
+        assert self._file is not None and self.path is not None, "`begin` has opened the file"
         view = memoryview(data)
         while view:
-            view = view[self._file.write(view) :]  # type: ignore[attr-defined]
-        GROWING.grown(self.path)  # type: ignore[arg-type]
+            view = view[self._file.write(view) :]
+        GROWING.grown(self.path)
 
     def _check_identity(self, head: Any) -> None:
         try:

@@ -155,7 +155,8 @@ def _of_mechanism(analysis: Any, wish: Wish, run: Run, responses: type | None = 
     space = _space(wish, responses or ConstrainedResponses, motion, A, constrained_signals)
     found, arrays = modes_of(motion, A, constant), analysis.arrays
     names = tuple(arrays.speed_name(k) for k in range(arrays.speeds))
-    z = motion.q  # type: ignore[attr-defined]
+    assert isinstance(motion, ConstrainedLinearised)
+    z = motion.q
     position = [(name, tuple(z[7 * b : 7 * b + 7].tolist())) for b, name in enumerate(arrays.body_names)]
     first = 7 * arrays.bodies
     for f in arrays.flexible:
@@ -236,6 +237,7 @@ def _of_tree(tree: Tree, wish: Wish) -> MechanismModes:
     found = modes_of(motion, A, constant)
     names = tuple(coordinate.name for coordinate in tree.coordinates)
     n = len(names)
-    q = np.asarray(motion.z[n : 2 * n]).tolist()  # type: ignore[attr-defined]
+    assert isinstance(motion, TreeLinearised)
+    q = np.asarray(motion.z[n : 2 * n]).tolist()
     position = tuple((name, (value,)) for name, value in zip(names, q, strict=True))
     return MechanismModes(motion.t, wish.equilibrium, found, names, position, space)

@@ -1,5 +1,6 @@
 """Eigenfrequencies of a deck: of its flexible bodies, each in its frame, and of its mechanism."""
 
+from collections.abc import Callable
 from typing import Any
 
 from ..deck.record import Deck
@@ -62,11 +63,15 @@ def _fill(report: ModesReport, wish: Wish, run: Run) -> None:
     if analysis == "flexible":
         report.bodies = [body.flexible for body in model.bodies if body.flexible is not None]
     if wish.of_mechanism or not report.bodies:
-        report.mechanism = MODES[analysis](model, wish, run)  # type: ignore[operator]
+        report.mechanism = MODES[analysis](model, wish, run)
         _write(report.mechanism, wish)
 
 
-MODES = {"dynamic": dynamic_modes, "flexible": flexible_modes, "tree": tree_modes}
+MODES: dict[str, Callable[[Any, Wish, Run], MechanismModes]] = {
+    "dynamic": dynamic_modes,
+    "flexible": flexible_modes,
+    "tree": tree_modes,
+}
 
 
 def _write(mechanism: MechanismModes, wish: Wish) -> None:

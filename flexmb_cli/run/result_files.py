@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from ..deck.record import Deck
+    from ..results.hdf5.result_file import ResultFile
     from .solution import Solution
 
 
@@ -26,7 +27,8 @@ class ResultFiles:
 
         self.paths = paths
         self.texts: list[Any] = []
-        self.table = self.result = None
+        self.table: Any = None
+        self.result: ResultFile | None = None
         self.begun = self.torn = False
         if paths.files:
             make_folder(run.options.folder)
@@ -51,7 +53,7 @@ class ResultFiles:
         series = self.texts[len(self.texts) - len(self.paths.series) :]
         if out is not None or series:
             dialect, streams = dialect_named(deck.dialect), (out, *series)
-            self.table = dialect.table(streams, deck, run.options.layout, solution.analysis)  # type: ignore[assignment]
+            self.table = dialect.table(streams, deck, run.options.layout, solution.analysis)
 
     def _open_result(
         self, deck: Any, solution: "Solution", only: "tuple[Any, ...]", with_errors: bool
@@ -67,7 +69,7 @@ class ResultFiles:
             from ..results.quantities.selection import selected
 
             layout = selected(layout, deck, only)
-        self.result = ResultFile(self.paths.h5, deck, layout)  # type: ignore[assignment]
+        self.result = ResultFile(self.paths.h5, deck, layout)
 
     @property
     def unfinished(self) -> tuple[str, ...]:
@@ -121,7 +123,7 @@ class ResultFiles:
         if self.begun and self.paths.out == STANDARD_OUTPUT:
             # It may be the very thing that fails, and what ended the run is reported, not this.
             with suppress(OSError, OutputError):
-                self.table.stopped()  # type: ignore[attr-defined]
+                self.table.stopped()
         for file in self._all():
             file.discard()
 

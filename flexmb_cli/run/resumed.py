@@ -18,10 +18,12 @@ def restore(resume_file: ResumeFile, analysis: Any, layout: Layout) -> None:
     Raises ModelError where state or blocks are not of this run.
     """
     try:
-        analysis.restore(resume_file.last_checkpoint)
+        checkpoint = resume_file.last_checkpoint
+        assert checkpoint is not None, "a run is resumed from a checkpoint"
+        analysis.restore(checkpoint)
         shapes = _shapes_of(layout)
         rows = sum(_rows_of(values, shapes) for values, _ in resume_file.stored())
-        if rows != row_of(resume_file.last_checkpoint):  # type: ignore[arg-type]
+        if rows != row_of(checkpoint):
             raise OtherRun("row")
     except OtherRun as found:
         message = (

@@ -125,7 +125,8 @@ def project(
 def _least_step(J: np.ndarray, gap: np.ndarray, dependent: float, columns: np.ndarray | None) -> np.ndarray:
     """Return the shortest step (n,) that takes the gap away to first order."""
     if columns is None:
-        return -np.linalg.lstsq(J, gap, rcond=dependent)[0]
+        found: np.ndarray = -np.linalg.lstsq(J, gap, rcond=dependent)[0]
+        return found
     step = np.zeros(J.shape[1])
     step[columns] = -np.linalg.lstsq(J[:, columns], gap, rcond=dependent)[0]
     return step

@@ -32,7 +32,9 @@ def key_places(lines: Iterable[str]) -> dict[tuple[str, str], tuple[int, int]]:
 
 def _starts(line: Any, table: str) -> Iterator[tuple[str, int]]:
     """Return where a name may begin, and the table it would be in."""
-    yield "", _BEFORE_KEY.match(line).end()  # type: ignore[union-attr]
+    before = _BEFORE_KEY.match(line)
+    assert before is not None, "it matches nothing, too"
+    yield "", before.end()
     if table in TABLES:
         yield table, len(line) - len(line.lstrip())
     dotted = _BEFORE_KEY_OF_TABLE.match(line)

@@ -68,12 +68,12 @@ def _json(figures: dict[str, Any]) -> str:
     return json.dumps(figures).replace("<", "\\u003c")
 
 
-def _parallel(cases: Any) -> "dict[str, list[dict[str, dict[Any, Any] | list[Any] | str]]]":
+def _parallel(cases: Any) -> dict[str, Any]:
     columns = {**(cases.varied or cases.parameters), **cases.results}
     last = next(reversed(cases.results))
     dimensions = [{"label": _shown(name), "values": _list(values)} for name, values in columns.items()]
     line = {"color": _list(cases.results[last]), "colorscale": "Viridis"}
-    return {"data": [{"type": "parcoords", "dimensions": dimensions, "line": line}], "layout": {}}  # type: ignore[dict-item]
+    return {"data": [{"type": "parcoords", "dimensions": dimensions, "line": line}], "layout": {}}
 
 
 def _result(cases: Any, name: Any) -> Any:

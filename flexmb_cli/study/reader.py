@@ -75,7 +75,7 @@ class _Reader:
         self._refuse_unknown(self.table, KEYS, "study")
         sampling = self._choice("sampling", SAMPLINGS, GRID)
         sampled = sampling == LATIN
-        parameters = [self._varied(*item, sampled) for item in self._entries("parameters")]  # type: ignore[call-arg]
+        parameters = [self._varied(name, given, sampled) for name, given in self._entries("parameters")]
         results = [self._kept(*item) for item in self._entries("results")]
         self.within = ""
         count = self._sample_size() if sampled else 0

@@ -146,7 +146,7 @@ def _quantities(study: Any, deck: Deck, solution: Any) -> list[Quantity]:
             found = [_one(result, item, faults) for item in study.results]
     if faults:
         raise DeckError(faults)
-    return found  # type: ignore[return-value]
+    return [quantity for quantity in found if quantity is not None]
 
 
 def _one(result: "h5py.File", item: Kept, faults: Any) -> Quantity | None:
@@ -169,12 +169,12 @@ class _Taken:
 
     def __init__(self, take: str, rows: int):
         self.take, self.value, self.count = take, np.nan, 0
-        self.series = np.full(rows, np.nan) if take == SERIES else None
+        self.series = np.full(rows if take == SERIES else 0, np.nan)
 
     def add(self, values: Any) -> None:
         before, self.count = self.count, self.count + len(values)
         if self.take == SERIES:
-            self.series[before : self.count] = values  # type: ignore[index]
+            self.series[before : self.count] = values
         elif self.take == LAST:
             self.value = values[-1]
         elif self.take == FIRST:

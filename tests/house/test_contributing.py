@@ -61,6 +61,26 @@ INTEGRATOR = {
         '    "RK4": Method("Kutta", lambda tolerance, length: Steps("rk4"), 1e-8),\n',
     ),
 }
+# (f) Lines of row, column (from 1) and value.
+READER = '''"""Lines of row, column and value."""
+
+import numpy as np
+
+from .matrix_file import MatrixFile
+
+
+def read_triples(path):
+    """Return the matrix of a file."""
+    rows, columns, values = np.loadtxt(path, ndmin=2).T
+    size = int(max(rows.max(), columns.max()))
+    return MatrixFile(size, rows.astype(int) - 1, columns.astype(int) - 1, values, True)
+'''
+FORMAT = {
+    "flexmb_cli/fe/formats/formats.py": (
+        '    "MM": MatrixFormat(',
+        '    "TRI": MatrixFormat("triples:read_triples"),\n',
+    ),
+}
 # A body of 2 kg that falls; the method of order 8 has no error in a parabola.
 DECK = """\
 VSDF A BODY THAT FALLS
@@ -96,15 +116,16 @@ pytestmark = pytest.mark.processes
 
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory):
-    """A copy of the package with all four, and a deck."""
+    """A copy of the package with all five, and a deck."""
     folder = tmp_path_factory.mktemp("copy")
     shutil.copytree(ROOT / "flexmb_cli", folder / "flexmb_cli", ignore=shutil.ignore_patterns("__pycache__"))
     for name, origin in KERNELS.items():
         shutil.copy(ROOT / origin, folder / name)
-    for name, (place, added) in (JOINT | CARD | QUANTITY | INTEGRATOR).items():
+    for name, (place, added) in (JOINT | CARD | QUANTITY | INTEGRATOR | FORMAT).items():
         text = (folder / name).read_text(encoding="utf-8")
         assert text.count(place) == 1
         (folder / name).write_text(text.replace(place, added + place), encoding="utf-8")
+    (folder / "flexmb_cli/fe/formats/triples.py").write_text(READER)
     (folder / "fall.vsdf").write_text(DECK)
     return folder
 
@@ -167,3 +188,19 @@ def test_an_integrator_of_three_files_is_named_by_its_card(copy):
     (copy / "unknown.vsdf").write_text(unknown)
     with pytest.raises(AssertionError, match="RK4"):
         flexmb(copy, "check", "unknown.vsdf")
+
+
+def test_a_format_of_one_line_is_read_and_known_to_the_cards(copy):
+    """Of a symmetric matrix one triangle stands in the file."""
+    (copy / "K.txt").write_text("1 1 2.5\n2 1 -1\n2 2 4\n")
+    program = (
+        "from pathlib import Path\n"
+        "from flexmb_cli.dialects.vsdf.cards.columns import MATRIX_FORMS\n"
+        "from flexmb_cli.fe.formats.formats import read_matrix\n"
+        "found = read_matrix(Path('K.txt'), 'TRI', 'K')\n"
+        "print('TRI' in MATRIX_FORMS, found.size, *found.values.tolist())\n"
+    )
+    given = os.environ | {"PYTHONPATH": str(copy)}
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, cwd=copy, env=given, capture_output=True, text=True, timeout=120)
+    assert done.stdout.split() == ["True", "2", "2.5", "-1.0", "4.0"], done.stderr

@@ -116,7 +116,7 @@ def test_a_changed_file_of_a_body_is_another_run(tmp_path):
     assert b'"bodies": ' in (tmp_path / "x.resume").read_bytes().split(b"\n", 1)[0]
 
 
-def test_a_kinematic_run_of_one_block_keeps_no_journal(tmp_path, monkeypatch):
+def test_a_kinematic_run_of_one_block_keeps_no_resume_file(tmp_path, monkeypatch):
     monkeypatch.setattr(kinematic, "LARGEST_BLOCK", 1024)
     outcome = run(DECKS / "young/IN4-BAR.dat", tmp_path, stop_after(1))
     assert (outcome.exit_code, outcome.resumable) == (130, False)

@@ -1,6 +1,7 @@
 """JSON output of a command that ended in a fault."""
 
 import json
+from collections.abc import Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -33,7 +34,7 @@ def faults_in_json(wanted: bool, about: dict[str, Any], file: str) -> "Iterator[
         raise
 
 
-def wants_json(commands: dict[str, Any], arguments: list[str]) -> bool:
+def wants_json(commands: Mapping[str, Any], arguments: list[str]) -> bool:
     """Return whether the command line asks for JSON of a command that has it; it may be wrong otherwise."""
     options = arguments[: arguments.index("--")] if "--" in arguments else arguments
     command = commands.get(next((word for word in options if word in commands), ""))

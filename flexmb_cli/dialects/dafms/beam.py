@@ -107,17 +107,18 @@ class Beam:
     def stiffness(self) -> np.ndarray:
         """Condensed matrix (NM, NM), node by node, axes ascending, clamped at the root, N/m."""
         n, count = self.nodes, len(self.axes)
-        blocks = {1: self.EI_1, 3: self.EI}
+        blocks = {1: self.EI_1 or 0.0, 3: self.EI}
         matrix = np.zeros((n * count, n * count))
         for i, axis in enumerate(self.axes):
-            block = self._axial() if axis == 2 else blocks[axis] / self.step**3 * unit_bending(n)[0]  # type: ignore[operator]
+            block = self._axial() if axis == 2 else blocks[axis] / self.step**3 * unit_bending(n)[0]
             matrix[i::count, i::count] = block
         return matrix
 
     def _axial(self) -> Any:
         matrix = 2 * np.eye(self.nodes) - np.eye(self.nodes, k=1) - np.eye(self.nodes, k=-1)
         matrix[-1, -1] = 1
-        return self.EA / self.step * matrix  # type: ignore[operator]
+        assert self.EA is not None, "axis 2 needs EA"
+        return self.EA / self.step * matrix
 
     def nodal_rotation(self, node: int) -> np.ndarray:
         """Rotation (3, NM) of a node, counted from 1, per unit of each elastic coordinate, rad/m.

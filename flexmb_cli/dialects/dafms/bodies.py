@@ -92,7 +92,7 @@ def _mass(values: DeckValues, k: int, elastic: Elasticity | None, findings: Find
     if mass < 0:
         findings.error(name, f"BM = {mass}: a mass is not negative", number.place, id="DAFMS-012")
     if elastic is None:
-        return mass
+        return float(mass)
     nodes = float(np.sum(elastic.masses))
     if mass < nodes - _LAST_DECIMAL * (len(elastic.masses) + 1):
         findings.error(
@@ -102,7 +102,7 @@ def _mass(values: DeckValues, k: int, elastic: Elasticity | None, findings: Find
             number.place,
             id="DAFMS-013",
         )
-    return max(mass, nodes)
+    return float(max(mass, nodes))
 
 
 def _inertia(values: Any, k: Any, findings: Findings) -> np.ndarray:
@@ -163,7 +163,8 @@ def _stiffened_from(values: DeckValues, k: int, positions: np.ndarray, findings:
             id="DAFMS-017",
         )
         return None
-    return root
+    found: float | None = root
+    return found
 
 
 def _node_vectors(values: DeckValues, section: str, k: int, nodes: int) -> np.ndarray:
@@ -222,4 +223,5 @@ def _damping(
     if not (alpha or beta):
         return None
     dofs = len(stiffness) // len(masses)
-    return alpha * np.diag(np.repeat(masses, dofs)) + beta * stiffness
+    found: np.ndarray | None = alpha * np.diag(np.repeat(masses, dofs)) + beta * stiffness
+    return found

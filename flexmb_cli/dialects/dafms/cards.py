@@ -205,9 +205,9 @@ EXTENSIONS = (
         extension=True,
     ),
     Card("GEOM", "shape", "entries", "2I5,3F10.5", _SHAPE, "6F10.5", extension=True, head=5),
+    *ELEMENT_CARDS,
 )
 
-EXTENSIONS += ELEMENT_CARDS  # type: ignore[assignment]
 CARDS = {card.word: card for card in (*HISTORIC, *EXTENSIONS)}
 KNOWN_WORDS = (*MACROS, *SWITCHES, *CARDS)
 

@@ -16,8 +16,20 @@ from .cards import CARDS
 from .elements.cards import ELEMENT_CARDS
 
 OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")
-OPTIONAL = ("GRAV", "LOOP", "SPRI", "DAMP", "MOTR", "TABM", "PRES", "FORC", "TOQU", "TABL", "DESN")
-OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH")  # type: ignore[assignment]
+OPTIONAL: tuple[str, ...] = (
+    "GRAV",
+    "LOOP",
+    "SPRI",
+    "DAMP",
+    "MOTR",
+    "TABM",
+    "PRES",
+    "FORC",
+    "TOQU",
+    "TABL",
+    "DESN",
+)
+OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH")
 # Cards that FMBD.DAT did not have: their counts are asked for last.
 ADDED = ("GEOM", *(card.word for card in ELEMENT_CARDS))
 
@@ -63,7 +75,7 @@ def _fits(value: Number, width: int) -> bool:
         return len(str(value.value)) <= width
     if "." in value.text and len(value.text) <= width:
         return True
-    return float(filled(value.value, width)) == value.value
+    return bool(float(filled(value.value, width)) == value.value)
 
 
 def beam_of(numbers: dict[str, Any]) -> Beam:
@@ -103,7 +115,8 @@ class _Deck:
         return [*lines, ("END ", ""), ("STAR", ""), ("STOP", "")]
 
     def _body(self, k: int) -> Record:
-        return self.by_prefix[f"body.{k}"]
+        found: Record = self.by_prefix[f"body.{k}"]
+        return found
 
     def _control(self) -> list[tuple[str, str]]:
         lines = [self._dofs(k, letter) for letter in ("NT", "NR") for k in self.bodies]
@@ -154,7 +167,8 @@ class _Deck:
         columns = [record for record in self.records if record.section == f"stiffness.{k}"]
         lines += self._list([(n, record.prefix) for record in columns for n in record.numbers], 6, WIDE_REAL)
         masses = self.by_prefix[f"nodal_mass.{k}"]
-        return lines + self._list([(n, masses.prefix) for n in masses.numbers], 10)
+        found: list[tuple[str, str]] = lines + self._list([(n, masses.prefix) for n in masses.numbers], 10)
+        return found
 
     def _list(self, pairs: list[tuple[Number, str]], per_line: int, width: int = _REAL) -> Any:
         """Numbers side by side; a line goes under the name of its first number's record."""

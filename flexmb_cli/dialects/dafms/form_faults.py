@@ -34,7 +34,8 @@ def faults_of(records: Sequence[Record], complete: bool) -> list[Fault]:
     """Faults of the last of `records`; `complete`: all of its values are given."""
     last = records[-1]
     if last.section == "title":
-        return _faults_of_title(last)
+        made: list[Fault] = _faults_of_title(last)
+        return made
     found = [fault for value in last.numbers for fault in _outside(records, last, value)]
     found += faults_of_fields(last)
     if found:

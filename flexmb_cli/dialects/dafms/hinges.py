@@ -40,7 +40,7 @@ def _parent(values: Any, k: Any, findings: Any) -> int:
         message = f"L = {number.value}: parents are numbered below their children, here {allowed}"
         findings.error(f"body {k}", message, number.place, id="DAFMS-033")
         return INERTIAL
-    return number.value - 1
+    return int(number.value - 1)
 
 
 def _hinge(
@@ -80,6 +80,7 @@ def _node(
         _note_unused_node(own, parent, k, findings)
         return None
     stated = own.at("NP").value if own else 0
+    place = own.place if own else None
     positions = bodies[parent].elastic.positions
     if stated == 0:
         stated = _node_of_parents_record(values, parent, positions, point, k, findings)
@@ -88,7 +89,7 @@ def _node(
         return None
     if not 1 <= stated <= len(positions):
         message = f"NP = {stated} is no node of body {parent + 1}, which has {len(positions)}"
-        findings.error(f"hinge of body {k}", message, own.place, id="DAFMS-034")  # type: ignore[union-attr]
+        findings.error(f"hinge of body {k}", message, place, id="DAFMS-034")
         return None
     if not _same_point(positions[stated - 1], point):
         _report_other_point(values, positions[stated - 1], stated, parent, k, point, findings)

@@ -135,7 +135,10 @@ class _Page:
 
     def _stiffness(self, k: int) -> list[list[float]]:
         """Rows of the full matrix that the skyline stands for."""
-        return full_matrix(_values(self._array("counts.jdi", k)), _values(self._array("bkp", k))).tolist()
+        found: list[list[float]] = full_matrix(
+            _values(self._array("counts.jdi", k)), _values(self._array("bkp", k))
+        ).tolist()
+        return found
 
     def system(self) -> str:
         """Return what TSYSIN writes, card by card as read, unless NOPR has switched the echo off."""
@@ -222,7 +225,7 @@ class Tables:
     def __init__(self, streams: tuple[Any, ...], deck: Deck, layout: str, analysis: Any):
         self.echo, *units = streams
         self.deck, self.layout, self.analysis = deck, layout, analysis
-        self.series = Series(*units, len(analysis.tree.coordinates), layout) if units else None  # type: ignore[call-arg]
+        self.series = Series(units[0], units[1], len(analysis.tree.coordinates), layout) if units else None
 
     def begin(self) -> None:
         """Write the echo."""

@@ -120,7 +120,8 @@ def _find_model(records: Records) -> Number:
             records.stop("", f"card '{word}' stands before any model; a model begins with a DFMB card")
         skipped.add(line)
     skipped.flush()
-    return records.end_of_deck("", "a DFMB card")
+    found: Number = records.end_of_deck("", "a DFMB card")
+    return found
 
 
 def _read_control(records: Records, layout: Layout, read: list[Record]) -> None:

@@ -11,13 +11,13 @@ import numpy as np
 
 def full_matrix(addresses: Sequence[int], packed: Sequence[float]) -> np.ndarray:
     """The symmetric matrix (n, n) of `packed`; `addresses` must be valid (the reader has checked them)."""
-    packed = np.asarray(packed, float)  # type: ignore[assignment]
+    values = np.asarray(packed, float)
     matrix = np.zeros((len(addresses), len(addresses)))
     before = 0
     for column, address in enumerate(addresses):
         top = column + 1 - (address - before)
-        matrix[top : column + 1, column] = packed[before:address]
-        matrix[column, top : column + 1] = packed[before:address]
+        matrix[top : column + 1, column] = values[before:address]
+        matrix[column, top : column + 1] = values[before:address]
         before = address
     return matrix
 

@@ -234,7 +234,7 @@ def _flag(record: "Record", axis: int, findings: Findings) -> bool:
             number.place,
             id="DAFMS-073",
         )
-    return number.value == 1
+    return bool(number.value == 1)
 
 
 def _closure_node(
@@ -250,4 +250,5 @@ def _closure_node(
         message = f"{key} = {number.value}, but {where}; 0 takes the vector"
         findings.error(record.subject, message, number.place, id="DAFMS-074")
         return None
-    return number.value - 1
+    found: int | None = number.value - 1
+    return found

@@ -4,14 +4,12 @@ A dialect says by a subclass of `ElementMaker` how its cards name joints and end
 `JOINT_CARDS` which of its sections give which elements.
 """
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from ...deck.record import Record
-from ...model.diagnostics import Findings
+from ...deck.record import Number, Record
+from ...deck.records import DeckValues
 from ...model.joint_elements import (
-    COORDINATES_OF,
     Bushing,
     Coupling,
     EndStop,
@@ -24,10 +22,9 @@ from ...model.joint_elements import (
     LineSpring,
 )
 from ...model.joints import ANGLE, STROKE
-from .functions import Functions
+from .maker import ElementMaker
 
-_COORDINATES = {1: ANGLE, 2: STROKE}
-_A = {ANGLE: "an angle", STROKE: "a stroke"}
+Cards = Mapping[str, Sequence[tuple[str, Callable[..., Any]]]]  # fields of `JointElements`: sections, makers
 _ONE_OF = {  # what there may be one of, and by what it is distinguished
     "driven": lambda item: item.item,
     "supports": lambda item: item.item,
@@ -39,94 +36,10 @@ MOST_ELEMENTS = 20_000  # of a deck; one takes up to 6 kB
 _FRICTION = ("dynamic", "static", "stribeck", "creep", "radius", "preload")
 
 
-class ElementMaker(ABC):
-    """Makes elements of records; None where a fault was found."""
-
-    def __init__(self, functions: Functions, findings: Findings, start: float):
-        self.functions, self.findings, self.start = functions, findings, start
-
-    @abstractmethod
-    def where(self, record: Record, coordinate: str | None, suffix: str = "") -> tuple[int, str] | None:
-        """Joint and coordinate that a card means, by keys that end in `suffix`; None where there is none."""
-
-    @abstractmethod
-    def sliding(self, record: Record) -> tuple[int, bool] | None:
-        """Joint whose parts slide on each other, and whether they turn; None where there is none."""
-
-    @abstractmethod
-    def ends(self, record: Record) -> dict[str, Any] | None:
-        """Bodies i and j (-1: ground) and ends P_i, P_j of an element between two bodies."""
-
-    def refuse_twice(self, items: Sequence[Any], key: Callable[..., Any]) -> None:
-        """Refuse two items for one thing."""
-        first: dict[str, Any] = {}
-        for item in items:
-            other = item if item is None else first.setdefault(key(item), item)
-            if other is not item:
-                message = f"{other.name} already gives this; remove one of them"  # type: ignore[union-attr]
-                self.findings.error(item.name, message, item.place, id="ELEMENTS-001")
-
-    def not_negative(self, record: Record, *keys: str) -> None:
-        """Refuse numbers below 0."""
-        for key in keys:
-            if record[key] < 0.0:
-                message = f"{key} must not be negative; read {record[key]:g}"
-                self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-002")
-
-
-class JointMaker(ElementMaker):
-    """Makes elements of cards that name a joint by its number, and its angle or stroke."""
-
-    def __init__(self, joints: Sequence[Any], functions: Functions, findings: Findings, start: float):
-        """Take the joints, with `name` and `kind`, in the order of their numbers."""
-        super().__init__(functions, findings, start)
-        self.joints = joints
-
-    def where(self, record: Record, coordinate: str | None, suffix: str = "") -> tuple[int, str] | None:
-        """Joint and coordinate; the card gives the coordinate where it is None."""
-        coordinate = coordinate or self._coordinate(record, f"coordinate{suffix}")
-        joint = self._joint(record, coordinate, f"joint{suffix}")
-        return None if joint is None or coordinate is None else (joint, coordinate)
-
-    def _joint(self, record: Record, coordinate: str, key: str) -> Any:
-        number = record[key]
-        if not 1 <= number <= len(self.joints):
-            message = f"joint number {number} is outside 1..{len(self.joints)}"
-            self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-003")
-            return None
-        joint = self.joints[number - 1]
-        if coordinate not in (None, *COORDINATES_OF[joint.kind]):
-            has = " and ".join(_A[one] for one in COORDINATES_OF[joint.kind]) or "neither angle nor stroke"
-            other = "the card for it" if COORDINATES_OF[joint.kind] else "a joint that has one"
-            message = f"joint {number} ({joint.name}) has {has}, not {_A[coordinate]}; take {other}"
-            self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-004")
-            return None
-        return number - 1
-
-    def _coordinate(self, record: Record, key: str) -> Any:
-        if record[key] not in _COORDINATES:
-            message = f"must be 1 (angle) or 2 (stroke); read {record[key]}"
-            self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-005")
-            return None
-        return _COORDINATES[record[key]]
-
-    def sliding(self, record: Record) -> tuple[int, bool] | None:
-        """Joint with an axis, and whether it turns about it."""
-        joint = self._joint(record, None, "joint")  # type: ignore[arg-type]
-        if joint is None:
-            return None
-        kinds = COORDINATES_OF[self.joints[joint].kind]
-        if not kinds:
-            message = f"{self.joints[joint].name} turns about no axis: it takes no friction"
-            self.findings.error(record.subject, message, record.at("joint").place, id="ELEMENTS-006")
-            return None
-        return joint, ANGLE in kinds
-
-
 def build_elements(
     maker: ElementMaker,
     sections: Callable[..., Any],
-    cards: Mapping[str, Sequence[tuple[str, Callable[..., Any]]]],
+    cards: Cards,
     **more: Any,
 ) -> JointElements:
     """The elements of the records `sections(name)`, by `cards`: fields of `JointElements`, pairs of a
@@ -138,11 +51,13 @@ def build_elements(
              for name, makers in cards.items()}  # fmt: skip
     for name, key in _ONE_OF.items():
         maker.refuse_twice(found.get(name, ()), key)
-    kept = {name: tuple(item for item in items if item is not None) for name, items in found.items()}
-    return JointElements(**kept, **more)  # type: ignore[arg-type]
+    kept: dict[str, Any] = {
+        name: tuple(item for item in items if item is not None) for name, items in found.items()
+    }
+    return JointElements(**kept, **more)
 
 
-def _refuse_too_many(maker: ElementMaker, sections: Callable[..., Any], cards: Mapping[str, Any]) -> bool:
+def _refuse_too_many(maker: ElementMaker, sections: Callable[..., Any], cards: Cards) -> bool:
     """Report more elements than are held in the memory that a deck may take; whether there are."""
     found = [sections(section) for makers in cards.values() for section, _ in makers]
     count = sum(map(len, found))
@@ -160,9 +75,9 @@ def _refuse_too_many(maker: ElementMaker, sections: Callable[..., Any], cards: M
 def joint_driver(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes drivers of a coordinate."""
 
-    def make(maker: Any, record: Record) -> Any:
+    def make(maker: ElementMaker, record: Record) -> Any:
         where, function = maker.where(record, coordinate), maker.functions.motion(record, maker.start)
-        return JointDriver(record.subject, *where, function, record.place) if where and function else None  # type: ignore[call-arg]
+        return JointDriver(record.subject, *where, function, record.place) if where and function else None
 
     return make
 
@@ -170,9 +85,9 @@ def joint_driver(coordinate: str | None) -> Callable[..., Any]:
 def motor(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes motors in a coordinate."""
 
-    def make(maker: Any, record: Record) -> Any:
+    def make(maker: ElementMaker, record: Record) -> Any:
         where, function = maker.where(record, coordinate), maker.functions.function(record)
-        return JointMotor(record.subject, *where, function, record.place) if where and function else None  # type: ignore[call-arg]
+        return JointMotor(record.subject, *where, function, record.place) if where and function else None
 
     return make
 
@@ -192,7 +107,7 @@ def _spring_data(maker: Any, record: Record) -> Any:
 def joint_spring(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes springs in a coordinate."""
 
-    def make(maker: Any, record: Record) -> Any:
+    def make(maker: ElementMaker, record: Record) -> Any:
         where, data = maker.where(record, coordinate), _spring_data(maker, record)
         return JointSpring(record.subject, *where, **data) if where else None
 
@@ -208,22 +123,24 @@ def line_spring(maker: ElementMaker, record: Record) -> LineSpring | None:
 def cable(maker: ElementMaker, record: Record) -> LineSpring | None:
     """A cable between two bodies."""
     maker.not_negative(record, "stiffness", "rest", "damping")
-    data = {key: float(record[key]) for key in ("stiffness", "rest", "damping")}
+    data: dict[str, Any] = {key: float(record[key]) for key in ("stiffness", "rest", "damping")}
     ends = maker.ends(record)
-    return LineSpring(record.subject, **ends, **data, slack=True, place=record.place) if ends else None  # type: ignore[arg-type]
+    return LineSpring(record.subject, **ends, **data, slack=True, place=record.place) if ends else None
 
 
 def stop(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes stops of a coordinate."""
 
-    def make(maker: Any, record: Record) -> Any:
+    def make(maker: ElementMaker, record: Record) -> Any:
         maker.not_negative(record, "stiffness", "damping")
         if not record["lower"] < record["upper"]:
             message = f"upper must be larger than lower, {record['lower']:g}; read {record['upper']:g}"
             maker.findings.error(record.subject, message, record.at("upper").place, id="ELEMENTS-007")
-        numbers = (float(record[key]) for key in ("lower", "upper", "stiffness", "damping"))
+        numbers: dict[str, Any] = {
+            key: float(record[key]) for key in ("lower", "upper", "stiffness", "damping")
+        }
         where = maker.where(record, coordinate)
-        return EndStop(record.subject, *where, *numbers, record.place) if where else None  # type: ignore[call-arg]
+        return EndStop(record.subject, *where, **numbers, place=record.place) if where else None
 
     return make
 
@@ -243,20 +160,43 @@ def bushing(maker: ElementMaker, record: Record) -> Bushing | None:
 
 def coupling(maker: ElementMaker, record: Record) -> Coupling | None:
     """A coupling of two joint coordinates or more."""
-    terms = []
+    terms: list[tuple[int, str, float]] = []
+    unknown = False
     for k in range(1, sum(number.key.startswith("factor") for number in record.numbers) + 1):
         where, factor = maker.where(record, None, str(k)), float(record[f"factor{k}"])
         if factor == 0.0:
             place = record.at(f"factor{k}").place
             maker.findings.error(record.subject, "a factor of 0 couples nothing", place, id="ELEMENTS-008")
-        terms.append(None if where is None else (*where, factor))
-    if None in terms:
+        if where is None:
+            unknown = True
+        else:
+            terms.append((*where, factor))
+    if unknown:
         return None
-    if len({(joint, coordinate) for joint, coordinate, _ in terms}) < len(terms):  # type: ignore[misc]
+    if len({(joint, coordinate) for joint, coordinate, _ in terms}) < len(terms):
         maker.findings.error(
             record.subject, "names one coordinate twice; add its factors", record.place, id="ELEMENTS-009"
         )
-    return Coupling(record.subject, tuple(terms), record.place)  # type: ignore[arg-type]
+    return Coupling(record.subject, tuple(terms), record.place)
+
+
+def sections_of(values: DeckValues) -> Callable[[str], Sequence[Record]]:
+    """Return what gives the records of a section; those of "coupling" hold all terms of their cards."""
+    return lambda name: list(_couplings(values)) if name == "coupling" else values.section(name)
+
+
+def _couplings(values: DeckValues) -> Iterator[Record]:
+    """The couplings as records of all their terms."""
+    terms: dict[int, list[Record]] = {}
+    for record in values.section("coupling_term"):
+        terms.setdefault(record["coupling"], []).append(record)
+    for number, records in terms.items():
+        numbers = [
+            Number(f"{item.key}{k}", item.value, item.meaning, item.unit, item.place, item.text)
+            for k, record in enumerate(records, 1)
+            for item in record.numbers[1:]
+        ]
+        yield Record("coupling", number, f"coupling {number}", tuple(numbers))
 
 
 def friction(maker: ElementMaker, record: Record) -> JointFriction | None:
@@ -277,7 +217,8 @@ def friction(maker: ElementMaker, record: Record) -> JointFriction | None:
         message = "a joint that turns needs the radius of its bearing"
         maker.findings.error(record.subject, message, record.at("radius").place, id="ELEMENTS-011")
         return None
-    return JointFriction(record.subject, joint, *(float(record[key]) for key in _FRICTION), record.place)  # type: ignore[arg-type, call-arg]
+    data: dict[str, Any] = {key: float(record[key]) for key in _FRICTION}
+    return JointFriction(record.subject, joint, **data, place=record.place)
 
 
 def rate(maker: ElementMaker, record: Record) -> JointRate | None:
@@ -287,7 +228,7 @@ def rate(maker: ElementMaker, record: Record) -> JointRate | None:
 
 
 # Sections of dialects whose cards name joints, the angle or the stroke.
-JOINT_CARDS = {
+JOINT_CARDS: Cards = {
     "motors": [("tmotor", motor(ANGLE)), ("amotor", motor(STROKE))],
     "springs": [("tspring", joint_spring(ANGLE)), ("aspring", joint_spring(STROKE))],
     "lines": [("lspring", line_spring), ("cable", cable)],

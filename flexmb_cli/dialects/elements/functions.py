@@ -167,7 +167,8 @@ def _polynomial(_functions: Any, given: Any) -> Any:
 
 
 def _sine(_functions: Any, given: Any) -> Any:
-    return MotionFunction(SINE, tuple(float(value) for value in (*given.values, 0.0)[:4]))  # type: ignore[arg-type]
+    mean, size, omega, phase = (float(value) for value in (*given.values, 0.0)[:4])
+    return MotionFunction(SINE, (mean, size, omega, phase))
 
 
 def _between(functions: Any, given: Any, make: Any) -> Any:

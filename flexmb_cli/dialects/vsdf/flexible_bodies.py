@@ -45,8 +45,8 @@ def flexible_body(
             findings.error(record.subject, message, record.place, id="VSDF-023")
     _check_mapping(values.record("mapping", k), files, findings)
     _check_shapes(values, k, findings)
-    mass, stiffness = files["mass_matrix"], files["stiffness_matrix"]
-    if table is None or mass is None or stiffness is None:
+    mass, stiffness, nodes_file = files["mass_matrix"], files["stiffness_matrix"], files["node_table"]
+    if table is None or nodes_file is None or mass is None or stiffness is None:
         return VsdfBody(record.subject, **pose)
     nodes = dict(zip(map(int, table.numbers), table.positions, strict=True))
     sets = sets_of(values, k, nodes, findings)
@@ -62,8 +62,8 @@ def flexible_body(
         modes=_modes(record, findings),
         damping=_damping(values.record("damping", k), findings),
         unit_loads=_unit_loads(values, k, folder, findings),
-        stiffening=stiffening_material(values, k, files["node_table"], findings),  # type: ignore[arg-type]
-        material=stress_material(values, k, files["node_table"], findings),  # type: ignore[arg-type]
+        stiffening=stiffening_material(values, k, nodes_file, findings),
+        material=stress_material(values, k, nodes_file, findings),
         place=record.place,
         mesh=mesh_file(values, k, files["node_table"]),  # type: ignore[arg-type]
     )
@@ -86,8 +86,10 @@ def _or_density(values: DeckValues, k: Any, files: Any) -> Any:
 
 
 def _file(record: Record | None, folder: Path) -> FEFile | None:
-    if record is None:
-        return None
+    return None if record is None else _file_of(record, folder)
+
+
+def _file_of(record: Record, folder: Path) -> FEFile:
     return FEFile(folder / record["file"].replace("\\", "/"), record["form"], record.at("file").place)
 
 
@@ -151,7 +153,7 @@ def _modes(record: Record, findings: Findings) -> int:
             record.subject, f"a number of modes is 0 or more; read {number.text}", number.place, id="VSDF-029"
         )
         return 0
-    return number.value
+    return int(number.value)
 
 
 def _node_lists(
@@ -183,7 +185,7 @@ def _damping(record: Record | None, findings: Findings) -> Any:
 
 
 def _unit_loads(values: DeckValues, k: Any, folder: Any, findings: Findings) -> tuple[UnitLoad, ...]:
-    loads: list[Any] = []
+    loads: list[UnitLoad] = []
     for record in values.of_body("unit_load", k):
         number = record.at("load")
         if not 4 <= number.value <= 12:
@@ -195,7 +197,7 @@ def _unit_loads(values: DeckValues, k: Any, folder: Any, findings: Findings) -> 
             findings.error(
                 record.subject, f"unit load {number.value} is given twice", number.place, id="VSDF-032"
             )
-        loads.append(UnitLoad(i, j, _file(record, folder)))  # type: ignore[arg-type]
+        loads.append(UnitLoad(i, j, _file_of(record, folder)))
     return tuple(loads)
 
 

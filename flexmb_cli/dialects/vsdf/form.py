@@ -70,13 +70,14 @@ class VsdfForm:
                 for fault in _outside(last, count, count.key == "BODY", MOST_ASKED)
             ]
         faults = []
+        more = _BY_SECTION[last.section].more if last.section != "title" else None
         for value in last.numbers if last.section != "title" else ():
-            if value.key == "nodes":
-                faults += _faults_of_list(last, value, _BY_SECTION[last.section].more.letter)  # type: ignore[union-attr]
+            if value.key == "nodes" and more:
+                faults += _faults_of_list(last, value, more.letter)
             elif value.key == "body" or (value.key in ("a", "b") and last.section != "shape"):
                 faults += _outside(last, value, "0: ground" not in value.meaning, records[1]["BODY"])
             elif value.key == "joint":
-                faults += _outside(last, value, 1, records[1]["JOIN"])  # type: ignore[arg-type]
+                faults += _outside(last, value, True, records[1]["JOIN"])
         return faults
 
     def lines(self, records: Sequence[Record]) -> list[tuple[str, str]]:

@@ -84,8 +84,8 @@ def _joint(
     b = _side(record, "b", kind.points_on("j"), bodies, ground, findings)
     if len(findings.faults) > before or (a is None and b is None):
         return None
-    if None in (a, b):
-        a, b = _with_ground(record, kind, a, b, bodies, findings)  # type: ignore[arg-type]
+    if a is None or b is None:
+        a, b = _with_ground(record, kind, a, b, bodies, findings)
     if not a or not b:
         return None
     _check_axis(record, "a", a, bodies, ground, findings)
@@ -120,20 +120,26 @@ def _side(
     return tuple(end for end in ends if end is not None)
 
 
+def _ground_at(x: float, y: float, z: float) -> End:
+    return End(GROUND, 0, (float(x), float(y), float(z)))
+
+
 def _with_ground(
-    record: Record, kind: Any, a: None, b: tuple[End, ...], bodies: tuple[VsdfBody, ...], findings: Findings
+    record: Record,
+    kind: Any,
+    a: tuple[End, ...] | None,
+    b: tuple[End, ...] | None,
+    bodies: tuple[VsdfBody, ...],
+    findings: Findings,
 ) -> "tuple[tuple[Any, ...] | None, tuple[Any, ...] | None]":
     """The ground's points where those of the other body are at t = 0."""
-    ends = a or b
+    ends = a or b or ()
     if not kind.meets:
         letter = "a" if a is None else "b"
         message = f"{record['kind']} needs nodes on the ground, cards NODE of body 0; {letter}1 is missing"
         findings.error(record.subject, message, record.at(f"{letter}1").place, id="VSDF-047")
         return None, None
-    points = tuple(
-        End(GROUND, 0, tuple(map(float, bodies[end.body].global_position(end.node))))  # type: ignore[arg-type]
-        for end in ends
-    )
+    points = tuple(_ground_at(*bodies[end.body].global_position(end.node)) for end in ends)
     return (points, b) if a is None else (a, points)
 
 
@@ -216,10 +222,10 @@ def _pin(record: Record, bodies: tuple[VsdfBody, ...], ground: VsdfBody, finding
     end = find_end(bodies, ground, record.at("body"), record.at("node"), record.subject, findings)
     given = [record.at(f"p.{axis}") for axis in "xyz"]
     point = record.vector("p") if any(number.text for number in given) else None
-    held = tuple(digit == "1" for digit in digits)
+    x, y, z = (digit == "1" for digit in digits)
     if end and point is None:
         place = bodies[end.body].global_position(end.node)
         record.made.update(
             {f"p.{axis}": f"{value + 0.0:.9g}" for axis, value in zip("xyz", place, strict=True)}
         )
-    return end and Pin(record.subject, end, held, point, record.place)  # type: ignore[arg-type]
+    return end and Pin(record.subject, end, (x, y, z), point, record.place)

@@ -56,7 +56,7 @@ def _follows(record: Record, findings: Findings) -> bool:
     if number.value not in (0, 1):
         message = f"the last flag is 0 (global axes) or 1 (body axes); read {number.text}"
         findings.error(record.subject, message, number.place, id="VSDF-064")
-    return number.value == 1
+    return bool(number.value == 1)
 
 
 def build_torques(

@@ -1,4 +1,4 @@
-"""Laws of motion of VSDF decks that are no numbers, no angles, or turn more than a report time can show."""
+"""Motion functions of VSDF decks that are no numbers, no angles, or turn more than a report time shows."""
 
 import math
 
@@ -10,12 +10,12 @@ from ...model.mechanism import TimeGrid
 from ...model.time_functions import Motion, MotionFunction
 
 LARGEST_RATE = 1e100  # its square still is a number
-SAMPLES = 101  # even times of a run at which a law is looked at
+SAMPLES = 101  # even times of a run at which a function is evaluated
 ROTATIONS = ("ANGL", "ROTX", "ROTY", "ROTZ")
 
 
 def check_motion_functions(motions: tuple[Motion, ...], grid: TimeGrid, findings: Findings) -> None:
-    """Refuse laws that are no numbers and angles that are none; doubt `MANY_REVOLUTIONS` in a report step."""
+    """Refuse functions that are no numbers, no angles; doubt `MANY_REVOLUTIONS` in a report step."""
     for motion in motions:
         values, rates, _ = reported = _sampled(motion.function, grid)
         if not (np.abs(reported) <= LARGEST_RATE).all():
@@ -39,7 +39,7 @@ def check_motion_functions(motions: tuple[Motion, ...], grid: TimeGrid, findings
 
 
 def _sampled(function: MotionFunction, grid: TimeGrid) -> np.ndarray:
-    """Value, rate and acceleration of a law at even times, or at the points of its table, (3, times)."""
+    """Value, rate and acceleration of a function at even times, or at the points of its table, (3, times)."""
     # Each look into a table goes through all of its points.
     times = (grid.start, grid.end) if function.times else np.linspace(grid.start, grid.end, SAMPLES)
     try:

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 Tables = dict[int, MotionFunction | None]  # by their numbers, None for those with faults
 
-# Laws of MOTN: the coordinate, or its rate, follows a function.
-FUNCTION_LAW, RATE_LAW = 5, 6
-OF_FUNCTIONS = (FUNCTION_LAW, RATE_LAW)
+# Numbers of MOTN where the coordinate, or its rate, follows a function.
+BY_FUNCTION, RATE_BY_FUNCTION = 5, 6
+OF_FUNCTIONS = (BY_FUNCTION, RATE_BY_FUNCTION)
 
 
 def build_tables(values: DeckValues, findings: Findings) -> Tables:
@@ -40,7 +40,7 @@ def _function_of(
     cards: Sequence[Record],
     places: Sequence[int],
 ) -> MotionFunction | None:
-    """The law of the table whose points are the `cards` at `places`; None, and a fault, if there is none."""
+    """The function of the table whose points are the `cards` at `places`; None, and a fault, without one."""
     first = cards[places[0]]
     if number < 1:
         message = f"tables are numbered from 1; read {first.at('table').text}"
@@ -70,7 +70,7 @@ def build_motions(
     motions = []
     for record in values.section("motion"):
         if record["law"] in OF_FUNCTIONS:
-            follow = functions.motion if record["law"] == FUNCTION_LAW else functions.integrated
+            follow = functions.motion if record["law"] == BY_FUNCTION else functions.integrated
             function = follow(record, 0.0, key="c0")
         else:
             function = _function(record, tables, findings)
@@ -103,7 +103,7 @@ def _target_exists(
 
 def _function(record: Record, tables: Any, findings: Findings) -> MotionFunction | None:
     function = record.at("law")
-    constants = tuple(float(record[f"c{i}"]) for i in range(4))
+    c0, c1, c2, c3 = (float(record[f"c{i}"]) for i in range(4))
     if not POLYNOMIAL <= function.value <= TABLE:
         message = (
             f"law {function.value} is outside 1..6 (1 polynomial, 2 spin-up, 3 sine, 4 table, 5 function, "
@@ -117,11 +117,11 @@ def _function(record: Record, tables: Any, findings: Findings) -> MotionFunction
         message = "the sine needs c2, rad/s; it stands still without"
         findings.error(record.subject, message, record.at("c2").place, id="VSDF-060")
         return None
-    if function.value == SPIN_UP and not constants[1] > 0:
+    if function.value == SPIN_UP and not c1 > 0:
         message = "the spin-up time c1 must be above zero"
         findings.error(record.subject, message, record.at("c1").place, id="VSDF-061")
         return None
-    return MotionFunction(function.value, constants)  # type: ignore[arg-type]
+    return MotionFunction(function.value, (c0, c1, c2, c3))
 
 
 def find_table(record: Record, number: Number, tables: Tables, findings: Findings) -> MotionFunction | None:

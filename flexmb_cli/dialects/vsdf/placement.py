@@ -85,7 +85,8 @@ def _attitude(
             f"{given:.6g} m from the first one: the node lies {abs(distance - given):.3g} m beside its point"
         )
         findings.warn(records[1].subject, message, records[1].place, id="VSDF-099")
-    return wanted @ own.T
+    found: np.ndarray | None = wanted @ own.T
+    return found
 
 
 def _triad(places: np.ndarray) -> np.ndarray | None:

@@ -1,5 +1,6 @@
 """The dynamic cards of a YOUNG deck to masses, loads and first velocities of its mechanism."""
 
+from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -47,9 +48,11 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
     _check_bodies(deck, len(mechanism.bodies), findings)
     _check_once(deck, findings)
     check_method(deck, findings)
+    analysis = analysis_of(deck)
+    assert analysis is not None, "the deck has dynamic cards"
     model = DynamicModel(
         mechanism,
-        analysis_of(deck),  # type: ignore[arg-type]
+        analysis,
         _made(deck, "mass", _mass, findings),
         _made(deck, "force", partial(_force, functions=functions), findings),
         _made(deck, "torque", partial(_torque, functions=functions), findings),
@@ -72,22 +75,23 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
     return model, faults
 
 
-def _made(deck: Deck, section: str, make: "Callable[..., Any]", findings: Findings) -> "tuple[Any, ...]":
+def _made(deck: Deck, section: str, make: "Callable[..., Any]", findings: Findings) -> Sequence[Any]:
     """Return what the cards of a section describe; of a large deck it is made again when looked at."""
     records = deck.section(section)
     if isinstance(deck.records, tuple):
         return tuple(make(record, findings) for record in records)
     for record in records:
         make(record, findings)
-    return Made(records, partial(_again, make))  # type: ignore[return-value]
+    return Made(records, partial(_again, make))
 
 
 def _again(make: Any, record: Record) -> Any:
     return make(record, Findings())
 
 
-def _one_of(springs: tuple[SpringDamper, ...], dampers: "tuple[Any, ...]") -> tuple[SpringDamper, ...]:
-    return springs + dampers if isinstance(springs, tuple) else Chained([springs, dampers])
+def _one_of(springs: Sequence[SpringDamper], dampers: Sequence[SpringDamper]) -> Sequence[SpringDamper]:
+    many = not isinstance(springs, tuple)
+    return Chained([springs, dampers]) if many else (*springs, *dampers)
 
 
 def _check_bodies(deck: Deck, bodies: int, findings: Findings) -> None:
@@ -120,7 +124,8 @@ def _check_once(deck: Deck, findings: Findings) -> None:
 
 
 def _mass(record: Record, findings: Findings) -> MassProperties:
-    inertia = tuple(float(record[element]) for element in ELEMENTS)
+    xx, yy, zz, xy, yz, zx = (float(record[element]) for element in ELEMENTS)
+    inertia = xx, yy, zz, xy, yz, zx
     if not record["m"] >= 0.0:
         message = f"the mass must not be negative; read {record['m']:g}"
         findings.error(record.subject, message, record.at("m").place, id="YOUNG-004")
@@ -130,7 +135,7 @@ def _mass(record: Record, findings: Findings) -> MassProperties:
         record["body"] - 1,
         float(record["m"]),
         record.vector("centre"),
-        inertia,  # type: ignore[arg-type]
+        inertia,
         record.place,
     )
 
@@ -156,7 +161,7 @@ def _following(record: Record, findings: Findings) -> bool:
     if following not in (0, 1):
         message = f"following must be 0 (global axes) or 1 (body axes); read {following}"
         findings.error(record.subject, message, record.at("following").place, id="YOUNG-007")
-    return following == 1
+    return bool(following == 1)
 
 
 def _force(record: Record, findings: Findings, functions: Any) -> AppliedForce:

@@ -10,7 +10,7 @@ import re
 from array import array
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from ...deck import many_records, number
 from ...deck.many_records import Block, ManyRecords, blocks_of
@@ -50,7 +50,9 @@ def read_young_deck(source: DeckText) -> Deck:
     deck = read_young(source)
     opening = _opening(deck)
     if opening is None:
-        last = deck.one("time").at("step").place.line  # type: ignore[union-attr]
+        step = deck.one("time").at("step").place
+        assert step is not None, "the step is read from the deck"
+        last = step.line
         return replace(deck, warnings=(*deck.warnings, *unread_lines(source.lines, last, BY_KEYWORD)))
     cards = _Cards(source, opening)
     cards.read()
@@ -59,7 +61,7 @@ def read_young_deck(source: DeckText) -> Deck:
     return replace(deck, records=cards.behind(deck.records), warnings=(*deck.warnings, *cards.made.faults))
 
 
-def analysis_of(deck: Deck) -> str | None:
+def analysis_of(deck: Deck) -> 'Literal["inverse", "forward"] | None':
     """ "inverse" or "forward" for a deck with dynamic cards, None without."""
     opened = deck.section(SECTION)
     return opened[0]["analysis"] if opened else None

@@ -70,11 +70,12 @@ def _within(sizes: Any) -> "Iterator[Any]":
 
 def completed(deck: Deck) -> Deck:
     """Return the deck with the numbers that the final version reads, and a note."""
-    if isinstance(deck.records, tuple):
+    records: Sequence[Record]
+    if not isinstance(deck.records, ManyRecords):
         records = tuple(_completed(record) for record in deck.records)
     else:
-        blocks = (replace(block, made=partial(_made, block.made)) for block in deck.records.blocks)  # type: ignore[attr-defined]
-        records = ManyRecords(tuple(blocks))  # type: ignore[assignment]
+        blocks = (replace(block, made=partial(_made, block.made)) for block in deck.records.blocks)
+        records = ManyRecords(tuple(blocks))
     note = Fault("note", NOTE, deck.one("counts").place, "counts", id="YOUNG-022")
     return replace(deck, records=records, warnings=(*deck.warnings, note))
 

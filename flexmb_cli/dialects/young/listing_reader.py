@@ -67,7 +67,9 @@ def parse_listing(name: str, text: str) -> Listing | None:
     sections = {key: _section(key, lines, gathered, faults) for key, gathered in scan.sections.items()}
     faults += scan.faults
     if faults:
-        raise TableError(name, sorted(faults, key=lambda fault: fault.place.line), lines)  # type: ignore[union-attr]
+        raise TableError(
+            name, sorted(faults, key=lambda fault: fault.place.line if fault.place else 0), lines
+        )
     time, words = np.array(scan.time), tuple(scan.words)
     return Listing(name, tuple(scan.echo), time, scan.time_unit, sections, scan.failed, FORM, words)
 

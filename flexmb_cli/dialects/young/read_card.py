@@ -99,7 +99,7 @@ class ReadCard(Record):
         return *read, *(0 if column.is_integer else 0.0 for column in columns[len(read) :])
 
     @cached_property
-    def positions(self) -> Mapping[str, int]:  # type: ignore[override]
+    def positions(self) -> Mapping[str, int]:
         """Return where among the numbers each key stands."""
         count = len(self._plain[1].split()) if self._plain else len(self.numbers)
         columns = self._columns(count)
@@ -130,7 +130,9 @@ class ReadCard(Record):
     def place(self) -> Place:
         """Place of the first number."""
         if self._plain is None:
-            return self.numbers[0].place  # type: ignore[return-value]
+            place = self.numbers[0].place
+            assert place is not None, "the card is read from the deck"
+            return place
         first = self._plain[1].split(maxsplit=1)[0]
         return Place(*self._source.lines.place_of(self._plain.start(1)), len(first))
 

@@ -1,5 +1,6 @@
 """Records of a YOUNG deck as they were read, with the units that a direction gives their values."""
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -52,15 +53,16 @@ class ReadRecord(Record):
 
     def at(self, key: str) -> Number:
         """The number called `key`."""
-        return self._number(self.positions[key])
+        found: Number = self._number(self.positions[key])
+        return found
 
     def _number(self, k: Any) -> Any:
         word, column = self._words[self._first + k], self._section.columns[k]
-        label = column.label(is_rotation(self._section, self.values))
-        return Number(column.key, self.values[k], *label, word.place, word.text)  # type: ignore[call-arg]
+        meaning, unit = column.label(is_rotation(self._section, self.values))
+        return Number(column.key, self.values[k], meaning, unit, word.place, word.text)
 
 
-def is_rotation(section: Section, values: tuple[float, ...]) -> Any:
+def is_rotation(section: Section, values: Sequence[float]) -> bool:
     """Return whether the record's direction is a rotation, so that its values are angles."""
     where = section.direction
     return where is not None and where < len(values) and values[where] in (4, 5, 6)

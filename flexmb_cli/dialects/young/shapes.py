@@ -1,6 +1,5 @@
 """The cards GEOM and STL: what bodies look like in pictures."""
 
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -9,23 +8,14 @@ from ...errors import Fault
 from ...model.diagnostics import Findings
 from ...model.exchange.shapes import RigidShape
 from ...model.shapes import KINDS, Shape
-from ..body_shapes import Keys, few_enough, on_rigid_body, primitive_of, rigid_shapes, stl_shape_of
+from ..body_shapes import Keys, on_rigid_body, primitive_of, rigid_shapes, shapes_of
 
 
 def build_shapes(deck: Deck, bodies: int, folder: Path, findings: Findings) -> tuple[Shape, ...]:
     """Return the shapes in the order of the cards; file names are relative to `folder`."""
-    keys, rigid = Keys(), [True] * bodies
-    primitives = (
-        (record, _primitive(record, keys, findings))
-        for record in deck.section("shape")
-        if on_rigid_body(record, keys, rigid, findings)
+    return shapes_of(
+        deck.section, lambda record: _primitive(record, Keys(), findings), [True] * bodies, folder, findings
     )
-    surfaces = (
-        (record, stl_shape_of(record, keys, folder, findings))
-        for record in deck.section("shape_file")
-        if on_rigid_body(record, keys, rigid, findings)
-    )
-    return few_enough(chain(primitives, surfaces), findings)
 
 
 def faults_of_shape(record: Record, bodies: int) -> list[Fault]:

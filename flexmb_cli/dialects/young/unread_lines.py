@@ -33,7 +33,7 @@ def unread_lines(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator
     return iter(slips) if slips else _cards(lines, behind, keywords, message)
 
 
-def _like_openings(lines: Any, behind: Any) -> "Iterator[Any]":
+def _like_openings(lines: Lines, behind: int) -> "Iterator[Any]":
     text, start = _without_comments(lines, behind)
     for found in _LIKE_OPENING.finditer(text):
         if _is_like_opening(found[2]):
@@ -41,7 +41,7 @@ def _like_openings(lines: Any, behind: Any) -> "Iterator[Any]":
                 f"{shown(found[1].strip())} is read as prose; DYNAMICS inverse or DYNAMICS forward, alone on "
                 "its line, opens cards with masses and loads"
             )
-            place = Place(*lines.place_of(start + found.start(1)), len(found[1].rstrip()))  # type: ignore[call-arg]
+            place = Place(*lines.place_of(start + found.start(1)), len(found[1].rstrip()))
             yield Fault("warning", message, place, id="YOUNG-019")
 
 
@@ -50,11 +50,11 @@ def cards_behind_end(lines: Lines, behind: int, keywords: Iterable[str]) -> Iter
     yield from _cards(lines, behind, keywords, "stands behind END and is not read: put it before END")
 
 
-def _cards(lines: Any, behind: Any, keywords: Any, message: str) -> "Iterator[Any]":
+def _cards(lines: Lines, behind: int, keywords: Iterable[str], message: str) -> "Iterator[Any]":
     text, start = _without_comments(lines, behind)
     card = rf"^[ \t]*({'|'.join(keywords)})[ \t]+{_NUMBER}(?:[ \t]+{_NUMBER})*[ \t]*$"
     for found in re.finditer(card, text, re.IGNORECASE | re.MULTILINE):
-        place = Place(*lines.place_of(start + found.start(1)), len(found[1]))  # type: ignore[call-arg]
+        place = Place(*lines.place_of(start + found.start(1)), len(found[1]))
         yield Fault("warning", f"{found[1].upper()} {message}", place, id="YOUNG-156")
 
 

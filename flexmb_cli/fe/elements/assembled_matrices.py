@@ -102,7 +102,8 @@ def shape_values(points: np.ndarray, nodes: int) -> np.ndarray:
         return tetrahedra.shape_values(points, nodes)
     corners = np.prod(1 + points[:, None] * CUBE[:8], axis=-1) / 8
     if nodes == 8:
-        return corners
+        found: np.ndarray = corners
+        return found
     values = np.empty((len(points), 20))
     values[:, :8] = corners * ((points[:, None] * CUBE[:8]).sum(axis=-1) - 2)
     for a in range(8, 20):

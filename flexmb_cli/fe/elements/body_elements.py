@@ -64,13 +64,15 @@ def _folded(numbers: np.ndarray, rows: np.ndarray, positions: np.ndarray) -> int
 def _determinants(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
     """Return det J (m, g) at the points of integration of elements."""
     points, _ = integration_points(rows.shape[1], FORMULATIONS[rows.shape[1]][0])
-    return np.linalg.det(jacobians(positions[rows], points))
+    found: np.ndarray = np.linalg.det(jacobians(positions[rows], points))
+    return found
 
 
 def _relative_determinants(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
     """Return det J (m, k) at the nodes of elements, relative to its mean at the points of integration."""
     at_nodes = np.linalg.det(jacobians(positions[rows], node_coordinates(rows.shape[1])))
-    return at_nodes / _determinants(rows, positions).mean(axis=1)[:, None]
+    found: np.ndarray = at_nodes / _determinants(rows, positions).mean(axis=1)[:, None]
+    return found
 
 
 def warn_of_distortion(
@@ -132,11 +134,12 @@ def warn_of_same_nodes(given: FlexibleInput, table: BodyTable, findings: Finding
         return
     one, other = table.numbers[first[inverse.ravel()[again[0]]]], table.numbers[again[0]]
     more = f"; so do {len(again) - 1} more" if len(again) > 1 else ""
+    assert given.material is not None, "the body has a table of elements"
     message = (
-        f"{given.material.file.path.name}: element {other} has the same nodes as element {one}{more}; "  # type: ignore[union-attr]
+        f"{given.material.file.path.name}: element {other} has the same nodes as element {one}{more}; "
         "each counts, with its mass and stiffness where these are made of the elements"
     )
-    findings.warn(given.name, message, given.material.place, id="FE-085")  # type: ignore[union-attr]
+    findings.warn(given.name, message, given.material.place, id="FE-085")
 
 
 def foreign_stiffness(body: BodyElements, material: ElementMaterial, remedy: str) -> str:

@@ -77,7 +77,8 @@ def assembled(elements: np.ndarray, rows: np.ndarray, n: int, directions: int) -
     width = places.shape[1]
     i = np.repeat(places, width, axis=1).ravel()
     j = np.tile(places, (1, width)).ravel()
-    return summed(elements.ravel(), i, j, directions * n)
+    found: np.ndarray = summed(elements.ravel(), i, j, directions * n)
+    return found
 
 
 def uniform_strain_deviation(
@@ -123,7 +124,8 @@ def stresses(body: BodyElements, displacements: np.ndarray, part: slice) -> np.n
     rows = made.rows[part]
     nodal = displacements.reshape(-1, 3, count)[rows].reshape(len(rows), -1, count)
     full = np.concatenate([nodal, body.internal[part] @ nodal], axis=1)
-    return np.einsum("ab,mgbi,mic->mgac", body.D, made.strains(part), full, optimize=True)
+    found: np.ndarray = np.einsum("ab,mgbi,mic->mgac", body.D, made.strains(part), full, optimize=True)
+    return found
 
 
 def _tensor(stress: np.ndarray) -> np.ndarray:

@@ -121,7 +121,7 @@ class SolidElements:
     @property
     def nodes(self) -> int:
         """k, the nodes of an element."""
-        return self.rows.shape[1]
+        return int(self.rows.shape[1])
 
     def strains(self, part: slice) -> np.ndarray:
         """B (m, g, 6, 3 (k + internal)) of the elements `part`: xx yy zz xy yz zx, shears as angles."""
@@ -141,7 +141,8 @@ def node_coordinates(nodes: int) -> np.ndarray:
 
 def jacobians(place: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Return Jacobians (m, g, 3, 3) at natural `points` (g, 3) of elements of nodes at `place` (m, k, 3)."""
-    return np.einsum("mki,gkj->mgij", place, shape_slopes(points, place.shape[1]))
+    found: np.ndarray = np.einsum("mki,gkj->mgij", place, shape_slopes(points, place.shape[1]))
+    return found
 
 
 def solid_elements(positions: np.ndarray, rows: np.ndarray, formulation: Formulation) -> SolidElements:
@@ -163,7 +164,8 @@ def _incompatible(place: np.ndarray, points: np.ndarray, det: np.ndarray | None)
     centre = np.einsum("mki,kj->mij", place, shape_slopes(np.zeros((1, 3)), place.shape[1])[0])
     scale = np.ones((len(place), len(points))) if det is None else np.linalg.det(centre)[:, None] / det
     natural = -2 * points[:, :, None] * np.eye(_INTERNAL)
-    return np.einsum("mg,gaj,mji->mgai", scale, natural, np.linalg.inv(centre))
+    found: np.ndarray = np.einsum("mg,gaj,mji->mgai", scale, natural, np.linalg.inv(centre))
+    return found
 
 
 def elasticity(young: float, poisson: float) -> np.ndarray:

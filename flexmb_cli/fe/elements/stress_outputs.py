@@ -11,21 +11,23 @@ from .stress_shapes import point_stresses
 
 def stress_outputs(model: VsdfModel, bodies: list[FloatingBody]) -> tuple[StressOutput, ...]:
     """Return what the model reports of its bodies.  Raises ModelError for an element that a body lacks."""
-    return tuple(_output(selection, bodies[selection.body].flexible) for selection in model.stresses)  # type: ignore[arg-type]
+    return tuple(_output(selection, bodies[selection.body].flexible) for selection in model.stresses)
 
 
-def _output(selection: StressSelection, body: FlexibleBody) -> StressOutput:
+def _output(selection: StressSelection, body: FlexibleBody | None) -> StressOutput:
+    assert body is not None and body.stress is not None, "a selection is of a flexible body with a material"
     nodes = np.array(selection.nodes, dtype=np.int64)
     order = np.argsort(body.numbers)
     rows = order[np.searchsorted(body.numbers[order], nodes)]
-    named = _rows(body, _named_elements(selection, body))
-    chosen = np.arange(len(body.stress.numbers)) if selection.every_element else named  # type: ignore[union-attr]
-    elements = body.stress.numbers[chosen]  # type: ignore[union-attr]
+    numbers = body.stress.numbers
+    named = _rows(numbers, _named_elements(selection, body.name, numbers))
+    chosen = np.arange(len(numbers)) if selection.every_element else named
+    elements = numbers[chosen]
     points, volumes = point_stresses(body, chosen)
     return StressOutput(
         selection.body,
         nodes,
-        body.stress.nodal[rows],  # type: ignore[union-attr]
+        body.stress.nodal[rows],
         elements,
         points,
         volumes,
@@ -33,14 +35,13 @@ def _output(selection: StressSelection, body: FlexibleBody) -> StressOutput:
     )
 
 
-def _named_elements(selection: StressSelection, body: FlexibleBody) -> np.ndarray:
+def _named_elements(selection: StressSelection, name: str, numbers: np.ndarray) -> np.ndarray:
     """Return the numbers of the elements that the deck names.  Raises ModelError where the body lacks one."""
-    numbers = body.stress.numbers  # type: ignore[union-attr]
     elements = np.array(selection.elements, dtype=np.int64)
     faults = [
         Fault(
             "error",
-            f"{body.name} has no element {elements[k]}; its elements are {numbers.min()} to {numbers.max()}",
+            f"{name} has no element {elements[k]}; its elements are {numbers.min()} to {numbers.max()}",
             selection.places[k],
             "OUTS",
             id="FE-071",
@@ -52,8 +53,8 @@ def _named_elements(selection: StressSelection, body: FlexibleBody) -> np.ndarra
     return elements
 
 
-def _rows(body: FlexibleBody, elements: np.ndarray) -> np.ndarray:
-    """Return the rows of elements in the body's table."""
-    numbers = body.stress.numbers  # type: ignore[union-attr]
+def _rows(numbers: np.ndarray, elements: np.ndarray) -> np.ndarray:
+    """Return the rows of elements in the table of all `numbers`."""
     order = np.argsort(numbers)
-    return order[np.searchsorted(numbers[order], elements)]
+    found: np.ndarray = order[np.searchsorted(numbers[order], elements)]
+    return found

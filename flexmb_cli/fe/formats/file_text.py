@@ -120,21 +120,22 @@ def table(
     except ValueError:
         found = None
     if found is None or found.shape != (len(lines), columns) or not np.isfinite(found).all():
-        _point_at_fault(name, text, numbers, columns, meaning, delimiter)
-    return found  # type: ignore[return-value]
+        raise _fault_of_lines(name, text, numbers, columns, meaning, delimiter)
+    return found
 
 
-def _point_at_fault(
+def _fault_of_lines(
     name: str, lines: list[str], numbers: "Sequence[Any]", columns: int, meaning: str, delimiter: str | None
-) -> None:
+) -> FEFileFault:
+    """Return what is wrong with the first line that cannot be read."""
     for number, line in zip(numbers, lines, strict=False):
         words = [word.strip() for word in line.split(delimiter)]
         if len(words) != columns:
-            raise line_fault(name, number, f"{meaning} wanted, {columns} numbers; read '{_short(line)}'")
+            return line_fault(name, number, f"{meaning} wanted, {columns} numbers; read '{_short(line)}'")
         for word in words:
             if not _is_finite(word):
-                raise line_fault(name, number, f"{meaning} wanted; '{_short(word)}' is no finite number")
-    raise FEFileFault(f"{name} cannot be read as {meaning}", id="FE-028")
+                return line_fault(name, number, f"{meaning} wanted; '{_short(word)}' is no finite number")
+    return FEFileFault(f"{name} cannot be read as {meaning}", id="FE-028")
 
 
 def line_fault(name: str, number: int, message: str) -> FEFileFault:
@@ -163,7 +164,8 @@ def whole(name: str, values: np.ndarray, numbers: Sequence[int], meaning: str) -
 
 
 def _is_whole(values: np.ndarray) -> np.ndarray:
-    return (np.abs(values) < _EXACT) & (values == np.rint(values))
+    found: np.ndarray = (np.abs(values) < _EXACT) & (values == np.rint(values))
+    return found
 
 
 def check_range(name: str, entries: np.ndarray, numbers: Sequence[int], size: int) -> None:

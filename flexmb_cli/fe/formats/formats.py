@@ -1,14 +1,35 @@
-"""The matrix formats by their names in the deck."""
+"""The formats of matrix files by their words in decks, and what reads them."""
 
+from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...quick_dataclass import replace
 from .file_text import printed_digits
 from .matrix_file import FEFileFault, MatrixFile
 
+
+class MatrixFormat(NamedTuple):
+    """A format of matrices."""
+
+    reader: str  # "module:function" of this folder: (path), (path, mapping) or (path, "M" or "K")
+    mapping: str = ""  # format of the equation mapping that it needs beside the matrix, "" for none
+    by_letter: bool = False  # whether a file holds several matrices, which M and K tell apart
+
+
+MATRIX_FORMATS = {
+    "MM": MatrixFormat("matrix_market:read_matrix_market"),
+    "HB": MatrixFormat("harwell_boeing:read_harwell_boeing", mapping="ANS"),
+    "CCX": MatrixFormat("calculix:read_calculix", mapping="CCX"),
+    "ABQ": MatrixFormat("abaqus:read_abaqus"),
+    "DMIG": MatrixFormat("nastran:read_dmig", by_letter=True),
+    "OP4": MatrixFormat("nastran_op4:read_op4", by_letter=True),
+}
+# Readers of equation mappings: (path).
+MAPPING_FORMATS = {"ANS": "harwell_boeing:read_mapping", "CCX": "calculix:read_dofs"}
 # The mapping that a format needs beside the matrix itself.
-NEEDS_MAPPING = {"HB": "ANS", "CCX": "CCX"}
+NEEDS_MAPPING = {form: known.mapping for form, known in MATRIX_FORMATS.items() if known.mapping}
 # The form of a "file" that stands for the elements themselves.
 OF_ELEMENTS = "MESH"
 # Node tables that may hold elements, too.
@@ -31,50 +52,21 @@ def read_matrix(
 
 
 def _read(path: Path, form: str, letter: str, mapping: Path | None, mapping_form: str) -> MatrixFile:
-    if form in NEEDS_MAPPING:
-        if mapping is None or mapping_form != NEEDS_MAPPING[form]:
-            raise FEFileFault(
-                f"format {form} needs the equation mapping: add a card FEMP of format {NEEDS_MAPPING[form]}",
-                id="FE-031",
-            )
-        return _matrix_reader(form)(path, _mapping_reader(mapping_form)(mapping))
-    letters = (letter,) if form in ("DMIG", "OP4") else ()
-    return _matrix_reader(form)(path, *letters)
+    known = MATRIX_FORMATS[form]
+    if known.mapping and (mapping is None or mapping_form != known.mapping):
+        raise FEFileFault(
+            f"format {form} needs the equation mapping: add a card FEMP of format {known.mapping}",
+            id="FE-031",
+        )
+    more: tuple[Any, ...] = (letter,) if known.by_letter else ()
+    if known.mapping:
+        more = (_reader(MAPPING_FORMATS[mapping_form])(mapping),)
+    found: MatrixFile = _reader(known.reader)(path, *more)
+    return found
 
 
-def _matrix_reader(form: Any) -> Any:
+def _reader(reference: str) -> Callable[..., Any]:
     """Return what reads a format; a run imports the readers of its files only."""
-    if form == "HB":
-        from .harwell_boeing import read_harwell_boeing
-
-        return read_harwell_boeing
-    if form == "CCX":
-        from .calculix import read_calculix
-
-        return read_calculix
-    if form == "DMIG":
-        from .nastran import read_dmig
-
-        return read_dmig
-    if form == "OP4":
-        from .nastran_op4 import read_op4
-
-        return read_op4
-    if form == "MM":
-        from .matrix_market import read_matrix_market
-
-        return read_matrix_market
-    from .abaqus import read_abaqus
-
-    return read_abaqus
-
-
-def _mapping_reader(form: Any) -> Any:
-    """Return what reads the mapping of a format."""
-    if form == "ANS":
-        from .harwell_boeing import read_mapping
-
-        return read_mapping
-    from .calculix import read_dofs
-
-    return read_dofs
+    module, _, name = reference.partition(":")
+    reader: Callable[..., Any] = getattr(import_module(f"{__package__}.{module}"), name)
+    return reader

@@ -44,7 +44,9 @@ def read_harwell_boeing(path: Path, equations: np.ndarray) -> MatrixFile:
     ):
         sections.append(_numbers(name, lines, start, lengths, form, wanted))
         start += lengths
-    return _matrix(name, kind, size, *sections, equations)  # type: ignore[call-arg]
+    pointers_, rows_, values_ = sections
+    found: MatrixFile = _matrix(name, kind, size, pointers_, rows_, values_, equations)
+    return found
 
 
 def read_mapping(path: Path) -> np.ndarray:

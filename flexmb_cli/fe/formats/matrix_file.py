@@ -59,9 +59,9 @@ def of_strings(name: str, size: int, strings: list[tuple[int, int, np.ndarray]])
             raise FEFileFault(f"{name}: {message}", id="FE-069")
     rows = [np.arange(row, row + len(values)) for row, _, values in strings]
     columns = [np.full(len(values), column) for _, column, values in strings]
-    parts = [np.concatenate(part) if part else np.zeros(0, int) for part in (rows, columns)]
+    i, j = (np.concatenate(part) if part else np.zeros(0, int) for part in (rows, columns))
     values = np.concatenate([part for _, _, part in strings]) if strings else np.zeros(0)
-    return MatrixFile(size, *parts, values.astype(float), False)  # type: ignore[arg-type, call-arg]
+    return MatrixFile(size, i, j, values.astype(float), False)
 
 
 def has_both_triangles(rows: np.ndarray, columns: np.ndarray, size: int) -> bool:

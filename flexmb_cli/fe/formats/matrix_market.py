@@ -45,7 +45,8 @@ def _size(name: str, line: str, number: int, count: int) -> np.ndarray:
     size = whole(name, table(name, [line], [number], count, "the size"), [number], "sizes")[0]
     if size[0] != size[1] or size[0] < 1:
         raise line_fault(name, number, f"the matrix must be square; it has {size[0]} rows, {size[1]} columns")
-    return size
+    found: np.ndarray = size
+    return found
 
 
 def _coordinate(name: str, line: str, body: list[str], number: int, symmetric: bool) -> MatrixFile:

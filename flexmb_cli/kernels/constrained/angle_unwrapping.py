@@ -39,7 +39,7 @@ def _turn_rate(work: Work, c: Any, u: "np.ndarray"):
 def expect_angles(
     system: System, work: Work, integration: "Integration | AlphaIntegration | RadauIntegration", h: float
 ) -> float:
-    """Angles at the end of a step, by the mean of their rates: they settle whole turns.
+    """Angles at the end of a step, by the mean of their rates: they decide on whole turns.
 
     Returns the largest turn between bodies of a flexible mechanism in the step, rad.
     """

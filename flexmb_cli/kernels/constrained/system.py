@@ -48,7 +48,7 @@ class Work(NamedTuple):
     modal: np.ndarray  # of the flexible bodies, flat, see `mass_matrix.places_of`
     body_vectors: np.ndarray  # (3, body vectors, 3) global axes, m; rows VECTOR, RATE, REMAINDER
     relative_vectors: np.ndarray  # (3, primitives, 2, 3) V and W of the primitives, the same rows
-    angles: np.ndarray  # (angles,) expected, which settle whole turns, rad
+    angles: np.ndarray  # (angles,) expected, which decide on whole turns, rad
     vectors: np.ndarray  # (6, n + b) of speeds or coordinates; rows FORCES … QD
     rank: np.ndarray  # (1,) independent equations in the order in use
     quality: np.ndarray  # (1,) of the order in use, see `rank_revealing_lu.factorise`

@@ -59,7 +59,8 @@ class PrimitiveTable(FunctionTable):
     def position(self, point: NodePoint) -> np.ndarray:
         """Return where a point is at t = 0, global axes."""
         origin = np.zeros(3) if point.body < 0 else self.bodies[point.body].r
-        return origin + self.A(point.body) @ point.r0
+        found: np.ndarray = origin + self.A(point.body) @ point.r0
+        return found
 
     def body_vector(
         self, body: int, c: np.ndarray | tuple[float, float, float], shape: np.ndarray | None = None
@@ -134,7 +135,8 @@ class PrimitiveTable(FunctionTable):
             self.springs.append(record)
             self._next = len(self.springs) - 1
         records[0]["next"], self._next = self._next, NONE
-        return records[0]
+        found: np.ndarray = records[0]
+        return found
 
     def _primitives(self) -> np.ndarray:
         """All primitives; those that are added to others are counted behind the equations."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...quick_dataclass import dataclass, replace
 from ..joints import NORMALISATION
-from ..loads import DynamicModel
+from ..loads import AppliedForce, AppliedTorque, DynamicModel
 from .constraint_table import PrimitiveTable
 from .kinematic import KinematicArrays, kinematic_arrays
 from .records import FLEXIBLE, FORCE, GROUP, LINE, LOAD, MASS, NONE, TORQUE, blank_load, line_primitive
@@ -117,18 +117,27 @@ def inertia_matrix(elements: tuple[float, ...]) -> np.ndarray:
     return np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
 
 
+def _load(
+    table: PrimitiveTable,
+    kind: int,
+    item: AppliedForce | AppliedTorque,
+    vector: tuple[float, float, float],
+    point: tuple[float, float, float],
+) -> np.ndarray:
+    """LOAD record of a force or torque `vector` at a point of its body."""
+    record = blank_load(kind)
+    record["following"] = item.following
+    record["vector"] = vector
+    record["body_vector"] = table.body_vector(item.body, point)
+    if item.factor is not None:
+        record["function"] = table.function(item.factor)
+    return record
+
+
 def _loads(table: PrimitiveTable, model: DynamicModel) -> list[np.ndarray]:
     """LOAD records of forces, torques and springs."""
-    records = []
-    for kind, items in ((FORCE, model.forces), (TORQUE, model.torques)):
-        for item in items:
-            record = blank_load(kind)
-            record["following"] = item.following
-            record["vector"] = item.force if kind == FORCE else item.torque  # type: ignore[union-attr]
-            record["body_vector"] = table.body_vector(item.body, item.point if kind == FORCE else (0.0,) * 3)  # type: ignore[union-attr]
-            if item.factor is not None:
-                record["function"] = table.function(item.factor)
-            records.append(record)
+    records = [_load(table, FORCE, force, force.force, force.point) for force in model.forces]
+    records += [_load(table, TORQUE, torque, torque.torque, (0.0, 0.0, 0.0)) for torque in model.torques]
     for spring in model.springs:
         record = blank_load(LINE)
         head, tail = table.body_vector(spring.j, spring.P_j), table.body_vector(spring.i, spring.P_i)

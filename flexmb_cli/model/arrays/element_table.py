@@ -65,7 +65,8 @@ class PointJoints:
     def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
         """The primitive of a joint coordinate."""
         if coordinate == STROKE:
-            return self._vectors(joint).stroke()
+            found: np.ndarray = self._vectors(joint).stroke()
+            return found
         if joint not in self._turning:  # a deck may have thousands of elements at one joint
             self._turning[joint] = self._vectors(joint).turning()
         return self.table.angle(*self._turning[joint], expected)
@@ -82,7 +83,7 @@ class PointJoints:
         """The body vector along the axis of body a."""
         body_vectors = self._vectors(joint)
         if body_vectors.a[1].shape.size:
-            return body_vectors.body_vector_of(body_vectors.a)
+            return int(body_vectors.body_vector_of(body_vectors.a))
         return self.table.body_vector(body_vectors.i, body_vectors.s)
 
     def sliding(self, joint: int) -> tuple[str | None, str | None]:
@@ -189,7 +190,9 @@ class ElementTable:
         record["free_length"], record["preload"] = item.rest, item.preload
         if item.curve is not None:
             record["curve"] = self.table.function(item.curve, of_time=False)
-            record["energy"] = self.table.function(integral_of(item.curve), of_time=False)  # type: ignore[arg-type]
+            energy = integral_of(item.curve)
+            assert energy is not None, "a curve is no product"
+            record["energy"] = self.table.function(energy, of_time=False)
         if item.damper is not None:
             record["damper"] = self.table.function(item.damper, of_time=False)
         return record

@@ -60,7 +60,8 @@ def _mode_scale(body: FloatingBody, length: float) -> np.ndarray:
     """The modal coordinates whose largest displacement is `length`."""
     if body.flexible is None:
         return np.zeros(0)
-    return length / np.abs(body.flexible.Phi).max(axis=0)
+    found: np.ndarray = length / np.abs(body.flexible.Phi).max(axis=0)
+    return found
 
 
 def _masses(bodies: tuple[FloatingBody, ...]) -> np.ndarray:
@@ -98,7 +99,7 @@ def _elements(table: Any, mechanism: Any) -> Any:
     return found
 
 
-def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism) -> np.ndarray:
+def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism) -> list[np.ndarray]:
     records = [_force(table, item) for item in mechanism.forces]
     records += [_torque(table, item) for item in mechanism.torques]
     records += [_spring(table, item) for item in mechanism.springs]
@@ -107,7 +108,7 @@ def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism) -> np.ndarray:
         record["primitive"] = table.spring(spring_primitive(table, mechanism.joints[item.joint]))
         record["stiffness"], record["damping"], record["free_length"] = item.k, item.c, item.q0
         records.append(record)
-    return records  # type: ignore[return-value]
+    return records
 
 
 def _force(table: PrimitiveTable, item: PointForce) -> np.ndarray:

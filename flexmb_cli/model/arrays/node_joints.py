@@ -34,7 +34,8 @@ class JointVectors:
 
     def _unit(self, points: tuple[NodePoint, ...]) -> np.ndarray:
         s = points[1].r0 - points[0].r0
-        return s / np.linalg.norm(s)
+        found: np.ndarray = s / np.linalg.norm(s)
+        return found
 
     def body_vector_of(self, points: tuple[NodePoint, ...]) -> int:
         """The vector from P to Q, 1 long at t = 0."""
@@ -77,9 +78,11 @@ class JointVectors:
         gamma = math.atan2(s @ np.cross(across, target), across @ target)
         B = math.cos(gamma) * (np.eye(3) - np.outer(s, s)) + math.sin(gamma) * tilde(s)
         B = B / np.linalg.norm(across)
-        f = table.between(self.a[0], self.a[2], B)  # type: ignore[assignment]
-        g = table.between(self.a[0], self.a[2], tilde(s) @ B)
-        return f, g, table.between(self.b[0], self.b[2], np.eye(3) / np.linalg.norm(h))  # type: ignore[return-value]
+        return (
+            table.between(self.a[0], self.a[2], B),
+            table.between(self.a[0], self.a[2], tilde(s) @ B),
+            table.between(self.b[0], self.b[2], np.eye(3) / np.linalg.norm(h)),
+        )
 
     def stroke(self) -> np.ndarray:
         """The primitive of the stroke, 0 at t = 0."""

@@ -136,7 +136,8 @@ def initial_attitudes(tree: Tree) -> np.ndarray:
     """Euler parameters (balls, 4) of the hinges with three rotations, in the order of their bodies."""
     balls = [hinge.attitude for hinge in tree.hinges if len(hinge.rotations) == 3]
     attitudes = np.array(balls, float).reshape(-1, 4)
-    return attitudes / np.linalg.norm(attitudes, axis=1, keepdims=True)
+    found: np.ndarray = attitudes / np.linalg.norm(attitudes, axis=1, keepdims=True)
+    return found
 
 
 def _records(dtype: np.dtype, rows: "list[Any]") -> np.ndarray:
@@ -144,7 +145,7 @@ def _records(dtype: np.dtype, rows: "list[Any]") -> np.ndarray:
 
 
 def _rigid(index: "dict[Any, Any]", item: Motor | Prescribed | Spring) -> int:
-    return index[item.body, item.motion, item.axis, None]
+    return int(index[item.body, item.motion, item.axis, None])
 
 
 def _elastic_bodies(tree: Any, index: Any, of_body: Any) -> tuple[np.ndarray, ...]:
@@ -179,11 +180,12 @@ def _stiffening(tree: Any, k: Any) -> np.ndarray:
     elastic = tree.bodies[k].elastic
     masses = elastic.masses + hanging_masses(tree, k)
     direction = beam_direction(elastic.positions, elastic.stiffened_from)
+    assert direction is not None, "a stiffened body is straight"
     return np.array(
         [
             across(
                 geometric_stiffness(elastic.positions, elastic.stiffened_from, prestress),
-                direction,  # type: ignore[arg-type]
+                direction,
                 elastic.axes,
             )
             for prestress in (masses * (elastic.positions @ direction), masses)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import Fault, ModelError, Place
+from ...errors import Fault, Place
 from ...quick_dataclass import replace
 from ..joint_elements import Bushing
 from ..joints import ANGLE
@@ -40,13 +40,8 @@ class Conversion(ABC):
     def converted(self, shapes: Callable[[], tuple[RigidShape, ...]]) -> RigidModel:
         """Return the model with `shapes`; raises ModelError with all that is not converted."""
         found = replace(self.model(), shapes=shapes())
-        self.raise_refused()
+        self.refusals.raise_faults(self._refused)
         return found
-
-    def raise_refused(self) -> None:
-        """Raise ModelError if an item is not converted."""
-        if self.refusals.items:
-            raise ModelError([self._refused(*item) for item in self.refusals.items])
 
     def bushing(self, item: Bushing, ends: tuple[End, End], first: list[Pose]) -> Bushing | None:
         """Return a bushing between `ends` (new body, point), or None where other dialects have none like it.
@@ -89,7 +84,8 @@ def _turn_since(first: list[Pose], now: list[Pose], i: int, j: int) -> float:
 def about_centre(mass: float, centre: np.ndarray, inertia: Any) -> np.ndarray:
     """Return moments of inertia (3, 3) about the mass centre (3,), of those about the origin (Steiner)."""
     c = centre
-    return np.asarray(inertia, float) - mass * (c @ c * np.eye(3) - np.outer(c, c))
+    found: np.ndarray = np.asarray(inertia, float) - mass * (c @ c * np.eye(3) - np.outer(c, c))
+    return found
 
 
 def coordinate_since(

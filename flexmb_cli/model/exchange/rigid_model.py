@@ -5,11 +5,11 @@ Bodies are numbered from 0; -1 is the ground, whose axes are global.  SI units; 
 of their body.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...errors import Place
+from ...errors import Fault, ModelError, Place
 from ...quick_dataclass import dataclass
 from ..joint_elements import (
     Bushing,
@@ -26,6 +26,9 @@ from ..mechanism import GROUND, Point, TimeGrid, Vector
 from ..time_functions import MotionFunction
 from ..vectors import rotation_matrix
 from .shapes import RigidShape
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 EXPLICIT, RADAU, ALPHA = "explicit", "radau", "alpha"
 
@@ -51,6 +54,12 @@ class RigidBody:
     def A(self) -> np.ndarray:
         """Rotation matrix (3, 3), body to global axes."""
         return rotation_matrix(self.p)
+
+    @property
+    def moments(self) -> tuple[float, ...]:
+        """Moments of inertia xx, yy, zz, xy, yz, zx about the mass centre, kg m²."""
+        J = self.inertia
+        return J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[1, 2], J[2, 0]
 
 
 @dataclass(frozen=True)
@@ -140,7 +149,8 @@ class RigidModel:
     def position(self, body: int, point: Any) -> np.ndarray:
         """Global position (3,) at the start of a point of a body or of the ground."""
         point = np.asarray(point, float)
-        return point if body == GROUND else self.bodies[body].r + self.bodies[body].A @ point
+        found: np.ndarray = point if body == GROUND else self.bodies[body].r + self.bodies[body].A @ point
+        return found
 
     def velocity(self, body: int, point: Any) -> np.ndarray:
         """Global velocity (3,) at the start of a point of a body or of the ground."""
@@ -156,13 +166,15 @@ class RigidModel:
     def axis(self, joint: RigidJoint) -> np.ndarray:
         """Unit vector (3,) along the axis of a joint at the start, global axes."""
         s = self.axes(joint.i) @ np.array(joint.s_i)
-        return s / np.linalg.norm(s)
+        found: np.ndarray = s / np.linalg.norm(s)
+        return found
 
 
 def across(axis: Any) -> np.ndarray:
     """A unit vector (3,) at right angles to an axis."""
     g = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    return g / np.linalg.norm(g)
+    found: np.ndarray = g / np.linalg.norm(g)
+    return found
 
 
 def vector(values: Any) -> Vector:
@@ -180,3 +192,8 @@ class Refusals:
     def add(self, item: Any, message: str) -> None:
         """Refuse an item, which has a name and a place in its deck."""
         self.items.append((message, item.place, item.name))
+
+    def raise_faults(self, refused: "Callable[[str, Place | None, str], Fault]") -> None:
+        """Raise ModelError if an item was refused; `refused` makes the dialect's fault of each."""
+        if self.items:
+            raise ModelError([refused(*item) for item in self.items])

@@ -16,10 +16,12 @@ class HingeJoints:
 
     def start(self, joint: int, coordinate: str) -> float:
         """A coordinate at the start."""
-        return next(
-            q
-            for c, q in zip(self.tree.coordinates, self.tree.q, strict=True)
-            if (c.body, f"{c.motion} {c.axis}") == (joint, coordinate)
+        return float(
+            next(
+                q
+                for c, q in zip(self.tree.coordinates, self.tree.q, strict=True)
+                if (c.body, f"{c.motion} {c.axis}") == (joint, coordinate)
+            )
         )
 
     def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:

@@ -26,9 +26,11 @@ class HingeVectors(NamedTuple):
 def hinge_vectors(table: PrimitiveTable, base: Base, body: int) -> HingeVectors:
     """Body vectors of the hinge of `body` on its base."""
     place = table.body_vector(base.body, base.place, base.shape if base.shape.size else None)
+    p = [table.body_vector(base.body, axis) for axis in base.axes.T]
+    e = [table.body_vector(body, axis) for axis in np.eye(3)]
     return HingeVectors(
-        tuple(table.body_vector(base.body, axis) for axis in base.axes.T),  # type: ignore[arg-type]
-        tuple(table.body_vector(body, axis) for axis in np.eye(3)),  # type: ignore[arg-type]
+        (p[0], p[1], p[2]),
+        (e[0], e[1], e[2]),
         (table.body_vector(body, np.zeros(3)), place),
     )
 

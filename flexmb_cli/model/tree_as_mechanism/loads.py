@@ -16,7 +16,8 @@ from .limits import has_fixed_axis, has_shared_axis
 
 def tree_loads(table: PrimitiveTable, tree: Tree, frames: Frames) -> np.ndarray:
     """All loads but gravity and elasticity."""
-    return _Loads(table, tree, frames).records()
+    found: np.ndarray = _Loads(table, tree, frames).records()
+    return found
 
 
 def load_names(table: PrimitiveTable, tree: Tree, frames: Frames) -> list[tuple[str, str]]:
@@ -123,10 +124,10 @@ class _Loads:
 
     def _function(self, function: Table) -> int:
         if len(function.times) == 1:
-            return self.table.function(MotionFunction(POLYNOMIAL, (function.values[0], 0.0, 0.0, 0.0)))
+            return int(self.table.function(MotionFunction(POLYNOMIAL, (function.values[0], 0.0, 0.0, 0.0))))
         # Past a jump at its end a table goes on: the kernel divides by the length of the last piece.
         times, values = (*function.times, function.times[-1] + 1.0), (*function.values, function.values[-1])
-        return self.table.of_knots(HELD_TABLE, np.column_stack([times, values, np.zeros(len(times))]))
+        return int(self.table.of_knots(HELD_TABLE, np.column_stack([times, values, np.zeros(len(times))])))
 
 
 def _axis_in_body(hinge: Any, motor: Any) -> Any:

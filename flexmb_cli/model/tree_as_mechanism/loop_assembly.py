@@ -32,7 +32,8 @@ def closed_tree(tree: Tree, frames: Frames) -> Tree:
     for kept in (driven | elastic | first, driven):
         found, gaps = _closed(tree, frames, ~kept)
         if np.max(np.abs(gaps)) <= ASSEMBLED_GAP:
-            return _with_closed_speeds(found, frames, ~kept)
+            made: Tree = _with_closed_speeds(found, frames, ~kept)
+            return made
     raise _failure(tree, gaps)
 
 

@@ -8,7 +8,7 @@ from ...deck.listing import TableError
 from ...errors import Fault, FlexmbError
 from ..files.disk_failures import located
 from ..files.replaced_file import Replacement, make_folder
-from .folders import Compared
+from .folders import Compared, Pair
 from .forms import CSV, HDF5, MATLAB, form_of
 from .listings import read_listing
 
@@ -68,11 +68,12 @@ def accept_pair(compared: Compared, folder: str) -> None:
         compared.failure = failure
 
 
-def _folder(folder: Any, pair: Any) -> str:
+def _folder(folder: str, pair: Pair) -> str:
     if os.path.isdir(folder):
         return folder
     raise TableError(
-        pair.b, [Fault("error", "a new reference needs a folder for A, and no pattern", id="DIFF-013")]
+        pair.b or pair.name,
+        [Fault("error", "a new reference needs a folder for A, and no pattern", id="DIFF-013")],
     )
 
 

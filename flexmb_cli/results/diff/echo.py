@@ -114,6 +114,7 @@ def _compare_kind(
 
     def describe(position: Any, distance: Any) -> Found:
         line, number = places[position[0]]
-        return Found(*line.where(number), None, float(a[position]), float(b[position]), distance)  # type: ignore[call-arg]
+        section, item, column = line.where(number)
+        return Found(section, item, column, None, float(a[position]), float(b[position]), distance)
 
     report.compare(kind, a, b, tolerance, describe, unit, slack, known)

@@ -87,7 +87,8 @@ def _gathered(blocks: list[Rows], name: str) -> np.ndarray:
 
 def _agrees(values: np.ndarray, printed: np.ndarray, unit: np.ndarray) -> np.ndarray:
     with np.errstate(invalid="ignore"):
-        return np.abs(values - printed) <= (1.0 + 1e-9) * unit
+        found: np.ndarray = np.abs(values - printed) <= (1.0 + 1e-9) * unit
+        return found
 
 
 def _grouped(explained: np.ndarray, behind: dict[str, np.ndarray]) -> list[tuple[str, np.ndarray]]:

@@ -133,7 +133,7 @@ def pairs(a: str, b: str) -> Iterator[Pair]:
     for name in sorted(files_a.keys() | files_b.keys()):
         partner = name if name in files_b else partners.get(name, name)
         if name in files_a or name not in partners.values():
-            yield Pair(name, files_a.get(name), files_b.get(partner))  # type: ignore[arg-type]
+            yield Pair(name, files_a.get(name), files_b.get(partner) if partner is not None else None)
 
 
 def are_same(a: str, b: str) -> bool:

@@ -269,7 +269,7 @@ def _have_attitudes(a: h5py.File, b: h5py.File) -> bool:
     # Rates and accelerations are turned by the signs of the parameters, row by row.
     for file in (a, b):
         check_shapes(file, dict.fromkeys(SIGNED, "tb4"), {})
-    return a[name].shape[1:] == b[name].shape[1:]
+    return bool(a[name].shape[1:] == b[name].shape[1:])
 
 
 def _signs(a: h5py.File, b: h5py.File, part: slice) -> np.ndarray:

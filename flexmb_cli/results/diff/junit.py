@@ -25,7 +25,8 @@ def junit_bytes(title: str, compared: Sequence[Compared]) -> bytes:
         if pair.failure is not None or not pair.equal:
             _add_failure(case, pair)
     ElementTree.indent(top)
-    return ElementTree.tostring(top, encoding="utf-8", xml_declaration=True) + b"\n"
+    found: bytes = ElementTree.tostring(top, encoding="utf-8", xml_declaration=True) + b"\n"
+    return found
 
 
 def _add_failure(case: Any, pair: Compared) -> None:

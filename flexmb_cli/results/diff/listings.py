@@ -95,7 +95,7 @@ def _compare_section(
     kinds = np.array([first.kinds[first.columns.index(column)] for column in shared])
     if first.edits:
         edits = [first.edits[first.columns.index(column)] for column in shared]
-        values = as_stars(*values, lambda position: edits[position[1]])  # type: ignore[call-arg]
+        values = as_stars(values[0], values[1], lambda position: edits[position[1]])
     if flips is not None:
         signs = np.where(np.isin(_keys(first, picks[0]), flips), -1.0, 1.0)
         values = values[0], np.where(np.isin(kinds, SIGNED_KINDS), values[1] * signs[:, None], values[1])
@@ -202,9 +202,10 @@ def _matching_lines(
         everything = np.arange(len(keys[0][0]))
         return everything, everything
     pairs = [list(zip(rank.tolist(), index.tolist(), strict=True)) for rank, index in keys]
-    return common_places(
+    found: tuple[np.ndarray, np.ndarray] = common_places(
         *[[pair if pair[0] >= 0 else ("alone", *pair, k) for pair in pairs[k]] for k in (0, 1)]
     )
+    return found
 
 
 def _ranked(listing: Listing, name: str, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -255,7 +256,8 @@ def _flips(listings: tuple[Listing, Listing], rows: tuple[np.ndarray, np.ndarray
     )
     with np.errstate(invalid="ignore"):
         against = (p_a * p_b).sum(axis=1) < 0
-    return _keys(section, pick_a)[against]
+    found: np.ndarray = _keys(section, pick_a)[against]
+    return found
 
 
 def _attitudes(section: Section) -> np.ndarray:
@@ -264,4 +266,5 @@ def _attitudes(section: Section) -> np.ndarray:
 
 
 def _keys(section: Section, lines: np.ndarray) -> np.ndarray:
-    return section.step[lines] * (LARGEST_INDEX + 1) + section.index[lines]
+    found: np.ndarray = section.step[lines] * (LARGEST_INDEX + 1) + section.index[lines]
+    return found

@@ -30,14 +30,16 @@ class BodyShape:
 
     def places(self, row: int) -> np.ndarray:
         """Positions (n, 3) of the vertices in a row, global axes."""
-        return self.origin[row] + self.vertices @ self.turn[row].T
+        found: np.ndarray = self.origin[row] + self.vertices @ self.turn[row].T
+        return found
 
     @property
     def corners(self) -> np.ndarray:
         """Positions (T, 8, 3) of the corners of the box around the shapes, along the axes of the body."""
         ends = np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
         box = np.array([[ends[k, i] for i, k in enumerate(corner)] for corner in product((0, 1), repeat=3)])
-        return self.origin[:, None] + np.matmul(box, np.swapaxes(self.turn, -1, -2))
+        found: np.ndarray = self.origin[:, None] + np.matmul(box, np.swapaxes(self.turn, -1, -2))
+        return found
 
 
 def body_shapes(

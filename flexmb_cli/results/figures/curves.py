@@ -135,9 +135,9 @@ def default_curves(result: h5py.File) -> DefaultCurves:
         moving = _moving(result, wanted)
         # Bodies are drawn where there are no points that tell the motion.
         if moving and not (dataset == "body/position" and chosen):
-            chosen += _crowd(result, moving, cut)
+            chosen += _few_of_each_unit(result, moving, cut)
     stresses = [one for one in known if one.dataset.startswith("stress/") and one.name.endswith("von_mises")]
-    chosen += _crowd(result, _moving(result, stresses), cut)
+    chosen += _few_of_each_unit(result, _moving(result, stresses), cut)
     totals = [quantity for quantity in known if quantity.dataset == TOTAL]
     return DefaultCurves(chosen + _energies(result) + totals, cut)
 
@@ -185,7 +185,7 @@ def _moving(result: h5py.File, quantities: list[Quantity]) -> list[Quantity]:
     return [q for q, size in zip(quantities, ranges, strict=True) if size > STILL * ranges.max()]
 
 
-def _crowd(result: h5py.File, quantities: list[Quantity], cut: list[str]) -> list[Quantity]:
+def _few_of_each_unit(result: h5py.File, quantities: list[Quantity], cut: list[str]) -> list[Quantity]:
     """Return at most `MOST_CURVES` of each unit, in their order; `cut` gets a sentence where it has more.
 
     Of stresses those with the largest values are kept, of others those that change most.

@@ -110,13 +110,15 @@ class DepthBuffer:
         places, depth = at[above], depth[above]
         np.maximum.at(self.depth, places, depth)
         # The first of equals is drawn last.
-        return above[depth == self.depth[places]][::-1]
+        found: np.ndarray = above[depth == self.depth[places]][::-1]
+        return found
 
 
 def _mean(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Return the means, rounded down, of the four bytes of packed colours (Dietz, "Aggregate Magic")."""
     # One pass over words takes a third of the time that bytes take.
-    return (one & other) + (((one ^ other) & np.uint32(0xFEFEFEFE)) >> np.uint32(1))
+    found: np.ndarray = (one & other) + (((one ^ other) & np.uint32(0xFEFEFEFE)) >> np.uint32(1))
+    return found
 
 
 def _palette(colours: np.ndarray) -> np.ndarray:
@@ -164,17 +166,18 @@ def _triangle_rows(corners: np.ndarray, width: int, height: int) -> tuple[np.nda
     )
     k, row = _rows(upper[:, 1], lower[:, 1], height)
     y = row + 0.5
-    whole = _crossing(upper, lower, k, y)
-    part = np.where(y < middle[k, 1], _crossing(upper, middle, k, y), _crossing(middle, lower, k, y))
+    whole = _side_at(upper, lower, k, y)
+    part = np.where(y < middle[k, 1], _side_at(upper, middle, k, y), _side_at(middle, lower, k, y))
     return k, row, *_columns(np.minimum(whole, part), np.maximum(whole, part), width)
 
 
-def _crossing(p: np.ndarray, q: np.ndarray, k: np.ndarray, y: np.ndarray) -> np.ndarray:
+def _side_at(p: np.ndarray, q: np.ndarray, k: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Return where sides from p to q, both (m, 3), are at heights y of sides k."""
     # Triangles that share a side compute it alike, so that there is no gap between them.
     rise = q[:, 1] - p[:, 1]
     slope = np.divide(q[:, 0] - p[:, 0], rise, out=np.zeros(len(p)), where=rise > 0)
-    return p[k, 0] + (y - p[k, 1]) * slope[k]
+    found: np.ndarray = p[k, 0] + (y - p[k, 1]) * slope[k]
+    return found
 
 
 def _tube_rows(

@@ -77,23 +77,27 @@ class ElementBody:
 
     def deformation(self, row: int) -> np.ndarray:
         """Elastic displacements (n, 3) of the nodes in a row, global axes."""
-        return self.shape @ self.amplitude[row] @ self.turn[row].T
+        found: np.ndarray = self.shape @ self.amplitude[row] @ self.turn[row].T
+        return found
 
     def places(self, row: int, scale: float = 1.0) -> np.ndarray:
         """Positions (n, 3) of the nodes in a row, global axes, deformed `scale` times as much."""
-        return self.origin[row] + self.undeformed @ self.turn[row].T + scale * self.deformation(row)
+        found: np.ndarray = self.origin[row] + self.undeformed @ self.turn[row].T
+        return found + scale * self.deformation(row)
 
     def velocities(self, row: int) -> np.ndarray:
         """Velocities (n, 3) of the nodes in a row, global axes: v + omega x (x - r) + A Phi eta'."""
         offsets = self.places(row) - self.origin[row]
         relative = self.shape @ self.rate[row] @ self.turn[row].T
-        return self.velocity[row] + np.cross(self.spin[row], offsets) + relative
+        found: np.ndarray = self.velocity[row] + np.cross(self.spin[row], offsets) + relative
+        return found
 
     def stress(self, row: int) -> np.ndarray:
         """Stresses (n, 6) xx yy zz xy yz zx of the nodes in a row, body axes; nan if not known."""
         if self.stress_shape is None:
             return np.full((len(self.undeformed), 6), np.nan)
-        return self.stress_shape @ self.amplitude[row]
+        found: np.ndarray = self.stress_shape @ self.amplitude[row]
+        return found
 
 
 def element_bodies(result: h5py.File, names: tuple[str, ...], rows: slice) -> Iterator[ElementBody]:
@@ -115,14 +119,18 @@ def _body(result: Any, number: Any, name: Any, rows: Any) -> ElementBody:
     check_shapes(result, shapes | series | {stress: "n6m"}, {"t": len(result["time"])})
     numbers = result[f"{group}/node"][:]
     one = number - 1
-    body = ElementBody(  # type: ignore[call-arg]
+    undeformed, shape = (result[f"{group}/{key}"][:] for key in ("node_position", "shape"))
+    amplitude, rate = (result[f"{modal}/{key}"][rows] for key in ("amplitude", "rate"))
+    body = ElementBody(
         number,
         name,
         numbers,
         _rows_of(result[f"{group}/cell"][:], numbers, name),
-        *(result[f"{group}/{key}"][:] for key in ("node_position", "shape")),
+        undeformed,
+        shape,
         result[stress][:] if stress in result else None,
-        *(result[f"{modal}/{key}"][rows] for key in ("amplitude", "rate")),
+        amplitude,
+        rate,
         result["body/position"][rows, one],
         rotations(result["body/euler_parameters"][rows, one]),
         result["body/velocity"][rows, one],

@@ -80,7 +80,10 @@ def film_rows(time: np.ndarray, rate: int) -> list[int]:
     count = min(MOST_FRAMES, max(2, round(seconds * rate) + 1))
     shown = np.linspace(time[0], time[-1], count)
     # Times are computed from the counts of rows, and differ by round-off.
-    return np.clip(np.searchsorted(time, shown + 1e-9 * span, "right") - 1, 0, len(time) - 1).tolist()
+    found: list[int] = np.clip(
+        np.searchsorted(time, shown + 1e-9 * span, "right") - 1, 0, len(time) - 1
+    ).tolist()
+    return found
 
 
 def film_frames(result: h5py.File, look: FilmLook, rows: slice = slice(None)) -> Iterator[np.ndarray]:
@@ -110,8 +113,8 @@ class _Camera:
         flat = places @ self.axes[:2].T
         low, high = flat.min(axis=0), flat.max(axis=0)
         self.extent = float(np.linalg.norm(np.ptp(places, axis=0))) or 1.0
-        spans = np.maximum(high - low, 0.04 * self.extent)
-        self.scale = float(np.min(self.size / spans)) * FILLED
+        widths = np.maximum(high - low, 0.04 * self.extent)
+        self.scale = float(np.min(self.size / widths)) * FILLED
         self.middle = (low + high) / 2
         self.radius = max(1.0, TUBE_RADIUS * self.extent * self.scale)  # of tubes, pixels
 
@@ -137,7 +140,8 @@ class _Surface:
 
     def places(self, row: int) -> np.ndarray:
         """Positions (n, 3) in a row, global axes."""
-        return self.body.places(row, self.scale) if self.of_elements else self.body.places(row)
+        found: np.ndarray = self.body.places(row, self.scale) if self.of_elements else self.body.places(row)
+        return found
 
     def values(self, row: int) -> np.ndarray | None:
         """Values (m, 3) of the corners of the triangles, 0: the first colour, 1: the last one.

@@ -150,7 +150,7 @@ def _deck(result: h5py.File) -> str:
     dataset = result["deck"]
     if not isinstance(dataset, h5py.Dataset) or not is_text(dataset) or dataset.shape:
         raise Damaged("/deck is no text")
-    return dataset.asstr(errors="replace")[()]
+    return str(dataset.asstr(errors="replace")[()])
 
 
 def _changes(result: h5py.File) -> str:

@@ -61,7 +61,7 @@ def report_scene(result: h5py.File, look: BodyLook = DEFAULT_LOOK) -> dict[str, 
 def stored_places(scene: Scene, surfaces: list[ElementBody]) -> int:
     """Return how many places a frame stores: those of bodies drawn as lines, of joints and of traces."""
     marks = sum(body.marks.shape[1] for body in _lined(scene, surfaces))
-    return marks + len(scene.joint_names) + min(len(scene.point_names), MOST_TRACES)
+    return int(marks + len(scene.joint_names) + min(len(scene.point_names), MOST_TRACES))
 
 
 def scene_data(

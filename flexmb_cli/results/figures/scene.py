@@ -163,7 +163,8 @@ class _Motion:
         if body == GROUND_NUMBER:
             return np.repeat(places, self.rows, axis=0)
         turn = self.turn[:, body - 1]
-        return self.position[:, None, body - 1] + np.matmul(places, np.swapaxes(turn, -1, -2))
+        found: np.ndarray = self.position[:, None, body - 1] + np.matmul(places, np.swapaxes(turn, -1, -2))
+        return found
 
     def end_of_joint(self, joint: int, side: int) -> np.ndarray:
         """Path (T, 1, 3) of a joint's point on its first (0) or second body; a node moves with the body."""
@@ -207,7 +208,8 @@ def rotations(p: np.ndarray) -> np.ndarray:
     skew = np.zeros((*p.shape[:-1], 3, 3))
     skew[..., 2, 1], skew[..., 0, 2], skew[..., 1, 0] = e[..., 0], e[..., 1], e[..., 2]
     skew -= np.swapaxes(skew, -1, -2)
-    return 2 * e[..., :, None] * e[..., None, :] + (2 * e0 * e0 - 1) * np.eye(3) + 2 * e0 * skew
+    found: np.ndarray = 2 * e[..., :, None] * e[..., None, :] + (2 * e0 * e0 - 1) * np.eye(3) + 2 * e0 * skew
+    return found
 
 
 def _drawn(motion: _Motion, number: int, marks: np.ndarray, extent: float) -> DrawnBody:

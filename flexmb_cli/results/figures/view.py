@@ -41,18 +41,22 @@ def view_of(places: np.ndarray, gravity: np.ndarray) -> View:
 def _normal(places: Any) -> np.ndarray | None:
     """Normal (3,) of the plane of all places; None when they fill space or only a line."""
     centred = places - places.mean(axis=0)
-    _, size, axes = np.linalg.svd(centred, full_matrices=False) if len(places) > 2 else (0, np.ones(3), 0)
+    if len(places) <= 2:
+        return None
+    _, size, axes = np.linalg.svd(centred, full_matrices=False)
     if size[2] > PLANAR * size[0] or size[1] <= PLANAR * size[0]:
         return None
-    normal = axes[2]  # type: ignore[index]
-    return normal * np.sign(normal[np.argmax(np.abs(normal))])
+    normal = axes[2]
+    found: np.ndarray | None = normal * np.sign(normal[np.argmax(np.abs(normal))])
+    return found
 
 
 def _aside(up: np.ndarray) -> np.ndarray:
     """The direction to a viewer who stands to the side and a little above."""
     across = np.roll(np.abs(up).round(), 1) if np.count_nonzero(np.abs(up).round()) == 1 else np.eye(3)[0]
     side = np.cross(up, across)
-    return 0.75 * side + 1.0 * across + 0.55 * up
+    found: np.ndarray = 0.75 * side + 1.0 * across + 0.55 * up
+    return found
 
 
 def _plain(vector: np.ndarray) -> Any:

@@ -36,7 +36,8 @@ def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> No
     drawn = [body for body in scene.bodies if body.number not in shown]
     counts = [len(body.undeformed) for body in bodies] + [body.marks.shape[1] for body in drawn]
     counts += [len(shape.vertices) for shape in scene.shapes]
-    _write_topology(root, (*bodies, *drawn, *scene.shapes), counts)  # type: ignore[arg-type]
+    shown_bodies: list[ElementBody | DrawnBody | BodyShape] = [*bodies, *drawn, *scene.shapes]
+    _write_topology(root, shown_bodies, counts)
     steps, count = len(scene.time), sum(counts)
     points = root.create_dataset("Points", (steps * count, 3), "f8")
     data = root.create_group("PointData")
@@ -54,7 +55,7 @@ def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> No
         points[at] = places
         for name, field in fields.items():
             field[at] = values[name]
-    owners = [body.number for body in (*bodies, *drawn, *scene.shapes)]  # type: ignore[attr-defined]
+    owners = [body.number for body in shown_bodies]
     data["body"] = np.repeat(np.array(owners, np.int32), counts)
     _write_cell_data(root, bodies, steps)
     _write_steps(root, scene.time, count)
@@ -129,11 +130,12 @@ def _strain(body: ElementBody, row: int) -> np.ndarray:
 
 
 def _rigid_velocities(scene: Scene, number: int, places: np.ndarray, row: int) -> np.ndarray:
-    if number == GROUND_NUMBER or scene.velocity is None:
+    if number == GROUND_NUMBER or scene.origin is None or scene.velocity is None or scene.spin is None:
         return np.zeros_like(places)
     one = number - 1
-    offsets = places - scene.origin[row, one]  # type: ignore[index]
-    return scene.velocity[row, one] + np.cross(scene.spin[row, one], offsets)  # type: ignore[index]
+    offsets = places - scene.origin[row, one]
+    found: np.ndarray = scene.velocity[row, one] + np.cross(scene.spin[row, one], offsets)
+    return found
 
 
 def _cells_of(body: Any) -> Any:
@@ -145,7 +147,9 @@ def _cells_of(body: Any) -> Any:
     return (VTK_LINE, body.edges) if len(body.edges) else (VERTEX, np.arange(body.marks.shape[1])[:, None])
 
 
-def _write_topology(root: h5py.Group, bodies: list[ElementBody], counts: list[int]) -> None:
+def _write_topology(
+    root: h5py.Group, bodies: "list[ElementBody | DrawnBody | BodyShape]", counts: list[int]
+) -> None:
     connectivity: list[np.ndarray] = []
     lengths: list[int] = []
     types: list[int] = []

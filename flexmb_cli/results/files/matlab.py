@@ -90,7 +90,8 @@ def _field(name: str, taken: "dict[Any, Any]") -> str:
 
 def _values(dataset: h5py.Dataset) -> np.ndarray | str:
     if h5py.check_string_dtype(dataset.dtype) is None:
-        return dataset[()]
+        found: np.ndarray | str = dataset[()]
+        return found
     texts = dataset.asstr(errors="replace")[()]
     return texts if isinstance(texts, str) else np.array(texts, dtype=object)
 

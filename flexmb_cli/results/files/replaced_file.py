@@ -33,7 +33,7 @@ class Replacement:
         # A link stays a link: the file it points to is replaced.
         self._target = os.path.realpath(self.path)
         self.direct = _is_special(self._target)
-        self._hold = None
+        self._hold: int | None = None
         self.temporary = self._target
         if not self.direct:
             with located(self.path):
@@ -51,13 +51,16 @@ class Replacement:
         Others may write in the folder, too, and put a link where the temporary file stood: it must not be
         opened by its name again.
         """
-        return self.temporary if self.direct else os.dup(self._hold)  # type: ignore[arg-type]
+        if self.direct:
+            return self.temporary
+        assert self._hold is not None, "the temporary file is there until `move`"
+        return os.dup(self._hold)
 
     def finish(self) -> None:
         """Wait until all that was written is on the disk; without that the moved file could be empty."""
-        if not self.direct:
+        if not self.direct and self._hold is not None:
             with self._discarding():
-                sync(self._hold)  # type: ignore[arg-type]
+                sync(self._hold)
 
     def move(self) -> None:
         """Put the finished file in its place; it is discarded when it cannot be put there."""
@@ -114,7 +117,7 @@ class ReplacedText:
     def write(self, text: str) -> int:
         """Write `text`."""
         with self._discarding():
-            return self._stream.write(text)
+            return int(self._stream.write(text))
 
     @property
     def temporary(self) -> str:

@@ -52,7 +52,7 @@ def reserve(target: str) -> tuple[str, int]:
         with suppress(FileExistsError):
             held = os.open(path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o666)
             try:
-                # Another run may have taken it for an orphan before it was held.
+                # Another run may have taken it for a leftover before it was held.
                 kept = hold(held) is not False and _stands(path)
             except BaseException:
                 _give_up(path, held)

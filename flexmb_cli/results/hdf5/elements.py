@@ -31,7 +31,7 @@ def element_layout(model: DynamicModel) -> Layout:
 
 def element_values(model: DynamicModel, rows: Any) -> Values:
     """The fields of report rows (`element_rows.ElementRows`) by the paths of their datasets."""
-    return dict(dynamic_values(model, rows)) | joint_values(rows)  # type: ignore[operator]
+    return {**dynamic_values(model, rows), **joint_values(rows)}
 
 
 def _driver_names(model: Any) -> Any:

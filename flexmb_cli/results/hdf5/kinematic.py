@@ -33,13 +33,13 @@ def kinematic_layout(mechanism: Mechanism) -> Layout:
         )
         if items
     ]
-    axes = (XYZ, EULER_PARAMETER, *([SIDE] if mechanism.joints else []), *axes)  # type: ignore[assignment]
-    present = {axis.path for axis in axes}
+    present_axes = (XYZ, EULER_PARAMETER, *([SIDE] if mechanism.joints else []), *axes)
+    present = {axis.path for axis in present_axes}
     series = (BODY_MOTION | POINT_MOTION | AUDIT).values()
     layout = Layout(
         "kinematic",
         mechanism.time.rows,
-        axes,  # type: ignore[arg-type]
+        present_axes,
         tuple(item for item in series if present.issuperset(item.axes)),
         mechanism_geometry(mechanism),
     )

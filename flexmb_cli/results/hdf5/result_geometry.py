@@ -107,12 +107,17 @@ def _centre(body: "Body") -> np.ndarray | tuple[float, float, float]:
     """Return what a flexible body's nodes leave of its mass sits at its origin."""
     if body.elastic is None:
         return body.centre
-    return body.elastic.masses @ body.elastic.positions / max(body.mass, body.elastic.masses.sum())
+    found: np.ndarray = (
+        body.elastic.masses @ body.elastic.positions / max(body.mass, body.elastic.masses.sum())
+    )
+    return found
 
 
 def _closed_points(tree: "Tree", closure: "Closure") -> list[tuple[float, float, float]]:
     sides = ((closure.a, closure.a_node, closure.a_point), (closure.b, closure.b_node, closure.b_point))
-    return [
-        point if node is None else tree.bodies[body].elastic.positions[node]  # type: ignore[union-attr]
-        for body, node, point in sides
-    ]
+    return [_point_on(tree.bodies[body], node, point) for body, node, point in sides]
+
+
+def _point_on(body: "Body", node: int | None, point: Any) -> Any:
+    """Return a point of a body, or its undeformed node."""
+    return point if node is None or body.elastic is None else body.elastic.positions[node]

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 
 # Filters of the library itself; another one would have it load a plugin from the disk.
-FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32)
-FILTERS += (h5py.h5z.FILTER_SZIP, h5py.h5z.FILTER_NBIT, h5py.h5z.FILTER_SCALEOFFSET, h5py.h5z.FILTER_LZF)  # type: ignore[assignment]
+FILTERS: tuple[int, ...] = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32)
+FILTERS += (h5py.h5z.FILTER_SZIP, h5py.h5z.FILTER_NBIT, h5py.h5z.FILTER_SCALEOFFSET, h5py.h5z.FILTER_LZF)
 MOST_OBJECTS, DEEPEST = 100_000, 10
 # Errors of a stream or a file that is written while the result is open.
 _OF_OUTPUT = (errno.EPIPE, errno.ENOSPC, errno.EBADF, errno.EDQUOT, errno.EFBIG)
@@ -118,7 +118,7 @@ def _look_through(file: h5py.File) -> Any:
 
 def _most_bytes(file: h5py.File) -> int:
     """Bytes that a file may take when it is read."""
-    return max(FREE_BYTES, MOST_TIMES * file.id.get_filesize())
+    return int(max(FREE_BYTES, MOST_TIMES * file.id.get_filesize()))
 
 
 def _declared(name: bytes, item: h5py.Dataset | h5py.Group, most: int) -> int:
@@ -137,9 +137,9 @@ def _declared(name: bytes, item: h5py.Dataset | h5py.Group, most: int) -> int:
     places = max(_product(item.shape), _product(item.chunks or (0,)))
     size = places * item.dtype.itemsize
     if size > most or not is_variable_text(item):
-        return size
+        return int(size)
     try:
-        return max(size, bytes_of_texts(item, most))
+        return int(max(size, bytes_of_texts(item, most)))
     except (UnknownSize, OSError, zlib.error) as error:
         raise Damaged(f"the texts of /{_reported(name)} cannot be read: {error}") from error
 
@@ -208,7 +208,8 @@ def _references(dataset: h5py.Dataset, axis: int) -> "np.ndarray | None":
         raise Damaged(
             f"{_reported(dataset.name or 'a dataset')} has more than {MOST_SCALES} scales for an axis"
         )
-    return dataset.attrs["DIMENSION_LIST"]
+    made: np.ndarray | None = dataset.attrs["DIMENSION_LIST"]
+    return made
 
 
 def datasets(file: h5py.File) -> dict[str, h5py.Dataset]:
@@ -221,11 +222,11 @@ def datasets(file: h5py.File) -> dict[str, h5py.Dataset]:
 
 def place_of(dataset: h5py.Dataset) -> int:
     """Return where in its file a dataset begins."""
-    return h5py.h5o.get_info(dataset.id).addr
+    return int(h5py.h5o.get_info(dataset.id).addr)
 
 
 def _is_linked(dataset: h5py.Dataset) -> bool:
-    return h5py.h5o.get_info(dataset.id).rc > 0
+    return bool(h5py.h5o.get_info(dataset.id).rc > 0)
 
 
 def texts(dataset: h5py.Dataset) -> list[str]:

@@ -259,7 +259,8 @@ class _Placed:
     def _at(self, body: int, point: tuple[float, float, float]) -> np.ndarray:
         if body == GROUND:
             return np.array(point, float)
-        return self.start["r"][body] + self.A[body] @ np.array(point)
+        found: np.ndarray = self.start["r"][body] + self.A[body] @ np.array(point)
+        return found
 
     def _local(self, body: Any, point: Any) -> Any:
         """A point from the mass centre of a moving body, or global of one at rest."""

@@ -81,7 +81,7 @@ def _foreign(tree: Tree) -> Iterator[tuple[Any, ...]]:
 
 
 def _is_real(moments: np.ndarray) -> bool:
-    return moments[2] <= moments[0] + moments[1] + 1e-12 * moments[2]
+    return bool(moments[2] <= moments[0] + moments[1] + 1e-12 * moments[2])
 
 
 def _add_meshes(top: ElementTree.Element, tree: Tree) -> None:
@@ -134,7 +134,8 @@ def _inertial(body: Body) -> dict[str, str]:
 def _central_inertia(body: Body) -> np.ndarray:
     """Inertia about the mass centre: that about O_k less the mass's."""
     c = np.array(body.centre)
-    return np.asarray(body.inertia, float) - body.mass * (c @ c * np.eye(3) - np.outer(c, c))
+    found: np.ndarray = np.asarray(body.inertia, float) - body.mass * (c @ c * np.eye(3) - np.outer(c, c))
+    return found
 
 
 def _start(tree: Tree) -> Any:

@@ -36,8 +36,14 @@ FORMS = {
 }  # fmt: skip
 # Unit of the effort along a coordinate in a unit.
 OF_EFFORT = {"m": "N", "rad": "N m"}
-MOTION = ("position", "euler_parameters", "velocity", "euler_parameter_rates", "angular_velocity")
-MOTION += ("acceleration", "euler_parameter_accelerations", "angular_acceleration")  # type: ignore[assignment]
+MOTION: tuple[str, ...] = (
+    "position",
+    "euler_parameters",
+    "velocity",
+    "euler_parameter_rates",
+    "angular_velocity",
+)
+MOTION += ("acceleration", "euler_parameter_accelerations", "angular_acceleration")
 # Groups with a subgroup for every body that has such datasets; modes stand behind the quantity, nodes before.
 BY_BODY = ("elastic", "modal", "stress", "strain")
 

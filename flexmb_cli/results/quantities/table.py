@@ -8,7 +8,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from functools import partial
 from math import prod
-from typing import Any
+from typing import Any, Protocol
 
 import h5py
 import numpy as np
@@ -79,14 +79,30 @@ def function_points(
     ]
 
 
-def list_text(quantities: Sequence[Quantity], style: str = "text") -> str:
+class Named(Protocol):
+    """A quantity of a result or a column of a study."""
+
+    @property
+    def name(self) -> str:
+        """The name that commands take."""
+
+    @property
+    def unit(self) -> str:
+        """The unit, SI."""
+
+    @property
+    def long_name(self) -> str:
+        """The meaning in words."""
+
+
+def list_text(quantities: Sequence[Named], style: str = "text") -> str:
     """Name, unit and meaning of quantities, a line each."""
     heads = ("name", "unit", "meaning")
     rows = [(quantity.name, quantity.unit, quantity.long_name) for quantity in quantities]
     if style == "jsonl":
         return "".join(json.dumps(dict(zip(heads, row, strict=True))) + "\n" for row in rows)
     if style != "text":
-        return _separated_lines([heads, *rows], style)  # type: ignore[list-item]
+        return _separated_lines([list(heads), *map(list, rows)], style)
     widths = [max(len(row[k]) for row in rows) for k in (0, 1)]
     return "".join(
         f"{name.ljust(widths[0])}  {unit.ljust(widths[1])}  {reported}\n" for name, unit, reported in rows
@@ -96,7 +112,7 @@ def list_text(quantities: Sequence[Quantity], style: str = "text") -> str:
 def _block_length(result: h5py.File, columns: list[Quantity]) -> int:
     paths = {column.dataset for column in columns}
     width = sum(prod(result[path].shape[1:]) for path in paths)
-    return max(1, min(BLOCK_ROWS, BLOCK_NUMBERS // width))
+    return int(max(1, min(BLOCK_ROWS, BLOCK_NUMBERS // width)))
 
 
 def _lines(heads: list[str], values: list[list[float]], style: str) -> str:
@@ -118,7 +134,7 @@ def _text_line(cells: list[str], heads: list[str]) -> str:
     return "  ".join(cell.rjust(max(len(head), TEXT_WIDTH)) for cell, head in pairs) + "\n"
 
 
-def _separated_lines(rows: list[list[str]], style: str) -> Any:
+def _separated_lines(rows: list[list[str]], style: str) -> str:
     page = io.StringIO()
     csv.writer(page, delimiter=SEPARATOR[style], lineterminator="\n").writerows(rows)
     return page.getvalue()

@@ -47,7 +47,7 @@ def _with_points(pattern: Any, families: Any) -> Any:
     return dotted if dotted != pattern else ""
 
 
-def _lacking(first: Any, families: Any) -> Any:
+def _lacking(first: Any, families: Any) -> str:
     wanted = next((word for word in NEEDS if first in (word, f"{word}s", f"{word}es")), None)
     if wanted is None or any(family.path.startswith(f"{wanted}/") for family in families):
         return ""
@@ -76,7 +76,7 @@ def _of_things(word: str, families: Sequence[Family]) -> str:
     return " or ".join(name for name in found if name.endswith(f".{word}"))
 
 
-def _count(words: Any, families: Any) -> Any:
+def _count(words: Any, families: Any) -> str:
     """Return how many there are where a number is too large, or 0."""
     if len(words) < 2 or not words[1].isdigit():
         return ""

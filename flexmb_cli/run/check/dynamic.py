@@ -38,7 +38,7 @@ def _check_forward(report: Any, model: Any, run: Run) -> None:
     from ...solvers.constrained.young_dynamics import ForwardDynamics
 
     analysis = DrivenDynamics(model) if model.analysis == "inverse" else ForwardDynamics(model)
-    arrays, speeds = analysis.arrays.kinematic, analysis.arrays.speeds  # type: ignore[attr-defined]
+    arrays, speeds = analysis.arrays.kinematic, analysis.arrays.speeds
     before = gaps_of(_Gaps(analysis), analysis.arrays, arrays.q, analysis.arrays.angles)
     try:
         found = analysis.start()

@@ -47,8 +47,9 @@ class Worker:
 
     def signal(self, number: int) -> None:
         """Pass a stop on.  Windows tells it every process of the console, and knows no other signals."""
-        if os.name != "nt" and self.process.is_alive():
-            os.kill(self.process.pid, number)  # type: ignore[arg-type]
+        pid = self.process.pid
+        if os.name != "nt" and pid is not None and self.process.is_alive():
+            os.kill(pid, number)
 
     def end(self) -> None:
         """Wait for a process that ends when nothing more can come."""

@@ -40,10 +40,10 @@ def solution(model: DynamicModel, run: Run) -> Solution:
         raise ModelError([Fault("error", reported, id="RUN-031")])
     model = _as_asked(model, run.options)
     stepped = model.analysis == "forward" or bool(model.elements)
-    analysis = (_stepped if stepped else _inverse)(model, run)
+    analysis: Any = (_stepped if stepped else _inverse)(model, run)
     # Results of a prescribed motion hold no energies.
     drift = ConstrainedDrift(TOO_COARSE) if model.analysis == "forward" else None
-    count = StepCount(analysis.clock if stepped else None, drift)  # type: ignore[union-attr]
+    count = StepCount(analysis.clock if stepped else None, drift)
     layout, values = _contents(model)
     return Solution(
         analysis,
@@ -55,7 +55,7 @@ def solution(model: DynamicModel, run: Run) -> Solution:
         analysis.warnings,
         partial(finer_motion, partial(_stepped, model), values) if stepped else nothing_to_refine,
         dict(run.options.integration if stepped else run.options.solver),
-        stepped or not analysis.one_block,  # type: ignore[union-attr]
+        stepped or not analysis.one_block,
     )
 
 

@@ -91,7 +91,7 @@ def _differences(found: dict[str, np.ndarray], rows: Any, motion: Any, size: Siz
     speed, turning = (np.max(np.abs(found[name])) for name in ("velocity", "angular_velocity"))
     X, V, A = (part.reshape(shape) for part in (rows.X, rows.V, rows.A))
     turned = np.array([[rotation_of(p).T for p in row] for row in found["euler_parameters"]])
-    pairs = [
+    pairs: list[tuple[Any, ...]] = [
         ("body position", "m", found["position"], X[:, :, 0]),
         ("body attitude", "1", turned, X[:, :, 1:]),
         ("body velocity", "m/s", found["velocity"], V[:, :, 0]),
@@ -108,7 +108,7 @@ def _differences(found: dict[str, np.ndarray], rows: Any, motion: Any, size: Siz
         pairs.append(
             ("driver effort", "N, N m", np.where(known, efforts, 0.0), np.where(known, rows.effort, 0.0))
         )
-    return tuple(_difference(rows.time, size, *pair) for pair in pairs)  # type: ignore[arg-type]
+    return tuple(_difference(rows.time, size, *pair) for pair in pairs)
 
 
 def _difference(

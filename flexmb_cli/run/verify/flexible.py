@@ -77,7 +77,7 @@ def _rows(mechanism: Any) -> Any:
         Stop.heed()
     names = [each.name for each in fields(blocks[0]) if not each.name.startswith("amplitude")]
     rows = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
-    return rows, not analysis.found.redundant  # type: ignore[union-attr]
+    return rows, analysis.found is not None and not analysis.found.redundant
 
 
 def _size(mechanism: FlexibleMechanism) -> Size:

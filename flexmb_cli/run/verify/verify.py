@@ -74,6 +74,7 @@ def verify_deck(
         formulation = module_for(model, "verify")
         found.formulations = formulation.FORMULATIONS
         found.differences = formulation.differences(model, deck, run)
-        if not found.largest.relative <= tolerance:  # type: ignore[union-attr]
+        largest = found.largest
+        if largest is None or not largest.relative <= tolerance:
             found.outcome.exit_code = ANALYSIS_FAILED
     return found

@@ -143,16 +143,20 @@ def parallel(state: State, joint: Any, indices_wrong: bool) -> Rows:
     still = np.zeros((3, 3))
     of_i = np.concatenate([still, -product(b, state.slope(i, s_i))], axis=1)
     of_j = np.concatenate([still, product(a, state.slope(j, s_j))], axis=1)
-    parts = (a, -state.remainder(j, s_j)), (b, state.remainder(i, s_i))
-    parts = (*parts, (tilde(state.rate(i, s_i)), -2.0 * state.rate(j, s_j)))  # type: ignore[assignment]
     multiply = _row_sums if indices_wrong else product
-    gamma = sum(multiply(matrix, vector) for matrix, vector in parts)
-    return Rows(product(a, state.vector(j, s_j)), of_i, of_j, gamma)  # type: ignore[arg-type]
+    gamma = (
+        0.0  # no component is -0
+        + multiply(a, -state.remainder(j, s_j))
+        + multiply(b, state.remainder(i, s_i))
+        + multiply(tilde(state.rate(i, s_i)), -2.0 * state.rate(j, s_j))
+    )
+    return Rows(product(a, state.vector(j, s_j)), of_i, of_j, gamma)
 
 
 def _row_sums(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
     """Return what the program has in place of a product: component M of the vector where N is meant."""
-    return (matrix[:, 0] + matrix[:, 1] + matrix[:, 2]) * vector
+    found: np.ndarray = (matrix[:, 0] + matrix[:, 1] + matrix[:, 2]) * vector
+    return found
 
 
 def along(state: State, joint: "Joint") -> Rows:
@@ -178,7 +182,10 @@ def along(state: State, joint: "Joint") -> Rows:
 def separation(state: State, joint: "Joint") -> np.ndarray:
     """d, the vector from P_i to P_j."""
     i, j = joint.i, joint.j
-    return state.q[j, :3] + state.vector(j, joint.P_j) - state.q[i, :3] - state.vector(i, joint.P_i)
+    found: np.ndarray = (
+        state.q[j, :3] + state.vector(j, joint.P_j) - state.q[i, :3] - state.vector(i, joint.P_i)
+    )
+    return found
 
 
 def separation_rate(state: State, joint: "Joint", wrong: bool = False) -> np.ndarray:
@@ -189,4 +196,5 @@ def separation_rate(state: State, joint: "Joint", wrong: bool = False) -> np.nda
         state.qd[k, :3] + product(state.slope(k, P), state.qd[k, taken])
         for k, P in ((i, joint.P_i), (j, joint.P_j))
     ]
-    return ends[1] - ends[0]
+    found: np.ndarray = ends[1] - ends[0]
+    return found

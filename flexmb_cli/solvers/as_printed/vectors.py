@@ -22,7 +22,8 @@ def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Matrix times matrix, or matrix times vector."""
     if b.ndim == 1:
         return product(a, b[:, None])[:, 0]
-    return np.add.reduce(a[:, :, None] * b[None, :, :], axis=1)
+    found: np.ndarray = np.add.reduce(a[:, :, None] * b[None, :, :], axis=1)
+    return found
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> float:

@@ -1,6 +1,7 @@
 """Motion of a constrained mechanism through its report times, block by block; what all dialects share."""
 
-from collections.abc import Iterator, Mapping
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,6 +34,10 @@ from .system import blank_report, constrained_system, new_work
 
 if TYPE_CHECKING:
     from ...kernels.constrained.report import Report
+    from ...kernels.constrained.system import System
+    from ...model.flexible_mechanism import PointSpring
+    from ...model.loads import InitialVelocity, SpringDamper
+    from ..linearisation.terms import Terms
 
 
 NO_ELEMENTS = JointElements()
@@ -41,17 +46,18 @@ LARGEST_BLOCK = 256  # rows
 SAME_TIME_IN_RUN = 1e-9  # of a run: times this near to each other are one
 
 
-class ConstrainedMotion:
+class ConstrainedMotion(ABC):
     """One run over the times of `grid`; `integrator`: one of `integrators`, by default the explicit one.
 
-    A dialect's subclass gives `assembled(t)`, `given_speeds(q)` with the `velocities` behind it,
-    `springs` in line, and `block(report)`, the rows it yields.  `warnings` fills while the run goes on;
+    The subclass for a model gives what is abstract here, the `velocities` behind `given_speeds`, and
+    `springs` in line.  `warnings` fills while the run goes on;
     `found` is what `start` found.
     """
 
-    velocities = ()
-    springs = ()
-    turns_in_body_axes = False
+    velocities: "Sequence[InitialVelocity]" = ()
+    springs: "Sequence[SpringDamper | PointSpring]" = ()
+    singularities: PassedDynamicSingularities  # see `rows`
+    omega_in_body_axes = False
     usual_words = "planar mechanism of spatial joints", "3 a loop"  # of `usual_repetitions`
 
     def __init__(
@@ -72,7 +78,6 @@ class ConstrainedMotion:
         self.found: Mobility | None = None
         self.row, self.resumed = 0, False
         self.undetermined: list[float] = []  # times of rows without constraint forces, s
-        self.singularities: PassedDynamicSingularities = None  # type: ignore[assignment]  # see `rows`
         self._first = np.zeros(0)  # coordinates at the start
         coordinates, n = arrays.coordinate_scale.size, arrays.speeds
         self.integration = self.integrator.new_integration(self.work, arrays.angles.size, self.works)
@@ -80,6 +85,27 @@ class ConstrainedMotion:
         self.integration.units[coordinates : coordinates + n] = arrays.speed_scale
         self.clock = self.integration.clock
         self.clock["rtol"] = self.clock["atol"] = tolerance
+
+    @abstractmethod
+    def assembled(self, t: float) -> np.ndarray:
+        """Coordinates (n + b,) at time t, s, that meet all equations; raises AnalysisError."""
+
+    @abstractmethod
+    def given_speeds(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return which of the speeds (n,) the deck gives, and their values (n,)."""
+
+    @abstractmethod
+    def block(self, report: "Report") -> Any:
+        """The rows of a report in the terms of the model."""
+
+    @property
+    @abstractmethod
+    def terms(self) -> "Terms":
+        """Names of loads, drivers, joints and points."""
+
+    @abstractmethod
+    def driven_system(self, k: int, additions: list[float], t: float) -> "System":
+        """Return the system with additions to the value, rate and second rate of driver k at t."""
 
     def usual_repetitions(self, q: np.ndarray) -> int | None:
         """Number of equations that repeat others in every mechanism of this kind; None: of no such kind."""
@@ -113,7 +139,7 @@ class ConstrainedMotion:
                 self.singularities.look(report.times, report.states)
                 note_undetermined_rows(self, report)
                 self.row += report.times.size
-                yield self.block(report)  # type: ignore[attr-defined]
+                yield self.block(report)
             # To the very breakpoint, where there need not be a row.
             for _ in self._reports(np.array([stop] if stop < end else [])):
                 pass
@@ -179,7 +205,8 @@ class ConstrainedMotion:
         """
         if not self.integrator.chosen:
             return []
-        start, found = self.grid.start, []  # type: ignore[var-annotated]
+        start = self.grid.start
+        found: list[float] = []
         apart = SAME_TIME_IN_RUN * max(abs(start), abs(end))
         corners = {t for function in self._tables for t in function.tolist()}
         for t in sorted(corners | set(self._rows_of_work())):
@@ -210,9 +237,9 @@ class ConstrainedMotion:
         """Steps of given length end where they end, whatever a table does between."""
         apart = (float(np.diff(times).min()) for times in self._tables if times.size > 1)
         finest = min(apart, default=np.inf)
-        if not self.integrator.chosen and finest < self.integrator.length:  # type: ignore[attr-defined]
+        if not self.integrator.chosen and finest < self.integrator.length:
             message = (
-                f"a table has points {finest:.3g} s apart, and steps of {self.integrator.length:g} s "  # type: ignore[attr-defined]
+                f"a table has points {finest:.3g} s apart, and steps of {self.integrator.length:g} s "
                 f"may pass "
                 "over them: take a step below that, or 0 for steps that end at them"
             )
@@ -224,7 +251,7 @@ class ConstrainedMotion:
         Returns what the equations leave free, and which of them repeat others; raises as `rows`.
         """
         grid, integration = self.grid, self.integration
-        q = self.assembled(grid.start)  # type: ignore[attr-defined]
+        q = self.assembled(grid.start)
         integration.angles[NEW] = integration.angles[OLD] = integration.angles[EXPECTED] = self.screw_angles(
             q
         )
@@ -246,8 +273,10 @@ class ConstrainedMotion:
         return found
 
     def _call(self, task: int, report: "Report") -> int:
-        return self.integrator.integrate_rows(
-            task, self.system, self.work, self.integration, report, CALL_EVALUATIONS
+        return int(
+            self.integrator.integrate_rows(
+                task, self.system, self.work, self.integration, report, CALL_EVALUATIONS
+            )
         )
 
     def screw_angles(self, q: np.ndarray) -> np.ndarray:

@@ -9,7 +9,10 @@ from ...kernels.constrained.body_vectors import VECTOR
 from ...model.arrays.records import LINE
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ...kernels.constrained.system import System, Work
+    from ...model.flexible_mechanism import PointSpring
     from ...model.loads import SpringDamper
 
 
@@ -17,7 +20,7 @@ COINCIDING = 1e-9  # of the free length: what assembly leaves between points tha
 
 
 def refuse_coinciding_ends(
-    system: "System", work: "Work", springs: "tuple[SpringDamper, ...]", t: float
+    system: "System", work: "Work", springs: "Sequence[SpringDamper | PointSpring]", t: float
 ) -> None:
     """Raise ModelError for stretched springs without a direction at the position at hand.
 

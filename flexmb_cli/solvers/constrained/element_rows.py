@@ -42,9 +42,7 @@ def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> 
     return ElementRows(**kept, **element_answers(report, first, model.elements, count))
 
 
-def element_answers(
-    report: Report, first: int, elements: JointElements, coordinates: int
-) -> dict[str, np.ndarray]:
+def element_answers(report: Report, first: int, elements: JointElements, coordinates: int) -> dict[str, Any]:
     """Fields of `ElementRows` that the loads from `first` on answer, `coordinates` of joints among them."""
     # A force of none is 0, not -0.
     answers = report.responses[:, first:] + 0.0

@@ -42,14 +42,14 @@ def integrator_of(integrator: Integrator) -> tuple[Steps, float]:
 class FlexibleDynamics(ConstrainedMotion):
     """One run over the report times of a mechanism."""
 
-    turns_in_body_axes = True
+    omega_in_body_axes = True
 
     def __init__(self, mechanism: FlexibleMechanism):
         steps, tolerance = integrator_of(mechanism.integrator)
         arrays = flexible_arrays(mechanism)
         super().__init__(arrays, mechanism.time, tolerance, steps, mechanism.elements)
         self.mechanism = mechanism
-        self.velocities, self.springs = tuple(_velocities(mechanism)), mechanism.springs  # type: ignore[assignment]
+        self.velocities, self.springs = tuple(_velocities(mechanism)), mechanism.springs
 
     @property
     def evaluator(self) -> PositionGaps:
@@ -125,8 +125,8 @@ NO_AXIS = (0.0, 0.0, 0.0)
 def _body_joint(joint: PointJoint) -> Joint:
     """A joint between bodies that do not deform, as they begin."""
     a, b = joint.a, joint.b
-    axis = [tuple(side[1].r0 - side[0].r0) if len(side) > 1 else NO_AXIS for side in (a, b)]
-    return Joint(joint.kind, joint.name, a[0].body, b[0].body, tuple(a[0].r0), tuple(b[0].r0), *axis)  # type: ignore[arg-type]
+    s_i, s_j = (tuple(side[1].r0 - side[0].r0) if len(side) > 1 else NO_AXIS for side in (a, b))
+    return Joint(joint.kind, joint.name, a[0].body, b[0].body, tuple(a[0].r0), tuple(b[0].r0), s_i, s_j)
 
 
 def _velocities(mechanism: FlexibleMechanism) -> "Iterator[InitialVelocity]":

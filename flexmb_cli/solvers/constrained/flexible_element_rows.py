@@ -34,4 +34,4 @@ def flexible_element_rows(
     kept = {field.name: getattr(rows, field.name) for field in fields(FlexibleRows)}
     first = len(mechanism.forces) + len(mechanism.torques)
     count = len(coordinates_of_joints(mechanism.joints))
-    return FlexibleElementRows(**kept, **element_answers(report, first, mechanism.elements, count))  # type: ignore[arg-type]
+    return FlexibleElementRows(**kept, **element_answers(report, first, mechanism.elements, count))

@@ -50,7 +50,8 @@ class FlexibleRows:
     @property
     def total(self) -> np.ndarray:
         """Energy that nothing changes but errors (T,), J."""
-        return self.kinetic + self.potential + self.strain - self.applied_work
+        found: np.ndarray = self.kinetic + self.potential + self.strain - self.applied_work
+        return found
 
 
 @dataclass(frozen=True)

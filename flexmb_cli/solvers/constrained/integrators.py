@@ -26,11 +26,16 @@ class Steps:
     integrate_rows(task, system, work, integration, report, budget).
     """
 
-    chosen = True  # whether the lengths of its steps are its own choice
+    length = 0.0  # s, of its steps; 0 where they are its own choice
     card = ""  # the word for it on cards
 
     def __init__(self, module: str):
         self._module = f"{KERNELS}.{module}"
+
+    @property
+    def chosen(self) -> bool:
+        """Return whether the lengths of its steps are its own choice."""
+        return self.length == 0.0
 
     @property
     def entry(self) -> str:
@@ -40,7 +45,8 @@ class Steps:
     @property
     def integrate_rows(self) -> Callable[..., Any]:
         """The kernel."""
-        return import_module(self._module).integrate_rows
+        found: Callable[..., Any] = import_module(self._module).integrate_rows
+        return found
 
     def new_integration(self, work: Any, angles: int, works: int) -> Any:
         """Return an integration at time 0 with an empty state, for this work and so many angles.
@@ -84,16 +90,12 @@ class GeneralisedAlpha(Steps):
         super().__init__("generalised_alpha")
         self.radius, self.length = radius, length
 
-    @property
-    def chosen(self) -> bool:  # type: ignore[override]
-        """Return whether the lengths of its steps are its own choice."""
-        return self.length == 0.0
-
     def new_integration(self, work: "Work", angles: int, works: int) -> "AlphaIntegration":
         """Return an integration with the settings of the method."""
         integration = super().new_integration(work, angles, works)
         integration.memory["rho"], integration.memory["fixed"] = self.radius, self.length
-        return integration
+        found: AlphaIntegration = integration
+        return found
 
     def doubts(self, clock: "np.void") -> list[Fault]:
         """Return what is doubtful about the steps taken: some of given length had to be divided."""

@@ -22,7 +22,8 @@ class PositionGaps:
     def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
         """Scaled residual (m,) at q; expected: the angles expected."""
         evaluate_residual(self.system, self.work, q, t, expected)
-        return self.work.rows[PHI] / self.arrays.row_scale
+        found: np.ndarray = self.work.rows[PHI] / self.arrays.row_scale
+        return found
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
         """Scaled Jacobian (m, n) on speeds."""

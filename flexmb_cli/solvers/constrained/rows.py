@@ -37,7 +37,8 @@ class DynamicRows(Rows):
     @property
     def total(self) -> np.ndarray:
         """Energy that nothing changes but errors (T,), J."""
-        return self.kinetic + self.potential - self.applied_work
+        found: np.ndarray = self.kinetic + self.potential - self.applied_work
+        return found
 
 
 def dynamic_rows(mechanism: Mechanism, report: Report) -> DynamicRows:

@@ -38,7 +38,8 @@ def assembled(analysis: Any, t: float) -> np.ndarray:
     q, expected = arrays.q.copy(), arrays.screw_angles
     normalise(analysis.arrays.bodies, q)
     if not len(arrays.equations):
-        return q
+        made: np.ndarray = q
+        return made
     found, gap = assemble_by_search(analysis.evaluator, q, t, expected)
     instant = Instant(PositionGaps(analysis.arrays, analysis.system, analysis.work), t, expected)
 

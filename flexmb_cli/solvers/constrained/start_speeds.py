@@ -15,6 +15,8 @@ from ..singular.mobility import about
 from .rows import body_axes, global_axes
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ...model.equations import Equation
     from ...model.loads import InitialVelocity
     from .analysis import ConstrainedMotion
@@ -54,7 +56,8 @@ def start_speeds(analysis: Any, q: Any, t: float) -> np.ndarray:
     if np.max(_changes(analysis, u, wanted, given), initial=0.0) > 0.0:
         u = _after_impulse(analysis, q, particular, motions, wanted, given)
     _doubt_change(analysis, u, wanted, given)
-    return u
+    found: np.ndarray = u
+    return found
 
 
 def _nearest(motions: Any, rest: Any) -> Any:
@@ -87,7 +90,8 @@ def _after_impulse(
         shares = left[:, :rank].T @ (weights @ (aim - u)) / values[:rank]
         u += motions @ (right[:rank].T @ shares)
         motions = motions @ right[rank:].T
-    return u * scale
+    found: np.ndarray = u * scale
+    return found
 
 
 def _mass_matrix(analysis: "FlexibleDynamics", q: np.ndarray) -> np.ndarray:
@@ -104,11 +108,12 @@ def _root(M: Any) -> np.ndarray:
     """Return a matrix R with Rᵀ R = M; what has no mass has no weight."""
     values, vectors = np.linalg.eigh(M)
     values[values <= MASSLESS * values.max(initial=0.0)] = 0.0
-    return np.sqrt(values)[:, None] * vectors.T
+    found: np.ndarray = np.sqrt(values)[:, None] * vectors.T
+    return found
 
 
 def given_speeds(
-    velocities: "tuple[InitialVelocity, ...]", bodies: int, q: np.ndarray
+    velocities: "Sequence[InitialVelocity]", bodies: int, q: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return which of the speeds (6 bodies,) `velocities` give, and their values."""
     given, wanted = np.zeros((bodies, 6), dtype=bool), np.zeros((bodies, 6))
@@ -151,7 +156,7 @@ def _doubt_change(analysis: Any, u: np.ndarray, wanted: np.ndarray, given: np.nd
 
 def _shown(analysis: Any, u: np.ndarray, item: "InitialVelocity") -> str:
     p = analysis.integration.z[7 * item.body + 3 : 7 * item.body + 7]
-    angular = u[3:] if analysis.turns_in_body_axes else global_axes(p, u[3:])
+    angular = u[3:] if analysis.omega_in_body_axes else global_axes(p, u[3:])
     return "velocity ({:.6g}, {:.6g}, {:.6g}) m/s, angular ({:.6g}, {:.6g}, {:.6g}) rad/s".format(
         *(u[:3] + 0.0), *(angular + 0.0)
     )

@@ -38,7 +38,8 @@ def constrained_system(arrays: SystemArrays) -> System:
 
 def new_work(arrays: SystemArrays) -> Work:
     """Work for the kernels."""
-    return make_work(constrained_system(arrays), arrays.angles.size)
+    found: Work = make_work(constrained_system(arrays), arrays.angles.size)
+    return found
 
 
 def blank_report(arrays: SystemArrays, times: np.ndarray, works: int = 0) -> Report:
@@ -80,4 +81,5 @@ class AnyCountEvaluator(Evaluator):
         rotations, phi = self.work.rotations[A], self.work.rows[PHI]  # type: ignore[attr-defined]
         rotation_matrices(q, rotations)
         equations.residual(self.system.constraints, q, t, expected, rotations, phi)
-        return phi[: self.arrays.row_scale.size] / self.arrays.row_scale
+        found: np.ndarray = phi[: self.arrays.row_scale.size] / self.arrays.row_scale
+        return found

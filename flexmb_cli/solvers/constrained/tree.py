@@ -48,7 +48,7 @@ class AbsoluteTree(ConstrainedMotion):
     Raises ModelError for what is not carried over, AnalysisError for loops that do not close.
     """
 
-    turns_in_body_axes = True
+    omega_in_body_axes = True
     usual_words = "planar tree", "one a loop"
 
     def __init__(self, tree: Tree):

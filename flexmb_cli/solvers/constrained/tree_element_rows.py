@@ -1,5 +1,7 @@
 """Report rows of a tree with elements at its hinges."""
 
+from typing import Any
+
 import numpy as np
 
 from ...kernels.constrained.report import Report
@@ -31,9 +33,9 @@ def with_elements(tree: Tree, arrays: SystemArrays, rows: TreeRows, report: Repo
     behind = len(list(names_of(tree.elements)))
     first = report.responses.shape[1] - behind
     found = element_answers(report, first, tree.elements, 0)
-    own = {name: value for name, value in found.items() if not name.startswith("joint")}
+    own: dict[str, Any] = {name: value for name, value in found.items() if not name.startswith("joint")}
     efforts = report.multipliers[:, rows_of_drivers(tree, arrays)].copy()
-    return TreeElementRows(**kept, **own, driver_effort=efforts)  # type: ignore[arg-type]
+    return TreeElementRows(**kept, **own, driver_effort=efforts)
 
 
 def rows_of_drivers(tree: Tree, arrays: SystemArrays) -> np.ndarray:
@@ -46,4 +48,5 @@ def rows_of_drivers(tree: Tree, arrays: SystemArrays) -> np.ndarray:
     functions = np.arange(end - len(tree.elements.drivers), end)
     first = end - functions.size - couplings - prescribed
     groups = np.concatenate([np.arange(first, first + prescribed), functions])
-    return arrays.groups["first_row"][groups]
+    found: np.ndarray = arrays.groups["first_row"][groups]
+    return found

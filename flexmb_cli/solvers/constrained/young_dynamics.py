@@ -6,7 +6,7 @@ import numpy as np
 
 from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
-from ...model.arrays.dynamic import dynamic_arrays, step_length_scale
+from ...model.arrays.dynamic import DynamicArrays, dynamic_arrays, step_length_scale
 from ...model.arrays.young_elements import without_driven
 from ...model.flexible_mechanism import NodePoint
 from ...model.joints import DRIVER
@@ -28,20 +28,22 @@ from .system import AnyCountEvaluator
 class ForwardDynamics(ConstrainedMotion):
     """One run over the report times of a dynamic model."""
 
+    arrays: DynamicArrays
+
     def __init__(self, model: DynamicModel):
         arrays, steps = dynamic_arrays(model), _integrator(model)
         super().__init__(arrays, model.mechanism.time, model.tolerance, steps, model.elements)
         self.model = model
         self.mechanism = model.mechanism
-        self.velocities, self.springs = model.velocities, model.springs  # type: ignore[assignment]
+        self.velocities, self.springs = model.velocities, model.springs
         bodies, units = len(model.mechanism.bodies), self.integration.units
         for part in (units[: 7 * bodies].reshape(-1, 7), units[7 * bodies : 13 * bodies].reshape(-1, 6)):
-            part[:, :3] = step_length_scale(model, self.arrays.kinematic.length)  # type: ignore[attr-defined]
+            part[:, :3] = step_length_scale(model, self.arrays.kinematic.length)
 
     @property
     def evaluator(self) -> AnyCountEvaluator:
         """Residuals and Jacobians in coordinates."""
-        return AnyCountEvaluator(self.arrays.kinematic, self.system, self.work)  # type: ignore[arg-type, attr-defined]
+        return AnyCountEvaluator(self.arrays.kinematic, self.system, self.work)  # type: ignore[arg-type]
 
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError."""
@@ -97,7 +99,7 @@ class ForwardDynamics(ConstrainedMotion):
     def block(self, report: Report) -> DynamicRows:
         """The rows of a report in the terms of the model."""
         if self.model.elements:
-            return element_rows(self.model, self.arrays, report)  # type: ignore[arg-type]
+            return element_rows(self.model, self.arrays, report)
         return dynamic_rows(self.mechanism, report)
 
 

@@ -1,7 +1,7 @@
 """Kinematic analysis of a mechanism: rows of positions, velocities and accelerations, block by block."""
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,6 +29,9 @@ from .rows import Rows, first_rows, joined_rows
 from .settings import KinematicSettings
 from .system import kinematic_system, rows_of, with_dependent_columns
 
+if TYPE_CHECKING:
+    from .sparse import SparseContinuation
+
 KINEMATIC_CALL_WORK = 2_000_000  # steps x equations² handed to the kernel at a time
 LARGEST_BLOCK = 1024  # rows
 MOST_STEPS_A_ROW = 5000
@@ -48,7 +51,8 @@ class KinematicAnalysis:
         self.system = kinematic_system(self.arrays, self.settings)
         self.warnings: list[Fault] = []
         self.singularities = PassedKinematicSingularities(self)
-        self._sparse, self._left_out = None, ((), ())
+        self._sparse: SparseContinuation | None = None
+        self._left_out: tuple[tuple[int, ...], tuple[int, ...]] = (), ()
         self.row = 0  # of the next block
         self._restart(self.arrays.q)
 
@@ -136,8 +140,8 @@ class KinematicAnalysis:
                 across = self._row_across(row + k, memory)
                 count = reached if across is None else k
         part = None
-        if count:
-            part = first_rows(block, count)  # type: ignore[arg-type]
+        if block is not None and count:
+            part = first_rows(block, count)
             self.singularities.look(memory, part)
             keeps_axis(self.mechanism, part)
         if across is None:
@@ -172,8 +176,8 @@ class KinematicAnalysis:
         if self._sparse is None:
             from .sparse import SparseContinuation
 
-            self._sparse = SparseContinuation(self.evaluator, *self._left_out)  # type: ignore[assignment]
-        return self._sparse.follow  # type: ignore[attr-defined]
+            self._sparse = SparseContinuation(self.evaluator, *self._left_out)
+        return self._sparse.follow
 
     def carry(
         self,
@@ -191,7 +195,7 @@ class KinematicAnalysis:
             follow(state, motion, clock, np.array([t]), out, audit)
             if attempts or clock[BUDGET] > 0.0:
                 break
-        return clock[TIME] >= t
+        return bool(clock[TIME] >= t)
 
     def _follow(self, times: np.ndarray, out: np.ndarray, audit: np.ndarray) -> int:
         """Fill rows until all are reached or the way is barred; returns how many were."""
@@ -251,9 +255,13 @@ class KinematicAnalysis:
         arrived = first is not None and self.carry(
             self.follower(), self.state, self.motion, self.clock, later
         )
-        if not arrived or mobility(self.evaluator, self.state[0], later, self.motion[:, 0]).dofs == 0:
+        if (
+            first is None
+            or not arrived
+            or mobility(self.evaluator, self.state[0], later, self.motion[:, 0]).dofs == 0
+        ):
             self.system = full
             raise singular_start(self, q, t)
         self.state, self.motion, self.clock = start
         self.warnings.append(redundancy_warning(found))
-        return first  # type: ignore[return-value]
+        return first

@@ -44,7 +44,8 @@ class Evaluator:
     def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
         """Scaled residual (equations,) at q; expected (screws,) are the angles expected."""
         evaluate_position(self.system, self.work, q, t, expected)
-        return self.work.vectors[0, : self.arrays.row_scale.size] / self.arrays.row_scale
+        found: np.ndarray = self.work.vectors[0, : self.arrays.row_scale.size] / self.arrays.row_scale
+        return found
 
     def rows(self, q: np.ndarray) -> np.ndarray:
         """Jacobian rows phi_q (equations, 14), unscaled, at the q of the last `residual`."""
@@ -78,7 +79,8 @@ class Evaluator:
 
     def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
         """Return the coordinates after a scaled step (coordinates,)."""
-        return q + step * self.arrays.column_scale
+        found: np.ndarray = q + step * self.arrays.column_scale
+        return found
 
     @property
     def is_large(self) -> bool:

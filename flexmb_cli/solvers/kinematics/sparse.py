@@ -64,7 +64,8 @@ class SparseFactors:
         if self.repeated.size:
             right_side = right_side.copy()
             right_side[self.repeated] = 0.0
-        return self.lu.solve(right_side)[self.order]
+        found: np.ndarray = self.lu.solve(right_side)[self.order]
+        return found
 
 
 def odd(permutation: np.ndarray) -> bool:

@@ -84,7 +84,8 @@ class ConstrainedLinearised(LinearisedMotion):
     def _motions(self, L: np.ndarray) -> np.ndarray:
         """Displacements (n, f) that the constraints factorised last allow, one for each coordinate."""
         Z = self.analysis.work.motions[:, : len(L)] * self.scale[:, None]
-        return Z @ np.linalg.inv(L @ Z)
+        found: np.ndarray = Z @ np.linalg.inv(L @ Z)
+        return found
 
     def _rate_of_functionals(self, q: np.ndarray, u: np.ndarray) -> np.ndarray:
         """Rate (f, n) of L at the position q moving with the speeds u."""
@@ -92,7 +93,8 @@ class ConstrainedLinearised(LinearisedMotion):
         if size == 0.0:
             return np.zeros((self.dofs, u.size))
         h = DIFFERENCE_STEP / size
-        return differentiated(lambda time: self._functionals(self.moved(q, time * u)), h)
+        found: np.ndarray = differentiated(lambda time: self._functionals(self.moved(q, time * u)), h)
+        return found
 
     def _functionals(self, q: np.ndarray) -> Any:
         return self.coordinates.functionals(q)[self.free]
@@ -128,7 +130,8 @@ class ConstrainedLinearised(LinearisedMotion):
         work, system = self.analysis.work, system or self.system
         evaluate_jacobian(system, work, self.moved(self.q, d))
         rate_gap(system, work, self.u + w, self.t)
-        return work.rows[GAMMA] / self.analysis.arrays.row_scale
+        found: np.ndarray = work.rows[GAMMA] / self.analysis.arrays.row_scale
+        return found
 
     def companion(self, d: np.ndarray) -> np.ndarray:
         """Return the change w (n,) of the speeds, L w = 0, that the displacement d asks for."""
@@ -137,7 +140,8 @@ class ConstrainedLinearised(LinearisedMotion):
     def projected(self, gaps: np.ndarray) -> np.ndarray:
         """Return x (n,) with J x = gaps (m,), scaled, and L x = 0."""
         x = self._inverse @ gaps * self.scale
-        return x - self.Z @ (self.L @ x)
+        found: np.ndarray = x - self.Z @ (self.L @ x)
+        return found
 
     def turned(self, d: np.ndarray) -> np.ndarray:
         """Return k(d): omega × the rotation of every body, in its axes."""
@@ -182,7 +186,8 @@ class ConstrainedLinearised(LinearisedMotion):
         """Return the scaled accelerations (f,) of the coordinates displaced by y (scaled) and at rest."""
         q, u = self.standing(y)
         rates = self._rate_of_functionals(q, u) @ u + self._functionals(q) @ self._rates(q, u, self.t)
-        return rates / self.units
+        found: np.ndarray = rates / self.units
+        return found
 
     def stand_at(self, y: np.ndarray) -> None:
         """Put the analysis to the position displaced by y (scaled), its independent coordinates at rest."""
@@ -199,14 +204,14 @@ def linearised(
     Of the axes of `formulation` the first that make A constant are taken; where none do, the first.
     Raises AnalysisError at a singular position and where a motion has no inertia.
     """
-    first = None
+    found: list[tuple[LinearisedMotion, np.ndarray, bool]] = []
     for axes in formulation.AXES:
         motion = formulation(analysis, axes)
         A = motion.first_order()
         if motion.is_constant(A):
             return motion, A, True
-        first = first or (motion, A, False)
-    return first  # type: ignore[return-value]
+        found.append((motion, A, False))
+    return found[0]
 
 
 def modes(analysis: "ForwardDynamics", formulation: type = ConstrainedLinearised) -> Modes:

@@ -46,7 +46,7 @@ class ConstrainedResponses(Responses):
 
     def __init__(self, motion: ConstrainedLinearised):
         self.motion, self.analysis = motion, motion.analysis
-        self.terms: Terms = self.analysis.terms  # type: ignore[attr-defined]
+        self.terms: Terms = self.analysis.terms
         self.rotations = [rotation_matrix(p) for p in self._poses(motion.q)[:, 3:]]
         self.relative = [
             Signal(f"{name} {what} {axis}", unit)
@@ -82,7 +82,7 @@ class ConstrainedResponses(Responses):
         work, report = work._replace(responses=answers), report._replace(responses=answers[None].copy())
         filled = observe_rows(system, work, expected, report)
         motion.refuse(SOLVED if filled else NO_INERTIA)
-        rows = analysis.block(report)  # type: ignore[attr-defined]
+        rows = analysis.block(report)
         return np.concatenate([report.rates[0], self._outputs(rows)])
 
     def _outputs(self, rows: "FlexibleRows | DynamicRows") -> np.ndarray:
@@ -121,7 +121,8 @@ class ConstrainedResponses(Responses):
         place, carried = self._carried(q, b, None)
         block = carried - self._carried(q, a, place)[1]
         if a.body < 0:
-            return block
+            found: np.ndarray = block
+            return found
         across = rotation_matrix(self._poses(q)[a.body, 3:]).T
         return np.concatenate([across @ block[:3], across @ block[3:]])
 
@@ -191,7 +192,7 @@ class ConstrainedResponses(Responses):
         def change(amount: Any) -> System:
             additions = [0.0, 0.0, 0.0]
             additions[order] = amount
-            return self.analysis.driven_system(k, additions, self.motion.t)  # type: ignore[attr-defined]
+            return self.analysis.driven_system(k, additions, self.motion.t)
 
         return change
 

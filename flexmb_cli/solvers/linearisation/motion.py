@@ -65,7 +65,8 @@ class LinearisedMotion(ABC):
     @property
     def units(self) -> np.ndarray:
         """Return the scales (f,) of the independent coordinates."""
-        return self.scale[self.free]
+        found: np.ndarray = self.scale[self.free]
+        return found
 
     @abstractmethod
     def acceleration_at(self, d: np.ndarray, w: np.ndarray) -> np.ndarray:
@@ -102,15 +103,20 @@ class LinearisedMotion(ABC):
     def variation(self, function: "Callable[..., Any]", d: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return the derivative of function(d, w) along the displacement d and the speeds w."""
         size = np.max(np.abs(d) / self.scale, initial=0.0) or np.max(np.abs(w) / self.scale, initial=0.0)
-        return differentiated(lambda share: function(share * d, share * w), DIFFERENCE_STEP / (size or 1.0))
+        found: np.ndarray = differentiated(
+            lambda share: function(share * d, share * w), DIFFERENCE_STEP / (size or 1.0)
+        )
+        return found
 
     def position_rates(self, d: np.ndarray) -> np.ndarray:
         """Return what a displacement d adds to y' (f,) beside v."""
-        return self.L_rate @ d - self.L @ self.turned(d)
+        found: np.ndarray = self.L_rate @ d - self.L @ self.turned(d)
+        return found
 
     def speed_rates(self, w: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
         """Return v' (f,) of changes w of the speeds and of their rates."""
-        return self.L_rate @ w + self.L @ acceleration
+        found: np.ndarray = self.L_rate @ w + self.L @ acceleration
+        return found
 
     def tangents(self) -> "Iterator[tuple[np.ndarray, np.ndarray]]":
         """Yield displacement and change of speeds for every state, y then v, in their units."""
@@ -182,7 +188,7 @@ class LinearisedMotion(ABC):
         rates = [
             np.max(np.abs(v) / self.scale, initial=0.0) ** (1.0 / k) for k, v in enumerate(derivatives, 1)
         ]
-        return 1.0 / max(*rates, 1.0 / self.duration)
+        return float(1.0 / max(*rates, 1.0 / self.duration))
 
     def _destination(self, A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the displacements (f,) by the accelerations, and accelerations (f,) that nothing opposes."""
@@ -201,7 +207,8 @@ class LinearisedMotion(ABC):
         shift, left = self._destination(A)
         if np.max(np.abs(shift), initial=0.0) > CONSTANT or np.any(left):
             return self.rate
-        return self.rate - self.Z @ self.speed_rates(self.u, self.rate)
+        found: np.ndarray = self.rate - self.Z @ self.speed_rates(self.u, self.rate)
+        return found
 
     def standing_stiffness(self, stencil: tuple[tuple[float, float], tuple[float, float]]) -> np.ndarray:
         """Return the derivative (f, f) of the accelerations of the coordinates held at rest."""

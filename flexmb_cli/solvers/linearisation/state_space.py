@@ -117,18 +117,20 @@ def _response(responses: Responses, one: Input) -> np.ndarray:
     def answer(amount: float) -> np.ndarray:
         return responses.respond(amount * one.d, amount * one.w, one.change(amount))
 
-    return differentiated(answer, one.step)
+    found: np.ndarray = differentiated(answer, one.step)
+    return found
 
 
 def state_space(responses: Responses, later: Responses, states: tuple[Signal, ...]) -> StateSpace:
     """Return the state space of `responses`; `later`: the same a little later, which shows what changes."""
     here, there = matrices(responses), matrices(later)
+    A, B, C, D = here
     constant = {
         name: bool(np.all(np.abs(b - a) <= CONSTANT * _sizes(a)))
         for name, a, b in zip(MATRICES, here, there, strict=True)
     }
     inputs = tuple(one.signal for one in responses.inputs)
-    return StateSpace(*here, states, inputs, responses.outputs, responses.motion.axes, constant)  # type: ignore[arg-type, call-arg]
+    return StateSpace(A, B, C, D, states, inputs, responses.outputs, responses.motion.axes, constant)
 
 
 def _sizes(matrix: Any) -> np.ndarray:

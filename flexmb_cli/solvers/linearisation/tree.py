@@ -76,7 +76,10 @@ class TreeLinearised(LinearisedMotion):
         if self.axes == PARENT or size == 0.0:
             return np.zeros_like(self.L)
         h = DIFFERENCE_STEP / size
-        return differentiated(lambda time: self._functionals(self.displaced(time * speeds, z)), h)
+        found: np.ndarray = differentiated(
+            lambda time: self._functionals(self.displaced(time * speeds, z)), h
+        )
+        return found
 
     def _jacobian(self, z: np.ndarray) -> np.ndarray:
         """J (R, NS) of the gaps by the coordinates that are not prescribed."""
@@ -120,7 +123,8 @@ class TreeLinearised(LinearisedMotion):
         turn_attitudes(self.arrays, d, attitudes, rates)
         attitudes += rates
         normalise_attitudes(self.arrays, z)
-        return z
+        found: np.ndarray = z
+        return found
 
     def _rates(self, z: np.ndarray, t: float) -> np.ndarray:
         """u' (NS,) of a state; raises AnalysisError without inertia."""
@@ -208,7 +212,8 @@ class TreeLinearised(LinearisedMotion):
         """Return the scaled accelerations (f,) of the coordinates displaced by y (scaled) and at rest."""
         z = self.standing(y)
         L, speeds = self._functionals(z), z[: self.u.size]
-        return (self._rate_of_functionals(z) @ speeds + L @ self._rates(z, self.t)) / self.units
+        found: np.ndarray = (self._rate_of_functionals(z) @ speeds + L @ self._rates(z, self.t)) / self.units
+        return found
 
     def stand_at(self, y: np.ndarray) -> None:
         """Put the analysis to the position displaced by y (scaled), its independent coordinates at rest."""
@@ -218,7 +223,8 @@ class TreeLinearised(LinearisedMotion):
 def _projected(Z: np.ndarray, inverse: np.ndarray, L: np.ndarray, gaps: np.ndarray) -> np.ndarray:
     """x (NS,) with J x = gaps, L x = 0, for the generalised `inverse` of J."""
     x = inverse @ gaps
-    return x - Z @ (L @ x)
+    found: np.ndarray = x - Z @ (L @ x)
+    return found
 
 
 def _rank(jacobian: np.ndarray) -> int:

@@ -115,7 +115,7 @@ def natural_equations(mechanism: Mechanism) -> NaturalEquations:
     for ground in mechanism.grounds:
         found.add_linear(point(n, ground.body, (0,) * 3), ground.values[:3])
         e = np.sin(np.array(ground.values[3:]) / 2.0)
-        _fix(found, ground.body, rotation_of((np.sqrt(max(0.0, 1.0 - e @ e)), *e)))  # type: ignore[call-overload]
+        _fix(found, ground.body, rotation_of((np.sqrt(max(0.0, float(1.0 - e @ e))), *e)))
     for driver in mechanism.drivers:
         _drive(found, driver)
     found.close()
@@ -161,7 +161,8 @@ def _add_joint(found: Any, joint: Any) -> None:
 
 
 def _unit(v: np.ndarray | tuple[float, float, float]) -> np.ndarray:
-    return np.array(v, float) / np.linalg.norm(v)
+    found: np.ndarray = np.array(v, float) / np.linalg.norm(v)
+    return found
 
 
 def _across(v: tuple[float, float, float]) -> tuple[np.ndarray, np.ndarray]:
@@ -224,4 +225,5 @@ def turned(axis: int, angle: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 def rotation_of(p: np.ndarray | tuple[float, float, float, float]) -> np.ndarray:
     """Return the rotation matrix of Euler parameters."""
     e0, e = p[0], np.array(p[1:])
-    return (2 * e0 * e0 - 1) * np.eye(3) + 2 * np.outer(e, e) + 2 * e0 * np.cross(e, np.eye(3)).T
+    found: np.ndarray = (2 * e0 * e0 - 1) * np.eye(3) + 2 * np.outer(e, e) + 2 * e0 * np.cross(e, np.eye(3)).T
+    return found

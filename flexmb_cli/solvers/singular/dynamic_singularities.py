@@ -130,7 +130,8 @@ class PassedDynamicSingularities(PassedSingularities):
 
     @property
     def _expected(self) -> np.ndarray:
-        return self.analysis.integration.angles[0]
+        angles: np.ndarray = self.analysis.integration.angles[0]
+        return angles
 
     def _at(self, first: Row, last: Row, x: float) -> tuple[np.ndarray, float]:
         """Position at the part x of the way between two rows, and its smallest value; inf if open."""

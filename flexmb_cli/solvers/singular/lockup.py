@@ -37,7 +37,8 @@ def step_failure(analysis: Any, t: float) -> AnalysisError:
         return AnalysisError(
             about("error", message, worst[0].equation), t, gap_norms(worst) | {"reached": reached}
         )
-    return _singular(analysis, reached, t)
+    found: AnalysisError = _singular(analysis, reached, t)
+    return found
 
 
 def _least_gap(evaluator: Any, q: np.ndarray, t: float, expected: np.ndarray) -> Any:

@@ -45,7 +45,7 @@ def row_across(analysis: Any, t: float, memory: Any) -> Rows | None:
         signs.append(analysis.clock[SIGN])
     if signs[0] * signs[1] >= 0.0:
         return None
-    row = _between(*ends, after - before, (t - before) / (after - before))  # type: ignore[call-arg]
+    row = _between(ends[0], ends[1], after - before, (t - before) / (after - before))
     expected = analysis.motion[:, 0] - (after - t) * analysis.motion[:, 1]
     gap = _closed(analysis.evaluator, row, t, expected)
     if gap > ON_CURVE:

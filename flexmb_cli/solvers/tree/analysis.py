@@ -45,7 +45,7 @@ class TreeAnalysis:
         self.clock["t"] = self.clock["step_start"] = tree.time.start
         self.clock["rtol"], self.clock["atol"] = tree.integration.rtol, tree.integration.atol
         self.row = 0
-        self.attitude: np.ndarray = None  # type: ignore[assignment]  # until the first block
+        self.attitude: np.ndarray | None = None  # (N, 4) Euler parameters of the last row
         self.repeated: np.ndarray | None = None  # (R,) closed directions that depend on others at the start
         self.warnings: list[Fault] = []  # fills at the start
         self.resumed = False
@@ -65,6 +65,7 @@ class TreeAnalysis:
         breakpoint.  `clock` is one record of CLOCK, `state` (n,) the state at that time,
         `attitude` (N, 4) the Euler parameters of the last row, whose signs the next ones continue.
         """
+        assert self.attitude is not None, "rows have been yielded"
         clock = self.clock.copy()
         clock["t"], clock["step"] = clock["step_start"], clock["step_length"]
         clock["rejected"] = clock["step_rejected"]
@@ -161,13 +162,15 @@ class TreeAnalysis:
 
     def call(self, task: int) -> int:
         """Have the kernel do one of the tasks of `tree_dop853` that make no steps; its code."""
-        return tree_dop853.begin(task, self.arrays, self.work, self.coordinates, self.integration)
+        return int(tree_dop853.begin(task, self.arrays, self.work, self.coordinates, self.integration))
 
     def integrate_rows(self, report: Report) -> int:
         """Fill report rows by DOP853; its code."""
         budget = 1 + CALL_WORK // (1 + len(self.coordinates))
-        return tree_dop853.integrate_rows(
-            self.arrays, self.work, self.coordinates, self.integration, report, budget
+        return int(
+            tree_dop853.integrate_rows(
+                self.arrays, self.work, self.coordinates, self.integration, report, budget
+            )
         )
 
     def _blank_report(self, times: np.ndarray) -> Any:
@@ -197,12 +200,12 @@ class TreeAnalysis:
         if self.repeated is None:
             self.repeated = pivot_shares(self.arrays) == 0.0
             if self.repeated.any():
-                self._tell_of_repetition()
+                self._warn_of_repetition(self.repeated)
 
-    def _tell_of_repetition(self) -> None:
+    def _warn_of_repetition(self, repeated: np.ndarray) -> None:
         from .redundancy import repetition
 
-        self.warnings += filter(None, [repetition(self.tree, self.repeated)])  # type: ignore[arg-type]
+        self.warnings += filter(None, [repetition(self.tree, repeated)])
 
     def failure(self) -> AnalysisError:
         """Return what the clock says went wrong."""
@@ -212,8 +215,9 @@ class TreeAnalysis:
         if clock["fault"] != SOLVED:
             return AnalysisError(_no_inertia(self.tree, t, int(clock["fault"])), t, norms)
         if clock["strayed"]:
+            assert self.repeated is not None, "the tree has begun to move"
             shares, worst = pivot_shares(self.arrays), int(clock["worst"])
-            return AnalysisError(stray(self.tree, shares, self.repeated, t, worst), t, norms)  # type: ignore[arg-type]
+            return AnalysisError(stray(self.tree, shares, self.repeated, t, worst), t, norms)
         return AnalysisError(
             _step_vanished(self.tree, t, float(clock["step"]), int(clock["worst"])), t, norms
         )

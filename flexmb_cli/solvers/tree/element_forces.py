@@ -8,7 +8,7 @@ import numpy as np
 from ...model.flexible_mechanism import NodePoint
 from ...model.joint_elements import Bushing, EndStop, JointSpring, LineSpring
 from ...model.tree import Tree
-from .element_laws import Effort, cable_effort, linear_effort, spring_effort, stop_effort
+from .element_efforts import Effort, cable_effort, linear_effort, spring_effort, stop_effort
 from .placed_bodies import PlacedBodies
 
 if TYPE_CHECKING:

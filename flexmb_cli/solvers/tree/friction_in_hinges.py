@@ -6,7 +6,7 @@ import numpy as np
 
 from ...model.joint_elements import JointFriction
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Tree
-from .element_laws import friction_per_speed
+from .element_efforts import friction_per_speed
 
 if TYPE_CHECKING:
     from .placed_bodies import PlacedBodies
@@ -98,7 +98,8 @@ def _rate_of_momentum(
     al, a = work["acceleration"][k, :3], work["acceleration"][k, 3:]
     if body.elastic is None:
         r = A @ np.array(body.centre)
-        return body.mass * (a + np.cross(al, r) + np.cross(w, np.cross(w, r)) - g)
+        found: np.ndarray = body.mass * (a + np.cross(al, r) + np.cross(w, np.cross(w, r)) - g)
+        return found
     own = placed.elastic(k)
     u, v, rate = (np.zeros((len(body.elastic.masses), 3)) for _ in range(3))
     for x, values in ((u, placed.q), (v, placed.y), (rate, analysis.coordinates["rate"])):
@@ -110,4 +111,5 @@ def _rate_of_momentum(
         r, slide = A @ place, A @ moving
         turning = np.cross(al, r) + np.cross(w, np.cross(w, r) + 2.0 * slide)
         total = total + m * (a + turning + A @ pushed - g)
-    return total - body.elastic.forces.sum(axis=0)
+    force: np.ndarray = total - body.elastic.forces.sum(axis=0)
+    return force

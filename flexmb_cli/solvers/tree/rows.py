@@ -43,7 +43,8 @@ class TreeRows:
     @property
     def total(self) -> np.ndarray:
         """Energy that nothing changes but errors (T,), J."""
-        return self.kinetic + self.potential + self.strain - self.applied_work
+        found: np.ndarray = self.kinetic + self.potential + self.strain - self.applied_work
+        return found
 
 
 def tree_rows(tree: Tree, arrays: TreeArrays, observed: Report, last: np.ndarray | None) -> TreeRows:
@@ -135,16 +136,17 @@ def euler_parameters(axes: np.ndarray) -> np.ndarray:
     column = np.take_along_axis(np.moveaxis(four, (0, 1), (-2, -1)), largest[..., None, None], axis=-1)[
         ..., 0
     ]
-    return column / np.linalg.norm(column, axis=-1, keepdims=True)
+    found: np.ndarray = column / np.linalg.norm(column, axis=-1, keepdims=True)
+    return found
 
 
 def continued_signs(parameters: np.ndarray, last: np.ndarray | None) -> np.ndarray:
     """The same attitudes (T, N, 4) with signs that go on from row to row, the first from `last`."""
     last = unturned(parameters.shape[1]) if last is None else last
     chain = np.concatenate([last[None], parameters])
-    turns = np.sign(np.sum(chain[1:] * chain[:-1], axis=-1))
-    turns[turns == 0] = 1.0
-    return parameters * np.cumprod(turns, axis=0)[..., None]
+    signs = np.sign(np.sum(chain[1:] * chain[:-1], axis=-1))
+    signs[signs == 0] = 1.0
+    return parameters * np.cumprod(signs, axis=0)[..., None]
 
 
 def unturned(bodies: int) -> np.ndarray:

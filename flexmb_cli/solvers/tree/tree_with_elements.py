@@ -26,8 +26,8 @@ from ..compilation import interpreting
 from ..constrained.failures import bushing_failure, jam_failure
 from ..constrained.tree_element_rows import TreeElementRows
 from .analysis import TreeAnalysis, breakpoints, set_functions
+from .element_efforts import Effort
 from .element_forces import Answer, ElementForces
-from .element_laws import Effort
 from .friction_in_hinges import FrictionInHinges
 from .placed_bodies import PlacedBodies
 from .rows import TreeRows
@@ -124,7 +124,7 @@ class TreeWithElements(TreeAnalysis):
             rows.potential + energy,
             rows.applied_work + energy - self.energy,
         )
-        columns = {
+        columns: dict[str, Any] = {
             "element_coordinate": [x for x, _, _ in self.answers],
             "element_rate": [v for _, v, _ in self.answers],
             "element_effort": [effort.effort for *_, effort in self.answers],
@@ -134,8 +134,8 @@ class TreeWithElements(TreeAnalysis):
             "driver_effort": self.coordinates["drive"][self.arrays.prescribed["coordinate"]],
         }
         dissipated = np.array([-works[: works.size - len(self.model.elements.motors)].sum()])
-        arrays = {name: np.array(row)[None] for name, row in columns.items()}
-        return TreeElementRows(**kept, **arrays, dissipated=dissipated)  # type: ignore[arg-type]
+        arrays: dict[str, Any] = {name: np.array(row)[None] for name, row in columns.items()}
+        return TreeElementRows(**kept, **arrays, dissipated=dissipated)
 
     def _powers(self) -> list[float]:
         """Return the power of each element, W, as it answered last; that of stored energy is left out."""
@@ -232,7 +232,8 @@ class TreeWithElements(TreeAnalysis):
         self.clock["t"], self.state[:] = t, z
         if self.call(GO_ON) == NO_INERTIA:
             raise self.failure()
-        return self.integration.slopes[0].copy()
+        found: np.ndarray = self.integration.slopes[0].copy()
+        return found
 
 
 def _motion_and_axis(coordinate: str) -> tuple[str, int]:

@@ -1,29 +1,16 @@
 """Comparison of OUT tables and HDF5 results."""
 
-import io
 import json
 import re
-import subprocess
-import sys
-import tracemalloc
 from dataclasses import replace
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
-from flexmb_cli.deck import listing
-from flexmb_cli.deck.listing import TableError
-from flexmb_cli.dialects.young.listing import OutTable
-from flexmb_cli.results.diff import hdf5
-from flexmb_cli.results.diff.accept import accept
 from flexmb_cli.results.diff.compare import compare
 from flexmb_cli.results.diff.hdf5 import kind_of
-from flexmb_cli.results.diff.listings import read_listing
 from flexmb_cli.results.diff.tolerances import KINDS, Tolerance, ToleranceError, Tolerances, parse_kinds
-from flexmb_cli.results.hdf5.kinematic import kinematic_layout, kinematic_values
-from flexmb_cli.results.hdf5.result_file import ResultFile
 from tests.results.results import SERIES, write_result
 
 FIELD_OF = {
@@ -39,40 +26,6 @@ FIELD_OF = {
     "point_velocity": "point_velocity",
     "point_acceleration": "point_acceleration",
 }
-
-
-@pytest.fixture
-def table(tmp_path, deck):
-    def write(name, rows, layout="safe", failed=False, deck=deck):
-        stream = io.StringIO()
-        out = OutTable((stream,), deck, layout)
-        out.begin()
-        out.rows(kinematic_values(rows))
-        if failed:
-            out.failed()
-        path = tmp_path / name
-        path.write_text(stream.getvalue())
-        return path
-
-    return write
-
-
-@pytest.fixture
-def result(tmp_path, deck, mechanism):
-    def write(name, rows, status="complete"):
-        file = ResultFile(tmp_path / name, deck, kinematic_layout(mechanism))
-        file.rows(kinematic_values(rows))
-        file.close(status)
-        return tmp_path / name
-
-    return write
-
-
-@pytest.fixture(params=["OUT", "h5"])
-def store(request, table, result):
-    """Write rows in one of the two formats."""
-    write = table if request.param == "OUT" else result
-    return lambda name, rows: write(f"{name}.{request.param}", rows)
 
 
 def shifted(rows, field, amount, row=2, item=-1, column=0):
@@ -271,168 +224,6 @@ def test_rates_with_the_other_sign_than_their_parameters_differ_all_the_same(sto
     assert {kind for kind, tally in report.tallies.items() if tally.differing} == {"euler_rate"}
 
 
-def test_missing_rows_are_a_difference_and_the_others_are_compared(table, rows):
-    a, b = table("a", rows(TIMES)), table("b", rows(TIMES[:5]))
-    report = compare(a, b)
-    assert report.missing == [f"2 rows of {a} are not in {b}: t = 5, 6"]
-    assert report.differing == 0
-    assert report.tallies["time"].compared == 5
-
-
-def test_rows_are_matched_by_time_when_some_are_missing(table, rows):
-    a, b = table("a", rows(TIMES)), table("b", rows([0.0, 2.0, 4.0, 6.0]))
-    report = compare(a, b)
-    assert report.missing == [f"3 rows of {a} are not in {b}: t = 1, 3, 5"]
-    assert report.differing == 0
-
-
-def test_missing_rows_of_an_hdf5_result_are_a_difference(result, rows):
-    base = rows(TIMES)
-    a, b = result("a.h5", base), result("b.h5", rows(TIMES[:5]), status="failed")
-    report = compare(a, b)
-    assert report.missing[0] == "status: complete against failed"
-    assert "/body/position: shape (7, 2, 3) against (5, 2, 3)" in report.missing
-    assert report.differing == 0
-    assert report.tallies["position"].compared == 5 * 2 * 3
-
-
-def test_rows_of_equal_printed_time_are_kept_apart(table, rows):
-    """Steps below half a millisecond print several rows with the same time."""
-    time = np.arange(9) * 2e-4
-    a, b = table("a", rows(time)), table("b", rows(time[:-1]))
-    report = compare(a, b)
-    assert len(report.missing) == 1
-    assert report.differing == 0
-
-
-def test_other_times_are_a_difference(store, rows):
-    report = compare(store("a", rows(TIMES)), store("b", replace(rows(TIMES), time=TIMES + 0.5)))
-    assert report.tallies["time"].differing == 7
-
-
-def test_a_missing_body_is_a_difference(table, rows):
-    a = table("a", rows(TIMES))
-    b = a.with_name("b")
-    lines = a.read_text().splitlines(keepends=True)
-    cut = [n for n, line in enumerate(lines) if line.startswith("  2 ") and len(line) > 70]
-    b.write_text("".join(line for n, line in enumerate(lines) if n != cut[3]))
-    report = compare(a, b)
-    assert report.missing == [f"position: 1 lines of {a} are not in {b}: body 2 at t = 1"]
-    assert report.differing == 0
-
-
-def test_a_missing_section_is_a_difference(table, rows, deck):
-    base, nothing = rows(TIMES), np.zeros((7, 0, 3))
-    a = table("a", base)
-    counts, *others = deck.records
-    numbers = tuple(replace(n, value=0) if n.key == "NPOINT" else n for n in counts.numbers)
-    without = replace(deck, records=(counts.with_numbers(numbers), *others))
-    bare = replace(base, point_position=nothing, point_velocity=nothing, point_acceleration=nothing)
-    b = table("b", bare, deck=without)
-    for report in (compare(a, b), compare(b, a)):
-        assert report.missing == [f"point: there is no such section in {b}"]
-        assert report.tallies["echo"].differing == 1
-
-
-def test_a_missing_column_is_a_difference(table, rows):
-    a = table("a", rows(TIMES))
-    b = a.with_name("b")
-    text = a.read_text().replace("   e3\n", "\n")
-    lines = text.splitlines(keepends=True)
-    # Lines of the positions are the only ones whose fields are ten wide.
-    b.write_text(
-        "".join(line[:63] + "\n" if len(line) == 74 and line[3:7] == "    " else line for line in lines)
-    )
-    report = compare(a, b)
-    assert report.missing == [f"position: {b} has no column e3"]
-    assert report.differing == 0
-
-
-def test_a_missing_dataset_is_a_difference_in_either_direction(result, rows):
-    a, b = result("a.h5", rows(TIMES)), result("b.h5", rows(TIMES))
-    with h5py.File(b, "a") as file:
-        del file["body/angular_velocity"]
-    assert compare(a, b).missing == [f"/body/angular_velocity: not in {b}"]
-    assert compare(b, a).missing == [f"/body/angular_velocity: not in {b}"]
-
-
-def test_other_names_and_shapes_are_differences(result, rows):
-    a, b = result("a.h5", rows(TIMES)), result("b.h5", rows(TIMES))
-    with h5py.File(b, "a") as file:
-        file["joint/name"][0] = "screw 1"
-        del file["body/position"]
-        file["body/position"] = np.zeros((7, 3, 3))
-    report = compare(a, b)
-    assert report.missing == ["/body/position: shape (7, 2, 3) against (7, 3, 3)"]
-    assert [words.partition(",")[0] for words in report.words] == ["/joint/name"]
-
-
-def test_a_deck_of_other_spelling_is_no_difference(result, rows):
-    a, b = result("a.h5", rows(TIMES)), result("b.h5", rows(TIMES))
-    with h5py.File(b, "a") as file:
-        file["deck"][()] = "2 1 1 1 0 0 0 0 0 2 0 1 { a comment }\n"
-    assert compare(a, b).equal
-
-
-def test_the_mark_of_a_failure_is_a_difference(table, rows):
-    a, b = table("a", rows(TIMES)), table("b", rows(TIMES), failed=True)
-    assert compare(a, b).missing == [f"only {b} ends with CONVERGENCE FAILED or RUN STOPPED"]
-
-
-def test_another_echo_is_a_difference_that_can_be_left_out(table, rows, deck):
-    a, b = table("a", rows(TIMES)), table("b", rows(TIMES), deck=deck.with_values({"driver.1.B": 1.057}))
-    report = compare(a, b)
-    assert report.worst.sentence == "echo, ENTER INITIAL POSITION, VELOCITY & ACCELERATION: 1.05 against 1.06"
-    assert compare(a, b, Tolerances(kinds=parse_kinds(["echo=inf"]))).equal
-
-
-def test_a_table_without_echo_differs_unless_the_echo_is_left_out(table, rows):
-    a = table("a", rows(TIMES))
-    b = a.with_name("b")
-    b.write_text(a.read_text().partition("-- KINEMATIC")[2])
-    assert compare(a, b).missing == [f"echo of the input: 71 numbers in {a}, 0 in {b}"]
-    assert compare(a, b, Tolerances(kinds=parse_kinds(["echo=inf"]))).equal
-
-
-@pytest.mark.parametrize("swapped", [False, True])
-def test_a_table_and_an_hdf5_result_cannot_be_compared(table, result, rows, swapped):
-    paths = [table("a.OUT", rows(TIMES)), result("a.h5", rows(TIMES))]
-    with pytest.raises(TableError, match="this is no HDF5 result, the other file is") as caught:
-        compare(*(paths[::-1] if swapped else paths))
-    assert caught.value.name == str(paths[0])
-    assert caught.value.exit_code == 2
-
-
-@pytest.mark.parametrize("other, reported", [("absent", "no such file"), (".", "directory|folder")])
-def test_beside_an_hdf5_result_too_a_file_that_cannot_be_opened_is_told(
-    result, rows, tmp_path, other, reported
-):
-    with pytest.raises(TableError, match=reported) as caught:
-        compare(result("a.h5", rows(TIMES)), tmp_path / other)
-    assert caught.value.name == str(tmp_path / other)
-
-
-def test_a_missing_file_is_named(table, rows, tmp_path):
-    with pytest.raises(TableError, match="no such file") as caught:
-        compare(table("a", rows(TIMES)), tmp_path / "none")
-    assert (caught.value.name, caught.value.exit_code) == (str(tmp_path / "none"), 2)
-    with pytest.raises(TableError, match="it is a folder"):
-        compare(tmp_path, tmp_path)
-
-
-def test_a_file_that_is_no_table_is_refused(tmp_path):
-    (tmp_path / "letter").write_text("Dear Sir,\n")
-    with pytest.raises(TableError, match="no OUT table is found in it"):
-        compare(tmp_path / "letter", tmp_path / "letter")
-
-
-def test_a_damaged_hdf5_result_is_refused(result, rows):
-    path = result("a.h5", rows(TIMES))
-    path.write_bytes(path.read_bytes()[:2000])
-    with pytest.raises(TableError, match="damaged HDF5 file"):
-        compare(path, path)
-
-
 def test_the_report_is_plain_data_for_json(store, rows):
     base = rows(TIMES)
     report = compare(store("a", base), store("b", shifted(base, "velocity", np.nan)))
@@ -471,60 +262,6 @@ def test_a_change_in_any_dataset_is_found_in_its_kind(tmp_path, series):
     assert report.worst.time == 1.0
 
 
-def flexmb(*arguments, cwd):
-    return subprocess.run(
-        [sys.executable, "-m", "flexmb_cli", "diff", *map(str, arguments)],
-        cwd=cwd, capture_output=True, text=True, encoding="utf-8", timeout=60,
-    )  # fmt: skip
-
-
-def test_update_takes_the_second_file_as_reference(table, rows, tmp_path):
-    base = rows(TIMES)
-    a, b = table("a", base), table("b", shifted(base, "velocity", 0.25, item=0))
-    a.chmod(0o640)
-    done = flexmb("a", "b", "--update", cwd=tmp_path)
-    assert done.returncode == 0
-    verdict = "a, b: 1 of 519 numbers differ, 0 things are missing"
-    assert done.stdout.splitlines()[-2:] == [verdict, "a: taken from b"]
-    assert a.read_bytes() == b.read_bytes()
-    assert a.stat().st_mode & 0o777 == 0o640
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "b"]
-
-
-def test_update_leaves_a_reference_that_agrees(table, rows, tmp_path):
-    base = rows(TIMES)
-    a, _ = table("a", base), table("b", shifted(base, "velocity", 0.001, item=0))
-    before = a.read_bytes()
-    done = flexmb("a", "b", "--update", "--last-digit", "1", cwd=tmp_path)
-    assert (done.returncode, done.stdout.splitlines()[-1]) == (0, "a: left as it is")
-    assert a.read_bytes() == before
-
-
-def test_update_makes_a_reference_that_is_not_there(store, rows, tmp_path):
-    b = store("b", rows(TIMES))
-    reported = json.loads(flexmb("new", b, "--update", "--json", cwd=tmp_path).stdout)
-    assert reported["updated"] is True
-    assert (tmp_path / "new").read_bytes() == b.read_bytes()
-
-
-def test_update_refuses_what_is_no_result_and_what_cannot_be_written(table, rows, tmp_path):
-    a = table("a", rows(TIMES))
-    before = a.read_bytes()
-    (tmp_path / "letter").write_text("Dear Sir,\n")
-    for arguments, message in (
-        (["a", "letter"], "no OUT table is found in it"),
-        (["new", "letter"], "no OUT table is found in it"),
-        (["a", "none"], "no such file"),
-        (["none/new", "a"], "its folder does not exist"),
-        (["a", "-"], "standard input"),
-    ):
-        done = flexmb(*arguments, "--update", cwd=tmp_path)
-        assert done.returncode == 2
-        assert message in done.stderr
-    assert a.read_bytes() == before
-    assert not (tmp_path / "new").exists()
-
-
 def test_fewer_decimals_agree_when_they_are_the_rounded_ones(table, rows):
     """OUT1-4-3 of Appendix B has two decimals where later listings have three."""
     a = table("a", rows(TIMES))
@@ -535,38 +272,3 @@ def test_fewer_decimals_agree_when_they_are_the_rounded_ones(table, rows):
     assert b.read_text() != text
     assert compare(a, b).equal
     assert compare(a, c).tallies["position"].differing > 0
-
-
-def test_comparing_results_takes_no_more_memory_than_a_part_of_them(tmp_path, monkeypatch):
-    monkeypatch.setattr(hdf5, "NUMBERS_AT_ONCE", 2**16)
-
-    def peak(rows):
-        path = write_result(tmp_path / f"{rows}.h5", rows)
-        tracemalloc.start()
-        assert compare(path, path, same_attitude=True).equal
-        _, most = tracemalloc.get_traced_memory()
-        tracemalloc.stop()
-        return most
-
-    # Twelve Euler parameters a row are the largest dataset: a part is 5461 rows of them.
-    assert peak(44000) < 1.2 * peak(22000)
-
-
-def test_update_follows_no_link_of_a_result_to_another_file(result, rows):
-    """A reference that took its rows from elsewhere would change without being touched."""
-    a, b = result("a.h5", rows(TIMES)), result("b.h5", rows(TIMES))
-    with h5py.File(b, "r+") as file:
-        del file["time"]
-        file["time"] = h5py.ExternalLink(a.name, "/time")
-    before = a.read_bytes()
-    with pytest.raises(TableError, match="time is a link to elsewhere") as caught:
-        accept(a, b)
-    assert caught.value.name == str(b)
-    assert a.read_bytes() == before
-
-
-@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="needs a device that never ends")
-def test_a_file_without_end_is_refused_before_memory_is_full(monkeypatch):
-    monkeypatch.setattr(listing, "LARGEST_LISTING", 2**20)
-    with pytest.raises(TableError, match="larger than 1 MB: compare the HDF5 results"):
-        read_listing("/dev/zero")

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ....deck.record import Number, Record
+from ....deck.record import Record
 from ....deck.records import DeckValues
 from ....model.diagnostics import Findings
 from ....model.flexible_mechanism import NodePoint
@@ -14,7 +14,7 @@ from ....model.tree import INERTIAL, ROTATION, TRANSLATION, Body, Hinge, Tree
 from ....model.tree_as_mechanism.frames import shape_of
 from ....quick_dataclass import replace
 from ...elements.build import (
-    ElementMaker,
+    Cards,
     bushing,
     cable,
     coupling,
@@ -23,14 +23,16 @@ from ...elements.build import (
     joint_spring,
     line_spring,
     motor,
+    sections_of,
     stop,
 )
 from ...elements.build import build_elements as elements_of
 from ...elements.functions import Functions, GivenFunction
+from ...elements.maker import ElementMaker
 from .cards import FUNCTION_KINDS
 
 COUPLED_RATE = 1e-6  # rate that speeds of Y(L), in ten columns, may leave of a coupling, of the largest
-_CARDS = {
+_CARDS: Cards = {
     "drivers": [("function_drive", joint_driver(None))],
     "motors": [("function_motor", motor(None))],
     "springs": [("hinge_spring", joint_spring(None))],
@@ -46,11 +48,7 @@ def with_elements(tree: Tree, values: DeckValues, findings: Findings) -> Tree:
     """The tree with the elements of the deck, its driven coordinates as their functions begin."""
     functions = Functions(_given(values, findings), findings)
     maker = _Maker(tree.bodies, tree.hinges, functions, findings, tree.time.start)
-
-    def records(section: Any) -> Any:
-        return list(_couplings(values)) if section == "coupling" else values.section(section)
-
-    elements = elements_of(maker, records, _CARDS)  # type: ignore[arg-type]
+    elements = elements_of(maker, sections_of(values), _CARDS)
     functions.note_unused()
     if not elements:
         return tree
@@ -73,20 +71,6 @@ def _given(values: DeckValues, findings: Findings) -> Iterator[GivenFunction]:
 
 def _places(record: Record) -> Any:
     return lambda k: record.numbers[3 + k].place
-
-
-def _couplings(values: DeckValues) -> Iterator[Record]:
-    """The couplings as records of all their terms."""
-    terms: dict[int, list[Record]] = {}
-    for record in values.section("coupling_term"):
-        terms.setdefault(record["coupling"], []).append(record)
-    for number, records in terms.items():
-        numbers = [
-            Number(f"{item.key}{k}", item.value, item.meaning, item.unit, item.place, item.text)
-            for k, record in enumerate(records, 1)
-            for item in record.numbers[1:]
-        ]
-        yield Record("coupling", number, f"coupling {number}", tuple(numbers))
 
 
 class _Maker(ElementMaker):
@@ -166,8 +150,8 @@ class _Maker(ElementMaker):
             self.findings.error(record.subject, message, node.place, id="DAFMS-084")
             return None
         place = np.array([record[f"{letter}{axis}"] for axis in (1, 2, 3)], float)
-        if node.value:
-            place = elastic.positions[node.value - 1]  # type: ignore[union-attr]
+        if elastic and node.value:
+            place = elastic.positions[node.value - 1]
         shape = shape_of(elastic, node.value - 1 if node.value else None) if elastic else np.zeros((3, 0))
         owner = body.value - 1 if body.value else INERTIAL
         return owner, NodePoint(f"end {letter}", owner, place, shape)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ....errors import Fault, ModelError
+from ....errors import Fault, Place
 from ....model.exchange.chain import chain_of
 from ....model.exchange.function_cards import FunctionCards
 from ....model.exchange.functions import value_of
@@ -30,14 +30,14 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     made = _Deck(model)
     made.refuse_foreign()
     lines = made.lines() if not made.refusals.items else []
-    faults = [
-        Fault("error", message, place, name, id="DAFMS-151") for message, place, name in made.refusals.items
-    ]
-    if faults:
-        raise ModelError(faults)
+    made.refusals.raise_faults(_refused)
     rounding = f"Numbers are rounded to their columns, relatively by {made.rounding:.1g} at most."
     notes = [f"Units: {units}.", *(f"{note}." for note in model.notes), *made.notes(), rounding]
     return "\n".join([*lines, "END ", "STAR", "STOP", *notes, ""]).replace("DFMB", f"DFMB {title}", 1)
+
+
+def _refused(message: str, place: Place | None, name: str) -> Fault:
+    return Fault("error", message, place, name, id="DAFMS-151")
 
 
 class _Deck(ElementCards):

@@ -1,10 +1,11 @@
 """Cards of bodies: their kind, matrices, nodes, masses, and where they are and move at the start."""
 
+from ....fe.formats.formats import MAPPING_FORMATS
 from ..card import Card, Column, vector_columns, whole_column, word_column
 from .columns import BODY, MATRIX_FORMS, file_card, node_list_card
 
 NODE_FORMS = ("TXT", "CDB", "INP", "BDF")
-MAPPING_FORMS = ("ANS", "CCX")
+MAPPING_FORMS = tuple(MAPPING_FORMATS)
 
 BODY_CARDS = (
     Card(

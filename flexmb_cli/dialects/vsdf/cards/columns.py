@@ -1,10 +1,11 @@
 """Columns and cards that stand in several tables."""
 
+from ....fe.formats.formats import MATRIX_FORMATS
 from ..card import Card, Column, whole_column, word_column
 
 BODY = whole_column("body", "number of the body", None)
 NODE = whole_column("node", "node or node set", None)
-MATRIX_FORMS = ("MM", "HB", "CCX", "ABQ", "DMIG", "OP4")
+MATRIX_FORMS = tuple(MATRIX_FORMATS)
 
 
 def file_card(word: str, section: str, what: str, forms: tuple[str, ...]) -> Card:

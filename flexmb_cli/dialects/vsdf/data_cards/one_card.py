@@ -29,7 +29,8 @@ class CardReader:
             self.at += 1
             line = self.lines[self.at - 1].rstrip()
             if line and not line.startswith(_COMMENT):
-                return line
+                found: str | None = line
+                return found
         return None
 
     def read_second(self, card: Card) -> list[Number]:

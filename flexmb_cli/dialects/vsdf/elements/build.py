@@ -3,16 +3,17 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from ....deck.record import Number, Record
+from ....deck.record import Record
 from ....deck.records import DeckValues
 from ....model.diagnostics import Findings
 from ....model.fe_model import NodeJoint, Pin, VsdfBody
 from ....model.joint_elements import JointElements
 from ....model.mechanism import GROUND
 from ....quick_dataclass import replace
-from ...elements.build import JOINT_CARDS, JointMaker
+from ...elements.build import JOINT_CARDS, sections_of
 from ...elements.build import build_elements as elements_of
 from ...elements.functions import Functions, GivenFunction
+from ...elements.maker import JointMaker
 from ..joints import find_end
 from .cards import FUNCTION_KINDS, OF_TABLES
 
@@ -20,7 +21,7 @@ RUN_START = 0.0  # s, of every run
 
 
 def build_functions(values: DeckValues, tables: dict[int, Any], findings: Findings) -> Functions:
-    """The functions of the cards FUNC; `tables`: laws of the tables by their numbers."""
+    """The functions of the cards FUNC; `tables`: functions of the tables by their numbers."""
     return Functions(_given(values, tables, findings), findings)
 
 
@@ -70,11 +71,7 @@ def build_elements(
         message = f"on is 0 or 1; read {output.at('on').text}"
         findings.error(output.subject, message, output.at("on").place, id="VSDF-102")
     reported = any(output["on"] == 1 for output in outputs)
-
-    def records(section: Any) -> Any:
-        return list(_couplings(values)) if section == "coupling" else values.section(section)
-
-    return elements_of(maker, records, JOINT_CARDS, reported=reported)  # type: ignore[arg-type]
+    return elements_of(maker, sections_of(values), JOINT_CARDS, reported=reported)
 
 
 class _Maker(JointMaker):
@@ -120,24 +117,6 @@ class _Maker(JointMaker):
                 "several bushings at nodes apart"
             )
             self.findings.error(record.subject, message, turning[0].place, id="VSDF-104")
-
-
-def _couplings(values: DeckValues) -> Iterator[Record]:
-    """The couplings as records of all their terms."""
-    terms: dict[int, list[Record]] = {}
-    for record in values.section("coupling_term"):
-        terms.setdefault(record["coupling"], []).append(record)
-    for number, records in terms.items():
-        numbers = [
-            _renamed(item, f"{item.key}{k}")
-            for k, record in enumerate(records, 1)
-            for item in record.numbers[1:]
-        ]
-        yield Record("coupling", number, f"coupling {number}", tuple(numbers))
-
-
-def _renamed(number: Number, key: str) -> Number:
-    return Number(key, number.value, number.meaning, number.unit, number.place, number.text)
 
 
 def moved_pins(

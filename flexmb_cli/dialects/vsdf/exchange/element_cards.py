@@ -105,12 +105,12 @@ def _friction(item: JointFriction) -> str:
     return record(item.joint + 1, *numbers)
 
 
-def record(*values: Any) -> Any:
+def record(*values: Any) -> str:
     """A card in free form; the blank in front keeps a word from being read as a keyword."""
     return "    " + ",".join(_text(value) for value in values)
 
 
-def _text(value: Any) -> Any:
+def _text(value: Any) -> str:
     if isinstance(value, str | int):
         return str(value)
     # 0.0 and no negative zero; all digits of a double.

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....errors import Fault, ModelError
+from ....errors import Fault, Place
 from ....model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
 from ....model.exchange.rigid_model import ALPHA, RADAU, RigidModel, across
 from ....model.exchange.shapes import RigidShape, notes_of
@@ -31,11 +31,7 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     """Return the deck's text; raises ModelError with all that VSDF does not know."""
     made = _Deck(model)
     cards = made.cards()
-    faults = [
-        Fault("error", message, place, name, id="VSDF-150") for message, place, name in made.refusals.items
-    ]
-    if faults:
-        raise ModelError(faults)
+    made.refusals.raise_faults(_refused)
     lines = [
         f"VSDF {title}",
         f"* Units: {units}.",
@@ -45,6 +41,10 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
         if records:
             lines += [word, *records]
     return "\n".join([*lines, *(word.strip() for word in FINAL), ""])
+
+
+def _refused(message: str, place: Place | None, name: str) -> Fault:
+    return Fault("error", message, place, name, id="VSDF-150")
 
 
 class _Deck(ElementCards):
@@ -96,12 +96,11 @@ class _Deck(ElementCards):
         return stepping.radius if stepping.method == ALPHA else stepping.tolerance
 
     def _body(self, k: int) -> Any:
-        body, J = self.model.bodies[k], self.model.bodies[k].inertia
+        body = self.model.bodies[k]
         self._check_mass(body)
-        moments = J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[1, 2], J[2, 0]
         velocity = (*body.velocity, *(body.A.T @ body.omega))
         return {
-            "RIGI": [record(k + 1, body.mass, *body.centre), record(*moments)],
+            "RIGI": [record(k + 1, body.mass, *body.centre), record(*body.moments)],
             "POSI": record(k + 1, *body.r),
             "EULP": record(k + 1, *body.p),
             "VELO": record(k + 1, *velocity) if any(velocity) else "",

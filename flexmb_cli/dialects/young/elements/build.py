@@ -8,9 +8,10 @@ from ....model.diagnostics import Findings
 from ....model.joint_elements import CompositeJoint, DrivenItem, JointElements
 from ....model.joints import ANGLE, STROKE
 from ....model.mechanism import Mechanism
-from ...elements.build import JOINT_CARDS, JointMaker, joint_driver
+from ...elements.build import JOINT_CARDS, Cards, joint_driver
 from ...elements.build import build_elements as elements_of
 from ...elements.functions import Functions, GivenFunction
+from ...elements.maker import JointMaker
 from .cards import FUNCTION_CARDS
 
 _SECTIONS = tuple(card.section for card in FUNCTION_CARDS)
@@ -38,7 +39,7 @@ def build_elements(
 ) -> JointElements:
     """All elements of the deck; faults go into `findings`."""
     maker = _Maker(mechanism, functions, findings)
-    return elements_of(maker, deck.section, _CARDS, reported=bool(deck.section("joints")))  # type: ignore[arg-type]
+    return elements_of(maker, deck.section, _CARDS, reported=bool(deck.section("joints")))
 
 
 class _Maker(JointMaker):
@@ -98,7 +99,7 @@ def _composite(maker: Any, record: Any) -> Any:
     return CompositeJoint(record.subject, kind, **maker.ends(record), **axes, size=size, place=record.place)
 
 
-_CARDS = {
+_CARDS: Cards = {
     "driven": [("drive", _driven)],
     "supports": [("support", _support)],
     "drivers": [("angle", joint_driver(ANGLE)), ("stroke", joint_driver(STROKE))],

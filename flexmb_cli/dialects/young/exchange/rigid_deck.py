@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....errors import Fault, ModelError
+from ....errors import Fault, Place
 from ....model.exchange.function_cards import FunctionCards
 from ....model.exchange.functions import constant, polynomial_of, value_of
 from ....model.exchange.rigid_model import ALPHA, RADAU, Refusals, RigidModel, across
@@ -27,14 +27,14 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     """Return the deck's text; raises ModelError with all that YOUNG does not know."""
     made = _Deck(model)
     lines = made.lines()
-    faults = [
-        Fault("error", message, place, name, id="YOUNG-152") for message, place, name in made.refusals.items
-    ]
-    if faults:
-        raise ModelError(faults)
+    made.refusals.raise_faults(_refused)
     notes = [title, f"Units: {units}", *model.notes, *notes_of(model.shapes)]
     head = [f"{{ {note.replace('{', '(').replace('}', ')')} }}" for note in notes]
     return "\n".join([*head, *lines, ""])
+
+
+def _refused(message: str, place: Place | None, name: str) -> Fault:
+    return Fault("error", message, place, name, id="YOUNG-152")
 
 
 class _Deck:
@@ -130,9 +130,7 @@ class _Deck:
 
     def _masses(self) -> "Iterator[Any]":
         for k, body in enumerate(self.model.bodies, start=1):
-            J = body.inertia
-            moments = J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[1, 2], J[2, 0]
-            yield f"MASS {_line(k, body.mass, *body.centre, *moments)}"
+            yield f"MASS {_line(k, body.mass, *body.centre, *body.moments)}"
         for k, body in enumerate(self.model.bodies, start=1):
             if any((*body.velocity, *body.omega)):
                 yield f"VELOCITY {_line(k, *body.velocity, *body.omega)}"
@@ -177,11 +175,11 @@ class _Deck:
             cable = _line(item.stiffness, item.rest, item.damping)
             yield f"CABLE {ends} {cable}" if item.slack else f"LSPRING {ends} {self._characteristics(item)}"
         for item in model.stops:
-            numbers = _line(item.lower, item.upper, item.stiffness, item.damping)
-            yield f"{self._word(item, 'TSTOP', 'ASTOP')} {numbers}"
+            limits = _line(item.lower, item.upper, item.stiffness, item.damping)
+            yield f"{self._word(item, 'TSTOP', 'ASTOP')} {limits}"
         for item in model.bushings:
-            ends = item.i + 1, item.j + 1, *item.P_i, *item.P_j
-            yield f"BUSHING {_line(*ends, *item.stiffness, *item.damping)}"
+            places = item.i + 1, item.j + 1, *item.P_i, *item.P_j
+            yield f"BUSHING {_line(*places, *item.stiffness, *item.damping)}"
         for item in model.couplings:
             terms = [
                 (self._number(joint), 1 if coordinate == ANGLE else 2, factor)
@@ -226,5 +224,5 @@ def _shape(shape: RigidShape) -> str:
     return f"GEOM {_line(shape.body + 1, KINDS.index(shape.kind) + 1, *shape.sizes)} {place}"
 
 
-def _line(*values: Any) -> Any:
+def _line(*values: Any) -> str:
     return " ".join(str(v) if isinstance(v, int) else repr(float(v) + 0.0) for v in values)

@@ -31,7 +31,9 @@ def spring_effort(item: JointSpring | LineSpring, x: float, v: float) -> Effort:
     lost = -item.damping * v - _value(item.damper, v)
     energy = item.preload * s + 0.5 * item.stiffness * s * s
     if item.curve is not None:
-        energy += integral_of(item.curve).at(s)[0]  # type: ignore[union-attr]
+        integral = integral_of(item.curve)
+        assert integral is not None, "a curve is no product"
+        energy += integral.at(s)[0]
     return Effort(kept + lost, kept, energy)
 
 

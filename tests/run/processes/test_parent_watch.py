@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-DECKS = Path(__file__).parents[2] / "decks"
+DECKS = Path(__file__).parents[3] / "decks"
 
 pytestmark = [
     pytest.mark.skipif(sys.platform == "win32", reason="groups of processes are Unix's"),
@@ -115,15 +115,15 @@ def test_a_signal_to_the_parent_alone_stops_decks_that_run_at_once(tmp_path, sen
     decks = [str(DECKS / "dafms" / name) for name in ("pendulum.DAT", "sliding_mass.DAT")]
     grid = ["--set", "time.IT=9000000"]
     process = started(["run", *decks, "-j", 2, "--json", "-o", tmp_path, *grid])
-    journals = [tmp_path / "pendulum.resume", tmp_path / "sliding_mass.resume"]
-    wait_until(process, lambda: all(path.exists() and path.stat().st_size > 50_000 for path in journals))
+    resume_files = [tmp_path / "pendulum.resume", tmp_path / "sliding_mass.resume"]
+    wait_until(process, lambda: all(path.exists() and path.stat().st_size > 50_000 for path in resume_files))
     process.send_signal(sent)
     printed, said = process.communicate(timeout=60)
     assert process.returncode == 128 + sent
     assert said.count("--resume goes on with it") == 2 and "Traceback" not in said
     records = [json.loads(line) for line in printed.splitlines()]
     assert [(record["deck"], record["status"]) for record in records] == [(d, "interrupted") for d in decks]
-    assert all(path.exists() for path in journals)
+    assert all(path.exists() for path in resume_files)
     assert group_ends(process.pid)
 
 
@@ -134,8 +134,8 @@ def test_a_process_that_was_stopped_from_outside_solves_the_next_deck(tmp_path):
     other = tmp_path / "other.DAT"
     other.write_text(Path(first).read_text())
     process = started(["run", first, str(other), second, "-j", 2, "--json", "-o", tmp_path])
-    journals = [tmp_path / "long.resume", tmp_path / "other.resume"]
-    wait_until(process, lambda: all(path.exists() and path.stat().st_size > 50_000 for path in journals))
+    resume_files = [tmp_path / "long.resume", tmp_path / "other.resume"]
+    wait_until(process, lambda: all(path.exists() and path.stat().st_size > 50_000 for path in resume_files))
     for pid in workers_of(process):
         os.kill(pid, signal.SIGTERM)
     printed, _ = process.communicate(timeout=60)

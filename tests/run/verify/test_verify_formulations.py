@@ -19,7 +19,7 @@ from flexmb_cli.solvers.natural_coordinates import motion
 from flexmb_cli.solvers.natural_coordinates.motion import NaturalMotion, coordinates_of, speeds_of
 from tests.fe.trusses import truss, write_matrix
 
-YOUNG = Path(__file__).resolve().parents[2] / "decks/young"
+YOUNG = Path(__file__).resolve().parents[3] / "decks/young"
 PENDULUM = """2 0 0 0 0 1 0 0 0 0 0 1
 0 0 0 1 0 0 0
 0.3 0 0 1 0 0 0
@@ -67,7 +67,7 @@ def test_an_error_in_one_of_the_formulations_shows(tmp_path, monkeypatch):
     assert verified(deck).outcome.exit_code == 1
 
 
-TURNTABLE = Path(__file__).resolve().parents[1] / "solvers/linearisation/turning/turntable.dat"
+TURNTABLE = Path(__file__).resolve().parents[2] / "solvers/linearisation/turning/turntable.dat"
 
 
 @pytest.mark.parametrize("driver", ["2 6 0 3 0", "2 6 0 0 0"], ids=["turning", "at rest"])

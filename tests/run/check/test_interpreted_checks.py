@@ -7,7 +7,7 @@ import pytest
 from flexmb_cli import check, solve
 from flexmb_cli.kernels import _jit, _objects
 
-DECKS = Path(__file__).resolve().parents[2] / "decks"
+DECKS = Path(__file__).resolve().parents[3] / "decks"
 
 pytestmark = pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
 

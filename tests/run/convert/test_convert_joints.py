@@ -1,0 +1,173 @@
+"""Every joint, stop and spring moves alike in other dialects."""
+
+import numpy as np
+import pytest
+
+from tests.run.convert.test_convert_decks import CHAIN, COLUMNS, EXACT, assert_alike, convert, motion
+
+
+@pytest.mark.long_motion
+def test_a_chain_of_every_joint_moves_alike_in_all_dialects_and_back(tmp_path):
+    """Springs, motors and loads over time among them; two formulations and the numbers of three formats."""
+    (tmp_path / "chain.dat").write_text(CHAIN)
+    vsdf = convert(tmp_path / "chain.dat", "vsdf", tmp_path)
+    back = convert(vsdf, "young", tmp_path, "back")
+    assert_alike(tmp_path / "chain.dat", [vsdf, back], EXACT)
+    tree = convert(tmp_path / "chain.dat", "dafms", tmp_path)
+    assert_alike(tmp_path / "chain.dat", [tree], COLUMNS)
+    assert_alike(tree, [convert(tree, "young", tmp_path, "tree")], EXACT)
+
+
+# Cards of elements; joint 3 is a revolute, 5 a cylindrical, 6 a translational joint.
+ELEMENTS = {
+    "stops and friction": (
+        "TSTOP 3 -0.1 0.15 900 0.2\nASTOP 6 -0.01 0.03 4e4\n"
+        "FRICTION 3 0.1 0.2 0.3 0.02 0.1 2\nFRICTION 6 0.2 0.2 1 0.05\n"
+    ),
+    "springs with functions": (
+        "POLYNOMIAL 5 0 0 0 40\nSTEP 6 -3 -0.5 3 0.7\nTSPRING 3 8 0.1 0.4 1.6 5 6\n"
+        "SPLINE 7 -1 -20 -0.3 -3 0 0 0.4 7 1 40\nASPRING 6 80 0.01 0.9 1.6 7 0\nASPRING 5 50 0.02 2\n"
+    ),
+    "springs in line": (
+        "SPRING 2 8 0.1 0 0 0 0.2 0 50 0.4 1\nLSPRING 0 5 0.3 0 1 0.1 0 0.2 40 0.5 0.8 3\n"
+        "SINE 8 0.1 2 3\nLSPRING 0 4 0.3 0 1 0.1 0 0.2 40 0.5 0.8 3 8 0\n"
+        "LSPRING 2 5 0.3 0 1 0 0 0.2 0 0.5 0 3\n"
+    ),
+    "cable, bushing, coupling": (
+        "CABLE 0 5 0.3 0 1 0.1 0 0.2 400 0.5 0.3\nCOUPLING 5 1 2 5 2 10\n"
+        "BUSHING 0 8 0.1 0 0 0.1 0.02 0 90 160 250 0 0 0 5 6 7 0 0 0\n"
+    ),
+    "motors by functions": (
+        "SINE 5 0.1 2 3\nPOLYNOMIAL 7 1 2\nPRODUCT 8 5 7\nRAMP 9 0.6 1 0.8 3\nSUM 6 5 8 9\n"
+        "TMOTOR 3 6\nAMOTOR 6 5\n"
+    ),
+}
+
+
+@pytest.mark.long_motion
+@pytest.mark.parametrize("cards", ELEMENTS.values(), ids=ELEMENTS)
+def test_elements_act_alike_in_other_dialects_and_back(cards, tmp_path):
+    (tmp_path / "chain.dat").write_text(CHAIN.replace("TSPRING 3", f"{cards}TSPRING 3"))
+    (tmp_path / "without.dat").write_text(CHAIN)
+    vsdf = convert(tmp_path / "chain.dat", "vsdf", tmp_path)
+    tree = convert(vsdf, "dafms", tmp_path)
+    assert_alike(tmp_path / "chain.dat", [vsdf, convert(vsdf, "young", tmp_path, "back")], EXACT)
+    assert_alike(tmp_path / "chain.dat", [tree], COLUMNS)
+    assert_alike(tree, [convert(tree, form, tmp_path, "tree") for form in ("young", "vsdf")], EXACT)
+    assert np.abs(motion(vsdf)[0] - motion(tmp_path / "without.dat")[0]).max() > 1e-3
+
+
+# A free body on a bushing, to which it is turned against nothing at the start.
+HUNG = """\
+2 0 0 0 0 0 0 0 0 0 0 1
+0 0 0 1 0 0 0
+0 0 0 1 0 0 0
+1 0 0 0 0 0 0
+0 0.2 0.05
+
+DYNAMICS forward
+MASS 2 1.5 0.3 0.1 0 0.2 0.3 0.5
+GRAVITY 1.2 -9.81 0.4
+BUSHING 0 2 0.1 0 0 0.1 0.02 0 900 1600 2500 60 90 160 5 6 7 0.2 0.3 0.4
+VELOCITY 2 0.1 0.2 -0.1 1.5 -1 2
+TOLERANCE 1e-12
+END
+"""
+
+
+@pytest.mark.long_motion
+@pytest.mark.parametrize("form", ["vsdf", "dafms"])
+def test_a_bushing_turns_its_body_back_in_other_dialects(form, tmp_path):
+    (tmp_path / "hung.dat").write_text(HUNG)
+    new = convert(tmp_path / "hung.dat", form, tmp_path)
+    assert_alike(tmp_path / "hung.dat", [new], COLUMNS)
+
+
+# Links, a weld, a pin and a screw, which close loops; the plane of the link is beside the point of its axis.
+LOOPS = """\
+VSDF LOOPS
+BODY
+    1,RIGD
+    2,RIGD
+    3,RIGD
+    4,RIGD
+RIGI
+    1,2.0,0.05,0.01,0.02
+    0.3,0.4,0.5,0.02,0.03,-0.04
+    2,1.5,0.03,0.0,0.01
+    0.2,0.3,0.25,0.01,0.0,0.02
+    3,1.2,0.0,0.02,0.0
+    0.22,0.27,0.3
+    4,1.1,0.02,0.0,0.03
+    0.1,0.12,0.15
+POSI
+    2,0.4,0.1,0.05
+    3,0.9,0.3,-0.2
+    4,-0.5,0.2,0.1
+EULP
+    2,0.9,0.1,0.3,0.2
+    4,0.8,-0.1,0.1,0.3
+VELO
+    3,,,,0.3,-0.2,0.5
+NODE
+    0,1,-0.5,0.2,0.1
+    0,2,0.1,0.8,0.1
+    0,3,-0.5,1.2,0.6
+    0,4,0.9,0.3,0.5
+    1,1,0.0,0.0,0.0
+    1,2,0.1,0.2,1.0
+    1,3,0.3,0.1,0.0
+    1,4,0.3,0.1,0.5
+    1,5,0.3,0.6,0.1
+    2,1,0.05,0.1,0.02
+    2,2,0.05,0.1,0.9
+    3,1,0.0,0.0,0.0
+    3,2,0.1,0.2,0.3
+    3,3,-0.1,0.1,0.4
+    4,1,0.0,0.0,0.0
+    4,2,0.3,0.1,1.0
+    4,3,0.6,0.1,0.2
+JOIN
+    1,REVO,0,,,1,1,2
+    2,FIXD,1,3,4,2,3,4,5,5
+    3,RSPH,2,1,2,3,2
+    4,DIST,0,4,,3,3
+    5,SCRW,0,,,4,1,2,,3,0.3
+PINN
+    3,1,111
+MOTN
+    1,ANGL,1,3,0.2,0.4,3.0,0.7
+TABL
+    1,0.0,0.0
+    1,0.1,2.0
+    1,0.2,-1.0
+FORC
+    3,2,1.0,2.0,-1.5,1,1
+TORQ
+    4,0.3,0.2,2.0,1,0
+SPRI
+    1,1,4,4,2,50.0,2.0,0.9
+JSPR
+    5,12.0,0.3,0.1
+GRAV
+    0.4,-0.2,-9.81
+TIME
+    0.3,0.1
+INTG
+    RK45,1E-12
+OUTN
+    3,2
+END
+STAR
+STOP
+"""
+WELD = "".join(f"    2,{n},{x}\n" for n, x in ((3, "0.0,0.0,0.0"), (4, "0.1,0.3,0.4"), (5, "0.3,0.1,-0.2")))
+
+
+@pytest.mark.long_motion
+def test_links_a_weld_a_pin_and_a_screw_move_alike_in_young_and_back(tmp_path):
+    text = LOOPS.replace("    3,1,0.0,0.0,0.0\n", f"{WELD}    3,1,0.0,0.0,0.0\n")
+    (tmp_path / "loops.vsdf").write_text(text)
+    young = convert(tmp_path / "loops.vsdf", "young", tmp_path)
+    back = convert(young, "vsdf", tmp_path, "back")
+    assert_alike(tmp_path / "loops.vsdf", [young, back], EXACT)
