@@ -23,10 +23,10 @@ _BUSHING = (
 def element_names(model: "DynamicModel | FlexibleMechanism") -> list[tuple[str, str]]:
     """Name of every spring and element and unit of its coordinate, "m" or "rad"."""
     found = [(item.name, LENGTH) for item in model.springs]
-    if isinstance(model, FlexibleMechanism):
-        for item in model.joint_springs:
-            long = model.joints[item.joint].kind == "translational"
-            found.append((item.name, LENGTH if long else TURN))
+    # Asking for the class would import flexible bodies in runs that have none.
+    joints = getattr(model, "joints", ())
+    for item in getattr(model, "joint_springs", ()):
+        found.append((item.name, LENGTH if joints[item.joint].kind == "translational" else TURN))
     return found + list(names_of(model.elements))
 
 

@@ -12,9 +12,9 @@ import pytest
 from flexmb_cli.cli.terminal import progress as module
 from flexmb_cli.cli.terminal.progress import Progress
 from flexmb_cli.cli.terminal.screen import fitted
-from tests.cli.test_terminal import at_a_terminal
+from tests.cli.terminal.test_terminal import at_a_terminal
 
-DECKS = Path(__file__).resolve().parents[2] / "decks"
+DECKS = Path(__file__).resolve().parents[3] / "decks"
 
 
 class Terminal(io.StringIO):

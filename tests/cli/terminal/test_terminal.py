@@ -12,7 +12,7 @@ from flexmb_cli.cli.terminal.screen import OutputText
 
 pytestmark = pytest.mark.processes
 
-DECKS = Path(__file__).resolve().parents[2] / "decks" / "vsdf"
+DECKS = Path(__file__).resolve().parents[3] / "decks" / "vsdf"
 
 ESCAPES = "\x1b[2J\x9b1m\u202e\x07"
 CASES = {
