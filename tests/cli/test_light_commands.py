@@ -26,9 +26,14 @@ SHIPPED = [
 BAD = {
     "dialects.young.test_bad_young_decks": ["CASES"],
     "dialects.young.test_bad_young_models": ["CASES"],
+    "dialects.young.test_bad_young_constraints": ["CASES"],
+    "dialects.young.test_bad_young_counts": ["CASES"],
     "dialects.dafms.test_dafms_body_faults": ["CASES"],
     "dialects.dafms.test_dafms_function_faults": ["CASES"],
-    "dialects.vsdf.test_bad_vsdf_decks": ["READING", "RIGID_MODELS", "FLEXIBLE_MODELS"],
+    "dialects.dafms.test_dafms_closure_faults": ["CASES"],
+    "dialects.vsdf.test_bad_vsdf_decks": ["READING"],
+    "dialects.vsdf.test_bad_rigid_bodies": ["RIGID_MODELS"],
+    "dialects.vsdf.test_bad_flexible_bodies": ["FLEXIBLE_MODELS"],
 }
 # Ends at the first command that loads what it should not.
 CHILD = """
