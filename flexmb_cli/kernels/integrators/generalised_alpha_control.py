@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 SAFETY, FASTEST = 0.85, 3.0
 SHARE_BEFORE = 0.5  # of the step over a singular position that lies in front of it
 SHORTEST_BEFORE = 0.15  # of a step before that one: it is left out
+# After a step over the singular position that was not good enough: so short that a step before it is not left
+# out, for which it must be below 1 / (1 + SHORTEST_BEFORE / SHARE_BEFORE); else it would be tried for ever.
+SHORTENED = 0.75
 MOST_PASSING = 30.0  # steps, that the one over a singular position may be long
 SAME_TIME_IN_STEP = 1e-9  # of a step: times this near to each other are one
 OF_ERROR = 1e-6  # of the step's error: what the iterations may leave in a step of given length
@@ -86,6 +89,7 @@ def _laid_out(clock: "np.void", memory: "np.void") -> float:
 def retreat(clock: Any, memory: "np.void", tried: float, h: float) -> None:
     """After a step of length `tried` that was not found, or not well enough: one of length h."""
     if leads_over(clock, tried):
+        h = min(h, SHORTENED * tried)
         memory["passing"] = h
     clock["step"] = min(clock["step"], h)
     clock["rejections"] += 1

@@ -54,7 +54,8 @@ def test_the_last_positions_and_speeds_are_within_ten_tolerances(problem, tolera
 
 @pytest.mark.parametrize(
     ("tolerance", "radius"),
-    [(1e-3, 0.9), (1e-5, 0.9), *((1e-3, radius) for radius in RADII), (1e-4, 0.42)],
+    # At 1e-2 a step over a singular position is not good enough: it was tried again for ever.
+    [(1e-2, 0.9), (1e-3, 0.9), (1e-5, 0.9), *((1e-3, radius) for radius in RADII), (1e-4, 0.42)],
 )
 def test_the_squeezer_ends_at_the_published_angles(tolerance, radius):
     """Angles of some 16 rad, speeds of some 1400 rad/s."""
