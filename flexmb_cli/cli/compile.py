@@ -14,7 +14,8 @@ from .terminal.screen import tell
 def compile_(listing: Any, clear: Any, quiet: bool) -> None:
     """Compile all kernels now, so that no first run waits for them.
 
-    An installed wheel contains them compiled; a source checkout compiles what a run needs, once per version.
+    A wheel built with FLEXMB_REQUIRE_AOT=1 contains them; other installations compile what a run
+    needs, once per version.
 
     \b
     Example:

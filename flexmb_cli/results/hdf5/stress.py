@@ -13,6 +13,7 @@ import numpy as np
 from ...model.flexible_body import BodyStress
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody, StressOutput
 from .layout import Axis, Constant, Series, Values
+from .mesh import cell_axes
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 YOUNG, POISSON = "young_modulus", "poisson_ratio"
@@ -40,15 +41,11 @@ class Elastic(Protocol):
 
 def element_axis(body: FloatingBody) -> list[Axis]:
     """The elements of a body of known material, their nodes, and components of stress."""
-    stress, group = body.reduced.stress, f"elastic/{body.name}"
+    stress = body.reduced.stress
     if stress is None:
         return []
-    corners = tuple(range(1, stress.rows.shape[1] + 1))
-    return [
-        Axis(f"{group}/element", tuple(map(int, stress.numbers)), f"element of {body.name}, its number"),
-        Axis(f"{group}/corner", corners, "node of an element, as Abaqus counts them"),
-        Axis(f"{group}/component", COMPONENTS, "component of stress"),
-    ]
+    component = Axis(f"elastic/{body.name}/component", COMPONENTS, "component of stress")
+    return [*cell_axes(body.name, stress.rows, stress.numbers), component]
 
 
 def element_constants(body: FloatingBody) -> Iterator[Constant]:
