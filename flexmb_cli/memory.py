@@ -10,7 +10,7 @@ try:
 except ImportError:  # no such limits on this system
     resource = None  # type: ignore[assignment]
 
-LACK_OF_MEMORY = "not enough memory (`ulimit -v` tells a limit)"
+LACK_OF_MEMORY = "not enough memory (`ulimit -v` shows a limit)"
 # Bytes of addresses that kernels may need: libraries and their buffers, and LLVM at work.
 TO_LOAD, TO_COMPILE = 2**27, 2**29
 # HDF5's own word, in an OSError without a number.

@@ -206,7 +206,7 @@ class Report:
 
     def _table(self) -> list[str]:
         known = self.explaining
-        rows = [("kind", "compared", "differ", *known * ("known",), "largest", "worst place")]
+        rows = [("type", "compared", "differ", *known * ("known",), "largest", "worst place")]
         for kind in self._kinds():
             tally = self.tallies[kind]
             counts = (tally.compared, tally.differing, *known * (tally.explained,))
@@ -222,11 +222,12 @@ class Report:
             return f"{files}: no difference in {self.compared} numbers{words}"
         known = f", {self.explained} of them by known errors" if self.explaining else ""
         counts = f"{self.differing} of {self.compared} numbers differ{known}"
-        return f"{files}: {counts}, {len(self.missing)} things are missing{words}"
+        missing = _count(len(self.missing), "missing entr", "y", "ies")
+        return f"{files}: {counts}, {missing}{words}"
 
 
-def _count(number: int, thing: str) -> str:
-    return f"{number} {thing}{'' if number == 1 else 's'}"
+def _count(number: int, stem: str, one: str = "", many: str = "s") -> str:
+    return f"{number} {stem}{one if number == 1 else many}"
 
 
 def _aligned(row: tuple[str, ...], widths: list[int]) -> str:
