@@ -14,7 +14,7 @@ try:
 except ImportError:  # no such limits on this system
     resource = None  # type: ignore[assignment]
 
-LACK_OF_MEMORY = "not enough memory (`ulimit -v` tells a limit)"
+LACK_OF_MEMORY = "not enough memory (`ulimit -v` shows a limit)"
 # Bytes of addresses that kernels may need: libraries and their buffers, and LLVM at work.
 TO_LOAD, TO_COMPILE = 2**27, 2**29
 SMALLEST_PAGED = 2**22  # bytes: those of which numpy asks for huge pages
