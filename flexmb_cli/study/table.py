@@ -60,7 +60,7 @@ def write_table(path: str, head: TableHead, rows: Iterable[Row]) -> None:
     """
     write = _write_parquet if path.endswith(PARQUET) else _write_hdf5
     require_library(path)
-    place = Replacement(path)
+    place = Replacement(path, special=False)
     try:
         with located(path):
             write(place, head, rows)
