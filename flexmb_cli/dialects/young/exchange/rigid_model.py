@@ -11,14 +11,10 @@ from ....model.arrays.dynamic import inertia_matrix
 from ....model.attitudes import Attitudes
 from ....model.exchange.functions import constant, moved
 from ....model.exchange.rigid_model import (
-    ALPHA,
-    EXPLICIT,
-    RADAU,
     BodyDriver,
     RigidBody,
     RigidJoint,
     RigidModel,
-    Stepping,
     vector,
 )
 from ....model.exchange.shapes import RigidShape, shifted
@@ -101,7 +97,7 @@ class _Conversion(ConvertedElements):
                 Point(p.name, self.number[p.body], vector(p.s), p.place)
                 for p in self.mechanism.points if self.number[p.body] != GROUND
             ),
-            self._stepping(),
+            self.deck.integrator,
             self._notes(),
             stops=tuple(self._stop(item) for item in deck.elements.stops if item.joint in self.joints),
             frictions=tuple(
@@ -133,13 +129,6 @@ class _Conversion(ConvertedElements):
             pairs = ", ".join(f"{n} is {k + 1}" for n, k in enumerate(self.moving, start=1))
             notes.append(f"bodies here and there: {pairs}; the ground is no body")
         return tuple(notes)
-
-    def _stepping(self) -> Any:
-        deck = self.deck
-        if deck.alpha_steps:
-            steps = deck.alpha_steps
-            return Stepping(ALPHA, deck.tolerance, steps.length, steps.radius)
-        return Stepping(RADAU if deck.radau else EXPLICIT, deck.tolerance)
 
     def _body(self, k: int) -> RigidBody:
         body = self.mechanism.bodies[k]
