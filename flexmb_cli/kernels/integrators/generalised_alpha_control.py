@@ -88,10 +88,13 @@ def _laid_out(clock: "np.void", memory: "np.void") -> float:
 @kernel
 def retreat(clock: Any, memory: "np.void", tried: float, h: float) -> None:
     """After a step of length `tried` that was not found, or not well enough: one of length h."""
-    if leads_over(clock, tried):
+    over = leads_over(clock, tried)
+    if over:
         h = min(h, SHORTENED * tried)
-        memory["passing"] = h
     clock["step"] = min(clock["step"], h)
+    # A stop in front of the position cuts off the step over it, which would be laid out and cut off again.
+    if over or not next_length(clock, memory) < tried:
+        memory["passing"] = h
     clock["rejections"] += 1
     clock["rejected"] = 1
     memory["left"] = 1.0

@@ -89,38 +89,37 @@ def _length(s: "Implicit", tree: Any, work: "np.ndarray", coordinates: np.ndarra
 def _attempt(s: "Implicit", h: float, tree: Any, work: "np.ndarray", coordinates: np.ndarray):
     """Find the end of a step of length h; the factor on the next length, or minus that of another try."""
     clock, z = s.clock[0], s.z
-    if not prepare_matrix(tree, work, coordinates, z, h, s):
-        clock["step"] = h / 4.0
-        return -0.25
-    if not solve_stages(tree, work, coordinates, clock, z, h, s):
-        _retreat(clock, h, s)
+    if not _solve(s, h, tree, work, coordinates):
         return -0.25
     error = clock["error"] = step_error(tree, clock, z, h, s)
     factor = SAFETY * error**-0.25 if error > 0.0 else FASTEST
     factor = min(FASTEST, max(SLOWEST, factor)) if error < 1e10 else SLOWEST
-    if error < 1.0:
-        return factor
-    clock["rejections"] += 1
-    clock["rejected"], clock["strayed"] = 1, 0
-    clock["step"] = h * factor
-    return -factor
+    return factor if error < 1.0 else -factor
+
+
+@kernel
+def _solve(s: "Implicit", h: float, tree: Any, work: "np.ndarray", coordinates: np.ndarray) -> bool:
+    """Solve the stages of a step of length h, anew with a new matrix where an older one does not serve."""
+    clock, memory = s.clock[0], s.memory[0]
+    for _ in range(2):
+        if not prepare_matrix(tree, work, coordinates, s.z, h, s):
+            return False
+        if solve_stages(tree, work, coordinates, clock, s.z, h, s):
+            return True
+        memory["stale"] = 1
+        if memory["fresh"] != 0:
+            break
+    return False
 
 
 @kernel
 def _reject(
     s: "Implicit", h: float, factor: float, tree: Any, work: "np.ndarray", coordinates: np.ndarray
 ) -> None:
-    """Leave the clock as it is: not every failed attempt is followed by a shorter one."""
-
-
-@kernel
-def _retreat(clock: Any, h: float, s: "Implicit") -> None:
-    """After iterations that do not converge: a new matrix, or a shorter step when it is new already."""
-    if s.memory[0]["fresh"] != 0:
-        clock["step"] = h / 4.0
-        clock["rejections"] += 1
-        clock["rejected"] = 1
-    s.memory[0]["stale"] = 1
+    clock = s.clock[0]
+    clock["step"] = h * factor
+    clock["rejections"] += 1
+    clock["rejected"], clock["strayed"] = 1, 0
 
 
 @kernel

@@ -27,7 +27,7 @@ class Method(NamedTuple):
     attempt: Callable
     # (integration, factor, *arrays): make the end of the step the state; READY or another code
     accept: Callable
-    # (integration, h, factor, *arrays): prepare another try, of factor times h
+    # (integration, h, factor, *arrays): prepare another try, of factor times h, and count it as `rejected`
     reject: Callable
     # (integration, t, report, *arrays): fill a report row at a time up to the state; a code
     fill_row: Callable
@@ -36,7 +36,7 @@ class Method(NamedTuple):
 def time_loop(method: Method, same: float = 0.0) -> Callable:
     """Return the kernel (integration, report, budget, *arrays) that fills the rows of a report.
 
-    It makes at most `budget` evaluations and those of one step, and returns a code of `clock`; clock["row"]
+    It makes at most `budget` evaluations and those of one try, and returns a code of `clock`; clock["row"]
     counts the rows filled.  A row that is `same` steps ahead of the state is that of the state.
     """
     take_step, fill_row = _steps(method), method.fill_row
@@ -57,7 +57,7 @@ def time_loop(method: Method, same: float = 0.0) -> Callable:
             elif clock["step"] < SHORT * clock["longest"] and clock["excused"] == 0:
                 return STEP_SHORT
             else:
-                code = take_step(integration, *arrays)
+                code = take_step(integration, spent, *arrays)
         return ROWS_FULL if code == READY else code
 
     return advance
@@ -67,13 +67,19 @@ def _steps(method: "Method"):
     length, attempt, accept, reject, _ = method
 
     @kernel
-    def take_step(integration: "Any", *arrays: Any):
-        """Make one step; a code."""
+    def take_step(integration: "Any", spent: int, *arrays: Any):
+        """Make one step; a code.
+
+        The tries pause when the evaluations of the clock reach `spent`, and the next call goes on with them.
+        """
         clock = integration.clock[0]
         while True:
             h = length(integration, *arrays)
             # `not >` refuses a nan.
             if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
+                return STEP_VANISHED
+            # The same step fails again, for ever.
+            if clock["rejected"] > 0 and not h < clock["length"]:
                 return STEP_VANISHED
             clock["length"] = h
             factor = attempt(integration, h, *arrays)
@@ -82,5 +88,7 @@ def _steps(method: "Method"):
             if factor == 0.0:
                 return STEP_VANISHED
             reject(integration, h, -factor, *arrays)
+            if clock["evaluations"] >= spent:
+                return PAUSED
 
     return take_step

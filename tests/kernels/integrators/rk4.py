@@ -76,6 +76,7 @@ def _accept(integration, factor, system, work):
     copy(integration.trial, integration.z)
     clock["step_start"], clock["step_length"] = clock["t"], clock["length"]
     clock["t"] = clock["t"] + clock["length"]
+    clock["rejected"] = 0
     clock["steps"] += 1
     # dense: slopes at both ends
     copy(integration.slopes[0], integration.dense[0])
@@ -90,6 +91,7 @@ def _accept(integration, factor, system, work):
 def _reject(integration, h, factor, system, work):
     integration.clock[0]["step"] = h * factor
     integration.clock[0]["rejections"] += 1
+    integration.clock[0]["rejected"] = 1
 
 
 @kernel

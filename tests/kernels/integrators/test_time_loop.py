@@ -5,7 +5,7 @@ from collections import namedtuple
 import numpy as np
 import pytest
 
-from flexmb_cli.kernels._jit import kernel
+from flexmb_cli.kernels._jit import interpreting, kernel
 from flexmb_cli.kernels.integrators import (
     constrained_dop853,
     generalised_alpha,
@@ -48,6 +48,7 @@ def accept(integration, factor, rate):
     integration.z[0] += rate[0] * clock["length"]
     clock["t"] += clock["length"]
     clock["step"] = factor * clock["length"]
+    clock["rejected"] = 0
     clock["steps"] += 1
     return READY
 
@@ -56,6 +57,7 @@ def accept(integration, factor, rate):
 def reject(integration, h, factor, rate):
     integration.clock[0]["step"] = factor * h
     integration.clock[0]["rejections"] += 1
+    integration.clock[0]["rejected"] = 1
 
 
 @kernel
@@ -117,6 +119,34 @@ def test_a_call_pauses_when_its_evaluations_are_used_up_and_the_next_goes_on():
     assert integration.clock["evaluations"][0] == 2
     code, states = integrate(integration, [1.0])
     assert (code, states[0]) == (ROWS_FULL, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("factor", "code", "rejections"),
+    [(-1.0, STEP_VANISHED, 1), (-2.0, STEP_VANISHED, 1), (-0.5, PAUSED, 10), (-0.99, PAUSED, 10)],
+)
+def test_a_step_that_no_try_finds_ends_or_pauses_the_call(factor, code, rejections):
+    """A try that is not shorter would fail for ever; shorter ones use up the evaluations of the call."""
+
+    @kernel
+    def fail(integration, h, rate):
+        integration.clock[0]["evaluations"] += 1
+        return factor
+
+    loop = time_loop(Method(length, fail, accept, reject, fill_row))
+    integration = march_at(0.125)
+    report = Report(np.array([1.0]), np.zeros(1))
+    with interpreting():
+        assert loop(integration, report, 10, np.array([RATE])) == code
+    assert integration.clock["rejections"][0] == rejections
+
+
+def test_pauses_between_tries_change_nothing():
+    paused, whole = march_at(1.5), march_at(1.5)
+    codes = [integrate(paused, [0.6], budget=1)[0] for _ in range(4)]
+    assert codes == [PAUSED, PAUSED, PAUSED, PAUSED]
+    assert integrate(paused, [0.6]) == integrate(whole, [0.6]) == (ROWS_FULL, 1.2)
+    assert paused.clock == whole.clock
 
 
 def test_steps_below_the_resolution_of_time_are_not_made():
