@@ -73,8 +73,8 @@ def solve_to_files(
 ) -> "Outcome":
     """Solve a deck and write its listing and its HDF5 file, as `flexmb run`.
 
-    `listener` hears how far the run is; `stdout` receives the listing where `options.out` is "-".  Nothing is
-    raised: the outcome has exit code, faults and the files written.
+    `listener` receives the progress of the run, `stdout` the listing where `options.out` is "-".  Nothing
+    is raised: the outcome has exit code, faults and the files written.
     """
     from .run.deck import run_deck
     from .run.outcome import RunOptions
@@ -185,7 +185,7 @@ def solve_study(
 ) -> None:
     """Solve blocks of a study's cases here, in so many processes, or on the Dask cluster of `scheduler`.
 
-    `advance` hears how many more cases are solved.
+    `advance` is called with the number of cases solved since.
     """
     if scheduler:
         from .study.cluster import solve_on_cluster

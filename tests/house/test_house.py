@@ -29,6 +29,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 OF_SPARSE_MATRICES = ("strap_medium", "strap_fine")
 MOST_FILES = 25  # in a folder
 MOST_LINES = 300  # of a file
+LONGEST_FUNCTION = 40  # lines
 
 
 def of_annotations(tree):
@@ -201,6 +202,23 @@ def test_no_file_is_long():
         f"{path.relative_to(PACKAGE)}: {lines} lines"
         for path in MODULES
         if (lines := len(path.read_text(encoding="utf-8").splitlines())) > MOST_LINES
+    ]
+    assert not long
+
+
+def lines_of(function):
+    """Lines of the body of a function, without its docstring."""
+    head = function.body[0]
+    first = head.end_lineno + 1 if ast.get_docstring(function) else head.lineno
+    return function.end_lineno - first + 1
+
+
+def test_no_function_is_long():
+    long = [
+        f"{path.relative_to(PACKAGE)}: {node.name}"
+        for path in MODULES
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef) and lines_of(node) > LONGEST_FUNCTION
     ]
     assert not long
 

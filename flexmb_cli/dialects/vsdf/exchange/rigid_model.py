@@ -20,7 +20,7 @@ from ....model.exchange.rigid_model import (
 )
 from ....model.exchange.start import Start
 from ....model.flexible_mechanism import FlexibleMechanism
-from ....model.integrators import METHODS
+from ....model.integrators import METHODS, Integrator
 from ....model.joint_elements import Bushing, JointDriver
 from ....model.joints import ANGLE, STROKE
 from ....model.loads import AppliedForce, AppliedTorque, SpringDamper
@@ -61,9 +61,7 @@ class _Conversion(Conversion):
         self.now.append(ground)
 
     def model(self) -> RigidModel:
-        deck, integrator = self.deck, self.deck.integrator
-        if METHODS[integrator.method].radius is not None:
-            integrator = replace(integrator, tolerance=_TOLERANCE)
+        deck = self.deck
         joints = [self._joint(joint) for joint in deck.joints]
         drivers = [item for item in deck.motions if item.kind in _DIRECTIONS]
         self._refuse_several_rotations(drivers)
@@ -91,7 +89,7 @@ class _Conversion(Conversion):
                 for t in deck.torques
             ),
             tuple(Point(p.name, p.body, vector(p.r0)) for p in deck.outputs if p.body != GROUND),
-            integrator,
+            self._integrator(),
             stops=tuple(self._since_start(item, "lower", "upper") for item in deck.elements.stops),
             frictions=deck.elements.frictions,
             preloaded=tuple(self._since_start(item, "rest") for item in deck.elements.springs),
@@ -101,6 +99,12 @@ class _Conversion(Conversion):
             bushings=tuple(self._bushings()),
             couplings=deck.elements.couplings,
         )  # fmt: skip
+
+    def _integrator(self) -> Integrator:
+        integrator = self.deck.integrator
+        if METHODS[integrator.method].radius is None:
+            return integrator
+        return replace(integrator, tolerance=_TOLERANCE)
 
     def _bushings(self) -> Iterator[Bushing]:
         for item in self.deck.elements.bushings:

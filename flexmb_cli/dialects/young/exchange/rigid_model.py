@@ -32,7 +32,7 @@ from ..shapes import exchanged_shapes
 from .converted_elements import ConvertedElements
 
 if TYPE_CHECKING:
-    pass
+    from collections.abc import Iterator
 
 
 def rigid_model(
@@ -100,15 +100,17 @@ class _Conversion(ConvertedElements):
             self.deck.integrator,
             self._notes(),
             stops=tuple(self._stop(item) for item in deck.elements.stops if item.joint in self.joints),
-            frictions=tuple(
-                replace(item, joint=self.joints[item.joint])
-                for item in deck.elements.frictions if item.joint in self.joints
-            ),
+            frictions=tuple(self._frictions()),
             preloaded=tuple(self._preloaded()),
             lines=tuple(self._lines()),
             bushings=tuple(self._bushings()),
             couplings=tuple(self._couplings()),
         )  # fmt: skip
+
+    def _frictions(self) -> "Iterator[Any]":
+        for item in self.deck.elements.frictions:
+            if item.joint in self.joints:
+                yield replace(item, joint=self.joints[item.joint])
 
     def shape(self, shape: RigidShape) -> RigidShape:
         """Return a shape on its new body; that of a grounded body lies on the ground."""
