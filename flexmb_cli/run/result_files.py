@@ -71,6 +71,7 @@ class ResultFiles:
             from ..results.quantities.selection import selected
 
             layout = selected(layout, deck, only)
+        assert self.paths.h5 is not None, "a result is wanted"
         self.result = ResultFile(self.paths.h5, deck, layout)
 
     @property

@@ -106,6 +106,7 @@ def new_integration(work: Any, angles: Any, works: int = 0) -> AlphaIntegration:
 def _begin(integration: AlphaIntegration, system: System, work: Work) -> int:
     clock, memory, rates = integration.clock[0], integration.memory[0], integration.rates
     memory["start"] = clock["step_start"] = clock["t"]
+    memory["fixed"] = clock["step"]
     memory["left"], memory["span"] = 1.0, clock["stop"] - clock["t"]
     copy(integration.z, integration.trial)
     if not iterate(system, work, integration, clock["t"], 0.0, 0.0, 0.0):
