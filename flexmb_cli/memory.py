@@ -1,8 +1,12 @@
 """Want of memory: foreseen before libraries fail of it, and distinguished from other faults afterwards."""
 
 import errno
+import math
 import mmap
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
 
 try:
     # Here, because where memory is short it could not be loaded any more.
@@ -10,11 +14,27 @@ try:
 except ImportError:  # no such limits on this system
     resource = None  # type: ignore[assignment]
 
-LACK_OF_MEMORY = "not enough memory (`ulimit -v` tells a limit)"
+LACK_OF_MEMORY = "not enough memory (`ulimit -v` shows a limit)"
 # Bytes of addresses that kernels may need: libraries and their buffers, and LLVM at work.
 TO_LOAD, TO_COMPILE = 2**27, 2**29
+SMALLEST_PAGED = 2**22  # bytes: those of which numpy asks for huge pages
 # HDF5's own word, in an OSError without a number.
 _OF_HDF5 = "memory allocation failed"
+
+
+def paged_zeros(shape: tuple[int, ...], dtype: "type[Any]" = float) -> "np.ndarray":
+    """Return zeros of which only the pages that are written take memory.
+
+    numpy asks the system for huge pages, of which a matrix of a few entries a row touches all.
+    """
+    import numpy as np
+
+    size = math.prod(shape) * np.dtype(dtype).itemsize
+    if size < SMALLEST_PAGED or not hasattr(mmap, "MAP_PRIVATE"):
+        return np.zeros(shape, dtype)
+    pages = mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
+    found: np.ndarray = np.frombuffer(pages, dtype).reshape(shape)
+    return found
 
 
 def require_memory(size: int) -> None:

@@ -34,9 +34,11 @@ def compile_(listing: Any, clear: Any, quiet: bool) -> None:
     if listing:
         _show(list_compiled())
     elif clear:
-        count = clear_compiled()
+        count, stay = clear_compiled()
         if not quiet:
             tell(f"flexmb: {count} file{'' if count == 1 else 's'} of compiled kernels deleted")
+        for path in stay:
+            tell(f"flexmb: warning: {path} cannot be deleted")
     else:
         _compile(units_to_compile(), compile_unit, quiet)
     for sentence in refused_places():

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
               help="Allow N units of the last printed digit.")  # fmt: skip
 @click.option("--atol", type=Finite(0), help="Allow this distance.")
 @click.option("--rtol", type=Finite(0), help="Allow this part of the larger value.")
-@click.option("--tol", "kinds", multiple=True, metavar="KIND=ATOL[,RTOL]",
-              help="Tolerance of a kind of column (omega=1e-3); inf leaves it out.")  # fmt: skip
+@click.option("--tol", "kinds", multiple=True, metavar="TYPE=ATOL[,RTOL]",
+              help="Tolerance of a type of column (omega=1e-3); inf leaves it out.")  # fmt: skip
 @click.option("--same-attitude", is_flag=True, help="Euler parameters p and -p count as equal.")
 @click.option("--explain", is_flag=True,
               help="Mark differences that are known errors of the historic programs.")  # fmt: skip
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     "--junit", type=WrittenPlace(), metavar="FILE", help="Write a JUnit file, a test for each file."
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-@click.option("-q", "--quiet", is_flag=True, help="Print nothing; the exit code tells.")
+@click.option("-q", "--quiet", is_flag=True, help="Print nothing; only the exit code reports.")
 def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: bool, **options: Any) -> None:
     """Compare results number by number: OUT tables, DAFMS echoes or series, HDF5, CSV or MATLAB files.
 
@@ -92,7 +92,9 @@ def _refuse_unlike(a: Any, b: Any, many: Any) -> None:
         single, other = (a, b) if many[1] else (b, a)
         if single != "-" and not os.path.exists(single):
             raise click.UsageError(f"{single}: no such file or folder")
-        raise click.UsageError(f"{other} is a folder or a pattern, {single} is not: give two of a kind")
+        raise click.UsageError(
+            f"{other} is a folder or a pattern, {single} is not: give two files, two folders or two patterns"
+        )
 
 
 def _tolerances(options: Any) -> Any:
@@ -168,7 +170,7 @@ def _print_report(compared: Any, update: Any, as_json: Any, quiet: Any) -> None:
     elif not quiet:
         show("" if compared.new else compared.report.text())
         if update:
-            done = f"taken from {visible(b)}" if updated else "left as it is"
+            done = f"updated from {visible(b)}" if updated else "left as it is"
             show(f"{visible(a)}: {'new reference, ' if compared.new else ''}{done}\n")
 
 

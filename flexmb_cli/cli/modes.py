@@ -27,7 +27,7 @@ from .terminal.written_place import WrittenPlace
 @click.option(
     "--equilibrium",
     is_flag=True,
-    help="Linearise it about the static equilibrium it can fall into, and tell where that is.",
+    help="Linearise it about the static equilibrium it can fall into, and print its position.",
 )
 @click.option(
     "--out",

@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 _NAMES = {each.name: each.new_name for each in reversed([*every_dialect()]) if each.form}
 *_FIRST, _LAST = _NAMES.values()
 _KEYS = """\
-Enter    take what stands in [ ]      ?       what is asked here
+Enter    take what stands in [ ]      ?       meaning of the number
 <        the question before          < NAME  back to a record, such as: < driver.1
 >        on to the first question without an answer
 !        stop; {stop}
 A line may hold one number, or as many as the record has left."""
-_KEPT = "the answers are kept in a draft, and the next call goes on from there"
+_KEPT = "the answers are kept in a draft, from which the next call continues"
 _LOST = "the answers are not kept (--draft keeps them)"
 
 
@@ -44,14 +44,14 @@ _LOST = "the answers are not kept (--draft keeps them)"
 @click.option("--force", is_flag=True, help="Replace a deck that is there already.")
 @click.option("--restart", is_flag=True, help="Forget the draft of an earlier call.")
 @click.option("--draft", "with_draft", is_flag=True,
-              help="Keep a draft, and go on with one, in a pipe, too.")  # fmt: skip
+              help="Keep a draft, and continue one, in a pipe, too.")  # fmt: skip
 @click.option("--cards", is_flag=True,
               help="Ask for masses, loads and elements, too, card by card (YOUNG).")  # fmt: skip
 def new(dialect: Any, output: Any, force: Any, restart: Any, with_draft: Any, cards: bool) -> None:
     """Ask for the data of a deck, number by number, and write a deck that `flexmb check` accepts.
 
-    Every answer is checked at once.  What is answered is kept in PATH.draft until the deck is written, and
-    the next call goes on from there.  Answers may also come through a pipe, a line each; there a wrong one
+    Every answer is checked at once.  The answers are kept in PATH.draft until the deck is written, and the
+    next call continues from there.  Answers may also come through a pipe, a line each; there a wrong one
     ends the dialogue, and nothing is kept.
 
     \b
@@ -120,7 +120,7 @@ class _Talk:
         if not self.keeps_draft:
             tell(
                 f"{self.draft}: note: the draft of an earlier call is left alone: answers through a pipe "
-                "begin anew; --draft goes on with it"
+                "begin anew; --draft continues it"
             )
             return Dialogue(form)
         try:
@@ -128,7 +128,7 @@ class _Talk:
         except DeckError as failure:
             click.echo(compiler_style(self.draft, failure.faults), err=True)
             sys.exit(failure.exit_code)
-        tell(f"{self.draft}: going on with {len(dialogue.values)} answers; --restart begins anew")
+        tell(f"{self.draft}: continuing with {len(dialogue.values)} answers; --restart begins anew")
         return dialogue
 
     @property
@@ -194,9 +194,8 @@ class _Talk:
         if not name and not self.dialogue.back():
             self.show([Fault("error", "this is the first question", id="CLI-004")])
         elif name and not self.dialogue.back_to(name):
-            self.show(
-                [Fault("error", f"no record {name} was asked for yet; names are like driver.1", id="CLI-005")]
-            )
+            message = f"there is no question {name} before this one; names are like driver.1"
+            self.show([Fault("error", message, id="CLI-005")])
 
     def show(self, faults: Any, question: Any = None) -> Any:
         """Faults as sentences; in a pipe, where nobody can answer again, an error is the end."""
@@ -287,7 +286,7 @@ class _Talk:
         if not self.keeps_draft:
             where = "and no draft kept: give all answers again"
         elif os.path.lexists(self.draft):
-            where = f"the answers so far are in {self.draft}, the next call goes on"
+            where = f"the answers so far are in {self.draft}, the next call continues"
         else:
             where = "nothing was answered"
         click.echo(err=True)

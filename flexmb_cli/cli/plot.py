@@ -33,7 +33,7 @@ EMULATION = ("With the known errors of", "the program of 1996 (--as-printed)")
 @click.option("--to", "stop", type=AnyFinite(), metavar="T", help="End with the row at T seconds.")
 @click.option("--every", type=click.IntRange(1), default=1, metavar="N", help="Every N-th row of these.")
 @click.option("--kind", type=click.Choice(["auto", "curve", "map", "scatter", "parallel"]), default="auto",
-              help="Of the table of a study: curve over one parameter, map over two, scatter, "
+              help="Type of the picture of a study: curve over one parameter, map over two, scatter, "
               "parallel coordinates.")  # fmt: skip
 @click.option("--title", default=None, help="Text above the curves [default: the names of the decks].")
 @click.option("--width", type=click.FloatRange(20, 1000), metavar="MM",
@@ -64,9 +64,9 @@ def plot(
 ) -> None:
     """Draw quantities of RESULT.h5 over time, a panel for each unit.
 
-    NAMEs are those of flexmb table; without any, what tells most of a result is drawn: points or bodies and
-    driver efforts of a YOUNG deck, coordinates of a DAFMS deck, and how energies change.
-    Of the table of a study (flexmb sweep) NAMEs are results; they are drawn over the parameters.
+    NAMEs have the same form as in flexmb table.  Without names it draws a default selection: points or
+    bodies and driver efforts of a YOUNG deck, coordinates of a DAFMS deck, and the change of energies.
+    For the table of a study (flexmb sweep) NAMEs are results, drawn over the parameters.
     Needs matplotlib (the extra `plot`).
 
     \b

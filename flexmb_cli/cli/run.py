@@ -30,7 +30,7 @@ _BEGINNING = 10_000  # characters of a deck that tell its dialect
     "-v",
     "--verbose",
     is_flag=True,
-    help="Add solver statistics, and tell how far a run is without a terminal, too.",
+    help="Add solver statistics; without a terminal, print the progress every ten seconds.",
 )
 @click.option("-o", "--output-dir", "folder", default=".", type=WrittenPlace(), metavar="DIR",
               help="Folder of the results.")  # fmt: skip
@@ -55,7 +55,7 @@ _BEGINNING = 10_000  # characters of a deck that tell its dialect
               "for YOUNG and VSDF, lsoda and sdirk4 for DAFMS.")  # fmt: skip
 @click.option("--formulation", type=click.Choice(["kane", "absolute"]), default="kane", show_default=True,
               help="DAFMS: Kane's equations of the tree, or bodies in absolute coordinates.")  # fmt: skip
-@click.option("--resume", is_flag=True, help="Go on with a stopped run, to the same results.")
+@click.option("--resume", is_flag=True, help="Continue a stopped run, to the same results.")
 @click.option("--as-printed", is_flag=True,
               help="YOUNG: with the errors of the program of 1996, to explain old listings.")  # fmt: skip
 @click.option("--estimate-error", is_flag=True,
@@ -240,7 +240,7 @@ def _rows(outcome: "Outcome") -> str:
 
 
 def _kept(outcome: "Outcome") -> str:
-    hint = "; --resume goes on with it" if outcome.resumable else ""
+    hint = "; --resume continues it" if outcome.resumable else ""
     if not outcome.files:
         return f"nothing was written{hint}"
     return f"{_rows(outcome)} kept, marked as failed, in {', '.join(outcome.files)}{hint}"

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 @click.option("--fresh", is_flag=True, help="Throw away what a stopped study left, and start anew.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @click.option(
-    "-v", "--verbose", is_flag=True, help="Without a terminal, tell every ten seconds how far it is."
+    "-v", "--verbose", is_flag=True, help="Without a terminal, print the progress every ten seconds."
 )
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 def sweep(
@@ -51,7 +51,7 @@ def sweep(
 ) -> None:
     """Solve the variants of a deck that STUDY (TOML) describes, and write a table with a row for each.
 
-    A study that was stopped goes on where it was when the same command is given again.  A case that
+    Give the same command again to continue a study that was stopped.  A case that
     fails is recorded with its message and stops nothing; the exit code is then 1.
 
     \b
@@ -102,7 +102,7 @@ def _report_stop(
             made.job.parts.sync_all()
         codes = [result.exit_code for result in made.results()]
         more = " so far; its workers end what they have begun" if on_cluster else ""
-        reported = f"{len(codes)} of {cases} cases are kept in {parts}{more}; the same command goes on"
+        reported = f"{len(codes)} of {cases} cases are kept in {parts}{more}; the same command continues it"
         failed, table = sum(map(bool, codes)), None
     _say(f"{study}: interrupted; {reported}", False)
     if as_json:
@@ -141,7 +141,7 @@ def _solve(made: "Sweep", study: str, jobs: int, scheduler: str | None, quiet: b
     blocks = made.pending()
     cases, left = made.job.study.cases, made.left
     if left < cases:
-        _say(f"going on with a stopped study: {cases - left} of {cases} cases are complete", quiet)
+        _say(f"continuing a stopped study: {cases - left} of {cases} cases are complete", quiet)
     with Progress(study, "cases", quiet, verbose) as progress:
         progress.begin(left)
         interface.solve_study(made, blocks, progress.advance, jobs, scheduler)

@@ -38,13 +38,14 @@ def table(
 ) -> Any:
     """Print quantities of RESULT.h5 over time, on a terminal and in a pipe alike.
 
-    A NAME says what, which, the quantity and the component: body.3.z, body.2.omega.x, body.1.velocity (all
-    three), point.1.acceleration, coordinate.2, coordinate.theta2, reaction.4.force, driver.1.effort,
-    energy.total, elastic.2.node3.y.  Patterns such as "body.*.z" need quotes in a shell; the deck's own
-    names count too: "reaction.revolute 2.force".  "*" is everything.
+    A NAME has the form entity.index.quantity.component; leave out the last part to get all components:
+    body.3.z, body.2.omega.x, body.1.velocity, point.1.acceleration, coordinate.2, coordinate.theta2,
+    reaction.4.force, driver.1.effort, energy.total, elastic.2.node3.y.  Patterns such as "body.*.z" need
+    quotes in a shell; the deck's own names can replace the index: "reaction.revolute 2.force".  "*" alone
+    means everything.
 
-    Of the table of a study (flexmb sweep) the cases are printed, a row each, with their parameters and
-    results as columns; a NAME is that of one of these.
+    The table of a study (flexmb sweep) has a row for each case, with the parameters and results as columns;
+    NAMEs are the names of these columns.
 
     \b
     Example:

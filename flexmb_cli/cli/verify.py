@@ -16,7 +16,7 @@ from .terminal.screen import show, wants_debug
 @DECK
 @deck_options
 @click.option("--tol", "tolerance", type=ABSOLUTE_TOLERANCE, default=1e-6, show_default=True,
-              help="Largest difference, as a share of the largest value of its kind.")  # fmt: skip
+              help="Largest difference, as a share of the largest value of its type.")  # fmt: skip
 @click.option("--rtol", type=RELATIVE_TOLERANCE, help="Relative tolerance of a step (1e-11).")
 @click.option("--atol", type=ABSOLUTE_TOLERANCE, help="Absolute tolerance of a step (1e-13).")
 def verify(

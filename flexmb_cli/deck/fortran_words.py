@@ -2,6 +2,7 @@
 
 A field that is just full touches its left neighbour, and an overfull one is stars, so that a historic line
 keeps its columns; flexmb's own lines keep a blank between fields and may lose their columns instead.
+A number of which a typist could not read every digit holds question marks in their places, or is just one.
 """
 
 import re
@@ -14,9 +15,10 @@ from .fortran_format import Edit
 # Python makes no integer of thousands of digits; digits that only one part of a pattern can take are
 # tried once, however many a damaged word has.
 _FIXED = r"[-+]?(\d+(\.\d*)?|\.\d+)"
-_NO_NUMBER = r"\*+|[-+]?(nan|inf(inity)?)"
+UNREADABLE = r"[-+.\d]*\?[-+.\d?ED]*"
+_NO_NUMBER = rf"\*+|{UNREADABLE}|[-+]?(nan|inf(inity)?)"
 _WORDS = {
-    "d": re.compile(r"[-+]?\d{1,99}|\*+"),
+    "d": re.compile(rf"[-+]?\d{{1,99}}|\*+|{UNREADABLE}"),
     "f": re.compile(rf"{_FIXED}|{_NO_NUMBER}", re.IGNORECASE | re.ASCII),
     "e": re.compile(rf"{_FIXED}(([ed][-+]?|[-+])\d{{1,9}})?|{_NO_NUMBER}", re.IGNORECASE | re.ASCII),
 }
@@ -42,17 +44,26 @@ def split_list(text: str, edit: Edit) -> list[str] | None:
 
 
 def value_of(word: str) -> float:
-    """Number of a field; stars stand for a number too large for it: inf."""
+    """Number of a field; stars stand for a number too large for it: inf.  nan: it was unreadable."""
     if word.startswith("*"):
         return float("inf")
+    if is_unreadable(word):
+        return float("nan")
     return float(_BARE_EXPONENT.sub(r"\1E\2", word.upper().replace("D", "E")))
 
 
 def unit_of(word: str) -> float:
-    """One unit of the last printed digit; 1 where there are no digits."""
+    """One unit of the last printed digit; 1 where there are no digits, nan where a digit is unreadable."""
+    if is_unreadable(word):
+        return float("nan")
     mantissa, _, exponent = _BARE_EXPONENT.sub(r"\1E\2", word.upper().replace("D", "E")).partition("E")
     decimals = len(mantissa.partition(".")[2]) if mantissa[-1:].isdigit() or mantissa.endswith(".") else 0
     return float(f"1e{int(exponent or 0) - decimals}")
+
+
+def is_unreadable(word: str) -> bool:
+    """Return whether a question mark stands for a digit, or for the number."""
+    return "?" in word
 
 
 def overflows(value: float, edit: Edit) -> bool:

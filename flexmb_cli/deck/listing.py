@@ -52,7 +52,7 @@ class Section:
     index: np.ndarray  # (lines,) from 1
     line: np.ndarray  # (lines,) in the file, from 1
     values: np.ndarray  # (lines, columns)
-    units: np.ndarray  # (columns,) or (lines, columns) one unit of the last printed digit
+    units: np.ndarray  # (columns,) or (lines, columns) one unit of the last printed digit; nan: unreadable
     item: str  # what the lines are of: body, point; empty when there is one line a row
     edits: tuple[Edit, ...] = ()  # of the columns, where an overfull field prints stars
     labels: dict[int, str] = field(default_factory=dict)  # names of what `index` counts, if not `item` n
@@ -77,7 +77,7 @@ class EchoLine:
 
     def where(self, place: int) -> tuple[str, str, str]:
         """Section, item and column of one of its numbers, for a reader."""
-        if not self.edits:
+        if not self.edits or self.kind == "echo":
             return self.kind, self.title, ""
         column = self.columns[place] if self.columns else f"number {place + 1}"
         return self.title, f"line {self.line}", column
@@ -87,7 +87,8 @@ class EchoLine:
 class Listing:
     """A listing as read; `form` says whose, `failed`: it ends with the mark of a failed run.
 
-    Stars, which FORTRAN prints for a number that does not fit, are infinite.  `words` are the lines of
+    Stars, which FORTRAN prints for a number that does not fit, are infinite.  A number that a typist could
+    not read (`?`) is nan, and so is the unit of its last digit.  `words` are the lines of
     text, each with its place in the file and single blanks; what every report row repeats is there once.
     """
 

@@ -64,7 +64,7 @@ def basis_of(
 
 def _check_count(given: FlexibleInput, available: int, findings: Findings) -> bool:
     if given.modes > available:
-        message = f"{given.modes} modes are asked for, and the body has {available}; 0 takes all"
+        message = f"{given.modes} modes are requested, and the body has {available}; 0 takes all"
         findings.error(given.name, message, given.place, id="FE-005")
         return False
     wanted = given.modes or (0 if given.interface else available)
@@ -111,7 +111,7 @@ def _too_few_masses(given: FlexibleInput, count: int) -> str:
     if not given.interface:
         remedy += "; 0 takes all, and those without mass as static shapes"
     return (
-        f"{given.modes} modes are asked for, and only {count} shapes have mass "
+        f"{given.modes} modes are requested, and only {count} shapes have mass "
         f"(reduced integration?); {remedy}"
     )
 

@@ -47,15 +47,18 @@ def _is_safe_base(found: os.stat_result):
 
 
 def _refuse(path: Path, found: os.stat_result) -> None:
-    if stat.S_ISLNK(found.st_mode):
-        reason = "it is a link; remove it"
-    elif found.st_uid not in (0, os.getuid()):
-        reason = "it belongs to another user; let NUMBA_CACHE_DIR name another folder"
-    else:
-        reason = f"others may write to it; chmod go-w {path}"
-    sentence = f"{path} is not used for compiled kernels: {reason}"
+    sentence = f"{path} is not used for compiled kernels: {_reason(path, found)}"
     if sentence not in refused:
         refused.append(sentence)
+
+
+def _reason(path: Path, found: os.stat_result) -> str:
+    """Return why a folder or file is not used, and the remedy."""
+    if stat.S_ISLNK(found.st_mode):
+        return "it is a link; remove it"
+    if found.st_uid not in (0, os.getuid()):
+        return "it belongs to another user; let NUMBA_CACHE_DIR name another folder"
+    return f"others may write to it; chmod go-w {path}"
 
 
 def _is_safe(base: Path, folder: Path) -> bool:
@@ -86,16 +89,25 @@ def folders() -> Iterator[Path]:
                 yield folder
 
 
-def content(name: str) -> bytes | None:
-    """Return what the first of the folders keeps by this name, None where it is nowhere."""
+def content(name: str) -> tuple[Path, bytes] | None:
+    """Return file and content that the first of the folders keeps by this name, None where it is nowhere."""
     for folder in folders():
         path = folder / f"{name}{ENDING}"
-        with contextlib.suppress(OSError), open(path, "rb", opener=_open_unlinked) as file:
-            found = os.fstat(file.fileno())
-            if _is_own(found):
-                return file.read()
-            _refuse(path, found)
+        with contextlib.suppress(OSError):
+            found = read_own(path)
+            if found is not None:
+                return path, found
     return None
+
+
+def read_own(path: Path) -> bytes | None:
+    """Return a kept object, None where others may have written it; raises OSError where it is no file."""
+    with open(path, "rb", opener=_open_unlinked) as file:
+        found = os.fstat(file.fileno())
+        if _is_own(found):
+            return file.read()
+        _refuse(path, found)
+        return None
 
 
 def _open_unlinked(path: str, flags: int) -> int:
@@ -160,23 +172,32 @@ def _prune(folder: Path) -> None:
             shutil.rmtree(path, ignore_errors=True)
 
 
-def kept() -> Iterator[tuple[Path, int]]:
-    """Yield the kept objects of all versions, with their sizes in bytes."""
+def _all_versions() -> list[Path]:
+    """Return the folders of all versions, each once: several variables may name the same folder."""
+    found: dict[tuple[int, int], Path] = {}
     for folder in folders():
         for version in versions(folder.parent) if folder.parent.is_dir() else ():
-            for path in sorted(version.glob(f"*{ENDING}")):
-                yield path, path.stat().st_size
+            status = version.stat()
+            found.setdefault((status.st_dev, status.st_ino), version)
+    return list(found.values())
 
 
-def clear() -> int:
-    """Delete the kept objects of all versions; return how many files."""
+def kept() -> Iterator[tuple[Path, int]]:
+    """Yield what is kept as objects, of all versions, with its size in bytes."""
+    for version in _all_versions():
+        for path in sorted(version.glob(f"*{ENDING}")):
+            yield path, path.lstat().st_size
+
+
+def clear() -> tuple[int, list[Path]]:
+    """Delete the kept objects of all versions; return how many there were, and those that stay."""
     import shutil
 
-    count = len(list(kept()))
-    for folder in list(folders()):
-        for version in versions(folder.parent) if folder.parent.is_dir() else ():
-            shutil.rmtree(version, ignore_errors=True)
-    return count
+    before = [path for path, _ in kept()]
+    for version in _all_versions():
+        shutil.rmtree(version, ignore_errors=True)
+    stay = [path for path in before if os.path.lexists(path)]
+    return len(before) - len(stay), stay
 
 
 @contextlib.contextmanager

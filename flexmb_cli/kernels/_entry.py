@@ -15,8 +15,10 @@ from ._interpreted import is_interpreting, twin
 from .signatures import PROCESSORS, UNITS, unit_of, unit_parameters
 
 _PACKAGE = __package__ + "."
+_INSTALL_ANEW = "kernels are compiled in its place; install flexmb anew"
 _functions: dict[str, list] = {}  # compiled code by the name of the entry
 _loaded: set[str] = set()  # units whose files were looked for
+damaged: list[str] = []  # files that could not be used, and what becomes of it, a sentence each
 
 
 def entry_name(function: Callable) -> str:
@@ -35,25 +37,48 @@ def is_ready(name: str) -> bool:
 
 def _load_unit(unit: str, digest: str) -> bool:
     """Load the code of a unit from the package or the user's cache; whether there is some."""
-    if unit in _loaded:
-        return True
-    packaged = _objects.PACKAGED / str(_objects.target()) / f"{unit}{_cache.ENDING}"
-    if packaged.is_file() and _take(unit, packaged.read_bytes(), digest):
-        return True
-    kept = _cache.content(unit)
-    return kept is not None and _take(unit, kept, digest)
+    return (
+        unit in _loaded
+        or _take(unit, _packaged(unit), digest, _INSTALL_ANEW)
+        or _take(unit, _cache.content(unit), digest, "it is compiled again")
+    )
 
 
-def _take(unit: str, content: bytes, digest: str) -> bool:
-    """Make the functions of an object known; whether it is whole and of this version."""
+def _packaged(unit: str) -> tuple[Path, bytes] | None:
+    """Return file and content of a unit's object in the package, None where there is none to be read."""
+    path = _objects.PACKAGED / str(_objects.target()) / f"{unit}{_cache.ENDING}"
     try:
-        found = _objects.load(content, digest)
-    except (_objects.DamagedError, ValueError, KeyError, TypeError):
+        return (path, path.read_bytes()) if path.is_file() else None
+    except OSError as fault:
+        _note_damage(f"{path} cannot be read ({fault.strerror}): {_INSTALL_ANEW}")
+        return None
+
+
+def _take(unit: str, found: tuple[Path, bytes] | None, digest: str, remedy: str) -> bool:
+    """Make the functions of an object known; whether it is there, whole and of this version."""
+    if found is None:
         return False
-    for name, functions in found.items():
+    path, content = found
+    try:
+        _add(unit, content, digest)
+    except _objects.OtherKernelsError:
+        return False
+    except (_objects.DamagedError, ValueError, KeyError, TypeError):
+        _note_damage(f"{path} is damaged: {remedy}")
+        return False
+    return True
+
+
+def _note_damage(sentence: str) -> None:
+    if sentence not in damaged:
+        damaged.append(sentence)
+
+
+def _add(unit: str, content: bytes, digest: str) -> None:
+    """Make the functions of an object known; raises as `_objects.load`."""
+    for name, functions in _objects.load(content, digest).items():
         _functions[name] = functions + _functions.get(name, [])
     _loaded.add(unit)
-    return True
 
 
 class Entry:
@@ -113,7 +138,8 @@ class Entry:
             except NotDescribedError:
                 return False
             _cache.keep(folder, unit, data)
-        return _take(unit, data, digest) and found()
+        _add(unit, data, digest)
+        return found()
 
     def _digest(self):
         """Name of the text of all kernels, and of the file of one that lies elsewhere."""
@@ -167,8 +193,13 @@ class BuiltIn(PlainEntry):
 
 
 def _compiler():
-    """Return what compiles kernels; numba is imported here."""
-    import numba
+    """Return what compiles kernels; numba is imported here.  Raises MissingExtra without it."""
+    try:
+        import numba
+    except ModuleNotFoundError:
+        from ..extras import needed
+
+        numba = needed("numba", "numba", "", "compiling kernels")
 
     # Loops over three or four numbers gain nothing from vectors, and compilation takes a fifth longer.
     numba.config.LOOP_VECTORIZE = 0  # type: ignore[attr-defined]

@@ -17,13 +17,16 @@ from typing import TYPE_CHECKING, Any
 
 from ..memory import TO_LOAD, require_memory
 from ._arguments import Results, Words, key_of
+from .signatures import RECORDS, TUPLES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
 MAGIC = b"flexmb object 1\n"
-PACKAGED = Path(__file__).parent / "objects"  # those of a wheel, a folder for each target
+# Those of a wheel, a folder for each target.  Their owner and mode are not checked, only their checksum:
+# whoever can write there can change the Python files beside them, too.
+PACKAGED = Path(__file__).parent / "objects"
 _PROCESSORS = {"x86_64": "x86_64", "AMD64": "x86_64", "aarch64": "arm64", "arm64": "arm64", "ARM64": "arm64"}
 _SYSTEMS = {"linux": "linux", "darwin": "macos", "win32": "windows"}
 # What objects may call; LLVM replaces some of it, as sin and cos together by sincos.
@@ -38,7 +41,11 @@ CHECKED = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")
 
 
 class DamagedError(Exception):
-    """A file that is no whole object of this version."""
+    """A file that is no whole object."""
+
+
+class OtherKernelsError(Exception):
+    """A whole object of another version of the kernels, or for another target."""
 
 
 def target() -> str | None:
@@ -53,16 +60,51 @@ def target() -> str | None:
 def kernel_digest() -> str:
     """Return a name for the text of all kernels.
 
-    A kernel depends on what it calls and on constants of other files: one changed text makes all others.
-    What only finds and loads objects has no part in them.
+    A kernel depends on what it calls and on constants of other files: one changed text makes all others.  It
+    also depends on the order of fields in the records and tuples that it is given, some of which the model
+    defines.  What only finds and loads objects has no part in them.
     """
-    here = os.path.dirname(__file__)
+    return digest_of(os.path.dirname(os.path.dirname(__file__)))
+
+
+def digest_of(package: str) -> str:
+    """Return the name for the kernels' text in the folder `package`, a flexmb_cli."""
     digest = hashlib.sha256(b"checked" if CHECKED else b"")
-    for path in sorted(_texts(here), key=lambda path: path.split(os.sep)):
-        digest.update(path[len(here) + 1 :].replace(os.sep, "/").encode())
-        with open(path, "rb") as file:
-            digest.update(file.read())
+    kernels = os.path.join(package, "kernels")
+    for path in sorted(_texts(kernels), key=lambda path: path.split(os.sep)):
+        digest.update(path[len(kernels) + 1 :].replace(os.sep, "/").encode())
+        digest.update(_bytes_of(path))
+    places = [*RECORDS.values(), *(place for place, _ in TUPLES.values())]
+    for definition in _model_definitions(package, places):
+        digest.update(definition)
     return digest.hexdigest()[:16]
+
+
+def _model_definitions(package: str, places: list[str]) -> "Iterator[bytes]":
+    """Yield the texts that define those of the records and tuples at `places` that are the model's.
+
+    Importing them would cost a run modules of other analyses, and hashing their files would compile all
+    kernels anew for each edit of what fills them.
+    """
+    texts: dict[str, bytes] = {}
+    for module, _, name in (place.partition(":") for place in places):
+        if not module.startswith("kernels."):
+            if module not in texts:
+                texts[module] = _bytes_of(os.path.join(package, *module.split(".")) + ".py")
+            yield _definition(texts[module], name.encode())
+
+
+def _definition(text: bytes, name: bytes) -> bytes:
+    """Return the text of a record, up to its closing bracket, or of a class, up to two blank lines."""
+    for start, end in ((b"\n%s = " % name, b"\n)\n"), (b"\nclass %s(" % name, b"\n\n\n")):
+        if start in text:
+            return start + text.partition(start)[2].partition(end)[0]
+    raise KeyError(name)
+
+
+def _bytes_of(path: str) -> bytes:
+    with open(path, "rb") as file:
+        return file.read()
 
 
 def _texts(folder: str) -> "Iterator[Any]":
@@ -136,10 +178,10 @@ _engines: list[Any] = []  # machine code lives as long as they do
 
 
 def load(content: bytes, digest: str) -> dict[str, list[Compiled]]:
-    """Return the functions of an object by name; raises DamagedError where they are of others."""
+    """Return the functions of an object by name; raises DamagedError and OtherKernelsError."""
     header, code = read(content)
     if header["digest"] != digest or header["target"] != target():
-        raise DamagedError
+        raise OtherKernelsError
     engine = _elf_engine(code) or _llvm_engine(code)
     _engines.append(engine)
     found: dict[str, list[Compiled]] = {}

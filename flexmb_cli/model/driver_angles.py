@@ -7,7 +7,7 @@ from .mechanism import Driver, Mechanism, TimeGrid
 
 LARGEST_ANGLE = 1e9  # rad; beyond it a double leaves less than ten digits to a position within a turn
 MANY_REVOLUTIONS = 1000.0  # between two report times, each of which is followed
-NO_ANGLE = f"beyond {LARGEST_ANGLE:.0e} rad numbers tell no position within a turn"
+NO_ANGLE = f"beyond {LARGEST_ANGLE:.0e} rad a number determines no position within a turn"
 
 
 def check_driver_angles(mechanism: Mechanism, findings: Findings) -> None:

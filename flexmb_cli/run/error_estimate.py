@@ -20,7 +20,7 @@ GIVEN_STEPS = NO_EFFECT + (
     "step as 0 for steps chosen by a tolerance"
 )
 TOO_FINE = (
-    "--estimate-error tells too little: no second run can be finer than a tolerance of {:g}, where round-off "
+    "--estimate-error gives too little: no second run can be finer than a tolerance of {:g}, where round-off "
     "is all that is left; ask for the errors of a run to {:g}"
 )
 STOPPED = (

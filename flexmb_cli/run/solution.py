@@ -13,6 +13,7 @@ from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
 from ..quick_dataclass import dataclass, field
 from ..results.files.file_names import ResultPaths
+from ..solvers.compilation import tell_of_damage
 from .checkpoint import ResumeFile
 from .context import Run
 from .exit_status import reason_of
@@ -114,7 +115,10 @@ def solve_deck(deck: Deck, paths: ResultPaths, run: Run) -> None:
         resume_file = _resume_file(deck, solution, paths, run)
         estimate = _estimate(solution, run)
     with Stop.later():
-        _Keeper(deck, solution, paths, run, resume_file, estimate, doubts).keep()
+        try:
+            _Keeper(deck, solution, paths, run, resume_file, estimate, doubts).keep()
+        finally:
+            tell_of_damage(run.listener)
 
 
 @contextmanager

@@ -2,11 +2,13 @@
 
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
+from pathlib import Path
 from typing import Protocol
 
 from ..errors import OutputError
 
 _reported: set[str] = set()  # entries this process need not look for again: a study asks for every case
+_told: set[str] = set()  # sentences about damaged files
 COMPILING = "compiling kernels (once per version, 5 to 20 s)"
 NO_FOLDER = "no folder to keep compiled kernels in; set NUMBA_CACHE_DIR to one that can be written"
 
@@ -38,7 +40,9 @@ def tell_of_compiling(listener: Notices, entry: str) -> None:
     _reported.add(entry)
     from ..kernels import _jit
 
-    if not _jit.must_compile(entry):
+    must_compile = _jit.must_compile(entry)
+    tell_of_damage(listener)
+    if not must_compile:
         return
     from ..kernels import _cache
 
@@ -47,6 +51,16 @@ def tell_of_compiling(listener: Notices, entry: str) -> None:
         listener.notice(NO_FOLDER)
     for sentence in _cache.refused:
         listener.notice(sentence)
+
+
+def tell_of_damage(listener: Notices) -> None:
+    """Notices for the user, one a file, when compiled kernels were damaged or could not be read."""
+    from ..kernels import _entry
+
+    for sentence in _entry.damaged:
+        if sentence not in _told:
+            _told.add(sentence)
+            listener.notice(f"warning: {sentence}")
 
 
 def units_to_compile() -> list[str]:
@@ -75,26 +89,39 @@ def compile_unit(unit: str) -> None:
 
 
 def list_compiled() -> Iterator[tuple[str, int, str]]:
-    """Yield path, bytes and compiler of what the user's cache keeps."""
-    from ..kernels import _cache, _objects
-
-    for path, size in _cache.kept():
-        try:
-            compiler = _objects.read(path.read_bytes())[0]["compiler"]
-        except (OSError, ValueError, KeyError, _objects.DamagedError):
-            compiler = "damaged"
-        yield str(path), size, compiler
-
-
-def clear_compiled() -> int:
-    """Delete what the user's cache keeps, of all versions; return how many files."""
+    """Yield path, bytes and compiler of what the user's cache keeps; what is not used says so."""
     from ..kernels import _cache
 
-    return _cache.clear()
+    for path, size in _cache.kept():
+        yield str(path), size, _compiler_of(path)
+
+
+def _compiler_of(path: Path) -> str:
+    """Return what compiled a kept object, or why it is not used."""
+    from ..kernels import _cache, _objects
+
+    try:
+        content = _cache.read_own(path)
+        if content is None:
+            return "not used: others may have written it"
+        compiler: str = _objects.read(content)[0]["compiler"]
+    except OSError as fault:
+        return f"not used: {fault.strerror or 'it is no regular file'}"
+    except (ValueError, KeyError, _objects.DamagedError):
+        return "not used: it is damaged"
+    return compiler
+
+
+def clear_compiled() -> tuple[int, list[str]]:
+    """Delete what the user's cache keeps, of all versions; return how many files, and those that stay."""
+    from ..kernels import _cache
+
+    count, stay = _cache.clear()
+    return count, [str(path) for path in stay]
 
 
 def refused_places() -> list[str]:
     """Return why folders and files were not used, a sentence each."""
-    from ..kernels import _cache
+    from ..kernels import _cache, _entry
 
-    return list(_cache.refused)
+    return [*_cache.refused, *_entry.damaged]

@@ -19,6 +19,8 @@ from ..quick_dataclass import dataclass
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from scipy.sparse import csr_matrix
+
 
 RESIDUAL_MET = 1e-9  # scaled residual that counts as met
 Position = tuple[np.ndarray, np.ndarray]  # coordinates (N,) and their scaled residual (m,)
@@ -32,8 +34,8 @@ class Equations(Protocol):
     def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
         """Return the scaled residual (m,) at q and t; expected: the angles expected, rad."""
 
-    def jacobian(self, q: np.ndarray) -> np.ndarray:
-        """Return the scaled Jacobian (m, n) at the q of the last `residual`."""
+    def jacobian(self, q: np.ndarray) -> "np.ndarray | csr_matrix":
+        """Return the scaled Jacobian (m, n) at the q of the last `residual`, sparse where it is large."""
 
     def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
         """Return the position after a scaled step (n,)."""
@@ -122,11 +124,25 @@ def project(
     return q, gap
 
 
-def _least_step(J: np.ndarray, gap: np.ndarray, dependent: float, columns: np.ndarray | None) -> np.ndarray:
+def _least_step(
+    J: "np.ndarray | csr_matrix", gap: np.ndarray, dependent: float, columns: np.ndarray | None
+) -> np.ndarray:
     """Return the shortest step (n,) that takes the gap away to first order."""
+    if columns is None and not isinstance(J, np.ndarray):
+        return _sparse_step(J, gap)
     if columns is None:
         found: np.ndarray = -np.linalg.lstsq(J, gap, rcond=dependent)[0]
         return found
     step = np.zeros(J.shape[1])
+    if not isinstance(J, np.ndarray):
+        step[columns] = _sparse_step(J[:, columns], gap)
+        return step
     step[columns] = -np.linalg.lstsq(J[:, columns], gap, rcond=dependent)[0]
     return step
+
+
+def _sparse_step(J: "csr_matrix", gap: np.ndarray) -> np.ndarray:
+    """Return the shortest step of a large mechanism: only that needs scipy's sparse matrices."""
+    from .singular.sparse_rank import shortest_correction
+
+    return -shortest_correction(J, gap)

@@ -57,7 +57,7 @@ def solve_on_cluster(sweep: Sweep, blocks: list[int], advance: Callable[[int], N
             _Cluster(client, sweep, advance, address).solve(blocks)
         except (CancelledError, OSError) as fault:
             reason = " ".join(str(fault).split())  # newer versions of Dask explain on several lines
-            message = f"the Dask scheduler at {address} was lost: {reason}; the same command goes on"
+            message = f"the Dask scheduler at {address} was lost: {reason}; the same command continues it"
             raise ClusterError(message, ANALYSIS_FAILED, id="STUDY-006") from fault
 
 

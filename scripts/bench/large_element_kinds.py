@@ -153,6 +153,7 @@ def _vsdf(size: int) -> Iterator[_KIND]:
     )
     yield "vsdf one output", lambda: cards(f"OUTN\n1,{'51,' * min(99_990, size // 3)}51\n")
     yield "vsdf rigid bodies", lambda: _rigid_bodies(size, deck, end)
+    yield "vsdf chain", lambda: vsdf_chain(size)
 
 
 def _rigid_bodies(size: int, deck: str, end: str) -> str:
@@ -162,3 +163,21 @@ def _rigid_bodies(size: int, deck: str, end: str) -> str:
     masses = "".join(f"{k},1.0\n 1.0,1.0,1.0\n" for k in range(2, count + 2))
     places = "".join(f"{k},{k}.0,0.0,0.0\n" for k in range(2, count + 2))
     return f"{deck}\nBODY\n{heads}RIGI\n{masses}POSI\n{places}END{end}"
+
+
+def vsdf_chain(size: int) -> str:
+    """Rigid bars hinged to one another."""
+    bodies = range(1, max(2, size // 131) + 1)
+
+    def each(line: str) -> str:
+        return "".join(line.format(k=k, before=k - 1) for k in bodies)
+
+    nodes = each(" {k},1,0,0,0\n {k},2,0,1,0\n {k},3,1,0,0\n {k},4,1,1,0\n")
+    heads, masses = each(" {k},RIGD\n"), each(" {k},1,0.5,0,0\n 0.1,0.1,0.1\n")
+    places = each(" {k},{before},0,0\n")
+    hinges = each(" {k},REVO,{before},3,4,{k},1,2\n").split("\n", 1)[1]
+    return (
+        f"VSDF CHAIN\nBODY\n{heads}RIGI\n{masses}NODE\n{nodes}"
+        f"POSI\n{places}JOIN\n 1,REVO,0,0,0,1,1,2\n{hinges}"
+        "GRAV\n 0,0,-9.81\nTIME\n 0.1,0.01\nEND\nSTAR\nSTOP\n"
+    )

@@ -171,7 +171,7 @@ def _go_on(command, folder, hit):
 def _answers_left(command, folder):
     """The lines of answers behind those that the draft has, told by asking with no answers at all."""
     begun = run_forked(command.arguments, folder, Hit())
-    kept = re.search(r"going on with (\d+) answers", begun.stderr)
+    kept = re.search(r"continuing with (\d+) answers", begun.stderr)
     left = int(kept[1]) if kept else 0
     line = 0
     while left > 0:

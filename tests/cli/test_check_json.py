@@ -10,7 +10,7 @@ import pytest
 
 from flexmb_cli.results.texts import check_text
 from flexmb_cli.run.check import check as run_check
-from flexmb_cli.run.check import kinematic
+from flexmb_cli.run.check import parts
 from flexmb_cli.run.outcome import RunOptions
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
@@ -71,7 +71,7 @@ def test_a_jacobian_of_forward_dynamics_is_refused():
 
 
 def test_what_is_too_large_to_be_assembled_is_counted(monkeypatch):
-    monkeypatch.setattr(kinematic, "MOST_ASSEMBLED", 27)
+    monkeypatch.setattr(parts, "MOST_ASSEMBLED", 27)
     report = run_check.check_deck(str(DECKS / "young/IN4-BAR.dat"), RunOptions())
     assert report.outcome.exit_code == 0 and report.as_dict()["assembly"] == []
     assert "  coordinates 28, report times 26\n" in check_text.check_text(report)
@@ -81,7 +81,7 @@ def test_what_is_too_large_to_be_assembled_is_counted(monkeypatch):
 
 def test_a_last_row_before_the_end_is_told(monkeypatch):
     """0.4 s go six times into the 2.5 s of the deck."""
-    monkeypatch.setattr(kinematic, "MOST_ASSEMBLED", 27)
+    monkeypatch.setattr(parts, "MOST_ASSEMBLED", 27)
     report = run_check.check_deck(str(DECKS / "young/IN4-BAR.dat"), RunOptions(changes=("time.step=0.4",)))
     assert "  coordinates 28, report times 7, the last at 2.4 s\n" in check_text.check_text(report)
 

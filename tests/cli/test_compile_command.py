@@ -5,8 +5,10 @@ import subprocess
 import sys
 
 import pytest
+from click.testing import CliRunner
 
-from flexmb_cli.kernels import _jit, _objects
+from flexmb_cli.cli.compile import compile_
+from flexmb_cli.kernels import _cache, _jit, _objects
 
 pytestmark = [
     pytest.mark.processes,
@@ -54,6 +56,59 @@ def test_a_place_that_cannot_be_written_is_said(tmp_path):
     )
     assert done.returncode == 2
     assert "no folder to keep compiled kernels in; set NUMBA_CACHE_DIR" in done.stderr
+
+
+@pytest.fixture
+def version(tmp_path, monkeypatch):
+    """Folder of this version in a cache that three variables name, with an object in it."""
+    for variable in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "LOCALAPPDATA"):
+        monkeypatch.setenv(variable, str(tmp_path))
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr("tempfile.tempdir", None)
+    monkeypatch.setattr(_cache, "refused", [])
+    folder = tmp_path / "flexmb" / f"objects-{_objects.kernel_digest()}"
+    folder.mkdir(parents=True, mode=0o700)
+    (folder / "good.object").write_bytes(_objects.write({"compiler": "numba 0"}, b"code"))
+    (folder / "good.object").chmod(0o600)
+    return folder
+
+
+def listed():
+    """What `--list` shows, but for the sizes."""
+    return [line.split("kB  ", 1)[1] for line in CliRunner().invoke(compile_, ["--list"]).stdout.splitlines()]
+
+
+def test_a_folder_that_several_variables_name_is_counted_once(version):
+    assert listed() == [f"{version}/good.object  numba 0", "in all"]
+    assert CliRunner().invoke(compile_, ["--clear"]).stderr == "flexmb: 1 file of compiled kernels deleted\n"
+    assert CliRunner().invoke(compile_, ["--clear"]).stderr == "flexmb: 0 files of compiled kernels deleted\n"
+
+
+def test_the_list_says_what_is_not_used(version):
+    os.mkfifo(version / "a_pipe.object")
+    (version / "b_link.object").symlink_to("good.object")
+    (version / "c_damaged.object").write_bytes(b"other")
+    (version / "c_damaged.object").chmod(0o600)
+    (version / "d_public.object").write_bytes((version / "good.object").read_bytes())
+    (version / "d_public.object").chmod(0o666)
+    *shown, last, _ = [line.removeprefix(f"{version}/") for line in listed()]
+    assert shown[0] == "a_pipe.object  not used: it is no regular file"
+    assert shown[1].startswith("b_link.object  not used: ")
+    assert shown[2:] == [
+        "c_damaged.object  not used: it is damaged",
+        "d_public.object  not used: others may have written it",
+    ]
+    assert last == "good.object  numba 0"
+
+
+def test_what_cannot_be_deleted_is_not_counted(version, monkeypatch):
+    monkeypatch.setattr("shutil.rmtree", lambda folder, ignore_errors: None)
+    reported = CliRunner().invoke(compile_, ["--clear"]).stderr.splitlines()
+    assert reported == [
+        "flexmb: 0 files of compiled kernels deleted",
+        f"flexmb: warning: {version}/good.object cannot be deleted",
+    ]
 
 
 def test_list_and_clear_exclude_each_other(tmp_path):

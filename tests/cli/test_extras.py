@@ -1,5 +1,6 @@
 """A missing extra is reported before any work, with the command that installs it here, and leaves no file."""
 
+import os
 import shlex
 import shutil
 import subprocess
@@ -11,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from flexmb_cli import installation
+from flexmb_cli.kernels import _jit
 
 TOP = Path(__file__).resolve().parents[2]
 # A module that is None cannot be imported; the program starts as `python -m flexmb_cli` does.
@@ -54,6 +56,21 @@ def test_a_missing_extra_is_reported_before_any_work(module, arguments, extra, f
     assert f"needs {module}, which" in line
     assert "install it with: " in line and "install" in shlex.split(line.partition("install it with: ")[2])
     assert sorted(folder.iterdir()) == before
+
+
+@pytest.mark.processes
+@pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
+def test_without_numba_a_kernel_that_no_object_has_is_refused(folder):
+    """A wheel with objects works without numba, until a damaged object has to be compiled again."""
+    nowhere = dict.fromkeys(("NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "HOME", "TMPDIR"), str(folder / "none"))
+    done = subprocess.run(
+        [sys.executable, "-c", WITHOUT.format(module="numba"), "run", "IN4-BAR.dat"],
+        capture_output=True, text=True, cwd=folder, timeout=60, env=os.environ | nowhere,
+    )  # fmt: skip
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert "compiling kernels needs numba, which is not installed; install it with: " in line
+    assert sorted(path.name for path in folder.iterdir()) == ["IN4-BAR.dat", "none", "r.h5", "study.toml"]
 
 
 def test_in_a_checkout_the_command_names_its_own_pip_and_folder(monkeypatch):

@@ -111,7 +111,7 @@ def test_ctrl_c_ctrl_d_and_a_mark_keep_a_draft_and_the_next_call_goes_on(tmp_pat
     assert len(json.loads((tmp_path / "IN-NEW.dat.draft").read_text())["answers"]) == 1 + 12 + 7
     done = piped("--draft", lines=rest, cwd=tmp_path)
     assert done.returncode == 0
-    assert "going on with 20 answers" in done.stderr
+    assert "continuing with 20 answers" in done.stderr
     assert numbers_of(tmp_path / "IN-NEW.dat") == numbers_of(FOUR_BAR)
 
 

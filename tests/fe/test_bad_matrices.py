@@ -193,7 +193,7 @@ def test_two_interface_nodes_do_not_hold_a_body(tmp_path):
 
 def test_more_modes_than_the_body_has(tmp_path):
     assert spoilt(tmp_path, lambda r, M, K: None, modes=16) == [
-        "error: 16 modes are asked for, and the body has 15; 0 takes all"
+        "error: 16 modes are requested, and the body has 15; 0 takes all"
     ]
 
 

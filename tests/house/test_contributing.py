@@ -7,110 +7,27 @@ import subprocess
 import sys
 from pathlib import Path
 
+import h5py
+import numpy as np
 import pytest
 
+from tests.dialects.dafms.test_dafms_elements import TWO_LINKS, card, deck, integers, reals
+from tests.house.contributions import (
+    CARD,
+    DECK,
+    FALLING,
+    FORMAT,
+    INTEGRATOR,
+    JOINT,
+    KERNELS,
+    PLANE,
+    QUANTITY,
+    READER,
+    ROTOR,
+)
+
 ROOT = Path(__file__).resolve().parents[2]
-# (a) A point on a plane of the other body.
-JOINT = {
-    "flexmb_cli/model/joints.py": (
-        '    JointType("revolute-spherical",',
-        '    JointType("point on plane", 0, 1, (*_P, "Q_i"), meets=False),\n',
-    ),
-    "flexmb_cli/model/arrays/node_joints.py": (
-        '    "revolute-spherical": (_in_plane,',
-        '    "point on plane": (_in_plane,),\n',
-    ),
-    "flexmb_cli/dialects/vsdf/__init__.py": (
-        '        "RSPH": "revolute-spherical",',
-        '        "PLAN": "point on plane",\n',
-    ),
-}
-# (b) By file: where in it, and what is put there.  Gravity by its strength alone, downwards.
-CARD = {
-    "flexmb_cli/dialects/vsdf/cards/joints_and_loads.py": (
-        '    Card("GRAV", ',
-        '    Card("DOWN", "weight", "DOWN", "single", (Column("g", "gravity along -z", "m/s^2"),)),\n',
-    ),
-    "flexmb_cli/dialects/vsdf/build.py": (
-        "    return VsdfModel(",
-        '    if weight := values.record("weight"):\n        g = (0.0, 0.0, -float(weight["g"]))\n',
-    ),
-}
-# (c) The speed of the origin of every body.
-QUANTITY = {
-    "flexmb_cli/solvers/constrained/flexible_rows.py": (
-        "    @property\n    def total(self)",
-        "    @property\n    def speed(self) -> np.ndarray:\n"
-        '        """Magnitude of the velocity (T, b), m/s."""\n'
-        "        return np.linalg.norm(self.velocity, axis=-1)\n\n",
-    ),
-    "flexmb_cli/results/hdf5/flexible.py": (
-        '    "kinetic": Series(',
-        '    "speed": Series("body/speed", ("body/body",), "m/s", "magnitude of the velocity"),\n',
-    ),
-}
-# (d) The classical method of order 4, besides a file of its kernels.
-KERNELS = {"flexmb_cli/kernels/integrators/rk4.py": "tests/kernels/integrators/rk4.py"}
-INTEGRATOR = {
-    "flexmb_cli/kernels/signatures.py": (
-        '    "alpha": {',
-        '    "rk4": {"integrators.rk4.integrate_rows": "int System Work Integration Report int"},\n',
-    ),
-    "flexmb_cli/solvers/constrained/integrators.py": (
-        '    "RK45": Method(',
-        '    "RK4": Method("Kutta", lambda tolerance, length: Steps("rk4"), 1e-8),\n',
-    ),
-}
-# (f) Lines of row, column (from 1) and value.
-READER = '''"""Lines of row, column and value."""
-
-import numpy as np
-
-from .matrix_file import MatrixFile
-
-
-def read_triples(path):
-    """Return the matrix of a file."""
-    rows, columns, values = np.loadtxt(path, ndmin=2).T
-    size = int(max(rows.max(), columns.max()))
-    return MatrixFile(size, rows.astype(int) - 1, columns.astype(int) - 1, values, True)
-'''
-FORMAT = {
-    "flexmb_cli/fe/formats/formats.py": (
-        '    "MM": MatrixFormat(',
-        '    "TRI": MatrixFormat("triples:read_triples"),\n',
-    ),
-}
-# A body of 2 kg that falls; the method of order 8 has no error in a parabola.
-DECK = """\
-VSDF A BODY THAT FALLS
-BODY
-    1 RIGD
-RIGI
-    1       2.0       0.0       0.0       0.0
-       0.1       0.2       0.3       0.0       0.0       0.0
-DOWN
-       9.5
-TIME
-       0.5       0.1
-INTG
- RK45    1.0E-8
-END
-STAR
-STOP
-"""
-
-# The mass centre on the plane through the origin whose normal is (1, 0, 1).
-PLANE = """\
-NODE
-    0    1       0.0       0.0       0.0
-    0    2       1.0       0.0       1.0
-    1    3       0.0       0.0       0.0
-JOIN
-    1 PLAN    0    1    2    1    3
-TIME
-"""
-
+TREE = TWO_LINKS.replace("1.000E-12    1.000E-13", "1.000E-07    1.000E-08")
 pytestmark = pytest.mark.processes
 
 
@@ -121,10 +38,12 @@ def copy(tmp_path_factory):
     shutil.copytree(ROOT / "flexmb_cli", folder / "flexmb_cli", ignore=shutil.ignore_patterns("__pycache__"))
     for name, origin in KERNELS.items():
         shutil.copy(ROOT / origin, folder / name)
-    for name, (place, added) in (JOINT | CARD | QUANTITY | INTEGRATOR | FORMAT).items():
+    for name, additions in (JOINT | CARD | QUANTITY | INTEGRATOR | FORMAT).items():
         text = (folder / name).read_text(encoding="utf-8")
-        assert text.count(place) == 1
-        (folder / name).write_text(text.replace(place, added + place), encoding="utf-8")
+        for place, added in additions:
+            assert text.count(place) == 1, (name, place)
+            text = text.replace(place, added + place)
+        (folder / name).write_text(text, encoding="utf-8")
     (folder / "flexmb_cli/fe/formats/triples.py").write_text(READER)
     (folder / "fall.vsdf").write_text(DECK)
     return folder
@@ -140,12 +59,27 @@ def flexmb(copy, *words):
 
 
 def test_as_few_files_are_touched_as_the_page_says():
-    assert len(JOINT) <= 4 and len(CARD) <= 3 and len(QUANTITY) <= 2 and len(KERNELS | INTEGRATOR) <= 3
+    assert len(JOINT) <= 4 and len(CARD) <= 3 and len(QUANTITY) <= 2 * 4 and len(KERNELS | INTEGRATOR) <= 3
     page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     assert all(
         name.removeprefix("flexmb_cli/dialects/vsdf/").split("/")[-1] in page
         for name in JOINT | CARD | QUANTITY
     )
+
+
+def test_quantities_of_the_page_have_types(copy):
+    """Strict mypy, by the settings of the project."""
+    names = [name for name in QUANTITY if "/solvers/" in name]
+    command = [
+        sys.executable,
+        "-m",
+        "mypy",
+        "--config-file",
+        ROOT / "pyproject.toml",
+        "--follow-imports=silent",
+    ]
+    done = subprocess.run([*command, *names], cwd=copy, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stdout
 
 
 def test_a_joint_of_three_files_is_read_and_held(copy):
@@ -168,13 +102,61 @@ def test_a_card_of_two_files_is_read_echoed_set_and_obeyed(copy):
     assert [float(z) for _, z in rows] == pytest.approx([-4.0 * float(t) ** 2 for t, _ in rows], abs=1e-12)
 
 
-def test_a_quantity_of_two_files_is_stored_named_and_listed(copy):
-    """|v| = g t."""
-    flexmb(copy, "run", "-q", "fall.vsdf", "--no-out", "--h5", "fall.h5")
+@pytest.fixture(scope="module")
+def results(copy):
+    """The results of a deck of each analysis, and of a tree by both formulations, as {name: HDF5 file}."""
+    elements = deck(card("HSPR", integers(1, 3) + reals(20, 0.2, 0.3, 1)), TREE)
+    decks = {
+        "rotor.dat": ROTOR, "falling.dat": FALLING, "tree.DAT": deck("", TREE), "elements.DAT": elements,
+        "fall.vsdf": DECK,
+    }  # fmt: skip
+    for name, text in decks.items():
+        (copy / name).write_text(text)
+    flexmb(copy, "run", "-q", "--no-out", *decks)
+    flexmb(copy, "run", "-q", "--formulation", "absolute", "--no-out", "--h5", "absolute.h5", "tree.DAT")
+    names = [*(Path(name).stem for name in decks), "absolute"]
+    return {name: h5py.File(copy / f"{name}.h5") for name in names}, list(decks)
+
+
+def test_quantities_of_kinematics_take_two_files(results):
+    """A body at 0.5 m from its axis, 3 rad/s."""
+    file = results[0]["rotor"]
+    assert file["body/reach"][:, 1] == pytest.approx(0.5, abs=1e-12)
+    assert file["body/turning"][:, 1] == pytest.approx(3.0, abs=1e-12)
+    assert file["body/reach"].attrs["units"] == "m"
+
+
+def test_quantities_of_young_dynamics_take_two_files_and_know_the_masses(results):
+    """p = m g t, T - V = m g² t², and those of kinematics."""
+    file = results[0]["falling"]
+    t = file["time"][:]
+    assert file["system/momentum"][:, 1] == pytest.approx(-1.5 * 8.0 * t, abs=1e-9)
+    assert file["energy/lagrangian"][:] == pytest.approx(1.5 * 64.0 * t * t, abs=1e-9)
+    assert file["body/reach"][:, 1] == pytest.approx(4.0 * t * t, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["tree", "absolute", "elements"])
+def test_quantities_of_trees_take_two_files_for_both_formulations(results, name):
+    """By velocities and masses, 1.5 kg and 0.8 kg."""
+    file = results[0][name]
+    v = file["body/velocity"][:]
+    assert np.abs(v[1:, 1]).max() > 0.1
+    assert file["body/speed"][:] == pytest.approx(np.hypot(v[..., 0], v[..., 1]), abs=1e-12)
+    assert file["system/momentum"][:] == pytest.approx(1.5 * v[:, 0] + 0.8 * v[:, 1], abs=1e-12)
+
+
+def test_quantities_of_flexible_mechanisms_are_stored_named_and_listed(copy, results):
+    """|v| = g t, p = m g t."""
     head, *rows = csv.reader(flexmb(copy, "table", "fall.h5", "body.1.speed").splitlines())
     assert head == ["time [s]", "body.1.speed [m/s]"] and len(rows) == 6
     assert [float(v) for _, v in rows] == pytest.approx([9.5 * float(t) for t, _ in rows], abs=1e-12)
     assert "magnitude of the velocity" in flexmb(copy, "table", "fall.h5", "--list")
+    file = results[0]["fall"]
+    assert file["system/momentum"][:, 2] == pytest.approx(-2.0 * 9.5 * file["time"][:], abs=1e-12)
+
+
+def test_verify_compares_analyses_with_quantities_added(copy, results):
+    flexmb(copy, "verify", "-q", "--rtol", "1e-8", *results[1][:-1])
 
 
 def test_an_integrator_of_three_files_is_named_by_its_card(copy):

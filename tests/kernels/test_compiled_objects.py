@@ -4,12 +4,13 @@ import ast
 import importlib
 import operator
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from flexmb_cli.kernels import _arguments, _entry, _jit, signatures
+from flexmb_cli.kernels import _arguments, _entry, _jit, _objects, signatures
 from flexmb_cli.kernels.constrained import speeds
 from flexmb_cli.kernels.linalg import lu
 from flexmb_cli.run.deck import run_deck
@@ -59,6 +60,49 @@ def test_every_tuple_has_the_fields_of_its_class(name):
     module, _, kind = place.partition(":")
     fields = getattr(importlib.import_module(f"flexmb_cli.{module}"), kind)._fields
     assert len(words.split()) == len(fields), dict(zip(fields, words.split(), strict=False))
+
+
+PLACES = {**signatures.RECORDS, **{name: place for name, (place, _) in signatures.TUPLES.items()}}
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory):
+    """A copy of what the digest is made of."""
+    copy = tmp_path_factory.mktemp("package")
+    for folder in ("kernels", "model/arrays"):
+        ignored = shutil.ignore_patterns("__pycache__", "objects")
+        shutil.copytree(PACKAGE / folder, copy / folder, ignore=ignored)
+    return copy
+
+
+@pytest.mark.parametrize("name", PLACES)
+def test_the_order_of_fields_is_in_the_digest(package, name):
+    """Code that was compiled for another order would read one array as another."""
+    place, _, constant = PLACES[name].partition(":")
+    defined = getattr(importlib.import_module(f"flexmb_cli.{place}"), constant)
+    first, second = (getattr(defined, "_fields", None) or defined.names)[:2]
+    path = package / f"{place.replace('.', '/')}.py"
+    before, digest = path.read_text(encoding="utf-8"), _objects.digest_of(str(package))
+    head, start, rest = re.split(rf"^((?:class )?{constant}\b)", before, maxsplit=1, flags=re.MULTILINE)
+    swapped = rf'\b({first})\b("?[,:][\s\S]*?)\b({second})\b(?="?[,:])'
+    rest = re.sub(swapped, r"\3\2\1", rest, count=1)
+    assert head + start + rest != before
+    path.write_text(head + start + rest, encoding="utf-8")
+    assert _objects.digest_of(str(package)) != digest
+    path.write_text(before, encoding="utf-8")
+    assert _objects.digest_of(str(package)) == digest == _objects.digest_of(str(PACKAGE))
+
+
+@pytest.mark.parametrize("name", [name for name, place in PLACES.items() if place.startswith("model")])
+def test_all_fields_of_the_model_s_records_are_in_the_digest(name):
+    """The digest takes the text of a definition: a field that another text adds would not be in it."""
+    place, _, constant = PLACES[name].partition(":")
+    defined = getattr(importlib.import_module(f"flexmb_cli.{place}"), constant)
+    (text,) = (text.decode() for text in _objects._model_definitions(str(PACKAGE), [PLACES[name]]))
+    written = re.findall(r'^ +(?:\("(\w+)",|(\w+):)', text, re.MULTILINE)
+    assert [one or other for one, other in written] == list(
+        getattr(defined, "_fields", None) or defined.names
+    )
 
 
 def test_every_signature_is_that_of_a_kernel():

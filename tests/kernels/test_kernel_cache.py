@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from flexmb_cli.kernels import _jit
+from flexmb_cli.kernels import _jit, _objects
 
 pytestmark = pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
 
 NOBODY = 65534
 KERNEL = """
-import os, shutil, sys
-from flexmb_cli.kernels import _cache
+import os, pathlib, shutil, sys
+from flexmb_cli.kernels import _cache, _entry, _objects
 from flexmb_cli.kernels._jit import kernel
 
 @kernel
@@ -26,10 +26,12 @@ def below(x):
 def twice(x):
     return 2.0 * below(x)
 
+if "PACKAGED" in os.environ:
+    _objects.PACKAGED = pathlib.Path(os.environ["PACKAGED"])
 if sys.argv[1:]:
     shutil.rmtree(sys.argv[1])
     open(sys.argv[1], "w").close()
-print(twice(7.0), "compiled" if "numba" in sys.modules else "loaded", *_cache.refused)
+print(twice(7.0), "compiled" if "numba" in sys.modules else "loaded", *_cache.refused, *_entry.damaged)
 """
 
 
@@ -86,8 +88,47 @@ DAMAGES = {
 def test_a_damaged_kernel_is_compiled_anew_and_kept(cache, script, damage):
     kept = kept_file(cache)
     kept.write_bytes(DAMAGES[damage](kept.read_bytes()))
-    assert twice(script, cache) == "42.0 compiled"
+    assert twice(script, cache) == f"42.0 compiled {kept} is damaged: it is compiled again"
     assert twice(script, cache) == "42.0 loaded"
+
+
+@pytest.fixture
+def packaged(tmp_path, cache):
+    """Path of the object in the package, of which there is a copy with no more than its folder."""
+    path = tmp_path / "objects" / str(_objects.target()) / kept_file(cache).name
+    path.parent.mkdir(parents=True)
+    return path
+
+
+@pytest.mark.processes
+def test_a_damaged_object_of_the_package_is_named_in_each_run(tmp_path, cache, script, packaged):
+    """The user's cache helps, but only another installation mends it."""
+    packaged.write_bytes(garbled(kept_file(cache).read_bytes()))
+    for _ in range(2):
+        said = twice(script, cache, PACKAGED=str(tmp_path / "objects"))
+        assert said.startswith(f"42.0 loaded {packaged} is damaged: ") and said.count("is damaged") == 1
+        assert said.endswith("install flexmb anew")
+
+
+@pytest.mark.processes
+@pytest.mark.skipif(
+    not Path("/proc/self/mem").exists(), reason="no file that cannot be read at its beginning"
+)
+def test_an_object_of_the_package_that_cannot_be_read_stops_nothing(tmp_path, script, packaged):
+    packaged.symlink_to("/proc/self/mem")
+    empty = tmp_path / "empty"
+    for how in ("compiled", "loaded"):
+        said = twice(script, empty, PACKAGED=str(tmp_path / "objects"))
+        assert said.startswith(f"42.0 {how} {packaged} cannot be read (Input/output error): kernels are ")
+        assert said.count("cannot be read") == 1
+
+
+@pytest.mark.processes
+def test_objects_of_the_package_are_used_whoever_owns_them(tmp_path, cache, script, packaged):
+    """Whoever can write there can change the Python files, too."""
+    shutil.copy(kept_file(cache), packaged)
+    packaged.chmod(0o666)
+    assert twice(script, tmp_path / "empty", PACKAGED=str(tmp_path / "objects")) == "42.0 loaded"
 
 
 @pytest.mark.processes
@@ -174,7 +215,7 @@ def test_a_pickle_is_not_looked_at(cache, script, tmp_path):
 
     for name in ("kernel.twice-9.py311.nbi", "kernel.twice-9.py311.1.nbc", kept.name):
         (kept.parent / name).write_bytes(pickle.dumps(Attack()))
-    assert twice(script, cache) == "42.0 compiled"
+    assert twice(script, cache) == f"42.0 compiled {kept} is damaged: it is compiled again"
     assert not (tmp_path / "attacked").exists()
     assert b"pickle" not in kept.read_bytes()
 

@@ -79,7 +79,7 @@ def test_an_object_of_another_version_or_machine_is_not_loaded(for_all_machines)
     assert set(_objects.load(content, "0" * 16)) == {"constrained.speeds.normalise", "product_and_sum"}
     other = next(target for target in for_all_machines if target != _objects.target())
     for foreign, digest in ((content, "1" * 16), (for_all_machines[other], "0" * 16)):
-        with pytest.raises(_objects.DamagedError):
+        with pytest.raises(_objects.OtherKernelsError):
             _objects.load(foreign, digest)
 
 

@@ -8,6 +8,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts/bench"))
 import large_decks
+import large_element_kinds
 
 from flexmb_cli.deck.record import DeckText
 from flexmb_cli.dialects.dafms.build import build_dafms
@@ -45,6 +46,15 @@ def test_a_large_deck_takes_at_most_twelve_bytes_a_byte(kind, tmp_path):
     _, peak, fault = large_decks.measured(text, dialect, tmp_path)
     assert fault == ""
     assert peak <= large_decks.MOST_PER_BYTE * len(text.encode()) + BESIDES[dialect]
+
+
+def test_a_chain_of_a_thousand_bodies_is_checked(tmp_path):
+    """Singular values of 5000 equations took minutes and gigabytes."""
+    text = large_element_kinds.vsdf_chain(131_000)
+    seconds, peak, fault = large_decks.measured(text, "vsdf", tmp_path)
+    assert fault == ""
+    assert peak <= large_decks.MOST_PER_BYTE * len(text) + large_decks.MOST_BESIDES
+    assert seconds < 20
 
 
 @pytest.mark.parametrize("setting", ["time.end=2", "body.3.x=2"])

@@ -206,7 +206,7 @@ def test_a_signal_keeps_the_rows_and_says_how_to_go_on(tmp_path, sent):
     process.send_signal(sent)
     message = process.communicate(timeout=60)[1]
     assert process.returncode == 128 + sent
-    assert message.splitlines()[-1].endswith("; --resume goes on with it")
+    assert message.splitlines()[-1].endswith("; --resume continues it")
     with h5py.File(tmp_path / "pendulum.h5") as file:
         assert (file.attrs["status"], file.attrs["message"]) == ("failed", "interrupted")
         assert file["time"].shape[0] >= 256

@@ -88,7 +88,7 @@ def test_the_cases_that_an_interrupted_sweep_tells_of_are_those_kept(tmp_path, j
     assert (record["status"], record["exit_code"], record["file"]) == ("interrupted", 130, None)
     assert f"interrupted; {kept} of 400 cases are kept in study.h5.parts; the same" in reported
     done = flexmb("sweep", study, cwd=tmp_path)
-    assert f"going on with a stopped study: {kept} of 400 cases are complete" in done.stderr
+    assert f"continuing a stopped study: {kept} of 400 cases are complete" in done.stderr
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="needs to know the children of a process")

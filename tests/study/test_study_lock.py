@@ -147,7 +147,7 @@ def test_what_is_told_of_a_stopped_study_is_right_to_the_case(study):
     del sweep
     done = CliRunner().invoke(cli, ["sweep", study])
     assert done.exit_code == 0
-    assert "going on with a stopped study: 51 of 200 cases are complete" in done.output
+    assert "continuing a stopped study: 51 of 200 cases are complete" in done.output
 
 
 def test_a_study_of_which_nothing_is_kept_is_not_gone_on_with(study):

@@ -47,7 +47,7 @@ def test_every_case_is_what_run_gives_with_set(tmp_path):
 @pytest.mark.parametrize(
     "fault, code, message",
     [
-        (MemoryError(), 1, "not enough memory (`ulimit -v` tells a limit); `sweep --fresh` solves"),
+        (MemoryError(), 1, "not enough memory (`ulimit -v` shows a limit); `sweep --fresh` solves"),
         (ZeroDivisionError("/home/me/x.py"), 3, "a fault of flexmb itself: ZeroDivisionError; `flexmb"),
         (RuntimeError("singular"), 3, "a fault of flexmb itself: RuntimeError; `flexmb"),
     ],

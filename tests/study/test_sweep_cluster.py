@@ -62,7 +62,9 @@ def test_a_scheduler_that_ends_on_the_way_is_told(tmp_path, monkeypatch):
     monkeypatch.setattr(study_cluster, "PATIENCE", 2)
     sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=300)), str(tmp_path / "parts"))
     cluster = LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None)
-    with pytest.raises(study_cluster.ClusterError, match=r"was lost: .*; the same command goes on") as lost:
+    with pytest.raises(
+        study_cluster.ClusterError, match=r"was lost: .*; the same command continues it"
+    ) as lost:
         study_cluster.solve_on_cluster(
             sweep, sweep.pending(), lambda cases: cluster.close(), cluster.scheduler_address
         )

@@ -14,7 +14,7 @@ FAILED = {
     "verify": "an analysis failed, or the motions differ",
     "modes": "an analysis failed",
     "diff": "the results differ, or one is missing",
-    "sweep": "some cases failed; the table is complete and tells why",
+    "sweep": "some cases failed; the table is complete and says why",
     "flexmb": "an analysis failed, results differ, or the disk is full",
 }
 OF_ALL = {

@@ -16,8 +16,8 @@ from .progress import Progress
 from .stops import pass_over_stops, stop_on_signals
 
 KILLED = (
-    "the process that solved this deck was killed from outside, or out of memory: give it again; with "
-    "--resume the run goes on"
+    "the process that solved this deck was killed from outside, or out of memory: give it again; "
+    "--resume continues the run"
 )
 
 

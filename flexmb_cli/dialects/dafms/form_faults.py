@@ -51,7 +51,9 @@ def faults_of(records: Sequence[Record], complete: bool) -> list[Fault]:
 
 def _faults_of_size(record: Record) -> list[Fault]:
     size = record["NUMNP"] * record["NDF"]
-    message = f"{size} elastic coordinates, at most {MOST_TYPED} are asked for: `flexmb beam --into`"
+    message = (
+        f"{size} elastic coordinates are too many to type (at most {MOST_TYPED}): use `flexmb beam --into`"
+    )
     return (
         [Fault("error", message, record.place, record.subject, id="DAFMS-024")] if size > MOST_TYPED else []
     )

@@ -124,7 +124,7 @@ def _node_of_parents_record(
     if not 1 <= stated <= len(positions) or not _same_point(positions[stated - 1], point):
         return 0
     message = (
-        f"NP is 0; node {stated} of body {parent + 1} is taken from record {parent + 1} of NOFP, where the "
+        f"NP is 0; node {stated} of body {parent + 1} is read from record {parent + 1} of NOFP, where the "
         f"1992 listing looks: write {stated} in record {k} too"
     )
     findings.warn(f"hinge of body {k}", message, values.place("hinge_node", k), id="DAFMS-036")

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...deck.fortran_format import E, Edit, F, I
-from ...deck.fortran_words import split_fields, split_list, unit_of, value_of
+from ...deck.fortran_words import is_unreadable, split_fields, split_list, unit_of, value_of
 from ...deck.listing import EchoLine, Listing, ListingForm, Section, TableError
 from ...errors import Fault, Place
 from ...quick_dataclass import dataclass
@@ -187,6 +187,8 @@ def _series_numbers(name: str, lines: list[str], rows: list[int]) -> tuple[np.nd
         exponents = np.floor(np.log10(np.abs(table[:, 2:]))) + 1
     units = np.full((len(rows), table.shape[1] - 1), 1e-7)
     units[:, 1:] = 10.0 ** (np.where(np.isfinite(exponents), exponents, 0) - 6)
+    doubtful = np.array([is_unreadable(lines[row]) for row in rows])
+    units[doubtful[:, None] & np.isnan(table[:, 1:])] = np.nan
     return table, units, table.shape[1]
 
 
@@ -196,7 +198,7 @@ def _one_by_one(name: str, lines: list[str], rows: list[int]) -> np.ndarray:
         line = lines[row]
         words = _series_words(line, width)
         width = width or (len(words) if words else None)
-        if words is None:
+        if words is None or is_unreadable(words[0]):
             sentence = (
                 f"{width or 'some'} numbers under FORMAT(2F12.7,5E15.6) are expected, read {line.strip()!r}"
             )

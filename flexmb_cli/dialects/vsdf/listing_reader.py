@@ -5,7 +5,7 @@ import re
 import numpy as np
 
 from ...deck.fortran_format import Edit, I, P
-from ...deck.fortran_words import split_fields, unit_of, value_of
+from ...deck.fortran_words import is_unreadable, split_fields, unit_of, value_of
 from ...deck.listing import EchoLine, Listing, ListingForm, Section, TableError
 from ...errors import Fault, Place
 from ...quick_dataclass import dataclass, field
@@ -14,11 +14,14 @@ _RULE = "*" * 20
 _TIME, _ENERGY = re.compile(r"\s*TIME\s*="), re.compile(r"\s*ENERGY(?=[\s\d*+-])")
 _FAILED = "THE RUN ENDED BEFORE THE LAST TIME"
 FORM = ListingForm("listing of a VSDF deck", _FAILED)
-_NUMBER = re.compile(r"(?<![\w.])[-+]?(\d+\.?\d*|\.\d+)([ED][-+]?\d{1,9})?(?![\w])", re.IGNORECASE)
+_NUMBER = re.compile(
+    r"(?<![\w.?])[-+]?([\d?]+\.?[\d?]*|\.[\d?]+)([ED][-+]?[\d?]{1,9})?(?![\w?])", re.IGNORECASE
+)
 
 _PLACE = ("point_position", "X Y Z"), ("point_velocity", "VX VY VZ")
 _ENERGIES = (("energy", "KINETIC STRAIN GRAVITY SUM"),)
 _NODE_EDITS = (I(10), I(8), *6 * (P(13, 5),))
+_TIME_EDITS = (P(13, 5),)
 _ENERGY_EDITS = 4 * (P(13, 5),)
 
 
@@ -71,7 +74,7 @@ class _Scan:
     def take(self, number: int, line: str) -> None:
         """Sort one line."""
         if match := _TIME.match(line):
-            words = self._fields(number, line, match.end(), (P(13, 5),))
+            words = self._fields(number, line, match.end(), _TIME_EDITS)
             self.times += words
         elif _FAILED in line:
             self.failed = True
@@ -99,7 +102,7 @@ class _Scan:
 
     def _fields(self, number: int, line: str, start: int, edits: tuple[Edit, ...]) -> list[str]:
         words = split_fields(line[start:], edits)
-        if words is None or _is_nameless(words, edits):
+        if words is None or _is_nameless(words, edits) or (edits is _TIME_EDITS and is_unreadable(words[0])):
             sentence = f"{len(edits)} numbers are expected, read {line[start:].strip()!r}"
             self.faults.append(
                 Fault("error", sentence, Place(number, start + 1, max(1, len(line) - start)), id="VSDF-087")
@@ -109,8 +112,8 @@ class _Scan:
 
 
 def _is_nameless(words: list[str], edits: tuple[Edit, ...]) -> bool:
-    """Return whether stars stand where the number of a body or node is wanted."""
-    return any(edit.kind == "d" and word.startswith("*") for word, edit in zip(words, edits, strict=True))
+    """Return whether stars or `?` stand where the number of a body or node is wanted."""
+    return any(edit.kind == "d" and set(word) & {"*", "?"} for word, edit in zip(words, edits, strict=True))
 
 
 def _nodes(gathered: _Gathered) -> Section:

@@ -181,7 +181,7 @@ class _Reader(CardReader):
                 self.error(subject, f"it is given on line {earlier} already", head.place)
                 return
         if card.counted == "own" and number != count:
-            message = f"it is number {count} of its kind; records are numbered 1, 2, ... in their order"
+            message = f"it is number {count} of its type; records are numbered 1, 2, ... in their order"
             self.error(subject, message, head.place)
         if plain.is_plain(card):
             head_numbers = numbers[: len(card.columns)]

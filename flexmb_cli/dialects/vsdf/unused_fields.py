@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _OF_FUNCTION = {SPIN_UP: ("c0", "c1"), TABLE: ("c0",)} | dict.fromkeys(OF_FUNCTIONS, ("c0",))
 _FUNCTIONS = {SPIN_UP: "law 2 reads c0 and c1", TABLE: "law 4 reads the table's number c0"}
-_FUNCTIONS |= dict.fromkeys(OF_FUNCTIONS, "laws 5 and 6 read the function's number c0")
+_FUNCTIONS |= dict.fromkeys(OF_FUNCTIONS, "law 5 or 6 reads the function's number c0")
 _VALUES = {
     "force": ("F.x", "F.y", "F.z"),
     "torque": ("M.x", "M.y", "M.z"),

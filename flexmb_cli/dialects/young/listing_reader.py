@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...deck.fortran_words import value_of
 from ...deck.listing import LARGEST_INDEX, EchoLine, Listing, ListingForm, Section, TableError
 from ...deck.table_columns import HEADINGS, SECTIONS, Columns
 from ...errors import Fault, Place
@@ -23,7 +24,7 @@ from .listing_rows import (
     split_index,
     split_row,
     unit_of,
-    units_of,
+    units_of_rows,
 )
 
 if TYPE_CHECKING:
@@ -102,8 +103,10 @@ class _Scan:
         elif self._interrupted is not None and is_row_of(self._interrupted.columns, line):
             self._open = self._interrupted
             self._take_row(self._open, number, line)
-        elif not self.time and head in "0123456789.+-" and (numbers := echo_numbers(line)):
-            self.echo.append(EchoLine(number, self._title, *numbers))
+        elif (
+            not self.time and head in "0123456789.+-?*" and (echo := echo_numbers(number, self._title, line))
+        ):
+            self.echo.append(echo)
         else:
             self._take_words(number, line)
 
@@ -170,6 +173,7 @@ class _Scan:
             tuple(standard.names[k] for k in chosen),
             tuple(standard.kinds[k] for k in chosen),
             tuple(standard.decimals[k] for k in chosen),
+            standard.width,
         )
 
 
@@ -183,7 +187,6 @@ def _section(key: str, lines: list[str], gathered: _Gathered, faults: Any) -> Se
         if block is None:
             block = _read_one_by_one(key, texts, gathered.line[start : start + FAST_LINES], columns, faults)
         table[start : start + FAST_LINES] = block
-    units = units_of(gathered.text[0], columns) if gathered.text else 10.0 ** -np.array(columns.decimals)
     return Section(
         columns.names,
         columns.kinds,
@@ -191,8 +194,9 @@ def _section(key: str, lines: list[str], gathered: _Gathered, faults: Any) -> Se
         table[:, 0].astype(np.int64),
         np.array(gathered.line, dtype=np.int64),
         table[:, 1:],
-        units,
+        units_of_rows(gathered.text, columns),
         columns.item,
+        columns.edits,
     )
 
 
@@ -244,5 +248,5 @@ def _read_one_by_one(
         elif words is None:
             faults.append(row_fault(key, index, rest, number, offset, columns))
         else:
-            block[row] = [index, *map(float, words)]
+            block[row] = [index, *map(value_of, words)]
     return block

@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...deck.fortran_format import fixed
+from ...deck.fortran_words import UNREADABLE, is_unreadable, value_of
+from ...deck.listing import EchoLine
 from ...deck.number import hint
 from ...deck.table_columns import OLD_DECIMALS, Columns
 from ...errors import Fault, Place
@@ -15,7 +18,12 @@ if TYPE_CHECKING:
 
 
 INDEX = re.compile(r"\s*\d+(?=\s|$)")
-NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?(nan|inf)", re.IGNORECASE | re.ASCII)
+NUMBER = re.compile(
+    rf"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?(nan|inf)|\*+|{UNREADABLE}", re.IGNORECASE | re.ASCII
+)
+# A number of the echo; its widths are those of the answers, its stars show the width themselves.
+_ECHO_LINE = re.compile(r"[-+.\d?*\s]*[\d?][-+.\d?*\s]*")
+_ECHO_DECIMALS = 2
 
 
 def split_index(text: str) -> tuple[int, str, int]:
@@ -33,7 +41,7 @@ def split_row(rest: str, columns: Columns) -> "Sequence[Any] | None":
     if len(words) == len(columns.names) and all(NUMBER.fullmatch(word) for word in words):
         return words
     for decimals in (columns.decimals, len(columns.decimals) * (OLD_DECIMALS,)):
-        match = _pattern(decimals).fullmatch(rest)
+        match = _pattern(decimals, columns.width).fullmatch(rest)
         if match:
             return match.groups()
     return None
@@ -46,9 +54,10 @@ def is_row_of(columns: Any, line: str) -> Any:
 
 
 @lru_cache(maxsize=64)
-def _pattern(decimals: tuple[int, ...]) -> re.Pattern[str]:
-    number = r"\s*([-+]?\d*\.\d{%d}|[-+]?nan|[-+]?inf)"
-    return re.compile("".join(number % count for count in decimals) + r"\s*")
+def _pattern(decimals: tuple[int, ...], width: int) -> re.Pattern[str]:
+    # Stars of one field are as many as it is wide; "?++" takes all question marks and gives none back.
+    number = r"\s*([-+]?[\d?]*\.[\d?]{%d}|[-+]?nan|[-+]?inf|\*{%d}|\?++)"
+    return re.compile("".join(number % (count, width) for count in decimals) + r"\s*")
 
 
 def row_fault(key: str, index: int, rest: str, number: int, offset: int, columns: Columns) -> Fault:
@@ -71,17 +80,36 @@ def units_of(text: str, columns: Columns) -> np.ndarray:
 
 
 def unit_of(word: str) -> float:
-    """One unit of the last digit of a number in fixed-point notation."""
-    return float(f"1e-{len(word.partition('.')[2])}")
+    """One unit of the last digit of a number in fixed-point notation; nan where a digit is unreadable."""
+    return float("nan") if is_unreadable(word) else float(f"1e-{len(word.partition('.')[2])}")
 
 
-def echo_numbers(line: str) -> "tuple[tuple[Any, ...], tuple[Any, ...]] | None":
-    """Values and units of a line of numbers; None when the line is text.  Echoes print two decimals."""
-    if not re.fullmatch(r"[-+.\d\s]*\d[-+.\d\s]*", line):
+def echo_numbers(number: int, title: str, line: str) -> EchoLine | None:
+    """The line `number` of numbers below `title`; None when the line is text.  Echoes print two decimals."""
+    if not _ECHO_LINE.fullmatch(line):
         return None
     words = re.findall(r"[-+]?\d*\.\d\d|[-+]?\d+(?![.\d])", line)
     if "".join(words) != "".join(line.split()):
         words = line.split()
     if not all(NUMBER.fullmatch(word) for word in words):
         return None
-    return tuple(map(float, words)), tuple(map(unit_of, words))
+    edits = tuple(fixed(len(word), _ECHO_DECIMALS) for word in words) if "*" in line else ()
+    values, units = tuple(map(value_of, words)), tuple(map(unit_of, words))
+    return EchoLine(number, title, values, units, edits=edits)
+
+
+def units_of_rows(texts: "Sequence[str]", columns: Columns) -> np.ndarray:
+    """Units of the last digits, (columns,), or (lines, columns) with nan where a number is unreadable.
+
+    The first whole line decides, since programs print fewer decimals than ours.
+    """
+    whole = next((text for text in texts if not re.search("[?*]", text)), None)
+    units = 10.0 ** -np.array(columns.decimals) if whole is None else units_of(whole, columns)
+    doubtful = [line for line, text in enumerate(texts) if is_unreadable(text)]
+    if not doubtful:
+        return units
+    table = np.tile(units, (len(texts), 1))
+    for line in doubtful:
+        words = split_row(split_index(texts[line])[1], columns) or ()
+        table[line, [place for place, word in enumerate(words) if is_unreadable(word)]] = np.nan
+    return table

@@ -64,7 +64,7 @@ def formulation_of(name: str, nodes: int) -> Formulation:
     """
     if name == "C3D8R":
         raise FEFileFault(
-            "C3D8R needs forces against hourglasses, which no file tells; take C3D8I", id="FE-070"
+            "C3D8R needs forces against hourglasses, which no file contains; use C3D8I", id="FE-070"
         )
     if name and name not in _OF_TYPE:
         known = ", ".join(_OF_TYPE)

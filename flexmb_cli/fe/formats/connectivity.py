@@ -87,7 +87,7 @@ def _check_kinds(name: str, found: list[_Element]) -> None:
     counts = {len(element.nodes) for element in found}
     if len(counts) > 1:
         mixed = " and of ".join(map(str, sorted(counts)))
-        raise FEFileFault(f"{name} mixes elements of {mixed} nodes; one kind is wanted", id="FE-021")
+        raise FEFileFault(f"{name} mixes elements of {mixed} nodes; use one type", id="FE-021")
     kinds = sorted({element.kind for element in found})
     if len(kinds) > 1:
         raise FEFileFault(

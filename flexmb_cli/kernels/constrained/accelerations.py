@@ -18,13 +18,8 @@ from .._jit import allocating, kernel, part
 from ..kinematics import constraints as equations
 from ..linalg.cholesky import cholesky, cholesky_solve, cholesky_solve_rows
 from ..linalg.copying import copy
-from ..linalg.rank_revealing_lu import (
-    WORN,
-    choose,
-    dependent_speeds,
-    factorise,
-    free_motions,
-)
+from ..linalg.pivot_order import choose
+from ..linalg.rank_revealing_lu import WORN, dependent_speeds, factorise, free_motions
 from ..linalg.rotation import RATE, REMAINDER, A, rotation_matrices, rotation_rates
 from .body_vectors import geometry_of, move_vectors, place_vectors
 from .constraint_primitives import equation_accelerations, equation_rows
@@ -76,7 +71,7 @@ def evaluate_jacobian(system: System, work: Work, q: np.ndarray) -> None:
 @kernel
 def choose_order(work: Work, most: int) -> int:
     """Find which equations and speeds are independent from now on; returns the rank found."""
-    work.rank[0] = choose(work.jacobian, work.left, work.order, most)
+    work.rank[0] = choose(work.jacobian, work.order, most)
     work.quality[0] = factorise_order(work)
     return work.rank[0]
 
@@ -104,7 +99,7 @@ def factorise_constraints(system: System, work: Work, q: np.ndarray) -> int:
     rank, m = work.rank[0], work.jacobian.shape[0]
     quality = factorise_order(work)
     if not quality > WORN * work.quality[0]:
-        if choose(work.jacobian, work.left, work.order, rank) < rank:
+        if choose(work.jacobian, work.order, rank) < rank:
             return SINGULAR
         quality = work.quality[0] = factorise_order(work)
         if not quality > 0.0:
@@ -130,19 +125,21 @@ def reduce_mass(system: System, work: Work) -> int:
 def fill_column(system: System, work: Work, product: np.ndarray, f: int, matrix: np.ndarray) -> None:
     """Fill column f of the lower part of matrix (n, n) with Zᵀ product.
 
-    A free motion moves one free speed and dependent ones: nothing else is visited.
+    A free motion moves one free speed and dependent ones: only these are visited.  Overwrites FREE.
     """
     rank, (m, n) = work.rank[0], work.jacobian.shape
-    order, Z, scale = work.order, work.motions, system.speed_scale
+    order, Z, scale, total = work.order, work.motions, system.speed_scale, work.vectors[FREE]
     for g in range(f, n - rank):
         k = order[m + rank + g]
-        matrix[g, f] = scale[k] * product[k]
+        total[g] = scale[k] * product[k]
     for d in range(rank):
         k = order[m + d]
         amount = scale[k] * product[k]
         if amount != 0.0:
             for g in range(f, n - rank):
-                matrix[g, f] += Z[k, g] * amount
+                total[g] += Z[k, g] * amount
+    for g in range(f, n - rank):
+        matrix[g, f] = total[g]
 
 
 @kernel

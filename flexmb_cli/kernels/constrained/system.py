@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...memory import paged_zeros
 from .._jit import plain
 
 
@@ -39,7 +40,6 @@ class Work(NamedTuple):
     rows: np.ndarray  # (3, m) of the equations; rows PHI, GAMMA, SCALED
     phi_q: np.ndarray  # (r, 14) derivatives by the coordinates of both bodies
     jacobian: np.ndarray  # (m, n) rows on speeds, in units of both
-    left: np.ndarray  # (m, n) its elimination: multipliers of the rows
     factors: np.ndarray  # (m, n) its elimination: the rows that remain
     order: np.ndarray  # (m + n,) order of elimination of the rows, then of the columns
     motions: np.ndarray  # (n, n) the free speeds, in its first n - rank columns
@@ -77,12 +77,11 @@ def make_work(system: System, angles: int) -> Work:
         np.zeros((3, bodies, 3, 3)),
         np.zeros((3, m)),
         np.zeros((system.bodies.shape[0], 14)),
-        np.zeros((m, n)),
-        np.zeros((m, n)),
-        np.zeros((m, n)),
+        paged_zeros((m, n)),
+        paged_zeros((m, n)),
         np.zeros(m + n, np.int64),
-        np.zeros((n, n)),
-        np.zeros((n, n)),
+        paged_zeros((n, n)),
+        paged_zeros((n, n)),
         np.zeros((bodies, 6, 6)),
         np.zeros(modal),
         np.zeros((3, system.body_vectors.shape[0], 3)),
@@ -94,7 +93,7 @@ def make_work(system: System, angles: int) -> Work:
         np.zeros(m),
         np.zeros((system.loads.shape[0], 8)),
         columns_of(system),
-        np.zeros((m, n + 2), np.int64),
+        paged_zeros((m, n + 2), np.int64),
     )
 
 

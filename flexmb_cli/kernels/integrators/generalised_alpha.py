@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...memory import paged_zeros
 from .._jit import allocating, kernel
 from ..constrained.angle_unwrapping import EXPECTED, unwrap_angles
 from ..constrained.body_vectors import geometry_of, place_vectors
@@ -106,7 +107,7 @@ def new_integration(work: Any, angles: Any, works: int = 0) -> AlphaIntegration:
         np.zeros((3, n)),
         np.zeros((3, m)),
         np.zeros((3, works)),
-        work._replace(reduced=np.zeros_like(work.reduced)),
+        work._replace(reduced=paged_zeros(work.reduced.shape)),
     )
 
 

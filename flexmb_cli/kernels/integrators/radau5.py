@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...memory import paged_zeros
 from .._jit import allocating, kernel
 from ..constrained.accelerations import factorise_constraints, fill_forces, reduce_mass
 from ..constrained.angle_unwrapping import EXPECTED, MOST_TURNED, NEW, expect_angles, unwrap_angles
@@ -88,8 +89,7 @@ def new_integration(work: Any, angles: Any, works: int = 0) -> RadauIntegration:
     The works of the first `works` loads are kept.
     """
     n = work.jacobian.shape[1]
-    counted = 2 * n + work.mass.shape[0]
-    size = counted + 1 + works
+    size = (counted := 2 * n + work.mass.shape[0]) + 1 + works
     return RadauIntegration(
         new_clock(counted), np.zeros(1, MEMORY),
         np.zeros(size), np.zeros(size), np.zeros(size), np.ones(size),
@@ -97,8 +97,8 @@ def new_integration(work: Any, angles: Any, works: int = 0) -> RadauIntegration:
         np.zeros((STAGES, n)), np.zeros((STAGES, n)), np.zeros((STAGES, n)), np.zeros((STAGES, n)),
         np.zeros((STAGES, n)), np.zeros(n), np.zeros(STAGES), np.zeros((STAGES + 2, works)),
         np.zeros((STAGES, n)),
-        np.zeros((STAGES, n, n)), np.zeros((3, n, n)), np.zeros((n, n), complex),
-        np.zeros(n), np.zeros(n, complex), work._replace(reduced=np.zeros_like(work.reduced)),
+        paged_zeros((STAGES, n, n)), paged_zeros((3, n, n)), paged_zeros((n, n), complex),
+        np.zeros(n), np.zeros(n, complex), work._replace(reduced=paged_zeros((n, n))),
     )  # fmt: skip
 
 

@@ -15,95 +15,14 @@ import math
 import numpy as np
 
 from .._jit import allocating, kernel
-from .lu import GOOD_ENOUGH
+from .row_products import subtract_multiple
 from .sparse_rows import FIRST_ENTRY, eliminate, take_row
 
-RANK_TOLERANCE = 1e-9  # of the largest entry: what is left below counts as zero
 SMALLEST_FACTOR = 1e-12
 WORN = 0.1  # of the quality of the factors when the order was chosen: asks for another one
 # Pivot below which the equations leave a second motion free but for round-off: two branches, 1e-16 of
 # gap apart, come as near as a pivot of 1e-8.
 BRANCHING = 1e-6
-
-
-@kernel
-def choose(jacobian: np.ndarray, left: np.ndarray, order: np.ndarray, most: int) -> int:
-    """Find the order of pivots, at most `most` of them; returns the rank.
-
-    left (m, n) is overwritten.
-    """
-    m, n = jacobian.shape
-    largest = 0.0
-    for i in range(m):
-        order[i] = i
-        for j in range(n):
-            left[i, j] = jacobian[i, j]
-            largest = max(largest, abs(left[i, j]))
-    for j in range(n):
-        order[m + j] = j
-    for k in range(min(m, n, most)):
-        row, column = _best_pivot(left, order, k, RANK_TOLERANCE * largest)
-        if row < 0:
-            return k
-        _swap(order, k, row)
-        _swap(order, m + k, m + column)
-        _clear_below(left, order, k)
-    return min(m, n, most)
-
-
-@kernel
-def _swap(order: np.ndarray, a: int, b: int) -> None:
-    kept = order[a]
-    order[a] = order[b]
-    order[b] = kept
-
-
-@kernel
-def _best_pivot(left: np.ndarray, order: np.ndarray, k: int, smallest: float) -> tuple[int, int]:
-    """Places in the order of the row and column of the next pivot; -1, -1 when only zeros are left.
-
-    Among the good entries that one whose row and column hold fewest others (Markowitz).
-    """
-    m, n = left.shape
-    largest = 0.0
-    for i in range(k, m):
-        for j in range(k, n):
-            largest = max(largest, abs(left[order[i], order[m + j]]))
-    if not largest > smallest:
-        return -1, -1
-    found_row, found_column, cost = -1, -1, m * n
-    for i in range(k, m):
-        row = order[i]
-        in_row = 0
-        for j in range(k, n):
-            if left[row, order[m + j]] != 0.0:
-                in_row += 1
-        for j in range(k, n):
-            column = order[m + j]
-            if abs(left[row, column]) >= GOOD_ENOUGH * largest:
-                in_column = 0
-                for other in range(k, m):
-                    if left[order[other], column] != 0.0:
-                        in_column += 1
-                fill = (in_row - 1) * (in_column - 1)
-                if fill < cost:
-                    found_row, found_column, cost = i, j, fill
-    return found_row, found_column
-
-
-@kernel
-def _clear_below(left: np.ndarray, order: np.ndarray, k: int) -> None:
-    m, n = left.shape
-    pivot_row, pivot_column = order[k], order[m + k]
-    for i in range(k + 1, m):
-        row = order[i]
-        if left[row, pivot_column] != 0.0:
-            factor = left[row, pivot_column] / left[pivot_row, pivot_column]
-            left[row, pivot_column] = 0.0
-            for j in range(k + 1, n):
-                column = order[m + j]
-                if left[pivot_row, column] != 0.0:
-                    left[row, column] -= factor * left[pivot_row, column]
 
 
 @allocating
@@ -153,17 +72,20 @@ def free_motions(
     factors: np.ndarray, entries: "np.ndarray", order: np.ndarray, rank: int, m: int, motions: np.ndarray
 ) -> None:
     """Fill motions (n, n - rank): its columns span the speeds that the equations leave free."""
-    n = factors.shape[1]
-    for f in range(n - rank):
-        for i in range(n):
-            motions[i, f] = 0.0
+    free = factors.shape[1] - rank
+    for f in range(free):
+        for g in range(free):
+            motions[order[m + rank + f], g] = 0.0
         motions[order[m + rank + f], f] = 1.0
-        for i in range(rank - 1, -1, -1):
-            total = -factors[i, rank + f]
-            for p in range(entries[i, 0], entries[i, 1]):
-                j = entries[i, p]
-                total -= factors[i, j] * motions[order[m + j], f]
-            motions[order[m + i], f] = total / factors[i, i]
+    for i in range(rank - 1, -1, -1):
+        row, pivot = motions[order[m + i], :free], factors[i, i]
+        for f in range(free):
+            row[f] = -factors[i, rank + f]
+        for p in range(entries[i, 0], entries[i, 1]):
+            j = entries[i, p]
+            subtract_multiple(factors[i, j], motions[order[m + j], :free], row)
+        for f in range(free):
+            row[f] /= pivot
 
 
 @kernel

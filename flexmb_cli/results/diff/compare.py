@@ -55,7 +55,7 @@ def _compare_tables(
         read_listing(path_a if forms[0] == UNREADABLE else path_b)  # it words why the file cannot be opened
     a, b = (read_listing(path) for path in (path_a, path_b))
     if a.form.name != b.form.name:
-        message = f"it is of another kind ({b.form.name}) than {a.name} ({a.form.name})"
+        message = f"it is of another type ({b.form.name}) than {a.name} ({a.form.name})"
         raise TableError(b.name, [Fault("error", message, id="DIFF-009")])
     emulation = None
     if deck is not None and a.form.emulated:

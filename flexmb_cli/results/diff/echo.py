@@ -106,8 +106,13 @@ def _compare_kind(
     unit = np.maximum(*units)
     slack = np.where((units[0] != units[1]) & form.fewer_decimals, 0.5 * unit, 0.0)
     known: tuple[Any, ...] = ()
-    if places[0][0].edits:
-        a, b = as_stars(a, b, lambda position: places[position[0]][0].edits[places[position[0]][1]])
+    if any(line.edits for line, _ in (*places, *others)):
+
+        def edit_of(position: Any) -> Any:
+            (line, number), (other, _) = places[position[0]], others[position[0]]
+            return (line.edits or other.edits)[number]
+
+        a, b = as_stars(a, b, edit_of)
         if report.explaining and form.echo_error:
             cause, explains = form.echo_error
             known = ((cause, explains(a, b, unit)),)

@@ -102,6 +102,8 @@ class Summary:
         counts = [f"{len(self.compared) - missing - failed} files compared", f"{differ} differ"]
         counts += [f"{missing} missing"]
         counts += [f"{failed} cannot be read"] * bool(failed)
+        unreadable = sum(pair.report.unreadable for pair in self.compared if pair.report is not None)
+        counts += [f"{unreadable} numbers marked ? not compared"] * bool(unreadable)
         counts += [f"{updated} references updated"] * bool(updated)
         counts += [f"{len(self.passed_over)} other files passed over"] * bool(self.passed_over)
         return f"{visible(self.a)}, {visible(self.b)}: {', '.join(counts)}\n"

@@ -70,7 +70,7 @@ def compare_hdf5(path_a: str, path_b: str, tolerances: Tolerances, same_attitude
     with open_sound(path_a) as a, open_sound(path_b) as b:
         kinds = [_kind_of_file(path, file) for path, file in ((path_a, a), (path_b, b))]
         if kinds[0] != kinds[1]:
-            message = f"it is {kinds[1]}, {path_a} is {kinds[0]}; compare two of a kind"
+            message = f"it is {kinds[1]}, {path_a} is {kinds[0]}; compare two of the same type"
             raise TableError(path_b, [Fault("error", message, id="DIFF-003")])
         with _understood_in(f"{path_a} or {path_b}"):
             _compare_files(report, a, b, tolerances, same_attitude)

@@ -24,6 +24,8 @@ def junit_bytes(title: str, compared: Sequence[Compared]) -> bytes:
         )
         if pair.failure is not None or not pair.equal:
             _add_failure(case, pair)
+        elif pair.report is not None and pair.report.unreadable:
+            ElementTree.SubElement(case, "system-out").text = _text(pair.sentence).rstrip("\n")
     ElementTree.indent(top)
     found: bytes = ElementTree.tostring(top, encoding="utf-8", xml_declaration=True) + b"\n"
     return found

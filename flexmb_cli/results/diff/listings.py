@@ -102,7 +102,7 @@ def _compare_section(
     unit = np.maximum(*units)
     # Where one file prints fewer decimals, the other can agree no better than to half a unit; numbers with
     # exponents all have the same number of digits.
-    slack = np.where((units[0] == units[1]) | bool(first.edits), 0.0, 0.5 * unit)
+    slack = np.where((units[0] == units[1]) | (not listings[0].form.fewer_decimals), 0.0, 0.5 * unit)
     known = _emulated_errors(report, name, first, picks[0], shared, values[0], units[0])
     known += _known_errors(report, name, listings[0], picks[0], shared)
     for kind in dict.fromkeys(kinds.tolist()):
@@ -255,7 +255,8 @@ def _flips(listings: tuple[Listing, Listing], rows: tuple[np.ndarray, np.ndarray
         _attitudes(x.sections["position"])[pick] for x, pick in zip(listings, (pick_a, pick_b), strict=True)
     )
     with np.errstate(invalid="ignore"):
-        against = (p_a * p_b).sum(axis=1) < 0
+        # Without the components that are unreadable: p and -p agree or differ in all.
+        against = np.nansum(p_a * p_b, axis=1) < 0
     found: np.ndarray = _keys(section, pick_a)[against]
     return found
 

@@ -37,7 +37,7 @@ def compare_matlab(path_a: str, path_b: str, forms: Sequence[str], tolerances: T
             special = quantity_places(file, tolerances)
             pairs.append(matlab_fields(file))
     if tolerances.quantities and set(forms) == {MATLAB}:
-        message = "two MATLAB files know no names of quantities: give tolerances of kinds, or one HDF5 result"
+        message = "MATLAB files hold no names of quantities: give tolerances of types, or one HDF5 result"
         raise ToleranceError(message, id="DIFF-018")
     _compare_info(report, *pairs)
     for name in dict.fromkeys((*pairs[0], *pairs[1])):

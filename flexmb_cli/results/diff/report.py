@@ -53,20 +53,28 @@ class Found:
 class Tally:
     """Numbers of one kind: how many were compared and differ, and the largest distances.
 
-    `explained` of the differing ones are known errors; `worst` is the worst of the others.
+    `explained` of the differing ones are known errors; `worst` is the worst of the others.  `unreadable`
+    are not compared, since one of the tables has a question mark in their place.
     """
 
     compared: int = 0
+    unreadable: int = 0
     differing: int = 0
     explained: int = 0
     largest: float = 0.0
     worst: Found | None = None
 
     def add(
-        self, differs: np.ndarray, distance: np.ndarray, known: np.ndarray, describe: "Callable[..., Any]"
+        self,
+        differs: np.ndarray,
+        distance: np.ndarray,
+        known: np.ndarray,
+        unreadable: int,
+        describe: "Callable[..., Any]",
     ) -> None:
         """Count a block; `describe(position)` gives the `Found` at an index of the block."""
-        self.compared += distance.size
+        self.compared += distance.size - unreadable
+        self.unreadable += unreadable
         if not distance.size:
             return
         self.largest = max(self.largest, float(distance.max()))
@@ -115,6 +123,11 @@ class Report:
         return sum(tally.compared for tally in self.tallies.values())
 
     @property
+    def unreadable(self) -> int:
+        """Return how many numbers were not compared, since `?` stands in their place."""
+        return sum(tally.unreadable for tally in self.tallies.values())
+
+    @property
     def differing(self) -> int:
         """Return how many numbers differ beyond tolerance."""
         return sum(tally.differing for tally in self.tallies.values())
@@ -153,6 +166,8 @@ class Report:
         if tolerance.ignores:
             return
         differs, distance = tolerance.exceeded(a, b, unit, slack)
+        unreadable = np.broadcast_to(False if unit is None else np.isnan(unit), distance.shape)
+        differs, distance = differs & ~unreadable, np.where(unreadable, 0.0, distance)
         marked = np.zeros(distance.shape, dtype=bool)
         for cause, mask in known:
             # The first cause that is named for a number counts.
@@ -160,7 +175,10 @@ class Report:
             self._explain(cause, here, lambda place: describe(place, float(distance[place])))
             marked |= mask
         tally = self.tallies.setdefault(kind, Tally())
-        tally.add(differs, distance, marked, lambda position: describe(position, float(distance[position])))
+        count = int(np.count_nonzero(unreadable))
+        tally.add(
+            differs, distance, marked, count, lambda position: describe(position, float(distance[position]))
+        )
 
     def _explain(self, cause: str, here: np.ndarray, describe: "Callable[..., Any]") -> None:
         places = list(zip(*np.nonzero(here), strict=True))
@@ -191,6 +209,7 @@ class Report:
             "b": self.b,
             "equal": self.equal,
             "compared": self.compared,
+            "unreadable": self.unreadable,
             "differing": self.differing,
             "explained": self.explained,
             "known_errors": [{"cause": cause, "count": count} for cause, count in self.causes.items()],
@@ -201,12 +220,17 @@ class Report:
             "kinds": {kind: _tally_record(self.tallies[kind]) for kind in self._kinds()},
         }
 
+    @property
+    def unread(self) -> str:
+        """Return how many numbers were not compared, to be added to a sentence; empty where all were."""
+        return f"; not compared: {self.unreadable} marked ?" if self.unreadable else ""
+
     def _kinds(self) -> list[str]:
         return [kind for kind in KINDS if kind in self.tallies]
 
     def _table(self) -> list[str]:
         known = self.explaining
-        rows = [("kind", "compared", "differ", *known * ("known",), "largest", "worst place")]
+        rows = [("type", "compared", "differ", *known * ("known",), "largest", "worst place")]
         for kind in self._kinds():
             tally = self.tallies[kind]
             counts = (tally.compared, tally.differing, *known * (tally.explained,))
@@ -217,16 +241,18 @@ class Report:
 
     def _verdict(self) -> str:
         words = f"; {_count(len(self.words), 'line')} of words differ" if self.words else ""
+        words = f"{self.unread}{words}"
         files = f"{visible(self.a)}, {visible(self.b)}"
         if not self.missing and not self.differing:
             return f"{files}: no difference in {self.compared} numbers{words}"
         known = f", {self.explained} of them by known errors" if self.explaining else ""
         counts = f"{self.differing} of {self.compared} numbers differ{known}"
-        return f"{files}: {counts}, {len(self.missing)} things are missing{words}"
+        missing = _count(len(self.missing), "missing entr", "y", "ies")
+        return f"{files}: {counts}, {missing}{words}"
 
 
-def _count(number: int, thing: str) -> str:
-    return f"{number} {thing}{'' if number == 1 else 's'}"
+def _count(number: int, stem: str, one: str = "", many: str = "s") -> str:
+    return f"{number} {stem}{one if number == 1 else many}"
 
 
 def _aligned(row: tuple[str, ...], widths: list[int]) -> str:
@@ -238,6 +264,7 @@ def _aligned(row: tuple[str, ...], widths: list[int]) -> str:
 def _tally_record(tally: Tally) -> "dict[Any, Any]":
     return {
         "compared": tally.compared,
+        "unreadable": tally.unreadable,
         "differing": tally.differing,
         "explained": tally.explained,
         "largest": _json_number(tally.largest),

@@ -19,7 +19,8 @@ from ...quick_dataclass import dataclass, field, replace
 from .tolerances import KINDS, Tolerance, ToleranceError, Tolerances
 
 FIGURES = ("atol", "rtol", "last_digit")
-TABLES = ("kinds", "quantities")
+TABLES = ("types", "quantities")
+FORMER_NAME = "kinds"  # of the table of types
 
 
 @dataclass
@@ -99,6 +100,8 @@ def _overruled(general: Tolerances, special: Tolerances) -> Tolerances:
 
 
 def _tolerances(path: Any, where: Any, table: Any) -> Tolerances:
+    if FORMER_NAME in table and "types" not in table:
+        table = {"types" if name == FORMER_NAME else name: value for name, value in table.items()}
     unknown = [name for name in table if name not in (*FIGURES, *TABLES)]
     if unknown:
         known = ", ".join((*FIGURES, *TABLES, *([] if where else ["files"])))
@@ -119,7 +122,7 @@ def _tolerances(path: Any, where: Any, table: Any) -> Tolerances:
         if kind not in KINDS:
             known = ", ".join(KINDS)
             raise ToleranceError(
-                f"{path}: {where}kinds.{kind}: there is no such kind; these are: {known}", id="DIFF-026"
+                f"{path}: {where}types.{kind}: there is no such type; these are: {known}", id="DIFF-026"
             )
     return Tolerances(**figures, kinds=kinds, quantities=quantities)
 

@@ -158,7 +158,7 @@ def parse_kinds(settings: Any) -> dict[str, Tolerance]:
         kind, _, figures = setting.partition("=")
         numbers = [_figure(text) for text in figures.split(",")]
         if kind not in KINDS:
-            faults.append(f"{setting}: there is no kind {kind!r}; the kinds are {', '.join(KINDS)}")
+            faults.append(f"{setting}: there is no type {kind!r}; the types are {', '.join(KINDS)}")
         elif None in numbers or len(numbers) > 2:
             faults.append(f"{setting}: write {kind}=ATOL or {kind}=ATOL,RTOL with numbers not below zero")
         else:

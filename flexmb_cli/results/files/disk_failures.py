@@ -42,7 +42,7 @@ def output_error(path: str, error: OSError) -> OutputError:
             id="RESULT-005",
         )
     if number in (errno.EMFILE, errno.ENFILE):
-        reported = "too many files are open; `ulimit -n` tells how many may be"
+        reported = "too many files are open; `ulimit -n` shows how many may be"
         return OutputError(f"{path}: cannot be written: {reported}", ANALYSIS_FAILED, id="RESULT-006")
     reason = _reason(number, error)
     if number == errno.ENOENT and os.path.isdir(os.path.dirname(os.path.realpath(path))):

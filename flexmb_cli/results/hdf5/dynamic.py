@@ -58,7 +58,7 @@ def dynamic_layout(model: DynamicModel) -> Layout:
 
 
 def dynamic_values(model: DynamicModel, rows: "DynamicRows") -> Values:
-    """The fields of report rows (`solve.dynamic_rows.DynamicRows`) by the paths of their datasets."""
+    """The fields of report rows (`DynamicRows`) by the paths of their datasets."""
     values = dict(kinematic_values(rows))
     return values | {series.path: getattr(rows, field) for field, series in _series(model).items()}
 

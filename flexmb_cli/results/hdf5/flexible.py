@@ -85,7 +85,7 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
 
 
 def flexible_values(mechanism: FlexibleMechanism, rows: "FlexibleRows") -> Values:
-    """The fields of report rows (`solve.flexible_rows.FlexibleRows`) by the paths of their datasets."""
+    """The fields of report rows (`FlexibleRows`) by the paths of their datasets."""
     values = {"time": rows.time}
     values |= {series.path: getattr(rows, field) for field, series in _named().items()}
     for body, amplitude in zip(_flexible(mechanism), rows.amplitude, strict=True):

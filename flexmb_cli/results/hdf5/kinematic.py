@@ -9,15 +9,15 @@ from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_geometry import SIDE, mechanism_geometry
 from .shapes import with_shapes
 
-AUDIT = {
+# Fields of `Rows`, besides the time.
+SERIES = {
+    **BODY_MOTION,
+    **POINT_MOTION,
     "constraint_residual": Series(
         "audit/constraint_residual", (), "1", "largest constraint equation, max-norm"
     ),
     "velocity_residual": Series("audit/velocity_residual", (), "1/s", "largest constraint rate, max-norm"),
     "newton_iterations": Series("audit/newton_iterations", (), "1", "Newton iterations for the position"),
-}
-_PATHS = {
-    field: series.path for field, series in ({"time": TIME} | BODY_MOTION | POINT_MOTION | AUDIT).items()
 }
 
 
@@ -35,12 +35,11 @@ def kinematic_layout(mechanism: Mechanism) -> Layout:
     ]
     present_axes = (XYZ, EULER_PARAMETER, *([SIDE] if mechanism.joints else []), *axes)
     present = {axis.path for axis in present_axes}
-    series = (BODY_MOTION | POINT_MOTION | AUDIT).values()
     layout = Layout(
         "kinematic",
         mechanism.time.rows,
         present_axes,
-        tuple(item for item in series if present.issuperset(item.axes)),
+        tuple(item for item in SERIES.values() if present.issuperset(item.axes)),
         mechanism_geometry(mechanism),
     )
     return with_shapes(layout, mechanism.shapes)
@@ -48,7 +47,7 @@ def kinematic_layout(mechanism: Mechanism) -> Layout:
 
 def kinematic_values(rows: Rows) -> Values:
     """The fields of report rows by the paths of their datasets."""
-    return {path: getattr(rows, field) for field, path in _PATHS.items()}
+    return {series.path: getattr(rows, field) for field, series in ({"time": TIME} | SERIES).items()}
 
 
 def readable_names(kind: str, items: "tuple[Any, ...]") -> list[str]:

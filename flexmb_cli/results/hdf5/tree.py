@@ -3,9 +3,7 @@
 Report rows come as values by the path of their dataset, so that a stopped run can keep them as they are.
 """
 
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from ...model.element_names import names_of
 from ...model.joint_elements import is_angle
@@ -14,7 +12,7 @@ from ...quick_dataclass import replace
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .joint_coordinates import ELEMENT_SERIES, joint_values, with_elements
 from .layout import EULER_PARAMETER, XYZ, Axis, Layout, Series, Values, numbered_axis
-from .motion_series import BODY_MOTION, POINT_MOTION
+from .motion_series import BODY_MOTION, JOINT_VECTOR, POINT_MOTION
 from .result_geometry import SIDE, tree_geometry
 from .shapes import with_shapes
 
@@ -23,23 +21,31 @@ if TYPE_CHECKING:
     from ...solvers.tree.rows import TreeRows
 
 
-COORDINATES = {
-    "q": ("coordinate/q", "rad or m", "generalized coordinate"),
-    "y": ("coordinate/u", "rad/s or m/s", "generalized speed"),
-    "y_rate": ("coordinate/u_rate", "rad/s2 or m/s2", "rate of the generalized speed"),
+COORDINATE = ("coordinate/coordinate",)
+# Fields of `TreeRows` in results of all trees besides the motion of bodies.
+SERIES = {
+    "q": Series("coordinate/q", COORDINATE, "rad or m", "generalized coordinate"),
+    "y": Series("coordinate/u", COORDINATE, "rad/s or m/s", "generalized speed"),
+    "y_rate": Series("coordinate/u_rate", COORDINATE, "rad/s2 or m/s2", "rate of the generalized speed"),
+    "kinetic": Series("energy/kinetic", (), "J", "kinetic energy"),
+    "potential": Series("energy/potential", (), "J", "potential energy of gravity and hinge springs"),
+    "strain": Series("energy/strain", (), "J", "strain energy of elastic bodies"),
+    "applied_work": Series("energy/applied_work", (), "J", "work of all other loads since the start"),
+    "total": Series(
+        "energy/total", (), "J", "kinetic + potential + strain - applied work: constant but for errors"
+    ),
 }
-ENERGIES = {
-    "kinetic": "kinetic energy",
-    "potential": "potential energy of gravity and hinge springs",
-    "strain": "strain energy of elastic bodies",
-    "applied_work": "work of all other loads since the start",
-    "total": "kinetic + potential + strain - applied work: constant but for errors",
+# In those of trees with closures.
+OF_CLOSURES = {
+    "constraint_residual": Series("audit/constraint_residual", (), "m", "largest gap of a closure"),
+    "velocity_residual": Series("audit/velocity_residual", (), "m/s", "largest rate of a gap of a closure"),
+    "reaction_force": Series(
+        "reaction/force",
+        JOINT_VECTOR,
+        "N",
+        "force of the closure on its second body (KB), opposite on the first, global axes",
+    ),
 }
-GAPS = {
-    "constraint_residual": ("audit/constraint_residual", "m", "largest gap of a closure"),
-    "velocity_residual": ("audit/velocity_residual", "m/s", "largest rate of a gap of a closure"),
-}
-REACTION = "reaction/force"
 
 
 def tree_layout(tree: Tree, points: list[str]) -> Layout:
@@ -51,9 +57,7 @@ def tree_layout(tree: Tree, points: list[str]) -> Layout:
         numbered_axis("point", points),
         _coordinate_axis(tree),
     ]
-    series = [*BODY_MOTION.values(), *POINT_MOTION.values()]
-    series += [Series(path, ("coordinate/coordinate",), *rest) for path, *rest in COORDINATES.values()]
-    series += [Series(f"energy/{name}", (), "J", meaning) for name, meaning in ENERGIES.items()]
+    series = [*BODY_MOTION.values(), *POINT_MOTION.values(), *SERIES.values()]
     for k, body in _flexible(tree):
         axes.append(_node_axis(body))
         long_name = f"elastic displacement of the nodes of {body.name}, axes of the body"
@@ -61,9 +65,7 @@ def tree_layout(tree: Tree, points: list[str]) -> Layout:
     if tree.closures:
         axes.append(SIDE)
         axes.append(numbered_axis("joint", [f"closure {i}" for i in range(1, len(tree.closures) + 1)]))
-        series += [Series(path, (), *rest) for path, *rest in GAPS.values()]
-        long_name = "force of the closure on its second body (KB), opposite on the first, global axes"
-        series.append(Series(REACTION, ("joint/joint", "xyz"), "N", long_name))
+        series += OF_CLOSURES.values()
     layout = Layout("dynamic", tree.time.rows, tuple(axes), tuple(series), tree_geometry(tree))
     if tree.elements:
         layout = with_elements(_with_drivers(layout, tree), (), list(names_of(tree.elements)))
@@ -87,27 +89,16 @@ def _with_drivers(layout: Layout, tree: Tree) -> Layout:
 
 
 def tree_values(tree: Tree, rows: "TreeRows", points: "PointMotion") -> Values:
-    """Report rows (`solve.tree_rows.TreeRows`) and the motion of points, three arrays, by path."""
-    values = {"time": rows.time}
-    derived = _euler_parameter_derivatives(rows)
-    for name, series in BODY_MOTION.items():
-        values[series.path] = derived[name] if name in derived else getattr(rows, name)
+    """Report rows (`TreeRows`) and the motion of points, three arrays, by path."""
+    named = BODY_MOTION | SERIES | (OF_CLOSURES if tree.closures else {})
+    values = {"time": rows.time} | {series.path: getattr(rows, name) for name, series in named.items()}
     for series, motion in zip(POINT_MOTION.values(), points, strict=True):
         values[series.path] = motion
-    for name, (path, *_) in COORDINATES.items():
-        values[path] = getattr(rows, name)
-    for name in ENERGIES:
-        values[f"energy/{name}"] = getattr(rows, name)
     for (k, _), displacement in zip(_flexible(tree), rows.displacement, strict=True):
         values[_displacement(tree, k)] = displacement
     if tree.elements:
         values |= joint_values(rows, ELEMENT_SERIES)
         values |= {PATH: rows.driver_effort} if tree.prescribed or tree.elements.drivers else {}  # type: ignore[attr-defined]
-    if tree.closures:
-        for name, (path, *_) in GAPS.items():
-            values[path] = getattr(rows, name)
-        # 0 - x, unlike -x, leaves no negative zeros.
-        values[REACTION] = 0.0 - rows.closure_force
     return values
 
 
@@ -119,7 +110,8 @@ def _displacement(tree: Tree, k: int) -> str:
     return f"elastic/{tree.bodies[k].name}/displacement"
 
 
-def _node_axis(body: Any) -> Axis:
+def _node_axis(body: Body) -> Axis:
+    assert body.elastic is not None, "only flexible bodies have nodes"
     numbers = tuple(range(1, len(body.elastic.masses) + 1))
     return Axis(f"elastic/{body.name}/node", numbers, f"node of {body.name}")
 
@@ -133,23 +125,3 @@ def _coordinate_axis(tree: Tree) -> Axis:
         ("coordinate/kind", kinds, "kind of motion"),
     )
     return Axis(axis.path, axis.values, "number of the coordinate", (*axis.labels, *more))
-
-
-def _euler_parameter_derivatives(rows: "TreeRows") -> dict[str, np.ndarray]:
-    """First and second derivative (T, N, 4) by angular velocity and acceleration in global axes.
-
-    With p' = G(omega) p / 2, where G is antisymmetric and G G p = -omega² p, the second derivative is
-    G(alpha) p / 2 - omega² p / 4.
-    """
-    p, omega = rows.euler_parameters, rows.angular_velocity
-    square = np.sum(omega * omega, axis=-1, keepdims=True)
-    return {
-        "euler_parameter_rates": 0.5 * _turned(omega, p),
-        "euler_parameter_accelerations": 0.5 * _turned(rows.angular_acceleration, p) - 0.25 * square * p,
-    }
-
-
-def _turned(omega: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Product (..., 4) of the pure quaternion (0, omega) with p."""
-    scalar = -np.sum(omega * p[..., 1:], axis=-1, keepdims=True)
-    return np.concatenate([scalar, p[..., :1] * omega + np.cross(omega, p[..., 1:])], axis=-1)

@@ -48,7 +48,7 @@ _REFUSED = {
     "supports": "supports by functions do not convert",
     "bushings": "bushings do not convert: Exudyn's have other angles where a body turns about several axes",
     "couplings": "couplings of joint coordinates do not convert",
-    "frictions": "friction does not convert: Exudyn's knows no normal force of the joint",
+    "frictions": "friction does not convert: Exudyn's has no normal force of the joint",
 }
 LINK = "spherical-spherical"
 

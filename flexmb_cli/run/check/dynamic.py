@@ -9,7 +9,7 @@ from ...model.loads import DynamicModel
 from ...model.unit_checks import unit_doubts
 from ..context import Run
 from .check import CheckReport
-from .parts import before_and_after, gaps_of, is_small, parts_of, refuse_jacobian
+from .parts import before_and_after, gaps_of, is_small, is_too_large, parts_of, refuse_jacobian, start_of
 
 if TYPE_CHECKING:
     from ...solvers.constrained.young_dynamics import ForwardDynamics
@@ -24,6 +24,8 @@ def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | No
         )
         from ...solvers.compilation import interpreting
 
+        if is_too_large(report, parts_of(model.mechanism), 7 * len(model.mechanism.bodies)):
+            return
         loads = model.forces, model.torques, model.springs, *model.elements.groups()
         with interpreting(is_small(6 * len(model.mechanism.bodies), *loads)):
             _check_forward(report, model, run)
@@ -41,7 +43,7 @@ def _check_forward(report: Any, model: Any, run: Run) -> None:
     arrays, speeds = analysis.arrays.kinematic, analysis.arrays.speeds
     before = gaps_of(_Gaps(analysis), analysis.arrays, arrays.q, analysis.arrays.angles)
     try:
-        found = analysis.start()
+        found = start_of(analysis, report)
     finally:
         report.outcome.faults += analysis.warnings
     drivers = len(model.mechanism.drivers) + len(model.elements.drivers)

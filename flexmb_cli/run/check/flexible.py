@@ -8,7 +8,7 @@ from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from ...model.unit_checks import unit_doubts
 from ..context import Run
 from .check import CheckReport
-from .parts import before_and_after, is_small, refuse_jacobian, report_times
+from .parts import before_and_after, is_small, is_too_large, refuse_jacobian, report_times, start_of
 
 CENTRE_ROUND_OFF = 1e-12
 
@@ -19,15 +19,23 @@ def check(report: CheckReport, mechanism: FlexibleMechanism, run: Run, jacobian:
     run.outcome.faults += unit_doubts(mechanism)
     from ...solvers.compilation import interpreting
 
+    if is_too_large(report, _parts(mechanism), _coordinates(mechanism)):
+        report.bodies = [_body(body) for body in mechanism.bodies]
+        return
     with interpreting(_is_small(mechanism)):
         _diagnose(report, mechanism)
     run.warn(())
 
 
+def _coordinates(mechanism: FlexibleMechanism) -> int:
+    return sum(6 + body.modes for body in mechanism.bodies)
+
+
 def _is_small(mechanism: FlexibleMechanism) -> bool:
-    coordinates = sum(6 + body.modes for body in mechanism.bodies)
     springs = mechanism.springs, mechanism.joint_springs
-    return is_small(coordinates, mechanism.forces, mechanism.torques, *springs, *mechanism.elements.groups())
+    return is_small(
+        _coordinates(mechanism), mechanism.forces, mechanism.torques, *springs, *mechanism.elements.groups()
+    )
 
 
 def _diagnose(report: Any, mechanism: Any) -> None:
@@ -39,7 +47,7 @@ def _diagnose(report: Any, mechanism: Any) -> None:
     report.time = mechanism.time.start
     before = _gaps(analysis, arrays.q)
     try:
-        found = analysis.start()
+        found = start_of(analysis, report)
     finally:
         report.outcome.faults += analysis.warnings
     report.counts = _parts(mechanism) | {

@@ -12,7 +12,7 @@ from ...model.mechanism import Mechanism, TimeGrid
 from ...quick_dataclass import replace
 from ..context import Run
 from .check import CheckReport, LabelledJacobian
-from .parts import FARTHEST_STEPS, before_and_after, gaps_of, parts_of
+from .parts import FARTHEST_STEPS, before_and_after, gaps_of, is_too_large, parts_of
 
 if TYPE_CHECKING:
     from ...solvers.kinematics.analysis import KinematicAnalysis
@@ -20,8 +20,7 @@ if TYPE_CHECKING:
 
 MOST_EQUATIONS_INTERPRETED = 150  # equations
 FAR_STEPS = 100  # report steps to the time of a Jacobian
-RANK_LIMIT = 2500  # equations; a singular value decomposition of more takes minutes
-MOST_ASSEMBLED = 20_000  # coordinates, which take a second or two
+RANK_LIMIT = 10_000  # equations, whose rank takes seconds
 
 
 def check(report: CheckReport, mechanism: Mechanism, run: Run, jacobian: str | None) -> None:
@@ -34,10 +33,7 @@ def _diagnose(report: CheckReport, mechanism: Mechanism, jacobian: str | None) -
     from ...solvers.compilation import interpreting
 
     equations = 7 * len(mechanism.bodies)
-    if equations > MOST_ASSEMBLED:
-        report.counts = parts_of(mechanism) | {"coordinates": equations}
-        message = f"{equations} coordinates are more than the {MOST_ASSEMBLED} that check assembles; run does"
-        report.outcome.faults.append(Fault("note", message, id="RUN-002"))
+    if is_too_large(report, parts_of(mechanism), equations):
         return
     with interpreting(equations <= MOST_EQUATIONS_INTERPRETED and not _is_far(mechanism.time, jacobian)):
         _assemble(report, mechanism, jacobian, equations)

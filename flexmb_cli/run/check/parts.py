@@ -9,6 +9,9 @@ if TYPE_CHECKING:
     import numpy as np
 
     from ...model.mechanism import Mechanism, TimeGrid
+    from ...solvers.constrained.analysis import ConstrainedMotion
+    from ...solvers.singular.mobility import Mobility
+    from .check import CheckReport
 
 
 # Report steps to a time that a Jacobian or modes are asked for: seconds of computing for a four-bar, and
@@ -16,6 +19,37 @@ if TYPE_CHECKING:
 FARTHEST_STEPS = 100_000
 # What kernels left uncompiled look at in about a second: coordinates, whose matrix is factorised, and loads.
 INTERPRETED_COORDINATES, INTERPRETED_LOADS = 200, 300
+
+
+MOST_ASSEMBLED = 20_000  # coordinates, which take some seconds
+
+
+def is_too_large(report: "CheckReport", counts: "dict[str, Any]", coordinates: int) -> bool:
+    """Return whether a model is too large to be assembled here; the report then has its counts and a note."""
+    if coordinates <= MOST_ASSEMBLED:
+        return False
+    report.counts = counts | {"coordinates": coordinates}
+    message = f"{coordinates} coordinates are more than the {MOST_ASSEMBLED} that check assembles; run does"
+    report.outcome.faults.append(Fault("note", message, id="RUN-002"))
+    return True
+
+
+def note_left_out(report: "CheckReport", speeds: int) -> None:
+    """Note that the accelerations of a large mechanism, whose matrices are dense, were not looked at."""
+    message = (
+        f"with {speeds} speeds check looks at the first position and speeds only; run finds accelerations"
+    )
+    report.outcome.faults.append(Fault("note", message, id="RUN-063"))
+
+
+def start_of(analysis: "ConstrainedMotion", report: "CheckReport") -> "Mobility":
+    """Start an analysis as far as `check` looks at it: all of a small one, positions and speeds of others."""
+    from ...solvers.constrained.large_start import is_large
+
+    if not is_large(analysis.arrays):
+        return analysis.start()
+    note_left_out(report, analysis.arrays.speeds)
+    return analysis.start_position()
 
 
 def is_small(coordinates: int, *loads: Sized) -> bool:

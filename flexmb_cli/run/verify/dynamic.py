@@ -22,6 +22,10 @@ if TYPE_CHECKING:
 
 FORMULATIONS = "Euler parameters and natural coordinates"
 EXPLICIT_TOLERANCE = 1e-11  # of the explicit steps
+COMPARED = (
+    "position", "euler_parameters", "velocity", "angular_velocity", "acceleration", "angular_acceleration",
+    "kinetic", "driver_effort",
+)  # fmt: skip
 
 
 def differences(model: DynamicModel, deck: Deck, run: Run) -> tuple[Difference, ...]:
@@ -79,7 +83,7 @@ def _refuse_elements(model: Any) -> None:
 
 
 def _joined(blocks: "list[DynamicRows]") -> dict[str, np.ndarray]:
-    names = vars(blocks[0])
+    names = [name for name in COMPARED if hasattr(blocks[0], name)]
     return {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
 
 

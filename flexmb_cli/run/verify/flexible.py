@@ -12,7 +12,7 @@ from ...dialects.recognise import dialect_named
 from ...errors import Fault, ModelError
 from ...model.fe_model import Integrator
 from ...model.flexible_mechanism import FlexibleMechanism
-from ...quick_dataclass import fields, replace
+from ...quick_dataclass import replace
 from ..context import Run
 from ..model import folder_of
 from ..outcome import Stop
@@ -75,7 +75,8 @@ def _rows(mechanism: Any) -> Any:
     for block in analysis.rows():
         blocks.append(block)
         Stop.heed()
-    names = [each.name for each in fields(blocks[0]) if not each.name.startswith("amplitude")]
+    named = [key for _, _, key in (*SERIES, *FORCES, *ELEMENTS)]
+    names = ["time", "position", "velocity", *ENERGIES, *(key for key in named if hasattr(blocks[0], key))]
     rows = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
     return rows, analysis.found is not None and not analysis.found.redundant
 

@@ -7,8 +7,7 @@ import numpy as np
 
 from ...errors import Fault, ModelError
 from ...model.mechanism import Mechanism
-from ..kinematics.rows import Rows
-from ..kinematics.system import rows_of
+from ..kinematics.rows import Rows, rows_of
 from .equations import MOST_BODIES
 from .errors import ALL_ERRORS, EMULATED
 from .program import Program

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import Fault
+from ...kernels.constrained.accelerations import factorise_order
 from ...kernels.constrained.angle_unwrapping import EXPECTED, NEW, OLD, fill_angles
 from ...kernels.integrators import clock as codes
 from ...model.arrays.function_table import break_times
@@ -28,6 +29,7 @@ from .failures import (
 )
 from .initial_stops import notes_of_pressed_stops
 from .integrators import ExplicitSteps, Steps
+from .large_start import is_large
 from .start import order_of_elimination
 from .start_speeds import start_speeds
 from .system import blank_report, constrained_system, new_work
@@ -250,6 +252,19 @@ class ConstrainedMotion(ABC):
 
         Returns what the equations leave free, and which of them repeat others; raises as `rows`.
         """
+        found = self.start_position()
+        if is_large(self.arrays):
+            self.work.quality[0] = factorise_order(self.work)
+        self.clock["t"] = self.grid.start
+        self.clock["stop"] = self.grid.time(self.grid.rows - 1)
+        answer = self._call(codes.BEGIN, blank_report(self.arrays, np.zeros(0), self.works))
+        if answer != codes.READY:
+            raise step_failure(self, answer)
+        self.warnings += notes_of_pressed_stops(self.elements.stops, self.arrays.loads, self.work.responses)
+        return found
+
+    def start_position(self) -> Mobility:
+        """Assemble positions and speeds at the first time; returns and raises as `start`."""
         grid, integration = self.grid, self.integration
         q = self.assembled(grid.start)
         integration.angles[NEW] = integration.angles[OLD] = integration.angles[EXPECTED] = self.screw_angles(
@@ -264,12 +279,6 @@ class ConstrainedMotion(ABC):
         if found.redundant:
             self.warnings.append(repetition(found, self.usual_repetitions(q), *self.usual_words))
         self._warn_of_fine_tables()
-        self.clock["t"] = grid.start
-        self.clock["stop"] = grid.time(grid.rows - 1)
-        answer = self._call(codes.BEGIN, blank_report(self.arrays, np.zeros(0), self.works))
-        if answer != codes.READY:
-            raise step_failure(self, answer)
-        self.warnings += notes_of_pressed_stops(self.elements.stops, self.arrays.loads, self.work.responses)
         return found
 
     def _call(self, task: int, report: "Report") -> int:

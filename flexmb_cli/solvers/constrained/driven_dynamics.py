@@ -12,9 +12,9 @@ from .young_dynamics import ForwardDynamics
 class DrivenDynamics(ForwardDynamics):
     """One run over the report times of a model whose motion is prescribed."""
 
-    def start(self) -> Mobility:
-        """As `ForwardDynamics.start`; raises AnalysisError where something is free to move."""
-        found = super().start()
+    def start_position(self) -> Mobility:
+        """As `ForwardDynamics.start_position`; raises AnalysisError where something is free to move."""
+        found = super().start_position()
         if found.free:
             raise undetermined(self.model.mechanism.time.start)
         return found

@@ -31,7 +31,7 @@ class ElementRows(DynamicRows):
 
 def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> ElementRows:
     """The rows of a report in the terms of the model."""
-    rows = dynamic_rows(model.mechanism, report._replace(wrenches=_in_order_of_deck(model, arrays, report)))
+    rows = dynamic_rows(model, report._replace(wrenches=_in_order_of_deck(model, arrays, report)))
     kept = {field.name: getattr(rows, field.name) for field in fields(DynamicRows)}
     driven = len(model.elements.drivers)
     if driven:

@@ -31,7 +31,7 @@ def gap_warnings(mechanism: FlexibleMechanism, gaps: PositionGaps, q: np.ndarray
 def _apart(mechanism: FlexibleMechanism, gaps: Any, q: np.ndarray, t: float) -> "Iterator[Fault]":
     arrays = gaps.arrays
     scaled = gaps.residual(arrays.q, t, arrays.angles)
-    limits = np.array([_limit(mechanism, equation) for equation in arrays.equations])
+    limits = _limits(mechanism, arrays.equations)
     worst = worst_gaps(gaps, np.where(np.abs(scaled) * arrays.row_scale > limits, scaled, 0.0))
     if not worst:
         return
@@ -43,11 +43,16 @@ def _apart(mechanism: FlexibleMechanism, gaps: Any, q: np.ndarray, t: float) -> 
     yield about("warning", message, *(gap.equation for gap in worst))
 
 
-def _limit(mechanism: FlexibleMechanism, equation: "Equation") -> float:
-    """Residual from which a gap is reported, m or 1; inf for motions that say where the mechanism begins."""
-    if any(item.name == equation.owner and item.kind in PRESCRIBED for item in mechanism.motions):
-        return math.inf
-    return APART * (_size(mechanism) if equation.is_length else 1.0)
+def _limits(mechanism: FlexibleMechanism, equations: "tuple[Equation, ...]") -> np.ndarray:
+    """Residuals from which gaps are reported, m or 1; inf for motions that say where the mechanism begins."""
+    prescribed = {item.name for item in mechanism.motions if item.kind in PRESCRIBED}
+    length = APART * _size(mechanism)
+    return np.array(
+        [
+            math.inf if equation.owner in prescribed else length if equation.is_length else APART
+            for equation in equations
+        ]
+    )
 
 
 def _size(mechanism: FlexibleMechanism) -> float:

@@ -8,8 +8,11 @@ from ...kernels.constrained.accelerations import evaluate_jacobian
 from ...kernels.constrained.projection import evaluate_residual
 from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import PHI, System, Work
+from .large_start import is_large, sparse_jacobian
 
 if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
     from ...model.arrays.system import SystemArrays
 
 
@@ -25,10 +28,10 @@ class PositionGaps:
         found: np.ndarray = self.work.rows[PHI] / self.arrays.row_scale
         return found
 
-    def jacobian(self, q: np.ndarray) -> np.ndarray:
-        """Scaled Jacobian (m, n) on speeds."""
+    def jacobian(self, q: np.ndarray) -> "np.ndarray | csr_matrix":
+        """Scaled Jacobian (m, n) on speeds, sparse where it is large."""
         evaluate_jacobian(self.system, self.work, q)
-        return self.work.jacobian.copy()
+        return sparse_jacobian(self.work) if is_large(self.arrays) else self.work.jacobian.copy()
 
     def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
         """Return the coordinates after a scaled step (n,) of translations, rotations and deformation."""

@@ -5,12 +5,11 @@ from typing import Any
 import numpy as np
 
 from ...kernels.constrained.report import Report
-from ...model.loads import holders
+from ...model.loads import DynamicModel, holders
 from ...model.mechanism import Mechanism
 from ...model.vectors import cross_rows
 from ...quick_dataclass import dataclass, fields
-from ..kinematics.rows import Rows
-from ..kinematics.system import rotated, rows_of
+from ..kinematics.rows import Rows, rotated, rows_of
 
 GROUND_ROWS = 6
 
@@ -20,7 +19,7 @@ class DynamicRows(Rows):
     """Rows with forces in N, torques in N m and energies in J; vectors in global axes.
 
     Reactions act on body J of each joint at its point P_j.  Holding forces act on the bodies of
-    simplified constraints, distance constraints and grounds at their origins, see `model.dynamics.holders`.
+    simplified constraints, distance constraints and grounds at their origins, see `model.loads.holders`.
     Without errors total = kinetic + potential - applied_work stays constant.
     """
 
@@ -41,8 +40,9 @@ class DynamicRows(Rows):
         return found
 
 
-def dynamic_rows(mechanism: Mechanism, report: Report) -> DynamicRows:
+def dynamic_rows(model: DynamicModel, report: Report) -> DynamicRows:
     """The rows of a report in the terms of the model."""
+    mechanism = model.mechanism
     bodies, times = len(mechanism.bodies), len(report.times)
     q = report.states[:, : 7 * bodies].reshape(times, bodies, 7)
     u = report.states[:, 7 * bodies : 13 * bodies].reshape(times, bodies, 6)

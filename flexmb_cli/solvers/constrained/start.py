@@ -16,6 +16,7 @@ from ..assembly import assemble, is_closed
 from ..kinematics.assembly import assemble_by_search, assembly_failure
 from ..projection import Corrections, Instant, Position, project
 from ..singular.mobility import NAMED, Mobility, involved, sparse_basis
+from .large_start import is_large, order_of_many
 from .position import PositionGaps
 
 if TYPE_CHECKING:
@@ -57,8 +58,10 @@ def assembled(analysis: Any, t: float) -> np.ndarray:
 def order_of_elimination(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> Mobility:
     """Choose the independent equations at q, and tell which repeat others.
 
-    Improves q to round-off on the way.
+    Improves q to round-off on the way, unless the mechanism is large.
     """
+    if is_large(analysis.arrays):
+        return order_of_many(analysis, q)
     system, work, arrays = analysis.system, analysis.work, analysis.arrays
     evaluate_jacobian(system, work, q)
     left, values, right = np.linalg.svd(work.jacobian)

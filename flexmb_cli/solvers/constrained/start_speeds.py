@@ -12,6 +12,7 @@ from ...kernels.constrained.system import GAMMA
 from ...model.equations import DEPENDENT
 from ..projection import RESIDUAL_MET
 from ..singular.mobility import about
+from .large_start import is_large, sparse_jacobian, speeds_of_many
 from .rows import body_axes, global_axes
 
 if TYPE_CHECKING:
@@ -39,16 +40,20 @@ def start_speeds(analysis: Any, q: Any, t: float) -> np.ndarray:
     """
     system, work, scale = analysis.system, analysis.work, analysis.arrays.speed_scale
     evaluate_jacobian(system, work, q)
-    J = work.jacobian.copy()
     nu = work.rows[GAMMA]
     fill_nu(system, t, nu)
     nu = nu / analysis.arrays.row_scale
     rates, values, names = analysis.given_rates(q)
-    J, nu = np.concatenate([J, rates * scale]), np.concatenate([nu, values])
+    nu = np.concatenate([nu, values])
+    given, wanted = analysis.given_speeds(q)
+    if is_large(analysis.arrays):
+        u = _of_many(analysis, q, rates * scale, nu, names, t)
+        _doubt_change(analysis, u, wanted, given)
+        return u
+    J = np.concatenate([work.jacobian, rates * scale])
     particular = np.linalg.lstsq(J, nu, rcond=DEPENDENT)[0] if len(nu) else np.zeros(scale.size)
     _refuse_contradiction((*analysis.arrays.equations, *names), J @ particular - nu, t)
     rank = np.linalg.matrix_rank(J, DEPENDENT * np.linalg.norm(J, 2)) if names else work.rank[0]
-    given, wanted = analysis.given_speeds(q)
     motions = np.linalg.svd(J)[2][rank:].T
     rest = (wanted / scale - particular)[given]
     free = _nearest(motions[given], rest)
@@ -57,6 +62,17 @@ def start_speeds(analysis: Any, q: Any, t: float) -> np.ndarray:
         u = _after_impulse(analysis, q, particular, motions, wanted, given)
     _doubt_change(analysis, u, wanted, given)
     found: np.ndarray = u
+    return found
+
+
+def _of_many(analysis: Any, q: Any, rates: Any, nu: Any, names: Any, t: float) -> np.ndarray:
+    """Return the speeds (n,) of a large mechanism; rates (r, n), scaled, follow its equations."""
+    from scipy.sparse import csr_matrix, vstack
+
+    J = vstack([sparse_jacobian(analysis.work), csr_matrix(rates)], "csr")
+    u = speeds_of_many(analysis, q, J, nu)
+    _refuse_contradiction((*analysis.arrays.equations, *names), J @ u - nu, t)
+    found: np.ndarray = u * analysis.arrays.speed_scale
     return found
 
 

@@ -32,12 +32,12 @@ from ...model.tree_as_mechanism.poses import elastic_start, first_poses
 from ...quick_dataclass import replace
 from ..checkpoint import taken
 from ..linearisation.terms import Terms, motors_of
-from ..tree.rows import TreeRows, unturned
+from ..tree.rows import TreeRows, rows_of_tree, unturned
 from .analysis import ConstrainedMotion
 from .integrators import RadauSteps
 from .system import blank_report, with_driven
 from .tree_element_rows import rows_of_drivers, with_elements
-from .tree_rows import absolute_rows
+from .tree_rows import motion_of_bodies
 
 IMPLICIT = ("radau", "sdirk4")
 
@@ -104,8 +104,8 @@ class AbsoluteTree(ConstrainedMotion):
         report = blank_report(self.arrays, np.full(n + 1, float(self.clock["t"][0])))
         report.states[:] = z[: report.states.shape[1]]
         report.states[:, -1 - n : -1] = np.eye(n + 1, n, -1)
-        rows = absolute_rows(self.tree, self.frames, self.arrays, report, self._angles, self._attitude)
-        return rows.q[0], rows.y[1:].T
+        motion = motion_of_bodies(self.tree, self.frames, self.arrays, report, self._angles)
+        return motion.q[0], motion.y[1:].T
 
     @property
     def terms(self) -> Terms:
@@ -140,8 +140,8 @@ class AbsoluteTree(ConstrainedMotion):
 
     def block(self, report: Report) -> TreeRows:
         """The rows of a report in the terms of the tree."""
-        before = self._angles, self._attitude
-        rows = absolute_rows(self.tree, self.frames, self.arrays, report, *before)
+        motion = motion_of_bodies(self.tree, self.frames, self.arrays, report, self._angles)
+        rows = rows_of_tree(self.tree, motion, self._attitude)
         self._angles, self._attitude = rows.q[-1].copy(), rows.euler_parameters[-1].copy()
         return with_elements(self.tree, self.arrays, rows, report) if self.tree.elements else rows
 

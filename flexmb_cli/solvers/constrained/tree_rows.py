@@ -1,4 +1,4 @@
-"""Rows of a tree from its motion in absolute coordinates: hinge coordinates are read off the bodies.
+"""The motion of a tree by that of its bodies in absolute coordinates; hinge coordinates are found from it.
 
 Integrals of the relative angular velocity, the coordinates of three free rotations, are no functions of
 the position: they are nan.  Angles go on from row to row.
@@ -13,7 +13,7 @@ from ...model.arrays.system import SystemArrays
 from ...model.tree import ELASTIC, ROTATION, Tree
 from ...model.tree_as_mechanism.frames import Base, Frames
 from ..tree.points import rotation_matrices
-from ..tree.rows import TreeRows, continued_signs, displacements, node_positions
+from ..tree.rows import TreeMotion
 from .rows import global_axes
 
 
@@ -80,18 +80,12 @@ def _turned(axes: Any, x: np.ndarray) -> Any:
     return np.einsum("tij,tj->ti", axes, np.broadcast_to(x, axes.shape[:2]))
 
 
-def absolute_rows(
-    tree: Tree,
-    frames: Frames,
-    arrays: SystemArrays,
-    report: Report,
-    angles: np.ndarray,
-    attitude: np.ndarray,
-) -> TreeRows:
-    """The rows of a report in the terms of the tree.
+def motion_of_bodies(
+    tree: Tree, frames: Frames, arrays: SystemArrays, report: Report, angles: np.ndarray
+) -> TreeMotion:
+    """Return the motion over the rows of a report in the terms of the tree.
 
-    `angles` (NS,), `attitude` (N, 4): coordinates and Euler parameters of the row before, whose turns and
-    signs these go on with.
+    `angles` (NS,): coordinates of the row before, whose turns these go on with.
     """
     motion = AbsoluteMotion(tree, arrays, report)
     q, y, y_rate = _coordinates(tree, frames, motion, angles)
@@ -100,27 +94,21 @@ def absolute_rows(
     position, velocity, acceleration, axes, w, alpha = (
         np.stack(parts, axis=1) for parts in zip(*bodies, strict=True)
     )
-    displacement = displacements(tree, q)
-    return TreeRows(
+    return TreeMotion(
         time=report.times,
         q=q,
         y=y,
         y_rate=y_rate,
         position=position,
-        euler_parameters=continued_signs(motion.q[:, :N, 3:], attitude),
+        axes=axes,
+        euler_parameters=motion.q[:, :N, 3:],
         velocity=velocity,
         acceleration=acceleration,
         angular_velocity=w,
         angular_acceleration=alpha,
-        displacement=displacement,
-        node_position=node_positions(tree, position, axes, displacement),
-        kinetic=report.audit[:, 0].copy(),
-        potential=report.audit[:, 1].copy(),
-        strain=report.audit[:, 2].copy(),
-        applied_work=report.states[:, 2 * arrays.speeds + arrays.bodies].copy(),
         closure_force=_closure_forces(tree, arrays, report),
-        constraint_residual=report.audit[:, 3].copy(),
-        velocity_residual=report.audit[:, 4].copy(),
+        applied_work=report.states[:, 2 * arrays.speeds + arrays.bodies],
+        audit=report.audit,
     )
 
 

@@ -100,7 +100,7 @@ class ForwardDynamics(ConstrainedMotion):
         """The rows of a report in the terms of the model."""
         if self.model.elements:
             return element_rows(self.model, self.arrays, report)
-        return dynamic_rows(self.mechanism, report)
+        return dynamic_rows(self.model, report)
 
 
 def _point(body: int, place: tuple[float, float, float]) -> NodePoint:

@@ -25,9 +25,9 @@ from .assembly import (
 )
 from .driver_axes import keeps_axis, refuse_contradicted_drive, refuse_off_axis_drive
 from .position import Evaluator
-from .rows import Rows, first_rows, joined_rows
+from .rows import Rows, first_rows, joined_rows, rows_of
 from .settings import KinematicSettings
-from .system import kinematic_system, rows_of, with_dependent_columns
+from .system import kinematic_system, with_dependent_columns
 
 if TYPE_CHECKING:
     from .sparse import SparseContinuation

@@ -69,7 +69,7 @@ class InverseDynamics:
         if filled < rows.time.size:
             raise undetermined(rows.time[filled])
         kept = {field.name: getattr(rows, field.name) for field in fields(Rows)}
-        return replace(dynamic_rows(self.mechanism, report), **kept)
+        return replace(dynamic_rows(self.model, report), **kept)
 
     def _choose_order(self, report: Report) -> None:
         bodies = len(self.mechanism.bodies)

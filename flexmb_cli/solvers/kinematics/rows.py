@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ...model.mechanism import Mechanism
 from ...quick_dataclass import dataclass, fields
 
 
@@ -30,6 +31,30 @@ class Rows:
     newton_iterations: np.ndarray  # (T,) int64
 
 
+def rows_of(mechanism: Mechanism, times: np.ndarray, states: np.ndarray, audit: np.ndarray) -> Rows:
+    """Report rows from states (T, 3, 7 n): positions, velocities and accelerations of all coordinates."""
+    q, qd, qdd = (states[:, k].reshape(len(times), -1, 7) for k in range(3))
+    p, pd, pdd = q[:, :, 3:], qd[:, :, 3:], qdd[:, :, 3:]
+    points = point_motion(mechanism, q, qd, qdd)
+    return Rows(
+        time=np.asarray(times),
+        position=q[:, :, :3],
+        euler_parameters=p,
+        velocity=qd[:, :, :3],
+        euler_parameter_rates=pd,
+        acceleration=qdd[:, :, :3],
+        euler_parameter_accelerations=pdd,
+        angular_velocity=twice_g(p, pd),
+        angular_acceleration=twice_g(p, pdd),
+        point_position=points[0],
+        point_velocity=points[1],
+        point_acceleration=points[2],
+        constraint_residual=audit[:, 0].copy(),
+        velocity_residual=audit[:, 1].copy(),
+        newton_iterations=audit[:, 2].astype(np.int64),
+    )
+
+
 def first_rows(rows: Rows, count: int) -> Rows:
     """The first `count` of the rows."""
     return Rows(**{field.name: getattr(rows, field.name)[:count] for field in fields(Rows)})
@@ -52,6 +77,41 @@ def twice_g(p: np.ndarray, rate: np.ndarray) -> np.ndarray:
             e0 * r1 - e1 * r0 + e2 * r3 - e3 * r2,
             e0 * r2 - e2 * r0 + e3 * r1 - e1 * r3,
             e0 * r3 - e3 * r0 + e1 * r2 - e2 * r1,
+        ],
+        axis=-1,
+    )
+
+
+def point_motion(
+    mechanism: Mechanism, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Position, velocity, acceleration (T, points, 3) of the points of interest, global axes."""
+    body = np.array([point.body for point in mechanism.points], dtype=np.int64)
+    s = np.array([point.s for point in mechanism.points], dtype=float).reshape(-1, 3)
+    q, qd, qdd = q[:, body], qd[:, body], qdd[:, body]
+    p, pd, pdd = q[..., 3:], qd[..., 3:], qdd[..., 3:]
+    # A s = b(p, p) is quadratic in p, so its derivatives are 2 b(p, ṗ) and 2 b(ṗ, ṗ) + 2 b(p, p̈).
+    return (
+        q[..., :3] + rotated(p, p, s),
+        qd[..., :3] + 2.0 * rotated(p, pd, s),
+        qdd[..., :3] + 2.0 * (rotated(pd, pd, s) + rotated(p, pdd, s)),
+    )
+
+
+def rotated(p: np.ndarray, r: np.ndarray, s: np.ndarray) -> np.ndarray:
+    """G(p) L(r)ᵀ s (3.26), symmetrical in p and r: A s for p = r, half of dA/dt s for r = ṗ."""
+    p0, p1, p2, p3 = np.moveaxis(p, -1, 0)
+    r0, r1, r2, r3 = np.moveaxis(r, -1, 0)
+    x, y, z = s.T
+    rs, ps = r1 * x + r2 * y + r3 * z, p1 * x + p2 * y + p3 * z
+    scalar = p0 * r0 - p1 * r1 - p2 * r2 - p3 * r3
+    # p0 r × s + r0 p × s
+    c1, c2, c3 = p0 * r1 + r0 * p1, p0 * r2 + r0 * p2, p0 * r3 + r0 * p3
+    return np.stack(
+        [
+            scalar * x + rs * p1 + ps * r1 + c2 * z - c3 * y,
+            scalar * y + rs * p2 + ps * r2 + c3 * x - c1 * z,
+            scalar * z + rs * p3 + ps * r3 + c1 * y - c2 * x,
         ],
         axis=-1,
     )

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...model.equations import Equation
 from ..checkpoint import OtherRun, taken
+from ..constrained.large_start import is_large
 from ..constrained.position import PositionGaps
 from ..constrained.system import new_work
 from ..projection import Corrections, Instant, project
@@ -53,7 +54,8 @@ class PassedDynamicSingularities(PassedSingularities):
     def __init__(self, analysis: "ConstrainedMotion"):
         arrays = analysis.arrays
         work = len(arrays.equations) * arrays.speeds * min(len(arrays.equations), arrays.speeds)
-        super().__init__(analysis.warnings, arrays.equations, 0 < work <= MOST_WORK)
+        small = 0 < work <= MOST_WORK and not is_large(arrays)
+        super().__init__(analysis.warnings, arrays.equations, small)
         self.analysis = analysis
         self.gaps = PositionGaps(arrays, analysis.system, new_work(arrays))
         self.stride = max(1, analysis.grid.rows // LOOKS)

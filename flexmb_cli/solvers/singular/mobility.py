@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 
 NAMED = 1e-6  # of the largest component of a null vector
+MOST_DENSE = 600  # coordinates or speeds; above, the rank is found by elimination
 PROBE = 1e-3  # size of the trial motion that tells a free motion from a stiff one
 BACK = Corrections(met=1e-13, most=60, dependent=DEPENDENT)
 
@@ -105,8 +106,17 @@ class Mobility:
 
 
 def mobility(evaluator: Evaluator, q: np.ndarray, t: "Any", expected: np.ndarray) -> Mobility:
-    """Rank analysis of the scaled Jacobian at an assembled position q, by singular values."""
+    """Rank analysis of the scaled Jacobian at an assembled position q, by singular values.
+
+    Of large mechanisms by elimination, which finds the same groups in time and memory of their size.
+    """
     evaluator.residual(q, t, expected)
+    if q.size > MOST_DENSE:
+        # Here, because that module returns what is defined in this one.
+        from .sparse_rank import order_of_pivots, sparse_mobility
+
+        matrix, name = evaluator.sparse_matrix(q), evaluator.arrays.coordinate_name
+        return sparse_mobility(matrix, *order_of_pivots(matrix), evaluator.arrays.equations, name)
     left, values, right = np.linalg.svd(evaluator.jacobian(q))
     rank = int(np.sum(values > DEPENDENT * values[0]))
     arrays = evaluator.arrays

@@ -6,11 +6,15 @@ import numpy as np
 
 from ...kernels.constrained.accelerations import evaluate_jacobian
 from ...kernels.constrained.speeds import move
+from ..constrained.large_start import is_large, sparse_jacobian
 from ..constrained.position import PositionGaps
 from ..constrained.system import new_work
+from .sparse_rank import order_of_pivots, sparse_conditioning
 from .weakest import NEARLY_SINGULAR, Conditioning, conditioning_of, weakest_owners
 
 if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
     from ...model.equations import Equation
     from ..constrained.analysis import ConstrainedMotion
 
@@ -21,9 +25,14 @@ BESIDE = 1e-5  # of the length scale, rad
 MOST_REPORTED = 6
 
 
-def conditioning_of_speeds(analysis: "ConstrainedMotion", jacobian: np.ndarray) -> Conditioning:
+def conditioning_of_speeds(
+    analysis: "ConstrainedMotion", jacobian: "np.ndarray | csr_matrix"
+) -> Conditioning:
     """Return the conditioning of a scaled Jacobian (m, n) on speeds, by the rank that the analysis counts."""
-    return conditioning_of(jacobian, max(1, int(analysis.work.rank[0])))
+    rank = max(1, int(analysis.work.rank[0]))
+    if isinstance(jacobian, np.ndarray):
+        return conditioning_of(jacobian, rank)
+    return sparse_conditioning(jacobian, np.sort(analysis.work.order[:rank]))
 
 
 def weakest_of_speeds(analysis: "ConstrainedMotion", state: np.ndarray) -> "tuple[float, list[Equation]]":
@@ -38,7 +47,10 @@ def weakest_of_speeds(analysis: "ConstrainedMotion", state: np.ndarray) -> "tupl
     evaluate_jacobian(analysis.system, analysis.work, q)
     if analysis.work.rank[0] < 1:
         return 1.0, []
-    weak = conditioning_of_speeds(analysis, analysis.work.jacobian)
+    large = is_large(analysis.arrays)
+    weak = conditioning_of_speeds(
+        analysis, sparse_jacobian(analysis.work) if large else analysis.work.jacobian
+    )
     return weak.condition, weakest_owners(analysis.arrays.equations, weak.combination, MOST_REPORTED)
 
 
@@ -61,7 +73,10 @@ def has_gained_rank(analysis: "ConstrainedMotion") -> bool:
     evaluate_jacobian(
         analysis.system, analysis.work, analysis.integration.z[: analysis.arrays.coordinate_scale.size].copy()
     )
-    values, rank = np.linalg.svd(analysis.work.jacobian, compute_uv=False), int(analysis.work.rank[0])
+    rank = int(analysis.work.rank[0])
+    if is_large(analysis.arrays):
+        return order_of_pivots(sparse_jacobian(analysis.work))[1] > rank
+    values = np.linalg.svd(analysis.work.jacobian, compute_uv=False)
     return bool(len(values) > rank and values[rank] > values[0] / SINGULAR_CONDITION**2)
 
 
@@ -69,11 +84,12 @@ def repeating_here_only(analysis: "ConstrainedMotion") -> "list[Equation]":
     """Equations that repeat others at the state of a ConstrainedMotion and not beside it, one of each owner.
 
     Beside it is a small part of some motion that all equations allow: where equations go on repeating
-    others, as in planar loops, it leaves their rank as it was to second order.
+    others, as in planar loops, it leaves their rank as it was to second order.  Not looked for in large
+    mechanisms.
     """
     arrays, work = analysis.arrays, analysis.work
     q, rank = analysis.integration.z[: arrays.coordinate_scale.size].copy(), int(work.rank[0])
-    if not np.all(np.isfinite(q)) or not arrays.equations:
+    if not np.all(np.isfinite(q)) or not arrays.equations or is_large(arrays):
         return []
     evaluate_jacobian(analysis.system, work, q)
     free = np.linalg.svd(work.jacobian)[2][rank:]

@@ -11,8 +11,7 @@ import numpy as np
 
 from ...kernels.kinematics import constraints as equations
 from ...kernels.kinematics.continuation_clock import NEXT_LENGTH, SIGN, SPENT, TIME
-from ..kinematics.rows import Rows
-from ..kinematics.system import rows_of
+from ..kinematics.rows import Rows, rows_of
 from ..projection import Corrections, Instant, project
 from .passed import Passed
 

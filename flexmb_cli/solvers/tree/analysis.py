@@ -19,7 +19,7 @@ from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tre
 from ...model.tree import Table, Tree
 from ..checkpoint import row_of, taken
 from .assembly import assemble_tree, pivot_shares, stray
-from .rows import TreeRows, tree_rows
+from .rows import TreeRows, motion_by_recursion, rows_of_tree
 
 # Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
 CALL_WORK = 2_000_000
@@ -155,7 +155,8 @@ class TreeAnalysis:
         return self._rows_of(Report(*map(np.concatenate, zip(*reports, strict=True))))
 
     def _rows_of(self, report: Any) -> TreeRows:
-        block = tree_rows(self.tree, self.arrays, report, self.attitude)
+        motion = motion_by_recursion(self.tree, self.arrays, report)
+        block = rows_of_tree(self.tree, motion, self.attitude)
         self.attitude = block.euler_parameters[-1]
         self.row += len(block.time)
         return block

@@ -1,6 +1,6 @@
 """Report rows of a tree: what a dynamic analysis delivers, block by block, to the writers."""
 
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
@@ -46,38 +46,104 @@ class TreeRows:
         found: np.ndarray = self.kinetic + self.potential + self.strain - self.applied_work
         return found
 
+    @property
+    def euler_parameter_rates(self) -> np.ndarray:
+        """First derivative p' = G(omega) p / 2 (T, N, 4) by the angular velocity in global axes, 1/s."""
+        found: np.ndarray = 0.5 * _turned(self.angular_velocity, self.euler_parameters)
+        return found
 
-def tree_rows(tree: Tree, arrays: TreeArrays, observed: Report, last: np.ndarray | None) -> TreeRows:
-    """Rows in the terms of the model.
+    @property
+    def euler_parameter_accelerations(self) -> np.ndarray:
+        """Second derivative (T, N, 4), 1/s²: G(alpha) p / 2 - omega² p / 4.
+
+        G is antisymmetric, and G G p = -omega² p.
+        """
+        p, omega = self.euler_parameters, self.angular_velocity
+        square = np.sum(omega * omega, axis=-1, keepdims=True)
+        found: np.ndarray = 0.5 * _turned(self.angular_acceleration, p) - 0.25 * square * p
+        return found
+
+    @property
+    def reaction_force(self) -> np.ndarray:
+        """Force of each closure on its body b (T, C, 3), global axes, N."""
+        # 0 - x, unlike -x, leaves no negative zeros.
+        found: np.ndarray = 0.0 - self.closure_force
+        return found
+
+
+def _turned(omega: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Product (..., 4) of the pure quaternion (0, omega) with p."""
+    scalar = -np.sum(omega * p[..., 1:], axis=-1, keepdims=True)
+    return np.concatenate([scalar, p[..., :1] * omega + np.cross(omega, p[..., 1:])], axis=-1)
+
+
+class TreeMotion(NamedTuple):
+    """The motion of a tree over T report rows, found by either formulation; SI units, global axes."""
+
+    time: np.ndarray  # (T,)
+    q: np.ndarray  # (T, NS) coordinates
+    y: np.ndarray  # (T, NS) speeds
+    y_rate: np.ndarray  # (T, NS)
+    position: np.ndarray  # (T, N, 3) of the origins O_k
+    axes: np.ndarray  # (T, N, 3, 3) rotation matrices, body axes to global axes
+    euler_parameters: np.ndarray  # (T, N, 4) of `axes`, of any sign
+    velocity: np.ndarray  # (T, N, 3)
+    acceleration: np.ndarray  # (T, N, 3)
+    angular_velocity: np.ndarray  # (T, N, 3)
+    angular_acceleration: np.ndarray  # (T, N, 3)
+    closure_force: np.ndarray  # (T, C, 3) on body a of each closure, N
+    applied_work: np.ndarray  # (T,) of loads other than gravity and springs since the start, J
+    audit: np.ndarray  # (T, 5) kinetic, potential, strain energy, J; largest gap, m, and its rate, m/s
+
+
+def rows_of_tree(tree: Tree, motion: TreeMotion, last: np.ndarray | None) -> TreeRows:
+    """Return the report rows of a motion of `tree`; those of both formulations are made here.
 
     `last` (N, 4): Euler parameters of the row before, whose signs these go on with.
     """
-    states, audit = observed.rows, observed.audit
-    n = len(tree.coordinates)
-    bodies = observed.frames[:, body_frames(arrays)]
-    axes = bodies["axes"].reshape(len(states), -1, 3, 3)
-    q = states[:, n : 2 * n]
-    displacement = displacements(tree, q)
+    displacement = displacements(tree, motion.q)
     return TreeRows(
+        time=motion.time,
+        q=motion.q,
+        y=motion.y,
+        y_rate=motion.y_rate,
+        position=motion.position,
+        euler_parameters=continued_signs(motion.euler_parameters, last),
+        velocity=motion.velocity,
+        acceleration=motion.acceleration,
+        angular_velocity=motion.angular_velocity,
+        angular_acceleration=motion.angular_acceleration,
+        displacement=displacement,
+        node_position=node_positions(tree, motion.position, motion.axes, displacement),
+        kinetic=motion.audit[:, 0].copy(),
+        potential=motion.audit[:, 1].copy(),
+        strain=motion.audit[:, 2].copy(),
+        applied_work=motion.applied_work.copy(),
+        closure_force=motion.closure_force,
+        constraint_residual=motion.audit[:, 3].copy(),
+        velocity_residual=motion.audit[:, 4].copy(),
+    )
+
+
+def motion_by_recursion(tree: Tree, arrays: TreeArrays, observed: Report) -> TreeMotion:
+    """Return the motion over the rows of a report by Kane's equations."""
+    n, bodies = len(tree.coordinates), observed.frames[:, body_frames(arrays)]
+    axes = bodies["axes"].reshape(len(observed.rows), -1, 3, 3)
+    return TreeMotion(
         time=observed.times,
-        q=q,
-        y=states[:, :n],
+        q=observed.rows[:, n : 2 * n],
+        y=observed.rows[:, :n],
         y_rate=observed.rates,
         position=bodies["position"],
-        euler_parameters=continued_signs(euler_parameters(axes), last),
+        axes=axes,
+        euler_parameters=euler_parameters(axes),
         velocity=bodies["velocity"],
         acceleration=bodies["acceleration"][..., 3:],
         angular_velocity=bodies["angular"],
         angular_acceleration=bodies["acceleration"][..., :3],
-        displacement=displacement,
-        node_position=node_positions(tree, bodies["position"], axes, displacement),
-        kinetic=audit[:, 0],
-        potential=audit[:, 1],
-        strain=audit[:, 2],
-        applied_work=states[:, -1],
         closure_force=_closure_forces(tree, observed.closures),
-        constraint_residual=audit[:, 3],
-        velocity_residual=audit[:, 4],
+        applied_work=observed.rows[:, -1],
+        audit=observed.audit,
     )
 
 
@@ -108,12 +174,14 @@ def nodal(tree: Tree, values: np.ndarray) -> dict[int, np.ndarray]:
     return out
 
 
-def node_positions(tree: Any, position: Any, axes: Any, displacement: tuple[np.ndarray, ...]) -> np.ndarray:
+def node_positions(
+    tree: Tree, position: np.ndarray, axes: np.ndarray, displacement: tuple[np.ndarray, ...]
+) -> np.ndarray:
     """Places (T, n, 3) of the nodes of all flexible bodies; position (T, N, 3), axes (T, N, 3, 3)."""
-    flexible = [k for k, body in enumerate(tree.bodies) if body.elastic is not None]
+    flexible = [(k, body.elastic) for k, body in enumerate(tree.bodies) if body.elastic is not None]
     places = [
-        position[:, None, k] + np.einsum("tij,tnj->tni", axes[:, k], tree.bodies[k].elastic.positions + u)
-        for k, u in zip(flexible, displacement, strict=True)
+        position[:, None, k] + np.einsum("tij,tnj->tni", axes[:, k], elastic.positions + u)
+        for (k, elastic), u in zip(flexible, displacement, strict=True)
     ]
     return np.concatenate(places, axis=1) if places else np.zeros((len(position), 0, 3))
 

@@ -168,7 +168,7 @@ CASES = [
         ),
         [
             (
-                "45:10: warning: hinge of body 2: NP is 0; node 2 of body 1 is taken from record 1 of "
+                "45:10: warning: hinge of body 2: NP is 0; node 2 of body 1 is read from record 1 of "
                 "NOFP, where the 1992 listing looks: write 2 in record 2 too"
             ),
         ],

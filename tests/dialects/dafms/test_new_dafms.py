@@ -242,7 +242,7 @@ WRONG = [
     (["t", COUNTS, "10 0.1"], "1", "L must be within 0..0; read 1"),
     (["t", COUNTS, "10 0.1"], "0 2", "NT.1 must be within 0..1; read 2"),
     (ROD[:4], "soft", "kind must be one of RIGID, BEAM, TYPED; read 'soft'"),
-    ([*ROD[:4], "TYPED"], "40 2", "80 elastic coordinates, at most 60"),
+    ([*ROD[:4], "TYPED"], "40 2", "80 elastic coordinates are too many to type (at most 60)"),
     ([*ROD[:4], "TYPED", "2 1", "0 1 0 0", "0 2 0 0"], "1 3", "h(2) must be within 1..2; read 3"),
 ]
 

@@ -66,7 +66,7 @@ READING = [
     (
         "numbers out of order",
         changed(("    2 RIGD", "    3 RIGD")),
-        ["4:5: error: body 3: it is number 2 of its kind; records are numbered 1, 2, ... in their order"],
+        ["4:5: error: body 3: it is number 2 of its type; records are numbered 1, 2, ... in their order"],
     ),
     (
         "no END",
@@ -173,4 +173,4 @@ def test_the_fields_of_a_card_with_a_list_are_bounded(monkeypatch):
     assert not any("has at most" in message for message in reported(text))
     monkeypatch.setattr("flexmb_cli.dialects.vsdf.data_cards.one_card._MOST_FIELDS", 5)
     (message,) = reported(text)
-    assert message.endswith("a card has at most 5 fields; go on on a further one")
+    assert message.endswith("a card has at most 5 fields; continue on a further one")

@@ -158,5 +158,5 @@ def test_a_card_of_more_nodes_than_memory_allows_is_refused():
     with pytest.raises(DeckError) as caught:
         read(changed(("TIME\n", f"OUTN\n1,{'1,' * 100_001}2\nTIME\n")))
     assert [fault.message for fault in caught.value.faults] == [
-        "a card has at most 100000 fields; go on on a further one"
+        "a card has at most 100000 fields; continue on a further one"
     ]

@@ -14,7 +14,7 @@ import pytest
 
 from flexmb_cli.kernels.linalg.rotation import add_rotation_row, rotate, rotation_matrices, rotation_rates
 from flexmb_cli.model.vectors import rotation_matrix
-from flexmb_cli.solvers.kinematics.system import rotated, twice_g
+from flexmb_cli.solvers.kinematics.rows import rotated, twice_g
 from tests.solvers.kinematics.geometry import axes, euler_parameters, unit
 
 SEEDS = range(8)

@@ -7,6 +7,7 @@ from flexmb_cli.kernels.linalg import lu
 from flexmb_cli.kernels.linalg import rank_revealing_lu as rows
 from flexmb_cli.kernels.linalg.cholesky import cholesky, cholesky_solve, cholesky_solve_rows
 from flexmb_cli.kernels.linalg.complex_ldl import factorise_symmetric, solve_symmetric
+from flexmb_cli.kernels.linalg.pivot_order import choose
 from flexmb_cli.kernels.linalg.row_products import product, subtract_multiple
 
 N = 7
@@ -55,7 +56,7 @@ def test_independent_rows_are_found_and_solved(seed):
     J[4] = J[0] + 2.0 * J[3]
     m, n, rank = *J.shape, 4
     order, factors, motions = np.zeros(m + n, np.int64), np.zeros((m, n)), np.zeros((n, n))
-    assert rows.choose(J, np.zeros((m, n)), order, m) == rank
+    assert choose(J, order, m) == rank
     columns, entries = np.tile([n, *range(n)], (m, 1)), np.zeros((m, n + 2), np.int64)
     assert rows.factorise(J, columns, order, rank, factors, entries) > 0.0
     rows.free_motions(factors, entries, order, rank, m, motions)
@@ -97,7 +98,7 @@ def test_factors_of_sparse_rows_hold_nothing_of_other_rows_and_orders(seed):
     factors, entries, order = np.zeros((m, n)), np.zeros((m, n + 2), np.int64), np.zeros(m + n, np.int64)
     for _ in range(4):
         J = sparse_rows(random, columns, n)
-        rank = rows.choose(J, np.zeros((m, n)), order, m)
+        rank = choose(J, order, m)
         assert rank == np.linalg.matrix_rank(J)
         assert rows.factorise(J, columns, order, rank, factors, entries) > 0.0
         wanted = J[np.ix_(order[:rank], order[m:])]

@@ -181,7 +181,7 @@ def test_settings_of_kinds_are_understood():
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ("spin=1", "spin=1: there is no kind 'spin'; the kinds are time, position, euler, "),
+        ("spin=1", "spin=1: there is no type 'spin'; the types are time, position, euler, "),
         ("omega", "omega: write omega=ATOL or omega=ATOL,RTOL with numbers not below zero"),
         ("omega=-1", "omega=-1: write omega=ATOL"),
         ("omega=\u0130nf", "omega=\u0130nf: write omega=ATOL"),
@@ -238,13 +238,13 @@ def test_the_summary_shows_every_kind_and_the_worst_place(table, rows):
     base = rows(TIMES)
     a, b = table("a", base), table("b", shifted(base, "velocity", 0.25, item=0))
     text = compare(a, b).text().splitlines()
-    assert text[0] == "kind                compared  differ  largest  worst place"
+    assert text[0] == "type                compared  differ  largest  worst place"
     assert (
         "velocity                  42       1     0.25  velocity, body 1, dX at t = 2: 0.0 against 0.25"
         in text
     )
     assert text[-2] == "worst: velocity, body 1, dX at t = 2: 0.0 against 0.25"
-    assert text[-1] == f"{a}, {b}: 1 of 519 numbers differ, 0 things are missing"
+    assert text[-1] == f"{a}, {b}: 1 of 519 numbers differ, 0 missing entries"
 
 
 @pytest.mark.parametrize("series", SERIES, ids=lambda series: series.path)

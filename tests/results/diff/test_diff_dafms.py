@@ -160,7 +160,7 @@ def test_missing_rows_of_a_series_are_told():
 
 def test_files_of_different_kinds_are_refused(tmp_path):
     (tmp_path / "x.T2").write_text(series()[0])
-    with pytest.raises(TableError, match="it is of another kind") as caught:
+    with pytest.raises(TableError, match="it is of another type") as caught:
         compare(ECHOES[0], tmp_path / "x.T2")
     assert caught.value.name == str(tmp_path / "x.T2")
 

@@ -46,7 +46,7 @@ def test_equal_folders_have_no_difference(folders):
 def test_the_name_of_a_file_stands_before_its_differences(folders):
     changed(folders[1] / "inner" / "two.h5")
     lines = compared(*folders).stdout.splitlines()
-    assert lines[0] == "inner/two.h5" and lines[1].startswith("kind ")
+    assert lines[0] == "inner/two.h5" and lines[1].startswith("type ")
 
 
 @pytest.mark.parametrize(("wild", "code"), [("", 2), ("/*.h5", 2), ("/one.h5", 0)])

@@ -46,7 +46,7 @@ def test_a_result_and_the_table_of_a_study_are_no_pair(good, tmp_path):
     done = compared(good, study)
     assert done.exit_code == 2
     assert (
-        f"{study}: error: it is the table of a study, {good} is a result; compare two of a kind"
+        f"{study}: error: it is the table of a study, {good} is a result; compare two of the same type"
         in done.stderr
     )
     assert compared(study, study).exit_code == 0

@@ -32,8 +32,8 @@ def test_update_takes_the_second_file_as_reference(table, rows, tmp_path):
     a.chmod(0o640)
     done = flexmb("a", "b", "--update", cwd=tmp_path)
     assert done.returncode == 0
-    verdict = "a, b: 1 of 519 numbers differ, 0 things are missing"
-    assert done.stdout.splitlines()[-2:] == [verdict, "a: taken from b"]
+    verdict = "a, b: 1 of 519 numbers differ, 0 missing entries"
+    assert done.stdout.splitlines()[-2:] == [verdict, "a: updated from b"]
     assert a.read_bytes() == b.read_bytes()
     assert a.stat().st_mode & 0o777 == 0o640
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "b"]

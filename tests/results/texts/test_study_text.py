@@ -128,7 +128,7 @@ def test_diff_names_the_case_of_the_worst_place_and_passes_over_the_text_of_the_
     done = CliRunner().invoke(diff, [str(study), str(other)])
     assert done.exit_code == 1
     assert "/result/path, case 3, row 2: 5.0 against 5.5" in done.output
-    assert "0 things are missing" in done.output
+    assert "0 missing entries" in done.output
 
 
 def test_a_parquet_table_is_told_from_a_damaged_one(tmp_path):

@@ -231,5 +231,5 @@ def test_a_spin_up_is_refused_in_young(tmp_path):
     (tmp_path / "links.vsdf").write_text(
         changed(("GRAV", "MOTN\n    1 ANGL    1    2       2.0       0.2\nGRAV"))
     )
-    with pytest.raises(ModelError, match=r"motion 1: .*YOUNG knows no spin-up"):
+    with pytest.raises(ModelError, match=r"motion 1: .*YOUNG has no spin-up"):
         converted(str(tmp_path / "links.vsdf"), "young")

@@ -120,7 +120,7 @@ def test_a_signal_to_the_parent_alone_stops_decks_that_run_at_once(tmp_path, sen
     process.send_signal(sent)
     printed, said = process.communicate(timeout=60)
     assert process.returncode == 128 + sent
-    assert said.count("--resume goes on with it") == 2 and "Traceback" not in said
+    assert said.count("--resume continues it") == 2 and "Traceback" not in said
     records = [json.loads(line) for line in printed.splitlines()]
     assert [(record["deck"], record["status"]) for record in records] == [(d, "interrupted") for d in decks]
     assert all(path.exists() for path in resume_files)

@@ -176,7 +176,7 @@ def test_the_command_refuses_dynamics_and_says_it_of_other_dialects(tmp_path):
         return done.returncode, json.loads(done.stdout)
 
     code, record = run("young/dynamics/IN-BRICARD.dat")
-    assert code == 2 and "knows no dynamics" in record["faults"][-1]["message"]
+    assert code == 2 and "has no dynamics" in record["faults"][-1]["message"]
     code, record = run("dafms/pendulum_strict.DAT")
     assert code == 0 and any(
         "--as-printed has no effect on this DAFMS deck" in f["message"] for f in record["faults"]

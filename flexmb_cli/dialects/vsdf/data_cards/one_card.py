@@ -49,7 +49,7 @@ class CardReader:
         """Return the numbers of a data card, without those that are faulty."""
         count = line.count(",") or len(line) // WIDTHS["I"]
         if more is not None and count > _MOST_FIELDS:
-            message = f"a card has at most {_MOST_FIELDS} fields; go on on a further one"
+            message = f"a card has at most {_MOST_FIELDS} fields; continue on a further one"
             self.error(card.word, message, Place(self.at, 1))
             return []
         found = fields.fields(line, columns, more)

@@ -125,7 +125,7 @@ class _Deck:
         """Number of a function card; 1 stands in where there is none."""
         number = self.functions.number(function)
         if not number:
-            self.refusals.add(item, "the law is not converted: YOUNG knows no spin-up and no natural spline")
+            self.refusals.add(item, "the law is not converted: YOUNG has no spin-up and no natural spline")
         return number or 1
 
     def _masses(self) -> "Iterator[Any]":

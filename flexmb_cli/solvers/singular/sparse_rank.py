@@ -1,0 +1,180 @@
+"""Rank, free motions and conditioning of large sparse Jacobians, by elimination in place of singular values.
+
+Singular values of a chain of 300 bodies take seconds and 300 MB, with the cube and the square of the number.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...kernels.linalg.pivot_order import choose_entries
+from ...model.by_size import by_size
+from .mobility import NAMED, Mobility
+from .weakest import Conditioning
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.linalg import SuperLU
+
+    from ...model.equations import Equation
+
+MOST_KEPT = 32  # motions that are kept, so that the mechanism can be moved along them
+AT_ONCE = 64  # null vectors solved for together
+NAMES_OF_GROUP = 20  # names of a group: every free motion of a chain may move all its bodies
+INVERSE_ITERATIONS = 40  # each gains the square of the ratio of the two smallest singular values
+POWER_ITERATIONS = 300  # for the largest singular value, near which others lie
+REFINEMENTS = 6  # of a correction
+SMALLEST_COMPLIANCE = 1e-15  # of a constraint, of the largest entry: what keeps pivots from being 0
+
+
+def order_of_pivots(matrix: "csr_matrix") -> tuple[np.ndarray, int]:
+    """Return rows, then columns (m + n,) of a sparse matrix in the order of pivots, and its rank."""
+    matrix = matrix.tocsr(copy=True)
+    matrix.sum_duplicates()
+    matrix.eliminate_zeros()
+    m, n = matrix.shape
+    counts = np.diff(matrix.indptr).astype(np.int64)
+    rows = np.repeat(np.arange(m), counts)
+    own = np.arange(matrix.nnz) - np.repeat(matrix.indptr[:-1], counts)
+    columns, values = (np.zeros((m, int(counts.max(initial=1))), kind) for kind in (np.int64, float))
+    columns[rows, own], values[rows, own] = matrix.indices, matrix.data
+    order = np.zeros(m + n, np.int64)
+    return order, choose_entries(counts, columns, values, order, min(m, n))
+
+
+def sparse_mobility(
+    matrix: "csr_matrix",
+    order: np.ndarray,
+    rank: int,
+    equations: "tuple[Equation, ...]",
+    name: "Callable[[int], str]",
+) -> Mobility:
+    """Return the mobility of a scaled Jacobian (m, n) whose pivots are in this order.
+
+    `name`: that of a coordinate.  Groups end after `NAMES_OF_GROUP` names, `motions` after `MOST_KEPT`.
+    """
+    m, n = matrix.shape
+    rows, columns = order[:m], order[m:]
+    repeated, pivots = np.sort(rows[rank:]), np.sort(columns[rank:])
+    leading = _Leading(matrix, rows[:rank], columns[:rank])
+    free, motions = [], np.zeros((min(pivots.size, MOST_KEPT), n))
+    for row, (x, k) in enumerate(zip(leading.motions(pivots), pivots, strict=True)):
+        free.append(_largest(columns[:rank], x, k))
+        if row < MOST_KEPT:
+            motions[row, columns[:rank]], motions[row, k] = x, 1.0
+            motions[row] /= np.linalg.norm(motions[row])
+    redundant = (
+        _largest(rows[:rank], x, k) for x, k in zip(leading.dependencies(repeated), repeated, strict=True)
+    )
+    return Mobility(
+        equations=m,
+        coordinates=n,
+        rank=rank,
+        smallest=1.0 / sparse_conditioning(matrix).condition if rank == min(m, n) and rank else 0.0,
+        redundant=tuple(tuple(equations[k] for k in group) for group in redundant),
+        free=tuple(tuple(name(k) for k in group) for group in free),
+        motions=motions,
+        pivots=tuple(pivots.tolist()),
+        repeated=tuple(repeated.tolist()),
+    )
+
+
+class _Leading:
+    """The independent rows and columns of a matrix, and their factors by SuperLU."""
+
+    def __init__(self, matrix: "csr_matrix", rows: np.ndarray, columns: np.ndarray):
+        from scipy.sparse.linalg import splu
+
+        self.matrix, self.rows, self.columns = matrix, rows, columns
+        self.factors = splu(matrix[rows][:, columns].tocsc()) if rows.size else None
+
+    def motions(self, free: np.ndarray) -> "Iterator[np.ndarray]":
+        """Yield, for each free column, what the dependent ones do (rank,) where it changes by 1."""
+        for some in _parts(free):
+            yield from -self._solve(self.matrix[self.rows][:, some].toarray(), "N").T
+
+    def dependencies(self, repeated: np.ndarray) -> "Iterator[np.ndarray]":
+        """Yield, for each dependent row, the shares (rank,) of the independent ones in it."""
+        for some in _parts(repeated):
+            yield from -self._solve(self.matrix[some][:, self.columns].toarray().T, "T").T
+
+    def _solve(self, right_sides: np.ndarray, transposed: str) -> np.ndarray:
+        if self.factors is None:
+            return right_sides
+        found: np.ndarray = self.factors.solve(right_sides, transposed)
+        return found
+
+
+def _parts(places: np.ndarray) -> "Iterator[np.ndarray]":
+    return (places[k : k + AT_ONCE] for k in range(0, places.size, AT_ONCE))
+
+
+def _largest(places: np.ndarray, shares: np.ndarray, own: int) -> list[int]:
+    """Return the places with the largest shares of a null vector, whose own place has a share of 1."""
+    size = np.append(np.abs(shares), 1.0)
+    everywhere = np.append(places, own)
+    some = np.flatnonzero(size > NAMED * size.max())
+    some = some[np.argsort(everywhere[some])]
+    named: list[int] = everywhere[some[by_size(size[some])[:NAMES_OF_GROUP]]].tolist()
+    return named
+
+
+def sparse_conditioning(matrix: "csr_matrix", rows: np.ndarray | None = None) -> Conditioning:
+    """Return the conditioning of a sparse Jacobian of full rank, or of its independent `rows`.
+
+    By inverse iteration with J Jᵀ, or Jᵀ J where that is smaller.
+    """
+    part = matrix if rows is None else matrix[rows]
+    wide = part.shape[0] <= part.shape[1]
+    J = (part if wide else part.T).tocsr()
+    count, n = J.shape
+    factors = _saddle_point(J, None)
+    low = high = np.random.default_rng(1996).standard_normal(count)
+    for _ in range(INVERSE_ITERATIONS):
+        low = -factors.solve(np.append(np.zeros(n), low / np.linalg.norm(low)))[n:]
+    for _ in range(POWER_ITERATIONS):
+        high = J @ (J.T @ (high / np.linalg.norm(high)))
+    condition = float(np.sqrt(np.linalg.norm(high) * np.linalg.norm(low)))
+    low = low / np.linalg.norm(low)
+    other = J.T @ low
+    other = other / (np.linalg.norm(other) or 1.0)
+    motion, combination = (other, low) if wide else (low, other)
+    if rows is not None:
+        spread = np.zeros(matrix.shape[0])
+        spread[rows] = combination
+        combination = spread
+    return Conditioning(condition, motion, combination)
+
+
+def shortest_correction(
+    matrix: "csr_matrix", gap: np.ndarray, weights: "csr_matrix | None" = None
+) -> np.ndarray:
+    """Return the x (n,) with J x = gap that makes xᵀ W x smallest, W the identity by default.
+
+    The solution is refined, so that equations that repeat others need not be known.
+    """
+    from scipy.sparse import identity
+
+    n = matrix.shape[1]
+    W = identity(n) if weights is None else weights
+    factors = _saddle_point(matrix, weights)
+    x, multipliers = np.zeros(n), np.zeros(gap.size)
+    for _ in range(REFINEMENTS):
+        rest = np.concatenate([-(W @ x) - matrix.T @ multipliers, gap - matrix @ x])
+        change = factors.solve(rest)
+        x += change[:n]
+        multipliers += change[n:]
+    return x
+
+
+def _saddle_point(J: "csr_matrix", weights: "csr_matrix | None") -> "SuperLU":
+    """Return the factors of [[W, Jᵀ], [J, -δ]], δ so small that only repeated equations notice it."""
+    from scipy.sparse import bmat, identity
+    from scipy.sparse.linalg import splu
+
+    m, n = J.shape
+    delta = SMALLEST_COMPLIANCE * max(abs(J).max(), 1.0)
+    W = identity(n) if weights is None else weights
+    return splu(bmat([[W, J.T], [J, -delta * identity(m)]], format="csc"))

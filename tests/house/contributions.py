@@ -1,0 +1,203 @@
+"""What CONTRIBUTING.md tells one to write for a joint, a card, quantities, an integrator and a format."""
+
+# (a) A point on a plane of the other body.
+JOINT = {
+    "flexmb_cli/model/joints.py": [
+        (
+            '    JointType("revolute-spherical",',
+            '    JointType("point on plane", 0, 1, (*_P, "Q_i"), meets=False),\n',
+        )
+    ],
+    "flexmb_cli/model/arrays/node_joints.py": [
+        (
+            '    "revolute-spherical": (_in_plane,',
+            '    "point on plane": (_in_plane,),\n',
+        )
+    ],
+    "flexmb_cli/dialects/vsdf/__init__.py": [
+        (
+            '        "RSPH": "revolute-spherical",',
+            '        "PLAN": "point on plane",\n',
+        )
+    ],
+}
+# (b) By file: where in it, and what is put there.  Gravity by its strength alone, downwards.
+CARD = {
+    "flexmb_cli/dialects/vsdf/cards/joints_and_loads.py": [
+        (
+            '    Card("GRAV", ',
+            '    Card("DOWN", "weight", "DOWN", "single", (Column("g", "gravity along -z", "m/s^2"),)),\n',
+        )
+    ],
+    "flexmb_cli/dialects/vsdf/build.py": [
+        (
+            "    return VsdfModel(",
+            '    if weight := values.record("weight"):\n        g = (0.0, 0.0, -float(weight["g"]))\n',
+        )
+    ],
+}
+# (c) A field and a property of every analysis, by file: the lines before which they are put.
+MAGNITUDE = '''    @property
+    def {}(self) -> np.ndarray:
+        """Magnitude of the {} of each body (T, bodies), {}."""
+        found: np.ndarray = np.linalg.norm(self.{}, axis=-1)
+        return found
+
+'''
+SPEED = MAGNITUDE.format("speed", "velocity", "m/s", "velocity")
+TURNING = (
+    "\n" + MAGNITUDE.format("turning", "angular velocity", "rad/s", "angular_velocity").rstrip("\n") + "\n"
+)
+LAGRANGIAN = '''    @property
+    def lagrangian(self) -> np.ndarray:
+        """Kinetic less potential energy (T,), J."""
+        found: np.ndarray = self.kinetic - self.potential
+        return found
+
+'''
+PROPERTY = "    @property\n    def total(self)"
+BODY = '("body/body",)'
+STORED = '    "{}": Series("{}", {}, "{}", "{}"),\n'
+STORED_SPEED = STORED.format("speed", "body/speed", BODY, "m/s", "magnitude of the velocity")
+STORED_MOMENTUM = STORED.format("momentum", "system/momentum", '("xyz",)', "kg m/s", "momentum")
+STORED_REACH = STORED.format("reach", "body/reach", BODY, "m", "distance from the origin")
+STORED_TURNING = STORED.format("turning", "body/turning", BODY, "rad/s", "magnitude of its turning")
+MOMENTUM = "    momentum: np.ndarray  # (T, 3) of masses at the origins of their bodies, kg m/s\n"
+QUANTITY = {
+    "flexmb_cli/solvers/kinematics/rows.py": [
+        (
+            "    constraint_residual: np",
+            "    reach: np.ndarray  # (T, n) distance from the origin, m\n",
+        ),
+        ("        constraint_residual=", "        reach=np.linalg.norm(q[:, :, :3], axis=-1),\n"),
+        ("\n\ndef rows_of(", "\n" + TURNING.removesuffix("\n")),
+    ],
+    "flexmb_cli/results/hdf5/kinematic.py": [
+        ('    "constraint_residual": Series(', STORED_REACH + STORED_TURNING)
+    ],
+    "flexmb_cli/solvers/constrained/rows.py": [
+        ("    applied_power: np", MOMENTUM),
+        (
+            "        applied_power=",
+            "        momentum=np.einsum(\n"
+            '            "b,tbi->ti",\n'
+            "            [item.mass for item in model.masses],\n"
+            "            motion.velocity[:, [item.body for item in model.masses]],\n"
+            "        ),\n",
+        ),
+        (PROPERTY, LAGRANGIAN),
+    ],
+    "flexmb_cli/results/hdf5/dynamic.py": [
+        (
+            '    "kinetic": Series(',
+            STORED_MOMENTUM
+            + STORED.format("lagrangian", "energy/lagrangian", "()", "J", "kinetic - potential"),
+        )
+    ],
+    "flexmb_cli/solvers/tree/rows.py": [
+        ("    closure_force: np.ndarray  # (T, C, 3) on body a of each closure, opp", MOMENTUM),
+        (
+            "        constraint_residual=",
+            '        momentum=np.einsum("b,tbi->ti", [b.mass for b in tree.bodies], motion.velocity),\n',
+        ),
+        (PROPERTY, SPEED),
+    ],
+    "flexmb_cli/results/hdf5/tree.py": [('    "kinetic": Series(', STORED_SPEED + STORED_MOMENTUM)],
+    "flexmb_cli/solvers/constrained/flexible_rows.py": [
+        ("    amplitude: tuple", MOMENTUM),
+        (
+            "        amplitude=",
+            '        momentum=np.einsum("b,tbi->ti", [b.m for b in mechanism.bodies], u[..., :3]),\n',
+        ),
+        (PROPERTY, SPEED),
+    ],
+    "flexmb_cli/results/hdf5/flexible.py": [('    "kinetic": Series(', STORED_SPEED + STORED_MOMENTUM)],
+}
+# (d) The classical method of order 4, besides a file of its kernels.
+KERNELS = {"flexmb_cli/kernels/integrators/rk4.py": "tests/kernels/integrators/rk4.py"}
+INTEGRATOR = {
+    "flexmb_cli/kernels/signatures.py": [
+        (
+            '    "alpha": {',
+            '    "rk4": {"integrators.rk4.integrate_rows": "int System Work Integration Report int"},\n',
+        )
+    ],
+    "flexmb_cli/solvers/constrained/integrators.py": [
+        (
+            '    "RK45": Method(',
+            '    "RK4": Method("Kutta", lambda tolerance, length: Steps("rk4"), 1e-8),\n',
+        )
+    ],
+}
+# (f) Lines of row, column (from 1) and value.
+READER = '''"""Lines of row, column and value."""
+
+import numpy as np
+
+from .matrix_file import MatrixFile
+
+
+def read_triples(path):
+    """Return the matrix of a file."""
+    rows, columns, values = np.loadtxt(path, ndmin=2).T
+    size = int(max(rows.max(), columns.max()))
+    return MatrixFile(size, rows.astype(int) - 1, columns.astype(int) - 1, values, True)
+'''
+FORMAT = {
+    "flexmb_cli/fe/formats/formats.py": [
+        (
+            '    "MM": MatrixFormat(',
+            '    "TRI": MatrixFormat("triples:read_triples"),\n',
+        )
+    ],
+}
+# A body of 2 kg that falls; the method of order 8 has no error in a parabola.
+DECK = """\
+VSDF A BODY THAT FALLS
+BODY
+    1 RIGD
+RIGI
+    1       2.0       0.0       0.0       0.0
+       0.1       0.2       0.3       0.0       0.0       0.0
+DOWN
+       9.5
+TIME
+       0.5       0.1
+INTG
+ RK45    1.0E-8
+END
+STAR
+STOP
+"""
+
+# The mass centre on the plane through the origin whose normal is (1, 0, 1).
+PLANE = """\
+NODE
+    0    1       0.0       0.0       0.0
+    0    2       1.0       0.0       1.0
+    1    3       0.0       0.0       0.0
+JOIN
+    1 PLAN    0    1    2    1    3
+TIME
+"""
+
+# Body 2 turns about z at 3 rad/s, its origin 0.5 m from the axis.
+ROTOR = """2 1 0 0 0 1 0 0 0 0 0 1
+0 0 0 1 0 0 0
+0.5 0 0 1 0 0 0
+2 6 0 3 0
+1 2 0 0 0 -0.5 0 0 0 0 1 -0.5 0 1
+1 0 0 0 0 0 0
+0 0.2 0.1
+"""
+# A mass of 1.5 kg falls.
+FALLING = """2 0 0 0 0 0 0 0 0 0 0 1
+0 0 0 1 0 0 0
+0 0 0 1 0 0 0
+1 0 0 0 0 0 0
+0 0.2 0.1
+DYNAMICS forward
+MASS 2 1.5 0 0 0 1 1 1
+GRAVITY 0 -8 0
+END
+"""

@@ -1,0 +1,119 @@
+"""Help texts, messages, README and documentation use the literature's terms, not the project's former ones.
+
+`REPLACED` is the list of words to replace that the project's writing guide gives: each with the word that
+stands instead.  Left out of it are those that are also words of the field or of every day, such as near,
+turns, measures, arms (of robots), spans (a null space), pulls (a cable) and law (a field of MOTN cards).
+"""
+
+import re
+import sys
+from pathlib import Path
+
+import click
+import pytest
+
+from flexmb_cli.cli import cli
+
+TOP = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(TOP / "docs" / "_ext"))
+import fault_messages  # noqa: E402
+
+REPLACED = {
+    # Terms.
+    "march|marches|marching|stepper": "integrator, continuation",
+    "rider|riders|ridden": "node frame, flexible parent",
+    "lump|lumps": "nodal mass, node",
+    "grip|grips|gives? way|give way|felt": "Schur complement, constraint Jacobian",
+    "leap|leaps": "singular step",
+    "settle|settles": "projection",
+    "passages|passed positions": "singular configurations passed, bifurcation",
+    "weakness": "conditioning",
+    "tilt": "driver axis",
+    "parted joints": "initial gaps",
+    "small motions": "linearised motion, modes",
+    "orphans|blocked stops": "parent watch, signal mask",
+    "line custom": "shifted lines",
+    "parts of a study": "checkpoints of a sweep",
+    "freedoms": "degrees of freedom",
+    "kind|kinds": "type",
+    "told|tells|tell": "reported",
+    "taken from": "updated from",
+    "things? (?:are|is) missing": "missing entries",
+    "laws": "motion functions",
+    "journal": "resume file",
+    "heap check": "heap bounds",
+    "forgiving": "full-disk guard",
+    "strangers|strangers'|stranger's": "untrusted",
+    # Sentences: no personified programs, no riddles.
+    "hears|knows|(?:is|are|was|were) asked": "has; is entered",
+    "goes on|going on|go on (?:with|on|from)|goes on (?:with|from)": "continue",
+    "says what, which": "has the form",
+    "(?:what|which) tells": "default selection",
+    "not asked for": "left out",
+}
+FORMER = re.compile(rf"(?<![\w-])(?:{'|'.join(REPLACED)})(?![\w-])", re.IGNORECASE)
+# Messages that name the field `kind` of a FUNC card.
+FIELDS_CALLED_KIND = {"DAFMS-086", "VSDF-086"}
+# What is not prose, or not flexmb's own.
+NO_PROSE = (
+    r"```(?!console).*?```",  # programs and files
+    r"^\$ .*$",  # commands; what they print is read
+    r"`[^`\n]*`",
+    r"\$[^$\n]+\$",  # formulas
+    r"\]\([^)]*\)",  # addresses
+    r"\bJournal\b",  # in titles of publications
+)
+MADE = {"_build", "gallery.md", "reproduced.md", "messages.md"}
+PAGES = [
+    TOP / "README.md",
+    *sorted(page for page in (TOP / "docs").rglob("*.md") if not MADE & set(page.parts)),
+]
+
+
+def former_words(text):
+    return [match.group() for match in FORMER.finditer(text)]
+
+
+def commands(command, name):
+    yield name, command
+    if isinstance(command, click.Group):
+        context = click.Context(command)
+        for word in command.list_commands(context):
+            yield from commands(command.get_command(context, word), f"{name} {word}")
+
+
+def prose(page):
+    text = page.read_text(encoding="utf-8")
+    for pattern in NO_PROSE:
+        text = re.sub(
+            pattern, " ", text, flags=re.DOTALL | re.MULTILINE if "```" in pattern else re.MULTILINE
+        )
+    return text
+
+
+@pytest.mark.parametrize(
+    "name, command", [*commands(cli, "flexmb")], ids=lambda x: x if type(x) is str else ""
+)
+def test_help_texts(name, command):
+    text = command.get_help(click.Context(command, info_name=name))
+    # The names of options stay, since scripts use them.
+    assert not former_words(" ".join(text.replace("--kind", "").split()))
+
+
+def test_messages_of_faults():
+    rows = [line for line in fault_messages.page().splitlines() if line.startswith("| ")]
+    found = {row: former_words(re.sub(r"`[^`]*`", " ", row)) for row in rows}
+    named = {row: words for row, words in found.items() if words and row.split()[1] not in FIELDS_CALLED_KIND}
+    assert len(rows) > 400 and not named
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(TOP)))
+def test_documentation(page):
+    assert not former_words(prose(page))
+
+
+def test_a_former_word_is_found():
+    """The summary that `diff` printed before, and the former help of `table` (findings on release 0.1.0)."""
+    assert former_words("1534 of 3189 numbers differ, 0 things are missing") == ["things are missing"]
+    assert former_words("A NAME says what, which, the quantity") == ["says what, which"]
+    assert not former_words("degrees of freedom, type of joint")
