@@ -1,10 +1,17 @@
 """Style of pictures: width on paper, fonts, a style file of matplotlib, texts by LaTeX."""
 
+import logging
+import re
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from ...errors import lines_visible
 from ...quick_dataclass import dataclass
 from .label_fitting import Letters
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 # Okabe and Ito's colours, distinguished by everyone.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#B22222", "#6A3D9A")
@@ -120,10 +127,49 @@ def _use_style(name: str) -> None:
     if not Path(name).is_file():
         near = get_close_matches(name, style.available, cutoff=0.4) or ["ggplot", "classic", "grayscale"]
         raise OSError(f"no such file, and no style of matplotlib, such as {', '.join(near)}, has this name")
+    told: list[str] = []
     try:
-        style.use(Path(name))
+        with _held_back(told):
+            style.use(Path(name))
     except UnicodeDecodeError:
         raise OSError("it is no style file: its bytes are no text in UTF-8") from None
+    # Of a setting that stands twice the last one counts.
+    places = (re.search(r", line #?(\d+)", each) for each in told if not each.startswith("Duplicate"))
+    numbers = [int(place[1]) for place in places if place]
+    if numbers:
+        raise OSError(_bad_line(numbers[0], Path(name).read_text(encoding="utf-8").splitlines()))
+
+
+@contextmanager
+def _held_back(told: list[str]) -> "Iterator[None]":
+    """Append what matplotlib logs to `told`; it would reach the screen."""
+    logger = logging.getLogger("matplotlib")
+
+    def hold(record: logging.LogRecord) -> bool:
+        told.append(record.getMessage())
+        return False
+
+    logger.addFilter(hold)
+    try:
+        yield
+    finally:
+        logger.removeFilter(hold)
+
+
+def _bad_line(number: int, lines: list[str]) -> str:
+    """Return what is wrong with a line, from 1, of a style file."""
+    from difflib import get_close_matches
+
+    from matplotlib import rcParams
+
+    key, colon, value = (part.strip() for part in lines[number - 1].partition(":"))
+    if not colon:
+        return f"line {number} has no colon between a setting and its value: {lines_visible(key)}"
+    if key in rcParams:
+        return f"line {number}: {key} cannot be {lines_visible(value)}"
+    near = get_close_matches(key, rcParams, n=1, cutoff=0.6)
+    meant = f"; {near[0]} is one" if near else ""
+    return f"line {number}: matplotlib has no setting {lines_visible(key)}{meant}"
 
 
 def _is_installed(family: str) -> bool:

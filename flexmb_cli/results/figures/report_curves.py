@@ -38,10 +38,10 @@ def curve_figure(panel: Panel, title: str, number: int) -> str:
     )
 
 
-def _style(k: int) -> str:
+def _style(k: int, fill: str = "none") -> str:
     dash = _DASHES[k // len(COLOURS) % len(_DASHES)]
     dashed = f' stroke-dasharray="{dash}"' if dash else ""
-    return f'fill="none" stroke="{COLOURS[k % len(COLOURS)]}" stroke-width="1.6"{dashed}'
+    return f'fill="{fill}" stroke="{COLOURS[k % len(COLOURS)]}" stroke-width="1.6"{dashed}'
 
 
 class _Frame:
@@ -126,8 +126,8 @@ def _curve(frame: _Frame, curve: Curve, k: int) -> str:
         return ""
     if len(x) > POINTS_PER_COLUMN * ENVELOPE_COLUMNS and (np.diff(x) > 0).all():
         outline = _points(frame.places(*_envelope(x, y)))
-        fill = COLOURS[k % len(COLOURS)]
-        return f'<path class="envelope" d="M{outline}Z" {_style(k)} style="fill:{fill};fill-opacity:.35"/>'
+        drawn = _style(k, COLOURS[k % len(COLOURS)])
+        return f'<path class="envelope" d="M{outline}Z" {drawn} fill-opacity="0.35"/>'
     return f'<path d="M{_points(frame.places(x, y))}" {_style(k)}/>'
 
 

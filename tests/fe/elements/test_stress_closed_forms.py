@@ -123,6 +123,9 @@ def test_the_stress_at_the_hole_of_the_strap_converges_with_the_mesh(tmp_path):
     errors = 1 - np.array(found) / chart
     assert errors[2] < 0.02
     assert (errors[:-1] > 2 * errors[1:]).all()
+    # The tutorial's numbers: masses times radii, 7850 kg/m3 and 20 kg.
+    beyond = 7850 * 0.04 * 0.004 * 0.15 * 0.225 / (20 * 0.3)
+    assert (round(beyond, 3), round(found[2] / (1 + beyond), 2)) == (0.007, 3.08)
 
 
 @pytest.mark.long_motion

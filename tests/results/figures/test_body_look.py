@@ -170,6 +170,17 @@ def test_the_page_opens_as_the_options_want_it_and_its_fields_are_checked(shown)
 
 
 @pytest.mark.processes
+def test_fields_of_the_range_have_room_for_their_numbers_and_do_not_round_it(shown):
+    """A field showed 10200000( of 1.02e8; a change of one end leaves the other as it was given."""
+    choose = "const v = window.flexmb.viewer; v.chosen[v.colouring] = [-0.5, 102003456.5]; v.offerRange()"
+    shown.execute_script(choose)
+    assert part(shown, "high").get_property("value") == "1.02e8"
+    assert typed(shown, "low", "0.25") == ("0.25", "")
+    ends = "return [window.flexmb.viewer.wanted().low, window.flexmb.viewer.wanted().high]"
+    assert shown.execute_script(ends) == [0.25, 102003456.5]
+
+
+@pytest.mark.processes
 def test_the_pointer_names_the_element_and_its_energy(shown):
     """At the middle of a face that the viewer sees: element 1, whose energy is a third of the largest."""
     ask = """

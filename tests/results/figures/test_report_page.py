@@ -455,6 +455,41 @@ def test_letters_of_curves_are_twelve_pixels_high_on_a_phone(page):
                 assert apart, (texts[k], texts[inner.index(other)])
 
 
+STROKES = """
+const root = document.documentElement, figure = document.querySelector("figure.curves");
+root.dataset.shade = arguments[0];
+const box = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+figure.append(box);
+const colours = ["#0072B2", "#B22222", "#6A3D9A"].map(colour => {
+  const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
+  path.setAttribute("stroke", colour); box.append(path);
+  return getComputedStyle(path).stroke;
+});
+const ground = getComputedStyle(document.body).backgroundColor;
+const effect = getComputedStyle(figure.querySelector("path[stroke]")).vectorEffect;
+box.remove(); delete root.dataset.shade;
+return [colours, ground, effect];
+"""
+
+
+def luminance(colour):
+    """Relative luminance (WCAG 2.1, section 1.4.3)."""
+    parts = np.array([int(part) for part in re.findall(r"\d+", colour)[:3]]) / 255
+    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+    return float(linear @ [0.2126, 0.7152, 0.0722])
+
+
+@pytest.mark.processes
+@pytest.mark.parametrize("shade", ["light", "dark"])
+def test_curves_are_as_thick_and_as_bright_on_a_phone(page, shade):
+    """They were 0.6 px wide, the blue 3.4:1 on the dark ground; WCAG 2.1, 1.4.11, asks for 3:1 at least."""
+    colours, ground, effect = page.execute_script(STROKES, shade)
+    assert effect == "non-scaling-stroke"
+    for colour in colours:
+        low, high = sorted((luminance(colour), luminance(ground)))
+        assert (high + 0.05) / (low + 0.05) > 5
+
+
 @pytest.mark.processes
 def test_play_runs_through_all_rows_and_pause_holds(page):
     rest(page)

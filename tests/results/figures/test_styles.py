@@ -113,9 +113,13 @@ def test_a_style_that_crops_leaves_the_width_that_was_asked_for(deck, mechanism,
     ("nonsense", "--style nonsense: no such file, and no style of matplotlib, such as"),
     ("gplot", "--style gplot: no such file, and no style of matplotlib, such as ggplot, has this name"),
     (b"\xff\xfe\x00", "it is no style file: its bytes are no text in UTF-8"),
+    (b"axes.grid: True\nlines.linewidht: 3\n",
+     "line 2: matplotlib has no setting lines.linewidht; lines.linewidth is one"),
+    (b"axes.grid: maybe\n", "line 1: axes.grid cannot be maybe"),
+    (b"axes.grid True\n", "line 1 has no colon between a setting and its value"),
 ])  # fmt: skip
-def test_what_is_no_style_is_said_in_words(deck, mechanism, rows, tmp_path, style, words):
-    """The message was that of matplotlib, with the class of the path."""
+def test_what_is_no_style_is_said_in_words(deck, mechanism, rows, tmp_path, caplog, style, words):
+    """The message was that of matplotlib, with the class of the path; its log reached the screen, too."""
     bar = write_bar(tmp_path / "r.h5", deck, mechanism, rows, np.arange(7.0))
     if isinstance(style, bytes):
         (tmp_path / "s.mplstyle").write_bytes(style)
@@ -124,3 +128,4 @@ def test_what_is_no_style_is_said_in_words(deck, mechanism, rows, tmp_path, styl
     done = CliRunner().invoke(plot, [str(bar), "point.1", *options])
     assert done.exit_code == 2
     assert words in done.output and "Posix" not in done.output
+    assert not [record for record in caplog.records if record.name.startswith("matplotlib")]

@@ -13,6 +13,11 @@ const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a
 const scaled = (a, s) => [a[0] * s, a[1] * s, a[2] * s];
 // The digits of a value of a unit that tell it.
 const told = (value, unit) => `${value ? value.toPrecision(3) : 0} ${unit}`.trim();
+// A number in at most four digits, as a field has room for it: 1.02e8.
+function brief(value) {
+  const short = Number(value.toPrecision(4)), size = Math.abs(short);
+  return size && (size >= 1e5 || size < 1e-3) ? short.toExponential().replace("e+", "e") : String(short);
+}
 const unit = a => scaled(a, 1 / (Math.hypot(...a) || 1));
 
 const NONE = 0xffffffff;  // of the elements that are not reported
@@ -296,7 +301,7 @@ class Viewer {
     const whole = this.ranges[this.colouring], chosen = this.chosen[this.colouring] || ["", ""];
     ["low", "high"].forEach((name, k) => {
       const field = this.part(name);
-      field.value = chosen[k]; field.placeholder = whole ? told(whole[name], "") : "";
+      field.value = chosen[k] === "" ? "" : brief(chosen[k]); field.placeholder = whole ? told(whole[name], "") : "";
     });
     this.part("low").parentElement.hidden = !whole || !this.contoured.length;
     this.warn("");
@@ -305,12 +310,15 @@ class Viewer {
   choose() {
     const whole = this.ranges[this.colouring], fields = [this.part("low"), this.part("high")];
     const bad = fields.some(field => field.validity.badInput), empty = fields.every(field => field.value === "");
-    const [low, high] = fields.map((field, k) => field.value === "" ? [whole.low, whole.high][k] : field.valueAsNumber);
+    // A field that still has its brief number keeps the whole one.
+    const before = this.chosen[this.colouring], kept = (field, k) => before && field.value === brief(before[k]) ? before[k] : field.valueAsNumber;
+    const [low, high] = fields.map((field, k) => field.value === "" ? [whole.low, whole.high][k] : kept(field, k));
     if (bad || (!empty && !(low < high))) {
       this.offerRange();
       return this.warn("The first number of the range must be smaller than the second; the range stays.");
     }
     if (empty) delete this.chosen[this.colouring]; else this.chosen[this.colouring] = [low, high];
+    fields.forEach((field, k) => { if (field.value !== "") field.value = brief([low, high][k]); });
     this.warn("");
   }
 
