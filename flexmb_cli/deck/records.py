@@ -2,11 +2,14 @@
 
 from array import array
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..errors import Place
-from .number_table import places_by
+from .number_table import column, places_by
 from .record import Deck, Number, Record
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 class DeckValues:
@@ -19,6 +22,7 @@ class DeckValues:
         for record in () if self.many else deck.records:
             self._records.setdefault(record.section, {})[record.number] = record
         self._of_bodies: dict[str, dict[int, array[int]]] = {}
+        self._columns: dict[tuple[str, str], np.ndarray] = {}
 
     def section(self, name: str) -> Sequence[Record]:
         """All records of a section in the deck's order; empty when its card is not given."""
@@ -44,6 +48,12 @@ class DeckValues:
         if section not in self._of_bodies:
             self._of_bodies[section] = places_by(self.section(section), "body")
         return self._of_bodies[section].get(body, ())
+
+    def column(self, section: str, key: str) -> "np.ndarray":
+        """Return the numbers (record,) that the records of a section have under a key."""
+        if (section, key) not in self._columns:
+            self._columns[section, key] = column(self.section(section), key)
+        return self._columns[section, key]
 
     def number(self, section: str, number: int, key: str) -> Number:
         """One number of a card that must be there."""

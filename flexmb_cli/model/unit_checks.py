@@ -209,11 +209,14 @@ def _of_young(model: "DynamicModel") -> Iterable[Extent]:
 
 def _of_mechanism(mechanism: "FlexibleMechanism") -> Iterable[Extent]:
     """Rigid bodies; those of finite elements have what their files say."""
-    found = []
+    found, joined = [], {}  # type: ignore[var-annotated]
+    for joint in mechanism.joints:
+        for end in (*joint.a, *joint.b):
+            joined.setdefault(end.body, []).append(end)
     for k, body in enumerate(mechanism.bodies):
         if body.flexible is not None:
             continue
-        ends = [end for joint in mechanism.joints for end in (*joint.a, *joint.b) if end.body == k]
+        ends = joined.get(k, ())
         centre = body.s0 / body.m if body.m else np.zeros(3)
         moments = _moments(_about_centre(body.J0, body.m, centre))
         found.append(Extent(body.name, body.m, moments, _farthest([e.r0 for e in ends], centre), body.place))

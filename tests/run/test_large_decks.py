@@ -57,6 +57,15 @@ def test_a_chain_of_a_thousand_bodies_is_checked(tmp_path):
     assert seconds < 20
 
 
+def test_nodes_that_a_flexible_body_may_not_have_are_not_kept(tmp_path):
+    """A record and a fault for each took 1833 MB for 8 MB of nodes."""
+    nodes = "".join(f" 1,{k},1,0,0\n" for k in range(1, 150_000))
+    text = large_decks.kinds(0)["vsdf blank lines"]().replace("\nEND", f"\nNODE\n{nodes}END", 1)
+    _, peak, fault = large_decks.measured(text, "vsdf", tmp_path)
+    assert "NODE is for RIGD bodies" in fault
+    assert peak <= large_decks.MOST_PER_BYTE * len(text) + BESIDES["vsdf"]
+
+
 @pytest.mark.parametrize("setting", ["time.end=2", "body.3.x=2"])
 def test_a_number_of_a_large_deck_is_set_in_place(setting, tmp_path):
     """A table of all names took 600 bytes a byte."""

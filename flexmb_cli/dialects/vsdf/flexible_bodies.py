@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
+from ...errors import MOST_LISTED_ERRORS
 from ...fe.formats.formats import NEEDS_MAPPING
 from ...fe.formats.matrix_file import FEFileFault
 from ...fe.formats.node_table import NodeTable, read_node_table
@@ -73,7 +74,9 @@ def flexible_body(
 
 def _refuse_rigid_cards(values: DeckValues, k: Any, findings: Findings) -> None:
     for section, word in (("rigid", "RIGI"), ("node", "NODE")):
-        for given in values.of_body(section, k):
+        # Records one by one, and no more than are reported: there may be a million.
+        for place in values.places_of_body(section, k)[: MOST_LISTED_ERRORS + 1]:
+            given = values.section(section)[place]
             message = f"{word} is for RIGD bodies; body {k} is FLEX"
             findings.error(given.subject, message, given.place, id="VSDF-022")
 

@@ -1,11 +1,10 @@
 """Nodes that cards of a VSDF deck give to rigid bodies and the ground, and sets of any body's nodes."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
-from ...deck.number_table import column
 from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
@@ -13,17 +12,18 @@ from ...model.diagnostics import Findings
 
 def given_nodes(values: DeckValues, k: int, findings: Findings) -> dict[int, np.ndarray]:
     """Places (3,) of the nodes of body k (0: the ground), m in its axes, by their numbers."""
-    cards, places = values.section("node"), values.places_of_body("node", k)
+    places = values.places_of_body("node", k)
     if not len(places):
         return {}
-    numbers = column(cards, "node")[places].astype(int).tolist()
-    positions = np.column_stack([column(cards, f"r.{axis}")[places] for axis in "xyz"]).astype(float)
+    numbers = values.column("node", "node")[places].astype(int).tolist()
+    positions = np.column_stack([values.column("node", f"r.{axis}")[places] for axis in "xyz"]).astype(float)
     if min(numbers) < 1 or len(set(numbers)) < len(numbers):
-        _report_numbers([cards[place] for place in places], k, findings)
+        cards = values.section("node")
+        _report_numbers((cards[place] for place in places), k, findings)
     return dict(zip(numbers, positions, strict=True))
 
 
-def _report_numbers(cards: Sequence[Record], k: int, findings: Findings) -> None:
+def _report_numbers(cards: Iterable[Record], k: int, findings: Findings) -> None:
     """Report nodes of body k whose number another has, or none may have."""
     seen = set()
     for record in cards:
