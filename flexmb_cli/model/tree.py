@@ -146,6 +146,7 @@ class Spring:
     damping: float = 0.0
     rest: float = 0.0
     place: Place | None = None
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -157,6 +158,7 @@ class Motor:
     axis: int
     function: Table
     place: Place | None = None
+    name: str = ""
 
 
 @dataclass(frozen=True)
