@@ -1,7 +1,7 @@
 """flexmb: kinematics and dynamics of rigid and flexible multibody systems from legacy decks.
 
-The Python interface is imported when it is used: `read_deck`, `check`, `solve`, `sweep`, `Result`,
-and the exceptions that these raise.
+The Python interface is imported when it is used: `read_deck`, `check`, `solve`, `sweep`, what they
+take and give, and the exceptions that they raise.
 """
 
 from typing import TYPE_CHECKING
@@ -11,11 +11,13 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from .interface import (
         AnalysisError,
+        CheckReport,
         DeckError,
         FlexmbError,
         ModelError,
         OpenDeck,
         Result,
+        RunOptions,
         check,
         read_deck,
         solve,
@@ -24,11 +26,13 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AnalysisError",
+    "CheckReport",
     "DeckError",
     "FlexmbError",
     "ModelError",
     "OpenDeck",
     "Result",
+    "RunOptions",
     "__version__",
     "check",
     "read_deck",

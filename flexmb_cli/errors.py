@@ -6,14 +6,15 @@ Faults are collected, not thrown one at a time: a reader goes on after a fault a
 
 from collections.abc import Iterable
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from .quick_dataclass import dataclass, field
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from os import PathLike
 
-    from .result import Result
+    import numpy as np
 
 
 DONE, ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT = 0, 1, 2, 3
@@ -156,6 +157,26 @@ class ModelError(DeckError):
     """The deck is well formed, but the model cannot be solved as given (exit 2)."""
 
 
+class SolvedRows(Protocol):
+    """Rows of a run in memory, by the paths of datasets and the names of quantities (`flexmb_cli.Result`)."""
+
+    def __getitem__(self, name: str) -> "np.ndarray":
+        """Return a dataset or a quantity."""
+
+    def __len__(self) -> int:
+        """Return the number of datasets."""
+
+    @property
+    def time(self) -> "np.ndarray":
+        """The times of the rows, s (times,)."""
+
+    def unit(self, name: str) -> str:
+        """Return the unit of a dataset or a quantity."""
+
+    def save(self, path: "str | PathLike[str]") -> None:
+        """Write an HDF5 file."""
+
+
 class AnalysisError(FlexmbError):
     """The analysis stopped at `time`; what was computed before is kept (exit 1).
 
@@ -164,7 +185,7 @@ class AnalysisError(FlexmbError):
     """
 
     exit_code = ANALYSIS_FAILED
-    result: "Result | None" = None
+    result: "SolvedRows | None" = None
 
     def __init__(self, fault: Fault, time: float, norms: dict[str, Any] | None = None):
         super().__init__(fault.sentence, (fault,))

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .deck.record import Deck
 from .errors import COMPLETE, FAILED, AnalysisError, DeckError, Fault, FlexmbError, ModelError
-from .quick_dataclass import dataclass, replace
+from .opened_deck import OpenDeck
+from .quick_dataclass import replace
 from .result import Result
 
 if TYPE_CHECKING:
@@ -24,32 +24,6 @@ if TYPE_CHECKING:
     from .run.outcome import Listener, Outcome, RunOptions
     from .run.solution import Solution
     from .study.sweep import Sweep
-
-
-@dataclass(frozen=True)
-class OpenDeck:
-    """A deck that was read; the finite-element files that it names are looked up beside its `path`.
-
-    `changes`: numbers that differ from the deck's, "NAME=VALUE" each.
-    """
-
-    deck: Deck
-    path: str
-    changes: tuple[str, ...] = ()
-    warnings: tuple[Fault, ...] = ()
-
-    def __repr__(self) -> str:
-        return f"OpenDeck({self.path!r}, {self.dialect}, {len(self.deck.records)} records)"
-
-    @property
-    def dialect(self) -> str:
-        """The name of its dialect."""
-        return self.deck.dialect
-
-    @property
-    def numbers(self) -> dict[str, float | int | str]:
-        """Every number of the deck by the name that `changes` take, in SI units."""
-        return {name: number.value for name, number in self.deck.numbers()}
 
 
 def read_deck(
@@ -77,11 +51,17 @@ def check(
     `jacobian`: a time, s, or "estimate": the report then has the constraint Jacobian there.
     """
     from .run.check.check import check_deck
+    from .run.open_deck import take_open_deck
     from .run.outcome import RunOptions
 
     if isinstance(deck, OpenDeck):
-        options = replace(options or RunOptions(), changes=deck.changes)
-        deck = deck.path
+        opened, options = deck, replace(options or RunOptions(), changes=deck.changes)
+        return check_deck(
+            opened.path,
+            options,
+            jacobian,
+            lambda _, given, outcome: take_open_deck(opened.deck, opened.warnings, given, outcome),
+        )
     return check_deck(os.fspath(deck), options or RunOptions(), jacobian)
 
 
@@ -93,8 +73,8 @@ def solve_to_files(
 ) -> "Outcome":
     """Solve a deck and write its listing and its HDF5 file, as `flexmb run`.
 
-    `listener` hears how far the run is; `stdout` receives the listing where `options.out` is "-".  Nothing is
-    raised: the outcome has exit code, faults and the files written.
+    `listener` receives the progress of the run, `stdout` the listing where `options.out` is "-".  Nothing
+    is raised: the outcome has exit code, faults and the files written.
     """
     from .run.deck import run_deck
     from .run.outcome import RunOptions
@@ -205,7 +185,7 @@ def solve_study(
 ) -> None:
     """Solve blocks of a study's cases here, in so many processes, or on the Dask cluster of `scheduler`.
 
-    `advance` hears how many more cases are solved.
+    `advance` is called with the number of cases solved since.
     """
     if scheduler:
         from .study.cluster import solve_on_cluster
@@ -228,13 +208,26 @@ def write_study(path: str, study: "Sweep") -> None:
     write_study_table(path, study)
 
 
+def __getattr__(name: str) -> object:
+    """Import what `check` takes and gives when it is named: commands start without it."""
+    if name == "CheckReport":
+        from .run.check.check import CheckReport as found
+    elif name == "RunOptions":
+        from .run.outcome import RunOptions as found  # type: ignore[assignment]
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return found
+
+
 __all__ = [
     "AnalysisError",
+    "CheckReport",
     "DeckError",
     "FlexmbError",
     "ModelError",
     "OpenDeck",
     "Result",
+    "RunOptions",
     "check",
     "open_study",
     "read_deck",

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from .interface import OpenDeck
+    from .opened_deck import OpenDeck
     from .results.hdf5.layout import Layout
 
 

@@ -190,6 +190,24 @@ def test_check_takes_the_options_of_the_command():
     assert found.deck.options == () and found.outcome.settings == ("driver.1.B=3.0",)
 
 
+def test_check_takes_the_deck_that_was_read(tmp_path):
+    """Its comment begins like a VSDF deck: the dialect was given, and the file is gone since."""
+    path = tmp_path / "crank.dat"
+    path.write_text("{ VSDF\n}\n" + FOUR_BAR.read_text())
+    opened = read_deck(path, changes={"driver.1.B": 3.0}, dialect="young")
+    path.unlink()
+    found = check(opened)
+    assert (found.rank, found.outcome.exit_code, found.deck.dialect) == (28, 0, "young")
+    assert found.outcome.settings == ("driver.1.B=3.0",)
+
+
+def test_a_report_of_check_is_shown_in_one_line():
+    found = check(FOUR_BAR)
+    assert repr(found) == f"CheckReport({str(FOUR_BAR)!r}, complete, 0 errors, 0 warnings, 0 notes)"
+    assert isinstance(found, flexmb_cli.CheckReport)
+    assert flexmb_cli.RunOptions is RunOptions
+
+
 def test_check_reports_mobility():
     report = check(FOUR_BAR)
     assert (report.rank, report.free, report.outcome.exit_code) == (28, [], 0)

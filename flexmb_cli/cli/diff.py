@@ -110,10 +110,11 @@ def _tolerances(options: Any) -> Any:
 
 def _compare_files(a: Any, b: Any, tolerances: Any, update: bool, as_json: bool, options: Any) -> "Compared":
     from ..deck.listing import TableError
-    from ..results.diff.accept import accept, is_missing
     from ..results.diff.compare import compare
     from ..results.diff.folders import Compared, Pair
 
+    if update:
+        from ..results.diff.accept import accept, is_missing
     new = update and is_missing(a)
     try:
         with faults_in_json(as_json, {"a": a, "b": b, "updated": False}, b):
@@ -131,7 +132,6 @@ def _compare_files(a: Any, b: Any, tolerances: Any, update: bool, as_json: bool,
 def _compare_folders(
     a: str, b: str, tolerances: "FileTolerances", update: bool, as_json: bool, options: dict[str, Any]
 ) -> "Summary":
-    from ..results.diff.accept import accept_pair
     from ..results.diff.compare import compare
     from ..results.diff.folders import compare_many
     from ..results.diff.forms import LISTING, form_of
@@ -145,8 +145,11 @@ def _compare_folders(
 
     with faults_in_json(as_json, {"a": a, "b": b}, b):
         summary = compare_many(a, b, compare_pair)
-        for compared in summary.compared if update else ():
-            accept_pair(compared, a)
+        if update:
+            from ..results.diff.accept import accept_pair
+
+            for compared in summary.compared:
+                accept_pair(compared, a)
     return summary
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, FlexmbError
+from ..model.integrators import METHOD_OPTIONS, TREE_METHODS
 from .options.deck_options import DECK, deck_options, refuse_strange_models, show_faults, with_models
 from .options.finite import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, Finite
 from .terminal.screen import show, standard_output, tell, wants_debug
@@ -50,7 +51,7 @@ _BEGINNING = 10_000  # characters of a deck that tell its dialect
               help="Relative tolerance of a step, in place of the deck's.")  # fmt: skip
 @click.option("--atol", type=ABSOLUTE_TOLERANCE,
               help="Absolute tolerance of a step, in place of the deck's.")  # fmt: skip
-@click.option("--method", type=click.Choice(["dop853", "radau", "alpha", "lsoda", "sdirk4"]),
+@click.option("--method", type=click.Choice(list(dict.fromkeys((*METHOD_OPTIONS, *TREE_METHODS)))),
               help="Integrator, in place of the deck's: dop853 and radau for all dialects, alpha "
               "for YOUNG and VSDF, lsoda and sdirk4 for DAFMS.")  # fmt: skip
 @click.option("--formulation", type=click.Choice(["kane", "absolute"]), default="kane", show_default=True,

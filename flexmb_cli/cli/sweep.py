@@ -124,7 +124,7 @@ def _begun(study: str, output: str, parts: Any, scheduler: str | None, fresh: bo
         with faults_in_json(as_json, {"study": study}, study):
             # The cases are kept beside the table: without this their folder would be made with all its
             # parents.
-            refuse_unwritable(output)
+            refuse_unwritable(output, special=False)
             return interface.open_study(study, parts, fresh)
     except StudyError as failure:
         click.echo(compiler_style(failure.file, failure.faults, failure.lines), err=True)

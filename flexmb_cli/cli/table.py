@@ -1,15 +1,18 @@
 """`flexmb table`: quantities of a result as text."""
 
+import sys
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from .options.completion import files, quantities
 from .options.finite import AnyFinite
-from .terminal.screen import show, tell
+from .terminal.screen import show, tell, terminal_width
 
 if TYPE_CHECKING:
     import h5py
+
+    from ..results.quantities.quantities import Quantity
 
 
 @click.command()
@@ -95,8 +98,19 @@ def _print_result(
             dialect = dialect_named(str(file.attrs["dialect"]))
             show(dialect.part(dialect.spline_cards)(function_points(file, quantities, rows, number)))
             return
-        for piece in table_text(file, quantities, rows, style or "csv"):
-            _print_piece(piece, style)
+        for k, group in enumerate(_groups(file, quantities, style)):
+            show("\n" * bool(k))
+            for piece in table_text(file, group, rows, style or "csv"):
+                show(piece, whole=True) if style == "text" else click.echo(piece, nl=False)
+
+
+def _groups(file: "h5py.File", quantities: "list[Quantity]", style: str | None) -> "list[list[Quantity]]":
+    """Return the quantities in blocks of columns that fit a terminal; all in one for a pipe."""
+    from ..results.quantities.table import fitting_groups
+
+    if style != "text" or not sys.stdout.isatty():
+        return [quantities]
+    return fitting_groups(file, quantities, terminal_width(sys.stdout))
 
 
 def _print_study(

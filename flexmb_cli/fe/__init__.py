@@ -1,1 +1,1 @@
-"""From the files of a finite-element program to flexible bodies; the station between model and solve."""
+"""From the files of a finite-element program to flexible bodies; between model and solvers."""

@@ -11,6 +11,7 @@ import numpy as np
 from ..errors import Place
 from ..quick_dataclass import dataclass, field
 from .flexible_body import FlexibleInput
+from .integrators import Integrator
 from .joint_elements import JointElements
 from .mechanism import GROUND, TimeGrid, Vector
 from .time_functions import Motion, MotionFunction
@@ -159,15 +160,6 @@ class JointSpring:
     c: float
     q0: float
     place: Place | None = None
-
-
-@dataclass(frozen=True)
-class Integrator:
-    """Method, step (0: chosen), and its parameter: spectral radius of GALF, tolerance of RK45 and RAD5."""
-
-    method: str
-    step: float
-    parameter: float
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,9 @@ import numpy as np
 
 from ..errors import Place
 from ..quick_dataclass import dataclass, field
-from .fe_model import BodyTorque, Integrator, JointSpring
+from .fe_model import BodyTorque, JointSpring
 from .flexible_body import FlexibleBody
+from .integrators import Integrator
 from .joint_elements import JointElements
 from .mechanism import TimeGrid, Vector
 from .time_functions import Motion, MotionFunction

@@ -9,6 +9,7 @@ from typing import Literal
 
 from ..errors import Place
 from ..quick_dataclass import dataclass, field
+from .integrators import Integrator
 from .joint_elements import JointElements
 from .mechanism import Mechanism, Vector
 from .time_functions import MotionFunction
@@ -86,20 +87,11 @@ class InitialVelocity:
 
 
 @dataclass(frozen=True)
-class AlphaSteps:
-    """Steps of the generalised-α method: their length, s (0: chosen), and the spectral radius at infinity."""
-
-    length: float
-    radius: float
-
-
-@dataclass(frozen=True)
 class DynamicModel:
     """A mechanism with masses and loads.
 
     `analysis`: "inverse" finds the reactions and efforts of the motion that the drivers prescribe,
     "forward" the motion under the loads.  Bodies without `masses` are massless.
-    Without `alpha_steps` the steps are explicit ones or, `radau`, those of Radau's method of order 5.
     """
 
     mechanism: Mechanism
@@ -110,9 +102,7 @@ class DynamicModel:
     springs: Sequence[SpringDamper] = ()
     gravity: Vector = NOWHERE
     velocities: Sequence[InitialVelocity] = ()
-    tolerance: float = 1e-9
-    alpha_steps: AlphaSteps | None = None
-    radau: bool = False
+    integrator: Integrator = Integrator()
     elements: JointElements = field(default_factory=JointElements)
 
 

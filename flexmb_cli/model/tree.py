@@ -32,8 +32,6 @@ UNTURNED: Attitude = (1.0, 0.0, 0.0, 0.0)
 
 ROTATION, TRANSLATION, ELASTIC = "rotation", "translation", "elastic"
 
-METHODS = ("dop853", "radau", "lsoda", "sdirk4")
-
 
 @dataclass(frozen=True, eq=False)
 class Elasticity:
@@ -214,7 +212,7 @@ def default_tolerances(method: str) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Integration:
-    """Settings of the integration: one of METHODS, relative and absolute tolerance of a step.
+    """Settings of the integration: one of TREE_METHODS, relative and absolute tolerance of a step.
 
     dop853 is explicit and compiled; sdirk4 is implicit and compiled, for stiff elastic modes; radau is
     implicit too, and slower; lsoda is of the family the thesis used (DGEAR).

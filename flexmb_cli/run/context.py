@@ -20,12 +20,12 @@ class Run(NamedTuple):
     """The context of one deck."""
 
     outcome: Outcome  # fills while the deck is run
-    options: RunOptions  # what is asked of it
-    listener: Listener = Listener()  # hears how far it is
+    options: RunOptions  # those of the command
+    listener: Listener = Listener()  # receives its progress
     stdout: TextStream | None = None  # receives the listing of `--out -`
 
     def warn(self, faults: "list[Fault] | tuple[Fault, ...]") -> None:
-        """Tell of doubts; under `--strict` they end the run as errors.  Raises ModelError."""
+        """Record doubts; under `--strict` they end the run as errors.  Raises ModelError."""
         self.outcome.faults += faults
         refuse_warnings(self.outcome, self.options)
 

@@ -1,4 +1,4 @@
-"""Small motions of the mechanism of a deck, about a time or an equilibrium."""
+"""Linearised motion of the mechanism of a deck, about a time or an equilibrium."""
 
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any
@@ -46,11 +46,12 @@ class Wish:
 
 @dataclass(frozen=True)
 class MechanismModes:
-    """Small motions about `position` at `time`.
+    """Linearised motion about `position` at `time`.
 
-    `modes` is a `solve.linearised.Modes`; `names` (n,) of the speeds its shapes have; `position`: name and
-    numbers of each body or coordinate, which lengths in m, Euler parameters and angles in rad make up.
-    `space`: its `solve.state_space.StateSpace`, where it was asked for.
+    `modes` is a `solvers.linearisation.constrained.Modes`; `names` (n,) of the speeds its shapes have;
+    `position`: name and numbers of each body or coordinate, which lengths in m, Euler parameters and angles
+    in rad make up.
+    `space`: its `solvers.linearisation.state_space.StateSpace`, where that is wanted.
     """
 
     time: float
@@ -67,7 +68,7 @@ class MechanismModes:
             "time": self.time,
             "equilibrium": self.equilibrium,
             "frozen": not modes.constant,
-            "freedoms": len(modes.eigenvalues) // 2,
+            "degrees_of_freedom": len(modes.eigenvalues) // 2,
             "frequency": modes.frequency.tolist(),
             "damping": modes.damping.tolist(),
             "growing": modes.growing.tolist(),
@@ -98,7 +99,7 @@ def record_of(space: Any) -> dict[str, Any]:
 
 
 def flexible_modes(mechanism: FlexibleMechanism, wish: Wish, run: Run) -> MechanismModes:
-    """Small motions of a mechanism of flexible bodies; raises AnalysisError where there are none."""
+    """Linearised motion of a mechanism of flexible bodies; raises AnalysisError where there are none."""
     speeds = sum(6 + body.modes for body in mechanism.bodies)
     with _kernels(speeds, wish, mechanism.time, run.listener):
         from ..solvers.constrained.flexible_dynamics import FlexibleDynamics
@@ -107,7 +108,7 @@ def flexible_modes(mechanism: FlexibleMechanism, wish: Wish, run: Run) -> Mechan
 
 
 def dynamic_modes(model: DynamicModel, wish: Wish, run: Run) -> MechanismModes:
-    """Small motions of a dynamic model; raises AnalysisError where there are none."""
+    """Linearised motion of a dynamic model; raises AnalysisError where there are none."""
     run.warn(())
     with _kernels(6 * len(model.mechanism.bodies), wish, model.mechanism.time, run.listener):
         from ..solvers.constrained.young_dynamics import ForwardDynamics
@@ -177,7 +178,7 @@ def _space(
 
 
 def tree_modes(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
-    """Small motions of a tree; raises ModelError, AnalysisError."""
+    """Linearised motion of a tree; raises ModelError, AnalysisError."""
     if tree.elements:
         with _kernels(6 * len(tree.bodies), wish, tree.time, run.listener):
             return _of_tree_with_elements(tree, wish, run)

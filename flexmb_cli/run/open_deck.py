@@ -12,7 +12,7 @@ from ..solvers.as_printed.errors import AS_PRINTED
 from .outcome import SOLVER_OPTIONS, Outcome, RunOptions
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
 
 INTEGRATION = ("method", "rtol", "atol")
@@ -46,6 +46,13 @@ def open_deck(path: str, options: RunOptions, outcome: Outcome) -> Deck:
     outcome.faults += _doubly_set(changes)
     outcome.settings = deck.settings
     return replace(deck, options=_counting_options(deck, options), model=model)
+
+
+def take_open_deck(deck: Deck, faults: "Sequence[Fault]", options: RunOptions, outcome: Outcome) -> Deck:
+    """Return a deck that was read before, with `faults`; its text and these go into `outcome`."""
+    outcome.source, outcome.settings = deck.source, deck.settings
+    outcome.faults += faults
+    return replace(deck, options=_counting_options(deck, options))
 
 
 def _counting_options(deck: Deck, options: RunOptions) -> tuple[str, ...]:

@@ -45,11 +45,13 @@ class ResultFiles:
 
         out = None
         if self.paths.out is not None and self.paths.out != STANDARD_OUTPUT:
-            self.texts.append(out := ReplacedText(self.paths.out))
+            # Somebody else may have put a pipe in the place of a name that the deck gives.
+            out = ReplacedText(self.paths.out, special=self.paths.out in self.paths.named)
+            self.texts.append(out)
         elif self.paths.out is not None:
             out = run.stdout
         for path in self.paths.series:
-            self.texts.append(ReplacedText(path))
+            self.texts.append(ReplacedText(path, special=False))
         series = self.texts[len(self.texts) - len(self.paths.series) :]
         if out is not None or series:
             dialect, streams = dialect_named(deck.dialect), (out, *series)
@@ -69,6 +71,7 @@ class ResultFiles:
             from ..results.quantities.selection import selected
 
             layout = selected(layout, deck, only)
+        assert self.paths.h5 is not None, "a result is wanted"
         self.result = ResultFile(self.paths.h5, deck, layout)
 
     @property

@@ -68,7 +68,7 @@ def _walk(record: "Work | Integration | AlphaIntegration", prefix: str) -> Itera
 
 
 def reported(warnings: list[Fault]) -> np.ndarray:
-    """Return faults as an array of one text."""
+    """Return faults as an array () of one text."""
     return np.array(json.dumps([fault.as_record() for fault in warnings]))
 
 

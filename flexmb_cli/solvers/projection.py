@@ -72,24 +72,24 @@ class Instant:
 
 
 def largest(gap: np.ndarray) -> float:
-    """Return the largest magnitude, 0 of nothing, infinity where one is no number."""
+    """Return the largest magnitude of gaps (m,), 0 of nothing, infinity where one is no number."""
     found = float(np.max(np.abs(gap), initial=0.0))
     return np.inf if np.isnan(found) else found
 
 
 def whole(instant: Instant, q: np.ndarray, gap: np.ndarray, step: np.ndarray) -> Position | None:
-    """Return the position after the whole step."""
+    """Return the position after the whole step (n,), scaled, from q (n,) with scaled gaps (m,)."""
     return instant.after(q, step)
 
 
 def improving(instant: Instant, q: np.ndarray, gap: np.ndarray, step: np.ndarray) -> Position | None:
-    """Return the position after the whole step, None if the largest gap does not get smaller."""
+    """Return the same as `whole`, (q, gap), None if the largest gap does not get smaller."""
     found = instant.after(q, step)
     return found if largest(found[1]) < largest(gap) else None
 
 
 def shortened(instant: Instant, q: np.ndarray, gap: np.ndarray, step: np.ndarray) -> Position | None:
-    """Return the position after so much of the step that the gaps get smaller, None if no part does."""
+    """Return (q, gap) after so much of the step that the gaps get smaller, None if no part does."""
     size = np.linalg.norm(gap)
     factor = min(1.0, LARGEST_STEP / max(largest(step), 1e-300))
     for _ in range(HALVINGS):

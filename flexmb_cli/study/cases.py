@@ -1,7 +1,5 @@
 """The variants of a study: settings of the deck's numbers, case by case."""
 
-from typing import Any
-
 import numpy as np
 
 from .study import LATIN, Study
@@ -31,11 +29,11 @@ class Cases:
         return [f"{item.name}={value!r}" for item, value in named]
 
 
-def _sample(study: Any) -> Any:
+def _sample(study: Study) -> np.ndarray:
     from scipy.stats import qmc
 
     parameters = study.parameters
-    unit = qmc.LatinHypercube(len(parameters), seed=study.seed).random(study.count)
+    unit: np.ndarray = qmc.LatinHypercube(len(parameters), seed=study.seed).random(study.count)
     for k, item in enumerate(parameters):
         low, high = np.log(item.values) if item.logarithmic else item.values
         column = low + unit[:, k] * (high - low)

@@ -171,7 +171,7 @@ class Part:
         self._file.close()
 
 
-def _name(block: int) -> Any:
+def _name(block: int) -> str:
     return f"block-{block:08d}{_PART}"
 
 

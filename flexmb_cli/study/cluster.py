@@ -76,7 +76,7 @@ def solve_share(job: Job, blocks: list[int]) -> tuple[list[BlockDone], float]:
     return done, time.perf_counter() - start
 
 
-def _handed_on(job: Any) -> Any:
+def _handed_on(job: "Job") -> "Job":
     return job
 
 
@@ -87,7 +87,7 @@ class _Cluster:
     it before anything else is handed out.
     """
 
-    def __init__(self, client: Any, sweep: Any, advance: Any, address: Any):
+    def __init__(self, client: Any, sweep: "Sweep", advance: "Callable[[int], None]", address: str):
         from distributed import as_completed
 
         self.client, self.sweep, self.advance, self.address = client, sweep, advance, address
@@ -95,13 +95,13 @@ class _Cluster:
         self.shared = client.submit(_handed_on, sweep.job, pure=False)
         self.rest: deque[int] = deque()
         self.struck: deque[int] = deque()
-        self.deaths: Counter[int] = Counter()
-        self.shares: dict[Any, Any] = {}  # blocks by the key of their future
-        self.seconds = None  # of a block, as reported last
+        self.deaths: Counter[tuple[int, int]] = Counter()
+        self.shares: dict[str, list[int]] = {}  # blocks by the key of their future
+        self.seconds: float | None = None  # of a block, as reported last
         self.threads, self.counted = 1, -CENSUS
         self.arriving = as_completed(loop=client.loop)
 
-    def solve(self, blocks: Any) -> None:
+    def solve(self, blocks: list[int]) -> None:
         self._await_workers()
         self.rest.extend(blocks)
         self._hand_out()
@@ -126,7 +126,7 @@ class _Cluster:
         while self.rest and len(self.shares) < self.threads * IN_FLIGHT:
             self._submit([self.rest.popleft() for _ in range(self._size())])
 
-    def _submit(self, share: Any) -> None:
+    def _submit(self, share: list[int]) -> None:
         # Impure: blocks that are given once more have cases that the first attempt lacked.
         future = self.client.submit(solve_share, self.shared, share, pure=False)
         self.shares[future.key] = share
@@ -137,7 +137,7 @@ class _Cluster:
         if now - self.counted >= CENSUS:
             self.threads, self.counted = max(1, sum(self.client.nthreads().values())), now
 
-    def _size(self) -> Any:
+    def _size(self) -> int:
         """Blocks of the next share."""
         if self.seconds is None:
             return 1
@@ -162,7 +162,7 @@ class _Cluster:
             for block in done:
                 keep(self.sweep, block, self.advance)
 
-    def _give_again(self, share: Any) -> None:
+    def _give_again(self, share: list[int]) -> None:
         job = self.sweep.job
         lacking = [block for block in share if next_case(job, block) in job.cases(block)][:1]
         note_deaths(job, lacking, self.deaths)

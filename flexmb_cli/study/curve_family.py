@@ -82,10 +82,10 @@ def _draw_cases(figure: Any, axis: Any, family: CurveFamily, values: np.ndarray,
     add_key(figure, colours, axis, name, look)
 
 
-def _named(table: Any, patterns: Any, file: Any) -> list[StudyColumn]:
+def _named(table: h5py.File, patterns: Iterable[str], file: str) -> list[StudyColumn]:
     named = chosen_columns(study_columns(table), patterns, file)
     return [column for column in named if column.path.startswith("result/")]
 
 
-def _head(column: Any) -> Any:
+def _head(column: StudyColumn) -> str:
     return f"{column.path.partition('/')[2]} [{column.unit}]"

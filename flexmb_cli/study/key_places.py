@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterable, Iterator
-from typing import Any
 
 TABLES = ("parameters", "results")
 _HEAD = re.compile(r"\s*\[\s*[\"']?([^][\"']*?)[\"']?\s*\]")
@@ -30,7 +29,7 @@ def key_places(lines: Iterable[str]) -> dict[tuple[str, str], tuple[int, int]]:
     return places
 
 
-def _starts(line: Any, table: str) -> Iterator[tuple[str, int]]:
+def _starts(line: str, table: str) -> Iterator[tuple[str, int]]:
     """Return where a name may begin, and the table it would be in."""
     before = _BEFORE_KEY.match(line)
     assert before is not None, "it matches nothing, too"

@@ -68,7 +68,7 @@ def _json(figures: dict[str, Any]) -> str:
     return json.dumps(figures).replace("<", "\\u003c")
 
 
-def _parallel(cases: Any) -> dict[str, Any]:
+def _parallel(cases: CasesTable) -> dict[str, Any]:
     columns = {**(cases.varied or cases.parameters), **cases.results}
     last = next(reversed(cases.results))
     dimensions = [{"label": _shown(name), "values": _list(values)} for name, values in columns.items()]
@@ -76,12 +76,13 @@ def _parallel(cases: Any) -> dict[str, Any]:
     return {"data": [{"type": "parcoords", "dimensions": dimensions, "line": line}], "layout": {}}
 
 
-def _result(cases: Any, name: Any) -> Any:
+def _result(cases: CasesTable, name: str) -> dict[str, Any]:
     """A curve over one parameter, else points over the first two, coloured by the result."""
     across = list((cases.varied or cases.parameters).items())
     values = _list(cases.results[name])
-    layout = {"title": {"text": _shown(name)}, "xaxis": {"title": {"text": _shown(across[0][0])}}}
-    trace = {"type": "scatter", "mode": "markers", "x": _list(across[0][1]), "y": values}
+    layout: dict[str, Any] = {"title": {"text": _shown(name)}}
+    layout["xaxis"] = {"title": {"text": _shown(across[0][0])}}
+    trace: dict[str, Any] = {"type": "scatter", "mode": "markers", "x": _list(across[0][1]), "y": values}
     if len(across) == 1:
         order = np.argsort(across[0][1], kind="stable")
         trace |= {"mode": "lines+markers", "x": _list(across[0][1][order])}
@@ -94,5 +95,5 @@ def _result(cases: Any, name: Any) -> Any:
     return {"data": [trace], "layout": layout}
 
 
-def _list(values: np.ndarray) -> Any:
+def _list(values: np.ndarray) -> list[float | None]:
     return [value if np.isfinite(value) else None for value in values.tolist()]

@@ -197,7 +197,7 @@ class _Reader:
             if key not in known:
                 self._fault(key, f"unknown in {owner}; known are {', '.join(known)}")
 
-    def _fault(self, name: str, message: str, place: Any = None) -> None:
+    def _fault(self, name: str, message: str, place: Place | None = None) -> None:
         place = place or self._place(name)
         self.faults.append(Fault("error", message, place, name, id="STUDY-013"))
 
@@ -211,19 +211,19 @@ class _Reader:
         return key_places(self.source.lines)
 
 
-def _with_times(results: Any) -> Any:
+def _with_times(results: tuple[Kept, ...]) -> tuple[Kept, ...]:
     """The results, with the times of their series: a case may have others than the next."""
     if all(item.take != SERIES for item in results) or any(item.name == "time" for item in results):
         return results
     return (*results, Kept("time", "time", SERIES))
 
 
-def _names_a_column(name: Any) -> Any:
+def _names_a_column(name: str) -> bool:
     """HDF5 takes "a/b" for b in a group a, "." for the group itself, and ends a name at a NUL."""
     return bool(name.strip()) and name.isprintable() and "/" not in name and name not in (".", "..")
 
 
-def _dotted(name: str, given: Any) -> Any:
+def _dotted(name: str, given: object) -> str:
     """The name that TOML took apart at its points, "" where the table is a range."""
     if not isinstance(given, dict) or set(given) & set(RANGE_KEYS) or len(given) != 1:
         return ""
@@ -236,7 +236,7 @@ def _is_number(value: object) -> TypeGuard[float]:
     return (type(value) is int and abs(value) < 10**300) or (type(value) is float and math.isfinite(value))
 
 
-def _spaced(start: Any, end: Any, count: int, logarithmic: bool) -> tuple[float, ...]:
+def _spaced(start: float, end: float, count: int, logarithmic: bool) -> tuple[float, ...]:
     """Evenly spaced values, the ends exact."""
     parts = [k / (count - 1) for k in range(1, count - 1)]
     if logarithmic:

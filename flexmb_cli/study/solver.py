@@ -125,7 +125,7 @@ class CaseSolver:
             raise DeckError([Fault("error", message, id="STUDY-015")])
 
 
-def _reported(fault: Any) -> Any:
+def _reported(fault: Exception) -> tuple[int, str]:
     """Exit code and message of a case that ended of what no deck should bring about."""
     if lacks_memory(fault):
         return ANALYSIS_FAILED, f"{LACK_OF_MEMORY}; `sweep --fresh` solves the study anew"
@@ -134,11 +134,11 @@ def _reported(fault: Any) -> Any:
     return INTERNAL_FAULT, f"a fault of flexmb itself: {type(fault).__name__}; {remedy}"
 
 
-def _quantities(study: Any, deck: Deck, solution: Any) -> list[Quantity]:
+def _quantities(study: Study, deck: Deck, solution: Solution) -> list[Quantity]:
     """Return what the study keeps, looked up in a result without rows.  Raises DeckError."""
     import h5py
 
-    faults: list[Any] = []
+    faults: list[Fault] = []
     with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
         path = os.path.join(folder, "empty.h5")
         ResultFile(path, deck, solution.layout()).close()
@@ -149,7 +149,7 @@ def _quantities(study: Any, deck: Deck, solution: Any) -> list[Quantity]:
     return [quantity for quantity in found if quantity is not None]
 
 
-def _one(result: "h5py.File", item: Kept, faults: Any) -> Quantity | None:
+def _one(result: "h5py.File", item: Kept, faults: list[Fault]) -> Quantity | None:
     message = ""
     try:
         found = resolve(result, [item.quantity])
@@ -171,7 +171,7 @@ class _Taken:
         self.take, self.value, self.count = take, np.nan, 0
         self.series = np.full(rows if take == SERIES else 0, np.nan)
 
-    def add(self, values: Any) -> None:
+    def add(self, values: np.ndarray) -> None:
         before, self.count = self.count, self.count + len(values)
         if self.take == SERIES:
             self.series[before : self.count] = values

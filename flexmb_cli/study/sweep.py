@@ -192,7 +192,7 @@ def _readable_deck(path: str, study: Study) -> DeckText:
     return text
 
 
-def _for_a_study(fault: Any) -> Any:
+def _for_a_study(fault: Fault) -> Fault:
     """A study has a key where the commands have an option."""
     return replace(fault, message=fault.message.replace(CHOOSES, 'dialect = "…" in the study chooses one'))
 

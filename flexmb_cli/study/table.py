@@ -60,7 +60,7 @@ def write_table(path: str, head: TableHead, rows: Iterable[Row]) -> None:
     """
     write = _write_parquet if path.endswith(PARQUET) else _write_hdf5
     require_library(path)
-    place = Replacement(path)
+    place = Replacement(path, special=False)
     try:
         with located(path):
             write(place, head, rows)
@@ -167,7 +167,7 @@ def _pyarrow() -> Any:
     return pyarrow
 
 
-def _write_parquet(place: Any, head: Any, rows: Any) -> None:
+def _write_parquet(place: Any, head: TableHead, rows: "Iterable[Row]") -> None:
     pyarrow = _pyarrow()
     kinds = {name: pyarrow.int64() for name, _ in COUNTS} | {"message": pyarrow.string()}
     for column in head.columns:

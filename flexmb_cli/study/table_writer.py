@@ -1,10 +1,10 @@
 """The table of a study from the cases that are kept."""
 
 from collections.abc import Iterator
-from typing import Any
 
 from ..errors import ANALYSIS_FAILED, OutputError
 from ..run.outcome import Stop
+from .solver import CaseResult
 from .study import LARGEST, MEAN, SERIES, SMALLEST
 from .sweep import Job, Sweep
 from .table import Column, Row, TableHead, write_table
@@ -49,7 +49,7 @@ def _result_columns(sweep: Sweep) -> Iterator[Column]:
         yield Column(f"result/{item.name}", quantity.unit, _meaning(item.take, quantity.name), length)
 
 
-def _meaning(take: Any, name: str) -> Any:
+def _meaning(take: str, name: str) -> str:
     """Return in words what is taken; a peak between two report rows is none of the rows."""
     over = " over the report rows" if take in (LARGEST, SMALLEST, MEAN) else ""
     return f"{take} of {name}{over}"
@@ -63,9 +63,9 @@ def _rows(sweep: Sweep) -> Iterator[Row]:
         yield result.case + 1, result.exit_code, result.rows, result.message, [*result.parameters, *kept]
 
 
-def _every_case(sweep: Any) -> "Iterator[Any]":
+def _every_case(sweep: Sweep) -> Iterator[CaseResult]:
     """The result of every case.  Raises OutputError with the numbers of those that are not kept."""
-    missing: list[Any] = []
+    missing: list[range] = []
     for block in range(sweep.job.blocks):
         found, cases = list(sweep.job.stored(block)), sweep.job.cases(block)
         if len(found) < len(cases):
@@ -82,7 +82,7 @@ def _add(ranges: list[range], cases: range) -> None:
     ranges.append(cases)
 
 
-def _reported(missing: Any, job: Job) -> str:
+def _reported(missing: list[range], job: Job) -> str:
     numbers = ", ".join(map(_numbers, missing[:MOST_RANGES])) + (", …" if len(missing) > MOST_RANGES else "")
     return (
         f"{job.parts_folder}: {sum(map(len, missing))} of {job.study.cases} cases are missing ({numbers}): "

@@ -100,7 +100,7 @@ def chosen_columns(
     return list(found)
 
 
-def _unknown(columns: Any, pattern: str) -> str:
+def _unknown(columns: Sequence[StudyColumn], pattern: str) -> str:
     known = {column.path.rpartition("/")[2]: column.name for column in columns}
     close = [known[word] for word in get_close_matches(pattern, known, cutoff=0.4)]
     hint = f"; near it are {', '.join(close)}" if close else ""
@@ -126,7 +126,7 @@ def _messages(dataset: h5py.Dataset, cases: slice) -> list[str]:
     return [visible(text) for text in dataset.asstr(errors="replace")[cases].tolist()]
 
 
-def _rows(table: h5py.File, columns: Any, cases: slice) -> "list[Any]":
+def _rows(table: h5py.File, columns: Sequence[StudyColumn], cases: slice) -> "list[Any]":
     """Cells of the cases, row by row: whole numbers, numbers and text."""
     cells = []
     for column in columns:

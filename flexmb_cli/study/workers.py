@@ -59,7 +59,7 @@ class _Work:
     alone: deque[int] = field(default_factory=deque)
     given: dict[Worker, deque[int]] = field(default_factory=dict)
     begun: set[Worker] = field(default_factory=set)
-    deaths: Counter[int] = field(default_factory=Counter)
+    deaths: Counter[tuple[int, int]] = field(default_factory=Counter)
     barren: int = 0
 
     def go_on(self) -> bool:
@@ -74,7 +74,7 @@ class _Work:
             self._hear(worker, worker.answer())
         return True
 
-    def _start(self) -> Any:
+    def _start(self) -> None:
         wanted = len(self.waiting) or min(1, len(self.alone))
         while len(self.given) < min(self.jobs, wanted):
             try:
@@ -89,16 +89,16 @@ class _Work:
                 if len(blocks) < most and len(self.waiting) > (self.jobs if most > 1 else 0):
                     self._give(worker, self.waiting.popleft())
 
-    def _do_with_fewer(self, reason: Any) -> None:
+    def _do_with_fewer(self, reason: str) -> None:
         if not self.given:
             raise WorkersError(f"no process can be started: {reason}; -j 1 needs none", id="STUDY-024")
         self.jobs = len(self.given)
 
-    def _give(self, worker: Any, block: int) -> None:
+    def _give(self, worker: Worker, block: int) -> None:
         self.given[worker].append(block)
         worker.send(block)
 
-    def _hear(self, worker: Any, answer: Any) -> None:
+    def _hear(self, worker: Worker, answer: Any) -> None:
         if answer is None:
             self._replace(worker)
         elif isinstance(answer, BlockDone):
@@ -114,7 +114,7 @@ class _Work:
             self._take_back(worker)
             self._do_with_fewer(str(answer))
 
-    def _replace(self, worker: Any) -> None:
+    def _replace(self, worker: Worker) -> None:
         """A process has died: whatever it was at is counted."""
         if worker in self.begun:
             note_deaths(self.sweep.job, list(self.given[worker])[:1], self.deaths)
@@ -128,21 +128,21 @@ class _Work:
                 id="STUDY-025",
             )
 
-    def _take_back(self, worker: Any) -> None:
+    def _take_back(self, worker: Worker) -> None:
         """The blocks that a process was given wait again."""
         for block in reversed(self.given.pop(worker)):
             last_try = self.deaths[_place(self.sweep.job, block)] == MOST_DEATHS - 1
             (self.alone if last_try else self.waiting).appendleft(block)
 
 
-def _serve(line: Any, job: Any) -> None:
+def _serve(line: Any, job: Job) -> None:
     """Solve the blocks that come through `line`."""
     line.send(_begin_process() or BEGUN)
     while True:
         line.send(_solve(job, line.recv()))
 
 
-def _begin_process() -> Any:
+def _begin_process() -> RuntimeError | None:
     """Ctrl-C reaches every process of the terminal; a worker ends with its driver, however that ends."""
     from ..run.processes.parent_watch import end_with_parent
 
@@ -155,7 +155,7 @@ def _begin_process() -> Any:
     return None
 
 
-def _solve(job: Any, block: int) -> Any:
+def _solve(job: Job, block: int) -> BlockDone | BaseException:
     try:
         return solve_block(job, block)
     except Exception as fault:
@@ -169,7 +169,7 @@ def keep(sweep: Sweep, done: BlockDone, advance: Callable[[int], None]) -> None:
     advance(len(sweep.job.cases(done.block)) - sweep.kept[done.block])
 
 
-def note_deaths(job: Job, blocks: Iterable[int], deaths: Counter[int]) -> None:
+def note_deaths(job: Job, blocks: Iterable[int], deaths: Counter[tuple[int, int]]) -> None:
     """Count a death at the case that is next in each of `blocks`; a case with too many is given up."""
     for block in blocks:
         place = _place(job, block)
@@ -179,5 +179,5 @@ def note_deaths(job: Job, blocks: Iterable[int], deaths: Counter[int]) -> None:
                 give_up_case(job, block)
 
 
-def _place(job: Any, block: int) -> Any:
+def _place(job: Job, block: int) -> tuple[int, int]:
     return block, next_case(job, block)

@@ -56,11 +56,12 @@ def mechanism(modes, folder=DECKS, *changes):
 
 def integration(given, method, step, parameter, end=END, outputs=slice(0, 1)):
     """(places (ROWS, 3 nodes) of output nodes at even times, processor seconds, steps)."""
-    from flexmb_cli.model.fe_model import Integrator
+    from flexmb_cli.model.integrators import Integrator
     from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 
     grid = replace(given.time, end=end, step=end / ROWS)
-    analysis = FlexibleDynamics(replace(given, time=grid, integrator=Integrator(method, step, parameter)))
+    numbers = (1e-6, parameter) if method == "GALF" else (parameter,)
+    analysis = FlexibleDynamics(replace(given, time=grid, integrator=Integrator(method, step, *numbers)))
     begin = time.process_time()
     places = np.concatenate([rows.point_position[:, outputs] for rows in analysis.rows()])
     spent = time.process_time() - begin

@@ -15,6 +15,7 @@ from flexmb_cli.dialects.dafms.build import build_dafms
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
 from flexmb_cli.interface import solve
+from flexmb_cli.model.integrators import Integrator
 from flexmb_cli.model.loads import AppliedForce, DynamicModel, InitialVelocity, SpringDamper
 from flexmb_cli.model.mechanism import Joint, Mechanism, TimeGrid
 from flexmb_cli.model.tree import Body, Hinge, Spring, Tree
@@ -115,7 +116,10 @@ def spatial_chain():
         AppliedForce("g", 2, (1.0, 2.0, 0.5), (0.2, 0.0, 0.1), following=True),
     )
     speeds = (InitialVelocity("v", 4, (0.7, 0.0, 0.0), (0.0, 0.0, 0.0)),)
-    return DynamicModel(mechanism, "forward", masses, forces, (), springs, (0.0, -9.81, 1.0), speeds, 1e-11)
+    integrator = Integrator(tolerance=1e-11)
+    return DynamicModel(
+        mechanism, "forward", masses, forces, (), springs, (0.0, -9.81, 1.0), speeds, integrator
+    )
 
 
 @pytest.mark.processes

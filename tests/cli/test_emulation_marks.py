@@ -10,6 +10,9 @@ from flexmb_cli.cli.export import export
 from flexmb_cli.cli.plot import plot
 from flexmb_cli.cli.report import report
 from flexmb_cli.cli.table import table
+from flexmb_cli.results.figures.film import FilmLook, film_frames
+from flexmb_cli.results.figures.film_texts import Texts
+from flexmb_cli.results.quantities.quantities import open_result
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
 
@@ -58,3 +61,15 @@ def test_paraview_shows_the_mark_of_an_emulation(emulated):
     reader.Update()
     text = reader.GetOutputDataObject(0).GetFieldData().GetAbstractArray("emulation").GetValue(0)
     assert text.startswith("numbers of the program YOUNG of 1996 with its known errors")
+
+
+def test_the_frames_of_a_film_carry_the_mark(emulated, monkeypatch):
+    """Behind the time, at the foot of every frame."""
+    pytest.importorskip("matplotlib")
+    written = []
+    monkeypatch.setattr(Texts, "written", lambda self, picture, time: written.append(time) or picture)
+    with open_result("OUT4-BAR.h5") as result:
+        list(film_frames(result, FilmLook(width=160, height=120, rate=5)))
+    assert written and all(
+        text.startswith("t = ") and text.endswith("the program of 1996 (--as-printed)") for text in written
+    )

@@ -83,7 +83,7 @@ def test_the_rods_first_frequencies_are_those_of_a_pinned_beam():
     stiffness = math.sqrt(YOUNG / 12 / DENSITY)
     expected = [math.pi**2 / ROD**2 * depth * stiffness / math.tau for depth in (WIDTH, HEIGHT)]
     assert report["bodies"][0]["frequencies"][:2] == pytest.approx(expected, rel=4e-3)
-    assert report["mechanism"]["freedoms"] == 6
+    assert report["mechanism"]["degrees_of_freedom"] == 6
     damped = [frequency * math.sqrt(1 - 0.02**2) for frequency in report["bodies"][0]["frequencies"]]
     assert report["mechanism"]["frequency"] == pytest.approx(damped, rel=1e-6)
     assert report["mechanism"]["damping"] == pytest.approx([0.02] * 6, rel=1e-5)

@@ -122,10 +122,10 @@ INTEGRATOR = {
             '    "rk4": {"integrators.rk4.integrate_rows": "int System Work Integration Report int"},\n',
         )
     ],
-    "flexmb_cli/solvers/constrained/integrators.py": [
+    "flexmb_cli/model/integrators.py": [
         (
-            '    "RK45": Method(',
-            '    "RK4": Method("Kutta", lambda tolerance, length: Steps("rk4"), 1e-8),\n',
+            "}\nMETHOD_OPTIONS",
+            '    "RK4": IntegratorType("rk4", "Kutta", "rk4", 1e-8, given_step=True),\n',
         )
     ],
 }

@@ -172,6 +172,21 @@ def test_an_integrator_of_three_files_is_named_by_its_card(copy):
         flexmb(copy, "check", "unknown.vsdf")
 
 
+def test_a_new_integrator_takes_given_steps_and_is_an_option_of_two_dialects(copy):
+    """z = -g t²/2; `--strict` would refuse a step that is not used."""
+    (copy / "steps.vsdf").write_text(
+        DECK.replace("RK45", "RK4 ").replace("       0.1\n", "       0.1     0.025\n")
+    )
+    flexmb(copy, "check", "--strict", "steps.vsdf")
+    (copy / "falling.dat").write_text(FALLING)
+    for name, place, g in (("fall.vsdf", 2, 9.5), ("falling.dat", 1, 8.0)):
+        flexmb(copy, "run", "-q", name, "--method", "rk4", "--no-out", "--h5", "option.h5")
+        with h5py.File(copy / "option.h5") as file:
+            assert file["options"].asstr()[()] if "options" in file else file.attrs["options"]
+            expected = -0.5 * g * file["time"][:] ** 2
+            assert file["body/position"][:, -1, place] == pytest.approx(expected, abs=1e-12)
+
+
 def test_a_format_of_one_line_is_read_and_known_to_the_cards(copy):
     """Of a symmetric matrix one triangle stands in the file."""
     (copy / "K.txt").write_text("1 1 2.5\n2 1 -1\n2 2 4\n")

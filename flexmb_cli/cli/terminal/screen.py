@@ -60,11 +60,15 @@ def tell(sentence: str) -> None:
     click.echo(visible(sentence), err=True)
 
 
-def show(text: str, err: bool = False) -> None:
-    """Lines of a report on standard output, or on standard error; a pipe may well lead to a terminal."""
+def show(text: str, err: bool = False, whole: bool = False) -> None:
+    """Lines of a report on standard output, or on standard error; a pipe may well lead to a terminal.
+
+    `whole`: no column is left out at a narrow terminal.
+    """
     stream = sys.stderr if err else sys.stdout
     text = lines_visible(text)
-    click.echo(fitted(text, terminal_width(stream)) if stream.isatty() else text, nl=False, err=err)
+    narrow = stream.isatty() and not whole
+    click.echo(fitted(text, terminal_width(stream)) if narrow else text, nl=False, err=err)
 
 
 def terminal_width(stream: Any) -> int:

@@ -1,5 +1,6 @@
 """DAFMS decks (1992): trees of rigid and flexible bodies."""
 
+from ...model.integrators import TREE_METHODS
 from ..dialect import Dialect
 
 DIALECT = Dialect(
@@ -15,7 +16,7 @@ DIALECT = Dialect(
     listing_signs="no echo of a DAFMS deck (==N==NDM==) and no time series of one",
     series=(".T2", ".T3"),
     options=("rtol", "atol", "method", "formulation"),
-    methods=("dop853", "radau", "lsoda", "sdirk4"),
+    methods=TREE_METHODS,
     curves=("coordinate/q",),
     form="form:DafmsForm",
     new_name="NEW.DAT",

@@ -6,10 +6,10 @@ import numpy as np
 
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
+from ...model.integrators import TREE_METHODS
 from ...model.mechanism import TimeGrid
 from ...model.time_checks import MOST_ROWS, too_fine, unsteppable
 from ...model.tree import (
-    METHODS,
     ROTATION,
     UNTURNED,
     Body,
@@ -55,14 +55,14 @@ def build_integration(values: DeckValues, findings: Findings) -> Integration:
     elif rtol and (fault := too_fine(rtol)):
         findings.error("TOLR", f"RTOL: {fault}", values.place("tolerance"), id="DAFMS-050")
     (method,) = values.values("method", 0, (1,))
-    if not 1 <= method <= len(METHODS):
-        choice = ", ".join(f"{i} {name}" for i, name in enumerate(METHODS, 1))
+    if not 1 <= method <= len(TREE_METHODS):
+        choice = ", ".join(f"{i} {name}" for i, name in enumerate(TREE_METHODS, 1))
         findings.error(
             "METH", f"METH = {method} is no integrator: {choice}", values.place("method"), id="DAFMS-051"
         )
         return Integration()
-    relative, absolute = default_tolerances(METHODS[method - 1])
-    return Integration(METHODS[method - 1], rtol or relative, atol or absolute)
+    relative, absolute = default_tolerances(TREE_METHODS[method - 1])
+    return Integration(TREE_METHODS[method - 1], rtol or relative, atol or absolute)
 
 
 def build_start(

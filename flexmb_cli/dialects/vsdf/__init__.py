@@ -1,5 +1,6 @@
 """VSDF decks: finite-element bodies in floating frames (VSDFlex, 2008)."""
 
+from ...model.integrators import METHOD_OPTIONS
 from ..dialect import Dialect
 
 DIALECT = Dialect(
@@ -13,7 +14,7 @@ DIALECT = Dialect(
     listing_readers=("listing_reader:parse_vsdf",),
     listing_signs="no listing of a VSDF deck",
     options=("method", "rtol", "atol"),
-    methods=("dop853", "radau", "alpha"),
+    methods=METHOD_OPTIONS,
     joints={
         "SPHE": "spherical",
         "UNIV": "universal",

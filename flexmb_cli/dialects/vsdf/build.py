@@ -7,10 +7,10 @@ from ...deck.record import Deck
 from ...deck.records import DeckValues
 from ...errors import Fault, ModelError
 from ...model.diagnostics import Findings
-from ...model.fe_model import Integrator, VsdfModel
+from ...model.fe_model import VsdfModel
+from ...model.integrators import METHODS, Integrator
 from ...model.mechanism import TimeGrid
 from ...model.time_checks import MOST_ROWS, unsteppable
-from ...solvers.constrained.integrators import METHODS
 from .bodies import build_bodies, build_ground
 from .elements.build import build_elements, build_functions, moved_pins
 from .joints import build_joints, build_pins
@@ -19,6 +19,8 @@ from .motion_angles import check_motion_functions
 from .motions import build_motions, build_tables
 from .stress_outputs import build_stresses
 from .unused_fields import doubt_tables, refuse_unread
+
+WITHOUT_CARD = "GALF"  # method of a deck without the card INTG
 
 
 def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
@@ -106,21 +108,28 @@ def _integrator(values: Any, findings: Any) -> Integrator:
             "TIME", f"a step must not be negative; read {step:g}", time.at("step").place, id="VSDF-017"
         )
     if record is None:
-        word, method = next(iter(METHODS.items()))
-        return Integrator(word, step, method.default)
+        return _integrator_of(WITHOUT_CARD, step)
     given, word = record.at("rho"), record["method"]
     method = METHODS[word]
-    parameter = float(given.value) if given.text else method.default
-    if method.by_radius and not 0 <= parameter <= 1:
+    number = float(given.value) if given.text else None
+    if number is not None and method.radius is not None and not 0 <= number <= 1:
         message = f"the spectral radius lies between 0 and 1; read {given.text}"
         findings.error("INTG", message, given.place, id="VSDF-018")
-    if not method.by_radius and not 0 < parameter < 1:
+    if number is not None and method.radius is None and not 0 < number < 1:
         message = f"the tolerance lies between 0 and 1; read {given.text}"
         findings.error("INTG", message, given.place, id="VSDF-019")
-    if not method.by_radius and step > 0:
+    if not method.given_step and step > 0:
         message = f"{word} chooses its steps by the tolerance; the step of {step:g} s is not used"
         findings.warn("TIME", message, time.at("step").place, id="VSDF-020")
     if record["stabilise"]:
         message = "constraint stabilisation is not used: every step is projected onto the constraints"
         findings.warn("INTG", message, record.at("stabilise").place, id="VSDF-021")
-    return Integrator(word, step, parameter)
+    return _integrator_of(word, step, number)
+
+
+def _integrator_of(word: str, step: float, number: float | None = None) -> Integrator:
+    """Return the integrator of a card INTG; its number is the spectral radius of a method that has one."""
+    method = METHODS[word]
+    if method.radius is None:
+        return Integrator(word, step, method.tolerance if number is None else number)
+    return Integrator(word, step, method.tolerance, method.radius if number is None else number)

@@ -1,5 +1,6 @@
 """YOUNG decks (1996): spatial mechanisms, kinematics and dynamics."""
 
+from ...model.integrators import METHOD_OPTIONS
 from ..dialect import Dialect
 
 DIALECT = Dialect(
@@ -14,7 +15,7 @@ DIALECT = Dialect(
     listing_signs="neither a line TIME= nor an echo of a YOUNG deck",
     renamed=("IN", "OUT"),
     options=("feps", "epslu", "nrmax", "as-printed", "method", "rtol", "atol"),
-    methods=("dop853", "radau", "alpha"),
+    methods=METHOD_OPTIONS,
     stepping="dynamic_cards:takes_steps",
     joints={
         "NSPHER": "spherical",

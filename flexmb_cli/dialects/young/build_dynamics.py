@@ -23,7 +23,7 @@ from ...model.mechanism import GROUND
 from .build import build_young
 from .dynamic_cards import FORWARD, analysis_of
 from .elements.build import build_elements, build_functions
-from .integration_cards import alpha_steps, check_method, check_time, tolerance_of
+from .integration_cards import check_method, check_time, integrator_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -59,9 +59,7 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
         _one_of(_made(deck, "spring", _spring, findings), _made(deck, "damper", _damper, findings)),
         next((record.vector("g") for record in deck.section("gravity")), (0.0, 0.0, 0.0)),
         _made(deck, "velocity", _velocity, findings),
-        tolerance_of(deck, findings),
-        alpha_steps(deck, findings),
-        bool(deck.section("radau")),
+        integrator_of(deck, findings),
         build_elements(deck, mechanism, functions, findings),
     )
     functions.note_unused()

@@ -4,10 +4,8 @@ import math
 
 from ...deck.record import Deck
 from ...model.diagnostics import Findings
-from ...model.loads import (
-    AlphaSteps,
-    DynamicModel,
-)
+from ...model.integrators import Integrator
+from ...model.loads import DynamicModel
 from ...model.time_checks import unsteppable
 from .dynamic_cards import FORWARD, analysis_of
 
@@ -40,11 +38,12 @@ def check_method(deck: Deck, findings: Findings) -> None:
             findings.warn(record.subject, "is not used: nothing is integrated", record.place, id="YOUNG-011")
 
 
-def alpha_steps(deck: Deck, findings: Findings) -> AlphaSteps | None:
-    """Steps and spectral radius of GALF; None without that card."""
+def integrator_of(deck: Deck, findings: Findings) -> Integrator:
+    """Return the method of GALF or RAD5, else the explicit one, with its tolerance."""
+    tolerance = tolerance_of(deck, findings)
     records = deck.section("generalised-alpha")
     if not records:
-        return None
+        return Integrator("RAD5" if deck.section("radau") else "RK45", tolerance=tolerance)
     step, radius = records[0].at("step"), records[0].at("radius")
     if not (math.isfinite(step.value) and step.value >= 0.0):
         findings.error(
@@ -57,7 +56,7 @@ def alpha_steps(deck: Deck, findings: Findings) -> AlphaSteps | None:
         findings.warn(
             records[0].subject, "is not used: nothing is integrated", records[0].place, id="YOUNG-014"
         )
-    return AlphaSteps(float(step.value), float(radius.value))
+    return Integrator("GALF", float(step.value), tolerance, float(radius.value))
 
 
 def check_time(model: DynamicModel, findings: Findings) -> None:

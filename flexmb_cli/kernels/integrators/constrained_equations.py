@@ -207,9 +207,14 @@ def is_doubtful(clock: "np.void", work: "Work"):
     """Return whether a row inside or at the end of a step, whose factors are at hand, lies so near a singular
     position that round-off may rule it.
     """
-    firm = DOUBTFUL_PIVOT * min(1.0, clock["firmest"])
     # `not >` doubts a nan.
-    return clock["step_length"] > 0.0 and not smallest_pivot(work.factors, work.rank[0]) > firm
+    return clock["step_length"] > 0.0 and not smallest_pivot(work.factors, work.rank[0]) > firm_pivot(clock)
+
+
+@kernel
+def firm_pivot(clock: "np.void") -> float:
+    """Return the smallest pivot below which round-off may rule a row."""
+    return DOUBTFUL_PIVOT * min(1.0, clock["firmest"])
 
 
 @kernel

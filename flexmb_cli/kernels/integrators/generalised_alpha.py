@@ -28,7 +28,15 @@ from .constrained_equations import (
     note_gap,
     works_between,
 )
-from .generalised_alpha_control import SAME_TIME_IN_STEP, SLOWEST, advance, factor_of, next_length, retreat
+from .generalised_alpha_control import (
+    SAME_TIME_IN_STEP,
+    SLOWEST,
+    advance,
+    factor_of,
+    look_ahead_of_given,
+    next_length,
+    retreat,
+)
 from .generalised_alpha_error import BEFORE, LAST, MEAN, NEW, NEW_MEAN, fastest_change
 from .generalised_alpha_step import iterate, solve_step, turn_exactly
 from .hermite import cubic, cubic_slope
@@ -52,7 +60,8 @@ MEMORY = np.dtype(
         ("power", np.float64),  # of drivers and loads that store no energy, at t, W
         ("new_power", np.float64),  # at the end of the step that is tried, W
         ("old_power", np.float64),  # at the start of the last step, W
-        ("passing", np.float64),  # length of the step over the singular position ahead, s
+        # length of the step over the singular position ahead, s; of given steps: way on which none ends
+        ("passing", np.float64),
     ]
 )
 
@@ -106,6 +115,7 @@ def new_integration(work: Any, angles: Any, works: int = 0) -> AlphaIntegration:
 def _begin(integration: AlphaIntegration, system: System, work: Work) -> int:
     clock, memory, rates = integration.clock[0], integration.memory[0], integration.rates
     memory["start"] = clock["step_start"] = clock["t"]
+    memory["fixed"] = clock["step"]
     memory["left"], memory["span"] = 1.0, clock["stop"] - clock["t"]
     copy(integration.z, integration.trial)
     if not iterate(system, work, integration, clock["t"], 0.0, 0.0, 0.0):
@@ -180,7 +190,9 @@ def _accept(integration: AlphaIntegration, factor: float, system: System, work: 
         rotation_matrices(q, work.rotations[A])
         place_vectors(geometry_of(system, work), q)
         unwrap_angles(system, work, integration)
-    if memory["fixed"] == 0.0:
+    if memory["fixed"] > 0.0:
+        look_ahead_of_given(system, work, integration, rates[LAST])
+    else:
         look_ahead(system, work, integration, rates[LAST], memory["passing"])
     return code_of_gap(integration)
 

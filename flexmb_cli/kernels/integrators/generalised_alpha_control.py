@@ -9,14 +9,16 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
+from ..linalg.rank_revealing_lu import smallest_pivot
 from .clock import LOOK, leads_over
+from .constrained_equations import firm_pivot
 from .error_norm import ITERATED, SLOWEST
-from .singular_ahead import NOISE, SPEED_ROUND_OFF, blur, round_off
+from .singular_ahead import NOISE, SPEED_ROUND_OFF, blur, look_ahead, round_off
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from ..constrained.system import Work
+    from ..constrained.system import System, Work
 
 
 SAFETY, FASTEST = 0.85, 3.0
@@ -29,6 +31,8 @@ MOST_PASSING = 30.0  # steps, that the one over a singular position may be long
 SAME_TIME_IN_STEP = 1e-9  # of a step: times this near to each other are one
 OF_ERROR = 1e-6  # of the step's error: what the iterations may leave in a step of given length
 ITERATED_BLURRED = 0.3  # of the tolerance: what the iterations may leave where that is all round-off
+LEAST_PASSING = 0.1  # of a given step: way over a singular position on which none ends, 5 times what is FOUND
+FAR_PIVOT = 5.0  # of one that is firm: where the smallest is above, given steps alone tell how far to look
 PASSED_ON = 1.0  # error at the end of a run, in tolerances, if errors of steps only added up
 PASSING = 0.005  # of the tolerance: error of a step over a singular position, of which a run has a few
 
@@ -63,10 +67,41 @@ def left_over(clock: "np.void", memory: "np.void", work: "Work", share: float) -
 @kernel
 def next_length(clock: "np.void", memory: "np.void") -> float:
     """Length of the next step: steps of given length end at whole multiples."""
-    left, step = clock["stop"] - clock["t"], _laid_out(clock, memory)
+    left = clock["stop"] - clock["t"]
     if memory["fixed"] > 0.0:
-        left = min(left, memory["start"] + (memory["whole"] + 1) * memory["fixed"] - clock["t"])
+        multiples = _given_steps(clock, memory)
+        left = min(left, memory["start"] + (memory["whole"] + multiples) * memory["fixed"] - clock["t"])
+        step = left if multiples > 1 and not clock["rejected"] else clock["step"]
+    else:
+        step = _laid_out(clock, memory)
     return step if abs(step - left) <= SAME_TIME_IN_STEP * left else min(step, left)
+
+
+@kernel
+def look_ahead_of_given(system: "System", work: "Work", integration: Any, ud: "np.ndarray") -> None:
+    """Note a singular position ahead of given steps, and the way over it on which round-off may rule a row.
+
+    ud (n,): accelerations at the state, whose factors are at hand.
+    """
+    clock, memory = integration.clock[0], integration.memory[0]
+    least, firm = smallest_pivot(work.factors, work.rank[0]), firm_pivot(clock)
+    reach = memory["fixed"] if least > FAR_PIVOT * firm else math.inf
+    look_ahead(system, work, integration, ud, reach)
+    memory["passing"] = LEAST_PASSING * memory["fixed"]
+    if math.isfinite(clock["singular"]):
+        # Pivots vanish as the way does.
+        memory["passing"] += 2.0 * (clock["singular"] - clock["t"]) * firm / least
+
+
+@kernel
+def _given_steps(clock: "np.void", memory: "np.void") -> int:
+    """Return how many steps of given length are made in one: none ends near a singular position."""
+    way = clock["singular"] - clock["t"]
+    begin, end = way - 0.5 * memory["passing"], way + 0.5 * memory["passing"]
+    rest = memory["start"] + (memory["whole"] + 1) * memory["fixed"] - clock["t"]
+    if not (way > 0.0 and begin < rest < end):
+        return 1
+    return 1 + math.ceil((end - rest) / memory["fixed"])
 
 
 @kernel
@@ -115,10 +150,11 @@ def advance(clock: "np.void", memory: "np.void", h: float) -> None:
     clock["step_start"], clock["step_length"] = clock["t"], h
     t, same = clock["t"] + h, SAME_TIME_IN_STEP * h
     if memory["fixed"] > 0.0:
-        whole = memory["start"] + (memory["whole"] + 1) * memory["fixed"]
+        multiple = round((t - memory["start"]) / memory["fixed"])
+        whole = memory["start"] + multiple * memory["fixed"]
         if abs(whole - t) <= same:
             t = whole
-            memory["whole"] += 1
+            memory["whole"] = multiple
         clock["step"] = memory["fixed"]
     elif not leads_over(clock, h):
         clock["step"] = h * factor_of(clock, memory)

@@ -1,7 +1,7 @@
 """The whole system: Φ, its Jacobian Φ_q, and the right-hand sides of velocity and acceleration.
 
 Young (1996), section 5.3 (procedure FUNCT).  `constraints` is a structured array
-(`model.arrays.CONSTRAINT`).  Φ_q is kept row by row: phi_q (equations, 14) holds the derivatives
+(`model.arrays.kinematic.CONSTRAINT`).  Φ_q is kept row by row: phi_q (equations, 14) holds the derivatives
 with respect to the seven coordinates of the row's body i, then those of its body j.
 """
 

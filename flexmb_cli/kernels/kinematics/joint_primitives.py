@@ -9,7 +9,7 @@ is resolved in the axes of body i, where s_i does not move: with a = e_m × s_i 
 fixed to body i, (s_i × v)_m = v · A_i a.  m and n are the axes other than that of the largest
 component of s_i, chosen once by the model; the two rows can never lose rank.
 
-A constraint c is one record of `model.arrays.CONSTRAINT`.  A row of the Jacobian has 14 places: the
+A constraint c is one record of `model.arrays.kinematic.CONSTRAINT`.  A row of the Jacobian has 14 places: the
 seven coordinates of body i, then those of body j.
 """
 

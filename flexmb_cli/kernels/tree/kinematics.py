@@ -4,7 +4,7 @@ DAFMS thesis (1992), sections 2.2-2.3: S_k = S_j TD_k TR_k (2.10), positions (2.
 (2.27), velocity (2.34).  What the thesis leaves out is added: the axis of a second rotation turns
 with the first, and the carried point moves with 2 w x u'.
 
-`frame` is a record of `model.arrays.tree.FRAME`; `s`, `parent` and `work` are records of FRAME_WORK,
+`frame` is a record of `model.arrays.tree_frames.FRAME`; `s`, `parent` and `work` are records of FRAME_WORK,
 `coordinates` of COORDINATE_WORK.
 """
 

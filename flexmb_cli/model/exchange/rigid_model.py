@@ -11,6 +11,7 @@ import numpy as np
 
 from ...errors import Fault, ModelError, Place
 from ...quick_dataclass import dataclass
+from ..integrators import Integrator
 from ..joint_elements import (
     Bushing,
     Coupling,
@@ -29,8 +30,6 @@ from .shapes import RigidShape
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-EXPLICIT, RADAU, ALPHA = "explicit", "radau", "alpha"
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,16 +106,6 @@ class CoordinateSpring:
 
 
 @dataclass(frozen=True)
-class Stepping:
-    """Method of integration, relative tolerance, and of ALPHA the step (s, 0: chosen) and spectral radius."""
-
-    method: str = EXPLICIT
-    tolerance: float = 1e-12
-    step: float = 0.0
-    radius: float = 0.9
-
-
-@dataclass(frozen=True)
 class RigidModel:
     """All of it, in the order of the deck.  `notes`: what a reader of the new deck should know."""
 
@@ -132,7 +121,7 @@ class RigidModel:
     forces: tuple[AppliedForce, ...] = ()
     torques: tuple[AppliedTorque, ...] = ()
     points: tuple[Point, ...] = ()
-    stepping: Stepping = Stepping()
+    integrator: Integrator = Integrator(tolerance=1e-12)
     notes: tuple[str, ...] = ()
     shapes: tuple[RigidShape, ...] = ()
     stops: tuple[EndStop, ...] = ()

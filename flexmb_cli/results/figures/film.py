@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 
 from ...quick_dataclass import dataclass
+from ..hdf5.stored_result import attribute
 from .body_look import DEFAULT_LOOK, BodyLook, check_look, shown_colours
 from .contours import ENERGY, Ranges, contour_ranges, nodal_values, unit_of
 from .depth_buffer import DepthBuffer
@@ -22,6 +23,9 @@ from .film_texts import Texts
 from .report_scene import GREY, LONGEST_ANIMATION, MOST_TRACES, SHORTEST_ANIMATION, TRACE, colour_of, rounded
 from .scene import Scene, read_scene
 from .view import view_of
+
+# Behind the time of every frame with numbers of `run --as-printed`.
+EMULATED = "with the known errors of the program of 1996 (--as-printed)"
 
 FORMATS = ("mp4", "gif")
 VIEWS = {"x": ((1, 0, 0), (0, 0, 1)), "y": ((0, -1, 0), (0, 0, 1)), "z": ((0, 0, 1), (0, 1, 0))}
@@ -93,6 +97,8 @@ def film_frames(result: h5py.File, look: FilmLook, rows: slice = slice(None)) ->
     ranges = contour_ranges(bodies)
     check_look(result.filename, look.bodies, ranges, scene.size)
     canvas = _Canvas(scene, [body.at(rows) for body in bodies], look, ranges)
+    if attribute(result, "emulation"):
+        canvas.labels = [f"{label} {EMULATED}" for label in canvas.labels]
     drawn, frame = None, np.zeros(0)
     for row in film_rows(scene.time, look.rate):
         if row != drawn:

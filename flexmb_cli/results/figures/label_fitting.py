@@ -13,10 +13,14 @@ if TYPE_CHECKING:
 POINTS_PER_INCH = 72
 # Width of a letter by the size of letters, where LaTeX would have to run for each measurement.
 LETTER = 0.55
-# Labels with a word longer than their panel get smaller, down to this part of their size.
-LEAST_LETTERS = 0.5
+# Labels get smaller down to this part of their size, and to so many points where they had more.
+LEAST_LETTERS, LEAST_POINTS = 0.6, 5.0
+# Room for a label by its size, for letters have whole pixels.
+SPARE = 1.02
+# Heights of panels, by those wanted, for a label that takes too many lines at its least size.
+TALLER = (1.0, 1.25, 1.5, 2.0)
 # Sizes that are tried for a label of many words, and the distance of its lines by the size of letters.
-PARTS, LABEL_LINE = (1.0, 0.9, 0.8, 0.7, 0.6, LEAST_LETTERS), 1.3
+PARTS, LABEL_LINE = (1.0, 0.9, 0.8, 0.7, LEAST_LETTERS), 1.3
 # Least distance of two numbers of an axis by the size of letters: across, and one above the other.
 GAP_BESIDE, GAP_ABOVE = 0.5, 0.1
 FEWEST_BINS = 1
@@ -39,6 +43,11 @@ class Letters:
     def inches(self) -> float:
         """The size, in."""
         return self.points / POINTS_PER_INCH
+
+    @property
+    def least(self) -> float:
+        """The smallest size that labels may get, points."""
+        return max(LEAST_LETTERS * self.points, min(LEAST_POINTS, self.points))
 
     def width(self, text: str) -> float:
         """Return the width of a line, in."""
@@ -65,10 +74,13 @@ class Letters:
     ) -> tuple[str, float]:
         """Return a text in lines of at most `room`, and the size of its letters, points.
 
-        They are as large as possible where the lines take at most `depth`, in, and `LEAST_LETTERS` at least.
+        They are as large as possible where the lines take at most `depth`, in, and of the `least` size else;
+        then the lines may be longer, by `TALLER`.
         """
-        for part in PARTS:
-            lines = self.wrapped(text, room / part, shown)
+        smallest = self.least / self.points
+        trials = [(part, room) for part in PARTS if part > smallest]
+        for part, length in trials + [(smallest, taller * room) for taller in TALLER]:
+            lines = self.wrapped(text, length / part, shown)
             if LABEL_LINE * (lines.count("\n") + 1) * part * self.inches <= depth:
                 break
         return lines, part * self.points
@@ -77,26 +89,45 @@ class Letters:
 def fit_labels(figure: "Figure") -> bool:
     """Make labels smaller and numbers fewer where the figure, laid out, has no room; return whether it did.
 
-    Raises ValueError where letters would get too small.
+    Where labels beside panels have no room at their least size the figure gets higher.
+    Raises ValueError where letters across would get too small.
     """
-    changed, least = False, LEAST_LETTERS**2 * Letters("axes.labelsize").points
+    changed, part, least = False, 1.0, Letters("axes.labelsize").least
     for axes in figure.axes:
         across, up = axes.bbox.width, axes.bbox.height
-        box, half = axes.yaxis.label.get_window_extent(), figure.bbox.width / 2
-        changed |= _shrink(axes.yaxis.label, box.height, up, least)
+        beside, half = axes.yaxis.label, figure.bbox.width / 2
+        shrunk = _height_at(beside, least)
+        if shrunk > 2 * half:
+            raise ValueError("no room for a label")
+        part = max(part, shrunk / up)
+        changed |= _shrink(beside, beside.get_window_extent().height, max(up, shrunk), least)
         box, middle = axes.xaxis.label.get_window_extent(), (axes.bbox.x0 + axes.bbox.x1) / 2
         changed |= _shrink(axes.xaxis.label, box.width, 2 * (half - abs(half - middle)), least)
         changed |= _thin_out(axes.xaxis, across, 0) | _thin_out(axes.yaxis, up, 1)
-    return changed
+    return _heighten(figure, part) or changed
+
+
+def _height_at(label: "Text", least: float) -> float:
+    """Return the height of a label beside a panel when its letters have `least` points, or are smaller."""
+    return SPARE * label.get_window_extent().height * min(1.0, least / float(label.get_fontsize()))
+
+
+def _heighten(figure: "Figure", part: float) -> bool:
+    """Make the panels of a figure `part` times as high; return whether this is more than before."""
+    if part <= 1.0:
+        return False
+    width, height = figure.get_size_inches()
+    panels = sum(axes.bbox.height for axes in figure.axes) / figure.dpi
+    figure.set_size_inches(width, height + (part - 1.0) * panels)
+    return True
 
 
 def _shrink(label: "Text", size: float, room: float, least: float) -> bool:
     """Make the letters of a label, `least` points at least, smaller when its `size` exceeds its `room`."""
     if size <= room:
         return False
-    # A little less, for letters have whole pixels.
-    points = 0.98 * float(label.get_fontsize()) * room / size
-    if points < least:
+    points = float(label.get_fontsize()) * room / size / SPARE
+    if points < (1 - 1e-9) * least:
         raise ValueError("no room for a label")
     label.set_fontsize(points)
     return True

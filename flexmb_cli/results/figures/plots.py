@@ -30,6 +30,7 @@ PRINTED = 300  # dots per inch, which journals ask for
 # Signs that LaTeX takes for commands.
 _LATEX = {sign: f"\\{sign}" for sign in "#$%&_{}"} | {"\\": r"\textbackslash{}", "^": r"\^{}", "~": r"\~{}"}
 MOST_LAYOUTS = 6  # of a figure, until labels fit
+LEAST_PANEL = 0.15  # part of the width of a printed picture
 SQUEEZED = 0.7  # part of the wanted height of panels
 # No dates and no versions: pictures are compared in repositories.
 METADATA = {
@@ -121,6 +122,8 @@ def _fit(figure: "Figure", panels: Sequence[Panel], look: Look | None) -> None:
     if look and _grow(figure, _sizes(panels, look, set())[1]):
         _lay_out(figure)
     fit_figure(figure, look)
+    if look and any(axis.bbox.width < LEAST_PANEL * figure.bbox.width for axis in figure.axes):
+        raise _no_room(look)
 
 
 def fit_figure(figure: "Figure", look: Look | None) -> None:
@@ -134,10 +137,14 @@ def fit_figure(figure: "Figure", look: Look | None) -> None:
     except ValueError:
         cramped = True
     if cramped and look:
-        raise ValueError(
-            f"letters of {Letters('axes.labelsize').points:g} points leave no room for curves in "
-            f"{look.width:g} mm: choose a wider picture, smaller letters or fewer curves"
-        )
+        raise _no_room(look)
+
+
+def _no_room(look: Look) -> ValueError:
+    return ValueError(
+        f"letters of {Letters('axes.labelsize').points:g} points leave no room for curves in "
+        f"{look.width:g} mm: choose a wider picture, smaller letters or fewer curves"
+    )
 
 
 def _lay_out(figure: "Figure") -> bool:

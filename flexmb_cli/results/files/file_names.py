@@ -17,12 +17,13 @@ STANDARD_INPUT = STANDARD_OUTPUT = "-"
 class ResultPaths:
     """Paths of one deck's results; None: not written; `out` "-": standard output.
 
-    `series` are further tables of the dialect.
+    `series` are further tables of the dialect; `named` those paths that the user chose.
     """
 
     out: str | None
     h5: str | None
     series: tuple[str, ...] = ()
+    named: tuple[str, ...] = ()
 
     @property
     def files(self) -> tuple[str, ...]:
@@ -88,6 +89,7 @@ def result_paths(
         out=None if no_out else out or _within(folder, out_name(deck_name, dialect, model)),
         h5=None if no_h5 else h5 or _within(folder, h5_name(deck_name, dialect, model)),
         series=tuple(_within(folder, name) for name in series),
+        named=tuple(path for path in (out, h5) if path),
     )
 
 

@@ -3,7 +3,7 @@
 A file is synced before it is moved, its folder after that: a loss of power leaves the old or the new file.
 
 What is no regular file (a pipe, /dev/null, /dev/stdout) is written to directly: moving a file over it
-would destroy it.
+would destroy it.  A pipe that nobody reads would hold the opening for ever, deaf to signals.
 """
 
 import os
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from ...errors import ANALYSIS_FAILED, OutputError
 from .disk_failures import located
 from .durable import sync, sync_folder
+from .pipes import open_special
 from .temporary_file import refuse_place, remove_leftovers, reserve
 
 if TYPE_CHECKING:
@@ -24,15 +25,20 @@ if TYPE_CHECKING:
 class Replacement:
     """A file that will stand at `path`; until `commit` it is written at `temporary`.
 
-    `direct`: `path` is no regular file, and `temporary` is the thing itself.
+    `direct`: `path` is no regular file, and `temporary` is the thing itself; only where `special` allows it.
     Raises `OutputError` when the folder is missing or cannot be written.
     """
 
-    def __init__(self, path: "Path | str"):
+    def __init__(self, path: "Path | str", special: bool = True):
         self.path = os.fspath(path)
         # A link stays a link: the file it points to is replaced.
         self._target = os.path.realpath(self.path)
         self.direct = _is_special(self._target)
+        if self.direct and not special:
+            raise OutputError(
+                f"{self.path}: cannot be written: it is no regular file, but a pipe or a device; remove it",
+                id="RESULT-051",
+            )
         self._hold: int | None = None
         self.temporary = self._target
         if not self.direct:
@@ -43,7 +49,7 @@ class Replacement:
 
     def open(self, mode: str, **how: Any) -> Any:
         """Open the temporary file, once, as the built-in `open` does."""
-        return open(self.duplicate(), mode, **how)
+        return open(open_special(self.temporary) if self.direct else self.duplicate(), mode, **how)
 
     def duplicate(self) -> int | str:
         """Return a descriptor of the temporary file, which the caller closes; where `direct`, its path.
@@ -108,8 +114,8 @@ class Replacement:
 class ReplacedText:
     """A text stream (UTF-8, LF line ends) to a `Replacement`; failures of the disk are `OutputError`s."""
 
-    def __init__(self, path: "Path | str"):
-        self._replacement = Replacement(path)
+    def __init__(self, path: "Path | str", special: bool = True):
+        self._replacement = Replacement(path, special)
         self.path = self._replacement.path
         with self._discarding():
             self._stream = self._replacement.open("w", encoding="utf-8", newline="\n")
@@ -165,9 +171,9 @@ class ReplacedText:
             raise
 
 
-def refuse_unwritable(path: str) -> None:
+def refuse_unwritable(path: str, special: bool = True) -> None:
     """Raise the `OutputError` that would come once the result for `path` is made; nothing is left there."""
-    Replacement(path).discard()
+    Replacement(path, special).discard()
 
 
 def write_whole(path: str, data: bytes) -> None:

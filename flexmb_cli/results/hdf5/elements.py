@@ -1,6 +1,6 @@
 """Content of the HDF5 result of a YOUNG deck with elements at joints beyond its dynamics."""
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from ...model.element_names import element_names
 from ...model.joints import ANGLE
@@ -11,6 +11,9 @@ from .dynamic import FORCES, dynamic_layout, dynamic_values
 from .joint_coordinates import coordinate_names, joint_values, with_elements, with_units
 from .kinematic import readable_names
 from .layout import Layout, Values, numbered_axis
+
+if TYPE_CHECKING:
+    from ...solvers.constrained.element_rows import ElementRows
 
 
 def element_layout(model: DynamicModel) -> Layout:
@@ -29,12 +32,12 @@ def element_layout(model: DynamicModel) -> Layout:
     return with_elements(layout, coordinates, element_names(model))
 
 
-def element_values(model: DynamicModel, rows: Any) -> Values:
-    """The fields of report rows (`element_rows.ElementRows`) by the paths of their datasets."""
+def element_values(model: DynamicModel, rows: "ElementRows") -> Values:
+    """The fields of report rows (`ElementRows`) by the paths of their datasets."""
     return {**dynamic_values(model, rows), **joint_values(rows)}
 
 
-def _driver_names(model: Any) -> Any:
+def _driver_names(model: DynamicModel) -> list[tuple[str, str]]:
     mechanism = model.mechanism
     units = [FORCE if driver.direction <= 3 else TORQUE for driver in mechanism.drivers]
     own = list(zip(readable_names("driver", mechanism.drivers), units, strict=True))

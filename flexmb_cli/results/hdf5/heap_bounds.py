@@ -7,7 +7,6 @@ signals, where a part of a heap has no size; so a stranger's file could stop `ta
 import mmap
 import struct
 from collections.abc import Iterator
-from typing import Any
 
 import h5py
 
@@ -30,7 +29,7 @@ def fault_of_heaps(file: h5py.File) -> str:
             return next((fault for fault in _faults(raw) if fault), "")
 
 
-def _faults(raw: Any) -> Iterator[str]:
+def _faults(raw: mmap.mmap) -> Iterator[str]:
     start = raw.find(SIGNATURE)
     while start >= 0:
         end = start + _number(raw, start + 8)
@@ -39,7 +38,7 @@ def _faults(raw: Any) -> Iterator[str]:
         start = raw.find(SIGNATURE, end)
 
 
-def _fault_of_heap(raw: Any, start: int, end: int) -> str:
+def _fault_of_heap(raw: mmap.mmap, start: int, end: int) -> str:
     """A heap is its heading and its parts, each behind the other up to its end; part 0 is free space."""
     if end < start + _HEADING or (end > len(raw) and len(raw) < SEARCHED):
         return f"the heap at byte {start} is longer than the file, or has no length"
@@ -53,5 +52,5 @@ def _fault_of_heap(raw: Any, start: int, end: int) -> str:
     return ""
 
 
-def _number(raw: Any, at: int) -> int:
-    return struct.unpack_from("<Q", raw, at)[0] if at + 8 <= len(raw) else 0
+def _number(raw: mmap.mmap, at: int) -> int:
+    return int(struct.unpack_from("<Q", raw, at)[0]) if at + 8 <= len(raw) else 0

@@ -13,6 +13,6 @@ try:
     import h5py
 finally:
     if not _asked:
-        del _known["processor"]  # who asks for it later, is told
+        del _known["processor"]  # another module may need the true one
 
 __all__ = ["h5py"]

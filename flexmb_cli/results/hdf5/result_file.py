@@ -18,12 +18,13 @@ from ...solvers.as_printed.errors import AS_PRINTED, EMULATED
 from ..files.disk_failures import located
 from ..files.full_disk_guard import FullDiskGuard
 from ..files.replaced_file import Replacement, put_in_place
-from .layout import TIME, Layout, Series, Values
+from .layout import TIME, Axis, Constant, Layout, Series, Values
 from .quick_import import h5py
 from .quick_writing import TEXT, append_rows, attach_scales, growing_dataset, set_texts
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
+    from pathlib import Path
 
 
 # 2: every dimension scale lies in the group of its datasets or above it; until then those of reactions and
@@ -43,7 +44,7 @@ class ResultFile:
     Raises `OutputError` when the place cannot be written or the disk is full.
     """
 
-    def __init__(self, path: Any, deck: Deck, layout: Layout):
+    def __init__(self, path: "Path | str", deck: Deck, layout: Layout):
         self._place = Replacement(path)
         if self._place.direct:
             raise OutputError(
@@ -158,7 +159,7 @@ class ResultFile:
         text = self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT)
         set_texts(text, units="1", long_name="text of the deck")
 
-    def _make_axis(self, axis: Any) -> h5py.Dataset:
+    def _make_axis(self, axis: Axis) -> h5py.Dataset:
         scale = self._file.create_dataset(axis.path, data=_plain(axis.values), dtype=_kind(axis.values))
         scale.make_scale(axis.path.rpartition("/")[2])
         set_texts(scale, units="1", long_name=axis.long_name)
@@ -168,12 +169,12 @@ class ResultFile:
             set_texts(dataset, units="1", long_name=long_name)
         return scale
 
-    def _make_constant(self, constant: Any, scales: dict[str, h5py.Dataset]) -> None:
+    def _make_constant(self, constant: Constant, scales: dict[str, h5py.Dataset]) -> None:
         dataset = self._file.create_dataset(constant.path, data=constant.values)
         attach_scales(dataset, [self._scale_for(constant.path, path, scales) for path in constant.axes])
         set_texts(dataset, units=constant.units, long_name=constant.long_name)
 
-    def _scale_for(self, dataset: str, axis: Any, scales: Any) -> h5py.Dataset:
+    def _scale_for(self, dataset: str, axis: str, scales: dict[str, h5py.Dataset]) -> h5py.Dataset:
         """The scale `axis` where netCDF looks for it: a copy, if it lies beside the dataset's group."""
         folder, _, name = axis.rpartition("/")
         if not folder or dataset.startswith(f"{folder}/"):

@@ -247,7 +247,7 @@ def settings_of(result: h5py.File, name: str = "settings") -> list[str]:
     return [visible(line) for line in text.splitlines()]
 
 
-def _text(owner: h5py.Dataset | h5py.File, name: Any) -> str:
+def _text(owner: h5py.Dataset | h5py.File, name: str) -> str:
     found = h5py.h5a.open(owner.id, name.encode())
     # An array may lead to the same text from each of its places; flexmb writes single texts.
     if found.shape != () or found.dtype.itemsize > _most_bytes(owner.file):
@@ -278,6 +278,6 @@ def check_shapes(result: h5py.File, shapes: Mapping[str, str], sizes: dict[str, 
                 raise Damaged(f"/{_reported(path)} has {length} places along an axis of {wanted}")
 
 
-def _reported(name: Any) -> str:
+def _reported(name: str | bytes) -> str:
     name = name.decode("utf-8", "backslashreplace") if isinstance(name, bytes) else name
     return visible(name if len(name) < 100 else f"{name[:80]}…")

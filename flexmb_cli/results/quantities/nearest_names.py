@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from difflib import SequenceMatcher
-from typing import Any
 
 NAMES_SHOWN = 3
 LEAST_LIKENESS = 0.6
@@ -18,14 +17,14 @@ def nearest(words: Sequence[str], forms: Sequence[Sequence[Sequence[str]]]) -> l
     return list(ordered)[:NAMES_SHOWN]
 
 
-def _best(words: Any, form: Any) -> tuple[float, str]:
+def _best(words: Sequence[str], form: Sequence[Sequence[str]]) -> tuple[float, str]:
     chosen = [_closest(word, choices) for word, choices in zip(words, form, strict=False)]
     # A name with more words than were given stands for all of them.
     total = sum(likeness for likeness, _ in chosen) / max(len(words), len(chosen), 1)
     return total, ".".join(word for _, word in chosen)
 
 
-def _closest(word: str, choices: list[str]) -> tuple[float, str]:
+def _closest(word: str, choices: Sequence[str]) -> tuple[float, str]:
     if word in choices:
         return 1.0, word
     return max(((_likeness(word, choice), choice) for choice in choices[:LABELS]), key=lambda pair: pair[0])

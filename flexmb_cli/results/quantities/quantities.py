@@ -12,7 +12,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
@@ -20,7 +19,7 @@ import numpy as np
 from ...errors import Fault, FlexmbError
 from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, newer_layout, understood
-from .quantity_names import TIME, Family, families, folded, time_family
+from .quantity_names import TIME, Family, Slot, families, folded, time_family
 from .unknown_names import hint_for
 
 NOTHING = "an empty name"
@@ -33,7 +32,7 @@ class ResultError(FlexmbError):
 
     exit_code = 2
 
-    def __init__(self, file: Any, *sentences: str, id: str = ""):
+    def __init__(self, file: str | Path, *sentences: str, id: str = ""):
         first = f"{file}: {sentences[0]}" if file else sentences[0]
         super().__init__(first, tuple(Fault("error", sentence, id=id) for sentence in sentences))
         self.file = str(file)
@@ -100,7 +99,7 @@ def _check_times(times: h5py.Dataset) -> None:
             raise Damaged("the times of its rows do not ascend, or are no numbers")
 
 
-def _other_kind(path: Path | str, error: Any) -> str:
+def _other_kind(path: Path | str, error: Exception) -> str:
     """Return what the file is that HDF5 cannot open."""
     begins = b""
     with suppress(OSError), open(path, "rb") as file:
@@ -114,7 +113,7 @@ def _other_kind(path: Path | str, error: Any) -> str:
     return f"this is no HDF5 result that can be read: {error}"
 
 
-def _result_beside(path: Any) -> Any:
+def _result_beside(path: Path | str) -> str:
     """Return which result may be meant by the name of a deck or of a printed table."""
     beside = {
         Path(path).with_suffix(".h5"),
@@ -124,7 +123,7 @@ def _result_beside(path: Any) -> Any:
     return f"; is {found} meant?" if found else "; flexmb run writes a deck's result into an .h5 file"
 
 
-def _names_of_results(path: str) -> Any:
+def _names_of_results(path: Path | str) -> Iterator[str]:
     from ...dialects import DIALECTS
     from ..files.file_names import h5_name
 
@@ -241,7 +240,7 @@ def _matched(known: list[Family], pattern: str) -> list[Quantity]:
     return _among(known, words)
 
 
-def _among(known: Any, words: Any) -> list[Quantity]:
+def _among(known: Sequence[Family], words: Sequence[re.Pattern[str]]) -> list[Quantity]:
     whole: list[Quantity] = []
     begun: list[Quantity] = []
     for family in known:
@@ -251,9 +250,9 @@ def _among(known: Any, words: Any) -> list[Quantity]:
     return whole or begun
 
 
-def _matched_form(family: Any, form: Any, words: Any) -> list[Quantity]:
+def _matched_form(family: Family, form: tuple[Slot, ...], words: Sequence[re.Pattern[str]]) -> list[Quantity]:
     """The quantities whose names in this form begin with `words`."""
-    along = [range(length) for length in family.shape]
+    along: list[Sequence[int]] = [range(length) for length in family.shape]
     for slot, word in zip(form, words, strict=False):
         positions = slot.positions(word)
         if not positions:
@@ -263,6 +262,6 @@ def _matched_form(family: Any, form: Any, words: Any) -> list[Quantity]:
     return [_quantity(family, index) for index in product(*along)]
 
 
-def _unknown(known: Any, pattern: Any) -> Any:
+def _unknown(known: Sequence[Family], pattern: str) -> str:
     hint = hint_for(pattern, known)
     return f"{pattern or NOTHING}: the result has no such quantity{'; ' * bool(hint)}{hint}{SHOWS_ALL}"

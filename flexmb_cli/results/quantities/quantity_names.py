@@ -1,7 +1,7 @@
 """Names of the elements of a result's datasets: words from its paths, names and dimension scales."""
 
 import re
-from typing import Any
+from collections.abc import Sequence
 
 import h5py
 
@@ -46,6 +46,9 @@ MOTION: tuple[str, ...] = (
 MOTION += ("acceleration", "euler_parameter_accelerations", "angular_acceleration")
 # Groups with a subgroup for every body that has such datasets; modes stand behind the quantity, nodes before.
 BY_BODY = ("elastic", "modal", "stress", "strain")
+
+
+Labels = tuple[tuple[str, ...], ...]  # spellings for every position along an axis
 
 
 @dataclass(frozen=True)
@@ -137,7 +140,7 @@ def _family(result: h5py.File, path: str, labels: "_Labels") -> Family:
     return Family(path, dataset.shape[1:], forms, units, long_name, labels.items(dataset))
 
 
-def _form(path: str, item: tuple[str, str] | None, dataset: h5py.Dataset) -> str:
+def _form(path: str, item: tuple[str, ...] | None, dataset: h5py.Dataset) -> str:
     """Name of a dataset without a form of its own: what is numbered, the quantity, its components."""
     group, *words = path.split("/")
     words = words[1:] if item else words
@@ -154,13 +157,13 @@ def _numbered_axes(dataset: h5py.Dataset) -> int:
     return kinds.index(False) if False in kinds else len(kinds)
 
 
-def _slot(word: str, axes: "list[Any]", item: Any) -> Slot:
+def _slot(word: str, axes: Sequence[Labels], item: tuple[str, ...] | None) -> Slot:
     match = re.fullmatch(r"(\w*)\{(\w+)\}", word)
     if match is None:
         return Slot(None, ((word,),))
     prefix, name = match.groups()
     if name == "item":
-        return Slot(None, (item,))
+        return Slot(None, (item or (),))
     axis = int(name)
     return Slot(axis, tuple(tuple(prefix + label for label in labels) for labels in axes[axis]))
 
@@ -170,11 +173,11 @@ class _Labels:
 
     def __init__(self, result: h5py.File, found: dict[str, h5py.Dataset]):
         self._result = result
-        self._known: dict[str, tuple[tuple[str, ...], ...]] = {}
+        self._known: dict[str, Labels] = {}
         # h5py would search the file for the path of every scale.
         self._paths = {place_of(item): path for path, item in found.items()}
 
-    def axis(self, dataset: h5py.Dataset, number: int) -> "tuple[tuple[Any, ...], ...]":
+    def axis(self, dataset: h5py.Dataset, number: int) -> Labels:
         """Spellings for every position along an axis."""
         scale = scale_of(dataset, number)
         if scale is None:
@@ -187,14 +190,14 @@ class _Labels:
     def _path(self, scale: h5py.Dataset) -> str:
         return self._paths.get(place_of(scale), "")
 
-    def _spellings(self, scale: h5py.Dataset, path: str) -> "list[Any]":
+    def _spellings(self, scale: h5py.Dataset, path: str) -> "list[tuple[str, ...]]":
         if not is_number(scale):
             return [(text,) for text in texts(scale)]
         numbers = [_number(value) for value in scale[:]]
         names = self._names(scale)
         if names:
             given = list(zip(numbers, names, strict=True))
-            return _with_angles(given) if path.startswith("coordinate/") else given
+            return _with_angles(given) if path.startswith("coordinate/") else [*given]
         kind = path.rpartition("/")[2]
         if kind == "node":
             return [(f"node{number}", number, f"node {number}") for number in numbers]
@@ -218,13 +221,13 @@ class _Labels:
             raise Damaged(f"{path} has {len(found)} names for {count} things")
         return found
 
-    def body(self, name: str) -> Any:
+    def body(self, name: str) -> tuple[str, ...]:
         """Number and name of the body that has a group for itself."""
         bodies = self._result.get("body/name")
         given = [] if bodies is None else texts(bodies)
         return (str(given.index(name) + 1), _word(name)) if name in given else (_word(name),)
 
-    def items(self, dataset: h5py.Dataset) -> Any:
+    def items(self, dataset: h5py.Dataset) -> tuple[str, ...]:
         """Names of the things that the first axis counts."""
         scale = scale_of(dataset, 1) if dataset.ndim > 1 else None
         return tuple(self._names(scale)) if scale is not None and is_number(scale) else ()

@@ -1,7 +1,5 @@
 """Names of quantities as people write them: "velocity x of body 3", "kinetic energy"."""
 
-from typing import Any
-
 from ...quick_dataclass import dataclass
 from .quantities import Quantity
 
@@ -68,7 +66,7 @@ def _of_thing(group: str, named: str, words: list[str]) -> Readable:
     return Readable(" ".join(map(_word, quantity)), named, last)
 
 
-def _of_body(group: Any, words: Any) -> Any:
+def _of_body(group: str, words: list[str]) -> Readable:
     """stress.2.node45.xx, strain.2.element3.energy, stress.2.max.von_mises, modal.1.amplitude.2."""
     body, *rest = words
     if group == "modal":
@@ -92,5 +90,5 @@ def _of_body(group: Any, words: Any) -> Any:
     )
 
 
-def _word(word: str) -> Any:
+def _word(word: str) -> str:
     return _WORDS.get(word, word.replace("_", " "))

@@ -59,6 +59,28 @@ def table_text(
         yield _lines(heads, values, style)
 
 
+def fitting_groups(result: h5py.File, quantities: Sequence[Quantity], width: int) -> list[list[Quantity]]:
+    """Return the quantities in groups whose aligned columns, with that of the time, take `width` characters.
+
+    A group has one quantity at least.
+    """
+    time = _column_width(time_quantity(result).header)
+    groups: list[list[Quantity]] = []
+    left = 0
+    for quantity in quantities:
+        needed = 2 + _column_width(quantity.header)
+        if not groups or needed > left:
+            groups.append([])
+            left = width - time
+        groups[-1].append(quantity)
+        left -= needed
+    return groups
+
+
+def _column_width(head: str) -> int:
+    return max(len(head), TEXT_WIDTH)
+
+
 def function_points(
     result: h5py.File, quantities: Sequence[Quantity], rows: range, first: int
 ) -> list[tuple[int, str, list[tuple[float, float]]]]:
@@ -131,7 +153,7 @@ def _record(heads: list[str], row: list[float]) -> "dict[Any, Any]":
 
 def _text_line(cells: list[str], heads: list[str]) -> str:
     pairs = zip(cells, heads, strict=True)
-    return "  ".join(cell.rjust(max(len(head), TEXT_WIDTH)) for cell, head in pairs) + "\n"
+    return "  ".join(cell.rjust(_column_width(head)) for cell, head in pairs) + "\n"
 
 
 def _separated_lines(rows: list[list[str]], style: str) -> str:

@@ -2,10 +2,9 @@
 
 import re
 from collections.abc import Sequence
-from typing import Any
 
 from .nearest_names import nearest
-from .quantity_names import Family, folded
+from .quantity_names import Family, Slot, folded
 
 FORCES = "in a YOUNG deck DYNAMICS inverse or DYNAMICS forward"
 # What a deck needs for the quantities that begin with a word.
@@ -38,7 +37,7 @@ def hint_for(pattern: str, families: Sequence[Family]) -> str:
     return f"near it are {', '.join(close)}" if close else ""
 
 
-def _with_points(pattern: Any, families: Any) -> Any:
+def _with_points(pattern: str, families: Sequence[Family]) -> str:
     """Return a name for a path of a dataset or for a number in brackets."""
     for family in families:
         if family.path == pattern.strip("/"):
@@ -47,7 +46,7 @@ def _with_points(pattern: Any, families: Any) -> Any:
     return dotted if dotted != pattern else ""
 
 
-def _lacking(first: Any, families: Any) -> str:
+def _lacking(first: str, families: Sequence[Family]) -> str:
     wanted = next((word for word in NEEDS if first in (word, f"{word}s", f"{word}es")), None)
     if wanted is None or any(family.path.startswith(f"{wanted}/") for family in families):
         return ""
@@ -76,7 +75,7 @@ def _of_things(word: str, families: Sequence[Family]) -> str:
     return " or ".join(name for name in found if name.endswith(f".{word}"))
 
 
-def _count(words: Any, families: Any) -> str:
+def _count(words: Sequence[str], families: Sequence[Family]) -> str:
     """Return how many there are where a number is too large, or 0."""
     if len(words) < 2 or not words[1].isdigit():
         return ""
@@ -90,5 +89,5 @@ def _count(words: Any, families: Any) -> str:
     )
 
 
-def _is_numbered(form: Any, words: Any) -> Any:
+def _is_numbered(form: tuple[Slot, ...], words: Sequence[str]) -> bool:
     return len(form) > 1 and words[0].lower() in form[0].spellings and "1" in form[1].spellings

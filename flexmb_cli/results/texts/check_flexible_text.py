@@ -1,4 +1,4 @@
-"""Text of what `flexmb check` found of a mechanism of flexible bodies (`run.check.CheckReport`)."""
+"""Text of what `flexmb check` found of a mechanism of flexible bodies (`run.check.check.CheckReport`)."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -1,4 +1,4 @@
-"""Text of what `flexmb check` found (`run.check.CheckReport`)."""
+"""Text of what `flexmb check` found (`run.check.check.CheckReport`)."""
 
 from typing import TYPE_CHECKING, Any
 

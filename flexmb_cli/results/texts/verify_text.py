@@ -6,7 +6,7 @@ from ...errors import visible
 
 
 def verify_text(found: Any) -> str:
-    """A line for each quantity of a `run.verify.Verification`, then the largest difference."""
+    """A line for each quantity of a `run.verify.verify.Verification`, then the largest difference."""
     outcome = found.outcome
     lines = [f"{visible(outcome.deck)}: {found.formulations}, {outcome.rows} rows"]
     lines.append(f"  {'quantity':<26}{'difference':>12}{'of':>12} {'unit':<6}{'share':>10}{'at':>12}")

@@ -13,6 +13,8 @@ from ..open_deck import open_deck
 from ..outcome import Outcome, RunOptions, Stop
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from .tree import TreeFindings
 
 
@@ -40,6 +42,11 @@ class CheckReport:
     smallest: float | None = None
     gaps: list[Any] = field(default_factory=list)
     jacobian: "LabelledJacobian | None" = None
+
+    def __repr__(self) -> str:
+        faults = [fault.severity for fault in self.outcome.faults]
+        counts = ", ".join(f"{faults.count(word)} {word}s" for word in ("error", "warning", "note"))
+        return f"CheckReport({self.outcome.deck!r}, {self.outcome.status}, {counts})"
 
     def as_dict(self) -> dict[str, Any]:
         """The record that `--json` prints."""
@@ -76,14 +83,20 @@ class LabelledJacobian:
         return {"time": self.time, "rows": self.rows, "bodies": self.bodies, "matrix": self.matrix.tolist()}
 
 
-def check_deck(path: str, options: RunOptions, jacobian: str | None = None) -> CheckReport:
+def check_deck(
+    path: str,
+    options: RunOptions,
+    jacobian: str | None = None,
+    read: "Callable[[str, RunOptions, Outcome], Deck]" = open_deck,
+) -> CheckReport:
     """Read the deck at `path`, assemble it at its first time and analyse what it can be solved for.
 
-    `jacobian`: "estimate" or a time at which to give Φ_q.  Failures become the outcome's faults.
+    `jacobian`: "estimate" or a time at which to give Φ_q; `read` gives the deck where it was read before.
+    Failures become the outcome's faults.
     """
     report = CheckReport(Outcome(path))
     with ending_recorded(report.outcome, options), Stop.released():
-        report.deck = open_deck(path, options, report.outcome)
+        report.deck = read(path, options, report.outcome)
         run = Run(report.outcome, options)
         model = model_of(report.deck, run)
         report.analysis = analysis_of(model)

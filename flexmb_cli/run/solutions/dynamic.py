@@ -4,7 +4,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault, ModelError
-from ...model.loads import AlphaSteps, DynamicModel
+from ...model.integrators import word_of
+from ...model.loads import DynamicModel
 from ...model.unit_checks import unit_doubts
 from ...quick_dataclass import replace
 from ...results.hdf5.dynamic import dynamic_layout, dynamic_values
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from ..outcome import RunOptions
 
 
-DEFAULT_RADIUS = 0.9  # spectral radius at infinity of the generalised-alpha method, where a deck gives none
 TOO_COARSE = (
     "too coarse a tolerance (card TOLERANCE), or steps of GALF that are too long or damp too much (a "
     "spectral radius below 1)"
@@ -59,14 +59,12 @@ def solution(model: DynamicModel, run: Run) -> Solution:
 
 def _as_asked(model: DynamicModel, options: "RunOptions") -> DynamicModel:
     """The model with the method and the tolerance of the options."""
-    given = options.integration
+    given, integrator = options.integration, model.integrator
     if "rtol" in given:
-        model = replace(model, tolerance=given["rtol"])
-    method = given.get("method")
-    if method is None:
-        return model
-    alpha = (model.alpha_steps or AlphaSteps(0.0, DEFAULT_RADIUS)) if method == "alpha" else None
-    return replace(model, radau=method == "radau", alpha_steps=alpha)
+        integrator = replace(integrator, tolerance=given["rtol"])
+    if "method" in given:
+        integrator = replace(integrator, method=word_of(given["method"]))
+    return replace(model, integrator=integrator)
 
 
 def _contents(model: DynamicModel) -> "tuple[Callable[..., Any], Callable[..., Any]]":

@@ -4,14 +4,13 @@ from functools import partial
 from hashlib import sha256
 from typing import Any
 
-from ...model.fe_model import Integrator
 from ...model.flexible_mechanism import FlexibleMechanism
+from ...model.integrators import METHODS, Integrator, word_of
 from ...model.unit_checks import unit_doubts
 from ...quick_dataclass import replace
 from ...results.hdf5.flexible import flexible_layout, flexible_values
 from ...solvers.compilation import tell_of_compiling
 from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
-from ...solvers.constrained.integrators import METHODS
 from ..context import Run
 from ..energy_drift import ConstrainedDrift
 from ..error_estimate import finer_motion
@@ -20,8 +19,6 @@ from ..outcome import RunOptions
 from ..solution import Solution
 from ..step_count import StepCount
 
-# The words of INTG cards for the methods of the command line.
-WORDS = {"dop853": "RK45", "radau": "RAD5", "alpha": "GALF"}
 TOO_COARSE = (
     "too coarse a tolerance (card INTG), or steps of GALF that are too long (card TIME) or damp too much (a "
     "spectral radius below 1)"
@@ -48,11 +45,12 @@ def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
 def _as_asked(mechanism: FlexibleMechanism, options: RunOptions) -> FlexibleMechanism:
     """The mechanism with the method and the tolerance of the options."""
     given, integrator = options.integration, mechanism.integrator
-    method = WORDS.get(given.get("method", ""), integrator.method)
-    if method != integrator.method:
-        integrator = Integrator(method, integrator.step, METHODS[method].default)
-    if "rtol" in given and method != "GALF":
-        integrator = replace(integrator, parameter=given["rtol"])
+    word = word_of(given["method"]) if "method" in given else integrator.method
+    if word != integrator.method:
+        integrator = Integrator(word, integrator.step, METHODS[word].tolerance)
+    # The absolute tolerance of a method whose card gives a radius stays.
+    if "rtol" in given and METHODS[word].radius is None:
+        integrator = replace(integrator, tolerance=given["rtol"])
     return replace(mechanism, integrator=integrator)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...deck.record import Deck
 from ...errors import Fault, ModelError
+from ...model.integrators import METHODS, Integrator
 from ...model.loads import DynamicModel
 from ...model.mechanism import Mechanism
 from ...quick_dataclass import replace
@@ -37,7 +38,9 @@ def differences(model: DynamicModel, deck: Deck, run: Run) -> tuple[Difference, 
     if model.analysis != "forward":
         return compare(InverseDynamics(model), model.mechanism, model, run)
     tolerance = run.options.integration.get("rtol", EXPLICIT_TOLERANCE)
-    model = replace(model, tolerance=tolerance, alpha_steps=None)
+    # Steps of a given length have no tolerance.
+    method = "RK45" if METHODS[model.integrator.method].given_step else model.integrator.method
+    model = replace(model, integrator=Integrator(method, tolerance=tolerance))
     return compare(ForwardDynamics(model), model.mechanism, model, run)
 
 

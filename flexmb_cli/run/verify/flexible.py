@@ -10,8 +10,8 @@ import numpy as np
 from ...deck.record import Deck
 from ...dialects.recognise import dialect_named
 from ...errors import Fault, ModelError
-from ...model.fe_model import Integrator
 from ...model.flexible_mechanism import FlexibleMechanism
+from ...model.integrators import METHODS, Integrator
 from ...quick_dataclass import replace
 from ..context import Run
 from ..model import folder_of
@@ -62,9 +62,10 @@ def differences(mechanism: FlexibleMechanism, deck: Deck, run: Run) -> tuple[Dif
 def _finely(mechanism: Any, options: Any) -> Any:
     """Return the mechanism with steps finer than it is compared."""
     given = mechanism.integrator
-    method = given.method if given.method in ("RK45", "RAD5") else "RAD5"
+    # Steps of a given length have no tolerance.
+    method = "RAD5" if METHODS[given.method].given_step else given.method
     tolerance = options.integration.get("rtol", FRAMES_TOLERANCE)
-    return replace(mechanism, integrator=Integrator(method, 0.0, tolerance))
+    return replace(mechanism, integrator=Integrator(method, tolerance=tolerance))
 
 
 def _rows(mechanism: Any) -> Any:

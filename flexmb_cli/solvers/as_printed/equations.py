@@ -180,7 +180,7 @@ def along(state: State, joint: "Joint") -> Rows:
 
 
 def separation(state: State, joint: "Joint") -> np.ndarray:
-    """d, the vector from P_i to P_j."""
+    """d (3,), the vector from P_i to P_j, m, global axes."""
     i, j = joint.i, joint.j
     found: np.ndarray = (
         state.q[j, :3] + state.vector(j, joint.P_j) - state.q[i, :3] - state.vector(i, joint.P_i)
@@ -189,7 +189,7 @@ def separation(state: State, joint: "Joint") -> np.ndarray:
 
 
 def separation_rate(state: State, joint: "Joint", wrong: bool = False) -> np.ndarray:
-    """dd/dt, for which the program takes x, y, z, e0 in place of the four Euler parameters."""
+    """dd/dt (3,), for which the program takes x, y, z, e0 in place of the four Euler parameters."""
     taken = slice(0, 4) if wrong else slice(3, 7)
     i, j = joint.i, joint.j
     ends = [

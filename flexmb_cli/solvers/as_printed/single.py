@@ -25,7 +25,7 @@ class Single:
 
 
 def held(mechanism: Mechanism, q: np.ndarray) -> list[Single]:
-    """Simplified and distance constraints, then grounded bodies."""
+    """Simplified and distance constraints, then grounded bodies; q (bodies, 7)."""
     found = [_value(q, item.body, item.direction, item.value) for item in mechanism.simplified]
     found += [_difference(q, item) for item in mechanism.distances]
     for ground in mechanism.grounds:
@@ -45,7 +45,7 @@ def _difference(q: np.ndarray, item: Any) -> Any:
 
 
 def driven(mechanism: Mechanism, q: np.ndarray, qd: np.ndarray, t: float) -> list[Single]:
-    """One equation of a translation, two of a rotation, (4.59) to (4.64)."""
+    """One equation of a translation, two of a rotation, (4.59) to (4.64); q, qd (bodies, 7)."""
     found = []
     for driver in mechanism.drivers:
         function = driver.C + (driver.B + 0.5 * driver.A * t) * t
@@ -63,7 +63,7 @@ def driven(mechanism: Mechanism, q: np.ndarray, qd: np.ndarray, t: float) -> lis
 
 
 def normalised(bodies: list[int], q: np.ndarray, qd: np.ndarray) -> list[Single]:
-    """|p|² = 1 of the bodies."""
+    """|p|² = 1 of the `bodies`, numbers from 0; q, qd (bodies, 7)."""
     found = []
     for body in bodies:
         p, pd = q[body, 3:], qd[body, 3:]

@@ -19,7 +19,7 @@ def l_matrix(p: np.ndarray) -> np.ndarray:
 
 
 def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Matrix times matrix, or matrix times vector."""
+    """Matrix (m, n) times matrix (n, k), or times vector (n,)."""
     if b.ndim == 1:
         return product(a, b[:, None])[:, 0]
     found: np.ndarray = np.add.reduce(a[:, :, None] * b[None, :, :], axis=1)
@@ -27,7 +27,7 @@ def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> float:
-    """Scalar product of two vectors of three."""
+    """Scalar product of two vectors (3,)."""
     return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
 
 
@@ -37,7 +37,10 @@ def tilde(a: np.ndarray) -> np.ndarray:
 
 
 def turned(p: np.ndarray, s: np.ndarray) -> np.ndarray:
-    """G(p) L(p)ᵀ s: of Euler parameters A s; of their rates half the remainder of its second derivative."""
+    """G(p) L(p)ᵀ s (3,), p (4,), s (3,): A s of Euler parameters.
+
+    Of their rates it is half the remainder of the second derivative of A s.
+    """
     return product(g_matrix(p), product(l_matrix(p).T, np.asarray(s, dtype=float)))
 
 
@@ -51,7 +54,10 @@ def turned_slope(p: np.ndarray, s: np.ndarray) -> np.ndarray:
 
 
 def solved(matrix: np.ndarray, right: np.ndarray, smallest_pivot: float) -> np.ndarray | None:
-    """The solution of a linear system by elimination with row exchange; None below the smallest pivot."""
+    """Solution (n,) of a linear system (n, n) by elimination with row exchange, `right` (n,).
+
+    None below the smallest pivot.
+    """
     a = np.column_stack([matrix, right])
     n = len(right)
     for k in range(n):

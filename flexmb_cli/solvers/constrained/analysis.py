@@ -13,6 +13,7 @@ from ...kernels.integrators import clock as codes
 from ...model.arrays.function_table import break_times
 from ...model.arrays.records import CABLE, ELEMENT, FRICTION, STOP
 from ...model.arrays.system import SystemArrays
+from ...model.integrators import Integrator
 from ...model.joint_elements import JointElements
 from ...model.mechanism import TimeGrid
 from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of, taken
@@ -28,7 +29,7 @@ from .failures import (
     step_failure,
 )
 from .initial_stops import notes_of_pressed_stops
-from .integrators import ExplicitSteps, Steps
+from .integrators import Steps
 from .large_start import is_large
 from .start import order_of_elimination
 from .start_speeds import start_speeds
@@ -66,14 +67,13 @@ class ConstrainedMotion(ABC):
         self,
         arrays: SystemArrays,
         grid: TimeGrid,
-        tolerance: float,
-        integrator: Steps | None = None,
+        integrator: Integrator,
         elements: JointElements = NO_ELEMENTS,
     ):
         self.arrays, self.elements = arrays, elements
         self.works = len(arrays.loads) if elements else 0  # loads whose works are kept
         self.grid = grid
-        self.integrator = integrator or ExplicitSteps()
+        self.integrator = Steps(integrator)
         self.system = constrained_system(arrays)
         self.work = new_work(arrays)
         self.warnings: list[Fault] = []
@@ -86,7 +86,7 @@ class ConstrainedMotion(ABC):
         self.integration.units[:coordinates] = arrays.coordinate_scale
         self.integration.units[coordinates : coordinates + n] = arrays.speed_scale
         self.clock = self.integration.clock
-        self.clock["rtol"] = self.clock["atol"] = tolerance
+        self.clock["rtol"] = self.clock["atol"] = integrator.tolerance
 
     @abstractmethod
     def assembled(self, t: float) -> np.ndarray:

@@ -12,6 +12,7 @@ from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators.clock import CONTRADICTION
 from ...model.arrays.records import ELEMENT
+from ...model.integrators import METHODS
 from ..singular.mobility import Gap, about
 from ..singular.rank_of_speeds import (
     SINGULAR_CONDITION,
@@ -29,7 +30,7 @@ GO_ON = (
     "; where the motion locks, free it or end the run before; where it should pass, try a tolerance ten "
     "times as large or as small"
 )
-IMPLICIT = ("RAD5", "GALF")
+IMPLICIT = tuple(word for word, method in METHODS.items() if method.implicit)
 MOMENTS = (1e-9, 1e-7, 1e-5)  # of a run: how far behind the state a jam is looked for
 
 

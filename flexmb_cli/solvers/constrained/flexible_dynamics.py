@@ -8,7 +8,6 @@ from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
 from ...model.arrays.flexible import flexible_arrays
 from ...model.arrays.node_joints import TRANSLATIONS
-from ...model.fe_model import Integrator
 from ...model.flexible_mechanism import FlexibleMechanism, PointJoint
 from ...model.loads import InitialVelocity
 from ...model.mechanism import Joint
@@ -18,7 +17,6 @@ from .analysis import ConstrainedMotion
 from .flexible_rows import FlexibleRows, flexible_rows
 from .flexible_start import assemble_flexible
 from .initial_gaps import gap_warnings
-from .integrators import METHODS, Steps
 from .joint_rates import rate_equations
 from .position import PositionGaps
 from .rows import global_axes
@@ -29,25 +27,14 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
-CHOSEN_STEP_TOLERANCE = 1e-6  # of steps that GALF chooses: ten times as many keep a thousandth of it
-
-
-def integrator_of(integrator: Integrator) -> tuple[Steps, float]:
-    """The integrator that a deck asks for, and its tolerance."""
-    method = METHODS[integrator.method]
-    steps = method.make(integrator.parameter, integrator.step)
-    return steps, CHOSEN_STEP_TOLERANCE if method.by_radius else integrator.parameter
-
-
 class FlexibleDynamics(ConstrainedMotion):
     """One run over the report times of a mechanism."""
 
     omega_in_body_axes = True
 
     def __init__(self, mechanism: FlexibleMechanism):
-        steps, tolerance = integrator_of(mechanism.integrator)
         arrays = flexible_arrays(mechanism)
-        super().__init__(arrays, mechanism.time, tolerance, steps, mechanism.elements)
+        super().__init__(arrays, mechanism.time, mechanism.integrator, mechanism.elements)
         self.mechanism = mechanism
         self.velocities, self.springs = tuple(_velocities(mechanism)), mechanism.springs
 

@@ -19,7 +19,7 @@ SHORTEST = Corrections(met=1e-14, most=60, dependent=DEPENDENT)
 
 
 def assemble_flexible(gaps: "PositionGaps", t: float) -> np.ndarray:
-    """Coordinates near those of the deck that meet all equations; raises AnalysisError.
+    """Coordinates (n + b,) near those of the deck that meet all equations; raises AnalysisError.
 
     Bodies stay undeformed where their joints allow it.
     """

@@ -24,7 +24,7 @@ PRESCRIBED = ("ANGL", "STRK")  # motions from the deck's positions, which may we
 
 
 def gap_warnings(mechanism: FlexibleMechanism, gaps: PositionGaps, q: np.ndarray, t: float) -> list[Fault]:
-    """Warnings where assembly moved bodies far, or deformed them; q: coordinates that meet all equations."""
+    """Warnings where assembly moved bodies far, or deformed them; q (n + b,) meets all equations."""
     return [*_apart(mechanism, gaps, q, t), *_deformed(mechanism, gaps.arrays, q)]
 
 

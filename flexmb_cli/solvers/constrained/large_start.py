@@ -39,7 +39,7 @@ def sparse_jacobian(work: "Work") -> "csr_matrix":
 
 
 def order_of_many(analysis: "ConstrainedMotion", q: np.ndarray) -> "Mobility":
-    """Choose the independent equations at q, and tell which repeat others; leaves no factors."""
+    """Choose the independent equations at q (n + b,), and which repeat others; leaves no factors."""
     system, work, arrays = analysis.system, analysis.work, analysis.arrays
     evaluate_jacobian(system, work, q)
     J = sparse_jacobian(work)

@@ -47,6 +47,9 @@ def dynamic_rows(model: DynamicModel, report: Report) -> DynamicRows:
     q = report.states[:, : 7 * bodies].reshape(times, bodies, 7)
     u = report.states[:, 7 * bodies : 13 * bodies].reshape(times, bodies, 6)
     ud = report.rates.reshape(times, bodies, 6)
+    # Bodies at rest have accelerations in a row, too, of which round-off rules the equations.
+    grounded = [ground.body for ground in mechanism.grounds]
+    ud[:, grounded] = np.where(np.isnan(ud[:, grounded]), 0.0, ud[:, grounded])
     states = np.stack([q, coordinate_rates(q, u), coordinate_accelerations(q, u, ud)], axis=1)
     audit = np.column_stack([report.audit[:, 3], report.audit[:, 4], np.zeros(times)])
     motion = rows_of(mechanism, report.times, states.reshape(times, 3, -1), audit)

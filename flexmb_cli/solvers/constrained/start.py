@@ -30,7 +30,7 @@ WHOLE = Corrections(met=1e-14, most=60, dependent=DEPENDENT, hopeless=1e6)
 
 
 def assembled(analysis: Any, t: float) -> np.ndarray:
-    """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError.
+    """Coordinates (n + b,) that meet all equations, near the deck's estimates; raises AnalysisError.
 
     The nearest position first; where that leaves a gap, whole Newton steps from the estimates, which may
     widen gaps on their way to a position that closes.
@@ -56,7 +56,7 @@ def assembled(analysis: Any, t: float) -> np.ndarray:
 
 
 def order_of_elimination(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> Mobility:
-    """Choose the independent equations at q, and tell which repeat others.
+    """Choose the independent equations at q (n + b,), and which repeat others.
 
     Improves q to round-off on the way, unless the mechanism is large.
     """

@@ -43,7 +43,7 @@ def new_work(arrays: SystemArrays) -> Work:
 
 
 def blank_report(arrays: SystemArrays, times: np.ndarray, works: int = 0) -> Report:
-    """A report for the given times; the works of the first `works` loads are kept."""
+    """A report for the given times (T,), s; the works of the first `works` loads are kept."""
     rows, n = times.size, arrays.speeds
     return Report(
         times,

@@ -17,8 +17,8 @@ from ...model.arrays.element_table import ElementTable
 from ...model.arrays.flexible import flexible_arrays, length_scale
 from ...model.arrays.records import LOAD
 from ...model.arrays.system import SystemArrays
-from ...model.fe_model import Integrator
 from ...model.flexible_mechanism import FlexibleMechanism
+from ...model.integrators import Integrator
 from ...model.joint_elements import is_angle
 from ...model.tree import ROTATION, Tree
 from ...model.tree_as_mechanism.elements import HingeJoints
@@ -34,7 +34,6 @@ from ..checkpoint import taken
 from ..linearisation.terms import Terms, motors_of
 from ..tree.rows import TreeRows, rows_of_tree, unturned
 from .analysis import ConstrainedMotion
-from .integrators import RadauSteps
 from .system import blank_report, with_driven
 from .tree_element_rows import rows_of_drivers, with_elements
 from .tree_rows import motion_of_bodies
@@ -64,9 +63,8 @@ class AbsoluteTree(ConstrainedMotion):
         self._bodies = tuple(bodies)
         arrays = absolute_arrays(tree, self.frames, self._bodies)
         stiff = tree.elements and tree.integration.method in IMPLICIT
-        super().__init__(
-            arrays, tree.time, tree.integration.rtol, RadauSteps() if stiff else None, tree.elements
-        )
+        integrator = Integrator("RAD5" if stiff else "RK45", tolerance=tree.integration.rtol)
+        super().__init__(arrays, tree.time, integrator, tree.elements)
         self.clock["atol"] = tree.integration.atol
         self._speeds = np.concatenate([np.concatenate([body.velocity, body.omega]) for body in bodies])
         self._elastic = [elastic_start(tree, k) for k in range(len(tree.bodies))]
@@ -148,8 +146,7 @@ class AbsoluteTree(ConstrainedMotion):
 
 def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple[Any, ...]) -> SystemArrays:
     """The equations of a tree between bodies with coordinates of their own."""
-    integrator = Integrator("RK45", 0.0, tree.integration.rtol)
-    free = FlexibleMechanism(bodies, tree.time, integrator, tree.gravity)
+    free = FlexibleMechanism(bodies, tree.time, Integrator(), tree.gravity)
     table = PrimitiveTable(bodies, length_scale(free))
     add_hinges(table, tree, frames)
     add_prescribed(table, tree, frames)

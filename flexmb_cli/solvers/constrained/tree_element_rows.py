@@ -39,7 +39,7 @@ def with_elements(tree: Tree, arrays: SystemArrays, rows: TreeRows, report: Repo
 
 
 def rows_of_drivers(tree: Tree, arrays: SystemArrays) -> np.ndarray:
-    """The equations of prescribed coordinates, then of those that follow functions.
+    """Numbers (drivers,) of the equations of prescribed coordinates, then of those that follow functions.
 
     Their groups stand behind the hinges and before the closures, couplings between them.
     """

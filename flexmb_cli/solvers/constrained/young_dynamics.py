@@ -16,7 +16,6 @@ from ..linearisation.terms import Terms, motors_of
 from .analysis import ConstrainedMotion
 from .element_rows import element_rows
 from .flexible_start import assemble_flexible
-from .integrators import ExplicitSteps, GeneralisedAlpha, RadauSteps
 from .joint_rates import rate_equations
 from .position import PositionGaps
 from .rows import DynamicRows, dynamic_rows
@@ -31,8 +30,7 @@ class ForwardDynamics(ConstrainedMotion):
     arrays: DynamicArrays
 
     def __init__(self, model: DynamicModel):
-        arrays, steps = dynamic_arrays(model), _integrator(model)
-        super().__init__(arrays, model.mechanism.time, model.tolerance, steps, model.elements)
+        super().__init__(dynamic_arrays(model), model.mechanism.time, model.integrator, model.elements)
         self.model = model
         self.mechanism = model.mechanism
         self.velocities, self.springs = model.velocities, model.springs
@@ -105,10 +103,3 @@ class ForwardDynamics(ConstrainedMotion):
 
 def _point(body: int, place: tuple[float, float, float]) -> NodePoint:
     return NodePoint("", body, np.array(place), np.zeros((3, 0)))
-
-
-def _integrator(model: DynamicModel) -> Any:
-    if model.radau:
-        return RadauSteps()
-    steps = model.alpha_steps
-    return ExplicitSteps() if steps is None else GeneralisedAlpha(steps.radius, steps.length)

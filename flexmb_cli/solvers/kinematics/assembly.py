@@ -30,9 +30,10 @@ POLISH = Corrections(met=1e-13, most=20, dependent=DEPENDENT, hopeless=1e-6)
 def assemble_by_search(
     evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """A position that meets the equations as well as can be, and its scaled residual.
+    """A position (7 n,) that meets the equations as well as can be, and its scaled residual (m,).
 
-    Least squares from the estimates, then from estimates a little off, polished by shortest corrections.
+    q (7 n,): estimates; `expected`: angles of screws, rad.  Least squares from the estimates, then from
+    estimates a little off, polished by shortest corrections.
     """
     instant = Instant(evaluator, t, expected)
 
@@ -49,7 +50,8 @@ def assembly_failure(
 ) -> AnalysisError:
     """The mechanism of the deck cannot be put together at its first time, t.
 
-    `most_iterations`: how many Newton was allowed; fewer than usual may be the reason.
+    `gap` (m,): scaled residual.  `most_iterations`: how many Newton was allowed; fewer than usual may be
+    the reason.
     """
     worst = worst_gaps(evaluator, gap)
     left = "; ".join(one.text for one in worst) or "no gap is left, but the position is singular"
@@ -81,7 +83,7 @@ def _few(iterations: int) -> str:
 def free_motion_error(
     evaluator: Evaluator, q: np.ndarray, found: Mobility, motion: np.ndarray, t: float
 ) -> ModelError:
-    """Something can move along the null vector `motion` that neither joints nor drivers determine."""
+    """Something can move along the null vector `motion` (7 n,) that neither joints nor drivers determine."""
     doubled = "; ".join(_group(group) for group in found.redundant)
     message = (
         f"at t = {t:.6g} s a motion is left that nothing determines: {motion_text(evaluator, q, motion)}; "

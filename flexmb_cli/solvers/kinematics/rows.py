@@ -99,7 +99,10 @@ def point_motion(
 
 
 def rotated(p: np.ndarray, r: np.ndarray, s: np.ndarray) -> np.ndarray:
-    """G(p) L(r)ᵀ s (3.26), symmetrical in p and r: A s for p = r, half of dA/dt s for r = ṗ."""
+    """G(p) L(r)ᵀ s (…, 3) by (3.26), p and r (…, 4), s (…, 3) in body axes; symmetrical in p and r.
+
+    A s for p = r, half of dA/dt s for r = ṗ.
+    """
     p0, p1, p2, p3 = np.moveaxis(p, -1, 0)
     r0, r1, r2, r3 = np.moveaxis(r, -1, 0)
     x, y, z = s.T

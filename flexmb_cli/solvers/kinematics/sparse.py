@@ -69,7 +69,7 @@ class SparseFactors:
 
 
 def odd(permutation: np.ndarray) -> bool:
-    """Return whether a permutation is made of an odd number of exchanges: n less its cycles."""
+    """Return whether a permutation (n,) is made of an odd number of exchanges: n less its cycles."""
     cycles = connected_components(
         csc_matrix((np.ones(permutation.size), (range(permutation.size), permutation)))
     )[0]

@@ -199,7 +199,7 @@ class ConstrainedLinearised(LinearisedMotion):
 def linearised(
     analysis: Any, formulation: Any = ConstrainedLinearised
 ) -> tuple[LinearisedMotion, np.ndarray, bool]:
-    """Return the motion linearised about the state of `analysis`, its matrix A, and whether A is constant.
+    """Return the motion linearised about the state of `analysis`, A (2 f, 2 f), and whether it is constant.
 
     Of the axes of `formulation` the first that make A constant are taken; where none do, the first.
     Raises AnalysisError at a singular position and where a motion has no inertia.
@@ -220,7 +220,7 @@ def modes(analysis: "ForwardDynamics", formulation: type = ConstrainedLinearised
 
 
 def modes_of(motion: LinearisedMotion, A: np.ndarray, constant: bool) -> Modes:
-    """Return the modes of A, and what neither oscillates nor is held."""
+    """Return the modes of A (2 f, 2 f), and what neither oscillates nor is held."""
     f = motion.dofs
     values, vectors = np.linalg.eig(A)
     order = np.lexsort((values.imag, np.round(np.abs(values), 9)))

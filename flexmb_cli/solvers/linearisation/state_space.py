@@ -95,7 +95,10 @@ class Responses(ABC):
 
 
 def matrices(responses: Responses) -> list[np.ndarray]:
-    """Return A, B, C, D in the units of the signals."""
+    """Return A (2 f, 2 f), B (2 f, inputs), C (outputs, 2 f) and D (outputs, inputs).
+
+    They are in the units of the signals.
+    """
     motion, p = responses.motion, len(responses.outputs)
     units = np.tile(motion.units, 2)
     state = [

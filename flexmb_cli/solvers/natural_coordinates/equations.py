@@ -216,14 +216,14 @@ def _turning(driver: Any, i: Any, a: Any) -> Any:
 
 
 def turned(axis: int, angle: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the rotation matrix about a global axis, and its derivatives by the angle."""
+    """Return the rotation matrix (3, 3) about a global axis, and its two derivatives by the angle."""
     K = np.cross(np.eye(3)[axis], np.eye(3)).T
     s, c = np.sin(angle), np.cos(angle)
     return np.eye(3) + s * K + (1.0 - c) * K @ K, c * K + s * K @ K, -s * K + c * K @ K
 
 
 def rotation_of(p: np.ndarray | tuple[float, float, float, float]) -> np.ndarray:
-    """Return the rotation matrix of Euler parameters."""
+    """Return the rotation matrix (3, 3), body to global axes, of Euler parameters (4,)."""
     e0, e = p[0], np.array(p[1:])
     found: np.ndarray = (2 * e0 * e0 - 1) * np.eye(3) + 2 * np.outer(e, e) + 2 * e0 * np.cross(e, np.eye(3)).T
     return found

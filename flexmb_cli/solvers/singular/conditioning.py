@@ -70,7 +70,7 @@ def weakest_joints(evaluator: Evaluator, weak: Conditioning) -> "list[Equation]"
 
 
 def conditioning_text(evaluator: Evaluator, q: np.ndarray, weak: Conditioning) -> str:
-    """Joints with their lines, condition and the motion that is hardly determined, in words."""
+    """Joints with their lines, condition and the motion hardly determined at q (7 n,), in words."""
     owners = weakest_joints(evaluator, weak)
     joints = f" of {owners_text(owners)}" if owners else ""
     size = condition_text(weak.condition, WORST_CONDITION)

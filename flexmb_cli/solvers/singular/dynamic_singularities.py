@@ -23,10 +23,6 @@ from .weakest import Conditioning, condition_text, owners_text
 if TYPE_CHECKING:
     from ..constrained.analysis import ConstrainedMotion
 
-
-if TYPE_CHECKING:
-    from ...model.equations import Equation
-
 MOST_CERTAIN_CONDITION = 1e6  # a position between rows is found to about the square root of round-off
 SOUGHT = 3  # rows between which a singular position is sought
 LOOKS = 300  # rows of a run that are looked at

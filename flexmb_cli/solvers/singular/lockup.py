@@ -73,7 +73,7 @@ def _singular(analysis: Any, reached: Any, t: float) -> Any:
 
 
 def singular_start(analysis: "KinematicAnalysis", q: np.ndarray, t: float) -> AnalysisError:
-    """The failure of an analysis whose first position q is a dead centre or a branching."""
+    """The failure of an analysis whose first position q (7 n,) is a dead centre or a branching."""
     evaluator = analysis.evaluator
     weak = conditioning(evaluator, q, t, analysis.arrays.screw_angles)
     message = (

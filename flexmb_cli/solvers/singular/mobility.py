@@ -52,7 +52,7 @@ def about(severity: str, message: str, *owners: Equation) -> Fault:
 def worst_gaps(
     evaluator: "Evaluator | PositionGaps", scaled_residual: np.ndarray, most: int = 3
 ) -> list[Gap]:
-    """The owners with the largest scaled residuals, worst first; those that are met are left out."""
+    """The owners with the largest scaled residuals (m,), worst first; those that are met are left out."""
     found: dict[str, Gap] = {}
     size = np.abs(scaled_residual)
     # Least squares share a gap out among joints: those alike to some percent stay in the deck's order.
@@ -106,7 +106,7 @@ class Mobility:
 
 
 def mobility(evaluator: Evaluator, q: np.ndarray, t: "Any", expected: np.ndarray) -> Mobility:
-    """Rank analysis of the scaled Jacobian at an assembled position q, by singular values.
+    """Rank analysis of the scaled Jacobian at an assembled position q (7 n,), by singular values.
 
     Of large mechanisms by elimination, which finds the same groups in time and memory of their size.
     """
@@ -136,7 +136,7 @@ def mobility(evaluator: Evaluator, q: np.ndarray, t: "Any", expected: np.ndarray
 
 
 def sparse_basis(vectors: np.ndarray) -> tuple[np.ndarray, tuple[int, ...]]:
-    """Return vectors spanning the same space, of unit length, each with a coordinate of its own: its pivot.
+    """Return vectors (k, n) of unit length that span the same space, and a coordinate of each: its pivot.
 
     Null vectors of a singular value decomposition mix unrelated motions; elimination separates them, so that
     each can be named.  Columns of the null space have lengths that no choice of its basis changes: pivots
@@ -155,7 +155,7 @@ def sparse_basis(vectors: np.ndarray) -> tuple[np.ndarray, tuple[int, ...]]:
 
 
 def involved(vector: np.ndarray) -> list[int]:
-    """Places of a vector that are not zero, largest first."""
+    """Places of a vector (n,) that are not zero, largest first."""
     size = np.abs(vector)
     return [k for k in by_size(size) if size[k] > NAMED * size.max()]
 
@@ -163,7 +163,7 @@ def involved(vector: np.ndarray) -> list[int]:
 def moves_freely(
     evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray, motion: np.ndarray
 ) -> bool:
-    """Return whether the mechanism can really move along a null vector, and not only to first order.
+    """Return whether the mechanism can really move along a null vector (7 n,), and not only to first order.
 
     A step along `motion` is brought back to the constraints by the shortest way; a stiff mechanism
     comes back to where it was.
@@ -174,7 +174,7 @@ def moves_freely(
 
 
 def motion_text(evaluator: Evaluator, q: np.ndarray, motion: np.ndarray) -> str:
-    """A null vector in words: which bodies turn about, or move along, which global direction."""
+    """A null vector (7 n,) in words: which bodies turn about, or move along, which global direction."""
     bodies = (motion * evaluator.arrays.column_scale).reshape(-1, 7)
     size = np.linalg.norm(motion.reshape(-1, 7), axis=1)
     moving = [k for k in by_size(size) if size[k] > NAMED * size.max()]

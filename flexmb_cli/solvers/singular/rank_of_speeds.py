@@ -36,7 +36,7 @@ def conditioning_of_speeds(
 
 
 def weakest_of_speeds(analysis: "ConstrainedMotion", state: np.ndarray) -> "tuple[float, list[Equation]]":
-    """Condition of the independent equations of a ConstrainedMotion at a state, and those that are weakest.
+    """Condition of the independent equations of a ConstrainedMotion at a state (N,), and the weakest ones.
 
     The condition is the largest over the last singular value that is counted in the rank.
     """
@@ -55,7 +55,7 @@ def weakest_of_speeds(analysis: "ConstrainedMotion", state: np.ndarray) -> "tupl
 
 
 def is_singular(analysis: "ConstrainedMotion", q: np.ndarray, start: np.ndarray) -> bool:
-    """Return whether two motions of a ConstrainedMotion cross near q, and its joints were sound at the start.
+    """Return whether two motions of a ConstrainedMotion cross near q (n + b,), its joints sound at the start.
 
     So near to it in time a mere lock is further from losing a rank, by the square root.
     """

@@ -122,7 +122,7 @@ def _largest(places: np.ndarray, shares: np.ndarray, own: int) -> list[int]:
 
 
 def sparse_conditioning(matrix: "csr_matrix", rows: np.ndarray | None = None) -> Conditioning:
-    """Return the conditioning of a sparse Jacobian of full rank, or of its independent `rows`.
+    """Return the conditioning of a sparse Jacobian (m, n) of full rank, or of its independent `rows`.
 
     By inverse iteration with J Jᵀ, or Jᵀ J where that is smaller.
     """

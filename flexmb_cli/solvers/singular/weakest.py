@@ -35,14 +35,14 @@ class Conditioning:
 
 
 def conditioning_of(matrix: np.ndarray, rank: int) -> Conditioning:
-    """Return the conditioning of a dense Jacobian of this rank, at least 1."""
+    """Return the conditioning of a dense Jacobian (m, n) of this rank, at least 1."""
     left, values, right = np.linalg.svd(matrix)
     smallest = max(float(values[rank - 1]), np.finfo(float).tiny)
     return Conditioning(float(values[0]) / smallest, right[rank - 1], left[:, rank - 1])
 
 
 def weakest_owners(equations: Any, combination: np.ndarray, most: int) -> "list[Equation]":
-    """Return the equations with the largest shares of a combination, one an owner: joints if there are some.
+    """Return the equations with the largest shares of a combination (m,), one an owner: joints if any.
 
     Equations that have no place in the deck are named only where none has.
     """

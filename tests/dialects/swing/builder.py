@@ -2,6 +2,7 @@
 
 from math import cos, pi, sin
 
+from flexmb_cli.model.integrators import Integrator
 from flexmb_cli.model.loads import DynamicModel, MassProperties
 from flexmb_cli.model.mechanism import Body, Ground, Joint, Mechanism, Point, TimeGrid
 
@@ -20,4 +21,6 @@ def build(deck, folder):
         points=(Point("end", 1, end),),
     )
     mass = MassProperties("mass", 1, bob["mass"], end)
-    return DynamicModel(mechanism, masses=(mass,), gravity=(0.0, -9.81, 0.0), tolerance=1e-11), []
+    return DynamicModel(
+        mechanism, masses=(mass,), gravity=(0.0, -9.81, 0.0), integrator=Integrator(tolerance=1e-11)
+    ), []

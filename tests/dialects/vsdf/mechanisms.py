@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 
-from flexmb_cli.model.fe_model import Integrator
 from flexmb_cli.model.flexible_mechanism import (
     FlexibleMechanism,
     FloatingBody,
@@ -12,6 +11,7 @@ from flexmb_cli.model.flexible_mechanism import (
     PointJoint,
     PointPin,
 )
+from flexmb_cli.model.integrators import Integrator
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.time_functions import MotionFunction
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics

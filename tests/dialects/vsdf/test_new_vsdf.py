@@ -11,7 +11,7 @@ from flexmb_cli.dialects.vsdf.build import build_vsdf
 from flexmb_cli.dialects.vsdf.cards import CARDS
 from flexmb_cli.dialects.vsdf.elements.cards import ELEMENT_CARDS
 from flexmb_cli.dialects.vsdf.form import VsdfForm
-from flexmb_cli.model.fe_model import Integrator
+from flexmb_cli.model.integrators import Integrator
 from tests.dialects.vsdf.element_cases import CASES
 from tests.dialects.vsdf.vsdf_decks import read
 
@@ -119,7 +119,7 @@ def test_a_rigid_pendulum_asked_for():
     ]
     model, _ = build_vsdf(deck_of(dialogue), Path("."))
     assert (model.bodies[0].name, model.joints[0].kind, model.time.end) == ("body 1", "spherical", 1.0)
-    assert model.integrator == Integrator("GALF", 0.0, 0.9)  # FORMAT.md: the radius by default
+    assert model.integrator == Integrator("GALF", 0.0, 1e-6, 0.9)  # FORMAT.md: the radius by default
 
 
 def test_numbers_of_bodies_and_lists_of_nodes_are_checked_at_once():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
-from flexmb_cli.model.fe_model import Integrator
+from flexmb_cli.model.integrators import Integrator
 from flexmb_cli.model.loads import DynamicModel, MassProperties
 from flexmb_cli.model.mechanism import Body, Ground, Joint, Mechanism, TimeGrid
 from flexmb_cli.run.check.check import check_deck
@@ -41,7 +41,9 @@ def young_rows():
         MassProperties("mass 1", 1, 2.0, (0.5, 0.0, 0.0), (0.1, 0.2, 0.2, 0.0, 0.0, 0.0)),
         MassProperties("mass 2", 2, 1.0, (0.25, 0.0, 0.0), (0.05, 0.1, 0.1, 0.0, 0.0, 0.0)),
     )
-    model = DynamicModel(mechanism, "forward", masses, gravity=(0.0, -9.81, 0.0), tolerance=1e-11)
+    model = DynamicModel(
+        mechanism, "forward", masses, gravity=(0.0, -9.81, 0.0), integrator=Integrator(tolerance=1e-11)
+    )
     (rows,) = ForwardDynamics(model).rows()
     return rows
 

@@ -9,6 +9,7 @@ from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.settings import apply_settings
 from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
 from flexmb_cli.errors import DeckError, ModelError
+from flexmb_cli.model.integrators import Integrator
 
 README = Path(__file__).parents[3] / "decks/young/README.md"
 DECKS = Path(__file__).parents[3] / "decks/young/dynamics"
@@ -92,9 +93,9 @@ def test_radaus_method_has_the_tolerance_of_its_card_or_that_of_the_deck():
     mass = "DYNAMICS forward\nMASS 1 2.5 0 0 0 1 1 1\n"
     for cards, tolerance in (("RAD5", 1e-9), ("RAD5 1e-6", 1e-6), ("TOLERANCE 1e-7\nRAD5", 1e-7)):
         model, _ = build_young_dynamics(read(f"{mass}{cards}\n"))
-        assert (model.radau, model.tolerance) == (True, tolerance)
+        assert model.integrator == Integrator("RAD5", tolerance=tolerance)
     deck = apply_settings(read(f"{mass}RAD5 1e-6\n"), ["radau.1.tolerance=1e-5"])
-    assert build_young_dynamics(deck)[0].tolerance == 1e-5
+    assert build_young_dynamics(deck)[0].integrator.tolerance == 1e-5
 
 
 def test_an_unknown_card_is_told_with_the_nearest_known_one():

@@ -6,10 +6,12 @@ table 1.2.  The file shows all that an integrator is made of: CONTRIBUTING.md re
 
 import math
 
+import numpy as np
+
 from flexmb_cli.kernels._jit import kernel
 from flexmb_cli.kernels.constrained.angle_unwrapping import expect_angles, unwrap_angles
-from flexmb_cli.kernels.integrators.clock import BEGIN, READY, STEP_VANISHED
-from flexmb_cli.kernels.integrators.constrained_dop853 import new_integration  # noqa: F401
+from flexmb_cli.kernels.integrators.clock import BEGIN, READY, STEP_VANISHED, new_clock
+from flexmb_cli.kernels.integrators.constrained_dop853 import Integration
 from flexmb_cli.kernels.integrators.constrained_equations import (
     code_of_gap,
     note_gap,
@@ -21,8 +23,20 @@ from flexmb_cli.kernels.integrators.hermite import cubic
 from flexmb_cli.kernels.integrators.time_loop import Method, time_loop
 from flexmb_cli.kernels.linalg.copying import copy
 
-STEP = 0.0625  # s; a power of two, whose sums meet the stop
+STEP = 0.0625  # s, where the deck gives none; a power of two, whose sums meet the stop
 END = 4  # row of `slopes` of the slope at the end of a step
+
+
+def new_integration(work, angles, works):
+    """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles.
+
+    The works of the first `works` loads are kept, behind the work of all loads.
+    """
+    counted = 2 * work.jacobian.shape[1] + work.mass.shape[0]
+    n = counted + 1 + works
+    states = [np.zeros(n) for _ in range(3)]
+    slopes, dense = np.zeros((END + 1, n)), np.zeros((2, n))
+    return Integration(new_clock(counted), *states, slopes, dense, np.ones(n), np.zeros((3, angles)))
 
 
 @kernel
@@ -104,5 +118,7 @@ def integrate_rows(task, system, work, integration, report, budget):
     clock = integration.clock[0]
     copy(integration.z, integration.old)
     copy(integration.z, integration.trial)
-    clock["step"], clock["step_start"] = STEP, clock["t"]
+    clock["step_start"] = clock["t"]
+    if clock["step"] == 0.0:
+        clock["step"] = STEP
     return READY if slope(integration, 0, clock["t"], system, work) else STEP_VANISHED

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from flexmb_cli.kernels._jit import interpreted
+from flexmb_cli.model.integrators import METHODS, Integrator, IntegratorType
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.solvers.constrained import integrators, young_dynamics
+from flexmb_cli.solvers.constrained import integrators
 from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 from tests.kernels.integrators import rk4
 from tests.solvers.constrained.dynamic_runs import joined
@@ -20,12 +21,11 @@ from tests.solvers.constrained.test_forward_dynamics import G
 def test_a_method_of_one_file_swings_a_bar_with_its_order(monkeypatch):
     """sin(θ/2) = k sn(K + rate t, k), rate² = m g l / J about the hinge = 3 g / (2 L)."""
     monkeypatch.setattr(integrators, "KERNELS", rk4.__name__.rpartition(".")[0])
-    monkeypatch.setattr(young_dynamics, "_integrator", lambda model: integrators.Steps("rk4"))
+    monkeypatch.setitem(METHODS, "RK4", IntegratorType("rk4", "Kutta", "rk4", 1e-8, given_step=True))
     model, errors = swinging_bar(), []
     model = replace(model, mechanism=replace(model.mechanism, time=TimeGrid(0.0, 0.5, 0.125)))
     for step in (0.0625, 0.03125):
-        monkeypatch.setattr(rk4, "STEP", step)
-        analysis = ForwardDynamics(replace(model, tolerance=1e-6))
+        analysis = ForwardDynamics(replace(model, integrator=Integrator("RK4", step)))
         rows = joined(list(analysis.rows()))
         assert analysis.clock["steps"][0] == round(0.5 / step)
         assert rows.constraint_residual.max() < 1e-14

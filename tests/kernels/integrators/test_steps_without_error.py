@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmb_cli.model.fe_model import Integrator
 from flexmb_cli.model.flexible_mechanism import FlexibleMechanism
+from flexmb_cli.model.integrators import Integrator
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.time_functions import Motion, MotionFunction
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
@@ -16,8 +16,8 @@ SPEED = 10.0  # rad/s
 TOLERANCE = 1e-8
 RADAU, CHOSEN, LONG = (
     Integrator("RAD5", 0.0, TOLERANCE),
-    Integrator("GALF", 0.0, 0.9),
-    Integrator("GALF", 0.7, 0.9),
+    Integrator("GALF", 0.0, 1e-6, 0.9),
+    Integrator("GALF", 0.7, 1e-6, 0.9),
 )
 
 

@@ -10,6 +10,7 @@ from flexmb_cli.cli.plot import plot
 from flexmb_cli.results.figures.curves import Curve, Panel
 from flexmb_cli.results.figures.look import Look
 from flexmb_cli.results.figures.plots import fitted_figure, picture
+from flexmb_cli.results.quantities.readable import Readable
 from tests.results.figures.turning_bar import write_bar
 
 matplotlib = pytest.importorskip("matplotlib")
@@ -79,3 +80,26 @@ def test_letters_that_leave_no_room_are_a_usage_error(deck, mechanism, rows, tmp
     assert done.exit_code == 2
     assert "letters of 16 points leave no room for curves in 20 mm" in done.output
     assert not (tmp_path / "p.png").exists()
+
+
+@pytest.mark.parametrize("millimetres, points, words", [
+    (40, 10, ("principal stress", "body 1 element 1000001", "1")),
+    (40, 8, ("principal stress", "body 1 element 1000001", "1")),
+    (60, 14, ("node of the largest von Mises stress", "body 1", "")),
+])  # fmt: skip
+def test_labels_keep_three_fifths_of_the_size_that_was_asked_for(millimetres, points, words):
+    """They got smaller without limit, down to 1.6 points; asked for were 0.6 of the size, and 5 points."""
+    curve = Curve("", TIMES, 3e5 * np.cos(90 * TIMES), 0, words=Readable(*words))
+    figure = figure_of(Look(millimetres, size=points), Panel("time [s]", "Pa", (curve,)))
+    (axis,) = figure.axes
+    assert axis.yaxis.label.get_fontsize() >= 0.999 * max(0.6 * points, min(5, points))
+    assert axis.yaxis.label.get_window_extent().height <= 1.01 * axis.bbox.height
+    assert axis.bbox.width > 0.2 * figure.bbox.width
+
+
+def test_a_panel_narrower_than_a_seventh_of_its_picture_is_refused():
+    """Its label had 1.6 of 4 points, and the numbers below it lay on each other."""
+    words = Readable("principal stress", "body 1 element 1000001", "1")
+    curve = Curve("", TIMES / 10, 3e5 * np.cos(90 * TIMES), 0, words=words)
+    with pytest.raises(ValueError, match="letters of 4 points leave no room for curves in 20 mm"):
+        figure_of(Look(20, size=4.0), Panel("time [s]", "Pa", (curve,)))

@@ -42,7 +42,7 @@ def test_series_of_dafms_are_named_after_their_units():
 
 def test_options_overrule_names():
     assert result_paths("IN1.dat", "young", "out", h5="x.h5") == ResultPaths(
-        os.path.join("out", "OUT1.dat"), "x.h5"
+        os.path.join("out", "OUT1.dat"), "x.h5", named=("x.h5",)
     )
     assert result_paths("IN1.dat", "young", no_out=True, no_h5=True).files == ()
     assert result_paths("IN1.dat", "young", out="-").files == ("OUT1.h5",)

@@ -8,7 +8,8 @@ import pytest
 from scipy.special import ellipj, ellipk
 
 from flexmb_cli.kernels.integrators.generalised_alpha_step import parameters
-from flexmb_cli.model.loads import AlphaSteps, DynamicModel, InitialVelocity, MassProperties, SpringDamper
+from flexmb_cli.model.integrators import Integrator
+from flexmb_cli.model.loads import DynamicModel, InitialVelocity, MassProperties, SpringDamper
 from flexmb_cli.model.mechanism import Mechanism, TimeGrid
 from flexmb_cli.solvers.constrained import analysis as constrained_motion
 from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
@@ -19,7 +20,9 @@ from tests.solvers.constrained.test_forward_dynamics import G, double_pendulum, 
 
 def integration(model, radius=0.9, step=0.0):
     """All rows, and the analysis."""
-    analysis = ForwardDynamics(replace(model, alpha_steps=AlphaSteps(step, radius)))
+    analysis = ForwardDynamics(
+        replace(model, integrator=Integrator("GALF", step, model.integrator.tolerance, radius))
+    )
     return joined(list(analysis.rows())), analysis
 
 
@@ -92,7 +95,7 @@ def test_chosen_steps_keep_the_tolerance():
     model = swinging_bar()
     steps, errors = [], []
     for tolerance in (1e-5, 1e-7):
-        rows, analysis = integration(replace(model, tolerance=tolerance))
+        rows, analysis = integration(replace(model, integrator=Integrator(tolerance=tolerance)))
         errors.append(np.max(np.abs(bar_angles(rows) - angle_from_vertical(rows.time, math.sqrt(1.5 * G)))))
         steps.append(analysis.clock["steps"][0])
     assert steps[1] / steps[0] == pytest.approx(10.0, rel=0.25)

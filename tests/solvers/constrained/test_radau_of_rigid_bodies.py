@@ -10,11 +10,10 @@ from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
 from flexmb_cli.errors import AnalysisError
+from flexmb_cli.model.integrators import Integrator
 from flexmb_cli.model.loads import DynamicModel, MassProperties
 from flexmb_cli.model.mechanism import Driver, Joint, Mechanism, Simplified, TimeGrid
 from flexmb_cli.solvers.constrained import analysis as constrained_motion
-from flexmb_cli.solvers.constrained import young_dynamics
-from flexmb_cli.solvers.constrained.integrators import RadauSteps
 from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 from tests.solvers.constrained import squeezer
 from tests.solvers.constrained.body_balances import worst_balance
@@ -31,15 +30,12 @@ Z = (0.0, 0.0, 1.0)
 
 
 @pytest.fixture
-def integration(monkeypatch):
+def integration():
     """A run by Radau's method: all rows, and the analysis."""
 
     def rows_and_analysis(model, tolerance=1e-8):
-        monkeypatch.setattr(young_dynamics, "_integrator", lambda model: RadauSteps())
-        analysis = ForwardDynamics(replace(model, tolerance=tolerance))
-        rows = joined(list(analysis.rows()))
-        monkeypatch.undo()
-        return rows, analysis
+        analysis = ForwardDynamics(replace(model, integrator=Integrator("RAD5", tolerance=tolerance)))
+        return joined(list(analysis.rows())), analysis
 
     return rows_and_analysis
 
@@ -65,7 +61,7 @@ def test_a_bar_swings_by_elliptic_functions_with_order_five(integration):
 def test_speeds_and_accelerations_of_rows_inside_steps_are_those_of_the_motion(integration):
     """Against DOP853 with 1e-12; rows every 7 ms fall anywhere in the steps."""
     model = timed(double_pendulum(), 0.3, 0.007)
-    exact = run(replace(model, tolerance=1e-12))
+    exact = run(replace(model, integrator=Integrator(tolerance=1e-12)))
     rows, _ = integration(model)
     for name in ("position", "velocity", "angular_velocity", "acceleration"):
         np.testing.assert_allclose(getattr(rows, name), getattr(exact, name), rtol=0, atol=1e-6, err_msg=name)
@@ -88,7 +84,7 @@ def test_bricards_linkage_with_its_repeated_equation_comes_to_the_explicit_solut
     model = build_young_dynamics(read_deck(read_text(str(DECKS / "dynamics/IN-BRICARD.dat"))))[0]
     model = timed(model, 0.4, 0.1)
     rows, analysis = integration(model)
-    exact = run(replace(model, tolerance=1e-11))
+    exact = run(replace(model, integrator=Integrator(tolerance=1e-11)))
     np.testing.assert_allclose(rows.position, exact.position, rtol=0, atol=1e-9)
     assert rows.constraint_residual.max() < 1e-14
     assert worst_balance(model, rows) < 1e-10

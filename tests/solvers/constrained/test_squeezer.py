@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexmb_cli.model.integrators import Integrator
 from tests.solvers.constrained import squeezer
 from tests.solvers.constrained.dynamic_runs import run
 
@@ -13,7 +14,7 @@ pytestmark = pytest.mark.long_motion
 
 @pytest.fixture(scope="module")
 def rows():
-    return run(replace(squeezer.model(0.03, 0.015), tolerance=1e-10))
+    return run(replace(squeezer.model(0.03, 0.015), integrator=Integrator(tolerance=1e-10)))
 
 
 def test_the_accelerations_at_the_start_are_the_published_ones(rows):

@@ -41,7 +41,7 @@ def test_a_young_deck_settles_and_swings():
     """omega² = m g s/(J + m s²); hanging, the x axis points down."""
     mechanism = found("-", "--equilibrium", deck=PENDULUM)
     assert mechanism["frequency"] == pytest.approx([math.sqrt(2 * G * 0.5 / 0.6) / math.tau], rel=1e-8)
-    assert mechanism["freedoms"] == 1
+    assert mechanism["degrees_of_freedom"] == 1
     e0, _, e2, _ = mechanism["position"]["body 2"][3:]
     assert 2 * e0 * e2 == pytest.approx(1.0, abs=1e-9)
 
@@ -103,7 +103,7 @@ def test_a_soft_rod_hangs_a_little_slower_than_a_rigid_one():
     d2 = 0.05**2 + 0.0075**2
     rigid = math.sqrt(G * math.sqrt(d2) / ((0.1**2 + 0.015**2) / 12 + d2)) / math.tau
     assert 0.995 * rigid < mechanism["frequency"][0] < rigid
-    assert mechanism["freedoms"] == 10
+    assert mechanism["degrees_of_freedom"] == 10
 
 
 def test_a_vsdf_deck_is_asked_for_its_bodies_only():

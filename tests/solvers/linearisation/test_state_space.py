@@ -12,6 +12,7 @@ import pytest
 from scipy.io import loadmat
 from scipy.linalg import expm
 
+from flexmb_cli.model.integrators import Integrator
 from flexmb_cli.model.loads import AppliedForce, DynamicModel, MassProperties
 from flexmb_cli.model.mechanism import Driver, Joint, Mechanism, Point, Simplified, TimeGrid
 from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
@@ -162,7 +163,7 @@ def test_a_small_step_of_a_load_moves_a_run_as_the_state_space_tells():
     grid = TimeGrid(0.0, 0.6, 0.1)
     mechanism = replace(loads.mechanism, points=points, time=grid)
     step = AppliedForce("force 1", 2, (1e-3, 0.0, 0.0), following=True)
-    model = replace(loads, mechanism=mechanism, forces=(step,), tolerance=1e-12)
+    model = replace(loads, mechanism=mechanism, forces=(step,), integrator=Integrator(tolerance=1e-12))
     still = replace(model, forces=(replace(step, force=(0.0, 0.0, 0.0)),))
     space = space_of(still)
     there, here = run(model), run(still)

@@ -13,7 +13,7 @@ from ....errors import Fault, Place
 from ....model.exchange.chain import chain_of
 from ....model.exchange.function_cards import FunctionCards
 from ....model.exchange.functions import value_of
-from ....model.exchange.rigid_model import EXPLICIT, Refusals, RigidModel
+from ....model.exchange.rigid_model import Refusals, RigidModel
 from ....model.exchange.shapes import shifted
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS
@@ -95,7 +95,7 @@ class _Deck(ElementCards):
             *self._bodies("RC(K", [self._centre(hung) for hung in bodies]),
             "GRAV", f"{0:5d}" + "".join(self.real(g) for g in self.model.gravity),
             *self._loads(bodies), *self.hinge_elements(), *self._shapes(),
-            *([] if self.model.stepping.method == EXPLICIT else ["METH", integers(_IMPLICIT)]),
+            *([] if self.model.integrator.method == "RK45" else ["METH", integers(_IMPLICIT)]),
         ]  # fmt: skip
 
     def _hang(self, link: Any) -> Any:

@@ -10,15 +10,14 @@ from ....errors import Fault, ModelError, Place
 from ....model.exchange.conversion import about_centre, place_of
 from ....model.exchange.functions import constant
 from ....model.exchange.rigid_model import (
-    RADAU,
     CoordinateSpring,
     RigidBody,
     RigidJoint,
     RigidModel,
-    Stepping,
     vector,
 )
 from ....model.exchange.start import Start
+from ....model.integrators import Integrator
 from ....model.joint_elements import JointDriver, JointMotor
 from ....model.joints import ANGLE, STROKE
 from ....model.loads import AppliedForce, AppliedTorque
@@ -89,7 +88,7 @@ class _Conversion(ConvertedElements):
         joints += self._closures()
         elements = self._elements()
         explicit = tree.integration.method in ("dop853", "lsoda")
-        stepping = Stepping(tolerance=tree.integration.rtol)
+        integrator = Integrator("RK45" if explicit else "RAD5", tolerance=tree.integration.rtol)
         return RigidModel(
             tuple(self._body(k) for k in range(len(tree.bodies))),
             replace(time, start=0.0, end=time.end - time.start),
@@ -104,7 +103,7 @@ class _Conversion(ConvertedElements):
                 if any(body.force)
             ),
             torques=tuple(self._torques()),
-            stepping=stepping if explicit else replace(stepping, method=RADAU),
+            integrator=integrator,
             stops=elements["stops"],
             frictions=tuple(
                 replace(item, joint=self.number[item.joint])

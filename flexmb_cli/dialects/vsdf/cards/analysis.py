@@ -1,6 +1,6 @@
 """Cards of the analysis and its results: stiffening, times, integrator, output, materials, shapes."""
 
-from ....solvers.constrained.integrators import METHODS
+from ....model.integrators import METHODS
 from ..card import Card, Column, vector_columns, whole_column, word_column
 from .columns import BODY, MATRIX_FORMS, NODE
 
@@ -60,8 +60,8 @@ ANALYSIS_CARDS = (
         (
             word_column(
                 "method",
-                ", ".join(f"{word} {method.meaning}" for word, method in METHODS.items()),
-                tuple(METHODS),
+                ", ".join(f"{word} {method.meaning}" for word, method in sorted(METHODS.items())),
+                tuple(sorted(METHODS)),
             ),
             Column("rho", "spectral radius at infinity, or tolerance", default=0.0),
             Column("stabilise", "constraint stabilisation", "1/s", default=0.0),

@@ -6,8 +6,9 @@ import numpy as np
 
 from ....errors import Fault, Place
 from ....model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
-from ....model.exchange.rigid_model import ALPHA, RADAU, RigidModel, across
+from ....model.exchange.rigid_model import RigidModel, across
 from ....model.exchange.shapes import RigidShape, notes_of
+from ....model.integrators import METHODS
 from ....model.joints import ANGLE
 from ....model.shapes import KINDS
 from ....model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 
 _WORDS = {kind.name: (word, kind) for word, kind in BY_WORD.items()}
-_METHODS = {ALPHA: "GALF", RADAU: "RAD5"}
 _DIRECTIONS = ("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ")
 _SHAPES = dict(zip(KINDS, SHAPES, strict=True))
 OF_FUNCTION = 5  # law of a motion by a function
@@ -61,7 +61,7 @@ class _Deck(ElementCards):
 
     def cards(self) -> Any:
         """Words of cards and their records, in the order of the deck."""
-        model, stepping = self.model, self.model.stepping
+        model, integrator = self.model, self.model.integrator
         bodies = [self._body(k) for k in range(len(model.bodies))]
         joints = [self._joint(n, joint) for n, joint in enumerate(model.joints, start=1)]
         others = [
@@ -73,8 +73,8 @@ class _Deck(ElementCards):
             ("JSPR", [self._joint_spring(item) for item in model.joint_springs if self.has_jspr(item)]),
             *self.elements(),
             ("GRAV", [record(*model.gravity)]),
-            ("TIME", [record(model.time.end, model.time.step, stepping.step)]),
-            ("INTG", [record(_METHODS.get(stepping.method, "RK45"), self._parameter())]),
+            ("TIME", [record(model.time.end, model.time.step, integrator.step)]),
+            ("INTG", [record(integrator.method, self._parameter())]),
             ("OUTN", [record(p.body + 1, self._node(p.body, p.s)) for p in model.points]),
         ]
         nodes = [record(body + 1, number, *place) for (body, *place), number in self.nodes.items()]
@@ -92,8 +92,8 @@ class _Deck(ElementCards):
         ]
 
     def _parameter(self) -> Any:
-        stepping = self.model.stepping
-        return stepping.radius if stepping.method == ALPHA else stepping.tolerance
+        integrator = self.model.integrator
+        return integrator.tolerance if METHODS[integrator.method].radius is None else integrator.radius
 
     def _body(self, k: int) -> Any:
         body = self.model.bodies[k]

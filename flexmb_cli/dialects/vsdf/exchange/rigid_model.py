@@ -11,19 +11,16 @@ from ....errors import Fault, ModelError, Place
 from ....model.exchange.conversion import Conversion, about_centre, coordinate_since, place_of
 from ....model.exchange.functions import constant, moved
 from ....model.exchange.rigid_model import (
-    ALPHA,
-    EXPLICIT,
-    RADAU,
     BodyDriver,
     CoordinateSpring,
     RigidBody,
     RigidJoint,
     RigidModel,
-    Stepping,
     vector,
 )
 from ....model.exchange.start import Start
 from ....model.flexible_mechanism import FlexibleMechanism
+from ....model.integrators import METHODS, Integrator
 from ....model.joint_elements import Bushing, JointDriver
 from ....model.joints import ANGLE, STROKE
 from ....model.loads import AppliedForce, AppliedTorque, SpringDamper
@@ -34,8 +31,7 @@ from ..shapes import exchanged_shapes
 
 _DIRECTIONS = {word: n for n, word in enumerate(("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ"), start=1)}
 _COORDINATES = {"ANGL": ANGLE, "STRK": STROKE}
-_METHODS = {"GALF": ALPHA, "RAD5": RADAU}
-_TOLERANCE = 1e-9  # of a deck by GALF, which gives none
+_TOLERANCE = 1e-9  # of a deck whose method has a radius and gives none
 
 
 def rigid_model(
@@ -65,10 +61,7 @@ class _Conversion(Conversion):
         self.now.append(ground)
 
     def model(self) -> RigidModel:
-        deck, integrator = self.deck, self.deck.integrator
-        method = _METHODS.get(integrator.method, EXPLICIT)
-        stepping = Stepping(method, _TOLERANCE if method == ALPHA else integrator.parameter, integrator.step,
-                            integrator.parameter)  # fmt: skip
+        deck = self.deck
         joints = [self._joint(joint) for joint in deck.joints]
         drivers = [item for item in deck.motions if item.kind in _DIRECTIONS]
         self._refuse_several_rotations(drivers)
@@ -96,7 +89,7 @@ class _Conversion(Conversion):
                 for t in deck.torques
             ),
             tuple(Point(p.name, p.body, vector(p.r0)) for p in deck.outputs if p.body != GROUND),
-            stepping,
+            self._integrator(),
             stops=tuple(self._since_start(item, "lower", "upper") for item in deck.elements.stops),
             frictions=deck.elements.frictions,
             preloaded=tuple(self._since_start(item, "rest") for item in deck.elements.springs),
@@ -106,6 +99,12 @@ class _Conversion(Conversion):
             bushings=tuple(self._bushings()),
             couplings=deck.elements.couplings,
         )  # fmt: skip
+
+    def _integrator(self) -> Integrator:
+        integrator = self.deck.integrator
+        if METHODS[integrator.method].radius is None:
+            return integrator
+        return replace(integrator, tolerance=_TOLERANCE)
 
     def _bushings(self) -> Iterator[Bushing]:
         for item in self.deck.elements.bushings:

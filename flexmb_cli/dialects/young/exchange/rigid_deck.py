@@ -7,7 +7,7 @@ import numpy as np
 from ....errors import Fault, Place
 from ....model.exchange.function_cards import FunctionCards
 from ....model.exchange.functions import constant, polynomial_of, value_of
-from ....model.exchange.rigid_model import ALPHA, RADAU, Refusals, RigidModel, across
+from ....model.exchange.rigid_model import Refusals, RigidModel, across
 from ....model.exchange.shapes import RigidShape, notes_of
 from ....model.joints import ANGLE, JOINT_TYPES
 from ....model.mechanism import GROUND
@@ -209,11 +209,11 @@ class _Deck:
         return load, self._function(item.factor, item)
 
     def _method(self) -> "Iterator[Any]":
-        stepping = self.model.stepping
-        yield f"TOLERANCE {_line(min(max(stepping.tolerance, LEAST_TOLERANCE), MOST_TOLERANCE))}"
-        if stepping.method == ALPHA:
-            yield f"GALF {_line(stepping.step, stepping.radius)}"
-        elif stepping.method == RADAU:
+        integrator = self.model.integrator
+        yield f"TOLERANCE {_line(min(max(integrator.tolerance, LEAST_TOLERANCE), MOST_TOLERANCE))}"
+        if integrator.method == "GALF":
+            yield f"GALF {_line(integrator.step, integrator.radius)}"
+        elif integrator.method == "RAD5":
             yield "RAD5"
 
 

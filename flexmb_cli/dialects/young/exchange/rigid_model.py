@@ -11,14 +11,10 @@ from ....model.arrays.dynamic import inertia_matrix
 from ....model.attitudes import Attitudes
 from ....model.exchange.functions import constant, moved
 from ....model.exchange.rigid_model import (
-    ALPHA,
-    EXPLICIT,
-    RADAU,
     BodyDriver,
     RigidBody,
     RigidJoint,
     RigidModel,
-    Stepping,
     vector,
 )
 from ....model.exchange.shapes import RigidShape, shifted
@@ -36,7 +32,7 @@ from ..shapes import exchanged_shapes
 from .converted_elements import ConvertedElements
 
 if TYPE_CHECKING:
-    pass
+    from collections.abc import Iterator
 
 
 def rigid_model(
@@ -101,18 +97,20 @@ class _Conversion(ConvertedElements):
                 Point(p.name, self.number[p.body], vector(p.s), p.place)
                 for p in self.mechanism.points if self.number[p.body] != GROUND
             ),
-            self._stepping(),
+            self.deck.integrator,
             self._notes(),
             stops=tuple(self._stop(item) for item in deck.elements.stops if item.joint in self.joints),
-            frictions=tuple(
-                replace(item, joint=self.joints[item.joint])
-                for item in deck.elements.frictions if item.joint in self.joints
-            ),
+            frictions=tuple(self._frictions()),
             preloaded=tuple(self._preloaded()),
             lines=tuple(self._lines()),
             bushings=tuple(self._bushings()),
             couplings=tuple(self._couplings()),
         )  # fmt: skip
+
+    def _frictions(self) -> "Iterator[Any]":
+        for item in self.deck.elements.frictions:
+            if item.joint in self.joints:
+                yield replace(item, joint=self.joints[item.joint])
 
     def shape(self, shape: RigidShape) -> RigidShape:
         """Return a shape on its new body; that of a grounded body lies on the ground."""
@@ -133,13 +131,6 @@ class _Conversion(ConvertedElements):
             pairs = ", ".join(f"{n} is {k + 1}" for n, k in enumerate(self.moving, start=1))
             notes.append(f"bodies here and there: {pairs}; the ground is no body")
         return tuple(notes)
-
-    def _stepping(self) -> Any:
-        deck = self.deck
-        if deck.alpha_steps:
-            steps = deck.alpha_steps
-            return Stepping(ALPHA, deck.tolerance, steps.length, steps.radius)
-        return Stepping(RADAU if deck.radau else EXPLICIT, deck.tolerance)
 
     def _body(self, k: int) -> RigidBody:
         body = self.mechanism.bodies[k]

@@ -1,0 +1,49 @@
+"""Integrators of mechanisms: their words on cards and for `--method`, and what a deck says of one."""
+
+from ..quick_dataclass import dataclass
+
+
+@dataclass(frozen=True)
+class IntegratorType:
+    """A method that steps mechanisms under constraints through time.
+
+    `module` of `kernels/integrators` has new_integration(work, angles, works) and the kernel
+    integrate_rows(task, system, work, integration, report, budget).
+    """
+
+    option: str  # word for `--method`
+    meaning: str  # in words
+    module: str  # its file
+    tolerance: float  # of a VSDF deck that gives none
+    radius: float | None = None  # spectral radius at infinity of a deck that gives none; None: has no radius
+    given_step: bool = False  # whether a deck may give the length of its steps
+    implicit: bool = False  # whether it is for stiff springs, dampers and modes, too
+
+
+# By the words of cards (INTG of VSDF decks).
+METHODS = {
+    "RK45": IntegratorType("dop853", "Runge-Kutta", "constrained_dop853", 1e-12),
+    "RAD5": IntegratorType("radau", "Radau", "radau5", 1e-8, implicit=True),
+    # Ten times the tolerance of its steps keeps a thousandth of it.
+    "GALF": IntegratorType(
+        "alpha", "generalised alpha", "generalised_alpha", 1e-6, radius=0.9, given_step=True, implicit=True
+    ),
+}
+METHOD_OPTIONS = tuple(method.option for method in METHODS.values())
+# Of trees by Kane's equations, in the order of their numbers on the card METH.
+TREE_METHODS = ("dop853", "radau", "lsoda", "sdirk4")
+
+
+@dataclass(frozen=True)
+class Integrator:
+    """Settings of an integrator: its method, its steps and their accuracy."""
+
+    method: str = "RK45"  # one of METHODS
+    step: float = 0.0  # length of its steps, s; 0: chosen by the tolerance
+    tolerance: float = 1e-9  # relative and absolute error of a chosen step
+    radius: float = 0.9  # spectral radius at infinity of GALF: 1 for no numerical damping, 0 for the most
+
+
+def word_of(option: str) -> str:
+    """Return the card's word for a method of `--method`."""
+    return next(word for word, method in METHODS.items() if method.option == option)
