@@ -144,6 +144,7 @@ class Spring:
     damping: float = 0.0
     rest: float = 0.0
     place: Place | None = None
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -155,6 +156,7 @@ class Motor:
     axis: int
     function: Table
     place: Place | None = None
+    name: str = ""
 
 
 @dataclass(frozen=True)

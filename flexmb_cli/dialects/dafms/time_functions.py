@@ -32,16 +32,18 @@ def build_functions_of_time(
     """Keyword arguments of `Tree` for everything that drives or loads it over time."""
     hinged = _HingeCards(values, hinges, findings)
     springs = [
-        Spring(*where, stiffness, rest=rest, place=record.place)
+        Spring(*where, stiffness, rest=rest, place=record.place, name=record.subject)
         for record, where in hinged.entries("spring")
         for stiffness, rest in [_behind_the_hinge(record)]
     ]
     springs += _dampers(hinged, findings)
     motors = [
-        Motor(*where, constant(*_behind_the_hinge(record)), record.place)
+        Motor(*where, constant(*_behind_the_hinge(record)), record.place, record.subject)
         for record, where in hinged.entries("motor")
     ]
-    motors += [Motor(*where, _table(r, findings), r.place) for r, where in hinged.entries("motor_table")]
+    motors += [
+        Motor(*where, _table(r, findings), r.place, r.subject) for r, where in hinged.entries("motor_table")
+    ]
     drives = [
         Prescribed(*where, C, B, A, record.place)
         for record, where in hinged.entries("prescribed")
@@ -64,7 +66,7 @@ def _dampers(hinged: "_HingeCards", findings: Findings) -> list[Spring]:
         if damping < 0:
             message = f"CS = {damping}: a negative damper feeds energy in"
             findings.warn(record.subject, message, record.at("CS").place, id="DAFMS-056")
-        dampers.append(Spring(*where, damping=damping, place=record.place))
+        dampers.append(Spring(*where, damping=damping, place=record.place, name=record.subject))
     return dampers
 
 

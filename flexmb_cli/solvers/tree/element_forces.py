@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...model.flexible_mechanism import NodePoint
-from ...model.joint_elements import Bushing, EndStop, JointSpring, LineSpring
+from ...model.joint_elements import Bushing, EndStop, JointMotor, JointSpring, LineSpring
 from ...model.tree import Tree
 from .element_efforts import Effort, cable_effort, linear_effort, spring_effort, stop_effort
 from .placed_bodies import PlacedBodies
@@ -34,10 +34,17 @@ class ElementForces:
     def _axes(axes: np.ndarray, body: int) -> np.ndarray:
         return np.eye(3) if body < 0 else axes[body]
 
-    def add(self, placed: PlacedBodies, t: float) -> list[Answer]:
-        """Add the forces at the time t; returns what each element answers, in the order of results."""
-        for motor in self.elements.motors:
-            placed.effort[self.number[motor.joint, motor.coordinate]] += motor.function.at(t)[0]
+    def add_motors(self, placed: PlacedBodies, t: float) -> list[Answer]:
+        """Add the efforts of motors at the time t; returns what each answers."""
+        return [self._of_motor(placed, item, t) for item in self.elements.motors]
+
+    def _of_motor(self, placed: PlacedBodies, item: JointMotor, t: float) -> Answer:
+        m, effort = self.number[item.joint, item.coordinate], item.function.at(t)[0]
+        placed.effort[m] += effort
+        return float(placed.q[m]), float(placed.y[m]), Effort(effort, 0.0, 0.0)
+
+    def add(self, placed: PlacedBodies) -> list[Answer]:
+        """Add the forces of all others; returns what each element answers, in the order of results."""
         found = [self._in_joint(placed, item) for item in self.elements.springs]
         found += [self._in_line(placed, item) for item in self.elements.lines]
         found += [self._in_joint(placed, item) for item in self.elements.stops]

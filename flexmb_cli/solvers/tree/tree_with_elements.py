@@ -6,6 +6,7 @@ the recursion answers a unit effort, and normal forces follow from the force tha
 need by Newton's law.  Steps are those of scipy's DOP853; couplings and loops hold by their accelerations.
 """
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -57,6 +58,7 @@ class TreeWithElements(TreeAnalysis):
         self.friction = FrictionInHinges(closed, self.forces.number)
         self.terms = self._coupling_terms()
         self.answers: list[Answer] = []
+        self.stop = math.inf  # s, end of the formulas in force
         self.jams = False  # no normal forces of friction agree with the motion of the last slope
         self.energy = self._energy_at(tree.time.start, self.state.copy())
 
@@ -76,6 +78,7 @@ class TreeWithElements(TreeAnalysis):
         z = np.append(z, np.zeros(len(self.answers)))
         for stop in [*self._stops(t, end), end]:
             set_functions(self.tree, self._deck_functions, t, stop)
+            self.stop = stop if stop > t else math.inf
             yield from self._observed(lambda _t, z=z: z, t)
             if stop > t:
                 solver = self._solver(t, z, stop)
@@ -109,7 +112,10 @@ class TreeWithElements(TreeAnalysis):
     def _observed(self, state_at: Any, t: float) -> Iterator[TreeElementRows]:
         for time in self.due_times(t):
             z, works = np.split(state_at(time), [self.state.size])
+            # Rows show what a motor does behind a jump.
+            stop, self.stop = self.stop, math.inf
             self.slope(time, z)
+            self.stop = stop
             if failure := self._force_failure(time):
                 raise failure
             self.clock["stop"] = np.inf
@@ -156,7 +162,8 @@ class TreeWithElements(TreeAnalysis):
         if not np.isfinite(z).all():
             return unknown
         placed = self._place(t, z)
-        self.answers = self.forces.add(placed, t)
+        motors = self.forces.add_motors(placed, self._within(t))
+        self.answers = self.forces.add(placed)
         if self.forces.overturned is not None:
             return unknown
         normals = self._normals(t, z, placed)
@@ -167,7 +174,12 @@ class TreeWithElements(TreeAnalysis):
         self.answers += [
             (0.0, v, Effort(effort, 0.0, 0.0)) for v, effort in self.friction.answers(normals, placed.y)
         ]
+        self.answers += motors
         return slope
+
+    def _within(self, t: float) -> float:
+        """The time t, or the last one before the next stop: a motor's table may jump there."""
+        return min(t, math.nextafter(self.stop, -math.inf))
 
     def _force_failure(self, t: float) -> AnalysisError | None:
         """Return why elements had no force in the last slope, or None."""
@@ -194,7 +206,7 @@ class TreeWithElements(TreeAnalysis):
         return normals
 
     def _energy_at(self, t: float, z: np.ndarray) -> float:
-        return sum(effort.energy for *_, effort in self.forces.add(self._place(t, z), t))
+        return sum(effort.energy for *_, effort in self.forces.add(self._place(t, z)))
 
     def _place(self, t: float, z: np.ndarray) -> PlacedBodies:
         """The bodies at a state, driven coordinates where their functions are."""

@@ -30,6 +30,7 @@ from ...elements.build import build_elements as elements_of
 from ...elements.functions import Functions, GivenFunction
 from ...elements.maker import ElementMaker
 from .cards import FUNCTION_KINDS
+from .older import with_older_elements
 
 COUPLED_RATE = 1e-6  # rate that speeds of Y(L), in ten columns, may leave of a coupling, of the largest
 _CARDS: Cards = {
@@ -52,7 +53,7 @@ def with_elements(tree: Tree, values: DeckValues, findings: Findings) -> Tree:
     functions.note_unused()
     if not elements:
         return tree
-    tree = replace(tree, elements=elements, **_start(tree, elements))
+    tree = with_older_elements(replace(tree, elements=elements, **_start(tree, elements)))
     for item in elements.couplings:
         _check_speeds(tree, item, findings)
     return tree
