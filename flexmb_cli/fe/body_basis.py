@@ -26,8 +26,9 @@ _AXES = ("e1", "e2", "e3")
 class Basis:
     """Eigenvalues ω² (N,), rad²/s², and shapes (3 n, N); the last `massless` of them have no mass.
 
-    `superfluous`: nodes and directions of the static shapes that are not in it; `left_out`: eigenmodes that
-    are not; `next_value`: ω² of the first of these, nan when it is not known.
+    `superfluous`: nodes and directions of the static shapes that are not in it; `left_out`: how many
+    eigenmodes it is short of all; `next_value`: ω² of the first that was not asked for, nan when it is not
+    known.
     """
 
     values: np.ndarray
@@ -156,9 +157,9 @@ def _with_attachment(given: FlexibleInput, K: Any, S: Any, frame: Frame, basis: 
     forces, count = np.hstack([K @ basis.shapes, attached]), len(basis.values)
     found = reduced_basis(shapes, forces, S, count)
     superfluous = np.setdiff1d(rows, moving[found.kept[found.kept >= count] - count])
-    # Shapes under forces at all nodes span every deformation, and with them the modes not asked for.
-    complete = len(found.values) >= count + basis.left_out
-    left_out, following = (0, math.nan) if complete else (basis.left_out, basis.next_value)
+    # Every static shape brings in a deformation of the modes not asked for: those of all nodes bring in all.
+    left_out = max(count + basis.left_out - len(found.values), 0)
+    following = basis.next_value if left_out else math.nan
     shapes = modes.signed(found.shapes)
     return Basis(found.values, shapes, found.massless, _named(given, superfluous), left_out, following)
 

@@ -81,8 +81,8 @@ class Dropped:
     """Modes that the body's basis leaves out.
 
     `internal`: degrees of freedom inside elements, condensed; `shapes`: nodes and axes of the static shapes
-    that others or the frame's conditions made superfluous; `modes`: eigenmodes of (104) that exist and are
-    not kept; `next_frequency`: the first of these, Hz, nan when it is not known.
+    that others or the frame's conditions made superfluous; `modes`: how many eigenmodes of (104) the basis
+    is short of all; `next_frequency`: the first that was not asked for, Hz, nan when it is not known.
     """
 
     internal: int = 0

@@ -65,6 +65,13 @@ def test_one_static_shape_for_a_force_that_the_frame_takes_is_dropped():
     assert found.dropped.shapes == ((13, "e2"), (13, "e3"))
 
 
+def test_each_static_shape_is_one_mode_less_that_is_left_out():
+    """48 free nodes have 144 directions: three modes and 102 shapes of 34 nodes leave 39 of them."""
+    found = body(pendulum(clamped=ROOT, attachment=tuple(range(7, 41)), modes=3))
+    assert (found.modes, found.dropped.shapes) == (105, ())
+    assert any(line.startswith("    modes left out: 39, ") for line in body_lines(found))
+
+
 def test_more_shapes_than_memory_bears_are_refused_with_the_reason(monkeypatch):
     """144 free directions and 144 static shapes; 72 bytes for every two of 288 shapes are 0.006 GB."""
     monkeypatch.setattr(body_basis, "LARGEST_BASIS", 200)
