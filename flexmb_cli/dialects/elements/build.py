@@ -173,6 +173,9 @@ def coupling(maker: ElementMaker, record: Record) -> Coupling | None:
             terms.append((*where, factor))
     if unknown:
         return None
+    if len(terms) < 2:
+        message = "couples two joint coordinates or more; read one term"
+        maker.findings.error(record.subject, message, record.place, id="ELEMENTS-028")
     if len({(joint, coordinate) for joint, coordinate, _ in terms}) < len(terms):
         maker.findings.error(
             record.subject, "names one coordinate twice; add its factors", record.place, id="ELEMENTS-009"

@@ -69,6 +69,7 @@ class JointMaker(ElementMaker):
         number = record[key]
         if not 1 <= number <= len(self.joints):
             message = f"joint number {number} is outside 1..{len(self.joints)}"
+            message = message if self.joints else "the deck has no joints"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-003")
             return None
         joint = self.joints[number - 1]

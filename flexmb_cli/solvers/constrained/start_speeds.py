@@ -36,7 +36,7 @@ def start_speeds(analysis: Any, q: Any, t: float) -> np.ndarray:
     over the given speeds, under J u = ν, decides: it is what an impulse Jᵀ λ in the joints leaves of u*,
     since M (u - u*) = Jᵀ λ.  What M leaves open (massless bodies, speeds that are not given) is nearest to
     u*, then smallest, in the scaled norm: length scales of the mechanism for velocities, 1 for rad/s.
-    Raises ModelError when the drivers ask for speeds that the joints forbid.
+    Raises ModelError when drivers or initial joint rates ask for speeds that the joints forbid.
     """
     system, work, scale = analysis.system, analysis.work, analysis.arrays.speed_scale
     evaluate_jacobian(system, work, q)
@@ -52,7 +52,7 @@ def start_speeds(analysis: Any, q: Any, t: float) -> np.ndarray:
         return u
     J = np.concatenate([work.jacobian, rates * scale])
     particular = np.linalg.lstsq(J, nu, rcond=DEPENDENT)[0] if len(nu) else np.zeros(scale.size)
-    _refuse_contradiction((*analysis.arrays.equations, *names), J @ particular - nu, t)
+    _refuse_contradiction(analysis.arrays.equations, names, J @ particular - nu, t)
     rank = np.linalg.matrix_rank(J, DEPENDENT * np.linalg.norm(J, 2)) if names else work.rank[0]
     motions = np.linalg.svd(J)[2][rank:].T
     rest = (wanted / scale - particular)[given]
@@ -71,7 +71,7 @@ def _of_many(analysis: Any, q: Any, rates: Any, nu: Any, names: Any, t: float) -
 
     J = vstack([sparse_jacobian(analysis.work), csr_matrix(rates)], "csr")
     u = speeds_of_many(analysis, q, J, nu)
-    _refuse_contradiction((*analysis.arrays.equations, *names), J @ u - nu, t)
+    _refuse_contradiction(analysis.arrays.equations, names, J @ u - nu, t)
     found: np.ndarray = u * analysis.arrays.speed_scale
     return found
 
@@ -141,14 +141,26 @@ def given_speeds(
     return given.ravel(), wanted.ravel()
 
 
-def _refuse_contradiction(equations: "tuple[Equation, ...]", rest: np.ndarray, t: float) -> None:
-    if rest.size and np.max(np.abs(rest)) > RESIDUAL_MET:
-        worst = equations[int(np.argmax(np.abs(rest)))]
+def _refuse_contradiction(
+    equations: "tuple[Equation, ...]", rates: "tuple[Equation, ...]", rest: np.ndarray, t: float
+) -> None:
+    if not rest.size or np.max(np.abs(rest)) <= RESIDUAL_MET:
+        return
+    missed = np.abs(rest[len(equations) :])
+    # Least squares spread a contradiction over all equations in it: the rates are what the deck may change.
+    if np.max(missed, initial=0.0) > RESIDUAL_MET:
+        worst = rates[int(np.argmax(missed))]
         message = (
-            f"at t = {t:.6g} s the drivers ask for velocities that the joints forbid ({worst.name}); "
-            "remove a driver or free a joint"
+            f"at t = {t:.6g} s the initial joint rates contradict each other, or what joints, couplings and "
+            f"drivers allow ({worst.name}); give fewer rates, or such as fit"
         )
         raise ModelError([about("error", message, worst)])
+    worst = equations[int(np.argmax(np.abs(rest[: len(equations)])))]
+    message = (
+        f"at t = {t:.6g} s the drivers ask for velocities that the joints forbid ({worst.name}); "
+        "remove a driver or free a joint"
+    )
+    raise ModelError([about("error", message, worst)])
 
 
 def _changes(

@@ -151,3 +151,8 @@ def test_slips_are_told_with_place_object_and_remedy():
     assert any("function motor 1: there is no function 7; the deck has none" in line for line in faults)
     faults = reported(deck(function(1, 9, 1.0)))
     assert any("function 1: kind is 1 to 8; read 9" in line for line in faults)
+
+
+def test_a_coupling_of_one_term_is_refused():
+    found = reported(deck(card("COUP", integers(1, 1, 3) + reals(1))))
+    assert any("couples two joint coordinates or more" in fault for fault in found)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from flexmb_cli.errors import AnalysisError
+from flexmb_cli.errors import AnalysisError, ModelError
 from tests.solvers.constrained.element_decks import (
     ARM,
     FREE,
@@ -237,6 +237,15 @@ def test_initial_joint_rates_move_a_serial_arm():
     rows = rows_of(ARM, "0 0.1 0.1", cards)
     assert rows.angular_velocity[0, 1:, 2] == pytest.approx((0.5, 2.5), rel=1e-12)
     assert rows.velocity[0, 2] == pytest.approx((0.0, 0.5, 0.0), abs=1e-12)
+
+
+def test_initial_joint_rates_that_a_coupling_forbids_are_named():
+    """The coupling makes the rates equal; before, the message spoke of drivers, which the deck lacks."""
+    cards = "MASS 2 1 0 0 0 1 1 1\nMASS 3 1 0 0 0 1 1 1\nRATE 1 1 1\nRATE 2 1 5\nCOUPLING 1 1 1 2 1 -1"
+    with pytest.raises(ModelError) as refused:
+        rows_of(TWO_ROTORS, "0 0.1 0.1", cards)
+    (fault,) = refused.value.faults
+    assert "the initial joint rates contradict each other" in fault.message and fault.about == "rate 2"
 
 
 def test_a_belt_makes_inertias_one(method):
