@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import h5py
 
     from ..results.quantities.quantities import Quantity
+    from ..study.text import StudyColumn
 
 
 @click.command()
@@ -128,16 +129,19 @@ def _print_study(
             return
         for note in () if quiet else study_notes(file, columns, bool(names)):
             tell(f"{path}: note: {note}")
-        for piece in study_text(file, columns, every, style or "csv"):
-            _print_piece(piece, style)
+        for k, heads in enumerate(_study_blocks(columns, style)):
+            show("\n" * bool(k))
+            for piece in study_text(file, columns, every, style or "csv", heads):
+                show(piece, whole=True) if style == "text" else click.echo(piece, nl=False)
 
 
-def _print_piece(piece: str, style: str | None) -> None:
-    """Aligned columns for a reader lose those that do not fit a terminal; other forms are for programs."""
-    if style == "text":
-        show(piece)
-    else:
-        click.echo(piece, nl=False)
+def _study_blocks(columns: "list[StudyColumn]", style: str | None) -> "list[list[int]] | list[None]":
+    """Return the places of the heads in blocks that fit a terminal; None, which means all, for a pipe."""
+    from ..study.text import fitting_heads
+
+    if style != "text" or not sys.stdout.isatty():
+        return [None]
+    return fitting_heads(columns, terminal_width(sys.stdout))
 
 
 def _remark_settings(path: str, settings: list[str], quiet: bool) -> None:

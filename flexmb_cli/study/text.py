@@ -18,7 +18,7 @@ from ..quick_dataclass import dataclass
 from ..results.hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, understood
 from ..results.quantities.quantities import NOTHING, SHOWS_ALL, ResultError
 from ..results.quantities.quantity_names import folded
-from ..results.quantities.table import SEPARATOR, TEXT_NUMBER, TEXT_WIDTH
+from ..results.quantities.table import SEPARATOR, TEXT_NUMBER, TEXT_WIDTH, grouped
 from .table import NUMBERS_WRITTEN
 
 CASE, EXIT_CODE, MESSAGE = "case", "exit_code", "message"
@@ -108,18 +108,48 @@ def _unknown(columns: Sequence[StudyColumn], pattern: str) -> str:
 
 
 def study_text(
-    table: h5py.File, columns: Sequence[StudyColumn], every: int = 1, style: str = "csv"
+    table: h5py.File,
+    columns: Sequence[StudyColumn],
+    every: int = 1,
+    style: str = "csv",
+    shown: Sequence[int] | None = None,
 ) -> Iterator[str]:
-    """Pieces of the text of every `every`-th case, block by block; `style` is one of `table.FORMATS`."""
-    heads = [head for column in columns for head in column.heads]
+    """Pieces of the text of every `every`-th case, block by block; `style` is one of `table.FORMATS`.
+
+    `shown`: the places of the heads that appear; without it all do.
+    """
+    heads = _heads(columns)
+    shown = range(len(heads)) if shown is None else shown
+    heads = [heads[k] for k in shown]
     if style != "jsonl":
         yield _lines(heads, [heads], style)
     count = len(table[CASE])
     cases = range(0, count, min(every, max(count, 1)))  # HDF5 counts strides in 64 bits
-    length = max(1, NUMBERS_WRITTEN // len(heads))
+    length = max(1, NUMBERS_WRITTEN // sum(max(column.length, 1) for column in columns))
     for first in range(0, len(cases), length):
         block = cases[first : first + length]
-        yield _lines(heads, _rows(table, columns, slice(block.start, block.stop, block.step)), style)
+        rows = _rows(table, columns, slice(block.start, block.stop, block.step))
+        yield _lines(heads, [[row[k] for k in shown] for row in rows], style)
+
+
+def fitting_heads(columns: Sequence[StudyColumn], width: int) -> list[list[int]]:
+    """Return the places of the heads in groups whose aligned columns take `width` characters.
+
+    Each group begins with the case.  Messages, which are prose of any length, have a group of their own.
+    """
+    heads = _heads(columns)
+    widths = _widths(heads)
+    room = width - widths[0]
+    needed = [room if head == MESSAGE else size for head, size in zip(heads, widths, strict=True)]
+    return [[0, *group] for group in grouped(range(1, len(heads)), needed[1:], room)] or [[0]]
+
+
+def _heads(columns: Sequence[StudyColumn]) -> list[str]:
+    return [head for column in columns for head in column.heads]
+
+
+def _widths(heads: Sequence[str]) -> list[int]:
+    return [max(len(head), TEXT_WIDTH if " [" in head else 0) for head in heads]
 
 
 def _messages(dataset: h5py.Dataset, cases: slice) -> list[str]:
@@ -141,7 +171,7 @@ def _lines(heads: list[str], rows: "list[Any]", style: str) -> str:
         records = (dict(zip(heads, map(_json, row), strict=True)) for row in rows)
         return "".join(json.dumps(record, allow_nan=False) + "\n" for record in records)
     if style == "text":
-        widths = [max(len(head), TEXT_WIDTH if " [" in head else 0) for head in heads]
+        widths = _widths(heads)
         return "".join(_aligned(row, widths) for row in rows)
     page = io.StringIO()
     # The csv module writes the shortest digits that read back to the same double.

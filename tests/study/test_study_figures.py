@@ -117,6 +117,16 @@ def test_a_picture_of_a_study_for_print_has_the_width_the_font_and_no_title(word
     assert not any("<!-- a.dat -->" in text for text in texts)
 
 
+def test_a_map_for_print_has_the_width(tmp_path):
+    """85 mm at 300 dots per inch are 1003.9 pixels; 40 mm are 472.4.  The width stands in bytes 16 to 20."""
+    pytest.importorskip("matplotlib")
+    path, picture = study(tmp_path / "s.h5", GRID), tmp_path / "s.png"
+    for millimetres, pixels in ((85, 1003), (40, 472)):
+        done = called(plot, path, "top", "--kind", "map", "--width", millimetres, "-o", picture)
+        assert done.exit_code == 0, done.output
+        assert int.from_bytes(picture.read_bytes()[16:20], "big") == pixels
+
+
 def test_print_options_of_a_picture_of_a_study_need_a_width(tmp_path):
     pytest.importorskip("matplotlib")
     path = study(tmp_path / "s.h5", LINE)

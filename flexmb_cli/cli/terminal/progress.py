@@ -5,6 +5,7 @@ Written here and not by a library: the least one that estimates the remaining ti
 
 import sys
 import time
+from threading import Event, Thread
 from typing import Any
 
 from .screen import tell, terminal_width
@@ -24,6 +25,7 @@ class Progress:
         self.total = self.done = self.first = 0
         self.began = self.shown = time.monotonic()
         self.standing = False
+        self.waiting: _Waiting | None = None
 
     def notice(self, sentence: str) -> None:
         """Print a sentence that stays."""
@@ -32,11 +34,13 @@ class Progress:
             tell(f"flexmb: {sentence}")
 
     def status(self, doing: str) -> None:
-        """Show what happens before the first row, such as compiling."""
+        """Show what happens before the first row, such as compiling; a log repeats it until it ends."""
         if self.drawn:
             self._draw(f"{self.title}: {doing}")
         elif self.logged:
             tell(f"{self.title}: {doing}")
+            self._end_waiting()
+            self.waiting = _Waiting(f"{self.title}: {doing}")
 
     def begin(self, total: int) -> None:
         """Begin to count up to `total`."""
@@ -47,6 +51,7 @@ class Progress:
 
     def advance(self, count: int) -> None:
         """Count what was done, and show it when it is time."""
+        self._end_waiting()
         now = time.monotonic()
         if not self.done:
             # Kernels are compiled before the first rows, which tells nothing of the rate.
@@ -71,10 +76,16 @@ class Progress:
 
     def clear(self) -> None:
         """Take the status line away."""
+        self._end_waiting()
         if self.standing:
             self.stream.write("\r\x1b[K")
             self.stream.flush()
             self.standing = False
+
+    def _end_waiting(self) -> None:
+        if self.waiting:
+            self.waiting.end()
+            self.waiting = None
 
     def _draw(self, text: str) -> None:
         from ...errors import visible
@@ -89,6 +100,25 @@ class Progress:
 
     def __exit__(self, *failure: Any) -> None:
         self.clear()
+
+
+class _Waiting:
+    """Repeats a sentence with the time since, from a thread: the one that compiles reports nothing."""
+
+    def __init__(self, sentence: str):
+        self.sentence, self.ended = sentence, Event()
+        self.thread = Thread(target=self._repeat, daemon=True)
+        self.thread.start()
+
+    def _repeat(self) -> None:
+        began = time.monotonic()
+        while not self.ended.wait(LOGGED_AFTER):
+            tell(f"{self.sentence}: {_duration(time.monotonic() - began)} so far")
+
+    def end(self) -> None:
+        """Repeat it no more."""
+        self.ended.set()
+        self.thread.join()
 
 
 def _duration(seconds: float) -> str:

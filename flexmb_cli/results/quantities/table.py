@@ -8,7 +8,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from functools import partial
 from math import prod
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import h5py
 import numpy as np
@@ -23,6 +23,7 @@ BLOCK_NUMBERS, BLOCK_ROWS = 2**20, 8192
 # Report times are known to this part of a step; `--to 0.3` means the row at 0.30000000000000004 too.
 TIME_TOLERANCE = 1e-6
 TEXT_NUMBER, TEXT_WIDTH = "{:.9g}", 15
+Column = TypeVar("Column")
 
 
 def chosen_rows(result: h5py.File, start: float | None, stop: float | None, every: int) -> range:
@@ -65,15 +66,23 @@ def fitting_groups(result: h5py.File, quantities: Sequence[Quantity], width: int
     A group has one quantity at least.
     """
     time = _column_width(time_quantity(result).header)
-    groups: list[list[Quantity]] = []
+    widths = [_column_width(quantity.header) for quantity in quantities]
+    return grouped(quantities, widths, width - time)
+
+
+def grouped(columns: Sequence[Column], widths: Sequence[int], room: int) -> list[list[Column]]:
+    """Return the columns in groups that take `room` characters beside their first column, gaps included.
+
+    A group has one column at least.
+    """
+    groups: list[list[Column]] = []
     left = 0
-    for quantity in quantities:
-        needed = 2 + _column_width(quantity.header)
-        if not groups or needed > left:
+    for column, width in zip(columns, widths, strict=True):
+        if not groups or 2 + width > left:
             groups.append([])
-            left = width - time
-        groups[-1].append(quantity)
-        left -= needed
+            left = room
+        groups[-1].append(column)
+        left -= 2 + width
     return groups
 
 

@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -79,6 +80,29 @@ def test_a_log_has_a_line_every_ten_seconds_with_v_alone(clock, capsys, verbose,
     assert len(reported) == lines
     if lines:
         assert reported[0] == "a.dat: 100 of 1000 rows, 10 %, 10 rows/s, 1:30 left"
+
+
+def test_a_log_tells_of_compiling_until_it_ends(capsys, monkeypatch):
+    """The thread that compiles is busy: here it sleeps for several of the spans between two lines."""
+    monkeypatch.setattr(module, "LOGGED_AFTER", 0.02)
+    shown = Progress("a.dat", "rows", False, True, io.StringIO())
+    shown.status("compiling kernels")
+    time.sleep(0.15)
+    shown.clear()
+    first, *others = capsys.readouterr().err.splitlines()
+    assert first == "a.dat: compiling kernels"
+    assert len(others) >= 2 and set(others) == {"a.dat: compiling kernels: 0:00 so far"}
+    time.sleep(0.06)
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("silent", [{"quiet": True, "verbose": True}, {"quiet": False, "verbose": False}])
+def test_compiling_is_not_repeated_unless_asked(silent, capsys, monkeypatch):
+    monkeypatch.setattr(module, "LOGGED_AFTER", 0.01)
+    with Progress("a.dat", "rows", stream=io.StringIO(), **silent) as shown:
+        shown.status("compiling kernels")
+        time.sleep(0.05)
+    assert capsys.readouterr().err == ""
 
 
 def test_nothing_is_shown_with_q(clock):
