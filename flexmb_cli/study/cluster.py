@@ -13,7 +13,7 @@ from typing import Any
 from .. import __version__
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, FlexmbError
 from ..extras import needed
-from .sweep import BlockDone, Job, Sweep, next_case, solve_block
+from .sweep import BlockDone, Job, Sweep, solve_block
 from .workers import IN_FLIGHT, keep, note_deaths
 
 SHARES = 3  # so many as one that is handed out shall still be there for every thread
@@ -163,8 +163,16 @@ class _Cluster:
                 keep(self.sweep, block, self.advance)
 
     def _give_again(self, share: list[int]) -> None:
+        """Hand out once more what a share lacks: what it has kept was solved, whoever did not live to tell.
+
+        A complete block must not come back: a share of such blocks that ends its worker would count no death.
+        """
         job = self.sweep.job
-        lacking = [block for block in share if next_case(job, block) in job.cases(block)][:1]
-        note_deaths(job, lacking, self.deaths)
-        self.struck.extend(lacking)
-        self.rest.extendleft(reversed([block for block in share if block not in lacking]))
+        kept = {block: [case.exit_code for case in job.stored(block)] for block in share}
+        lacking = [block for block in share if len(kept[block]) < len(job.cases(block))]
+        for block in share:
+            if block not in lacking:
+                keep(self.sweep, BlockDone(block, 0, sum(code != 0 for code in kept[block])), self.advance)
+        note_deaths(job, lacking[:1], self.deaths)
+        self.struck.extend(lacking[:1])
+        self.rest.extendleft(reversed(lacking[1:]))

@@ -3,12 +3,13 @@
 import os
 import signal
 import time
+from types import SimpleNamespace
 
 import pytest
 
 from flexmb_cli.study import cluster as study_cluster
 from flexmb_cli.study import workers
-from flexmb_cli.study.sweep import Sweep, next_case
+from flexmb_cli.study.sweep import Sweep, next_case, solve_block
 from tests.study.studies import SAMPLED, SMALL, flexmb, written
 
 pytestmark = pytest.mark.processes
@@ -93,12 +94,17 @@ def test_a_worker_of_another_version_solves_nothing(tmp_path, monkeypatch):
     assert not list(sweep.results())
 
 
+SOLVE_SHARE = study_cluster.solve_share
+
+
 def share_ends_at_case_77(job, blocks):
-    """In place of `solve_share`, in a worker: case 77 ends it."""
+    """In place of `solve_share`, in a worker: case 77 ends it, when those before are solved."""
     for block in blocks:
-        if next_case(job, block) == 77:
+        # What comes next in a complete block is the first case of another.
+        if 77 in job.cases(block) and next_case(job, block) == 77:
             os._exit(1)
-    return study_cluster.solve_share(job, blocks)
+        solve_block(job, block)
+    return SOLVE_SHARE(job, blocks)
 
 
 def test_only_the_case_that_ends_workers_of_a_cluster_is_given_up(tmp_path, monkeypatch):
@@ -108,6 +114,7 @@ def test_only_the_case_that_ends_workers_of_a_cluster_is_given_up(tmp_path, monk
 
     sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=100)), str(tmp_path / "parts"))
     monkeypatch.setattr(study_cluster, "solve_share", share_ends_at_case_77)
+    monkeypatch.setattr(workers, "MOST_DEATHS", 2)  # to start another worker takes seconds
     reported = []
     with (
         dask.config.set({"distributed.scheduler.allowed-failures": 0}),
@@ -116,6 +123,35 @@ def test_only_the_case_that_ends_workers_of_a_cluster_is_given_up(tmp_path, monk
         study_cluster.solve_on_cluster(sweep, sweep.pending(), reported.append, cluster.scheduler_address)
     assert [result.case for result in sweep.results()] == list(range(100)) and sum(reported) == 100
     assert [result.case for result in sweep.results() if result.exit_code] == [77]
+
+
+def share_whose_answer_is_lost(job, blocks):
+    """In place of `solve_share`: the worker dies when all is solved, before it can tell."""
+    from distributed import KilledWorker
+
+    ATTEMPTS.append(blocks)
+    if len(ATTEMPTS) > 20:
+        raise AssertionError("the same blocks are handed out again and again")
+    SOLVE_SHARE(job, blocks)
+    raise KilledWorker("share", SimpleNamespace(address="here"), 1)
+
+
+ATTEMPTS = []  # shares that were tried: the worker is a thread of this process
+
+
+def test_what_a_worker_kept_before_it_died_is_not_handed_out_again(tmp_path, monkeypatch):
+    from distributed import LocalCluster
+
+    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=10)), str(tmp_path / "parts"))
+    monkeypatch.setattr(study_cluster, "solve_share", share_whose_answer_is_lost)
+    monkeypatch.setattr("tests.study.test_sweep_cluster.ATTEMPTS", [])
+    reported = []
+    with LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address=None
+    ) as cluster:
+        study_cluster.solve_on_cluster(sweep, sweep.pending(), reported.append, cluster.scheduler_address)
+    assert sorted(block for share in ATTEMPTS for block in share) == list(range(10))
+    assert sum(reported) == 10 and sorted(sweep.done) == list(range(10)) and sweep.failed == 0
 
 
 def test_a_scheduler_that_does_not_answer_is_told(tmp_path, monkeypatch):
