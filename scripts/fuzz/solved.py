@@ -167,13 +167,10 @@ def _disagree(checked, ran) -> str:
 def _judged(deck, ran, result, judged) -> str:
     """What is wrong with the result; `judged` gets what was looked at besides."""
     from judged.judge import judge
-    from judged.young_text import read_young_text
 
     if not result.exists():
         return "" if ran.exit_code else "no result: exit 0"
-    text = read_young_text(deck.raw.decode("utf-8", "replace")) if deck.name.endswith(".dat") else None
-    if text is not None and deck.changes:
-        text = _with_changes(text, deck.changes)
+    text = _text(deck)
     # The equations of UNCO leave out what the deflection does to the rigid motion, and with it energy.
     reported = b"UNCO" in deck.raw or any("energy" in fault.message for fault in ran.faults)
     # Steps that leave out the highest modes make rates that are not theirs; flexmb says so.
@@ -182,14 +179,32 @@ def _judged(deck, ran, result, judged) -> str:
     return judge(result, text, reported, coarse, judged, smooth)
 
 
+def _text(deck):
+    """What the judge reads of a deck, with the changes of `--set`; None where it cannot."""
+    from judged.dafms_text import read_dafms_text
+    from judged.vsdf_text import read_vsdf_text
+    from judged.young_text import read_young_text
+
+    raw = deck.raw.decode("utf-8", "replace")
+    if deck.name.endswith(".vsdf"):
+        return read_vsdf_text(raw, deck.folder)
+    reader = read_young_text if deck.name.endswith(".dat") else read_dafms_text
+    text = reader(raw)
+    return text and _with_changes(text, deck.changes)
+
+
 def _with_changes(text, changes):
     from dataclasses import replace
 
-    time = list(text.time)
     for change in changes:
         name, value = change.split("=")
-        time[("time.start", "time.end", "time.step").index(name)] = float(value)
-    return replace(text, time=tuple(time))
+        if name == "time.IT":
+            text = replace(text, rows=int(value))
+        else:
+            time = list(text.time)
+            time[("time.start", "time.end", "time.step").index(name)] = float(value)
+            text = replace(text, time=tuple(time))
+    return text
 
 
 if __name__ == "__main__":

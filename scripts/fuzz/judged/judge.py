@@ -7,9 +7,14 @@ acceleration; joints, drivers and grounds are those of the deck's own numbers wh
 
 import numpy as np
 
+from .dafms import judge_dafms
+from .dafms_text import DafmsText
 from .rates import judge_rates
 from .rows import ROUND_OFF, Bodies, Result, Verdict, small
+from .vsdf import judge_vsdf
+from .vsdf_text import VsdfText
 from .young import judge_young
+from .young_text import YoungText
 
 ENERGY = 2e-3  # of the largest energy: flexmb warns of a thousandth
 
@@ -17,21 +22,20 @@ ENERGY = 2e-3  # of the largest energy: flexmb warns of a thousandth
 def judge(
     path, text, warned: bool, coarse: bool = False, judged: list[str] | None = None, smooth: bool = True
 ) -> str:
-    """What is wrong with the result at `path`, "" for nothing; `text`: a YoungText, or None.
+    """What is wrong with the result at `path`, "" for nothing; `text`: that of its deck, or None.
 
     `warned`: the run itself warned of its energy; `coarse`: of its steps; `smooth`: no element of the deck
     has corners.  `judged` gets a word when differences of rows were compared.
     """
-    result = Result(path)
+    result, judged = Result(path), [] if judged is None else judged
     try:
         _finite(result)
         # Rows of a run that failed are marked; what made it fail may begin in the last of them.
         if result.complete and len(result["time"]):
             with np.errstate(all="ignore"):
                 _attitudes(result)
-                if text is not None:
-                    judge_young(result, text)
-                elif not coarse and judge_rates(result, smooth) and judged is not None:
+                _by_deck(result, text, judged)
+                if not isinstance(text, YoungText) and not coarse and judge_rates(result, smooth):
                     judged.append(f"rates of {result.attributes['dialect']} decks compared")
                 _kept_joints(result)
                 _energies(result, warned)
@@ -39,6 +43,17 @@ def judge(
     except Verdict as wrong:
         return str(wrong)
     return ""
+
+
+def _by_deck(result, text, judged):
+    if isinstance(text, YoungText):
+        judge_young(result, text)
+    elif isinstance(text, VsdfText):
+        judge_vsdf(result, text, judged)
+    elif isinstance(text, DafmsText):
+        judge_dafms(result, text, judged)
+    else:
+        judged.append(f"not judged: text of a {result.attributes['dialect']} deck")
 
 
 def _finite(result):
