@@ -81,6 +81,24 @@ def test_weights_and_inertia_of_a_tree_are_those_of_its_deck(tmp_path, old, new,
     assert what in judge(other, read_dafms_text(text), warned=False)
 
 
+def test_a_warning_excuses_the_drift_of_energy_that_it_states_and_no_more(tmp_path):
+    _, result = solved(tmp_path, "dafms/pendulum.DAT", (" 6000\n", "   60\n"))
+    with h5py.File(result, "r+") as file:
+        for name in ("energy/total", "energy/potential"):
+            file[name][30:] += 0.5
+    assert judge(result, None, warned=0.5) == ""
+    assert "the total energy strays by 0.5" in judge(result, None, warned=0.1)
+
+
+def test_coarse_steps_still_show_velocities_that_are_not_those_of_the_places(tmp_path):
+    """Velocities are doubled; accelerations, which coarse steps make, are not looked at."""
+    _, result = solved(tmp_path, "dafms/pendulum.DAT", (" 6000\n", "   60\n"))
+    assert judge(result, None, coarse=True) == ""
+    with h5py.File(result, "r+") as file:
+        file["point/velocity"][...] *= 2.0
+    assert "point/position against its rates" in judge(result, None, coarse=True)
+
+
 def test_cards_that_the_judge_does_not_read_are_named():
     text = (ROOT / "scripts/fuzz/seeds/vsdf/elements.vsdf").read_text()
     assert {"BUSH", "CABL", "TSTO"} <= set(read_vsdf_text(text, ROOT).unread)
