@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -19,6 +20,7 @@ sys.path.insert(0, str(ROOT / "scripts" / "fuzz"))
 from judged.dafms_text import read_dafms_text  # noqa: E402
 from judged.judge import judge  # noqa: E402
 from judged.vsdf_text import read_vsdf_text  # noqa: E402
+from judged.young_text import read_young_text  # noqa: E402
 
 SHORT = ("    0.5    5.0E-4    5.0E-5", "  0.001    5.0E-5    5.0E-5")
 
@@ -97,6 +99,18 @@ def test_coarse_steps_still_show_velocities_that_are_not_those_of_the_places(tmp
     with h5py.File(result, "r+") as file:
         file["point/velocity"][...] *= 2.0
     assert "point/position against its rates" in judge(result, None, coarse=True)
+
+
+def test_a_load_on_one_body_leaves_the_balance_of_the_others(tmp_path):
+    """A force of nothing on body 1 is a card that is not computed; joints elsewhere still have to balance."""
+    text, result = solved(tmp_path, "young/dynamics/IN4-BAR-MASS.dat")
+    text = read_young_text(text)
+    loaded = replace(text, cards=(*text.cards, ("FORCE", [1.0, *[0.0] * 8])))
+    assert judge(result, loaded) == ""
+    elsewhere = [k for k, (_, joint) in enumerate(text.joints) if 1 not in joint[:2]]
+    with h5py.File(result, "r+") as file:
+        file["reaction/force"][:, elsewhere[0]] *= 1.5
+    assert "balance of forces" in judge(result, loaded)
 
 
 def test_cards_that_the_judge_does_not_read_are_named():
