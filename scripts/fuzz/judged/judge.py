@@ -7,31 +7,42 @@ acceleration; joints, drivers and grounds are those of the deck's own numbers wh
 
 import numpy as np
 
+from .dafms import judge_dafms
+from .dafms_text import DafmsText
 from .rates import judge_rates
 from .rows import ROUND_OFF, Bodies, Result, Verdict, small
+from .vsdf import judge_vsdf
+from .vsdf_text import VsdfText
 from .young import judge_young
+from .young_text import YoungText
 
 ENERGY = 2e-3  # of the largest energy: flexmb warns of a thousandth
+STATED = 1.1  # of the drift that a warning states with two digits
 
 
 def judge(
-    path, text, warned: bool, coarse: bool = False, judged: list[str] | None = None, smooth: bool = True
+    path,
+    text,
+    warned: float = 0.0,
+    coarse: bool = False,
+    judged: list[str] | None = None,
+    smooth: bool = True,
 ) -> str:
-    """What is wrong with the result at `path`, "" for nothing; `text`: a YoungText, or None.
+    """What is wrong with the result at `path`, "" for nothing; `text`: that of its deck, or None.
 
-    `warned`: the run itself warned of its energy; `coarse`: of its steps; `smooth`: no element of the deck
-    has corners.  `judged` gets a word when differences of rows were compared.
+    `warned`: the drift of its energy, J, of which the run itself warned; `coarse`: it did of its steps;
+    `smooth`: no element of the deck has corners.  `judged` gets a word when rows were compared,
+    and one for whatever of the deck was not.
     """
-    result = Result(path)
+    result, judged = Result(path), [] if judged is None else judged
     try:
         _finite(result)
         # Rows of a run that failed are marked; what made it fail may begin in the last of them.
         if result.complete and len(result["time"]):
             with np.errstate(all="ignore"):
                 _attitudes(result)
-                if text is not None:
-                    judge_young(result, text)
-                elif not coarse and judge_rates(result, smooth) and judged is not None:
+                _by_deck(result, text, judged)
+                if not isinstance(text, YoungText) and judge_rates(result, smooth, coarse):
                     judged.append(f"rates of {result.attributes['dialect']} decks compared")
                 _kept_joints(result)
                 _energies(result, warned)
@@ -39,6 +50,17 @@ def judge(
     except Verdict as wrong:
         return str(wrong)
     return ""
+
+
+def _by_deck(result, text, judged):
+    if isinstance(text, YoungText):
+        judge_young(result, text)
+    elif isinstance(text, VsdfText):
+        judge_vsdf(result, text, judged)
+    elif isinstance(text, DafmsText):
+        judge_dafms(result, text, judged)
+    else:
+        judged.append(f"not judged: text of a {result.attributes['dialect']} deck")
 
 
 def _finite(result):
@@ -90,7 +112,7 @@ def _tree_closures(result):
 
 
 def _energies(result, warned):
-    """The parts make the total, which stays, unless the run warned."""
+    """The parts make the total, which stays but for the drift that the run warned of."""
     if "energy/total" not in result:
         return
     parts = {name: result[f"energy/{name}"] for name in ("kinetic", "potential", "applied_work")}
@@ -105,5 +127,6 @@ def _energies(result, warned):
         max(np.abs(values - values[0]).max() for values in parts.values()) + np.abs(parts["kinetic"]).max()
     )
     drift = np.abs(total - total[0]).max()
-    if not warned and result.complete and drift > ENERGY * scale + 1e-9 * size.max():
+    allowed = max(ENERGY * scale + 1e-9 * size.max(), STATED * warned)
+    if result.complete and drift > allowed:
         raise Verdict(f"the total energy strays by {drift:.3g} of {scale:.3g} without a warning")

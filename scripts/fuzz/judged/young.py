@@ -143,12 +143,32 @@ def _at_rest(bodies, k, held):
     small("turning of a ground", bodies.omega[:, k], 0 * bodies.omega[:, k])
 
 
-FORCELESS = {"MASS", "GRAVITY", "VELOCITY", "TOLERANCE", "GALF"}
+FORCELESS = {"MASS", "GRAVITY", "VELOCITY", "TOLERANCE", "GALF", "RATE", "JOINTS", "DRIVE"}
+FORCELESS |= {"TABLE", "SPLINE", "POLYNOMIAL", "SINE", "RAMP", "STEP", "SUM", "PRODUCT"}  # functions
+# Cards of forces that are not computed here, by what they begin with: a body, two, or a joint.
+OF_ONE = {"FORCE", "TORQUE"}
+OF_TWO = {"SPRING", "DAMPER", "LSPRING", "CABLE", "BUSHING", "REVCYL", "REVSPH", "SPHSPH"}
+OF_JOINT = {
+    "ANGLE",
+    "STROKE",
+    "TMOTOR",
+    "AMOTOR",
+    "TSPRING",
+    "ASPRING",
+    "TSTOP",
+    "ASTOP",
+    "FRICTION",
+    "COUPLING",
+}
 
 
 def _forces(result, text):
-    """Newton's and Euler's equations of every body, about its origin, with all that acts on it."""
-    if "reaction/force" not in result or {word for word, _ in text.cards} - FORCELESS:
+    """Newton's and Euler's equations of every body, about its origin, with all that acts on it.
+
+    Bodies on which other cards act are left out, and all where a card is not known.
+    """
+    known = FORCELESS | OF_ONE | OF_TWO | OF_JOINT
+    if "reaction/force" not in result or {word for word, _ in text.cards} - known:
         return
     bodies = Bodies(result)
     gravity = np.sum([numbers for word, numbers in text.cards if word == "GRAVITY"] or [np.zeros(3)], axis=0)
@@ -161,8 +181,23 @@ def _forces(result, text):
             moments[:, body - 1] += moment
             sizes[:, body - 1] += np.linalg.norm(force, axis=-1, keepdims=True)
             sizes[:, body - 1] += np.linalg.norm(moment, axis=-1, keepdims=True)
-    small("balance of forces", forces, sizes)
-    small("balance of moments", moments, sizes)
+    judged = [k for k in range(forces.shape[1]) if k + 1 not in _pushed(text)]
+    small("balance of forces", forces[:, judged], sizes[:, judged])
+    small("balance of moments", moments[:, judged], sizes[:, judged])
+
+
+def _pushed(text) -> set[int]:
+    """Return the bodies that springs, loads, motors and further joints act on."""
+    found: set[int] = set()
+    for word, numbers in text.cards:
+        if word in OF_ONE | OF_TWO:
+            found.update(map(int, numbers[: 1 + (word in OF_TWO)]))
+        elif word in OF_JOINT:
+            for joint in numbers[::3] if word == "COUPLING" else numbers[:1]:
+                # Joints behind the deck's own are those of REVCYL and its like, whose bodies are in already.
+                for _, held in text.joints[int(joint) - 1 : int(joint)]:
+                    found.update(map(int, held[:2]))
+    return found
 
 
 def _acting(result, text, bodies):
