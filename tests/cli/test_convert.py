@@ -171,12 +171,49 @@ END
 """
 
 
+# Two free bodies hang from the ground, one below the other, on links with two spheres.
+LINKED = f"""\
+3 0 0 0 0 0 0 0 0 0 0 1
+0 0 0 1 0 0 0
+0 0 0 1 0 0 0
+1 0 0 1 0 0 0
+1 0 0 0 0 0 0
+0 0.3 0.1
+
+DYNAMICS forward
+MASS 2 2 0.05 0.01 0.02 0.3 0.4 0.5 0.02 0.03 -0.04
+MASS 3 1.5 0.03 0 0.01 0.2 0.3 0.25 0.01 0 0.02
+GRAVITY 0.3 -9.81 0.2
+SPHSPH 0 2 0 1 0 0.3 0.1 0 {0.9**0.5!r}
+SPHSPH 2 3 0.3 0.1 0 -0.2 0 0.1 {0.27**0.5!r}
+TOLERANCE 1e-12
+END
+"""
+
+
+@pytest.mark.processes
+def test_links_with_two_spheres_hold_alike_in_exudyn(tmp_path):
+    """Without either link the bodies would be elsewhere: weights alone move them by 0.44 m."""
+    pytest.importorskip("exudyn", reason="Exudyn is not installed (extra bench)")
+    values = moved_as_in_exudyn(tmp_path, LINKED, ((0.05, 0.01, 0.02), (0.03, 0, 0.01)))
+    fallen = values["body/position"][-1, 1:, 1]
+    assert np.abs(fallen + 9.81 * 0.3**2 / 2).min() > 0.05
+
+
 @pytest.mark.processes
 @pytest.mark.long_motion
 def test_springs_stops_and_a_cable_act_alike_in_exudyn(tmp_path):
-    """The script halves its steps as long as that changes more than is compared."""
     pytest.importorskip("exudyn", reason="Exudyn is not installed (extra bench)")
-    (tmp_path / "IN-S.dat").write_text(SPRUNG)
+    values = moved_as_in_exudyn(tmp_path, SPRUNG, ((0.05, 0.01, 0.02), (0.03, 0, 0.01), (0.1, 0.02, 0)))
+    assert np.abs(values["element/effort"][:]).max(axis=0).min() > 1  # all of them act
+
+
+def moved_as_in_exudyn(tmp_path, deck, centres):
+    """Results of a deck whose mass centres, body by body, move within 1e-6 m as its script moves them.
+
+    The script halves its steps as long as that changes more than is compared.
+    """
+    (tmp_path / "IN-S.dat").write_text(deck)
     script = converted(str(tmp_path / "IN-S.dat"), "exudyn")
     (tmp_path / "m.py").write_text(
         script.replace("TOLERANCE, MOST_STEPS = 1e-07", "TOLERANCE, MOST_STEPS = 1e-06")
@@ -185,11 +222,11 @@ def test_springs_stops_and_a_cable_act_alike_in_exudyn(tmp_path):
     assert done.returncode == 0, done.stderr
     found = np.loadtxt(tmp_path / "IN-S-exudyn.csv", delimiter=",")
     values = solve(tmp_path / "IN-S.dat")
-    assert np.abs(values["element/effort"][:]).max(axis=0).min() > 1  # all of them act
-    for b, centre in enumerate(((0.05, 0.01, 0.02), (0.03, 0, 0.01), (0.1, 0.02, 0)), 1):
+    for b, centre in enumerate(centres, 1):
         r, p = values["body/position"][:, b], values["body/euler_parameters"][:, b]
         places = r + np.array([rotation_matrix(row) @ np.array(centre) for row in p])
         np.testing.assert_allclose(found[:, 3 * b - 2 : 3 * b + 1], places, atol=1e-6)
+    return values
 
 
 @pytest.mark.parametrize(

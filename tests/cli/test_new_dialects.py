@@ -41,7 +41,7 @@ def test_a_vsdf_deck_finds_its_files_beside_itself(tmp_path, monkeypatch):
         "1" if card.word in ("BODY", "FEMM", "FEMK") else "0" for card in CARDS if card.word not in LATER
     )
     files = ["TXT fe/pendulum_nodes.txt", "1 MM fe/pendulum_M.mtx", "1 MM fe/pendulum_K.mtx"]
-    lines = ["rod", counts, "FLEX 9 1 13 9", *files, "0 0 -9.81", "1 0.1 0", "", "", ""]
+    lines = ["rod", counts, "FLEX 9 1 13 9", *files, "0 0 -9.81", "1 0.1 0", "", "", "", ""]
     done = CliRunner().invoke(
         cli, ["new", "vsdf", "-o", str(tmp_path / "rod.vsdf")], input="".join(f"{line}\n" for line in lines)
     )
@@ -57,7 +57,7 @@ def test_a_flexible_vsdf_deck_through_a_pipe_passes_the_real_check(tmp_path):
     counts = " ".join("1" if card.word in once else "0" for card in CARDS if card.word not in LATER)
     lines = ["rod", counts, "FLEX 9 1 13 9", "TXT fe/pendulum_nodes.txt", "1 MM fe/pendulum_M.mtx"]
     lines += ["1 MM fe/pendulum_K.mtx", "REVO 0 0 0 1 1 5", "", "", "", "1 51"]
-    lines += ["0 0 -9.81", "0.5 5e-4 5e-5", "GALF 0.9", ""]
+    lines += ["0 0 -9.81", "0.5 5e-4 5e-5", "GALF 0.9", "", ""]
     done = piped("-o", "rod.vsdf", lines=lines, cwd=tmp_path, dialect="vsdf")
     assert (done.returncode, done.stderr) == (
         0,

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from ...deck.record import Deck
+from ...deck.record import Deck, Record
 from ...deck.records import DeckValues
 from ...errors import Fault, ModelError
 from ...model.diagnostics import Findings
@@ -124,12 +124,31 @@ def _integrator(values: Any, findings: Any) -> Integrator:
     if record["stabilise"]:
         message = "constraint stabilisation is not used: every step is projected onto the constraints"
         findings.warn("INTG", message, record.at("stabilise").place, id="VSDF-021")
-    return _integrator_of(word, step, number)
+    return _integrator_of(word, step, number, _tolerance_beside_radius(record, findings))
 
 
-def _integrator_of(word: str, step: float, number: float | None = None) -> Integrator:
+def _tolerance_beside_radius(record: Record, findings: Findings) -> float | None:
+    """The tolerance of a method whose first number is its radius; None where the card gives none."""
+    given = record.at("tolerance")
+    if not given.text:
+        return None
+    tolerance = float(given.value)
+    if METHODS[record["method"]].radius is None:
+        message = f"{record['method']} has its tolerance in the second field; leave this one empty"
+        findings.error("INTG", message, given.place, id="VSDF-111")
+    elif not 0 < tolerance < 1:
+        findings.error(
+            "INTG", f"the tolerance lies between 0 and 1; read {given.text}", given.place, id="VSDF-112"
+        )
+    return tolerance
+
+
+def _integrator_of(
+    word: str, step: float, number: float | None = None, tolerance: float | None = None
+) -> Integrator:
     """Return the integrator of a card INTG; its number is the spectral radius of a method that has one."""
     method = METHODS[word]
     if method.radius is None:
         return Integrator(word, step, method.tolerance if number is None else number)
-    return Integrator(word, step, method.tolerance, method.radius if number is None else number)
+    radius = method.radius if number is None else number
+    return Integrator(word, step, method.tolerance if tolerance is None else tolerance, radius)

@@ -1,5 +1,6 @@
 """Dynamics of a mechanism of rigid and flexible bodies."""
 
+from collections.abc import Mapping
 from functools import partial
 from hashlib import sha256
 from typing import Any
@@ -15,7 +16,6 @@ from ..context import Run
 from ..energy_drift import ConstrainedDrift
 from ..error_estimate import finer_motion
 from ..integration_options import set_tolerances
-from ..outcome import RunOptions
 from ..solution import Solution
 from ..step_count import StepCount
 
@@ -27,7 +27,7 @@ TOO_COARSE = (
 
 def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
     """Return the motion of `mechanism`, ready to be solved."""
-    mechanism = _as_asked(mechanism, run.options)
+    mechanism = as_asked(mechanism, run.options.integration)
     analysis, values = _analysis(mechanism, run), partial(flexible_values, mechanism)
     return Solution(
         analysis,
@@ -42,14 +42,13 @@ def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
     )
 
 
-def _as_asked(mechanism: FlexibleMechanism, options: RunOptions) -> FlexibleMechanism:
-    """The mechanism with the method and the tolerance of the options."""
-    given, integrator = options.integration, mechanism.integrator
+def as_asked(mechanism: FlexibleMechanism, given: Mapping[str, Any]) -> FlexibleMechanism:
+    """Return the mechanism with the method and the tolerance of the options `given`."""
+    integrator = mechanism.integrator
     word = word_of(given["method"]) if "method" in given else integrator.method
     if word != integrator.method:
         integrator = Integrator(word, integrator.step, METHODS[word].tolerance)
-    # The absolute tolerance of a method whose card gives a radius stays.
-    if "rtol" in given and METHODS[word].radius is None:
+    if "rtol" in given:
         integrator = replace(integrator, tolerance=given["rtol"])
     return replace(mechanism, integrator=integrator)
 

@@ -65,6 +65,10 @@ CASES = {
     "FRIC": turned("FRIC\n 1,0.2,0.25,0.5,1e-3,0.04,3\n 2,0.1,0.1,1,0.01,0.05\n"),
     "RATE": turned("RATE\n 2,1,0.6\n"),
     "OUTJ": turned("OUTJ\n 1\n"),
+    "FORC": turned("FORC\n 2,3,0.7,-1.1,0,1\n"),
+    "TORQ": turned("TORQ\n 1,0,0,-1.4\n"),
+    "SPRI": turned("SPRI\n 1,0,3,2,3,30,0.5,1.2\n"),
+    "JSPR": turned("JSPR\n 1,8,0.1,0.4\n 2,6,0.2,0.3\n"),
 }  # fmt: skip
 
 # Friction of every joint that has it, which stops, turns round and slides back.

@@ -192,6 +192,16 @@ RIGID_MODELS = [
         ["30:13: error: INTG: the spectral radius lies between 0 and 1; read 1.5"],
     ),
     (
+        "tolerance of a method with a radius",
+        changed(("OUTN\n", "INTG\n GALF,0.9,,2\nOUTN\n")),
+        ["30:12: error: INTG: the tolerance lies between 0 and 1; read 2"],
+    ),
+    (
+        "tolerance twice",
+        changed(("OUTN\n", "INTG\n RAD5,1e-8,,1e-6\nOUTN\n")),
+        ["30:13: error: INTG: RAD5 has its tolerance in the second field; leave this one empty"],
+    ),
+    (
         "card of the other kind",
         changed(("GRAV\n", "DAMP\n    1       0.1\nGRAV\n")),
         ["26:5: error: damping of body 1: DAMP is for FLEX bodies; body 1 is RIGD"],

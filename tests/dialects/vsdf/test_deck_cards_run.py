@@ -9,6 +9,7 @@ import pytest
 
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.kernels.constrained.elements import COORDINATE
+from flexmb_cli.run.solutions.flexible import as_asked
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from tests.dialects.vsdf.vsdf_decks import build, changed, reported, supplied
 
@@ -118,6 +119,25 @@ def test_a_spring_with_a_damper_rings_down_as_the_damped_oscillator():
     left = np.exp(-decay * t) * (np.cos(ringing * t) + decay / ringing * np.sin(ringing * t))
     assert rows("position")[:, 0, 2] == pytest.approx(0.1 * (1.0 - left), abs=1e-9)
     assert analysis.work.responses[0, COORDINATE] == pytest.approx(0.1 * (1.0 - left[-1]), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("card", "rtol"), [("GALF,0.9,,1e-8", None), ("GALF", 1e-8), ("RK45,1e-10", 1e-8)], ids=str
+)
+def test_generalised_alpha_keeps_the_tolerance_of_its_card_and_of_rtol(card, rtol):
+    """The oscillator above without damper, z = 0.1 (1 - cos 10 t), within the ten tolerances of
+    docs/theory/integrators.md; with the 1e-6 of a deck that gives none the error is 8e-7.
+    """
+    steps = (" RK45   1.0E-10", f" {card}"), ("       1.0      0.05\n", " 0.3,0.05\n")
+    cards = "JSPR\n    1     200.0       0.0       0.1\n"
+    mechanism, _ = flexible_mechanism(build(changed(*steps, text=with_cards(cards))), cached=False)
+    options = {"method": "alpha", "rtol": rtol} if rtol else {}
+    analysis = FlexibleDynamics(as_asked(mechanism, options))
+    blocks = list(analysis.rows())
+    t = np.concatenate([block.time for block in blocks])
+    z = np.concatenate([block.position for block in blocks])[:, 0, 2]
+    assert z == pytest.approx(0.1 * (1.0 - np.cos(10.0 * t)), abs=1e-7)
+    assert analysis.clock["atol"] == 1e-8
 
 
 CLAMPED = [

@@ -109,13 +109,13 @@ ROD = [
 def test_a_rigid_pendulum_asked_for():
     """2.5 kg hung from the ground by a sphere at node 7; cards and fields as in decks/vsdf/FORMAT.md."""
     none = " ".join("0" * len(ADDED))
-    dialogue = talk(*ROD, "1 7", "0 0 -9.81", "1 0.1", "", "", "", "", none)
+    dialogue = talk(*ROD, "1 7", "0 0 -9.81", "1 0.1", "", "", "", "", "", none)
     assert dialogue.question is None
     lines = [line.strip() for line, _ in dialogue.lines if not line.startswith("*")]
     assert lines == [
         *("VSDF rod", "BODY", "1,RIGD,0,0,0,0", "RIGI", "1,2.5,0,0,0.5", "1,1,0.1,,,", "NODE", "1,7,,,"),
         *("JOIN", "1,SPHE,0,0,0,1,7,,,,", "OUTN", "1,7", "GRAV", "0,0,-9.81", "TIME", "1,0.1,"),
-        *("INTG", "GALF,,", "END", "STAR", "STOP"),
+        *("INTG", "GALF,,,", "END", "STAR", "STOP"),
     ]
     model, _ = build_vsdf(deck_of(dialogue), Path("."))
     assert (model.bodies[0].name, model.joints[0].kind, model.time.end) == ("body 1", "spherical", 1.0)

@@ -126,22 +126,28 @@ def test_generalised_alpha_passes_smoothly(length):
 
 
 @pytest.mark.long_motion
-@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
-def test_a_run_that_ends_in_line_stops_there_by_name_or_has_no_accelerations(tolerance):
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
+def test_a_run_that_ends_in_line_stops_there_by_name(tolerance):
     """Cranks that turn steadily at 1.5 rad/s from 0.5 rad lie in line at (π - 0.5)/1.5 s."""
     end = (math.pi - 0.5) / 1.5
     steady = Parallelogram(0.5, 1.5, 2.0, 1.0, (1.0, 1.0, 1.0))
-    analysis, told = FlexibleDynamics(steady.mechanism(Integrator("RAD5", 0.0, tolerance), end)), ""
+    analysis = FlexibleDynamics(steady.mechanism(Integrator("RAD5", 0.0, tolerance), end))
     blocks = []
-    try:
+    with pytest.raises(AnalysisError, match="a singular position"):
         blocks.extend(analysis.rows())
-        told = analysis.warnings[-1].message
-        assert np.isnan(blocks[-1].angular_acceleration[-1, 0, 2])
-    except AnalysisError as error:
-        told = str(error)
     assert np.abs(np.concatenate([turns(rows, 1) for rows in blocks])).max() < 1e-7
     assert blocks[-1].time[-1] > 0.8 * end
-    assert "a singular position" in told
+
+
+@pytest.mark.long_motion
+def test_a_run_by_a_coarse_tolerance_ends_in_line_without_accelerations():
+    end = (math.pi - 0.5) / 1.5
+    steady = Parallelogram(0.5, 1.5, 2.0, 1.0, (1.0, 1.0, 1.0))
+    analysis = FlexibleDynamics(steady.mechanism(Integrator("RAD5", 0.0, 1e-5), end))
+    blocks = list(analysis.rows())
+    assert np.isnan(blocks[-1].angular_acceleration[-1, 0, 2])
+    assert np.abs(np.concatenate([turns(rows, 1) for rows in blocks])).max() < 1e-7
+    assert "a singular position" in analysis.warnings[-1].message
 
 
 @pytest.mark.parametrize(

@@ -65,6 +65,7 @@ ANALYSIS_CARDS = (
             ),
             Column("rho", "spectral radius at infinity, or tolerance", default=0.0),
             Column("stabilise", "constraint stabilisation", "1/s", default=0.0),
+            Column("tolerance", "tolerance of a method with a spectral radius", default=0.0),
         ),
     ),
     Card("OUTN", "output", "output nodes {}", "list", (BODY,), NODE),

@@ -74,7 +74,7 @@ class _Deck(ElementCards):
             *self.elements(),
             ("GRAV", [record(*model.gravity)]),
             ("TIME", [record(model.time.end, model.time.step, integrator.step)]),
-            ("INTG", [record(integrator.method, self._parameter())]),
+            ("INTG", [record(integrator.method, *self._parameters())]),
             ("OUTN", [record(p.body + 1, self._node(p.body, p.s)) for p in model.points]),
         ]
         nodes = [record(body + 1, number, *place) for (body, *place), number in self.nodes.items()]
@@ -91,9 +91,11 @@ class _Deck(ElementCards):
             ("GSTL", [line for shape in model.shapes if shape.file for line in _file(shape)]),
         ]
 
-    def _parameter(self) -> Any:
+    def _parameters(self) -> tuple[Any, ...]:
         integrator = self.model.integrator
-        return integrator.tolerance if METHODS[integrator.method].radius is None else integrator.radius
+        if METHODS[integrator.method].radius is None:
+            return (integrator.tolerance,)
+        return integrator.radius, "", integrator.tolerance
 
     def _body(self, k: int) -> Any:
         body = self.model.bodies[k]

@@ -102,7 +102,8 @@ class _Conversion(Conversion):
 
     def _integrator(self) -> Integrator:
         integrator = self.deck.integrator
-        if METHODS[integrator.method].radius is None:
+        method = METHODS[integrator.method]
+        if method.radius is None or integrator.tolerance != method.tolerance:
             return integrator
         return replace(integrator, tolerance=_TOLERANCE)
 
