@@ -2,12 +2,14 @@
 
 import io
 import json
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
 import pytest
 
 from flexmb_cli.deck.fortran_format import Layout, P
+from flexmb_cli.dialects.vsdf.listing import VsdfTable
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
 from tests.dialects.vsdf.vsdf_decks import changed
@@ -97,3 +99,10 @@ def test_a_failed_assembly_leaves_a_marked_result_and_tells_the_joint(tmp_path):
 def test_numbers_of_the_listing_are_those_of_1PE():
     layout = Layout(P(13, 5), P(13, 5), P(13, 5), "\n")
     assert layout.lines([0.1, -12345.678, 0.0]) == "  1.00000E-01 -1.23457E+04  0.00000E+00\n"
+
+
+@pytest.mark.parametrize(("smallest", "shown"), [(7.359e-2, "7.359E-02"), (3.1e-17, "below 1E-12")])
+def test_the_listing_has_no_digits_of_round_off_for_a_singular_value(smallest, shown):
+    found = SimpleNamespace(coordinates=12, rank=11, equations=12, smallest=smallest)
+    lines = VsdfTable._constraint_lines(SimpleNamespace(analysis=SimpleNamespace(found=found)))
+    assert list(lines)[-1] == f"  degrees of freedom 1, smallest singular value {shown}"
