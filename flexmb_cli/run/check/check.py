@@ -87,7 +87,7 @@ def check_deck(
     path: str,
     options: RunOptions,
     jacobian: str | None = None,
-    read: "Callable[[str, RunOptions, Outcome], Deck]" = open_deck,
+    read: "Callable[[str, RunOptions, Outcome], Deck] | None" = None,
 ) -> CheckReport:
     """Read the deck at `path`, assemble it at its first time and analyse what it can be solved for.
 
@@ -96,7 +96,7 @@ def check_deck(
     """
     report = CheckReport(Outcome(path))
     with ending_recorded(report.outcome, options), Stop.released():
-        report.deck = read(path, options, report.outcome)
+        report.deck = (read or open_deck)(path, options, report.outcome)
         run = Run(report.outcome, options)
         model = model_of(report.deck, run)
         report.analysis = analysis_of(model)
