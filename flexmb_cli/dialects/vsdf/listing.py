@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 _RULE = "*" * 78
-ROUND_OFF_VALUE = 1e-12  # smaller singular values are round-off, another on other processors
+SMALLEST_PRINTED = 1e-12  # smaller singular values are round-off, another on other processors
 
 
 class VsdfTable:
@@ -54,8 +54,8 @@ class VsdfTable:
             return
         speeds, rank = found.coordinates, found.rank
         yield f"  constraint equations {found.equations}, independent {rank}, speeds {speeds}"
-        known = found.smallest >= ROUND_OFF_VALUE
-        smallest = f"{found.smallest:.3E}" if known else f"below {ROUND_OFF_VALUE:.0E}"
+        known = found.smallest >= SMALLEST_PRINTED
+        smallest = f"{found.smallest:.3E}" if known else f"below {SMALLEST_PRINTED:.0E}"
         yield f"  degrees of freedom {speeds - rank}, smallest singular value {smallest}"
 
     def rows(self, values: dict[str, np.ndarray]) -> None:

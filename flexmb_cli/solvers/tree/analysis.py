@@ -69,6 +69,8 @@ class TreeAnalysis:
         clock = self.clock.copy()
         clock["t"], clock["step"] = clock["step_start"], clock["step_length"]
         clock["rejected"] = clock["step_rejected"]
+        # The step that is made again is no second try of itself.
+        clock["length"] = np.inf
         return {
             "row": np.array(self.row),
             "clock": clock,

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli import solve
+from flexmb_cli.kernels import _jit
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.outcome import RunOptions
 
@@ -53,6 +54,7 @@ def test_a_closed_chain_repeats_equations(tmp_path):
     assert report.rank == 5 * (BODIES + 1) - 4
 
 
+@pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
 def test_the_time_of_check_grows_with_the_number_of_bodies(tmp_path):
     """Four times the bodies took sixty times as long."""
     took = []
