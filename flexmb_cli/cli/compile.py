@@ -27,6 +27,7 @@ def compile_(listing: Any, clear: Any, quiet: bool) -> None:
         clear_compiled,
         compile_unit,
         list_compiled,
+        nothing_to_compile,
         refused_places,
         units_to_compile,
     )
@@ -39,6 +40,8 @@ def compile_(listing: Any, clear: Any, quiet: bool) -> None:
             tell(f"flexmb: {count} file{'' if count == 1 else 's'} of compiled kernels deleted")
         for path in stay:
             tell(f"flexmb: warning: {path} cannot be deleted")
+    elif nothing_to_compile():
+        raise click.UsageError("NUMBA_DISABLE_JIT is set: kernels are interpreted, and none can be compiled")
     else:
         _compile(units_to_compile(), compile_unit, quiet)
     for sentence in refused_places():

@@ -33,6 +33,13 @@ def interpreting(wanted: bool = True) -> AbstractContextManager[None]:
     return _jit.interpreting(wanted)
 
 
+def nothing_to_compile() -> bool:
+    """Return whether numba is switched off, so that all kernels are interpreted."""
+    from ..kernels import _jit
+
+    return _jit.interpreted()
+
+
 def tell_of_compiling(listener: Notices, entry: str) -> None:
     """Notices for the user when the kernel `entry` ("module.function") has to be compiled."""
     if entry in _reported:

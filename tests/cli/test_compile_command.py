@@ -114,3 +114,10 @@ def test_what_cannot_be_deleted_is_not_counted(version, monkeypatch):
 def test_list_and_clear_exclude_each_other(tmp_path):
     said, code = flexmb(tmp_path / "cache", "compile", "--list", "--clear")
     assert code == 2 and "exclude each other" in said
+
+
+def test_where_numba_is_switched_off_there_is_nothing_to_compile(tmp_path, monkeypatch):
+    """It ended with a fault of flexmb itself."""
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
+    printed, code = flexmb(tmp_path / "cache", "compile")
+    assert code == 2 and "NUMBA_DISABLE_JIT is set: kernels are interpreted" in printed

@@ -14,7 +14,7 @@ DECK = Path(__file__).resolve().parents[2] / "decks" / "young" / "IN1-1-1.dat"
 
 @pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
 def test_a_run_tells_of_a_damaged_object_once(tmp_path, monkeypatch):
-    """Before the run that it concerns; a study asks for every case and hears it once, too."""
+    """Before the run that it concerns; a second run of the same process is silent."""
     path = tmp_path / str(_objects.target()) / f"kinematics{_cache.ENDING}"
     path.parent.mkdir()
     path.write_bytes(b"no object")
