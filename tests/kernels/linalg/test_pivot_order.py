@@ -1,11 +1,8 @@
 """The order of pivots of sparse matrices against a dense elimination written out with numpy."""
 
-import time
-
 import numpy as np
 import pytest
 
-from flexmb_cli.kernels import _jit
 from flexmb_cli.kernels.linalg.lu import GOOD_ENOUGH
 from flexmb_cli.kernels.linalg.pivot_order import RANK_TOLERANCE, choose
 
@@ -54,14 +51,3 @@ def test_the_order_is_that_of_dense_elimination(seed):
         assert choose(J, order, most) == rank
         assert order.tolist() == wanted
     assert rank == 9 and np.linalg.matrix_rank(J) == dense_order(J, len(J))[1]
-
-
-@pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
-def test_the_order_of_many_rows_is_found_quickly():
-    """A chain of 300 bodies took 5 s, growing with the cube, when every entry was looked at each time."""
-    J = chained_rows(np.random.default_rng(1), 300)
-    order = np.zeros(sum(J.shape), np.int64)
-    choose(J[:5, :12].copy(), np.zeros(17, np.int64), 5)
-    begun = time.process_time()
-    choose(J, order, len(J))
-    assert time.process_time() - begun < 1.0
