@@ -192,18 +192,19 @@ QUANTITY = {
     "flexmb_cli/results/hdf5/flexible.py": [('    "kinetic": Series(', STORED_SPEED + STORED_MOMENTUM)],
 }
 # (d) The classical method of order 4, besides a file of its kernels.
-KERNELS = {"flexmb_cli/kernels/integrators/rk4.py": "tests/kernels/integrators/rk4.py"}
+KERNELS = {"flexmb_cli/kernels/integrators/kutta/rk4.py": "tests/kernels/integrators/rk4.py"}
 INTEGRATOR = {
     "flexmb_cli/kernels/signatures.py": [
         (
             '    "alpha": {',
-            '    "rk4": {"integrators.rk4.integrate_rows": "int System Work Integration Report int"},\n',
+            '    "rk4": {\n        "integrators.kutta.rk4.integrate_rows": '
+            '"int System Work Integration Report int",\n    },\n',
         )
     ],
     "flexmb_cli/model/integrators.py": [
         (
             "}\nMETHOD_OPTIONS",
-            '    "RK4": IntegratorType("rk4", "Kutta", "rk4", 1e-8, given_step=True),\n',
+            '    "RK4": IntegratorType("rk4", "Kutta", "kutta.rk4", 1e-8, given_step=True),\n',
         )
     ],
 }

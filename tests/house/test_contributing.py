@@ -30,6 +30,7 @@ from tests.house.contributions import (
     READER,
     ROTOR,
 )
+from tests.house.test_house import MOST_FILES
 
 ROOT = Path(__file__).resolve().parents[2]
 TREE = TWO_LINKS.replace("1.000E-12    1.000E-13", "1.000E-07    1.000E-08")
@@ -42,6 +43,8 @@ def copy(tmp_path_factory):
     folder = tmp_path_factory.mktemp("copy")
     shutil.copytree(ROOT / "flexmb_cli", folder / "flexmb_cli", ignore=shutil.ignore_patterns("__pycache__"))
     for name, origin in KERNELS.items():
+        (folder / name).parent.mkdir()
+        (folder / name).with_name("__init__.py").touch()
         shutil.copy(ROOT / origin, folder / name)
     for recipe in (JOINT, JOINT_OF_POINTS, CARD, CARD_OF_BODIES, QUANTITY, INTEGRATOR, FORMAT):
         for name, additions in recipe.items():
@@ -73,6 +76,11 @@ def test_as_few_files_are_touched_as_the_page_says():
         name.removeprefix("flexmb_cli/dialects/vsdf/").split("/")[-1] in page
         for name in JOINT | JOINT_OF_POINTS | CARD | CARD_OF_BODIES | QUANTITY
     )
+
+
+def test_no_folder_is_crowded_by_what_the_page_adds(copy):
+    folders = [path for path in (copy / "flexmb_cli").rglob("*/") if path.name != "__pycache__"]
+    assert not [path for path in folders if sum(file.is_file() for file in path.iterdir()) > MOST_FILES]
 
 
 def test_quantities_of_the_page_have_types(copy):
