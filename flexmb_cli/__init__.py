@@ -41,6 +41,11 @@ __all__ = [
 ]
 
 
+def __dir__() -> list[str]:
+    """Return the names of the interface, also those that were not imported yet: editors complete them."""
+    return sorted({*globals(), *__all__})
+
+
 def __getattr__(name: str) -> object:
     """Import the interface when a name of it is used: commands start without numpy."""
     if name not in __all__:

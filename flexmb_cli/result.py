@@ -3,7 +3,7 @@
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from .opened_deck import OpenDeck
     from .results.hdf5.layout import Layout
+    from .results.quantities.quantities import Quantity
 
 
 @dataclass(frozen=True)
@@ -24,38 +25,36 @@ class Result(Mapping[str, np.ndarray]):
     """The motion of a deck: `result["body/position"]` is an array (times, bodies, 3), as in the HDF5 file.
 
     A name of `flexmb table` works, too: `result["point.1.z"]` is an array (times,).  `status` is "complete",
-    or "failed" with the reason in `message`.
+    or "failed" with the reason in `message`.  A run that fails before its first row has no arrays.
     """
 
     deck: "OpenDeck"
-    values: dict[str, np.ndarray]  # type: ignore[assignment]
+    arrays: dict[str, np.ndarray]
     layout: "Layout"
     status: str = COMPLETE
     message: str = ""
     warnings: tuple[Fault, ...] = ()
-    found: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
+    found: "dict[str, list[Quantity]]" = field(default_factory=dict, repr=False, compare=False)
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Return a dataset by its path, or a quantity by its name; raises KeyError with near names."""
-        if name in self.values:
-            return self.values[name]
-        quantity = self._quantity(name)
-        return self.values[quantity.dataset][(slice(None), *quantity.index)]
+        if name in self.arrays:
+            return self.arrays[name]
+        return self._column(self._quantity(name))
 
     def __repr__(self) -> str:
-        rows = len(self.values.get("time", ()))
-        return f"Result of {self.deck.path!r}: {self.status}, {rows} rows of {len(self.values)} datasets"
+        return f"Result of {self.deck.path!r}: {self.status}, {len(self.time)} rows of {len(self)} datasets"
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self.values)
+        return iter(self.arrays)
 
     def __len__(self) -> int:
-        return len(self.values)
+        return len(self.arrays)
 
     @property
     def time(self) -> np.ndarray:
         """The times of the rows, s (times,)."""
-        return self.values["time"]
+        return self.arrays.get("time", np.empty(0))
 
     def unit(self, name: str) -> str:
         """Return the SI unit of a dataset or a quantity, "1" for a pure number."""
@@ -67,8 +66,8 @@ class Result(Mapping[str, np.ndarray]):
         from .results.hdf5.result_file import ResultFile
 
         file = ResultFile(os.fspath(path), self.deck.deck, self.layout)
-        if self.values:
-            file.rows(self.values)
+        if self.arrays:
+            file.rows(self.arrays)
         if self.status == FAILED:
             file.mark(FAILED, self.message)
         file.note(sentences(fault for fault in self.warnings if fault.severity != "error"))
@@ -91,27 +90,38 @@ class Result(Mapping[str, np.ndarray]):
                 return tree.load()
 
     def to_pandas(self, *names: str) -> "pandas.DataFrame":
-        """Return the quantities named, each a column, with the time as index; raises MissingExtra."""
+        """Return a table with the time, s, as index, and a column for each number that the names mean.
+
+        A name is that of a quantity or of a dataset; without names there are all.  The frame's
+        `attrs["units"]` has the units by column.  Raises KeyError; MissingExtra where there is no pandas.
+        """
         needed("pandas", "pandas", "", "to_pandas")
         import pandas
 
-        columns = {
-            quantity.name: self.values[quantity.dataset][(slice(None), *quantity.index)]
-            for name in names
-            for quantity in self._quantities(name)
-        }
-        return pandas.DataFrame(columns, index=pandas.Index(self.time, name="time"))
+        found = (quantity for name in names or ("*",) for quantity in self._quantities(name))
+        wanted = [quantity for quantity in found if names or quantity.dataset != "time"]
+        columns = {quantity.name: self._column(quantity) for quantity in wanted}
+        table = pandas.DataFrame(columns, index=pandas.Index(self.time, name="time"))
+        table.attrs["units"] = {quantity.name: quantity.unit for quantity in wanted}
+        return table
 
-    def _quantity(self, name: Any) -> Any:
+    def _column(self, quantity: "Quantity") -> np.ndarray:
+        if not self.arrays:
+            return np.empty(0)
+        place: tuple[slice | int, ...] = (slice(None), *quantity.index)
+        return self.arrays[quantity.dataset][place]
+
+    def _quantity(self, name: str) -> "Quantity":
         quantities = self._quantities(name)
         if len(quantities) > 1:
             several = ", ".join(quantity.name for quantity in quantities[:6])
             raise KeyError(f"{name} is more than one number: {several} …; name one, or use to_pandas")
         return quantities[0]
 
-    def _quantities(self, name: Any) -> Any:
+    def _quantities(self, name: str) -> "list[Quantity]":
         """The quantities that a name means; they are looked up in a file without rows."""
         if name not in self.found:
+            paths = {item.path for item in self.layout.series}
             import tempfile
 
             import h5py
@@ -124,7 +134,8 @@ class Result(Mapping[str, np.ndarray]):
                 ResultFile(path, self.deck.deck, self.layout).close()
                 with h5py.File(path, "r") as file:
                     try:
-                        self.found[name] = resolve(file, [name])
+                        found = resolve(file, ["*" if name in paths else name])
                     except ResultError as fault:
                         raise KeyError(str(fault).removesuffix(SHOWS_ALL)) from None
+            self.found[name] = [each for each in found if name not in paths or each.dataset == name]
         return self.found[name]

@@ -104,6 +104,33 @@ def test_several_numbers_need_a_table():
     assert isinstance(table, pandas.DataFrame)
     np.testing.assert_array_equal(table["point.1.z"], result["point/position"][:, 0, 2])
     assert table.index.name == "time"
+    assert table.attrs["units"] == {"point.1.z": "m", "body.2.x": "m"}
+
+
+def test_a_table_has_the_numbers_of_a_dataset_or_all():
+    """Four bodies of seven coordinates, two derivatives, two angular vectors; a point; three audits."""
+    pytest.importorskip("pandas")
+    result = solve(FOUR_BAR)
+    table = result.to_pandas("body/velocity")
+    assert list(table.columns)[:2] == ["body.1.velocity.x", "body.1.velocity.y"]
+    np.testing.assert_array_equal(table.to_numpy(), result["body/velocity"].reshape(26, 12))
+    assert result.to_pandas().shape == (26, 4 * (3 * 7 + 2 * 3) + 3 * 3 + 3)
+
+
+def test_a_result_is_a_mapping():
+    result = solve(FOUR_BAR)
+    assert len(list(result.values())) == len(result) == len(list(result.items()))
+    assert {id(values) for values in result.values()} == {id(result[path]) for path in result}
+
+
+def test_a_result_without_rows_says_so():
+    """A crank of 400 m cannot be closed: the run fails before its first row."""
+    with pytest.raises(AnalysisError) as caught:
+        solve(read_deck(FOUR_BAR, changes={"revolute.2.P_i.y": 400.0}))
+    result = caught.value.result
+    assert len(result) == len(result.time) == len(result["point.1.z"]) == 0
+    pytest.importorskip("pandas")
+    assert result.to_pandas("body").shape == (0, 4 * 27)
 
 
 def test_xarray_sees_groups_with_units():
@@ -234,6 +261,12 @@ def test_importing_the_package_loads_no_numerical_library():
     code = "import sys, flexmb_cli; print(sorted({'numpy', 'h5py', 'click', 'numba'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_names_are_completed_before_they_are_used():
+    code = "import sys, flexmb_cli as f; print(set(f.__all__) - set(dir(f)), 'numpy' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set() False"
 
 
 def test_the_package_is_marked_as_typed():
