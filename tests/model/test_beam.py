@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from flexmb_cli.deck.fortran_fields import integer_list, real_list
 from flexmb_cli.deck.record import DeckText
 from flexmb_cli.dialects.dafms.beam import Beam
-from flexmb_cli.dialects.dafms.beam_cards import beam_block, beam_deck, rotation_card, with_beam
+from flexmb_cli.dialects.dafms.beam_cards import beam_block, beam_deck, with_beam
 from flexmb_cli.dialects.dafms.build import build_dafms
 from flexmb_cli.dialects.dafms.reader import read_dafms
 from flexmb_cli.errors import DeckError
@@ -130,6 +131,12 @@ def test_a_rigid_body_becomes_flexible():
     for section in ("counts", "node.2", "bkp", "bmi", "speed", "coordinate"):
         old = [[n.value for n in record.numbers] for record in wanted.section(section)]
         assert [[n.value for n in record.numbers] for record in built.section(section)] == old, section
+
+
+def rotation_card(beam, body, node):
+    """Card NROT: the elastic rotation of one node of the beam, for a hinge that sits there."""
+    rows = "".join(real_list(row, 13, 6) for row in beam.nodal_rotation(node))
+    return f"NROT\n{integer_list([1])}{integer_list([body, node])}{rows}"
 
 
 def test_the_rotation_card_is_read_back():

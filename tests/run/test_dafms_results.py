@@ -8,10 +8,10 @@ import pytest
 
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.dafms.beam import Beam
-from flexmb_cli.dialects.dafms.beam_cards import rotation_card
 from flexmb_cli.dialects.dafms.build import build_dafms
 from flexmb_cli.dialects.dafms.reader import read_dafms
 from flexmb_cli.errors import ANALYSIS_FAILED
+from tests.model.test_beam import rotation_card
 from tests.run.dafms_runs import DECKS, ENDINGS, NAMES, altered, loaded, run
 
 pytestmark = pytest.mark.long_motion

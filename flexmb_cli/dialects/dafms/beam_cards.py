@@ -48,12 +48,6 @@ def beam_block(beam: Beam, dimension: int = 2) -> str:
     )
 
 
-def rotation_card(beam: Beam, body: int, node: int) -> str:
-    """Card NROT: the elastic rotation of one node of the beam, for a hinge that sits there."""
-    rows = "".join(real_list(row, 13, 6) for row in beam.nodal_rotation(node))
-    return f"NROT\n{integer_list([1])}{integer_list([body, node])}{rows}"
-
-
 def beam_deck(beam: Beam, title: str, steps: int = 500, step: float = 0.001) -> str:
     """A whole deck: the beam turning about axis 1 of its root, at rest, under gravity along axis 2."""
     dimension = 3 if 1 in beam.axes else 2

@@ -20,5 +20,4 @@ class Card:
     format: str = ""
     items: tuple[Item, ...] = ()
     tail: str = ""
-    extension: bool = False
     head: int = 0

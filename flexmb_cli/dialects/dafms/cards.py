@@ -83,10 +83,9 @@ EXTENSIONS = (
         "single",
         "I5,3F10.5",
         (Item("KG", "not used"), *_axes("g", "gravity, inertial", "m/s^2")),
-        extension=True,
     ),
-    Card("UNCO", "one_way", "switch", extension=True),
-    Card("LOOP", "closure", "entries", "7I5", _CLOSURE, "6F10.5", extension=True, head=7),
+    Card("UNCO", "one_way", "switch"),
+    Card("LOOP", "closure", "entries", "7I5", _CLOSURE, "6F10.5", head=7),
     Card(
         "PROD",
         "product",
@@ -95,7 +94,6 @@ EXTENSIONS = (
         tuple(
             Item(f"BII{ij}", f"element {ij} of the inertia matrix about O_k", "kg m^2") for ij in (12, 13, 23)
         ),
-        extension=True,
     ),
     Card(
         "SPRI",
@@ -107,7 +105,6 @@ EXTENSIONS = (
             Item("KS", "stiffness", "N m/rad or N/m"),
             Item("Q0", "coordinate at rest", "rad or m"),
         ),
-        extension=True,
     ),
     Card(
         "DAMP",
@@ -115,7 +112,6 @@ EXTENSIONS = (
         "entries",
         "2I5,F10.5",
         (*HINGE_ITEMS, Item("CS", "damping constant", "N m s/rad or N s/m")),
-        extension=True,
     ),
     Card(
         "MOTR",
@@ -123,7 +119,6 @@ EXTENSIONS = (
         "entries",
         "2I5,F10.5",
         (*HINGE_ITEMS, Item("TAU", "torque or force, opposite on the parent", "N m or N")),
-        extension=True,
     ),
     Card(
         "PRES",
@@ -136,7 +131,6 @@ EXTENSIONS = (
             Item("B", "speed at t = 0", "rad/s or m/s"),
             Item("A2", "acceleration", "rad/s^2 or m/s^2"),
         ),
-        extension=True,
     ),
     Card(
         "TABL",
@@ -149,7 +143,6 @@ EXTENSIONS = (
             Item("NP", "number of points of the table"),
         ),
         "2F10.5",
-        extension=True,
     ),
     Card(
         "TABM",
@@ -158,7 +151,6 @@ EXTENSIONS = (
         "3I5",
         (*HINGE_ITEMS, Item("NP", "number of points of the table")),
         "2F10.5",
-        extension=True,
     ),
     Card(
         "ELDA",
@@ -166,7 +158,6 @@ EXTENSIONS = (
         "bodies",
         "I5,2F10.5",
         (Item("ALPHA", "mass-proportional", "1/s"), Item("BETA", "stiffness-proportional", "s")),
-        extension=True,
     ),
     Card(
         "NROT",
@@ -175,7 +166,6 @@ EXTENSIONS = (
         "2I5",
         (Item("K", "flexible body"), Item("I", "its node")),
         "6E13.5",
-        extension=True,
     ),
     Card(
         "GSTF",
@@ -186,7 +176,6 @@ EXTENSIONS = (
             Item("IGS", "geometric stiffening: 0 none, 1 on"),
             Item("RA", "clamped end of the beam, from O_k", "m"),
         ),
-        extension=True,
     ),
     Card(
         "TOLR",
@@ -194,7 +183,6 @@ EXTENSIONS = (
         "single",
         "2E13.5",
         (Item("RTOL", "relative tolerance of a step"), Item("ATOL", "absolute tolerance of a step")),
-        extension=True,
     ),
     Card(
         "METH",
@@ -202,9 +190,8 @@ EXTENSIONS = (
         "single",
         "I5",
         (Item("METH", "integrator: 1 explicit, 2 implicit, 3 DGEAR's family, 4 implicit and compiled"),),
-        extension=True,
     ),
-    Card("GEOM", "shape", "entries", "2I5,3F10.5", _SHAPE, "6F10.5", extension=True, head=5),
+    Card("GEOM", "shape", "entries", "2I5,3F10.5", _SHAPE, "6F10.5", head=5),
     *ELEMENT_CARDS,
 )
 

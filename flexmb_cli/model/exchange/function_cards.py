@@ -11,7 +11,6 @@ from .functions import points_of, polynomial_of, simple, without_jumps
 
 Card = tuple[int, str, tuple[float, ...]]  # number of the function, its kind, the numbers that define it
 SAME = 1e-9  # of the largest value: coefficients that two cards have in common
-CUBIC = 4  # coefficients of a cubic
 
 
 class FunctionCards:

@@ -31,16 +31,11 @@ _TRIANGLES = {
 }
 
 
-def outer_faces(cells: np.ndarray) -> np.ndarray:
-    """Faces (f, s) that only one of the elements `cells` (m, k) has: their nodes in turn, from outside.
-
-    A face of a quadratic element has its middles between its corners.
-    """
-    return outer_faces_of_elements(cells)[0]
-
-
 def outer_faces_of_elements(cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the outer faces (f, s), and the rows (f,) of the elements `cells` that have them."""
+    """Return the faces (f, s) that only one element has, and the rows (f,) of `cells` (m, k) that have them.
+
+    A face has its nodes in turn, from outside; that of a quadratic element its middles between its corners.
+    """
     faces = _rings(cells.shape[1])
     corners = 3 if cells.shape[1] in (4, 10) else 4
     every = cells[:, faces].reshape(-1, faces.shape[1])

@@ -12,11 +12,10 @@ PLANAR = 1e-6
 
 @dataclass(frozen=True)
 class View:
-    """`up` and the direction `eye` from the mechanism to the viewer, unit vectors; `planar`: seen flat."""
+    """`up` and the direction `eye` from the mechanism to the viewer, unit vectors."""
 
     up: tuple[float, float, float]
     eye: tuple[float, float, float]
-    planar: bool
 
 
 def view_of(places: np.ndarray, gravity: np.ndarray) -> View:
@@ -28,14 +27,14 @@ def view_of(places: np.ndarray, gravity: np.ndarray) -> View:
     up = -gravity / np.linalg.norm(gravity) if np.any(gravity) else np.array([0.0, 0.0, 1.0])
     normal = _normal(places)
     if normal is None:
-        return View(_plain(up), _plain(_aside(up)), False)
+        return View(_plain(up), _plain(_aside(up)))
     in_plane = up - (up @ normal) * normal
     if np.linalg.norm(in_plane) < 0.5:
         y = np.array([0.0, 1.0, 0.0])
         in_plane = y - (y @ normal) * normal
     if np.linalg.norm(in_plane) < 0.5:
         in_plane = np.array([1.0, 0.0, 0.0])
-    return View(_plain(in_plane), _plain(normal), True)
+    return View(_plain(in_plane), _plain(normal))
 
 
 def _normal(places: Any) -> np.ndarray | None:

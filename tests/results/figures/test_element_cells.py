@@ -7,7 +7,7 @@ from click.testing import CliRunner
 from scipy.spatial.transform import Rotation
 
 from flexmb_cli.cli.export import export
-from flexmb_cli.results.figures.element_faces import face_edges, outer_faces, triangles
+from flexmb_cli.results.figures.element_faces import face_edges, outer_faces_of_elements, triangles
 from flexmb_cli.results.figures.report_scene import with_centres
 from scripts.brick_beam import Beam
 from tests.fe.elements.test_stress_results import result  # noqa: F401
@@ -25,7 +25,7 @@ def block(element):
 def test_the_outer_faces_of_a_block_enclose_its_volume(element, count):
     """The divergence theorem: a sixth of the sum of a . (b x c) is the volume when faces look outwards."""
     places, cells = block(element)
-    faces = outer_faces(cells)
+    faces, _ = outer_faces_of_elements(cells)
     assert len(faces) == count
     a, b, c = (places[triangles(faces)[:, k]] for k in range(3))
     assert np.einsum("ti,ti->", a, np.cross(b, c)) / 6 == pytest.approx(np.prod(SIZE), rel=1e-12)
@@ -37,7 +37,7 @@ def test_the_outer_faces_of_a_block_enclose_its_volume(element, count):
 def test_edges_of_faces_come_once():
     """A block of 3 x 2 x 2 bricks: 32 faces have 4 edges each, every one shared by two."""
     _, cells = block("C3D8")
-    assert len(face_edges(outer_faces(cells))) == 64
+    assert len(face_edges(outer_faces_of_elements(cells)[0])) == 64
 
 
 @pytest.fixture
@@ -157,7 +157,7 @@ def test_a_bar_in_tension_has_its_closed_form_in_vtk(tmp_path):
 def test_the_middle_of_a_quadratic_face_is_interpolated_by_its_eight_nodes():
     """Quadratic functions of position are met exactly: the middle has their value."""
     places, cells = block("C3D20")
-    faces = outer_faces(cells)
+    faces, _ = outer_faces_of_elements(cells)
 
     def values(p):
         return np.stack([p[:, 0] * p[:, 1] - 3 * p[:, 2] + 2, p[:, 0] ** 2], axis=-1)

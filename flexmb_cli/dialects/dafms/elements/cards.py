@@ -40,7 +40,7 @@ _FORCE = "N m or N"
 
 
 def _card(word: Any, section: Any, form: Any, items: Any, tail: Any = "", head: Any = 0) -> Any:
-    return Card(word, section, "entries", form, tuple(items), tail, extension=True, head=head)
+    return Card(word, section, "entries", form, tuple(items), tail, head=head)
 
 
 ELEMENT_CARDS = (

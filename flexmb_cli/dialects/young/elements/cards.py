@@ -174,6 +174,5 @@ JOINT_CARDS = (
     ),
     Card("JOINTS", "joints", ()),
 )  # fmt: skip
-ELEMENT_SECTIONS = tuple(card.section for card in (*FUNCTION_CARDS, *JOINT_CARDS))
 # Those that bring in equations, or take those of the deck away.
 CONSTRAINING = ("drive", "support", "angle", "stroke", "coupling", "revcyl", "revsph", "sphsph")
