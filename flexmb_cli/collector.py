@@ -15,3 +15,15 @@ def without_collector() -> Iterator[None]:
     finally:
         if enabled:
             gc.enable()
+
+
+@contextmanager
+def with_present_objects_frozen() -> Iterator[None]:
+    """Have the collector look through new objects only, for a while; what a program froze itself stays so."""
+    frozen = gc.get_freeze_count()
+    gc.freeze()
+    try:
+        yield
+    finally:
+        if not frozen:
+            gc.unfreeze()

@@ -1,5 +1,6 @@
 """The Python interface: motions in memory are those of closed forms and of the files of `flexmb run`."""
 
+import gc
 import subprocess
 import sys
 from pathlib import Path
@@ -238,6 +239,15 @@ def test_a_report_of_check_is_shown_in_one_line():
 def test_check_reports_mobility():
     report = check(FOUR_BAR)
     assert (report.rank, report.free, report.outcome.exit_code) == (28, [], 0)
+
+
+def test_a_study_leaves_the_garbage_collector_as_it_was(tmp_path):
+    """Cases freeze what is there before them, until they are solved."""
+    text = f'deck = "{FOUR_BAR}"\n[parameters]\n"driver.1.B" = [3.0]\n[results]\nlow = "min point.1.z"\n'
+    (tmp_path / "study.toml").write_text(text)
+    gc.unfreeze()
+    sweep(tmp_path / "study.toml")
+    assert (gc.get_freeze_count(), gc.isenabled()) == (0, True)
 
 
 def test_a_study_gives_columns():

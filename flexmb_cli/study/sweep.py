@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
+from ..collector import with_present_objects_frozen
 from ..deck.record import Deck, DeckText
 from ..deck.text import read_text
 from ..dialects.recognise import CHOOSES, read_deck
@@ -205,9 +206,7 @@ def solver_of(job: Job) -> CaseSolver:
 @lru_cache(maxsize=2)
 def _solver(text: DeckText, folder: str, study: Study) -> CaseSolver:
     solver = CaseSolver(read_deck(text, study.dialect), study, folder)
-    # Cases make garbage by the thousand: to look through all that stays, too, costs a tenth.
-    gc.collect()
-    gc.freeze()
+    gc.collect()  # before the cases freeze what is there
     return solver
 
 
@@ -215,7 +214,8 @@ def solve_block(job: Job, block: int, advance: Callable[[int], None] = lambda ca
     """Solve what a block lacks; every case is kept before the next begins."""
     job.parts.check_shared()
     solver = solver_of(job)
-    with job.part(block) as part:
+    # Cases make garbage by the thousand: to look through all that stays, too, costs a tenth.
+    with job.part(block) as part, with_present_objects_frozen():
         missing = job.cases(block)[part.count :]
         for case in missing:
             part.append(solver.solve(case))

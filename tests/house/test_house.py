@@ -21,6 +21,8 @@ LAYERS = (
     "errors", "deck", "opened_deck", "model", "fe", "kernels", "solvers", "dialects", "results", "result",
     "run", "study", "interface", "cli",
 )  # fmt: skip
+# Beside the layers, for all of them: modules of the top that import each other and errors only.
+FOR_ALL = ("collector", "extras", "installation", "managed_files", "memory", "quick_dataclass")
 # What starts at once never imports these; the MATLAB file is SciPy's.
 LIGHT, HEAVY = ("deck", "model", "dialects", "results"), ("numba", "scipy")
 FOREIGN_FORMATS = "results/files/matlab.py"
@@ -81,6 +83,19 @@ def test_imports_run_one_way():
         and len(full) > 1
         and full[1] in LAYERS
         and full[1] not in may_import(layer)
+    ]
+    assert not upward
+
+
+def test_every_module_at_the_top_is_a_layer_or_for_all_layers():
+    """The package itself names the interface, which it imports late, and `__main__` starts the commands."""
+    top = {path.stem for path in MODULES if path.parent == PACKAGE} - {"__init__", "__main__"}
+    assert top - set(LAYERS) == set(FOR_ALL)
+    upward = [
+        f"{name}.py imports {'.'.join(full)}"
+        for name in (*FOR_ALL, "errors")
+        for full in imports_of(PACKAGE / f"{name}.py")
+        if full[0] == "flexmb_cli" and full[1] not in (*FOR_ALL, "errors")
     ]
     assert not upward
 
