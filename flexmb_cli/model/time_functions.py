@@ -191,6 +191,11 @@ def smoothness(function: MotionFunction) -> int:
     return {HELD_TABLE: 0}.get(function.kind, 2)
 
 
+# Kinds of motions: of a body along and about the global axes, and of a joint.
+TRANSLATIONS, ROTATIONS = ("TRAX", "TRAY", "TRAZ"), ("ROTX", "ROTY", "ROTZ")
+JOINT_TURN, JOINT_STROKE = "ANGL", "STRK"
+
+
 @dataclass(frozen=True)
 class Motion:
     """Prescribed motion of a coordinate of a body (`kind` TRAX ... ROTZ), or of a joint (ANGL, STRK)."""
@@ -200,3 +205,13 @@ class Motion:
     target: int
     function: MotionFunction
     place: Place | None = None
+
+    @property
+    def of_joint(self) -> bool:
+        """Return whether it prescribes a joint coordinate, 0 at the deck's positions, and not one of a body."""
+        return self.kind in (JOINT_TURN, JOINT_STROKE)
+
+    @property
+    def is_length(self) -> bool:
+        """Return whether it prescribes a length, m, rather than an angle, rad."""
+        return self.kind in (*TRANSLATIONS, JOINT_STROKE)

@@ -136,6 +136,18 @@ def test_nothing_outside_its_folder_names_a_dialect():
     assert not found
 
 
+def test_kinds_of_motions_are_told_apart_in_one_file():
+    """Whether a motion is of a joint, and a length, are properties of `Motion`."""
+    found = {
+        path.relative_to(PACKAGE).as_posix()
+        for path in MODULES
+        if not path.relative_to(PACKAGE).as_posix().startswith("dialects/")
+        for _, text in literals_of(path)
+        if text in ("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ", "ANGL", "STRK")
+    }
+    assert found == {"model/time_functions.py"}
+
+
 def test_nothing_outside_its_folder_imports_a_dialect():
     """`flexmb beam` writes cards of one dialect."""
     found = [

@@ -11,7 +11,6 @@ from ...model.time_functions import Motion, MotionFunction
 
 LARGEST_RATE = 1e100  # its square still is a number
 SAMPLES = 101  # even times of a run at which a function is evaluated
-ROTATIONS = ("ANGL", "ROTX", "ROTY", "ROTZ")
 
 
 def check_motion_functions(motions: tuple[Motion, ...], grid: TimeGrid, findings: Findings) -> None:
@@ -24,12 +23,12 @@ def check_motion_functions(motions: tuple[Motion, ...], grid: TimeGrid, findings
                 "lie too close"
             )
             findings.error(motion.name, message, motion.place, id="VSDF-072")
-        elif motion.kind in ROTATIONS and np.abs(values).max() > LARGEST_ANGLE:
+        elif not motion.is_length and np.abs(values).max() > LARGEST_ANGLE:
             angle = np.abs(values).max()
             message = f"its angle reaches {angle:.3g} rad; {NO_ANGLE}: constants are in rad and s"
             findings.error(motion.name, message, motion.place, id="VSDF-073")
         elif (
-            motion.kind in ROTATIONS
+            not motion.is_length
             and (revolutions := np.abs(rates).max() * grid.step / math.tau) > MANY_REVOLUTIONS
         ):
             message = (

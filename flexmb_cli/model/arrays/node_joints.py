@@ -12,11 +12,9 @@ import numpy as np
 from ...errors import Fault, ModelError
 from ..flexible_mechanism import FlexibleMechanism, FloatingBody, NodePoint, PointJoint
 from ..joints import BY_NAME, STROKE
-from ..time_functions import POLYNOMIAL, Motion, MotionFunction
+from ..time_functions import POLYNOMIAL, ROTATIONS, TRANSLATIONS, Motion, MotionFunction
 from .constraint_table import PrimitiveTable, tilde
 from .records import NONE
-
-TRANSLATIONS, ROTATIONS = ("TRAX", "TRAY", "TRAZ"), ("ROTX", "ROTY", "ROTZ")
 
 
 class JointVectors:
@@ -188,21 +186,20 @@ def add_motions(table: PrimitiveTable, mechanism: FlexibleMechanism) -> None:
     """The equations of prescribed motions, one each.  Raises ModelError where turns have no meaning."""
     _refuse_two_rotations(mechanism.motions)
     for motion in mechanism.motions:
-        if motion.kind in ("ANGL", "STRK"):
+        if motion.of_joint:
             body_vectors = JointVectors(table, mechanism.joints[motion.target])
             i, j = body_vectors.i, body_vectors.j
-            is_length = motion.kind == "STRK"
             record = (
                 body_vectors.stroke()
-                if is_length
+                if motion.is_length
                 else table.angle(*body_vectors.turning(), motion.function.at(0.0)[0])
             )
         else:
-            i, j, is_length = NONE, motion.target, motion.kind in TRANSLATIONS
+            i, j = NONE, motion.target
             record = _body_motion(table, mechanism, motion)
         record["function"] = table.function(motion.function)
-        name = "stroke" if is_length else "angle"
-        table.equations(motion.name, motion.place, i, j, [(name, is_length, record)])
+        name = "stroke" if motion.is_length else "angle"
+        table.equations(motion.name, motion.place, i, j, [(name, motion.is_length, record)])
 
 
 def _body_motion(table: PrimitiveTable, mechanism: FlexibleMechanism, motion: Motion) -> np.ndarray:

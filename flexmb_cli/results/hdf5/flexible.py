@@ -51,8 +51,7 @@ FORCES = {
 
 def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
     """Axes, series and constants for what the mechanism has."""
-    units = [TORQUE if motion.kind.startswith("ROT") or motion.kind == "ANGL" else FORCE
-             for motion in mechanism.motions]  # fmt: skip
+    units = [FORCE if motion.is_length else TORQUE for motion in mechanism.motions]
     axes = [XYZ, EULER_PARAMETER, *([SIDE] if mechanism.joints else [])]
     for kind, items in (
         ("body", mechanism.bodies),

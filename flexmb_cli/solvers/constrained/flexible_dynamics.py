@@ -7,7 +7,6 @@ import numpy as np
 from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
 from ...model.arrays.flexible import flexible_arrays
-from ...model.arrays.node_joints import TRANSLATIONS
 from ...model.flexible_mechanism import FlexibleMechanism, PointJoint
 from ...model.joints import BY_NAME, STROKE
 from ...model.loads import InitialVelocity
@@ -71,9 +70,7 @@ class FlexibleDynamics(ConstrainedMotion):
         ]
         return Terms(
             tuple(loads),
-            tuple(
-                (motion.name, motion.kind == "STRK" or motion.kind in TRANSLATIONS) for motion in m.motions
-            ),
+            tuple((motion.name, motion.is_length) for motion in m.motions),
             tuple((joint.name, joint.a[0], joint.b[0]) for joint in m.joints),
             tuple((point.name, point.body) for point in m.outputs),
             motors=motors_of(m.elements, len(self.arrays.loads)),

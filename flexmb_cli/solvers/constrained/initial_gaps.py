@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 APART = 1e-2  # of the mechanism's size; of unit vectors
 DEFORMED = 1e-6  # of the length scale: more than round-off
 LOST_ANGLE = 1e-7  # an angle below it is lost in its cosine
-PRESCRIBED = ("ANGL", "STRK")  # motions from the deck's positions, which may well begin elsewhere
 
 
 def gap_warnings(mechanism: FlexibleMechanism, gaps: PositionGaps, q: np.ndarray, t: float) -> list[Fault]:
@@ -45,7 +44,7 @@ def _apart(mechanism: FlexibleMechanism, gaps: Any, q: np.ndarray, t: float) -> 
 
 def _limits(mechanism: FlexibleMechanism, equations: "tuple[Equation, ...]") -> np.ndarray:
     """Residuals from which gaps are reported, m or 1; inf for motions that say where the mechanism begins."""
-    prescribed = {item.name for item in mechanism.motions if item.kind in PRESCRIBED}
+    prescribed = {item.name for item in mechanism.motions if item.of_joint}
     length = APART * _size(mechanism)
     return np.array(
         [

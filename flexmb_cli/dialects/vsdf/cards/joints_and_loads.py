@@ -1,11 +1,12 @@
 """Cards of what holds bodies together and moves them: pins, joints, motions, tables, loads, springs."""
 
+from ....model.time_functions import JOINT_STROKE, JOINT_TURN, ROTATIONS, TRANSLATIONS
 from .. import DIALECT
 from ..card import Card, Column, vector_columns, whole_column, word_column
 from .columns import BODY, NODE
 
 JOINTS = tuple(DIALECT.joints)
-MOTIONS = ("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ", "ANGL", "STRK")
+MOTIONS = (*TRANSLATIONS, *ROTATIONS, JOINT_TURN, JOINT_STROKE)
 
 JOINT_AND_LOAD_CARDS = (
     Card(
