@@ -208,7 +208,7 @@ class Motion:
 
     @property
     def of_joint(self) -> bool:
-        """Return whether it prescribes a joint coordinate, 0 at the deck's positions, and not one of a body."""
+        """Return whether it prescribes a joint coordinate, 0 at the deck's positions, not one of a body."""
         return self.kind in (JOINT_TURN, JOINT_STROKE)
 
     @property

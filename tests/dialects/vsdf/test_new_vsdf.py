@@ -1,5 +1,6 @@
 """The questions of `flexmb new vsdf`: every supplied deck, given as answers, reads back the same."""
 
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import pytest
@@ -8,10 +9,10 @@ from flexmb_cli.deck.dialogue import Dialogue
 from flexmb_cli.deck.text import decode, read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.vsdf.build import build_vsdf
-from flexmb_cli.dialects.vsdf.cards import CARDS
+from flexmb_cli.dialects.vsdf.cards import CARDS, analysis
 from flexmb_cli.dialects.vsdf.elements.cards import ELEMENT_CARDS
 from flexmb_cli.dialects.vsdf.form import VsdfForm
-from flexmb_cli.model.integrators import Integrator
+from flexmb_cli.model.integrators import METHODS, Integrator
 from tests.dialects.vsdf.element_cases import CASES
 from tests.dialects.vsdf.vsdf_decks import read
 
@@ -120,6 +121,15 @@ def test_a_rigid_pendulum_asked_for():
     model, _ = build_vsdf(deck_of(dialogue), Path("."))
     assert (model.bodies[0].name, model.joints[0].kind, model.time.end) == ("body 1", "spherical", 1.0)
     assert model.integrator == Integrator("GALF", 0.0, 1e-6, 0.9)  # FORMAT.md: the radius by default
+
+
+def test_a_method_added_does_not_become_what_is_proposed(monkeypatch):
+    """Whatever its word: a deck without INTG is solved by GALF."""
+    monkeypatch.setitem(METHODS, "AB4", METHODS["RK45"])
+    found = spec_from_file_location(f"{analysis.__name__}_again", analysis.__file__)
+    found.loader.exec_module(again := module_from_spec(found))
+    (method,) = (card.columns[0] for card in again.ANALYSIS_CARDS if card.word == "INTG")
+    assert method.words == ("GALF", "AB4", "RAD5", "RK45")
 
 
 def test_numbers_of_bodies_and_lists_of_nodes_are_checked_at_once():
