@@ -5,11 +5,13 @@ from time import process_time
 import pytest
 
 from flexmb_cli.deck.record import DeckText
+from flexmb_cli.deck.records import DeckValues
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.vsdf import bodies
 from flexmb_cli.dialects.vsdf.cards import BY_WORD, CARDS
 from flexmb_cli.errors import DeckError, Place
-from tests.dialects.vsdf.vsdf_decks import DECKS, RIGID, changed, read
+from tests.dialects.vsdf.vsdf_decks import DECKS, RIGID, build, changed, read
 
 
 @pytest.mark.parametrize("path", sorted(DECKS.glob("*.vsdf")), ids=lambda path: path.stem)
@@ -115,6 +117,23 @@ def test_a_deck_without_star_is_read_with_a_doubt():
 def test_every_card_has_a_word_of_four_letters_of_its_own():
     assert len(BY_WORD) == len(CARDS)
     assert all(len(card.word) == 4 and card.word.isupper() for card in CARDS)
+
+
+def test_every_card_is_looked_up_by_a_builder(monkeypatch):
+    """A card that no builder reads would do nothing, silently; checks of body numbers do not count."""
+    asked = set()
+
+    def noting(look_up):
+        return lambda self, section, *rest: asked.add(section) or look_up(self, section, *rest)
+
+    for name in ("section", "record", "places_of_body", "column"):
+        monkeypatch.setattr(DeckValues, name, noting(getattr(DeckValues, name)))
+    for name in ("_check_body_numbers", "_refuse_cards_of_others"):
+        monkeypatch.setattr(bodies, name, lambda *given: None)
+    build(RIGID)
+    build((DECKS / "pendulum.vsdf").read_text())
+    unread = [card.word for card in CARDS if card.section not in asked]
+    assert not unread, "the builder of its topic in dialects/vsdf/ must ask for its section"
 
 
 def test_every_card_is_described_in_the_format_page():
