@@ -140,7 +140,9 @@ def _result(
     failure: AnalysisError | None,
 ) -> "Result":
     layout = solution.layout()
-    values = {path: np.concatenate([block[path] for block in blocks]) for path in blocks[0]} if blocks else {}
+    # As in the file: without what the model does not have, such as forces of pins where there are none.
+    paths = ("time", *(item.path for item in layout.series)) if blocks else ()
+    values = {path: np.concatenate([block[path] for block in blocks]) for path in paths}
     warnings = (*opened.warnings, *faults, *solution.warnings, *solution.count.doubts)
     status, message = (COMPLETE, "") if failure is None else (FAILED, str(failure))
     return Result(opened, values, layout, status, message, tuple(dict.fromkeys(warnings)))

@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -124,6 +125,18 @@ def test_a_result_is_a_mapping():
     assert {id(values) for values in result.values()} == {id(result[path]) for path in result}
 
 
+def test_a_result_has_the_datasets_of_its_file_with_their_units(tmp_path):
+    """Units of the file itself; the pendulum has no pins, whose forces would be an array without a column."""
+    result = solve(read_deck(DECKS / "vsdf/pendulum.vsdf", changes={"time.end": 0.001}))
+    result.save(tmp_path / "saved.h5")
+    with h5py.File(tmp_path / "saved.h5") as file:
+        assert {path: result.unit(path) for path in result} == {
+            path: file[path].attrs["units"] for path in result
+        }
+        assert "held" not in file
+    assert "held/force" not in result
+
+
 def test_a_result_without_rows_says_so():
     """A crank of 400 m cannot be closed: the run fails before its first row."""
     with pytest.raises(AnalysisError) as caught:
@@ -234,6 +247,11 @@ def test_a_report_of_check_is_shown_in_one_line():
     assert repr(found) == f"CheckReport({str(FOUR_BAR)!r}, complete, 0 errors, 0 warnings, 0 notes)"
     assert isinstance(found, flexmb_cli.CheckReport)
     assert flexmb_cli.RunOptions is RunOptions
+
+
+def test_a_report_of_check_has_the_faults():
+    (fault,) = check("none.dat").faults
+    assert (fault.severity, fault.id) == ("error", "DECK-011")
 
 
 def test_check_reports_mobility():

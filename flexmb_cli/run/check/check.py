@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...deck.record import Deck
+from ...errors import Fault
 from ...quick_dataclass import dataclass, field
 from ..context import Run
 from ..exit_status import ending_recorded
@@ -47,6 +48,11 @@ class CheckReport:
         faults = [fault.severity for fault in self.outcome.faults]
         counts = ", ".join(f"{faults.count(word)} {word}s" for word in ("error", "warning", "note"))
         return f"CheckReport({self.outcome.deck!r}, {self.outcome.status}, {counts})"
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """Errors, warnings and notes, in the order of the deck."""
+        return tuple(self.outcome.faults)
 
     def as_dict(self) -> dict[str, Any]:
         """The record that `--json` prints."""
