@@ -104,7 +104,7 @@ def blocks_of(records: Sequence[Record]) -> list[Block]:
 
 @dataclass(frozen=True)
 class Made(Sequence[Any]):
-    """What `make` builds of records, or of parts of a model, one by one when it is looked at."""
+    """Parts that `make` builds of records, or of parts of a model, one by one when they are looked at."""
 
     records: Sequence[Any]
     make: Callable[[Any], object]
