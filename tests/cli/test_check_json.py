@@ -103,7 +103,7 @@ def test_round_off_is_not_printed_as_a_singular_value():
 
 
 def test_a_deck_is_let_go_before_the_next_is_read(monkeypatch):
-    """Two models of 62 MB of blank lines took 1,094 MB, since the first was kept while the second was read."""
+    """Two models of 62 MB took 1,094 MB, since the first was kept while the second was read."""
     from click.testing import CliRunner
 
     from flexmb_cli.cli.check import check as command
