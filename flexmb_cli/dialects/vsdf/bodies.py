@@ -1,6 +1,7 @@
 """Bodies of a VSDF deck: masses, nodes, initial motion, the bodies that a card must not name."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,8 +13,9 @@ from ...model.diagnostics import Findings
 from ...model.fe_model import RigidMass, VsdfBody
 from ...model.mechanism import GROUND
 from .flexible_bodies import FLEXIBLE_ONLY, LISTS, flexible_body
+from .many_bodies import ManyBodies
 from .nodes import given_nodes, sets_of
-from .placement import placed_bodies
+from .placement import placed_body, refuse_placements_outside
 
 if TYPE_CHECKING:
     from ...deck.record import Record
@@ -23,12 +25,16 @@ _UNIT_LENGTH = 1e-6
 _TRIANGLE_INEQUALITY = 1e-9
 
 
-def build_bodies(values: DeckValues, folder: Path, findings: Findings) -> tuple[VsdfBody, ...]:
+def build_bodies(values: DeckValues, folder: Path, findings: Findings) -> Sequence[VsdfBody]:
     """The bodies in order; file names are relative to `folder`; faults go to `findings`."""
     count = len(values.section("body"))
     _check_body_numbers(values, count, findings)
-    bodies = tuple(_body(values, k, folder, findings) for k in range(1, count + 1))
-    return placed_bodies(values, bodies, findings)
+    refuse_placements_outside(values, count, findings)
+    given = (_body(values, k, folder, findings) for k in range(1, count + 1))
+    bodies = (placed_body(values, k, body, findings) for k, body in enumerate(given, start=1))
+    if not values.many:
+        return tuple(bodies)
+    return ManyBodies(bodies, lambda k: given_nodes(values, k, Findings()))
 
 
 def build_ground(values: DeckValues, findings: Findings) -> VsdfBody:
