@@ -9,8 +9,8 @@ from ...model.diagnostics import Findings
 from ...model.fe_model import BodyTorque, End, JointSpring, NodeForce, NodeJoint, NodeSpring, VsdfBody
 from ...model.mechanism import GROUND
 from ...model.time_functions import MotionFunction
-from ..elements.build import MOST_ELEMENTS
-from ..elements.functions import Functions
+from ..joint_elements.build import MOST_ELEMENTS
+from ..joint_elements.functions import Functions
 from .bodies import end_of_body
 from .joints import SLIDING, TURNING, find_end
 from .motions import Tables, find_table

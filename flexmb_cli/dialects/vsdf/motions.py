@@ -9,7 +9,7 @@ from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.fe_model import NodeJoint, VsdfBody
 from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionFunction, table_function
-from ..elements.functions import Functions
+from ..joint_elements.functions import Functions
 from .joints import SLIDING, TURNING
 
 if TYPE_CHECKING:

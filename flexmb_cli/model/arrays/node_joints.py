@@ -11,6 +11,7 @@ import numpy as np
 
 from ...errors import Fault, ModelError
 from ..flexible_mechanism import FlexibleMechanism, FloatingBody, NodePoint, PointJoint
+from ..joints import BY_NAME, STROKE
 from ..time_functions import POLYNOMIAL, Motion, MotionFunction
 from .constraint_table import PrimitiveTable, tilde
 from .records import NONE
@@ -268,9 +269,11 @@ def _refuse_two_rotations(motions: tuple[Motion, ...]) -> None:
 
 
 def spring_primitive(table: PrimitiveTable, joint: PointJoint) -> np.ndarray:
-    """The stroke of a translational joint, the angle of the others."""
+    """The joint coordinate in which a spring of the joint acts."""
     body_vectors = JointVectors(table, joint)
-    return body_vectors.stroke() if joint.kind == "translational" else table.angle(*body_vectors.turning())
+    if BY_NAME[joint.kind].sprung == STROKE:
+        return body_vectors.stroke()
+    return table.angle(*body_vectors.turning())
 
 
 def reaction_point(joint: PointJoint) -> NodePoint:
