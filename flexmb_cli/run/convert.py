@@ -36,8 +36,8 @@ def converted(path: str, form: str, changes: tuple[str, ...] = (), unit: str = S
         # What a file is called may come from anywhere, and must not be more than a word of the new file.
         name = visible(PurePath(deck.source.name).stem)
         if form in DIALECTS:
-            _refuse_own(deck, form)
-            return _deck_of(deck, run, form, (unit, to_unit))
+            _refuse_own(deck, form, (unit, to_unit))
+            return _in_other_units(deck, form, (unit, to_unit)) or _deck_of(deck, run, form, (unit, to_unit))
         model = model_of(deck, run)
         if form == "mjcf" and analysis_of(model) != "tree":
             message = "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints"
@@ -48,10 +48,26 @@ def converted(path: str, form: str, changes: tuple[str, ...] = (), unit: str = S
         raise
 
 
-def _refuse_own(deck: Deck, form: Any) -> None:
-    if deck.dialect == form:
+def _refuse_own(deck: Deck, form: str, units: tuple[str, str]) -> None:
+    """Refuse a deck of this form already, unless it is to be in other units."""
+    free = dialect_named(form).any_units
+    if deck.dialect == form and not (free and units[0] != units[1]):
         message = f"the deck is a {dialect_named(form).title} deck already"
+        message += "; --unit and --to-unit write it in other units, such as --to-unit mm" * free
         raise ModelError([Fault("error", message, id="RUN-060")])
+
+
+def _in_other_units(deck: Deck, form: str, units: tuple[str, str]) -> str:
+    """Return the deck's own text in other units, "" where its model has to be written anew."""
+    from ..model.exchange.units import UNITS
+
+    dialect = dialect_named(form)
+    if deck.dialect != form or not dialect.other_units:
+        return ""
+    found: str | None = dialect.part(dialect.other_units)(
+        deck, *(UNITS[name] for name in units), _title(deck)
+    )
+    return found or ""
 
 
 def _deck_of(deck: Deck, run: Run, form: str, units: tuple[str, str]) -> str:
