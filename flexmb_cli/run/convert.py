@@ -1,5 +1,6 @@
 """A deck's model for another program or dialect: the dialect that has the model, and who writes it."""
 
+from collections.abc import Callable
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -42,7 +43,7 @@ def converted(path: str, form: str, changes: tuple[str, ...] = (), unit: str = S
         if form == "mjcf" and analysis_of(model) != "tree":
             message = "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints"
             raise ModelError([Fault("error", message + _other_way(deck, run, model), id="RUN-027")])
-        return _mjcf(model, name) if form == "mjcf" else _exudyn(model, name)
+        return _mjcf(model, name) if form == "mjcf" else _exudyn(model, name, lambda: _by_young(deck, run))
     except FlexmbError as failure:
         failure.file = failure.file or path
         raise
@@ -123,18 +124,33 @@ def _gives_a_tree(deck: Deck, run: Run, form: str) -> bool:
         return False
 
 
+def _by_young(deck: Deck, run: Run) -> str:
+    """Return which conversions lead to Exudyn, each having been tried; "" for none."""
+    if deck.dialect == "young":
+        return ""
+    try:
+        text = _deck_of(deck, run, "young", (SI, SI))
+        model, _ = dialect_named("young").build(
+            read_deck(DeckText("converted", text, ""), "young"), folder_of(run)
+        )
+        _exudyn(model, "")
+    except FlexmbError:
+        return ""
+    return "; convert it --to young first, then that deck --to exudyn"
+
+
 def _mjcf(model: Any, name: str) -> str:
     from ..results.models.mjcf import mjcf
 
     return mjcf(model, name)
 
 
-def _exudyn(model: Any, name: Any) -> str:
+def _exudyn(model: Any, name: Any, other_way: Callable[[], str] = str) -> str:
     from ..results.models.exudyn import exudyn_script
 
     if analysis_of(model) != "dynamic" or model.analysis != "forward":
         message = "--to exudyn takes rigid mechanisms under forces: decks with DYNAMICS forward"
-        raise ModelError([Fault("error", message, id="RUN-028")])
+        raise ModelError([Fault("error", message + other_way(), id="RUN-028")])
     start, *later = _motion_of(model, ROWS_FOR_RANK)
     return exudyn_script(model, start, name, later)
 
