@@ -77,6 +77,18 @@ def test_elements_on_nodes_of_a_beam_agree(tmp_path):
     assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-8]
 
 
+def test_a_stiff_damper_is_verified_by_implicit_steps_in_both_formulations(tmp_path, monkeypatch):
+    """Little moves after J/c < 0.3 ms, but explicit steps stay so short over all of the 0.5 s."""
+    calls = []
+    right = TreeWithElements.slope
+    monkeypatch.setattr(TreeWithElements, "slope", lambda self, t, z: calls.append(t) or right(self, t, z))
+    cards = f"{card('HSPR', integers(1, 3) + reals(30, 0.4, 8000))}\nMETH\n    2\nEND \nSTAR\nSTOP\n"
+    found = verified(tmp_path, f"{TWO_LINKS}{cards}", 1e-7)
+    assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-7]
+    assert found.outcome.faults == []
+    assert len(calls) < 8000
+
+
 def test_loops_and_couplings_agree(tmp_path):
     """A four-bar with a spring across it and friction in a hinge inside the loop."""
     cards = (

@@ -3,7 +3,8 @@
 Generalised forces of the elements are found from their definitions and handed to the recursion as loads.
 Couplings and friction, whose efforts depend on the accelerations, use that these are linear in the efforts:
 the recursion answers a unit effort, and normal forces follow from the force that the bodies beyond a hinge
-need by Newton's law.  Steps are those of scipy's DOP853; couplings and loops hold by their accelerations.
+need by Newton's law.  Steps are those of scipy's DOP853, or of its Radau where the deck's method is implicit;
+couplings and loops hold by their accelerations.
 """
 
 import math
@@ -11,13 +12,14 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853
+from scipy.integrate import DOP853, Radau
 
 from ...errors import AnalysisError, Fault
 from ...kernels.constrained.dry_friction import COMPONENTS, PRELOAD, fill_normal_forces
 from ...kernels.integrators.clock import NO_INERTIA
 from ...kernels.integrators.tree_dop853 import GO_ON
 from ...model.arrays.tree import FUNCTION, body_frames
+from ...model.integrators import IMPLICIT_TREE_METHODS
 from ...model.time_functions import MotionFunction
 from ...model.tree import Prescribed, Tree
 from ...model.tree_as_mechanism.frames import hinge_frames
@@ -83,9 +85,7 @@ class TreeWithElements(TreeAnalysis):
             if stop > t:
                 solver = self._solver(t, z, stop)
                 while solver.status == "running":
-                    solver.step()
-                    if solver.status == "failed":
-                        raise self._force_failure(solver.t) or _vanished(solver.t)
+                    self._step(solver)
                     yield from self._observed(solver.dense_output(), solver.t)
                 t, z = stop, solver.y
 
@@ -94,11 +94,21 @@ class TreeWithElements(TreeAnalysis):
         """The arrays without the efforts of elements."""
         return self.arrays._replace(functions=self.arrays.functions[: self.loads])
 
-    def _solver(self, t: float, z: np.ndarray, stop: float) -> DOP853:
+    def _step(self, solver: DOP853 | Radau) -> None:
+        """Make one step; raises AnalysisError where none succeeds."""
+        try:
+            solver.step()
+        except ValueError:  # Radau's method meets slopes that are no numbers in a matrix
+            solver.status = "failed"
+        if solver.status == "failed":
+            raise self._force_failure(solver.t) or _vanished(solver.t)
+
+    def _solver(self, t: float, z: np.ndarray, stop: float) -> DOP853 | Radau:
         atol = np.full(z.size, self.tree.integration.atol)
         atol[self.state.size - 1 :] = UNCOUNTED
         rtol = max(self.tree.integration.rtol, 100 * np.finfo(float).eps)
-        return DOP853(self._slope_with_works, t, z, stop, rtol=rtol, atol=atol, max_step=self.tree.time.step)
+        method = Radau if self.tree.integration.method in IMPLICIT_TREE_METHODS else DOP853
+        return method(self._slope_with_works, t, z, stop, rtol=rtol, atol=atol, max_step=self.tree.time.step)
 
     def _stops(self, start: float, end: float) -> list[float]:
         """Times at which a load of the deck or a function of an element changes its formula."""
