@@ -30,6 +30,7 @@ ELEMENTS = {
     "element/effort": ("element effort", "N, N m"),
     "element/power": ("element power", "W"),
     "element/energy": ("element energy", "J"),
+    "coupling/effort": ("coupling effort", "N, N m"),
     "driver/effort": ("driver effort", "N, N m"),
 }
 POINTS = {"position": "m", "velocity": "m/s"}

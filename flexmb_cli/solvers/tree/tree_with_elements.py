@@ -60,6 +60,7 @@ class TreeWithElements(TreeAnalysis):
         self.friction = FrictionInHinges(closed, self.forces.number)
         self.terms = self._coupling_terms()
         self.answers: list[Answer] = []
+        self.multipliers = np.zeros(len(self.terms))  # of the couplings
         self.stop = math.inf  # s, end of the formulas in force
         self.jams = False  # no normal forces of friction agree with the motion of the last slope
         self.energy = self._energy_at(tree.time.start, self.state.copy())
@@ -147,6 +148,7 @@ class TreeWithElements(TreeAnalysis):
             "element_power": self._powers(),
             "element_energy": [effort.energy for *_, effort in self.answers],
             "element_work": works,
+            "coupling_effort": self.multipliers,
             "driver_effort": self.coordinates["drive"][self.arrays.prescribed["coordinate"]],
         }
         dissipated = np.array([-works[: works.size - len(self.model.elements.motors)].sum()])
@@ -241,8 +243,8 @@ class TreeWithElements(TreeAnalysis):
         for factors in self.terms:
             self._load(placed.force, placed.torque, effort + factors)
             answers.append(self.terms @ self._recursion(t, z)[: self.n] - gaps)
-        multipliers = np.linalg.lstsq(np.array(answers).T, -gaps, rcond=1e-12)[0]
-        self._load(placed.force, placed.torque, effort + multipliers @ self.terms)
+        self.multipliers = np.linalg.lstsq(np.array(answers).T, -gaps, rcond=1e-12)[0]
+        self._load(placed.force, placed.torque, effort + self.multipliers @ self.terms)
         return self._recursion(t, z)
 
     def _load(self, force: np.ndarray, torque: np.ndarray, effort: np.ndarray) -> None:
