@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ...deck.record import Record
-from ...model.diagnostics import Findings
+from ...model.diagnostics import Findings, no_such
 from ...model.joint_elements import COORDINATES_OF
 from ...model.joints import ANGLE, STROKE
 from .functions import Functions
@@ -68,8 +68,7 @@ class JointMaker(ElementMaker):
     def _joint(self, record: Record, coordinate: str | None, key: str) -> Any:
         number = record[key]
         if not 1 <= number <= len(self.joints):
-            message = f"joint number {number} is outside 1..{len(self.joints)}"
-            message = message if self.joints else "the deck has no joints"
+            message = no_such("joint", number, len(self.joints))
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-003")
             return None
         joint = self.joints[number - 1]

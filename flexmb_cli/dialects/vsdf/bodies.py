@@ -8,7 +8,7 @@ import numpy as np
 
 from ...deck.number_table import outside
 from ...deck.records import DeckValues
-from ...model.diagnostics import Findings
+from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import RigidMass, VsdfBody
 from ...model.mechanism import GROUND
 from .flexible_bodies import FLEXIBLE_ONLY, LISTS, flexible_body
@@ -45,7 +45,7 @@ def _check_body_numbers(values: DeckValues, count: int, findings: Findings) -> N
         lowest = 0 if section == "node" else 1
         for record in outside(values.section(section), "body", lowest, count):
             number = record.at("body")
-            message = f"body number {number.value} is outside {lowest}..{count}"
+            message = no_such("body", number.value, count, lowest)
             findings.error(record.subject, message, number.place, id="VSDF-001")
 
 

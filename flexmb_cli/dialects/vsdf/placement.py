@@ -6,7 +6,7 @@ import numpy as np
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
-from ...model.diagnostics import Findings
+from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import VsdfBody
 from ...model.vectors import euler_parameters
 from ...quick_dataclass import replace
@@ -27,7 +27,7 @@ def placed_bodies(
         if 1 <= number.value <= len(bodies):
             given.setdefault(number.value, []).append(record)
         else:
-            message = f"body number {number.value} is outside 1..{len(bodies)}"
+            message = no_such("body", number.value, len(bodies))
             findings.error(record.subject, message, number.place, id="VSDF-094")
     return tuple(
         _placed(values, k, body, given[k], findings) if k in given else body

@@ -10,7 +10,7 @@ from ...deck.many_records import Chained, Made
 from ...deck.record import Deck, Record
 from ...errors import Fault, ModelError
 from ...model.arrays.dynamic import inertia_matrix
-from ...model.diagnostics import Findings
+from ...model.diagnostics import Findings, no_such
 from ...model.loads import (
     AppliedForce,
     AppliedTorque,
@@ -100,7 +100,7 @@ def _check_bodies(deck: Deck, bodies: int, findings: Findings) -> None:
             least = 1 if len(keys) == 1 else 0
             for key in keys:
                 if not least <= record[key] <= bodies:
-                    message = f"body number {record[key]} is outside {least}..{bodies}"
+                    message = no_such("body", record[key], bodies, least)
                     findings.error(record.subject, message, record.at(key).place, id="YOUNG-001")
             if len(keys) == 2 and record["I"] == record["J"]:
                 message = f"I and J are both body {record['I']}; two bodies are needed"

@@ -69,7 +69,8 @@ def messages(cards):
             "7:9: support 1: simplified constraint 1 holds an angle; x, y, z (directions 1 "
             "to 3) can be moved",
         ),
-        ("SINE 1 0 1 2\nDRIVE 1 1", "7:7: drive 1: driver number 1 is outside 1..0"),
+        ("SINE 1 0 1 2\nDRIVE 1 1", "7:7: drive 1: driver number 1 is not there: the deck has no driver; "
+         "add one, or remove this card"),
         ("COUPLING 2 1 1 2 1 3", "6:10: coupling 1: names one coordinate twice; add its factors"),
         ("COUPLING 2 3 1 2 1 3", "6:12: coupling 1: must be 1 (angle) or 2 (stroke); read 3"),
         ("FRICTION 2 0.1 0.1 0 1e-4 0.1", "6:20: friction 1: stribeck is a speed above 0; read 0"),
