@@ -84,7 +84,6 @@ def messages(cards):
             "6:11: bushing 1: I and J are both body 2; two bodies are needed",
         ),
         ("CABLE 0 4 0 0 0 0 0 0 100 1", "6:9: cable 1: body number 4 is outside 0..3"),
-        ("FORCE 0 0 0 0 1 0 0", "6:7: force 1: body number 0 is outside 1..3"),
         (
             "SINE 1 0 1 2\nTSPRING 2 5\nRATE 2 1 1\nRATE 2 1 2",
             "9:6: rate 2: rate 1 already gives this; remove one of them",
@@ -93,6 +92,20 @@ def messages(cards):
 )  # fmt: skip
 def test_a_slip_is_told_with_place_object_and_remedy(cards, wanted):
     assert wanted in messages(cards)
+
+
+@pytest.mark.parametrize(
+    ("card", "wanted"),
+    [
+        ("FORCE 0 0 0 0 1 0 0", "6:7: force 1: body 0 is the ground, which does not move; name one of 1..3"),
+        ("SPRING 0 0 0 0 0 1 0 0 5 1", "6:10: spring 1: I and J are both body 0; two bodies are needed"),
+    ],
+)  # fmt: skip
+def test_a_load_of_the_ground_alone_is_one_message(card, wanted):
+    with pytest.raises(ModelError) as caught:
+        build_young_dynamics(read(card))
+    about = [fault for fault in caught.value.faults if not fault.sentence.startswith("body ")]
+    assert [f"{f.place.line}:{f.place.column}: {f.sentence}" for f in about] == [wanted]
 
 
 def test_a_number_of_a_table_can_be_set_by_its_name():
