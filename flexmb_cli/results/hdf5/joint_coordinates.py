@@ -39,7 +39,10 @@ ELEMENT_SERIES = {
 }
 COUPLING_SERIES = {
     "coupling_effort": Series(
-        "coupling/effort", (COUPLING,), "N m or N", "times its factor: what acts towards larger coordinates"
+        "coupling/effort",
+        (COUPLING,),
+        "N m or N",
+        "effort, which acts times its factor in each coordinate, towards larger values",
     )
 }
 OF_ELEMENTS = ELEMENT_SERIES | COUPLING_SERIES
