@@ -74,7 +74,11 @@ class JointMaker(ElementMaker):
         joint = self.joints[number - 1]
         if coordinate is not None and coordinate not in COORDINATES_OF[joint.kind]:
             has = " and ".join(_A[one] for one in COORDINATES_OF[joint.kind]) or "neither angle nor stroke"
-            other = "the card for it" if COORDINATES_OF[joint.kind] else "a joint that has one"
+            other = "a joint that has one"
+            if COORDINATES_OF[joint.kind]:
+                code = next(code for code, one in _COORDINATES.items() if one in COORDINATES_OF[joint.kind])
+                chosen = f"coordinate{key.removeprefix('joint')}" in record
+                other = f"coordinate {code}" if chosen else "the card for it"
             message = f"joint {number} ({joint.name}) has {has}, not {_A[coordinate]}; take {other}"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-004")
             return None

@@ -94,14 +94,44 @@ def test_a_slip_is_told_with_place_object_and_remedy(cards, wanted):
     assert wanted in messages(cards)
 
 
+NOTHING = "does nothing: its coefficients are 0"
+
+
+@pytest.mark.parametrize(
+    ("card", "severity", "wanted"),
+    [
+        ("TSPRING 2 -5", "warning", "6:11: tspring 1: stiffness -5 is negative, which drives a motion on"),
+        ("LSPRING 0 2 1 0 0 0 0 0 5 1 -2", "warning",
+         "6:29: lspring 1: damping -2 is negative, which drives a motion on"),
+        ("TSTOP 2 -1 1 0", "note", f"6:7: tstop 1: {NOTHING}"),
+        ("CABLE 0 2 1 0 0 0 0 0 0 1", "note", f"6:7: cable 1: {NOTHING}"),
+        ("BUSHING 0 2 0 0 0 0 0 0 0 0 0 0 0 0", "note", f"6:9: bushing 1: {NOTHING}"),
+        ("FRICTION 2 0 0 0.1 1e-4 0.1", "note", f"6:10: friction 1: {NOTHING}"),
+    ],
+)  # fmt: skip
+def test_an_element_that_does_nothing_or_drives_is_told(card, severity, wanted):
+    _, faults = build_young_dynamics(read(f"MASS 2 1 0 0 0 1 1 1\nMASS 3 1 0 0 0 1 1 1\n{card}"))
+    (told,) = [fault for fault in faults if fault.place and fault.place.line > 7]
+    found = f"{told.place.line - 2}:{told.place.column}: {told.sentence}"
+    assert (told.severity, found) == (severity, wanted)
+
+
+def test_a_function_of_a_refused_card_is_not_called_unused():
+    with pytest.raises(ModelError) as caught:
+        build_young_dynamics(read("SINE 1 0 1 2\nANGLE 3 1"))
+    assert [fault.severity for fault in caught.value.faults if "function" in fault.sentence] == []
+
+
 @pytest.mark.parametrize(
     ("card", "wanted"),
     [
+        ("RATE 2 2 1",
+         "6:6: rate 1: joint 2 (revolute joint 1) has an angle, not a stroke; take coordinate 1"),
         ("FORCE 0 0 0 0 1 0 0", "6:7: force 1: body 0 is the ground, which does not move; name one of 1..3"),
         ("SPRING 0 0 0 0 0 1 0 0 5 1", "6:10: spring 1: I and J are both body 0; two bodies are needed"),
     ],
 )  # fmt: skip
-def test_a_load_of_the_ground_alone_is_one_message(card, wanted):
+def test_a_slip_is_one_message(card, wanted):
     with pytest.raises(ModelError) as caught:
         build_young_dynamics(read(card))
     about = [fault for fault in caught.value.faults if not fault.sentence.startswith("body ")]
