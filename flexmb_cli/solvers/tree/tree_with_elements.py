@@ -26,7 +26,7 @@ from ...model.tree_as_mechanism.frames import hinge_frames
 from ...model.tree_as_mechanism.loop_assembly import closed_tree
 from ...quick_dataclass import fields, replace
 from ..compilation import interpreting
-from ..constrained.failures import bushing_failure, jam_failure
+from ..constrained.failures import MOMENTS, bushing_failure, jam_failure
 from ..constrained.tree_element_rows import TreeElementRows
 from .analysis import TreeAnalysis, breakpoints, set_functions
 from .element_efforts import Effort
@@ -102,7 +102,17 @@ class TreeWithElements(TreeAnalysis):
         except ValueError:  # Radau's method meets slopes that are no numbers in a matrix
             solver.status = "failed"
         if solver.status == "failed":
-            raise self._force_failure(solver.t) or _vanished(solver.t)
+            raise self._force_failure(solver.t) or self._failure_ahead(solver) or _vanished(solver.t)
+
+    def _failure_ahead(self, solver: DOP853 | Radau) -> AnalysisError | None:
+        """Return why elements have no force where the speeds lead the state in a moment, or None."""
+        z, span = solver.y[: self.state.size], self.tree.time.end - self.tree.time.start
+        slope = self.slope(solver.t, z)
+        for share in MOMENTS:
+            self.slope(solver.t, z + share * span * slope)
+            if failure := self._force_failure(solver.t):
+                return failure
+        return None
 
     def _solver(self, t: float, z: np.ndarray, stop: float) -> DOP853 | Radau:
         atol = np.full(z.size, self.tree.integration.atol)

@@ -283,6 +283,15 @@ def test_a_bushing_stops_the_run_before_its_other_angles_jump():
     assert turned_bushing("5 0 7", 1.5).driver_effort[-1, 0] == pytest.approx(7 * 1.5, abs=1e-9)
 
 
+def test_a_bushing_ends_a_free_motion_by_every_method_before_its_angles_jump(method):
+    """A body that spins at 3 rad/s without hindrance about z; its angles are held about x only."""
+    _, card = method
+    cards = f"MASS 2 1 0 0 0 1 1 1\nBUSHING 0 2 0 0 0 0 0 0 0 0 0 5 0 0 0 0 0 0 0 0\n{card}"
+    with pytest.raises(AnalysisError, match="bushing 1 have turned by a quarter turn") as raised:
+        rows_of(FREE, "0 1 0.5", f"{cards}VELOCITY 2 0 0 0 0 0 3\n")
+    assert raised.value.time == pytest.approx(math.pi / 6, abs=1e-2)
+
+
 @pytest.mark.parametrize("start, noted", [(0.25, True), (0.05, False)])
 def test_a_stop_that_is_pressed_at_the_start_is_noted_with_depth_and_force(start, noted):
     """The end of the slide stands 0.15 m behind the stop: 400 N/m · 0.15 m."""
