@@ -10,7 +10,7 @@ import numpy as np
 from ...deck.number_table import outside
 from ...deck.records import DeckValues
 from ...errors import MOST_LISTED_ERRORS
-from ...model.diagnostics import Findings
+from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import RigidMass, VsdfBody
 from ...model.mechanism import GROUND
 from .cards import CARDS
@@ -54,7 +54,7 @@ def _check_body_numbers(values: DeckValues, count: int, findings: Findings) -> N
         lowest = card.least_body
         for record in outside(values.section(card.section), "body", lowest, count):
             number = record.at("body")
-            message = f"body number {number.value} is outside {lowest}..{count}"
+            message = no_such("body", number.value, count, lowest)
             findings.error(record.subject, message, number.place, id="VSDF-001")
 
 

@@ -89,8 +89,8 @@ class JointVectors:
     def _off_axis(self, h: np.ndarray) -> np.ndarray:
         """Return the projection (3, 3) that takes from h of body b its part along the joint's axis.
 
-        A torque in an angle acts along the gradient of that angle. This is the axis only if H is across it, which
-        estimates that miss the axis, or a third node beside the plane across it, do not give.
+        A torque in an angle acts along the gradient of that angle. This is the axis only if H is across it,
+        which estimates that miss the axis, or a third node beside the plane across it, do not give.
         """
         s = self._unit(self.b)
         along, length = abs(h @ s), np.linalg.norm(h)

@@ -113,6 +113,8 @@ def test_a_gear_turns_its_joints_in_proportion(sign):
     rows = rows_of(TWO_ROTORS, "0 1 0.1", cards, "inverse")
     assert rows.joint_coordinate[:, 1] == pytest.approx(-2.0 * sign * rows.joint_coordinate[:, 0], abs=1e-13)
     assert rows.driver_effort[:, 0] == pytest.approx(np.full(11, (0.3 + 4 * 0.2) * 3.0), rel=1e-12)
+    # I2 θ̈2 = sign λ, θ̈2 = -2 sign 3.
+    assert rows.coupling_effort[:, 0] == pytest.approx(np.full(11, -0.2 * 6.0), rel=1e-12)
 
 
 def test_what_nothing_drives_is_refused_in_an_inverse_run():
