@@ -43,7 +43,9 @@ def converted(path: str, form: str, changes: tuple[str, ...] = (), unit: str = S
         if form == "mjcf" and analysis_of(model) != "tree":
             message = "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints"
             raise ModelError([Fault("error", message + _other_way(deck, run, model), id="RUN-027")])
-        return _mjcf(model, name) if form == "mjcf" else _exudyn(model, name, lambda: _by_young(deck, run))
+        return (
+            _mjcf(model, name) if form == "mjcf" else _exudyn(model, name, lambda: _to_exudyn_by(deck, run))
+        )
     except FlexmbError as failure:
         failure.file = failure.file or path
         raise
@@ -105,7 +107,7 @@ def _refuse_unreadable(text: Any, form: Any, run: Run) -> None:
 def _other_way(deck: Deck, run: Run, model: Any) -> str:
     """Return which conversion takes a mechanism that is no tree, each having been tried; "" for none."""
     for form in DIALECTS:
-        if form != deck.dialect and _gives_a_tree(deck, run, form):
+        if form != deck.dialect and _leads_to(_mjcf_of_tree, deck, run, form):
             return f"; it is an open chain: convert it --to {form} first, then that deck --to mjcf"
     try:
         _exudyn(model, "")
@@ -114,29 +116,26 @@ def _other_way(deck: Deck, run: Run, model: Any) -> str:
     return "; --to exudyn takes it"
 
 
-def _gives_a_tree(deck: Deck, run: Run, form: str) -> bool:
-    """Return whether the deck converts to a dialect and from there to MJCF."""
+def _leads_to(write: Callable[[Any, str], str], deck: Deck, run: Run, form: str) -> bool:
+    """Return whether the deck converts to a dialect and `write` takes the model of that deck."""
     try:
         text = _deck_of(deck, run, form, (SI, SI))
-        tree, _ = dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
-        return analysis_of(tree) == "tree" and bool(_mjcf(tree, ""))
+        model, _ = dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
+        return bool(write(model, ""))
     except FlexmbError:
         return False
 
 
-def _by_young(deck: Deck, run: Run) -> str:
+def _to_exudyn_by(deck: Deck, run: Run) -> str:
     """Return which conversions lead to Exudyn, each having been tried; "" for none."""
-    if deck.dialect == "young":
-        return ""
-    try:
-        text = _deck_of(deck, run, "young", (SI, SI))
-        model, _ = dialect_named("young").build(
-            read_deck(DeckText("converted", text, ""), "young"), folder_of(run)
-        )
-        _exudyn(model, "")
-    except FlexmbError:
-        return ""
-    return "; convert it --to young first, then that deck --to exudyn"
+    for form in DIALECTS:
+        if form != deck.dialect and _leads_to(_exudyn, deck, run, form):
+            return f"; convert it --to {form} first, then that deck --to exudyn"
+    return ""
+
+
+def _mjcf_of_tree(model: Any, name: str) -> str:
+    return _mjcf(model, name) if analysis_of(model) == "tree" else ""
 
 
 def _mjcf(model: Any, name: str) -> str:

@@ -190,8 +190,8 @@ def test_an_inverse_run_by_projection_has_the_efforts_of_the_kinematic_analysis(
 def test_estimates_that_miss_the_axis_leave_no_bending_in_the_joint(analysis):
     """A torque about a principal axis through the centre of mass turns the body and needs no reaction.
 
-    Body 2 is estimated 0.2 rad about x off the joint's axis z; assembly takes that away (Euler's equations: with
-    ω and α along a principal axis only the torque along it is left).
+    Body 2 is estimated 0.2 rad about x off the joint's axis z; assembly takes that away (Euler's equations:
+    with ω and α along a principal axis only the torque along it is left).
     """
     tilted = ROTOR.replace("1 0 0 0\n0 0 0 1 0 0 0\n", "1 0 0 0\n0 0 0 0.9950041653 0.0998334166 0 0\n")
     assert tilted != ROTOR
