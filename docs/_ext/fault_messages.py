@@ -112,6 +112,8 @@ def _text(node):
         return "".join(_text(part) for part in node.values)
     if isinstance(node, ast.BinOp):
         return _text(node.left) + _text(node.right)
+    if isinstance(node, ast.Call) and ast.unparse(node.func) == "no_such":
+        return f"{_text(node.args[0])} number … is outside … / is not there: the deck has none"
     if isinstance(node, ast.IfExp):
         return f"{_text(node.body)} / {_text(node.orelse)}"
     return "…"

@@ -1,6 +1,7 @@
 """Bodies of a VSDF deck: masses, nodes, initial motion, the bodies that a card must not name."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,14 +10,15 @@ import numpy as np
 from ...deck.number_table import outside
 from ...deck.records import DeckValues
 from ...errors import MOST_LISTED_ERRORS
-from ...model.diagnostics import Findings
+from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import RigidMass, VsdfBody
 from ...model.mechanism import GROUND
 from .cards import CARDS
 from .cards.bodies import BODY_CARDS
 from .flexible_bodies import flexible_body
+from .many_bodies import ManyBodies
 from .nodes import given_nodes, sets_of
-from .placement import placed_bodies
+from .placement import placed_body, refuse_placements_outside
 
 if TYPE_CHECKING:
     from ...deck.record import Record
@@ -26,12 +28,16 @@ _UNIT_LENGTH = 1e-6
 _TRIANGLE_INEQUALITY = 1e-9
 
 
-def build_bodies(values: DeckValues, folder: Path, findings: Findings) -> tuple[VsdfBody, ...]:
+def build_bodies(values: DeckValues, folder: Path, findings: Findings) -> Sequence[VsdfBody]:
     """The bodies in order; file names are relative to `folder`; faults go to `findings`."""
     count = len(values.section("body"))
     _check_body_numbers(values, count, findings)
-    bodies = tuple(_body(values, k, folder, findings) for k in range(1, count + 1))
-    return placed_bodies(values, bodies, findings)
+    refuse_placements_outside(values, count, findings)
+    given = (_body(values, k, folder, findings) for k in range(1, count + 1))
+    bodies = (placed_body(values, k, body, findings) for k, body in enumerate(given, start=1))
+    if not values.many:
+        return tuple(bodies)
+    return ManyBodies(bodies, lambda k: given_nodes(values, k, Findings()))
 
 
 def build_ground(values: DeckValues, findings: Findings) -> VsdfBody:
@@ -48,7 +54,7 @@ def _check_body_numbers(values: DeckValues, count: int, findings: Findings) -> N
         lowest = card.least_body
         for record in outside(values.section(card.section), "body", lowest, count):
             number = record.at("body")
-            message = f"body number {number.value} is outside {lowest}..{count}"
+            message = no_such("body", number.value, count, lowest)
             findings.error(record.subject, message, number.place, id="VSDF-001")
 
 

@@ -16,6 +16,8 @@ from ..time_functions import POLYNOMIAL, ROTATIONS, TRANSLATIONS, Motion, Motion
 from .constraint_table import PrimitiveTable, tilde
 from .records import NONE
 
+ACROSS = 1e-9  # of a length: what decks and assembly round off
+
 
 class JointVectors:
     """The moving directions of a joint between points P, Q, H of bodies a and b."""
@@ -68,7 +70,7 @@ class JointVectors:
             return (
                 table.body_vector(self.i, f),
                 table.body_vector(self.i, np.cross(s, f)),
-                table.body_vector(self.j, h),
+                table.body_vector(self.j, self._off_axis(h) @ h),
             )
         h = self.b[2].r0 - self.b[0].r0
         target = of_a.T @ of_b @ h
@@ -80,8 +82,21 @@ class JointVectors:
         return (
             table.between(self.a[0], self.a[2], B),
             table.between(self.a[0], self.a[2], tilde(s) @ B),
-            table.between(self.b[0], self.b[2], np.eye(3) / np.linalg.norm(h)),
+            table.between(self.b[0], self.b[2], self._off_axis(h) / np.linalg.norm(h)),
         )
+
+    def _off_axis(self, h: np.ndarray) -> np.ndarray:
+        """Return the projection (3, 3) that takes from h of body b its part along the joint's axis.
+
+        A torque in an angle acts along the gradient of that angle. This is the axis only if H is across it,
+        which estimates that miss the axis, or a third node beside the plane across it, do not give.
+        """
+        s = self._unit(self.b)
+        along, length = abs(h @ s), np.linalg.norm(h)
+        if along <= ACROSS * length or along >= (1.0 - ACROSS) * length:
+            return np.eye(3)
+        found: np.ndarray = np.eye(3) - np.outer(s, s)
+        return found
 
     def stroke(self) -> np.ndarray:
         """The primitive of the stroke, 0 at t = 0."""
