@@ -9,7 +9,7 @@ from ...deck.records import DeckValues
 from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import NodeJoint, VsdfBody
 from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionFunction, table_function
-from ..elements.functions import Functions
+from ..joint_elements.functions import Functions
 from .joints import SLIDING, TURNING
 
 if TYPE_CHECKING:
@@ -59,16 +59,17 @@ def _function_of(
 
 def build_motions(
     values: DeckValues,
-    bodies: tuple[VsdfBody, ...],
-    joints: tuple[NodeJoint, ...],
+    bodies: Sequence[VsdfBody],
+    joints: Sequence[NodeJoint],
     tables: Any,
     functions: Functions,
     findings: Findings,
 ) -> tuple[Motion, ...]:
     """The cards MOTN."""
-    kinds = {joint.name: joint.kind for joint in joints}
+    records = values.section("motion")
+    kinds = {joint.name: joint.kind for joint in joints} if len(records) else {}
     motions = []
-    for record in values.section("motion"):
+    for record in records:
         if record["law"] in OF_FUNCTIONS:
             follow = functions.motion if record["law"] == BY_FUNCTION else functions.integrated
             function = follow(record, 0.0, key="c0")

@@ -164,8 +164,8 @@ def test_a_function_that_nothing_uses_is_noted():
 
 def test_more_elements_or_functions_than_memory_allows_are_refused(monkeypatch):
     """One takes up to 6 kB, a hundred times its card."""
-    monkeypatch.setattr("flexmb_cli.dialects.elements.build.MOST_ELEMENTS", 3)
-    monkeypatch.setattr("flexmb_cli.dialects.elements.functions.MOST_FUNCTIONS", 2)
+    monkeypatch.setattr("flexmb_cli.dialects.joint_elements.build.MOST_ELEMENTS", 3)
+    monkeypatch.setattr("flexmb_cli.dialects.joint_elements.functions.MOST_FUNCTIONS", 2)
     cards = "\n".join(f"SINE {k} 0 1 2\nTMOTOR 2 1\nTSPRING 2 1" for k in (1, 2))
     assert messages(cards)[0].startswith("10:8: tmotor 2: the deck has 4 elements of drivers, springs")
     assert messages("SINE 1 0 1 2\nSINE 2 0 1 2\nSINE 3 0 1 2") == [
@@ -174,7 +174,7 @@ def test_more_elements_or_functions_than_memory_allows_are_refused(monkeypatch):
 
 
 def test_functions_of_more_numbers_than_memory_allows_are_refused(monkeypatch):
-    monkeypatch.setattr("flexmb_cli.dialects.elements.functions.LARGEST_TABLES", 6)
+    monkeypatch.setattr("flexmb_cli.dialects.joint_elements.functions.LARGEST_TABLES", 6)
     assert messages("POLYNOMIAL 1 1 2 3 4\nPOLYNOMIAL 2 1 2 3") == [
         "7:12: polynomial 2: a deck has at most 20000 functions, of 6 numbers together"
     ]

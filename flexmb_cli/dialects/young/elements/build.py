@@ -8,10 +8,10 @@ from ....model.diagnostics import Findings, no_such
 from ....model.joint_elements import CompositeJoint, DrivenItem, JointElements
 from ....model.joints import ANGLE, STROKE
 from ....model.mechanism import Mechanism
-from ...elements.build import JOINT_CARDS, Cards, joint_driver
-from ...elements.build import build_elements as elements_of
-from ...elements.functions import Functions, GivenFunction
-from ...elements.maker import JointMaker
+from ...joint_elements.build import JOINT_CARDS, Cards, joint_driver
+from ...joint_elements.build import build_elements as elements_of
+from ...joint_elements.functions import Functions, GivenFunction
+from ...joint_elements.maker import JointMaker
 from .cards import FUNCTION_CARDS
 
 _SECTIONS = tuple(card.section for card in FUNCTION_CARDS)
