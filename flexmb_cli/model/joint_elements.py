@@ -6,6 +6,7 @@ along it, m; both are 0 at the deck's estimates.  Hinges of a tree have the coor
 whose axes are global.
 """
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from ..errors import Place
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from .fe_model import End
     from .flexible_mechanism import NodePoint
 
+USUAL_EXPONENT = 10  # of two, of the largest factor of a coupling that is left as it is
 # The coordinates that the joints of each kind have.
 COORDINATES_OF = {kind.name: kind.coordinates for kind in (*JOINT_TYPES, *NODE_JOINT_TYPES)}
 
@@ -147,6 +149,12 @@ class Coupling:
     name: str
     terms: tuple[tuple[int, str, float], ...]
     place: Place | None = None
+
+    @property
+    def scale(self) -> float:
+        """Power of two that its equation is divided by, 1 of usual factors: a rank is found beside others."""
+        exponent = math.frexp(max(abs(factor) for _, _, factor in self.terms))[1]
+        return 1.0 if abs(exponent) <= USUAL_EXPONENT else math.ldexp(1.0, exponent)
 
 
 @dataclass(frozen=True)

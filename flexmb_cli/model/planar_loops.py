@@ -1,22 +1,30 @@
 """Planar mechanisms built of spatial joints: how many of their equations must repeat others.
 
 A revolute or translational joint has five equations where the plane needs two: the other three, one
-displacement and two turns, are given once too often for every closed loop.
+displacement and two turns, are given once too often for every closed loop.  A composite joint gives those of
+them that it has once too often where joints lead from one of its bodies to the other.
 """
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
-from .mechanism import SINE_OF_PARALLELS, Joint
+from .joint_elements import CompositeJoint
+from .mechanism import SINE_OF_PARALLELS, Joint, Vector
 from .vectors import rotation_matrix
 
 REPEATED_EQUATIONS = 3  # equations of a loop
+# Equations of composite joints that hold displacements and turns out of the plane.
+OUT_OF_PLANE = {"revolute-cylindrical": 2, "revolute-spherical": 1, "spherical-spherical": 0}
 
 
-def repeated_in_plane(joints: Sequence[Joint], grounds: Sequence[int], attitudes: np.ndarray) -> int | None:
-    """Number of repeated equations of planar `joints`; None unless all of them move in one plane.
+def repeated_in_plane(
+    joints: Sequence[Joint],
+    grounds: Sequence[int],
+    attitudes: np.ndarray,
+    composites: Sequence[CompositeJoint | Joint] = (),
+) -> int | None:
+    """Number of repeated equations of planar joints; None unless all of them move in one plane.
 
     `grounds`: bodies at rest, beside body -1.  attitudes (bodies, 4): Euler parameters at the start.
     """
@@ -31,19 +39,41 @@ def repeated_in_plane(joints: Sequence[Joint], grounds: Sequence[int], attitudes
         off = abs(normal @ axis) if joint.kind == "translational" else np.linalg.norm(np.cross(normal, axis))
         if off > SINE_OF_PARALLELS:
             return None
-    return REPEATED_EQUATIONS * _loops(joints, grounds, len(attitudes))
+    loops, parts = _loops(joints, grounds, len(attitudes))
+    for item in composites:
+        if OUT_OF_PLANE[item.kind] and (
+            parts[item.i] != parts[item.j] or not _lies_in_plane(item, attitudes, normal)
+        ):
+            return None
+    return REPEATED_EQUATIONS * loops + sum(OUT_OF_PLANE[item.kind] for item in composites)
 
 
-def _axis(joint: Joint, attitudes: Any) -> np.ndarray:
-    s = np.array(joint.s_i)
-    if joint.i >= 0:
-        s = rotation_matrix(attitudes[joint.i]) @ s
+def _lies_in_plane(item: CompositeJoint | Joint, attitudes: np.ndarray, normal: np.ndarray) -> bool:
+    """Return whether the revolute of a composite joint turns about the normal, its cylindrical across it."""
+    if np.linalg.norm(np.cross(normal, _turned(item.s_i, item.i, attitudes))) > SINE_OF_PARALLELS:
+        return False
+    slides = item.kind == "revolute-cylindrical"
+    return not slides or bool(abs(normal @ _turned(item.s_j, item.j, attitudes)) <= SINE_OF_PARALLELS)
+
+
+def _axis(joint: Joint, attitudes: np.ndarray) -> np.ndarray:
+    return _turned(joint.s_i, joint.i, attitudes)
+
+
+def _turned(axis: Vector, body: int, attitudes: np.ndarray) -> np.ndarray:
+    """Return the unit vector along an axis of a body, global axes."""
+    s = np.array(axis)
+    if body >= 0:
+        s = rotation_matrix(attitudes[body]) @ s
     found: np.ndarray = s / np.linalg.norm(s)
     return found
 
 
-def _loops(joints: Any, grounds: Any, bodies: Any) -> int:
-    """Independent loops of the joints, all grounds being one body, which has the last place."""
+def _loops(joints: Sequence[Joint], grounds: Sequence[int], bodies: int) -> tuple[int, list[int]]:
+    """Independent loops of the joints, and which part each body belongs to.
+
+    All grounds are one body, which has the last place, that of body -1.
+    """
     root = list(range(bodies + 1))
 
     def find(body: int) -> int:
@@ -58,4 +88,4 @@ def _loops(joints: Any, grounds: Any, bodies: Any) -> int:
         a, b = (find(body if body >= 0 else bodies) for body in (joint.i, joint.j))
         loops += a == b
         root[a] = b
-    return loops
+    return loops, [find(body) for body in range(bodies + 1)]

@@ -71,7 +71,10 @@ WRONG_VSDF = {
         "COUP\n 1,1,1,2\n 1,1,1,3",
         ":4: error: coupling 1: names one coordinate twice; add its factors",
     ),
-    "FRIC": ("FRIC\n 1,0.2,0.2,0,0.01,0.1", ":12: error: friction 1: stribeck is a speed above 0; read 0"),
+    "FRIC": (
+        "FRIC\n 1,0.2,0.2,0,0.01,0.1",
+        ":12: error: friction 1: stribeck is a speed above 1e-100; read 0",
+    ),
     "RATE": ("RATE\n 1,3,1", ":4: error: rate 1: must be 1 (angle) or 2 (stroke); read 3"),
     "OUTJ": ("OUTJ\n 2", ":2: error: joint output 1: on is 0 or 1; read 2"),
 }

@@ -33,6 +33,7 @@ _ONE_OF = {  # what there may be one of, and by what it is distinguished
     "frictions": lambda item: item.joint,
 }
 MOST_ELEMENTS = 20_000  # of a deck; one takes up to 6 kB
+LEAST_SPEED = 1e-100  # m/s, of friction: squares of speeds over it are still doubles
 _FRICTION = ("dynamic", "static", "stribeck", "creep", "radius", "preload")
 
 
@@ -225,8 +226,8 @@ def friction(maker: ElementMaker, record: Record) -> JointFriction | None:
     """Friction in a joint."""
     maker.not_negative(record, "dynamic", "static", "radius", "preload")
     for key in ("stribeck", "creep"):
-        if not record[key] > 0.0:
-            message = f"{key} is a speed above 0; read {record[key]:g}"
+        if not record[key] > LEAST_SPEED:
+            message = f"{key} is a speed above {LEAST_SPEED:g}; read {record[key]:g}"
             maker.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-010")
     if record["static"] < record["dynamic"]:
         message = f"sticks with {record['static']:g}, less than it slides with: are the numbers exchanged?"

@@ -122,12 +122,12 @@ class ElementTable:
         """An equation for every coupling of joint coordinates."""
         for item in self.elements.couplings:
             records = [
-                self._scaled(self.joints.primitive(joint, coordinate), factor)
+                self._scaled(self.joints.primitive(joint, coordinate), factor / item.scale)
                 for joint, coordinate, factor in item.terms
             ]
             is_length = not all(is_angle(coordinate) for _, coordinate, _ in item.terms)
             first = sum(factor * self.joints.start(joint, kind) for joint, kind, factor in item.terms)
-            records[0]["constant"] += first
+            records[0]["constant"] += first / item.scale
             record = self.table.chained(records)
             ends = self.joints.bodies(item.terms[0][0])
             self.table.equations(item.name, item.place, *ends, [("coupling", is_length, record)])

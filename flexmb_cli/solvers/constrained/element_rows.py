@@ -58,7 +58,9 @@ def coupling_efforts(
     """Multipliers (T, couplings); `behind`: groups of equations behind those of couplings and drivers."""
     end = len(arrays.groups) - behind - len(elements.drivers)
     groups = arrays.groups[end - len(elements.couplings) : end]
-    return report.multipliers[:, groups["first_row"]] + 0.0
+    scales = np.array([item.scale for item in elements.couplings])
+    found: np.ndarray = report.multipliers[:, groups["first_row"]] / scales + 0.0
+    return found
 
 
 def _composite_forces(model: DynamicModel, arrays: DynamicArrays, report: Report) -> dict[str, np.ndarray]:

@@ -11,7 +11,7 @@ from ...model.flexible_mechanism import FlexibleMechanism, PointJoint
 from ...model.joints import BY_NAME, STROKE
 from ...model.loads import InitialVelocity
 from ...model.mechanism import Joint
-from ...model.planar_loops import repeated_in_plane
+from ...model.planar_loops import OUT_OF_PLANE, repeated_in_plane
 from ..linearisation.terms import Terms, motors_of
 from .analysis import ConstrainedMotion
 from .flexible_rows import FlexibleRows, flexible_rows
@@ -88,8 +88,10 @@ class FlexibleDynamics(ConstrainedMotion):
         """Those of a planar mechanism, None of any other."""
         bodies = len(self.mechanism.bodies)
         joints = [_body_joint(joint) for joint in self.mechanism.joints]
+        links = [joint for joint in joints if joint.kind in OUT_OF_PLANE]
+        joints = [joint for joint in joints if joint.kind not in OUT_OF_PLANE]
         attitudes = q[: 7 * bodies].reshape(bodies, 7)[:, 3:]
-        return None if self.mechanism.pins else repeated_in_plane(joints, (), attitudes)
+        return None if self.mechanism.pins else repeated_in_plane(joints, (), attitudes, links)
 
     def driven_system(self, k: int, additions: list[float], t: float) -> System:
         """Return the system with additions to the value, rate and second rate of motion k at t."""

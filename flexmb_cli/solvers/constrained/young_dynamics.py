@@ -35,6 +35,8 @@ class ForwardDynamics(ConstrainedMotion):
         self.model = model
         self.mechanism = model.mechanism
         self.velocities, self.springs = model.velocities, model.springs
+        if model.elements.composites:
+            self.usual_words = self.usual_words[0], "those out of the plane"
         bodies, units = len(model.mechanism.bodies), self.integration.units
         for part in (units[: 7 * bodies].reshape(-1, 7), units[7 * bodies : 13 * bodies].reshape(-1, 6)):
             part[:, :3] = step_length_scale(model, self.arrays.kinematic.length)
@@ -56,7 +58,8 @@ class ForwardDynamics(ConstrainedMotion):
         bodies = len(self.mechanism.bodies)
         grounds = [ground.body for ground in self.mechanism.grounds]
         attitudes = q[: 7 * bodies].reshape(bodies, 7)[:, 3:]
-        return repeated_in_plane(self.mechanism.joints, grounds, attitudes)
+        composites = self.model.elements.composites
+        return repeated_in_plane(self.mechanism.joints, grounds, attitudes, composites)
 
     def given_rates(self, q: np.ndarray) -> "tuple[np.ndarray, np.ndarray, tuple[Any, ...]]":
         """Rows, right-hand sides and names of the joint rates that the deck gives."""

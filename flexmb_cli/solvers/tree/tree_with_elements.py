@@ -70,7 +70,7 @@ class TreeWithElements(TreeAnalysis):
         factors = np.zeros((len(self.model.elements.couplings), self.n))
         for row, item in zip(factors, self.model.elements.couplings, strict=True):
             for joint, coordinate, factor in item.terms:
-                row[self.forces.number[joint, coordinate]] += factor
+                row[self.forces.number[joint, coordinate]] += factor / item.scale
         return factors
 
     def rows(self) -> Iterator[TreeElementRows]:
@@ -158,7 +158,7 @@ class TreeWithElements(TreeAnalysis):
             "element_power": self._powers(),
             "element_energy": [effort.energy for *_, effort in self.answers],
             "element_work": works,
-            "coupling_effort": self.multipliers,
+            "coupling_effort": self.multipliers / [item.scale for item in self.model.elements.couplings],
             "driver_effort": self.coordinates["drive"][self.arrays.prescribed["coordinate"]],
         }
         dissipated = np.array([-works[: works.size - len(self.model.elements.motors)].sum()])

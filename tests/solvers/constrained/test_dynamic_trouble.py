@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from tests.dialects.vsdf.vsdf_decks import RIGID, changed
+from tests.solvers.constrained.element_decks import analysis_of, model_of
+from tests.solvers.constrained.elements.element_cases import SWIVEL, TWO
 from tests.solvers.kinematics.young_linkages import AT_REST, four_bar_bodies, outcome, reported, turned, young
 
 MASS = "MASS 2 1 0.5 0 0 0.01 0.1 0.1\n"
@@ -224,3 +226,34 @@ def test_vsdf_numbers_of_no_body_are_told_at_their_place(change, message, tmp_pa
     found = outcome(tmp_path, changed(change, text=RIGID), "x.vsdf")
     assert found.exit_code == 2
     assert [line for line in reported(found) if "error" in line] == ["IN.dat:" + message]
+
+
+PIN = "REVCYL 0 3 1 0 0 0 0 0 {} 1 0 0\n"
+ROD = "REVSPH 0 3 1 1 0 0.6 0 0 {} 1\n"
+
+
+@pytest.mark.parametrize(
+    ("cards", "told"),
+    [
+        (
+            PIN.format("0 0 1"),
+            ("note", "planar mechanism of spatial joints: 2 of 20 equations repeat others, those"),
+        ),
+        (
+            ROD.format("0 0 1"),
+            ("note", "planar mechanism of spatial joints: 1 of 19 equations repeats others, those"),
+        ),
+        (PIN.format("0 0 1") * 2, ("warning", "5 equations repeat others")),
+        ("SPHSPH 0 3 1 1 0 0.6 0 0 1\n" * 2, ("warning", "1 equation repeats others")),
+    ],
+    ids=["swivel", "rod", "swivel twice", "rod with balls twice"],
+)
+def test_a_composite_joint_in_a_plane_repeats_what_holds_it_there(cards, told):
+    """Out of the plane a swivel holds a displacement and a turn, a rod with a hinge a displacement.
+
+    17 equations are those of two revolute joints and of the ground with its four Euler parameters.
+    """
+    analysis = analysis_of(model_of(SWIVEL, "0 1 1", f"{TWO}{cards}"))
+    analysis.start()
+    (fault,) = analysis.warnings
+    assert (fault.severity, fault.message[: len(told[1])]) == told

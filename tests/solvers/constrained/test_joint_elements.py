@@ -203,6 +203,17 @@ def test_a_differential_shares_the_torque_of_its_carrier():
     assert rows.coupling_effort[:, 0] == pytest.approx(np.full(5, load), rel=1e-9)
 
 
+@pytest.mark.parametrize("size", [1e-14, 1e12])
+def test_a_belt_in_other_units_holds_as_well(size):
+    """The factors 0.1 and -0.2 in units of nanometres, or of light years."""
+    cards = "MASS 2 1 0 0 0 1 1 0.3\nMASS 3 1 0 0 0 1 1 0.8\nTORQUE 2 0 0 2\n"
+    rows = rows_of(TWO_ROTORS, "0 1 0.5", f"{cards}COUPLING 1 1 {0.1 * size!r} 2 1 {-0.2 * size!r}\n")
+    turn = 2 / (0.3 + 0.8 / 4)
+    assert rows.joint_coordinate[-1] == pytest.approx((turn / 2, turn / 4), rel=1e-8)
+    # 0.1 λ = 0.3 turn - 2
+    assert rows.coupling_effort[:, 0] == pytest.approx(np.full(3, (0.3 * turn - 2) / (0.1 * size)), rel=1e-8)
+
+
 def test_a_link_of_two_spheres_keeps_its_length_and_one_of_revolute_and_sphere_its_plane():
     cards = "MASS 2 2 0 0 0 0.4 0.5 0.6\nGRAVITY 0.3 -9.81 0.2\n{card} 0 2 0 1 0 0 0 0{axis} 1\n"
     cards += "TOLERANCE 1e-11\nJOINTS"
