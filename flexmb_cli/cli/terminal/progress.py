@@ -39,8 +39,7 @@ class Progress:
             self._draw(f"{self.title}: {doing}")
         elif self.logged:
             tell(f"{self.title}: {doing}")
-            self._end_waiting()
-            self.waiting = _Waiting(f"{self.title}: {doing}")
+            self._wait(doing)
 
     def begin(self, total: int) -> None:
         """Begin to count up to `total`."""
@@ -48,6 +47,8 @@ class Progress:
         self.began = self.shown = time.monotonic()
         if self.drawn and total > 1:
             self._draw(self.sentence(self.began))
+        elif self.logged and total > 1 and not self.waiting:
+            self._wait(f"0 of {total} {self.unit}")
 
     def advance(self, count: int) -> None:
         """Count what was done, and show it when it is time."""
@@ -81,6 +82,10 @@ class Progress:
             self.stream.write("\r\x1b[K")
             self.stream.flush()
             self.standing = False
+
+    def _wait(self, doing: str) -> None:
+        self._end_waiting()
+        self.waiting = _Waiting(f"{self.title}: {doing}")
 
     def _end_waiting(self) -> None:
         if self.waiting:

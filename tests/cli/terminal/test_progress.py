@@ -177,3 +177,13 @@ def test_a_table_at_a_terminal_fits_and_in_a_pipe_is_whole(tmp_path, monkeypatch
         [sys.executable, "-m", "flexmb_cli", *asked], cwd=tmp_path, capture_output=True, text=True, timeout=60
     )
     assert all(len(line.split()) in (5, 10) for line in piped.stdout.splitlines())
+
+
+def test_a_log_tells_of_waiting_for_the_first_case(monkeypatch, capsys):
+    """Without it a study on a cluster, or one of long cases, was silent until its first case."""
+    monkeypatch.setattr(module, "LOGGED_AFTER", 0.01)
+    with Progress("s.toml", "cases", False, True, io.StringIO()) as shown:
+        shown.begin(10)
+        time.sleep(0.1)
+        shown.advance(1)
+    assert capsys.readouterr().err.startswith("s.toml: 0 of 10 cases: 0:00 so far\n")
