@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 @click.option("--tol", "kinds", multiple=True, metavar="TYPE=ATOL[,RTOL]",
               help="Tolerance of a type of column (omega=1e-3); inf leaves it out.")  # fmt: skip
 @click.option("--same-attitude", is_flag=True, help="Euler parameters p and -p count as equal.")
+@click.option("--list", "listed", type=click.IntRange(0), default=0, metavar="N",
+              help="List N of the numbers that differ, with their lines in A.")  # fmt: skip
 @click.option("--explain", is_flag=True,
               help="Mark differences that are known errors of the historic programs.")  # fmt: skip
 @click.option("--deck", metavar="DECK",

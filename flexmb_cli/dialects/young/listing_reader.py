@@ -13,6 +13,7 @@ import numpy as np
 
 from ...deck.fortran_words import value_of
 from ...deck.listing import LARGEST_INDEX, EchoLine, Listing, ListingForm, Section, TableError
+from ...deck.number import hint
 from ...deck.table_columns import HEADINGS, SECTIONS, Columns
 from ...errors import Fault, Place
 from ...quick_dataclass import dataclass, field
@@ -20,6 +21,7 @@ from .errata import young_errors
 from .listing_rows import (
     echo_numbers,
     is_row_of,
+    repeated_items,
     row_fault,
     split_index,
     split_row,
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
 
 
 FAST_LINES = 4096
+_TIME = re.compile(r"\s*TIME\s*=\s*([-+]?\d*\.?\d+)\s*", re.IGNORECASE)
 
 
 @dataclass
@@ -67,6 +70,8 @@ def parse_listing(name: str, text: str) -> Listing | None:
     faults: list[Fault] = []
     sections = {key: _section(key, lines, gathered, faults) for key, gathered in scan.sections.items()}
     faults += scan.faults
+    if not faults:  # which may be why a block seems to go on
+        faults = [fault for key, section in sections.items() for fault in repeated_items(key, section)]
     if faults:
         raise TableError(
             name, sorted(faults, key=lambda fault: fault.place.line if fault.place else 0), lines
@@ -117,16 +122,16 @@ class _Scan:
 
     def _take_words(self, number: int, line: str) -> None:
         words = line.split()
-        if words[0].startswith("TIME"):
+        if words[0].startswith("TIME") or _TIME.fullmatch(line):
             self._open_block(number, line)
             return
         if "CONVERGENCE FAILED" in line or "RUN STOPPED" in line:
             self.failed = True
             return
         self._keep_words(number, " ".join(words))
-        if words[0] in HEADINGS and self.time:
-            self._open_section(HEADINGS[words[0]])
-        elif words[0] in ("BODY", "No"):
+        if words[0].upper() in HEADINGS and self.time:
+            self._open_section(HEADINGS[words[0].upper()])
+        elif words[0].upper() in ("BODY", "NO"):
             # Column titles begin a section; behind an unknown heading nothing goes on.
             self._interrupted = None
             if self._open is not None:
@@ -146,14 +151,12 @@ class _Scan:
 
     def _open_block(self, number: int, line: str) -> None:
         self._open = self._interrupted = None
-        match = re.fullmatch(r"\s*TIME\s*=\s*([-+]?\d*\.?\d+)\s*", line)
+        match = _TIME.fullmatch(line)
         if match is None:
             place = Place(number, line.index("TIME") + 1, len(line.strip()))
-            self.faults.append(
-                Fault(
-                    "error", f"a time is expected behind TIME=, read {line.strip()!r}", place, id="YOUNG-030"
-                )
-            )
+            read = f"read {line.strip()!r}{hint(line.partition('=')[2].strip())}"
+            message = f"a time is expected behind TIME=, {read}"
+            self.faults.append(Fault("error", message, place, id="YOUNG-030"))
             return
         self.time.append(float(match[1]))
         self.time_unit = unit_of(match[1])

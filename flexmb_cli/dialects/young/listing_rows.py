@@ -8,9 +8,9 @@ import numpy as np
 
 from ...deck.fortran_format import fixed
 from ...deck.fortran_words import UNREADABLE, is_unreadable, value_of
-from ...deck.listing import EchoLine
+from ...deck.listing import EchoLine, Section
 from ...deck.number import hint
-from ...deck.table_columns import OLD_DECIMALS, Columns
+from ...deck.table_columns import OLD_DECIMALS, SECTIONS, Columns
 from ...errors import Fault, Place
 
 if TYPE_CHECKING:
@@ -24,6 +24,8 @@ NUMBER = re.compile(
 # A number of the echo; its widths are those of the answers, its stars show the width themselves.
 _ECHO_LINE = re.compile(r"[-+.\d?*\s]*[\d?][-+.\d?*\s]*")
 _ECHO_DECIMALS = 2
+MOST_REPEATED_ITEMS = 20  # faults
+INDEX_WIDTH = 3  # columns of the number of a body or point
 
 
 def split_index(text: str) -> tuple[int, str, int]:
@@ -67,8 +69,26 @@ def row_fault(key: str, index: int, rest: str, number: int, offset: int, columns
     shown = bad or (words[0] if words else None)
     place = Place(number, offset + (shown.start() if shown else 0) + 1, len(shown[0]) if shown else 1)
     wanted = f"{len(columns.names)} numbers are expected ({columns.names[0]} … {columns.names[-1]})"
-    read = f"{bad[0]!r} is no number of this table{hint(bad[0])}" if bad else f"{len(words)} are there"
+    there = f"{len(words)} are there{_other_block(len(words), columns)}"
+    read = f"{bad[0]!r} is no number of this table{hint(bad[0])}" if bad else there
     return Fault("error", f"{wanted}, {read}", place, f"{key} of {columns.item} {index}", id="YOUNG-031")
+
+
+def _other_block(words: int, columns: Columns) -> str:
+    """Return which blocks have lines of so many numbers: the heading of one may be missing."""
+    names = [key for key, one in SECTIONS.items() if one.item == columns.item and len(one.names) == words]
+    return f", as many as of {' or '.join(names)}: is a heading missing above?" if names else ""
+
+
+def repeated_items(key: str, section: Section) -> list[Fault]:
+    """Return the faults of bodies or points that stand twice in the block of one report row."""
+    _, first = np.unique(np.stack([section.step, section.index]), axis=1, return_index=True)
+    faults = []
+    for row in np.setdiff1d(np.arange(len(section.index)), first)[:MOST_REPEATED_ITEMS].tolist():
+        message = f"{section.name_of(row)} stands twice in this block: is it another one?"
+        place = Place(int(section.line[row]), 1, INDEX_WIDTH)
+        faults.append(Fault("error", message, place, key, id="YOUNG-083"))
+    return faults
 
 
 def units_of(text: str, columns: Columns) -> np.ndarray:

@@ -21,23 +21,25 @@ def compare(
     explain: bool = False,
     words: bool = False,
     deck: str | None = None,
+    listed: int = 0,
 ) -> Report:
     """Compare two results of the same form, or an HDF5 result with a CSV or MATLAB file exported from one.
 
     `same_attitude`: Euler parameters p and -p (with their rates) count as equal.  `explain`: differences
     that are known errors of the historic programs are counted as such.  Raises `TableError` when a file
     cannot be read, or when the two are of different kinds.  `words`: lines of text that differ count, too.
+    `listed`: how many of the numbers that differ the report names, besides the worst of each type.
     `deck`: that of two listings of YOUNG, run with the errors of the program of 1996 to explain differences.
     """
     tolerances = tolerances or Tolerances()
     forms = form_of(path_a), form_of(path_b)
     if UNREADABLE in forms or set(forms) == {LISTING}:
-        report = _compare_tables(path_a, path_b, forms, tolerances, same_attitude, explain, deck)
+        report = _compare_tables(path_a, path_b, forms, tolerances, same_attitude, explain, deck, listed)
     elif tolerances.last_digit:
         message = "--last-digit: HDF5 results have no printed digits; --atol and --rtol are for them"
         raise ToleranceError(message, id="DIFF-007")
     else:
-        report = _compare_stored(path_a, path_b, forms, tolerances, same_attitude)
+        report = _compare_stored(path_a, path_b, forms, tolerances, same_attitude, listed)
     report.words_count = words
     return report
 
@@ -50,6 +52,7 @@ def _compare_tables(
     same_attitude: bool,
     explain: bool,
     deck: str | None,
+    listed: int,
 ) -> Report:
     if set(forms) - {LISTING, UNREADABLE}:
         read_listing(path_a if forms[0] == UNREADABLE else path_b)  # it words why the file cannot be opened
@@ -62,24 +65,24 @@ def _compare_tables(
         from .emulated import Emulation
 
         emulation = Emulation(deck)
-    return compare_listings(a, b, tolerances, same_attitude, explain, emulation)
+    return compare_listings(a, b, tolerances, same_attitude, explain, emulation, listed)
 
 
 def _compare_stored(
-    path_a: Any, path_b: Any, forms: tuple[str, str], tolerances: Tolerances, same_attitude: bool
+    path_a: Any, path_b: Any, forms: tuple[str, str], tolerances: Tolerances, same_attitude: bool, listed: int
 ) -> Report:
     if set(forms) == {HDF5}:
         from .hdf5 import compare_hdf5
 
-        return compare_hdf5(str(path_a), str(path_b), tolerances, same_attitude)
+        return compare_hdf5(str(path_a), str(path_b), tolerances, same_attitude, listed)
     if CSV in forms and set(forms) <= {HDF5, CSV}:
         from .csv_columns import compare_csv
 
-        return compare_csv(str(path_a), str(path_b), forms, tolerances)
+        return compare_csv(str(path_a), str(path_b), forms, tolerances, listed)
     if MATLAB in forms and set(forms) <= {HDF5, MATLAB}:
         from .matlab_fields import compare_matlab
 
-        return compare_matlab(str(path_a), str(path_b), forms, tolerances)
+        return compare_matlab(str(path_a), str(path_b), forms, tolerances, listed)
     other = path_b if forms[0] == HDF5 else path_a
     form = "this is no HDF5 result, the other file is" if HDF5 in forms else "the two are of different forms"
     message = f"{form}; compare two tables, two HDF5 results, or an export with its HDF5 result"

@@ -14,6 +14,7 @@ from ...quick_dataclass import dataclass
 from ..quantities.quantities import names, read
 from .forms import CSV
 from .hdf5 import DEFAULT_ATOL, DEFAULT_RTOL, kind_of, open_sound
+from .matching_rows import are, counted
 from .report import Found, Report
 from .tolerances import Tolerances
 
@@ -57,10 +58,12 @@ class Columns:
         return self.values[:, 0]
 
 
-def compare_csv(path_a: str, path_b: str, forms: Sequence[str], tolerances: Tolerances) -> Report:
+def compare_csv(
+    path_a: str, path_b: str, forms: Sequence[str], tolerances: Tolerances, listed: int = 0
+) -> Report:
     """Compare two tables, or a table with an HDF5 result, of which the table may hold a selection."""
     tolerances = tolerances.with_defaults(DEFAULT_ATOL, DEFAULT_RTOL)
-    report = Report(path_a, path_b)
+    report = Report(path_a, path_b, most_listed=listed)
     a, b = (
         read_csv(path) if form == CSV else _read_result(path)
         for path, form in zip((path_a, path_b), forms, strict=True)
@@ -133,7 +136,8 @@ def _common_rows(report: Report, a: Columns, b: Columns) -> tuple[np.ndarray, np
         alone = np.setdiff1d(np.arange(len(one.time)), found)
         if alone.size:
             first = f"the first at t = {one.time[alone[0]]:.10g}"
-            report.missing.append(f"{alone.size} rows of {one.name} are not in {other.name}, {first}")
+            count = counted(alone.size, "row")
+            report.missing.append(f"{count} of {one.name} {are(alone.size)} not in {other.name}, {first}")
     return rows
 
 

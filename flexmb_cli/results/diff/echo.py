@@ -120,6 +120,6 @@ def _compare_kind(
     def describe(position: Any, distance: Any) -> Found:
         line, number = places[position[0]]
         section, item, column = line.where(number)
-        return Found(section, item, column, None, float(a[position]), float(b[position]), distance)
+        return Found(section, item, column, None, float(a[position]), float(b[position]), distance, line.line)
 
     report.compare(kind, a, b, tolerance, describe, unit, slack, known)

@@ -63,10 +63,12 @@ KIND_OF_FILE = {"flexmb-study": "the table of a study", "flexmb": "a result"}
 REPORTED_BY = {"flexmb-study": "case", "flexmb": "time"}
 
 
-def compare_hdf5(path_a: str, path_b: str, tolerances: Tolerances, same_attitude: bool = False) -> Report:
+def compare_hdf5(
+    path_a: str, path_b: str, tolerances: Tolerances, same_attitude: bool = False, listed: int = 0
+) -> Report:
     """Compare two HDF5 results; see `diff.compare`."""
     tolerances = tolerances.with_defaults(DEFAULT_ATOL, DEFAULT_RTOL)
-    report = Report(path_a, path_b)
+    report = Report(path_a, path_b, most_listed=listed)
     with open_sound(path_a) as a, open_sound(path_b) as b:
         kinds = [_kind_of_file(path, file) for path, file in ((path_a, a), (path_b, b))]
         if kinds[0] != kinds[1]:

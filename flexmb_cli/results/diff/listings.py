@@ -9,7 +9,7 @@ from ...deck.table_columns import SECTIONS
 from ...dialects.recognise import every_dialect
 from ...errors import Fault
 from .echo import as_stars, compare_echo
-from .matching_rows import common_places, few, matching_rows
+from .matching_rows import are, common_places, counted, few, matching_rows
 from .report import Found, Report
 from .tolerances import Tolerances
 
@@ -31,9 +31,10 @@ def compare_listings(
     same_attitude: bool = False,
     explain: bool = False,
     emulation: "Emulation | None" = None,
+    listed: int = 0,
 ) -> Report:
     """Compare two listings of the same form that were read; see `compare.compare`."""
-    report = Report(a.name, b.name, explaining=explain, emulation=emulation)
+    report = Report(a.name, b.name, explaining=explain, emulation=emulation, most_listed=listed)
     compare_echo(report, a, b, tolerances)
     rows_a, rows_b = matching_rows(report, a, b)
     _compare_times(report, a, b, rows_a, rows_b, tolerances)
@@ -185,7 +186,9 @@ def _describer(
         line = pick[row]
         time = float(listing.time[section.step[line]])
         a, b = (float(block[row, column]) for block in values)
-        return Found(name, section.name_of(line), shared[column], time, a, b, distance)
+        return Found(
+            name, section.name_of(line), shared[column], time, a, b, distance, int(section.line[line])
+        )
 
     return describe
 
@@ -232,8 +235,8 @@ def _report_lines(
             times = [f"t = {listing.time[section.step[n]]:.10g}" for n in alone]
             names = [section.name_of(n) for n in alone]
             places = [f"{name} at {t}" if name else t for name, t in zip(names, times, strict=True)]
-            lines = f"{name}: {alone.size} lines of {listing.name} are not in {other.name}"
-            report.missing.append(f"{lines}: {few(places)}")
+            lines = f"{counted(alone.size, 'line')} of {listing.name} {are(alone.size)} not in {other.name}"
+            report.missing.append(f"{name}: {lines}: {few(places)}")
 
 
 def _report_columns(

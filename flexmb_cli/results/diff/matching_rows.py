@@ -18,7 +18,10 @@ def matching_rows(report: Report, a: Listing, b: Listing) -> tuple[np.ndarray, n
         alone = np.setdiff1d(np.arange(len(listing.time)), rows)
         if alone.size:
             times = few([f"{listing.time[row]:.10g}" for row in alone])
-            report.missing.append(f"{alone.size} rows of {listing.name} are not in {other.name}: t = {times}")
+            count = counted(alone.size, "row")
+            report.missing.append(
+                f"{count} of {listing.name} {are(alone.size)} not in {other.name}: t = {times}"
+            )
     return rows_a, rows_b
 
 
@@ -39,6 +42,16 @@ def common_places(keys_a: "list[Any]", keys_b: "list[Any]") -> Any:
     return tuple(
         np.array(column, dtype=np.int64) for column in (zip(*rows, strict=True) if rows else ((), ()))
     )
+
+
+def counted(number: int, thing: str) -> str:
+    """Return "1 row", "2 rows"."""
+    return f"{number} {thing}{'s' * (number != 1)}"
+
+
+def are(number: int) -> str:
+    """Return the verb for a number of things."""
+    return "is" if number == 1 else "are"
 
 
 def few(words: list[str], most: int = 3) -> str:

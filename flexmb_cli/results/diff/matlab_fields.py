@@ -23,10 +23,12 @@ from .tolerances import ToleranceError, Tolerances
 from .words import WORDS_OF_RESULTS, compare_names
 
 
-def compare_matlab(path_a: str, path_b: str, forms: Sequence[str], tolerances: Tolerances) -> Report:
+def compare_matlab(
+    path_a: str, path_b: str, forms: Sequence[str], tolerances: Tolerances, listed: int = 0
+) -> Report:
     """Compare two MATLAB files, or one with an HDF5 result.  Raises TableError when one cannot be read."""
     tolerances = tolerances.with_defaults(DEFAULT_ATOL, DEFAULT_RTOL)
-    report = Report(path_a, path_b)
+    report = Report(path_a, path_b, most_listed=listed)
     special: dict[str, list[Any]] = {}
     pairs = []
     for path, form in zip((path_a, path_b), forms, strict=True):

@@ -19,7 +19,7 @@ SHOWN_WORDS = 5
 
 @dataclass(frozen=True)
 class Found:
-    """One place at which two results are compared; `time` and `line` are None where there is none."""
+    """One place at which two results are compared; `time`, and `line` of a table A, are None without one."""
 
     section: str
     item: str
@@ -28,6 +28,7 @@ class Found:
     a: float
     b: float
     distance: float
+    line: int | None = None
 
     @property
     def sentence(self) -> str:
@@ -97,6 +98,7 @@ class Report:
 
     `words` tells of lines of text that differ; they count as a difference only with `words_count`.
     `causes` counts the differences by known errors, `cells` names them, `emulation` tells more of them.
+    `listed` are the first `most_listed` of the others.
     """
 
     a: str
@@ -109,6 +111,8 @@ class Report:
     causes: dict[str, int] = field(default_factory=dict)
     cells: list[tuple[str, Found]] = field(default_factory=list)
     emulation: object = None
+    most_listed: int = 0
+    listed: list[Found] = field(default_factory=list)
 
     @property
     def equal(self) -> bool:
@@ -174,11 +178,18 @@ class Report:
             here = differs & mask & ~marked
             self._explain(cause, here, lambda place: describe(place, float(distance[place])))
             marked |= mask
+        self._list(differs & ~marked, lambda place: describe(place, float(distance[place])))
         tally = self.tallies.setdefault(kind, Tally())
         count = int(np.count_nonzero(unreadable))
         tally.add(
             differs, distance, marked, count, lambda position: describe(position, float(distance[position]))
         )
+
+    def _list(self, here: np.ndarray, describe: "Callable[..., Any]") -> None:
+        room = self.most_listed - len(self.listed)
+        if room > 0:
+            places = np.argwhere(here)[:room]
+            self.listed += [describe(tuple(place)) for place in places.tolist()]
 
     def _explain(self, cause: str, here: np.ndarray, describe: "Callable[..., Any]") -> None:
         places = list(zip(*np.nonzero(here), strict=True))
@@ -197,6 +208,7 @@ class Report:
         if self.differing:
             lines += self._table()
             lines += [f"known: {cause}: {count} numbers" for cause, count in self.causes.items()]
+            lines += self._list_lines()
             if self.worst:
                 lines.append(f"worst: {self.worst.sentence}")
         lines.append(self._verdict())
@@ -216,6 +228,7 @@ class Report:
             "explained_cells": [{"cause": cause} | cell.as_dict() for cause, cell in self.cells],
             "missing": self.missing,
             "words": self.words,
+            "listed": [cell.as_dict() | {"line": cell.line} for cell in self.listed],
             "worst": self.worst and self.worst.as_dict(),
             "kinds": {kind: _tally_record(self.tallies[kind]) for kind in self._kinds()},
         }
@@ -238,6 +251,15 @@ class Report:
             rows.append((kind, *map(str, counts), f"{tally.largest:.3g}", place))
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         return [_aligned(row, widths) for row in rows]
+
+    def _list_lines(self) -> list[str]:
+        """Return the numbers listed, in the order of A's lines, as `FILE:LINE: place`."""
+        lines = []
+        for found in sorted(self.listed, key=lambda one: one.line or 0):
+            place = f"{visible(self.a)}:{found.line}" if found.line else "differs"
+            lines.append(f"{place}: {found.sentence}{' (only the sign)' if found.a == -found.b else ''}")
+        left = self.differing - self.explained - len(self.listed)
+        return [*lines, f"… and {left} more"] if lines and left else lines
 
     def _verdict(self) -> str:
         words = f"; {_count(len(self.words), 'line')} of words differ" if self.words else ""

@@ -192,7 +192,7 @@ def test_a_csv_table_with_a_selection_is_compared_in_its_own_columns(tmp_path):
     chosen.write_text("\n".join(lines[:-1]))
     shorter = compared(chosen, result)
     assert shorter.exit_code == 1
-    assert "1 rows of" in shorter.stdout
+    assert "1 row of" in shorter.stdout
 
 
 @pytest.mark.parametrize(
@@ -221,7 +221,7 @@ def test_tables_of_many_rows_are_compared_without_a_table_of_all_pairs(tmp_path)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert done.exit_code == 1
-    assert "1 rows of" in done.stdout and "the first at t = 0.1" in done.stdout
+    assert "1 row of" in done.stdout and "the first at t = 0.1" in done.stdout
     assert peak < 100e6
     (tmp_path / "b.csv").write_text("\n".join(["time [s],body.1.x [m]", *59_000 * ["0,1"]]))
     (tmp_path / "a.csv").write_text("\n".join(["time [s],body.1.x [m]", *60_000 * ["0,1"]]))

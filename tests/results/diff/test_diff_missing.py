@@ -58,7 +58,7 @@ def test_a_missing_body_is_a_difference(table, rows):
     cut = [n for n, line in enumerate(lines) if line.startswith("  2 ") and len(line) > 70]
     b.write_text("".join(line for n, line in enumerate(lines) if n != cut[3]))
     report = compare(a, b)
-    assert report.missing == [f"position: 1 lines of {a} are not in {b}: body 2 at t = 1"]
+    assert report.missing == [f"position: 1 line of {a} is not in {b}: body 2 at t = 1"]
     assert report.differing == 0
 
 

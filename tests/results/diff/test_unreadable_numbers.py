@@ -95,7 +95,7 @@ def test_a_time_or_a_number_of_a_body_must_be_readable(old, new):
     if "TIME" in old:
         assert [line for line, _, _ in faults(BLOCK + typed)] == [26]
     else:
-        assert report(BLOCK, typed).missing == ["point: 1 lines of a are not in b: point 1 at t = 0.1"]
+        assert report(BLOCK, typed).missing == ["point: 1 line of a is not in b: point 1 at t = 0.1"]
 
 
 def test_stars_in_a_young_table_stand_for_a_number_that_does_not_fit():

@@ -127,7 +127,7 @@ def test_kinds_can_be_left_out():
 def test_missing_rows_nodes_and_the_end_of_a_failed_run_are_told():
     shorter = HEAD + ROWS.partition(" TIME =  5.0")[0] + FAILED
     assert report_of(TEXT, shorter).missing == [
-        "1 rows of a are not in b: t = 0.0005",
+        "1 row of a is not in b: t = 0.0005",
         "only b ends with THE RUN ENDED BEFORE THE LAST TIME",
     ]
     lines = TEXT.splitlines(keepends=True)
