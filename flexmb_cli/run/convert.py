@@ -43,7 +43,9 @@ def converted(path: str, form: str, changes: tuple[str, ...] = (), unit: str = S
         if form == "mjcf" and analysis_of(model) != "tree":
             message = "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints"
             raise ModelError([Fault("error", message + _other_way(deck, run, model), id="RUN-027")])
-        return _mjcf(model, name) if form == "mjcf" else _exudyn(model, name, lambda: _by_young(deck, run))
+        return (
+            _mjcf(model, name) if form == "mjcf" else _exudyn(model, name, lambda: _way_to_exudyn(deck, run))
+        )
     except FlexmbError as failure:
         failure.file = failure.file or path
         raise
@@ -108,19 +110,22 @@ def _gives_a_tree(deck: Deck, run: Run, form: str) -> bool:
         return False
 
 
-def _by_young(deck: Deck, run: Run) -> str:
+def _way_to_exudyn(deck: Deck, run: Run) -> str:
     """Return which conversions lead to Exudyn, each having been tried; "" for none."""
-    if deck.dialect == "young":
-        return ""
+    for form in DIALECTS:
+        if form != deck.dialect and _moves_under_forces(deck, run, form):
+            return f"; convert it --to {form} first, then that deck --to exudyn"
+    return ""
+
+
+def _moves_under_forces(deck: Deck, run: Run, form: str) -> bool:
+    """Return whether the deck converts to a dialect and from there to a script for Exudyn."""
     try:
-        text = _deck_of(deck, run, "young", (SI, SI))
-        model, _ = dialect_named("young").build(
-            read_deck(DeckText("converted", text, ""), "young"), folder_of(run)
-        )
-        _exudyn(model, "")
+        text = _deck_of(deck, run, form, (SI, SI))
+        model, _ = dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
+        return bool(_exudyn(model, ""))
     except FlexmbError:
-        return ""
-    return "; convert it --to young first, then that deck --to exudyn"
+        return False
 
 
 def _mjcf(model: Any, name: str) -> str:
