@@ -8,6 +8,7 @@ import os
 import signal
 import sys
 from collections.abc import Mapping
+from errno import EBADF
 from importlib import import_module
 from typing import Any
 
@@ -153,11 +154,18 @@ def main() -> None:
             _refuse_lack(fault)
         _refuse_lost_folder()
         # Files are guarded where they are written: what is left are the standard streams.
-        _tell(f"flexmb: error: standard input or output: {fault.strerror or fault}")
+        _tell(f"flexmb: error: {_stream_fault(fault)}")
         os._exit(ANALYSIS_FAILED)  # what waits in the broken stream would fail once more at exit
     finally:
         if Stop.asked is not None:
             ignore_stops()
+
+
+def _stream_fault(fault: OSError) -> str:
+    """Return what is wrong with a standard stream."""
+    if fault.errno == EBADF and fault.strerror:  # of `terminal.closed_output`
+        return fault.strerror
+    return f"standard input or output: {fault.strerror or fault}"
 
 
 def _run_command() -> None:
@@ -257,10 +265,18 @@ def _terminate(number: Any, frame: Any) -> None:
 
 
 def _open_closed_streams() -> None:
-    """A shell can close a standard stream (`2>&-`); Python then has None in its place."""
-    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
-        if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
+    """A shell can close a standard stream (`2>&-`); Python then has None in its place.
+
+    Output that is lost is reported, see `main`; where errors are lost there is nowhere to report it.
+    """
+    if sys.stdin is None:
+        sys.stdin = open(os.devnull, encoding="utf-8")  # noqa: SIM115
+    if sys.stdout is None:
+        from .terminal.closed_output import closed_output
+
+        sys.stdout = closed_output()
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
 
 
 def _tell(sentence: str) -> None:

@@ -44,6 +44,7 @@ def check(
         elif report.deck and not quiet:
             _print_check(report, echo)
         codes.append(report.outcome.exit_code)
+        del report  # before the next deck is read, see `every_deck`
     sys.exit(max(codes))
 
 

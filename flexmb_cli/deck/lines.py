@@ -8,7 +8,7 @@ from itertools import chain
 from typing import Any
 
 _LINE_END = re.compile(r"\r\n?|\n")
-_AT_ONCE = 256  # lines that are cut out at once
+_AT_ONCE, _MOST_PIECES = 256, 8  # lines that are cut out at once, and how many such pieces are kept
 
 
 class Lines(Sequence[str]):
@@ -20,7 +20,7 @@ class Lines(Sequence[str]):
     def __init__(self, text: str):
         self.text = text
         self.starts = array("i", [0])
-        self._neighbours: tuple[int, list[str]] = 0, []
+        self._pieces: dict[int, list[str]] = {}
         self.starts.extend(found.end() for found in _LINE_END.finditer(text))
 
     def __reduce__(self) -> tuple[type, tuple[str]]:
@@ -32,15 +32,15 @@ class Lines(Sequence[str]):
     def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             return [self[k] for k in range(*index.indices(len(self)))]
-        first, neighbours = self._neighbours
-        # Readers go from line to line.
-        if first <= index < first + len(neighbours):
-            return neighbours[index - first]
         if not -len(self) <= index < len(self):
             raise IndexError(index)
-        index %= len(self)
-        self._neighbours = index, self._cut(index, min(index + _AT_ONCE, len(self)))
-        return self._neighbours[1][0]
+        piece, line = divmod(index % len(self), _AT_ONCE)
+        # Readers go from line to line, builders through several sections at a time.
+        if piece not in self._pieces:
+            if len(self._pieces) >= _MOST_PIECES:
+                self._pieces.pop(next(iter(self._pieces)))
+            self._pieces[piece] = self._cut(piece * _AT_ONCE, min((piece + 1) * _AT_ONCE, len(self)))
+        return self._pieces[piece][line]
 
     def __iter__(self) -> Iterator[str]:
         return self.after(0)

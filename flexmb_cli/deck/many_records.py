@@ -104,10 +104,10 @@ def blocks_of(records: Sequence[Record]) -> list[Block]:
 
 @dataclass(frozen=True)
 class Made(Sequence[Any]):
-    """Records that `make` builds one by one, when they are looked at."""
+    """Parts that `make` builds of records, or of parts of a model, one by one when they are looked at."""
 
-    records: Sequence[Record]
-    make: Callable[[Record], object]
+    records: Sequence[Any]
+    make: Callable[[Any], object]
 
     def __len__(self) -> int:
         return len(self.records)

@@ -1,7 +1,7 @@
 """The numbers of many records of one kind, by columns: a record takes a hundred times as long to make."""
 
 from array import array
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +9,9 @@ from .record import Record
 
 if TYPE_CHECKING:
     import numpy as np
+
+
+MANY_RECORDS = 10_000
 
 
 class NumberTable:
@@ -55,34 +58,61 @@ def column(records: Sequence[Record], key: str) -> "np.ndarray":
     return found
 
 
-def places_by(records: Sequence[Record], key: str) -> dict[int, "array[int]"]:
+def places_by(records: Sequence[Record], key: str) -> Mapping[int, "array[int]"]:
     """Return where the records with each integer under a key stand, by the integers as they come first."""
+    if len(records) > MANY_RECORDS:
+        return ManyPlaces(column(records, key))
     places: dict[int, array[int]] = {}
     for k, value in enumerate(column(records, key).tolist()):
         places.setdefault(int(value), array("i")).append(k)
     return places
 
 
-def without_any(records: Sequence[Record], keys: Sequence[str]) -> Sequence[Record]:
+class ManyPlaces(Mapping[int, "array[int]"]):
+    """Places of many integers (record,), sorted: an array for each integer would take 200 bytes."""
+
+    def __init__(self, given: "np.ndarray"):
+        import numpy as np
+
+        integers = given.astype(np.int64)
+        self._order = np.argsort(integers, kind="stable")
+        self._integers, self._first = np.unique(integers[self._order], return_index=True)
+
+    def __len__(self) -> int:
+        return len(self._integers)
+
+    def __iter__(self) -> "Iterator[int]":
+        ordered = self._order[self._first].argsort()
+        return iter(self._integers[ordered].tolist())
+
+    def __getitem__(self, integer: int) -> "array[int]":
+        group = int(self._integers.searchsorted(integer))
+        if group == len(self) or self._integers[group] != integer:
+            raise KeyError(integer)
+        end = self._first[group + 1] if group + 1 < len(self) else len(self._order)
+        return array("q", self._order[self._first[group] : end].tobytes())
+
+
+def without_any(records: Sequence[Record], keys: Sequence[str]) -> Iterable[Record]:
     """Return the records in which the fields of all `keys` are empty."""
     import numpy as np
 
     table = _table(records)
     if table is None:
-        return [record for record in records if not any(record.at(key).text for key in keys)]
+        return (record for record in records if not any(record.at(key).text for key in keys))
     filled = np.any([table.filled(key) for key in keys], axis=0)
     filled[list(records.changed)] = True  # type: ignore[attr-defined]
-    return [records[k] for k in np.flatnonzero(~filled).tolist()]
+    return (records[k] for k in np.flatnonzero(~filled).tolist())
 
 
-def outside(records: Sequence[Record], key: str, lowest: float, highest: float) -> Sequence[Record]:
+def outside(records: Sequence[Record], key: str, lowest: float, highest: float) -> Iterable[Record]:
     """Return the records whose number under a key is below `lowest` or above `highest`."""
     import numpy as np
 
     if _table(records) is None:
-        return [record for record in records if not lowest <= record[key] <= highest]
+        return (record for record in records if not lowest <= record[key] <= highest)
     found = column(records, key)
-    return [records[k] for k in np.flatnonzero((found < lowest) | (found > highest)).tolist()]
+    return (records[k] for k in np.flatnonzero((found < lowest) | (found > highest)).tolist())
 
 
 def _table(records: Any) -> NumberTable | None:

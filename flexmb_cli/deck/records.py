@@ -1,7 +1,7 @@
 """Records of a deck by section and number, with the zeros of the cards that were not given."""
 
 from array import array
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..errors import Place
@@ -21,7 +21,7 @@ class DeckValues:
         self._records: dict[str, dict[int, Record]] = {}
         for record in () if self.many else deck.records:
             self._records.setdefault(record.section, {})[record.number] = record
-        self._of_bodies: dict[str, dict[int, array[int]]] = {}
+        self._of_bodies: dict[str, Mapping[int, array[int]]] = {}
         self._columns: dict[tuple[str, str], np.ndarray] = {}
 
     def section(self, name: str) -> Sequence[Record]:

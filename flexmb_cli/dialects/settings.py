@@ -57,7 +57,8 @@ class SettableDeck:
                 meant.append(known.lower())
         found = [*meant, *get_close_matches(name.lower(), names, n=_NEAREST, cutoff=0.0)]
         close = [names[word] for word in dict.fromkeys(found)][:_NEAREST]
-        return f"the deck has no number {name!r}; the nearest are {', '.join(close)}"
+        nearest = f"the nearest are {', '.join(close)}; flexmb check --echo shows all"
+        return f"the deck has no number {name!r}; {nearest}"
 
     def _place(self, name: str) -> Any:
         """Return where the record of a number stands among the deck's, and the number's key; None without

@@ -1,10 +1,12 @@
 """VsdfModel → FlexibleMechanism: bodies reduced, nodes turned into points with shapes in body axes."""
 
 import math
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..deck.many_records import Made
 from ..errors import Fault, ModelError
 from ..model.fe_model import End, NodeJoint, NodeSpring, Pin, VsdfBody, VsdfModel
 from ..model.flexible_mechanism import (
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 
 
 STEPS_A_PERIOD = 20
+MANY_PARTS = 10_000  # of a kind: as many points, each a kilobyte, are kept
 
 
 def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleMechanism, list[Fault]]:
@@ -33,6 +36,9 @@ def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleM
 
     Raises ModelError with the faults of all bodies.
     """
+    if _is_large(model):
+        large = _Points(model, Made(model.bodies, _rigid_body)).mechanism()
+        return replace(large, shapes=model.shapes), []
     bodies, faults = [], []
     for body in model.bodies:
         try:
@@ -46,6 +52,11 @@ def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleM
     faults += _step_doubts(model, bodies)
     stresses = _stresses(model, bodies)
     return replace(_Points(model, bodies).mechanism(), stresses=stresses, shapes=model.shapes), faults
+
+
+def _is_large(model: VsdfModel) -> bool:
+    """Return whether the parts of the mechanism are made when they are looked at: all bodies are rigid."""
+    return len(model.bodies) > MANY_PARTS and all(body.flexible is None for body in model.bodies)
 
 
 def _stresses(model: Any, bodies: Any) -> Any:
@@ -71,14 +82,10 @@ def _step_doubts(model: VsdfModel, bodies: list[FloatingBody]) -> "Iterator[Faul
 
 
 def _body(given: VsdfBody, cached: Any) -> tuple[FloatingBody, list[Fault]]:
+    if given.flexible is None:
+        return _rigid_body(given), []
     motion = np.array(given.velocity), np.array(given.omega)
     places: dict[str, Any] = {"place": given.place, "velocity_place": given.velocity_place}
-    if given.flexible is None:
-        assert given.rigid is not None, "a body is flexible or rigid"
-        m, c = given.rigid.mass, np.array(given.rigid.centre)
-        about_origin = given.rigid.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))
-        pose = np.array(given.r), np.array(given.p)
-        return FloatingBody(given.name, *pose, *motion, m, m * c, about_origin, **places), []
     found, doubts = flexible_body(given.flexible, cached)
     r = np.array(given.r) + given.A @ found.origin
     p = euler_parameters(given.A @ found.axes)
@@ -97,10 +104,20 @@ def _body(given: VsdfBody, cached: Any) -> tuple[FloatingBody, list[Fault]]:
     return body, doubts
 
 
+def _rigid_body(given: VsdfBody) -> FloatingBody:
+    assert given.rigid is not None, "a body is flexible or rigid"
+    motion = np.array(given.velocity), np.array(given.omega)
+    places: dict[str, Any] = {"place": given.place, "velocity_place": given.velocity_place}
+    m, c = given.rigid.mass, np.array(given.rigid.centre)
+    about_origin = given.rigid.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))
+    pose = np.array(given.r), np.array(given.p)
+    return FloatingBody(given.name, *pose, *motion, m, m * c, about_origin, **places)
+
+
 class _Points:
     """The model's ends as points of the bodies built."""
 
-    def __init__(self, model: VsdfModel, bodies: list[FloatingBody]):
+    def __init__(self, model: VsdfModel, bodies: Sequence[FloatingBody]):
         self.model = model
         self.bodies = bodies
         self.found: dict[End, NodePoint] = {}
@@ -109,24 +126,30 @@ class _Points:
         """The mechanism, item by item."""
         model = self.model
         return FlexibleMechanism(
-            tuple(self.bodies),
+            self.bodies if isinstance(self.bodies, Made) else tuple(self.bodies),
             model.time,
             model.integrator,
             model.gravity,
-            tuple(self._joint(joint) for joint in model.joints),
-            tuple(self._pin(pin) for pin in model.pins),
+            self._all(self._joint, model.joints),
+            self._all(self._pin, model.pins),
             model.motions,
-            tuple(self._force(force) for force in model.forces),
+            self._all(self._force, model.forces),
             model.torques,
-            tuple(self._spring(spring) for spring in model.springs),
+            self._all(self._spring, model.springs),
             model.joint_springs,
-            tuple(self.point(end) for end in model.outputs),
+            self._all(self.point, model.outputs),
             elements=self._elements(),
         )
+
+    def _all(self, make: Callable[[Any], Any], items: Sequence[Any]) -> Sequence[Any]:
+        """Return what `make` makes of each item, at once or, of many items, when it is looked at."""
+        return Made(items, make) if len(items) > MANY_PARTS else tuple(map(make, items))
 
     def point(self, end: End) -> NodePoint:
         """The point of an end, one for all that are attached there: a deck may have 200,000 loads."""
         if end not in self.found:
+            if len(self.found) > MANY_PARTS:
+                self.found.clear()
             self.found[end] = self._point(end)
         return self.found[end]
 

@@ -4,6 +4,7 @@ Bodies are numbered from 0, the ground is -1.  A node is named by its number in 
 by that of a node set.  Positions of nodes are in the axes of their node table, those of the ground global.
 """
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,7 +46,7 @@ class VsdfBody:
     omega: Vector = (0.0, 0.0, 0.0)
     rigid: RigidMass | None = None
     flexible: FlexibleInput | None = None
-    nodes: dict[int, np.ndarray] = field(default_factory=dict)
+    nodes: Mapping[int, np.ndarray] = field(default_factory=dict)
     sets: dict[int, tuple[int, ...]] = field(default_factory=dict)
     stiffened: bool = False
     place: Place | None = None
@@ -57,7 +58,8 @@ class VsdfBody:
 
     def position(self, node: int) -> np.ndarray:
         """Position (3,) of a node, or the mean of a set's, in the axes of the node table."""
-        found: np.ndarray = np.mean([self.nodes[member] for member in self.members(node)], axis=0)
+        places = [self.nodes[member] for member in self.members(node)]
+        found: np.ndarray = places[0].copy() if len(places) == 1 else np.mean(places, axis=0)
         return found
 
     @property
@@ -181,11 +183,11 @@ class StressSelection:
 class VsdfModel:
     """Everything the deck says, in its order."""
 
-    bodies: tuple[VsdfBody, ...]
+    bodies: Sequence[VsdfBody]
     time: TimeGrid
     integrator: Integrator
     ground: VsdfBody
-    joints: tuple[NodeJoint, ...] = ()
+    joints: Sequence[NodeJoint] = ()
     pins: tuple[Pin, ...] = ()
     motions: tuple[Motion, ...] = ()
     forces: tuple[NodeForce, ...] = ()

@@ -4,6 +4,7 @@ A rigid body is one without modal coordinates: m, s0 and J0 mean the same for bo
 from 0, the ground is -1.  SI units; `A` turns body axes into global ones.
 """
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -133,18 +134,18 @@ class StressOutput:
 class FlexibleMechanism:
     """Everything that dynamics needs of a VSDF deck."""
 
-    bodies: tuple[FloatingBody, ...]
+    bodies: Sequence[FloatingBody]
     time: TimeGrid
     integrator: Integrator
     gravity: Vector
-    joints: tuple[PointJoint, ...] = ()
-    pins: tuple[PointPin, ...] = ()
+    joints: Sequence[PointJoint] = ()
+    pins: Sequence[PointPin] = ()
     motions: tuple[Motion, ...] = ()
-    forces: tuple[PointForce, ...] = ()
+    forces: Sequence[PointForce] = ()
     torques: tuple[BodyTorque, ...] = ()
-    springs: tuple[PointSpring, ...] = ()
+    springs: Sequence[PointSpring] = ()
     joint_springs: tuple[JointSpring, ...] = ()
-    outputs: tuple[NodePoint, ...] = ()
+    outputs: Sequence[NodePoint] = ()
     stresses: tuple[StressOutput, ...] = ()
     shapes: tuple["Shape", ...] = ()
     elements: JointElements = field(default_factory=JointElements)

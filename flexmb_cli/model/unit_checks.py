@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import Fault, Place
+from ..errors import Fault, FaultList, Place
 from ..quick_dataclass import dataclass
 
 if TYPE_CHECKING:  # a run imports the models of its own dialect only
     from collections.abc import Callable, Iterator
 
-    from .flexible_mechanism import FlexibleMechanism
+    from .flexible_mechanism import FlexibleMechanism, FloatingBody
     from .loads import DynamicModel
     from .tree import Tree
 
@@ -83,15 +83,15 @@ class Extent:
 def unit_doubts(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Fault]:
     """Notes on the bodies and the gravity of any model with masses."""
     kind = type(model).__name__
-    extents, gravity = _EXTENTS[kind](model), float(np.linalg.norm(model.gravity))
-    notes = [
-        Fault("note", note, body.place, body.name, id="MODEL-010")
-        for body in extents
-        for note in _of_body(body)
-    ]
+    gravity, longest = float(np.linalg.norm(model.gravity)), None
+    notes = FaultList()
+    for body in _EXTENTS[kind](model):
+        notes += [Fault("note", note, body.place, body.name, id="MODEL-010") for note in _of_body(body)]
+        if longest is None or body.size > longest.size:
+            longest = body
     if kind == "FlexibleMechanism":
-        notes += [*_of_frequencies(model), *_of_densities(model)]  # type: ignore[arg-type]
-    longest = max(extents, key=lambda body: body.size, default=None)
+        flexible = [body for body in model.bodies if body.flexible is not None]  # type: ignore[union-attr]
+        notes += [*_of_frequencies(flexible), *_of_densities(flexible)]  # type: ignore[arg-type]
     if IN_MILLIMETRES[0] <= gravity <= IN_MILLIMETRES[1]:
         notes.append(
             Fault(
@@ -127,13 +127,13 @@ def _is_doubtful(body: Extent) -> bool:
     return ratio < NARROW or ratio > WIDEST_OF_ALL or (ratio > wide and not body.heavy)
 
 
-def _of_frequencies(mechanism: "FlexibleMechanism") -> Any:
+def _of_frequencies(bodies: "Iterable[FloatingBody]") -> Any:
     """Sound crosses no solid faster than 2e4 m/s, and a body vibrates slower than sound crosses it."""
-    for body in mechanism.bodies:
-        if body.flexible is None or not body.modes:
+    for body in bodies:
+        if not body.modes:
             continue
-        size = float(np.ptp(body.flexible.r0, axis=0).max())
-        lowest = float(body.flexible.frequencies[0])
+        size = float(np.ptp(body.reduced.r0, axis=0).max())
+        lowest = float(body.reduced.frequencies[0])
         if lowest * size > FASTEST_SOUND:
             message = (
                 f"the lowest frequency is {lowest:.3g} Hz in a body of {size:.3g} m, as if sound went at "
@@ -142,12 +142,10 @@ def _of_frequencies(mechanism: "FlexibleMechanism") -> Any:
             yield Fault("note", message, body.place, body.name, id="MODEL-013")
 
 
-def _of_densities(mechanism: "FlexibleMechanism") -> Any:
+def _of_densities(bodies: "Iterable[FloatingBody]") -> Any:
     """Matrices know no lengths: nodes in millimetres, and masses in tonnes, pass every test of them."""
-    for body in mechanism.bodies:
-        if body.flexible is None:
-            continue
-        sides = _sides(body.flexible.r0)
+    for body in bodies:
+        sides = _sides(body.reduced.r0)
         volume = float(np.prod(sides))
         box = f"{body.m:.3g} kg in a box of {sides[0]:.3g} by {sides[1]:.3g} by {sides[2]:.3g} m are"
         if body.m < THIN * volume:
@@ -209,18 +207,20 @@ def _of_young(model: "DynamicModel") -> Iterable[Extent]:
 
 def _of_mechanism(mechanism: "FlexibleMechanism") -> Iterable[Extent]:
     """Rigid bodies; those of finite elements have what their files say."""
-    found, joined = [], {}  # type: ignore[var-annotated]
+    centres = np.zeros((len(mechanism.bodies), 3))
+    for k, body in enumerate(mechanism.bodies):
+        if body.m:
+            centres[k] = body.s0 / body.m
+    # Points are made and dropped: those of 70,000 bodies would take 150 MB.
+    sizes = np.zeros(len(mechanism.bodies))
     for joint in mechanism.joints:
         for end in (*joint.a, *joint.b):
-            joined.setdefault(end.body, []).append(end)
+            if end.body >= 0:
+                sizes[end.body] = max(sizes[end.body], _farthest([end.r0], centres[end.body]))
     for k, body in enumerate(mechanism.bodies):
-        if body.flexible is not None:
-            continue
-        ends = joined.get(k, ())
-        centre = body.s0 / body.m if body.m else np.zeros(3)
-        moments = _moments(_about_centre(body.J0, body.m, centre))
-        found.append(Extent(body.name, body.m, moments, _farthest([e.r0 for e in ends], centre), body.place))
-    return found
+        if body.flexible is None:
+            moments = _moments(_about_centre(body.J0, body.m, centres[k]))
+            yield Extent(body.name, body.m, moments, float(sizes[k]), body.place)
 
 
 def _of_tree(tree: "Tree") -> Iterable[Extent]:

@@ -168,7 +168,8 @@ class _Reader:
             self._fault(name, f'a result is written "TAKE QUANTITY" with TAKE one of {forms}')
             return None
         if not _names_a_column(name):
-            self._fault(name, "a name of a result has letters, digits, marks and blanks, but no slash")
+            form = "letters, digits, marks and blanks, but no slash and no blank at its ends"
+            self._fault(name, f"a name of a result has {form}")
             return None
         return Kept(name, quantity.strip(), take, self._place(name))
 
@@ -219,8 +220,12 @@ def _with_times(results: tuple[Kept, ...]) -> tuple[Kept, ...]:
 
 
 def _names_a_column(name: str) -> bool:
-    """HDF5 takes "a/b" for b in a group a, "." for the group itself, and ends a name at a NUL."""
-    return bool(name.strip()) and name.isprintable() and "/" not in name and name not in (".", "..")
+    """HDF5 takes "a/b" for b in a group a, "." for the group itself, and ends a name at a NUL.
+
+    netCDF has no names with a blank at an end; `ncdump` refuses a file with one that begins so.
+    """
+    bare = bool(name) and name == name.strip()
+    return bare and name.isprintable() and "/" not in name and name not in (".", "..")
 
 
 def _dotted(name: str, given: object) -> str:

@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from large_limits import VSDF_CARDS, YOUNG_LOADS
+
 from flexmb_cli.dialects.dafms.cards import CARDS as DAFMS
 from flexmb_cli.dialects.vsdf.cards import CARDS as VSDF
 from flexmb_cli.dialects.young.cards import CARDS as YOUNG
@@ -29,7 +31,8 @@ def card_kinds(size: int) -> Iterator[tuple[str, Callable[[], str]]]:
     for card in YOUNG:
         words = " ".join("1" for _ in (*card.columns[: len(card.columns) - card.optional], *card.repeated))
         line = f"{card.keyword} {words}\n"
-        yield f"young all {card.keyword}", lambda line=line: f"{_MOTION}{line * (size // len(line))}END\n"
+        count = min(YOUNG_LOADS, size // len(line))
+        yield f"young all {card.keyword}", lambda line=line, count=count: f"{_MOTION}{line * count}END\n"
     head, rest = (DECKS / "dafms/pendulum.DAT").read_text().rsplit("END ", 1)
     for card in DAFMS.values():
         yield f"dafms all {card.word.strip()}", lambda card=card: f"{head}{_of_dafms(card, size)}END {rest}"
@@ -48,6 +51,7 @@ def _of_vsdf(card: Any, size: int) -> str:
     second = "1\n" if card.second else ""
     numbered = card.counted in ("own", "body")
     count = size // (len(",".join(values)) + 2 + len(second) + 5 * numbered)
+    count = count if card.section in ("node", "table") else min(VSDF_CARDS, count)
     rest = ",".join(values[1:])
     lines = (f"{k if numbered else values[0]},{rest}\n {second}" for k in range(1, count + 1))
     return f"{card.word}\n " + "".join(lines).rstrip(" ")

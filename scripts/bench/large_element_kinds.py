@@ -3,6 +3,15 @@
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from large_limits import (
+    DAFMS_BODIES,
+    DAFMS_NUMBERS,
+    DAFMS_NUMBERS_OF_BODY,
+    ELEMENTS,
+    NUMBERS_OF_CARD,
+    VSDF_CARDS,
+)
+
 DECKS = Path(__file__).parents[2] / "decks"
 _KIND = tuple[str, Callable[[], str]]
 
@@ -21,8 +30,6 @@ _YOUNG_CARDS = {
     "motors": "TMOTOR 1 1\n",
     "shapes": "GEOM 2 1 1 1 1\n",
 }
-_MOST = 19_990  # elements, functions; a deck takes 20,000
-_MOST_NUMBERS = 199_990  # of a card
 _HINGE = f"{1:5d}{1:5d}"
 _ENDS = f"{0:5d}{0:5d}{1:5d}{1:5d}"
 _POINTS = 6 * f"{1.0:10.2f}"
@@ -55,16 +62,16 @@ def element_kinds(size: int) -> Iterator[_KIND]:
 
 
 def _filled(text: str, size: int) -> str:
-    return text * min(_MOST, size // len(text))
+    return text * min(ELEMENTS, size // len(text))
 
 
 def _points(size: int, separator: str = " ") -> str:
     """Times and values of one long table."""
-    return separator.join(f"{k}{separator}{k % 7}" for k in range(min(_MOST_NUMBERS // 2, size // 9)))
+    return separator.join(f"{k}{separator}{k % 7}" for k in range(min(NUMBERS_OF_CARD // 2, size // 9)))
 
 
 def _functions(size: int, line: str, first: int = 1) -> str:
-    return "".join(line.format(k) for k in range(first, first + min(_MOST, size // len(line))))
+    return "".join(line.format(k) for k in range(first, first + min(ELEMENTS, size // len(line))))
 
 
 def _young(size: int) -> Iterator[_KIND]:
@@ -76,7 +83,7 @@ def _young(size: int) -> Iterator[_KIND]:
     used = "FORCE 2 0 0 0 1 0 0 0 2\n"
     for word in ("TABLE", "SPLINE"):
         yield f"young one {word}", lambda word=word: cards(f"{word} 2 {_points(size)}\n{used}")
-    ones = "1 " * min(_MOST_NUMBERS, size // 2)
+    ones = "1 " * min(NUMBERS_OF_CARD, size // 2)
     yield "young polynomial", lambda: cards(f"POLYNOMIAL 2 {ones}\n{used}")
     yield "young tables", lambda: cards(_functions(size, "TABLE {} 0 1 1 2\n", 2))
     yield "young sines", lambda: cards(_functions(size, "SINE {} 0 1 1\n", 2))
@@ -87,7 +94,7 @@ def _dafms(size: int) -> Iterator[_KIND]:
     head, end = (DECKS / "dafms/pendulum.DAT").read_text().rsplit("END ", 1)
 
     def entries(word: str, entry: str) -> str:
-        count = min(_MOST, size // len(entry))
+        count = min(ELEMENTS, size // len(entry))
         return f"{head}{_SINE_OF_DAFMS}{word}\n{count:5d}\n{count * entry}END {end}"
 
     for word, entry in _DAFMS_CARDS.items():
@@ -106,14 +113,14 @@ def _one_function(size: int, head: str, end: str) -> str:
 
 
 def _many_functions(size: int, head: str, end: str) -> str:
-    count = min(_MOST, size // 76)
+    count = min(ELEMENTS, size // 76)
     entries = "".join(f"{k:5d}{4:5d}{3:5d}\n{0.0:20.2f}{1.0:20.2f}{1.0:20.2f}\n" for k in range(1, count + 1))
     return f"{head}FUNC\n{count:5d}\n{entries}END {end}"
 
 
 def _chain(size: int) -> str:
     """A chain of rigid bodies with an angle each."""
-    count = min(99_999, size // 240)
+    count = min(DAFMS_BODIES, DAFMS_NUMBERS // DAFMS_NUMBERS_OF_BODY, size // 240)
     bodies = range(1, count + 1)
 
     def each(word: str, line: str) -> list[str]:
@@ -152,22 +159,49 @@ def _vsdf(size: int) -> Iterator[_KIND]:
         lambda: cards(f"FUNC\n2,TABL,{_points(min(size, 440_000), ',')}\nTMOT\n    1    2\n"),
     )
     yield "vsdf one output", lambda: cards(f"OUTN\n1,{'51,' * min(99_990, size // 3)}51\n")
+    yield "vsdf balls", lambda: _balls(size)
+    yield "vsdf moving bodies", lambda: _rigid_bodies(size, deck, end, moving=True)
+    yield "vsdf loads at nodes", lambda: _balls(size, loads=True)
     yield "vsdf rigid bodies", lambda: _rigid_bodies(size, deck, end)
     yield "vsdf chain", lambda: vsdf_chain(size)
 
 
-def _rigid_bodies(size: int, deck: str, end: str) -> str:
-    """Free rigid bodies."""
-    count = size // 100
-    heads = "".join(f"{k},RIGD\n" for k in range(2, count + 2))
-    masses = "".join(f"{k},1.0\n 1.0,1.0,1.0\n" for k in range(2, count + 2))
-    places = "".join(f"{k},{k}.0,0.0,0.0\n" for k in range(2, count + 2))
-    return f"{deck}\nBODY\n{heads}RIGI\n{masses}POSI\n{places}END{end}"
+def _rigid_bodies(size: int, deck: str, end: str, moving: bool = False) -> str:
+    """Free rigid bodies; moving ones have a place, an attitude and velocities each."""
+    count = min(VSDF_CARDS, size // (190 if moving else 45))
+    numbers = range(2, count + 2)
+    heads = "".join(f"{k},RIGD\n" for k in numbers)
+    masses = "".join(f"{k},1\n 1,1,1\n" for k in numbers)
+    if not moving:
+        return f"{deck}\nBODY\n{heads}RIGI\n{masses}END{end}"
+    places = "".join(f"{k},{k}.5,0.25,0.5\n" for k in numbers)
+    attitudes = "".join(f"{k},0.6,0.8,0.0,0.0\n" for k in numbers)
+    speeds = "".join(f"{k},1.5,2.5,3.5,4.5,5.5,6.5\n" for k in numbers)
+    more = f"POSI\n{places}EULP\n{attitudes}VELO\n{speeds}"
+    return f"{deck}\nBODY\n{heads}RIGI\n{masses}{more}END{end}"
+
+
+def _balls(size: int, loads: bool = False) -> str:
+    """Bodies on a string, one node each, by the shortest cards; `loads`: with a force at each node."""
+    count = max(2, min(VSDF_CARDS, size // (115 if loads else 75)))
+    bodies = range(1, count + 1)
+
+    def each(line: str) -> str:
+        return "".join(line.format(k=k, before=k - 1) for k in bodies)
+
+    joints = "1,SPHE,0,0,,1,1\n" + each("{k},DIST,{before},1,,{k},1,,,,1\n").split("\n", 1)[1]
+    forces, outputs = each("{k},1,1,0,0\n"), each("{k},1\n")
+    acting = f"FORC\n{forces}OUTN\n{outputs}" if loads else ""
+    heads, masses, nodes = each("{k},RIGD\n"), each("{k},1\n 1,1,1\n"), each("{k},1,0,0,0\n")
+    return (
+        f"VSDF BALLS\nBODY\n{heads}RIGI\n{masses}NODE\n{nodes}JOIN\n{joints}{acting}"
+        "GRAV\n 0,0,-9.81\nTIME\n 0.1,0.01\nEND\nSTAR\nSTOP\n"
+    )
 
 
 def vsdf_chain(size: int) -> str:
     """Rigid bars hinged to one another."""
-    bodies = range(1, max(2, size // 131) + 1)
+    bodies = range(1, max(2, min(VSDF_CARDS, size // 131)) + 1)
 
     def each(line: str) -> str:
         return "".join(line.format(k=k, before=k - 1) for k in bodies)

@@ -1,9 +1,10 @@
-"""Large legal decks by kinds: each is filled with one sort of card up to a given size."""
+"""Large legal decks by kinds: each is filled with one sort of card, up to a size or to the format's limit."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from large_element_kinds import element_kinds
+from large_limits import DAFMS_NUMBERS, ELEMENTS, VSDF_CARDS, YOUNG_LOADS
 
 DECKS = Path(__file__).parents[2] / "decks"
 
@@ -18,14 +19,14 @@ _MASSES = "MASS 2 1 0 0 0 1 1 1\n"
 _FREE = "2 0 0 0 0 1 0 0 0 0 0 1\n" + _BODY * 2 + _END
 
 
-def kinds(megabytes: int) -> dict[str, Callable[[], str]]:
+def kinds(megabytes: float) -> dict[str, Callable[[], str]]:
     """Return functions that make a deck of about so many million bytes, by the kind of what fills it."""
-    size = megabytes * 10**6
+    size = int(megabytes * 10**6)
     return dict((*_young(size), *_young_dynamics(size), *_dafms(size), *_vsdf(size), *element_kinds(size)))
 
 
-def _filled(text, size):
-    return text * (size // len(text))
+def _filled(text, size, most=10**9):
+    return text * min(most, size // len(text))
 
 
 def _young(size) -> Iterator[tuple[str, Callable[[], str]]]:
@@ -81,7 +82,7 @@ def _young(size) -> Iterator[tuple[str, Callable[[], str]]]:
 
 def _young_dynamics(size):
     def cards(line, deck=_YOUNG, analysis="INVERSE"):
-        return f"{deck}DYNAMICS {analysis}\n{_MASSES}{_filled(line, size)}END\n"
+        return f"{deck}DYNAMICS {analysis}\n{_MASSES}{_filled(line, size, YOUNG_LOADS)}END\n"
 
     def of_bodies(line, per_body):
         count = size // per_body
@@ -107,9 +108,9 @@ def _dafms(size):
     def with_card(card):
         return head + deck.replace("END \n", f"{card}END \n")
 
-    def entries(word, line, second="", most=99_999):
-        count = min(most, size // (len(line) + len(second)))
-        return with_card(f"{word}\n{count:5d}\n{count * (line + second)}")
+    def entries(word, line, numbers):
+        count = min(99_999, DAFMS_NUMBERS // (1 + numbers), size // len(line))
+        return with_card(f"{word}\n{count:5d}\n{count * line}")
 
     def table(word):
         points = min(99_999, size // 21)
@@ -126,8 +127,8 @@ def _dafms(size):
     yield "dafms full stiffness", lambda: _full(size)
     yield "dafms tables", lambda: table("TABL")
     yield "dafms motor tables", lambda: table("TABM")
-    yield "dafms springs", lambda: entries("SPRI", f"{1:5d}{1:5d}{1.0:10.2f}{0.0:10.2f}\n")
-    yield "dafms motors", lambda: entries("MOTR", f"{1:5d}{1:5d}{1.0:10.2f}\n")
+    yield "dafms springs", lambda: entries("SPRI", f"{1:5d}{1:5d}{1.0:10.2f}{0.0:10.2f}\n", 4)
+    yield "dafms motors", lambda: entries("MOTR", f"{1:5d}{1:5d}{1.0:10.2f}\n", 3)
 
 
 def _full(size):
@@ -161,7 +162,7 @@ def _vsdf(size):
     text = (DECKS / "vsdf/pendulum.vsdf").read_text().replace(" fe/", f" {DECKS}/vsdf/fe/")
     deck, end = text.split("\nEND", 1)
 
-    def cards(word, line, most=10**9):
+    def cards(word, line, most=VSDF_CARDS):
         count = min(most, size // len(line.format(k=1, t=1, f=1)))
         lines = "".join(line.format(k=k, t=k * 1e-3, f=k % 7) for k in range(1, count + 1))
         return f"{deck}\n{word}\n{lines}END{end}"
@@ -169,11 +170,11 @@ def _vsdf(size):
     table = "    1{t:10.3f}{f:10.1f}\n"
     yield "vsdf blank lines", lambda: f"{deck}{_filled(chr(10), size)}\nEND{end}"
     yield "vsdf comments", lambda: f"{deck}\n{_filled('* a comment' + chr(10), size)}END{end}"
-    yield "vsdf table", lambda: cards("TABL", table)
-    yield "vsdf table by commas", lambda: cards("TABL", "1,{k},{f}\n")
-    yield "vsdf nodes", lambda: cards("NODE", "0,{k},1.0,0.0,0.0\n")
+    yield "vsdf table", lambda: cards("TABL", table, 10**9)
+    yield "vsdf table by commas", lambda: cards("TABL", "1,{k},{f}\n", 10**9)
+    yield "vsdf nodes", lambda: cards("NODE", "0,{k},1.0,0.0,0.0\n", 10**9)
     yield "vsdf forces", lambda: cards("FORC", "    1   51       1.0       0.0       0.0\n")
     yield "vsdf output nodes", lambda: cards("OUTN", "    1   51\n")
     spring = "NODE\n    0    1       9.0\nSPRI", "{k},0,1,1,51,1.0\n"
-    yield "vsdf springs", lambda: cards(*spring, most=20_000)
+    yield "vsdf springs", lambda: cards(*spring, most=ELEMENTS)
     yield "vsdf node sets", lambda: cards("NSET", "1,9{k:06d},1,2,3\n")

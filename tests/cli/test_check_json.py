@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+import weakref
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -11,7 +12,7 @@ import pytest
 from flexmb_cli.results.texts import check_text
 from flexmb_cli.run.check import check as run_check
 from flexmb_cli.run.check import parts
-from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.outcome import Outcome, RunOptions
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 
@@ -99,3 +100,23 @@ def test_round_off_is_not_printed_as_a_singular_value():
     report = run_check.check_deck(str(DECKS / "young/dynamics/IN-BRICARD.dat"), RunOptions())
     assert report.smallest < 1e-12
     assert "  rank 35 of 36, smallest singular value below 1e-12\n" in check_text.check_text(report)
+
+
+def test_a_deck_is_let_go_before_the_next_is_read(monkeypatch):
+    """Two models of 62 MB took 1,094 MB, since the first was kept while the second was read."""
+    from click.testing import CliRunner
+
+    from flexmb_cli.cli.check import check as command
+
+    checked, kept = [], []
+
+    def check_deck(path, *given):
+        kept.append([found() for found in checked])
+        report = run_check.CheckReport(Outcome(path))
+        checked.append(weakref.ref(report))
+        return report
+
+    monkeypatch.setattr(run_check, "check_deck", check_deck)
+    decks = [str(DECKS / "young/IN4-BAR.dat"), str(DECKS / "young/IN-RSSR.dat")]
+    assert CliRunner().invoke(command, decks).exit_code == 0
+    assert kept == [[], [None]]

@@ -41,11 +41,29 @@ def test_a_full_standard_output_is_no_fault_of_flexmb(tmp_path, arguments):
     assert "Please report" not in done.stderr
 
 
-@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-"])
+@pytest.mark.parametrize("closed", ["<&-", "2>&-"])
 def test_a_closed_stream_is_no_fault_of_flexmb(tmp_path, closed):
     command = f"{sys.executable} -m flexmb_cli check {HELD} {closed}"
     done = subprocess.run(command, shell=True, cwd=tmp_path, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0
+
+
+@pytest.mark.parametrize(
+    "arguments", ["--version", "--help", "check --help", f"check {HELD}", f"check {HELD} --json", "examples"]
+)
+def test_output_that_a_closed_stream_loses_is_a_failure(tmp_path, arguments):
+    """It ended with 0, as if the output were somewhere."""
+    command = f"{sys.executable} -m flexmb_cli {arguments} >&-"
+    done = subprocess.run(command, shell=True, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 1
+    assert "flexmb: error: standard output is closed, so nothing can be printed" in done.stderr
+    assert "Please report" not in done.stderr
+
+
+def test_a_command_that_prints_nothing_needs_no_standard_output(tmp_path):
+    command = f"{sys.executable} -m flexmb_cli check -q {HELD} >&-"
+    done = subprocess.run(command, shell=True, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_a_table_for_a_closed_stream_is_refused(tmp_path):

@@ -13,6 +13,8 @@ import large_element_kinds
 from flexmb_cli.deck.record import DeckText
 from flexmb_cli.dialects.dafms.build import build_dafms
 from flexmb_cli.dialects.dafms.reader import read_dafms
+from flexmb_cli.dialects.vsdf.reader import _MOST_CARDS
+from flexmb_cli.dialects.young.dynamic_cards import MOST_LOADS
 
 # Besides what the deck may take; a small deck takes 40 to 50 MB, one of finite elements 70.
 BESIDES = {"young": 90 * 10**6, "dafms": 90 * 10**6, "vsdf": 150 * 10**6}
@@ -91,3 +93,25 @@ def test_an_entry_of_a_hinge_takes_a_part_of_what_a_full_card_may(card, entry):
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 1400 * 2000
+
+
+@pytest.mark.parametrize(
+    ("kind", "card", "most"),
+    [
+        ("young forces", "\nFORCE", MOST_LOADS),
+        ("young springs forward", "\nSPRING", MOST_LOADS),
+        ("vsdf forces", "\n    1   51", _MOST_CARDS),
+        ("vsdf rigid bodies", ",RIGD", _MOST_CARDS),
+        ("vsdf chain", ",RIGD", _MOST_CARDS),
+        ("vsdf balls", ",RIGD", _MOST_CARDS),
+    ],
+)
+def test_a_large_deck_of_the_benchmark_stays_within_the_limits_of_its_format(kind, card, most):
+    """13 kinds were refused at 62 MB, and nothing was measured.  Expected: more than half of the limit."""
+    assert most / 2 < large_decks.kinds(62)[kind]().count(card) <= most
+
+
+@pytest.mark.parametrize("kind", ["vsdf balls", "vsdf moving bodies", "vsdf loads at nodes", "dafms bodies"])
+def test_a_deck_of_the_benchmark_is_legal(kind, tmp_path):
+    _, _, fault = large_decks.measured(large_decks.kinds(0.004)[kind](), kind.split()[0], tmp_path)
+    assert fault == ""

@@ -103,7 +103,7 @@ def test_the_middle_of_a_range_is_between_its_ends():
     assert values == (-1.0, 0.0, 1.0) and not math.copysign(1, values[0]) > 0
 
 
-@pytest.mark.parametrize("name", ["", " ", ".", "..", "a/b", "/a", "a\\u0000b"])
+@pytest.mark.parametrize("name", ["", " ", ".", "..", "a/b", "/a", "a\\u0000b", " a", "a "])
 def test_a_result_needs_a_name_that_a_table_can_hold(name):
     with pytest.raises(DeckError, match="a name of a result has letters, digits, marks and blanks"):
         study(GRID.replace(RESULTS, "") + f'[results]\n"{name}" = "max body.3.z"\n')

@@ -58,8 +58,10 @@ def every_deck(
     refuse_strange_models(named, changes)
     for deck in named:
         report = examine(deck)
+        code = report.outcome.exit_code
         yield report
-        if report.outcome.exit_code > 128:
+        del report  # a large deck takes hundreds of megabytes, which the next one needs
+        if code > 128:
             tell(f"{deck}: interrupted")
 
 

@@ -96,7 +96,8 @@ class Progress:
         from ...errors import visible
 
         # The last column stays free: some terminals wrap as soon as it is filled.
-        self.stream.write(f"\r\x1b[K{visible(text)[: terminal_width(self.stream) - 1]}")
+        line = _fitted(visible(text), len(visible(self.title)), terminal_width(self.stream) - 1)
+        self.stream.write(f"\r\x1b[K{line}")
         self.stream.flush()
         self.standing = True
 
@@ -124,6 +125,14 @@ class _Waiting:
         """Repeat it no more."""
         self.ended.set()
         self.thread.join()
+
+
+def _fitted(text: str, title: int, width: int) -> str:
+    """Return a line of at most `width` characters: the first ones of its title, a path, may be left out."""
+    surplus = len(text) - width
+    if surplus > 0 and surplus + 1 < title:
+        return f"…{text[surplus + 1 :]}"
+    return text[:width]
 
 
 def _duration(seconds: float) -> str:

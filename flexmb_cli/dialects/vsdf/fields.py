@@ -57,6 +57,8 @@ def fields(line: str, columns: tuple[Column, ...], more: Column | None = None) -
 def rest(line: str, columns: tuple[Column, ...]) -> Field:
     """Return what stands behind the last field of a card."""
     if is_free(line, columns):
+        if line.count(",") < len(columns):
+            return Field("", len(line) + 1)
         extra = _cut_by_commas(line, columns)[len(columns) :]
         return next((field for field in extra if field.text), Field("", len(line) + 1))
     last = _edges(columns)[-1][1]

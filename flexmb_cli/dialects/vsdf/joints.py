@@ -1,18 +1,20 @@
 """Joints and pins of a VSDF deck, at nodes."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ...deck.record import Number, Record
 from ...deck.records import DeckValues
-from ...model.diagnostics import Findings
+from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import End, NodeJoint, Pin, VsdfBody
 from ...model.joints import ANGLE, BY_NAME, PITCH, STROKE
 from ...model.mechanism import GROUND
 from . import DIALECT
 from .bodies import end_of_body
+from .many_bodies import ManyJoints
 
 _COINCIDENT = 1e-12
 BY_WORD = {word: BY_NAME[name] for word, name in DIALECT.joints.items()}
@@ -24,7 +26,7 @@ TURNING, SLIDING = (
 
 
 def find_end(
-    bodies: tuple[VsdfBody, ...],
+    bodies: Sequence[VsdfBody],
     ground: VsdfBody,
     body: Number,
     node: Number,
@@ -33,9 +35,7 @@ def find_end(
 ) -> End | None:
     """The end that the deck's numbers `body` and `node` name; None, and a fault, when there is none."""
     if not 0 <= body.value <= len(bodies):
-        findings.error(
-            subject, f"body number {body.value} is outside 0..{len(bodies)}", body.place, id="VSDF-041"
-        )
+        findings.error(subject, no_such("body", body.value, len(bodies), 0), body.place, id="VSDF-041")
         return None
     index = end_of_body(body.value)
     owner = ground if index == GROUND else bodies[index]
@@ -59,15 +59,16 @@ def find_end(
 
 
 def build_joints(
-    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
-) -> tuple[NodeJoint, ...]:
+    values: DeckValues, bodies: Sequence[VsdfBody], ground: VsdfBody, findings: Findings
+) -> Sequence[NodeJoint]:
     """The joints whose bodies and nodes exist."""
-    joints = [_joint(record, bodies, ground, findings) for record in values.section("joint")]
-    return tuple(joint for joint in joints if joint is not None)
+    given = (_joint(record, bodies, ground, findings) for record in values.section("joint"))
+    joints = (joint for joint in given if joint is not None)
+    return ManyJoints(joints) if values.many else tuple(joints)
 
 
 def _joint(
-    record: Record, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
+    record: Record, bodies: Sequence[VsdfBody], ground: VsdfBody, findings: Findings
 ) -> NodeJoint | None:
     kind = BY_WORD[record["kind"]]
     if record["a"] == record["b"]:
@@ -98,7 +99,7 @@ def _side(
     record: Record,
     letter: str,
     count: int,
-    bodies: tuple[VsdfBody, ...],
+    bodies: Sequence[VsdfBody],
     ground: VsdfBody,
     findings: Findings,
 ) -> tuple[End, ...] | None:
@@ -129,7 +130,7 @@ def _with_ground(
     kind: Any,
     a: tuple[End, ...] | None,
     b: tuple[End, ...] | None,
-    bodies: tuple[VsdfBody, ...],
+    bodies: Sequence[VsdfBody],
     findings: Findings,
 ) -> "tuple[tuple[Any, ...] | None, tuple[Any, ...] | None]":
     """The ground's points where those of the other body are at t = 0."""
@@ -143,7 +144,7 @@ def _with_ground(
     return (points, b) if a is None else (a, points)
 
 
-def _positions(ends: Any, bodies: tuple[VsdfBody, ...], ground: VsdfBody) -> list[np.ndarray]:
+def _positions(ends: Any, bodies: Sequence[VsdfBody], ground: VsdfBody) -> list[np.ndarray]:
     owners = [ground if end.body == GROUND else bodies[end.body] for end in ends]
     return [
         np.array(end.point) if end.point is not None else owner.global_position(end.node)
@@ -155,7 +156,7 @@ def _check_axis(
     record: Record,
     letter: str,
     ends: Any,
-    bodies: tuple[VsdfBody, ...],
+    bodies: Sequence[VsdfBody],
     ground: VsdfBody,
     findings: Findings,
 ) -> None:
@@ -178,7 +179,7 @@ def _size(
     kind: Any,
     a: tuple[End, ...],
     b: tuple[End, ...],
-    bodies: tuple[VsdfBody, ...],
+    bodies: Sequence[VsdfBody],
     ground: VsdfBody,
     findings: Findings,
 ) -> float:
@@ -202,14 +203,14 @@ def _size(
 
 
 def build_pins(
-    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
+    values: DeckValues, bodies: Sequence[VsdfBody], ground: VsdfBody, findings: Findings
 ) -> tuple[Pin, ...]:
     """The cards PINN."""
     pins = [_pin(record, bodies, ground, findings) for record in values.section("pin")]
     return tuple(pin for pin in pins if pin is not None)
 
 
-def _pin(record: Record, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings) -> Any:
+def _pin(record: Record, bodies: Sequence[VsdfBody], ground: VsdfBody, findings: Findings) -> Any:
     mask = record.at("mask")
     digits = f"{mask.value:03d}"
     if len(digits) != 3 or set(digits) - {"0", "1"} or digits == "000":

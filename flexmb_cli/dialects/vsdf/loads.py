@@ -5,12 +5,12 @@ from collections.abc import Sequence
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
-from ...model.diagnostics import Findings
+from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import BodyTorque, End, JointSpring, NodeForce, NodeJoint, NodeSpring, VsdfBody
 from ...model.mechanism import GROUND
 from ...model.time_functions import MotionFunction
-from ..elements.build import MOST_ELEMENTS
-from ..elements.functions import Functions
+from ..joint_elements.build import MOST_ELEMENTS
+from ..joint_elements.functions import Functions
 from .bodies import end_of_body
 from .joints import SLIDING, TURNING, find_end
 from .motions import Tables, find_table
@@ -33,7 +33,7 @@ class Factors:
 
 
 def build_forces(
-    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, factors: Factors, findings: Findings
+    values: DeckValues, bodies: Sequence[VsdfBody], ground: VsdfBody, factors: Factors, findings: Findings
 ) -> tuple[NodeForce, ...]:
     """The cards FORC."""
     forces = []
@@ -60,7 +60,7 @@ def _follows(record: Record, findings: Findings) -> bool:
 
 
 def build_torques(
-    values: DeckValues, bodies: tuple[VsdfBody, ...], factors: Factors, findings: Findings
+    values: DeckValues, bodies: Sequence[VsdfBody], factors: Factors, findings: Findings
 ) -> tuple[BodyTorque, ...]:
     """The cards TORQ, on rigid bodies only."""
     torques = []
@@ -68,7 +68,7 @@ def build_torques(
         body = record.at("body")
         follows, factor = _follows(record, findings), factors.of(record)
         if not 1 <= body.value <= len(bodies):
-            message = f"body number {body.value} is outside 1..{len(bodies)}"
+            message = no_such("body", body.value, len(bodies))
             findings.error(record.subject, message, body.place, id="VSDF-065")
         elif bodies[body.value - 1].flexible is not None:
             message = f"body {body.value} is FLEX, its nodes do not turn; give a pair of forces instead"
@@ -81,7 +81,7 @@ def build_torques(
 
 
 def build_springs(
-    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
+    values: DeckValues, bodies: Sequence[VsdfBody], ground: VsdfBody, findings: Findings
 ) -> tuple[NodeSpring, ...]:
     """The cards SPRI."""
     springs = []
@@ -117,7 +117,7 @@ def _bounded(records: Sequence[Record], findings: Findings) -> Sequence[Record]:
     return ()
 
 
-def _in_one_solid(a: End, b: End, bodies: tuple[VsdfBody, ...]) -> bool:
+def _in_one_solid(a: End, b: End, bodies: Sequence[VsdfBody]) -> bool:
     return a.body == b.body and (a.body == GROUND or bodies[a.body].flexible is None)
 
 
@@ -129,17 +129,18 @@ def _check_not_negative(record: Record, keys: tuple[str, ...], findings: Finding
 
 
 def build_joint_springs(
-    values: DeckValues, joints: tuple[NodeJoint, ...], findings: Findings
+    values: DeckValues, joints: Sequence[NodeJoint], findings: Findings
 ) -> tuple[JointSpring, ...]:
     """The cards JSPR."""
     springs = []
-    kinds = {joint.name: joint.kind for joint in joints}
+    records = _bounded(values.section("joint_spring"), findings)
+    kinds = {joint.name: joint.kind for joint in joints} if len(records) else {}
     count = len(values.section("joint"))
-    for record in _bounded(values.section("joint_spring"), findings):
+    for record in records:
         _check_not_negative(record, ("k", "c"), findings)
         number = record.at("joint")
         if not 1 <= number.value <= count:
-            message = f"joint number {number.value} is outside 1..{count}"
+            message = no_such("joint", number.value, count)
             findings.error(record.subject, message, number.place, id="VSDF-070")
             continue
         kind = kinds.get(f"joint {number.value}", "revolute")
@@ -156,7 +157,7 @@ def build_joint_springs(
 
 
 def build_outputs(
-    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
+    values: DeckValues, bodies: Sequence[VsdfBody], ground: VsdfBody, findings: Findings
 ) -> tuple[End, ...]:
     """The cards OUTN: nodes and node sets, in the deck's order, each once."""
     ends: dict[End, None] = {}

@@ -1,16 +1,17 @@
 """Nodes that cards of a VSDF deck give to rigid bodies and the ground, and sets of any body's nodes."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
+from ...deck.number_table import MANY_RECORDS
 from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 
 
-def given_nodes(values: DeckValues, k: int, findings: Findings) -> dict[int, np.ndarray]:
+def given_nodes(values: DeckValues, k: int, findings: Findings) -> Mapping[int, np.ndarray]:
     """Places (3,) of the nodes of body k (0: the ground), m in its axes, by their numbers."""
     places = values.places_of_body("node", k)
     if not len(places):
@@ -20,6 +21,8 @@ def given_nodes(values: DeckValues, k: int, findings: Findings) -> dict[int, np.
     if min(numbers) < 1 or len(set(numbers)) < len(numbers):
         cards = values.section("node")
         _report_numbers((cards[place] for place in places), k, findings)
+    if len(numbers) > MANY_RECORDS:
+        return ManyNodes(numbers, positions)
     return dict(zip(numbers, positions, strict=True))
 
 
@@ -40,7 +43,7 @@ def _report_numbers(cards: Iterable[Record], k: int, findings: Findings) -> None
 
 
 def sets_of(
-    values: DeckValues, k: int, nodes: dict[int, Any], findings: Findings
+    values: DeckValues, k: int, nodes: Mapping[int, Any], findings: Findings
 ) -> dict[int, tuple[int, ...]]:
     """The sets of body k, whose `nodes` are: their nodes by the sets' numbers."""
     sets: dict[int, list[int]] = {}
@@ -71,7 +74,7 @@ def _check_once(record: Record, seen: set[int], findings: Findings) -> None:
         seen.add(number.value)
 
 
-def members_of(record: Record, nodes: dict[int, Any], k: int, findings: Findings) -> tuple[int, ...]:
+def members_of(record: Record, nodes: Mapping[int, Any], k: int, findings: Findings) -> tuple[int, ...]:
     """The nodes a card lists that exist; the others are faults."""
     members = []
     for number in record.numbers:
@@ -84,3 +87,25 @@ def members_of(record: Record, nodes: dict[int, Any], k: int, findings: Findings
                 record.subject, f"body {k} has no node {number.value}", number.place, id="VSDF-080"
             )
     return tuple(members)
+
+
+class ManyNodes(Mapping[int, np.ndarray]):
+    """Places of many nodes, (node, 3), by their numbers."""
+
+    def __init__(self, numbers: list[int], positions: np.ndarray):
+        given = np.array(numbers)
+        self._order = np.argsort(given, kind="stable")
+        self._numbers, self._positions = given[self._order], positions
+
+    def __len__(self) -> int:
+        return len(self._numbers)
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(self._numbers[self._order.argsort()].tolist())
+
+    def __getitem__(self, number: int) -> np.ndarray:
+        place = int(self._numbers.searchsorted(number))
+        if place == len(self) or self._numbers[place] != number:
+            raise KeyError(number)
+        found: np.ndarray = self._positions[self._order[place]]
+        return found

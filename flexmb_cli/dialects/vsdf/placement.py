@@ -4,9 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from ...deck.number_table import outside
 from ...deck.record import Record
 from ...deck.records import DeckValues
-from ...model.diagnostics import Findings
+from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import VsdfBody
 from ...model.vectors import euler_parameters
 from ...quick_dataclass import replace
@@ -17,22 +18,18 @@ FAR_FROM_NODE = 1e-3
 SMALLEST_ANGLE = 1e-6
 
 
-def placed_bodies(
-    values: DeckValues, bodies: tuple[VsdfBody, ...], findings: Findings
-) -> tuple[VsdfBody, ...]:
-    """Return the bodies where PLAC puts them; those without the card stay."""
-    given: dict[int, list[Record]] = {}
-    for record in values.section("placement"):
+def refuse_placements_outside(values: DeckValues, count: int, findings: Findings) -> None:
+    """Refuse cards PLAC of bodies that the deck, with `count` bodies, does not have."""
+    for record in outside(values.section("placement"), "body", 1, count):
         number = record.at("body")
-        if 1 <= number.value <= len(bodies):
-            given.setdefault(number.value, []).append(record)
-        else:
-            message = f"body number {number.value} is outside 1..{len(bodies)}"
-            findings.error(record.subject, message, number.place, id="VSDF-094")
-    return tuple(
-        _placed(values, k, body, given[k], findings) if k in given else body
-        for k, body in enumerate(bodies, start=1)
-    )
+        message = no_such("body", number.value, count)
+        findings.error(record.subject, message, number.place, id="VSDF-094")
+
+
+def placed_body(values: DeckValues, k: int, body: VsdfBody, findings: Findings) -> VsdfBody:
+    """Return body k where PLAC puts it; one without the card stays."""
+    records = values.of_body("placement", k)
+    return _placed(values, k, body, records, findings) if records else body
 
 
 def _placed(

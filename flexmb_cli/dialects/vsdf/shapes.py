@@ -1,5 +1,6 @@
 """The cards GEOM and GSTL: what rigid bodies and the ground look like in pictures."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from ...deck.record import Deck, Record
@@ -15,7 +16,7 @@ _KINDS = dict(zip(SHAPES, (BOX, CYLINDER, TUBE, CONE, SPHERE), strict=True))
 
 
 def build_shapes(
-    values: DeckValues, bodies: tuple[VsdfBody, ...], folder: Path, findings: Findings
+    values: DeckValues, bodies: Sequence[VsdfBody], folder: Path, findings: Findings
 ) -> tuple[Shape, ...]:
     """Return the shapes in the order of the cards; file names are relative to `folder`."""
     rigid = [values.number("body", k, "kind").value == "RIGD" for k in range(1, len(bodies) + 1)]

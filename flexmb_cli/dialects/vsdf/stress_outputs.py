@@ -1,10 +1,11 @@
 """The cards OUTS: at which nodes and elements of a body stresses are reported."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...deck.records import DeckValues
 from ...errors import Place
-from ...model.diagnostics import Findings
+from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import StressSelection, VsdfBody
 
 if TYPE_CHECKING:
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def build_stresses(
-    values: DeckValues, bodies: tuple[VsdfBody, ...], findings: Findings
+    values: DeckValues, bodies: Sequence[VsdfBody], findings: Findings
 ) -> tuple[StressSelection, ...]:
     """Return one selection a body that has cards, nodes and elements each once in the deck's order."""
     records = [record for record in values.section("stress_output") if _usable(record, bodies, findings)]
@@ -23,11 +24,11 @@ def build_stresses(
     )
 
 
-def _usable(record: "Record", bodies: tuple[VsdfBody, ...], findings: Findings) -> bool:
+def _usable(record: "Record", bodies: Sequence[VsdfBody], findings: Findings) -> bool:
     """Return whether the body exists and has a material; else a fault."""
     number = record.at("body")
     if not 1 <= number.value <= len(bodies):
-        message = f"body number {number.value} is outside 1..{len(bodies)}"
+        message = no_such("body", number.value, len(bodies))
         findings.error(record.subject, message, number.place, id="VSDF-089")
         return False
     body = bodies[number.value - 1]

@@ -5,7 +5,7 @@ a joint's nodes define move with the nodes: a body vector B (r2 - r1) for a cons
 modal coordinates, as its points are.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -33,7 +33,7 @@ class PrimitiveTable(FunctionTable):
 
     def __init__(
         self,
-        bodies: tuple[FloatingBody | Body, ...],
+        bodies: Sequence[FloatingBody | Body],
         length: float,
         first_row: int = 0,
         angles: Iterable[float] = (),

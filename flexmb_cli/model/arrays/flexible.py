@@ -1,6 +1,7 @@
 """FlexibleMechanism → the arrays that the kernels of constrained dynamics read."""
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -64,7 +65,7 @@ def _mode_scale(body: FloatingBody, length: float) -> np.ndarray:
     return found
 
 
-def _masses(bodies: tuple[FloatingBody, ...]) -> np.ndarray:
+def _masses(bodies: Sequence[FloatingBody]) -> np.ndarray:
     masses = np.zeros(len(bodies), MASS)
     flexible = 0
     for k, body in enumerate(bodies):

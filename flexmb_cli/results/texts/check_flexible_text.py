@@ -19,16 +19,30 @@ def check_flexible_text(report: Any) -> str:
         f"  pins {counts['pins']}, motions {counts['motions']}, forces and torques {counts['loads']}, "
         f"springs {counts['springs']}, output nodes {counts['outputs']}",
         *(_body_line(body) for body in report.bodies),
-        f"  equations {counts['equations']}, speeds {counts['coordinates']}, modal {counts['modes']}, "
-        f"degrees of freedom without motions {counts['degrees_of_freedom']}, "
-        f"report times {counts['report_times']}",
-        *assembly_lines(report),
-        f"  rank {report.rank} of {counts['equations']}, smallest singular value "
-        f"{smallest_value(report.smallest)}",
-        *redundant_lines(report),
-        *_free_line(report.free),
+        *(_assembled_lines(report) if "equations" in counts else [_size_line(counts)]),
     ]
     return "".join(f"{line}\n" for line in lines)
+
+
+def _size_line(counts: "dict[str, Any]") -> str:
+    """Return the size of a mechanism that is too large to be assembled."""
+    return f"  speeds {counts['coordinates']}, modal {counts['modes']}, report times {counts['report_times']}"
+
+
+def _assembled_lines(report: Any) -> "Iterator[str]":
+    counts = report.counts
+    yield (
+        f"  equations {counts['equations']}, speeds {counts['coordinates']}, modal {counts['modes']}, "
+        f"degrees of freedom without motions {counts['degrees_of_freedom']}, "
+        f"report times {counts['report_times']}"
+    )
+    yield from assembly_lines(report)
+    yield (
+        f"  rank {report.rank} of {counts['equations']}, smallest singular value "
+        f"{smallest_value(report.smallest)}"
+    )
+    yield from redundant_lines(report)
+    yield from _free_line(report.free)
 
 
 def _free_line(free: list[list[str]]) -> "Iterator[str]":

@@ -1,5 +1,6 @@
 """Diagnose a deck without solving it through time: counts, rank, redundant and free coordinates, gaps."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,7 +39,7 @@ class CheckReport:
     redundant: list[Any] | None = None
     free: list[Any] | None = None
     tree: "TreeFindings | None" = None
-    bodies: list[Any] | None = None
+    bodies: Sequence[Any] | None = None
     smallest: float | None = None
     gaps: list[Any] = field(default_factory=list)
     jacobian: "LabelledJacobian | None" = None
@@ -56,7 +57,7 @@ class CheckReport:
         if self.tree is not None:
             return record | self.tree.as_dict()
         if self.bodies is not None:
-            record["bodies"] = self.bodies
+            record["bodies"] = list(self.bodies)
         if self.jacobian is not None:
             record["jacobian"] = self.jacobian.as_dict()
         names = ("owner", "estimate", "assembled", "unit")

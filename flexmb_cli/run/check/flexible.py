@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ...deck.many_records import Made
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from ...model.unit_checks import unit_doubts
 from ..context import Run
@@ -19,8 +20,9 @@ def check(report: CheckReport, mechanism: FlexibleMechanism, run: Run, jacobian:
     run.outcome.faults += unit_doubts(mechanism)
     from ...solvers.compilation import interpreting
 
-    if is_too_large(report, _parts(mechanism), _coordinates(mechanism)):
-        report.bodies = [_body(body) for body in mechanism.bodies]
+    counts = _parts(mechanism) | report_times(mechanism.time)
+    if is_too_large(report, counts, 6 * counts["bodies"] + counts["modes"]):
+        report.bodies = Made(mechanism.bodies, _body)
         return
     with interpreting(_is_small(mechanism)):
         _diagnose(report, mechanism)
@@ -63,13 +65,14 @@ def _diagnose(report: Any, mechanism: Any) -> None:
 
 
 def _parts(mechanism: FlexibleMechanism) -> dict[str, dict[str, int] | int]:
+    modes = [body.modes for body in mechanism.bodies]
     kinds: dict[str, int] = {}
     for joint in mechanism.joints:
         kinds[joint.kind] = kinds.get(joint.kind, 0) + 1
     return {
         "bodies": len(mechanism.bodies),
-        "flexible": sum(body.modes > 0 for body in mechanism.bodies),
-        "modes": sum(body.modes for body in mechanism.bodies),
+        "flexible": sum(count > 0 for count in modes),
+        "modes": sum(modes),
         "joints": kinds,
         "pins": len(mechanism.pins),
         "motions": len(mechanism.motions),

@@ -37,6 +37,17 @@ def clock(monkeypatch):
     return now
 
 
+def test_a_long_path_loses_its_beginning_and_not_the_remaining_time(clock, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "60")
+    stream = Terminal()
+    with Progress("/home/professor/mechanisms/young/IN4-BAR.dat", "rows", False, False, stream) as shown:
+        shown.begin(1000)
+        shown.advance(10)
+        clock[0] += 2
+        shown.advance(100)
+        assert stream.line == "…/IN4-BAR.dat: 110 of 1000 rows, 11 %, 50 rows/s, 0:18 left"
+
+
 def test_the_line_tells_compiling_then_rows_with_rate_and_remaining_time(clock, monkeypatch):
     monkeypatch.setenv("COLUMNS", "100")
     stream = Terminal()
@@ -66,7 +77,7 @@ def test_the_line_is_no_longer_than_the_terminal_is_wide(clock, monkeypatch):
     stream = Terminal()
     shown = Progress("a-deck-of-a-long-name.dat", "rows", False, False, stream)
     shown.begin(100)
-    assert stream.line == "a-deck-of-a-long-name.dat: 0 "
+    assert stream.line == "…long-name.dat: 0 of 100 rows"
 
 
 @pytest.mark.parametrize(("verbose", "lines"), [(False, 0), (True, 3)])
