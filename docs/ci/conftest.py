@@ -3,7 +3,7 @@
 Copy this file beside your decks and make the references by `flexmb run *.dat *.vsdf -o reference`.  A folder
 `reference/four-bar/` holds those of `four-bar.vsdf` alone (`flexmb run four-bar.vsdf -o
 reference/four-bar`); decks whose results have the same names need that.  A deck without references is
-skipped.  Tolerances are read from `tolerances.toml` beside the deck.
+skipped.  Tolerances are read from `tolerances.toml` beside the deck.  `a.dat` beside `a.inp` is CalculiX's.
 """
 
 import importlib.util
@@ -19,7 +19,8 @@ SUFFIXES = (".dat", ".DAT", ".PAS", ".vsdf")
 
 def pytest_collect_file(file_path, parent):
     """Collect every deck beside a folder of references."""
-    if file_path.suffix in SUFFIXES and (file_path.parent / "reference").is_dir():
+    of_calculix = file_path.suffix == ".dat" and file_path.with_suffix(".inp").exists()
+    if file_path.suffix in SUFFIXES and not of_calculix and (file_path.parent / "reference").is_dir():
         return DeckFile.from_parent(parent, path=file_path)
     return None
 

@@ -84,6 +84,7 @@ def run(
     _refuse_foreign_resume(options)
     _refuse_foreign_estimate(options)
     _refuse_parallel_input(decks, jobs)
+    _note_names_behind_only(decks, options, quiet)
     solver = _given(options, **SOLVER_OPTIONS)
     integration = _given(options, rtol="rtol", atol="atol", method="method")
     options |= {"echo": echo, "debug": wants_debug()}
@@ -113,6 +114,15 @@ def _refuse_mixed_output(as_json: bool, options: "dict[Any, Any]") -> None:
     for name in ("out", "h5"):
         if options[name] is not None and options[f"no_{name}"]:
             raise click.UsageError(f"--no-{name} and --{name} {options[name]} exclude each other: give one")
+
+
+def _note_names_behind_only(decks: Any, options: "dict[Any, Any]", quiet: bool) -> None:
+    """`--only point energy` takes the second name for a deck."""
+    from ..deck.several_models import named_model
+
+    known = all(deck == "-" or os.path.exists(named_model(deck)[0]) for deck in decks)
+    if options["only"] and not quiet and not known:
+        tell("flexmb: --only takes one quantity: give it once for each, as in --only point --only energy")
 
 
 def _refuse_parallel_input(decks: Any, jobs: int) -> None:

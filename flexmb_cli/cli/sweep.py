@@ -62,6 +62,7 @@ def sweep(
     output = output or f"{stem or 'flexmb'}.h5"
     parts = parts or f"{output}.parts"
     made = _begun(study, output, parts, scheduler, fresh, as_json)
+    _warn_of_result(study, output, quiet)
     stop_on_signals()
     try:
         with faults_in_json(as_json, {"study": study}, study), Stop.released():
@@ -131,6 +132,15 @@ def _begun(study: str, output: str, parts: Any, scheduler: str | None, fresh: bo
     except DeckError as failure:
         click.echo(compiler_style(study, failure.faults), err=True)
     sys.exit(BAD_INPUT)
+
+
+def _warn_of_result(study: str, output: str, quiet: bool) -> None:
+    """Warn before anything is solved: arm.toml and a run of arm.vsdf both write arm.h5."""
+    from ..results.hdf5.stored_result import is_run
+
+    if is_run(output):
+        reported = f"{output} is the result of a run, which the table will replace; -o gives the table a name"
+        _say(f"{study}: warning: {reported}", quiet)
 
 
 def _solve(made: "Sweep", study: str, jobs: int, scheduler: str | None, quiet: bool, verbose: bool) -> None:

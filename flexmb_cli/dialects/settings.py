@@ -26,6 +26,12 @@ def apply_settings(deck: Deck, settings: list[str]) -> Deck:
     return SettableDeck(deck).with_settings(settings) if settings else deck
 
 
+def _is_meant(name: str, known: str, meaning: str) -> bool:
+    """Return whether `name` calls a number of this record by a word of its meaning: friction.1.sliding."""
+    prefix, _, word = name.rpartition(".")
+    return len(word) > 1 and known.startswith(f"{prefix}.") and word in meaning.lower().split()
+
+
 class SettableDeck:
     """A deck whose numbers are looked up by name again and again."""
 
@@ -44,9 +50,13 @@ class SettableDeck:
         from difflib import get_close_matches
 
         # Capitals do not count here, so that driver.1.b is near driver.1.B.
-        names = {known.lower(): known for known, _ in islice(self.deck.numbers(), _COMPARED)}
-        found = get_close_matches(name.lower(), names, n=_NEAREST, cutoff=0.0)
-        close = [names[word] for word in found]
+        names, meant = {}, []
+        for known, item in islice(self.deck.numbers(), _COMPARED):
+            names[known.lower()] = known
+            if _is_meant(name.lower(), known.lower(), item.meaning):
+                meant.append(known.lower())
+        found = [*meant, *get_close_matches(name.lower(), names, n=_NEAREST, cutoff=0.0)]
+        close = [names[word] for word in dict.fromkeys(found)][:_NEAREST]
         nearest = f"the nearest are {', '.join(close)}; flexmb check --echo shows all"
         return f"the deck has no number {name!r}; {nearest}"
 

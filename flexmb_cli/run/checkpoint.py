@@ -296,5 +296,5 @@ def _remove_unfinished(arrays: Any, folder: Any) -> None:
 
 
 def _shown(value: Any) -> Any:
-    text = value if isinstance(value, str) else json.dumps(value)
+    text = "not given" if value is None else value if isinstance(value, str) else json.dumps(value)
     return text if len(text) <= 20 else f"{text[:12]}…"

@@ -96,7 +96,7 @@ class _Work:
         wanted = len(self.waiting) or min(1, len(self.alone))
         while len(self.given) < min(self.jobs, wanted):
             try:
-                self.given[Worker(_serve, self.sweep.job)] = deque()
+                self.given[Worker(_serve, self.sweep.job, runs_script=False)] = deque()
             except OSError as fault:
                 self._do_with_fewer(str(fault))
 

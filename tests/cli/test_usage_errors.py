@@ -256,3 +256,11 @@ def test_a_width_may_have_its_unit(width, millimetres):
 def test_a_setting_of_an_unknown_name_is_an_object_of_its_own(flexmb):
     code, out, _ = flexmb("run", FOUR_BAR, "--set", "drivr.1.B=3", "--json")
     assert code == 2 and json.loads(out)["faults"][0]["object"] == "drivr.1.B"
+
+
+def test_a_second_name_behind_only_is_explained(flexmb):
+    """`--only point energy` said no more than `energy: error: no such file`."""
+    code, _, reported = flexmb("run", "--only", "point", "energy")
+    assert code == 2 and "energy: error: no such file" in reported
+    assert "--only takes one quantity: give it once for each" in reported
+    assert "--only takes" not in flexmb("run", "--only", "point", FOUR_BAR)[2]

@@ -40,6 +40,12 @@ def test_an_unknown_name_is_refused_with_the_nearest():
     )
 
 
+def test_a_number_called_by_a_word_of_its_meaning_comes_first():
+    """B is the "angular velocity at t = 0" of a driver; the nearest in letters was driver.1.direction."""
+    (message,) = refused("driver.1.velocity=2")
+    assert "; the nearest are driver.1.B, driver.1." in message
+
+
 def test_a_count_cannot_be_set():
     assert refused("counts.NBODY=3") == [
         "--set counts.NBODY=3: a count cannot be set: the deck's layout hangs on it"

@@ -8,6 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from flexmb_cli import solve
+from flexmb_cli.run.convert import converted
+
 pytestmark = pytest.mark.processes
 
 TOP = Path(__file__).resolve().parents[2]
@@ -90,6 +93,19 @@ def test_the_reading_examples_read_the_four_bar(tmp_path):
         "revolute 1",
         "revolute 2",
     ]
+
+
+def test_the_example_for_mujoco_finds_the_same_motion(tmp_path):
+    """The tree by MuJoCo's own equations and RK4; 1e-10 m is what the page states for this deck."""
+    pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra bench)")
+    page = (DOCS / "how-to/convert.md").read_text("utf-8")
+    (block,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    deck = TOP / "decks/dafms/spatial_rigid.DAT"
+    solve(deck).save(tmp_path / "spatial_rigid.h5")
+    (tmp_path / "spatial_rigid.xml").write_text(converted(str(deck), "mjcf"))
+    run = [sys.executable, "-c", block]
+    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=60)
+    assert float(re.fullmatch(r"largest difference (\S+) m\n", done.stdout)[1]) < 1e-10
 
 
 def test_every_supplied_deck_is_described_beside_it():

@@ -10,6 +10,7 @@ import time
 import h5py
 import pytest
 
+from flexmb_cli.run.checkpoint import ResumeFile
 from flexmb_cli.run.outcome import Listener
 from flexmb_cli.solvers.tree import analysis
 from tests.run.dafms_runs import DECKS, ENDINGS, NAMES, altered, run, stop_after
@@ -211,3 +212,10 @@ def test_a_signal_keeps_the_rows_and_says_how_to_go_on(tmp_path, sent):
         assert (file.attrs["status"], file.attrs["message"]) == ("failed", "interrupted")
         assert file["time"].shape[0] >= 256
     assert resume_file.exists()
+
+
+def test_a_setting_that_one_of_two_runs_lacks_is_called_not_given():
+    """Of a mechanism the message was `rtol was null, is 1e-05`."""
+    kept = ResumeFile.__new__(ResumeFile)
+    kept.path, kept.identity = "a.resume", {"rtol": 1e-5}
+    assert "is of another run: rtol was not given, is 1e-05;" in kept._refusal({"rtol": None}, ["rtol"])

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from flexmb_cli import solve
+
 DECK = Path(__file__).resolve().parents[2] / "decks/young/IN-RSSR.dat"
 STUDY = f"""deck = "{DECK}"
 
@@ -103,3 +105,13 @@ def test_a_table_in_a_missing_folder_is_refused_and_none_is_made(swept):
     code, reported, left = swept("", "", "-o", "none/table.h5")
     assert (code, left) == (2, ["study.toml"])
     assert reported == "flexmb: error: none/table.h5: cannot be written: its folder does not exist\n"
+
+
+def test_a_table_in_the_place_of_a_result_is_warned_of_before_it_is_solved(tmp_path):
+    """arm.toml beside arm.vsdf replaced the result without a word; its own table it may replace."""
+    (tmp_path / "study.toml").write_text(STUDY)
+    solve(DECK).save(tmp_path / "study.h5")
+    first, second = (flexmb("sweep", "study.toml", cwd=tmp_path).stderr.splitlines() for _ in range(2))
+    assert first[0].startswith("study.toml: warning: study.h5 is the result of a run, which the table will")
+    assert "-o gives the table a name" in first[0]
+    assert len(first) == 2 and len(second) == 1

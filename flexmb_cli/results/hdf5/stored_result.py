@@ -34,7 +34,7 @@ FREE_BYTES, MOST_TIMES = 2**26, 100
 # The last part of `Conventions`, of results and of the tables of studies.
 NEWEST_LAYOUT = 2
 # The beginning of `Conventions` of the tables of studies.
-OF_STUDIES = "flexmb-study-"
+OF_STUDIES, OF_FLEXMB = "flexmb-study-", "flexmb-"
 # Scales along one axis of a dataset: netCDF and flexmb attach one.
 MOST_SCALES = 64
 
@@ -67,12 +67,22 @@ def check_structure(file: h5py.File) -> None:
 
 def is_study(path: str) -> bool:
     """Return whether the file at `path` can be opened and is the table of a study."""
+    return _conventions(path).startswith(OF_STUDIES)
+
+
+def is_run(path: str) -> bool:
+    """Return whether the file at `path` can be opened and is the result of a run."""
+    conventions = _conventions(path)
+    return conventions.startswith(OF_FLEXMB) and not conventions.startswith(OF_STUDIES)
+
+
+def _conventions(path: str) -> str:
     try:
         with h5py.File(path, "r") as file, understood():
-            return not fault_of_heaps(file) and attribute(file, "Conventions").startswith(OF_STUDIES)
+            return "" if fault_of_heaps(file) else attribute(file, "Conventions")
     except (OSError, ValueError, TypeError, SystemError, Damaged):
         # Whoever reads the file next tells what is wrong with it.
-        return False
+        return ""
 
 
 def newer_layout(file: h5py.File) -> str:

@@ -9,7 +9,7 @@ import pickle
 import sys
 import traceback
 from collections.abc import Callable, Collection, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from multiprocessing import connection, get_context
 from types import ModuleType
 from typing import Any
@@ -22,14 +22,15 @@ class Worker:
 
     It ends when its `line` is closed, at the latest where `serve` next turns to it.
     `given` is pickled, and so is `serve` by its name.  Signals that stop are kept from the process until it
-    unblocks them.  Raises OSError when no process can be started.
+    unblocks them.  `runs_script`: the process first runs the file of `__main__`, as multiprocessing does for
+    functions that are pickled from there.  Raises OSError when no process can be started.
     """
 
-    def __init__(self, serve: Callable[..., Any], *given: Any):
+    def __init__(self, serve: Callable[..., Any], *given: Any, runs_script: bool = True):
         spawn = get_context("spawn")
         self.line, theirs = spawn.Pipe()
         self.process = spawn.Process(target=_served, args=(serve, theirs, *given))
-        with theirs, signals_masked(), _caller_script_hidden():
+        with theirs, signals_masked(), nullcontext() if runs_script else _script_hidden():
             self.process.start()
 
     def send(self, message: Any) -> bool:
@@ -65,12 +66,8 @@ class Worker:
 
 
 @contextmanager
-def _caller_script_hidden() -> Iterator[None]:
-    """Keep the new process from running the caller's script, which without a test of `__name__` begins anew.
-
-    multiprocessing runs the file of `__main__` in each process, for functions that are pickled from there;
-    `serve` is one of the package.
-    """
+def _script_hidden() -> Iterator[None]:
+    """Hide the script that called flexmb: without a test of its `__name__` it would begin anew."""
     script = sys.modules["__main__"]
     sys.modules["__main__"] = ModuleType("__main__")
     try:
