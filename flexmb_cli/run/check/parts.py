@@ -21,15 +21,18 @@ FARTHEST_STEPS = 100_000
 INTERPRETED_COORDINATES, INTERPRETED_LOADS = 200, 300
 
 
-MOST_ASSEMBLED = 20_000  # coordinates, which take some seconds
+MOST_ASSEMBLED = 20_000  # coordinates, or equations, which take some seconds
 
 
-def is_too_large(report: "CheckReport", counts: "dict[str, Any]", coordinates: int) -> bool:
+def is_too_large(
+    report: "CheckReport", counts: "dict[str, Any]", coordinates: int, equations: int = 0
+) -> bool:
     """Return whether a model is too large to be assembled here; the report then has its counts and a note."""
-    if coordinates <= MOST_ASSEMBLED:
+    size, what = max((coordinates, "coordinates"), (equations, "equations"))
+    if size <= MOST_ASSEMBLED:
         return False
     report.counts = counts | {"coordinates": coordinates}
-    message = f"{coordinates} coordinates are more than the {MOST_ASSEMBLED} that check assembles; run does"
+    message = f"{size} {what} are more than the {MOST_ASSEMBLED} that check assembles; run does"
     report.outcome.faults.append(Fault("note", message, id="RUN-002"))
     return True
 

@@ -20,7 +20,7 @@ from flexmb_cli.dialects.vsdf.nodes import ManyNodes
 from flexmb_cli.fe import build_mechanism
 from flexmb_cli.model.arrays.flexible import flexible_arrays
 from flexmb_cli.results.texts.check_flexible_text import check_flexible_text
-from flexmb_cli.run.check import parts
+from flexmb_cli.run.check import flexible, parts
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.outcome import RunOptions
 from tests.dialects.vsdf.vsdf_decks import DECKS, RIGID, changed
@@ -122,3 +122,20 @@ def test_what_is_too_large_to_be_assembled_is_counted_in_words_and_json(tmp_path
     assert report.outcome.exit_code == 0
     assert "  speeds 12, modal 0, report times 101\n" in check_flexible_text(report)
     assert [body["mass"] for body in json.loads(json.dumps(report.as_dict()))["bodies"]] == [2.0, 1.0]
+
+
+def test_equations_that_are_too_many_are_not_assembled(tmp_path, monkeypatch):
+    """80,000 motions of one body ended for want of memory, 3,600 took minutes without compiled kernels.
+
+    Expected: five equations of each of two hinges, and twenty motions.
+    """
+    monkeypatch.setattr(parts, "MOST_ASSEMBLED", 29)
+    path = tmp_path / "x.vsdf"
+    motions = "".join(f"{k},ANGL,1,1\n" for k in range(1, 21))
+    path.write_text(RIGID.replace("GRAV\n", f"MOTN\n{motions}GRAV\n", 1))
+    report = check_deck(str(path), RunOptions())
+    assert "30 equations are more than the 29" in report.outcome.faults[-1].message
+    mechanism, _ = built(RIGID.replace("GRAV\n", f"MOTN\n{motions}GRAV\n", 1), build_model)
+    assert flexible._is_small(mechanism)
+    monkeypatch.setattr(parts, "INTERPRETED_LOADS", 21)
+    assert not flexible._is_small(mechanism)
