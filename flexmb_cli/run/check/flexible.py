@@ -42,7 +42,7 @@ def _is_small(mechanism: FlexibleMechanism) -> bool:
 
 def _equations(mechanism: FlexibleMechanism, counts: "dict[str, Any]") -> int:
     """Return the equations of joints, pins and motions: some may repeat others, and be any number."""
-    of_joints = sum(number * BY_NAME[kind].equations for kind, number in counts["joints"].items())
+    of_joints: int = sum(number * BY_NAME[kind].equations for kind, number in counts["joints"].items())
     return of_joints + sum(sum(pin.directions) for pin in mechanism.pins) + len(mechanism.motions)
 
 
