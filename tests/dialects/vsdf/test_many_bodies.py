@@ -127,15 +127,15 @@ def test_what_is_too_large_to_be_assembled_is_counted_in_words_and_json(tmp_path
 def test_equations_that_are_too_many_are_not_assembled(tmp_path, monkeypatch):
     """80,000 motions of one body ended for want of memory, 3,600 took minutes without compiled kernels.
 
-    Expected: five equations of each of two hinges, and twenty motions.
+    Expected: five equations of each of two hinges, and fifty motions.
     """
-    monkeypatch.setattr(parts, "MOST_ASSEMBLED", 29)
+    monkeypatch.setattr(parts, "MOST_DENSE_EQUATIONS", 59)
     path = tmp_path / "x.vsdf"
-    motions = "".join(f"{k},ANGL,1,1\n" for k in range(1, 21))
+    motions = "".join(f"{k},ANGL,1,1\n" for k in range(1, 51))
     path.write_text(RIGID.replace("GRAV\n", f"MOTN\n{motions}GRAV\n", 1))
     report = check_deck(str(path), RunOptions())
-    assert "30 equations are more than the 29" in report.outcome.faults[-1].message
+    assert "60 equations of 12 coordinates are more than the 59" in report.outcome.faults[-1].message
     mechanism, _ = built(RIGID.replace("GRAV\n", f"MOTN\n{motions}GRAV\n", 1), build_model)
     assert flexible._is_small(mechanism)
-    monkeypatch.setattr(parts, "INTERPRETED_LOADS", 21)
+    monkeypatch.setattr(parts, "INTERPRETED_LOADS", 51)
     assert not flexible._is_small(mechanism)
