@@ -74,9 +74,10 @@ class ManyPlaces(Mapping[int, "array[int]"]):
     def __init__(self, given: "np.ndarray"):
         import numpy as np
 
-        integers = given.astype(np.int64)
-        self._order = np.argsort(integers, kind="stable")
-        self._integers, self._first = np.unique(integers[self._order], return_index=True)
+        self._order = np.argsort(given, kind="stable")
+        ordered = given[self._order]
+        self._first = np.flatnonzero(np.diff(ordered, prepend=np.nan))
+        self._integers = ordered[self._first].astype(np.int64)
 
     def __len__(self) -> int:
         return len(self._integers)
