@@ -182,11 +182,16 @@ def solve_study(
     advance: "Callable[[int], None]" = lambda cases: None,
     jobs: int = 1,
     scheduler: str | None = None,
+    listener: "Listener | None" = None,
 ) -> None:
     """Solve blocks of a study's cases here, in so many processes, or on the Dask cluster of `scheduler`.
 
-    `advance` is called with the number of cases solved since.
+    `advance` is called with the number of cases solved since; `listener` receives what happens before the
+    first case on this machine, such as compiling.
     """
+    from .run.outcome import Listener
+
+    listener = listener or Listener()
     if scheduler:
         from .study.cluster import solve_on_cluster
 
@@ -194,11 +199,11 @@ def solve_study(
     elif jobs > 1:
         from .study.workers import solve_in_processes
 
-        solve_in_processes(study, blocks, advance, jobs)
+        solve_in_processes(study, blocks, advance, jobs, listener)
     else:
         from .study.workers import solve_here
 
-        solve_here(study, blocks, advance)
+        solve_here(study, blocks, advance, listener)
 
 
 def write_study(path: str, study: "Sweep") -> None:

@@ -4,6 +4,7 @@ import re
 
 _WORD = re.compile(r'<span class="pre">([^<]*)</span>')
 _STROKE = re.compile(r"(?<=\w)/")  # not the first one of a path
+_TEST = re.compile(r"::|(?<=[a-z0-9])_(?=[a-z0-9])")  # a name of a test is a sentence
 _IDENTIFIER = re.compile(r"<td><p>([A-Z]+-[0-9]{3})</p></td>")  # of a message
 LONGEST_WHOLE = 28  # of an option or an identifier that is kept on one line, characters
 
@@ -22,6 +23,9 @@ def _mark(app, pagename, templatename, context, doctree):
 
 def _marked(found):
     word = found[1]
+    if "::" in word:
+        marked = _STROKE.sub("/<wbr>", _TEST.sub(r"\g<0><wbr>", word))
+        return f'<span class="pre">{marked}</span>'
     if "/" in word:
         return f'<span class="pre">{_STROKE.sub("/<wbr>", word)}</span>'
     return f'<span class="pre whole">{word}</span>' if len(word) <= LONGEST_WHOLE else found[0]

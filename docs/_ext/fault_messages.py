@@ -4,6 +4,7 @@ python docs/_ext/fault_messages.py
 """
 
 import ast
+from collections import Counter
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -76,6 +77,18 @@ def identifier(call: ast.Call) -> str | None:
     return given.value if isinstance(given, ast.Constant) else None if given is None else ""
 
 
+def proposal(path: Path) -> str:
+    """Return the next free identifier for a fault in a file, of the area of the faults nearest to it."""
+    given = [(file, name) for file, call, _ in makers() if (name := identifier(call))]
+    for place in (path, *path.parents):
+        areas = Counter(name.partition("-")[0] for file, name in given if file.is_relative_to(place))
+        if areas:
+            area = areas.most_common(1)[0][0]
+            taken = {name for _, name in given} | set(RETIRED)
+            return next(name for n in range(1, 1000) if (name := f"{area}-{n:03d}") not in taken)
+    raise ValueError(f"{path} is in no folder with faults")
+
+
 def words(call: ast.Call, around: ast.AST) -> str:
     """Return the message of a call, with … for what depends on the input."""
     place = MAKERS[_maker(call)]
@@ -99,6 +112,8 @@ def _text(node):
         return "".join(_text(part) for part in node.values)
     if isinstance(node, ast.BinOp):
         return _text(node.left) + _text(node.right)
+    if isinstance(node, ast.Call) and ast.unparse(node.func) == "no_such":
+        return f"{_text(node.args[0])} number … is outside … / is not there: the deck has none"
     if isinstance(node, ast.IfExp):
         return f"{_text(node.body)} / {_text(node.orelse)}"
     return "…"

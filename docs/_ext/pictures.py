@@ -55,7 +55,9 @@ def sources() -> None:
     if page.exists() and kept.exists() and kept.read_text() == stamp:
         return
     command = [sys.executable, REPRODUCTION / "page.py", folder, "--markdown", page]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        raise SystemExit(f"{' '.join(map(str, command))} failed:\n{done.stdout}{done.stderr}")
     kept.write_text(stamp)
 
 

@@ -35,12 +35,14 @@ def convert(
 ) -> None:
     """Write the model of DECK for another program or dialect.
 
-    Numbers are in SI units. What the form cannot hold is refused, with its place in the deck.
+    Numbers are in SI units; a YOUNG deck may be in others. What the form cannot hold is refused, with its
+    place in the deck.
 
     \b
     Example:
         flexmb convert decks/dafms/spatial_rigid.DAT --to mjcf
         flexmb convert decks/dafms/spatial_rigid.DAT --to vsdf
+        flexmb convert IN4-BAR.dat --to young --to-unit mm -o IN4-MM.dat
     """
     from ..results.files.replaced_file import write_whole
     from ..run.convert import converted

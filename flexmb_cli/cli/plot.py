@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .options.completion import files, quantities
-from .options.finite import AnyFinite
+from .options.finite import AnyFinite, Millimetres
 from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
 
@@ -36,8 +36,9 @@ EMULATION = ("With the known errors of", "the program of 1996 (--as-printed)")
               help="Type of the picture of a study: curve over one parameter, map over two, scatter, "
               "parallel coordinates.")  # fmt: skip
 @click.option("--title", default=None, help="Text above the curves [default: the names of the decks].")
-@click.option("--width", type=click.FloatRange(20, 1000), metavar="MM",
-              help="Draw for print, MM millimetres wide: thin lines, small letters, no title.")  # fmt: skip
+@click.option("--width", type=Millimetres(20, 1000), metavar="MM",
+              help="Draw for print, MM millimetres wide (or 8.5cm, 3.5in): thin lines, small letters, "
+                   "no title.")  # fmt: skip
 @click.option("--font", default="", metavar="FAMILY", help="Font of a picture for print, such as serif.")
 @click.option(
     "--font-size", type=click.FloatRange(3, 40), default=8.0, metavar="PT", help="Its size [default: 8]."

@@ -52,8 +52,8 @@ _BEGINNING = 10_000  # characters of a deck that tell its dialect
 @click.option("--atol", type=ABSOLUTE_TOLERANCE,
               help="Absolute tolerance of a step, in place of the deck's.")  # fmt: skip
 @click.option("--method", type=click.Choice(list(dict.fromkeys((*METHOD_OPTIONS, *TREE_METHODS)))),
-              help="Integrator, in place of the deck's: dop853 and radau for all dialects, alpha "
-              "for YOUNG and VSDF, lsoda and sdirk4 for DAFMS.")  # fmt: skip
+              help=f"Integrator, in place of the deck's: {', '.join(METHOD_OPTIONS)} for YOUNG and VSDF, "
+              f"{', '.join(TREE_METHODS)} for DAFMS.")  # fmt: skip
 @click.option("--formulation", type=click.Choice(["kane", "absolute"]), default="kane", show_default=True,
               help="DAFMS: Kane's equations of the tree, or bodies in absolute coordinates.")  # fmt: skip
 @click.option("--resume", is_flag=True, help="Continue a stopped run, to the same results.")

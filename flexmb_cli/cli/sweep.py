@@ -10,7 +10,7 @@ import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, compiler_style
 from ..memory import TO_LOAD, require_memory
-from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
+from ..run.outcome import INTERRUPTED, TERMINATED, Listener, Stop, Terminated
 from .options.completion import files
 from .options.output_file import refuse_inputs
 from .terminal.json_faults import faults_in_json
@@ -144,7 +144,8 @@ def _solve(made: "Sweep", study: str, jobs: int, scheduler: str | None, quiet: b
         _say(f"continuing a stopped study: {cases - left} of {cases} cases are complete", quiet)
     with Progress(study, "cases", quiet, verbose) as progress:
         progress.begin(left)
-        interface.solve_study(made, blocks, progress.advance, jobs, scheduler)
+        listener = Listener(notice=progress.notice, status=progress.status)
+        interface.solve_study(made, blocks, progress.advance, jobs, scheduler, listener)
 
 
 def _first_failures(made: "Sweep", most: int = 3) -> Any:

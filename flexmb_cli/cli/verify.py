@@ -17,8 +17,14 @@ from .terminal.screen import show, wants_debug
 @deck_options
 @click.option("--tol", "tolerance", type=ABSOLUTE_TOLERANCE, default=1e-6, show_default=True,
               help="Largest difference, as a share of the largest value of its type.")  # fmt: skip
-@click.option("--rtol", type=RELATIVE_TOLERANCE, help="Relative tolerance of a step (1e-11).")
-@click.option("--atol", type=ABSOLUTE_TOLERANCE, help="Absolute tolerance of a step (1e-13).")
+@click.option(
+    "--rtol",
+    type=RELATIVE_TOLERANCE,
+    help="Relative tolerance of a step (1e-11; VSDF 1e-9; METH 2 and 4 1e-10).",
+)
+@click.option(
+    "--atol", type=ABSOLUTE_TOLERANCE, help="Absolute tolerance of a step (1e-13; METH 2 and 4 1e-12)."
+)
 def verify(
     decks: tuple[str, ...],
     changes: "tuple[Any, ...]",

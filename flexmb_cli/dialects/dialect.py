@@ -49,6 +49,8 @@ class Dialect(NamedTuple):
     rigid_model: str = ""
     # And back: function of a RigidModel, a title and its units in words: the text of a deck; raises the same.
     rigid_deck: str = ""
+    # Function of a Deck, its Units, others and a title: its text in these, None where the model is written.
+    other_units: str = ""
     any_units: bool = False  # whether its numbers may be in any consistent units, and not in SI only
     second_model: str = ""  # function as `builder` of another model with the same motion, for `verify`
 

@@ -47,7 +47,8 @@ class SettableDeck:
         names = {known.lower(): known for known, _ in islice(self.deck.numbers(), _COMPARED)}
         found = get_close_matches(name.lower(), names, n=_NEAREST, cutoff=0.0)
         close = [names[word] for word in found]
-        return f"the deck has no number {name!r}; the nearest are {', '.join(close)}"
+        nearest = f"the nearest are {', '.join(close)}; flexmb check --echo shows all"
+        return f"the deck has no number {name!r}; {nearest}"
 
     def _place(self, name: str) -> Any:
         """Return where the record of a number stands among the deck's, and the number's key; None without

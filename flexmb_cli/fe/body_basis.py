@@ -11,7 +11,7 @@ from ..quick_dataclass import dataclass
 from . import modes
 from .free_motion import FreeMotion, NegativeStrain
 from .independent_shapes import reduced_basis
-from .input_tests import COLLINEAR
+from .input_checks import COLLINEAR
 from .linear_algebra import distinct
 from .massless_shapes import IndefiniteMass
 from .reference_frame import Frame

@@ -15,7 +15,7 @@ from .elements.body_elements import element_mesh, element_table
 from .elements.stress_shapes import body_stress
 from .formats.formats import OF_ELEMENTS, read_matrix
 from .formats.matrix_file import FEFileFault
-from .input_tests import Figures, check_matrices, check_reference, rigid_motions, scalar_mass
+from .input_checks import Figures, check_matrices, check_reference, rigid_motions, scalar_mass
 from .invariants import effective_masses, inertia_invariants
 from .linear_algebra import Matrix, all_but, in_three_directions, of_mass, turned
 from .massless_shapes import massless_in_motion, split_by_mass, static_mass

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..model.flexible_body import FlexibleInput
 from ..quick_dataclass import dataclass
-from .input_tests import rigid_motions
+from .input_checks import rigid_motions
 
 
 @dataclass(frozen=True)

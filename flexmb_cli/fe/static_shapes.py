@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .free_motion import FreeMotion
-from .input_tests import rigid_motions
+from .input_checks import rigid_motions
 from .linear_algebra import Singular, all_but, as_array, is_small, solver
 from .reference_frame import Frame
 

@@ -28,3 +28,10 @@ class Findings:
     def note(self, subject: str, message: str, place: Place | None, id: str = "") -> None:
         """Add what helps to understand the fault before."""
         self.faults.append(Fault("note", message, place, subject, id=id))
+
+
+def no_such(what: str, number: int, count: int, lowest: int = 1) -> str:
+    """Return why `number` names none of the things numbered from `lowest` to `count`; `what`: one of them."""
+    if count < lowest:
+        return f"{what} number {number} is not there: the deck has no {what}; add one, or remove this card"
+    return f"{what} number {number} is outside {lowest}..{count}"

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from .joint_elements import JointElements, is_angle
+from .joints import BY_NAME
 
 if TYPE_CHECKING:
     from .flexible_mechanism import FlexibleMechanism
@@ -26,7 +27,7 @@ def element_names(model: "DynamicModel | FlexibleMechanism") -> list[tuple[str, 
     # Asking for the class would import flexible bodies in runs that have none.
     joints = getattr(model, "joints", ())
     for item in getattr(model, "joint_springs", ()):
-        found.append((item.name, LENGTH if joints[item.joint].kind == "translational" else TURN))
+        found.append((item.name, _unit(BY_NAME[joints[item.joint].kind].sprung)))
     return found + list(names_of(model.elements))
 
 

@@ -40,6 +40,11 @@ class JointType:
     size: str = ""
     meets: bool = True
 
+    @property
+    def sprung(self) -> str:
+        """The joint coordinate in which a spring of a VSDF deck acts: the angle, or else the stroke."""
+        return ANGLE if ANGLE in self.coordinates else STROKE
+
     def points_on(self, side: str) -> int:
         """Return how many points decks give on body "i" or "j"."""
         return sum(point.endswith(side) for point in self.points)

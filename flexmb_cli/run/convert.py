@@ -1,5 +1,6 @@
 """A deck's model for another program or dialect: the dialect that has the model, and who writes it."""
 
+from collections.abc import Callable
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -36,22 +37,40 @@ def converted(path: str, form: str, changes: tuple[str, ...] = (), unit: str = S
         # What a file is called may come from anywhere, and must not be more than a word of the new file.
         name = visible(PurePath(deck.source.name).stem)
         if form in DIALECTS:
-            _refuse_own(deck, form)
-            return _deck_of(deck, run, form, (unit, to_unit))
+            _refuse_own(deck, form, (unit, to_unit))
+            return _in_other_units(deck, form, (unit, to_unit)) or _deck_of(deck, run, form, (unit, to_unit))
         model = model_of(deck, run)
         if form == "mjcf" and analysis_of(model) != "tree":
             message = "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints"
             raise ModelError([Fault("error", message + _other_way(deck, run, model), id="RUN-027")])
-        return _mjcf(model, name) if form == "mjcf" else _exudyn(model, name)
+        return (
+            _mjcf(model, name) if form == "mjcf" else _exudyn(model, name, lambda: _to_exudyn_by(deck, run))
+        )
     except FlexmbError as failure:
         failure.file = failure.file or path
         raise
 
 
-def _refuse_own(deck: Deck, form: Any) -> None:
-    if deck.dialect == form:
+def _refuse_own(deck: Deck, form: str, units: tuple[str, str]) -> None:
+    """Refuse a deck of this form already, unless it is to be in other units."""
+    free = dialect_named(form).any_units
+    if deck.dialect == form and not (free and units[0] != units[1]):
         message = f"the deck is a {dialect_named(form).title} deck already"
+        message += "; --unit and --to-unit write it in other units, such as --to-unit mm" * free
         raise ModelError([Fault("error", message, id="RUN-060")])
+
+
+def _in_other_units(deck: Deck, form: str, units: tuple[str, str]) -> str:
+    """Return the deck's own text in other units, "" where its model has to be written anew."""
+    from ..model.exchange.units import UNITS
+
+    dialect = dialect_named(form)
+    if deck.dialect != form or not dialect.other_units:
+        return ""
+    found: str | None = dialect.part(dialect.other_units)(
+        deck, *(UNITS[name] for name in units), _title(deck)
+    )
+    return found or ""
 
 
 def _deck_of(deck: Deck, run: Run, form: str, units: tuple[str, str]) -> str:
@@ -88,7 +107,7 @@ def _refuse_unreadable(text: Any, form: Any, run: Run) -> None:
 def _other_way(deck: Deck, run: Run, model: Any) -> str:
     """Return which conversion takes a mechanism that is no tree, each having been tried; "" for none."""
     for form in DIALECTS:
-        if form != deck.dialect and _gives_a_tree(deck, run, form):
+        if form != deck.dialect and _leads_to(_mjcf_of_tree, deck, run, form):
             return f"; it is an open chain: convert it --to {form} first, then that deck --to mjcf"
     try:
         _exudyn(model, "")
@@ -97,14 +116,26 @@ def _other_way(deck: Deck, run: Run, model: Any) -> str:
     return "; --to exudyn takes it"
 
 
-def _gives_a_tree(deck: Deck, run: Run, form: str) -> bool:
-    """Return whether the deck converts to a dialect and from there to MJCF."""
+def _leads_to(write: Callable[[Any, str], str], deck: Deck, run: Run, form: str) -> bool:
+    """Return whether the deck converts to a dialect and `write` takes the model of that deck."""
     try:
         text = _deck_of(deck, run, form, (SI, SI))
-        tree, _ = dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
-        return analysis_of(tree) == "tree" and bool(_mjcf(tree, ""))
+        model, _ = dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
+        return bool(write(model, ""))
     except FlexmbError:
         return False
+
+
+def _to_exudyn_by(deck: Deck, run: Run) -> str:
+    """Return which conversions lead to Exudyn, each having been tried; "" for none."""
+    for form in DIALECTS:
+        if form != deck.dialect and _leads_to(_exudyn, deck, run, form):
+            return f"; convert it --to {form} first, then that deck --to exudyn"
+    return ""
+
+
+def _mjcf_of_tree(model: Any, name: str) -> str:
+    return _mjcf(model, name) if analysis_of(model) == "tree" else ""
 
 
 def _mjcf(model: Any, name: str) -> str:
@@ -113,12 +144,12 @@ def _mjcf(model: Any, name: str) -> str:
     return mjcf(model, name)
 
 
-def _exudyn(model: Any, name: Any) -> str:
+def _exudyn(model: Any, name: Any, other_way: Callable[[], str] = str) -> str:
     from ..results.models.exudyn import exudyn_script
 
     if analysis_of(model) != "dynamic" or model.analysis != "forward":
         message = "--to exudyn takes rigid mechanisms under forces: decks with DYNAMICS forward"
-        raise ModelError([Fault("error", message, id="RUN-028")])
+        raise ModelError([Fault("error", message + other_way(), id="RUN-028")])
     start, *later = _motion_of(model, ROWS_FOR_RANK)
     return exudyn_script(model, start, name, later)
 

@@ -15,7 +15,7 @@ from ..results.hdf5.result_file import ResultFile
 from ..results.quantities.quantities import SHOWS_ALL, Quantity, ResultError, resolve
 from ..run.context import Run
 from ..run.model import model_of
-from ..run.outcome import Outcome, RunOptions, Stop
+from ..run.outcome import Listener, Outcome, RunOptions, Stop
 from ..run.solution import Solution, solution_of
 from .cases import Cases
 from .study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Kept, Study
@@ -43,14 +43,22 @@ class CaseResult:
 
 @dataclass
 class CaseSolver:
-    """Solves cases of `study` on `deck`, which has been read already; files it names are in `folder`."""
+    """Solves cases of `study` on `deck`, which has been read already; files it names are in `folder`.
+
+    `early`: what happened before somebody listened, such as that kernels have to be compiled.
+    """
 
     deck: Deck
     study: Study
     folder: str
     options: RunOptions = field(default_factory=RunOptions)
+    early: list[tuple[str, str]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
+        self.listener = Listener(
+            notice=lambda sentence: self.early.append(("notice", sentence)),
+            status=lambda doing: self.early.append(("status", doing)),
+        )
         self.cases = Cases(self.study)
         self._settable = SettableDeck(self.deck)
         self._refuse_unknown_numbers()
@@ -58,6 +66,13 @@ class CaseSolver:
         self.rows = solution.rows
         self.quantities = _quantities(self.study, self.deck, solution)
         self.takes = [item.take for item in self.study.results]
+
+    def listened_by(self, listener: Listener) -> None:
+        """Report to `listener` from now on, and first what was found while nobody listened."""
+        self.listener = listener
+        for kind, sentence in self.early:
+            getattr(listener, kind)(sentence)
+        self.early.clear()
 
     @property
     def single(self) -> int:
@@ -76,7 +91,7 @@ class CaseSolver:
             )
 
     def _solution(self, deck: Deck) -> Solution:
-        run = Run(Outcome(os.path.join(self.folder, deck.source.name)), self.options)
+        run = Run(Outcome(os.path.join(self.folder, deck.source.name)), self.options, self.listener)
         return solution_of(model_of(deck, run), run)
 
     def solve(self, case: int) -> CaseResult:

@@ -13,7 +13,7 @@ from ..deck.text import read_text
 from ..dialects.recognise import CHOOSES, read_deck
 from ..errors import INTERNAL_FAULT, DeckError, Fault
 from ..quick_dataclass import dataclass, field, replace
-from ..run.outcome import Stop
+from ..run.outcome import Listener, Stop
 from .checkpoints import Part, Parts
 from .lock import StudyLock
 from .reader import read_study
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 MOST_CASES_A_BLOCK = 200  # cases
 BLOCKS_WANTED = 100
 MOST_DEATHS = 3  # of workers at one case
+SILENT = Listener()
 
 
 @dataclass(frozen=True)
@@ -211,10 +212,16 @@ def _solver(text: DeckText, folder: str, study: Study) -> CaseSolver:
     return solver
 
 
-def solve_block(job: Job, block: int, advance: Callable[[int], None] = lambda cases: None) -> BlockDone:
+def solve_block(
+    job: Job,
+    block: int,
+    advance: Callable[[int], None] = lambda cases: None,
+    listener: Listener = SILENT,
+) -> BlockDone:
     """Solve what a block lacks; every case is kept before the next begins."""
     job.parts.check_shared()
     solver = solver_of(job)
+    solver.listened_by(listener)
     with job.part(block) as part:
         missing = job.cases(block)[part.count :]
         for case in missing:

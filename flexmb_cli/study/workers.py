@@ -3,13 +3,14 @@
 import signal
 from collections import Counter, deque
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..errors import ANALYSIS_FAILED, FlexmbError
 from ..quick_dataclass import dataclass, field
+from ..run.outcome import Listener
 from ..run.processes.signal_mask import unblock_stops
 from ..run.processes.worker import Worker, end_all, having_answers, portable
-from .sweep import MOST_DEATHS, BlockDone, Job, Sweep, give_up_case, next_case, solve_block
+from .sweep import MOST_DEATHS, SILENT, BlockDone, Job, Sweep, give_up_case, next_case, solve_block
 
 IN_FLIGHT = 2  # blocks that a worker, or a thread of one, is given: one that it solves and the next
 BEGUN = "begun"
@@ -21,20 +22,35 @@ class WorkersError(FlexmbError):
     exit_code = ANALYSIS_FAILED
 
 
-def solve_here(sweep: Sweep, blocks: Iterable[int], advance: Callable[[int], None]) -> None:
+class Remark(NamedTuple):
+    """A sentence of a process for the user."""
+
+    sentence: str  # as it is shown
+    stays: bool  # else it holds until the first row
+
+
+def solve_here(
+    sweep: Sweep, blocks: Iterable[int], advance: Callable[[int], None], listener: Listener = SILENT
+) -> None:
     """Solve `blocks` in this process."""
     for block in blocks:
-        sweep.done[block] = solve_block(sweep.job, block, advance)
+        sweep.done[block] = solve_block(sweep.job, block, advance, listener)
 
 
-def solve_in_processes(sweep: Sweep, blocks: list[int], advance: Callable[[int], None], jobs: int) -> None:
+def solve_in_processes(
+    sweep: Sweep,
+    blocks: list[int],
+    advance: Callable[[int], None],
+    jobs: int,
+    listener: Listener = SILENT,
+) -> None:
     """Solve `blocks` in `jobs` processes.  A process that dies is replaced, and its blocks go on.
 
     A case seen at all deaths but one that are allowed is solved with nothing beside it, which may have taken
     the memory; it is recorded as failed when its process dies even so.
     Raises WorkersError where processes cannot be had, and what a process raised.
     """
-    work = _Work(sweep, jobs, advance, deque(blocks))
+    work = _Work(sweep, jobs, advance, deque(blocks), listener)
     try:
         while work.go_on():
             pass
@@ -56,11 +72,13 @@ class _Work:
     jobs: int
     advance: Callable[[int], None]
     waiting: deque[int]
+    listener: Listener
     alone: deque[int] = field(default_factory=deque)
     given: dict[Worker, deque[int]] = field(default_factory=dict)
     begun: set[Worker] = field(default_factory=set)
     deaths: Counter[tuple[int, int]] = field(default_factory=Counter)
     barren: int = 0
+    reported: set[str] = field(default_factory=set)
 
     def go_on(self) -> bool:
         """Give blocks to processes and hear what they have to say; False when all are solved."""
@@ -104,6 +122,8 @@ class _Work:
         elif isinstance(answer, BlockDone):
             self.given[worker].remove(answer.block)
             keep(self.sweep, answer, self.advance)
+        elif isinstance(answer, Remark):
+            self._report(answer)
         elif answer == BEGUN:
             self.begun.add(worker)
             self.barren = 0
@@ -113,6 +133,12 @@ class _Work:
             worker.kill()
             self._take_back(worker)
             self._do_with_fewer(str(answer))
+
+    def _report(self, remark: Remark) -> None:
+        """Pass on what the processes say, each sentence once: they compile the same kernels."""
+        if remark.sentence not in self.reported:
+            self.reported.add(remark.sentence)
+            (self.listener.notice if remark.stays else self.listener.status)(remark.sentence)
 
     def _replace(self, worker: Worker) -> None:
         """A process has died: whatever it was at is counted."""
@@ -138,8 +164,12 @@ class _Work:
 def _serve(line: Any, job: Job) -> None:
     """Solve the blocks that come through `line`."""
     line.send(_begin_process() or BEGUN)
+    listener = Listener(
+        notice=lambda sentence: line.send(Remark(sentence, True)),
+        status=lambda doing: line.send(Remark(doing, False)),
+    )
     while True:
-        line.send(_solve(job, line.recv()))
+        line.send(_solve(job, line.recv(), listener))
 
 
 def _begin_process() -> RuntimeError | None:
@@ -155,9 +185,9 @@ def _begin_process() -> RuntimeError | None:
     return None
 
 
-def _solve(job: Job, block: int) -> BlockDone | BaseException:
+def _solve(job: Job, block: int, listener: Listener = SILENT) -> BlockDone | BaseException:
     try:
-        return solve_block(job, block)
+        return solve_block(job, block, listener=listener)
     except Exception as fault:
         return portable(fault)
 

@@ -1,5 +1,6 @@
 """The examples of the three sources, run anew: index.html and its pictures in a folder."""
 
+import argparse
 import sys
 import tempfile
 from pathlib import Path
@@ -48,6 +49,18 @@ def write_page(folder: Path, markdown: Path | None = None) -> Path:
     return index
 
 
+def arguments(words: list[str]) -> argparse.Namespace:
+    """Return the folder of the page, and the file of that of the documentation."""
+    parser = argparse.ArgumentParser(prog="scripts/reproduce", description=__doc__)
+    parser.add_argument(
+        "folder", nargs="?", type=Path, default=Path("reproduction"), help="folder of the page"
+    )
+    parser.add_argument(
+        "--markdown", type=Path, metavar="FILE", help="write the page of the documentation, too"
+    )
+    return parser.parse_args(words)
+
+
 if __name__ == "__main__":
-    folder, *rest = sys.argv[1:] or ["reproduction"]
-    print(write_page(Path(folder), Path(rest[1]) if rest[:1] == ["--markdown"] else None))
+    asked = arguments(sys.argv[1:])
+    print(write_page(asked.folder, asked.markdown))

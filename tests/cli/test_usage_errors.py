@@ -10,6 +10,7 @@ import pytest
 
 from flexmb_cli import cli as package
 from flexmb_cli.cli import cli, main
+from flexmb_cli.cli.options.finite import Millimetres
 from flexmb_cli.study.table import Column, TableHead, write_table
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
@@ -230,6 +231,26 @@ def test_a_study_given_to_run_and_a_deck_given_to_sweep_are_named(flexmb, tmp_pa
 def test_a_decimal_comma_in_an_option_gets_its_remedy(flexmb):
     code, _, told = flexmb("table", "any.h5", "body.1.x", "--from", "1,5")
     assert code == 2 and "1,5 has a decimal comma; write 1.5" in told
+
+
+@pytest.mark.parametrize(
+    ("width", "reported"),
+    [
+        ("3.5 inch", "3.5 inch is no width: give millimetres, such as 85, or 8.5cm, 3.5in"),
+        ("3,5in", "3,5in is no width"),
+        ("0.5in", "12.7 is not in the range 20<=x<=1000"),  # 0.5 · 25.4 mm
+    ],
+)
+def test_a_width_that_is_none_gets_its_remedy(flexmb, width, reported):
+    code, _, told = flexmb("plot", "any.h5", "--width", width)
+    assert code == 2 and reported in " ".join(told.split())
+
+
+@pytest.mark.parametrize(
+    ("width", "millimetres"), [("3.5in", 88.9), ("8.5 CM", 85.0), ("85mm", 85.0), ("85", 85)]
+)
+def test_a_width_may_have_its_unit(width, millimetres):
+    assert Millimetres(20, 1000).convert(width, None, None) == pytest.approx(millimetres, rel=1e-15)
 
 
 def test_a_setting_of_an_unknown_name_is_an_object_of_its_own(flexmb):

@@ -34,7 +34,9 @@ def test_an_exponent_without_letter_is_read_with_a_doubt():
 
 
 def test_two_integers_that_lost_their_blank_are_no_number():
-    with pytest.raises(Misspelt, match=r"^must be a number; read '2-1'$"):
+    with pytest.raises(
+        Misspelt, match=r"^must be a number; read '2-1': two numbers without a blank between them\?$"
+    ):
         real("2-1")
 
 
@@ -54,7 +56,20 @@ HINTS = {
     "1e": "must be a number; read '1e': digits of the exponent are missing",
     "#": "must be a number; read '#': comments are written in braces { }",
     "}": "must be a number; read '}': a comment ends here that was not opened",
-    "1.5.2": "must be a number; read '1.5.2'",
+    "1.5.2": "must be a number; read '1.5.2': two points: a slip, or two numbers without a blank?",
+    "I": "must be a number; read 'I': letter I instead of one?",
+    "1I.5": "must be a number; read '1I.5': letter I instead of one?",
+    "-8.S001": "must be a number; read '-8.S001': letter S instead of five?",
+    "-B.5": "must be a number; read '-B.5': letter B instead of eight?",
+    "1Z": "must be a number; read '1Z': letter Z instead of two?",
+    "B": "must be a number; read 'B'",
+    "0;": "must be a number; read '0;': numbers are separated by blanks, not by semicolons",
+    "-2*pi": "must be a number; read '-2*pi': write its digits: pi is 3.14159265358979",
+    "-3.7?3": "must be a number; read '-3.7?3': a deck needs every digit; only listings may have ?",
+    "(*": "must be a number; read '(*': comments are written in braces { }",
+    "-": "must be a number; read '-': no blank may stand between a sign and its number",
+    "-3.753-4.25": "must be a number; read '-3.753-4.25': two numbers without a blank between them?",
+    "0-6.10": "must be a number; read '0-6.10': two numbers without a blank between them?",
     "٣": "must be a number; read '٣': write plain ASCII characters, not full-width or typographic ones",
     ".": "must be a number; read '.'",
     "1e999": "must be a number of at most 1.8e308 in size; read '1e999'",

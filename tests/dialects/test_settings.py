@@ -36,7 +36,7 @@ def test_an_unknown_name_is_refused_with_the_nearest():
     (message,) = refused("driver.1.b=2")
     assert message == (
         "--set driver.1.b=2: the deck has no number 'driver.1.b'; "
-        "the nearest are driver.1.B, driver.1.C, driver.1.A"
+        "the nearest are driver.1.B, driver.1.C, driver.1.A; flexmb check --echo shows all"
     )
 
 

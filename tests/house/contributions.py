@@ -1,27 +1,88 @@
 """What CONTRIBUTING.md tells one to write for a joint, a card, quantities, an integrator and a format."""
 
-# (a) A point on a plane of the other body.
+# (a) A point on a plane, and one on a line, of the other body.
 JOINT = {
     "flexmb_cli/model/joints.py": [
         (
             '    JointType("revolute-spherical",',
-            '    JointType("point on plane", 0, 1, (*_P, "Q_i"), meets=False),\n',
+            '    JointType("point on plane", 0, 1, (*_P, "Q_i"), meets=False),\n'
+            '    JointType("point on line", 0, 2, (*_P, "Q_i"), coordinates=(STROKE,)),\n',
         )
     ],
     "flexmb_cli/model/arrays/node_joints.py": [
         (
             '    "revolute-spherical": (_in_plane,',
-            '    "point on plane": (_in_plane,),\n',
+            '    "point on plane": (_in_plane,),\n    "point on line": (_on_axis,),\n',
         )
     ],
     "flexmb_cli/dialects/vsdf/__init__.py": [
         (
             '        "RSPH": "revolute-spherical",',
-            '        "PLAN": "point on plane",\n',
+            '        "PLAN": "point on plane",\n        "LINE": "point on line",\n',
         )
     ],
 }
-# (b) By file: where in it, and what is put there.  Gravity by its strength alone, downwards.
+# The plane between points in the axes of their bodies, by the kernels of kinematics: a file besides these.
+INPLANE = '''"""Point on a plane: P_j stays in the plane through P_i across s_i.  Young (1996), (4.4)."""
+
+from ..._jit import kernel
+from ..joint_primitives import n2_acceleration, n2_jacobian, n2_residual
+
+EQUATIONS = 1
+
+
+@kernel
+def residual(c, q, A, phi):
+    """Fill phi[row], m."""
+    phi[c["first_row"]] = n2_residual(c, c["s_i"], q, A)
+
+
+@kernel
+def jacobian(c, q, A, phi_q):
+    """Fill a row of phi_q (equations, 14)."""
+    n2_jacobian(c, c["s_i"], q, A, phi_q[c["first_row"]])
+
+
+@kernel
+def acceleration(c, q, qd, A, Ad, Add, gamma):
+    """Fill gamma[row]."""
+    gamma[c["first_row"]] = n2_acceleration(c, c["s_i"], q, qd, A, Ad, Add)
+'''
+JOINT_OF_POINTS = {
+    "flexmb_cli/kernels/kinematics/constraints.py": [
+        ("    normalisation,\n    revolute,", "    inplane,\n"),
+        ("\n\n@kernel\ndef residual(", "INPLANE = 11\n"),
+        (
+            "        elif kind == SIMPLIFIED:\n            simplified.residual(",
+            "        elif kind == INPLANE:\n            inplane.residual(c, q, A, phi)\n",
+        ),
+        (
+            "        elif kind == SIMPLIFIED:\n            simplified.jacobian(",
+            "        elif kind == INPLANE:\n            inplane.jacobian(c, q, A, phi_q)\n",
+        ),
+        (
+            "        elif kind == DRIVER:\n            driver.acceleration(",
+            "        elif kind == INPLANE:\n            inplane.acceleration(c, q, qd, A, Ad, Add, gamma)\n",
+        ),
+    ],
+    "flexmb_cli/model/joints.py": [
+        (
+            ")\n\n# Joints between nodes, besides those",
+            '    JointType("inplane", 11, 1, _P + _Q, (("s_i · d", True, ("s_i",)),), meets=False),\n',
+        )
+    ],
+}
+PAYLOAD = '''def _loaded(rigid: RigidMass, mass: float, r: np.ndarray) -> RigidMass:
+    """Return the mass properties with a point mass at r, by Steiner's theorem."""
+    total, d = rigid.mass + mass, r - np.array(rigid.centre)
+    x, y, z = np.array(rigid.centre) + mass / total * d
+    inertia = rigid.inertia + rigid.mass * mass / total * (d @ d * np.eye(3) - np.outer(d, d))
+    return RigidMass(total, (float(x), float(y), float(z)), inertia)
+
+
+'''
+# (b) By file: where in it, and what is put there.  Gravity by its strength alone, downwards; a point mass
+# at a node of a rigid body.
 CARD = {
     "flexmb_cli/dialects/vsdf/cards/joints_and_loads.py": [
         (
@@ -34,6 +95,23 @@ CARD = {
             "    return VsdfModel(",
             '    if weight := values.record("weight"):\n        g = (0.0, 0.0, -float(weight["g"]))\n',
         )
+    ],
+}
+CARD_OF_BODIES = {
+    "flexmb_cli/dialects/vsdf/cards/bodies.py": [
+        (
+            '    Card(\n        "NODE",\n',
+            '    Card("PAYL", "payload", "payload {}", "list", (BODY, whole_column("node", "node", None),\n'
+            '         Column("mass", "mass", "kg", default=None)), bodies="RIGD"),\n',
+        )
+    ],
+    "flexmb_cli/dialects/vsdf/bodies.py": [
+        (
+            "    return VsdfBody(record.subject, **pose, rigid=mass",
+            '    for payload in values.of_body("payload", k) if mass else ():\n'
+            '        mass = _loaded(mass, float(payload["mass"]), nodes[payload["node"]])\n',
+        ),
+        ("def _rigid_mass(", PAYLOAD),
     ],
 }
 # (c) A field and a property of every analysis, by file: the lines before which they are put.
@@ -114,18 +192,19 @@ QUANTITY = {
     "flexmb_cli/results/hdf5/flexible.py": [('    "kinetic": Series(', STORED_SPEED + STORED_MOMENTUM)],
 }
 # (d) The classical method of order 4, besides a file of its kernels.
-KERNELS = {"flexmb_cli/kernels/integrators/rk4.py": "tests/kernels/integrators/rk4.py"}
+KERNELS = {"flexmb_cli/kernels/integrators/kutta/rk4.py": "tests/kernels/integrators/rk4.py"}
 INTEGRATOR = {
     "flexmb_cli/kernels/signatures.py": [
         (
             '    "alpha": {',
-            '    "rk4": {"integrators.rk4.integrate_rows": "int System Work Integration Report int"},\n',
+            '    "rk4": {\n        "integrators.kutta.rk4.integrate_rows": '
+            '"int System Work Integration Report int",\n    },\n',
         )
     ],
     "flexmb_cli/model/integrators.py": [
         (
             "}\nMETHOD_OPTIONS",
-            '    "RK4": IntegratorType("rk4", "Kutta", "rk4", 1e-8, given_step=True),\n',
+            '    "RK4": IntegratorType("rk4", "Kutta", "kutta.rk4", 1e-8, given_step=True),\n',
         )
     ],
 }
@@ -178,6 +257,33 @@ NODE
     1    3       0.0       0.0       0.0
 JOIN
     1 PLAN    0    1    2    1    3
+TIME
+"""
+
+# A bead on a wire that falls at 45°, with a damper of 1.5 N s/m along it.
+BEAD = """\
+NODE
+    0    1       0.0       0.0       0.0
+    0    2       1.0       0.0      -1.0
+    1    3       0.0       0.0       0.0
+JOIN
+    1 LINE    0    1    2    1    3
+JSPR
+    1       0.0       1.5
+TIME
+"""
+# A point mass of 6 kg 0.4 m below the joint, at whose height the body's 2 kg are.
+PENDULUM = """\
+NODE
+    0    1       0.0       0.0       0.0
+    0    2       0.0       1.0       0.0
+    1    3       0.0       0.0       0.0
+    1    4       0.0       1.0       0.0
+    1    5       0.4       0.0       0.0
+PAYL
+    1    5       6.0
+JOIN
+    1 REVO    0    1    2    1    3    4
 TIME
 """
 

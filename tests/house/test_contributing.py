@@ -13,18 +13,24 @@ import pytest
 
 from tests.dialects.dafms.test_dafms_elements import TWO_LINKS, card, deck, integers, reals
 from tests.house.contributions import (
+    BEAD,
     CARD,
+    CARD_OF_BODIES,
     DECK,
     FALLING,
     FORMAT,
+    INPLANE,
     INTEGRATOR,
     JOINT,
+    JOINT_OF_POINTS,
     KERNELS,
+    PENDULUM,
     PLANE,
     QUANTITY,
     READER,
     ROTOR,
 )
+from tests.house.test_house import MOST_FILES
 
 ROOT = Path(__file__).resolve().parents[2]
 TREE = TWO_LINKS.replace("1.000E-12    1.000E-13", "1.000E-07    1.000E-08")
@@ -37,13 +43,17 @@ def copy(tmp_path_factory):
     folder = tmp_path_factory.mktemp("copy")
     shutil.copytree(ROOT / "flexmb_cli", folder / "flexmb_cli", ignore=shutil.ignore_patterns("__pycache__"))
     for name, origin in KERNELS.items():
+        (folder / name).parent.mkdir()
+        (folder / name).with_name("__init__.py").touch()
         shutil.copy(ROOT / origin, folder / name)
-    for name, additions in (JOINT | CARD | QUANTITY | INTEGRATOR | FORMAT).items():
-        text = (folder / name).read_text(encoding="utf-8")
-        for place, added in additions:
-            assert text.count(place) == 1, (name, place)
-            text = text.replace(place, added + place)
-        (folder / name).write_text(text, encoding="utf-8")
+    for recipe in (JOINT, JOINT_OF_POINTS, CARD, CARD_OF_BODIES, QUANTITY, INTEGRATOR, FORMAT):
+        for name, additions in recipe.items():
+            text = (folder / name).read_text(encoding="utf-8")
+            for place, added in additions:
+                assert text.count(place) == 1, (name, place)
+                text = text.replace(place, added + place)
+            (folder / name).write_text(text, encoding="utf-8")
+    (folder / "flexmb_cli/kernels/kinematics/joints/inplane.py").write_text(INPLANE)
     (folder / "flexmb_cli/fe/formats/triples.py").write_text(READER)
     (folder / "fall.vsdf").write_text(DECK)
     return folder
@@ -59,12 +69,18 @@ def flexmb(copy, *words):
 
 
 def test_as_few_files_are_touched_as_the_page_says():
-    assert len(JOINT) <= 4 and len(CARD) <= 3 and len(QUANTITY) <= 2 * 4 and len(KERNELS | INTEGRATOR) <= 3
+    assert len(JOINT) <= 4 and len(JOINT_OF_POINTS) + 1 <= 3 and len(CARD) <= 3 and len(CARD_OF_BODIES) <= 3
+    assert len(QUANTITY) <= 2 * 4 and len(KERNELS | INTEGRATOR) <= 3
     page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     assert all(
         name.removeprefix("flexmb_cli/dialects/vsdf/").split("/")[-1] in page
-        for name in JOINT | CARD | QUANTITY
+        for name in JOINT | JOINT_OF_POINTS | CARD | CARD_OF_BODIES | QUANTITY
     )
+
+
+def test_no_folder_is_crowded_by_what_the_page_adds(copy):
+    folders = [path for path in (copy / "flexmb_cli").rglob("*/") if path.name != "__pycache__"]
+    assert not [path for path in folders if sum(file.is_file() for file in path.iterdir()) > MOST_FILES]
 
 
 def test_quantities_of_the_page_have_types(copy):
@@ -91,6 +107,64 @@ def test_a_joint_of_three_files_is_read_and_held(copy):
     expected = [9.5 / 4.0 * t * t for t, _, _ in rows]
     assert [x for _, x, _ in rows] == pytest.approx(expected, abs=1e-9)
     assert [-z for _, _, z in rows] == pytest.approx(expected, abs=1e-9)
+
+
+def test_a_joint_that_another_dialect_has_not_is_not_converted(copy):
+    (copy / "plane.vsdf").write_text(DECK.replace("TIME\n", PLANE))
+    with pytest.raises(AssertionError, match="joint 1: YOUNG has no point on plane joint"):
+        flexmb(copy, "convert", "plane.vsdf", "--to", "young")
+
+
+def test_a_spring_acts_in_the_only_coordinate_of_a_joint(copy):
+    """m s̈ = m g / √2 - c ṡ along the wire: s = (w t - w (1 - exp(-k t)) / k) / k, w = g / √2, k = c / m."""
+    (copy / "bead.vsdf").write_text(DECK.replace("TIME\n", BEAD))
+    flexmb(copy, "run", "-q", "bead.vsdf", "--no-out", "--h5", "bead.h5")
+    rows = list(csv.reader(flexmb(copy, "table", "bead.h5", "body.1.x").splitlines()))[1:]
+    w, k = 9.5 / np.sqrt(2.0), 1.5 / 2.0
+    t, x = np.array(rows, float).T
+    assert x == pytest.approx((w * t - w * -np.expm1(-k * t) / k) / k / np.sqrt(2.0), abs=1e-7)
+
+
+def test_a_joint_of_points_is_compared_with_differences_unasked(copy):
+    """In the copy: the tests of all joint types find it in `JOINT_TYPES`."""
+    for name in (
+        "__init__.py",
+        "kernels/__init__.py",
+        "solvers/__init__.py",
+        "solvers/kinematics/__init__.py",
+    ):
+        (copy / "tests" / name).parent.mkdir(parents=True, exist_ok=True)
+        (copy / "tests" / name).touch()
+    shutil.copytree(ROOT / "tests/kernels/kinematics", copy / "tests/kernels/kinematics")
+    shutil.copy(ROOT / "tests/solvers/kinematics/geometry.py", copy / "tests/solvers/kinematics")
+    given = os.environ | {"PYTHONPATH": str(copy), "NUMBA_DISABLE_JIT": "1"}
+    chosen = ["-k", "inplane or one", "tests/kernels/kinematics/test_joint_properties.py"]
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *chosen]
+    done = subprocess.run(command, cwd=copy, env=given, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stdout
+    assert int(done.stdout.split(" passed")[0].split()[-1]) > 20
+
+
+def test_a_card_for_rigid_bodies_acts_on_them(copy):
+    """The centre of mass of the body is the joint: φ̈ = m g a / (m a² + Jyy) for the mass at a = 0.4 m."""
+    (copy / "payload.vsdf").write_text(DECK.replace("TIME\n", PENDULUM))
+    flexmb(copy, "run", "-q", "payload.vsdf", "--no-out", "--h5", "payload.h5")
+    with h5py.File(copy / "payload.h5") as file:
+        turning = file["body/angular_acceleration"][0, 0, 1]
+    assert turning == pytest.approx(6.0 * 9.5 * 0.4 / (6.0 * 0.4**2 + 0.2), rel=1e-9)
+
+
+def test_a_card_for_rigid_bodies_is_refused_for_others_and_for_bodies_that_there_are_not(copy):
+    (copy / "fe").mkdir()
+    shutil.copy(ROOT / "decks/vsdf/fe/pendulum_nodes.txt", copy / "fe")
+    text = (ROOT / "decks/vsdf/pendulum.vsdf").read_text()
+    (copy / "rod.vsdf").write_text(
+        text.replace("GRAV", "PAYL\n    1   51       6.0\n    2   51       6.0\nGRAV")
+    )
+    with pytest.raises(AssertionError) as refused:
+        flexmb(copy, "check", "rod.vsdf")
+    assert "PAYL is for RIGD bodies; body 1 is FLEX" in str(refused.value)
+    assert "payload 2: body number 2 is outside 1..1" in str(refused.value)
 
 
 def test_a_card_of_two_files_is_read_echoed_set_and_obeyed(copy):

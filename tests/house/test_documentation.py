@@ -54,7 +54,7 @@ def test_every_command_runs_and_prints_what_is_shown(page, tmp_path):
             timeout=600, env=environment,
         )  # fmt: skip
         lines = [line for line in (done.stdout + done.stderr).splitlines() if "compiling kernels" not in line]
-        assert lines[: len(shown)] == shown, command
+        assert lines[: len(shown)] == shown, f"{command}: where the change is meant, {named(page)} shows it"
         # A command that shows nothing is quiet because it succeeded.
         assert shown or (not lines and done.returncode == 0), command
 

@@ -76,6 +76,13 @@ def test_file_names_may_break_behind_strokes_and_options_not_at_all():
     )
 
 
+def test_names_of_tests_may_break_between_their_words():
+    """The table of elements was 1.3 times as wide as its column at 1280 pixels."""
+    context = {"body": '<span class="pre">a/test_b.py::test_stop</span>'}
+    breaks._mark(None, "page", "page.html", context, None)
+    assert context["body"] == ('<span class="pre">a/<wbr>test_<wbr>b.py::<wbr>test_<wbr>stop</span>')
+
+
 def test_a_changed_deck_or_finite_element_file_has_another_digest(tmp_path):
     file = tmp_path / "a"
     file.write_text("1")

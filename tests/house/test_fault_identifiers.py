@@ -20,11 +20,25 @@ CARRIERS = ("errors.py", "diagnostics.py", "quantities.py", "cluster.py")
 
 def test_every_fault_has_an_identifier():
     without = [
-        f"{path.relative_to(TOP)}:{call.lineno}"
+        f'{path.relative_to(TOP)}:{call.lineno}: give it id="{fault_messages.proposal(path)}", or a later one'
         for path, call, _ in fault_messages.makers()
         if fault_messages.identifier(call) is None and path.name not in CARRIERS
     ]
     assert not without
+
+
+def test_the_identifier_proposed_is_free_and_of_the_area_of_its_neighbours():
+    """YOUNG-105 to YOUNG-129 are retired, and no fault was ever given VSDF-000."""
+    used = {fault_messages.identifier(call) for _, call, _ in fault_messages.makers()}
+    folder = fault_messages.PACKAGE / "dialects"
+    for name, area in (
+        ("vsdf/bodies.py", "VSDF"),
+        ("young/new_file.py", "YOUNG"),
+        ("dafms/hinges.py", "DAFMS"),
+    ):
+        found = fault_messages.proposal(folder / name)
+        assert FORM.fullmatch(found) and found.startswith(f"{area}-")
+        assert found not in used and found not in fault_messages.RETIRED
 
 
 def test_no_two_faults_share_an_identifier():

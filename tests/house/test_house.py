@@ -193,7 +193,7 @@ def test_no_folder_is_crowded():
         if not any(part.startswith(".") or part in made for part in path.parts[len(PACKAGE.parent.parts) :])
         and len(files := [file for file in path.iterdir() if file.is_file()]) > MOST_FILES
     ]
-    assert not crowded
+    assert not crowded, "put the files of one subject into a folder of their own"
 
 
 def test_no_file_is_long():

@@ -88,3 +88,22 @@ def test_the_work_of_a_stop_is_found_where_nothing_is_free_to_move(tmp_path):
         work = file["energy/applied_work"]
         assert integral(power, file["time"][:]) == pytest.approx(work[-1] - work[0], abs=1e-5)
         assert np.ptp(file["energy/total"]) < 1e-5
+
+
+def test_composite_joints_and_couplings_have_forces_with_names_and_units(tmp_path):
+    """A hanging rack of 2 kg that a held pinion carries by 2 g; a ball of 3 kg on a link of 1 m."""
+    (tmp_path / "INX.dat").write_text(
+        "4 0 0 0 0 1 0 1 0 0 0 1\n" + 3 * "0 0 0 1 0 0 0\n" + "0 0 -1 1 0 0 0\n"
+        "1 2 0 0 0 0 0 0 0 0 1 0 0 1\n1 3 0 0 0 0 0 0 0 0 1 0 0 1 1 0 0 0 1 0\n1 0 0 0 0 0 0\n0 1 0.5\n"
+        "DYNAMICS forward\nMASS 2 1 0 0 0 1 1 1\nMASS 3 2 0 0 0 1 1 1\nMASS 4 3 0 0 0 1 1 1\n"
+        "GRAVITY 0 0 -10\nPOLYNOMIAL 1 0\nANGLE 1 1\nCOUPLING 1 1 -0.2 2 2 1\n"
+        "SPHSPH 0 4 0 0 0 0 0 0 1\nEND\n"
+    )
+    assert run_deck(str(tmp_path / "INX.dat"), RunOptions(folder=str(tmp_path))).exit_code == 0
+    with h5py.File(tmp_path / "OUTX.h5") as file:
+        by_name = {one.name: one for one in names(file)}
+        assert by_name["coupling.1.effort"].unit == "N"
+        assert file["coupling/effort"][:, 0] == pytest.approx(np.full(3, 20.0), rel=1e-12)
+        assert by_name["composite.1.force.z"].unit == "N" and by_name["composite.1.torque.x"].unit == "N m"
+        assert file["composite/name"][0] == b"sphsph 1" and file["coupling/name"][0] == b"coupling 1"
+        assert file["composite/force"][-1, 0] == pytest.approx((0, 0, 30.0), abs=1e-9)

@@ -104,6 +104,13 @@ def test_the_pictures_are_there(tables):
     assert all((folder / name).stat().st_size > 10_000 for name in pictures)
 
 
+def test_its_help_makes_no_folder(tmp_path):
+    environment = os.environ | {"FLEXMB_PYTHON": sys.executable}
+    done = subprocess.run([SCRIPT, "--help"], capture_output=True, text=True, cwd=tmp_path, env=environment)
+    assert (done.returncode, list(tmp_path.iterdir())) == (0, [])
+    assert done.stdout.startswith("usage: scripts/reproduce [-h] [--markdown FILE] [folder]")
+
+
 def test_without_an_interpreter_named_it_makes_its_own_environment(tmp_path):
     """The script in a checkout whose scripts/venv and interpreter only tell how they are called."""
     (tmp_path / "scripts").mkdir()

@@ -131,7 +131,7 @@ def test_a_worker_that_is_killed_is_replaced(tmp_path):
 def ends_at_case_77(line, job):
     """In place of `_serve`, in a process of its own: case 77 ends it."""
 
-    def solve(job, block):
+    def solve(job, block, listener):
         def fatal(cases):
             if next_case(job, block) == 77:
                 os._exit(1)

@@ -1,14 +1,20 @@
 """Studies: every case as its own run gives it, failures recorded, and nothing lost when they are stopped."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
+from flexmb_cli import interface
 from flexmb_cli.errors import ModelError
 from flexmb_cli.interface import sweep
+from flexmb_cli.kernels import _jit
+from flexmb_cli.run.outcome import Listener
+from flexmb_cli.solvers import compilation
 from flexmb_cli.study import workers as study_workers
 from flexmb_cli.study.cases import Cases
 from flexmb_cli.study.solver import CaseSolver
@@ -17,6 +23,7 @@ from tests.study.studies import RSSR, SAMPLED, SMALL, flexmb, written
 
 pytestmark = pytest.mark.processes
 
+study_workers_serve = study_workers._serve
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 PENDULUM = DECKS / "dafms/pendulum.DAT"
 
@@ -185,3 +192,35 @@ def test_parquet_holds_the_same_numbers(tmp_path):
     columns = pyarrow.parquet.read_table(tmp_path / "study.parquet").to_pydict()
     for name, values in hdf5.items():
         np.testing.assert_array_equal(values, columns[name.replace("/", ".", 1)])
+
+
+def test_a_script_without_a_test_of_its_name_sweeps_in_processes(tmp_path):
+    """Each process ran the script anew, which raised RuntimeError there and ended it: three tracebacks."""
+    study = written(tmp_path, SMALL)
+    (tmp_path / "mine.py").write_text(
+        f"from flexmb_cli import sweep\nprint(sweep({str(study)!r}, jobs=2)['exit_code'])\n"
+    )
+    done = subprocess.run([sys.executable, "mine.py"], cwd=tmp_path, capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("[0 0 0 0 0 0]\n", "")
+
+
+def needs_to_compile(entry):
+    return True
+
+
+def serves_with_new_kernels(line, job):
+    """In place of `_serve`: a process whose kernels have yet to be compiled."""
+    _jit.must_compile = needs_to_compile
+    compilation._reported.clear()
+    study_workers_serve(line, job)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_study_reports_once_that_kernels_are_compiled(tmp_path, monkeypatch, jobs):
+    """`sweep -v` was silent for the 20 s that this takes."""
+    monkeypatch.setattr(_jit, "must_compile", needs_to_compile)
+    monkeypatch.setattr(compilation, "_reported", set())
+    monkeypatch.setattr(study_workers, "_serve", serves_with_new_kernels)
+    sweep, said = Sweep.of(str(written(tmp_path, SMALL)), str(tmp_path / "parts")), []
+    interface.solve_study(sweep, sweep.pending(), jobs=jobs, listener=Listener(status=said.append))
+    assert said == [compilation.COMPILING]

@@ -7,6 +7,8 @@ from typing import Any
 import click
 
 _DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(e[-+]?\d+)?", re.IGNORECASE)
+_WIDTH = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))\s*(mm|cm|in)?", re.IGNORECASE | re.ASCII)
+_MILLIMETRES = {"mm": 1.0, "cm": 10.0, "in": 25.4}
 
 
 class Finite(click.FloatRange):
@@ -25,6 +27,20 @@ class AnyFinite(click.types.FloatParamType):
         """The number, or a usage error that names the option."""
         _refuse_comma(self, value, param, ctx)
         return _finite(self, super().convert(value, param, ctx), value, param, ctx)
+
+
+class Millimetres(Finite):
+    """A width on paper: mm, or with `cm` or `in` behind the number."""
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        """The width in mm, or a usage error."""
+        if not isinstance(value, str):
+            return super().convert(value, param, ctx)
+        _refuse_comma(self, value, param, ctx)
+        match = _WIDTH.fullmatch(value.strip())
+        if match is None:
+            self.fail(f"{value} is no width: give millimetres, such as 85, or 8.5cm, 3.5in", param, ctx)
+        return super().convert(float(match[1]) * _MILLIMETRES[(match[2] or "mm").lower()], param, ctx)
 
 
 def _refuse_comma(kind: "AnyFinite | Finite", value: Any, param: Any, ctx: Any) -> None:

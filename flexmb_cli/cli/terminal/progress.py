@@ -39,8 +39,7 @@ class Progress:
             self._draw(f"{self.title}: {doing}")
         elif self.logged:
             tell(f"{self.title}: {doing}")
-            self._end_waiting()
-            self.waiting = _Waiting(f"{self.title}: {doing}")
+            self._wait(doing)
 
     def begin(self, total: int) -> None:
         """Begin to count up to `total`."""
@@ -48,6 +47,8 @@ class Progress:
         self.began = self.shown = time.monotonic()
         if self.drawn and total > 1:
             self._draw(self.sentence(self.began))
+        elif self.logged and total > 1 and not self.waiting:
+            self._wait(f"0 of {total} {self.unit}")
 
     def advance(self, count: int) -> None:
         """Count what was done, and show it when it is time."""
@@ -82,6 +83,10 @@ class Progress:
             self.stream.flush()
             self.standing = False
 
+    def _wait(self, doing: str) -> None:
+        self._end_waiting()
+        self.waiting = _Waiting(f"{self.title}: {doing}")
+
     def _end_waiting(self) -> None:
         if self.waiting:
             self.waiting.end()
@@ -91,7 +96,8 @@ class Progress:
         from ...errors import visible
 
         # The last column stays free: some terminals wrap as soon as it is filled.
-        self.stream.write(f"\r\x1b[K{visible(text)[: terminal_width(self.stream) - 1]}")
+        line = _fitted(visible(text), len(visible(self.title)), terminal_width(self.stream) - 1)
+        self.stream.write(f"\r\x1b[K{line}")
         self.stream.flush()
         self.standing = True
 
@@ -119,6 +125,14 @@ class _Waiting:
         """Repeat it no more."""
         self.ended.set()
         self.thread.join()
+
+
+def _fitted(text: str, title: int, width: int) -> str:
+    """Return a line of at most `width` characters: the first ones of its title, a path, may be left out."""
+    surplus = len(text) - width
+    if surplus > 0 and surplus + 1 < title:
+        return f"…{text[surplus + 1 :]}"
+    return text[:width]
 
 
 def _duration(seconds: float) -> str:

@@ -9,10 +9,13 @@ import numpy as np
 
 from ...deck.number_table import outside
 from ...deck.records import DeckValues
-from ...model.diagnostics import Findings
+from ...errors import MOST_LISTED_ERRORS
+from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import RigidMass, VsdfBody
 from ...model.mechanism import GROUND
-from .flexible_bodies import FLEXIBLE_ONLY, LISTS, flexible_body
+from .cards import CARDS
+from .cards.bodies import BODY_CARDS
+from .flexible_bodies import flexible_body
 from .many_bodies import ManyBodies
 from .nodes import given_nodes, sets_of
 from .placement import placed_body, refuse_placements_outside
@@ -45,13 +48,13 @@ def build_ground(values: DeckValues, findings: Findings) -> VsdfBody:
 
 def _check_body_numbers(values: DeckValues, count: int, findings: Findings) -> None:
     """Every card of a body must name one that exists."""
-    sections = [name for name, _ in (*FLEXIBLE_ONLY, *LISTS)]
-    sections += ["rigid", "node_set", "position", "attitude", "velocity", "node"]
-    for section in sections:
-        lowest = 0 if section == "node" else 1
-        for record in outside(values.section(section), "body", lowest, count):
+    for card in CARDS:
+        if not (card.bodies or card in BODY_CARDS[1:]):
+            continue  # their builders find what they name themselves
+        lowest = card.least_body
+        for record in outside(values.section(card.section), "body", lowest, count):
             number = record.at("body")
-            message = f"body number {number.value} is outside {lowest}..{count}"
+            message = no_such("body", number.value, count, lowest)
             findings.error(record.subject, message, number.place, id="VSDF-001")
 
 
@@ -68,8 +71,24 @@ def _body(values: Any, k: Any, folder: Any, findings: Any) -> VsdfBody:
         "place": record.place,
         "velocity_place": velocity.place if velocity else None,
     }
+    _refuse_cards_of_others(values, k, record["kind"], findings)
     build = flexible_body if flexible else _rigid
     return build(values, k, record, pose, folder, findings)
+
+
+def _refuse_cards_of_others(values: DeckValues, k: int, kind: str, findings: Findings) -> None:
+    """Faults for the cards of body k, of kind FLEX or RIGD, that are for bodies of the other kind."""
+    for card in CARDS:
+        if card.bodies in ("", kind):
+            continue
+        # Records one by one, and no more than are reported: there may be a million.
+        for place in values.places_of_body(card.section, k)[: MOST_LISTED_ERRORS + 1]:
+            given = values.section(card.section)[place]
+            message = f"{card.word} is for {card.bodies} bodies; body {k} is {kind}"
+            if kind == "RIGD":
+                findings.error(given.subject, message, given.place, id="VSDF-004")
+            else:
+                findings.error(given.subject, message, given.place, id="VSDF-022")
 
 
 def _attitude(record: "Record | None", findings: Any) -> Any:
@@ -95,10 +114,6 @@ def _rigid(
     _folder: Path,
     findings: Any,
 ) -> VsdfBody:
-    for section, word in (*FLEXIBLE_ONLY, *LISTS):
-        for given in values.of_body(section, k):
-            message = f"{word} is for FLEX bodies; body {k} is RIGD"
-            findings.error(given.subject, message, given.place, id="VSDF-004")
     rigid = values.record("rigid", k)
     if rigid is None:
         findings.error(

@@ -12,6 +12,7 @@ from ...model.integrators import METHODS, Integrator
 from ...model.mechanism import TimeGrid
 from ...model.time_checks import MOST_ROWS, unsteppable
 from .bodies import build_bodies, build_ground
+from .cards.analysis import WITHOUT_CARD
 from .elements.build import build_elements, build_functions, moved_pins
 from .joints import build_joints, build_pins
 from .loads import Factors, build_forces, build_joint_springs, build_outputs, build_springs, build_torques
@@ -19,8 +20,6 @@ from .motion_angles import check_motion_functions
 from .motions import build_motions, build_tables
 from .stress_outputs import build_stresses
 from .unused_fields import doubt_tables, refuse_unread
-
-WITHOUT_CARD = "GALF"  # method of a deck without the card INTG
 
 
 def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:

@@ -29,6 +29,7 @@ class Card:
     `counted`: "own" when the first field numbers the records 1, 2, ...; "body" when there is one record a
     body; "list" when records are numbered as they come; "single" when there is one in the deck.
     `more`: the column that repeats to the end of the card; `second`: the fields of a second card.
+    `bodies`: the type of bodies that it is for, RIGD or FLEX, those of the other type refuse it; "": both.
     """
 
     word: str
@@ -38,6 +39,13 @@ class Card:
     columns: tuple[Column, ...]
     more: Column | None = None
     second: tuple[Column, ...] = ()
+    bodies: str = ""
+
+    @property
+    def least_body(self) -> int:
+        """Return the least number that its field "body" may have: 0, the ground, where it may be empty."""
+        (body,) = (column for column in self.columns if column.key == "body")
+        return 1 if body.default is None else 0
 
 
 def whole_column(key: str, meaning: str, default: int | None = 0) -> Column:

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
-from ...errors import MOST_LISTED_ERRORS
 from ...fe.formats.formats import NEEDS_MAPPING
 from ...fe.formats.matrix_file import FEFileFault
 from ...fe.formats.node_table import NodeTable, read_node_table
@@ -19,28 +18,19 @@ if TYPE_CHECKING:
     import numpy as np
 
 
-FLEXIBLE_ONLY = (
-    ("node_table", "FEMN"),
-    ("mass_matrix", "FEMM"),
-    ("stiffness_matrix", "FEMK"),
-    ("mapping", "FEMP"),
-    ("damping", "DAMP"),
-    ("stiffening", "GEOS"),
-    ("unit_load", "FEMG"),
-    ("material", "MATL"),
-)
-LISTS = (("clamped", "CLMP"), ("attachment", "ATTM"), ("interface", "CRBN"))
+_MATRICES = {"mass_matrix": "FEMM", "stiffness_matrix": "FEMK"}
+_FILES = ("node_table", *_MATRICES, "mapping")
+_LISTS = ("clamped", "attachment", "interface")
 
 
 def flexible_body(
     values: DeckValues, k: int, record: Record, pose: dict[str, Any], folder: Path, findings: Findings
 ) -> VsdfBody:
     """Body k of the card `record`; `pose`: its place and first motion, `folder`: where its files are."""
-    _refuse_rigid_cards(values, k, findings)
     table = _node_table(values, k, record, folder, findings)
-    files = {name: _file(values.record(name, k), folder) for name, _ in FLEXIBLE_ONLY[:4]}
+    files = {name: _file(values.record(name, k), folder) for name in _FILES}
     files |= matrices_of_elements(values, k, files)
-    for name, word in FLEXIBLE_ONLY[1:3]:
+    for name, word in _MATRICES.items():
         if files[name] is None:
             message = f"a FLEX body needs a card {word}{_or_density(values, k, files)}"
             findings.error(record.subject, message, record.place, id="VSDF-023")
@@ -70,15 +60,6 @@ def flexible_body(
     )
     stiffened = _stiffened(values.record("stiffening", k), given, findings)
     return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)
-
-
-def _refuse_rigid_cards(values: DeckValues, k: Any, findings: Findings) -> None:
-    for section, word in (("rigid", "RIGI"), ("node", "NODE")):
-        # Records one by one, and no more than are reported: there may be a million.
-        for place in values.places_of_body(section, k)[: MOST_LISTED_ERRORS + 1]:
-            given = values.section(section)[place]
-            message = f"{word} is for RIGD bodies; body {k} is FLEX"
-            findings.error(given.subject, message, given.place, id="VSDF-022")
 
 
 def _or_density(values: DeckValues, k: Any, files: Any) -> Any:
@@ -169,7 +150,7 @@ def _node_lists(
     """Nodes that the cards CLMP, ATTM, CRBN name, sets taken apart."""
     known = {**{number: (number,) for number in nodes}, **sets}
     lists = {}
-    for section, _ in LISTS:
+    for section in _LISTS:
         found = []
         for record in values.of_body(section, k):
             found += [n for m in members_of(record, known, k, findings) for n in known[m]]

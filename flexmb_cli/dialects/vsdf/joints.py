@@ -8,7 +8,7 @@ import numpy as np
 
 from ...deck.record import Number, Record
 from ...deck.records import DeckValues
-from ...model.diagnostics import Findings
+from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import End, NodeJoint, Pin, VsdfBody
 from ...model.joints import ANGLE, BY_NAME, PITCH, STROKE
 from ...model.mechanism import GROUND
@@ -35,9 +35,7 @@ def find_end(
 ) -> End | None:
     """The end that the deck's numbers `body` and `node` name; None, and a fault, when there is none."""
     if not 0 <= body.value <= len(bodies):
-        findings.error(
-            subject, f"body number {body.value} is outside 0..{len(bodies)}", body.place, id="VSDF-041"
-        )
+        findings.error(subject, no_such("body", body.value, len(bodies), 0), body.place, id="VSDF-041")
         return None
     index = end_of_body(body.value)
     owner = ground if index == GROUND else bodies[index]

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
-from ...model.diagnostics import Findings
+from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import BodyTorque, End, JointSpring, NodeForce, NodeJoint, NodeSpring, VsdfBody
 from ...model.mechanism import GROUND
 from ...model.time_functions import MotionFunction
-from ..elements.build import MOST_ELEMENTS
-from ..elements.functions import Functions
+from ..joint_elements.build import MOST_ELEMENTS
+from ..joint_elements.functions import Functions
 from .bodies import end_of_body
 from .joints import SLIDING, TURNING, find_end
 from .motions import Tables, find_table
@@ -68,7 +68,7 @@ def build_torques(
         body = record.at("body")
         follows, factor = _follows(record, findings), factors.of(record)
         if not 1 <= body.value <= len(bodies):
-            message = f"body number {body.value} is outside 1..{len(bodies)}"
+            message = no_such("body", body.value, len(bodies))
             findings.error(record.subject, message, body.place, id="VSDF-065")
         elif bodies[body.value - 1].flexible is not None:
             message = f"body {body.value} is FLEX, its nodes do not turn; give a pair of forces instead"
@@ -140,7 +140,7 @@ def build_joint_springs(
         _check_not_negative(record, ("k", "c"), findings)
         number = record.at("joint")
         if not 1 <= number.value <= count:
-            message = f"joint number {number.value} is outside 1..{count}"
+            message = no_such("joint", number.value, count)
             findings.error(record.subject, message, number.place, id="VSDF-070")
             continue
         kind = kinds.get(f"joint {number.value}", "revolute")

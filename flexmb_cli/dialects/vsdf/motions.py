@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 from ...deck.number_table import column, places_by
 from ...deck.record import Number, Record
 from ...deck.records import DeckValues
-from ...model.diagnostics import Findings
+from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import NodeJoint, VsdfBody
 from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionFunction, table_function
-from ..elements.functions import Functions
+from ..joint_elements.functions import Functions
 from .joints import SLIDING, TURNING
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def _target_exists(
     relative = kind in ("ANGL", "STRK")
     what, count = ("joint", joints) if relative else ("body", bodies)
     if not 1 <= target.value <= count:
-        message = f"{what} number {target.value} is outside 1..{count}"
+        message = no_such(what, target.value, count)
         findings.error(record.subject, message, target.place, id="VSDF-057")
         return False
     fitting = TURNING if kind == "ANGL" else SLIDING

@@ -8,7 +8,7 @@ import numpy as np
 from ...deck.number_table import outside
 from ...deck.record import Record
 from ...deck.records import DeckValues
-from ...model.diagnostics import Findings
+from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import VsdfBody
 from ...model.vectors import euler_parameters
 from ...quick_dataclass import replace
@@ -23,7 +23,7 @@ def refuse_placements_outside(values: DeckValues, count: int, findings: Findings
     """Refuse cards PLAC of bodies that the deck, with `count` bodies, does not have."""
     for record in outside(values.section("placement"), "body", 1, count):
         number = record.at("body")
-        message = f"body number {number.value} is outside 1..{count}"
+        message = no_such("body", number.value, count)
         findings.error(record.subject, message, number.place, id="VSDF-094")
 
 

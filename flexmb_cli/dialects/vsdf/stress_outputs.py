@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...deck.records import DeckValues
 from ...errors import Place
-from ...model.diagnostics import Findings
+from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import StressSelection, VsdfBody
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def _usable(record: "Record", bodies: Sequence[VsdfBody], findings: Findings) ->
     """Return whether the body exists and has a material; else a fault."""
     number = record.at("body")
     if not 1 <= number.value <= len(bodies):
-        message = f"body number {number.value} is outside 1..{len(bodies)}"
+        message = no_such("body", number.value, len(bodies))
         findings.error(record.subject, message, number.place, id="VSDF-089")
         return False
     body = bodies[number.value - 1]

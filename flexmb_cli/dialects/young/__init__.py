@@ -36,5 +36,6 @@ DIALECT = Dialect(
     spline_cards="elements.splines:spline_cards",
     rigid_model="exchange.rigid_model:rigid_model",
     rigid_deck="exchange.rigid_deck:rigid_deck",
+    other_units="exchange.other_units:in_other_units",
     any_units=True,
 )

@@ -15,13 +15,13 @@ from ...deck.shifted_lines import with_slip_named
 from ...errors import Fault, FaultList, ModelError
 from ...model.diagnostics import Findings
 from ...model.driver_angles import check_driver_angles
-from ...model.joints import JOINT_TYPES
 from ...model.mechanism import Mechanism, TimeGrid
 from .dynamic_cards import FORWARD, analysis_of
 from .elements.cards import CONSTRAINING
 from .equation_count import check_equation_count
 from .parts import part_of
 from .prescribed_coordinates import check_held_coordinates
+from .sections import YOUNG_JOINTS
 
 _HOLDERS = ("ground", "simplified", "driver")
 _SECTIONS = ("body", "simplified", "distance", "driver", "ground", "point")
@@ -91,12 +91,12 @@ def _parts(deck: Deck, findings: Findings) -> "dict[Any, Any]":
         if part is not None and (kept or record.section == "time"):
             parts[record.section].append(part)
     if kept:
-        parts["joint"] = [joint for kind in JOINT_TYPES for joint in parts[kind.name]]
+        parts["joint"] = [joint for kind in YOUNG_JOINTS for joint in parts[kind.name]]
         return {name: tuple(parts[name]) for name in (*_SECTIONS, "joint", "time")}
     # A large deck: each part, which has no fault, is made of its record again when it is looked at.
     make = partial(_part, bodies)
     found = {name: Made(deck.section(name), make) for name in _SECTIONS}
-    joints = Chained([Made(deck.section(kind.name), make) for kind in JOINT_TYPES])
+    joints = Chained([Made(deck.section(kind.name), make) for kind in YOUNG_JOINTS])
     return {**found, "joint": joints, "time": tuple(parts["time"])}
 
 

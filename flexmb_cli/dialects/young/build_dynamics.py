@@ -10,7 +10,7 @@ from ...deck.many_records import Chained, Made
 from ...deck.record import Deck, Record
 from ...errors import Fault, ModelError
 from ...model.arrays.dynamic import inertia_matrix
-from ...model.diagnostics import Findings
+from ...model.diagnostics import Findings, no_such
 from ...model.loads import (
     AppliedForce,
     AppliedTorque,
@@ -100,7 +100,8 @@ def _check_bodies(deck: Deck, bodies: int, findings: Findings) -> None:
             least = 1 if len(keys) == 1 else 0
             for key in keys:
                 if not least <= record[key] <= bodies:
-                    message = f"body number {record[key]} is outside {least}..{bodies}"
+                    ground = f"body 0 is the ground, which does not move; name one of 1..{bodies}"
+                    message = no_such("body", record[key], bodies, least) if record[key] else ground
                     findings.error(record.subject, message, record.at(key).place, id="YOUNG-001")
             if len(keys) == 2 and record["I"] == record["J"]:
                 message = f"I and J are both body {record['I']}; two bodies are needed"
@@ -247,7 +248,8 @@ def _note_loads_at_rest(model: DynamicModel, findings: Findings) -> None:
     at_rest = {GROUND, *(ground.body for ground in model.mechanism.grounds)}
     bodies = model.mechanism.bodies
     for item, numbers in _loaded_bodies(model):
-        if at_rest.issuperset(numbers):
+        refused = numbers == (GROUND,) or len(set(numbers)) < len(numbers)
+        if at_rest.issuperset(numbers) and not refused:
             names = " and ".join(bodies[n].name if n != GROUND else "the ground" for n in numbers)
             held = "is held" if len(numbers) == 1 else "are held"
             message = f"moves nothing: {names} {held} at rest by a ground constraint, which bears it"

@@ -22,6 +22,12 @@ SHOWN_GROUPS = 8
 SHOWN_BODIES = 6
 MANY_BODIES = 10_000  # beyond, groups are named only where they are not in balance
 _PER_BODY = 6
+_PER_PLANAR_LOOP = 3  # equations of a loop of revolute and translational joints in a plane that repeat others
+PLANAR = (
+    "in a loop that moves in a plane, 3 equations of revolute and translational joints repeat others: make "
+    "one revolute joint a spherical one (3 equations in place of 5) and another a cylindrical one (4), which "
+    "moves the same, or add DYNAMICS forward with masses, where equations may repeat"
+)
 
 
 def check_equation_count(mechanism: Mechanism, place: Place | None, findings: Findings) -> None:
@@ -50,6 +56,8 @@ def check_equation_count(mechanism: Mechanism, place: Place | None, findings: Fi
         return
     for group in off[:SHOWN_GROUPS]:
         findings.note("", group.sentence, mechanism.bodies[group.bodies[0]].place, id="YOUNG-025")
+    if any(_may_be_planar(mechanism, group) for group in off[:SHOWN_GROUPS]):
+        findings.note("", PLANAR, place, id="YOUNG-082")
     if len(off) > SHOWN_GROUPS:
         findings.note(
             "", f"{len(off) - SHOWN_GROUPS} more groups of bodies are not in balance", place, id="YOUNG-026"
@@ -92,6 +100,15 @@ def _links(mechanism: Any, grounded: Any) -> Iterator[tuple[int, tuple[int, ...]
         yield 1, (held.body,)
     for body in grounded:
         yield _PER_BODY, (body,)
+
+
+def _may_be_planar(mechanism: Mechanism, group: "_Group") -> bool:
+    """Return whether a group has as many equations too many as its loops would repeat in a plane."""
+    bodies = set(group.bodies)
+    joints = [joint.kind for joint in mechanism.joints if joint.i in bodies or joint.j in bodies]
+    loops = len(joints) - len(bodies)
+    planar = set(joints) <= {"revolute", "translational"}
+    return planar and loops > 0 and group.excess == _PER_PLANAR_LOOP * loops
 
 
 def _balanced(mechanism: Any, grounded: Any) -> Any:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Record
 from ...errors import Fault
-from ...model.diagnostics import LARGEST_NUMBER, Findings
-from ...model.joints import JOINT_TYPES, PITCH, JointType
+from ...model.diagnostics import LARGEST_NUMBER, Findings, no_such
+from ...model.joints import PITCH, JointType
 from ...model.mechanism import (
     SINE_OF_PARALLELS,
     Body,
@@ -24,6 +24,7 @@ from ...model.mechanism import (
     Vector,
 )
 from ...model.time_checks import MOST_ROWS
+from .sections import YOUNG_JOINTS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -71,7 +72,7 @@ def _names_bodies(record: Record, bodies: int, findings: Findings) -> bool:
     keys = [key for key in ("body", "I", "J") if key in record]
     outside = [key for key in keys if not 1 <= record[key] <= bodies]
     for key in outside:
-        message = f"body number {record[key]} is outside 1..{bodies}"
+        message = no_such("body", record[key], bodies)
         findings.error(record.subject, message, record.at(key).place, id="YOUNG-033")
     if outside:
         return False
@@ -256,7 +257,7 @@ def _point(record: Record, _findings: Findings) -> Point:
 
 
 _MAKERS = {
-    **{kind.name: _joint(kind) for kind in JOINT_TYPES},
+    **{kind.name: _joint(kind) for kind in YOUNG_JOINTS},
     "simplified": _simplified,
     "distance": _distance,
     "driver": _driver,

@@ -14,6 +14,8 @@ from ...quick_dataclass import dataclass
 from . import DIALECT
 
 COUNT_OF = {name: count for count, name in DIALECT.joints.items()}
+# Other dialects may have more.
+YOUNG_JOINTS = tuple(kind for kind in JOINT_TYPES if kind.name in COUNT_OF)
 
 
 @dataclass(frozen=True)
@@ -102,7 +104,7 @@ COUNTS = Section(
         _whole("NBODY", "number of bodies"),
         _whole("NDRIVE", "number of drivers"),
         _whole("NPOINT", "number of points of interest"),
-        *(_whole(COUNT_OF[kind.name], f"number of {kind.name} joints") for kind in JOINT_TYPES),
+        *(_whole(COUNT_OF[kind.name], f"number of {kind.name} joints") for kind in YOUNG_JOINTS),
         _whole("NSIMPL", "number of simplified constraints"),
         _whole("NSIMP2", "number of distance constraints"),
         _whole("NGROUN", "number of ground bodies"),
@@ -193,7 +195,7 @@ YOUNG_SECTIONS = (
     BODIES,
     DRIVERS,
     POINTS,
-    *map(_joint, JOINT_TYPES),
+    *map(_joint, YOUNG_JOINTS),
     SIMPLIFIED,
     DISTANCES,
     GROUNDS,

@@ -12,7 +12,7 @@ import numpy as np
 from ...quick_dataclass import dataclass
 from ..flexible_mechanism import NodePoint, PointJoint
 from ..joint_elements import COORDINATES_OF, JointElements, is_angle
-from ..joints import ANGLE, STROKE
+from ..joints import ANGLE, BY_NAME, PITCH, STROKE
 from ..time_functions import integral_of
 from .constraint_table import PrimitiveTable
 from .node_joints import JointVectors
@@ -93,7 +93,8 @@ class PointJoints:
 
     def pitch(self, joint: int) -> float:
         """Advance of a screw, m/rad."""
-        return self.joints[joint].size if self.joints[joint].kind == "screw" else 0.0
+        given = self.joints[joint]
+        return given.size if BY_NAME[given.kind].size == PITCH else 0.0
 
 
 def coordinates_of_joints(joints: Sequence[Any]) -> list[JointCoordinateName]:

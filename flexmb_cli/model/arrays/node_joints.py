@@ -11,10 +11,12 @@ import numpy as np
 
 from ...errors import Fault, ModelError
 from ..flexible_mechanism import FlexibleMechanism, FloatingBody, NodePoint, PointJoint
+from ..joints import BY_NAME, STROKE
 from ..time_functions import POLYNOMIAL, Motion, MotionFunction
 from .constraint_table import PrimitiveTable, tilde
 from .records import NONE
 
+ACROSS = 1e-9  # of a length: what decks and assembly round off
 TRANSLATIONS, ROTATIONS = ("TRAX", "TRAY", "TRAZ"), ("ROTX", "ROTY", "ROTZ")
 
 
@@ -69,7 +71,7 @@ class JointVectors:
             return (
                 table.body_vector(self.i, f),
                 table.body_vector(self.i, np.cross(s, f)),
-                table.body_vector(self.j, h),
+                table.body_vector(self.j, self._off_axis(h) @ h),
             )
         h = self.b[2].r0 - self.b[0].r0
         target = of_a.T @ of_b @ h
@@ -81,8 +83,21 @@ class JointVectors:
         return (
             table.between(self.a[0], self.a[2], B),
             table.between(self.a[0], self.a[2], tilde(s) @ B),
-            table.between(self.b[0], self.b[2], np.eye(3) / np.linalg.norm(h)),
+            table.between(self.b[0], self.b[2], self._off_axis(h) / np.linalg.norm(h)),
         )
+
+    def _off_axis(self, h: np.ndarray) -> np.ndarray:
+        """Return the projection (3, 3) that takes from h of body b its part along the joint's axis.
+
+        A torque in an angle acts along the gradient of that angle. This is the axis only if H is across it,
+        which estimates that miss the axis, or a third node beside the plane across it, do not give.
+        """
+        s = self._unit(self.b)
+        along, length = abs(h @ s), np.linalg.norm(h)
+        if along <= ACROSS * length or along >= (1.0 - ACROSS) * length:
+            return np.eye(3)
+        found: np.ndarray = np.eye(3) - np.outer(s, s)
+        return found
 
     def stroke(self) -> np.ndarray:
         """The primitive of the stroke, 0 at t = 0."""
@@ -254,9 +269,11 @@ def _refuse_two_rotations(motions: tuple[Motion, ...]) -> None:
 
 
 def spring_primitive(table: PrimitiveTable, joint: PointJoint) -> np.ndarray:
-    """The stroke of a translational joint, the angle of the others."""
+    """The joint coordinate in which a spring of the joint acts."""
     body_vectors = JointVectors(table, joint)
-    return body_vectors.stroke() if joint.kind == "translational" else table.angle(*body_vectors.turning())
+    if BY_NAME[joint.kind].sprung == STROKE:
+        return body_vectors.stroke()
+    return table.angle(*body_vectors.turning())
 
 
 def reaction_point(joint: PointJoint) -> NodePoint:

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from ...model.element_names import element_names
+from ...model.joint_elements import CompositeJoint
 from ...model.joints import ANGLE
 from ...model.loads import DynamicModel
 from ...quick_dataclass import replace
@@ -10,10 +11,21 @@ from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, effort_series
 from .dynamic import FORCES, dynamic_layout, dynamic_values
 from .joint_coordinates import coordinate_names, joint_values, with_elements, with_units
 from .kinematic import readable_names
-from .layout import Layout, Values, numbered_axis
+from .layout import Layout, Series, Values, numbered_axis
 
 if TYPE_CHECKING:
     from ...solvers.constrained.element_rows import ElementRows
+
+
+COMPOSITE_VECTOR = ("composite/composite", "xyz")
+COMPOSITE_SERIES = {
+    "composite_force": Series(
+        "composite/force", COMPOSITE_VECTOR, "N", "force on body J of the composite joint, global axes"
+    ),
+    "composite_torque": Series(
+        "composite/torque", COMPOSITE_VECTOR, "N m", "torque on body J about its point P_j, global axes"
+    ),
+}
 
 
 def element_layout(model: DynamicModel) -> Layout:
@@ -29,12 +41,22 @@ def element_layout(model: DynamicModel) -> Layout:
     joints = model.mechanism.joints
     coordinates = coordinate_names(joints, readable_names("joint", joints))
     layout = replace(found, axes=tuple(axes), series=tuple(series))
-    return with_elements(layout, coordinates, element_names(model))
+    found = with_elements(layout, coordinates, element_names(model), model.elements.couplings)
+    return _with_composites(found, model.elements.composites)
 
 
 def element_values(model: DynamicModel, rows: "ElementRows") -> Values:
     """The fields of report rows (`ElementRows`) by the paths of their datasets."""
-    return {**dynamic_values(model, rows), **joint_values(rows)}
+    return {**dynamic_values(model, rows), **joint_values(rows), **joint_values(rows, COMPOSITE_SERIES)}
+
+
+def _with_composites(layout: Layout, composites: tuple[CompositeJoint, ...]) -> Layout:
+    """The layout with the forces of composite joints, if there are any."""
+    if not composites:
+        return layout
+    axis = numbered_axis("composite", [item.name for item in composites])
+    series = (*layout.series, *COMPOSITE_SERIES.values())
+    return replace(layout, axes=(*layout.axes, axis), series=series)
 
 
 def _driver_names(model: DynamicModel) -> list[tuple[str, str]]:

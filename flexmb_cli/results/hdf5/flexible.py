@@ -80,7 +80,7 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
     found = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), tuple(_constants(mechanism)))
     if mechanism.elements:
         coordinates = coordinate_names(mechanism.joints, [joint.name for joint in mechanism.joints])
-        found = with_elements(found, coordinates, element_names(mechanism))
+        found = with_elements(found, coordinates, element_names(mechanism), mechanism.elements.couplings)
     return with_shapes(found, mechanism.shapes)
 
 

@@ -1,13 +1,14 @@
-"""Joint coordinates and elements at joints in results of every dialect."""
+"""Joint coordinates, elements at joints and couplings in results of every dialect."""
 
 from collections.abc import Sequence
 from typing import Any
 
+from ...model.joint_elements import Coupling, is_angle
 from ...model.joints import ANGLE
 from ...quick_dataclass import replace
 from .layout import Axis, Layout, Series, Values, numbered_axis
 
-COORDINATE, ELEMENT = "coordinate/coordinate", "element/element"
+COORDINATE, ELEMENT, COUPLING = "coordinate/coordinate", "element/element", "coupling/coupling"
 JOINT_SERIES = {
     "joint_coordinate": Series(
         "coordinate/q", (COORDINATE,), "rad or m", "joint coordinate, 0 at the deck's estimates"
@@ -36,24 +37,44 @@ ELEMENT_SERIES = {
         "what springs' dampers, stops, cables, bushings and friction have dissipated since the start",
     ),
 }
-SERIES = JOINT_SERIES | ELEMENT_SERIES
+COUPLING_SERIES = {
+    "coupling_effort": Series(
+        "coupling/effort",
+        (COUPLING,),
+        "N m or N",
+        "effort, which acts times its factor in each coordinate, towards larger values",
+    )
+}
+OF_ELEMENTS = ELEMENT_SERIES | COUPLING_SERIES
+SERIES = JOINT_SERIES | OF_ELEMENTS
 
 
 def with_elements(
-    layout: Layout, coordinates: Sequence[tuple[str, str]], elements: Sequence[tuple[str, str]]
+    layout: Layout,
+    coordinates: Sequence[tuple[str, str]],
+    elements: Sequence[tuple[str, str]],
+    couplings: Sequence[Coupling],
 ) -> Layout:
-    """The layout with axes and series of joint coordinates and elements, pairs of name and unit."""
+    """The layout with axes and series of joint coordinates and elements, pairs of name and unit, and
+    couplings.
+    """
     axes = list(layout.axes)
-    for kind, names in (("coordinate", coordinates), ("element", elements)):
+    of_couplings = [(item.name, _coupling_unit(item)) for item in couplings]
+    for kind, names in (("coordinate", coordinates), ("element", elements), ("coupling", of_couplings)):
         if names:
             texts, units = zip(*names, strict=True)
             axes.append(with_units(numbered_axis(kind, texts), kind, units))
     present = {axis.path for axis in axes}
     # A tree has series of its coordinates already.
-    wanted = SERIES if coordinates else ELEMENT_SERIES
+    wanted = SERIES if coordinates else OF_ELEMENTS
     # What all elements together dissipate has no axis, but belongs to theirs.
     series = [item for item in wanted.values() if present.issuperset(item.axes or (ELEMENT,))]
     return replace(layout, axes=tuple(axes), series=(*layout.series, *series))
+
+
+def _coupling_unit(item: Coupling) -> str:
+    """Unit of the effort at a factor of 1: a coupling of a stroke is an equation of lengths."""
+    return "N m" if all(is_angle(coordinate) for _, coordinate, _ in item.terms) else "N"
 
 
 def joint_values(rows: Any, series: dict[str, Series] = SERIES) -> Values:
@@ -63,7 +84,7 @@ def joint_values(rows: Any, series: dict[str, Series] = SERIES) -> Values:
 
 def with_units(axis: Axis, kind: str, units: Sequence[str]) -> Axis:
     """An axis with the unit of each along it."""
-    meaning = f"unit of the {kind}'s effort" if kind == "driver" else f"unit of the {kind}"
+    meaning = f"unit of the {kind}'s effort" if kind in ("driver", "coupling") else f"unit of the {kind}"
     return replace(axis, labels=(*axis.labels, (f"{kind}/unit", tuple(units), meaning)))
 
 

@@ -10,7 +10,7 @@ from ...model.joint_elements import is_angle
 from ...model.tree import ELASTIC, ROTATION, Body, Tree
 from ...quick_dataclass import replace
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
-from .joint_coordinates import ELEMENT_SERIES, joint_values, with_elements
+from .joint_coordinates import OF_ELEMENTS, joint_values, with_elements
 from .layout import EULER_PARAMETER, XYZ, Axis, Layout, Series, Values, numbered_axis
 from .motion_series import BODY_MOTION, JOINT_VECTOR, POINT_MOTION
 from .result_geometry import SIDE, tree_geometry
@@ -68,7 +68,8 @@ def tree_layout(tree: Tree, points: list[str]) -> Layout:
         series += OF_CLOSURES.values()
     layout = Layout("dynamic", tree.time.rows, tuple(axes), tuple(series), tree_geometry(tree))
     if tree.elements:
-        layout = with_elements(_with_drivers(layout, tree), (), list(names_of(tree.elements)))
+        names, couplings = list(names_of(tree.elements)), tree.elements.couplings
+        layout = with_elements(_with_drivers(layout, tree), (), names, couplings)
     return with_shapes(layout, tree.shapes)
 
 
@@ -97,7 +98,7 @@ def tree_values(tree: Tree, rows: "TreeRows", points: "PointMotion") -> Values:
     for (k, _), displacement in zip(_flexible(tree), rows.displacement, strict=True):
         values[_displacement(tree, k)] = displacement
     if tree.elements:
-        values |= joint_values(rows, ELEMENT_SERIES)
+        values |= joint_values(rows, OF_ELEMENTS)
         values |= {PATH: rows.driver_effort} if tree.prescribed or tree.elements.drivers else {}  # type: ignore[attr-defined]
     return values
 

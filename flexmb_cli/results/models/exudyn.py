@@ -21,7 +21,8 @@ from .exudyn_joints import HELD, independent_axes, joint_frames
 
 HEAD = '''"""{title}, written by flexmb for Exudyn 1.13 or later.  SI units.
 
-Run it: results are positions of the mass centres at the report times, in the file {title}-exudyn.csv.
+Run it: results are positions of the body frames at the report times, in the file {title}-exudyn.csv.
+`flexmb diff {title}-exudyn.csv RESULT.h5 --atol 1e-6` compares them with flexmb's.
 """
 
 import exudyn as exu
@@ -42,10 +43,13 @@ gravity = {gravity}
 '''
 TAIL = """
 END, ROWS = {end!r}, {rows!r}
+COLUMNS = {columns!r}
+# Origins of the body frames, from the mass centres.
+ORIGINS = {origins!r}
 sensors = [
     mbs.AddSensor(dict(sensorType="Body", bodyNumber=body, storeInternal=True, writeToFile=False,
-                       outputVariableType=exu.OutputVariableType.Position, localPosition=[0, 0, 0]))
-    for body in bodies
+                       outputVariableType=exu.OutputVariableType.Position, localPosition=origin))
+    for body, origin in zip(bodies, ORIGINS)
 ]
 mbs.Assemble()
 settings = exu.SimulationSettings()
@@ -80,7 +84,8 @@ while error > TOLERANCE and steps < MOST_STEPS:
     better = fine + (fine - coarse) / 3
     error = np.inf if rows is None else np.abs(better - rows).max()
     coarse, rows = fine, better
-np.savetxt("{title}-exudyn.csv", rows, delimiter=",", fmt="%.17g")
+rows[:, 0] += {begin!r}
+np.savetxt("{title}-exudyn.csv", rows, delimiter=",", fmt="%.17g", header=COLUMNS, comments="")
 print(f"{{steps}} steps, estimated error of positions {{error:.1e}} m")
 if error > TOLERANCE:
     raise SystemExit(f"the error is above {{TOLERANCE:.1e}} m: allow more than {{MOST_STEPS}} steps")
@@ -116,6 +121,9 @@ def exudyn_script(
         title=name,
         end=time.last - time.start,
         rows=time.rows,
+        begin=time.start,
+        columns=",".join(["time [s]", *placed.columns()]),
+        origins=[[0.0 - float(x) for x in placed.centre[body]] for body in placed.numbers],
         steps=FIRST_STEPS * intervals,
         most=LAST_STEPS * intervals,
         tolerance=POSITION_ERROR,
@@ -181,6 +189,11 @@ class _Placed:
                 f"initialVelocity={_list(velocity)}, initialAngularVelocity={_list(self.start['omega'][k])}"
                 f"{self.graphics([k])}))"
             )
+
+    def columns(self) -> Iterator[str]:
+        """Yield the headings of the positions, as results of flexmb have them."""
+        for body in self.numbers:
+            yield from (f"body.{body + 1}.{axis} [m]" for axis in "xyz")
 
     def graphics(self, bodies: list[int]) -> str:
         """Return the argument for the shapes of bodies, from the mass centre or global; "" without any."""

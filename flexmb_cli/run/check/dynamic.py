@@ -9,7 +9,16 @@ from ...model.loads import DynamicModel
 from ...model.unit_checks import unit_doubts
 from ..context import Run
 from .check import CheckReport
-from .parts import before_and_after, gaps_of, is_small, is_too_large, parts_of, refuse_jacobian, start_of
+from .parts import (
+    before_and_after,
+    gaps_of,
+    is_small,
+    is_too_large,
+    note_slips,
+    parts_of,
+    refuse_jacobian,
+    start_of,
+)
 
 if TYPE_CHECKING:
     from ...solvers.constrained.young_dynamics import ForwardDynamics
@@ -41,7 +50,8 @@ def _check_forward(report: Any, model: Any, run: Run) -> None:
 
     analysis = DrivenDynamics(model) if model.analysis == "inverse" else ForwardDynamics(model)
     arrays, speeds = analysis.arrays.kinematic, analysis.arrays.speeds
-    before = gaps_of(_Gaps(analysis), analysis.arrays, arrays.q, analysis.arrays.angles)
+    gaps = _Gaps(analysis)
+    before = gaps_of(gaps, analysis.arrays, arrays.q, analysis.arrays.angles)
     try:
         found = start_of(analysis, report)
     finally:
@@ -54,9 +64,8 @@ def _check_forward(report: Any, model: Any, run: Run) -> None:
     }
     report.time = model.mechanism.time.start
     q = analysis.integration.z[: arrays.q.size]
-    report.gaps = before_and_after(
-        before, gaps_of(_Gaps(analysis), analysis.arrays, q, analysis.arrays.angles)
-    )
+    report.gaps = before_and_after(before, gaps_of(gaps, analysis.arrays, q, analysis.arrays.angles))
+    note_slips(report, gaps.evaluator, arrays.q, report.time, analysis.arrays.angles)
     report.rank, report.smallest = int(found.rank), float(found.smallest)
     report.redundant = [[equation.name for equation in group] for group in found.redundant]
     report.free = [list(names) for names in found.free]

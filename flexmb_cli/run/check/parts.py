@@ -100,6 +100,17 @@ def gaps_of(analysis: Any, arrays: Any, q: "np.ndarray", expected: "np.ndarray")
     return gaps
 
 
+def note_slips(
+    report: "CheckReport", evaluator: Any, q: "np.ndarray", t: float, expected: "np.ndarray"
+) -> None:
+    """Note joints that the estimates q leave wide open while they nearly close the others."""
+    from ...solvers.kinematics.estimate_gaps import slip_note, wide_estimates
+
+    wide, rest = wide_estimates(evaluator, q, t, expected)
+    if wide:
+        report.outcome.faults.append(slip_note(wide, rest))
+
+
 def before_and_after(before: Gaps, after: Gaps) -> list[tuple[str, float, float, str]]:
     """Rows (owner, gap of the estimates, of the assembled position, unit)."""
     return [(owner, before[owner, unit], after[owner, unit], unit) for owner, unit in before]

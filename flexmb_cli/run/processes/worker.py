@@ -6,10 +6,12 @@ cannot be started, leave it waiting for ever, and write to closed lines while Py
 
 import os
 import pickle
+import sys
 import traceback
-from collections.abc import Callable, Collection
-from contextlib import suppress
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager, suppress
 from multiprocessing import connection, get_context
+from types import ModuleType
 from typing import Any
 
 from .signal_mask import signals_masked
@@ -27,7 +29,7 @@ class Worker:
         spawn = get_context("spawn")
         self.line, theirs = spawn.Pipe()
         self.process = spawn.Process(target=_served, args=(serve, theirs, *given))
-        with theirs, signals_masked():
+        with theirs, signals_masked(), _caller_script_hidden():
             self.process.start()
 
     def send(self, message: Any) -> bool:
@@ -60,6 +62,21 @@ class Worker:
         """End the process, whatever it is at."""
         self.process.kill()
         self.end()
+
+
+@contextmanager
+def _caller_script_hidden() -> Iterator[None]:
+    """Keep the new process from running the caller's script, which without a test of `__name__` begins anew.
+
+    multiprocessing runs the file of `__main__` in each process, for functions that are pickled from there;
+    `serve` is one of the package.
+    """
+    script = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = script
 
 
 def _served(serve: Any, line: Any, *given: Any) -> None:

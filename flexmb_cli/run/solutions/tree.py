@@ -5,6 +5,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault
+from ...model.integrators import IMPLICIT_TREE_METHODS
 from ...model.tree import Tree
 from ...model.unit_checks import unit_doubts
 from ...quick_dataclass import replace
@@ -77,7 +78,7 @@ def absolute_analysis(tree: Tree, run: Run) -> Any:
 
 def _unused_method(tree: Tree) -> "Iterator[Any]":
     """The choice of an integrator is one of Kane's equations."""
-    if tree.integration.method not in (("dop853", "radau", "sdirk4") if tree.elements else ("dop853",)):
+    if tree.integration.method not in ("dop853", *(IMPLICIT_TREE_METHODS if tree.elements else ())):
         message = f"absolute coordinates are stepped by DOP853: {tree.integration.method} is not used"
         yield Fault("warning", message, id="RUN-010")
 

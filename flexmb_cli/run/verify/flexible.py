@@ -43,6 +43,7 @@ ELEMENTS = (
     ("element power", "W", "element_power"),
     ("element energy", "J", "element_energy"),
     ("element work", "J", "element_work"),
+    ("coupling effort", "N, N m", "coupling_effort"),
 )
 ENERGIES = ("kinetic", "potential", "strain")
 

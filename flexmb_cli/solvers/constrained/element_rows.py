@@ -1,4 +1,4 @@
-"""Report rows of decks with elements at joints: joint coordinates, and what every element does."""
+"""Report rows of decks with elements at joints: joint coordinates, and what every element does and bears."""
 
 from typing import Any
 
@@ -8,10 +8,12 @@ from ...kernels.constrained.elements import COORDINATE, EFFORT, ENERGY, POWER, S
 from ...kernels.constrained.report import Report
 from ...model.arrays.dynamic import DynamicArrays
 from ...model.arrays.element_table import coordinates_of_joints
+from ...model.arrays.system import SystemArrays
 from ...model.joint_elements import JointElements
 from ...model.loads import DynamicModel
+from ...model.vectors import cross_rows
 from ...quick_dataclass import dataclass, fields
-from .rows import DynamicRows, dynamic_rows
+from .rows import DynamicRows, dynamic_rows, global_axes
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,9 @@ class ElementRows(DynamicRows):
     element_energy: np.ndarray  # (T, elements) J, what it stores
     element_work: np.ndarray  # (T, elements) J, integral of its power since the start
     dissipated: np.ndarray  # (T,) J, what all elements but motors have dissipated since the start
+    coupling_effort: np.ndarray  # (T, couplings) times its factor: what acts in a coordinate, N or N m
+    composite_force: np.ndarray  # (T, composite joints, 3) on body J, global axes, N
+    composite_torque: np.ndarray  # (T, composite joints, 3) on body J about P_j, global axes, N m
 
 
 def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> ElementRows:
@@ -39,7 +44,37 @@ def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> 
         kept["driver_effort"] = np.concatenate([rows.driver_effort, own], axis=1)
     first = len(model.forces) + len(model.torques)
     count = len(coordinates_of_joints(model.mechanism.joints))
-    return ElementRows(**kept, **element_answers(report, first, model.elements, count))
+    return ElementRows(
+        **kept,
+        **element_answers(report, first, model.elements, count),
+        coupling_effort=coupling_efforts(report, arrays, model.elements),
+        **_composite_forces(model, arrays, report),
+    )
+
+
+def coupling_efforts(
+    report: Report, arrays: SystemArrays, elements: JointElements, behind: int = 0
+) -> np.ndarray:
+    """Multipliers (T, couplings); `behind`: groups of equations behind those of couplings and drivers."""
+    end = len(arrays.groups) - behind - len(elements.drivers)
+    groups = arrays.groups[end - len(elements.couplings) : end]
+    return report.multipliers[:, groups["first_row"]] + 0.0
+
+
+def _composite_forces(model: DynamicModel, arrays: DynamicArrays, report: Report) -> dict[str, np.ndarray]:
+    """Forces and torques (T, composite joints, 3) on body J at P_j: the ground bears what body I does."""
+    elements = model.elements
+    end = len(arrays.groups) - len(elements.couplings) - len(elements.drivers)
+    first = end - len(elements.composites)
+    force, torque = (np.zeros((len(report.times), len(elements.composites), 3)) for _ in range(2))
+    for k, item in enumerate(elements.composites):
+        side, sign, body = (1, 1.0, item.j) if item.j >= 0 else (0, -1.0, item.i)
+        wrench = sign * report.wrenches[:, first + k, side] + 0.0
+        q = report.states[:, 7 * body : 7 * body + 7]
+        arm = global_axes(q[:, 3:], np.array([item.P_j])) if item.j >= 0 else item.P_j - q[:, :3]
+        force[:, k] = wrench[:, :3]
+        torque[:, k] = global_axes(q[:, 3:], wrench[:, 3:]) - cross_rows(arm, wrench[:, :3])
+    return {"composite_force": force, "composite_torque": torque}
 
 
 def element_answers(report: Report, first: int, elements: JointElements, coordinates: int) -> dict[str, Any]:

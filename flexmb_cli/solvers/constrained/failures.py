@@ -31,7 +31,7 @@ GO_ON = (
     "times as large or as small"
 )
 IMPLICIT = tuple(word for word, method in METHODS.items() if method.implicit)
-MOMENTS = (1e-9, 1e-7, 1e-5)  # of a run: how far behind the state a jam is looked for
+MOMENTS = (1e-9, 1e-7, 1e-5)  # of a run: how far behind the state loads without force are looked for
 
 
 def step_failure(analysis: Any, answer: int) -> AnalysisError:
@@ -54,8 +54,8 @@ def step_failure(analysis: Any, answer: int) -> AnalysisError:
         _overturned(analysis, analysis.work.responses).size or not _has_forces(analysis, t)
     ):
         return force_failure(analysis, analysis.work.responses, t)
-    if _jams_ahead(analysis, t):
-        return jam_failure(t)
+    if _is_without_forces_ahead(analysis, t):
+        return force_failure(analysis, analysis.work.responses, t)
     if clock["fault"] == NO_INERTIA:
         return inertia_failure(analysis, t)
     reason, owners = _why_steps_fall(analysis, norms)
@@ -63,12 +63,12 @@ def step_failure(analysis: Any, answer: int) -> AnalysisError:
     return AnalysisError(about("error", message, *owners[:1]), t, norms)
 
 
-def _jams_ahead(analysis: Any, t: float) -> bool:
-    """Return whether friction has no normal forces where its speeds lead the state in a moment.
+def _is_without_forces_ahead(analysis: Any, t: float) -> bool:
+    """Return whether friction or a bushing has no force where its speeds lead the state in a moment.
 
     Steps come as near to such a place as they like, and none leads over it.
     """
-    if not np.any(analysis.arrays.loads["kind"] == FRICTION):
+    if not np.isin(analysis.arrays.loads["kind"], (FRICTION, ELEMENT)).any():
         return False
     span = analysis.grid.end - analysis.grid.start
     return any(not _has_forces(analysis, t, share * span) for share in MOMENTS)

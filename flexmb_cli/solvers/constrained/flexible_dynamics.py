@@ -9,6 +9,7 @@ from ...kernels.constrained.system import System
 from ...model.arrays.flexible import flexible_arrays
 from ...model.arrays.node_joints import TRANSLATIONS
 from ...model.flexible_mechanism import FlexibleMechanism, PointJoint
+from ...model.joints import BY_NAME, STROKE
 from ...model.loads import InitialVelocity
 from ...model.mechanism import Joint
 from ...model.planar_loops import repeated_in_plane
@@ -65,7 +66,9 @@ class FlexibleDynamics(ConstrainedMotion):
             *((torque.name, True) for torque in m.torques),
             *((spring.name, True) for spring in m.springs),
         ]
-        loads += [(item.name, m.joints[item.joint].kind == "translational") for item in m.joint_springs]
+        loads += [
+            (item.name, BY_NAME[m.joints[item.joint].kind].sprung == STROKE) for item in m.joint_springs
+        ]
         return Terms(
             tuple(loads),
             tuple(

@@ -7,7 +7,7 @@ from ...model.arrays.element_table import coordinates_of_joints
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...quick_dataclass import dataclass, fields
-from .element_rows import element_answers
+from .element_rows import coupling_efforts, element_answers
 from .flexible_rows import FlexibleRows, flexible_rows
 
 
@@ -24,6 +24,7 @@ class FlexibleElementRows(FlexibleRows):
     element_energy: np.ndarray  # (T, elements)
     element_work: np.ndarray  # (T, elements)
     dissipated: np.ndarray  # (T,)
+    coupling_effort: np.ndarray  # (T, couplings)
 
 
 def flexible_element_rows(
@@ -34,4 +35,8 @@ def flexible_element_rows(
     kept = {field.name: getattr(rows, field.name) for field in fields(FlexibleRows)}
     first = len(mechanism.forces) + len(mechanism.torques)
     count = len(coordinates_of_joints(mechanism.joints))
-    return FlexibleElementRows(**kept, **element_answers(report, first, mechanism.elements, count))
+    return FlexibleElementRows(
+        **kept,
+        **element_answers(report, first, mechanism.elements, count),
+        coupling_effort=coupling_efforts(report, arrays, mechanism.elements),
+    )

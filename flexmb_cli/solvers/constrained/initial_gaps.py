@@ -1,12 +1,15 @@
-"""Gaps of joints at the positions of a VSDF deck, and the displacements that close them."""
+"""Gaps of joints at the positions of a VSDF or YOUNG deck, and the displacements that close them."""
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...errors import Fault
 from ...model.flexible_mechanism import FlexibleMechanism
+from ...model.joint_elements import CompositeJoint
+from ...model.loads import DynamicModel
+from ...model.mechanism import Joint
 from ..singular.mobility import about, worst_gaps
 from .position import PositionGaps
 
@@ -18,6 +21,7 @@ if TYPE_CHECKING:
 
 
 APART = 1e-2  # of the mechanism's size; of unit vectors
+FAR_APART = 0.1  # the same of body estimates, which need not be exact
 DEFORMED = 1e-6  # of the length scale: more than round-off
 LOST_ANGLE = 1e-7  # an angle below it is lost in its cosine
 PRESCRIBED = ("ANGL", "STRK")  # motions from the deck's positions, which may well begin elsewhere
@@ -25,20 +29,52 @@ PRESCRIBED = ("ANGL", "STRK")  # motions from the deck's positions, which may we
 
 def gap_warnings(mechanism: FlexibleMechanism, gaps: PositionGaps, q: np.ndarray, t: float) -> list[Fault]:
     """Warnings where assembly moved bodies far, or deformed them; q (n + b,) meets all equations."""
-    return [*_apart(mechanism, gaps, q, t), *_deformed(mechanism, gaps.arrays, q)]
+    limits = _limits(mechanism, gaps.arrays.equations)
+    what = "where POSI and EULP put the bodies, more than a hundredth", "positions or nodes"
+    links = {item.name: item.size for item in mechanism.joints}
+    return [*_apart(gaps, q, t, limits, links, what), *_deformed(mechanism, gaps.arrays, q)]
 
 
-def _apart(mechanism: FlexibleMechanism, gaps: Any, q: np.ndarray, t: float) -> "Iterator[Fault]":
+def estimate_warnings(model: DynamicModel, gaps: PositionGaps, q: np.ndarray, t: float) -> list[Fault]:
+    """Warnings where assembly moved bodies far from their estimates; q (n + b,) meets all equations."""
+    composites = model.elements.composites
+    joints: tuple[Joint | CompositeJoint, ...] = (*model.mechanism.joints, *composites)
+    size = max((abs(x) for joint in joints for P in (joint.P_i, joint.P_j) for x in P), default=0.0)
+    size = max([size, *(item.size for item in composites)]) or 1.0
+    # Drivers and simplified constraints say where the mechanism begins.
+    names = {joint.name for joint in joints}
+    lengths = FAR_APART * np.where([item.is_length for item in gaps.arrays.equations], size, 1.0)
+    limits = np.where([item.owner in names for item in gaps.arrays.equations], lengths, math.inf)
+    what = "at the body estimates more than a tenth", "the estimates or the points of these joints"
+    links = {item.name: item.size for item in composites}
+    return list(_apart(gaps, q, t, limits, links, what))
+
+
+def _apart(
+    gaps: PositionGaps,
+    q: np.ndarray,
+    t: float,
+    limits: np.ndarray,
+    links: dict[str, float],
+    what: tuple[str, str],
+) -> "Iterator[Fault]":
+    """A warning where a residual at the deck's positions is above its limit; `links`: lengths of links, m."""
     arrays = gaps.arrays
-    scaled = gaps.residual(arrays.q, t, arrays.angles)
-    limits = _limits(mechanism, arrays.equations)
-    worst = worst_gaps(gaps, np.where(np.abs(scaled) * arrays.row_scale > limits, scaled, 0.0))
+    residual = gaps.residual(arrays.q, t, arrays.angles) * arrays.row_scale
+    for k, equation in enumerate(arrays.equations):
+        if equation.part == "distance" and (length := links.get(equation.owner, 0.0)):
+            # (d² - L²)/(2 L) is the gap of nearly closed links only.
+            residual[k] = math.sqrt(max(0.0, length * (length + 2.0 * residual[k]))) - length
+    worst = worst_gaps(gaps, np.where(np.abs(residual) > limits, residual / arrays.row_scale, 0.0))
     if not worst:
         return
+    where, remedy = what
+    if any("h_i" in gap.equation.part for gap in worst):
+        remedy = f"{remedy} (h_i and h_j of a translational joint stand at right angles)"
     message = (
-        "where POSI and EULP put the bodies, more than a hundredth of the mechanism's size is open at "
-        f"{'; '.join(gap.text for gap in worst)}; to close it {_moved(arrays, q)}: correct positions or "
-        "nodes if that is not meant"
+        f"{where} of the mechanism's size is open at "
+        f"{'; '.join(gap.text for gap in worst)}; to close it {_moved(arrays, q)}: correct {remedy} "
+        "if that is not meant"
     )
     yield about("warning", message, *(gap.equation for gap in worst))
 

@@ -52,7 +52,7 @@ def assembled(analysis: Any, t: float) -> np.ndarray:
     closed, left = assemble((found, q), search)
     if is_closed(left):
         return closed
-    raise assembly_failure(analysis.evaluator, gap, t)
+    raise assembly_failure(analysis.evaluator, gap, t, estimates=(arrays.q, expected))
 
 
 def order_of_elimination(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> Mobility:

@@ -18,7 +18,7 @@ from ...model.arrays.flexible import flexible_arrays, length_scale
 from ...model.arrays.records import LOAD
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism
-from ...model.integrators import Integrator
+from ...model.integrators import IMPLICIT_TREE_METHODS, Integrator
 from ...model.joint_elements import is_angle
 from ...model.tree import ROTATION, Tree
 from ...model.tree_as_mechanism.elements import HingeJoints
@@ -37,8 +37,6 @@ from .analysis import ConstrainedMotion
 from .system import blank_report, with_driven
 from .tree_element_rows import rows_of_drivers, with_elements
 from .tree_rows import motion_of_bodies
-
-IMPLICIT = ("radau", "sdirk4")
 
 
 class AbsoluteTree(ConstrainedMotion):
@@ -62,7 +60,7 @@ class AbsoluteTree(ConstrainedMotion):
         ]
         self._bodies = tuple(bodies)
         arrays = absolute_arrays(tree, self.frames, self._bodies)
-        stiff = tree.elements and tree.integration.method in IMPLICIT
+        stiff = tree.elements and tree.integration.method in IMPLICIT_TREE_METHODS
         integrator = Integrator("RAD5" if stiff else "RK45", tolerance=tree.integration.rtol)
         super().__init__(arrays, tree.time, integrator, tree.elements)
         self.clock["atol"] = tree.integration.atol

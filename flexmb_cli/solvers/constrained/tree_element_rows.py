@@ -10,7 +10,7 @@ from ...model.element_names import names_of
 from ...model.tree import Tree
 from ...quick_dataclass import dataclass, fields
 from ..tree.rows import TreeRows
-from .element_rows import element_answers
+from .element_rows import coupling_efforts, element_answers
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,7 @@ class TreeElementRows(TreeRows):
     element_energy: np.ndarray  # (T, elements)
     element_work: np.ndarray  # (T, elements)
     dissipated: np.ndarray  # (T,)
+    coupling_effort: np.ndarray  # (T, couplings)
     driver_effort: np.ndarray  # (T, drivers) along the prescribed coordinates
 
 
@@ -34,8 +35,9 @@ def with_elements(tree: Tree, arrays: SystemArrays, rows: TreeRows, report: Repo
     first = report.responses.shape[1] - behind
     found = element_answers(report, first, tree.elements, 0)
     own: dict[str, Any] = {name: value for name, value in found.items() if not name.startswith("joint")}
-    efforts = report.multipliers[:, rows_of_drivers(tree, arrays)].copy()
-    return TreeElementRows(**kept, **own, driver_effort=efforts)
+    own["driver_effort"] = report.multipliers[:, rows_of_drivers(tree, arrays)].copy()
+    own["coupling_effort"] = coupling_efforts(report, arrays, tree.elements, len(tree.closures))
+    return TreeElementRows(**kept, **own)
 
 
 def rows_of_drivers(tree: Tree, arrays: SystemArrays) -> np.ndarray:

@@ -16,6 +16,7 @@ from ..linearisation.terms import Terms, motors_of
 from .analysis import ConstrainedMotion
 from .element_rows import element_rows
 from .flexible_start import assemble_flexible
+from .initial_gaps import estimate_warnings
 from .joint_rates import rate_equations
 from .position import PositionGaps
 from .rows import DynamicRows, dynamic_rows
@@ -45,9 +46,10 @@ class ForwardDynamics(ConstrainedMotion):
 
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError."""
-        if self.model.elements.constrain:
-            return assemble_flexible(PositionGaps(self.arrays, self.system, self.work), t)
-        return assembled(self, t)
+        gaps = PositionGaps(self.arrays, self.system, self.work)
+        q = assemble_flexible(gaps, t) if self.model.elements.constrain else assembled(self, t)
+        self.warnings += estimate_warnings(self.model, gaps, q, t)
+        return q
 
     def usual_repetitions(self, q: np.ndarray) -> int | None:
         """Those of a planar mechanism, None of any other."""

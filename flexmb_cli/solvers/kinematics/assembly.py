@@ -9,6 +9,7 @@ from ...model.equations import DEPENDENT
 from ..assembly import TRIALS, assemble, nudged
 from ..projection import Corrections, Instant, Position, improving, project
 from ..singular.mobility import Mobility, about, gap_norms, motion_text, worst_gaps
+from .estimate_gaps import slip_sentence, wide_estimates
 from .nearest_position import nearest_position
 from .position import Evaluator
 from .settings import KinematicSettings
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
     from ..constrained.position import PositionGaps
 
 
+ADVICE = (
+    "check these joints' points and the body estimates; estimates that are too far are found by changing "
+    "lengths in small steps from a mechanism that closes"
+)
 HALF = 0.5  # of the gap: what another search must reach to count as better
 ENOUGH = KinematicSettings.most_iterations
 # Shortest corrections also converge among redundant equations.  A wider gap than the last number is real:
@@ -46,21 +51,26 @@ def assemble_by_search(
 
 
 def assembly_failure(
-    evaluator: "Evaluator | PositionGaps", gap: np.ndarray, t: float, most_iterations: int = ENOUGH
+    evaluator: "Evaluator | PositionGaps",
+    gap: np.ndarray,
+    t: float,
+    most_iterations: int = ENOUGH,
+    estimates: "tuple[np.ndarray, np.ndarray] | None" = None,
 ) -> AnalysisError:
     """The mechanism of the deck cannot be put together at its first time, t.
 
     `gap` (m,): scaled residual.  `most_iterations`: how many Newton was allowed; fewer than usual may be
-    the reason.
+    the reason.  `estimates`: coordinates of the deck and the angles of screws there, where a slip may show.
     """
     worst = worst_gaps(evaluator, gap)
+    wide, rest = wide_estimates(evaluator, estimates[0], t, estimates[1]) if estimates else ([], 0.0)
     left = "; ".join(one.text for one in worst) or "no gap is left, but the position is singular"
     message = (
         f"at t = {t:.6g} s the mechanism cannot be assembled from the estimates; what is left of the worst "
-        f"constraints: {left}; {_few(most_iterations)}check these joints' points and the body estimates; "
-        "estimates that are too far are found by changing lengths in small steps from a mechanism that closes"
+        f"constraints: {left}; {_few(most_iterations)}{slip_sentence(wide, rest) if wide else ADVICE}"
     )
-    return AnalysisError(about("error", message, *(one.equation for one in worst)), t, gap_norms(worst))
+    owners = (one.equation for one in (*wide, *worst))
+    return AnalysisError(about("error", message, *owners), t, gap_norms(worst))
 
 
 def too_large_to_rank(equations: int, most: int, t: float) -> AnalysisError:

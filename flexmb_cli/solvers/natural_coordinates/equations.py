@@ -126,7 +126,7 @@ def _refuse_foreign(mechanism: Any) -> None:
     faults = [
         Fault(
             "error",
-            "a screw joint is not carried over to natural coordinates",
+            f"a {joint.kind} joint is not carried over to natural coordinates",
             joint.place,
             joint.name,
             id="SOLVE-019",

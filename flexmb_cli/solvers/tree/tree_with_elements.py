@@ -3,7 +3,8 @@
 Generalised forces of the elements are found from their definitions and handed to the recursion as loads.
 Couplings and friction, whose efforts depend on the accelerations, use that these are linear in the efforts:
 the recursion answers a unit effort, and normal forces follow from the force that the bodies beyond a hinge
-need by Newton's law.  Steps are those of scipy's DOP853; couplings and loops hold by their accelerations.
+need by Newton's law.  Steps are those of scipy's DOP853, or of its Radau where the deck's method is implicit;
+couplings and loops hold by their accelerations.
 """
 
 import math
@@ -11,20 +12,21 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853
+from scipy.integrate import DOP853, Radau
 
 from ...errors import AnalysisError, Fault
 from ...kernels.constrained.dry_friction import COMPONENTS, PRELOAD, fill_normal_forces
 from ...kernels.integrators.clock import NO_INERTIA
 from ...kernels.integrators.tree_dop853 import GO_ON
 from ...model.arrays.tree import FUNCTION, body_frames
+from ...model.integrators import IMPLICIT_TREE_METHODS
 from ...model.time_functions import MotionFunction
 from ...model.tree import Prescribed, Tree
 from ...model.tree_as_mechanism.frames import hinge_frames
 from ...model.tree_as_mechanism.loop_assembly import closed_tree
 from ...quick_dataclass import fields, replace
 from ..compilation import interpreting
-from ..constrained.failures import bushing_failure, jam_failure
+from ..constrained.failures import MOMENTS, bushing_failure, jam_failure
 from ..constrained.tree_element_rows import TreeElementRows
 from .analysis import TreeAnalysis, breakpoints, set_functions
 from .element_efforts import Effort
@@ -58,6 +60,7 @@ class TreeWithElements(TreeAnalysis):
         self.friction = FrictionInHinges(closed, self.forces.number)
         self.terms = self._coupling_terms()
         self.answers: list[Answer] = []
+        self.multipliers = np.zeros(len(self.terms))  # of the couplings
         self.stop = math.inf  # s, end of the formulas in force
         self.jams = False  # no normal forces of friction agree with the motion of the last slope
         self.energy = self._energy_at(tree.time.start, self.state.copy())
@@ -83,9 +86,7 @@ class TreeWithElements(TreeAnalysis):
             if stop > t:
                 solver = self._solver(t, z, stop)
                 while solver.status == "running":
-                    solver.step()
-                    if solver.status == "failed":
-                        raise self._force_failure(solver.t) or _vanished(solver.t)
+                    self._step(solver)
                     yield from self._observed(solver.dense_output(), solver.t)
                 t, z = stop, solver.y
 
@@ -94,11 +95,31 @@ class TreeWithElements(TreeAnalysis):
         """The arrays without the efforts of elements."""
         return self.arrays._replace(functions=self.arrays.functions[: self.loads])
 
-    def _solver(self, t: float, z: np.ndarray, stop: float) -> DOP853:
+    def _step(self, solver: DOP853 | Radau) -> None:
+        """Make one step; raises AnalysisError where none succeeds."""
+        try:
+            solver.step()
+        except ValueError:  # Radau's method meets slopes that are no numbers in a matrix
+            solver.status = "failed"
+        if solver.status == "failed":
+            raise self._force_failure(solver.t) or self._failure_ahead(solver) or _vanished(solver.t)
+
+    def _failure_ahead(self, solver: DOP853 | Radau) -> AnalysisError | None:
+        """Return why elements have no force where the speeds lead the state in a moment, or None."""
+        z, span = solver.y[: self.state.size], self.tree.time.end - self.tree.time.start
+        slope = self.slope(solver.t, z)
+        for share in MOMENTS:
+            self.slope(solver.t, z + share * span * slope)
+            if failure := self._force_failure(solver.t):
+                return failure
+        return None
+
+    def _solver(self, t: float, z: np.ndarray, stop: float) -> DOP853 | Radau:
         atol = np.full(z.size, self.tree.integration.atol)
         atol[self.state.size - 1 :] = UNCOUNTED
         rtol = max(self.tree.integration.rtol, 100 * np.finfo(float).eps)
-        return DOP853(self._slope_with_works, t, z, stop, rtol=rtol, atol=atol, max_step=self.tree.time.step)
+        method = Radau if self.tree.integration.method in IMPLICIT_TREE_METHODS else DOP853
+        return method(self._slope_with_works, t, z, stop, rtol=rtol, atol=atol, max_step=self.tree.time.step)
 
     def _stops(self, start: float, end: float) -> list[float]:
         """Times at which a load of the deck or a function of an element changes its formula."""
@@ -137,6 +158,7 @@ class TreeWithElements(TreeAnalysis):
             "element_power": self._powers(),
             "element_energy": [effort.energy for *_, effort in self.answers],
             "element_work": works,
+            "coupling_effort": self.multipliers,
             "driver_effort": self.coordinates["drive"][self.arrays.prescribed["coordinate"]],
         }
         dissipated = np.array([-works[: works.size - len(self.model.elements.motors)].sum()])
@@ -231,8 +253,8 @@ class TreeWithElements(TreeAnalysis):
         for factors in self.terms:
             self._load(placed.force, placed.torque, effort + factors)
             answers.append(self.terms @ self._recursion(t, z)[: self.n] - gaps)
-        multipliers = np.linalg.lstsq(np.array(answers).T, -gaps, rcond=1e-12)[0]
-        self._load(placed.force, placed.torque, effort + multipliers @ self.terms)
+        self.multipliers = np.linalg.lstsq(np.array(answers).T, -gaps, rcond=1e-12)[0]
+        self._load(placed.force, placed.torque, effort + self.multipliers @ self.terms)
         return self._recursion(t, z)
 
     def _load(self, force: np.ndarray, torque: np.ndarray, effort: np.ndarray) -> None:

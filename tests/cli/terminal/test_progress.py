@@ -37,6 +37,17 @@ def clock(monkeypatch):
     return now
 
 
+def test_a_long_path_loses_its_beginning_and_not_the_remaining_time(clock, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "60")
+    stream = Terminal()
+    with Progress("/home/professor/mechanisms/young/IN4-BAR.dat", "rows", False, False, stream) as shown:
+        shown.begin(1000)
+        shown.advance(10)
+        clock[0] += 2
+        shown.advance(100)
+        assert stream.line == "…/IN4-BAR.dat: 110 of 1000 rows, 11 %, 50 rows/s, 0:18 left"
+
+
 def test_the_line_tells_compiling_then_rows_with_rate_and_remaining_time(clock, monkeypatch):
     monkeypatch.setenv("COLUMNS", "100")
     stream = Terminal()
@@ -66,7 +77,7 @@ def test_the_line_is_no_longer_than_the_terminal_is_wide(clock, monkeypatch):
     stream = Terminal()
     shown = Progress("a-deck-of-a-long-name.dat", "rows", False, False, stream)
     shown.begin(100)
-    assert stream.line == "a-deck-of-a-long-name.dat: 0 "
+    assert stream.line == "…long-name.dat: 0 of 100 rows"
 
 
 @pytest.mark.parametrize(("verbose", "lines"), [(False, 0), (True, 3)])
@@ -166,3 +177,13 @@ def test_a_table_at_a_terminal_fits_and_in_a_pipe_is_whole(tmp_path, monkeypatch
         [sys.executable, "-m", "flexmb_cli", *asked], cwd=tmp_path, capture_output=True, text=True, timeout=60
     )
     assert all(len(line.split()) in (5, 10) for line in piped.stdout.splitlines())
+
+
+def test_a_log_tells_of_waiting_for_the_first_case(monkeypatch, capsys):
+    """Without it a study on a cluster, or one of long cases, was silent until its first case."""
+    monkeypatch.setattr(module, "LOGGED_AFTER", 0.01)
+    with Progress("s.toml", "cases", False, True, io.StringIO()) as shown:
+        shown.begin(10)
+        time.sleep(0.1)
+        shown.advance(1)
+    assert capsys.readouterr().err.startswith("s.toml: 0 of 10 cases: 0:00 so far\n")

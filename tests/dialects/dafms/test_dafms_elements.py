@@ -130,6 +130,7 @@ def test_an_arm_moves_as_the_same_arm_in_a_young_deck(name):
     assert other.y == pytest.approx(one.joint_rate, abs=1e-7)
     assert other.element_effort == pytest.approx(one.element_effort, abs=1e-6)
     assert other.element_power == pytest.approx(one.element_power, abs=1e-6)
+    assert other.coupling_effort == pytest.approx(one.coupling_effort, abs=1e-6)
 
 
 @pytest.mark.long_motion

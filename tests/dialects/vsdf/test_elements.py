@@ -226,7 +226,8 @@ def test_an_arm_moves_as_the_same_arm_in_a_young_deck(young, vsdf):
     step = 0.01 if "BUSH" in vsdf else 0.1
     one = young_rows(ARM, f"0 {5 * step} {step}", f"{masses}{young}\nJOINTS\nTOLERANCE 1e-12")
     other = rows_of(TWO_LINKS, 5 * step, step, f"{vsdf}\nOUTJ\n 1")
-    for field in ("joint_coordinate", "joint_rate", "element_coordinate", "element_effort", "element_power"):
+    for field in ("joint_coordinate", "joint_rate", "element_coordinate", "element_effort", "element_power",
+                  "coupling_effort"):  # fmt: skip
         expected = getattr(one, field)
         # Power, the product of an effort of 90 and a rate, has the error of the rate times the effort.
         scale = np.abs(expected).max(initial=1.0)

@@ -120,7 +120,9 @@ def test_every_card_has_a_word_of_four_letters_of_its_own():
 def test_every_card_is_described_in_the_format_page():
     page = (DECKS / "FORMAT.md").read_text()
     for card in CARDS:
-        assert f"| `{card.word}` |" in page
+        assert f"| `{card.word}` |" in page, (
+            f"decks/vsdf/FORMAT.md needs a row | `{card.word}` | fields | meaning |"
+        )
 
 
 def test_reading_a_megabyte_takes_seconds():

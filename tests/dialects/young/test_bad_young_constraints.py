@@ -249,3 +249,39 @@ IN.dat:9:7: error: distance constraint 1: Euler parameters differ by 2 at most; 
 @pytest.mark.parametrize(("deck", "text"), [case[1:] for case in CASES], ids=[case[0] for case in CASES])
 def test_a_model_with(deck, text):
     assert shown(deck) == text.strip("\n")
+
+
+PARALLELOGRAM = """4 1 0 0 0 4 0 0 0 0 0 1
+0 0 0 0.7071067812 0 0 0.7071067812
+0 1 0 1 0 0 0
+2 0 0 0.7071067812 0 0 0.7071067812
+0 0 0 1 0 0 0
+1 6 1.570796327 1 0
+4 1 0 0 0 0 0 0 0 0 1 0 0 1
+1 2 1 0 0 0 0 0 1 0 1 0 0 1
+2 3 2 0 0 1 0 0 2 0 1 1 0 1
+4 3 2 0 0 0 0 0 2 0 1 0 0 1
+4 0 0 0 0 0 0
+0 1 0.5
+"""
+
+
+def test_the_remedy_for_a_planar_loop_of_revolutes_is_named_and_holds():
+    """Four revolute joints in a plane: 3 of their 20 equations repeat others (Grübler: 3 · 3 - 2 · 4 = 1 DOF).
+
+    With one of them spherical and one cylindrical the counts balance.
+    """
+    text = shown(PARALLELOGRAM)
+    assert "27 equations, 3 too many" in text
+    assert "note: in a loop that moves in a plane, 3 equations of revolute and translational joints" in text
+    counts, *rest = PARALLELOGRAM.splitlines()
+    counts = counts.replace("1 0 0 0 4 0", "1 0 1 0 2 1")
+    joints = ["2 3 2 0 0 1 0 0", rest[5], rest[6], rest[8]]
+    remedied = "\n".join([counts, *rest[:5], *joints, *rest[9:], ""])
+    assert shown(remedied) == ""
+
+
+def test_three_equations_too_many_without_a_loop_get_no_advice_on_planar_loops():
+    """A pendulum that three simplified constraints hold beside its driver."""
+    deck = pendulum(1, "2 1 0 0 0 1 0 0 0 3 0 1").replace("-1 0\n", "-1 0\n2 1 0\n2 2 1\n2 3 0\n")
+    assert "3 too many" in shown(deck) and "plane" not in shown(deck)

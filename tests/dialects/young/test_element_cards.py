@@ -69,7 +69,8 @@ def messages(cards):
             "7:9: support 1: simplified constraint 1 holds an angle; x, y, z (directions 1 "
             "to 3) can be moved",
         ),
-        ("SINE 1 0 1 2\nDRIVE 1 1", "7:7: drive 1: driver number 1 is outside 1..0"),
+        ("SINE 1 0 1 2\nDRIVE 1 1", "7:7: drive 1: driver number 1 is not there: the deck has no driver; "
+         "add one, or remove this card"),
         ("COUPLING 2 1 1 2 1 3", "6:10: coupling 1: names one coordinate twice; add its factors"),
         ("COUPLING 2 3 1 2 1 3", "6:12: coupling 1: must be 1 (angle) or 2 (stroke); read 3"),
         ("FRICTION 2 0.1 0.1 0 1e-4 0.1", "6:20: friction 1: stribeck is a speed above 0; read 0"),
@@ -83,7 +84,6 @@ def messages(cards):
             "6:11: bushing 1: I and J are both body 2; two bodies are needed",
         ),
         ("CABLE 0 4 0 0 0 0 0 0 100 1", "6:9: cable 1: body number 4 is outside 0..3"),
-        ("FORCE 0 0 0 0 1 0 0", "6:7: force 1: body number 0 is outside 1..3"),
         (
             "SINE 1 0 1 2\nTSPRING 2 5\nRATE 2 1 1\nRATE 2 1 2",
             "9:6: rate 2: rate 1 already gives this; remove one of them",
@@ -92,6 +92,50 @@ def messages(cards):
 )  # fmt: skip
 def test_a_slip_is_told_with_place_object_and_remedy(cards, wanted):
     assert wanted in messages(cards)
+
+
+NOTHING = "does nothing: its coefficients are 0"
+
+
+@pytest.mark.parametrize(
+    ("card", "severity", "wanted"),
+    [
+        ("TSPRING 2 -5", "warning", "6:11: tspring 1: stiffness -5 is negative, which drives a motion on"),
+        ("LSPRING 0 2 1 0 0 0 0 0 5 1 -2", "warning",
+         "6:29: lspring 1: damping -2 is negative, which drives a motion on"),
+        ("TSTOP 2 -1 1 0", "note", f"6:7: tstop 1: {NOTHING}"),
+        ("CABLE 0 2 1 0 0 0 0 0 0 1", "note", f"6:7: cable 1: {NOTHING}"),
+        ("BUSHING 0 2 0 0 0 0 0 0 0 0 0 0 0 0", "note", f"6:9: bushing 1: {NOTHING}"),
+        ("FRICTION 2 0 0 0.1 1e-4 0.1", "note", f"6:10: friction 1: {NOTHING}"),
+    ],
+)  # fmt: skip
+def test_an_element_that_does_nothing_or_drives_is_told(card, severity, wanted):
+    _, faults = build_young_dynamics(read(f"MASS 2 1 0 0 0 1 1 1\nMASS 3 1 0 0 0 1 1 1\n{card}"))
+    (told,) = [fault for fault in faults if fault.place and fault.place.line > 7]
+    found = f"{told.place.line - 2}:{told.place.column}: {told.sentence}"
+    assert (told.severity, found) == (severity, wanted)
+
+
+def test_a_function_of_a_refused_card_is_not_called_unused():
+    with pytest.raises(ModelError) as caught:
+        build_young_dynamics(read("SINE 1 0 1 2\nANGLE 3 1"))
+    assert [fault.severity for fault in caught.value.faults if "function" in fault.sentence] == []
+
+
+@pytest.mark.parametrize(
+    ("card", "wanted"),
+    [
+        ("RATE 2 2 1",
+         "6:6: rate 1: joint 2 (revolute joint 1) has an angle, not a stroke; take coordinate 1"),
+        ("FORCE 0 0 0 0 1 0 0", "6:7: force 1: body 0 is the ground, which does not move; name one of 1..3"),
+        ("SPRING 0 0 0 0 0 1 0 0 5 1", "6:10: spring 1: I and J are both body 0; two bodies are needed"),
+    ],
+)  # fmt: skip
+def test_a_slip_is_one_message(card, wanted):
+    with pytest.raises(ModelError) as caught:
+        build_young_dynamics(read(card))
+    about = [fault for fault in caught.value.faults if not fault.sentence.startswith("body ")]
+    assert [f"{f.place.line}:{f.place.column}: {f.sentence}" for f in about] == [wanted]
 
 
 def test_a_number_of_a_table_can_be_set_by_its_name():
@@ -116,8 +160,8 @@ def test_a_function_that_nothing_uses_is_noted():
 
 def test_more_elements_or_functions_than_memory_allows_are_refused(monkeypatch):
     """One takes up to 6 kB, a hundred times its card."""
-    monkeypatch.setattr("flexmb_cli.dialects.elements.build.MOST_ELEMENTS", 3)
-    monkeypatch.setattr("flexmb_cli.dialects.elements.functions.MOST_FUNCTIONS", 2)
+    monkeypatch.setattr("flexmb_cli.dialects.joint_elements.build.MOST_ELEMENTS", 3)
+    monkeypatch.setattr("flexmb_cli.dialects.joint_elements.functions.MOST_FUNCTIONS", 2)
     cards = "\n".join(f"SINE {k} 0 1 2\nTMOTOR 2 1\nTSPRING 2 1" for k in (1, 2))
     assert messages(cards)[0].startswith("10:8: tmotor 2: the deck has 4 elements of drivers, springs")
     assert messages("SINE 1 0 1 2\nSINE 2 0 1 2\nSINE 3 0 1 2") == [
@@ -126,7 +170,7 @@ def test_more_elements_or_functions_than_memory_allows_are_refused(monkeypatch):
 
 
 def test_functions_of_more_numbers_than_memory_allows_are_refused(monkeypatch):
-    monkeypatch.setattr("flexmb_cli.dialects.elements.functions.LARGEST_TABLES", 6)
+    monkeypatch.setattr("flexmb_cli.dialects.joint_elements.functions.LARGEST_TABLES", 6)
     assert messages("POLYNOMIAL 1 1 2 3 4\nPOLYNOMIAL 2 1 2 3") == [
         "7:12: polynomial 2: a deck has at most 20000 functions, of 6 numbers together"
     ]

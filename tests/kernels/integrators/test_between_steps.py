@@ -6,9 +6,9 @@ from numpy.polynomial import Polynomial
 
 from flexmb_cli.kernels.integrators import sdirk4
 from flexmb_cli.kernels.integrators.clock import new_clock
-from flexmb_cli.kernels.integrators.dop853 import interpolate, set_dense
+from flexmb_cli.kernels.integrators.dop853 import interpolate, interpolate_slopes, set_dense
 from flexmb_cli.kernels.integrators.dop853_table import DENSE_TERMS, STAGE_TIMES
-from flexmb_cli.kernels.integrators.hermite import cubic, quintic
+from flexmb_cli.kernels.integrators.hermite import cubic, cubic_slope, quintic
 from flexmb_cli.kernels.integrators.sdirk4 import implicit_work
 from flexmb_cli.model.arrays.tree import CLOSURE_ROW
 
@@ -30,6 +30,7 @@ def test_a_cubic_with_its_slopes_is_met(x):
     f = polynomials(3, 1)[0].convert(domain=[0, 1], window=[0, 1])
     ends = f(0.0), f(1.0), f.deriv()(0.0), f.deriv()(1.0)
     assert cubic(x, *ends) == pytest.approx(f(x), rel=1e-13)
+    assert cubic_slope(x, *ends) == pytest.approx(f.deriv()(x), rel=1e-12)
 
 
 @pytest.mark.parametrize("x", INSIDE)
@@ -65,3 +66,6 @@ def test_dense_output_of_a_quadrature_is_exact_for_polynomials_of_its_order(x):
     set_dense(at(functions, T), at(functions, T + H), slopes, H, dense)
     interpolate(at(functions, T), dense, x, found)
     assert found == pytest.approx(at(functions, T + x * H), rel=1e-12)
+    slopes_of_last = np.empty(2)
+    interpolate_slopes(dense, x, H, 1, slopes_of_last)
+    assert slopes_of_last == pytest.approx(at(functions[1:], T + x * H, 1), rel=1e-11)

@@ -7,13 +7,13 @@ from numpy.polynomial import Polynomial
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.kernels._jit import interpreting
 from flexmb_cli.kernels.constrained.elements import DAMPING, RESPONSE_COLUMNS, STIFFNESS
-from flexmb_cli.kernels.constrained.report import NOW, TRIED
+from flexmb_cli.kernels.constrained.report import NOW, TRIED, coordinates_and_speeds
 from flexmb_cli.kernels.constrained.speeds import coordinate_accelerations, coordinate_rates, speeds_of_rates
 from flexmb_cli.kernels.constrained.system import SOLVED
 from flexmb_cli.kernels.integrators import radau5
 from flexmb_cli.kernels.integrators.radau5 import _attempt
 from flexmb_cli.kernels.integrators.radau5_singular_step import _bend, _spread_power
-from flexmb_cli.kernels.integrators.radau5_step import START
+from flexmb_cli.kernels.integrators.radau5_step import START, place_stages
 from flexmb_cli.kernels.integrators.radau5_table import COMPLEX, REAL, TIMES, WEIGHTS
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
@@ -103,6 +103,30 @@ def test_the_power_of_a_singular_step_changes_evenly(integration):
     assert _spread_power(integration, work, 5.0) == 3.0
     np.testing.assert_allclose(integration.powers, 2.0 + 3.0 * TIMES, rtol=1e-15)
     np.testing.assert_allclose(integration.load_powers[TRIED:, 0], -1.0 - 3.0 * TIMES, rtol=1e-15)
+
+
+def test_work_of_a_constant_torque_grows_with_the_square_of_time_at_and_between_the_ends_of_steps():
+    """I ω' = M: the work is M² t²/2 I.  Rows lie inside the steps, whose lengths the method chooses."""
+    torque, inertia = 3.0, 0.5
+    cards = f"MASS 2 1 0 0 0 1 1 {inertia}\nTORQUE 2 0 0 {torque}\nRAD5\n"
+    with interpreting():
+        blocks = list(young_analysis_of(model_of(ROTOR, "0 0.2 0.01", cards)).rows())
+    time, work = (np.concatenate([getattr(b, name) for b in blocks]) for name in ("time", "applied_work"))
+    np.testing.assert_allclose(work, torque**2 * time**2 / (2 * inertia), atol=1e-8)
+
+
+def test_a_change_of_all_speeds_by_their_tolerances_and_of_no_shift_has_the_size_of_one_half_as_a_square():
+    with interpreting():
+        analysis = young_analysis_of(model_of(ROTOR, "0 1 1", "MASS 2 1 0 0 0 1 1 1\nRAD5"))
+        analysis.start()
+        integration, n = analysis.integration, analysis.system.speed_scale.shape[0]
+        for _ in range(2):
+            place_stages(analysis.system, integration, 1e-3)
+        assert place_stages(analysis.system, integration, 1e-3) < 1e-6
+        clock, u = integration.clock[0], coordinates_and_speeds(analysis.system, integration.z)[1]
+        units = integration.units[clock["counted"] - n : clock["counted"]]
+        integration.speeds[:] += clock["atol"] * units + clock["rtol"] * np.abs(u)
+        assert place_stages(analysis.system, integration, 1e-3) == pytest.approx(0.5**0.5, rel=1e-6)
 
 
 @pytest.mark.long_motion

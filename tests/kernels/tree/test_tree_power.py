@@ -129,3 +129,23 @@ def test_weight_along_a_beam_stiffens_it_as_a_pull_at_its_tip():
     coordinate_efforts(recursion.arrays, recursion.work, *recursion.state[:3], recursion.coordinates)
     expected = -(stiffness + 1.2 * m * g / length) * u
     assert recursion.coordinates["effort"][0] == pytest.approx(expected, rel=1e-10)
+
+
+def test_the_pull_of_turning_on_a_tip_takes_power_from_its_bending():
+    """The pull m w² L of a tip that turns at w adds 6 m w²/5 to the stiffness: power -6/5 m w² u u'."""
+    m, length, u, w, v = 0.4, 0.8, 0.02, 5.0, 0.3
+    elastic = Elasticity(
+        np.array([[length, 0.0, 0.0]]), np.array([m]), (3,), np.array([[30.0]]), np.zeros((1, 3)),
+        stiffened_from=0.0,
+    )  # fmt: skip
+    tree = Tree(
+        (Body("body 1", m, np.diag([0.0, m * length**2, m * length**2]), elastic=elastic),),
+        (Hinge(INERTIAL, rotations=(2,)),),
+        np.array([0.0, u]),
+        np.array([w, v]),
+        TimeGrid(0.0, 1.0, 0.1),
+    )
+    recursion = Recursion(tree)
+    place_frames(recursion.arrays, recursion.work, recursion.coordinates, *recursion.state[1:])
+    power = applied_power(recursion.arrays, recursion.work, recursion.coordinates, *recursion.state[:3])
+    assert power == pytest.approx(-1.2 * m * w**2 * u * v, rel=1e-10)

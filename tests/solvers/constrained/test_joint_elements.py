@@ -186,6 +186,8 @@ def test_a_rack_and_pinion_fall_together(method):
     a = 2 * 9.81 / (2 + 0.5 / 0.04)
     assert rows.joint_coordinate[:, 1] == pytest.approx(a * rows.time**2 / 2, abs=1e-8)
     assert rows.joint_coordinate[:, 0] == pytest.approx(5 * rows.joint_coordinate[:, 1], abs=1e-12)
+    # The teeth turn I θ̈ = -0.2 λ, and hold the rack back.
+    assert rows.coupling_effort[:, 0] == pytest.approx(np.full(5, 2 * (a - 9.81)), abs=1e-8)
 
 
 def test_a_differential_shares_the_torque_of_its_carrier():
@@ -198,6 +200,7 @@ def test_a_differential_shares_the_torque_of_its_carrier():
     load = -12 / 0.4 / (4 / 0.4 + 1 / 0.5 + 1 / 0.7)
     a, b, c = (6 + 2 * load) / 0.4, -load / 0.5, -load / 0.7
     assert rows.joint_coordinate[-1] == pytest.approx((a / 2, b / 2, c / 2), rel=1e-9)
+    assert rows.coupling_effort[:, 0] == pytest.approx(np.full(5, load), rel=1e-9)
 
 
 def test_a_link_of_two_spheres_keeps_its_length_and_one_of_revolute_and_sphere_its_plane():
@@ -229,6 +232,9 @@ def test_a_revolute_cylindrical_joint_is_the_two_joints_with_a_massless_body_bet
     pair = rows_of(two, "0 0.6 0.1", f"{masses}{rest}JOINTS\n")
     assert composite.position[:, 1] == pytest.approx(pair.position[:, 1], abs=1e-8)
     assert composite.angular_velocity[:, 1] == pytest.approx(pair.angular_velocity[:, 1], abs=1e-8)
+    # The cylindrical joint is the second of the pair, its body J that of the composite.
+    assert composite.composite_force[:, 0] == pytest.approx(pair.reaction_force[:, 1], abs=1e-7)
+    assert composite.composite_torque[:, 0] == pytest.approx(pair.reaction_torque[:, 1], abs=1e-7)
 
 
 def test_initial_joint_rates_move_a_serial_arm():
@@ -275,6 +281,15 @@ def test_a_bushing_stops_the_run_before_its_other_angles_jump():
         turned_bushing("5 0 7", 2)
     assert raised.value.time == pytest.approx(math.pi / 2, abs=0.5)
     assert turned_bushing("5 0 7", 1.5).driver_effort[-1, 0] == pytest.approx(7 * 1.5, abs=1e-9)
+
+
+def test_a_bushing_ends_a_free_motion_by_every_method_before_its_angles_jump(method):
+    """A body that spins at 3 rad/s without hindrance about z; its angles are held about x only."""
+    _, card = method
+    cards = f"MASS 2 1 0 0 0 1 1 1\nBUSHING 0 2 0 0 0 0 0 0 0 0 0 5 0 0 0 0 0 0 0 0\n{card}"
+    with pytest.raises(AnalysisError, match="bushing 1 have turned by a quarter turn") as raised:
+        rows_of(FREE, "0 1 0.5", f"{cards}VELOCITY 2 0 0 0 0 0 3\n")
+    assert raised.value.time == pytest.approx(math.pi / 6, abs=1e-2)
 
 
 @pytest.mark.parametrize("start, noted", [(0.25, True), (0.05, False)])

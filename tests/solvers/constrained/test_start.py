@@ -21,6 +21,7 @@ from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 from flexmb_cli.solvers.kinematics.inverse_dynamics import InverseDynamics
 from tests.dialects.vsdf.vsdf_decks import changed
 from tests.solvers.constrained.dynamic_runs import AT_REST, GROUND, body
+from tests.solvers.constrained.element_decks import FREE, SLIDER, model_of
 
 L, V = 0.8, 2.5
 MASSES = (3.0, 0.7)
@@ -141,3 +142,26 @@ def test_a_load_on_a_grounded_body_is_noted(card, sentence):
     (note,) = build_young_dynamics(deck)[1]
     assert note.severity == "note" and note.sentence.startswith(sentence)
     assert note.place[0] == 9
+
+
+@pytest.mark.parametrize(
+    ("deck", "cards", "told"),
+    [
+        (FREE.replace("0 0 0 1 0 0 0\n1 0", "5 0 0 1 0 0 0\n1 0"), "SPHSPH 0 2 0 0 0 0 0 0 1\n",
+         ("sphsph 1 (distance, line 8): 4.0e+00 m", "body 2 is moved by 4 m and turned by 0 rad", "correct")),
+        (SLIDER.replace("1 0 0 0 1 0 0 0 1", "1 0 0 0 0 1 0 0 1"), "",
+         ("joint 1 (h_i · h_j, line 4): 1.0e+00", "turned by 1.57 rad", "stand at right angles")),
+    ],
+    ids=["link of 1 m over 5 m", "h_j parallel to h_i"],
+)  # fmt: skip
+def test_a_joint_that_is_far_from_closing_at_the_estimates_is_named_with_its_distance(deck, cards, told):
+    _, warnings = started(model_of(deck, "0 0.1 0.1", f"MASS 2 1 0 0 0 1 1 1\n{cards}"))
+    (text,) = [str(fault) for fault in warnings if "estimates" in fault.message]
+    for words in told:
+        assert words in text
+
+
+def test_rough_estimates_are_no_doubt():
+    deck = FREE.replace("0 0 0 1 0 0 0\n1 0", "1.05 0 0 1 0 0 0\n1 0")
+    cards = "MASS 2 1 0 0 0 1 1 1\nSPHSPH 0 2 0 0 0 0 0 0 1\n"
+    assert started(model_of(deck, "0 0.1 0.1", cards))[1] == []

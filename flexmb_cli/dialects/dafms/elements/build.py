@@ -13,7 +13,7 @@ from ....model.joint_elements import Coupling
 from ....model.tree import INERTIAL, ROTATION, TRANSLATION, Body, Hinge, Tree
 from ....model.tree_as_mechanism.frames import shape_of
 from ....quick_dataclass import replace
-from ...elements.build import (
+from ...joint_elements.build import (
     Cards,
     bushing,
     cable,
@@ -26,9 +26,9 @@ from ...elements.build import (
     sections_of,
     stop,
 )
-from ...elements.build import build_elements as elements_of
-from ...elements.functions import Functions, GivenFunction
-from ...elements.maker import ElementMaker
+from ...joint_elements.build import build_elements as elements_of
+from ...joint_elements.functions import Functions, GivenFunction
+from ...joint_elements.maker import ElementMaker
 from .cards import FUNCTION_KINDS
 from .older import with_older_elements
 

@@ -4,6 +4,10 @@ from ....model.integrators import METHODS
 from ..card import Card, Column, vector_columns, whole_column, word_column
 from .columns import BODY, MATRIX_FORMS, NODE
 
+WITHOUT_CARD = "GALF"  # method of a deck without the card INTG, and what `flexmb new` proposes
+# The first word of a column is the one that the dialogue proposes.
+_METHODS = (WITHOUT_CARD, *sorted(METHODS.keys() - {WITHOUT_CARD}))
+
 STRESS_PLACES = ("NODE", "ELEM", "MAX")
 SHAPES = ("BOX", "CYLI", "TUBE", "CONE", "SPHE")
 
@@ -28,6 +32,7 @@ ANALYSIS_CARDS = (
             Column("E", "Young's modulus of the elements; empty: by MATL or FEMG", "Pa", default=0.0),
             Column("nu", "Poisson's ratio of the elements", default=0.0),
         ),
+        bodies="FLEX",
     ),
     Card(
         "FEMG",
@@ -40,6 +45,7 @@ ANALYSIS_CARDS = (
             word_column("form", "format of the file", MATRIX_FORMS),
             Column("file", "file of the geometric stiffness", letter="T", skip=1, default=None),
         ),
+        bodies="FLEX",
     ),
     Card(
         "TIME",
@@ -60,8 +66,8 @@ ANALYSIS_CARDS = (
         (
             word_column(
                 "method",
-                ", ".join(f"{word} {method.meaning}" for word, method in sorted(METHODS.items())),
-                tuple(sorted(METHODS)),
+                ", ".join(f"{word} {METHODS[word].meaning}" for word in _METHODS),
+                _METHODS,
             ),
             Column("rho", "spectral radius at infinity, or tolerance", default=0.0),
             Column("stabilise", "constraint stabilisation", "1/s", default=0.0),
@@ -80,6 +86,7 @@ ANALYSIS_CARDS = (
             Column("nu", "Poisson's ratio of the elements", default=0.0),
             Column("rho", "density, to test the mass by; empty: no test", "kg/m^3", default=0.0),
         ),
+        bodies="FLEX",
     ),
     Card(
         "OUTS",

@@ -38,6 +38,7 @@ BODY_CARDS = (
             Column(f"J{ij}", f"inertia about the centre of mass, {ij}", "kg m^2", default=0.0)
             for ij in ("xx", "yy", "zz", "xy", "yz", "zx")
         ),
+        bodies="RIGD",
     ),
     Card(
         "NODE",
@@ -49,6 +50,7 @@ BODY_CARDS = (
             whole_column("node", "number of the node", None),
             *vector_columns("r", "position, axes of the rigid body, of the ground global", "m"),
         ),
+        bodies="RIGD",
     ),
     Card(
         "NSET",
@@ -72,6 +74,7 @@ BODY_CARDS = (
             Column("beta", "stiffness-proportional damping", "s", default=0.0),
             Column("ratio", "damping ratio of every mode", default=0.0),
         ),
+        bodies="FLEX",
     ),
     Card(
         "POSI",

@@ -15,9 +15,9 @@ def file_card(word: str, section: str, what: str, forms: tuple[str, ...]) -> Car
         word_column("form", "format of the file", forms),
         Column("file", f"file of the {what}", letter="T", skip=1, default=None),
     )
-    return Card(word, section, f"{what} of body {{}}", "body", columns)
+    return Card(word, section, f"{what} of body {{}}", "body", columns, bodies="FLEX")
 
 
 def node_list_card(word: str, section: str, what: str) -> Card:
     """A card of nodes of a body."""
-    return Card(word, section, f"{what} {{}}", "list", (BODY,), NODE)
+    return Card(word, section, f"{what} {{}}", "list", (BODY,), NODE, bodies="FLEX")

@@ -10,10 +10,10 @@ from ....model.fe_model import NodeJoint, Pin, VsdfBody
 from ....model.joint_elements import JointElements
 from ....model.mechanism import GROUND
 from ....quick_dataclass import replace
-from ...elements.build import JOINT_CARDS, sections_of
-from ...elements.build import build_elements as elements_of
-from ...elements.functions import Functions, GivenFunction
-from ...elements.maker import JointMaker
+from ...joint_elements.build import JOINT_CARDS, sections_of
+from ...joint_elements.build import build_elements as elements_of
+from ...joint_elements.functions import Functions, GivenFunction
+from ...joint_elements.maker import JointMaker
 from ..joints import find_end
 from .cards import FUNCTION_KINDS, OF_TABLES
 

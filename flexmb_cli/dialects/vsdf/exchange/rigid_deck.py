@@ -130,6 +130,9 @@ class _Deck(ElementCards):
         return self.nodes[key]
 
     def _joint(self, number: int, joint: Any) -> Any:
+        if joint.kind not in _WORDS:
+            self.refusals.add(joint, f"VSDF has no {joint.kind} joint")
+            return ""
         word, kind = _WORDS[joint.kind]
         a, b = self._ends(joint)
         a, b = [*a[: kind.points_on("i")], "", "", ""], [*b[: kind.points_on("j")], "", "", ""]

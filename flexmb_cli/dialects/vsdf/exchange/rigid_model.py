@@ -22,7 +22,7 @@ from ....model.exchange.start import Start
 from ....model.flexible_mechanism import FlexibleMechanism
 from ....model.integrators import METHODS, Integrator
 from ....model.joint_elements import Bushing, JointDriver
-from ....model.joints import ANGLE, STROKE
+from ....model.joints import ANGLE, BY_NAME, STROKE
 from ....model.loads import AppliedForce, AppliedTorque, SpringDamper
 from ....model.mechanism import GROUND, Point
 from ....model.vectors import rotation_matrix
@@ -188,7 +188,7 @@ class _Conversion(Conversion):
 
     def _joint_spring(self, item: Any) -> Any:
         joint = self.deck.joints[item.joint]
-        coordinate = STROKE if joint.kind == "translational" else ANGLE
+        coordinate = BY_NAME[joint.kind].sprung
         q = self._coordinate_since(joint, coordinate)
         return CoordinateSpring(item.name, item.joint, coordinate, item.k, item.q0 - q, item.c, item.place)
 

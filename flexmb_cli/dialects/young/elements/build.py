@@ -4,14 +4,14 @@ from collections.abc import Iterator
 from typing import Any
 
 from ....deck.record import Deck, Record
-from ....model.diagnostics import Findings
+from ....model.diagnostics import Findings, no_such
 from ....model.joint_elements import CompositeJoint, DrivenItem, JointElements
 from ....model.joints import ANGLE, STROKE
 from ....model.mechanism import Mechanism
-from ...elements.build import JOINT_CARDS, Cards, joint_driver
-from ...elements.build import build_elements as elements_of
-from ...elements.functions import Functions, GivenFunction
-from ...elements.maker import JointMaker
+from ...joint_elements.build import JOINT_CARDS, Cards, joint_driver
+from ...joint_elements.build import build_elements as elements_of
+from ...joint_elements.functions import Functions, GivenFunction
+from ...joint_elements.maker import JointMaker
 from .cards import FUNCTION_CARDS
 
 _SECTIONS = tuple(card.section for card in FUNCTION_CARDS)
@@ -60,7 +60,7 @@ class _Maker(JointMaker):
 def _driven(maker: _Maker, record: Record) -> Any:
     number, drivers = record["driver"], maker.mechanism.drivers
     if not 1 <= number <= len(drivers):
-        message = f"driver number {number} is outside 1..{len(drivers)}"
+        message = no_such("driver", number, len(drivers))
         maker.findings.error(record.subject, message, record.at("driver").place, id="YOUNG-121")
         return None
     driver = drivers[number - 1]
@@ -71,7 +71,7 @@ def _driven(maker: _Maker, record: Record) -> Any:
 def _support(maker: _Maker, record: Record) -> Any:
     number, held = record["simplified"], maker.mechanism.simplified
     if not 1 <= number <= len(held):
-        message = f"simplified constraint {number} is outside 1..{len(held)}"
+        message = no_such("simplified constraint", number, len(held))
         maker.findings.error(record.subject, message, record.at("simplified").place, id="YOUNG-122")
         return None
     if held[number - 1].direction > 3:

@@ -9,11 +9,11 @@ from ....model.exchange.function_cards import FunctionCards
 from ....model.exchange.functions import constant, polynomial_of, value_of
 from ....model.exchange.rigid_model import Refusals, RigidModel, across
 from ....model.exchange.shapes import RigidShape, notes_of
-from ....model.joints import ANGLE, JOINT_TYPES
+from ....model.joints import ANGLE
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS
 from ..integration_cards import LEAST_TOLERANCE, MOST_TOLERANCE
-from ..sections import COUNT_OF, COUNTS
+from ..sections import COUNT_OF, COUNTS, YOUNG_JOINTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -47,9 +47,12 @@ class _Deck:
         self.with_ground = any(GROUND in (joint.i, joint.j) for joint in proper)
         self.sorted = {
             kind.name: [joint for joint in proper if _KIND.get(joint.kind, joint.kind) == kind.name]
-            for kind in JOINT_TYPES
+            for kind in YOUNG_JOINTS
         }
-        order = [joint for joints in self.sorted.values() for joint in joints]
+        unknown = [joint for joint in proper if _KIND.get(joint.kind, joint.kind) not in self.sorted]
+        for joint in unknown:
+            self.refusals.add(joint, f"YOUNG has no {joint.kind} joint")
+        order = [joint for joints in (*self.sorted.values(), unknown) for joint in joints]
         self.joint_number = {id(joint): n for n, joint in enumerate(order, start=1)}
 
     def lines(self) -> Any:
@@ -85,7 +88,7 @@ class _Deck:
             "NPOINT": len(self.model.points),
             "NGROUN": int(self.with_ground),
         }
-        counts |= {COUNT_OF[kind.name]: len(self.sorted[kind.name]) for kind in JOINT_TYPES}
+        counts |= {COUNT_OF[kind.name]: len(self.sorted[kind.name]) for kind in YOUNG_JOINTS}
         return [counts.get(column.key, 0) for column in COUNTS.columns]
 
     def _body(self, body: Any) -> Any:
@@ -93,7 +96,7 @@ class _Deck:
         return len(self.model.bodies) + 1 if body == GROUND else body + 1
 
     def _joint(self, joint: Any) -> Any:
-        kind = next(each for each in JOINT_TYPES if each.name == _KIND.get(joint.kind, joint.kind))
+        kind = next(each for each in YOUNG_JOINTS if each.name == _KIND.get(joint.kind, joint.kind))
         axes = {joint.i: np.array(joint.s_i), joint.j: np.array(joint.s_j)}
         if joint.kind == "fixed":
             axes = {body: self.model.axes(body).T[:, 2] for body in (joint.i, joint.j)}

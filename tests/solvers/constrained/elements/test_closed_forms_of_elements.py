@@ -104,6 +104,13 @@ def test_a_link_of_two_spheres_leads_a_conical_pendulum():
         [radius * np.cos(turned), radius * np.sin(turned), np.full(9, -length * math.cos(theta))]
     )
     assert rows.position[:, 1] == pytest.approx(wanted, abs=1e-8)
+    # The link bears m g / cos θ along itself; on the ground, where that is body J, it pulls the other way.
+    pull = -wanted / length * 2.0 * g / math.cos(theta)
+    assert rows.composite_force[:, 0] == pytest.approx(pull, abs=1e-6)
+    assert rows.composite_torque == pytest.approx(0.0, abs=1e-6)
+    other = rows_of(deck, "0 1 0.5", cards.replace("SPHSPH 0 2", "SPHSPH 2 0"))
+    assert other.composite_force[:, 0] == pytest.approx(-pull[::4], abs=1e-6)
+    assert other.composite_torque == pytest.approx(0.0, abs=1e-6)
 
 
 def test_a_link_of_revolute_and_sphere_has_the_period_of_a_plane_pendulum():
@@ -124,6 +131,10 @@ def test_a_link_of_revolute_and_sphere_has_the_period_of_a_plane_pendulum():
     mirrored = length * (math.cos(theta) * down - math.sin(theta) * across)
     assert rows.position[[0, 2, 4], 1] == pytest.approx(np.array([start, mirrored, start]), abs=1e-7)
     assert rows.position[[1, 3], 1] == pytest.approx(np.array([length * down] * 2), abs=1e-7)
+    # m (g cos θ + v²/l) along the link, v² = 2 g l (cos θ - cos θ0).
+    tension = 2.0 * g * (3.0 * rows.position[:, 1] @ down / length - 2.0 * math.cos(theta))
+    wanted = -tension[:, None] * rows.position[:, 1] / length
+    assert rows.composite_force[:, 0] == pytest.approx(wanted, abs=1e-5)
 
 
 def test_a_swivel_lets_a_rod_slide_like_a_bead():

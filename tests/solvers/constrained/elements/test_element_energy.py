@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
+from flexmb_cli.kernels._jit import interpreting
 from flexmb_cli.model.element_names import element_names
 from flexmb_cli.results.hdf5.elements import element_layout
 from tests.solvers.constrained.body_balances import rotation, tensor
-from tests.solvers.constrained.element_decks import FREE, METHODS, ROTOR, model_of, rows_of
+from tests.solvers.constrained.element_decks import FREE, METHODS, ROTOR, analysis_of, model_of, rows_of
 from tests.solvers.constrained.elements.element_cases import CASES, END, KEYWORDS, POWERS
 
 TIMES = f"0 {END} 0.001"
@@ -48,6 +49,16 @@ def energy_of_bodies(model, rows):
         total += 0.5 * np.einsum("ti,ij,tj->t", own, tensor(item.inertia), own)
         total -= item.mass * (rows.position[:, b] + arm) @ np.array(model.gravity)
     return total
+
+
+def test_springs_along_a_line_store_half_their_stiffness_times_the_square_of_their_stretch():
+    """Ends at (2, 0.3) and (3, 0) m: stretch √1.09 - 0.5 m with 30 and 40 N/m."""
+    ends = "0 2 2 0.3 0 3 0 0"
+    cards = f"MASS 2 1 0 0 0 1 1 1\nSPRING {ends} 30 0.5\nLSPRING {ends} 40 0.5\n"
+    with interpreting():
+        block = next(analysis_of(model_of(FREE, "0 0.001 0.001", cards)).rows())
+    square = (math.sqrt(1.09) - 0.5) ** 2
+    assert block.element_energy[0] == pytest.approx([15 * square, 20 * square], rel=1e-12)
 
 
 @pytest.mark.long_motion

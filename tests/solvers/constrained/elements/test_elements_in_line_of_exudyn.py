@@ -48,12 +48,12 @@ class System:
         pair = [self.markers[one], self.markers[other]]
         self.system.AddObject(parts.ObjectConnectorCoordinate(markerNumbers=pair, factorValue1=ratio))
 
-    def solve(self, end, steps, method=None):
+    def solve(self, end, steps, method=None, radius=1):
         """Coordinates at the end."""
         self.system.Assemble()
         settings = exu.SimulationSettings()
         settings.timeIntegration.numberOfSteps, settings.timeIntegration.endTime = steps, end
-        settings.timeIntegration.generalizedAlpha.spectralRadius = 1
+        settings.timeIntegration.generalizedAlpha.spectralRadius = radius
         settings.timeIntegration.newton.relativeTolerance = 1e-10
         settings.timeIntegration.newton.absoluteTolerance = 1e-12
         settings.solutionSettings.writeSolutionToFile = False
@@ -177,12 +177,17 @@ def test_a_differential_turns_as_in_exudyn():
     )  # fmt: skip
     system = System([], [])
     system.system = three
-    system.solve(1.0, 10_000, ALPHA)
+    system.solve(1.0, 10_000, ALPHA, 0.9)
     wanted = three.GetNodeOutput(node, exu.OutputVariableType.Coordinates)
+    rates = three.GetNodeOutput(node, exu.OutputVariableType.Coordinates_t)
+    seconds = three.GetNodeOutput(node, exu.OutputVariableType.Coordinates_tt)
     cards = "".join(f"MASS {k + 2} 1 0 0 0 1 1 {inertia}\n" for k, inertia in enumerate(inertias))
     cards += "TORQUE 2 0 0 6\nTSPRING 2 6 0 0.2\nTSPRING 3 9\nCOUPLING 1 1 2 2 1 -1 3 1 -1\nTOLERANCE 1e-11\n"
     rows = rows_of(deck, "0 1 1", cards)
     assert rows.joint_coordinate[-1] == pytest.approx(wanted, abs=1e-7)
+    # By the balance of the second rotor, whose factor is -1.
+    effort = -(0.5 * seconds[1] + 6.0 * wanted[1] + 0.2 * rates[1])
+    assert rows.coupling_effort[-1, 0] == pytest.approx(effort, abs=1e-5)
 
 
 def test_a_body_on_a_link_with_two_spheres_swings_as_in_exudyn():
@@ -196,8 +201,10 @@ def test_a_body_on_a_link_with_two_spheres_swings_as_in_exudyn():
     system.system.CreateDistanceConstraint(
         bodyNumbers=[ground, body], localPosition0=[0, 1, 0], localPosition1=[0.3, 0.1, 0.0]
     )
-    system.solve(0.5, 10_000, ALPHA)
+    system.solve(0.5, 10_000, ALPHA, 0.9)
     wanted = system.system.GetObjectOutputBody(body, exu.OutputVariableType.Position, [0, 0, 0])
+    a = system.system.GetObjectOutputBody(body, exu.OutputVariableType.Acceleration, [0, 0, 0])
     cards = "MASS 2 2 0 0 0 0.2 0.3 0.4\nGRAVITY 0.3 -9.81 0.2\nTOLERANCE 1e-11\n"
     rows = rows_of(FREE, "0 0.5 0.5", f"{cards}SPHSPH 0 2 0 1 0 0.3 0.1 0 {0.9**0.5!r}\n")
     assert rows.position[-1, 1] == pytest.approx(wanted, abs=1e-6)
+    assert rows.composite_force[-1, 0] == pytest.approx(2.0 * (a - (0.3, -9.81, 0.2)), abs=1e-4)

@@ -49,12 +49,27 @@ def build_elements(
         return JointElements(**more)
     found = {name: [make(maker, record) for section, make in makers for record in sections(section)]
              for name, makers in cards.items()}  # fmt: skip
+    for item in (item for items in found.values() for item in items):
+        if _is_idle(item):
+            maker.findings.note(
+                item.name, "does nothing: its coefficients are 0", item.place, id="ELEMENTS-030"
+            )
     for name, key in _ONE_OF.items():
         maker.refuse_twice(found.get(name, ()), key)
     kept: dict[str, Any] = {
         name: tuple(item for item in items if item is not None) for name, items in found.items()
     }
     return JointElements(**kept, **more)
+
+
+def _is_idle(item: Any) -> bool:
+    """Return whether an element can never act; a spring without stiffness still shows its length."""
+    if isinstance(item, Bushing):
+        return not any((*item.stiffness, *item.damping))
+    if isinstance(item, JointFriction):
+        return not (item.dynamic or item.static)
+    one_sided = isinstance(item, EndStop) or (isinstance(item, LineSpring) and item.slack)
+    return one_sided and not item.stiffness
 
 
 def _refuse_too_many(maker: ElementMaker, sections: Callable[..., Any], cards: Cards) -> bool:
@@ -93,6 +108,10 @@ def motor(coordinate: str | None) -> Callable[..., Any]:
 
 
 def _spring_data(maker: Any, record: Record) -> Any:
+    for key in ("stiffness", "damping"):
+        if record[key] < 0.0:
+            message = f"{key} {record[key]:g} is negative, which drives a motion on"
+            maker.findings.warn(record.subject, message, record.at(key).place, id="ELEMENTS-029")
     return {
         "stiffness": float(record["stiffness"]),
         "rest": float(record["rest"]),

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ...deck.record import Record
-from ...model.diagnostics import Findings
+from ...model.diagnostics import Findings, no_such
 from ...model.joint_elements import COORDINATES_OF
 from ...model.joints import ANGLE, STROKE
 from .functions import Functions
@@ -68,14 +68,17 @@ class JointMaker(ElementMaker):
     def _joint(self, record: Record, coordinate: str | None, key: str) -> Any:
         number = record[key]
         if not 1 <= number <= len(self.joints):
-            message = f"joint number {number} is outside 1..{len(self.joints)}"
-            message = message if self.joints else "the deck has no joints"
+            message = no_such("joint", number, len(self.joints))
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-003")
             return None
         joint = self.joints[number - 1]
         if coordinate is not None and coordinate not in COORDINATES_OF[joint.kind]:
             has = " and ".join(_A[one] for one in COORDINATES_OF[joint.kind]) or "neither angle nor stroke"
-            other = "the card for it" if COORDINATES_OF[joint.kind] else "a joint that has one"
+            other = "a joint that has one"
+            if COORDINATES_OF[joint.kind]:
+                code = next(code for code, one in _COORDINATES.items() if one in COORDINATES_OF[joint.kind])
+                chosen = f"coordinate{key.removeprefix('joint')}" in record
+                other = f"coordinate {code}" if chosen else "the card for it"
             message = f"joint {number} ({joint.name}) has {has}, not {_A[coordinate]}; take {other}"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-004")
             return None

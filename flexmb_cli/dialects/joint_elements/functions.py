@@ -138,7 +138,9 @@ class Functions:
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-018")
 
     def note_unused(self) -> None:
-        """Note functions that nothing follows."""
+        """Note functions that nothing follows; what is refused might have."""
+        if any(fault.severity == "error" for fault in self.findings.faults):
+            return
         for number, record in self._records.items():
             if number not in self._used:
                 self.findings.note(

@@ -1,0 +1,66 @@
+"""Joints that a deck's body estimates leave wide open while they nearly close the others: likely a slip.
+
+A lost minus sign or exchanged digits often give another mechanism, which assembly closes without complaint.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...errors import Fault
+from ..singular.mobility import Gap, about
+
+if TYPE_CHECKING:
+    from ..constrained.position import PositionGaps
+    from .position import Evaluator
+
+
+WIDE_ESTIMATE = 0.05  # of the length scale
+CLOSE_ESTIMATE = 0.01  # of the length scale
+FEWEST_CLOSE = 3  # owners that show that the estimates are careful
+MOST_GAPS_NAMED = 3
+
+
+def wide_estimates(
+    evaluator: "Evaluator | PositionGaps", q: np.ndarray, t: float, expected: np.ndarray
+) -> tuple[list[Gap], float]:
+    """Return the widest gaps that the estimates q leave, widest first, and the largest of the others, m.
+
+    `expected`: angles of screws, rad.  There are none where gaps are wide as a rule, or small: then the
+    estimates are rough, or right.  Angles and Euler parameters are left out: attitudes may be far off.
+    """
+    widest = _widest_lengths(evaluator, evaluator.residual(q, t, expected))
+    length = max((gap.equation.scale for gap in widest), default=1.0)
+    wide = [gap for gap in widest if abs(gap.value) > WIDE_ESTIMATE * length]
+    rest = [abs(gap.value) for gap in widest if abs(gap.value) <= WIDE_ESTIMATE * length]
+    careful = sum(size <= CLOSE_ESTIMATE * length for size in rest)
+    if not wide or careful < max(FEWEST_CLOSE, len(widest) - careful):
+        return [], 0.0
+    return wide, max(rest)
+
+
+def slip_note(wide: list[Gap], rest: float) -> Fault:
+    """Return the note of `check` on joints that were closed from afar."""
+    message = f"assembly had to move bodies far: {slip_sentence(wide, rest)}"
+    return about("note", message, *(gap.equation for gap in wide))
+
+
+def slip_sentence(wide: list[Gap], rest: float) -> str:
+    """Return which joints the estimates leave open, and what may be wrong."""
+    named = "; ".join(gap.text for gap in wide[:MOST_GAPS_NAMED])
+    more = f" and {len(wide) - MOST_GAPS_NAMED} more" if len(wide) > MOST_GAPS_NAMED else ""
+    return (
+        f"the body estimates leave a gap at {named}{more}, elsewhere {rest:.1e} m at most: is a sign, a "
+        "digit or a body number wrong there, or in an estimate?"
+    )
+
+
+def _widest_lengths(evaluator: "Evaluator | PositionGaps", scaled: np.ndarray) -> list[Gap]:
+    """Return the widest gap in m of every owner that has equations of length, the widest first."""
+    found: dict[str, Gap] = {}
+    sizes = scaled * evaluator.arrays.row_scale
+    for equation, size in zip(evaluator.arrays.equations, sizes, strict=True):
+        known = found.get(equation.owner)
+        if equation.is_length and (known is None or abs(size) > abs(known.value)):
+            found[equation.owner] = Gap(equation, float(size))
+    return sorted(found.values(), key=lambda gap: -abs(gap.value))
