@@ -56,7 +56,10 @@ def _function_of(
         findings.error(f"table {number}", message, cards[places[k]].at("t").place, id="VSDF-056")
         return None
     # Lists of a large table would take four times its numbers.
-    t, f = (array("d", numbers.astype(float).tobytes()) for numbers in (times, ordinates))
+    t = array("d", times.astype(float).tobytes())
+    del times, late
+    f = array("d", ordinates.astype(float).tobytes())
+    del ordinates
     return table_function(t, f)
 
 
