@@ -17,7 +17,7 @@ MANY_RECORDS = 10_000
 class NumberTable:
     """Rows of numbers `rows` under `defaults` by their keys; nan: an empty field, which has its default."""
 
-    def __init__(self, defaults: Mapping[str, float], rows: "array[float]"):
+    def __init__(self, defaults: Mapping[str, float | None], rows: "array[float]"):
         self.defaults, self._rows = defaults, rows
 
     def column(self, key: str) -> "np.ndarray":
@@ -25,7 +25,9 @@ class NumberTable:
         import numpy as np
 
         given = self._given[:, self._places[key]]
-        return np.where(np.isnan(given), self.defaults[key], given)
+        # A field without a default is never empty; None would make an array of objects.
+        default = self.defaults[key]
+        return given.copy() if default is None else np.where(np.isnan(given), default, given)
 
     def filled(self, key: str) -> "np.ndarray":
         """Return which records (record,) have a number under a key."""
@@ -74,9 +76,10 @@ class ManyPlaces(Mapping[int, "array[int]"]):
     def __init__(self, given: "np.ndarray"):
         import numpy as np
 
-        integers = given.astype(np.int64)
-        self._order = np.argsort(integers, kind="stable")
-        self._integers, self._first = np.unique(integers[self._order], return_index=True)
+        self._order = np.argsort(given, kind="stable")
+        ordered = given[self._order]
+        self._first = np.flatnonzero(np.diff(ordered, prepend=np.nan))
+        self._integers = ordered[self._first].astype(np.int64)
 
     def __len__(self) -> int:
         return len(self._integers)

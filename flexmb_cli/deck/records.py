@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..errors import Place
+from .many_records import Made
 from .number_table import column, places_by
 from .record import Deck, Number, Record
 
@@ -37,11 +38,11 @@ class DeckValues:
             return found.numbered(number) if found else None  # type: ignore[attr-defined]
         return self._records.get(section, {}).get(number)
 
-    def of_body(self, section: str, body: int) -> list[Record]:
+    def of_body(self, section: str, body: int) -> Sequence[Record]:
         """Return the records of a section whose first number is that of a body."""
         places = self.places_of_body(section, body)
         records = self.section(section) if len(places) else ()
-        return [records[k] for k in places]
+        return Made(places, records.__getitem__) if self.many else [records[k] for k in places]
 
     def places_of_body(self, section: str, body: int) -> Sequence[int]:
         """Return where among the records of a section those of a body stand."""

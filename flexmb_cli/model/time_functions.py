@@ -54,7 +54,7 @@ class MotionFunction:
 
 def table_function(times: Sequence[float], values: Sequence[float]) -> MotionFunction:
     """The function through at least two points, times ascending."""
-    t, f = array("d", times), array("d", values)
+    t, f = (given if isinstance(given, array) else array("d", given) for given in (times, values))
     return MotionFunction(TABLE, times=t, values=f, curvature=_natural_curvature(t, f))
 
 

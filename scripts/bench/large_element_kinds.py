@@ -5,6 +5,7 @@ from pathlib import Path
 
 from large_limits import (
     DAFMS_BODIES,
+    DAFMS_ELEMENTS,
     DAFMS_NUMBERS,
     DAFMS_NUMBERS_OF_BODY,
     ELEMENTS,
@@ -94,7 +95,7 @@ def _dafms(size: int) -> Iterator[_KIND]:
     head, end = (DECKS / "dafms/pendulum.DAT").read_text().rsplit("END ", 1)
 
     def entries(word: str, entry: str) -> str:
-        count = min(ELEMENTS, size // len(entry))
+        count = min(DAFMS_ELEMENTS, size // len(entry))
         return f"{head}{_SINE_OF_DAFMS}{word}\n{count:5d}\n{count * entry}END {end}"
 
     for word, entry in _DAFMS_CARDS.items():

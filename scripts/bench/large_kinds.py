@@ -53,7 +53,7 @@ def _young(size) -> Iterator[tuple[str, Callable[[], str]]]:
         ends = "1 0 0 0 0 0 0\n0 1 1\n"
         return f"{counts.format(bodies=count + 1, rows=6 * count)}{(count + 1) * _BODY}{lines}{ends}"
 
-    def driven(per_body=76):
+    def driven(per_body=94):
         """Bodies driven along x, y, z, their attitudes held."""
         count = size // per_body
         bodies = range(2, count + 2)
@@ -62,15 +62,15 @@ def _young(size) -> Iterator[tuple[str, Callable[[], str]]]:
         counts = f"{count + 1} {3 * count} 0 0 0 0 0 0 0 {3 * count} 0 1\n"
         return f"{counts}{(count + 1) * _BODY}{drivers}{held}1 0 0 0 0 0 0\n0 1 1\n"
 
-    yield "young bodies", lambda: held(_BODY, "{} 0 0 0 0 0 0\n", 31)
+    yield "young bodies", lambda: held(_BODY, "{} 0 0 0 0 0 0\n", 35)
     yield "young points", points
     yield (
         "young eleven counts",
-        lambda: held("0 0 0\n", "{} 0 0 0 0 0 0\n", 23, "{n} 0 0 0 0 0 0 0 0 0 {n}\n"),
+        lambda: held("0 0 0\n", "{} 0 0 0 0 0 0\n", 27, "{n} 0 0 0 0 0 0 0 0 0 {n}\n"),
     )
     yield "young joints", turning
-    yield "young simplified", lambda: rows("{bodies} 0 0 0 0 0 0 0 0 {rows} 0 1\n", "{} {} 0\n", 74)
-    yield "young distances", lambda: rows("{bodies} 0 0 0 0 0 0 0 0 0 {rows} 1\n", "{} 1 {} 0\n", 86)
+    yield "young simplified", lambda: rows("{bodies} 0 0 0 0 0 0 0 0 {rows} 0 1\n", "{} {} 0\n", 81)
+    yield "young distances", lambda: rows("{bodies} 0 0 0 0 0 0 0 0 0 {rows} 1\n", "{} 1 {} 0\n", 93)
     yield "young drivers", driven
     yield "young blank lines", lambda: _filled("\n", size) + _YOUNG
     yield "young long comment", lambda: "{" + _filled("a ", size) + "}\n" + _YOUNG
@@ -163,7 +163,7 @@ def _vsdf(size):
     deck, end = text.split("\nEND", 1)
 
     def cards(word, line, most=VSDF_CARDS):
-        count = min(most, size // len(line.format(k=1, t=1, f=1)))
+        count = min(most, size // len(line.format(k=4_000_000, t=1, f=1)))
         lines = "".join(line.format(k=k, t=k * 1e-3, f=k % 7) for k in range(1, count + 1))
         return f"{deck}\n{word}\n{lines}END{end}"
 

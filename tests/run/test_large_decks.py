@@ -39,6 +39,7 @@ pytestmark = pytest.mark.processes
         "dafms full stiffness",
         "dafms tables",
         "vsdf table",
+        "vsdf node sets",
     ],
 )
 def test_a_large_deck_takes_at_most_twelve_bytes_a_byte(kind, tmp_path):

@@ -170,8 +170,19 @@ def as_one_number(name):
     }
 
 
+def with_number(name, number):
+    """The last number of an array is another."""
+
+    def changed(array):
+        array = np.array(array)
+        array.reshape(-1)[-1:] = number
+        return array
+
+    return lambda arrays: {key: changed(array) if key == name else array for key, array in arrays.items()}
+
+
 @pytest.mark.parametrize("name", ["IN-KINEMATIC.dat", "IN-DOP853.dat", "pendulum.DAT"])
-def test_a_resume_file_with_arrays_of_another_shape_is_refused(tmp_path, name):
+def test_a_resume_file_with_arrays_of_another_run_is_refused(tmp_path, name):
     """Also with right checksums, as of a file that was put together by hand; the file stays."""
     deck = tmp_path / name
     deck.write_text(TEXTS[name] if name in TEXTS else (DECKS / f"dafms/{name}").read_text(encoding="utf-8"))
@@ -179,7 +190,14 @@ def test_a_resume_file_with_arrays_of_another_shape_is_refused(tmp_path, name):
     (path,) = tmp_path.glob("*.resume")
     stopped, (state, _) = path.read_bytes(), state_of(path)
     stored = {"time", "body/position", *state}
-    for change in (form(key) for key in sorted(stored) for form in (without, as_one_number)):
+    position = "body/position"
+    changes = [form(key) for key in sorted(stored) for form in (without, as_one_number)]
+    for change in (
+        *changes,
+        with_number("time", np.inf),
+        with_number("time", -1.0),
+        with_number(position, np.nan),
+    ):
         path.write_bytes(stopped)
         rewritten(path, change)
         forged = path.read_bytes()

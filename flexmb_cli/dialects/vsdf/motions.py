@@ -1,5 +1,6 @@
 """Motions of a VSDF deck, cards MOTN, and the tables that they follow."""
 
+from array import array
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -54,7 +55,12 @@ def _function_of(
         message = f"times must ascend; {times[k]:g} s follows {times[k - 1]:g} s"
         findings.error(f"table {number}", message, cards[places[k]].at("t").place, id="VSDF-056")
         return None
-    return table_function(times.tolist(), ordinates.tolist())
+    # Lists of a large table would take four times its numbers.
+    t = array("d", times.astype(float).tobytes())
+    del times, late
+    f = array("d", ordinates.astype(float).tobytes())
+    del ordinates
+    return table_function(t, f)
 
 
 def build_motions(

@@ -47,11 +47,11 @@ def sets_of(
 ) -> dict[int, tuple[int, ...]]:
     """The sets of body k, whose `nodes` are: their nodes by the sets' numbers."""
     sets: dict[int, list[int]] = {}
-    seen: dict[int, set[int]] = {}
+    seen: dict[int, set[int]] = {number: set() for number in _of_several_cards(values, k)}
     for record in values.of_body("node_set", k):
         number = record.at("set")
         members = members_of(record, nodes, k, findings)
-        _check_once(record, seen.setdefault(number.value, set()), findings)
+        _check_once(record, seen.get(number.value, set()), findings)
         if number.value in nodes:
             message = f"{number.value} is a node of body {k}; a set needs a number of its own"
             findings.error(record.subject, message, number.place, id="VSDF-077")
@@ -62,6 +62,14 @@ def sets_of(
         elif members:
             sets.setdefault(number.value, []).extend(members)
     return {number: tuple(members) for number, members in sets.items()}
+
+
+def _of_several_cards(values: DeckValues, k: int) -> Iterator[int]:
+    """Return the numbers of the sets of body k that more than one card gives."""
+    places = values.places_of_body("node_set", k)
+    if len(places) > 1:
+        numbers, counts = np.unique(values.column("node_set", "set")[places], return_counts=True)
+        yield from map(int, numbers[counts > 1])
 
 
 def _check_once(record: Record, seen: set[int], findings: Findings) -> None:

@@ -1,5 +1,6 @@
 """The cards PLAC: a body is placed by one of its nodes at a point, and turned by two more nodes."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,7 @@ def placed_body(values: DeckValues, k: int, body: VsdfBody, findings: Findings) 
 
 
 def _placed(
-    values: DeckValues, k: int, body: VsdfBody, records: list[Record], findings: Findings
+    values: DeckValues, k: int, body: VsdfBody, records: Sequence[Record], findings: Findings
 ) -> VsdfBody:
     if len(records) not in (1, 3):
         message = f"{len(records)} cards place {body.name}; one node places it, three place and turn it"

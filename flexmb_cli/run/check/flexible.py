@@ -6,6 +6,7 @@ import numpy as np
 
 from ...deck.many_records import Made
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
+from ...model.joints import BY_NAME
 from ...model.unit_checks import unit_doubts
 from ..context import Run
 from .check import CheckReport
@@ -21,7 +22,7 @@ def check(report: CheckReport, mechanism: FlexibleMechanism, run: Run, jacobian:
     from ...solvers.compilation import interpreting
 
     counts = _parts(mechanism) | report_times(mechanism.time)
-    if is_too_large(report, counts, 6 * counts["bodies"] + counts["modes"]):
+    if is_too_large(report, counts, 6 * counts["bodies"] + counts["modes"], _equations(mechanism, counts)):
         report.bodies = Made(mechanism.bodies, _body)
         return
     with interpreting(_is_small(mechanism)):
@@ -34,10 +35,15 @@ def _coordinates(mechanism: FlexibleMechanism) -> int:
 
 
 def _is_small(mechanism: FlexibleMechanism) -> bool:
-    springs = mechanism.springs, mechanism.joint_springs
-    return is_small(
-        _coordinates(mechanism), mechanism.forces, mechanism.torques, *springs, *mechanism.elements.groups()
-    )
+    loads = mechanism.forces, mechanism.torques, mechanism.springs, mechanism.joint_springs
+    constraints = mechanism.joints, mechanism.pins, mechanism.motions
+    return is_small(_coordinates(mechanism), *loads, *constraints, *mechanism.elements.groups())
+
+
+def _equations(mechanism: FlexibleMechanism, counts: "dict[str, Any]") -> int:
+    """Return the equations of joints, pins and motions: some may repeat others, and be any number."""
+    of_joints: int = sum(number * BY_NAME[kind].equations for kind, number in counts["joints"].items())
+    return of_joints + sum(sum(pin.directions) for pin in mechanism.pins) + len(mechanism.motions)
 
 
 def _diagnose(report: Any, mechanism: Any) -> None:

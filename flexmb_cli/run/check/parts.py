@@ -22,14 +22,20 @@ INTERPRETED_COORDINATES, INTERPRETED_LOADS = 200, 300
 
 
 MOST_ASSEMBLED = 20_000  # coordinates, which take some seconds
+MOST_DENSE_EQUATIONS = 2000  # equations, most of which repeat others: their dense matrix takes 32 MB
 
 
-def is_too_large(report: "CheckReport", counts: "dict[str, Any]", coordinates: int) -> bool:
+def is_too_large(
+    report: "CheckReport", counts: "dict[str, Any]", coordinates: int, equations: int = 0
+) -> bool:
     """Return whether a model is too large to be assembled here; the report then has its counts and a note."""
-    if coordinates <= MOST_ASSEMBLED:
+    most, size, what = MOST_ASSEMBLED, coordinates, "coordinates"
+    if equations > max(MOST_DENSE_EQUATIONS, 4 * coordinates):
+        most, size, what = MOST_DENSE_EQUATIONS, equations, f"equations of {coordinates} coordinates"
+    if size <= most:
         return False
     report.counts = counts | {"coordinates": coordinates}
-    message = f"{coordinates} coordinates are more than the {MOST_ASSEMBLED} that check assembles; run does"
+    message = f"{size} {what} are more than the {most} that check assembles; run does"
     report.outcome.faults.append(Fault("note", message, id="RUN-002"))
     return True
 

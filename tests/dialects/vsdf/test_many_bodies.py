@@ -20,7 +20,7 @@ from flexmb_cli.dialects.vsdf.nodes import ManyNodes
 from flexmb_cli.fe import build_mechanism
 from flexmb_cli.model.arrays.flexible import flexible_arrays
 from flexmb_cli.results.texts.check_flexible_text import check_flexible_text
-from flexmb_cli.run.check import parts
+from flexmb_cli.run.check import flexible, parts
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.outcome import RunOptions
 from tests.dialects.vsdf.vsdf_decks import DECKS, RIGID, changed
@@ -100,6 +100,13 @@ def test_faults_of_a_large_deck_are_those_of_a_small_one(request):
     assert said[0] == said[1] and len(said[0]) >= 4
 
 
+def test_columns_of_a_large_deck_are_numbers(many):
+    """Those without a default were arrays of objects, which take four times the memory."""
+    deck = read_deck(DeckText("x", RIGID, ""), "vsdf")
+    numbers = number_table.column(deck.section("node"), "node")
+    assert numbers.dtype == float and numbers.tolist() == [1, 2, 1, 2, 3, 4, 1, 2, 3]
+
+
 def test_a_chain_takes_less_than_two_kilobytes_a_body(many, monkeypatch):
     """A body with its nodes, hinge and points took 4 to 6 kB; 1.7 kB are 12 times its 144 characters."""
     monkeypatch.setattr("flexmb_cli.dialects.vsdf.many_bodies._MOST_MADE", 10)
@@ -122,3 +129,20 @@ def test_what_is_too_large_to_be_assembled_is_counted_in_words_and_json(tmp_path
     assert report.outcome.exit_code == 0
     assert "  speeds 12, modal 0, report times 101\n" in check_flexible_text(report)
     assert [body["mass"] for body in json.loads(json.dumps(report.as_dict()))["bodies"]] == [2.0, 1.0]
+
+
+def test_equations_that_are_too_many_are_not_assembled(tmp_path, monkeypatch):
+    """80,000 motions of one body ended for want of memory, 3,600 took minutes without compiled kernels.
+
+    Expected: five equations of each of two hinges, and fifty motions.
+    """
+    monkeypatch.setattr(parts, "MOST_DENSE_EQUATIONS", 59)
+    path = tmp_path / "x.vsdf"
+    motions = "".join(f"{k},ANGL,1,1\n" for k in range(1, 51))
+    path.write_text(RIGID.replace("GRAV\n", f"MOTN\n{motions}GRAV\n", 1))
+    report = check_deck(str(path), RunOptions())
+    assert "60 equations of 12 coordinates are more than the 59" in report.outcome.faults[-1].message
+    mechanism, _ = built(RIGID.replace("GRAV\n", f"MOTN\n{motions}GRAV\n", 1), build_model)
+    assert flexible._is_small(mechanism)
+    monkeypatch.setattr(parts, "INTERPRETED_LOADS", 51)
+    assert not flexible._is_small(mechanism)
