@@ -8,11 +8,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from large_limits import VSDF_CARDS, YOUNG_LOADS
+from large_limits import ELEMENTS, VSDF_CARDS, YOUNG_LOADS
 
 from flexmb_cli.dialects.dafms.cards import CARDS as DAFMS
 from flexmb_cli.dialects.vsdf.cards import CARDS as VSDF
+from flexmb_cli.dialects.vsdf.elements.cards import ELEMENT_CARDS
 from flexmb_cli.dialects.young.cards import CARDS as YOUNG
+from flexmb_cli.dialects.young.elements.cards import FUNCTION_CARDS, JOINT_CARDS
 
 DECKS = Path(__file__).parents[2] / "decks"
 _MOTION = (
@@ -20,6 +22,7 @@ _MOTION = (
     "1 2 0 0 0 0 0 0 0 0 1 0 0 1\n1 0 0 0 0 0 0\n0 1 0.1\nDYNAMICS INVERSE\nMASS 2 1 0 0 0 1 1 1\n"
 )
 _MOST_ENTRIES = 99_999
+_LIMITED = (*ELEMENT_CARDS, *(card for card in VSDF if card.word == "JSPR"))
 
 
 def card_kinds(size: int) -> Iterator[tuple[str, Callable[[], str]]]:
@@ -31,7 +34,8 @@ def card_kinds(size: int) -> Iterator[tuple[str, Callable[[], str]]]:
     for card in YOUNG:
         words = " ".join("1" for _ in (*card.columns[: len(card.columns) - card.optional], *card.repeated))
         line = f"{card.keyword} {words}\n"
-        count = min(YOUNG_LOADS, size // len(line))
+        most = ELEMENTS if card in (*FUNCTION_CARDS, *JOINT_CARDS) else YOUNG_LOADS
+        count = min(most, size // len(line))
         yield f"young all {card.keyword}", lambda line=line, count=count: f"{_MOTION}{line * count}END\n"
     head, rest = (DECKS / "dafms/pendulum.DAT").read_text().rsplit("END ", 1)
     for card in DAFMS.values():
@@ -51,7 +55,8 @@ def _of_vsdf(card: Any, size: int) -> str:
     second = "1\n" if card.second else ""
     numbered = card.counted in ("own", "body")
     count = size // (len(",".join(values)) + 2 + len(second) + 5 * numbered)
-    count = count if card.section in ("node", "table") else min(VSDF_CARDS, count)
+    if card.section not in ("node", "table"):
+        count = min(ELEMENTS if card in _LIMITED else VSDF_CARDS, count)
     rest = ",".join(values[1:])
     lines = (f"{k if numbered else values[0]},{rest}\n {second}" for k in range(1, count + 1))
     return f"{card.word}\n " + "".join(lines).rstrip(" ")
