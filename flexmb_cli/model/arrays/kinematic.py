@@ -38,13 +38,13 @@ CONSTRAINT = np.dtype(
         ("a_i", np.float64, 3),  # first vector across s_i, body axes of i (vector_pairs)
         ("b_i", np.float64, 3),  # second vector across s_i, body axes of i
         ("h_i", np.float64, 3),  # translational: unit h_i; screw: unit part of h_i across the axis
-        ("g_i", np.float64, 3),  # screw: s_i × h_i
+        ("g_i", np.float64, 3),  # screw: s_i × h_i, unit vector
         ("h_j", np.float64, 3),  # unit vector, body axes of j
         ("C", np.float64),  # value of a constraint, m or 1; driver: C + B t + A t²/2, m or rad
         ("B", np.float64),  # driver: rate at t = 0, m/s or rad/s
         ("A", np.float64),  # driver: acceleration, m/s² or rad/s²
         ("pitch", np.float64),  # screw: advance per radian, m
-        ("sense", np.float64),  # screw: sign of the slide
+        ("sense", np.float64),  # screw: sign of the slide, 1 or -1
         ("offset", np.float64),  # screw: delta0 - pitch * theta0, m
     ]
 )

@@ -86,11 +86,11 @@ class TreeArrays(NamedTuple):
     prescribed: np.ndarray  # PRESCRIBED records
     functions: np.ndarray  # FUNCTION records
     closures: np.ndarray  # CLOSURE_ROW records, one a closed direction
-    closure_matrix: np.ndarray  # (rows, rows), scratch
+    closure_matrix: np.ndarray  # (rows, rows) work: J b^-1 Jᵀ, 1/kg
     gravity: np.ndarray  # (3,) inertial axes, m/s²
     elastic: np.ndarray  # (NS,) bool
     given: np.ndarray  # (NS,) bool
-    inertia_scale: np.ndarray  # (NS,) inertia against which a pivot of the mass matrix counts as zero
+    inertia_scale: np.ndarray  # (NS,) inertia against which a pivot of the mass matrix is zero, kg or kg m²
     node_frames: NodeFrames  # those of all flexible parents
     one_way: bool  # whether the elastic motion does not act on the rigid motion (thesis 4.3)
 

@@ -36,7 +36,7 @@ class Row(NamedTuple):
 
     t: float  # s
     q: Any  # coordinates (N,); None of an old row
-    value: float  # its last singular value that counts, of the largest
+    value: float  # its last singular value that counts, as a share of the largest
 
 
 class PassedDynamicSingularities(PassedSingularities):
