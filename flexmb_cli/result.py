@@ -28,6 +28,7 @@ class Result(Mapping[str, np.ndarray]):
     """
 
     deck: "OpenDeck"
+    # By names of datasets; what a mapping's method of this name would give is `result[name]`.
     values: dict[str, np.ndarray]  # type: ignore[assignment]
     layout: "Layout"
     status: str = COMPLETE

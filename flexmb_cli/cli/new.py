@@ -1,5 +1,6 @@
 """`flexmb new`: a deck asked for at the keyboard, or from a pipe of answers."""
 
+import io
 import os
 import re
 import sys
@@ -105,7 +106,8 @@ class _Talk:
         # Who pipes answers has them: a second try begins with the first of them, and not behind a draft.
         self.keeps_draft = self.at_terminal or with_draft
         # A title in another character code is no reason to lose the answers behind it.
-        sys.stdin.reconfigure(errors="replace")  # type: ignore[union-attr]
+        if isinstance(sys.stdin, io.TextIOWrapper):
+            sys.stdin.reconfigure(errors="replace")
         self.lines: list[Any] = []  # of a pipe, for the places of faults
         self.dialogue = self._begin(form, restart)
 

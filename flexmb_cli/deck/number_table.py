@@ -3,12 +3,14 @@
 from array import array
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 from .record import Record
 
 if TYPE_CHECKING:
     import numpy as np
+
+    from .many_records import Block
 
 
 class NumberTable:
@@ -46,11 +48,12 @@ def column(records: Sequence[Record], key: str) -> "np.ndarray":
     """Return the numbers (record,) that the records have under a key."""
     import numpy as np
 
-    table = _table(records)
-    if table is None:
+    in_columns = _in_columns(records)
+    if in_columns is None:
         return np.array([record[key] for record in records])
-    found: np.ndarray = table.column(key)
-    for k, record in records.changed.items():  # type: ignore[attr-defined]
+    table, changed = in_columns
+    found = table.column(key)
+    for k, record in changed.items():
         found[k] = record[key]
     return found
 
@@ -67,11 +70,12 @@ def without_any(records: Sequence[Record], keys: Sequence[str]) -> Sequence[Reco
     """Return the records in which the fields of all `keys` are empty."""
     import numpy as np
 
-    table = _table(records)
-    if table is None:
+    in_columns = _in_columns(records)
+    if in_columns is None:
         return [record for record in records if not any(record.at(key).text for key in keys)]
+    table, changed = in_columns
     filled = np.any([table.filled(key) for key in keys], axis=0)
-    filled[list(records.changed)] = True  # type: ignore[attr-defined]
+    filled[list(changed)] = True
     return [records[k] for k in np.flatnonzero(~filled).tolist()]
 
 
@@ -79,12 +83,13 @@ def outside(records: Sequence[Record], key: str, lowest: float, highest: float) 
     """Return the records whose number under a key is below `lowest` or above `highest`."""
     import numpy as np
 
-    if _table(records) is None:
+    if _in_columns(records) is None:
         return [record for record in records if not lowest <= record[key] <= highest]
     found = column(records, key)
     return [records[k] for k in np.flatnonzero((found < lowest) | (found > highest)).tolist()]
 
 
-def _table(records: Any) -> NumberTable | None:
-    found: NumberTable | None = getattr(records, "table", None)
-    return found
+def _in_columns(records: Sequence[Record]) -> tuple[NumberTable, Mapping[int, Record]] | None:
+    """Return the numbers of a block of records, and its changed records; None for other records."""
+    table: NumberTable | None = getattr(records, "table", None)
+    return None if table is None else (table, cast("Block", records).changed)

@@ -2,7 +2,7 @@
 
 from array import array
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from ..errors import Place
 from .number_table import column, places_by
@@ -10,6 +10,8 @@ from .record import Deck, Number, Record
 
 if TYPE_CHECKING:
     import numpy as np
+
+    from .many_records import Block
 
 
 class DeckValues:
@@ -34,7 +36,7 @@ class DeckValues:
         """One record, None when its card is not given."""
         if self.many:
             found = self.deck.section(section)
-            return found.numbered(number) if found else None  # type: ignore[attr-defined]
+            return cast("Block", found).numbered(number) if found else None
         return self._records.get(section, {}).get(number)
 
     def of_body(self, section: str, body: int) -> list[Record]:

@@ -6,7 +6,7 @@ else in SI units divide densities by a thousand.
 """
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from ..quick_dataclass import dataclass
 if TYPE_CHECKING:  # a run imports the models of its own dialect only
     from collections.abc import Callable, Iterator
 
-    from .flexible_mechanism import FlexibleMechanism
+    from .flexible_mechanism import FlexibleMechanism, NodePoint
     from .loads import DynamicModel
     from .tree import Tree
 
@@ -90,7 +90,8 @@ def unit_doubts(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Fault]
         for note in _of_body(body)
     ]
     if kind == "FlexibleMechanism":
-        notes += [*_of_frequencies(model), *_of_densities(model)]  # type: ignore[arg-type]
+        flexible = cast("FlexibleMechanism", model)
+        notes += [*_of_frequencies(flexible), *_of_densities(flexible)]
     longest = max(extents, key=lambda body: body.size, default=None)
     if IN_MILLIMETRES[0] <= gravity <= IN_MILLIMETRES[1]:
         notes.append(
@@ -209,7 +210,8 @@ def _of_young(model: "DynamicModel") -> Iterable[Extent]:
 
 def _of_mechanism(mechanism: "FlexibleMechanism") -> Iterable[Extent]:
     """Rigid bodies; those of finite elements have what their files say."""
-    found, joined = [], {}  # type: ignore[var-annotated]
+    found: list[Extent] = []
+    joined: dict[int, list[NodePoint]] = {}
     for joint in mechanism.joints:
         for end in (*joint.a, *joint.b):
             joined.setdefault(end.body, []).append(end)

@@ -66,7 +66,7 @@ def flexible_body(
         stiffening=stiffening_material(values, k, nodes_file, findings),
         material=stress_material(values, k, nodes_file, findings),
         place=record.place,
-        mesh=mesh_file(values, k, files["node_table"]),  # type: ignore[arg-type]
+        mesh=mesh_file(values, k, nodes_file),
     )
     stiffened = _stiffened(values.record("stiffening", k), given, findings)
     return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)

@@ -61,7 +61,7 @@ def _sorted_places(held: Any) -> Any:
     # Small decks are read without numpy; of a large one a list of places would take six times the memory.
     import numpy as np
 
-    return memoryview(np.argsort(held, kind="stable"))  # type: ignore[arg-type]
+    return np.argsort(held, kind="stable").data
 
 
 def _by_bodies(mechanism: Any, findings: Findings) -> Iterator[list[_Hold]]:

@@ -65,9 +65,10 @@ def film_bytes(result: h5py.File, form: str, look: FilmLook) -> bytes:
         options = {"loop": 0, "duration": gif_durations(count, look.rate)}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"film.{form}"
-        with imageio.get_writer(path, **options) as writer:
+        opened: Any = imageio.get_writer(path, **options)  # its context manager has no types
+        with opened as writer:
             for frame in chain([first], frames):
-                writer.append_data(frame)  # type: ignore[attr-defined]
+                writer.append_data(frame)
         return path.read_bytes()
 
 

@@ -64,7 +64,7 @@ def picture(
             for family in look.apply():
                 tell_missing(family)
         else:
-            matplotlib.rcParams.update(settings())  # type: ignore[arg-type]
+            matplotlib.rcParams.update(settings())
         figure = fitted_figure(panels, title, look)
         stream = io.BytesIO()
         figure.savefig(stream, format=form, dpi=PRINTED if look else RESOLUTION, metadata=METADATA[form])

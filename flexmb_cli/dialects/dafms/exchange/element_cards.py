@@ -55,7 +55,7 @@ class ElementCards:
             if value is not None:
                 motors.append(self._dof(item) + self.real(value))
             elif points := points_of(item.function):
-                tables.append(self.table(*self._place(item), points))  # type: ignore[call-arg]
+                tables.append(self.table(*self._place(item), points))
             else:
                 by_function.append(self._dof(item) + integers(self._number(item.function, item)))
         for item in self.model.joint_drivers:
@@ -157,7 +157,7 @@ class ElementCards:
         lines = [integers(k, which, len(points))]
         return "\n".join([*lines, *(self.real(t) + self.real(v) for t, v in points)])
 
-    def _place(self, item: Any) -> Any:
+    def _place(self, item: Any) -> tuple[int, int]:
         """Body of the hinge, and the number of its degree of freedom."""
         return self._freedom(item.joint, item.coordinate)
 
