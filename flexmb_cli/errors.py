@@ -121,7 +121,7 @@ class FaultList(list[Fault]):
         return {}
 
 
-def sentences(faults: Any) -> tuple[str, ...]:
+def sentences(faults: Iterable[Any]) -> tuple[str, ...]:
     """Return subject and message of every fault, as results keep them."""
     return tuple(fault.sentence for fault in faults)
 

@@ -67,7 +67,7 @@ def _define(cls: Any, frozen: Any, eq: Any) -> Any:
     return cls
 
 
-def _fields_with_bases(cls: Any) -> dict[str, Any]:
+def _fields_with_bases(cls: type) -> dict[str, Any]:
     """Fields by name, those of the bases first."""
     found: dict[Any, Any] = {}
     for base in reversed(cls.__mro__[1:]):
@@ -163,7 +163,7 @@ def _hashing(names: list[str]) -> Any:
 def _refusal(cls: type, names: dict[str, Any], action: str, perform: Any) -> "Callable[..., Any]":
     """Return what stands for __setattr__ or __delattr__ of a frozen class."""
 
-    def refuse(self: Any, name: Any, *value: Any) -> Any:
+    def refuse(self: Any, name: str, *value: Any) -> Any:
         if type(self) is cls or name in names:
             raise FrozenInstanceError(f"cannot {action} field {name!r}")
         perform(self, name, *value)

@@ -103,14 +103,14 @@ class Result(Mapping[str, np.ndarray]):
         }
         return pandas.DataFrame(columns, index=pandas.Index(self.time, name="time"))
 
-    def _quantity(self, name: Any) -> Any:
+    def _quantity(self, name: str) -> Any:
         quantities = self._quantities(name)
         if len(quantities) > 1:
             several = ", ".join(quantity.name for quantity in quantities[:6])
             raise KeyError(f"{name} is more than one number: {several} …; name one, or use to_pandas")
         return quantities[0]
 
-    def _quantities(self, name: Any) -> Any:
+    def _quantities(self, name: str) -> Any:
         """The quantities that a name means; they are looked up in a file without rows."""
         if name not in self.found:
             import tempfile

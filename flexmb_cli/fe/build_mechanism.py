@@ -24,6 +24,8 @@ from .flexible_bodies import flexible_body
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from ..model.fe_model import NodeForce
+
 
 STEPS_A_PERIOD = 20
 
@@ -48,7 +50,7 @@ def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleM
     return replace(_Points(model, bodies).mechanism(), stresses=stresses, shapes=model.shapes), faults
 
 
-def _stresses(model: Any, bodies: Any) -> Any:
+def _stresses(model: VsdfModel, bodies: list[FloatingBody]) -> Any:
     """Return what is reported of stresses; most decks ask for none, and need no elements."""
     if not model.stresses:
         return ()
@@ -70,7 +72,7 @@ def _step_doubts(model: VsdfModel, bodies: list[FloatingBody]) -> "Iterator[Faul
             yield Fault("warning", message, model.time.place, body.name, id="FE-007")
 
 
-def _body(given: VsdfBody, cached: Any) -> tuple[FloatingBody, list[Fault]]:
+def _body(given: VsdfBody, cached: bool) -> tuple[FloatingBody, list[Fault]]:
     motion = np.array(given.velocity), np.array(given.omega)
     places: dict[str, Any] = {"place": given.place, "velocity_place": given.velocity_place}
     if given.flexible is None:
@@ -164,7 +166,7 @@ class _Points:
         target = self.model.global_position(pin.end) if pin.point is None else np.array(pin.point)
         return PointPin(pin.name, self.point(pin.end), pin.directions, target, pin.place, pin.functions)
 
-    def _force(self, force: Any) -> Any:
+    def _force(self, force: "NodeForce") -> Any:
         return PointForce(
             force.name, self.point(force.end), force.force, force.follows, force.factor, force.place
         )

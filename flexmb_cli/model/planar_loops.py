@@ -34,7 +34,7 @@ def repeated_in_plane(joints: Sequence[Joint], grounds: Sequence[int], attitudes
     return REPEATED_EQUATIONS * _loops(joints, grounds, len(attitudes))
 
 
-def _axis(joint: Joint, attitudes: Any) -> np.ndarray:
+def _axis(joint: Joint, attitudes: np.ndarray) -> np.ndarray:
     s = np.array(joint.s_i)
     if joint.i >= 0:
         s = rotation_matrix(attitudes[joint.i]) @ s
@@ -42,7 +42,7 @@ def _axis(joint: Joint, attitudes: Any) -> np.ndarray:
     return found
 
 
-def _loops(joints: Any, grounds: Any, bodies: Any) -> int:
+def _loops(joints: Sequence[Any], grounds: Sequence[Any], bodies: int) -> int:
     """Independent loops of the joints, all grounds being one body, which has the last place."""
     root = list(range(bodies + 1))
 

@@ -16,6 +16,7 @@ from .solution import solution_of
 
 if TYPE_CHECKING:
     from ..model.loads import DynamicModel
+    from ..model.mechanism import Mechanism
 
 
 SI = "m"
@@ -48,7 +49,7 @@ def converted(path: str, form: str, changes: tuple[str, ...] = (), unit: str = S
         raise
 
 
-def _refuse_own(deck: Deck, form: Any) -> None:
+def _refuse_own(deck: Deck, form: str) -> None:
     if deck.dialect == form:
         message = f"the deck is a {dialect_named(form).title} deck already"
         raise ModelError([Fault("error", message, id="RUN-060")])
@@ -75,7 +76,7 @@ def _title(deck: Deck) -> Any:
     return f"converted from the {dialect_named(deck.dialect).title} deck {name}"
 
 
-def _refuse_unreadable(text: Any, form: Any, run: Run) -> None:
+def _refuse_unreadable(text: str, form: str, run: Run) -> None:
     """Refuse what the writer let through and the dialect does not accept."""
     try:
         dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
@@ -85,7 +86,7 @@ def _refuse_unreadable(text: Any, form: Any, run: Run) -> None:
         raise ModelError([Fault("error", message, id="RUN-062")]) from failure
 
 
-def _other_way(deck: Deck, run: Run, model: Any) -> str:
+def _other_way(deck: Deck, run: Run, model: "DynamicModel | Mechanism") -> str:
     """Return which conversion takes a mechanism that is no tree, each having been tried; "" for none."""
     for form in DIALECTS:
         if form != deck.dialect and _gives_a_tree(deck, run, form):

@@ -27,12 +27,14 @@ class AnyFinite(click.types.FloatParamType):
         return _finite(self, super().convert(value, param, ctx), value, param, ctx)
 
 
-def _refuse_comma(kind: "AnyFinite | Finite", value: Any, param: Any, ctx: Any) -> None:
+def _refuse_comma(kind: "AnyFinite | Finite", value: float | str, param: Any, ctx: click.Context) -> None:
     if isinstance(value, str) and _DECIMAL_COMMA.fullmatch(value.strip()):
         kind.fail(f"{value} has a decimal comma; write {value.strip().replace(',', '.')}", param, ctx)
 
 
-def _finite(kind: AnyFinite | Finite, number: float, value: Any, param: Any, ctx: click.Context) -> Any:
+def _finite(
+    kind: AnyFinite | Finite, number: float, value: float | str, param: Any, ctx: click.Context
+) -> Any:
     if not math.isfinite(number):
         kind.fail(f"{value} is no finite number", param, ctx)
     return number

@@ -92,7 +92,7 @@ def motor(coordinate: str | None) -> Callable[..., Any]:
     return make
 
 
-def _spring_data(maker: Any, record: Record) -> Any:
+def _spring_data(maker: ElementMaker, record: Record) -> Any:
     return {
         "stiffness": float(record["stiffness"]),
         "rest": float(record["rest"]),

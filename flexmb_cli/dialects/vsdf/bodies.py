@@ -66,7 +66,7 @@ def _body(values: Any, k: Any, folder: Any, findings: Any) -> VsdfBody:
     return build(values, k, record, pose, folder, findings)
 
 
-def _attitude(record: "Record | None", findings: Any) -> Any:
+def _attitude(record: "Record | None", findings: Findings) -> Any:
     if record is None:
         return 1.0, 0.0, 0.0, 0.0
     p = tuple(float(record[f"e{i}"]) for i in range(4))
@@ -85,7 +85,7 @@ def _rigid(
     values: Any,
     k: Any,
     record: Any,
-    pose: Any,
+    pose: dict[Any, Any],
     _folder: Path,
     findings: Any,
 ) -> VsdfBody:

@@ -1,7 +1,7 @@
 """VSDF deck → VsdfModel: what its cards mean, all faults collected."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Deck, Record
 from ...deck.records import DeckValues
@@ -19,6 +19,10 @@ from .motion_angles import check_motion_functions
 from .motions import build_motions, build_tables
 from .stress_outputs import build_stresses
 from .unused_fields import doubt_tables, refuse_unread
+
+if TYPE_CHECKING:
+    from ...model.fe_model import VsdfBody
+
 
 WITHOUT_CARD = "GALF"  # method of a deck without the card INTG
 
@@ -65,7 +69,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     return VsdfModel(bodies, time, integrator, ground, gravity=g, **parts), findings.in_order
 
 
-def _shapes(values: Any, bodies: Any, folder: Path, findings: Any) -> Any:
+def _shapes(values: DeckValues, bodies: "tuple[VsdfBody, ...]", folder: Path, findings: Findings) -> Any:
     if not (values.section("shape") or values.section("shape_file")):
         return ()
     # Few decks have any.

@@ -16,6 +16,8 @@ from .materials import matrices_of_elements, mesh_file, stiffening_material, str
 from .nodes import members_of, sets_of
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import numpy as np
 
 
@@ -72,7 +74,7 @@ def flexible_body(
     return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)
 
 
-def _refuse_rigid_cards(values: DeckValues, k: Any, findings: Findings) -> None:
+def _refuse_rigid_cards(values: DeckValues, k: int, findings: Findings) -> None:
     for section, word in (("rigid", "RIGI"), ("node", "NODE")):
         # Records one by one, and no more than are reported: there may be a million.
         for place in values.places_of_body(section, k)[: MOST_LISTED_ERRORS + 1]:
@@ -81,7 +83,7 @@ def _refuse_rigid_cards(values: DeckValues, k: Any, findings: Findings) -> None:
             findings.error(given.subject, message, given.place, id="VSDF-022")
 
 
-def _or_density(values: DeckValues, k: Any, files: Any) -> Any:
+def _or_density(values: DeckValues, k: int, files: "Mapping[str, FEFile | None]") -> Any:
     """Return what else helps where both matrices are missing."""
     if values.record("material", k) and files["mass_matrix"] is files["stiffness_matrix"] is None:
         return ", or the density of its elements on MATL"
@@ -187,7 +189,7 @@ def _damping(record: Record | None, findings: Findings) -> Any:
     return tuple(float(record[key]) for key in ("alpha", "beta", "ratio"))
 
 
-def _unit_loads(values: DeckValues, k: Any, folder: Any, findings: Findings) -> tuple[UnitLoad, ...]:
+def _unit_loads(values: DeckValues, k: int, folder: Path, findings: Findings) -> tuple[UnitLoad, ...]:
     loads: list[UnitLoad] = []
     for record in values.of_body("unit_load", k):
         number = record.at("load")
@@ -204,7 +206,7 @@ def _unit_loads(values: DeckValues, k: Any, folder: Any, findings: Findings) -> 
     return tuple(loads)
 
 
-def _stiffened(record: Record | None, given: Any, findings: Findings) -> bool:
+def _stiffened(record: Record | None, given: FlexibleInput, findings: Findings) -> bool:
     if record and record["on"] not in (0, 1):
         message = f"on is 0 or 1; read {record.at('on').text}"
         findings.error(record.subject, message, record.at("on").place, id="VSDF-035")

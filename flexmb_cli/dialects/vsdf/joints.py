@@ -1,7 +1,7 @@
 """Joints and pins of a VSDF deck, at nodes."""
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,10 @@ from ...model.joints import ANGLE, BY_NAME, PITCH, STROKE
 from ...model.mechanism import GROUND
 from . import DIALECT
 from .bodies import end_of_body
+
+if TYPE_CHECKING:
+    from ...model.joints import JointType
+
 
 _COINCIDENT = 1e-12
 BY_WORD = {word: BY_NAME[name] for word, name in DIALECT.joints.items()}
@@ -126,7 +130,7 @@ def _ground_at(x: float, y: float, z: float) -> End:
 
 def _with_ground(
     record: Record,
-    kind: Any,
+    kind: "JointType",
     a: tuple[End, ...] | None,
     b: tuple[End, ...] | None,
     bodies: tuple[VsdfBody, ...],
@@ -143,7 +147,7 @@ def _with_ground(
     return (points, b) if a is None else (a, points)
 
 
-def _positions(ends: Any, bodies: tuple[VsdfBody, ...], ground: VsdfBody) -> list[np.ndarray]:
+def _positions(ends: tuple[End, ...], bodies: tuple[VsdfBody, ...], ground: VsdfBody) -> list[np.ndarray]:
     owners = [ground if end.body == GROUND else bodies[end.body] for end in ends]
     return [
         np.array(end.point) if end.point is not None else owner.global_position(end.node)
@@ -154,7 +158,7 @@ def _positions(ends: Any, bodies: tuple[VsdfBody, ...], ground: VsdfBody) -> lis
 def _check_axis(
     record: Record,
     letter: str,
-    ends: Any,
+    ends: tuple[End, ...],
     bodies: tuple[VsdfBody, ...],
     ground: VsdfBody,
     findings: Findings,
@@ -175,7 +179,7 @@ def _check_axis(
 
 def _size(
     record: Record,
-    kind: Any,
+    kind: "JointType",
     a: tuple[End, ...],
     b: tuple[End, ...],
     bodies: tuple[VsdfBody, ...],

@@ -72,7 +72,7 @@ def _total(equations: int, coordinates: int, bodies: int) -> str:
     )
 
 
-def _grounds_alone(mechanism: Any, grounded: Any) -> frozenset[int]:
+def _grounds_alone(mechanism: Mechanism, grounded: Any) -> frozenset[int]:
     """Bodies that one ground holds and nothing else touches: in balance, and maybe by the million."""
     touched = {body for _, bodies in _links(mechanism, ()) for body in bodies}
     held: set[int] = set()
@@ -94,7 +94,7 @@ def _links(mechanism: Any, grounded: Any) -> Iterator[tuple[int, tuple[int, ...]
         yield _PER_BODY, (body,)
 
 
-def _balanced(mechanism: Any, grounded: Any) -> Any:
+def _balanced(mechanism: Mechanism, grounded: Any) -> Any:
     """Return whether every group of bodies has as many equations as coordinates."""
     count = len(mechanism.bodies)
     root, fixed = array("i", range(count)), bytearray(count)
@@ -162,7 +162,9 @@ def _named(bodies: list[int]) -> str:
 
 
 @lru_cache(maxsize=4)
-def _groups(bodies: Any, fixed: Any, alone: Any, links: Any) -> tuple[_Group, ...]:
+def _groups(
+    bodies: int, fixed: frozenset[int], alone: frozenset[int], links: tuple[tuple[Any, ...], ...]
+) -> tuple[_Group, ...]:
     """The groups in the order of their first bodies, without the balanced ones of those `alone`.
 
     The variants of a study mostly have the same.

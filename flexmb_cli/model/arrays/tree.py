@@ -1,6 +1,6 @@
 """Tree → structured arrays: what the kernels of tree dynamics read."""
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -9,6 +9,10 @@ from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Motor, Prescribed, 
 from .bandwidth import row_reach
 from .node_frames import NodeFrames, empty_node_frames
 from .tree_frames import NODAL_MASS, tree_frames
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
 
 ELASTIC_BODY = np.dtype(
     [
@@ -148,7 +152,9 @@ def _rigid(index: "dict[Any, Any]", item: Motor | Prescribed | Spring) -> int:
     return int(index[item.body, item.motion, item.axis, None])
 
 
-def _elastic_bodies(tree: Any, index: Any, of_body: Any) -> tuple[np.ndarray, ...]:
+def _elastic_bodies(
+    tree: Tree, index: "Mapping[Any, Any]", of_body: "Sequence[int]"
+) -> tuple[np.ndarray, ...]:
     """Records of the flexible bodies, reach, and their stiffness, damping and stiffening matrices, flat."""
     reach = np.zeros((len(index), 2), np.int64)
     records: list[Any] = []

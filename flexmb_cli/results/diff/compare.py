@@ -66,7 +66,11 @@ def _compare_tables(
 
 
 def _compare_stored(
-    path_a: Any, path_b: Any, forms: tuple[str, str], tolerances: Tolerances, same_attitude: bool
+    path_a: "Path | str | None",
+    path_b: "Path | str | None",
+    forms: tuple[str, str],
+    tolerances: Tolerances,
+    same_attitude: bool,
 ) -> Report:
     if set(forms) == {HDF5}:
         from .hdf5 import compare_hdf5

@@ -110,7 +110,7 @@ def film_frames(result: h5py.File, look: FilmLook, rows: slice = slice(None)) ->
 class _Camera:
     """From places in m to pixels, depth towards the viewer."""
 
-    def __init__(self, places: np.ndarray, gravity: Any, look: Any):
+    def __init__(self, places: np.ndarray, gravity: np.ndarray, look: FilmLook):
         view = view_of(places, gravity)
         eye, up = VIEWS.get(look.view, (view.eye, view.up))
         right = np.cross(up, eye)

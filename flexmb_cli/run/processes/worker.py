@@ -62,7 +62,7 @@ class Worker:
         self.end()
 
 
-def _served(serve: Any, line: Any, *given: Any) -> None:
+def _served(serve: Any, line: str, *given: Any) -> None:
     """Return what a process does."""
     try:
         serve(line, *given)

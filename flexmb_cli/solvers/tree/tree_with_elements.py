@@ -8,7 +8,7 @@ need by Newton's law.  Steps are those of scipy's DOP853; couplings and loops ho
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.integrate import DOP853
@@ -33,6 +33,9 @@ from .friction_in_hinges import FrictionInHinges
 from .placed_bodies import PlacedBodies
 from .rows import TreeRows
 from .scipy_integrators import UNCOUNTED
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 
 class TreeWithElements(TreeAnalysis):
@@ -109,7 +112,7 @@ class TreeWithElements(TreeAnalysis):
         found |= set(breakpoints(self.model, start, end))
         return sorted(t for t in found if start < t < end)
 
-    def _observed(self, state_at: Any, t: float) -> Iterator[TreeElementRows]:
+    def _observed(self, state_at: "Callable[..., Any]", t: float) -> Iterator[TreeElementRows]:
         for time in self.due_times(t):
             z, works = np.split(state_at(time), [self.state.size])
             # Rows show what a motor does behind a jump.
