@@ -21,7 +21,7 @@ def program() -> NoReturn:
     _leave(0)
 
 
-def _leave(code: object) -> NoReturn:
+def _leave(code: "str | int | None") -> NoReturn:
     """End the process without taking Python down object by object: a twentieth of a short run.
 
     Where someone watches (a profiler, a debugger), other threads work, or a stream is broken, Python ends as
@@ -30,7 +30,7 @@ def _leave(code: object) -> NoReturn:
     threading = sys.modules.get("threading")
     watched = sys.gettrace() or sys.getprofile() or (threading and threading.active_count() > 1)
     if watched or not isinstance(code, int) or not _flushed():
-        sys.exit(code)  # type: ignore[arg-type]
+        sys.exit(code)
     atexit._run_exitfuncs()
     os._exit(code)
 

@@ -6,7 +6,7 @@ Faults are collected, not thrown one at a time: a reader goes on after a fault a
 
 from collections.abc import Iterable
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
 
 from .quick_dataclass import dataclass, field
 
@@ -111,7 +111,8 @@ class FaultList(list[Fault]):
         for fault in faults:
             self.append(fault)
 
-    def __iadd__(self, faults: Any) -> Any:  # type: ignore[misc]
+    # Of lists of faults alone, as `append`; `+` makes a plain list.
+    def __iadd__(self, faults: Iterable[Fault]) -> Self:  # type: ignore[override, misc]
         self.extend(faults)
         return self
 
@@ -120,7 +121,7 @@ class FaultList(list[Fault]):
         return {}
 
 
-def sentences(faults: Any) -> tuple[str, ...]:
+def sentences(faults: Iterable[Any]) -> tuple[str, ...]:
     """Return subject and message of every fault, as results keep them."""
     return tuple(fault.sentence for fault in faults)
 

@@ -218,12 +218,14 @@ def write_study(path: str, study: "Sweep") -> None:
 def __getattr__(name: str) -> object:
     """Import what `check` takes and gives when it is named: commands start without it."""
     if name == "CheckReport":
-        from .run.check.check import CheckReport as found
-    elif name == "RunOptions":
-        from .run.outcome import RunOptions as found  # type: ignore[assignment]
-    else:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return found
+        from .run.check.check import CheckReport
+
+        return CheckReport
+    if name == "RunOptions":
+        from .run.outcome import RunOptions
+
+        return RunOptions
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 __all__ = [

@@ -9,10 +9,12 @@ these classes, too.
 
 import dataclasses
 from dataclasses import MISSING, Field, FrozenInstanceError, field
-from typing import TYPE_CHECKING, Any, TypeVar, dataclass_transform
+from typing import TYPE_CHECKING, Any, TypeVar, cast, dataclass_transform
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from _typeshed import DataclassInstance
 
 
 __all__ = ["dataclass", "field", "fields", "replace"]
@@ -35,7 +37,7 @@ def dataclass(cls: _Class | None = None, /, *, frozen: bool = False, eq: bool = 
 def fields(of: object) -> tuple[Field[Any], ...]:
     """Return the fields of a data class, or of an object of one."""
     found = getattr(of, "_quick_fields", None)
-    return dataclasses.fields(of) if found is None else tuple(found.values())  # type: ignore[arg-type]
+    return dataclasses.fields(cast("DataclassInstance", of)) if found is None else tuple(found.values())
 
 
 def replace(of: _Object, /, **changes: object) -> _Object:
@@ -47,24 +49,25 @@ def replace(of: _Object, /, **changes: object) -> _Object:
 def _define(cls: Any, frozen: Any, eq: Any) -> Any:
     found = _fields_with_bases(cls)
     cls._quick_fields, cls._quick_options = found, {"frozen": frozen, "eq": eq}
-    methods = {"__init__": _initialiser(cls, found), "__repr__": _representation}
+    methods: dict[str, Any] = {"__init__": _initialiser(cls, found), "__repr__": _representation}
     if eq:
         compared = [one.name for one in found.values() if one.compare]
         methods["__eq__"] = _comparison(compared)
-        methods["__hash__"] = _hashing(compared) if frozen else None  # type: ignore[assignment]
+        methods["__hash__"] = _hashing(compared) if frozen else None
     if frozen:
         methods["__setattr__"] = _refusal(cls, found, "assign to", object.__setattr__)
         methods["__delattr__"] = _refusal(cls, found, "delete", object.__delattr__)
     for name, method in methods.items():
         if cls.__dict__.get(name) is None:
             setattr(cls, name, method)
+    # Type checkers let only class bodies set it.
     cls.__match_args__ = tuple(one.name for one in found.values() if one.init)  # type: ignore[misc]
     for name in _KNOWN_BY:
         setattr(cls, name, _OfTwin(cls, name))
     return cls
 
 
-def _fields_with_bases(cls: Any) -> dict[str, Any]:
+def _fields_with_bases(cls: type) -> dict[str, Any]:
     """Fields by name, those of the bases first."""
     found: dict[Any, Any] = {}
     for base in reversed(cls.__mro__[1:]):
@@ -160,7 +163,7 @@ def _hashing(names: list[str]) -> Any:
 def _refusal(cls: type, names: dict[str, Any], action: str, perform: Any) -> "Callable[..., Any]":
     """Return what stands for __setattr__ or __delattr__ of a frozen class."""
 
-    def refuse(self: Any, name: Any, *value: Any) -> Any:
+    def refuse(self: Any, name: str, *value: Any) -> Any:
         if type(self) is cls or name in names:
             raise FrozenInstanceError(f"cannot {action} field {name!r}")
         perform(self, name, *value)

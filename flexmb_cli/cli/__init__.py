@@ -135,6 +135,7 @@ def cli(context: click.Context, debug: bool) -> None:
         click.echo(context.get_help())
 
 
+# click changes them only where commands are added.
 cli.commands = Commands()  # type: ignore[assignment]
 
 

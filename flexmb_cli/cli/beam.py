@@ -90,7 +90,7 @@ def _text(made: Any, ndm: Any, whole: bool, title: str, into: str | None, body: 
     return _deck_with(made, into, body)
 
 
-def _deck_with(made: Any, path: Any, body: Any) -> str:
+def _deck_with(made: Any, path: str, body: Any) -> str:
     """The deck at `path` with the beam in it; its faults are shown like those of `check`."""
     from ..deck.text import read_text
     from ..dialects.dafms import DIALECT

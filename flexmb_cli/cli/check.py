@@ -2,12 +2,15 @@
 
 import json
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .terminal.screen import show, wants_debug
+
+if TYPE_CHECKING:
+    from ..run.check.check import CheckReport
 
 
 @click.command()
@@ -17,9 +20,9 @@ from .terminal.screen import show, wants_debug
 def check(
     decks: tuple[str, ...],
     changes: tuple[str, ...],
-    echo: Any,
+    echo: bool,
     as_json: bool,
-    quiet: Any,
+    quiet: bool,
     jacobian: str | None,
     **options: Any,
 ) -> None:
@@ -64,7 +67,7 @@ def _check_jacobian_option(jacobian: str | None) -> None:
         )
 
 
-def _print_check(report: Any, with_echo: bool) -> None:
+def _print_check(report: "CheckReport", with_echo: bool) -> None:
     from ..results.texts.check_flexible_text import check_flexible_text
     from ..results.texts.check_text import check_text, jacobian_text
     from ..results.texts.check_tree_text import check_tree_text

@@ -11,7 +11,7 @@ from .terminal.screen import tell
 @click.option("--list", "listing", is_flag=True, help="Show what is kept in the user's cache, and its size.")
 @click.option("--clear", is_flag=True, help="Delete what is kept in the user's cache, of all versions.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
-def compile_(listing: Any, clear: Any, quiet: bool) -> None:
+def compile_(listing: bool, clear: Any, quiet: bool) -> None:
     """Compile all kernels now, so that no first run waits for them.
 
     A wheel built with FLEXMB_REQUIRE_AOT=1 contains them; other installations compile what a run

@@ -31,7 +31,7 @@ UNITS = ("m", "mm", "mm-kg", "cm", "in")
               help="Units of the new deck, where its dialect prescribes none.  [default: m]")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 def convert(
-    deck: str, form: str, output: str, changes: "tuple[Any, ...]", unit: Any, to_unit: Any, quiet: bool
+    deck: str, form: str, output: str, changes: "tuple[Any, ...]", unit: str, to_unit: str, quiet: bool
 ) -> None:
     """Write the model of DECK for another program or dialect.
 
@@ -61,7 +61,7 @@ def convert(
         tell(f"{deck} → {reported(output)}")
 
 
-def _check_units(form: str, unit: Any, to_unit: Any) -> None:
+def _check_units(form: str, unit: str, to_unit: str) -> None:
     """Other programs get SI units, as decks of most dialects do."""
     if unit != "m" and form in PROGRAMS:
         reported = (

@@ -15,7 +15,7 @@ from .terminal.screen import show, tell
 from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
-    from ..results.diff.folders import Compared, Summary
+    from ..results.diff.folders import Compared, Pair, Summary
     from ..results.diff.report import Report
     from ..results.diff.tolerance_file import FileTolerances
 
@@ -88,7 +88,7 @@ def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: 
     sys.exit(summary.exit_code)
 
 
-def _refuse_unlike(a: Any, b: Any, many: Any) -> None:
+def _refuse_unlike(a: str, b: str, many: tuple[bool, bool]) -> None:
     """Raise UsageError where one is a folder or a pattern, and the other a file."""
     if any(many) and not all(many):
         single, other = (a, b) if many[1] else (b, a)
@@ -99,7 +99,7 @@ def _refuse_unlike(a: Any, b: Any, many: Any) -> None:
         )
 
 
-def _tolerances(options: Any) -> Any:
+def _tolerances(options: dict[Any, Any]) -> Any:
     """Take what counts as a difference out of the options."""
     from ..results.diff.tolerance_file import FileTolerances, read_tolerances
     from ..results.diff.tolerances import Tolerances, parse_kinds
@@ -138,7 +138,7 @@ def _compare_folders(
     from ..results.diff.folders import compare_many
     from ..results.diff.forms import LISTING, form_of
 
-    def compare_pair(pair: Any) -> "Report":
+    def compare_pair(pair: "Pair") -> "Report":
         chosen = tolerances.of_file(pair.name)
         if form_of(pair.a) != LISTING:
             # Results in full precision have no last printed digit: other files of the folder have.
@@ -168,7 +168,7 @@ def _write_junit(path: str, summary: "Summary") -> None:
     write_whole(path, content)
 
 
-def _print_report(compared: Any, update: Any, as_json: Any, quiet: Any) -> None:
+def _print_report(compared: Any, update: bool, as_json: bool, quiet: bool) -> None:
     a, b, updated = compared.pair.a, compared.pair.b, compared.updated
     if as_json:
         click.echo(json.dumps(compared.report.as_dict() | {"a": a, "updated": updated}))

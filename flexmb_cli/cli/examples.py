@@ -29,7 +29,7 @@ SUFFIXES = {Path(each.new_name).suffix: each.title for each in reversed([*every_
 )
 @click.option("--force", is_flag=True, help="Replace files that are there already.")
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
-def examples(names: Any, output_dir: Any, everything: Any, force: Any, quiet: Any) -> None:
+def examples(names: tuple[str, ...], output_dir: Path, everything: bool, force: bool, quiet: bool) -> None:
     """List the supplied decks, or copy those named, with the files they need.
 
     \b
@@ -116,7 +116,7 @@ def _descriptions(folder: Path) -> Iterator[tuple[tuple[str, str], str]]:
                 yield from (((suffix, name), cells[1]) for suffix in suffixes)
 
 
-def _whole_names(names: Any) -> "Iterator[Any]":
+def _whole_names(names: tuple[str, ...] | list[Any]) -> "Iterator[Any]":
     """Complete names such as `_n5` behind `shaft_beam_n2`."""
     for name in names:
         yield names[0].rpartition("_")[0] + name if name.startswith("_") else name

@@ -37,12 +37,12 @@ from .terminal.written_place import WrittenPlace
 )
 def modes(
     decks: Any,
-    changes: Any,
-    echo: Any,
-    as_json: Any,
-    quiet: Any,
-    time: Any,
-    equilibrium: Any,
+    changes: tuple[str, ...],
+    echo: bool,
+    as_json: bool,
+    quiet: bool,
+    time: float | None,
+    equilibrium: bool,
     out: Any,
     **options: Any,
 ) -> None:

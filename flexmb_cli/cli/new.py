@@ -1,5 +1,6 @@
 """`flexmb new`: a deck asked for at the keyboard, or from a pipe of answers."""
 
+import io
 import os
 import re
 import sys
@@ -47,7 +48,7 @@ _LOST = "the answers are not kept (--draft keeps them)"
               help="Keep a draft, and continue one, in a pipe, too.")  # fmt: skip
 @click.option("--cards", is_flag=True,
               help="Ask for masses, loads and elements, too, card by card (YOUNG).")  # fmt: skip
-def new(dialect: Any, output: Any, force: Any, restart: Any, with_draft: Any, cards: bool) -> None:
+def new(dialect: str, output: str, force: bool, restart: bool, with_draft: bool, cards: bool) -> None:
     """Ask for the data of a deck, number by number, and write a deck that `flexmb check` accepts.
 
     Every answer is checked at once.  The answers are kept in PATH.draft until the deck is written, and the
@@ -72,7 +73,7 @@ def new(dialect: Any, output: Any, force: Any, restart: Any, with_draft: Any, ca
         sys.exit(143)
 
 
-def _ask_to_replace(path: str, force: Any) -> None:
+def _ask_to_replace(path: str, force: bool) -> None:
     if os.path.isdir(path):
         raise click.UsageError(f"{path} is a folder; -o names the deck to write")
     if path != "-":
@@ -98,14 +99,15 @@ def _form(name: str, cards: bool) -> "Form":
 class _Talk:
     """The dialogue at a terminal or through a pipe."""
 
-    def __init__(self, form: "Form", path: Any, restart: Any, with_draft: Any):
+    def __init__(self, form: "Form", path: str, restart: bool, with_draft: bool):
         self.path = path
         self.draft = "flexmb.draft" if path == "-" else f"{path}.draft"
         self.at_terminal = sys.stdin.isatty()
         # Who pipes answers has them: a second try begins with the first of them, and not behind a draft.
         self.keeps_draft = self.at_terminal or with_draft
         # A title in another character code is no reason to lose the answers behind it.
-        sys.stdin.reconfigure(errors="replace")  # type: ignore[union-attr]
+        if isinstance(sys.stdin, io.TextIOWrapper):
+            sys.stdin.reconfigure(errors="replace")
         self.lines: list[Any] = []  # of a pipe, for the places of faults
         self.dialogue = self._begin(form, restart)
 
@@ -146,7 +148,7 @@ class _Talk:
                 break
         self.write()
 
-    def ask(self, question: Any) -> Any:
+    def ask(self, question: "Question") -> Any:
         """The answer to `question` as typed."""
         if not self.at_terminal:
             return self._next_line(question)
@@ -174,7 +176,7 @@ class _Talk:
         self.lines.append(answer)
         return answer
 
-    def take(self, question: Any, line: Any) -> None:
+    def take(self, question: "Question", line: str) -> None:
         """Obey a command, or give the answer to the machine; the draft follows every change."""
         word = line.strip()
         if word == "?":
@@ -189,7 +191,7 @@ class _Talk:
             self.show(self.dialogue.answer(line), question)
             self.keep()
 
-    def go_back(self, name: Any) -> None:
+    def go_back(self, name: str) -> None:
         """To the question before, or to the record called `name`."""
         if not name and not self.dialogue.back():
             self.show([Fault("error", "this is the first question", id="CLI-004")])
@@ -197,7 +199,7 @@ class _Talk:
             message = f"there is no question {name} before this one; names are like driver.1"
             self.show([Fault("error", message, id="CLI-005")])
 
-    def show(self, faults: Any, question: Any = None) -> Any:
+    def show(self, faults: Any, question: "Question | None" = None) -> Any:
         """Faults as sentences; in a pipe, where nobody can answer again, an error is the end."""
         if self.at_terminal:
             for fault in faults:
@@ -281,7 +283,7 @@ class _Talk:
         refuse_unsafe(self.draft)
         write_whole(self.draft, draft_text(self.dialogue).encode())
 
-    def say_kept(self, why: Any) -> None:
+    def say_kept(self, why: str) -> None:
         """Return why the dialogue ends, and where its answers are."""
         if not self.keeps_draft:
             where = "and no draft kept: give all answers again"
@@ -292,7 +294,7 @@ class _Talk:
         click.echo(err=True)
         tell(f"flexmb: {why}; no deck is written, {where}")
 
-    def stop(self, why: Any) -> None:
+    def stop(self, why: str) -> None:
         """End without a deck (exit 1)."""
         self.say_kept(why)
         sys.exit(ANALYSIS_FAILED)

@@ -101,15 +101,15 @@ def plot(
 
 
 def _plot_results(
-    paths: Any,
-    names: Any,
-    output: Any,
-    across: Any,
+    paths: tuple[str, ...],
+    names: tuple[str, ...],
+    output: str,
+    across: str,
     part: Any,
-    title: Any,
+    title: str | None,
     width: Any,
-    quiet: Any,
-    print_options: Any,
+    quiet: bool,
+    print_options: dict[str, float | str],
 ) -> None:
     """Draw quantities of results over time, or across another; `part`: begin, end and stride of the rows."""
     from ..results.figures.curves import panels
@@ -210,8 +210,8 @@ def _warn_of_font(look: "Look | None", family: str) -> None:
 def _source(
     open_files: Any,
     path: str,
-    label: Any,
-    names: Any,
+    label: str,
+    names: tuple[str, ...],
     across: str,
     window: Any,
     quiet: bool,

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 @click.option("--scale", type=AnyFinite(), default=1.0, metavar="X",
               help="Show deformations of finite-element bodies X times as large [default: 1].")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
-def report(result: str, output: str | None, quiet: bool, movie: Any, **looks: Any) -> None:
+def report(result: str, output: str | None, quiet: bool, movie: str | None, **looks: Any) -> None:
     """Write a self-contained HTML page: motion in 3-D, curves, audit and deck of RESULT.h5.
 
     The page needs no network and no graphics card: play, scrub and turn the motion in any browser.

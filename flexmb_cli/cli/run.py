@@ -16,7 +16,7 @@ from .terminal.stops import stop_on_signals
 from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from ..run.outcome import Outcome, RunOptions
 
@@ -151,7 +151,7 @@ def _given(options: "dict[Any, Any]", **names: Any) -> "dict[Any, Any]":
 
 
 def _all_outcomes(
-    decks: Any, options: "RunOptions", jobs: int, quiet: bool, verbose: bool
+    decks: list[str], options: "RunOptions", jobs: int, quiet: bool, verbose: bool
 ) -> "Iterator[Any]":
     """Return what became of every deck; one that was not begun before a stop is as if stopped at its first
     row.
@@ -193,7 +193,7 @@ def _outcomes(
         yield outcome
 
 
-def _refuse_shared_files(decks: Any, options: "RunOptions") -> None:
+def _refuse_shared_files(decks: "Sequence[str]", options: "RunOptions") -> None:
     """Two decks that would write the same file are refused before anything is solved."""
     from pathlib import PurePath
 
@@ -226,7 +226,7 @@ def _dialect(deck: str, options: "RunOptions") -> str:
         return options.dialect
 
 
-def _report_outcome(outcome: "Outcome", options: Any, quiet: bool, verbose: bool) -> None:
+def _report_outcome(outcome: "Outcome", options: "RunOptions", quiet: bool, verbose: bool) -> None:
     show_faults(outcome, quiet)
     if outcome.exit_code > 128:
         tell(f"{outcome.deck}: interrupted; {_kept(outcome)}")
@@ -242,7 +242,7 @@ def _report_outcome(outcome: "Outcome", options: Any, quiet: bool, verbose: bool
         click.echo(f"  {outcome.statistics}", err=True)
 
 
-def _no_file(options: Any) -> Any:
+def _no_file(options: "RunOptions") -> Any:
     return "standard output" if options.out == "-" else "no file"
 
 

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 def sweep(
     study: str,
-    output: Any,
+    output: str | None,
     jobs: int,
     scheduler: str | None,
     parts: Any,
@@ -111,7 +111,7 @@ def _report_stop(
         sys.stdout.flush()
 
 
-def _begun(study: str, output: str, parts: Any, scheduler: str | None, fresh: bool, as_json: bool) -> "Sweep":
+def _begun(study: str, output: str, parts: str, scheduler: str | None, fresh: bool, as_json: bool) -> "Sweep":
     require_memory(TO_LOAD)  # of numpy, below
     from .. import interface
     from ..results.files.replaced_file import refuse_unwritable
@@ -167,7 +167,7 @@ def _first_failures(made: "Sweep", most: int = 3) -> Any:
     return list(islice(failed, most))
 
 
-def _write(made: Any, output: Any) -> None:
+def _write(made: Any, output: str) -> None:
     from .. import interface
 
     interface.write_study(output, made)
@@ -185,7 +185,7 @@ def _report(study: str, output: str, made: "Sweep", failures: Any, quiet: bool) 
     _say(f"{study}: {cases} cases{reported} → {output}", quiet)
 
 
-def _print_record(study: str, status: Any, exit_code: Any, made: Any, failed: Any, table: Any) -> None:
+def _print_record(study: str, status: Any, exit_code: Any, made: "Sweep", failed: Any, table: Any) -> None:
     """`table` is None while there is none yet."""
     record = {"study": study, "status": status, "exit_code": exit_code, "faults": []}
     record |= {"cases": made.job.study.cases, "failed": failed, "file": table}

@@ -75,7 +75,7 @@ def table(
 
 
 def _print_result(
-    result: Any, names: Any, listing: Any, part: Any, style: Any, number: Any, quiet: Any
+    result: str, names: tuple[str, ...], listing: bool, part: Any, style: Any, number: Any, quiet: bool
 ) -> None:
     """Print quantities of a run; `part`: begin, end and stride of the rows."""
     from ..results.hdf5.stored_result import settings_of

@@ -30,7 +30,7 @@ def verify(
     changes: "tuple[Any, ...]",
     echo: bool,
     as_json: bool,
-    quiet: Any,
+    quiet: bool,
     tolerance: float,
     rtol: None,
     atol: None,

@@ -7,7 +7,6 @@ A number of which a typist could not read every digit holds question marks in th
 
 import re
 from collections.abc import Sequence
-from typing import Any
 
 from ..quick_dataclass import replace
 from .fortran_format import Edit
@@ -72,7 +71,7 @@ def overflows(value: float, edit: Edit) -> bool:
     return len(text.strip()) > edit.width
 
 
-def _columns(text: str, edits: Any) -> list[str] | None:
+def _columns(text: str, edits: Sequence[Edit]) -> list[str] | None:
     """The fields by their columns, when each is right-justified there and nothing is left over."""
     words, start = [], 0
     text = text.rstrip()

@@ -3,12 +3,14 @@
 from array import array
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 from .record import Record
 
 if TYPE_CHECKING:
     import numpy as np
+
+    from .many_records import Block
 
 
 MANY_RECORDS = 10_000
@@ -51,11 +53,12 @@ def column(records: Sequence[Record], key: str) -> "np.ndarray":
     """Return the numbers (record,) that the records have under a key."""
     import numpy as np
 
-    table = _table(records)
-    if table is None:
+    in_columns = _in_columns(records)
+    if in_columns is None:
         return np.array([record[key] for record in records])
-    found: np.ndarray = table.column(key)
-    for k, record in records.changed.items():  # type: ignore[attr-defined]
+    table, changed = in_columns
+    found = table.column(key)
+    for k, record in changed.items():
         found[k] = record[key]
     return found
 
@@ -118,6 +121,7 @@ def outside(records: Sequence[Record], key: str, lowest: float, highest: float) 
     return (records[k] for k in np.flatnonzero((found < lowest) | (found > highest)).tolist())
 
 
-def _table(records: Any) -> NumberTable | None:
-    found: NumberTable | None = getattr(records, "table", None)
-    return found
+def _in_columns(records: Sequence[Record]) -> tuple[NumberTable, Mapping[int, Record]] | None:
+    """Return the numbers of a block of records, and its changed records; None for other records."""
+    table: NumberTable | None = getattr(records, "table", None)
+    return None if table is None else (table, cast("Block", records).changed)

@@ -12,6 +12,8 @@ from .lines import Lines
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from .many_records import ManyRecords
+
 
 # A float, an int or a str: the column of the number decides, which a type checker cannot know.
 Value = Any
@@ -131,7 +133,7 @@ class Deck:
 
     dialect: str
     source: DeckText
-    records: Sequence[Record]
+    records: "tuple[Record, ...] | ManyRecords"
     warnings: tuple[Fault, ...] = field(default=())
     slips: tuple[Fault, ...] = field(default=())
     settings: tuple[str, ...] = ()
@@ -141,8 +143,7 @@ class Deck:
     def section(self, name: str) -> Sequence[Record]:
         """All records of one section, in the deck's order."""
         if not isinstance(self.records, tuple):
-            found: Sequence[Record] = self.records.section(name)  # type: ignore[attr-defined]
-            return found
+            return self.records.section(name)
         return [record for record in self.records if record.section == name]
 
     def one(self, name: str) -> Record:

@@ -12,6 +12,8 @@ from .record import Deck, Number, Record
 if TYPE_CHECKING:
     import numpy as np
 
+    from .many_records import Block
+
 
 class DeckValues:
     """Look-up of a deck's records; a card that is not given leaves its defaults."""
@@ -35,7 +37,7 @@ class DeckValues:
         """One record, None when its card is not given."""
         if self.many:
             found = self.deck.section(section)
-            return found.numbered(number) if found else None  # type: ignore[attr-defined]
+            return cast("Block", found).numbered(number) if found else None
         return self._records.get(section, {}).get(number)
 
     def of_body(self, section: str, body: int) -> Sequence[Record]:

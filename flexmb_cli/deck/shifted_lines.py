@@ -83,7 +83,7 @@ def _one_of(subjects: list[str]) -> str:
     return " or ".join(filter(None, [", ".join(subjects[:-1]), subjects[-1]]))
 
 
-def _walk(held: Any, needed: Any, kept_per_slip: Any) -> list[tuple[int, int]]:
+def _walk(held: list[int], needed: list[int], kept_per_slip: int) -> list[tuple[int, int]]:
     """Pairs (line, record) that fit neither alone nor together with their neighbours, none when in doubt."""
     line = record = kept = 0
     slipped: list[tuple[int, int]] = []
@@ -124,7 +124,7 @@ def _reach(sizes: list[int], start: int, total: int) -> int:
     return 0
 
 
-def _extents(read_words: Any) -> dict[int, tuple[int, int]]:
+def _extents(read_words: Sequence[Word]) -> dict[int, tuple[int, int]]:
     extents: dict[Any, Any] = {}
     for word in read_words:
         first = extents.setdefault(word.line, (word.column, 0))[0]

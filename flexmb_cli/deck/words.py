@@ -6,14 +6,16 @@ of lines, and does not nest.
 
 import re
 from array import array
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from ..errors import Place
 from .lines import Lines, as_lines
 
 _WORD_OR_COMMENT = re.compile(r"\{[^}]*\}?|[^\s{]+")
+# Where a word begins it always matches.
+_match = cast("Callable[[str, int], re.Match[str]]", _WORD_OR_COMMENT.match)
 LONGEST_CARET = 40
 
 UNCLOSED = "{"
@@ -76,7 +78,7 @@ class Words:
         if not starts:
             return []
         text = self._lines.text
-        piece = text[starts[0] : _WORD_OR_COMMENT.match(text, starts[-1]).end()]  # type: ignore[union-attr]
+        piece = text[starts[0] : _match(text, starts[-1]).end()]
         if "{" not in piece:
             return piece.split()
         return [
@@ -90,7 +92,7 @@ class Words:
 
 def _word(lines: Lines, start: int) -> Word:
     text = lines.text
-    word = UNCLOSED if text[start] == UNCLOSED else _WORD_OR_COMMENT.match(text, start).group()  # type: ignore[union-attr]
+    word = UNCLOSED if text[start] == UNCLOSED else _match(text, start).group()
     return Word(word, *lines.place_of(start))
 
 

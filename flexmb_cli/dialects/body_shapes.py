@@ -155,7 +155,7 @@ def rigid_shapes(
     return tuple(found)
 
 
-def _placed(record: Record, keys: Any) -> Any:
+def _placed(record: Record, keys: Keys) -> Any:
     return _three(record, keys.offset), _three(record, keys.angles)
 
 

@@ -1,7 +1,7 @@
 """`--set NAME=VALUE`: numbers of a deck overridden by their readable names."""
 
 from itertools import islice
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..deck import number
 from ..deck.many_records import ManyRecords
@@ -9,6 +9,10 @@ from ..deck.record import Deck, Number
 from ..errors import DeckError, Fault
 from ..quick_dataclass import replace
 from .recognise import dialect_named
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
 
 COUNTS = "counts"
 _NEAREST = 3
@@ -70,7 +74,7 @@ class SettableDeck:
                 return index, key
         return None
 
-    def _find(self, prefix: Any) -> int | None:
+    def _find(self, prefix: str) -> int | None:
         if not self._many:
             return self._index.get(prefix)
         first = 0
@@ -117,7 +121,7 @@ class SettableDeck:
             raise number.Misspelt(f"{name} {fault}") from None
         return name, replace(known, value=value, text=word, place=None)
 
-    def _with_changes(self, changes: Any) -> Any:
+    def _with_changes(self, changes: "Mapping[str, Number]") -> Any:
         """The records with new numbers; those left alone stay the same objects."""
         changed_records: dict[Any, Any] = {}
         dialect = dialect_named(self.deck.dialect)

@@ -26,6 +26,8 @@ from .flexible_bodies import flexible_body
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from ..model.fe_model import NodeForce
+
 
 STEPS_A_PERIOD = 20
 MANY_PARTS = 10_000  # of a kind: as many points, each a kilobyte, are kept
@@ -187,7 +189,7 @@ class _Points:
         target = self.model.global_position(pin.end) if pin.point is None else np.array(pin.point)
         return PointPin(pin.name, self.point(pin.end), pin.directions, target, pin.place, pin.functions)
 
-    def _force(self, force: Any) -> Any:
+    def _force(self, force: "NodeForce") -> Any:
         return PointForce(
             force.name, self.point(force.end), force.force, force.follows, force.factor, force.place
         )

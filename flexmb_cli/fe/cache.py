@@ -22,7 +22,7 @@ from .formats.file_text import bytes_of
 from .formats.matrix_file import FEFileFault
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
 
 # To be raised when the arrays, or how they are computed, change.
@@ -144,7 +144,7 @@ def _stress(stored: Any) -> BodyStress | None:
     return BodyStress(**{name: value if value.ndim else value.item() for name, value in arrays.items()})
 
 
-def _mesh(stored: Any) -> BodyMesh | None:
+def _mesh(stored: "Mapping[str, np.ndarray]") -> BodyMesh | None:
     """The elements of a body that is drawn by them alone."""
     if "mesh_rows" not in stored:
         return None
@@ -172,7 +172,7 @@ def store(given: FlexibleInput, body: FlexibleBody, warnings: list[Fault]) -> No
         return
 
 
-def _write(path: Any, notes: Any, arrays: "Iterable[Any]") -> None:
+def _write(path: Any, notes: "Mapping[Any, Any]", arrays: "Iterable[Any]") -> None:
     import tempfile
 
     handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")

@@ -6,8 +6,6 @@ loads -S (e_i r0_j + e_j r0_i)/2, since w~ w~ is symmetric.  Each is balanced wh
 K_G^IJ = E times the integral of grad N_I . sigma . grad N_J, the initial-stress matrix.
 """
 
-from typing import Any
-
 import numpy as np
 
 from ..model.diagnostics import Findings
@@ -19,7 +17,7 @@ from .static_shapes import static_shapes
 
 
 def centrifugal_stiffness(
-    given: FlexibleInput, K: Any, S: Any, frame: Frame, Phi: Any, findings: Findings
+    given: FlexibleInput, K: np.ndarray, S: np.ndarray, frame: Frame, Phi: np.ndarray, findings: Findings
 ) -> np.ndarray:
     """Phi' K_G Phi per component of w~ w~, (3, 3, N, N), body axes.
 

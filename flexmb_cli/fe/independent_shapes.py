@@ -74,7 +74,7 @@ def _symmetric(gram: np.ndarray) -> np.ndarray:
     return found
 
 
-def _pivots(gram: Any, first: Any) -> np.ndarray:
+def _pivots(gram: np.ndarray, first: Any) -> np.ndarray:
     """Columns in the order of elimination: the `first`, then always the one with the largest remainder."""
     remainder = np.diag(gram).copy()
     rows = np.zeros((len(gram), len(gram)))

@@ -104,7 +104,7 @@ def held_solver(K: np.ndarray, free: np.ndarray) -> "Callable[..., Any]":
     return solve
 
 
-def _weakest(K: Any, free: np.ndarray) -> np.ndarray:
+def _weakest(K: np.ndarray, free: np.ndarray) -> np.ndarray:
     """The shape of the degrees of freedom `free` with the least strain energy; 0 where finding it takes too
     long.
     """

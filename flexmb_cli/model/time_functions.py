@@ -122,7 +122,7 @@ def _pieces(function: MotionFunction, t: float) -> tuple[float, float, float]:
     return value_and_rates(function.pieces, t)
 
 
-def _compound(function: Any, t: float) -> tuple[float, float, float]:
+def _compound(function: MotionFunction, t: float) -> tuple[float, float, float]:
     total = (0.0, 0.0, 0.0)
     for factors in function.terms:
         f, fd, fdd = 1.0, 0.0, 0.0

@@ -6,7 +6,7 @@ else in SI units divide densities by a thousand.
 """
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from ..errors import Fault, FaultList, Place
 from ..quick_dataclass import dataclass
 
 if TYPE_CHECKING:  # a run imports the models of its own dialect only
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from .flexible_mechanism import FlexibleMechanism, FloatingBody
     from .loads import DynamicModel
@@ -165,7 +165,7 @@ def _sides(points: np.ndarray) -> np.ndarray:
     return found
 
 
-def _farthest(points: Any, centre: np.ndarray | tuple[float, float, float]) -> float:
+def _farthest(points: "Sequence[Any]", centre: np.ndarray | tuple[float, float, float]) -> float:
     return max((float(np.linalg.norm(np.subtract(point, centre))) for point in points), default=0.0)
 
 

@@ -85,7 +85,7 @@ class ResumeFile:
         if lost:
             self._doubt("note", f"torn or damaged at byte {whole}; the {lost} bytes there are not used")
 
-    def _doubt(self, severity: Any, what: Any) -> None:
+    def _doubt(self, severity: str, what: str) -> None:
         self.doubts.append(Fault(severity, f"--resume: {self.path} is {what}", id="RUN-005"))
 
     @property
@@ -178,14 +178,14 @@ class ResumeFile:
         entry = _packed(arrays)
         self._put(framed(entry, _HEAD))
 
-    def _put(self, data: Any) -> None:
+    def _put(self, data: bytes) -> None:
         assert self._file is not None and self.path is not None, "`begin` has opened the file"
         view = memoryview(data)
         while view:
             view = view[self._file.write(view) :]
         GROWING.grown(self.path)
 
-    def _check_identity(self, head: Any) -> None:
+    def _check_identity(self, head: bytes) -> None:
         try:
             found = dict(json.loads(head))
         except (ValueError, TypeError, RecursionError) as fault:
@@ -235,7 +235,7 @@ def _packed(arrays: dict[str, np.ndarray]) -> bytes:
     return b"".join((json.dumps(reported).encode(), b"\n", *parts))
 
 
-def _is_whole(entry: Any) -> Any:
+def _is_whole(entry: bytes) -> Any:
     """Return whether an entry describes arrays, and holds as many bytes as they have."""
     try:
         size = sum(dtype.itemsize * math.prod(shape) for _, dtype, shape in _described(entry))
@@ -244,7 +244,7 @@ def _is_whole(entry: Any) -> Any:
         return False
 
 
-def _described(entry: Any) -> Any:
+def _described(entry: bytes) -> Any:
     """Name, type and shape of the arrays of an entry.  Raises one of `_UNDESCRIBED`."""
     described = []
     for name, reported, shape in json.loads(entry.partition(b"\n")[0]):
@@ -256,12 +256,12 @@ def _described(entry: Any) -> Any:
     return described
 
 
-def _names(entry: Any) -> Any:
+def _names(entry: bytes) -> Any:
     """The names of the arrays of an entry."""
     return [name for name, _, _ in _described(entry)]
 
 
-def _arrays(entry: Any, names: Any = None) -> Any:
+def _arrays(entry: bytes, names: tuple[str, ...] | None = None) -> Any:
     """The arrays of an entry, or those of them that are called `names`."""
     content = entry.partition(b"\n")[2]
     found, start = {}, 0
@@ -275,19 +275,19 @@ def _arrays(entry: Any, names: Any = None) -> Any:
     return found
 
 
-def _with_tuples(described: Any) -> Any:
+def _with_tuples(described: Sequence[Sequence[str]] | str) -> Any:
     """A type's description as numpy has it: JSON knows lists only."""
     if isinstance(described, str):
         return described
     return [(name, _with_tuples(kind), *map(tuple, shape)) for name, kind, *shape in described]
 
 
-def _split(arrays: Any) -> Any:
+def _split(arrays: Mapping[str, np.ndarray]) -> Any:
     state = {name.removeprefix(_STATE): array for name, array in arrays.items() if name.startswith(_STATE)}
     return {name: array for name, array in arrays.items() if not name.startswith(_STATE)}, state
 
 
-def _remove_unfinished(arrays: Any, folder: Any) -> None:
+def _remove_unfinished(arrays: Mapping[str, np.ndarray], folder: str) -> None:
     for names in arrays.values():
         for name in map(os.path.basename, names.tolist()):
             if is_unfinished(name):

@@ -17,6 +17,7 @@ from .solution import solution_of
 
 if TYPE_CHECKING:
     from ..model.loads import DynamicModel
+    from ..model.mechanism import Mechanism
 
 
 SI = "m"
@@ -94,7 +95,7 @@ def _title(deck: Deck) -> Any:
     return f"converted from the {dialect_named(deck.dialect).title} deck {name}"
 
 
-def _refuse_unreadable(text: Any, form: Any, run: Run) -> None:
+def _refuse_unreadable(text: str, form: str, run: Run) -> None:
     """Refuse what the writer let through and the dialect does not accept."""
     try:
         dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
@@ -104,7 +105,7 @@ def _refuse_unreadable(text: Any, form: Any, run: Run) -> None:
         raise ModelError([Fault("error", message, id="RUN-062")]) from failure
 
 
-def _other_way(deck: Deck, run: Run, model: Any) -> str:
+def _other_way(deck: Deck, run: Run, model: "DynamicModel | Mechanism") -> str:
     """Return which conversion takes a mechanism that is no tree, each having been tried; "" for none."""
     for form in DIALECTS:
         if form != deck.dialect and _leads_to(_mjcf_of_tree, deck, run, form):

@@ -1,7 +1,7 @@
 """The global error of every quantity of a run: what a second run at a tighter tolerance gives otherwise."""
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -9,6 +9,10 @@ from ..errors import AnalysisError, Fault
 from ..model.time_checks import FINEST
 from ..quick_dataclass import replace
 from .context import Run
+
+if TYPE_CHECKING:
+    from ..results.hdf5.layout import Layout
+
 
 FINER = 1e-2  # of the tolerance: errors of the second run are hardly seen beside those of the first
 PLACE = "audit/global_error/"
@@ -59,7 +63,7 @@ class ErrorEstimate:
         self._note(values, errors)
         return {**values, **errors}
 
-    def _next(self, times: Any) -> Any:
+    def _next(self, times: np.ndarray) -> Any:
         """The rows of the second run at these times, fewer where it stops."""
         count = len(times)
         while len(self.waiting.get("time", ())) < count and not self.doubts:
@@ -77,7 +81,7 @@ class ErrorEstimate:
         self.waiting = {path: rows[count:] for path, rows in self.waiting.items()}
         return taken
 
-    def _note(self, values: Any, errors: Any) -> None:
+    def _note(self, values: Mapping[str, np.ndarray], errors: Mapping[str, np.ndarray]) -> None:
         for name, error in errors.items():
             if np.isnan(error).all():
                 continue
@@ -123,7 +127,7 @@ def finer_motion(
     return (values(rows) for rows in second.rows())
 
 
-def with_errors(layout: Any) -> Any:
+def with_errors(layout: "Layout") -> Any:
     """A Layout with the largest error of every quantity along time."""
     errors = tuple(
         replace(item, path=PLACE + item.path, axes=(), long_name=f"largest global error: {item.long_name}")
@@ -137,7 +141,7 @@ def _is_estimated(path: str) -> Any:
     return not path.startswith(NOT_ESTIMATED)
 
 
-def _apart(a: Any, b: Any) -> Any:
+def _apart(a: np.ndarray, b: np.ndarray) -> Any:
     """The largest distance in each row of a and b (T, ...); nan in rows that only a has."""
     found = np.full(len(a), np.nan)
     count = len(b)

@@ -18,6 +18,7 @@ from .context import Run
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
+    from ..solvers.constrained.analysis import ConstrainedMotion
     from ..solvers.linearisation.motion import LinearisedMotion
     from ..solvers.linearisation.state_space import StateSpace
 
@@ -87,7 +88,7 @@ class MechanismModes:
         return {"time": self.time, **record_of(self.space)}
 
 
-def record_of(space: Any) -> dict[str, Any]:
+def record_of(space: "StateSpace") -> dict[str, Any]:
     """Return a StateSpace as lists and words."""
     signals = {
         what: [{"name": s.name, "unit": s.unit} for s in getattr(space, what)]
@@ -140,7 +141,9 @@ def _kernels(
     return nullcontext()
 
 
-def _of_mechanism(analysis: Any, wish: Wish, run: Run, responses: type | None = None) -> MechanismModes:
+def _of_mechanism(
+    analysis: "ConstrainedMotion", wish: Wish, run: Run, responses: type | None = None
+) -> MechanismModes:
     from ..solvers.linearisation.constrained import ConstrainedLinearised, bring_to, linearised, modes_of
     from ..solvers.linearisation.constrained_responses import ConstrainedResponses, constrained_signals
     from ..solvers.linearisation.equilibrium import find_equilibrium

@@ -88,7 +88,7 @@ def own_options(deck: Deck, options: RunOptions) -> RunOptions:
     return replace(options, as_printed=as_printed)
 
 
-def _doubly_set(changes: Any) -> "Iterator[Fault]":
+def _doubly_set(changes: "Sequence[str]") -> "Iterator[Fault]":
     """Notes on numbers that `--set` names more than once."""
     words: dict[Any, Any] = {}
     for change in changes:

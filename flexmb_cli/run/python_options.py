@@ -37,7 +37,7 @@ def _methods() -> tuple[str, ...]:
     return tuple(dict.fromkeys(method for dialect in every_dialect() for method in dialect.methods))
 
 
-def _refuse_out_of_range(name: Any, value: Any) -> None:
+def _refuse_out_of_range(name: str, value: Any) -> None:
     low, with_low, high, with_high = RANGES[name]
     sign_low, sign_high = "<=" if with_low else "<", "<=" if with_high else "<"
     try:
@@ -49,7 +49,7 @@ def _refuse_out_of_range(name: Any, value: Any) -> None:
         raise ValueError(f"solve needs {low:g} {sign_low} {name}{upper}; read {value!r}")
 
 
-def _meant(name: Any) -> Any:
+def _meant(name: str) -> Any:
     from difflib import get_close_matches
 
     close = get_close_matches(name, KNOWN, n=1)

@@ -40,7 +40,7 @@ class ResultFiles:
             self.discard()
             raise
 
-    def _open_table(self, deck: Any, solution: Any, run: Any) -> None:
+    def _open_table(self, deck: "Deck", solution: "Solution", run: Any) -> None:
         from ..results.files.replaced_file import ReplacedText
 
         out = None
@@ -58,7 +58,7 @@ class ResultFiles:
             self.table = dialect.table(streams, deck, run.options.layout, solution.analysis)
 
     def _open_result(
-        self, deck: Any, solution: "Solution", only: "tuple[Any, ...]", with_errors: bool
+        self, deck: "Deck", solution: "Solution", only: "tuple[Any, ...]", with_errors: bool
     ) -> None:
         from ..results.hdf5.result_file import ResultFile
 

@@ -42,13 +42,13 @@ def restore(resume_file: ResumeFile, analysis: Any, layout: Layout) -> None:
         raise ModelError([Fault("error", message, id="RUN-040")]) from found
 
 
-def _shapes_of(layout: Any) -> Any:
+def _shapes_of(layout: Layout) -> Any:
     """Return the shape of a row of every series, by its path."""
     length = {axis.path: len(axis.values) for axis in layout.axes}
     return {item.path: tuple(length[path] for path in item.axes) for item in (TIME, *layout.series)}
 
 
-def _rows_of(values: Any, shapes: Any) -> Any:
+def _rows_of(values: "Mapping[str, np.ndarray]", shapes: "Mapping[str, tuple[int, ...]]") -> Any:
     """Return how many rows a block has.  Raises OtherRun."""
     rows = values["time"].size
     for path, shape in shapes.items():

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, cast
 
 from ..errors import OutputError
 
@@ -86,11 +86,12 @@ def compile_unit(unit: str) -> None:
     folder = _cache.folder_to_write()
     if folder is None:
         raise OutputError(NO_FOLDER, id="SOLVE-001")
-    target, digest = _objects.target(), _objects.kernel_digest()
+    # None, a processor without a name, is one more target.
+    target, digest = cast("str", _objects.target()), _objects.kernel_digest()
     with _cache.alone(folder, unit):
         if not all(map(_entry.is_ready, UNITS[unit])):  # another process was not quicker
-            made = _entry.emit(unit, _entry.unit_entries(unit), digest, [target])  # type: ignore[list-item]
-            _cache.keep(folder, unit, made[target])  # type: ignore[index]
+            made = _entry.emit(unit, _entry.unit_entries(unit), digest, [target])
+            _cache.keep(folder, unit, made[target])
     if _cache.content(unit) is None:
         raise OutputError(f"{folder}: compiled kernels cannot be written", id="SOLVE-002")
 

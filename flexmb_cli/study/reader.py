@@ -6,7 +6,7 @@ A study is data: names are looked up and numbers taken, nothing is evaluated.
 import math
 import re
 from functools import cached_property
-from typing import Any, TypeGuard
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 from ..deck.record import DeckText
 from ..deck.toml_table import DeepNameError, TomlError, toml_table
@@ -15,6 +15,10 @@ from ..dialects.recognise import AUTO
 from ..errors import DeckError, Fault, Place
 from .key_places import key_places
 from .study import GRID, LATIN, SAMPLINGS, SERIES, TAKES, TOGETHER, Kept, Study, Varied
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
 
 MOST_CASES = 100_000_000
 MOST_VALUES = 1_000_000  # of one parameter
@@ -119,7 +123,9 @@ class _Reader:
         self.within = key
         return list(table.items())
 
-    def _varied(self, name: str, given: Any, sampled: bool) -> Varied | None:
+    def _varied(
+        self, name: str, given: "Mapping[Any, Any] | int | Sequence[Any] | str", sampled: bool
+    ) -> Varied | None:
         if isinstance(given, dict):
             return self._range(name, given, sampled)
         if sampled:

@@ -48,7 +48,9 @@ def _refuse_comma(kind: "AnyFinite | Finite", value: Any, param: Any, ctx: Any) 
         kind.fail(f"{value} has a decimal comma; write {value.strip().replace(',', '.')}", param, ctx)
 
 
-def _finite(kind: AnyFinite | Finite, number: float, value: Any, param: Any, ctx: click.Context) -> Any:
+def _finite(
+    kind: AnyFinite | Finite, number: float, value: float | str, param: Any, ctx: click.Context
+) -> Any:
     if not math.isfinite(number):
         kind.fail(f"{value} is no finite number", param, ctx)
     return number

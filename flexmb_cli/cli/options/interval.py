@@ -6,6 +6,7 @@ from typing import Any
 import click
 
 
+# Generic in click's newer versions only, and 8.2 will do.
 class Interval(click.ParamType):  # type: ignore[type-arg]
     """Two finite numbers, the first smaller than the second."""
 

@@ -95,7 +95,7 @@ class _Work:
         worker.send(deck)
         self.running[worker] = index, deck
 
-    def _put_back(self, index: Any, deck: Any, reason: Any) -> None:
+    def _put_back(self, index: Any, deck: Any, reason: str) -> None:
         """No more processes than there are can be had; a deck that has none at all is done with."""
         if self.running:
             self.jobs = len(self.running)
@@ -103,7 +103,7 @@ class _Work:
         else:
             self.ended[index] = _failed(deck, f"no process can be started for this deck: {reason}")
 
-    def stop(self, number: Any) -> None:
+    def stop(self, number: int) -> None:
         """Stop the processes as this one was: a signal may have come to this process alone."""
         for worker in self.running:
             worker.signal(number)

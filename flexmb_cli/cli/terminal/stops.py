@@ -15,7 +15,7 @@ def stop_on_signals() -> None:
     terminal tells a process what its parent tells it, too.
     """
 
-    def stop(number: Any, frame: Any) -> None:
+    def stop(number: int, frame: Any) -> None:
         before, Stop.asked = Stop.asked, KeyboardInterrupt if number == signal.SIGINT else Terminated
         if before is None and not Stop.held:
             raise Stop.asked

@@ -16,6 +16,6 @@ class WrittenPlace(click.types.StringParamType):
             self.fail("an empty name; give a path", param, ctx)
         return super().convert(value, param, ctx)
 
-    def shell_complete(self, ctx: Any, param: Any, incomplete: Any) -> Any:
+    def shell_complete(self, ctx: click.Context, param: Any, incomplete: str) -> Any:
         """Have the shell complete names of files."""
         return files(ctx, param, incomplete)

@@ -176,7 +176,7 @@ def _node_vectors(values: DeckValues, section: str, k: int, nodes: int) -> np.nd
     return vectors
 
 
-def _nodal_masses(values: Any, k: Any, findings: Any) -> np.ndarray:
+def _nodal_masses(values: Any, k: int, findings: Findings) -> np.ndarray:
     record = values.record("bmi", k)
     masses = np.array(record.values, float)
     for node in np.flatnonzero(masses <= 0):

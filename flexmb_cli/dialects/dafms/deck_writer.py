@@ -92,7 +92,7 @@ def deck_lines(records: Sequence[Record]) -> list[tuple[str, str]]:
 class _Deck:
     """Cards of a complete set of answers."""
 
-    def __init__(self, records: Any):
+    def __init__(self, records: Sequence[Record]):
         self.records = records
         self.by_prefix = {record.prefix: record for record in records}
         self.bodies = range(1, self.by_prefix["counts"]["N"] + 1)
@@ -151,7 +151,7 @@ class _Deck:
         nodes, dofs = self._size(k)
         return self._typed(k, nodes * dofs) if nodes else []
 
-    def _typed(self, k: Any, size: int) -> list[tuple[str, str]]:
+    def _typed(self, k: int, size: int) -> list[tuple[str, str]]:
         nodes = [record for record in self.records if record.section == f"node.{k}"]
         half = len(nodes[0].numbers) // 2
         lines = [_indexed(record, record.numbers[:half]) for record in nodes]

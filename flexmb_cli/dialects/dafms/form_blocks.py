@@ -1,7 +1,5 @@
 """Elastic bodies as `flexmb new dafms` asks for them: a uniform beam, or nodes and stiffness typed."""
 
-from typing import Any
-
 from ...deck import number
 from ...deck.questions import INTEGER, Cell, Entry
 from ...errors import DeckError
@@ -96,7 +94,7 @@ def counted(last: int) -> range:
     return range(1, last + 1)
 
 
-def _node_entry(k: int, i: int, axes: Any) -> Entry:
+def _node_entry(k: int, i: int, axes: tuple[int, ...]) -> Entry:
     cells = [Cell(f"CO.{a}", f"position from O_k, axis {a}", "m") for a in axes]
     cells += [Cell(f"PI.{a}", f"force, inertial axes, axis {a}", "N", default="0") for a in axes]
     return Entry(f"node.{k}", i, f"node {i} of body {k}", tuple(cells))

@@ -47,7 +47,7 @@ def counted_entries(word: str, answers: Answers, bodies: range, counts: str = "c
     return [entry for n in counted(count) for entry in (_card_entry(card, n), *_rows(word, answers, n))]
 
 
-def _rows(word: str, answers: Any, n: int) -> Any:
+def _rows(word: str, answers: Answers, n: int) -> Any:
     """The table that follows the `n`-th head of the card."""
     section = f"{CARDS[word].section}.{n}"
     if word in TABLES:

@@ -4,7 +4,7 @@
 """
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...deck.questions import MOST_ASKED
 from ...deck.record import Record
@@ -15,6 +15,10 @@ from .deck_writer import beam_of, faults_of_fields
 from .elements.cards import FUNCTION_KINDS
 from .form_blocks import MOST_TYPED
 from .form_cards import MOST_POINTS
+
+if TYPE_CHECKING:
+    from ...deck.record import Number
+
 
 MOST_OF_BEAM = 446  # the last whose skyline addresses fit I5
 OF_POINTS = tuple(CARDS[word].section for word in ("LSPR", "CABL", "BUSH"))  # body 0 on either side
@@ -59,7 +63,7 @@ def _faults_of_size(record: Record) -> list[Fault]:
     )
 
 
-def _faults_of_node(records: Any, record: Record) -> list[Fault]:
+def _faults_of_node(records: Sequence[Record], record: Record) -> list[Fault]:
     """A node that turns is one of a flexible body."""
     body, *node = record.numbers
     by_prefix = {earlier.prefix: earlier for earlier in records}
@@ -94,7 +98,7 @@ def _faults_of_title(record: Record) -> Any:
     )
 
 
-def _outside(records: Any, record: Record, value: Any) -> Any:
+def _outside(records: Any, record: Record, value: "Number") -> Any:
     least, most = _range(records, record, value.key)
     if least is None or least <= value.value <= most:
         return []

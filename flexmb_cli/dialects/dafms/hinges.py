@@ -70,9 +70,9 @@ def _node(
     values: DeckValues,
     bodies: Any,
     parent: Any,
-    k: Any,
+    k: int,
     point: tuple[float, float, float],
-    findings: Any,
+    findings: Findings,
 ) -> int | None:
     """Node of the flexible parent at P_k, from 0; None when P_k does not follow one."""
     own = values.record("hinge_node", k)
@@ -173,7 +173,7 @@ def _triple(vector: np.ndarray | tuple[float, float, float]) -> str:
     return "(" + ", ".join(f"{x:g}" for x in vector) + ")"
 
 
-def _attitude(values: DeckValues, section: Any, card: str, k: int, findings: Findings) -> Any:
+def _attitude(values: DeckValues, section: str, card: str, k: int, findings: Findings) -> Any:
     """Euler parameters, scalar first and normalised, from a card that gives the scalar last."""
     record = values.record(section, k)
     if record is None:

@@ -7,13 +7,17 @@ differ.  It knew no extension cards, and echoes none; its ==WKD== debug lines ar
 
 from collections.abc import Sequence
 from itertools import groupby
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...deck.fortran_format import SAFE, E, Edit, F, I, Layout
 from ...deck.record import Deck, Record
 from .skyline import full_matrix
+
+if TYPE_CHECKING:
+    from ...solvers.tree.analysis import TreeAnalysis
+
 
 # DFIN adds the weight of the nodes to their forces when it reads them; a GRAV card, which it did not know,
 # gives another gravity.
@@ -222,7 +226,7 @@ class Tables:
     `analysis` has the `tree`, and tells where it stopped (`stopped_at`), if it knows.
     """
 
-    def __init__(self, streams: tuple[Any, ...], deck: Deck, layout: str, analysis: Any):
+    def __init__(self, streams: tuple[Any, ...], deck: Deck, layout: str, analysis: "TreeAnalysis"):
         self.echo, *units = streams
         self.deck, self.layout, self.analysis = deck, layout, analysis
         self.series = Series(units[0], units[1], len(analysis.tree.coordinates), layout) if units else None

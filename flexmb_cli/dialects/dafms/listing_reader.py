@@ -107,7 +107,7 @@ def parse_echo(name: str, text: str) -> Listing | None:
     return Listing(name, tuple(echo), empty, 1.0, {}, form=ECHO, words=tuple(words))
 
 
-def _echo_line(number: int, line: str, match: re.Match[str], faults: Any) -> EchoLine | None:
+def _echo_line(number: int, line: str, match: re.Match[str], faults: list[Fault]) -> EchoLine | None:
     tag = TAGS["".join(match[1].split())]
     rest = line[match.end() :]
     words = split_fields(rest, tag.edits) if tag.columns else split_list(rest, tag.edits[0])

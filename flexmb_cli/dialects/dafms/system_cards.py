@@ -12,6 +12,8 @@ from .cards import CARDS, END, MACROS, PRINT_OFF, PRINT_ON
 from .skipped_lines import SkippedLines
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from .reader import Layout
 
 MOST_REPEATED = 1000  # each looks through all records
@@ -167,7 +169,7 @@ class _System:
         return numbers, ()
 
     def _read_table(
-        self, card: Card, count: Number, subject: str, labels: Any, each: int
+        self, card: Card, count: Number, subject: str, labels: "Callable[..., Any]", each: int
     ) -> Sequence[Number]:
         if count.value < 1:
             message = f"NP = {count.value} points, a table needs at least 1"

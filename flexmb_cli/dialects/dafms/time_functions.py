@@ -137,7 +137,7 @@ def _check_drives(drives: list[Prescribed], findings: Findings) -> None:
         seen.add(where)
 
 
-def _check_rotations(values: Any, bodies: Any, findings: Any) -> None:
+def _check_rotations(values: DeckValues, bodies: tuple[Body, ...], findings: Findings) -> None:
     """The reader has seen that K is a flexible body; `--set` may have changed it since."""
     seen: dict[Any, Any] = {}
     for record in values.section("nodal_rotation"):

@@ -131,7 +131,7 @@ class Functions:
             return None
         return function
 
-    def _refuse_rough(self, record: Record, function: Any, least: Any, why: Any, key: str) -> None:
+    def _refuse_rough(self, record: Record, function: MotionFunction, least: int, why: str, key: str) -> None:
         if smoothness(function) < least:
             remedy = "use SPLINE or STEP" if least else "move its points apart"
             message = f"{why}, but that of function {record[key]:g} does; {remedy}"
@@ -148,7 +148,7 @@ class Functions:
                 )
 
 
-def _points(functions: Any, given: Any, make: Callable[..., Any]) -> MotionFunction | None:
+def _points(functions: Functions, given: GivenFunction, make: Callable[..., Any]) -> MotionFunction | None:
     times, found = given.values[0::2], given.values[1::2]
     for k, (before, after) in enumerate(pairwise(times), 1):
         if not before < after:
@@ -164,16 +164,16 @@ def _points(functions: Any, given: Any, make: Callable[..., Any]) -> MotionFunct
     return piecewise(make(times, found))
 
 
-def _polynomial(_functions: Any, given: Any) -> Any:
+def _polynomial(_functions: Functions, given: GivenFunction) -> Any:
     return piecewise(polynomial(given.values))
 
 
-def _sine(_functions: Any, given: Any) -> Any:
+def _sine(_functions: Functions, given: GivenFunction) -> Any:
     mean, size, omega, phase = (float(value) for value in (*given.values, 0.0)[:4])
     return MotionFunction(SINE, (mean, size, omega, phase))
 
 
-def _between(functions: Any, given: Any, make: Any) -> Any:
+def _between(functions: Functions, given: GivenFunction, make: Callable[..., Any]) -> Any:
     ends = [float(value) for value in given.values]
     if not ends[0] + SHORTEST < ends[2]:
         message = f"the end {ends[2]:g} s must be later than the start {ends[0]:g} s"
@@ -182,11 +182,11 @@ def _between(functions: Any, given: Any, make: Any) -> Any:
     return piecewise(make(*ends))
 
 
-def _ramp(t0: Any, v0: Any, t1: Any, v1: Any) -> Any:
+def _ramp(t0: float, v0: float, t1: float, v1: float) -> Any:
     return linear_table((t0, t1), (v0, v1))
 
 
-def _combined(known: Any, given: Any, combine: Any) -> Any:
+def _combined(known: Any, given: GivenFunction, combine: Callable[..., Any]) -> Any:
     parts = []
     for k, value in enumerate(given.values):
         known._used.add(value)

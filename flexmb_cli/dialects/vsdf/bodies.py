@@ -110,7 +110,7 @@ def _rigid(
     values: Any,
     k: Any,
     record: Any,
-    pose: Any,
+    pose: dict[Any, Any],
     _folder: Path,
     findings: Any,
 ) -> VsdfBody:

@@ -1,7 +1,7 @@
 """VSDF deck → VsdfModel: what its cards mean, all faults collected."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Deck, Record
 from ...deck.records import DeckValues
@@ -64,7 +64,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     return VsdfModel(bodies, time, integrator, ground, gravity=g, **parts), findings.in_order
 
 
-def _shapes(values: Any, bodies: Any, folder: Path, findings: Any) -> Any:
+def _shapes(values: DeckValues, bodies: "tuple[VsdfBody, ...]", folder: Path, findings: Findings) -> Any:
     if not (values.section("shape") or values.section("shape_file")):
         return ()
     # Few decks have any.

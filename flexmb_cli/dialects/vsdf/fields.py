@@ -18,13 +18,13 @@ class Field(NamedTuple):
     column: int  # of the first character of the text, from 1
     first: int = 0  # first column of a field of fixed form
     last: int = 0  # its last column, 0 where text goes on
-    index: int = 0  # type: ignore[assignment]  # number, from 1, of a field by commas
+    number: int = 0  # of a field by commas, from 1
 
     @property
     def span(self) -> str:
         """The field's place in words."""
-        if self.index:
-            return f"field {self.index}"
+        if self.number:
+            return f"field {self.number}"
         return f"columns {self.first}-{self.last}" if self.last else f"column {self.first} on"
 
 
@@ -153,10 +153,10 @@ def _cut_by_commas(line: str, columns: tuple[Column, ...]) -> list[Field]:
     for index, raw in enumerate(line.split(",", limit), start=1):
         text = raw.strip()
         column = first + (len(raw) - len(raw.lstrip()) if text else 0)
-        found.append(Field(text, column, index=index))
+        found.append(Field(text, column, number=index))
         first += len(raw) + 1
     missing = range(len(found) + 1, len(columns) + 1)
-    return found + [Field("", len(line) + 1, index=index) for index in missing]
+    return found + [Field("", len(line) + 1, number=index) for index in missing]
 
 
 def with_own_keys(numbers: list[Number]) -> tuple[Number, ...]:

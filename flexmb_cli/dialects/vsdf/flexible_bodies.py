@@ -15,6 +15,8 @@ from .materials import matrices_of_elements, mesh_file, stiffening_material, str
 from .nodes import members_of, sets_of
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import numpy as np
 
 
@@ -56,7 +58,7 @@ def flexible_body(
         stiffening=stiffening_material(values, k, nodes_file, findings),
         material=stress_material(values, k, nodes_file, findings),
         place=record.place,
-        mesh=mesh_file(values, k, files["node_table"]),  # type: ignore[arg-type]
+        mesh=mesh_file(values, k, nodes_file),
     )
     stiffened = _stiffened(values.record("stiffening", k), given, findings)
     return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)
@@ -168,7 +170,7 @@ def _damping(record: Record | None, findings: Findings) -> Any:
     return tuple(float(record[key]) for key in ("alpha", "beta", "ratio"))
 
 
-def _unit_loads(values: DeckValues, k: Any, folder: Any, findings: Findings) -> tuple[UnitLoad, ...]:
+def _unit_loads(values: DeckValues, k: int, folder: Path, findings: Findings) -> tuple[UnitLoad, ...]:
     loads: list[UnitLoad] = []
     for record in values.of_body("unit_load", k):
         number = record.at("load")
@@ -185,7 +187,7 @@ def _unit_loads(values: DeckValues, k: Any, folder: Any, findings: Findings) -> 
     return tuple(loads)
 
 
-def _stiffened(record: Record | None, given: Any, findings: Findings) -> bool:
+def _stiffened(record: Record | None, given: FlexibleInput, findings: Findings) -> bool:
     if record and record["on"] not in (0, 1):
         message = f"on is 0 or 1; read {record.at('on').text}"
         findings.error(record.subject, message, record.at("on").place, id="VSDF-035")

@@ -16,6 +16,10 @@ from . import DIALECT
 from .bodies import end_of_body
 from .many_bodies import ManyJoints
 
+if TYPE_CHECKING:
+    from ...model.joints import JointType
+
+
 _COINCIDENT = 1e-12
 BY_WORD = {word: BY_NAME[name] for word, name in DIALECT.joints.items()}
 # Those with nothing else come first.
@@ -127,7 +131,7 @@ def _ground_at(x: float, y: float, z: float) -> End:
 
 def _with_ground(
     record: Record,
-    kind: Any,
+    kind: "JointType",
     a: tuple[End, ...] | None,
     b: tuple[End, ...] | None,
     bodies: Sequence[VsdfBody],
@@ -176,7 +180,7 @@ def _check_axis(
 
 def _size(
     record: Record,
-    kind: Any,
+    kind: "JointType",
     a: tuple[End, ...],
     b: tuple[End, ...],
     bodies: Sequence[VsdfBody],

@@ -13,6 +13,10 @@ from ...model.fe_model import VsdfBody
 from ...model.vectors import euler_parameters
 from ...quick_dataclass import replace
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
 # Of the distance between two nodes: a point farther beside the second one was meant for another node.
 FAR_FROM_NODE = 1e-3
 # Sine of the least angle between the directions to the second and the third node, and to their points.
@@ -66,7 +70,7 @@ def _has_node(body: VsdfBody, record: Record, findings: Findings) -> bool:
 
 
 def _attitude(
-    body: VsdfBody, records: Any, nodes: np.ndarray, points: np.ndarray, findings: Findings
+    body: VsdfBody, records: "Sequence[Record]", nodes: np.ndarray, points: np.ndarray, findings: Findings
 ) -> np.ndarray | None:
     """Rotation matrix that takes the triad of the nodes to that of the points; None with a fault found."""
     own, wanted = _triad(nodes), _triad(points)

@@ -6,7 +6,7 @@ Liang Yong, YOUNG dissertation (1996), chapter 5: the equations must be as many 
 from collections import defaultdict
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...collector import without_collector
 from ...deck.many_records import Chained, Made
@@ -22,6 +22,10 @@ from .equation_count import check_equation_count
 from .parts import part_of
 from .prescribed_coordinates import check_held_coordinates
 from .sections import YOUNG_JOINTS
+
+if TYPE_CHECKING:
+    pass
+
 
 _HOLDERS = ("ground", "simplified", "driver")
 _SECTIONS = ("body", "simplified", "distance", "driver", "ground", "point")
@@ -72,7 +76,7 @@ def faults_of_last(records: Sequence[Record], bodies: int, complete: bool = True
     return findings.in_order
 
 
-def _holders(records: Any, bodies: Any) -> Mechanism:
+def _holders(records: Sequence[Record], bodies: int) -> Mechanism:
     made: Any = {name: [] for name in _HOLDERS}
     for record in records:
         if record.section in made:

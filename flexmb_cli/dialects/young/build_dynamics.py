@@ -83,7 +83,7 @@ def _made(deck: Deck, section: str, make: "Callable[..., Any]", findings: Findin
     return Made(records, partial(_again, make))
 
 
-def _again(make: Any, record: Record) -> Any:
+def _again(make: "Callable[..., Any]", record: Record) -> Any:
     return make(record, Findings())
 
 
@@ -219,7 +219,7 @@ def _doubt_negative(record: Record, key: str, findings: Findings) -> None:
         findings.warn(record.subject, message, record.at(key).place, id="YOUNG-008")
 
 
-def _velocity(record: Record, _findings: Any) -> InitialVelocity:
+def _velocity(record: Record, _findings: Findings) -> InitialVelocity:
     return InitialVelocity(
         record.subject, record["body"] - 1, record.vector("v"), record.vector("w"), record.place
     )

@@ -63,7 +63,7 @@ class RepeatedColumns(Sequence[Column]):
     def __len__(self) -> int:
         return self.size
 
-    def __getitem__(self, index: Any) -> Any:
+    def __getitem__(self, index: int | slice) -> Any:
         if isinstance(index, slice):
             return tuple(self[k] for k in range(self.size)[index])
         first = len(self.card.columns)

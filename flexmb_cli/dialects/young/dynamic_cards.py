@@ -186,7 +186,7 @@ class _Cards:
             self.records.append(record)
 
 
-def _wants_text(card: Any) -> Any:
+def _wants_text(card: Sequence[Word]) -> Any:
     """Return whether a keyword alone has been read, behind which a word is no keyword."""
     kind = BY_KEYWORD.get(card[0].text.upper()) if len(card) == 1 else None
     return kind is not None and kind.begins_with_text

@@ -80,7 +80,7 @@ def completed(deck: Deck) -> Deck:
     return replace(deck, records=records, warnings=(*deck.warnings, note))
 
 
-def _made(made: Any, index: Any) -> Any:
+def _made(made: Any, index: int) -> Any:
     return _completed(made(index))
 
 

@@ -80,7 +80,7 @@ def _total(equations: int, coordinates: int, bodies: int) -> str:
     )
 
 
-def _grounds_alone(mechanism: Any, grounded: Any) -> frozenset[int]:
+def _grounds_alone(mechanism: Mechanism, grounded: Any) -> frozenset[int]:
     """Bodies that one ground holds and nothing else touches: in balance, and maybe by the million."""
     touched = {body for _, bodies in _links(mechanism, ()) for body in bodies}
     held: set[int] = set()
@@ -179,7 +179,9 @@ def _named(bodies: list[int]) -> str:
 
 
 @lru_cache(maxsize=4)
-def _groups(bodies: Any, fixed: Any, alone: Any, links: Any) -> tuple[_Group, ...]:
+def _groups(
+    bodies: int, fixed: frozenset[int], alone: frozenset[int], links: tuple[tuple[Any, ...], ...]
+) -> tuple[_Group, ...]:
     """The groups in the order of their first bodies, without the balanced ones of those `alone`.
 
     The variants of a study mostly have the same.

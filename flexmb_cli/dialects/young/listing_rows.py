@@ -49,7 +49,7 @@ def split_row(rest: str, columns: Columns) -> "Sequence[Any] | None":
     return None
 
 
-def is_row_of(columns: Any, line: str) -> Any:
+def is_row_of(columns: Columns, line: str) -> Any:
     """Return whether a line reads as a body or point and its numbers."""
     index, rest, _ = split_index(line)
     return index > 0 and split_row(rest, columns) is not None

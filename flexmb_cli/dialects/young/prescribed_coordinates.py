@@ -8,12 +8,16 @@ import math
 from array import array
 from collections.abc import Iterator
 from itertools import chain, groupby
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.mechanism import Driver, Ground, Mechanism
 from ...quick_dataclass import dataclass
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
 
 SAME_VALUE = 1e-12
 MANY_HOLDS = 10_000  # holds
@@ -61,7 +65,7 @@ def _sorted_places(held: Any) -> Any:
     # Small decks are read without numpy; of a large one a list of places would take six times the memory.
     import numpy as np
 
-    return memoryview(np.argsort(held, kind="stable"))  # type: ignore[arg-type]
+    return np.argsort(held, kind="stable").data
 
 
 def _by_bodies(mechanism: Any, findings: Findings) -> Iterator[list[_Hold]]:
@@ -87,7 +91,7 @@ def _of(mechanism: Any, k: Any, given: Any) -> _Hold:
     return _Hold(item.name, item.body, item.direction, item.C, item.place, item)
 
 
-def _first_grounds(mechanism: Any, findings: Any) -> Iterator[Ground]:
+def _first_grounds(mechanism: Mechanism, findings: Findings) -> Iterator[Ground]:
     first: dict[Any, Any] = {}
     for index, ground in enumerate(mechanism.grounds):
         earlier = first.setdefault(ground.body, index)
@@ -121,7 +125,7 @@ def _of_grounds(grounds: Any) -> Iterator[_Hold]:
             yield _Hold(ground.name, ground.body, direction, value, ground.place)
 
 
-def _check_coordinates(holds: Any, findings: Any) -> None:
+def _check_coordinates(holds: "Sequence[_Hold]", findings: Findings) -> None:
     first: dict[Any, Any] = {}
     for hold in holds:
         other = first.setdefault(hold.direction, hold)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from functools import partial
 from itertools import islice
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...deck import many_records, number
 from ...deck.many_records import Block, ManyRecords
@@ -20,6 +20,10 @@ from ...quick_dataclass import dataclass, field
 from .eleven_counts import EARLIER_SECTIONS, are_eleven_counts, completed, lines_begin_records
 from .read_record import ReadRecord, subject_of
 from .sections import BODIES, COUNTS, YOUNG_SECTIONS, Section
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
 
 DIALECT = "young"
 MOST_ERRORS = 1000
@@ -240,7 +244,7 @@ def _words_behind(reading: _Reading) -> list[Word]:
     return [*rest, *following] if rest else []
 
 
-def _lines_behind(reading: Any, last: int) -> Any:
+def _lines_behind(reading: _Reading, last: int) -> Any:
     """The words behind the last number on its line `last`, and those of the next line that has any."""
     end = reading.taken
     reading.words.reach(end + 2 * LONGEST_RECORD)
@@ -251,7 +255,7 @@ def _lines_behind(reading: Any, last: int) -> Any:
     return rest, [word for word in following if word.line == following[0].line]
 
 
-def _is_number(word: Any) -> Any:
+def _is_number(word: Word) -> Any:
     try:
         number.real(word.text)
     except number.Misspelt:
@@ -259,7 +263,7 @@ def _is_number(word: Any) -> Any:
     return True
 
 
-def _numbers_left_over(reading: Any) -> "Iterator[Any]":
+def _numbers_left_over(reading: _Reading) -> "Iterator[Any]":
     """A warning of numbers behind dT: on its line, or alone on the next one.
 
     Prose may stand there.  Numbers only are rather one too many in a record before.
@@ -286,5 +290,5 @@ def _slip_of_counts(reading: _Reading, record: ReadRecord) -> tuple[Fault, ...]:
     return slips(close, [(COUNTS.subject, len(COUNTS.columns)), *bodies], kept_per_slip=1)
 
 
-def _in_order(faults: Any) -> Any:
+def _in_order(faults: "Sequence[Fault]") -> Any:
     return sorted(faults, key=lambda fault: fault.place)

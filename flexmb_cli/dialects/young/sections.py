@@ -6,12 +6,16 @@ in m, angles in rad, times in s; points in the axes of their body.
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...deck import number
 from ...model.joints import JOINT_TYPES, PITCH
 from ...quick_dataclass import dataclass
 from . import DIALECT
+
+if TYPE_CHECKING:
+    from ...model.joints import JointType
+
 
 COUNT_OF = {name: count for count, name in DIALECT.joints.items()}
 # Other dialects may have more.
@@ -73,7 +77,7 @@ def _whole(key: str, meaning: str) -> Any:
     return Column(key, meaning, is_integer=True)
 
 
-def _joint(kind: Any) -> Section:
+def _joint(kind: "JointType") -> Section:
     columns = [_whole("I", "number of body I"), _whole("J", "number of body J")]
     for point in kind.points:
         body = point[-1].upper()

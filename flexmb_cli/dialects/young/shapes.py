@@ -31,7 +31,7 @@ def exchanged_shapes(deck: Deck) -> tuple[RigidShape, ...]:
     return rigid_shapes(deck, Keys(), lambda record: KINDS[record["shape"] - 1])
 
 
-def _primitive(record: Record, keys: Any, findings: Findings) -> Any:
+def _primitive(record: Record, keys: Keys, findings: Findings) -> Any:
     number = record.at("shape")
     if not 1 <= number.value <= len(KINDS):
         message = f"shape must be within 1..{len(KINDS)}, {', '.join(KINDS)}; read {number.text}"

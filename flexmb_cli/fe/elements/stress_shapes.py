@@ -48,7 +48,7 @@ DIFFERENT_MASS = 1e-3
 
 
 def body_stress(
-    given: FlexibleInput, K: Any, mass: float, frame: Frame, Phi: Any, findings: Findings
+    given: FlexibleInput, K: Any, mass: float, frame: Frame, Phi: np.ndarray, findings: Findings
 ) -> BodyStress | None:
     """Return the elements of `given` and their nodal stresses per mode; None with a fault found.
 

@@ -5,7 +5,7 @@ Tetrahedra have 4 or 10 nodes, hexahedra 8 or 20.
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -104,7 +104,7 @@ def _check_numbers(name: str, found: list[_Element]) -> None:
         first[element.number] = element.line
 
 
-def _inp_elements(path: Any) -> "Iterator[_Element]":
+def _inp_elements(path: Path) -> "Iterator[_Element]":
     """Data lines of *ELEMENT; a line that ends in a comma is continued."""
     words: list[str] = []
     kind, wanted, first = "", 0, 0
@@ -143,7 +143,7 @@ def _integers(path: Path, number: int, words: list[str]) -> list[int]:
         raise line_fault(path.name, number, message) from None
 
 
-def _cdb_elements(path: Any) -> "Iterator[_Element]":
+def _cdb_elements(path: Path) -> "Iterator[_Element]":
     """EBLOCK, cut by the format below it; nodes that do not fit stand on the next line."""
     lines = lines_of(path)
     start = next((i for i, line in enumerate(lines) if line.upper().startswith("EBLOCK")), None)

@@ -45,7 +45,7 @@ def bytes_of(path: Path, largest: int = LARGEST_FILE) -> bytes:
         raise FEFileFault(f"{path.name} cannot be read: {reason}", id="FE-024") from None
 
 
-def _check_kind(name: str, found: Any, largest: Any) -> None:
+def _check_kind(name: str, found: Any, largest: int) -> None:
     if not stat.S_ISREG(found.st_mode):
         raise FEFileFault(f"{name} is no regular file, but a folder, a pipe or a device", id="FE-025")
     if found.st_size >= largest:
@@ -104,7 +104,7 @@ def lines_of(path: Path) -> list[str]:
 
 
 def table(
-    name: str, lines: list[str], numbers: Sequence[int], columns: int, meaning: str, comma: Any = False
+    name: str, lines: list[str], numbers: Sequence[int], columns: int, meaning: str, comma: bool = False
 ) -> np.ndarray:
     """The numbers of `lines`, (len, columns) float64; D exponents are read as E.
 

@@ -33,7 +33,7 @@ def _text_matrices(path: Path) -> dict[str, MatrixFile]:
     return found
 
 
-def _read_one(name: Any, lines: Any, at: Any) -> tuple[str, MatrixFile, int]:
+def _read_one(name: Any, lines: list[str], at: Any) -> tuple[str, MatrixFile, int]:
     columns, label, width = _heading(name, lines, at)
     parts: list[Any] = []
     while True:

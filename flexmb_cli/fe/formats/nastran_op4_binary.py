@@ -80,7 +80,7 @@ def _records(layout: _Layout, raw: bytes) -> Iterator[bytes]:
         at = end + 4
 
 
-def _read_one(layout: _Layout, heading: Any, records: Any) -> tuple[str, MatrixFile]:
+def _read_one(layout: _Layout, heading: bytes, records: Iterator[Any]) -> tuple[str, MatrixFile]:
     columns, rows, _, kind = layout.integers(heading, 0, 4)
     name = heading[4 * layout.word : _HEADING_WORDS * layout.word].decode("latin-1").strip().upper()
     _check(layout, name, columns, rows, kind)

@@ -89,7 +89,7 @@ def _node(name: str, number: int, words: list[str]) -> tuple[int, list[float], i
     return node, position, number
 
 
-def _cdb_nodes(path: Any) -> Any:
+def _cdb_nodes(path: Path) -> Any:
     from .ansys_cdb import cdb_nodes
 
     return cdb_nodes(path)

@@ -123,7 +123,7 @@ def reduce_mass(system: System, work: Work) -> int:
 
 @kernel
 def fill_column(system: System, work: Work, product: np.ndarray, f: int, matrix: np.ndarray) -> None:
-    """Fill column f of the lower part of matrix (n, n) with Zᵀ product.
+    """Fill column f of the lower part of matrix (n, n) with Zᵀ product, product (n,).
 
     A free motion moves one free speed and dependent ones: only these are visited.  Overwrites FREE.
     """
@@ -171,7 +171,7 @@ def solve_rows(
 def split(
     system: System, work: Work, forces: np.ndarray, gamma: np.ndarray, x: np.ndarray, y: np.ndarray
 ) -> Any:
-    """Fill x (n,) with x_p, by dependent speeds alone, and y with Zᵀ (forces - M x_p)."""
+    """Fill x (n,) with x_p, by dependent speeds alone, and y (n - rank,) with Zᵀ (forces - M x_p)."""
     rank, (m, n) = work.rank[0], work.jacobian.shape
     right_side, scaled, product = work.rows[SCALED], work.vectors[UNKNOWN], work.vectors[PRODUCT]
     order, Z, scale = work.order, work.motions, system.speed_scale
@@ -193,7 +193,10 @@ def split(
 
 @kernel
 def add_free(system: System, work: Work, Z: np.ndarray, y: np.ndarray, x: np.ndarray) -> None:
-    """x += Z y for the free motions Z of some position, with the order of the work."""
+    """Add Z y to x (n,): y (n - rank,), Z (n, n - rank) the free motions of some position.
+
+    The order is that of the work.
+    """
     rank, (m, n) = work.rank[0], work.jacobian.shape
     order, scale = work.order, system.speed_scale
     for f in range(n - rank):

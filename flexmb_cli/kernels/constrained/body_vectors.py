@@ -32,7 +32,7 @@ class Geometry(NamedTuple):
     body_vectors: "np.ndarray"  # BODY_VECTOR records
     shapes: "np.ndarray"  # their shapes S (3, N), flat, m or 1 per unit of η
     primitives: "np.ndarray"  # PRIMITIVE records
-    axes: "np.ndarray"  # (b, 3, 3) A of every body
+    axes: "np.ndarray"  # (b, 3, 3) A of every body, body to global axes
     placed: "np.ndarray"  # (3, body vectors, 3) `Work.body_vectors`, global axes, m
     relative_vectors: "np.ndarray"  # (3, primitives, 2, 3) V and W of the primitives, global axes, m
 

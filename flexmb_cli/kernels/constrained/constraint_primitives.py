@@ -45,7 +45,7 @@ def _relative_product(relative_vectors: "np.ndarray", k: int, layer: int, layer_
 
 @kernel
 def primitive_angle(placed: "np.ndarray", m: "np.void", expected: float) -> float:
-    """θ, rad: the value nearest to `expected`."""
+    """Return θ, rad, of primitive m at placed (3, body vectors, 3): the value nearest to `expected`."""
     x, y = _products(placed, m, VECTOR, VECTOR)
     theta = math.atan2(y, x)
     return theta + TURN * math.floor((expected - theta) / TURN + 0.5)
@@ -64,7 +64,10 @@ def _products(placed: "np.ndarray", m: "np.void", layer: int, layer_of_h: int) -
 
 @kernel
 def angle_rates(placed: "np.ndarray", m: "np.void") -> tuple[float, float]:
-    """Rate of θ, rad/s, and its second derivative without those of the coordinates, at moved body vectors."""
+    """Return the rate of θ, rad/s, and its second derivative without those of the coordinates, rad/s².
+
+    placed (3, body vectors, 3): body vectors that have been moved.
+    """
     x, y = _products(placed, m, VECTOR, VECTOR)
     xd = yd = xr = yr = 0.0
     for a in range(3):

@@ -50,8 +50,8 @@ def fill_doubtful_row(
 ) -> None:
     """Fill a row of `report` at t, whose rates are those of the interpolation, or nan.
 
-    state (N,): an accepted one near by, away from the singular position; place: the interpolated state (N,)
-    of the row, units of its coordinates and speeds (N,), angles expected.
+    state (N,): an accepted one near by, away from the singular position; place (3,): the interpolated state
+    (N,) of the row, units of its coordinates and speeds (N,), angles expected (angles,), rad.
     """
     (m, n), z, expected, raw = work.jacobian.shape, place[0], place[2], place[0].copy()
     speeds, rates, forces = np.zeros((2, n)), np.zeros((2, n)), np.zeros((2, m))

@@ -84,7 +84,9 @@ def fill_joint_forces(system: Any, work: "Work", first: int, lam: np.ndarray, fo
 
 @allocating
 def fill_normal_forces(forces: np.ndarray, normals: np.ndarray) -> None:
-    """Fill normals (m,), N, from joint forces (1 + m, m, 5): without friction, and by unit normal forces.
+    """Fill normals (m,), N, from the joint forces of m frictions.
+
+    forces (1 + m, m, 5): without friction, N, and by unit normal forces, as `fill_joint_forces` fills them.
 
     Where no normal forces agree with the joint forces that they cause, they are not numbers.
     """
@@ -109,8 +111,9 @@ def fill_normal_forces(forces: np.ndarray, normals: np.ndarray) -> None:
 def fill_feedback(forces: np.ndarray, normals: np.ndarray, feedback: np.ndarray) -> None:
     """Fill feedback (m,): the efforts' changes, of those at the normal forces found.
 
-    They are 1 where friction does not change its own normal force, or not to be told, and never below 0:
-    matrices of implicit methods must stay positive definite.
+    forces (1 + m, m, 5) and normals (m,) are those of `fill_normal_forces`.  Changes are 1 where friction
+    does not change its own normal force, or where that cannot be determined, and never below 0: matrices
+    of implicit methods must stay positive definite.
     """
     m = normals.shape[0]
     equations = np.zeros((m, 2 * m))

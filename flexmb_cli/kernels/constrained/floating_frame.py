@@ -4,6 +4,17 @@ Vlasenko and Kasper (2008), (55), (74)-(77), (98), in body axes and with the inv
 (names as in `model.flexible_body`).  In (76) and (77) the sign of S_tf q̇f is minus, as (46) and (49) ask:
 with the plus that is printed, energy and angular momentum are not conserved.  Nothing here has the
 length of the finite-element model.
+
+Arrays for N modes, in body axes (η in units of the modes, so that S1 η is in kg m):
+
+- A (3, 3): body to global axes; w (3,): ω, rad/s; eta (N,), etad (N,): η and η̇
+- s0 (3,), S1 (3, N): first moment, kg m, and its derivative by η; s (3,): first moment at η
+- J0 (3, 3), J1 (N, 3, 3), J2 (N, N, 3, 3): inertia, kg m², its terms linear and quadratic in η
+- C0 (3, N), C1 (N, 3, N): coupling of rotation and modes, its terms linear in η
+- T (N, 3, 3), S_tt (3, 3), S_tf (3, N): what `moving_inertia` makes of these at η
+- Mff (N, N), Kr (N, N), Dr (N, N): mass, stiffness and damping of the modes: ½ η̇ᵀ Mff η̇ and ½ ηᵀ Kr η are
+  in J, η̇ᵀ Dr η̇ in W
+- f (6 + N,): forces on (ṙ, ω, η̇), N in global axes, N m in body axes, then those on the modes
 """
 
 from typing import TYPE_CHECKING
@@ -67,7 +78,7 @@ def _turned_inertia(eta: "np.ndarray", J2: "np.ndarray", T: "np.ndarray") -> Non
 
 @kernel
 def first_moment(eta: "np.ndarray", s0: "np.ndarray", S1: "np.ndarray", s: "np.ndarray") -> None:
-    """s = s0 + S1 eta (3,)."""
+    """Fill s (3,) with s0 + S1 eta."""
     for a in range(3):
         total = s0[a]
         for k in range(eta.shape[0]):

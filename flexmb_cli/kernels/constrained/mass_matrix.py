@@ -23,7 +23,10 @@ if TYPE_CHECKING:
 
 @part
 def constants_of(flat: "np.ndarray", f: "np.void") -> "tuple[np.ndarray, ...]":
-    """S1 (3, N), J1 (N, 3, 3), J2 (N, N, 3, 3), C0 (3, N), C1 (N, 3, N), Mff, Kr, Dr (N, N), KG of a body."""
+    """Return S1 (3, N), J1 (N, 3, 3), J2 (N, N, 3, 3), C0 (3, N), C1 (N, 3, N), Mff, Kr, Dr (N, N) and KG.
+
+    flat (k,): `System.modal`; f: the FLEXIBLE record of the body.
+    """
     N, at, side = f["modes"], f["constants"], 3 * f["stiffened"]
     S1, J1, J2 = (
         block(flat, at, (3, N)),
@@ -41,7 +44,10 @@ def constants_of(flat: "np.ndarray", f: "np.void") -> "tuple[np.ndarray, ...]":
 
 @part
 def places_of(flat: "np.ndarray", f: "np.void") -> "tuple[np.ndarray, ...]":
-    """s (3,), S_tt (3, 3), S_tf (3, N), T (N, 3, 3), the mass matrix and forces of a body: its work."""
+    """Return s (3,), S_tt (3, 3), S_tf (3, N), T (N, 3, 3), the mass matrix and forces of a body: its work.
+
+    flat (k,): `Work.modal`; f: the FLEXIBLE record of the body.
+    """
     N, at = f["modes"], f["places"]
     width, end = 6 + N, at + 12 + 12 * N
     s, S_tt = block(flat, at, (3,)), block(flat, at + 3, (3, 3))

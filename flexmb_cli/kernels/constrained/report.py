@@ -29,7 +29,7 @@ class Report(NamedTuple):
     multipliers: "np.ndarray"  # (T, m) scaled
     powers: "np.ndarray"  # (T,) of drivers and applied loads, W
     audit: "np.ndarray"  # (T, 5) energy: kinetic, of weights and springs, of strain, J; largest gap, its rate
-    responses: "np.ndarray"  # (T, loads, 8) of springs and elements, see `elements`
+    responses: "np.ndarray"  # (T, loads, 8) of springs and elements, columns and SI units as in `elements`
 
 
 @kernel

@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 def parameter_rates(
     p: "np.ndarray", at: int, w: tuple[float, float, float], out: "np.ndarray", to: int
 ) -> None:
-    """out[to:to+4] = ½ Lᵀ w for the Euler parameters p[at:at+4] and w = (w0, w1, w2), body axes."""
+    """Fill out[to:to+4] with ½ Lᵀ w for the Euler parameters p[at:at+4] and w = (w0, w1, w2), body axes.
+
+    p (k,) and out (k,) may be all coordinates and their rates.
+    """
     e0, e1, e2, e3 = p[at], p[at + 1], p[at + 2], p[at + 3]
     out[to] = -0.5 * (e1 * w[0] + e2 * w[1] + e3 * w[2])
     out[to + 1] = 0.5 * (e0 * w[0] - e3 * w[1] + e2 * w[2])
@@ -94,7 +97,9 @@ def speed_jacobian(
 def add_turning(
     bodies: "np.ndarray", q: "np.ndarray", u: "np.ndarray", phi_q: "np.ndarray", gamma: "np.ndarray"
 ) -> None:
-    """Add ¼ ω² Φ_p p to gamma (m,): what ½ Lᵀ ω̇ leaves of p̈."""
+    """Add ¼ ω² Φ_p p to gamma (m,): what ½ Lᵀ ω̇ leaves of p̈; bodies (r, 2) and phi_q (r, 14) as in
+    `speed_jacobian`.
+    """
     for row in range(phi_q.shape[0]):
         for half in range(2):
             at, body = 7 * half, bodies[row, half]

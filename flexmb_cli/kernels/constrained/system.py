@@ -17,7 +17,7 @@ class System(NamedTuple):
     """A mechanism; records are those of `model.arrays.records`."""
 
     constraints: np.ndarray  # CONSTRAINT records without normalisation, whose r rows come first
-    bodies: np.ndarray  # (r, 2) bodies of the two halves of each of these rows
+    bodies: np.ndarray  # (r, 2) numbers of the bodies of the two halves of each of these rows
     row_scale: np.ndarray  # (m,) units of the equations, m or 1
     speed_scale: np.ndarray  # (n,) units of the speeds, m/s or 1/s
     masses: np.ndarray  # (b,) MASS records
@@ -28,7 +28,7 @@ class System(NamedTuple):
     primitives: np.ndarray  # PRIMITIVE records, first those of the other m - r rows, then those of loads
     loads: np.ndarray  # LOAD records
     functions: np.ndarray  # FUNCTION records
-    knots: np.ndarray  # (k, 3) knots of their tables and pieces, see `FunctionTable`
+    knots: np.ndarray  # (k, 3) knots of their tables and pieces: s, value, second rate; see `FunctionTable`
     gravity: np.ndarray  # (3,) global axes, m/s²
     groups: np.ndarray  # GROUP records
 
@@ -36,24 +36,24 @@ class System(NamedTuple):
 class Work(NamedTuple):
     """Arrays reused in every evaluation."""
 
-    rotations: np.ndarray  # (3, b, 3, 3) A, dA/dt and the remainder of d²A/dt²; rows A, RATE, REMAINDER
-    rows: np.ndarray  # (3, m) of the equations; rows PHI, GAMMA, SCALED
-    phi_q: np.ndarray  # (r, 14) derivatives by the coordinates of both bodies
+    rotations: np.ndarray  # (3, b, 3, 3) A, dA/dt, 1/s, remainder of d²A/dt², 1/s²; rows A, RATE, REMAINDER
+    rows: np.ndarray  # (3, m) in units of the equations; rows PHI, GAMMA, SCALED
+    phi_q: np.ndarray  # (r, 14) derivatives by the coordinates of both bodies, in units of both
     jacobian: np.ndarray  # (m, n) rows on speeds, in units of both
-    factors: np.ndarray  # (m, n) its elimination: the rows that remain
-    order: np.ndarray  # (m + n,) order of elimination of the rows, then of the columns
-    motions: np.ndarray  # (n, n) the free speeds, in its first n - rank columns
+    factors: np.ndarray  # (m, n) its elimination, scaled: the rows that remain
+    order: np.ndarray  # (m + n,) numbers of the rows, then of the columns, in the order of elimination
+    motions: np.ndarray  # (n, n) the free speeds, scaled, in its first n - rank columns
     reduced: np.ndarray  # (n, n) Cholesky factor of the mass matrix of the free speeds
     mass: np.ndarray  # (b, 6, 6) mass matrices of the rigid bodies, kg, kg m, kg m²
     modal: np.ndarray  # of the flexible bodies, flat, see `mass_matrix.places_of`
     body_vectors: np.ndarray  # (3, body vectors, 3) global axes, m; rows VECTOR, RATE, REMAINDER
     relative_vectors: np.ndarray  # (3, primitives, 2, 3) V and W of the primitives, the same rows
     angles: np.ndarray  # (angles,) expected, which decide on whole turns, rad
-    vectors: np.ndarray  # (6, n + b) of speeds or coordinates; rows FORCES … QD
-    rank: np.ndarray  # (1,) independent equations in the order in use
-    quality: np.ndarray  # (1,) of the order in use, see `rank_revealing_lu.factorise`
-    pivots: np.ndarray  # (m,) at the end of the last step, see `singular_ahead`
-    responses: np.ndarray  # (loads, 8) of springs and elements, see `elements`
+    vectors: np.ndarray  # (6, n + b) in units of speeds, coordinates or forces on them; rows FORCES … QD
+    rank: np.ndarray  # (1,) number of independent equations in the order in use
+    quality: np.ndarray  # (1,) of the order in use, no unit, see `rank_revealing_lu.factorise`
+    pivots: np.ndarray  # (m,) scaled, at the end of the last step, see `singular_ahead`
+    responses: np.ndarray  # (loads, 8) of springs and elements, columns and SI units as in `elements`
     columns: np.ndarray  # (m, 1 + c) number of places of a row of the Jacobian not zero, and these
     entries: np.ndarray  # (m, n + 2) the same of the factors
 
@@ -99,7 +99,7 @@ def make_work(system: System, angles: int) -> Work:
 
 @plain
 def columns_of(system: Any):
-    """Columns (m, 1 + c) of each equation's Jacobian that may be other than zero, behind their number."""
+    """Return columns (m, 1 + c): how many of each equation's Jacobian may be other than zero, then which."""
     first, bodies = system.bodies.shape[0], system.masses.shape[0]
     found = [_speeds_of({(int(body), 0, 0) for body in pair}, bodies) for pair in system.bodies]
     for row in range(first, system.row_scale.shape[0]):

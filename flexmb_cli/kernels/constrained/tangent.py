@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 def tangent_times(
     system: "System", work: "Work", by_position: float, by_speed: float, x: "np.ndarray", y: "np.ndarray"
 ) -> None:
-    """y = (M + by_position K + by_speed D) x for x, y (n,) where the body vectors are placed; moves the body
-    vectors by x.
+    """Fill y (n,) with (M + by_position K + by_speed D) x, x (n,), where the body vectors are placed.
+
+    Moves the body vectors by x.
     """
     mass_times(system, work, x, y)
     add_stiff(system, work, by_position, by_speed, x, y)

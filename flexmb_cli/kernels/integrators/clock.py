@@ -43,9 +43,9 @@ CLOCK = np.dtype(
         ("fault", np.int64),  # code of the last failed evaluation, or that of a solved one
         ("gap", np.float64),  # largest gap of the equations at the state, scaled, or m
         ("equation", np.int64),  # equation with that gap
-        ("pivot_order", np.float64),  # quality of the order of elimination at the end of the last step
+        ("pivot_order", np.float64),  # quality of the order of elimination at the last end of a step, no unit
         ("pivot_time", np.float64),  # time of that end, s
-        ("firmest", np.float64),  # largest that the smallest pivot was at the end of a step
+        ("firmest", np.float64),  # largest that the smallest scaled pivot was at the end of a step
         ("singular", np.float64),  # time of the singular position ahead, s, infinity: none near
     ]
 )

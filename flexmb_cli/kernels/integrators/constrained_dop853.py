@@ -44,12 +44,12 @@ MOST_BLURRED = 1e-5  # by how much the projection may move a step over a singula
 class Integration(NamedTuple):
     """State of an integration between calls, for states of N numbers."""
 
-    clock: np.ndarray  # (1,) CLOCK
-    z: np.ndarray  # (N,) state at the time t
-    old: np.ndarray  # (N,) state at the start of the last step
-    trial: np.ndarray  # (N,) state that is tried or reported
-    slopes: np.ndarray  # (16, N) of the stages
-    dense: np.ndarray  # (7, N) terms of the dense output
+    clock: np.ndarray  # (1,) CLOCK record
+    z: np.ndarray  # (N,) state at the time t: m, 1, m/s, rad/s, J
+    old: np.ndarray  # (N,) state at the start of the last step, in the same units
+    trial: np.ndarray  # (N,) state that is tried or reported, in the same units
+    slopes: np.ndarray  # (16, N) rates of the stages, units of the state a second
+    dense: np.ndarray  # (7, N) terms of the dense output, units of the state
     units: np.ndarray  # (N,) a state's unit, of which the absolute tolerance is
     angles: np.ndarray  # (3, angles) rad, see `angle_unwrapping`
 

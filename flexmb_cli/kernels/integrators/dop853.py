@@ -147,7 +147,7 @@ def first_step(integration: "Any", slope: "Callable[..., Any]"):
 
 @kernel
 def set_stage(z: "np.ndarray", slopes: "np.ndarray", stage: int, h: float, out: "np.ndarray") -> None:
-    """out = z + h (weights of `stage`) . slopes; slopes (16, n)."""
+    """Fill out (N,) with z + h (weights of `stage`) · slopes; slopes (16, N)."""
     for i in range(z.shape[0]):
         out[i] = z[i]
     for j in range(stage):
@@ -186,7 +186,7 @@ def set_dense(
 
 @kernel
 def interpolate(z: "np.ndarray", dense: "np.ndarray", x: float, out: "np.ndarray") -> None:
-    """State at the fraction x of the step that began at z."""
+    """Fill out (N,) with the state at the fraction x of the step that began at z."""
     for i in range(z.shape[0]):
         total = 0.0
         for term in range(DENSE_TERMS - 1, -1, -1):
@@ -227,7 +227,7 @@ def step_error(integration: "Any", h: float):
 
 @kernel
 def weighted(weights: "np.ndarray", slopes: "np.ndarray", i: int):
-    """Weighted sum of the slopes of component i."""
+    """Return the sum of slopes (16, N) of component i with weights (16,)."""
     total = 0.0
     for j in range(STAGES):
         total += weights[j] * slopes[j, i]

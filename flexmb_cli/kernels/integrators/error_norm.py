@@ -42,8 +42,9 @@ def scaled_norm(integration: "Any", state: "np.ndarray", change: "np.ndarray"):
 
 @kernel
 def strayed(open_end: "np.ndarray", closed_end: "np.ndarray", clock: Any):
-    """Place in the state that the projection onto the loops moved too far at the end of a step, or -1.
+    """Return the place in the state that the projection onto the loops moved too far, or -1.
 
+    open_end (N,), closed_end (N,): the state at the end of a step before and after the projection.
     A step that was good left the loops but for its error.  One across a singular position may land on
     the other motion that begins there: then the projection is what moves the tree, not the equations.
     """

@@ -49,13 +49,13 @@ TRAPEZOID = np.array([0.5, 0.0, 0.5])  # weights of the powers of loads in the w
 MEMORY = np.dtype(
     [
         ("fixed", np.float64),  # length that all steps have, s, 0: chosen
-        ("rho", np.float64),  # spectral radius at infinity
+        ("rho", np.float64),  # spectral radius at infinity, no unit
         ("start", np.float64),  # first time, s
         ("whole", np.int64),  # steps of given length that are behind
         ("mean_length", np.float64),  # step that the means of the accelerations belong to, s
         ("share", np.float64),  # share of the tolerance that the step may err by; `clock["error"]` is of it
         ("span", np.float64),  # of the whole run, s
-        ("turned", np.float64),  # how far a body turns in the step, of the longest turn
+        ("turned", np.float64),  # how far a body turns in the step, as a share of the longest turn
         ("left", np.float64),  # error that an iteration leaves, as a share of its size, seen last
         ("power", np.float64),  # of drivers and loads that store no energy, at t, W
         ("new_power", np.float64),  # at the end of the step that is tried, W
@@ -69,18 +69,18 @@ MEMORY = np.dtype(
 class AlphaIntegration(NamedTuple):
     """State of an integration between calls, for n speeds, states of N numbers, m equations."""
 
-    clock: np.ndarray  # (1,) CLOCK
-    memory: np.ndarray  # (1,) MEMORY
-    z: np.ndarray  # (N,) state at the time t
-    old: np.ndarray  # (N,) state at the start of the last step
-    trial: np.ndarray  # (N,) state that is tried or reported
+    clock: np.ndarray  # (1,) CLOCK record
+    memory: np.ndarray  # (1,) MEMORY record
+    z: np.ndarray  # (N,) state at the time t: m, 1, m/s, rad/s, J
+    old: np.ndarray  # (N,) state at the start of the last step, in the same units
+    trial: np.ndarray  # (N,) state that is tried or reported, in the same units
     units: np.ndarray  # (N,) a state's unit, of which the absolute tolerance is
     angles: np.ndarray  # (3, angles) rad, see `angle_unwrapping`
     rates: np.ndarray  # (5, n) accelerations, m/s² or 1/s², rows of `generalised_alpha_error`
     missing: np.ndarray  # (3, n) forces missing in the equations of motion, scaled; zeros in rows 1, 2
     corrections: np.ndarray  # (3, n) of accelerations, speeds and positions, scaled
-    free: np.ndarray  # (3, n) their parts along the free motions
-    gaps: np.ndarray  # (3, m) missing in the equations; rows ACCELERATION_GAP, SPEED_GAP, POSITION_GAP
+    free: np.ndarray  # (3, n) their parts along the free motions, scaled
+    gaps: np.ndarray  # (3, m) missing, in units of the equations: ACCELERATION_GAP, SPEED_GAP, POSITION_GAP
     load_powers: np.ndarray  # (3, K) of each load whose work is kept, rows NOW, BEHIND and TRIED, W
     newton: Work  # whose `reduced` is the matrix of an iteration
 

@@ -45,7 +45,7 @@ def close_trial(system: System, work: Work, integration: "RadauIntegration", t: 
 
 @kernel
 def moved(integration: "RadauIntegration", found: np.ndarray) -> float:
-    """By how many tolerances `trial` was moved from the state found, which becomes the difference."""
+    """Return by how many tolerances `trial` was moved from found (N,), which becomes the difference."""
     for i in range(found.shape[0]):
         found[i] = integration.trial[i] - found[i]
     return scaled_norm(integration, integration.trial, found)

@@ -71,7 +71,7 @@ FLOOR = 1e-14  # of the speeds: round-off
 
 @kernel
 def renew_matrices(system: System, work: Work, matrices: "np.ndarray") -> None:
-    """Fill M, D and K of the free motions where everything stands."""
+    """Fill matrices (3, n, n) with M, D and K of the free motions where everything stands."""
     free = work.jacobian.shape[1] - work.rank[0]
     column, product = work.vectors[UNKNOWN], work.vectors[PRODUCT]
     for f in range(free):

@@ -35,30 +35,33 @@ SAFETY, FASTEST = 0.85, 5.0
 
 MEMORY = np.dtype(
     [
-        ("matrix_length", np.float64),  # step length of the matrix, 0 for none
+        ("matrix_length", np.float64),  # step length of the matrix, s, 0 for none
         ("fresh", np.int64),  # whether b is that of the present state
         ("stale", np.int64),  # whether b is to be renewed before the next step
-        ("contraction", np.float64),  # worst of the present step
+        ("contraction", np.float64),  # ratio of two corrections, the worst of the present step
         ("left", np.float64),  # error that an iteration leaves, as a share of its size, seen last
     ]
 )
 
 
 class Implicit(NamedTuple):
-    """State of an integration between calls, for states of n numbers, NS of them speeds."""
+    """State of an integration between calls, for states of n numbers, NS of them speeds.
+
+    States are in m, rad, m/s, rad/s and, the work, J; slopes in these a second.
+    """
 
     clock: np.ndarray  # one record of CLOCK
-    z: np.ndarray  # (n,) state at the time t
+    z: np.ndarray  # (n,) state at the time t, units as above
     memory: np.ndarray  # one record of MEMORY
-    slopes: np.ndarray  # (5, n) of the stages
-    before: np.ndarray  # (n,) slope at the start of the step
-    known: np.ndarray  # (n,) state of a stage without its own slope
-    trial: np.ndarray  # (n,)
-    rate: np.ndarray  # (n,) evaluated at `trial`
-    old: np.ndarray  # (n,) state at the start of the last step
-    old_slope: np.ndarray  # (n,) and its slope
-    change: np.ndarray  # (NS,) of the speeds' slopes by an iteration
-    product: np.ndarray  # (NS,)
+    slopes: np.ndarray  # (5, n) slopes of the stages, units a second
+    before: np.ndarray  # (n,) slope at the start of the step, units a second
+    known: np.ndarray  # (n,) state of a stage without its own slope, units as above
+    trial: np.ndarray  # (n,) state whose slope is evaluated, units as above
+    rate: np.ndarray  # (n,) slope at `trial`, units a second
+    old: np.ndarray  # (n,) state at the start of the last step, units as above
+    old_slope: np.ndarray  # (n,) and its slope, units a second
+    change: np.ndarray  # (NS,) of the speeds' slopes by an iteration, units as above a second
+    product: np.ndarray  # (NS,) slopes missing in an iteration, or efforts, units as above a second
     stiff: Stiff  # the matrix of an iteration
 
 

@@ -28,14 +28,14 @@ ASIDE = ALL_STAGES
 
 
 class Integration(NamedTuple):
-    """State of an integration between calls, for states of n numbers."""
+    """State of an integration between calls, for states of n numbers: m, rad, m/s, rad/s and, the work, J."""
 
     clock: np.ndarray  # one record of CLOCK
-    z: np.ndarray  # (n,) state at the time t
-    old: np.ndarray  # (n,) state at the start of the last step
-    trial: np.ndarray  # (n,) state whose slope is evaluated
-    slopes: np.ndarray  # (17, n)
-    dense: np.ndarray  # (7, n)
+    z: np.ndarray  # (n,) state at the time t, units as above
+    old: np.ndarray  # (n,) state at the start of the last step, units as above
+    trial: np.ndarray  # (n,) state whose slope is evaluated, units as above
+    slopes: np.ndarray  # (17, n) slopes of the stages, units a second
+    dense: np.ndarray  # (7, n) terms of the dense output, units as above
     units: np.ndarray  # (n,) a state's unit, of which the absolute tolerance is
 
 

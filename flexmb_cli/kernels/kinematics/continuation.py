@@ -79,8 +79,9 @@ def angle_too_far(constraints: np.ndarray, t: float, t_new: float) -> bool:
 
 @kernel
 def defect(system: System, state: np.ndarray, new: np.ndarray, h: float) -> tuple[float, float]:
-    """Return how far the new position is from the smooth curve through both ends, 1 where it is just allowed,
-    and the way moved in the step.
+    """Return how far new (3, n) is from the smooth curve through both ends, and the way moved.
+
+    The distance is 1 where it is just allowed.
 
     q1 - q0 = h (v0 + v1)/2 - h² (a1 - a0)/12, exact to the fourth power of h.
     """
@@ -98,7 +99,7 @@ def defect(system: System, state: np.ndarray, new: np.ndarray, h: float) -> tupl
 
 @kernel
 def predict(state: np.ndarray, h: float, q: np.ndarray) -> None:
-    """q at a time h after `state`, by velocity and acceleration."""
+    """Fill q with the coordinates a time h after `state`, by velocity and acceleration."""
     for k in range(q.size):
         q[k] = state[POSITION, k] + h * (state[VELOCITY, k] + 0.5 * h * state[ACCELERATION, k])
 
@@ -107,14 +108,14 @@ def predict(state: np.ndarray, h: float, q: np.ndarray) -> None:
 def accept(
     system: System, work: Work, new: np.ndarray, expected: np.ndarray, state: np.ndarray, motion: np.ndarray
 ) -> None:
-    """Make the new row the state, and note where the screws are."""
+    """Make new (3, n) the state, and note the angles of the screws in motion and expected."""
     copy(new, state)
     equations.screw_motion(system.constraints, new, work.rotations, expected, motion)
 
 
 @kernel
 def copy(source: np.ndarray, target: np.ndarray) -> Any:
-    """Copy one state (3, n) over another."""
+    """Copy one state, source (3, n), over another, target (3, n)."""
     for row in range(3):
         for k in range(source.shape[1]):
             target[row, k] = source[row, k]

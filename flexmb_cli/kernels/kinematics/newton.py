@@ -29,11 +29,11 @@ class System(NamedTuple):
     """The equations of n coordinates."""
 
     constraints: np.ndarray  # CONSTRAINT records
-    # (n, 4) bodies of the two halves of each Jacobian row, order of elimination of the rows, matrix column of
-    # each coordinate
+    # (n, 4) numbers of the bodies of the two halves of each Jacobian row, order of elimination of the rows,
+    # matrix column of each coordinate
     places: np.ndarray
     units: np.ndarray  # (2, n) one over those of the rows, those of the coordinates, m or 1
-    limits: np.ndarray  # (4,) EARLY_END, PIVOT, ITERATIONS, RANK
+    limits: np.ndarray  # (4,) scaled EARLY_END and PIVOT, numbers ITERATIONS and RANK
 
 
 BODY_I, BODY_J, ORDER, COLUMN = 0, 1, 2, 3
@@ -46,11 +46,11 @@ EARLY_END, PIVOT, ITERATIONS, RANK = 0, 1, 2, 3
 class Work(NamedTuple):
     """Arrays reused in every step, of n coordinates."""
 
-    rotations: np.ndarray  # (3, bodies, 3, 3) A, dA/dt and the remainder of d²A/dt²
-    vectors: np.ndarray  # (6, n) rows PHI … REST
-    phi_q: np.ndarray  # (n, 14) derivatives by the coordinates of both bodies
+    rotations: np.ndarray  # (3, bodies, 3, 3) A, dA/dt, 1/s, and the remainder of d²A/dt², 1/s²
+    vectors: np.ndarray  # (6, n) in units of equations or coordinates; rows PHI … REST
+    phi_q: np.ndarray  # (n, 14) derivatives by the coordinates of both bodies, in units of both
     matrix: np.ndarray  # (n, n) factors of Φ_q, in units of rows and coordinates
-    order: np.ndarray  # (n,) rows in the order of elimination
+    order: np.ndarray  # (n,) numbers of the rows in the order of elimination
     pattern: np.ndarray  # (n, n + 1) nonzero places of the factors
 
 
@@ -88,7 +88,10 @@ def fill_matrix(system: System, work: Work) -> None:
 
 @kernel
 def solve_linear(system: System, work: Work, right_side: np.ndarray, solution: np.ndarray) -> float:
-    """Solve Φ_q solution = right_side by the factors at hand; returns the largest scaled component."""
+    """Fill solution (n,) of Φ_q solution = right_side by the factors at hand; right_side (n,).
+
+    Returns its largest scaled component.
+    """
     scaled, unknown = work.vectors[SCALED], work.vectors[UNKNOWN]
     for row in range(scaled.size):
         scaled[row] = right_side[row] * system.units[PER_ROW, row]
@@ -103,7 +106,7 @@ def solve_linear(system: System, work: Work, right_side: np.ndarray, solution: n
 
 @kernel
 def largest_scaled(system: System, values: np.ndarray) -> float:
-    """Largest |value| of the equations, each in its unit; NaN counts as infinite."""
+    """Return the largest |value| of values (n,) of equations, each in its unit; NaN counts as infinite."""
     found = 0.0
     for row in range(values.size):
         value = abs(values[row]) * system.units[PER_ROW, row]
@@ -114,7 +117,7 @@ def largest_scaled(system: System, values: np.ndarray) -> float:
 
 @kernel
 def largest(values: np.ndarray) -> float:
-    """Largest magnitude."""
+    """Return the largest magnitude in values (n,)."""
     found = 0.0
     for k in range(values.size):
         found = max(found, abs(values[k]))
@@ -150,7 +153,7 @@ def reach_of(system: System, q: np.ndarray) -> float:
 
 @kernel
 def row_times(system: System, work: Work, row: int, values: np.ndarray) -> float:
-    """One row of Φ_q times values (n,)."""
+    """Return one row of Φ_q times values (n,)."""
     total = 0.0
     for half in range(2):
         first = 7 * system.places[row, half]
@@ -161,7 +164,7 @@ def row_times(system: System, work: Work, row: int, values: np.ndarray) -> float
 
 @kernel
 def set_rest(system: System, work: Work, solution: np.ndarray) -> float:
-    """Set REST to RIGHT_SIDE - Φ_q solution; returns its largest scaled component."""
+    """Set REST to RIGHT_SIDE - Φ_q solution, solution (n,); returns its largest scaled component."""
     right_side, rest = work.vectors[RIGHT_SIDE], work.vectors[REST]
     for row in range(rest.size):
         rest[row] = right_side[row] - row_times(system, work, row, solution)
@@ -170,7 +173,7 @@ def set_rest(system: System, work: Work, solution: np.ndarray) -> float:
 
 @kernel
 def add_correction(work: Work, factor: float, solution: np.ndarray) -> None:
-    """solution += factor CORRECTION."""
+    """Add factor CORRECTION to solution (n,)."""
     correction = work.vectors[CORRECTION]
     for k in range(solution.size):
         solution[k] += factor * correction[k]

@@ -36,7 +36,10 @@ def _left_over(matrix: "np.ndarray", i: int, j: int) -> float:
 
 @kernel
 def cholesky_solve(matrix: "np.ndarray", size: int, y: "np.ndarray") -> None:
-    """Solve in place with the factor of `cholesky`."""
+    """Replace a right-hand side y (size,) by the solution.
+
+    matrix (size, size): the factor of `cholesky`.
+    """
     for i in range(size):
         _forward(matrix, i, y)
     for i in range(size - 1, -1, -1):
@@ -45,7 +48,10 @@ def cholesky_solve(matrix: "np.ndarray", size: int, y: "np.ndarray") -> None:
 
 @kernel
 def cholesky_solve_rows(matrix: "np.ndarray", size: int, rows: "np.ndarray") -> None:
-    """Solve in place for each of rows (r, size): together, since the divisions of one wait for each other."""
+    """Solve in place for each of rows (r, size), with the factor of `cholesky` in matrix (size, size).
+
+    All rows together, since the divisions of one wait for each other.
+    """
     for i in range(size):
         for row in range(rows.shape[0]):
             _forward(matrix, i, rows[row])

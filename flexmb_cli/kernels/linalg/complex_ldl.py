@@ -27,7 +27,10 @@ def factorise_symmetric(matrix: "np.ndarray", size: int) -> None:
 
 @kernel
 def solve_symmetric(matrix: "np.ndarray", size: int, y: "np.ndarray") -> None:
-    """Solve in place with the factors of `factorise_symmetric`."""
+    """Replace a right-hand side y (size,), complex, by the solution.
+
+    matrix (size, size): the factors of `factorise_symmetric`.
+    """
     for i in range(size):
         for k in range(i):
             y[i] -= matrix[i, k] * y[k]

@@ -10,6 +10,6 @@ if TYPE_CHECKING:
 
 @kernel
 def copy(a: "np.ndarray", b: "np.ndarray") -> None:
-    """Copy a to b."""
+    """Copy a (n,) to the first n places of b (k,)."""
     for i in range(a.shape[0]):
         b[i] = a[i]

@@ -19,7 +19,10 @@ GOOD_ENOUGH = 0.1  # of the largest entry: may be a pivot, and the one that spar
 
 @kernel
 def pivot_row(matrix: "np.ndarray", order: "np.ndarray", k: int) -> int:
-    """Place in `order` of the first row whose entry in column k is good enough."""
+    """Return the place in order (n,), from k on, of the first row whose entry in column k is good enough.
+
+    matrix (n, n): what is left of it after k pivots; good enough is GOOD_ENOUGH of the largest entry.
+    """
     n = matrix.shape[0]
     largest = 0.0
     for i in range(k, n):
@@ -69,7 +72,9 @@ def factorise(
 
 @kernel
 def note_right(matrix: "np.ndarray", pattern: "np.ndarray", row: int, k: int) -> None:
-    """Note the nonzero places of a pivot row right of its pivot in column k."""
+    """Note in pattern (n, n + 1) the nonzero places of a pivot row of matrix (n, n) right of its pivot in
+    column k.
+    """
     end = pattern[row, 0]
     for j in range(k + 1, matrix.shape[0]):
         if matrix[row, j] != 0.0:
@@ -80,7 +85,10 @@ def note_right(matrix: "np.ndarray", pattern: "np.ndarray", row: int, k: int) ->
 
 @kernel
 def eliminate(matrix: "np.ndarray", pattern: "np.ndarray", row: int, below: int, k: int) -> None:
-    """Take a multiple of the pivot row from the row `below`; the multiple stays in column k."""
+    """Take a multiple of the pivot row from the row `below` of matrix (n, n); the multiple stays in column k.
+
+    pattern (n, n + 1) as in `factorise`; `row` and `below` are rows of the matrix, not places in the order.
+    """
     factor = matrix[below, k] * matrix[row, k]
     matrix[below, k] = factor
     pattern[below, pattern[below, 0]] = k
@@ -94,7 +102,10 @@ def eliminate(matrix: "np.ndarray", pattern: "np.ndarray", row: int, below: int,
 def substitute(
     matrix: "np.ndarray", order: "np.ndarray", pattern: "np.ndarray", b: "np.ndarray", x: "np.ndarray"
 ) -> None:
-    """Solve with the factors of `factorise`: x (n,) for the right-hand side b (n,)."""
+    """Solve with the factors of `factorise`: fill x (n,) for the right-hand side b (n,).
+
+    matrix (n, n), order (n,) and pattern (n, n + 1) are as `factorise` leaves them.
+    """
     n = matrix.shape[0]
     for i in range(n):
         row = order[i]

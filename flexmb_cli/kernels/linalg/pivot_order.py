@@ -2,6 +2,17 @@
 
 Only entries other than zero are kept: a row has its number of entries in `counts`, and their columns and
 values at the same places of two arrays, which get wider as rows fill in.
+
+Arrays for J (m, n), in which entries have no unit:
+
+- counts (m,): entries of each row; in_column (n,): entries of each column in rows that have no pivot yet
+- columns (m, c), values (m, c): column and value of each entry of a row, c the room of a row
+- largest (m,): magnitude of the largest entry of each row
+- order (m + n,): rows, then columns, in the order of pivots; places (n,): place of each column in that order
+- slots (n,): work, 1 + the place in its row of the entry of each column; zeros outside `subtract_row`
+
+Markowitz, Management Science 3 (1957), pages 255-269; threshold pivoting: Duff, Erisman and Reid, Direct
+Methods for Sparse Matrices (1986), sections 5.3 and 5.4.
 """
 
 import numpy as np
@@ -14,7 +25,7 @@ RANK_TOLERANCE = 1e-9  # of the largest entry: what is left below counts as zero
 
 @allocating
 def choose(jacobian: np.ndarray, order: np.ndarray, most: int) -> int:
-    """Fill order (m + n,) with rows, then columns, of J (m, n) in the order of pivots, at most `most`.
+    """Fill order (m + n,) with rows, then columns, of jacobian (m, n) in the order of pivots, at most `most`.
 
     Returns the rank.  Its first rows and columns are the independent ones.
     """

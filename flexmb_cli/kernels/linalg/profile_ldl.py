@@ -5,6 +5,8 @@ the end is not looked at.  Factors A = U D U' keep the profile when they are mad
 the first: Jennings, Matrix Computation for Engineers and Scientists (1977), section 5.6 on variable
 bandwidth, here from the other corner, so that coordinates of the whole tree come first and may
 reach far.  No rows are exchanged: for positive definite matrices that is stable.
+
+A (n, n) holds the matrix or its factors in its upper triangle; ends (n,) are integers.
 """
 
 from typing import TYPE_CHECKING
@@ -46,7 +48,7 @@ def substitute_profile(A: "np.ndarray", ends: "np.ndarray", x: "np.ndarray") -> 
 
 @kernel
 def set_profile_times(A: "np.ndarray", ends: "np.ndarray", x: "np.ndarray", out: "np.ndarray") -> None:
-    """out = A x."""
+    """Fill out (n,) with A x, x (n,)."""
     n = x.shape[0]
     for i in range(n):
         out[i] = 0.0

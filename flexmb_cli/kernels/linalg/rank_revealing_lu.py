@@ -5,9 +5,10 @@ Bricard's and Bennett's linkages.  Elimination with free choice of row and colum
 order found is kept from step to step, so that the same equations stay in charge and elimination
 needs no search, and is found anew when its pivots get small.
 
-Entries are scaled to pure numbers.  J (m, n); `order` (m + n,): the rows in pivot order, then the
+Entries are scaled to pure numbers.  J: jacobian (m, n); order (m + n,): the rows in pivot order, then the
 columns; the first r of each are the independent equations and the dependent speeds.  A row holds the
-speeds of two bodies or few more: only entries that may be other than zero are visited.
+speeds of two bodies or few more: only entries that may be other than zero are visited.  factors (m, n) and
+entries (m, n + 2) are those of `factorise`, whose columns (m, 1 + c) are the places of the Jacobian.
 """
 
 import math
@@ -60,7 +61,7 @@ def factorise(
 
 @kernel
 def smallest_pivot(factors: np.ndarray, rank: int) -> float:
-    """The smallest pivot of `factorise`, infinite where there are no equations."""
+    """Return the smallest of the first `rank` pivots in factors (m, n), infinite where there are none."""
     smallest = math.inf
     for k in range(rank):
         smallest = min(smallest, abs(factors[k, k]))
@@ -153,7 +154,7 @@ def _rows_below(entries: "np.ndarray", rank: int):
 
 @kernel
 def row_times(jacobian: np.ndarray, columns: np.ndarray, row: int, x: np.ndarray, scale: np.ndarray):
-    """Product of a row of the Jacobian and x / scale, both (n,)."""
+    """Return the product of a row of jacobian (m, n) and x / scale, x (n,), scale (n,)."""
     total = 0.0
     for p in range(1, 1 + columns[row, 0]):
         k = columns[row, p]

@@ -4,8 +4,8 @@ Young (1996), chapter 3.  A = G Lᵀ (3.26) is used as it stands, a quadratic fo
 form (3.16), which equals it only for |p| = 1: so 2 G s̄' (4.9) is the exact derivative of A s' for
 any p, and 2 Ġ L̇ᵀ s' the exact remainder of its second time derivative.
 
-q holds seven coordinates a body: x, y, z (m), e0, e1, e2, e3.  Vectors in global axes travel as
-triples (x, y, z), vectors in body axes as arrays of three.
+q (7 bodies,) holds seven coordinates a body: x, y, z (m), e0, e1, e2, e3; qd (7 bodies,) their rates.
+Vectors in global axes travel as triples (x, y, z), vectors in body axes, as s (3,), as arrays of three.
 """
 
 import math
@@ -23,7 +23,7 @@ TURN = 2.0 * math.pi
 
 @kernel
 def dot(a: Any, b: tuple[float, float, float]) -> Any:
-    """Scalar product of two vectors."""
+    """Return the scalar product of two vectors, a (3,) and the triple b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
@@ -31,7 +31,7 @@ def dot(a: Any, b: tuple[float, float, float]) -> Any:
 def rotate(
     A: "np.ndarray", body: int, s: "np.ndarray | tuple[float, float, float]"
 ) -> tuple[float, float, float]:
-    """A s for one of the matrices A (bodies, 3, 3)."""
+    """Return A s in global axes for one of the matrices A (bodies, 3, 3) and s (3,), body axes."""
     return (
         A[body, 0, 0] * s[0] + A[body, 0, 1] * s[1] + A[body, 0, 2] * s[2],
         A[body, 1, 0] * s[0] + A[body, 1, 1] * s[1] + A[body, 1, 2] * s[2],
@@ -64,7 +64,9 @@ def rotation_matrices(q: "np.ndarray", A: "np.ndarray") -> None:
 
 @kernel
 def rotation_rates(q: "np.ndarray", qd: "np.ndarray", Ad: "np.ndarray", Add: "np.ndarray") -> None:
-    """Fill Ad with dA/dt = 2 Ġ Lᵀ (3.27) and Add with 2 Ġ L̇ᵀ, the part of (3.28) without p̈."""
+    """Fill Ad (bodies, 3, 3) with dA/dt = 2 Ġ Lᵀ (3.27), 1/s, and Add (bodies, 3, 3) with 2 Ġ L̇ᵀ, the part
+    of (3.28) without p̈, 1/s².
+    """
     for body in range(Ad.shape[0]):
         k = 7 * body + 3
         e0, e1, e2, e3 = q[k], q[k + 1], q[k + 2], q[k + 3]
@@ -93,7 +95,7 @@ def add_rotation_row(
 ) -> None:
     """Add wᵀ · 2 G s̄' (4.9), the derivative of w · A s with respect to p, to row[first:first+4].
 
-    s in body axes, w in global axes, held fixed.
+    s (3,) in body axes, w in global axes, held fixed; row (k,): a row of the Jacobian.
     """
     k = 7 * body + 3
     e0, e1, e2, e3 = q[k], q[k + 1], q[k + 2], q[k + 3]

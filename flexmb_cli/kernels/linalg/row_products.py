@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 @kernel
 def product(a: "np.ndarray", b: Any) -> Any:
-    """Scalar product of two rows (n,)."""
+    """Return the scalar product of the rows a (n,) and b (n,), in four sums."""
     # Four sums side by side: one alone waits for each addition to end.
     s0 = s1 = s2 = s3 = 0.0
     n = a.shape[0]
@@ -27,6 +27,6 @@ def product(a: "np.ndarray", b: Any) -> Any:
 
 @kernel
 def subtract_multiple(factor: float, a: "np.ndarray", out: "np.ndarray") -> None:
-    """out -= factor a, both (n,)."""
+    """Take factor a from out: a (n,), out (n,)."""
     for j in range(a.shape[0]):
         out[j] -= factor * a[j]

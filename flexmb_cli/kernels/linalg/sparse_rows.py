@@ -1,4 +1,8 @@
-"""Elimination of a row of sparse factors: its nonzero places form a chain in order."""
+"""Elimination of a row of sparse factors: its nonzero places form a chain in order.
+
+The arrays are those of `rank_revealing_lu`: jacobian (m, n), columns (m, 1 + c), factors (m, n) and
+entries (m, n + 2).
+"""
 
 import numpy as np
 
@@ -20,8 +24,8 @@ def take_row(
 ) -> None:
     """Put a row of the Jacobian in row i of the factors.
 
-    following (n + 1,) becomes the chain of its places in order: that after place j, n behind the last; the
-    first one is following[n].
+    places (n,): place of each column in the order of pivots.  following (n + 1,) becomes the chain of the
+    row's places in order: that after place j, n behind the last; the first one is following[n].
     """
     n = factors.shape[1]
     factors[i, i] = 0.0
@@ -43,7 +47,10 @@ def take_row(
 def eliminate(
     factors: np.ndarray, entries: "np.ndarray", i: int, end: int, rank: int, following: "np.ndarray"
 ):
-    """Take multiples of the rows before `end` from row i; they stay. Returns the largest."""
+    """Take multiples of the rows before `end` from row i; they stay.  Returns the largest.
+
+    following (n + 1,) is the chain of `take_row`; `rank` columns belong to the leading block.
+    """
     n, largest, count = factors.shape[1], 0.0, FIRST_ENTRY
     k = following[n]
     while k < end:

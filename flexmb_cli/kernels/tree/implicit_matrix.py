@@ -27,21 +27,21 @@ if TYPE_CHECKING:
 class Stiff(NamedTuple):
     """b, K and the factors, of NS speeds and R closed directions, and work space."""
 
-    mass: np.ndarray  # (NS, NS) b, with the places that the one-way assumption leaves out
-    stiff: np.ndarray  # (NS, NS) K
-    matrix: np.ndarray  # (NS, NS) factors
-    mass_ends: np.ndarray  # (NS,) one past the last place of a row
-    stiff_ends: np.ndarray  # (NS,) the same of K
+    mass: np.ndarray  # (NS, NS) b, kg, kg m, kg m², with the places that the one-way assumption leaves out
+    stiff: np.ndarray  # (NS, NS) K, N/m, N, N m
+    matrix: np.ndarray  # (NS, NS) factors, in the units of b
+    mass_ends: np.ndarray  # (NS,) number of one past the last place of a row
+    stiff_ends: np.ndarray  # (NS,) the same numbers of K
     matrix_ends: np.ndarray  # (NS,) the same of the factors
-    rest: np.ndarray  # (NS,)
-    rows: np.ndarray  # (R,) of CLOSURE_ROW: the closures as they were for the matrix, and their forces
+    rest: np.ndarray  # (NS,) a right-hand side's rigid part, in units of coordinates
+    rows: np.ndarray  # (R,) CLOSURE_ROW records: the closures as they were for the matrix, and their forces
     jacobian: np.ndarray  # (R, NS) J
     inverse_jacobian: np.ndarray  # (R, NS) rows of (b + f D + f² K)^-1 Jᵀ
     schur: np.ndarray  # (R, R) J times these
 
 
 def stiff_work(closures: np.ndarray, speeds: int) -> Stiff:
-    """Blank work space."""
+    """Return blank work space for `speeds` coordinates and closures (R,)."""
     rows = closures.size
     return Stiff(  # type: ignore[call-arg]
         *(np.zeros((speeds, speeds)) for _ in range(3)),

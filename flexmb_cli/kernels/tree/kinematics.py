@@ -223,13 +223,13 @@ def _set_motion(
 
 @part
 def node_place(nodal_mass: "np.void", q: "np.ndarray") -> tuple[float, float, float]:
-    """r = x + u of a nodal mass in the axes of its body, m."""
+    """Return r = x + u of a nodal mass in the axes of its body, m."""
     return plus(triple(nodal_mass["position"], 0), node_vector(nodal_mass, q))
 
 
 @part
 def node_vector(nodal_mass: "np.void", values: "np.ndarray") -> tuple[float, float, float]:
-    """Values of a nodal mass's coordinates along axes 1, 2, 3; 0 where it is held."""
+    """Return values (NS,) at a nodal mass's coordinates along axes 1, 2, 3; 0 where it is held."""
     return _along_axes(nodal_mass["coordinate"], values)
 
 

@@ -15,10 +15,10 @@ class Report(NamedTuple):
     """Report rows of one call: T times and what is found at them."""
 
     times: np.ndarray  # (T,) s
-    rows: np.ndarray  # (T, n) states
-    frames: np.ndarray  # (T, F) of FRAME_WORK
-    rates: np.ndarray  # (T, NS) y'
-    closures: np.ndarray  # (T, R) of CLOSURE_ROW
+    rows: np.ndarray  # (T, n) states: m, rad, m/s, rad/s, J
+    frames: np.ndarray  # (T, F) FRAME_WORK records
+    rates: np.ndarray  # (T, NS) y', m/s² or rad/s²
+    closures: np.ndarray  # (T, R) CLOSURE_ROW records
     audit: np.ndarray  # (T, 5) kinetic, potential, strain energy, J, largest gap, m, its rate, m/s
 
 

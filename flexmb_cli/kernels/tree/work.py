@@ -24,26 +24,26 @@ FRAME_WORK = np.dtype(
         ("offset", np.float64, 3),  # rho_k, from the parent's origin, m
         ("angular", np.float64, 3),  # w_k, rad/s
         ("velocity", np.float64, 3),  # v_k, m/s
-        ("remainder", np.float64, 6),  # what the hinge adds to (al, a) by known terms
-        ("inertia", np.float64, 21),  # articulated inertia
-        ("bias", np.float64, 6),  # p_n, p_f
-        ("acceleration", np.float64, 6),  # al, a
-        ("unit_force", np.float64, 6),  # bias of a force whose effect alone is asked for
-        ("response", np.float64, 6),  # (al, a) by that force alone
+        ("remainder", np.float64, 6),  # what the hinge adds to (al, a) by known terms, rad/s², m/s²
+        ("inertia", np.float64, 21),  # articulated inertia, kg m², kg m, kg
+        ("bias", np.float64, 6),  # p_n, p_f, N m, N
+        ("acceleration", np.float64, 6),  # al, a, rad/s², m/s²
+        ("unit_force", np.float64, 6),  # bias of the unit forces, N m, N
+        ("response", np.float64, 6),  # (al, a) by the unit forces alone, rad/s², m/s²
     ]
 )
 
 COORDINATE_WORK = np.dtype(
     [
         ("held", np.int64),  # its acceleration is given throughout
-        ("locked", np.int64),  # its acceleration is given in this solution, its effort is asked for
-        ("rate", np.float64),  # acceleration: y'
-        ("effort", np.float64),  # internal forces, springs, motors along it
-        ("direction", np.float64, 3),  # axis of a hinge coordinate
-        ("coupling", np.float64, 6),  # inertia times direction
-        ("pivot", np.float64),  # inertia along it while all that hangs on it is free
-        ("drive", np.float64),  # effort less the bias force; in the end, of a locked one, what locks it
-        ("response", np.float64),  # acceleration by the unit forces alone
+        ("locked", np.int64),  # its acceleration is given in this solution, its effort follows
+        ("rate", np.float64),  # acceleration: y', m/s² or rad/s²
+        ("effort", np.float64),  # internal forces, springs, motors along it, N or N m
+        ("direction", np.float64, 3),  # axis of a hinge coordinate, unit vector
+        ("coupling", np.float64, 6),  # inertia times direction, kg m², kg m or kg
+        ("pivot", np.float64),  # inertia along it while all that hangs on it is free, kg or kg m²
+        ("drive", np.float64),  # effort less the bias force, N or N m; in the end what locks a locked one
+        ("response", np.float64),  # acceleration by the unit forces alone, m/s² or rad/s²
     ]
 )
 

@@ -18,6 +18,9 @@ from ..vectors import rotation_matrix
 from .function_table import FunctionTable
 from .records import GROUP, NONE, PRIMITIVE, BodyVectorTable, blank_primitive
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
 
 def tilde(v: np.ndarray) -> np.ndarray:
     """The matrix (3, 3) of v ×."""
@@ -87,7 +90,7 @@ class PrimitiveTable(FunctionTable):
         return self.body_vector(NONE, np.eye(3)[k])
 
     def product(
-        self, v: int | tuple[int, int], w: Any, alpha: float = 1.0, constant: float = 0.0
+        self, v: int | tuple[int, int], w: int | tuple[int, int], alpha: float = 1.0, constant: float = 0.0
     ) -> np.ndarray:
         """The primitive α V · W - constant of V and W, each a body vector or a pair (head, tail) of
         points.
@@ -128,7 +131,7 @@ class PrimitiveTable(FunctionTable):
         self.springs.append(record)
         return len(self.measured) + len(self.springs) - 1
 
-    def chained(self, records: Any) -> np.ndarray:
+    def chained(self, records: "Sequence[np.ndarray]") -> np.ndarray:
         """The first of the primitives `records`, to which an equation adds all others."""
         for record in reversed(records[1:]):
             record["next"] = self._next

@@ -21,6 +21,8 @@ from .records import CABLE, ELEMENT, FRICTION, RELATIVE, SPRING, STOP, blank_loa
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from ..joint_elements import Bushing, EndStop, JointFriction, JointMotor, JointSpring, LineSpring
+
 
 @dataclass(frozen=True)
 class JointCoordinateName:
@@ -59,7 +61,7 @@ class PointJoints:
         self.table, self.joints = table, joints
         self._turning: dict[int, tuple[int, int, int]] = {}
 
-    def _vectors(self, joint: Any) -> Any:
+    def _vectors(self, joint: int) -> Any:
         return JointVectors(self.table, self.joints[joint])
 
     def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
@@ -133,7 +135,7 @@ class ElementTable:
             self.table.equations(item.name, item.place, *ends, [("coupling", is_length, record)])
 
     @staticmethod
-    def _scaled(record: np.ndarray, factor: Any) -> Any:
+    def _scaled(record: np.ndarray, factor: float) -> Any:
         for field in ("alpha", "beta", "constant"):
             record[field] *= factor
         return record
@@ -158,22 +160,22 @@ class ElementTable:
         found += [self._motor(item) for item in self.elements.motors]
         return found + [self._friction(item) for item in self.elements.frictions]
 
-    def _at(self, joint: Any, coordinate: Any, shape: Any) -> Any:
+    def _at(self, joint: int, coordinate: str, shape: int) -> Any:
         record = blank_load(ELEMENT)
         record["shape"] = shape
         record["primitive"] = self.table.spring(self.joints.primitive(joint, coordinate))
         return record
 
-    def _motor(self, item: Any) -> Any:
+    def _motor(self, item: "JointMotor") -> Any:
         record = blank_load(RELATIVE)
         record["primitive"] = self.table.spring(self.joints.primitive(item.joint, item.coordinate))
         record["function"] = self.table.function(item.function)
         return record
 
-    def _spring(self, item: Any) -> Any:
+    def _spring(self, item: "JointSpring") -> Any:
         return self._with_data(self._at(item.joint, item.coordinate, SPRING), item)
 
-    def _end(self, body: Any, point: Any) -> Any:
+    def _end(self, body: int, point: Any) -> Any:
         """The body vector of an end: a node, or a point of a rigid body."""
         return (
             self.table.point(point) if isinstance(point, NodePoint) else self.table.body_vector(body, point)
@@ -186,7 +188,7 @@ class ElementTable:
         record["primitive"] = self.table.spring(line_primitive(head, tail))
         return self._with_data(record, item)
 
-    def _with_data(self, record: np.ndarray, item: Any) -> Any:
+    def _with_data(self, record: np.ndarray, item: "JointSpring | LineSpring") -> Any:
         record["stiffness"], record["damping"] = item.stiffness, item.damping
         record["free_length"], record["preload"] = item.rest, item.preload
         if item.curve is not None:
@@ -198,13 +200,13 @@ class ElementTable:
             record["damper"] = self.table.function(item.damper, of_time=False)
         return record
 
-    def _stop(self, item: Any) -> Any:
+    def _stop(self, item: "EndStop") -> Any:
         record = self._at(item.joint, item.coordinate, STOP)
         record["stiffness"], record["damping"] = item.stiffness, item.damping
         record["lower"], record["upper"] = item.lower, item.upper
         return record
 
-    def _bushing(self, number: int, item: Any) -> "Iterator[Any]":
+    def _bushing(self, number: int, item: "Bushing") -> "Iterator[Any]":
         """Six loads, along and about the axes of body i."""
         table = self.table
         head, tail = self._end(item.j, item.P_j), self._end(item.i, item.P_i)
@@ -227,7 +229,7 @@ class ElementTable:
             load["stiffness"], load["damping"] = stiffness, damping
             yield load
 
-    def _friction(self, item: Any) -> Any:
+    def _friction(self, item: "JointFriction") -> Any:
         record = blank_load(FRICTION)
         sliding = self.joints.sliding(item.joint)
         for field, coordinate in zip(("primitive", "stroke"), sliding, strict=True):

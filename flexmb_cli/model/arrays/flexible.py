@@ -91,7 +91,7 @@ def _flexible(bodies: Any) -> tuple[np.ndarray, np.ndarray]:
     return np.array(records, dtype=FLEXIBLE).reshape(-1), np.concatenate(parts)
 
 
-def _elements(table: Any, mechanism: Any) -> Any:
+def _elements(table: PrimitiveTable, mechanism: FlexibleMechanism) -> Any:
     """The elements, whose equations stand behind all others."""
     joints = PointJoints(table, mechanism.joints)
     reported = coordinates_of_joints(mechanism.joints) if mechanism.elements else []

@@ -52,7 +52,7 @@ class FunctionTable:
 
     def _compound(
         self,
-        terms: Any,
+        terms: tuple[tuple[Any, ...], ...],
         of_time: bool,
     ) -> int:
         rows = [

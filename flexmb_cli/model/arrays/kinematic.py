@@ -18,6 +18,7 @@ from ..vectors import cross, dot, rotated, rotation_matrix, unit
 
 if TYPE_CHECKING:
     from ...errors import Place
+    from ..mechanism import Distance
 
 
 COINCIDENT = 1e-9  # of the length scale
@@ -38,13 +39,13 @@ CONSTRAINT = np.dtype(
         ("a_i", np.float64, 3),  # first vector across s_i, body axes of i (vector_pairs)
         ("b_i", np.float64, 3),  # second vector across s_i, body axes of i
         ("h_i", np.float64, 3),  # translational: unit h_i; screw: unit part of h_i across the axis
-        ("g_i", np.float64, 3),  # screw: s_i × h_i
+        ("g_i", np.float64, 3),  # screw: s_i × h_i, unit vector
         ("h_j", np.float64, 3),  # unit vector, body axes of j
         ("C", np.float64),  # value of a constraint, m or 1; driver: C + B t + A t²/2, m or rad
         ("B", np.float64),  # driver: rate at t = 0, m/s or rad/s
         ("A", np.float64),  # driver: acceleration, m/s² or rad/s²
         ("pitch", np.float64),  # screw: advance per radian, m
-        ("sense", np.float64),  # screw: sign of the slide
+        ("sense", np.float64),  # screw: sign of the slide, 1 or -1
         ("offset", np.float64),  # screw: delta0 - pitch * theta0, m
     ]
 )
@@ -111,7 +112,7 @@ def length_scale(mechanism: Mechanism) -> float:
 class _Rows:
     """Collects constraint records and their equations in order."""
 
-    def __init__(self, length: Any):
+    def __init__(self, length: float):
         self.length = length
         self.records: list[Any] = []
         self.equations: list[Any] = []
@@ -144,7 +145,7 @@ class _Rows:
         self.add(SIMPLIFIED, body, body, [part], coordinate=coordinate, C=target)
 
 
-def _add_joint(rows: Any, mechanism: Any, joint: Joint) -> None:
+def _add_joint(rows: _Rows, mechanism: Any, joint: Joint) -> None:
     kind = BY_NAME[joint.kind]
     values: dict[str, Any] = {"P_i": joint.P_i, "P_j": joint.P_j}
     if "Q_i" in kind.points:
@@ -159,7 +160,7 @@ def _add_joint(rows: Any, mechanism: Any, joint: Joint) -> None:
     rows.add(kind, joint.i, joint.j, joint_equations(joint, rows.length), **values)
 
 
-def across(s: Any) -> tuple[np.ndarray, np.ndarray]:
+def across(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """e_m × s and e_n × s, m and n the axes other than that of the largest component of s.
 
     For s along x the order is z, y, as in rows 11 and 12 of table 6.1.
@@ -170,7 +171,7 @@ def across(s: Any) -> tuple[np.ndarray, np.ndarray]:
     return cross(axes[m], s), cross(axes[n], s)
 
 
-def _screw_values(mechanism: Mechanism, joint: Joint, s_i: Any) -> Any:
+def _screw_values(mechanism: Mechanism, joint: Joint, s_i: np.ndarray) -> Any:
     """Slide and turn of the deck's own estimates, before assembly, are the zero of the thread."""
     f = unit(np.array(joint.h_i) - dot(joint.h_i, s_i) * s_i)
     g = cross(s_i, f)
@@ -194,7 +195,7 @@ def _screw_values(mechanism: Mechanism, joint: Joint, s_i: Any) -> Any:
     }
 
 
-def _add_distance(rows: _Rows, item: Any) -> None:
+def _add_distance(rows: _Rows, item: "Distance") -> None:
     coordinate = item.direction - 1 if item.direction <= 3 else item.direction
     scale = rows.length if coordinate < 3 else 1.0
     part = Equation(item.name, COORDINATES[coordinate], item.place, scale, is_length=coordinate < 3)

@@ -37,19 +37,19 @@ class NodeFrames(NamedTuple):
     Of a flexible parent with n node frames the first 6 n columns of (6 R, 6 R) arrays count, beginning at 0.
     """
 
-    records: np.ndarray  # (R,) of NODE_FRAME
-    bodies: np.ndarray  # of FLEXIBLE_PARENT
+    records: np.ndarray  # (R,) NODE_FRAME records
+    bodies: np.ndarray  # FLEXIBLE_PARENT records
     slopes: np.ndarray  # all matrices C, flat
-    motion: np.ndarray  # (6 R, NM) D: acceleration of the node frames by the elastic coordinates
-    carry: np.ndarray  # (6 R, 6) E: and by the body, the nodes staying behind
-    given: np.ndarray  # (6 R,) s: and without either
-    own: np.ndarray  # (6 R, 6) inertia of what hangs on each node frame
-    compliance: np.ndarray  # (6 R, 6 R) W: acceleration by forces on the node frames
-    transmission: np.ndarray  # (6 R, 6 R) (1 + own W)^-1
-    stiff: np.ndarray  # (6 R, 6 R) transmission own: inertia that acts on the parent
-    gain: np.ndarray  # (6 R, 6) stiff E
-    held: np.ndarray  # (6 R,) force on what hangs there while the body does not accelerate
-    force: np.ndarray  # (6 R,) force on what hangs there
+    motion: np.ndarray  # (6 R, NM) D: acceleration of the node frames by the elastic coordinates, 1/m and 1
+    carry: np.ndarray  # (6 R, 6) E: and by the body, the nodes staying behind, m and 1
+    given: np.ndarray  # (6 R,) s: and without either, rad/s², m/s²
+    own: np.ndarray  # (6 R, 6) inertia of what hangs on each node frame, kg m², kg m, kg
+    compliance: np.ndarray  # (6 R, 6 R) W: acceleration by forces on the node frames, one over units of `own`
+    transmission: np.ndarray  # (6 R, 6 R) (1 + own W)^-1, 1, m and 1/m
+    stiff: np.ndarray  # (6 R, 6 R) transmission own: inertia that acts on the parent, kg m², kg m, kg
+    gain: np.ndarray  # (6 R, 6) stiff E, kg m², kg m, kg
+    held: np.ndarray  # (6 R,) force on what hangs there while the body does not accelerate, N m, N
+    force: np.ndarray  # (6 R,) force on what hangs there, N m, N
 
 
 def empty_node_frames(node_frames: list[Any], bodies: list[Any], slopes: list[Any]) -> NodeFrames:

@@ -88,12 +88,12 @@ LOAD = np.dtype(
         ("upper", np.float64),  # STOP: and above, m, rad
         ("stroke", np.int64),  # FRICTION: primitive of the stroke, -1: none; `primitive` is the angle
         ("group", np.int64),  # FRICTION: number of the joint among the groups; of a bushing its own
-        ("dynamic", np.float64),  # FRICTION: coefficient of sliding
-        ("static", np.float64),  # FRICTION: coefficient at rest
+        ("dynamic", np.float64),  # FRICTION: coefficient of sliding, no unit
+        ("static", np.float64),  # FRICTION: coefficient at rest, no unit
         ("stribeck", np.float64),  # FRICTION: speed at which the one passes into the other, m/s
         ("creep", np.float64),  # FRICTION: speed below which it grows with the speed, m/s
         ("radius", np.float64),  # FRICTION: of what turns, m
-        ("thread", np.float64),  # FRICTION: force on the flanks of a screw by the force along its axis
+        ("thread", np.float64),  # FRICTION: ratio of force on the flanks of a screw to that along its axis
     ]
 )
 

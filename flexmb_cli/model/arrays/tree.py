@@ -1,6 +1,6 @@
 """Tree → structured arrays: what the kernels of tree dynamics read."""
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -9,6 +9,10 @@ from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Motor, Prescribed, 
 from .bandwidth import row_reach
 from .node_frames import NodeFrames, empty_node_frames
 from .tree_frames import NODAL_MASS, tree_frames
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
 
 ELASTIC_BODY = np.dtype(
     [
@@ -86,11 +90,11 @@ class TreeArrays(NamedTuple):
     prescribed: np.ndarray  # PRESCRIBED records
     functions: np.ndarray  # FUNCTION records
     closures: np.ndarray  # CLOSURE_ROW records, one a closed direction
-    closure_matrix: np.ndarray  # (rows, rows), scratch
+    closure_matrix: np.ndarray  # (rows, rows) work: J b^-1 Jᵀ, 1/kg
     gravity: np.ndarray  # (3,) inertial axes, m/s²
     elastic: np.ndarray  # (NS,) bool
     given: np.ndarray  # (NS,) bool
-    inertia_scale: np.ndarray  # (NS,) inertia against which a pivot of the mass matrix counts as zero
+    inertia_scale: np.ndarray  # (NS,) inertia against which a pivot of the mass matrix is zero, kg or kg m²
     node_frames: NodeFrames  # those of all flexible parents
     one_way: bool  # whether the elastic motion does not act on the rigid motion (thesis 4.3)
 
@@ -148,7 +152,9 @@ def _rigid(index: "dict[Any, Any]", item: Motor | Prescribed | Spring) -> int:
     return int(index[item.body, item.motion, item.axis, None])
 
 
-def _elastic_bodies(tree: Any, index: Any, of_body: Any) -> tuple[np.ndarray, ...]:
+def _elastic_bodies(
+    tree: Tree, index: "Mapping[Any, Any]", of_body: "Sequence[int]"
+) -> tuple[np.ndarray, ...]:
     """Records of the flexible bodies, reach, and their stiffness, damping and stiffening matrices, flat."""
     reach = np.zeros((len(index), 2), np.int64)
     records: list[Any] = []

@@ -54,7 +54,7 @@ NODAL_MASS = np.dtype(
 )
 
 
-def rotation_matrix(attitude: Any) -> np.ndarray:
+def rotation_matrix(attitude: np.ndarray | tuple[float, float, float, float]) -> np.ndarray:
     """Rotation matrix (3, 3) of Euler parameters e0..e3, which need not be normalised."""
     e0, *vector_part = np.array(attitude, float) / math.hypot(*attitude)
     e = np.array(vector_part)
@@ -103,7 +103,7 @@ def tree_frames(tree: Tree, index: "dict[Any, Any]") -> FrameParts:
 
 
 def _add_node_frames(
-    tree: Tree, k: Any, carriers: list[tuple[int, int, int]], index: Any, parts: Any
+    tree: Tree, k: Any, carriers: list[tuple[int, int, int]], index: dict[Any, Any], parts: Any
 ) -> None:
     """Node frames at all carrying nodes of a body; they have no slope where nothing turns."""
     elastic, frame = tree.bodies[k].elastic, parts.of_body[k]
@@ -219,7 +219,7 @@ def _node_frame(body: Any, k: Any, node: Any, parent: Any, index: Any) -> np.nda
     return frame
 
 
-def _nodal_mass(body: Body, k: int, node: Any, index: "dict[Any, Any]") -> Any:
+def _nodal_mass(body: Body, k: int, node: int, index: "dict[Any, Any]") -> Any:
     elastic = body.elastic
     assert elastic is not None, "nodal masses are those of an elastic body"
     return (

@@ -2,7 +2,7 @@
 joints.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,10 @@ from .constraint_table import PrimitiveTable
 from .element_table import ElementTable, PointJoints, coordinates_of_joints
 from .node_joints import EQUATIONS_OF, JointVectors
 from .records import NONE
+
+if TYPE_CHECKING:
+    from ..joint_elements import DrivenItem
+
 
 LAST_TRANSLATION = 3  # directions 1 to 3 are coordinates, 4 to 6 turns
 
@@ -78,7 +82,7 @@ class _Equations:
         for composite in self.elements.composites:
             self._composite(composite)
 
-    def _driven(self, item: Any) -> None:
+    def _driven(self, item: "DrivenItem") -> None:
         driver = self.model.mechanism.drivers[item.item]
         if driver.direction <= LAST_TRANSLATION:
             self._along_axis(driver.name, driver.body, driver.direction, item)
@@ -90,7 +94,7 @@ class _Equations:
         record["function"] = self.table.function(item.function)
         self.table.equations(driver.name, item.place, NONE, driver.body, [("angle", False, record)])
 
-    def _along_axis(self, name: Any, body: Any, direction: Any, item: Any) -> None:
+    def _along_axis(self, name: str, body: int, direction: int, item: "DrivenItem") -> None:
         origin = self.table.body_vector(body, np.zeros(3)), self.table.body_vector(NONE, np.zeros(3))
         record = self.table.product(origin, self.table.axis(direction - 1))
         record["function"] = self.table.function(item.function)
@@ -109,7 +113,7 @@ class _Equations:
         self.table.equations(item.name, item.place, item.i, item.j, parts)
 
 
-def _revolute_cylindrical(table: Any, a: Any, b: Any) -> Any:
+def _revolute_cylindrical(table: PrimitiveTable, a: Any, b: Any) -> Any:
     """P_i stays on the axis of body j, and the two axes at right angles."""
     of_i, of_j = a[1].r0 - a[0].r0, b[1].r0 - b[0].r0
     s_i, s_j = of_i / np.linalg.norm(of_i), of_j / np.linalg.norm(of_j)

@@ -81,7 +81,7 @@ def _turn_since(first: list[Pose], now: list[Pose], i: int, j: int) -> float:
     return float(np.linalg.norm(relative[0] - relative[1]) / 2.0**0.5)
 
 
-def about_centre(mass: float, centre: np.ndarray, inertia: Any) -> np.ndarray:
+def about_centre(mass: float, centre: np.ndarray, inertia: np.ndarray) -> np.ndarray:
     """Return moments of inertia (3, 3) about the mass centre (3,), of those about the origin (Steiner)."""
     c = centre
     found: np.ndarray = np.asarray(inertia, float) - mass * (c @ c * np.eye(3) - np.outer(c, c))

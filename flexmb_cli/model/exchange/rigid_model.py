@@ -159,7 +159,7 @@ class RigidModel:
         return found
 
 
-def across(axis: Any) -> np.ndarray:
+def across(axis: np.ndarray) -> np.ndarray:
     """A unit vector (3,) at right angles to an axis."""
     g = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
     found: np.ndarray = g / np.linalg.norm(g)

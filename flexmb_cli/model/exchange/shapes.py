@@ -1,7 +1,6 @@
 """Shapes of rigid bodies, with the numbers of their cards, so that they can be written as other cards."""
 
 import math
-from typing import Any
 
 import numpy as np
 
@@ -51,7 +50,7 @@ def scaled_shape(shape: RigidShape, L: float) -> RigidShape:
     return replace(shape, sizes=sizes, offset=offset, unit=L * shape.unit)
 
 
-def notes_of(shapes: Any) -> tuple[str, ...]:
+def notes_of(shapes: tuple[RigidShape, ...]) -> tuple[str, ...]:
     """Return what a reader of a deck that names STL files should know."""
     return ("STL files keep their names: copy them beside this deck",) if any(s.file for s in shapes) else ()
 

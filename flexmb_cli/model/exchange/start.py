@@ -30,7 +30,7 @@ class Pair:
     A_j: np.ndarray
 
 
-def angle_between(s_i: Any, first: Pair, now: Pair) -> float:
+def angle_between(s_i: tuple[float, float, float], first: Pair, now: Pair) -> float:
     """Angle of body j against body i about the axis s_i of i, 0 in the first positions."""
     s = np.array(s_i, float) / np.linalg.norm(s_i)
     f = across(s)
@@ -38,11 +38,17 @@ def angle_between(s_i: Any, first: Pair, now: Pair) -> float:
     return math.atan2(h @ (now.A_i @ np.cross(s, f)), h @ (now.A_i @ f))
 
 
-def stroke_between(s_i: Any, P_i: Any, P_j: Any, first: Pair, now: Pair) -> float:
+def stroke_between(
+    s_i: tuple[float, float, float],
+    P_i: tuple[float, float, float],
+    P_j: tuple[float, float, float],
+    first: Pair,
+    now: Pair,
+) -> float:
     """Advance of P_j from P_i along the axis s_i of body i since the first positions."""
     s = np.array(s_i, float) / np.linalg.norm(s_i)
 
-    def advance(at: Any) -> Any:
+    def advance(at: Pair) -> Any:
         return (at.r_j + at.A_j @ np.array(P_j) - at.r_i - at.A_i @ np.array(P_i)) @ (at.A_i @ s)
 
     return float(advance(now) - advance(first))

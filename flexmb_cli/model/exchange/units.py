@@ -1,12 +1,16 @@
 """A rigid model in other units: numbers of a deck in millimetres, kilograms and seconds in SI, and back."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...quick_dataclass import dataclass, replace
 from ..joints import ANGLE
 from .functions import scaled, stretched
 from .rigid_model import RigidModel, vector
 from .shapes import scaled_shape
+
+if TYPE_CHECKING:
+    from .rigid_model import RigidBody, RigidJoint
+
 
 _INCH, _POUND_FORCE = 0.0254, 4.4482216152605
 
@@ -77,7 +81,7 @@ class _Scaling:
             shapes=tuple(scaled_shape(item, L) for item in model.shapes),
         )
 
-    def _body(self, body: Any) -> Any:
+    def _body(self, body: "RigidBody") -> Any:
         L = self.L
         return replace(
             body,
@@ -88,7 +92,7 @@ class _Scaling:
             inertia=self.torque * body.inertia,
         )
 
-    def _joint(self, joint: Any) -> Any:
+    def _joint(self, joint: "RigidJoint") -> Any:
         points = {name: _times(self.L, getattr(joint, name)) for name in ("P_i", "P_j")}
         return replace(joint, **points, size=self.L * joint.size)
 
@@ -159,5 +163,5 @@ class _Scaling:
         return replace(item, **ends, stiffness=M * item.stiffness, damping=M * item.damping, free_length=rest)
 
 
-def _times(factor: Any, values: Any) -> Any:
+def _times(factor: float, values: tuple[float, float, float]) -> Any:
     return vector(factor * value for value in values)

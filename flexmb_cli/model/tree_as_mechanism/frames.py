@@ -6,13 +6,17 @@ P_k.  Where P_k turns with the slope of its node (DAFMS thesis, 1992, eqs. 2.7 a
 as in the tree, node frames behind them; -1 is the inertial frame.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...quick_dataclass import dataclass
 from ..tree import INERTIAL, Tree
 from ..vectors import rotation_matrix
+
+if TYPE_CHECKING:
+    from ..tree import Hinge
+
 
 RIGID = np.zeros((3, 0))
 
@@ -64,7 +68,7 @@ def hinge_frames(tree: Tree) -> Frames:
     return Frames(tuple(bases), tuple(node_frames))
 
 
-def node_shape(tree: Tree, hinge: Any) -> np.ndarray:
+def node_shape(tree: Tree, hinge: "Hinge") -> np.ndarray:
     """Displacement (3, NM) of P_k per unit of each elastic coordinate of the parent."""
     if hinge.parent == INERTIAL:
         return RIGID

@@ -4,7 +4,7 @@ What a hinge leaves free is what no equation forbids: of the gap from P_k to O_k
 the P_k axes that do not slide, of the attitude the products of axes that no free rotation changes.
 """
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from ..time_functions import POLYNOMIAL, MotionFunction
 from ..tree import INERTIAL, ROTATION, TRANSLATION, Hinge, Tree
 from ..vectors import rotation_matrix
 from .frames import Base, Frames, shape_of
+
+if TYPE_CHECKING:
+    from .frames import NodeFrame
 
 
 class HingeVectors(NamedTuple):
@@ -47,11 +50,11 @@ def add_hinges(table: PrimitiveTable, tree: Tree, frames: Frames) -> None:
         _add_node_frame(table, node_frame, len(tree.bodies) + n)
 
 
-def _slide(table: Any, body_vectors: Any, axis: Any) -> Any:
+def _slide(table: PrimitiveTable, body_vectors: HingeVectors, axis: int) -> Any:
     return f"translation {axis}", True, table.product(body_vectors.gap, body_vectors.p[axis - 1])
 
 
-def _attitude(table: Any, body_vectors: Any, hinge: Hinge, body: Any) -> Any:
+def _attitude(table: PrimitiveTable, body_vectors: HingeVectors, hinge: Hinge, body: int) -> Any:
     """Products of axes that stay zero."""
     turned = [axis - 1 for axis in hinge.rotations]
     if len(turned) == 3:
@@ -64,13 +67,13 @@ def _attitude(table: Any, body_vectors: Any, hinge: Hinge, body: Any) -> Any:
     return _welded(table, body_vectors, body, rotation_matrix(hinge.attitude))
 
 
-def _welded(table: Any, body_vectors: Any, body: Any, T: Any) -> Any:
+def _welded(table: PrimitiveTable, body_vectors: HingeVectors, body: int, T: np.ndarray) -> Any:
     """Axes of the body that lie where those of P_k do are at right angles to the others of these."""
     e = [table.body_vector(body, T[axis]) for axis in range(3)]
     return [table.product(body_vectors.p[i], e[j]) for i, j in ((0, 1), (0, 2), (1, 2))]
 
 
-def _add_node_frame(table: Any, node_frame: Any, body: Any) -> None:
+def _add_node_frame(table: PrimitiveTable, node_frame: "NodeFrame", body: int) -> None:
     """Six equations: place, two axes, and the angle that is the slope of the node."""
     body_vectors = hinge_vectors(table, node_frame.base, body)
     parts = [_slide(table, body_vectors, axis) for axis in (1, 2, 3)]
@@ -142,7 +145,7 @@ def add_closures(table: PrimitiveTable, tree: Tree) -> None:
         table.equations(closure.name, closure.place, closure.b, closure.a, parts)
 
 
-def _closure_point(table: Any, tree: Tree, body: Any, point: Any, node: Any) -> Any:
+def _closure_point(table: Any, tree: Tree, body: Any, point: tuple[float, float, float], node: Any) -> Any:
     if node is None or body == INERTIAL:
         return table.body_vector(body, point)
     elastic = tree.bodies[body].elastic

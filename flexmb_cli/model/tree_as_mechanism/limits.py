@@ -8,6 +8,8 @@ from ..tree import INERTIAL, ROTATION, Hinge, Tree
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from ..tree import Motor, Spring
+
 
 def refuse_foreign(tree: Tree) -> None:
     """Raise ModelError with every item of the tree that only Kane's equations can treat here."""
@@ -60,7 +62,7 @@ def _motors(tree: Tree) -> "Iterator[Any]":
             yield _foreign_hinge(tree, motor, "motor", "a moving parent and three free rotations")
 
 
-def has_fixed_axis(tree: Tree, motor: Any) -> bool:
+def has_fixed_axis(tree: Tree, motor: "Motor") -> bool:
     """Return whether a motor's axis rests, or is shared by both bodies of its hinge at all times."""
     hinge = tree.hinges[motor.body]
     alone = motor.motion == ROTATION or len(hinge.translations) == 1
@@ -72,7 +74,7 @@ def has_shared_axis(hinge: Hinge, axis: int) -> bool:
     return hinge.rotations in ((), (axis,))
 
 
-def _foreign_hinge(tree: Tree, item: Any, kind: Any, what: Any) -> Any:
+def _foreign_hinge(tree: Tree, item: "Motor | Spring", kind: str, what: str) -> Any:
     message = (
         f"a {kind} in a hinge with {what} is not carried over to absolute coordinates; {_otherwise(tree)}"
     )

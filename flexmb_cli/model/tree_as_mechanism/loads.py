@@ -1,6 +1,6 @@
 """Loads of a tree on bodies with coordinates of their own: records of `records.LOAD`."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from ..vectors import rotation_matrix
 from .frames import Frames, shape_of
 from .hinges import coordinate_primitive
 from .limits import has_fixed_axis, has_shared_axis
+
+if TYPE_CHECKING:
+    from ..tree import Hinge, Motor, Spring
 
 
 def tree_loads(table: PrimitiveTable, tree: Tree, frames: Frames) -> np.ndarray:
@@ -30,7 +33,7 @@ def load_names(table: PrimitiveTable, tree: Tree, frames: Frames) -> list[tuple[
 class _Loads:
     """Collects the records, and a name of each and what it is."""
 
-    def __init__(self, table: Any, tree: Tree, frames: Any):
+    def __init__(self, table: PrimitiveTable, tree: Tree, frames: Frames):
         self.table, self.tree, self.frames = table, tree, frames
         self.found: list[Any] = []
         self.names: list[tuple[str, str]] = []
@@ -62,11 +65,11 @@ class _Loads:
 
     def _add(
         self,
-        kind: Any,
-        body_vector: Any,
-        vector: Any,
-        function: Any = NONE,
-        following: Any = False,
+        kind: int,
+        body_vector: int,
+        vector: np.ndarray | tuple[float, float, float],
+        function: int = NONE,
+        following: bool = False,
     ) -> None:
         if not np.any(vector):
             return
@@ -81,7 +84,7 @@ class _Loads:
             body_vector = self.table.body_vector(k, elastic.positions[node], shape_of(elastic, node))
             self._add(FORCE, body_vector, elastic.forces[node])
 
-    def _add_motor(self, motor: Any) -> None:
+    def _add_motor(self, motor: "Motor") -> None:
         """Torque or force along an axis that rests or that both bodies share, and its opposite."""
         base, function = self.frames.bases[motor.body], self._function(motor.function)
         kind = TORQUE if motor.motion == ROTATION else FORCE
@@ -93,19 +96,19 @@ class _Loads:
             place = self.table.body_vector(base.body, base.place, base.shape if base.shape.size else None)
             self._add(kind, place, -axis, function, True)
 
-    def _add_along_coordinate(self, motor: Any) -> None:
+    def _add_along_coordinate(self, motor: "Motor") -> None:
         """Generalised force along the hinge coordinate, whose axes move against each other."""
         record = self._relative(motor)
         record["function"] = self._function(motor.function)
         self._keep(record)
 
-    def _add_spring(self, spring: Any) -> None:
+    def _add_spring(self, spring: "Spring") -> None:
         record = self._relative(spring)
         record["stiffness"], record["damping"] = spring.stiffness, spring.damping
         record["free_length"] = spring.rest
         self._keep(record)
 
-    def _relative(self, item: Any) -> Any:
+    def _relative(self, item: "Motor | Spring") -> Any:
         """A load that acts in the hinge coordinate of a spring or motor."""
         where = item.body, item.motion, item.axis
         expected = next(
@@ -118,7 +121,7 @@ class _Loads:
         record["primitive"] = self.table.spring(primitive)
         return record
 
-    def _keep(self, record: Any) -> None:
+    def _keep(self, record: np.ndarray) -> None:
         self.found.append(record)
         self.names.append(self.name)
 
@@ -130,7 +133,7 @@ class _Loads:
         return int(self.table.of_knots(HELD_TABLE, np.column_stack([times, values, np.zeros(len(times))])))
 
 
-def _axis_in_body(hinge: Any, motor: Any) -> Any:
+def _axis_in_body(hinge: "Hinge", motor: "Motor") -> Any:
     """Axis (3,) of a motor where it is fixed in the body, as that of a second rotation is; else None."""
     axis = np.eye(3)[motor.axis - 1]
     if motor.motion == ROTATION and hinge.rotations[1:] == (motor.axis,):

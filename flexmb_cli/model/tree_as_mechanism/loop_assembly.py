@@ -37,7 +37,7 @@ def closed_tree(tree: Tree, frames: Frames) -> Tree:
     raise _failure(tree, gaps)
 
 
-def _closed(tree: Tree, frames: Any, free: Any) -> Any:
+def _closed(tree: Tree, frames: Frames, free: np.ndarray) -> Any:
     """Newton's steps with the free coordinates as long as they help; the tree and its gaps."""
     gaps, _ = _gaps_and_rates(tree, frames)
     for _ in range(MOST_STEPS):
@@ -52,20 +52,20 @@ def _closed(tree: Tree, frames: Any, free: Any) -> Any:
     return tree, gaps
 
 
-def _with_closed_speeds(tree: Tree, frames: Any, free: Any) -> Any:
+def _with_closed_speeds(tree: Tree, frames: Frames, free: np.ndarray) -> Any:
     _, rates = _gaps_and_rates(tree, frames)
     y = np.array(tree.y, float)
     y[free] += np.linalg.lstsq(_jacobian(tree, frames)[:, free], -rates, rcond=DEPENDENT)[0]
     return replace(tree, y=y)
 
 
-def _jacobian(tree: Tree, frames: Any) -> Any:
+def _jacobian(tree: Tree, frames: Frames) -> Any:
     """Rates of the gaps (rows, NS) per unit of each speed."""
     columns = [_gaps_and_rates(replace(tree, y=unit), frames)[1] for unit in np.eye(len(tree.q))]
     return np.array(columns).T
 
 
-def _moved(tree: Tree, step: Any) -> Any:
+def _moved(tree: Tree, step: np.ndarray) -> Any:
     """The tree with its coordinates moved; hinges with three free rotations turn by small rotations."""
     hinges = list(tree.hinges)
     for k, hinge in enumerate(hinges):
@@ -75,7 +75,7 @@ def _moved(tree: Tree, step: Any) -> Any:
     return replace(tree, q=np.asarray(tree.q, float) + step, hinges=tuple(hinges))
 
 
-def _turned(attitude: Any, turn: Any) -> Any:
+def _turned(attitude: Any, turn: np.ndarray) -> Any:
     """Euler parameters after a rotation vector (3,) in P_k axes."""
     angle = np.linalg.norm(turn)
     c, s = np.cos(angle / 2), 0.5 * np.sinc(angle / (2 * np.pi)) * np.asarray(turn)
@@ -83,7 +83,7 @@ def _turned(attitude: Any, turn: Any) -> Any:
     return (float(c * e0 - s @ e), *(c * e + e0 * s + np.cross(s, e)))
 
 
-def _gaps_and_rates(tree: Tree, frames: Any) -> Any:
+def _gaps_and_rates(tree: Tree, frames: Frames) -> Any:
     """Gaps of the closed directions, m, and their rates, m/s."""
     poses, gaps, rates = first_poses(tree, frames), [], []
     for closure in tree.closures:
@@ -97,7 +97,7 @@ def _gaps_and_rates(tree: Tree, frames: Any) -> Any:
     return np.concatenate(gaps), np.concatenate(rates)
 
 
-def _point(tree: Tree, poses: Any, body: Any, place: Any, node: Any) -> Pose:
+def _point(tree: Tree, poses: list[Pose], body: Any, place: Any, node: Any) -> Pose:
     """Motion of a point of a body, or of a node, with the axes of the body."""
     on, body_vector, slide = STILL if body == INERTIAL else poses[body], np.array(place, float), np.zeros(3)
     if node is not None and body != INERTIAL:
@@ -111,7 +111,7 @@ def _point(tree: Tree, poses: Any, body: Any, place: Any, node: Any) -> Pose:
     return Pose(on.r + r, on.A, on.v + np.cross(on.w, r) + on.A @ slide, on.w)
 
 
-def _failure(tree: Tree, gaps: Any) -> Any:
+def _failure(tree: Tree, gaps: np.ndarray) -> Any:
     worst = int(np.argmax(np.abs(gaps)))
     closure = [closure for closure in tree.closures for _ in closure.directions][worst]
     message = (

@@ -3,7 +3,7 @@
 DAFMS thesis (1992), sections 2.2-2.3, walked outward body by body.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from ...quick_dataclass import dataclass
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from ..vectors import rotation_matrix
 from .frames import Base, Frames, NodeFrame
+
+if TYPE_CHECKING:
+    from ..tree import Hinge
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +78,7 @@ class _Start:
         A, w = self._turn(k, hinge, at)
         return Pose(at.r + slide, A, at.v + np.cross(at.w, slide) + rate, w)
 
-    def _turn(self, k: int, hinge: Any, at: Any) -> Any:
+    def _turn(self, k: int, hinge: "Hinge", at: Pose) -> Any:
         A, w = at.A, at.w
         for axis in hinge.rotations:
             q, y = self.state[k, ROTATION, axis]

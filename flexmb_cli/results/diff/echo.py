@@ -12,7 +12,9 @@ from .tolerances import Tolerances
 from .words import compare_words
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
+
+    from .tolerances import Tolerance
 
 
 def compare_echo(report: Report, a: Listing, b: Listing, tolerances: Tolerances) -> None:
@@ -37,7 +39,7 @@ def as_stars(a: np.ndarray, b: np.ndarray, edit_of: "Callable[..., Any]") -> tup
     return a, b
 
 
-def _compare_head(report: Any, kind: str, a: Any, b: Listing, tolerances: Any) -> None:
+def _compare_head(report: Report, kind: str, a: Listing, b: Listing, tolerances: Tolerances) -> None:
     """Number by number, when both have as many on every line."""
     lines = [[line for line in x.echo if line.kind == kind] for x in (a, b)]
     counts = [[len(line.values) for line in part] for part in lines]
@@ -75,7 +77,7 @@ def _by_title(echo: tuple[EchoLine, ...]) -> dict[str, list[EchoLine]]:
 
 def _compare_lines(
     report: Report,
-    lines_a: Any,
+    lines_a: list[EchoLine],
     lines_b: list[EchoLine],
     tolerances: Tolerances,
     form: ListingForm,
@@ -93,12 +95,12 @@ def _flattened(lines: list[EchoLine]) -> list[tuple[EchoLine, int]]:
 
 
 def _compare_kind(
-    report: Any,
-    kind: Any,
-    chosen: Any,
+    report: Report,
+    kind: str,
+    chosen: "Sequence[int]",
     flat: Any,
-    tolerance: Any,
-    form: Any,
+    tolerance: "Tolerance",
+    form: ListingForm,
 ) -> Any:
     places, others = ([part[k] for k in chosen] for part in flat)
     a, b = (np.array([line.values[n] for line, n in part]) for part in (places, others))
@@ -108,7 +110,7 @@ def _compare_kind(
     known: tuple[Any, ...] = ()
     if any(line.edits for line, _ in (*places, *others)):
 
-        def edit_of(position: Any) -> Any:
+        def edit_of(position: tuple[int, ...]) -> Any:
             (line, number), (other, _) = places[position[0]], others[position[0]]
             return (line.edits or other.edits)[number]
 
@@ -117,7 +119,7 @@ def _compare_kind(
             cause, explains = form.echo_error
             known = ((cause, explains(a, b, unit)),)
 
-    def describe(position: Any, distance: Any) -> Found:
+    def describe(position: tuple[int, ...], distance: float) -> Found:
         line, number = places[position[0]]
         section, item, column = line.where(number)
         return Found(section, item, column, None, float(a[position]), float(b[position]), distance, line.line)

@@ -73,7 +73,7 @@ class Emulation:
         return np.where(known[:, None], found, np.nan)[:, columns]
 
 
-def _rows(mechanism: Mechanism, errors: Any) -> list[Rows]:
+def _rows(mechanism: Mechanism, errors: frozenset[str]) -> list[Rows]:
     """The rows up to the first that cannot be computed."""
     blocks: list[Any] = []
     with suppress(AnalysisError):

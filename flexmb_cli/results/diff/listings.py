@@ -79,12 +79,12 @@ def _compare_times(
 
 
 def _compare_section(
-    report: Any,
-    name: Any,
-    listings: Any,
-    rows: Any,
-    tolerances: Any,
-    flips: Any,
+    report: Report,
+    name: str,
+    listings: tuple[Listing, Listing],
+    rows: tuple[np.ndarray, np.ndarray],
+    tolerances: Tolerances,
+    flips: np.ndarray | None,
 ) -> None:
     sections = [listing.sections[name] for listing in listings]
     picks = _matching_lines(name, listings, rows)

@@ -1,7 +1,7 @@
 """Compare MATLAB files of results with each other and with HDF5 results, field by field."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,11 @@ from .hdf5 import (
 from .report import Found, Report
 from .tolerances import ToleranceError, Tolerances
 from .words import WORDS_OF_RESULTS, compare_names
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from .tolerances import Tolerance
 
 
 def compare_matlab(
@@ -69,7 +74,11 @@ def _text(value: np.ndarray | str) -> str:
 
 
 def _compare_field(
-    report: Report, name: str, pairs: list[dict[str, np.ndarray]], tolerances: Tolerances, special: Any
+    report: Report,
+    name: str,
+    pairs: list[dict[str, np.ndarray]],
+    tolerances: Tolerances,
+    special: "Mapping[str, Sequence[tuple[tuple[Any, ...], Tolerance]]]",
 ) -> Any:
     values = [fields.get(name) for fields in pairs]
     kind = kind_of(name)

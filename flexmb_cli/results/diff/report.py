@@ -10,7 +10,7 @@ from ...quick_dataclass import dataclass, field
 from .tolerances import KINDS, Tolerance
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
 
 SHOWN_MISSING = 20
@@ -161,7 +161,7 @@ class Report:
         describe: "Callable[..., Any]",
         unit: float | np.ndarray | None = None,
         slack: float | np.ndarray = 0.0,
-        known: Any = (),
+        known: "Sequence[Any]" = (),
     ) -> None:
         """Compare two blocks of one kind; `describe(position, distance)` gives the `Found` there.
 
@@ -294,5 +294,5 @@ def _tally_record(tally: Tally) -> "dict[Any, Any]":
     }
 
 
-def _json_number(value: Any) -> Any:
+def _json_number(value: float | None) -> Any:
     return value if value is None or math.isfinite(value) else str(value)

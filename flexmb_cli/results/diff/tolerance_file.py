@@ -10,13 +10,17 @@ last_digit = 1
 """
 
 from fnmatch import fnmatchcase
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...deck.text import read_text
 from ...deck.toml_table import TomlError, toml_table
 from ...errors import DeckError
 from ...quick_dataclass import dataclass, field, replace
 from .tolerances import KINDS, Tolerance, ToleranceError, Tolerances
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
 
 FIGURES = ("atol", "rtol", "last_digit")
 TABLES = ("types", "quantities")
@@ -99,7 +103,7 @@ def _overruled(general: Tolerances, special: Tolerances) -> Tolerances:
     )
 
 
-def _tolerances(path: Any, where: Any, table: Any) -> Tolerances:
+def _tolerances(path: str, where: str, table: "Mapping[Any, Any]") -> Tolerances:
     if FORMER_NAME in table and "types" not in table:
         table = {"types" if name == FORMER_NAME else name: value for name, value in table.items()}
     unknown = [name for name in table if name not in (*FIGURES, *TABLES)]
@@ -127,7 +131,7 @@ def _tolerances(path: Any, where: Any, table: Any) -> Tolerances:
     return Tolerances(**figures, kinds=kinds, quantities=quantities)
 
 
-def _tolerance(path: Any, where: Any, value: dict[str, float] | float) -> Tolerance:
+def _tolerance(path: str, where: str, value: dict[str, float] | float) -> Tolerance:
     """A number is an absolute tolerance."""
     table = value if isinstance(value, dict) else {"atol": value}
     for name in table:

@@ -11,7 +11,7 @@ from ...errors import Fault, FlexmbError
 from ...quick_dataclass import dataclass, field, replace
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
 
 KINDS = (
@@ -148,7 +148,7 @@ class Tolerances:
         return self.quantities[fitting[-1]] if fitting else None
 
 
-def parse_kinds(settings: Any) -> dict[str, Tolerance]:
+def parse_kinds(settings: "Sequence[Any]") -> dict[str, Tolerance]:
     """Tolerances of single kinds from `KIND=ATOL` or `KIND=ATOL,RTOL`; "inf" leaves the kind out.
 
     Raises `ToleranceError` with one fault for every setting that cannot be understood.

@@ -63,7 +63,7 @@ def body_shapes(
         yield BodyShape(number, names[number - 1] if number else "ground", places[own], faces, *motion)
 
 
-def _checked(triangles: Any, owner: Any, bodies: Any) -> Any:
+def _checked(triangles: np.ndarray, owner: np.ndarray, bodies: int) -> Any:
     if triangles.dtype.kind not in "iu" or owner.dtype.kind not in "iu":
         raise Damaged(f"/{CORNERS} or /{BODY} holds no whole numbers")
     if not len(triangles) or triangles.min() < 1 or triangles.max() > len(owner):

@@ -81,7 +81,7 @@ class Panel:
         return f"{changed}{common} [{self.unit}]" if common else f"[{self.unit}]"
 
 
-def _common_ending(texts: Any) -> Any:
+def _common_ending(texts: set[str]) -> Any:
     """The words that all texts end with: "von Mises stress" of those and of the largest one."""
     endings = [text.split()[::-1] for text in texts]
     if not endings:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
 import h5py
 import numpy as np
@@ -108,7 +107,7 @@ def element_bodies(result: h5py.File, names: tuple[str, ...], rows: slice) -> It
             yield _body(result, number, name, rows)
 
 
-def _body(result: Any, number: Any, name: Any, rows: Any) -> ElementBody:
+def _body(result: h5py.File, number: int, name: str, rows: slice) -> ElementBody:
     group, modal = f"elastic/{name}", f"modal/{name}"
     shapes = {f"{group}/{key}": letters for key, letters in _SHAPES.items()}
     series = {f"{modal}/{key}": "tm" for key in ("amplitude", "rate")}

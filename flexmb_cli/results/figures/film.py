@@ -65,9 +65,10 @@ def film_bytes(result: h5py.File, form: str, look: FilmLook) -> bytes:
         options = {"loop": 0, "duration": gif_durations(count, look.rate)}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"film.{form}"
-        with imageio.get_writer(path, **options) as writer:
+        opened: Any = imageio.get_writer(path, **options)  # its context manager has no types
+        with opened as writer:
             for frame in chain([first], frames):
-                writer.append_data(frame)  # type: ignore[attr-defined]
+                writer.append_data(frame)
         return path.read_bytes()
 
 
@@ -109,7 +110,7 @@ def film_frames(result: h5py.File, look: FilmLook, rows: slice = slice(None)) ->
 class _Camera:
     """From places in m to pixels, depth towards the viewer."""
 
-    def __init__(self, places: np.ndarray, gravity: Any, look: Any):
+    def __init__(self, places: np.ndarray, gravity: np.ndarray, look: FilmLook):
         view = view_of(places, gravity)
         eye, up = VIEWS.get(look.view, (view.eye, view.up))
         right = np.cross(up, eye)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 if TYPE_CHECKING:
     from matplotlib.axis import Axis
@@ -34,7 +34,7 @@ class Letters:
         from matplotlib.figure import Figure
         from matplotlib.font_manager import FontProperties
 
-        known: Mapping[str, Any] = rcParams  # type: ignore[assignment]
+        known = cast("Mapping[str, Any]", rcParams)
         self.points = FontProperties(size=known.get(key, key)).get_size_in_points()
         self._latex = rcParams["text.usetex"]
         self._figure = Figure()

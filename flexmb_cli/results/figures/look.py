@@ -13,6 +13,8 @@ from .label_fitting import Letters
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from matplotlib.typing import RcKeyType
+
 # Okabe and Ito's colours, distinguished by everyone.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#B22222", "#6A3D9A")
 
@@ -75,7 +77,7 @@ class Look:
         """
         from matplotlib import rcParams
 
-        rcParams.update(settings() | self.settings())  # type: ignore[arg-type]
+        rcParams.update(settings() | self.settings())
         if self.style:
             _use_style(self.style)
         # A tight box would change the width that was asked for.
@@ -90,11 +92,11 @@ class Look:
         rcParams["font.family"] = kept or ["sans-serif"]
         return missing
 
-    def settings(self) -> dict[str, Any]:
+    def settings(self) -> "dict[RcKeyType, Any]":
         """Settings of matplotlib that follow, for rcParams."""
         size = self.size or 8.0
         smaller = SMALLER_LETTERS * size
-        found: dict[str, Any] = {
+        found: dict[RcKeyType, Any] = {
             "font.size": size, "axes.labelsize": size, "axes.titlesize": size, "figure.titlesize": size,
             "legend.fontsize": smaller, "xtick.labelsize": smaller, "ytick.labelsize": smaller,
             "lines.linewidth": PRINTED_PART * THICKNESS,
@@ -104,7 +106,7 @@ class Look:
         return found | ({"font.family": self.font} if self.font else {})
 
 
-def settings() -> dict[str, Any]:
+def settings() -> "dict[RcKeyType, Any]":
     """Return the settings of matplotlib for curves of every kind, which a style file may change."""
     from cycler import cycler
 

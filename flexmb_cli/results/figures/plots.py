@@ -64,7 +64,7 @@ def picture(
             for family in look.apply():
                 tell_missing(family)
         else:
-            matplotlib.rcParams.update(settings())  # type: ignore[arg-type]
+            matplotlib.rcParams.update(settings())
         figure = fitted_figure(panels, title, look)
         stream = io.BytesIO()
         figure.savefig(stream, format=form, dpi=PRINTED if look else RESOLUTION, metadata=METADATA[form])
@@ -184,7 +184,7 @@ def _covers(axis: "Axes") -> bool:
     return any(path.intersects_bbox(box, filled=False) for path in paths)
 
 
-def _sizes(panels: Any, look: Look | None, below: set[int]) -> tuple[float, list[float], float]:
+def _sizes(panels: Sequence[Panel], look: Look | None, below: set[int]) -> tuple[float, list[float], float]:
     """Width of the picture, heights of its panels, and what legends and the lowest axis take, in."""
     if look is None:
         return _screen_width(panels), [SQUARE if panel.same_unit else HEIGHT for panel in panels], 0.5

@@ -112,7 +112,7 @@ def _ticks(low: float, high: float) -> list[tuple[float, str]]:
     return [(float(value), _shown(float(value))) for value in values]
 
 
-def _shown(value: Any) -> Any:
+def _shown(value: float) -> Any:
     """The number as short as it can be written: 5e6."""
     mantissa, mark, power = f"{value + 0.0:.5g}".partition("e")
     return f"{mantissa}{mark}{int(power) if power else ''}".replace("-", "\N{MINUS SIGN}")

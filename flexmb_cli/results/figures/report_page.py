@@ -172,7 +172,7 @@ def _echo(result: h5py.File) -> str:
     return ECHO.format(AS_CHANGED if settings else AS_TYPED, _shown(reported))
 
 
-def _shown(text: Any) -> str:
+def _shown(text: str) -> str:
     """HTML that shows `text`, with a mark for what turns the direction of writing or cannot be printed."""
     return escape(lines_visible(text.replace("\r\n", "\n")))
 

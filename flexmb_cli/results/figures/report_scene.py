@@ -211,7 +211,7 @@ def with_centres(values: np.ndarray, faces: np.ndarray) -> np.ndarray:
     )
 
 
-def _fans(faces: np.ndarray, first: Any) -> Any:
+def _fans(faces: np.ndarray, first: int) -> Any:
     """Eight triangles round the middle of every face; the middles are numbered from `first`."""
     centres = np.arange(first, first + len(faces))
     pairs = np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1)

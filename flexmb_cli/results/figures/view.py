@@ -37,7 +37,7 @@ def view_of(places: np.ndarray, gravity: np.ndarray) -> View:
     return View(_plain(in_plane), _plain(normal))
 
 
-def _normal(places: Any) -> np.ndarray | None:
+def _normal(places: np.ndarray) -> np.ndarray | None:
     """Normal (3,) of the plane of all places; None when they fill space or only a line."""
     centred = places - places.mean(axis=0)
     if len(places) <= 2:

@@ -58,7 +58,7 @@ def _write_remark(root: h5py.Group, result: h5py.File) -> None:
         root["Steps/FieldDataSizes/emulation"] = np.ones((steps, 2), np.int64)
 
 
-def _points(scene: Any) -> Any:
+def _points(scene: Scene) -> Any:
     """Marks of bodies (T, n, 3), and behind them the vertices of shapes."""
     parts = [body.marks for body in scene.bodies]
     for shape in scene.shapes:

@@ -71,7 +71,7 @@ def variable_bytes(name: str, content: "dict[Any, Any]") -> bytes:
     return text.ljust(HEADER) + stream.getvalue()[HEADER:]
 
 
-def _struct(group: Any) -> "dict[Any, Any]":
+def _struct(group: h5py.File | h5py.Group) -> "dict[Any, Any]":
     fields: dict[Any, Any] = {}
     for name, item in group.items():
         fields[_field(name, fields)] = _struct(item) if isinstance(item, h5py.Group) else _values(item)

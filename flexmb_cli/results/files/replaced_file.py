@@ -18,7 +18,7 @@ from .pipes import open_special
 from .temporary_file import refuse_place, remove_leftovers, reserve
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
 
@@ -201,7 +201,7 @@ def put_in_place(files: "list[Any]") -> None:
         raise
 
 
-def _move(files: Any) -> None:
+def _move(files: "Sequence[Any]") -> None:
     """Move all; once one is in its place, another that cannot be moved is no wrong command: exit 1."""
     moved: list[Any] = []
     for file in files:

@@ -32,6 +32,7 @@ def arrays_of(record: dict[str, Any]) -> dict[str, np.ndarray]:
 def npz_bytes(record: dict[str, Any]) -> bytes:
     """Return a NumPy archive of the arrays of a state space."""
     stream = io.BytesIO()
+    # numpy's type takes an array for its own option `allow_pickle`.
     np.savez(stream, **arrays_of(record))  # type: ignore[arg-type]
     return stream.getvalue()
 

@@ -118,6 +118,6 @@ def _closed_points(tree: "Tree", closure: "Closure") -> list[tuple[float, float,
     return [_point_on(tree.bodies[body], node, point) for body, node, point in sides]
 
 
-def _point_on(body: "Body", node: int | None, point: Any) -> Any:
+def _point_on(body: "Body", node: int | None, point: tuple[float, float, float]) -> Any:
     """Return a point of a body, or its undeformed node."""
     return point if node is None or body.elastic is None else body.elastic.positions[node]

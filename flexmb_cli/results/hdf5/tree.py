@@ -3,7 +3,7 @@
 Report rows come as values by the path of their dataset, so that a stopped run can keep them as they are.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from ...model.element_names import names_of
 from ...model.joint_elements import is_angle
@@ -17,6 +17,7 @@ from .result_geometry import SIDE, tree_geometry
 from .shapes import with_shapes
 
 if TYPE_CHECKING:
+    from ...solvers.constrained.tree_element_rows import TreeElementRows
     from ...solvers.tree.points import PointMotion
     from ...solvers.tree.rows import TreeRows
 

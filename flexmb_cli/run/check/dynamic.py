@@ -3,7 +3,7 @@
 Where drivers move it (inverse dynamics), it is diagnosed as in kinematics.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ...model.loads import DynamicModel
 from ...model.unit_checks import unit_doubts
@@ -44,7 +44,7 @@ def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | No
     kinematic.check(report, model.mechanism, run, jacobian)
 
 
-def _check_forward(report: Any, model: Any, run: Run) -> None:
+def _check_forward(report: CheckReport, model: DynamicModel, run: Run) -> None:
     from ...solvers.constrained.driven_dynamics import DrivenDynamics
     from ...solvers.constrained.young_dynamics import ForwardDynamics
 

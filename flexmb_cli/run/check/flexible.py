@@ -1,6 +1,6 @@
 """Diagnose a mechanism of flexible bodies: assembly, rank, repeated equations, what is free to move."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,6 +11,10 @@ from ...model.unit_checks import unit_doubts
 from ..context import Run
 from .check import CheckReport
 from .parts import before_and_after, is_small, is_too_large, refuse_jacobian, report_times, start_of
+
+if TYPE_CHECKING:
+    from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
+
 
 CENTRE_ROUND_OFF = 1e-12
 
@@ -46,7 +50,7 @@ def _equations(mechanism: FlexibleMechanism, counts: "dict[str, Any]") -> int:
     return of_joints + sum(sum(pin.directions) for pin in mechanism.pins) + len(mechanism.motions)
 
 
-def _diagnose(report: Any, mechanism: Any) -> None:
+def _diagnose(report: CheckReport, mechanism: FlexibleMechanism) -> None:
     from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 
     analysis = FlexibleDynamics(mechanism)
@@ -111,7 +115,7 @@ def _centre(body: FloatingBody) -> list[float]:
     return list(np.where(np.abs(centre) > CENTRE_ROUND_OFF * size, centre, 0.0).tolist())
 
 
-def _gaps(analysis: Any, q: np.ndarray) -> dict[tuple[str, str], float]:
+def _gaps(analysis: "FlexibleDynamics", q: np.ndarray) -> dict[tuple[str, str], float]:
     """Largest residual of each owner's equations, as {(owner, unit): m or 1}."""
     arrays = analysis.arrays
     gaps: dict[tuple[str, str], float] = {}

@@ -3,7 +3,7 @@
 Small mechanisms are assembled by the same kernels left uncompiled, so that `check` answers at once.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -39,7 +39,7 @@ def _diagnose(report: CheckReport, mechanism: Mechanism, jacobian: str | None) -
         _assemble(report, mechanism, jacobian, equations)
 
 
-def _assemble(report: CheckReport, mechanism: Mechanism, jacobian: Any, equations: Any) -> None:
+def _assemble(report: CheckReport, mechanism: Mechanism, jacobian: str | None, equations: int) -> None:
     from ...solvers.kinematics.analysis import KinematicAnalysis
     from ...solvers.kinematics.settings import KinematicSettings
 

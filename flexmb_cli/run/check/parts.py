@@ -8,6 +8,8 @@ from ...errors import Fault, ModelError
 if TYPE_CHECKING:
     import numpy as np
 
+    from ...model.arrays.dynamic import DynamicArrays
+    from ...model.arrays.kinematic import KinematicArrays
     from ...model.mechanism import Mechanism, TimeGrid
     from ...solvers.constrained.analysis import ConstrainedMotion
     from ...solvers.singular.mobility import Mobility
@@ -88,7 +90,9 @@ def report_times(grid: "TimeGrid") -> dict[str, Any]:
     return {"report_times": grid.rows} | ({"last_time": grid.last} if grid.left_out else {})
 
 
-def gaps_of(analysis: Any, arrays: Any, q: "np.ndarray", expected: "np.ndarray") -> Gaps:
+def gaps_of(
+    analysis: Any, arrays: "DynamicArrays | KinematicArrays", q: "np.ndarray", expected: "np.ndarray"
+) -> Gaps:
     """Largest residual of each owner's equations, as {(owner, unit): m or 1}; expected: the angles
     expected.
     """

@@ -25,7 +25,7 @@ def solution(mechanism: Mechanism, run: Run) -> Solution:
     return _solution(mechanism, analysis, run, not analysis.one_block)
 
 
-def _solution(mechanism: Mechanism, analysis: Any, run: Run, resumable: Any) -> Solution:
+def _solution(mechanism: Mechanism, analysis: Any, run: Run, resumable: bool) -> Solution:
     return Solution(
         analysis,
         mechanism.time.rows,

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from ...solvers.tree.analysis import TreeAnalysis
+    from ...solvers.tree.rows import TreeRows
 
 
 def solution(tree: Tree, run: Run) -> Solution:
@@ -47,7 +48,7 @@ def solution(tree: Tree, run: Run) -> Solution:
     )
 
 
-def values_of(tree: Tree, rows: Any) -> Mapping[str, "np.ndarray"]:
+def values_of(tree: Tree, rows: "TreeRows") -> Mapping[str, "np.ndarray"]:
     """Return report rows by the paths of their datasets."""
     return tree_values(tree, rows, point_motion(tree, rows))
 

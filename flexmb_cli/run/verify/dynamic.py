@@ -121,7 +121,7 @@ def _differences(found: dict[str, np.ndarray], rows: Any, motion: Any, size: Siz
 def _difference(
     time: np.ndarray,
     size: Size,
-    name: Any,
+    name: str,
     unit: str,
     one: np.ndarray,
     other: np.ndarray,

@@ -21,6 +21,8 @@ from .difference import Difference, Size, largest_difference
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from ..outcome import RunOptions
+
 
 FORMULATIONS = "two floating frames, nodes n1 and n2 exchanged, all modes"
 FRAMES_TOLERANCE = 1e-9
@@ -60,7 +62,7 @@ def differences(mechanism: FlexibleMechanism, deck: Deck, run: Run) -> tuple[Dif
     return tuple(_differences(mechanism, one, other, unique))
 
 
-def _finely(mechanism: Any, options: Any) -> Any:
+def _finely(mechanism: Any, options: "RunOptions") -> Any:
     """Return the mechanism with steps finer than it is compared."""
     given = mechanism.integrator
     # Steps of a given length have no tolerance.
@@ -90,7 +92,7 @@ def _size(mechanism: FlexibleMechanism) -> Size:
     return Size(length_scale(mechanism), time.end - time.start, sum(body.m for body in mechanism.bodies))
 
 
-def _differences(mechanism: Any, one: Any, other: Any, unique: Any) -> "Iterator[Any]":
+def _differences(mechanism: Any, one: np.ndarray, other: np.ndarray, unique: Any) -> "Iterator[Any]":
     time, size = one["time"], _size(mechanism)
     for name, unit, key in SERIES + ELEMENTS + (FORCES if unique else ()):
         if key in one and one[key].size:

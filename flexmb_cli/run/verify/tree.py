@@ -114,7 +114,7 @@ def _moves_freely(tree: Tree) -> bool:
     return held + sum(len(c.directions) for c in tree.closures) < len(tree.coordinates)
 
 
-def _coordinates(tree: Tree, size: Size, kane: Any, absolute: Any) -> "Iterator[Any]":
+def _coordinates(tree: Tree, size: Size, kane: dict[str, np.ndarray], absolute: Any) -> "Iterator[Any]":
     """Coordinates and speeds by kind; integrals of angular velocities are no coordinates of a position."""
     kinds = np.array([c.motion for c in tree.coordinates])
     ball = [c.motion == ROTATION and len(tree.hinges[c.body].rotations) == 3 for c in tree.coordinates]
@@ -128,5 +128,13 @@ def _coordinates(tree: Tree, size: Size, kane: Any, absolute: Any) -> "Iterator[
                 yield _largest(f"{kind} {name}", unit + per, size, kane, *pair)
 
 
-def _largest(name: str, unit: Any, size: Size, kane: Any, one: Any, other: Any, scale: Any = None) -> Any:
+def _largest(
+    name: str,
+    unit: str,
+    size: Size,
+    kane: dict[str, np.ndarray],
+    one: np.ndarray,
+    other: np.ndarray,
+    scale: Any = None,
+) -> Any:
     return largest_difference(name, unit, kane["time"], one, other, size, scale)

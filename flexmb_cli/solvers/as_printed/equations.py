@@ -65,7 +65,7 @@ class State:
         """Angular velocity 2 G ṗ (3.35), global axes."""
         return 2.0 * product(g_matrix(self.p(body)), self.pd(body))
 
-    def rate(self, body: int, s: Any) -> np.ndarray:
+    def rate(self, body: int, s: np.ndarray | tuple[float, float, float]) -> np.ndarray:
         """d(A s)/dt, to which the program adds a velocity with its indices exchanged."""
         rate = product(tilde(self.omega(body)), self.vector(body, s))
         return rate + self._phantom(body) if TRANSPOSED in self.errors else rate
@@ -113,7 +113,13 @@ def coincident(state: State, joint: "Joint") -> Rows:
     return Rows(gap, of_i, of_j, gamma)
 
 
-def scalar_product(state: State, i: int, j: int, u_i: Any, u_j: Any) -> Rows:
+def scalar_product(
+    state: State,
+    i: int,
+    j: int,
+    u_i: np.ndarray | tuple[float, float, float],
+    u_j: np.ndarray | tuple[float, float, float],
+) -> Rows:
     """u_i · u_j, (4.16) to (4.19)."""
     a, b = state.vector(i, u_i), state.vector(j, u_j)
     of_i, of_j = np.zeros((1, 7)), np.zeros((1, 7))
@@ -136,7 +142,7 @@ def orthogonal(
     return rows
 
 
-def parallel(state: State, joint: Any, indices_wrong: bool) -> Rows:
+def parallel(state: State, joint: "Joint", indices_wrong: bool) -> Rows:
     """s_i × s_j = 0, (4.22) to (4.25): three rows, of which two are used."""
     i, j, s_i, s_j = joint.i, joint.j, joint.s_i, joint.s_j
     a, b = tilde(state.vector(i, s_i)), tilde(state.vector(j, s_j))

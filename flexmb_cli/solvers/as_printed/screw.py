@@ -149,7 +149,7 @@ def _components(state: State, joint: "Joint") -> Any:
     return tuple(scalar_product(state, joint.i, joint.j, u, h) for u in (f, g))
 
 
-def _slide(state: State, joint: Any) -> Rows:
+def _slide(state: State, joint: "Joint") -> Rows:
     """û · d."""
     i, j, axis = joint.i, joint.j, _across(joint)[0]
     u, d = state.vector(i, axis), separation(state, joint)

@@ -5,13 +5,16 @@ listing.  The function of a driver is taken as C + B t + A t²/2, where the scan
 """
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...model.attitudes import held_coordinate
 from ...model.mechanism import Mechanism
 from ...quick_dataclass import dataclass
+
+if TYPE_CHECKING:
+    from ...model.mechanism import Distance
 
 
 @dataclass(frozen=True)
@@ -38,7 +41,7 @@ def _value(q: np.ndarray, body: int, direction: int, value: float) -> Any:
     return Single({7 * body + coordinate: 1.0}, q[body, coordinate] - target)
 
 
-def _difference(q: np.ndarray, item: Any) -> Any:
+def _difference(q: np.ndarray, item: "Distance") -> Any:
     coordinate = item.direction - 1 if item.direction <= 3 else item.direction
     gap = q[item.i, coordinate] - q[item.j, coordinate] - item.value
     return Single({7 * item.i + coordinate: 1.0, 7 * item.j + coordinate: -1.0}, gap)

@@ -199,7 +199,7 @@ class ConstrainedMotion(ABC):
             raise step_failure(self, codes.STEP_VANISHED)
         self.clock["excused"] = 1
 
-    def _breakpoints(self, end: Any) -> list[float]:
+    def _breakpoints(self, end: float) -> list[float]:
         """Points of tables before `end`, s, at which steps end.
 
         What a table does between two steps of any length would be stepped over, and no method keeps its

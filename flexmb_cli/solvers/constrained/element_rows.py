@@ -104,7 +104,7 @@ def element_answers(report: Report, first: int, elements: JointElements, coordin
     }
 
 
-def _in_order_of_deck(model: Any, arrays: Any, report: Any) -> Any:
+def _in_order_of_deck(model: DynamicModel, arrays: DynamicArrays, report: Report) -> Any:
     """Wrenches (T, groups, 2, 6) of the deck's constraints, those that follow functions in their places."""
     mechanism, elements = model.mechanism, model.elements
     own = len(arrays.kinematic.constraints)

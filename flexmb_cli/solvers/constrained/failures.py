@@ -1,6 +1,6 @@
 """Failures of the integration of a mechanism, and messages about redundant equations."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,14 @@ from ..singular.rank_of_speeds import (
 )
 from ..singular.weakest import owners_text
 from .start import inertia_failure
+
+if TYPE_CHECKING:
+    from ...kernels.constrained.report import Report
+    from ...model.equations import Equation
+    from ..singular.mobility import Mobility
+    from .analysis import ConstrainedMotion
+    from .young_dynamics import ForwardDynamics
+
 
 SHOWN_OWNERS = 6
 SHOWN_TIMES = 10
@@ -74,7 +82,7 @@ def _is_without_forces_ahead(analysis: Any, t: float) -> bool:
     return any(not _has_forces(analysis, t, share * span) for share in MOMENTS)
 
 
-def _has_forces(analysis: Any, t: float, ahead: float = 0.0) -> bool:
+def _has_forces(analysis: "ForwardDynamics", t: float, ahead: float = 0.0) -> bool:
     """Return whether all loads have forces at the state that the steps have reached, or so much later, s."""
     work, ud = analysis.work, np.zeros(analysis.arrays.speeds)
     work.angles[:] = analysis.integration.angles[NEW]
@@ -124,7 +132,7 @@ def jam_failure(t: float) -> AnalysisError:
     return AnalysisError(Fault("error", message, None, "friction", id="SOLVE-038"), t)
 
 
-def _why_steps_fall(analysis: Any, norms: Any) -> Any:
+def _why_steps_fall(analysis: "ForwardDynamics", norms: dict[str, float]) -> Any:
     """The reason in words, and the equations it lies in; the condition goes into `norms`."""
     condition, owners = weakest_of_speeds(analysis, analysis.integration.z)
     norms["condition"] = condition
@@ -149,14 +157,14 @@ def _why_steps_fall(analysis: Any, norms: Any) -> Any:
     )
 
 
-def _remedies(analysis: Any) -> str:
+def _remedies(analysis: "ForwardDynamics") -> str:
     """The remedies where forces are too stiff for the method in use, which is none of them."""
     methods = " or ".join(card for card in IMPLICIT if card != analysis.integrator.card)
     creep = ", or a larger creep speed" if np.any(analysis.arrays.loads["kind"] == FRICTION) else ""
     return f"try {methods}, or a smaller one{creep}"
 
 
-def repetition(found: Any, usual: int | None, kind: str, each: str) -> Fault:
+def repetition(found: "Mobility", usual: int | None, kind: str, each: str) -> Fault:
     """Some equations repeat others: the motion is unique, the split of forces between them is a choice.
 
     A warning, or a note where they are as many as `usual`, `each` in a mechanism of this `kind`.
@@ -180,7 +188,7 @@ def repetition(found: Any, usual: int | None, kind: str, each: str) -> Fault:
     return about("warning", message, *placed)
 
 
-def note_undetermined_rows(analysis: Any, report: Any) -> None:
+def note_undetermined_rows(analysis: "ConstrainedMotion", report: "Report") -> None:
     """Note the times of all rows so far, those of a report among them, that round-off rules."""
     times, warnings = analysis.undetermined, analysis.warnings
     found = report.times[np.isnan(report.multipliers).any(axis=1)].tolist()
@@ -198,5 +206,5 @@ def note_undetermined_rows(analysis: Any, report: Any) -> None:
     warnings.append(Fault("note", message, id="SOLVE-041"))
 
 
-def _in_deck(equation: Any) -> Any:
+def _in_deck(equation: "Equation") -> Any:
     return equation.place or (0, 0), equation.owner, equation.part

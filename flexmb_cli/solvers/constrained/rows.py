@@ -115,7 +115,7 @@ def _forces(mechanism: Mechanism, wrenches: np.ndarray, p: np.ndarray) -> dict[s
     }
 
 
-def _add_fourth_parameters(mechanism: Any, others: Any, holding: Any) -> None:
+def _add_fourth_parameters(mechanism: Any, others: np.ndarray, holding: np.ndarray) -> None:
     """A body whose e1, e2, e3 are held has an equation for e0; its force is its holder's.
 
     others (T, bodies so held, 6) in the order of the bodies.

@@ -24,12 +24,13 @@ if TYPE_CHECKING:
 
     from ...model.equations import Equation
     from .analysis import ConstrainedMotion
+    from .young_dynamics import ForwardDynamics
 
 
 WHOLE = Corrections(met=1e-14, most=60, dependent=DEPENDENT, hopeless=1e6)
 
 
-def assembled(analysis: Any, t: float) -> np.ndarray:
+def assembled(analysis: "ForwardDynamics", t: float) -> np.ndarray:
     """Coordinates (n + b,) that meet all equations, near the deck's estimates; raises AnalysisError.
 
     The nearest position first; where that leaves a gap, whole Newton steps from the estimates, which may

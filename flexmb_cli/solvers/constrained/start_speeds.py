@@ -29,7 +29,7 @@ MASSLESS = 1e-13  # eigenvalue of the scaled mass matrix, of the largest
 WEIGHTLESS = 1e-7  # singular value, of the largest: the root of a mass matrix keeps no smaller one
 
 
-def start_speeds(analysis: Any, q: Any, t: float) -> np.ndarray:
+def start_speeds(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> np.ndarray:
     """Return speeds (n,) that fit the constraints: those given as nearly as can be, the others smallest.
 
     Given speeds u* that fit are kept.  Otherwise the mass-weighted projection (u - u*)ᵀ M (u - u*) → min
@@ -65,7 +65,9 @@ def start_speeds(analysis: Any, q: Any, t: float) -> np.ndarray:
     return found
 
 
-def _of_many(analysis: Any, q: Any, rates: Any, nu: Any, names: Any, t: float) -> np.ndarray:
+def _of_many(
+    analysis: Any, q: np.ndarray, rates: np.ndarray, nu: np.ndarray, names: tuple[Any, ...], t: float
+) -> np.ndarray:
     """Return the speeds (n,) of a large mechanism; rates (r, n), scaled, follow its equations."""
     from scipy.sparse import csr_matrix, vstack
 
@@ -76,7 +78,7 @@ def _of_many(analysis: Any, q: Any, rates: Any, nu: Any, names: Any, t: float) -
     return found
 
 
-def _nearest(motions: Any, rest: Any) -> Any:
+def _nearest(motions: np.ndarray, rest: np.ndarray) -> Any:
     """Return the smallest shares of `motions`, columns of which some speeds are known, that give `rest`."""
     # What moves none of the known speeds but by round-off has no share in them.
     if np.linalg.norm(motions) <= DEPENDENT:
@@ -173,7 +175,9 @@ def _changes(
     return np.where(change > FITS * max(largest, FITS), change, 0.0)
 
 
-def _doubt_change(analysis: Any, u: np.ndarray, wanted: np.ndarray, given: np.ndarray) -> None:
+def _doubt_change(
+    analysis: "ConstrainedMotion", u: np.ndarray, wanted: np.ndarray, given: np.ndarray
+) -> None:
     change = _changes(analysis, u, wanted, given)
     for item in analysis.velocities:
         own = slice(6 * item.body, 6 * item.body + 6)
@@ -182,7 +186,7 @@ def _doubt_change(analysis: Any, u: np.ndarray, wanted: np.ndarray, given: np.nd
             analysis.warnings.append(Fault("warning", message, item.place, item.name, id="SOLVE-008"))
 
 
-def _shown(analysis: Any, u: np.ndarray, item: "InitialVelocity") -> str:
+def _shown(analysis: "ConstrainedMotion", u: np.ndarray, item: "InitialVelocity") -> str:
     p = analysis.integration.z[7 * item.body + 3 : 7 * item.body + 7]
     angular = u[3:] if analysis.omega_in_body_axes else global_axes(p, u[3:])
     return "velocity ({:.6g}, {:.6g}, {:.6g}) m/s, angular ({:.6g}, {:.6g}, {:.6g}) rad/s".format(

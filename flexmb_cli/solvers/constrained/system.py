@@ -1,6 +1,6 @@
 """Input of the kernels of a dynamic analysis."""
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -76,9 +76,9 @@ class AnyCountEvaluator(Evaluator):
     Its system and work are those of constrained dynamics; |p| = 1 is not among its equations.
     """
 
-    def residual(self, q: Any, t: Any, expected: Any) -> np.ndarray:
+    def residual(self, q: np.ndarray, t: Any, expected: np.ndarray) -> np.ndarray:
         """Scaled residual (equations,) at q; expected (screws,) are the angles expected."""
-        rotations, phi = self.work.rotations[A], self.work.rows[PHI]  # type: ignore[attr-defined]
+        rotations, phi = self.work.rotations[A], cast(Work, self.work).rows[PHI]
         rotation_matrices(q, rotations)
         equations.residual(self.system.constraints, q, t, expected, rotations, phi)
         found: np.ndarray = phi[: self.arrays.row_scale.size] / self.arrays.row_scale

@@ -4,7 +4,7 @@ Integrals of the relative angular velocity, the coordinates of three free rotati
 the position: they are nan.  Angles go on from row to row.
 """
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from ...model.tree_as_mechanism.frames import Base, Frames
 from ..tree.points import rotation_matrices
 from ..tree.rows import TreeMotion
 from .rows import global_axes
+
+if TYPE_CHECKING:
+    from ...model.tree import Hinge
 
 
 class Moving(NamedTuple):
@@ -112,13 +115,13 @@ def motion_of_bodies(
     )
 
 
-def _closure_forces(tree: Tree, arrays: Any, report: Any) -> Any:
+def _closure_forces(tree: Tree, arrays: SystemArrays, report: Report) -> Any:
     """Force on body a of each closure (T, C, 3): the second body of its group."""
     first = len(arrays.groups) - len(tree.closures)
     return report.wrenches[:, first:, 1, :3].copy()
 
 
-def _coordinates(tree: Tree, frames: Any, motion: Any, before: Any) -> Any:
+def _coordinates(tree: Tree, frames: Frames, motion: AbsoluteMotion, before: np.ndarray) -> Any:
     """Coordinates, speeds and their rates (T, NS)."""
     columns, elastic = [], 0
     for c, start in zip(tree.coordinates, before, strict=True):
@@ -134,11 +137,11 @@ def _coordinates(tree: Tree, frames: Any, motion: Any, before: Any) -> Any:
     return tuple(np.stack(parts, axis=1) for parts in zip(*columns, strict=True))
 
 
-def _along(a: Any, b: Any) -> Any:
+def _along(a: np.ndarray, b: np.ndarray) -> Any:
     return np.sum(a * b, axis=-1)
 
 
-def _translation(axis: Any, base: Moving, body: Moving) -> Any:
+def _translation(axis: int, base: Moving, body: Moving) -> Any:
     """Gap along an axis of P_k, and its derivatives in the turning axes."""
     direction, w = base.axes[:, :, axis], base.w
     gap, rate, second = body.r - base.r, body.v - base.v, body.a - base.a
@@ -147,7 +150,7 @@ def _translation(axis: Any, base: Moving, body: Moving) -> Any:
     return _along(gap, direction), _along(slide, direction), _along(second - turning, direction)
 
 
-def _rotation(hinge: Any, axis: Any, base: Moving, body: Moving, start: Any) -> Any:
+def _rotation(hinge: "Hinge", axis: int, base: Moving, body: Moving, start: float) -> Any:
     """Angle or nan, speed and its rate: the relative angular velocity along the axis it turns about."""
     spin, change = body.w - base.w, body.alpha - base.alpha
     second = len(hinge.rotations) == 2 and axis == hinge.rotations[1] - 1
@@ -160,7 +163,7 @@ def _rotation(hinge: Any, axis: Any, base: Moving, body: Moving, start: Any) -> 
     return _continued(_angle(hinge, axis, base.axes, body.axes), start), speed, rate
 
 
-def _angle(hinge: Any, axis: Any, P: Any, E: Any) -> Any:
+def _angle(hinge: "Hinge", axis: int, P: np.ndarray, E: np.ndarray) -> Any:
     """Angle within a turn, from axes of P_k (T, 3, 3) and of the body."""
     if len(hinge.rotations) == 1:
         i, j = (axis + 1) % 3, (axis + 2) % 3
@@ -173,6 +176,6 @@ def _angle(hinge: Any, axis: Any, P: Any, E: Any) -> Any:
     return np.arctan2(_along(across, P[:, :, first]), _along(E[:, :, first], P[:, :, first]))
 
 
-def _continued(angle: Any, start: Any) -> Any:
+def _continued(angle: np.ndarray, start: float) -> Any:
     """Angles (T,) without jumps by whole turns, the first next to `start`."""
     return np.unwrap(np.concatenate([[start], angle]))[1:]

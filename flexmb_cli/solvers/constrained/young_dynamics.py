@@ -44,7 +44,7 @@ class ForwardDynamics(ConstrainedMotion):
     @property
     def evaluator(self) -> AnyCountEvaluator:
         """Residuals and Jacobians in coordinates."""
-        return AnyCountEvaluator(self.arrays.kinematic, self.system, self.work)  # type: ignore[arg-type]
+        return AnyCountEvaluator(self.arrays.kinematic, self.system, self.work)
 
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError."""

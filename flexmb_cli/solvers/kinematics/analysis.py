@@ -30,6 +30,7 @@ from .settings import KinematicSettings
 from .system import kinematic_system, with_dependent_columns
 
 if TYPE_CHECKING:
+    from ..singular.mobility import Mobility
     from .sparse import SparseContinuation
 
 KINEMATIC_CALL_WORK = 2_000_000  # steps x equations² handed to the kernel at a time
@@ -126,7 +127,7 @@ class KinematicAnalysis:
         self.warnings[:] = faults_reported(checkpoint)
         return first
 
-    def _next_block(self, row: Any) -> tuple[Rows | None, AnalysisError | None]:
+    def _next_block(self, row: int) -> tuple[Rows | None, AnalysisError | None]:
         """The next report rows, and why none follow; the last may stand at a bifurcation of two motions."""
         wanted = min(self._at_once(LARGEST_BLOCK), self.mechanism.time.rows - row)
         memory = self.singularities.memory()
@@ -244,7 +245,7 @@ class KinematicAnalysis:
             return first
         return self._with_repetitions(q, found)
 
-    def _with_repetitions(self, q: Any, found: Any) -> Rows:
+    def _with_repetitions(self, q: np.ndarray, found: "Mobility") -> Rows:
         """The first row where equations repeat others, if they still do a little later.
 
         Raises AnalysisError if they do not: the start is a dead centre or a branching.

@@ -66,7 +66,7 @@ def refuse_contradicted_drive(mechanism: Mechanism, settings: "KinematicSettings
             raise ModelError([Fault("error", message, driver.place, driver.name, id="SOLVE-011")])
 
 
-def _can_turn(driver: Any, q: np.ndarray, motions: Any) -> Any:
+def _can_turn(driver: Driver, q: np.ndarray, motions: Any) -> Any:
     k, axis = 7 * driver.body + 3, np.eye(3)[driver.direction - 4]
     p = q[k : k + 4]
     upright = np.linalg.norm(np.cross(p[1:], axis)) <= UPRIGHT

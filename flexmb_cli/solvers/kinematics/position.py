@@ -1,6 +1,6 @@
 """One position of a mechanism: residuals and Jacobian as matrices, with the names of their rows."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -9,6 +9,10 @@ from ...kernels.kinematics.newton import System, Work, evaluate_position
 from ...kernels.linalg.rotation import A
 from ...model.arrays.kinematic import KinematicArrays
 from ...quick_dataclass import dataclass
+
+if TYPE_CHECKING:
+    from ...kernels.constrained.system import System as ConstrainedSystem
+    from ...kernels.constrained.system import Work as ConstrainedWork
 
 DENSE_LIMIT = 350  # equations; above, matrices are sparse
 
@@ -33,8 +37,8 @@ class Evaluator:
     """
 
     arrays: KinematicArrays
-    system: System
-    work: Work
+    system: "System | ConstrainedSystem"
+    work: "Work | ConstrainedWork"
 
     @classmethod
     def of(cls, arrays: KinematicArrays, system: System) -> "Evaluator":

@@ -1,7 +1,5 @@
 """Input of the kernels of a kinematic analysis."""
 
-from typing import Any
-
 import numpy as np
 
 from ...kernels.kinematics.newton import COLUMN, RANK, System
@@ -36,7 +34,7 @@ def kinematic_system(arrays: KinematicArrays, settings: KinematicSettings) -> Sy
     )
 
 
-def with_dependent_columns(system: System, dependent: Any) -> System:
+def with_dependent_columns(system: System, dependent: tuple[int, ...]) -> System:
     """The system for a position at which the coordinates `dependent` follow from the others.
 
     They are eliminated last, and their corrections and rates are 0.

@@ -1,6 +1,6 @@
 """Inputs and outputs of the linearised motion of a tree in absolute coordinates, in the terms of the tree."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -25,7 +25,7 @@ class AbsoluteTreeResponses(ConstrainedResponses):
     analysis: "AbsoluteTree"
 
     def __init__(self, motion: "ConstrainedLinearised"):
-        self.tree = motion.analysis.tree  # type: ignore[attr-defined]
+        self.tree = cast("AbsoluteTree", motion.analysis).tree
         self._rigid = [m for m, c in enumerate(self.tree.coordinates) if c.motion != ELASTIC]
         self._bodies = [hinge.parent for hinge in self.tree.hinges]
         for k, body in enumerate(self.tree.bodies):
@@ -44,6 +44,7 @@ class AbsoluteTreeResponses(ConstrainedResponses):
         drivers = [Signal(f"{n} effort", "N" if long else "N m") for n, long in self.terms.drivers]
         return vectors + drivers
 
+    # Its analysis makes rows of no other class.
     def _outputs(self, rows: "TreeElementRows") -> np.ndarray:  # type: ignore[override]
         """Observed outputs of a row."""
         motion = point_motion(self.tree, rows)

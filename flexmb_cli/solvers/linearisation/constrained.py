@@ -18,6 +18,7 @@ from .joint_coordinates import AXES, OWN, JointCoordinates
 from .motion import DIFFERENCE_STEP, LinearisedMotion, differentiated
 
 if TYPE_CHECKING:
+    from ...kernels.constrained.system import System
     from ..constrained.young_dynamics import ForwardDynamics
 
 
@@ -125,7 +126,7 @@ class ConstrainedLinearised(LinearisedMotion):
         """Return u' (n,) where the position is displaced by d and the speeds by w."""
         return self._rates(self.moved(self.q, d), self.u + w, self.t)
 
-    def rate_gaps(self, d: np.ndarray, w: np.ndarray, system: Any = None) -> np.ndarray:
+    def rate_gaps(self, d: np.ndarray, w: np.ndarray, system: "System | None" = None) -> np.ndarray:
         """Return what the speeds, changed by w, lack to meet the constraints displaced by d (m,), scaled."""
         work, system = self.analysis.work, system or self.system
         evaluate_jacobian(system, work, self.moved(self.q, d))

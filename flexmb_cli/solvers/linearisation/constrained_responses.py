@@ -70,7 +70,7 @@ class ConstrainedResponses(Responses):
             Signal(f"{name} effort", "N" if is_length else "N m") for name, is_length in self.terms.drivers
         ]
 
-    def respond(self, d: Any, w: Any, model: System | None = None) -> np.ndarray:
+    def respond(self, d: np.ndarray, w: np.ndarray, model: System | None = None) -> np.ndarray:
         """Return u' (n,) and then the observed outputs where d, w and the model are changed."""
         motion, analysis = self.motion, self.analysis
         report = blank_report(analysis.arrays, np.array([motion.t]))
@@ -159,7 +159,7 @@ class ConstrainedResponses(Responses):
             signal = Signal(f"{name} effort", "N" if is_force else "N m")
             yield Input(signal, still, still, self._loaded(_unit_motor(loads[[*numbers]])), 1.0)
 
-    def _loaded(self, records: Any) -> "Callable[..., Any]":
+    def _loaded(self, records: "Callable[..., Any]") -> "Callable[..., Any]":
         system = self.motion.system
 
         def change(amount: float) -> System:
@@ -175,7 +175,7 @@ class ConstrainedResponses(Responses):
         for k, (name, is_length) in enumerate(self.terms.drivers):
             yield from self._inputs_of_driver(k, name, "m" if is_length else "rad")
 
-    def _inputs_of_driver(self, k: Any, name: Any, unit: Any) -> "Iterator[Input]":
+    def _inputs_of_driver(self, k: int, name: str, unit: str) -> "Iterator[Input]":
         """Inputs of a driver, its rate and its acceleration; none where other drivers forbid the change."""
         motion, still = self.motion, np.zeros(self.motion.scale.size)
         changes = [self._driven(k, order) for order in range(3)]
@@ -189,7 +189,7 @@ class ConstrainedResponses(Responses):
         yield Input(Signal(f"{name} acceleration", ACCELERATION_OF[unit]), still, still, changes[2])
 
     def _driven(self, k: int, order: int) -> "Callable[..., Any]":
-        def change(amount: Any) -> System:
+        def change(amount: float) -> System:
             additions = [0.0, 0.0, 0.0]
             additions[order] = amount
             return self.analysis.driven_system(k, additions, self.motion.t)

@@ -112,7 +112,7 @@ def matrices(responses: Responses) -> list[np.ndarray]:
     return [A, B, C, D]
 
 
-def _columns(columns: list[np.ndarray], rows: Any) -> np.ndarray:
+def _columns(columns: list[np.ndarray], rows: int) -> np.ndarray:
     return np.column_stack(columns) if columns else np.zeros((rows, 0))
 
 
@@ -136,7 +136,7 @@ def state_space(responses: Responses, later: Responses, states: tuple[Signal, ..
     return StateSpace(A, B, C, D, states, inputs, responses.outputs, responses.motion.axes, constant)
 
 
-def _sizes(matrix: Any) -> np.ndarray:
+def _sizes(matrix: np.ndarray) -> np.ndarray:
     """Largest entry of each row (rows, 1), or 1."""
     return np.max(np.abs(matrix), axis=1, initial=1.0)[:, None] if matrix.size else np.ones((len(matrix), 1))
 

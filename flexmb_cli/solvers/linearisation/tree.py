@@ -114,7 +114,7 @@ class TreeLinearised(LinearisedMotion):
         motions[free] = kernel
         return motions @ np.linalg.inv(L @ motions), np.linalg.pinv(jacobian, DEPENDENT)
 
-    def displaced(self, d: np.ndarray, z: Any = None) -> np.ndarray:
+    def displaced(self, d: np.ndarray, z: np.ndarray | None = None) -> np.ndarray:
         """Return the state with the coordinates displaced by d."""
         z = (self.z if z is None else z).copy()
         _, q, attitudes = parts(self.arrays, z)

@@ -55,7 +55,7 @@ class TreeResponses(Responses):
             Signal(f"{name} {what} {axis}", unit) for name, what, unit in points + closures for axis in AXES
         ]
 
-    def _rows(self, z: np.ndarray, arrays: Any) -> Any:
+    def _rows(self, z: np.ndarray, arrays: TreeArrays) -> Any:
         """The report row of a state, of the tree with other `arrays`."""
         analysis = self.analysis
         kept = analysis.arrays, analysis.row, analysis.attitude, analysis.clock.copy()
@@ -74,7 +74,7 @@ class TreeResponses(Responses):
             bodies += [k] * (len(body.elastic.masses) if body.elastic else 0)
         return [None if body == INERTIAL else axes[body] for body in bodies]
 
-    def respond(self, d: Any, w: Any, model: TreeArrays | None = None) -> np.ndarray:
+    def respond(self, d: np.ndarray, w: np.ndarray, model: TreeArrays | None = None) -> np.ndarray:
         """Return u' (n,) and then the observed outputs where d, w and the arrays are changed."""
         arrays = model or self.arrays
         z = self.motion.changed(d, w)
@@ -145,7 +145,7 @@ class TreeResponses(Responses):
         for k, record in enumerate(self.arrays.prescribed):
             yield from self._inputs_of_driver(k, int(record["coordinate"]))
 
-    def _inputs_of_driver(self, k: Any, m: Any) -> "Iterator[Any]":
+    def _inputs_of_driver(self, k: int, m: Any) -> "Iterator[Any]":
         """Inputs of a prescribed coordinate, its rate and its acceleration; none where loops forbid it."""
         motion, still, one = self.motion, np.zeros(self.n), np.eye(self.n)[m]
         gaps = motion.gap_rates(motion.z, one)

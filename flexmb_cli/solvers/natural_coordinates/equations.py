@@ -87,7 +87,9 @@ def point(bodies: int, body: int, place: tuple[float, float, float]) -> np.ndarr
     return vector(bodies, body, place, 1.0)
 
 
-def vector(bodies: int, body: int, components: Any, origin: float = 0.0) -> np.ndarray:
+def vector(
+    bodies: int, body: int, components: np.ndarray | tuple[float, float, float], origin: float = 0.0
+) -> np.ndarray:
     """Return the form (3, 12 n) of a vector in the axes of a body."""
     form = np.zeros((3, SIZE * bodies))
     form[:, SIZE * body : SIZE * body + SIZE] = np.kron([origin, *components], np.eye(3))
@@ -204,7 +206,7 @@ def driver_function(driver: Driver, t: float) -> tuple[float, float, float]:
     return driver.C + driver.B * t + 0.5 * driver.A * t * t, driver.B + driver.A * t, driver.A
 
 
-def _turning(driver: Any, i: Any, a: Any) -> Any:
+def _turning(driver: Driver, i: int, a: int) -> Any:
     """Return component (i, a) of the rotation matrix as a function of time, with two derivatives."""
 
     def function(t: Any) -> Any:

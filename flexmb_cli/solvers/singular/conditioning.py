@@ -25,7 +25,7 @@ WORST_CONDITION = 1e12  # larger conditions have no digit that is more than roun
 REGULARISATION = 1e-14  # added to an exactly singular matrix, so that it has factors
 
 
-def conditioning(evaluator: Evaluator, q: Any, t: Any, expected: Any) -> Conditioning:
+def conditioning(evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray) -> Conditioning:
     """The conditioning at q, for any number of equations that equals that of the coordinates."""
     evaluator.residual(q, t, expected)
     return (

@@ -6,6 +6,7 @@ value that counts, which are then sought between the rows.
 
 from bisect import insort
 from collections.abc import Iterator, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -36,7 +37,7 @@ class Row(NamedTuple):
 
     t: float  # s
     q: Any  # coordinates (N,); None of an old row
-    value: float  # its last singular value that counts, of the largest
+    value: float  # its last singular value that counts, as a share of the largest
 
 
 class PassedDynamicSingularities(PassedSingularities):
@@ -120,7 +121,7 @@ class PassedDynamicSingularities(PassedSingularities):
     def located(self, interval: tuple[Row, Row, Row]) -> Iterator[Passed]:
         """Yield the singular position before the row in the middle, or else the one behind it."""
         for first, last in (interval[:2], interval[1:]):
-            x = least_by_thirds(lambda x, first=first, last=last: self._at(first, last, x)[1])  # type: ignore[misc]
+            x = least_by_thirds(partial(self._value_at, first, last))
             q, value = self._at(first, last, x)
             if value < 1.0 / SINGULAR_CONDITION:
                 yield Passed(q, first.t + x * (last.t - first.t), self._expected, True)
@@ -136,6 +137,9 @@ class PassedDynamicSingularities(PassedSingularities):
         t, q = first.t + x * (last.t - first.t), (1.0 - x) * first.q + x * last.q
         q, gap = project(Instant(self.gaps, t, self._expected), q, BETWEEN)
         return q, self._smallest(q[None])[0] if np.max(np.abs(gap)) <= BETWEEN.met else np.inf
+
+    def _value_at(self, first: Row, last: Row, x: float) -> float:
+        return self._at(first, last, x)[1]
 
     def conditioning(self, passed: Passed) -> Conditioning:
         """Return the conditioning of the Jacobian on speeds there."""

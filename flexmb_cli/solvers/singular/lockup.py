@@ -13,6 +13,7 @@ from .mobility import about, gap_norms, worst_gaps
 
 if TYPE_CHECKING:
     from ..kinematics.analysis import KinematicAnalysis
+    from ..kinematics.position import Evaluator
 
 
 LATER = 1e-3  # of the time between rows: behind a dead centre
@@ -41,7 +42,7 @@ def step_failure(analysis: Any, t: float) -> AnalysisError:
     return found
 
 
-def _least_gap(evaluator: Any, q: np.ndarray, t: float, expected: np.ndarray) -> Any:
+def _least_gap(evaluator: "Evaluator", q: np.ndarray, t: float, expected: np.ndarray) -> Any:
     """Residual of the position nearest to meeting the equations at t, from q and from both sides of it.
 
     From a dead centre the search does not leave the line of symmetry by itself.

@@ -27,7 +27,9 @@ ON_CURVE = 1e-9  # scaled residual of the polynomial; where the motion has a cor
 FIRM = Corrections(met=0.0, most=1, dependent=1e-6, hopeless=ON_CURVE)
 
 
-def row_across(analysis: Any, t: float, memory: Any) -> Rows | None:
+def row_across(
+    analysis: "KinematicAnalysis", t: float, memory: tuple[np.ndarray, np.ndarray, np.ndarray]
+) -> Rows | None:
     """The row at t of a KinematicAnalysis that was barred there, None where no smooth motion goes through.
 
     `memory`: state, motion and clock at an earlier time.  The analysis then stands a little behind t.
@@ -63,7 +65,7 @@ def _times(analysis: "KinematicAnalysis", t: float, earlier: float) -> tuple[flo
     return t - span, t + PART_AFTER * span
 
 
-def _between(first: Any, last: np.ndarray, h: float, x: float) -> Any:
+def _between(first: np.ndarray, last: np.ndarray, h: float, x: float) -> Any:
     """State (3, n) at the part x of a step of length h between two states: quintic Hermite interpolation."""
     q0, v0, a0 = first[0], h * first[1], h * h * first[2]
     q1, v1, a1 = last[0], h * last[1], h * h * last[2]

@@ -13,6 +13,8 @@ from ...quick_dataclass import dataclass
 from .mobility import about
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ...model.equations import Equation
 
 NEARLY_SINGULAR = 100.0  # condition, as a multiple of that of the start
@@ -41,7 +43,7 @@ def conditioning_of(matrix: np.ndarray, rank: int) -> Conditioning:
     return Conditioning(float(values[0]) / smallest, right[rank - 1], left[:, rank - 1])
 
 
-def weakest_owners(equations: Any, combination: np.ndarray, most: int) -> "list[Equation]":
+def weakest_owners(equations: "tuple[Equation, ...]", combination: np.ndarray, most: int) -> "list[Equation]":
     """Return the equations with the largest shares of a combination (m,), one an owner: joints if any.
 
     Equations that have no place in the deck are named only where none has.
@@ -58,7 +60,7 @@ def weakest_owners(equations: Any, combination: np.ndarray, most: int) -> "list[
     return sorted((joints or placed)[:most], key=lambda one: one.place or (0, 0))
 
 
-def owners_text(equations: Any) -> str:
+def owners_text(equations: "Sequence[Equation]") -> str:
     """Return the owners of equations with their lines, as in "joint 1 (line 7), joint 2 (line 8)"."""
     return ", ".join(f"{one.owner} (line {one.place.line})" if one.place else one.owner for one in equations)
 

@@ -271,7 +271,7 @@ def _no_inertia(tree: Tree, t: float, coordinate: Any) -> Any:
     return Fault("error", message, body.place, body.name, id="SOLVE-025")
 
 
-def _step_vanished(tree: Tree, t: float, step: Any, worst: Any) -> Any:
+def _step_vanished(tree: Tree, t: float, step: float, worst: int) -> Any:
     n = len(tree.coordinates)
     c = tree.coordinates[worst % n] if worst < 2 * n else None
     place, name = (tree.bodies[c.body].place, c.name) if c else (None, "an Euler parameter")

@@ -7,6 +7,7 @@ from ...kernels.integrators import sdirk4
 from .rows import TreeRows
 
 if TYPE_CHECKING:
+    from ...kernels.tree.report import Report
     from .analysis import TreeAnalysis
 
 
@@ -23,7 +24,7 @@ def implicit_rows(analysis: "TreeAnalysis") -> Iterator[TreeRows]:
     integration.before[:] = analysis.integration.slopes[0]
     budget = 1 + IMPLICIT_CALL_WORK // (1 + n * n)
 
-    def integrate_rows(report: Any) -> Any:
+    def integrate_rows(report: "Report") -> Any:
         return sdirk4.integrate_rows(
             analysis.arrays, analysis.work, analysis.coordinates, integration, report, budget
         )

@@ -80,17 +80,17 @@ def _turned(omega: np.ndarray, p: np.ndarray) -> np.ndarray:
 class TreeMotion(NamedTuple):
     """The motion of a tree over T report rows, found by either formulation; SI units, global axes."""
 
-    time: np.ndarray  # (T,)
-    q: np.ndarray  # (T, NS) coordinates
-    y: np.ndarray  # (T, NS) speeds
-    y_rate: np.ndarray  # (T, NS)
-    position: np.ndarray  # (T, N, 3) of the origins O_k
+    time: np.ndarray  # (T,) s
+    q: np.ndarray  # (T, NS) coordinates, m or rad
+    y: np.ndarray  # (T, NS) speeds, m/s or rad/s
+    y_rate: np.ndarray  # (T, NS) their rates, m/s² or rad/s²
+    position: np.ndarray  # (T, N, 3) of the origins O_k, m
     axes: np.ndarray  # (T, N, 3, 3) rotation matrices, body axes to global axes
     euler_parameters: np.ndarray  # (T, N, 4) of `axes`, of any sign
-    velocity: np.ndarray  # (T, N, 3)
-    acceleration: np.ndarray  # (T, N, 3)
-    angular_velocity: np.ndarray  # (T, N, 3)
-    angular_acceleration: np.ndarray  # (T, N, 3)
+    velocity: np.ndarray  # (T, N, 3) m/s
+    acceleration: np.ndarray  # (T, N, 3) m/s²
+    angular_velocity: np.ndarray  # (T, N, 3) rad/s
+    angular_acceleration: np.ndarray  # (T, N, 3) rad/s²
     closure_force: np.ndarray  # (T, C, 3) on body a of each closure, N
     applied_work: np.ndarray  # (T,) of loads other than gravity and springs since the start, J
     audit: np.ndarray  # (T, 5) kinetic, potential, strain energy, J; largest gap, m, and its rate, m/s

@@ -9,7 +9,7 @@ couplings and loops hold by their accelerations.
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.integrate import DOP853, Radau
@@ -35,6 +35,9 @@ from .friction_in_hinges import FrictionInHinges
 from .placed_bodies import PlacedBodies
 from .rows import TreeRows
 from .scipy_integrators import UNCOUNTED
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 
 class TreeWithElements(TreeAnalysis):
@@ -130,7 +133,7 @@ class TreeWithElements(TreeAnalysis):
         found |= set(breakpoints(self.model, start, end))
         return sorted(t for t in found if start < t < end)
 
-    def _observed(self, state_at: Any, t: float) -> Iterator[TreeElementRows]:
+    def _observed(self, state_at: "Callable[..., Any]", t: float) -> Iterator[TreeElementRows]:
         for time in self.due_times(t):
             z, works = np.split(state_at(time), [self.state.size])
             # Rows show what a motor does behind a jump.

@@ -1,7 +1,7 @@
 """Functions of time, and elements at hinges and between bodies, of FMBD.DAT."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,6 +31,10 @@ from ...joint_elements.functions import Functions, GivenFunction
 from ...joint_elements.maker import ElementMaker
 from .cards import FUNCTION_KINDS
 from .older import with_older_elements
+
+if TYPE_CHECKING:
+    from ....model.joint_elements import JointElements
+
 
 COUPLED_RATE = 1e-6  # rate that speeds of Y(L), in ten columns, may leave of a coupling, of the largest
 _CARDS: Cards = {
@@ -78,12 +82,17 @@ class _Maker(ElementMaker):
     """Makes elements of records; None where a fault was found."""
 
     def __init__(
-        self, bodies: Sequence[Body], hinges: Sequence[Hinge], functions: Any, findings: Findings, start: Any
+        self,
+        bodies: Sequence[Body],
+        hinges: Sequence[Hinge],
+        functions: Any,
+        findings: Findings,
+        start: float,
     ) -> None:
         super().__init__(functions, findings, start)
         self.bodies, self.hinges = bodies, hinges
 
-    def where(self, record: Record, coordinate: Any, suffix: Any = "") -> Any:
+    def where(self, record: Record, coordinate: Any, suffix: str = "") -> Any:
         """Body and hinge coordinate, by K and A."""
         hinge, freedom = self._hinge(record, f"K{suffix}"), record.at(f"A{suffix}")
         if hinge is None:
@@ -104,7 +113,7 @@ class _Maker(ElementMaker):
             return None
         return record[f"K{suffix}"] - 1, f"{motion} {axis}"
 
-    def _hinge(self, record: Record, key: Any) -> Any:
+    def _hinge(self, record: Record, key: str) -> Any:
         body = record.at(key)
         if not 1 <= body.value <= len(self.hinges):
             message = f"K = {body.value}: there are bodies 1 to {len(self.hinges)}"
@@ -164,7 +173,7 @@ def _freed(hinge: Hinge) -> str:
     return f"free there: A = {', '.join(map(str, found))}" if found else "nothing is free there"
 
 
-def _start(tree: Tree, elements: Any) -> Any:
+def _start(tree: Tree, elements: "JointElements") -> Any:
     """Coordinates and speeds whose driven ones begin as their functions do."""
     q, y = np.array(tree.q, float), np.array(tree.y, float)
     for item in elements.drivers:

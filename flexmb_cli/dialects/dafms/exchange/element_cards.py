@@ -12,8 +12,12 @@ from ....model.mechanism import GROUND
 from ..elements.cards import FUNCTION_KINDS
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ....model.exchange.chain import Link
-    from ....model.exchange.rigid_model import Refusals
+    from ....model.exchange.rigid_model import CoordinateSpring, Refusals
+    from ....model.joint_elements import JointMotor
+    from ....model.loads import AppliedTorque
     from .hanging import Hanging
 
 
@@ -55,7 +59,7 @@ class ElementCards:
             if value is not None:
                 motors.append(self._dof(item) + self.real(value))
             elif points := points_of(item.function):
-                tables.append(self.table(*self._place(item), points))  # type: ignore[call-arg]
+                tables.append(self.table(*self._place(item), points))
             else:
                 by_function.append(self._dof(item) + integers(self._number(item.function, item)))
         for item in self.model.joint_drivers:
@@ -145,19 +149,19 @@ class ElementCards:
         hung = self.hung[body]
         return hung.own.T @ (place - hung.origin)
 
-    def points_at(self, item: Any, function: Any) -> Any:
+    def points_at(self, item: "AppliedTorque", function: Any) -> Any:
         """Return the points of a table; another function is refused."""
         points = points_of(function)
         if points is None:
             self.refusals.add(item, "only tables of loads are converted to DAFMS; give the function as TABLE")
         return points or []
 
-    def table(self, k: int, which: Any, points: Any) -> Any:
+    def table(self, k: int, which: int, points: "Sequence[tuple[float, float]]") -> Any:
         """Return the records of a table: body, degree of freedom, points."""
         lines = [integers(k, which, len(points))]
         return "\n".join([*lines, *(self.real(t) + self.real(v) for t, v in points)])
 
-    def _place(self, item: Any) -> Any:
+    def _place(self, item: "CoordinateSpring | JointMotor") -> tuple[int, int]:
         """Body of the hinge, and the number of its degree of freedom."""
         return self._freedom(item.joint, item.coordinate)
 
@@ -166,14 +170,14 @@ class ElementCards:
         axis = self.hung[self.links[k - 1].body].axis
         return k, axis if coordinate == ANGLE else axis + 3
 
-    def _dof(self, item: Any) -> Any:
+    def _dof(self, item: "CoordinateSpring | JointMotor") -> Any:
         return integers(*self._place(item))
 
-    def entries(self, word: Any, entries: Any) -> Any:
+    def entries(self, word: str, entries: "Sequence[str]") -> Any:
         """Return a card with its records behind their number; none without records."""
         return [word, integers(len(entries)), *entries] if entries else []
 
-    def real(self, value: Any) -> Any:
+    def real(self, value: float) -> Any:
         """Ten columns of a number; its rounding is kept for the notes."""
         value = float(value) + 0.0
         # Round-off of the frames, which would fill its columns by an exponent.

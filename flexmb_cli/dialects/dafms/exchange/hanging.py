@@ -37,7 +37,9 @@ class Hanging:
         return tuple(axis or self.axis for axis in FREE[self.kind][which])
 
 
-def hinge_frame(kind: Any, parent: int, s: Any, own: Any, s_own: Any) -> Any:
+def hinge_frame(
+    kind: str, parent: int, s: tuple[float, float, float], own: np.ndarray, s_own: tuple[float, float, float]
+) -> Any:
     """Axes of P_k, global (3, 3): those of the parent, or with the hinge's axes; and the number of one axis.
 
     `parent`, `own`: matrices of the bodies; s, s_own: vectors along the axis (or arms) in theirs.

@@ -5,7 +5,7 @@ hinge gets axes that lie in those of P_k at the start, where all coordinates are
 """
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,13 @@ from ....model.shapes import KINDS
 from ....model.vectors import euler_parameters
 from .element_cards import ElementCards, integers
 from .hanging import FREE, Hanging, hinge_frame
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ....model.exchange.chain import Link
+    from ....model.loads import AppliedTorque
+
 
 _APART = 1e-9  # m: of the point of a force from O_k
 _IMPLICIT = 2  # METH
@@ -43,7 +50,7 @@ def _refused(message: str, place: Place | None, name: str) -> Fault:
 class _Deck(ElementCards):
     """Frames of the tree while its cards are made."""
 
-    def __init__(self, model: Any):
+    def __init__(self, model: RigidModel):
         self.model, self.refusals, self.rounding = model, Refusals(), 0.0
         self.functions = FunctionCards()
         self.links = chain_of(model, self.refusals)
@@ -98,7 +105,7 @@ class _Deck(ElementCards):
             *([] if self.model.integrator.method == "RK45" else ["METH", integers(_IMPLICIT)]),
         ]  # fmt: skip
 
-    def _hang(self, link: Any) -> Any:
+    def _hang(self, link: "Link") -> Any:
         """Frames of a body whose parent is hung."""
         model, body, axis = self.model, self.model.bodies[link.body], 3
         if link.joint is None:
@@ -117,18 +124,18 @@ class _Deck(ElementCards):
         self.hung[link.body] = Hanging(link, kind, place, own, frame, origin, axis)
         return self.hung[link.body]
 
-    def _own(self, hung: Any) -> Any:
+    def _own(self, hung: Hanging) -> Any:
         return self.model.bodies[hung.link.body]
 
-    def _parent(self, hung: Any) -> Any:
+    def _parent(self, hung: Hanging) -> Any:
         return np.eye(3) if hung.link.parent == GROUND else self.hung[hung.link.parent].own
 
-    def _centre(self, hung: Any) -> Any:
+    def _centre(self, hung: Hanging) -> Any:
         """Mass centre from O_k, axes of O_k."""
         body = self._own(hung)
         return hung.own.T @ (body.r + body.A @ body.centre - hung.origin)
 
-    def _inertia(self, bodies: Any) -> Any:
+    def _inertia(self, bodies: "Sequence[Hanging]") -> Any:
         found = []
         for hung in bodies:
             body, c, turn = self._own(hung), self._centre(hung), hung.own.T @ self._own(hung).A
@@ -139,7 +146,7 @@ class _Deck(ElementCards):
             *(self._bodies("PROD", products) if np.abs(products).max() > 1e-15 else []),
         ]
 
-    def _state(self, bodies: Any) -> Any:
+    def _state(self, bodies: "Sequence[Hanging]") -> Any:
         """Speeds and coordinates: rotations of all bodies, then translations."""
         speeds, coordinates = [], []
         for turning in (True, False):
@@ -153,11 +160,11 @@ class _Deck(ElementCards):
         rows = ["".join(fields[i : i + 5]) for i in range(0, len(fields), 5)]
         return ["Y(L)", *rows] if rows else []
 
-    def _turning(self, hung: Any) -> Any:
+    def _turning(self, hung: Hanging) -> Any:
         model, link = self.model, hung.link
         return model.angular_velocity(link.body) - model.angular_velocity(link.parent)
 
-    def _sliding(self, hung: Any) -> Any:
+    def _sliding(self, hung: Hanging) -> Any:
         """Velocity of O_k against the point of the parent where it is, global axes."""
         model, link = self.model, hung.link
         velocity = 0.0
@@ -167,11 +174,11 @@ class _Deck(ElementCards):
                 velocity = velocity + sign * (own.velocity + np.cross(own.omega, hung.origin - own.r))
         return velocity
 
-    def _dofs(self, k: int, hung: Any, which: Any) -> Any:
+    def _dofs(self, k: int, hung: Hanging, which: int) -> Any:
         axes = hung.free(which)
         return integers(k, len(axes), *(int(axis in axes) for axis in (1, 2, 3)))
 
-    def _loads(self, bodies: Any) -> Any:
+    def _loads(self, bodies: "Sequence[Hanging]") -> Any:
         """Constant forces at O_k and torques, then torques by tables."""
         forces, torques = np.zeros((len(bodies), 3)), np.zeros((len(bodies), 3))
         tables = []
@@ -193,7 +200,7 @@ class _Deck(ElementCards):
             cards += self._bodies(word, loads) if np.any(loads) else []
         return [*cards, *self.entries("TABL", tables)]
 
-    def _torque_tables(self, item: Any, k: int) -> Any:
+    def _torque_tables(self, item: "AppliedTorque", k: int) -> Any:
         points = self.points_at(item, item.factor)
         return [
             self.table(k, axis, [(t, item.torque[axis - 1] * v) for t, v in points])
@@ -214,15 +221,15 @@ class _Deck(ElementCards):
                 entries.append("".join(map(self.real, (*shape.offset, *shape.angles))))
         return ["GEOM", integers(len(entries) // 2), *entries] if entries else []
 
-    def _bodies(self, word: Any, rows: Any) -> Any:
+    def _bodies(self, word: str, rows: "Sequence[Any] | np.ndarray") -> Any:
         """A card with a record for every body."""
         return [word, *(f"{k:5d}" + "".join(map(self.real, row)) for k, row in enumerate(rows, start=1))]
 
 
-def _scalar_last(A: Any) -> Any:
+def _scalar_last(A: np.ndarray) -> Any:
     e0, *e = euler_parameters(A)
     return (*e, e0)
 
 
-def _lists(values: Any) -> Any:
+def _lists(values: "Sequence[int]") -> Any:
     return [integers(*values[i : i + 10]) for i in range(0, len(values), 10)]

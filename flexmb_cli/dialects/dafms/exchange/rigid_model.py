@@ -31,6 +31,8 @@ from .converted_elements import ConvertedElements
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from ....model.tree import Hinge
+
 
 # Types of joints by the numbers of free rotations and translations.
 _KINDS = {
@@ -126,7 +128,7 @@ class _Conversion(ConvertedElements):
         inertia[np.abs(inertia) < 1e-12 * np.abs(body.inertia).max()] = 0.0
         return self.rigid_body(k, body.name, (body.mass, c, inertia), body.place)
 
-    def _add_hinge(self, joints: Any, k: int) -> None:
+    def _add_hinge(self, joints: list[RigidJoint], k: int) -> None:
         hinge = self.tree.hinges[k]
         free = len(hinge.rotations), len(hinge.translations)
         if free == FREE:
@@ -142,7 +144,7 @@ class _Conversion(ConvertedElements):
         self.number[k] = len(joints)
         joints.append(self._joint(k, hinge, kind))
 
-    def _joint(self, k: int, hinge: Any, kind: Any) -> Any:
+    def _joint(self, k: int, hinge: "Hinge", kind: str) -> Any:
         frame = rotation_matrix(hinge.frame)
         axes = {ROTATION: hinge.rotations, TRANSLATION: hinge.translations}
         first = (axes[ROTATION] or axes[TRANSLATION] or (1,))[0]
@@ -156,7 +158,7 @@ class _Conversion(ConvertedElements):
         return RigidJoint(*names, vector(hinge.point), (0.0, 0.0, 0.0), vector(s_i), vector(s_j),
                           place=hinge.place)  # fmt: skip
 
-    def _axes(self, body: Any) -> Any:
+    def _axes(self, body: int) -> Any:
         return np.eye(3) if body == INERTIAL else self.A[body]
 
     def _closures(self) -> "Iterator[Any]":
@@ -255,5 +257,5 @@ def _dofs(hinge: Any) -> Any:
     return hinge.rotations, hinge.translations
 
 
-def _axes(axes: Any) -> Any:
+def _axes(axes: tuple[int, ...]) -> Any:
     return ", ".join(map(str, axes)) or "none"

@@ -2,7 +2,7 @@
 
 from array import array
 from functools import partial
-from typing import Any
+from typing import Any, cast
 
 from ....deck.many_records import Block, ManyRecords
 from ....deck.number_table import NumberTable
@@ -23,8 +23,9 @@ def many_records(
     blocks = [Block("title", 1, [title].__getitem__)]
     for section, lines in starts.items():
         card = _BY_SECTION[section]
-        defaults = {column.key: column.default for column in card.columns}
-        table = NumberTable(defaults, rows[section]) if section in rows else None  # type: ignore[arg-type]
+        # Cards of many records have columns of numbers alone.
+        defaults = cast("dict[str, float]", {column.key: column.default for column in card.columns})
+        table = NumberTable(defaults, rows[section]) if section in rows else None
         blocks.append(Block(section, len(lines), partial(_again, source, card, lines), table=table))
     return ManyRecords(blocks)
 

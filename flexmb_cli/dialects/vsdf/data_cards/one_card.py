@@ -92,7 +92,7 @@ class CardReader:
             )
             self.error(card.word, message, place, fields.guide(line, columns))
 
-    def error(self, subject: str, message: str, place: Any, guide: tuple[str, ...] = ()) -> None:
+    def error(self, subject: str, message: str, place: Place | None, guide: tuple[str, ...] = ()) -> None:
         """Note an error."""
         self.faults.append(Fault("error", message, place, subject, tuple(guide), id="VSDF-081"))
 

@@ -1,7 +1,7 @@
 """Functions of time, and elements at joints and between nodes, of a VSDF deck."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ....deck.record import Record
 from ....deck.records import DeckValues
@@ -17,6 +17,14 @@ from ...joint_elements.maker import JointMaker
 from ..joints import find_end
 from .cards import FUNCTION_KINDS, OF_TABLES
 
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ....deck.record import Number
+    from ....model.fe_model import End
+    from ....model.time_functions import MotionFunction
+
+
 RUN_START = 0.0  # s, of every run
 
 
@@ -25,7 +33,9 @@ def build_functions(values: DeckValues, tables: dict[int, Any], findings: Findin
     return Functions(_given(values, tables, findings), findings)
 
 
-def _given(values: DeckValues, tables: Any, findings: Findings) -> Iterator[GivenFunction]:
+def _given(
+    values: DeckValues, tables: "Mapping[int, MotionFunction]", findings: Findings
+) -> Iterator[GivenFunction]:
     for record in values.section("function"):
         number, numbers = record.at("number"), record.numbers[2:]
         if number.value in tables:
@@ -38,11 +48,13 @@ def _given(values: DeckValues, tables: Any, findings: Findings) -> Iterator[Give
             yield GivenFunction(record, number, FUNCTION_KINDS[record["kind"]], found, _places(numbers))
 
 
-def _places(numbers: Any) -> Any:
+def _places(numbers: "tuple[Number, ...]") -> Any:
     return lambda k: numbers[min(k, len(numbers) - 1)].place
 
 
-def _points(record: Record, numbers: Any, tables: Any, findings: Findings) -> Any:
+def _points(
+    record: Record, numbers: "tuple[Number, ...]", tables: "Mapping[int, MotionFunction]", findings: Findings
+) -> Any:
     """Times and values that a function goes through, one after the other, on its card or of a table."""
     if len(numbers) > 1:
         return [item.value for item in numbers]
@@ -77,7 +89,7 @@ def build_elements(
 class _Maker(JointMaker):
     """Makes elements of records; None where a fault was found."""
 
-    def __init__(self, bodies: Any, ground: Any, joints: Any, functions: Any, findings: Findings):
+    def __init__(self, bodies: Any, ground: VsdfBody, joints: Any, functions: Functions, findings: Findings):
         super().__init__(joints, functions, findings, RUN_START)
         self.bodies, self.ground = bodies, ground
 
@@ -105,7 +117,7 @@ class _Maker(JointMaker):
             self._refuse_rotations(record, a, b)
         return {"i": a.body, "j": b.body, "P_i": a, "P_j": b}
 
-    def _refuse_rotations(self, record: Record, a: Any, b: Any) -> None:
+    def _refuse_rotations(self, record: Record, a: "End", b: "End") -> None:
         """Nodes of a flexible body have no attitude."""
         flexible = [e.body for e in (a, b) if e.body != GROUND and self.bodies[e.body].flexible is not None]
         turning = [
@@ -142,7 +154,7 @@ def moved_pins(
     return tuple(found)
 
 
-def _functions(record: Record, pin: Any, functions: Any, findings: Findings) -> Any:
+def _functions(record: Record, pin: Pin, functions: Functions, findings: Findings) -> Any:
     for held, axis in zip(pin.directions, "xyz", strict=True):
         number = record.at(f"function.{axis}")
         if number.value and not held:

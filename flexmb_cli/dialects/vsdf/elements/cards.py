@@ -27,7 +27,7 @@ _ENDS = (
 )
 
 
-def _real(key: str, meaning: str, unit: str = "", default: Any = 0.0) -> Any:
+def _real(key: str, meaning: str, unit: str = "", default: float | None = 0.0) -> Any:
     return Column(key, meaning, unit, default=default)
 
 
@@ -38,7 +38,7 @@ def _characteristics(force: Any, stretch: Any) -> Any:
     )
 
 
-def _spring(word: Any, section: Any, coordinate: str, force: Any, unit: str) -> Any:
+def _spring(word: Any, section: Any, coordinate: str, force: str, unit: str) -> Any:
     columns = (
         _JOINT,
         _real("stiffness", f"{force} per {coordinate}", f"{force}/{unit}"),
@@ -50,7 +50,7 @@ def _spring(word: Any, section: Any, coordinate: str, force: Any, unit: str) -> 
     return Card(word, section, f"{section} {{}}", "list", columns)
 
 
-def _stop(word: Any, section: Any, coordinate: str, force: Any, unit: str) -> Any:
+def _stop(word: str, section: str, coordinate: str, force: str, unit: str) -> Any:
     columns = (
         _JOINT,
         _real("lower", f"least {coordinate}", unit),

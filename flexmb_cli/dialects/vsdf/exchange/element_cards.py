@@ -1,7 +1,7 @@
 """Elements at joints and between bodies as cards of a VSDF deck, in free form."""
 
 from abc import ABC, abstractmethod
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ....model.exchange.function_cards import FunctionCards
 from ....model.exchange.rigid_model import Refusals, RigidModel
@@ -9,6 +9,12 @@ from ....model.joint_elements import Coupling, EndStop, JointFriction
 from ....model.joints import ANGLE
 from ..elements.cards import FUNCTION_KINDS
 from ..joints import SLIDING, TURNING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ....model.exchange.rigid_model import CoordinateSpring
+
 
 _KINDS = {kind: word for word, kind in FUNCTION_KINDS.items()}
 FIRST_FUNCTION = 1001  # numbers of tables are smaller: functions have none of theirs
@@ -22,7 +28,7 @@ class ElementCards(ABC):
         self.functions = FunctionCards(FIRST_FUNCTION)
 
     @abstractmethod
-    def _node(self, body: Any, place: Any) -> Any:
+    def _node(self, body: int, place: "Sequence[float]") -> int:
         """Return the number of the node at a place of a body."""
 
     def function_records(self) -> list[str]:
@@ -36,7 +42,7 @@ class ElementCards(ABC):
             self.refusals.add(item, "its function of time is not converted: VSDF has no card for it")
         return number
 
-    def has_jspr(self, item: Any) -> bool:
+    def has_jspr(self, item: "CoordinateSpring") -> bool:
         """Return whether the older card JSPR holds a spring; it has none in strokes of joints that turn."""
         kind = self.model.joints[item.joint].kind
         return kind in TURNING if item.coordinate == ANGLE else kind in SLIDING and kind not in TURNING
@@ -110,7 +116,7 @@ def record(*values: Any) -> str:
     return "    " + ",".join(_text(value) for value in values)
 
 
-def _text(value: Any) -> str:
+def _text(value: float | str) -> str:
     if isinstance(value, str | int):
         return str(value)
     # 0.0 and no negative zero; all digits of a double.

@@ -17,7 +17,9 @@ from ..joints import BY_WORD
 from .element_cards import ElementCards, record
 
 if TYPE_CHECKING:
-    pass
+    from collections.abc import Sequence
+
+    from ....model.exchange.rigid_model import CoordinateSpring, RigidBody, RigidJoint
 
 
 _WORDS = {kind.name: (word, kind) for word, kind in BY_WORD.items()}
@@ -50,7 +52,7 @@ def _refused(message: str, place: Place | None, name: str) -> Fault:
 class _Deck(ElementCards):
     """Collects nodes and tables while the cards are made."""
 
-    def __init__(self, model: Any):
+    def __init__(self, model: RigidModel):
         super().__init__(model)
         # Nodes on axes are as far from joints as joints from the origins of their bodies.
         points = [P for joint in model.joints for P in (joint.P_i, joint.P_j)]
@@ -108,7 +110,7 @@ class _Deck(ElementCards):
             "VELO": record(k + 1, *velocity) if any(velocity) else "",
         }
 
-    def _check_mass(self, body: Any) -> None:
+    def _check_mass(self, body: "RigidBody") -> None:
         moments = np.linalg.eigvalsh(body.inertia)
         if not body.mass > 0:
             self.refusals.add(body, "a VSDF body needs a mass above zero")
@@ -142,7 +144,7 @@ class _Deck(ElementCards):
             *([joint.size] if kind.size else []),
         )  # fmt: skip
 
-    def _ends(self, joint: Any) -> Any:
+    def _ends(self, joint: "RigidJoint") -> Any:
         """Nodes P, Q, H on both bodies, as many as there are directions."""
         (_, kind), model = _WORDS[joint.kind], self.model
         on_i, on_j = kind.points_on("i"), kind.points_on("j")
@@ -188,7 +190,7 @@ class _Deck(ElementCards):
             return TABLE, float(self._table(list(zip(function.times, function.values, strict=True))))
         return OF_FUNCTION, float(self.number(function, item))
 
-    def _table(self, points: Any) -> Any:
+    def _table(self, points: "Sequence[tuple[float, float]]") -> Any:
         self.table_count += 1
         self.tables += [record(self.table_count, float(t), float(v)) for t, v in points]
         return self.table_count
@@ -224,7 +226,7 @@ class _Deck(ElementCards):
         ends = (item.i + 1, self._node(item.i, item.P_i), item.j + 1, self._node(item.j, item.P_j))
         return record(number, *ends, item.stiffness, item.damping, item.free_length)
 
-    def _joint_spring(self, item: Any) -> Any:
+    def _joint_spring(self, item: "CoordinateSpring") -> Any:
         if item.stiffness < 0 or item.damping < 0:
             self.refusals.add(item, "VSDF springs have no negative stiffness or damping")
         return record(item.joint + 1, item.stiffness, item.damping, item.rest)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,6 +28,11 @@ from ....model.mechanism import GROUND, Point
 from ....model.vectors import rotation_matrix
 from ....quick_dataclass import replace
 from ..shapes import exchanged_shapes
+
+if TYPE_CHECKING:
+    from ....model.flexible_mechanism import PointJoint
+    from ....model.time_functions import MotionFunction
+
 
 _DIRECTIONS = {word: n for n, word in enumerate(("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ"), start=1)}
 _COORDINATES = {"ANGL": ANGLE, "STRK": STROKE}
@@ -144,7 +149,7 @@ class _Conversion(Conversion):
         c = body.s0 / body.m
         return self.rigid_body(k, body.name, (body.m, c, about_centre(body.m, c, body.J0)), body.place)
 
-    def _joint(self, joint: Any) -> Any:
+    def _joint(self, joint: "PointJoint") -> Any:
         i, j = joint.a[0].body, joint.b[0].body
         P_i, P_j = joint.a[0].r0, joint.b[0].r0
         s_i, s_j = (ends[1].r0 - ends[0].r0 if len(ends) > 1 else np.zeros(3) for ends in (joint.a, joint.b))
@@ -154,7 +159,7 @@ class _Conversion(Conversion):
         ends = vector(P_i), vector(P_j), vector(s_i), vector(s_j)
         return RigidJoint(joint.name, joint.kind, i, j, *ends, size, joint.place)
 
-    def _in_plane(self, i: Any, j: Any, P_i: Any, P_j: Any, s_i: Any, size: Any) -> Any:
+    def _in_plane(self, i: int, j: int, P_i: Any, P_j: Any, s_i: Any, size: Any) -> Any:
         """Return the point of the axis in the plane of P_j, which VSDF keeps beside P_i, and its distance."""
         s = s_i / np.linalg.norm(s_i)
         (r_i, A_i), (r_j, A_j) = self.now[i], self.now[j]
@@ -193,7 +198,7 @@ class _Conversion(Conversion):
         return CoordinateSpring(item.name, item.joint, coordinate, item.k, item.q0 - q, item.c, item.place)
 
 
-def _from_zero(function: Any) -> Any:
+def _from_zero(function: "MotionFunction") -> Any:
     return moved(function, 0.0, function.at(0.0)[0])
 
 

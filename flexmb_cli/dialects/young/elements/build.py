@@ -23,14 +23,14 @@ def build_functions(deck: Deck, findings: Findings) -> Functions:
     return Functions(_given(deck), findings)
 
 
-def _given(deck: Any) -> Iterator[GivenFunction]:
+def _given(deck: Deck) -> Iterator[GivenFunction]:
     for record in deck.records:
         if record.section in _SECTIONS:
             place = _places(record)
             yield GivenFunction(record, record.at("number"), record.section, record.values[1:], place)
 
 
-def _places(record: Any) -> Any:
+def _places(record: Record) -> Any:
     return lambda k: record.numbers[1 + k].place
 
 
@@ -45,7 +45,7 @@ def build_elements(
 class _Maker(JointMaker):
     """Makes elements of records; None where a fault was found."""
 
-    def __init__(self, mechanism: Mechanism, functions: Any, findings: Findings):
+    def __init__(self, mechanism: Mechanism, functions: Functions, findings: Findings):
         super().__init__(mechanism.joints, functions, findings, mechanism.time.start)
         self.mechanism = mechanism
 

@@ -142,14 +142,14 @@ class _Conversion(ConvertedElements):
         )
         return self.rigid_body(k, f"body {k + 1}", data, body.place)
 
-    def _point(self, body: Any, point: tuple[float, float, float]) -> Any:
+    def _point(self, body: int, point: tuple[float, float, float]) -> Any:
         """A point of a body, global where the body is at rest."""
         if self.number[body] != GROUND or body == GROUND:
             return vector(point)
         r, A = self.now[body]
         return vector(r + A @ np.array(point))
 
-    def _direction(self, body: Any, s: Any) -> Any:
+    def _direction(self, body: int, s: tuple[float, float, float]) -> Any:
         if self.number[body] != GROUND or body == GROUND:
             return vector(s)
         return vector(self.now[body][1] @ np.array(s))
@@ -165,7 +165,7 @@ class _Conversion(ConvertedElements):
                 self._add_joint(found, item, item.kind, item.size, None)
         return tuple(found)
 
-    def _add_joint(self, found: Any, joint: Any, kind: Any, size: Any, k: int | None) -> None:
+    def _add_joint(self, found: list[RigidJoint], joint: Any, kind: str, size: float, k: int | None) -> None:
         i, j = self.number[joint.i], self.number[joint.j]
         if i == GROUND == j:
             return
