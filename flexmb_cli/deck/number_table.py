@@ -103,11 +103,12 @@ def without_any(records: Sequence[Record], keys: Sequence[str]) -> Iterable[Reco
     """Return the records in which the fields of all `keys` are empty."""
     import numpy as np
 
-    table = _table(records)
-    if table is None:
+    in_columns = _in_columns(records)
+    if in_columns is None:
         return (record for record in records if not any(record.at(key).text for key in keys))
+    table, changed = in_columns
     filled = np.any([table.filled(key) for key in keys], axis=0)
-    filled[list(records.changed)] = True  # type: ignore[attr-defined]
+    filled[list(changed)] = True
     return (records[k] for k in np.flatnonzero(~filled).tolist())
 
 
@@ -115,7 +116,7 @@ def outside(records: Sequence[Record], key: str, lowest: float, highest: float) 
     """Return the records whose number under a key is below `lowest` or above `highest`."""
     import numpy as np
 
-    if _table(records) is None:
+    if _in_columns(records) is None:
         return (record for record in records if not lowest <= record[key] <= highest)
     found = column(records, key)
     return (records[k] for k in np.flatnonzero((found < lowest) | (found > highest)).tolist())

@@ -90,8 +90,9 @@ def unit_doubts(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Fault]
         if longest is None or body.size > longest.size:
             longest = body
     if kind == "FlexibleMechanism":
-        flexible = [body for body in model.bodies if body.flexible is not None]  # type: ignore[union-attr]
-        notes += [*_of_frequencies(flexible), *_of_densities(flexible)]  # type: ignore[arg-type]
+        bodies = cast("FlexibleMechanism", model).bodies
+        flexible = [body for body in bodies if body.flexible is not None]
+        notes += [*_of_frequencies(flexible), *_of_densities(flexible)]
     if IN_MILLIMETRES[0] <= gravity <= IN_MILLIMETRES[1]:
         notes.append(
             Fault(

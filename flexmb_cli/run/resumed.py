@@ -5,6 +5,7 @@ state behind them must have the names, shapes and types that this run gives them
 positions be finite.  Other numbers are taken as they are.
 """
 
+from collections.abc import Mapping
 from math import inf
 from typing import Any
 
@@ -48,7 +49,7 @@ def _shapes_of(layout: Layout) -> Any:
     return {item.path: tuple(length[path] for path in item.axes) for item in (TIME, *layout.series)}
 
 
-def _rows_of(values: "Mapping[str, np.ndarray]", shapes: "Mapping[str, tuple[int, ...]]") -> Any:
+def _rows_of(values: Mapping[str, np.ndarray], shapes: Mapping[str, tuple[int, ...]]) -> Any:
     """Return how many rows a block has.  Raises OtherRun."""
     rows = values["time"].size
     for path, shape in shapes.items():

@@ -21,6 +21,11 @@ from .motions import build_motions, build_tables
 from .stress_outputs import build_stresses
 from .unused_fields import doubt_tables, refuse_unread
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ...model.fe_model import VsdfBody
+
 
 def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     """The model that `deck` describes, file names relative to `folder`, and what was doubtful.
@@ -64,7 +69,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     return VsdfModel(bodies, time, integrator, ground, gravity=g, **parts), findings.in_order
 
 
-def _shapes(values: DeckValues, bodies: "tuple[VsdfBody, ...]", folder: Path, findings: Findings) -> Any:
+def _shapes(values: DeckValues, bodies: "Sequence[VsdfBody]", folder: Path, findings: Findings) -> Any:
     if not (values.section("shape") or values.section("shape_file")):
         return ()
     # Few decks have any.

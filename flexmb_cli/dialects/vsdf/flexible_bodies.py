@@ -15,8 +15,6 @@ from .materials import matrices_of_elements, mesh_file, stiffening_material, str
 from .nodes import members_of, sets_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     import numpy as np
 
 

@@ -1,7 +1,6 @@
 """The cards PLAC: a body is placed by one of its nodes at a point, and turned by two more nodes."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -12,10 +11,6 @@ from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import VsdfBody
 from ...model.vectors import euler_parameters
 from ...quick_dataclass import replace
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 # Of the distance between two nodes: a point farther beside the second one was meant for another node.
 FAR_FROM_NODE = 1e-3

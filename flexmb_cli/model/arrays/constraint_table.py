@@ -18,9 +18,6 @@ from ..vectors import rotation_matrix
 from .function_table import FunctionTable
 from .records import GROUP, NONE, PRIMITIVE, BodyVectorTable, blank_primitive
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 def tilde(v: np.ndarray) -> np.ndarray:
     """The matrix (3, 3) of v ×."""

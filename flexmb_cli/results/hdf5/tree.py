@@ -100,7 +100,8 @@ def tree_values(tree: Tree, rows: "TreeRows", points: "PointMotion") -> Values:
         values[_displacement(tree, k)] = displacement
     if tree.elements:
         values |= joint_values(rows, OF_ELEMENTS)
-        values |= {PATH: rows.driver_effort} if tree.prescribed or tree.elements.drivers else {}  # type: ignore[attr-defined]
+        if tree.prescribed or tree.elements.drivers:
+            values[PATH] = cast("TreeElementRows", rows).driver_effort
     return values
 
 
