@@ -10,7 +10,7 @@ from flexmb_cli.cli.run import run
 from flexmb_cli.fe.elements.element_stiffness import BodyElements, assembled, element_stiffness
 from flexmb_cli.fe.elements.solid_elements import FORMULATIONS, elasticity, solid_elements
 from flexmb_cli.fe.elements.stress_shapes import nodal_stresses
-from flexmb_cli.results.figures.element_faces import outer_faces
+from flexmb_cli.results.figures.element_faces import outer_faces_of_elements
 from scripts.brick_beam import Beam
 from scripts.plate_with_hole import Strap
 from tests.dialects.vsdf.vsdf_decks import DECKS
@@ -39,7 +39,7 @@ def solved(places, elements, loads, held, poisson=0.3, formulation=0):
 def pulled(places, elements, x, traction):
     """Loads of a uniform traction on the faces at x: -1/12 of a face's force at corners, 1/3 at middles."""
     loads = np.zeros(places.shape)
-    for face in outer_faces(np.array(elements) - 1):
+    for face in outer_faces_of_elements(np.array(elements) - 1)[0]:
         if np.allclose(places[face][:, 0], x):
             c = places[face[::2]]
             force = traction * np.linalg.norm(np.cross(c[1] - c[0], c[3] - c[0]))
