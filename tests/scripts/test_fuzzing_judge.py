@@ -83,6 +83,13 @@ def test_weights_and_inertia_of_a_tree_are_those_of_its_deck(tmp_path, old, new,
     assert what in judge(other, read_dafms_text(text), warned=False)
 
 
+def test_a_record_without_a_number_is_that_of_the_body_in_its_place(tmp_path):
+    """The program of 1992 reads the records of a card in turn; flexmb does so where a number is blank."""
+    changes = ((" 6000\n", "   60\n"), ("INER\n    1      .018", "INER\n           .018"))
+    text, result = solved(tmp_path, "dafms/pendulum.DAT", *changes)
+    assert judge(result, read_dafms_text(text), warned=False) == ""
+
+
 def test_a_warning_excuses_the_drift_of_energy_that_it_states_and_no_more(tmp_path):
     _, result = solved(tmp_path, "dafms/pendulum.DAT", (" 6000\n", "   60\n"))
     with h5py.File(result, "r+") as file:

@@ -107,9 +107,9 @@ def _read(lines):
 def _block(lines, nodes, size, dimension):
     """Return places of the nodes, their stiffness matrix (skyline by columns) and masses."""
     places = np.zeros((nodes, 3))
-    for _ in range(nodes):
+    for k in range(1, nodes + 1):
         node, *place = lines.record(1, dimension)
-        places[node - 1, 3 - dimension :] = place
+        places[(node or k) - 1, 3 - dimension :] = place
     for _ in range(nodes):
         lines.next()  # constant forces: their work is that of a load
     lines.integers(1)
@@ -130,7 +130,8 @@ def _cards(lines, count):
     while (word := lines.next()[:4].strip()) != "END":
         if word in BODIES:
             read = [lines.record(1, BODIES[word]) for _ in range(count)]
-            cards[word] = {body: values for body, *values in read}
+            # The program reads records in their order; flexmb warns where their number is blank.
+            cards[word] = {body or k: values for k, (body, *values) in enumerate(read, 1)}
         elif word == "GRAV":
             gravity = np.array(lines.record(1, 3)[1:])
         elif word == "SPRI":
