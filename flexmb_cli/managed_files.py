@@ -64,6 +64,16 @@ def _refuse(found: Any, shown: str) -> None:
         )
 
 
+def is_own(found: os.stat_result) -> bool:
+    """Return whether only this user, or root, can have written what has the status `found`."""
+    return belongs_here(found) and (not hasattr(os, "geteuid") or not found.st_mode & 0o022)
+
+
+def belongs_here(found: os.stat_result) -> bool:
+    """Return whether what has the status `found` is of this user, or of root, who could change all anyway."""
+    return not hasattr(os, "geteuid") or found.st_uid in (0, os.geteuid())
+
+
 class ManagedFolder:
     """An open folder, used with `with`; names in it lead nowhere else, whatever becomes of its path.
 

@@ -143,6 +143,13 @@ def _warn_of_result(study: str, output: str, quiet: bool) -> None:
         _say(f"{study}: warning: {reported}", quiet)
 
 
+def _warn_of_another_user(made: "Sweep", study: str, quiet: bool) -> None:
+    """Warn where rows of the table may be anything that another user wrote into the prepared folder."""
+    if made.job.parts.is_of_another_user():
+        reported = f"{made.job.parts_folder} is of another user, whose cases are taken; with --fresh none are"
+        _say(f"{study}: warning: {reported}", quiet)
+
+
 def _solve(made: "Sweep", study: str, jobs: int, scheduler: str | None, quiet: bool, verbose: bool) -> None:
     from .. import interface
     from ..run.processes.parent_watch import outlive_workers
@@ -152,6 +159,7 @@ def _solve(made: "Sweep", study: str, jobs: int, scheduler: str | None, quiet: b
     cases, left = made.job.study.cases, made.left
     if left < cases:
         _say(f"continuing a stopped study: {cases - left} of {cases} cases are complete", quiet)
+        _warn_of_another_user(made, study, quiet)
     with Progress(study, "cases", quiet, verbose) as progress:
         progress.begin(left)
         listener = Listener(notice=progress.notice, status=progress.status)

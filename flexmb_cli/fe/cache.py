@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import Fault
-from ..managed_files import UnsafePlace, open_managed
+from ..managed_files import UnsafePlace, is_own, open_managed
 from ..model.flexible_body import BodyMesh, BodyStress, Dropped, ElementMaterial, FlexibleBody, FlexibleInput
 from ..quick_dataclass import fields
 from .formats.file_text import bytes_of
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 # To be raised when the arrays, or how they are computed, change.
-LAYOUT = 14
+LAYOUT = 15
 # Bytes behind the arrays: a damage anywhere makes the body anew, instead of another body.
 DIGEST = 32
 _VARIABLES = (("FLEXMB_CACHE_DIR", ""), ("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache"))
@@ -46,12 +46,18 @@ def cache_folder() -> Path | None:
             continue
         folder = Path(base) / below / "flexmb" / "bodies"
         try:
-            folder.mkdir(parents=True, exist_ok=True)
+            _make(folder)
         except OSError:
             continue
         if os.access(folder, os.W_OK):
             return folder
     return None
+
+
+def _make(folder: Path) -> None:
+    """Make a folder that no other user may write to: compiled kernels lie beside it."""
+    for below in (folder.parent.parent, folder.parent, folder):
+        below.mkdir(mode=0o700, parents=True, exist_ok=True)
 
 
 def key_of(given: FlexibleInput) -> str:
@@ -108,16 +114,23 @@ def load(given: FlexibleInput) -> tuple[FlexibleBody, list[Fault]] | None:
     if folder is None:
         return None
     try:
-        with open(open_managed(str(folder / f"{key_of(given)}{_ENDING}"), os.O_RDONLY), "rb") as stream:
-            raw = stream.read()
+        key = key_of(given)
+        with open(open_managed(str(folder / f"{key}{_ENDING}"), os.O_RDONLY), "rb") as stream:
+            # Numbers of another user would be taken for those of the deck's files, without a word.
+            raw = stream.read() if is_own(os.fstat(stream.fileno())) else b""
     except (OSError, UnsafePlace):
         return None
     content, digest = raw[:-DIGEST], raw[-DIGEST:]
-    if hashlib.sha256(content).digest() != digest:
+    if _digest(key, content) != digest:
         return None
     arrays = io.BytesIO(content)
     notes = json.loads(str(np.load(arrays, allow_pickle=False)))
     return _restored(given, notes, {name: np.load(arrays, allow_pickle=False) for name in notes["arrays"]})
+
+
+def _digest(key: str, content: bytes) -> bytes:
+    """Digest of a body's file; who may rename it does not make it another body."""
+    return hashlib.sha256(key.encode() + content).digest()
 
 
 def _restored(given: Any, notes: "dict[Any, Any]", stored: Any) -> "tuple[FlexibleBody, Any]":
@@ -167,23 +180,23 @@ def store(given: FlexibleInput, body: FlexibleBody, warnings: list[Fault]) -> No
     if body.mesh:
         arrays |= {f"mesh_{name}": getattr(body.mesh, name) for name in _MESH}
     try:
-        _write(folder / f"{key_of(given)}{_ENDING}", notes | {"arrays": list(arrays)}, arrays.values())
+        _write(folder, key_of(given), notes | {"arrays": list(arrays)}, arrays.values())
     except OSError:
         return
 
 
-def _write(path: Any, notes: "Mapping[Any, Any]", arrays: "Iterable[Any]") -> None:
+def _write(folder: Path, key: str, notes: "Mapping[Any, Any]", arrays: "Iterable[Any]") -> None:
     import tempfile
 
-    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
+    handle, temporary = tempfile.mkstemp(dir=folder, suffix=".part")
     try:
         content = io.BytesIO()
         for array in (np.array(json.dumps(notes)), *arrays):
             np.save(content, array, allow_pickle=False)
         with os.fdopen(handle, "wb") as stream:
             stream.write(content.getvalue())
-            stream.write(hashlib.sha256(content.getvalue()).digest())
-        os.replace(temporary, path)
+            stream.write(_digest(key, content.getvalue()))
+        os.replace(temporary, folder / f"{key}{_ENDING}")
     except BaseException:
         os.unlink(temporary)
         raise

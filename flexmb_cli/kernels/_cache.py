@@ -10,6 +10,7 @@ import stat
 from collections.abc import Iterator
 from pathlib import Path
 
+from ..managed_files import is_own
 from ._objects import kernel_digest
 
 ENDING = ".object"
@@ -36,14 +37,9 @@ def _bases() -> Iterator[Path]:
         yield Path(tempfile.gettempdir()) / f"flexmb-{os.getuid()}"
 
 
-def _is_own(found: os.stat_result) -> bool:
-    """Return whether only this user, or root, can have written it."""
-    return not hasattr(os, "getuid") or (found.st_uid in (0, os.getuid()) and not found.st_mode & 0o022)
-
-
 def _is_safe_base(found: os.stat_result):
     """A folder for all, such as /tmp, will do where nobody can take away what is another's."""
-    return _is_own(found) or (found.st_uid == 0 and bool(found.st_mode & stat.S_ISVTX))
+    return is_own(found) or (found.st_uid == 0 and bool(found.st_mode & stat.S_ISVTX))
 
 
 def _refuse(path: Path, found: os.stat_result) -> None:
@@ -70,7 +66,7 @@ def _is_safe(base: Path, folder: Path) -> bool:
             return False
         for below in (folder.parent, folder):
             found = below.lstat()
-            if not stat.S_ISDIR(found.st_mode) or not _is_own(found):
+            if not stat.S_ISDIR(found.st_mode) or not is_own(found):
                 _refuse(below, found)
                 return False
     return True
@@ -104,7 +100,7 @@ def read_own(path: Path) -> bytes | None:
     """Return a kept object, None where others may have written it; raises OSError where it is no file."""
     with open(path, "rb", opener=_open_unlinked) as file:
         found = os.fstat(file.fileno())
-        if _is_own(found):
+        if is_own(found):
             return file.read()
         _refuse(path, found)
         return None

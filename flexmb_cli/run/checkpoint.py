@@ -19,7 +19,7 @@ import numpy as np
 from numpy.lib.format import descr_to_dtype, dtype_to_descr
 
 from ..errors import Fault, ModelError, OutputError
-from ..managed_files import open_managed, unbuffered
+from ..managed_files import belongs_here, open_managed, unbuffered
 from ..results.files.disk_failures import located
 from ..results.files.durable import GROWING, sync, sync_folder
 from ..results.files.framed import framed, whole_payloads
@@ -63,8 +63,7 @@ class ResumeFile:
         if self.path is None or not os.path.lexists(self.path):
             return
         with self._opened() as file:
-            # Root could change anything anyway.
-            if hasattr(os, "geteuid") and os.fstat(file.fileno()).st_uid not in (os.geteuid(), 0):
+            if not belongs_here(os.fstat(file.fileno())):
                 self._doubt("warning", "of another user, whose rows are taken; without --resume none are")
             head = file.readline(_LONGEST_HEAD)
             if _is_blank(head) or (self._head.startswith(head) and head != self._head):

@@ -15,7 +15,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from ..errors import Fault, ModelError, OutputError
-from ..managed_files import ManagedFolder, unbuffered
+from ..managed_files import ManagedFolder, belongs_here, unbuffered
 from ..results.files.disk_failures import located
 from ..results.files.durable import GROWING, sync, sync_folder
 from ..results.files.framed import framed, whole_payloads
@@ -102,6 +102,12 @@ class Parts:
                 if name.endswith(_PART):
                     GROWING.note(os.path.join(self.folder, name))
             GROWING.sync_all()
+
+    def is_of_another_user(self) -> bool:
+        """Return whether the folder, or a file in it, belongs neither to this user nor to root."""
+        with located(self.folder), ManagedFolder(self.folder) as folder:
+            paths = [self.folder, *(os.path.join(self.folder, name) for name in folder.names())]
+            return any(not belongs_here(os.lstat(path)) for path in paths)
 
     def remove(self) -> None:
         """Remove all of this or another study but the lock of its folder."""

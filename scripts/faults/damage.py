@@ -53,11 +53,7 @@ def damaged_resume_file(stage, chance, number, folder) -> Verdict:
         found += [] if resume_file.read_bytes() == damaged else ["refused, but the journal was changed"]
         resume_file.unlink()
         ended = _go_on(command, folder, Hit())
-    elif (
-        damaged != content
-        and "pendulum.resume" not in ended.stderr
-        and "two_link_n2.resume" not in ended.stderr
-    ):
+    elif damaged != content and resume_file.name not in ended.stderr:
         found.append("a damaged journal without a word")
     found += faults_of_finish(command, folder, before, ended)
     return Verdict(command.name, found, not found)

@@ -85,24 +85,30 @@ def _run(name, deck, stem, *options, suffix=".dat", resumable=False):
     if "dafms" in deck:
         outputs += [f"out/{stem}.T2", f"out/{stem}.T3"]
     again = ("--resume",) if resumable else ()
-    # The deck of a run that goes on lies in the folder, where it can be changed.
-    own = {Path(deck).name: (DECKS / deck).read_bytes()} if resumable else {}
+    own = _files_of(DECKS / deck) if resumable else {}
     arguments = ("run", Path(deck).name if own else DECKS / deck, "-o", "out", *options)
     return Command(name, arguments, tuple(outputs), own, again, resumable)
 
 
+def _files_of(deck: Path) -> dict[str, bytes]:
+    """Deck and matrices of a run that goes on: they lie in its folder, where they can be changed."""
+    matrices = deck.parent.glob(f"fe/{deck.stem}_*")
+    return {str(path.relative_to(deck.parent)): path.read_bytes() for path in (deck, *matrices)}
+
+
 def runs() -> list[Command]:
     """`flexmb run` of every dialect, short."""
-    tree = {"suffix": ".OUT", "resumable": True}
+    goes_on = {"suffix": ".OUT", "resumable": True}
     return [
         _run("run young", "young/IN4-BAR.dat", "OUT4-BAR", "--set", "time.step=0.05"),
         _run("run young inverse", "young/dynamics/IN4-BAR-MASS.dat", "OUT4-BAR-MASS"),
-        _run("run young forward", "young/dynamics/IN-BRICARD.dat", "OUT-BRICARD", "--set", "time.end=1"),
-        _run("run dafms", "dafms/pendulum.DAT", "pendulum", "--set", "time.IT=1500", **tree),
-        _run("run dafms flexible", "dafms/two_link_n2.DAT", "two_link_n2", "--rtol", "1e-6", **tree),
+        _run("run young forward", "young/dynamics/IN-BRICARD.dat", "OUT-BRICARD", "--set", "time.end=1",
+             resumable=True),
+        _run("run dafms", "dafms/pendulum.DAT", "pendulum", "--set", "time.IT=1500", **goes_on),
+        _run("run dafms flexible", "dafms/two_link_n2.DAT", "two_link_n2", "--rtol", "1e-6", **goes_on),
         _run("run dafms absolute", "dafms/fourbar_rigid.DAT", "fourbar_rigid", "--formulation", "absolute",
-             suffix=".OUT"),
-        _run("run vsdf", "vsdf/spinup.vsdf", "spinup", "--set", "time.end=1", suffix=".OUT"),
+             **goes_on),
+        _run("run vsdf", "vsdf/spinup.vsdf", "spinup", "--set", "time.end=1", **goes_on),
         Command("run several decks", ("run", DECKS / "young/IN4-BAR.dat", DECKS / "young/IN2-6-1.dat",
                 DECKS / "young/IN5BODY.dat"), tuple(f"OUT{n}" for n in ("4-BAR.dat", "4-BAR.h5", "2-6-1.dat",
                 "2-6-1.h5", "5BODY.dat", "5BODY.h5"))),

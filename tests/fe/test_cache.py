@@ -1,6 +1,7 @@
 """Bodies kept on disk: found again, told apart, made anew when anything they depend on changes."""
 
 import os
+import sys
 import threading
 import time
 from dataclasses import fields, replace
@@ -12,6 +13,7 @@ import pytest
 from flexmb_cli.errors import ModelError
 from flexmb_cli.fe import cache
 from flexmb_cli.fe.flexible_bodies import flexible_body
+from flexmb_cli.kernels import _cache
 from flexmb_cli.model.flexible_body import FlexibleBody
 from tests.fe.trusses import files_input, truss, truss_input
 
@@ -94,6 +96,38 @@ def test_a_spoilt_file_is_made_anew(folder, spoil):
     found, _ = flexible_body(given)
     assert found.frequencies == pytest.approx(made.frequencies)
     assert cache.load(given) is not None
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="modes are Unix's")
+def test_a_file_that_others_may_write_is_made_anew(folder):
+    """Their numbers would count as those of the deck's files."""
+    given = truss_input(folder, 1, modes=2)
+    flexible_body(given)
+    kept()[0].chmod(0o620)
+    assert cache.load(given) is None
+    flexible_body(given)
+    assert cache.load(given) is not None
+
+
+def test_a_file_under_the_name_of_another_body_is_made_anew(folder):
+    given = truss_input(folder, 1, modes=2)
+    other = replace(given, modes=3)
+    flexible_body(given)
+    os.rename(kept()[0], kept()[0].with_name(f"{cache.key_of(other)}.body"))
+    assert cache.load(other) is None
+    assert flexible_body(other)[0].modes == 3
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="modes are Unix's")
+def test_compiled_kernels_find_a_safe_folder_where_bodies_were_kept_first(folder, monkeypatch):
+    """With umask 002 the folder "flexmb" was made for a group to write, and then refused for kernels."""
+    before = os.umask(0o002)
+    try:
+        assert cache.cache_folder() == folder / "cache/flexmb/bodies"
+        monkeypatch.setenv("NUMBA_CACHE_DIR", str(folder / "cache"))
+        assert next(_cache.folders()).parent == folder / "cache/flexmb"
+    finally:
+        os.umask(before)
 
 
 def test_doubts_are_told_again_from_the_cache(folder):

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import h5py
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -19,6 +20,8 @@ pytestmark = [
 sys.path.insert(0, str(ROOT / "scripts" / "fuzz"))
 from judged.dafms_text import read_dafms_text  # noqa: E402
 from judged.judge import judge  # noqa: E402
+from judged.rates import judge_rates  # noqa: E402
+from judged.rows import Result  # noqa: E402
 from judged.vsdf_text import read_vsdf_text  # noqa: E402
 from judged.young_text import read_young_text  # noqa: E402
 
@@ -106,6 +109,16 @@ def test_coarse_steps_still_show_velocities_that_are_not_those_of_the_places(tmp
     with h5py.File(result, "r+") as file:
         file["point/velocity"][...] *= 2.0
     assert "point/position against its rates" in judge(result, None, coarse=True)
+
+
+def test_rows_that_skip_whole_turns_show_no_rates(tmp_path):
+    """A row for 16 turns looks like a slow motion backwards, at the speed that the deck prescribes."""
+    _, result = solved(tmp_path, "dafms/pendulum.DAT", (" 6000\n", "   60\n"))
+    with h5py.File(result, "r+") as file:
+        rows = file["time"][...]
+        file["body/angular_velocity"][:, 0] = (0.0, 0.0, 100.0 / np.diff(rows).max())
+        file["body/position"][...] = np.sin(0.1 * np.arange(len(rows)))[:, None, None]
+    assert not judge_rates(Result(result))
 
 
 def test_a_load_on_one_body_leaves_the_balance_of_the_others(tmp_path):

@@ -150,6 +150,23 @@ def test_what_is_told_of_a_stopped_study_is_right_to_the_case(study):
     assert "continuing a stopped study: 51 of 200 cases are complete" in done.output
 
 
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="owners of files")
+@pytest.mark.parametrize("given_away", ["s.h5.parts", "s.h5.parts/block-00000000.part"])
+def test_cases_of_another_user_are_told(study, monkeypatch, given_away):
+    """Who may write a part file chooses rows of the table."""
+    sweep = begun(study)
+    solve_block(sweep.job, 0)
+    del sweep
+    owner = os.stat(given_away).st_uid
+    if owner == 0:  # root gives its files away, others look as somebody else
+        os.chown(given_away, 65534, -1)
+    else:
+        monkeypatch.setattr(os, "geteuid", lambda: owner + 1)
+    done = CliRunner().invoke(cli, ["sweep", study])
+    said = "is of another user, whose cases are taken; with --fresh none are"
+    assert f"{study}: warning: {os.path.abspath('s.h5.parts')} {said}" in done.output
+
+
 def test_a_study_of_which_nothing_is_kept_is_not_gone_on_with(study):
     """As it is left where no scheduler answers."""
     sweep = begun(study)

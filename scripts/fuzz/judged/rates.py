@@ -26,7 +26,7 @@ def judge_rates(result, smooth: bool = True, coarse: bool = False) -> bool:
     corners, which lie between rows.
     """
     time, moving = result["time"], False
-    if len(time) < LEAST_ROWS:
+    if len(time) < LEAST_ROWS or _turns_unseen(result, time):
         return False
     # A step of generalised-alpha is itself off by as much as rows can show.
     exact = smooth and result.attributes["dialect"] != "vsdf"
@@ -43,6 +43,13 @@ def judge_rates(result, smooth: bool = True, coarse: bool = False) -> bool:
                 _same(names[0], _by_hermite(time, place, rate, second, exact), shown)
             _same(names[-2], _by_simpson(time, rate, second, exact), shown)
     return moving
+
+
+def _turns_unseen(result, time):
+    """Return whether a body turns by more than half a turn between rows: they may then show a slow motion."""
+    if "body/angular_velocity" not in result:
+        return False
+    return np.linalg.norm(result["body/angular_velocity"], axis=-1).max() * np.diff(time).max() > np.pi
 
 
 def _places_alone(result, names, time):
