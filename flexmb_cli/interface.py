@@ -98,14 +98,14 @@ def solve(deck: OpenDeck | str | os.PathLike[str], **options: float | str) -> "R
     opened = deck if isinstance(deck, OpenDeck) else read_deck(deck)
     run = Run(Outcome(opened.path), _run_options(options))
     with _naming(opened.path):
-        solution, doubts = prepared(opened.deck, run)
+        solution, of_model = prepared(opened.deck, run)
         blocks: list[Mapping[str, np.ndarray]] = []
         try:
             blocks.extend(solution.blocks_counted())
         except AnalysisError as failure:
-            failure.result = _result(opened, solution, blocks, [*run.outcome.faults, *doubts], failure)
+            failure.result = _result(opened, solution, blocks, [*run.outcome.faults, *of_model], failure)
             raise
-    return _result(opened, solution, blocks, [*run.outcome.faults, *doubts], None)
+    return _result(opened, solution, blocks, [*run.outcome.faults, *of_model], None)
 
 
 def _run_options(options: dict[str, Any]) -> "RunOptions":
@@ -143,7 +143,7 @@ def _result(
     # As in the file: without what the model does not have, such as forces of pins where there are none.
     paths = ("time", *(item.path for item in layout.series)) if blocks else ()
     values = {path: np.concatenate([block[path] for block in blocks]) for path in paths}
-    warnings = (*opened.warnings, *faults, *solution.warnings, *solution.count.doubts)
+    warnings = (*opened.warnings, *faults, *solution.warnings, *solution.count.warnings)
     status, message = (COMPLETE, "") if failure is None else (FAILED, str(failure))
     return Result(opened, values, layout, status, message, tuple(dict.fromkeys(warnings)))
 
@@ -171,7 +171,7 @@ def sweep(study: str | os.PathLike[str], jobs: int = 1) -> dict[str, np.ndarray]
 def open_study(study: str | os.PathLike[str], parts: str, fresh: bool = False) -> "Sweep":
     """Return the study in a file, whose cases are kept in the folder `parts`; raises DeckError.
 
-    A study that was stopped goes on with the cases that are there, unless it is to be `fresh`.
+    A study that was stopped continues with the cases that are there, unless it is to be `fresh`.
     """
     from .study.sweep import Sweep
 

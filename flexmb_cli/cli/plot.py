@@ -107,7 +107,7 @@ def _plot_results(
     across: str,
     part: Any,
     title: str | None,
-    width: Any,
+    width: float | None,
     quiet: bool,
     print_options: dict[str, float | str],
 ) -> None:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..run.outcome import Outcome, RunOptions
 
 
-_BEGINNING = 10_000  # characters of a deck that tell its dialect
+_BEGINNING = 10_000  # characters of a deck by which its dialect is recognised
 
 
 @click.command()
@@ -116,7 +116,7 @@ def _refuse_mixed_output(as_json: bool, options: "dict[Any, Any]") -> None:
             raise click.UsageError(f"--no-{name} and --{name} {options[name]} exclude each other: give one")
 
 
-def _note_names_behind_only(decks: Any, options: "dict[Any, Any]", quiet: bool) -> None:
+def _note_names_behind_only(decks: "Sequence[str]", options: "dict[Any, Any]", quiet: bool) -> None:
     """`--only point energy` takes the second name for a deck."""
     from ..deck.several_models import named_model
 
@@ -125,7 +125,7 @@ def _note_names_behind_only(decks: Any, options: "dict[Any, Any]", quiet: bool) 
         tell("flexmb: --only takes one quantity: give it once for each, as in --only point --only energy")
 
 
-def _refuse_parallel_input(decks: Any, jobs: int) -> None:
+def _refuse_parallel_input(decks: "Sequence[str]", jobs: int) -> None:
     if jobs > 1 and len(decks) > 1 and "-" in decks:
         raise click.UsageError("standard input goes to one process only: with -j give every deck by its name")
 

@@ -150,7 +150,7 @@ def _remark_settings(path: str, settings: list[str], quiet: bool) -> None:
 
 
 def _remark(path: str, file: "h5py.File", rows: range, quiet: bool) -> None:
-    """Tell on standard error what the numbers do not show."""
+    """Print on standard error what the numbers do not show."""
     from ..results.quantities.quantities import remarks
 
     for note in () if quiet else remarks(file):

@@ -49,9 +49,9 @@ class Misspelt(ValueError):
 
 @lru_cache(maxsize=4096)
 def real(word: str) -> tuple[float, str]:
-    """The finite double that `word` spells, and a doubt, "" for none.
+    """The finite double that `word` spells, and a warning, "" for none.
 
-    Read are `1`, `-.5`, `1.`, `1e3`, `1.5D+03` and, with a doubt, `1.5+3`.
+    Read are `1`, `-.5`, `1.`, `1e3`, `1.5D+03` and, with a warning, `1.5+3`.
     Raises Misspelt for any other spelling and for values that a double cannot hold.
     """
     if len(word) > LONGEST_NUMBER:
@@ -67,7 +67,7 @@ def real(word: str) -> tuple[float, str]:
 
 @lru_cache(maxsize=4096)
 def integer(word: str) -> tuple[int, str]:
-    """The integer that `word` spells, and a doubt, "" for none: `2.0` is taken for 2 with a doubt."""
+    """The integer that `word` spells, and a warning, "" for none: `2.0` is taken for 2 with a warning."""
     if _PLAIN_INTEGER.fullmatch(word) and len(word) <= MOST_DIGITS:
         return int(word), ""
     try:

@@ -11,7 +11,7 @@ NO_ANGLE = f"beyond {LARGEST_ANGLE:.0e} rad a number determines no position with
 
 
 def check_driver_angles(mechanism: Mechanism, findings: Findings) -> None:
-    """Refuse angles beyond `LARGEST_ANGLE`, and doubt `MANY_REVOLUTIONS` in a report step."""
+    """Refuse angles beyond `LARGEST_ANGLE`, and warn of `MANY_REVOLUTIONS` in a report step."""
     for driver in mechanism.drivers:
         if driver.direction < 4:
             continue

@@ -112,7 +112,7 @@ def _smallest(left: np.ndarray, whole: np.ndarray, motions: np.ndarray) -> tuple
     return shares[0], scaled @ shapes[:, 0]
 
 
-def _report(body: Body, k: Any, motion: np.ndarray, values: Any, findings: Findings) -> None:
+def _report(body: Body, k: int, motion: np.ndarray, values: Any, findings: Findings) -> None:
     turning = np.abs(motion[3:])
     if not turning.any():
         axis = int(np.argmax(np.abs(motion[:3]))) + 1

@@ -62,7 +62,7 @@ def fault_of_sizes(kind: str, sizes: Vector) -> tuple[int, str] | None:
 
 
 def primitive(body: int, kind: str, sizes: Vector, offset: Vector, angles: Vector) -> Shape:
-    """Return the surface of a primitive of one of KINDS; lengths in m, angles in rad."""
+    """Return the surface of a primitive of one of `KINDS`; lengths in m, angles in rad."""
     a, b, c = sizes
     rings = {
         CYLINDER: ((0.0, -b / 2), (a, -b / 2), (a, b / 2), (0.0, b / 2)),

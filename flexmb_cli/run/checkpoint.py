@@ -39,15 +39,15 @@ class ResumeFile:
     """The resume file at `path` (None keeps none); `identity` is all that the rows depend on, in JSON's
     types.
 
-    `find` the resume file of a stopped run if there may be one; then `begin`, take the `stored` entries,
-    and `append` further ones.  `doubts`: what could not be used of the one found, `last_checkpoint` where it
-    goes on.
+    Call `find` first where there may be the file of a stopped run; then `begin`, take the `stored`
+    entries, and `append` further ones.  `warnings`: why the file found is not used, or only a part of it;
+    `last_checkpoint`: the state from which the run continues.
     """
 
     def __init__(self, path: str | None, identity: dict[str, Any]):
         self.path = path
         self.identity = identity
-        self.doubts: list[Fault] = []
+        self.warnings: list[Fault] = []
         self.last_checkpoint: dict[str, np.ndarray] | None = None
         self._file: BinaryIO | None = None
         self._first = self._end = 0
@@ -85,14 +85,14 @@ class ResumeFile:
             self._doubt("note", f"torn or damaged at byte {whole}; the {lost} bytes there are not used")
 
     def _doubt(self, severity: str, what: str) -> None:
-        self.doubts.append(Fault(severity, f"--resume: {self.path} is {what}", id="RUN-005"))
+        self.warnings.append(Fault(severity, f"--resume: {self.path} is {what}", id="RUN-005"))
 
     @property
     def _head(self) -> bytes:
         return json.dumps(self.identity).encode() + b"\n"
 
     def begin(self, unfinished: Sequence[str]) -> None:
-        """Start the resume file, or go on with the one found; a kill would leave the files `unfinished`."""
+        """Start the resume file, or continue the one found; a kill would leave the files `unfinished`."""
         if self.path is None:
             return
         with located(self.path):
@@ -130,7 +130,7 @@ class ResumeFile:
 
     @property
     def begun(self) -> bool:
-        """Return whether this run, or the one that it goes on with, has left anything to resume."""
+        """Return whether this run, or the one that it continues with, has left anything to resume."""
         return self._file is not None or self._end > self._first
 
     def close(self) -> None:
@@ -275,7 +275,7 @@ def _arrays(entry: bytes, names: tuple[str, ...] | None = None) -> Any:
 
 
 def _with_tuples(described: Sequence[Sequence[str]] | str) -> Any:
-    """A type's description as numpy has it: JSON knows lists only."""
+    """Return a dtype's description with tuples, as numpy needs it: JSON has lists only."""
     if isinstance(described, str):
         return described
     return [(name, _with_tuples(kind), *map(tuple, shape)) for name, kind, *shape in described]

@@ -18,6 +18,7 @@ from .solution import solution_of
 if TYPE_CHECKING:
     from ..model.loads import DynamicModel
     from ..model.mechanism import Mechanism
+    from ..model.tree import Tree
 
 
 SI = "m"
@@ -135,17 +136,17 @@ def _to_exudyn_by(deck: Deck, run: Run) -> str:
     return ""
 
 
-def _mjcf_of_tree(model: Any, name: str) -> str:
+def _mjcf_of_tree(model: "Tree", name: str) -> str:
     return _mjcf(model, name) if analysis_of(model) == "tree" else ""
 
 
-def _mjcf(model: Any, name: str) -> str:
+def _mjcf(model: "Tree", name: str) -> str:
     from ..results.models.mjcf import mjcf
 
     return mjcf(model, name)
 
 
-def _exudyn(model: Any, name: Any, other_way: Callable[[], str] = str) -> str:
+def _exudyn(model: Any, name: str, other_way: Callable[[], str] = str) -> str:
     from ..results.models.exudyn import exudyn_script
 
     if analysis_of(model) != "dynamic" or model.analysis != "forward":
@@ -163,7 +164,7 @@ def start_of(model: "DynamicModel", run: Run | None = None) -> dict[str, Any]:
     return _motion_of(model, 1, run)[0]
 
 
-def _motion_of(model: Any, rows: int, run: Run | None = None) -> list[dict[str, Any]]:
+def _motion_of(model: "DynamicModel", rows: int, run: Run | None = None) -> list[dict[str, Any]]:
     """Return what `start_of` does, of each of the first rows."""
     first = _first_rows_of(model, rows)
     blocks = list(solution_of(first, run or Run(Outcome(""), RunOptions())).blocks())
@@ -177,7 +178,7 @@ def _motion_of(model: Any, rows: int, run: Run | None = None) -> list[dict[str, 
     return found
 
 
-def _start(model: Any, run: Run) -> Any:
+def _start(model: "DynamicModel", run: Run) -> Any:
     from ..model.exchange.start import Start
 
     return Start(**start_of(model, run))

@@ -31,7 +31,7 @@ def run_deck(
             if options.echo:
                 from ..results.texts.echo import echo
 
-                # By now the model tells what it took for empty fields.
+                # Building the model has filled in the defaults of empty fields.
                 outcome.echo = echo(deck)
     if outcome.exit_code == BAD_INPUT:
         outcome.faults += warnings_of_earlier_results(path, options)

@@ -43,7 +43,7 @@ class EnergyDrift:
         self.lost = max(self.lost, ENERGY_ROUND_OFF * float(np.max(np.abs(total))))
 
     @property
-    def doubts(self) -> tuple[Fault, ...]:
+    def warnings(self) -> tuple[Fault, ...]:
         """A warning where the energy strays by more than errors of the steps do."""
         if not self.largest > max(WRONG * self.scale, self.lost):
             return ()

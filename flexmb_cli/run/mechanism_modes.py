@@ -31,7 +31,7 @@ MOST_SPEEDS_INTERPRETED = 30
 class Wish:
     """State to linearise about: `time`, s (None: the start), or the `equilibrium` found from there.
 
-    `state_space`: whether B, C and D are asked for; `out`: the file that they go to.
+    `state_space`: whether B, C and D are requested; `out`: the file that they go to.
     """
 
     time: float | None = None
@@ -172,7 +172,7 @@ def _of_mechanism(
 def _space(
     wish: Wish, responses: type, motion: "LinearisedMotion", A: np.ndarray, signals: "Callable[..., Any]"
 ) -> "StateSpace | None":
-    """The state space of a linearised motion, where it is asked for."""
+    """The state space of a linearised motion, where it is requested."""
     from ..solvers.linearisation.state_space import state_space
 
     if not wish.state_space and wish.out is None:

@@ -62,13 +62,13 @@ class Stop:
 
     @classmethod
     def heed(cls) -> None:
-        """Raise what was asked for and got lost, unless it has to wait."""
+        """Raise what was requested and got lost, unless it has to wait."""
         if cls.asked is not None and not cls.held:
             raise cls.asked
 
     @classmethod
     def code(cls) -> int:
-        """The exit code of what was asked for."""
+        """The exit code of what was requested."""
         return INTERRUPTED if cls.asked is KeyboardInterrupt else TERMINATED
 
 
@@ -123,7 +123,7 @@ class Outcome:
 
     `deck` is the deck as named by the user, `settings` what `--set` changed of it, `source` its text once
     read, `echo` the list of its numbers if asked for, `statistics` what the solver counted, `resumable`
-    whether `--resume` can go on with it, `errors` the largest global errors by the paths of their datasets,
+    whether `--resume` can continue it, `errors` the largest global errors by the paths of their datasets,
     `as_printed` whether it was solved with the errors of the program of 1996.
     """
 

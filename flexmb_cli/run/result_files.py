@@ -40,7 +40,7 @@ class ResultFiles:
             self.discard()
             raise
 
-    def _open_table(self, deck: "Deck", solution: "Solution", run: Any) -> None:
+    def _open_table(self, deck: "Deck", solution: "Solution", run: Run) -> None:
         from ..results.files.replaced_file import ReplacedText
 
         out = None

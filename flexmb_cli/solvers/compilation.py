@@ -20,7 +20,7 @@ class Notices(Protocol):
         """Show the sentence."""
 
     def status(self, doing: str) -> None:
-        """Show what goes on, until something else does."""
+        """Show what is being done until the next call."""
 
 
 def interpreting(wanted: bool = True) -> AbstractContextManager[None]:

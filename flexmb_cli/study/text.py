@@ -185,7 +185,7 @@ def _aligned(row: "Sequence[Any]", widths: list[int]) -> str:
 
 
 def _json(cell: float) -> float | None:
-    """JSON knows no nan and no infinity: null."""
+    """Return the cell; JSON has no nan and no infinity, so they become None."""
     return None if isinstance(cell, float) and not math.isfinite(cell) else cell
 
 

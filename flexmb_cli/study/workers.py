@@ -193,9 +193,9 @@ def _solve(job: Job, block: int, listener: Listener = SILENT) -> BlockDone | Bas
 
 
 def keep(sweep: Sweep, done: BlockDone, advance: Callable[[int], None]) -> None:
-    """Note that a block is done; `advance` gets how many cases this call brought."""
+    """Note that a block is done; call `advance` with the number of its cases that are new."""
     sweep.done[done.block] = done
-    # Cases of a process that died count too, but it could not tell.
+    # Cases solved by a process that died afterwards are new, too.
     advance(len(sweep.job.cases(done.block)) - sweep.kept[done.block])
 
 

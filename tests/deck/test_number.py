@@ -24,8 +24,8 @@ SPELLINGS = {
 
 @pytest.mark.parametrize("word", SPELLINGS)
 def test_pascal_and_fortran_spellings_are_read(word):
-    value, doubt = real(word)
-    assert (value, doubt) == (SPELLINGS[word], "")
+    value, warning = real(word)
+    assert (value, warning) == (SPELLINGS[word], "")
     assert math.copysign(1.0, value) == math.copysign(1.0, SPELLINGS[word])
 
 

@@ -48,8 +48,7 @@ def deck_options(command: "Callable[..., Any]") -> "Callable[..., Any]":
 def every_deck(
     decks: tuple[str, ...], changes: tuple[str, ...], examine: "Callable[[str], Report]"
 ) -> "Iterator[Report]":
-    """Return what `examine` finds of each deck, also of those that it is not asked for any more after a
-    stop.
+    """Yield the report of `examine` on each deck; decks after a stop are named as interrupted.
 
     Raises DeckError for settings among the `changes` of a model that a deck lacks.
     """

@@ -4,7 +4,7 @@ import signal
 import sys
 from collections import deque
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...errors import ANALYSIS_FAILED, Fault
 from ...memory import lack_of_memory_text, lacks_memory
@@ -15,13 +15,18 @@ from ...run.processes.worker import Worker, end_all, having_answers, portable
 from .progress import Progress
 from .stops import pass_over_stops, stop_on_signals
 
+if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+
 KILLED = (
     "the process that solved this deck was killed from outside, or out of memory: give it again; "
     "--resume continues the run"
 )
 
 
-def outcomes_in_parallel(decks: Any, options: RunOptions, jobs: int, progress: Progress) -> Iterator[Outcome]:
+def outcomes_in_parallel(
+    decks: "Sequence[str]", options: RunOptions, jobs: int, progress: Progress
+) -> Iterator[Outcome]:
     """Return what became of every deck, in order; after a stop, of those that had been begun."""
     from ...run.processes.parent_watch import outlive_workers
 
@@ -80,7 +85,7 @@ class _Work:
         if self.fault:
             raise self.fault
 
-    def _begin(self, index: Any, deck: Any) -> None:
+    def _begin(self, index: int, deck: str) -> None:
         while self.idle:
             worker = self.idle.pop()
             if worker.send(deck):
@@ -95,7 +100,7 @@ class _Work:
         worker.send(deck)
         self.running[worker] = index, deck
 
-    def _put_back(self, index: Any, deck: Any, reason: str) -> None:
+    def _put_back(self, index: int, deck: str, reason: str) -> None:
         """No more processes than there are can be had; a deck that has none at all is done with."""
         if self.running:
             self.jobs = len(self.running)
@@ -110,7 +115,7 @@ class _Work:
         while self.running:
             self._hear(having_answers(self.running))
 
-    def _hear(self, workers: Any) -> None:
+    def _hear(self, workers: "Collection[Worker]") -> None:
         for worker in workers:
             answer = worker.answer()
             if isinstance(answer, str):
@@ -126,7 +131,7 @@ class _Work:
             else:
                 self.progress.notice(sentence)
 
-    def _take(self, worker: Any, index: Any, deck: Any, answer: Any) -> None:
+    def _take(self, worker: Worker, index: int, deck: str, answer: Any) -> None:
         """Return what became of a deck; `answer` None: its process was killed."""
         outcome, goes_on = answer or (_failed(deck, KILLED), False)
         if goes_on:
@@ -141,15 +146,15 @@ class _Work:
             self.fault = outcome
 
 
-def _failed(deck: Any, reported: Any) -> Any:
+def _failed(deck: str, reported: Any) -> Any:
     return Outcome(deck, ANALYSIS_FAILED, faults=[Fault("error", reported, id="CLI-008")])
 
 
 def _serve(line: Any, options: RunOptions) -> None:
-    """Solve what comes through `line` until nothing more can come.
+    """Solve the decks that arrive through `line` until the other end closes it.
 
-    Sent are sentences for who looks on, and (what became of a deck, whether the process goes on).  It does
-    not after a stop: what was being imported then stays half done.
+    Sends notices while a deck is solved, then (outcome, whether this process takes further decks).  After a
+    stop it takes none: a module whose import was interrupted stays half imported.
     """
     unable = _begin_process()
     listener = Listener(notice=line.send, status=lambda doing: line.send(_Doing(doing)))
@@ -174,7 +179,7 @@ def _begin_process() -> Any:
     return None
 
 
-def _solve(deck: Any, options: RunOptions, listener: Any) -> Any:
+def _solve(deck: str, options: RunOptions, listener: Listener) -> Any:
     try:
         from ... import interface
 

@@ -55,7 +55,7 @@ class Progress:
         self._end_waiting()
         now = time.monotonic()
         if not self.done:
-            # Kernels are compiled before the first rows, which tells nothing of the rate.
+            # Kernels are compiled before the first rows, so their time does not count for the rate.
             self.first, self.began = count, now
         self.done += count
         if self.drawn and self.total > 1 and now - self.shown >= REDRAWN_AFTER:

@@ -105,7 +105,7 @@ def _mass(values: DeckValues, k: int, elastic: Elasticity | None, findings: Find
     return float(max(mass, nodes))
 
 
-def _inertia(values: Any, k: Any, findings: Findings) -> np.ndarray:
+def _inertia(values: Any, k: int, findings: Findings) -> np.ndarray:
     moments = values.record("inertia", k).numbers
     for number in moments:
         if number.value < 0:
@@ -186,14 +186,14 @@ def _nodal_masses(values: Any, k: int, findings: Findings) -> np.ndarray:
     return masses
 
 
-def _stiffness(values: Any, k: Any, findings: Findings, axes: tuple[int, ...]) -> np.ndarray:
+def _stiffness(values: Any, k: int, findings: Findings, axes: tuple[int, ...]) -> np.ndarray:
     matrix = full_matrix(values.record("counts.jdi", k).values, values.record("bkp", k).values)
     _check_definite(matrix, values, k, findings, axes)
     return matrix
 
 
 def _check_definite(
-    matrix: np.ndarray, values: Any, k: Any, findings: Findings, axes: tuple[int, ...]
+    matrix: np.ndarray, values: Any, k: int, findings: Findings, axes: tuple[int, ...]
 ) -> None:
     try:
         np.linalg.cholesky(matrix)

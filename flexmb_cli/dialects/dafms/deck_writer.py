@@ -30,7 +30,7 @@ OPTIONAL: tuple[str, ...] = (
     "DESN",
 )
 OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH")
-# Cards that FMBD.DAT did not have: their counts are asked for last.
+# Cards that FMBD.DAT did not have: their counts are requested last.
 ADDED = ("GEOM", *(card.word for card in ELEMENT_CARDS))
 
 WIDE_REAL, _REAL, _INTEGER = 13, 10, 5

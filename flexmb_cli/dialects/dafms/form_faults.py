@@ -1,6 +1,6 @@
-"""Answers that `flexmb new dafms` refuses at once: ranges, columns, beams and tables that are none.
+"""Answers that `flexmb new dafms` refuses at once: wrong ranges, columns, beams and tables.
 
-`flexmb check`, which the finished deck must pass, knows the rest.
+`flexmb check`, which the finished deck must pass, finds all other faults.
 """
 
 from collections.abc import Sequence

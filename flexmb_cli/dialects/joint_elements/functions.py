@@ -217,7 +217,7 @@ def _multiplied_out(parts: Sequence[MotionFunction], combine: Callable[..., Any]
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of function: its name, what makes it, and how many numbers define it.
+    """A type of function: its name, what makes it, and how many numbers define it.
 
     `least` numbers or more, by `step`, up to `most` (0: any).
     """

@@ -104,7 +104,7 @@ def _time(values: DeckValues, findings: Findings) -> TimeGrid:
     return TimeGrid(0.0, end, output, record.place)
 
 
-def _integrator(values: Any, findings: Any) -> Integrator:
+def _integrator(values: Any, findings: Findings) -> Integrator:
     record, time = values.record("integrator"), values.record("time")
     step = float(time["step"]) if time else 0.0
     if step < 0:

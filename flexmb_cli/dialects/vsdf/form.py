@@ -17,7 +17,7 @@ from .elements.cards import ELEMENT_CARDS
 
 _BODY, _FLEXIBLE, _RIGID = BY_WORD["BODY"], ("FEMN",), ("RIGI",)
 _SINGLE = tuple(card for card in CARDS if card.counted == "single")
-# Their counts are asked for last: answers piped from a file written before they were there still give
+# Their counts are requested last: answers piped from a file written before they were there still give
 # a deck.
 _ADDED = tuple(card for card in CARDS if card.word in ("GEOM", "GSTL") or card in ELEMENT_CARDS)
 _COUNTED = tuple(
@@ -41,7 +41,7 @@ class VsdfForm:
     dialect = "vsdf"
 
     def entries(self, values: dict[str, str]) -> list[Entry]:
-        """Title, counts, bodies with what each kind needs, other cards, those of the whole deck, elements."""
+        """Title, counts, bodies with what each type needs, other cards, those of the whole deck, elements."""
         counts = _counts(values, _COUNTS)
         entries = [TITLE_ENTRY, _COUNTS]
         if not counts:
@@ -61,7 +61,7 @@ class VsdfForm:
         return entries
 
     def faults(self, records: Sequence[Record], complete: bool) -> list[Fault]:
-        """Counts, numbers of bodies and joints, and lists of nodes; `flexmb check` knows the rest."""
+        """Return faults of counts, body and joint numbers, node lists; `flexmb check` finds all others."""
         last = records[-1]
         if last.section in _OF_COUNTS:
             return [

@@ -38,7 +38,7 @@ INERTIA_ROUND_OFF = 1e-9  # of the largest moment of inertia
 
 
 def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
-    """The dynamic model that `deck` describes, and the doubts about it.
+    """The dynamic model that `deck` describes, and the warnings about it.
 
     Raises ModelError with all faults found.
     """

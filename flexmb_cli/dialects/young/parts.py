@@ -38,7 +38,7 @@ _GROUND = ("x", "y", "z", "alpha", "beta", "gamma")
 
 
 def part_of(record: Record, bodies: int, complete: bool = True) -> tuple[object, list[Fault]]:
-    """The part that a record describes in a mechanism of so many bodies, and the faults and doubts about it.
+    """Return the part that a record describes in a mechanism of so many bodies, with its errors and warnings.
 
     None where its bodies or its direction do not exist, its numbers are too large, or it is no part of a
     mechanism.  Not `complete`: the record may lack its later numbers, and nothing is made of it.

@@ -199,10 +199,10 @@ def _record(reading: _Reading, section: Section, number_of_record: int, found: r
     texts = reading.words.texts(found.start, found.stop)
     try:
         read = [spelled(text) for spelled, text in zip(section.spellings, texts, strict=False)]
-        values, doubts = zip(*read, strict=True) if read else ((), ())
+        values, warnings = zip(*read, strict=True) if read else ((), ())
     except number.Misspelt:
-        values, doubts = (), (True,)
-    if any(doubts):
+        values, warnings = (), (True,)
+    if any(warnings):
         values = tuple(_values(reading, section, number_of_record, found))
     return ReadRecord(section, number_of_record, values, reading.words, found.start)
 
@@ -215,13 +215,13 @@ def _values(
     for column, spelled, place in zip(section.columns, section.spellings, found, strict=False):
         word = reading.words[place]
         try:
-            value, doubt = spelled(word.text)
+            value, warning = spelled(word.text)
         except number.Misspelt as fault:
             reading.error(word, subject, f"{column.key} {fault}")
-            value, doubt = None, ""
-        if doubt:
+            value, warning = None, ""
+        if warning:
             colon = "" if column.is_integer else ":"
-            reading.warn(word, subject, f"{column.key}{colon} {doubt}")
+            reading.warn(word, subject, f"{column.key}{colon} {warning}")
         yield value
 
 

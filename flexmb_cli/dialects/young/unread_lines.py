@@ -59,7 +59,7 @@ def _cards(lines: Lines, behind: int, keywords: Iterable[str], message: str) -> 
 
 
 def _without_comments(lines: Lines, behind: int) -> Any:
-    """The text behind a line with blanks for comments and one kind of line end, and where it starts."""
+    """The text behind a line with blanks for comments and one type of line end, and where it starts."""
     start = lines.start_of(behind)
     text = lines.text[start:].replace("\r", "\n")
     # A crowd of braces that nothing closes would be searched to the end of the text, each of them.

@@ -2,7 +2,7 @@
 
 3D Systems, "StereoLithography Interface Specification" (1988): a binary file has 80 bytes of title, the
 number of its triangles, and 50 bytes for each (normal, three corners, two bytes unused), little-endian.
-Writers begin binary files with "solid", too, so that the length tells the two kinds apart.
+Some writers begin binary files with "solid", too, so the file's length distinguishes the two types.
 """
 
 import re

@@ -228,7 +228,7 @@ def fill_doubtful(
 ):
     """Fill a report row at t that `is_doubtful`; `trial` and its rates are those of the interpolation.
 
-    At the fraction x = 1, the end of a run, that knows no more of the accelerations than the equations: nan.
+    At x = 1, the end of a run, the interpolation has no better accelerations than the equations: nan.
     """
     clock, row = integration.clock[0], integration.clock[0]["row"]
     if x == 1.0:

@@ -22,7 +22,7 @@ TURN = 2.0 * math.pi
 
 
 @kernel
-def dot(a: Any, b: tuple[float, float, float]) -> Any:
+def dot(a: "np.ndarray", b: tuple[float, float, float]) -> Any:
     """Return the scalar product of two vectors, a (3,) and the triple b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 

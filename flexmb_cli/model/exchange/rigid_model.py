@@ -65,7 +65,7 @@ class RigidBody:
 class RigidJoint:
     """A joint of `kind` between bodies `i` and `j`, with points P and vectors s along the axes (or arms).
 
-    The kinds are those of `joint_types`, and "fixed", "revolute-spherical" (its axis on body i) and
+    The types are those of `joint_types`, and "fixed", "revolute-spherical" (its axis on body i) and
     "spherical-spherical".  `size`: pitch, m/rad, or length of the link, m.
     """
 

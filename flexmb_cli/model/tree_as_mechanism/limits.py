@@ -37,7 +37,7 @@ def _one_way(tree: Tree) -> "Iterator[Any]":
 
 
 def _weights(tree: Tree) -> "Iterator[Any]":
-    """Geometric stiffening by gravity: the floating frame knows that by turning only."""
+    """Yield a fault for geometric stiffening by gravity: the floating frame has that by rotation only."""
     for body in tree.bodies:
         stiffened = body.elastic is not None and body.elastic.stiffened_from is not None
         if stiffened and any(tree.gravity):

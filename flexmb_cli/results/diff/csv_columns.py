@@ -95,7 +95,7 @@ def read_csv(path: str) -> Columns:
 
 
 def kind_of_name(name: str) -> str:
-    """Return the kind of a quantity, as tolerances name it, from the name in a heading."""
+    """Return the type of a quantity, as tolerances name it, from the name in a heading."""
     if name == "time":
         return "time"
     for pattern, kind in KIND_OF_NAME:

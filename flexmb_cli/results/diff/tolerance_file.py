@@ -1,4 +1,4 @@
-"""Tolerances of results in a TOML file: for all files, for files by pattern, for kinds and for quantities.
+"""Tolerances of results in a TOML file: for all files, for files by pattern, for types and for quantities.
 
 rtol = 1e-9                                # of every file
 [kinds]

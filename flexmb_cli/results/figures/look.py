@@ -80,7 +80,7 @@ class Look:
         rcParams.update(settings() | self.settings())
         if self.style:
             _use_style(self.style)
-        # A tight box would change the width that was asked for.
+        # A tight box would change the width that was requested.
         rcParams["savefig.bbox"] = None
         if rcParams["text.usetex"] and not self.latex:
             raise OSError("text.usetex starts LaTeX, another program: give --latex, too")
@@ -107,7 +107,7 @@ class Look:
 
 
 def settings() -> "dict[RcKeyType, Any]":
-    """Return the settings of matplotlib for curves of every kind, which a style file may change."""
+    """Return the settings of matplotlib for curves of every type, which a style file may change."""
     from cycler import cycler
 
     return {

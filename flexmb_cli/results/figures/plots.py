@@ -47,9 +47,9 @@ def picture(
     look: Look | None = None,
     tell_missing: Callable[[str], object] = str,
 ) -> bytes:
-    """The panels one below the other as a file of `form`, one of `FORMATS`.
+    """Return the panels one below the other as a file of `form`, one of `FORMATS`.
 
-    Colours tell quantities apart, dashes results, and quantities where there are no more colours; panels
+    Colours distinguish quantities; dashes distinguish results, and quantities beyond the last colour; panels
     over time share its axis, and paths (both axes of one unit) have equal ones.  A `look` is for print;
     `tell_missing` is called with each of its font families that is not installed.
     Imports matplotlib; raises OSError for a style that there is not.
@@ -248,7 +248,7 @@ def style(
 ) -> dict[str, Any]:
     """Return how the curve of a quantity of one of `results` is drawn: no two alike among 192.
 
-    Properties of the `cycle` tell quantities apart; where it begins anew, and between results, dashes do,
+    Properties of the `cycle` distinguish quantities; where it begins anew, and between results, dashes do,
     and beyond these multiples of the `thickness`.
     """
     dashes = result + results * (quantity // len(cycle))

@@ -113,7 +113,7 @@ def _lined(scene: Scene, surfaces: list[ElementBody]) -> list[DrawnBody]:
 
 
 def rounded(times: np.ndarray) -> list[str]:
-    """Times with as many digits as tell frames apart."""
+    """Return times with enough digits to distinguish frames."""
     step = float(np.min(np.diff(times))) if len(times) > 1 else 0.0
     digits = 9 if step <= 0 else int(min(9, max(0, 2 - np.floor(np.log10(step)))))
     return [

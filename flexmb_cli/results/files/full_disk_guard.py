@@ -32,7 +32,7 @@ class FullDiskGuard(io.FileIO):
         return self._at
 
     def write(self, data: Any) -> Any:
-        """Write all of `data`; tell HDF5 that it is done in any case."""
+        """Write all of `data`; report success to HDF5 in any case."""
         view, start, done = memoryview(data).cast("B"), self._at, 0
         try:
             if self.failure is None:

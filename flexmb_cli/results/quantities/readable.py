@@ -14,7 +14,7 @@ _WORDS = {
     "u_rate": "acceleration",
 }
 _AXES = ("x", "y", "z")
-# Quantities that the name of a component tells.
+# Quantities that the name of a component implies.
 _IMPLIED = ("position", "Euler parameters")
 _OF_BODY = ("stress", "strain", "elastic", "modal")
 

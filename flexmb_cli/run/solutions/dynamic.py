@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from ...errors import Fault, ModelError
 from ...model.integrators import word_of
 from ...model.loads import DynamicModel
-from ...model.unit_checks import unit_doubts
+from ...model.unit_checks import unit_warnings
 from ...quick_dataclass import replace
 from ...results.hdf5.dynamic import dynamic_layout, dynamic_values
 from ...solvers.compilation import tell_of_compiling
@@ -49,7 +49,7 @@ def solution(model: DynamicModel, run: Run) -> Solution:
         layout,
         values,
         count,
-        partial(unit_doubts, model),
+        partial(unit_warnings, model),
         analysis.warnings,
         partial(finer_motion, partial(_stepped, model), values) if stepped else nothing_to_refine,
         dict(run.options.integration if stepped else run.options.solver),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from ...errors import Fault
 from ...model.integrators import IMPLICIT_TREE_METHODS
 from ...model.tree import Tree
-from ...model.unit_checks import unit_doubts
+from ...model.unit_checks import unit_warnings
 from ...quick_dataclass import replace
 from ...results.hdf5.tree import tree_layout, tree_values
 from ...solvers.compilation import tell_of_compiling
@@ -41,7 +41,7 @@ def solution(tree: Tree, run: Run) -> Solution:
         lambda: tree_layout(tree, point_names(tree)),
         partial(values_of, tree),
         TreeCount(analysis.clock, tree, absolute),
-        partial(unit_doubts, tree),
+        partial(unit_warnings, tree),
         analysis.warnings,
         finer=partial(_finer_blocks, tree),
         identity={"method": given.method, "rtol": given.rtol, "atol": given.atol, **formulation},
@@ -106,9 +106,9 @@ class TreeCount(NoCount):
         self.drift.add(values)
 
     @property
-    def doubts(self) -> tuple[Fault, ...]:
+    def warnings(self) -> tuple[Fault, ...]:
         """Return what the energy of the rows makes doubtful."""
-        return () if self.one_way else self.drift.doubts
+        return () if self.one_way else self.drift.warnings
 
     def __str__(self) -> str:
         clock = self.clock[0]

@@ -53,7 +53,7 @@ class ConstrainedMotion(ABC):
     """One run over the times of `grid`; `integrator`: one of `integrators`, by default the explicit one.
 
     The subclass for a model gives what is abstract here, the `velocities` behind `given_speeds`, and
-    `springs` in line.  `warnings` fills while the run goes on;
+    `springs` in line.  `warnings` fills while the run continues;
     `found` is what `start` found.
     """
 
@@ -110,7 +110,7 @@ class ConstrainedMotion(ABC):
         """Return the system with additions to the value, rate and second rate of driver k at t."""
 
     def usual_repetitions(self, q: np.ndarray) -> int | None:
-        """Number of equations that repeat others in every mechanism of this kind; None: of no such kind."""
+        """Number of equations that repeat others in every mechanism of this type; None: of no such type."""
         return None
 
     def given_rates(self, q: np.ndarray) -> "tuple[np.ndarray, np.ndarray, tuple[Any, ...]]":
@@ -145,7 +145,7 @@ class ConstrainedMotion(ABC):
             # To the very breakpoint, where there need not be a row.
             for _ in self._reports(np.array([stop] if stop < end else [])):
                 pass
-        self.warnings += self.integrator.doubts(self.clock[0])
+        self.warnings += self.integrator.warnings(self.clock[0])
 
     @property
     def checkpoint(self) -> dict[str, np.ndarray]:

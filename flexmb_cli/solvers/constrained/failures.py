@@ -99,7 +99,7 @@ def rows_with_forces(responses: np.ndarray) -> int:
     return int(known.size if known.all() else np.argmin(known))
 
 
-def force_failure(analysis: Any, responses: np.ndarray, t: float) -> AnalysisError:
+def force_failure(analysis: "ConstrainedMotion", responses: np.ndarray, t: float) -> AnalysisError:
     """Return why loads (responses, (loads, columns)) have no force at t: a bushing, else friction."""
     turned = _overturned(analysis, responses)
     return (
@@ -107,7 +107,7 @@ def force_failure(analysis: Any, responses: np.ndarray, t: float) -> AnalysisErr
     )
 
 
-def _overturned(analysis: Any, responses: np.ndarray) -> np.ndarray:
+def _overturned(analysis: "ConstrainedMotion", responses: np.ndarray) -> np.ndarray:
     """Return which loads are bushings whose bodies have turned too far."""
     elements = analysis.arrays.loads["kind"] == ELEMENT
     return np.flatnonzero(elements & ~np.isfinite(responses[:, COORDINATE]))

@@ -59,7 +59,7 @@ class Steps:
             integration.memory["rho"] = self._radius
         return integration
 
-    def doubts(self, clock: "np.void") -> list[Fault]:
+    def warnings(self, clock: "np.void") -> list[Fault]:
         """Return what is doubtful about the steps taken: some of given length had to be divided."""
         if self.chosen or not clock["rejections"]:
             return []

@@ -66,7 +66,12 @@ def start_speeds(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> np.n
 
 
 def _of_many(
-    analysis: Any, q: np.ndarray, rates: np.ndarray, nu: np.ndarray, names: tuple[Any, ...], t: float
+    analysis: "ConstrainedMotion",
+    q: np.ndarray,
+    rates: np.ndarray,
+    nu: np.ndarray,
+    names: tuple[Any, ...],
+    t: float,
 ) -> np.ndarray:
     """Return the speeds (n,) of a large mechanism; rates (r, n), scaled, follow its equations."""
     from scipy.sparse import csr_matrix, vstack

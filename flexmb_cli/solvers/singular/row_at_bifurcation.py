@@ -1,8 +1,8 @@
-"""A report row exactly where two motions of a mechanism cross, such as a parallelogram in line.
+"""A report row exactly at a bifurcation, where two motions of a mechanism cross (a parallelogram in line).
 
-Φ_q is singular there, and the rates that it gives are 0/0.  Where the motion is smooth they are the
-limits from both sides: the row is taken from the polynomial of fifth degree through positions,
-velocities and accelerations a little before and a little after.
+Φ_q is singular there, and its rates are 0/0.  Where the motion is smooth, the rates are the limits from both
+sides: the row is that of the polynomial of fifth degree through positions, velocities and accelerations a
+little before and a little after.
 """
 
 from typing import TYPE_CHECKING, Any

@@ -26,7 +26,7 @@ class ElementForces:
         self._turned = [
             self._axes(axes, item.j).T @ self._axes(axes, item.i) for item in self.elements.bushings
         ]
-        # Angles of the bushings found last: whole turns go on from them.
+        # Angles of the bushings found last: whole turns continue from them.
         self._angles = np.zeros((len(self.elements.bushings), 3))
         self.overturned: int | None = None  # number of a bushing whose angles jump
 

@@ -152,13 +152,13 @@ def test_what_no_body_can_have_is_refused_at_its_place(card, message):
 
 
 def test_a_body_without_mass_is_told():
-    _, doubts = build_young_dynamics(read("DYNAMICS forward\nGRAVITY 0 0 -9.81\n"))
-    assert [fault.sentence for fault in doubts] == ["body 1: has no MASS card and is taken as massless"]
+    _, warnings = build_young_dynamics(read("DYNAMICS forward\nGRAVITY 0 0 -9.81\n"))
+    assert [fault.sentence for fault in warnings] == ["body 1: has no MASS card and is taken as massless"]
 
 
 def test_moments_of_inertia_that_no_body_has_are_doubted():
-    _, doubts = build_young_dynamics(read("DYNAMICS forward\nMASS 1 1 0 0 0 1 1 2.5\n"))
-    assert ["principal moments" in fault.message for fault in doubts] == [True]
+    _, warnings = build_young_dynamics(read("DYNAMICS forward\nMASS 1 1 0 0 0 1 1 2.5\n"))
+    assert ["principal moments" in fault.message for fault in warnings] == [True]
 
 
 def test_an_inverse_deck_must_balance_equations_and_coordinates():

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ....model.exchange.rigid_model import CoordinateSpring, Refusals
     from ....model.joint_elements import JointMotor
     from ....model.loads import AppliedTorque
+    from ....model.time_functions import MotionFunction
     from .hanging import Hanging
 
 
@@ -83,7 +84,7 @@ class ElementCards:
         cards.insert(0, ("FUNC", list(map(_function, self.functions.cards))))
         return [line for word, entries in cards for line in self.entries(word, entries)]
 
-    def _number(self, function: Any, item: Any) -> int:
+    def _number(self, function: "MotionFunction", item: Any) -> int:
         """Number of the function card of an item; 0 where it cannot be written."""
         number = self.functions.number(function)
         if not number:
@@ -188,7 +189,7 @@ class ElementCards:
 
 
 def _function(card: Card) -> str:
-    """The records of a function: number, kind, how many numbers; the numbers with all their digits."""
+    """The records of a function: number, type, how many numbers; the numbers with all their digits."""
     number, kind, values = card
     rows = [values[k : k + _ON_A_RECORD] for k in range(0, len(values), _ON_A_RECORD)]
     head = integers(number, _KIND_NUMBERS[kind], len(values))

@@ -38,7 +38,7 @@ def _characteristics(force: Any, stretch: Any) -> Any:
     )
 
 
-def _spring(word: Any, section: Any, coordinate: str, force: str, unit: str) -> Any:
+def _spring(word: str, section: str, coordinate: str, force: str, unit: str) -> Any:
     columns = (
         _JOINT,
         _real("stiffness", f"{force} per {coordinate}", f"{force}/{unit}"),

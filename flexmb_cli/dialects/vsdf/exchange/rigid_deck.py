@@ -124,14 +124,14 @@ class _Deck(ElementCards):
             message = "the largest principal moment of inertia exceeds the sum of the others: no VSDF body"
             self.refusals.add(body, message)
 
-    def _node(self, body: Any, place: Any) -> Any:
+    def _node(self, body: int, place: Any) -> Any:
         """Number of the node at a place of a body."""
         key = (body, *(float(x) + 0.0 for x in place))
         if key not in self.nodes:
             self.nodes[key] = 1 + sum(1 for other in self.nodes if other[0] == body)
         return self.nodes[key]
 
-    def _joint(self, number: int, joint: Any) -> Any:
+    def _joint(self, number: int, joint: "RigidJoint") -> Any:
         if joint.kind not in _WORDS:
             self.refusals.add(joint, f"VSDF has no {joint.kind} joint")
             return ""

@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ....model.exchange.conversion import Conversion, Pose, coordinate_since, place_of
 from ....model.exchange.functions import constant
@@ -11,6 +11,9 @@ from ....model.joint_elements import Bushing, Coupling, EndStop, JointMotor, Joi
 from ....model.loads import DynamicModel, SpringDamper
 from ....model.mechanism import GROUND, Mechanism
 from ....quick_dataclass import replace
+
+if TYPE_CHECKING:
+    from ....model.time_functions import MotionFunction
 
 
 class ConvertedElements(Conversion):
@@ -27,7 +30,7 @@ class ConvertedElements(Conversion):
         """Return a point of a body on its new body."""
 
     @abstractmethod
-    def _function(self, function: Any) -> Any:
+    def _function(self, function: "MotionFunction") -> Any:
         """Return a function of time from the start on."""
 
     def _offset(self, number: int, coordinate: str) -> Any:

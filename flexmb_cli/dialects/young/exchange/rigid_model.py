@@ -175,7 +175,7 @@ class _Conversion(ConvertedElements):
         axes = self._direction(joint.i, joint.s_i), self._direction(joint.j, joint.s_j)
         found.append(RigidJoint(joint.name, kind, i, j, *ends, *axes, size, joint.place))
 
-    def _function(self, function: Any) -> Any:
+    def _function(self, function: "MotionFunction | None") -> Any:
         return function and moved(function, self.mechanism.time.start)
 
     def _drivers(self) -> Any:
