@@ -53,11 +53,11 @@ def tell_of_compiling(listener: Notices, entry: str) -> None:
         return
     from ..kernels import _cache
 
-    listener.status(COMPILING)
     if _cache.folder_to_write() is None:
         listener.notice(NO_FOLDER)
     for sentence in _cache.refused:
         listener.notice(sentence)
+    listener.status(COMPILING)
 
 
 def tell_of_damage(listener: Notices) -> None:

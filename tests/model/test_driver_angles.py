@@ -45,6 +45,14 @@ def test_many_turns_between_two_report_times_are_doubted():
     assert note.message.startswith("it turns 1.59e+03 times between two report times")
 
 
+def test_a_constant_in_degrees_is_doubted_and_given_in_rad():
+    """90 rad are 90/(2 pi) = 14.32 turns; 90 degrees are pi/2 = 1.570796327."""
+    (note,) = built("driver.1.C=90")[1]
+    assert (note.severity, note.subject) == ("note", "driver 1")
+    assert note.message == "its C of 90 rad is 14.3 turns; 90 degrees would be 1.570796327 rad"
+    assert built("driver.1.C=-6.28")[1] == []  # within a turn
+
+
 def warnings_of(kind, function, end=2.0):
     findings = Findings()
     check_motion_functions((Motion("motion 1", kind, 0, function),), TimeGrid(0.0, end, 0.1), findings)
