@@ -80,7 +80,7 @@ class Result(Mapping[str, np.ndarray]):
         """
         import tempfile
 
-        needed("xarray", "xarray", "", "to_xarray")
+        needed("xarray", "xarray", "", "to_xarray", ("h5netcdf",))
         needed("h5netcdf", "h5netcdf", "", "to_xarray")
         import xarray
 
