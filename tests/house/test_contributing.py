@@ -176,6 +176,26 @@ def test_a_card_of_two_files_is_read_echoed_set_and_obeyed(copy):
     assert [float(z) for _, z in rows] == pytest.approx([-4.0 * float(t) ** 2 for t, _ in rows], abs=1e-12)
 
 
+def test_answers_written_before_there_were_cards_still_give_a_deck(copy):
+    """Those of docs/how-to/type-a-deck.md, and the same with the new cards, whose counts come last."""
+    page = (ROOT / "docs/how-to/type-a-deck.md").read_text(encoding="utf-8")
+    written = page.partition("The same gate as a VSDF deck")[2].partition("```console\n$ ")[2]
+    script, command = written.partition("\n```")[0].split(" > answers\n$ ")
+    ask = {"cwd": copy, "shell": True, "text": True, "capture_output": True, "timeout": 120}
+    answers = subprocess.run(script, **ask).stdout
+    assert command == "flexmb new vsdf -o - < answers | flexmb check - -q"
+    given = os.environ | {"PYTHONPATH": str(copy), "NUMBA_DISABLE_JIT": "1"}
+    new = [sys.executable, "-m", "flexmb_cli", "new", "vsdf", "-o", "-"]
+    for more, words in (("", []), ("1 1\n1 3 6\n9.5\n", ["PAYL", "DOWN"])):
+        done = subprocess.run(
+            new, cwd=copy, input=answers + more, capture_output=True, text=True, env=given, timeout=120
+        )
+        assert done.returncode == 0, done.stderr
+        assert [word for word in done.stdout.split() if word in ("PAYL", "DOWN")] == words
+        (copy / "typed.vsdf").write_text(done.stdout)
+        flexmb(copy, "check", "-q", "typed.vsdf")
+
+
 @pytest.fixture(scope="module")
 def results(copy):
     """The results of a deck of each analysis, and of a tree by both formulations, as {name: HDF5 file}."""
