@@ -68,7 +68,7 @@ class CaseSolver:
         self.takes = [item.take for item in self.study.results]
 
     def listened_by(self, listener: Listener) -> None:
-        """Report to `listener` from now on, and first what was found while nobody listened."""
+        """Report to `listener` from now on, earlier notices first."""
         self.listener = listener
         for kind, sentence in self.early:
             getattr(listener, kind)(sentence)

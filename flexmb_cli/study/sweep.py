@@ -33,7 +33,7 @@ SILENT = Listener()
 
 @dataclass(frozen=True)
 class Job:
-    """All that a worker needs for any block; texts, not paths: it may be on another machine."""
+    """Input of a worker for any block, as texts instead of paths: it may run on another machine."""
 
     deck: DeckText
     deck_folder: str

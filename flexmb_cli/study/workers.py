@@ -17,7 +17,7 @@ BEGUN = "begun"
 
 
 class WorkersError(FlexmbError):
-    """The processes of a study do not live long enough to solve anything (exit 1)."""
+    """The processes of a study end before they solve anything (exit 1)."""
 
     exit_code = ANALYSIS_FAILED
 

@@ -101,7 +101,7 @@ class _Work:
         self.running[worker] = index, deck
 
     def _put_back(self, index: int, deck: str, reason: str) -> None:
-        """No more processes than there are can be had; a deck that has none at all is done with."""
+        """Let a deck wait whose process did not start; record it as failed if none is running."""
         if self.running:
             self.jobs = len(self.running)
             self.waiting.appendleft((index, deck))

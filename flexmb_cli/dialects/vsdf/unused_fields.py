@@ -1,4 +1,4 @@
-"""Fields of VSDF cards that are filled and not read: whoever filled them meant something by it.
+"""Fields of VSDF cards that are filled but not read: they are reported, since a value there is likely a slip.
 
 A written 0 is what an empty field means, and is let pass.
 """

@@ -100,7 +100,7 @@ class PointJoints:
 
 
 def coordinates_of_joints(joints: Sequence[Any]) -> list[JointCoordinateName]:
-    """All joint coordinates in the order of the joints, which have a `kind`."""
+    """Return all joint coordinates in the order of the joints, which have a `kind`."""
     return [
         JointCoordinateName(k, coordinate)
         for k, joint in enumerate(joints)

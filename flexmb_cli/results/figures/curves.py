@@ -114,11 +114,6 @@ class DefaultCurves:
     cut: list[str]
 
 
-def default_quantities(result: h5py.File) -> list[Quantity]:
-    """Return the quantities of `default_curves`."""
-    return default_curves(result).quantities
-
-
 def default_curves(result: h5py.File) -> DefaultCurves:
     """Return what is drawn when nothing is named: the dialect's main quantities that move, and energies.
 
@@ -147,7 +142,7 @@ def _datasets(dialect: str) -> tuple[str, ...]:
 
 
 def still_energies(result: h5py.File) -> list[str]:
-    """Return the names of the energies that `default_quantities` leaves out because they stay at zero."""
+    """Return the names of the energies that `default_curves` leaves out because they stay at zero."""
     drawn = _energies(result)
     return [one.name for one in names(result) if one.dataset in ENERGIES and one not in drawn]
 

@@ -146,7 +146,7 @@ class TreeLinearised(LinearisedMotion):
         return self._rates(self.changed(d, w), self.t)
 
     def companion(self, d: np.ndarray) -> np.ndarray:
-        """Return the change w (NS,) of the speeds, L w = 0, that the displacement d asks for."""
+        """Return the change w (NS,) of the speeds, L w = 0, that the displacement d causes."""
         if not self.arrays.closures.size:
             return np.zeros_like(d)
         gaps = self.variation(lambda d, w: self.gap_rates(self.displaced(d), self.u + w), d, np.zeros_like(d))

@@ -83,7 +83,7 @@ def _between(first: np.ndarray, last: np.ndarray, h: float, x: float) -> Any:
 
 
 def _closed(evaluator: "Evaluator", row: np.ndarray, t: float, expected: np.ndarray) -> float:
-    """Bring the position of `row` onto the equations where they are firm; returns the largest residual."""
+    """Bring the position of `row` onto the equations where they are regular; return the largest residual."""
     instant = Instant(evaluator, t, expected)
     row[0], gap = instant.at(row[0]) if evaluator.is_large else project(instant, row[0], FIRM)
     return float(np.max(np.abs(gap)))
