@@ -36,7 +36,7 @@ class Stop:
     @classmethod
     @contextmanager
     def later(cls) -> "Iterator[None]":
-        """Have a signal wait for `heed`."""
+        """Have a signal wait for `raise_if_asked`."""
         cls.held += 1
         try:
             yield
@@ -50,7 +50,7 @@ class Stop:
         before = cls.held
         try:
             cls.held = 0
-            cls.heed()
+            cls.raise_if_asked()
             yield
         finally:
             cls.held = before
@@ -61,7 +61,7 @@ class Stop:
         cls.held += 1
 
     @classmethod
-    def heed(cls) -> None:
+    def raise_if_asked(cls) -> None:
         """Raise a stop that was noted, unless stops are held."""
         if cls.asked is not None and not cls.held:
             raise cls.asked

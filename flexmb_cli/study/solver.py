@@ -110,7 +110,7 @@ class CaseSolver:
             code, message = failure.exit_code, failure.faults[0].sentence
         except Exception as fault:
             # A stop that became another exception is none of the case's.
-            Stop.heed()
+            Stop.raise_if_asked()
             code, message = _reported(fault)
         return self._result(case, code, rows, taken, message)
 

@@ -227,7 +227,7 @@ def solve_block(
         for case in missing:
             part.append(solver.solve(case))
             advance(1)
-            Stop.heed()
+            Stop.raise_if_asked()
         return BlockDone(block, len(missing), part.failed)
 
 

@@ -8,7 +8,7 @@ import time
 from threading import Event, Thread
 from typing import Any
 
-from .screen import tell, terminal_width
+from .screen import notify, terminal_width
 
 REDRAWN_AFTER = 0.1  # s
 LOGGED_AFTER = 10.0  # s
@@ -31,14 +31,14 @@ class Progress:
         """Print a sentence that stays."""
         self.clear()
         if not self.quiet:
-            tell(f"flexmb: {sentence}")
+            notify(f"flexmb: {sentence}")
 
     def status(self, doing: str) -> None:
         """Show what happens before the first row, such as compiling; a log repeats it until it ends."""
         if self.drawn:
             self._draw(f"{self.title}: {doing}")
         elif self.logged:
-            tell(f"{self.title}: {doing}")
+            notify(f"{self.title}: {doing}")
             self._wait(doing)
 
     def begin(self, total: int) -> None:
@@ -63,7 +63,7 @@ class Progress:
             self._draw(self.sentence(now))
         elif self.logged and now - self.shown >= LOGGED_AFTER:
             self.shown = now
-            tell(self.sentence(now))
+            notify(self.sentence(now))
 
     def sentence(self, now: float) -> str:
         """Return the count, the rate and the remaining time at `now` of the monotonic clock."""
@@ -119,7 +119,7 @@ class _Waiting:
     def _repeat(self) -> None:
         began = time.monotonic()
         while not self.ended.wait(LOGGED_AFTER):
-            tell(f"{self.sentence}: {_duration(time.monotonic() - began)} so far")
+            notify(f"{self.sentence}: {_duration(time.monotonic() - began)} so far")
 
     def end(self) -> None:
         """Repeat it no more."""

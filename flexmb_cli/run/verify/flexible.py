@@ -78,7 +78,7 @@ def _rows(mechanism: FlexibleMechanism) -> Any:
     analysis, blocks = FlexibleDynamics(mechanism), []
     for block in analysis.rows():
         blocks.append(block)
-        Stop.heed()
+        Stop.raise_if_asked()
     named = [key for _, _, key in (*SERIES, *FORCES, *ELEMENTS)]
     names = ["time", "position", "velocity", *ENERGIES, *(key for key in named if hasattr(blocks[0], key))]
     rows = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}

@@ -51,7 +51,7 @@ def row_across(
     gap = _closed(analysis.evaluator, row, t, expected)
     if gap > ON_CURVE:
         return None
-    analysis.singularities.tell(Passed(row[0], t, expected, True))
+    analysis.singularities.report(Passed(row[0], t, expected, True))
     audit = np.array([[gap, _rate_gap(analysis, row, t), analysis.clock[SPENT]]])
     analysis.clock[SPENT], analysis.clock[NEXT_LENGTH] = 0.0, np.inf
     return rows_of(analysis.mechanism, np.array([t]), row[None], audit)
