@@ -58,7 +58,8 @@ def read_mapping(path: Path) -> np.ndarray:
             continue
         label = match[3].upper()
         if label not in _DIRECTIONS:
-            message = f"degree of freedom {label} of node {match[2]}: only UX, UY, UZ can be used; mesh with solid elements"
+            named = f"degree of freedom {label} of node {match[2]}"
+            message = f"{named}: only UX, UY, UZ can be used; mesh with solid elements"
             raise line_fault(path.name, number, message)
         found[int(match[1])] = int(match[2]), _DIRECTIONS[label]
     if not found:
