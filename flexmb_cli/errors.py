@@ -117,7 +117,7 @@ class FaultList(list[Fault]):
         return self
 
     @cached_property
-    def _counts(self) -> Any:
+    def _counts(self) -> dict[Any, Any]:
         return {}
 
 

@@ -70,14 +70,14 @@ class Commands(Mapping[str, click.Command]):
     def __iter__(self) -> Any:
         return iter(COMMANDS)
 
-    def __len__(self) -> Any:
+    def __len__(self) -> int:
         return len(COMMANDS)
 
 
 class Group(click.Group):
     """Keeps the commands in the order of `COMMANDS`."""
 
-    def list_commands(self, ctx: click.Context) -> Any:
+    def list_commands(self, ctx: click.Context) -> list[Any]:
         """Names in the order a newcomer meets them."""
         return list(self.commands)
 

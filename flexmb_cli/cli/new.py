@@ -219,7 +219,7 @@ class _Talk:
         start, width = (words[k].start(), len(words[k][0])) if 0 <= k < len(words) else (0, 1)
         return replace(fault, place=Place(max(1, len(self.lines)), start + 1, width))
 
-    def accepted(self) -> Any:
+    def accepted(self) -> bool:
         """Return whether `flexmb check` takes the deck; else show its faults and let the dialogue go back."""
         from ..run.check.check import check_deck
         from ..run.outcome import RunOptions
@@ -258,7 +258,7 @@ class _Talk:
         if not (prefix and self.dialogue.back_to(prefix)):
             self.dialogue.back_to("counts")
 
-    def _text(self) -> Any:
+    def _text(self) -> str:
         return "".join(f"{line}\n" for line, _ in self.dialogue.lines)
 
     def write(self) -> Any:

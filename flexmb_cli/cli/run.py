@@ -242,7 +242,7 @@ def _report_outcome(outcome: "Outcome", options: "RunOptions", quiet: bool, verb
         click.echo(f"  {outcome.statistics}", err=True)
 
 
-def _no_file(options: "RunOptions") -> Any:
+def _no_file(options: "RunOptions") -> str:
     return "standard output" if options.out == "-" else "no file"
 
 

@@ -159,7 +159,7 @@ def _solve(made: "Sweep", study: str, jobs: int, scheduler: str | None, quiet: b
         interface.solve_study(made, blocks, progress.advance, jobs, scheduler, listener)
 
 
-def _first_failures(made: "Sweep", most: int = 3) -> Any:
+def _first_failures(made: "Sweep", most: int = 3) -> list[Any]:
     if not made.failed:
         return []
     from itertools import islice

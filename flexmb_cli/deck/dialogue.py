@@ -205,7 +205,7 @@ def from_draft(form: Form, text: str) -> Dialogue:
     return dialogue
 
 
-def _name(entry: Entry, cell: Cell) -> Any:
+def _name(entry: Entry, cell: Cell) -> str:
     return f"{entry.prefix}.{cell.key}"
 
 

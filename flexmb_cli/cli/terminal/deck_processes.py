@@ -146,7 +146,7 @@ class _Work:
             self.fault = outcome
 
 
-def _failed(deck: str, reported: Any) -> Any:
+def _failed(deck: str, reported: Any) -> Outcome:
     return Outcome(deck, ANALYSIS_FAILED, faults=[Fault("error", reported, id="CLI-008")])
 
 

@@ -45,7 +45,7 @@ def _cards_begin(values: DeckValues) -> Any:
     return values.number("time", 0, "H").place
 
 
-def _body(values: DeckValues, k: int, findings: Findings) -> Any:
+def _body(values: DeckValues, k: int, findings: Findings) -> Body:
     name = f"body {k}"
     flexible = values.number("counts", k, "NUMNP").value > 0
     elastic = _elasticity(values, k, findings) if flexible else None

@@ -168,7 +168,7 @@ def _matrix(
     rows: np.ndarray,
     values: np.ndarray,
     equations: np.ndarray,
-) -> Any:
+) -> MatrixFile:
     """ANSYS 9 declared RSA and wrote full columns with wrong pointers: those are not mirrored."""
     full = len(values) == size * size
     if full:

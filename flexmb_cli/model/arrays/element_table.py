@@ -61,7 +61,7 @@ class PointJoints:
         self.table, self.joints = table, joints
         self._turning: dict[int, tuple[int, int, int]] = {}
 
-    def _vectors(self, joint: int) -> Any:
+    def _vectors(self, joint: int) -> JointVectors:
         return JointVectors(self.table, self.joints[joint])
 
     def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:

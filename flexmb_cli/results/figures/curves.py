@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from itertools import takewhile
-from typing import Any
 
 import h5py
 import numpy as np
@@ -81,7 +80,7 @@ class Panel:
         return f"{changed}{common} [{self.unit}]" if common else f"[{self.unit}]"
 
 
-def _common_ending(texts: set[str]) -> Any:
+def _common_ending(texts: set[str]) -> str:
     """The words that all texts end with: "von Mises stress" of those and of the largest one."""
     endings = [text.split()[::-1] for text in texts]
     if not endings:

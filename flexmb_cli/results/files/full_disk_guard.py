@@ -31,7 +31,7 @@ class FullDiskGuard(io.FileIO):
         """Return the position after the transfers that HDF5 requested."""
         return self._at
 
-    def write(self, data: Any) -> Any:
+    def write(self, data: Any) -> int:
         """Write all of `data`; report success to HDF5 in any case."""
         view, start, done = memoryview(data).cast("B"), self._at, 0
         try:

@@ -71,7 +71,7 @@ def _finely(mechanism: FlexibleMechanism, options: "RunOptions") -> Any:
     return replace(mechanism, integrator=Integrator(method, tolerance=tolerance))
 
 
-def _rows(mechanism: FlexibleMechanism) -> Any:
+def _rows(mechanism: FlexibleMechanism) -> tuple[Any, Any]:
     """Return the rows by their fields, and whether no equation repeats others."""
     from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 

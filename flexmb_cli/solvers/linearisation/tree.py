@@ -59,7 +59,7 @@ class TreeLinearised(LinearisedMotion):
             q[p["coordinate"]] = p["C"] + t * (p["B"] + 0.5 * p["A"] * t)
             speeds[p["coordinate"]] = p["B"] + p["A"] * t
 
-    def _balls(self) -> Any:
+    def _balls(self) -> list[Any]:
         return [frame for frame in self.arrays.frames[1:] if frame["ball"] >= 0]
 
     def _functionals(self, z: np.ndarray) -> Any:
@@ -232,7 +232,7 @@ def _rank(jacobian: np.ndarray) -> int:
     return int(np.sum(values > DEPENDENT * np.max(values, initial=0.0)))
 
 
-def _singular(t: float) -> Any:
+def _singular(t: float) -> str:
     return f"at t = {t:.6g} s the loops are at a singular position, where the tree cannot be linearised"
 
 

@@ -5,7 +5,7 @@ sides: the row is that of the polynomial of fifth degree through positions, velo
 little before and a little after.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -65,7 +65,7 @@ def _times(analysis: "KinematicAnalysis", t: float, earlier: float) -> tuple[flo
     return t - span, t + PART_AFTER * span
 
 
-def _between(first: np.ndarray, last: np.ndarray, h: float, x: float) -> Any:
+def _between(first: np.ndarray, last: np.ndarray, h: float, x: float) -> np.ndarray:
     """State (3, n) at the part x of a step of length h between two states: quintic Hermite interpolation."""
     q0, v0, a0 = first[0], h * first[1], h * h * first[2]
     q1, v1, a1 = last[0], h * last[1], h * h * last[2]
