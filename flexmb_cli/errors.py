@@ -59,7 +59,7 @@ class Fault:
         return f"{self.subject}: {self.message}" if self.subject else self.message
 
     def as_record(self) -> list[Any]:
-        """All of it in JSON's types."""
+        """Return all fields in JSON's types."""
         return [self.severity, self.message, self.place, self.subject, self.guide, self.about, self.id]
 
     @classmethod
@@ -117,7 +117,7 @@ class FaultList(list[Fault]):
         return self
 
     @cached_property
-    def _counts(self) -> Any:
+    def _counts(self) -> dict[Any, Any]:
         return {}
 
 

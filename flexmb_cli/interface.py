@@ -121,7 +121,7 @@ def _run_options(options: dict[str, Any]) -> "RunOptions":
 
 @contextmanager
 def _naming(path: str) -> Iterator[None]:
-    """Put the deck, and the place in it, before what a failure says."""
+    """Put the deck's name and the place of the fault in front of the message of a FlexmbError."""
     try:
         yield
     except FlexmbError as failure:
@@ -140,7 +140,7 @@ def _result(
     failure: AnalysisError | None,
 ) -> "Result":
     layout = solution.layout()
-    # As in the file: without what the model does not have, such as forces of pins where there are none.
+    # The same datasets as in the HDF5 file: none of what the model lacks, such as pins.
     paths = ("time", *(item.path for item in layout.series)) if blocks else ()
     values = {path: np.concatenate([block[path] for block in blocks]) for path in paths}
     warnings = (*opened.warnings, *faults, *solution.warnings, *solution.count.warnings)
@@ -216,7 +216,7 @@ def write_study(path: str, study: "Sweep") -> None:
 
 
 def __getattr__(name: str) -> object:
-    """Import what `check` takes and gives when it is named: commands start without it."""
+    """Import CheckReport and RunOptions at first use: commands start without them."""
     if name == "CheckReport":
         from .run.check.check import CheckReport
 

@@ -70,14 +70,14 @@ class Commands(Mapping[str, click.Command]):
     def __iter__(self) -> Any:
         return iter(COMMANDS)
 
-    def __len__(self) -> Any:
+    def __len__(self) -> int:
         return len(COMMANDS)
 
 
 class Group(click.Group):
     """Keeps the commands in the order of `COMMANDS`."""
 
-    def list_commands(self, ctx: click.Context) -> Any:
+    def list_commands(self, ctx: click.Context) -> list[Any]:
         """Names in the order a newcomer meets them."""
         return list(self.commands)
 
@@ -107,7 +107,7 @@ class Group(click.Group):
             formatter.write_dl(list(COMMANDS.items()))
 
 
-def _tell_version(context: click.Context, option: Any, asked: bool) -> None:
+def _print_version(context: click.Context, option: Any, asked: bool) -> None:
     if not asked or context.resilient_parsing:
         return
     from .terminal.commit import commit
@@ -121,7 +121,7 @@ def _tell_version(context: click.Context, option: Any, asked: bool) -> None:
 @click.group(cls=Group, invoke_without_command=True, epilog=epilog("flexmb"),
              subcommand_metavar="[COMMAND] [ARGS]...",
              context_settings={"help_option_names": ["-h", "--help"]})  # fmt: skip
-@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_tell_version,
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_version,
               help="Show the version and the commit, and exit.")  # fmt: skip
 @click.option("--debug", is_flag=True, help="Show the traceback of a fault of flexmb itself.")
 @click.pass_context
@@ -158,7 +158,7 @@ def main() -> None:
             _refuse_lack(fault)
         _refuse_lost_folder()
         # Files are guarded where they are written: what is left are the standard streams.
-        _tell(f"flexmb: error: {_stream_fault(fault)}")
+        _notify(f"flexmb: error: {_stream_fault(fault)}")
         os._exit(ANALYSIS_FAILED)  # what waits in the broken stream would fail once more at exit
     finally:
         if Stop.asked is not None:
@@ -201,7 +201,7 @@ def _run_command() -> None:
 
 def _end_stopped(how: str, exit_code: int) -> None:
     """Commands that keep something when they are stopped have their own words for it and end themselves."""
-    _tell(f"flexmb: {how}; what was not complete is not written")
+    _notify(f"flexmb: {how}; what was not complete is not written")
     _print_json(exit_code)
     sys.exit(exit_code)
 
@@ -213,7 +213,7 @@ def _refuse_lack(fault: Any) -> None:
     said = lack_of_memory_text(fault)
     if said == LACK_OF_MEMORY:
         said = f"{said}; what was not complete is not written"
-    _tell(f"flexmb: error: {said}")
+    _notify(f"flexmb: error: {said}")
     _print_json(ANALYSIS_FAILED, Fault("error", said, id="CLI-001"))
     sys.exit(ANALYSIS_FAILED)
 
@@ -253,7 +253,7 @@ def _refuse_lost_folder() -> None:
     try:
         os.getcwd()
     except OSError:
-        _tell("flexmb: error: the current folder does not exist any more")
+        _notify("flexmb: error: the current folder does not exist any more")
         sys.exit(BAD_INPUT)
 
 
@@ -283,7 +283,7 @@ def _open_closed_streams() -> None:
         sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
 
 
-def _tell(sentence: str) -> None:
+def _notify(sentence: str) -> None:
     with contextlib.suppress(OSError):
         click.echo(lines_visible(sentence), err=True)
 

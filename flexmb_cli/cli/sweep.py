@@ -15,7 +15,7 @@ from .options.completion import files
 from .options.output_file import refuse_inputs
 from .terminal.json_faults import faults_in_json
 from .terminal.progress import Progress
-from .terminal.screen import tell
+from .terminal.screen import notify
 from .terminal.stops import stop_on_signals
 from .terminal.written_place import WrittenPlace
 
@@ -167,7 +167,7 @@ def _solve(made: "Sweep", study: str, jobs: int, scheduler: str | None, quiet: b
         interface.solve_study(made, blocks, progress.advance, jobs, scheduler, listener)
 
 
-def _first_failures(made: "Sweep", most: int = 3) -> Any:
+def _first_failures(made: "Sweep", most: int = 3) -> list[Any]:
     if not made.failed:
         return []
     from itertools import islice
@@ -203,4 +203,4 @@ def _print_record(study: str, status: str, exit_code: int, made: "Sweep", failed
 
 def _say(sentence: str, quiet: bool) -> None:
     if not quiet:
-        tell(sentence)
+        notify(sentence)

@@ -1,4 +1,4 @@
-"""Content of a stream that may be longer than anybody wants, without room for the longest."""
+"""The first bytes of a stream of any length, without reserving memory for the largest length allowed."""
 
 import os
 from contextlib import suppress

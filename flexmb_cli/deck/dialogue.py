@@ -88,7 +88,7 @@ class Dialogue:
         faults = self._faults(asked.entry, end)
         wrong = next((fault for fault in faults if fault.severity == "error"), None)
         if wrong is None:
-            self._go_on(asked.entry, end)
+            self._proceed(asked.entry, end)
         elif self._lies_before(wrong):
             self._cell = _start(asked.entry, wrong.place.column - 1)
         else:
@@ -123,7 +123,7 @@ class Dialogue:
             if wrong is not None:
                 self._cell = _start(asked.entry, wrong.place.column - 1) if self._is_here(wrong) else 0
                 return faults
-            self._go_on(asked.entry, end)
+            self._proceed(asked.entry, end)
             if end < len(asked.entry.cells):
                 break
         return []
@@ -169,7 +169,7 @@ class Dialogue:
         last = _record(self._entry, replace(entry, cells=entry.cells[:end]), self.values)
         return self.form.faults([*self.records, last], complete)
 
-    def _go_on(self, entry: Entry, end: int) -> Any:
+    def _proceed(self, entry: Entry, end: int) -> Any:
         self._entry, self._cell = (self._entry + 1, 0) if end == len(entry.cells) else (self._entry, end)
 
     def _is_here(self, fault: Fault) -> bool:
@@ -205,7 +205,7 @@ def from_draft(form: Form, text: str) -> Dialogue:
     return dialogue
 
 
-def _name(entry: Entry, cell: Cell) -> Any:
+def _name(entry: Entry, cell: Cell) -> str:
     return f"{entry.prefix}.{cell.key}"
 
 

@@ -1,4 +1,4 @@
-"""TOML texts that may be anybody's: what would take tomllib hours is refused before."""
+"""Untrusted TOML texts: those that would take tomllib hours are refused before they are parsed."""
 
 import re
 from typing import Any

@@ -33,11 +33,11 @@ class Dialect(NamedTuple):
     renamed: tuple[str, str] = ("", "")  # IN<rest> gives OUT<rest>; other names <stem>.OUT
     series: tuple[str, ...] = ()  # endings of further tables
     options: tuple[str, ...] = ()  # options of `run` on which only its numbers depend
-    methods: tuple[str, ...] = ()  # integrators that `--method` names
+    methods: tuple[str, ...] = ()  # integrators that `--method` accepts
     stepping: str = ""  # function of a Deck: whether its analysis takes time steps; all do where it is ""
     # Words of joints and constraints: the names in `model/joints.py`.
     joints: Mapping[str, str] = MappingProxyType({})
-    curves: tuple[str, ...] = ()  # datasets drawn unasked, most telling first
+    curves: tuple[str, ...] = ()  # datasets that `plot` draws by default, the most important first
     form: str = ""  # class of the dialogue of `flexmb new`
     form_with_cards: str = ""  # the same where a deck may have further cards, for `--cards`
     new_name: str = ""  # of the deck that it writes

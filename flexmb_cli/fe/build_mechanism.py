@@ -189,7 +189,7 @@ class _Points:
         target = self.model.global_position(pin.end) if pin.point is None else np.array(pin.point)
         return PointPin(pin.name, self.point(pin.end), pin.directions, target, pin.place, pin.functions)
 
-    def _force(self, force: "NodeForce") -> Any:
+    def _force(self, force: "NodeForce") -> PointForce:
         return PointForce(
             force.name, self.point(force.end), force.force, force.follows, force.factor, force.place
         )

@@ -60,7 +60,7 @@ class WholeLibrary(JITCodeLibrary):
 
 
 def with_parts_of_parts(libraries: Any):
-    """All of them, each before those that it calls.
+    """Return the libraries with all that they call, each before those that it calls.
 
     LLVM links such a function only where something that is linked already calls it, and a part may name
     functions that its own code no longer calls.

@@ -209,7 +209,7 @@ class JointRate:
 
 @dataclass(frozen=True)
 class JointElements:
-    """All of them in the order of the deck; `reported`: whether results hold joint coordinates anyway."""
+    """All elements at joints in the order of the deck; `reported`: whether results have joint coordinates."""
 
     drivers: tuple[JointDriver, ...] = ()
     motors: tuple[JointMotor, ...] = ()

@@ -64,10 +64,10 @@ class ResumeFile:
             return
         with self._opened() as file:
             if not belongs_here(os.fstat(file.fileno())):
-                self._doubt("warning", "of another user, whose rows are taken; without --resume none are")
+                self._warn("warning", "of another user, whose rows are taken; without --resume none are")
             head = file.readline(_LONGEST_HEAD)
             if _is_blank(head) or (self._head.startswith(head) and head != self._head):
-                self._doubt("warning", "cut in its first line, nothing of the stopped run can be used")
+                self._warn("warning", "cut in its first line, nothing of the stopped run can be used")
                 return
             self._check_identity(head)
             self._first = self._end = file.tell()
@@ -82,9 +82,9 @@ class ResumeFile:
                 self.last_checkpoint = _split(_arrays(last))[1]
             lost = os.fstat(file.fileno()).st_size - whole
         if lost:
-            self._doubt("note", f"torn or damaged at byte {whole}; the {lost} bytes there are not used")
+            self._warn("note", f"torn or damaged at byte {whole}; the {lost} bytes there are not used")
 
-    def _doubt(self, severity: str, what: str) -> None:
+    def _warn(self, severity: str, what: str) -> None:
         self.warnings.append(Fault(severity, f"--resume: {self.path} is {what}", id="RUN-005"))
 
     @property

@@ -1,4 +1,7 @@
-"""Context of one run: its options, its outcome, and the listener that receives its progress."""
+"""Context of one run: its options, its outcome, and the listener that receives its progress.
+
+Every function between the command and the analysis takes this one record instead of the separate arguments.
+"""
 
 from typing import NamedTuple, Protocol
 

@@ -91,7 +91,7 @@ def _deck_of(deck: Deck, run: Run, form: str, units: tuple[str, str]) -> str:
     return text
 
 
-def _title(deck: Deck) -> Any:
+def _title(deck: Deck) -> str:
     name = visible(PurePath(deck.source.name).name)
     return f"converted from the {dialect_named(deck.dialect).title} deck {name}"
 

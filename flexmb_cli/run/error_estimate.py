@@ -137,7 +137,7 @@ def with_errors(layout: "Layout") -> Any:
     return replace(layout, series=(*layout.series, *errors))
 
 
-def _is_estimated(path: str) -> Any:
+def _is_estimated(path: str) -> bool:
     return not path.startswith(NOT_ESTIMATED)
 
 

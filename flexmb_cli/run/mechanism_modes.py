@@ -11,7 +11,7 @@ from ..model.loads import DynamicModel
 from ..model.mechanism import TimeGrid
 from ..model.tree import Tree
 from ..quick_dataclass import dataclass, replace
-from ..solvers.compilation import Notices, tell_of_compiling
+from ..solvers.compilation import Notices, announce_compiling
 from .check.parts import FARTHEST_STEPS
 from .context import Run
 
@@ -137,7 +137,7 @@ def _kernels(
         raise ModelError([Fault("error", message, id="RUN-017")])
     if speeds <= MOST_SPEEDS_INTERPRETED and (wish.time is None or wish.time <= grid.start):
         return interpreting()
-    tell_of_compiling(listener, entry)
+    announce_compiling(listener, entry)
     return nullcontext()
 
 

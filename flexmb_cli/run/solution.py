@@ -13,7 +13,7 @@ from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
 from ..quick_dataclass import dataclass, field
 from ..results.files.file_names import ResultPaths
-from ..solvers.compilation import tell_of_damage
+from ..solvers.compilation import report_damage
 from .checkpoint import ResumeFile
 from .context import Run
 from .exit_status import reason_of
@@ -120,7 +120,7 @@ def solve_deck(deck: Deck, paths: ResultPaths, run: Run) -> None:
         try:
             _RowWriter(deck, solution, paths, run, resume_file, estimate, model_warnings).write()
         finally:
-            tell_of_damage(run.listener)
+            report_damage(run.listener)
 
 
 @contextmanager
@@ -228,7 +228,7 @@ class _RowWriter:
                     if outcome.rows >= wanted:
                         Stop.too_late()
                 listener.advance(len(values["time"]))
-                Stop.heed()
+                Stop.raise_if_asked()
 
     def _blocks(self) -> "Iterator[Mapping[str, np.ndarray]]":
         """Yield blocks of values: those of a stopped run first, then those that the analysis adds."""

@@ -56,9 +56,9 @@ def family_picture(
     form: str,
     title: str,
     look: "Look | None" = None,
-    tell_missing: Callable[[str], object] = str,
+    report_missing: Callable[[str], object] = str,
 ) -> bytes:
-    """Return the picture as a file of `form`; `look`, `tell_missing`: as of `plots.picture`."""
+    """Return the picture as a file of `form`; `look`, `report_missing`: as of `plots.picture`."""
     from .figures import drawn, label_axis, set_size
 
     def draw(figure: "Figure") -> None:
@@ -70,7 +70,7 @@ def family_picture(
             _draw_cases(figure, axis, family, values, look)
         label_axis(axes[-1], "x", "time [s]", look)
 
-    return drawn(draw, form, title, look, tell_missing)
+    return drawn(draw, form, title, look, report_missing)
 
 
 def _draw_cases(

@@ -36,15 +36,15 @@ def study_picture(
     form: str,
     title: str,
     look: Look | None = None,
-    tell_missing: Callable[[str], object] = str,
+    report_missing: Callable[[str], object] = str,
 ) -> bytes:
     """Return the picture as a file of `form`, one of `plots.FORMATS`.  Imports matplotlib.
 
-    `look`, `tell_missing`: as of `plots.picture`.  Raises UnsuitedStudy where the study does not
+    `look`, `report_missing`: as of `plots.picture`.  Raises UnsuitedStudy where the study does not
     suit the type, ValueError where letters leave no room in print.
     """
     draw = {"curve": _curves, "map": _maps, "scatter": _scatter, "parallel": _parallel}[kind]
-    return drawn(lambda figure: draw(figure, cases, look), form, title, look, tell_missing)
+    return drawn(lambda figure: draw(figure, cases, look), form, title, look, report_missing)
 
 
 class UnsuitedStudy(Exception):
@@ -56,7 +56,7 @@ def drawn(
     form: str,
     title: str,
     look: Look | None = None,
-    tell_missing: Callable[[str], object] = str,
+    report_missing: Callable[[str], object] = str,
 ) -> bytes:
     """Return what `draw` puts on a figure, as a file of `form`."""
     import matplotlib
@@ -67,7 +67,7 @@ def drawn(
         matplotlib.rcParams["svg.hashsalt"] = "flexmb"
         if look:
             for family in look.apply():
-                tell_missing(family)
+                report_missing(family)
         figure = Figure(layout="constrained")
         draw(figure)
         if title or not look:

@@ -33,7 +33,7 @@ SILENT = Listener()
 
 @dataclass(frozen=True)
 class Job:
-    """All that a worker needs for any block; texts, not paths: it may be on another machine."""
+    """Input of a worker for any block, as texts instead of paths: it may run on another machine."""
 
     deck: DeckText
     deck_folder: str
@@ -227,7 +227,7 @@ def solve_block(
         for case in missing:
             part.append(solver.solve(case))
             advance(1)
-            Stop.heed()
+            Stop.raise_if_asked()
         return BlockDone(block, len(missing), part.failed)
 
 

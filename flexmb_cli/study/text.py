@@ -190,7 +190,7 @@ def _json(cell: float) -> float | None:
 
 
 def study_notes(table: h5py.File, columns: Sequence[StudyColumn], named: bool) -> list[str]:
-    """Return what the text does not show: series that nobody named, and cases that failed."""
+    """Return notes on what the text leaves out: series that were not named, and cases that failed."""
     series = [column.name for column in study_columns(table) if column.length]
     notes = [] if named or not series else [f"series are shown where they are named: {', '.join(series)}"]
     reported = failed_note(table)

@@ -17,7 +17,7 @@ BEGUN = "begun"
 
 
 class WorkersError(FlexmbError):
-    """The processes of a study do not live long enough to solve anything (exit 1)."""
+    """The processes of a study end before they solve anything (exit 1)."""
 
     exit_code = ANALYSIS_FAILED
 
@@ -52,7 +52,7 @@ def solve_in_processes(
     """
     work = _Work(sweep, jobs, advance, deque(blocks), listener)
     try:
-        while work.go_on():
+        while work.proceed():
             pass
         end_all(work.given)
     except BaseException:
@@ -80,7 +80,7 @@ class _Work:
     barren: int = 0
     reported: set[str] = field(default_factory=set)
 
-    def go_on(self) -> bool:
+    def proceed(self) -> bool:
         """Give blocks to processes and hear what they have to say; False when all are solved."""
         self._start()
         self._hand_out()

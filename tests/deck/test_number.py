@@ -29,7 +29,7 @@ def test_pascal_and_fortran_spellings_are_read(word):
     assert math.copysign(1.0, value) == math.copysign(1.0, SPELLINGS[word])
 
 
-def test_an_exponent_without_letter_is_read_with_a_doubt():
+def test_an_exponent_without_letter_is_read_with_a_warn():
     assert real("1.5+3") == (1500.0, "'1.5+3' is taken for 1500; write the exponent with e")
 
 
@@ -102,7 +102,7 @@ def test_integers_are_read(word, value):
 
 
 @pytest.mark.parametrize(("word", "value"), [("2.0", 2), ("2.", 2), ("1e1", 10), ("-3.0D0", -3)])
-def test_a_real_that_is_whole_is_taken_for_an_integer_with_a_doubt(word, value):
+def test_a_real_that_is_whole_is_taken_for_an_integer_with_a_warn(word, value):
     assert integer(word) == (value, f"should be an integer; '{word}' is taken for {value}")
 
 

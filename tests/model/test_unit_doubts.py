@@ -37,7 +37,7 @@ def rod(length=0.5, mass=2.0, inertia=2.0 * 0.5**2 / 12, gravity=9.81):
     return DynamicModel(mechanism, masses=masses if mass or inertia else (), gravity=(0.0, 0.0, -gravity))
 
 
-def test_a_rod_in_si_units_raises_no_doubt():
+def test_a_rod_in_si_units_raises_no_warn():
     assert unit_warnings(rod()) == []
 
 
@@ -74,7 +74,7 @@ def test_a_thin_rod_with_its_mass_in_tonnes_is_noticed():
 
 
 @pytest.mark.parametrize("thickness", [0.0, 0.01])
-def test_a_flywheel_with_a_joint_beside_its_centre_raises_no_doubt(thickness):
+def test_a_flywheel_with_a_joint_beside_its_centre_raises_no_warn(thickness):
     """50 kg, 0.5 m: radius of gyration 0.354 m, the joint 0.01 m from the centre."""
     m, r = 50.0, 0.5
     across = m * (3.0 * r * r + thickness**2) / 12.0

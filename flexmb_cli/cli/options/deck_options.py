@@ -6,7 +6,7 @@ import click
 
 from ...dialects import DIALECTS
 from ...errors import FlexmbError, compiler_style
-from ..terminal.screen import tell
+from ..terminal.screen import notify
 from ..terminal.stops import stop_on_signals
 from .completion import files
 
@@ -61,7 +61,7 @@ def every_deck(
         yield report
         del report  # a large deck takes hundreds of megabytes, which the next one needs
         if code > 128:
-            tell(f"{deck}: interrupted")
+            notify(f"{deck}: interrupted")
 
 
 def with_models(decks: tuple[str, ...]) -> list[str]:

@@ -35,7 +35,7 @@ def outcomes_in_parallel(
     try:
         for index in range(len(decks)):
             while index not in work.ended:
-                work.go_on()
+                work.proceed()
             yield work.ended.pop(index)
     except (KeyboardInterrupt, Terminated) as stop:
         work.stop(signal.SIGINT if isinstance(stop, KeyboardInterrupt) else signal.SIGTERM)
@@ -75,7 +75,7 @@ class _Work:
     reported: set[str] = field(default_factory=set)
     fault: BaseException | None = None
 
-    def go_on(self) -> None:
+    def proceed(self) -> None:
         """Give decks to processes, and wait until one has something to say."""
         while self.waiting and len(self.running) < self.jobs and Stop.asked is None:
             self._begin(*self.waiting.popleft())
@@ -101,7 +101,7 @@ class _Work:
         self.running[worker] = index, deck
 
     def _put_back(self, index: int, deck: str, reason: str) -> None:
-        """No more processes than there are can be had; a deck that has none at all is done with."""
+        """Let a deck wait whose process did not start; record it as failed if none is running."""
         if self.running:
             self.jobs = len(self.running)
             self.waiting.appendleft((index, deck))
@@ -119,11 +119,11 @@ class _Work:
         for worker in workers:
             answer = worker.answer()
             if isinstance(answer, str):
-                self._tell(answer)
+                self._notify(answer)
             else:
                 self._take(worker, *self.running.pop(worker), answer)
 
-    def _tell(self, sentence: str) -> None:
+    def _notify(self, sentence: str) -> None:
         if sentence not in self.reported:
             self.reported.add(sentence)
             if isinstance(sentence, _Doing):
@@ -133,8 +133,8 @@ class _Work:
 
     def _take(self, worker: Worker, index: int, deck: str, answer: Any) -> None:
         """Return what became of a deck; `answer` None: its process was killed."""
-        outcome, goes_on = answer or (_failed(deck, KILLED), False)
-        if goes_on:
+        outcome, takes_more = answer or (_failed(deck, KILLED), False)
+        if takes_more:
             self.idle.append(worker)
         else:
             worker.end()
@@ -146,7 +146,7 @@ class _Work:
             self.fault = outcome
 
 
-def _failed(deck: str, reported: Any) -> Any:
+def _failed(deck: str, reported: Any) -> Outcome:
     return Outcome(deck, ANALYSIS_FAILED, faults=[Fault("error", reported, id="CLI-008")])
 
 
@@ -158,12 +158,12 @@ def _serve(line: Any, options: RunOptions) -> None:
     """
     unable = _begin_process()
     listener = Listener(notice=line.send, status=lambda doing: line.send(_Doing(doing)))
-    goes_on = True
-    while goes_on:
+    takes_more = True
+    while takes_more:
         deck = line.recv()
         outcome = unable or _solve(deck, options, listener)
-        goes_on = Stop.asked is None and isinstance(outcome, Outcome)
-        line.send((outcome, goes_on))
+        takes_more = Stop.asked is None and isinstance(outcome, Outcome)
+        line.send((outcome, takes_more))
 
 
 def _begin_process() -> Any:

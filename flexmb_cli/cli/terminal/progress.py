@@ -9,7 +9,7 @@ from collections.abc import Callable
 from threading import Event, Thread
 from typing import Any
 
-from .screen import tell, terminal_width
+from .screen import notify, terminal_width
 
 REDRAWN_AFTER = 0.1  # s
 LOGGED_AFTER = 10.0  # s
@@ -34,7 +34,7 @@ class Progress:
         doing = self.waiting.sentence if self.waiting else None
         self.clear()
         if not self.quiet:
-            tell(f"flexmb: {sentence}")
+            notify(f"flexmb: {sentence}")
         if doing:
             self._wait(doing)
 
@@ -43,7 +43,7 @@ class Progress:
         if self.drawn:
             self._draw(f"{self.title}: {doing}")
         elif self.logged:
-            tell(f"{self.title}: {doing}")
+            notify(f"{self.title}: {doing}")
         if self.drawn or self.logged:
             self._wait(f"{self.title}: {doing}")
 
@@ -71,7 +71,7 @@ class Progress:
             self._draw(self.sentence(now))
         elif self.logged and now - self.shown >= LOGGED_AFTER:
             self.shown = now
-            tell(self.sentence(now))
+            notify(self.sentence(now))
 
     def sentence(self, now: float) -> str:
         """Return the count, the rate and the remaining time at `now` of the monotonic clock."""

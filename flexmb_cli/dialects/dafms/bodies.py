@@ -45,7 +45,7 @@ def _cards_begin(values: DeckValues) -> Any:
     return values.number("time", 0, "H").place
 
 
-def _body(values: DeckValues, k: int, findings: Findings) -> Any:
+def _body(values: DeckValues, k: int, findings: Findings) -> Body:
     name = f"body {k}"
     flexible = values.number("counts", k, "NUMNP").value > 0
     elastic = _elasticity(values, k, findings) if flexible else None
@@ -78,7 +78,7 @@ def _body(values: DeckValues, k: int, findings: Findings) -> Any:
 
 
 def _warn_of_unused_cards(values: DeckValues, k: int, findings: Findings) -> None:
-    """ELDA and GSTF speak of nodes: on a body that has none they would change nothing."""
+    """ELDA and GSTF concern nodes: on a body without nodes they would have no effect."""
     for card, section in (("ELDA", "elastic_damping"), ("GSTF", "stiffening")):
         asked = values.values(section, k, (0,))
         if any(asked if card == "ELDA" else asked[:1]):

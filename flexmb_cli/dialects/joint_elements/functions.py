@@ -168,7 +168,7 @@ def _polynomial(_functions: Functions, given: GivenFunction) -> Any:
     return piecewise(polynomial(given.values))
 
 
-def _sine(_functions: Functions, given: GivenFunction) -> Any:
+def _sine(_functions: Functions, given: GivenFunction) -> MotionFunction:
     mean, size, omega, phase = (float(value) for value in (*given.values, 0.0)[:4])
     return MotionFunction(SINE, (mean, size, omega, phase))
 

@@ -19,7 +19,7 @@ from .loads import Factors, build_forces, build_joint_springs, build_outputs, bu
 from .motion_angles import check_motion_functions
 from .motions import build_motions, build_tables
 from .stress_outputs import build_stresses
-from .unused_fields import doubt_tables, refuse_unread
+from .unused_fields import refuse_unread, warn_of_tables
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,7 +41,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     integrator = _integrator(values, findings)
     joints = build_joints(values, bodies, ground, findings)
     tables = build_tables(values, findings)
-    doubt_tables(values, tables, findings)
+    warn_of_tables(values, tables, findings)
     functions = build_functions(values, tables, findings)
     factors = Factors(tables, functions, values, findings)
     pins = build_pins(values, bodies, ground, findings)

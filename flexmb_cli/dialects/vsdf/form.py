@@ -162,7 +162,7 @@ def _data_lines(card: Card, record: Record) -> list[str]:
     return ["    " + ",".join(part) for part in (texts[:first], texts[first:]) if part]
 
 
-def _outside(record: Record, value: Number, least: bool, most: int) -> Any:
+def _outside(record: Record, value: Number, least: bool, most: int) -> list[Any]:
     if int(least) <= value.value <= most:
         return []
     message = f"{value.key} must be within {int(least)}..{most}; read {value.text}"

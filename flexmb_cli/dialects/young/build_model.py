@@ -27,7 +27,7 @@ def build_model(deck: Deck, folder: Path) -> tuple[object, list[Fault]]:
     return model, warnings
 
 
-def _has_shapes(deck: Deck) -> Any:
+def _has_shapes(deck: Deck) -> bool:
     return bool(deck.section("shape") or deck.section("shape_file"))
 
 

@@ -208,18 +208,18 @@ def _unit(vector: tuple[float, float, float]) -> list[float] | None:
 
 def _simplified(record: Record, findings: Findings) -> Simplified:
     if record["direction"] >= _FIRST_ANGLE:
-        _doubt_degrees(record, "value", findings)
+        _warn_of_degrees(record, "value", findings)
     return Simplified(record.subject, record["body"] - 1, record["direction"], record["value"], record.place)
 
 
 def _ground(record: Record, findings: Findings) -> Ground:
     for key in _GROUND[3:]:
-        _doubt_degrees(record, key, findings)
+        _warn_of_degrees(record, key, findings)
     values = tuple(map(record.__getitem__, _GROUND))
     return Ground(record.subject, record["body"] - 1, values, record.place)
 
 
-def _doubt_degrees(record: Record, key: str, findings: Findings) -> None:
+def _warn_of_degrees(record: Record, key: str, findings: Findings) -> None:
     angle = record[key]
     if abs(angle) > DOUBTFUL_ANGLE:
         message = f"angles are in rad; {key} {angle:.6g} would be {angle / math.tau:.3g} turns"

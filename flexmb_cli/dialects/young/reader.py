@@ -244,7 +244,7 @@ def _words_behind(reading: _Reading) -> list[Word]:
     return [*rest, *following] if rest else []
 
 
-def _lines_behind(reading: _Reading, last: int) -> Any:
+def _lines_behind(reading: _Reading, last: int) -> tuple[Any, Any]:
     """The words behind the last number on its line `last`, and those of the next line that has any."""
     end = reading.taken
     reading.words.reach(end + 2 * LONGEST_RECORD)
@@ -255,7 +255,7 @@ def _lines_behind(reading: _Reading, last: int) -> Any:
     return rest, [word for word in following if word.line == following[0].line]
 
 
-def _is_number(word: Word) -> Any:
+def _is_number(word: Word) -> bool:
     try:
         number.real(word.text)
     except number.Misspelt:
@@ -290,5 +290,5 @@ def _slip_of_counts(reading: _Reading, record: ReadRecord) -> tuple[Fault, ...]:
     return slips(close, [(COUNTS.subject, len(COUNTS.columns)), *bodies], kept_per_slip=1)
 
 
-def _in_order(faults: "Sequence[Fault]") -> Any:
+def _in_order(faults: "Sequence[Fault]") -> list[Any]:
     return sorted(faults, key=lambda fault: fault.place)

@@ -51,7 +51,7 @@ def matching_elements(
     return min(found, key=lambda body: body.deviation)
 
 
-def element_stiffness(made: SolidElements, D: np.ndarray) -> Any:
+def element_stiffness(made: SolidElements, D: np.ndarray) -> tuple[Any, Any]:
     """Return the nodal stiffness (m, 3 k, 3 k), N/m, and how incompatible modes follow the nodes.
 
     `made`: m elements of k nodes; `D` (6, 6), Pa.  The second has (m, internal degrees of freedom, 3 k).

@@ -97,7 +97,7 @@ def _check_count(name: str, count: int) -> None:
         raise FEFileFault(message, id="FE-081")
 
 
-def _joined(name: str, corners: np.ndarray) -> Any:
+def _joined(name: str, corners: np.ndarray) -> tuple[Any, Any]:
     """Vertices that differ, and triangles with three of them."""
     vertices, index = np.unique(corners + 0.0, axis=0, return_inverse=True)
     triangles = index.reshape(-1, 3)

@@ -207,7 +207,7 @@ def is_doubtful(clock: "np.void", work: "Work"):
     """Return whether a row inside or at the end of a step, whose factors are at hand, lies so near a singular
     position that round-off may rule it.
     """
-    # `not >` doubts a nan.
+    # `not >` takes a nan for doubtful.
     return clock["step_length"] > 0.0 and not smallest_pivot(work.factors, work.rank[0]) > firm_pivot(clock)
 
 

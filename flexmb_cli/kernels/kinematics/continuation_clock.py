@@ -19,7 +19,7 @@ CLOCK_SIZE = 6
 
 @kernel
 def step_to(clock: np.ndarray, target: float) -> float:
-    """End of the step to try next: the target, or a part of the way that leaves no sliver."""
+    """Return the end of the step to try next: the target, or a point at most halfway to it."""
     left = target - clock[TIME]
     return target if clock[NEXT_LENGTH] >= left else clock[TIME] + min(clock[NEXT_LENGTH], 0.5 * left)
 

@@ -219,7 +219,7 @@ def _node_frame(body: Any, k: int, node: int, parent: int, index: dict[Any, Any]
     return frame
 
 
-def _nodal_mass(body: Body, k: int, node: int, index: "dict[Any, Any]") -> Any:
+def _nodal_mass(body: Body, k: int, node: int, index: "dict[Any, Any]") -> tuple[Any, Any, Any, Any]:
     elastic = body.elastic
     assert elastic is not None, "nodal masses are those of an elastic body"
     return (

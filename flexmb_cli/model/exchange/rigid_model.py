@@ -107,7 +107,7 @@ class CoordinateSpring:
 
 @dataclass(frozen=True)
 class RigidModel:
-    """All of it, in the order of the deck.  `notes`: what a reader of the new deck should know."""
+    """A rigid mechanism in the order of the deck.  `notes`: remarks for the reader of the new deck."""
 
     bodies: tuple[RigidBody, ...]
     time: TimeGrid

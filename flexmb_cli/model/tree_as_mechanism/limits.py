@@ -74,7 +74,7 @@ def has_shared_axis(hinge: Hinge, axis: int) -> bool:
     return hinge.rotations in ((), (axis,))
 
 
-def _foreign_hinge(tree: Tree, item: "Motor | Spring", kind: str, what: str) -> Any:
+def _foreign_hinge(tree: Tree, item: "Motor | Spring", kind: str, what: str) -> Fault:
     message = (
         f"a {kind} in a hinge with {what} is not carried over to absolute coordinates; {_otherwise(tree)}"
     )

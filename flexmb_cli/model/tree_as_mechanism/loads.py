@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def tree_loads(table: PrimitiveTable, tree: Tree, frames: Frames) -> np.ndarray:
-    """All loads but gravity and elasticity."""
+    """Return all loads but gravity and elasticity."""
     found: np.ndarray = _Loads(table, tree, frames).records()
     return found
 

@@ -75,7 +75,7 @@ def read_tolerances(path: str, general: Tolerances) -> FileTolerances:
 
 
 def _content(path: str) -> dict[str, Any]:
-    """Return the table of the file at `path`, which may be anybody's."""
+    """Return the table of the file at `path`, which is untrusted."""
     try:
         source = read_text(path, "file of tolerances")
         if source.warnings:

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from itertools import takewhile
-from typing import Any
 
 import h5py
 import numpy as np
@@ -81,7 +80,7 @@ class Panel:
         return f"{changed}{common} [{self.unit}]" if common else f"[{self.unit}]"
 
 
-def _common_ending(texts: set[str]) -> Any:
+def _common_ending(texts: set[str]) -> str:
     """The words that all texts end with: "von Mises stress" of those and of the largest one."""
     endings = [text.split()[::-1] for text in texts]
     if not endings:
@@ -114,11 +113,6 @@ class DefaultCurves:
     cut: list[str]
 
 
-def default_quantities(result: h5py.File) -> list[Quantity]:
-    """Return the quantities of `default_curves`."""
-    return default_curves(result).quantities
-
-
 def default_curves(result: h5py.File) -> DefaultCurves:
     """Return what is drawn when nothing is named: the dialect's main quantities that move, and energies.
 
@@ -147,7 +141,7 @@ def _datasets(dialect: str) -> tuple[str, ...]:
 
 
 def still_energies(result: h5py.File) -> list[str]:
-    """Return the names of the energies that `default_quantities` leaves out because they stay at zero."""
+    """Return the names of the energies that `default_curves` leaves out because they stay at zero."""
     drawn = _energies(result)
     return [one.name for one in names(result) if one.dataset in ENERGIES and one not in drawn]
 

@@ -1,4 +1,4 @@
-"""HDF5 results as anybody may have made them: read only where they are built as flexmb builds them.
+"""Untrusted HDF5 results: read only where they have the structure that flexmb writes.
 
 A file can lead to other files by its links, declare sizes that no memory holds, and name scales that are not
 there, at which the HDF5 library ends the process.  So the structure is looked at before anything is read, and

@@ -29,7 +29,7 @@ class Readable:
 
     @property
     def label(self) -> str:
-        """All three in words: "velocity x of body 3", "z of point 1"."""
+        """Return quantity, component and object in words: "velocity x of body 3", "z of point 1"."""
         head = self.quantity
         if self.component:
             head = self.component if head in _IMPLIED else f"{head} {self.component}"

@@ -65,7 +65,7 @@ def _assemble(report: CheckReport, mechanism: Mechanism, jacobian: str | None, e
 
 
 def _is_far(grid: TimeGrid, jacobian: str | None) -> bool:
-    """Return whether the Jacobian is requested so late that the way there wants compiled kernels."""
+    """Return whether the Jacobian is requested so late that computing up to there needs compiled kernels."""
     return jacobian not in (None, "estimate") and float(jacobian) - grid.start > FAR_STEPS * grid.step
 
 

@@ -127,7 +127,7 @@ def _with_elements(tree: Tree) -> "TreeAnalysis":
     return TreeWithElements(replace(tree, time=TimeGrid(start, start, tree.time.step)))
 
 
-def _start(tree: Tree, q: np.ndarray, y: np.ndarray) -> Any:
+def _start(tree: Tree, q: np.ndarray, y: np.ndarray) -> list[Any]:
     return [
         (c.name, "rad" if c.motion == "rotation" else "m", float(a), float(b))
         for c, a, b in zip(tree.coordinates, q, y, strict=True)

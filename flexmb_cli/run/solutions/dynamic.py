@@ -9,7 +9,7 @@ from ...model.loads import DynamicModel
 from ...model.unit_checks import unit_warnings
 from ...quick_dataclass import replace
 from ...results.hdf5.dynamic import dynamic_layout, dynamic_values
-from ...solvers.compilation import tell_of_compiling
+from ...solvers.compilation import announce_compiling
 from ..context import Run
 from ..energy_drift import ConstrainedDrift
 from ..error_estimate import finer_motion, nothing_to_refine
@@ -85,7 +85,7 @@ def _stepped(model: DynamicModel, run: Run) -> "ForwardDynamics":
     analysis = (ForwardDynamics if forward else DrivenDynamics)(model)
     if forward:
         set_tolerances(analysis, run.options, run.outcome)
-    tell_of_compiling(run.listener, analysis.integrator.entry)
+    announce_compiling(run.listener, analysis.integrator.entry)
     return analysis
 
 
@@ -93,5 +93,5 @@ def _inverse(model: DynamicModel, run: Run) -> "InverseDynamics":
     from ...solvers.kinematics.inverse_dynamics import InverseDynamics
     from ...solvers.kinematics.settings import KinematicSettings
 
-    tell_of_compiling(run.listener, "constrained.report.observe_rows")
+    announce_compiling(run.listener, "constrained.report.observe_rows")
     return InverseDynamics(model, KinematicSettings(**run.options.solver))

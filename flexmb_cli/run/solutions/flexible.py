@@ -10,7 +10,7 @@ from ...model.integrators import METHODS, Integrator, word_of
 from ...model.unit_checks import unit_warnings
 from ...quick_dataclass import replace
 from ...results.hdf5.flexible import flexible_layout, flexible_values
-from ...solvers.compilation import tell_of_compiling
+from ...solvers.compilation import announce_compiling
 from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 from ..context import Run
 from ..energy_drift import ConstrainedDrift
@@ -64,5 +64,5 @@ def _digest(system: Any) -> str:
 def _analysis(mechanism: FlexibleMechanism, run: Run) -> FlexibleDynamics:
     analysis = FlexibleDynamics(mechanism)
     set_tolerances(analysis, run.options, run.outcome)
-    tell_of_compiling(run.listener, analysis.integrator.entry)
+    announce_compiling(run.listener, analysis.integrator.entry)
     return analysis

@@ -71,14 +71,14 @@ def _finely(mechanism: FlexibleMechanism, options: "RunOptions") -> Any:
     return replace(mechanism, integrator=Integrator(method, tolerance=tolerance))
 
 
-def _rows(mechanism: FlexibleMechanism) -> Any:
+def _rows(mechanism: FlexibleMechanism) -> tuple[Any, Any]:
     """Return the rows by their fields, and whether no equation repeats others."""
     from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 
     analysis, blocks = FlexibleDynamics(mechanism), []
     for block in analysis.rows():
         blocks.append(block)
-        Stop.heed()
+        Stop.raise_if_asked()
     named = [key for _, _, key in (*SERIES, *FORCES, *ELEMENTS)]
     names = ["time", "position", "velocity", *ENERGIES, *(key for key in named if hasattr(blocks[0], key))]
     rows = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}

@@ -63,7 +63,7 @@ def _motions(tree: Tree, run: Run) -> Any:
 def _heard(blocks: Any, listener: "Listener") -> "Iterator[Any]":
     for block in blocks:
         yield block
-        Stop.heed()
+        Stop.raise_if_asked()
         listener.advance(len(block.time))
 
 

@@ -1,6 +1,6 @@
 """Springs in line whose ends coincide at the start: with a free length they have no direction to push in."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -36,7 +36,7 @@ def refuse_coinciding_ends(
         raise ModelError(faults)
 
 
-def _fault(spring: "PointSpring | SpringDamper", free_length: float, t: float) -> Any:
+def _fault(spring: "PointSpring | SpringDamper", free_length: float, t: float) -> Fault:
     message = (
         f"its ends coincide at t = {t:.6g} s, where its free length of {free_length:.6g} m gives it a force "
         "without a direction; move an end, or give it the free length 0"

@@ -132,7 +132,7 @@ def jam_failure(t: float) -> AnalysisError:
     return AnalysisError(Fault("error", message, None, "friction", id="SOLVE-038"), t)
 
 
-def _why_steps_fall(analysis: "ForwardDynamics", norms: dict[str, float]) -> Any:
+def _why_steps_fall(analysis: "ForwardDynamics", norms: dict[str, float]) -> tuple[Any, Any]:
     """The reason in words, and the equations it lies in; the condition goes into `norms`."""
     condition, owners = weakest_of_speeds(analysis, analysis.integration.z)
     norms["condition"] = condition
@@ -206,5 +206,5 @@ def note_undetermined_rows(analysis: "ConstrainedMotion", report: "Report") -> N
     warnings.append(Fault("note", message, id="SOLVE-041"))
 
 
-def _in_deck(equation: "Equation") -> Any:
+def _in_deck(equation: "Equation") -> tuple[Any, Any, Any]:
     return equation.place or (0, 0), equation.owner, equation.part

@@ -33,7 +33,7 @@ class InverseDynamics:
 
     @property
     def warnings(self) -> list[Fault]:
-        """Doubts found so far."""
+        """Warnings found so far."""
         return self.motion.warnings
 
     def rows(self) -> Iterator[DynamicRows]:

@@ -55,7 +55,7 @@ def _least_gap(evaluator: "Evaluator", q: np.ndarray, t: float, expected: np.nda
     return min([gap, *others], key=lambda found: np.max(np.abs(found)))
 
 
-def _singular(analysis: "KinematicAnalysis", reached: Any, t: float) -> Any:
+def _singular(analysis: "KinematicAnalysis", reached: Any, t: float) -> AnalysisError:
     """The failure at a singular position: a dead centre, behind which a gap remains, or a branching."""
     evaluator, q, expected = analysis.evaluator, analysis.state[0], analysis.motion[:, 0]
     weak = conditioning(evaluator, q, reached, expected)

@@ -68,7 +68,7 @@ def _slope(analysis: "TreeAnalysis", t: float, z: np.ndarray) -> Any:
     return analysis.integration.slopes[0].copy()
 
 
-def _step_failure(t: float, method: Any) -> Any:
+def _step_failure(t: float, method: Any) -> AnalysisError:
     message = (
         f"at t = {t:.6g} s {method} finds no step that meets the tolerance; the motion or a load grows "
         "without bound there, or the tolerance is finer than round-off"

@@ -44,7 +44,7 @@ class ElementCards:
     links: "list[Link]"
     hung: "dict[int, Hanging]"
 
-    def hinge_elements(self) -> Any:
+    def hinge_elements(self) -> list[Any]:
         """Springs, dampers, motors and prescribed motions."""
         springs, dampers, motors, tables, motions = [], [], [], [], []
         by_function: list[str] = []
@@ -157,7 +157,7 @@ class ElementCards:
             self.refusals.add(item, "only tables of loads are converted to DAFMS; give the function as TABLE")
         return points or []
 
-    def table(self, k: int, which: int, points: "Sequence[tuple[float, float]]") -> Any:
+    def table(self, k: int, which: int, points: "Sequence[tuple[float, float]]") -> str:
         """Return the records of a table: body, degree of freedom, points."""
         lines = [integers(k, which, len(points))]
         return "\n".join([*lines, *(self.real(t) + self.real(v) for t, v in points)])
@@ -174,7 +174,7 @@ class ElementCards:
     def _dof(self, item: "CoordinateSpring | JointMotor") -> Any:
         return integers(*self._place(item))
 
-    def entries(self, word: str, entries: "Sequence[str]") -> Any:
+    def entries(self, word: str, entries: "Sequence[str]") -> list[Any]:
         """Return a card with its records behind their number; none without records."""
         return [word, integers(len(entries)), *entries] if entries else []
 

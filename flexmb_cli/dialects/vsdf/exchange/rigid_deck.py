@@ -61,7 +61,7 @@ class _Deck(ElementCards):
         self.tables: list[str] = []
         self.table_count = 0
 
-    def cards(self) -> Any:
+    def cards(self) -> list[Any]:
         """Words of cards and their records, in the order of the deck."""
         model, integrator = self.model, self.model.integrator
         bodies = [self._body(k) for k in range(len(model.bodies))]
@@ -99,7 +99,7 @@ class _Deck(ElementCards):
             return (integrator.tolerance,)
         return integrator.radius, "", integrator.tolerance
 
-    def _body(self, k: int) -> Any:
+    def _body(self, k: int) -> dict[Any, Any]:
         body = self.model.bodies[k]
         self._check_mass(body)
         velocity = (*body.velocity, *(body.A.T @ body.omega))
@@ -164,7 +164,7 @@ class _Deck(ElementCards):
             found.append([self._node(body, place) for place in places])
         return found
 
-    def _motions(self) -> Any:
+    def _motions(self) -> list[Any]:
         found: list[tuple[Any, str, int]] = []
         turned = [item.body for item in self.model.drivers if item.direction > 3]
         for item in self.model.drivers:
@@ -195,7 +195,7 @@ class _Deck(ElementCards):
         self.tables += [record(self.table_count, float(t), float(v)) for t, v in points]
         return self.table_count
 
-    def _factor(self, function: Any, item: Any) -> Any:
+    def _factor(self, function: Any, item: Any) -> tuple[Any, Any]:
         """A constant factor, and the number of a table."""
         value = value_of(function)
         if value is not None:

@@ -82,7 +82,7 @@ class ConvertedElements(Conversion):
             else:
                 self.refusals.add(item, "a coupling of a joint between grounded bodies is not converted")
 
-    def _joint_springs(self) -> Any:
+    def _joint_springs(self) -> tuple[Any, Any]:
         """Springs without preload, and motors with the preload of those without stiffness."""
         springs, motors = [], []
         for item in self.deck.elements.springs:
@@ -101,7 +101,7 @@ class ConvertedElements(Conversion):
                 )
         return tuple(springs), tuple(motors)
 
-    def _springs(self) -> Any:
+    def _springs(self) -> tuple[Any, ...]:
         found = [self._spring(item, item.free_length) for item in self.deck.springs]
         for item in self.deck.elements.lines:
             if not _is_of_its_own(item):
@@ -109,7 +109,7 @@ class ConvertedElements(Conversion):
                 found.append(self._spring(item, item.rest - shift))
         return tuple(spring for spring in found if not spring.i == GROUND == spring.j)
 
-    def _spring(self, item: Any, rest: Any) -> Any:
+    def _spring(self, item: Any, rest: Any) -> SpringDamper:
         i, j = self.number[item.i], self.number[item.j]
         ends = self._point(item.i, place_of(item.P_i)), self._point(item.j, place_of(item.P_j))
         return SpringDamper(item.name, i, j, *ends, item.stiffness, rest, item.damping, item.place)

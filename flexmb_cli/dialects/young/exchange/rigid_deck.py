@@ -58,7 +58,7 @@ class _Deck:
         order = [joint for joints in (*self.sorted.values(), unknown) for joint in joints]
         self.joint_number = {id(joint): n for n, joint in enumerate(order, start=1)}
 
-    def lines(self) -> Any:
+    def lines(self) -> list[Any]:
         """The numbers of the 1996 program, then the cards of dynamics."""
         model, time = self.model, self.model.time
         drives = [self._driver(n, item) for n, item in enumerate(model.drivers, start=1)]
@@ -84,7 +84,7 @@ class _Deck:
             "END",
         ]
 
-    def _counts(self) -> Any:
+    def _counts(self) -> list[Any]:
         counts = {
             "NBODY": len(self.model.bodies) + self.with_ground,
             "NDRIVE": len(self.model.drivers),
@@ -118,7 +118,7 @@ class _Deck:
         pitch = [joint.size] if joint.kind == "screw" else []
         return _line(self._body(joint.i), self._body(joint.j), *numbers, *pitch)
 
-    def _driver(self, n: int, item: Any) -> Any:
+    def _driver(self, n: int, item: Any) -> tuple[Any, Any]:
         """The record of a driver, and the card of one that follows a function."""
         c = polynomial_of(item.function)
         if c is not None and len(c) <= 3:
@@ -205,10 +205,10 @@ class _Deck:
         """Number of a joint of the model in the deck."""
         return self.joint_number[id(self.model.joints[joint])]
 
-    def _word(self, item: Any, turning: Any, sliding: Any) -> Any:
+    def _word(self, item: Any, turning: Any, sliding: Any) -> str:
         return f"{turning if item.coordinate == ANGLE else sliding} {self._number(item.joint)}"
 
-    def _factor(self, load: Any, item: Any) -> Any:
+    def _factor(self, load: Any, item: Any) -> tuple[Any, Any]:
         value = value_of(item.factor)
         if value is not None:
             return [value * x for x in load], 0
