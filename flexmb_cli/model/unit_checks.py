@@ -83,6 +83,8 @@ class Extent:
 def unit_warnings(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Fault]:
     """Notes on the bodies and the gravity of any model with masses."""
     kind = type(model).__name__
+    if kind == "DynamicModel" and cast("DynamicModel", model).without_masses:
+        return FaultList()
     gravity, longest = float(np.linalg.norm(model.gravity)), None
     notes = FaultList()
     for body in _EXTENTS[kind](model):

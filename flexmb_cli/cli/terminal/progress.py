@@ -93,7 +93,7 @@ class Progress:
 
     def _wait(self, sentence: str) -> None:
         self._end_waiting()
-        show, every = (self._draw, TICK) if self.drawn else (tell, LOGGED_AFTER)
+        show, every = (self._draw, TICK) if self.drawn else (notify, LOGGED_AFTER)
         self.waiting = _Waiting(sentence, show, every)
 
     def _end_waiting(self) -> None:

@@ -226,6 +226,8 @@ def _velocity(record: Record, _findings: Findings) -> InitialVelocity:
 
 
 def _warn_of_massless(model: DynamicModel, findings: Findings) -> None:
+    if model.without_masses:
+        return
     reported = {ground.body for ground in model.mechanism.grounds} | {item.body for item in model.masses}
     for number, body in enumerate(model.mechanism.bodies):
         if number not in reported:
