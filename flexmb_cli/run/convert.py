@@ -107,33 +107,41 @@ def _refuse_unreadable(text: str, form: str, run: Run) -> None:
 
 
 def _other_way(deck: Deck, run: Run, model: "DynamicModel | Mechanism") -> str:
-    """Return which conversion takes a mechanism that is no tree, each having been tried; "" for none."""
-    for form in DIALECTS:
-        if form != deck.dialect and _leads_to(_mjcf_of_tree, deck, run, form):
+    """Return which conversion takes a mechanism that is no tree, or what hinders it, by trying."""
+    hindrances = {}
+    for form in _other_forms(deck):
+        hindrances[form] = _hindrance(_mjcf_of_tree, deck, run, form)
+        if not hindrances[form]:
             return f"; it is an open chain: convert it --to {form} first, then that deck --to mjcf"
     try:
         _exudyn(model, "")
     except FlexmbError:
-        return ""
+        return f"; by way of --to dafms: {hindrances['dafms']}"
     return "; --to exudyn takes it"
 
 
-def _leads_to(write: Callable[[Any, str], str], deck: Deck, run: Run, form: str) -> bool:
-    """Return whether the deck converts to a dialect and `write` takes the model of that deck."""
+def _other_forms(deck: Deck) -> list[str]:
+    return [form for form in DIALECTS if form != deck.dialect]
+
+
+def _hindrance(write: Callable[[Any, str], str], deck: Deck, run: Run, form: str) -> str:
+    """Return why the deck does not convert to a dialect, or why `write` refuses it; "" if it works."""
     try:
         text = _deck_of(deck, run, form, (SI, SI))
         model, _ = dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
-        return bool(write(model, ""))
-    except FlexmbError:
-        return False
+        return "" if write(model, "") else "the model is no tree"
+    except FlexmbError as failure:
+        return str(failure)
 
 
 def _to_exudyn_by(deck: Deck, run: Run) -> str:
-    """Return which conversions lead to Exudyn, each having been tried; "" for none."""
-    for form in DIALECTS:
-        if form != deck.dialect and _leads_to(_exudyn, deck, run, form):
+    """Return which conversions lead to Exudyn, each tried, or what hinders the one by YOUNG."""
+    hindrances = {form: _hindrance(_exudyn, deck, run, form) for form in _other_forms(deck)}
+    for form, hindrance in hindrances.items():
+        if not hindrance:
             return f"; convert it --to {form} first, then that deck --to exudyn"
-    return ""
+    # A YOUNG deck without DYNAMICS forward is named as what it is.
+    return f"; by way of --to young: {hindrances['young']}" if "young" in hindrances else ""
 
 
 def _mjcf_of_tree(model: "Tree", name: str) -> str:

@@ -58,7 +58,9 @@ def solution(model: DynamicModel, run: Run) -> Solution:
 
 
 def _as_asked(model: DynamicModel, options: "RunOptions") -> DynamicModel:
-    """The model with the method and the tolerance of the options."""
+    """The model with the method and tolerance of the options; a prescribed motion depends on neither."""
+    if model.analysis != "forward":
+        return model
     given, integrator = options.integration, model.integrator
     if "rtol" in given:
         integrator = replace(integrator, tolerance=given["rtol"])
