@@ -59,7 +59,7 @@ def _assemble(report: CheckReport, mechanism: Mechanism, jacobian: str | None, e
     start = analysis.arrays.q, report.time, analysis.arrays.screw_angles
     note_slips(report, analysis.evaluator, *start)
     if equations <= RANK_LIMIT:
-        _look_at_rank(report, analysis)
+        _look_at_rank(report, analysis, mechanism.time.start)
     if jacobian not in (None, "estimate"):
         report.jacobian = _jacobian_at(mechanism, float(jacobian))
 
@@ -78,10 +78,10 @@ def _counts(mechanism: Mechanism, analysis: "KinematicAnalysis") -> dict[str, di
     }
 
 
-def _look_at_rank(report: CheckReport, analysis: "KinematicAnalysis") -> None:
+def _look_at_rank(report: CheckReport, analysis: "KinematicAnalysis", t: float) -> None:
     from ...solvers.singular.mobility import mobility
 
-    found = mobility(analysis.evaluator, analysis.state[0], report.time, analysis.motion[:, 0])
+    found = mobility(analysis.evaluator, analysis.state[0], t, analysis.motion[:, 0])
     report.rank = found.rank
     report.smallest = found.smallest
     report.redundant = [[equation.name for equation in group] for group in found.redundant]
