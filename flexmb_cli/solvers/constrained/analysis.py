@@ -275,7 +275,7 @@ class ConstrainedMotion(ABC):
         integration.z[: q.size] = self._first = q
         # Rates that contradict others are refused here: what is left does repeat others.
         integration.z[q.size : q.size + self.arrays.speeds] = start_speeds(self, q, grid.start)
-        refuse_coinciding_ends(self.system, self.work, self.springs, grid.start)
+        refuse_coinciding_ends(self.system, self.work, self.springs, self.elements.lines, grid.start)
         if found.redundant:
             self.warnings.append(repetition(found, self.usual_repetitions(q), *self.usual_words))
         self._warn_of_fine_tables()
