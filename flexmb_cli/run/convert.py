@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 
 SI = "m"
+NO_FORWARD_DYNAMICS = "RUN-028"  # fault of a model that is not moved by forces
+NOT_TAKEN = "the form does not take this type of model"
 ROWS_FOR_RANK = 3  # of the motion: a start at rest in a singular position must leave it
 
 
@@ -108,40 +110,47 @@ def _refuse_unreadable(text: str, form: str, run: Run) -> None:
 
 def _other_way(deck: Deck, run: Run, model: "DynamicModel | Mechanism") -> str:
     """Return which conversion takes a mechanism that is no tree, or what hinders it, by trying."""
-    hindrances = {}
-    for form in _other_forms(deck):
-        hindrances[form] = _hindrance(_mjcf_of_tree, deck, run, form)
-        if not hindrances[form]:
+    hindrances = _hindrances(_mjcf_of_tree, deck, run)
+    for form, hindrance in hindrances.items():
+        if not hindrance:
             return f"; it is an open chain: convert it --to {form} first, then that deck --to mjcf"
     try:
         _exudyn(model, "")
     except FlexmbError:
-        return f"; by way of --to dafms: {hindrances['dafms']}"
+        return _named(hindrances)
     return "; --to exudyn takes it"
 
 
-def _other_forms(deck: Deck) -> list[str]:
-    return [form for form in DIALECTS if form != deck.dialect]
-
-
-def _hindrance(write: Callable[[Any, str], str], deck: Deck, run: Run, form: str) -> str:
-    """Return why the deck does not convert to a dialect, or why `write` refuses it; "" if it works."""
-    try:
-        text = _deck_of(deck, run, form, (SI, SI))
-        model, _ = dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
-        return "" if write(model, "") else "the model is no tree"
-    except FlexmbError as failure:
-        return str(failure)
-
-
 def _to_exudyn_by(deck: Deck, run: Run) -> str:
-    """Return which conversions lead to Exudyn, each tried, or what hinders the one by YOUNG."""
-    hindrances = {form: _hindrance(_exudyn, deck, run, form) for form in _other_forms(deck)}
+    """Return which conversions lead to Exudyn, or what hinders them, by trying."""
+    hindrances = _hindrances(_exudyn, deck, run)
     for form, hindrance in hindrances.items():
         if not hindrance:
             return f"; convert it --to {form} first, then that deck --to exudyn"
-    # A YOUNG deck without DYNAMICS forward is named as what it is.
-    return f"; by way of --to young: {hindrances['young']}" if "young" in hindrances else ""
+    return _named(hindrances)
+
+
+def _hindrances(write: Callable[[Any, str], str], deck: Deck, run: Run) -> dict[str, str]:
+    """Return, by the other dialects, why `write` does not take the deck by way of them; "" where it does."""
+    return {form: _hindrance(write, deck, run, form) for form in DIALECTS if form != deck.dialect}
+
+
+def _hindrance(write: Callable[[Any, str], str], deck: Deck, run: Run, form: str) -> str:
+    try:
+        text = _deck_of(deck, run, form, (SI, SI))
+        model, _ = dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
+        return "" if write(model, "") else NOT_TAKEN
+    except FlexmbError as failure:
+        return NOT_TAKEN if failure.faults[0].id == NO_FORWARD_DYNAMICS else str(failure)
+
+
+def _named(hindrances: dict[str, str]) -> str:
+    """Return the hindrances in words, those of several dialects once."""
+    by_reason: dict[str, list[str]] = {}
+    for form, reason in hindrances.items():
+        if reason != NOT_TAKEN:
+            by_reason.setdefault(reason, []).append(form)
+    return "".join(f"; by way of --to {' or '.join(forms)}: {why}" for why, forms in by_reason.items())
 
 
 def _mjcf_of_tree(model: "Tree", name: str) -> str:
