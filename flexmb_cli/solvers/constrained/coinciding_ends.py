@@ -77,7 +77,7 @@ def _fault(spring: "PointSpring | SpringDamper", free_length: float, t: float) -
     return Fault("error", message, spring.place, spring.name, id="SOLVE-004")
 
 
-def _line_fault(line: "LineSpring", force: float, t: float) -> Any:
+def _line_fault(line: "LineSpring", force: float, t: float) -> Fault:
     message = (
         f"its ends coincide at t = {t:.6g} s, where it {'pushes' if force > 0.0 else 'pulls'} with "
         f"{abs(force):.6g} N in no direction; move an end, or give it the rest length 0 and no preload"

@@ -34,6 +34,11 @@ class Steps:
         return self.length == 0.0
 
     @property
+    def keeps_accelerations(self) -> bool:
+        """Return whether a step of chosen length begins with accelerations of the step before."""
+        return self.chosen and self.type.radius is not None
+
+    @property
     def _module(self) -> str:
         return f"{KERNELS}.{self.type.module}"
 
