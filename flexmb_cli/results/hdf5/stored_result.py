@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import h5py
 
 from ...errors import visible
+from .chunk_bounds import bytes_of_records, fault_of_filters, fault_of_packed
 from .heap_bounds import fault_of_heaps
 from .text_sizes import UnknownSize, bytes_of_texts
 
@@ -22,10 +23,8 @@ if TYPE_CHECKING:
     import numpy as np
 
 
-# Filters of the library itself; another one would have it load a plugin from the disk.
-FILTERS: tuple[int, ...] = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32)
-FILTERS += (h5py.h5z.FILTER_SZIP, h5py.h5z.FILTER_NBIT, h5py.h5z.FILTER_SCALEOFFSET, h5py.h5z.FILTER_LZF)
 MOST_OBJECTS, DEEPEST = 100_000, 10
+LONGEST_AXIS = 2**31 - 1  # MATLAB's files count no further, nor does any run
 # Errors of a stream or a file that is written while the result is open.
 _OF_OUTPUT = (errno.EPIPE, errno.ENOSPC, errno.EBADF, errno.EDQUOT, errno.EFBIG)
 # A file may declare this, and beyond it so many times its own size: compressed results are smaller than
@@ -102,24 +101,28 @@ def _look_through(file: h5py.File) -> Any:
     if heaps:
         raise Damaged(heaps)
     names: list[bytes] = []
+    most, paths = _most_bytes(file), 0
 
     def stop_at(name: bytes, link: Any) -> Any:
         """Return what ends the search.
 
         h5py cannot bear an exception in here, and its own visits of a file look links up, which may raise.
         """
+        nonlocal paths
         names.append(name)
+        paths += len(name)
         if link.type != h5py.h5l.TYPE_HARD:
             return f"/{_reported(name)} is a link to elsewhere, which is not followed"
         if name.count(b"/") > DEEPEST:
             return f"it has groups in groups, more than {DEEPEST} deep"
+        if paths > most:
+            return f"the paths of its datasets take {paths:.3g} bytes"
         return f"it has more than {MOST_OBJECTS} datasets" if len(names) > MOST_OBJECTS else None
 
     fault = file.id.links.visit(stop_at, info=True)
     if fault:
         raise Damaged(fault)
     size, declared = file.id.get_filesize(), 0
-    most = _most_bytes(file)
     for name in names:
         declared += _declared(name, file[name], most)
         if declared > most:
@@ -139,13 +142,15 @@ def _declared(name: bytes, item: h5py.Dataset | h5py.Group, most: int) -> int:
         raise Damaged(f"/{_reported(name)} holds neither numbers nor text")
     if item.shape is None:
         raise Damaged(f"/{_reported(name)} is empty")
-    created = item.id.get_create_plist()
+    if max(item.shape, default=0) > LONGEST_AXIS:
+        raise Damaged(f"/{_reported(name)} declares an axis of {max(item.shape)} places")
     if item.is_virtual or item.external:
         raise Damaged(f"/{_reported(name)} has its numbers in another file, which is not read")
-    if any(created.get_filter(k)[0] not in FILTERS for k in range(created.get_nfilters())):
-        raise Damaged(f"/{_reported(name)} is packed by a filter that is not of HDF5 itself")
     places = max(_product(item.shape), _product(item.chunks or (0,)))
-    size = places * item.dtype.itemsize
+    size = places * item.dtype.itemsize + bytes_of_records(item)
+    fault = fault_of_filters(item) or (size <= most and fault_of_packed(item, most))
+    if fault:
+        raise Damaged(f"/{_reported(name)} {fault}")
     if size > most or not is_variable_text(item):
         return int(size)
     try:

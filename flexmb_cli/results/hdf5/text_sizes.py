@@ -10,6 +10,8 @@ import zlib
 import h5py
 import numpy as np
 
+from .chunk_bounds import chunks_of
+
 REFERENCE = 16
 # Bytes of memory that Python takes for a text besides its characters.
 TEXT_COST = 64
@@ -32,10 +34,10 @@ def bytes_of_texts(dataset: h5py.Dataset, most: int) -> int:
     if dataset.chunks is None:
         return total + _contiguous(dataset, count)
     unwritten = count * _fill_length(dataset)
-    for index in range(dataset.id.get_num_chunks()):
+    for found in chunks_of(dataset):
         if total + unwritten > most:
             break
-        total += _chunk(dataset, index)
+        total += _chunk(dataset, found.chunk_offset)
     return total + unwritten
 
 
@@ -51,8 +53,7 @@ def _contiguous(dataset: h5py.Dataset, count: int) -> int:
         return _lengths(stream.read(count * REFERENCE))
 
 
-def _chunk(dataset: h5py.Dataset, index: int) -> int:
-    offset = dataset.id.get_chunk_info(index).chunk_offset
+def _chunk(dataset: h5py.Dataset, offset: tuple[int, ...]) -> int:
     mask, raw = dataset.id.read_direct_chunk(offset)
     size = _product(dataset.chunks) * REFERENCE
     plan = dataset.id.get_create_plist()
