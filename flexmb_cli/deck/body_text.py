@@ -10,14 +10,12 @@ if TYPE_CHECKING:
 
     import numpy as np
 
-    from ..model.flexible_body import FlexibleBody
-
 
 ZERO_COMPONENT = 1e-12
 _SHARES = ("x", "y", "z", "about x", "about y", "about z")
 
 
-def body_lines(body: "FlexibleBody", precision: bool = False) -> list[str]:
+def body_lines(body: Any, precision: bool = False) -> list[str]:
     """Return inertia, what was left out, frequencies and effective masses of one flexible body.
 
     With `precision` each frequency has the relative error that the digits of the files leave it.
@@ -25,7 +23,7 @@ def body_lines(body: "FlexibleBody", precision: bool = False) -> list[str]:
     return [*_inertia_lines(body), *_dropped_lines(body), *_mode_lines(body, precision)]
 
 
-def _inertia_lines(body: "FlexibleBody") -> "Iterator[str]":
+def _inertia_lines(body: Any) -> "Iterator[str]":
     yield f"  {body.name}: nodes {len(body.numbers)}, modes {body.modes}, mass {body.m:.9g} kg"
     size, J = abs(body.r0).max(), body.J0
     yield f"    frame at {_vector(body.origin, size)} m of the node table, e1 {_vector(body.axes[:, 0], 1.0)}"
@@ -43,7 +41,7 @@ def _vector(values: "list[float] | np.ndarray", scale: float) -> str:
     return " ".join(f"{value:.6g}" if abs(value) > ZERO_COMPONENT * scale else "0" for value in values)
 
 
-def _dropped_lines(body: "FlexibleBody") -> "Iterator[Any]":
+def _dropped_lines(body: Any) -> "Iterator[Any]":
     dropped = body.dropped
     if dropped.internal:
         yield f"    internal degrees of freedom condensed: {dropped.internal}"
@@ -73,7 +71,7 @@ def _of_nodes(shapes: tuple[tuple[int, str], ...]) -> str:
     return ", ".join(" ".join([str(node), *(axis for _, axis in group)]) for node, group in nodes)
 
 
-def _mode_lines(body: "FlexibleBody", precision: bool) -> "Iterator[str]":
+def _mode_lines(body: Any, precision: bool) -> "Iterator[str]":
     """Frequencies, and the share that each mode has in motion along and about the body's axes."""
     error = f" {'error':>8}" if precision else ""
     yield (
@@ -86,7 +84,7 @@ def _mode_lines(body: "FlexibleBody", precision: bool) -> "Iterator[str]":
     yield f"    {'sum':>4} {'':13} {'':13}{empty}  {_percent(body.effective_mass.sum(axis=0), limits)}"
 
 
-def _frequency(body: "FlexibleBody", row: int, precision: bool) -> str:
+def _frequency(body: Any, row: int, precision: bool) -> str:
     """rad/s, Hz and relative error; a shape without mass has none."""
     if row >= body.modes - body.massless:
         return f"{'static':>13} {'':13}" + " " * 9 * precision

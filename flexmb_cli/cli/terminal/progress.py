@@ -30,7 +30,7 @@ class Progress:
         self.waiting: _Waiting | None = None
 
     def notice(self, sentence: str) -> None:
-        """Print a sentence that stays; what was waited for goes on."""
+        """Print a sentence that stays; the status line continues below it."""
         doing = self.waiting.sentence if self.waiting else None
         self.clear()
         if not self.quiet:
