@@ -7,7 +7,6 @@ Result files are written anew from the entries up to the last checkpoint.
 """
 
 import json
-import math
 import os
 import struct
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,7 +15,6 @@ from time import monotonic
 from typing import Any, BinaryIO
 
 import numpy as np
-from numpy.lib.format import descr_to_dtype, dtype_to_descr
 
 from ..errors import Fault, ModelError, OutputError
 from ..managed_files import belongs_here, open_managed, unbuffered
@@ -24,6 +22,7 @@ from ..results.files.disk_failures import located
 from ..results.files.durable import GROWING, sync, sync_folder
 from ..results.files.framed import framed, whole_payloads
 from ..results.files.temporary_file import hold, is_unfinished
+from .packed_arrays import arrays_of, is_whole, names_of, packed
 
 _HEAD = struct.Struct("<QI")
 _STATE = "checkpoint/"
@@ -31,8 +30,6 @@ _UNFINISHED = "unfinished"
 _LONGEST_HEAD = 2**20
 LONGEST_UNSAVED = 30.0  # s that a kill may cost where checkpoints are larger than rows
 _BEGINNING = b'{"'
-# What JSON and numpy raise of a description that is none.
-_UNDESCRIBED = (ValueError, TypeError, KeyError, SyntaxError, RecursionError)
 
 
 class ResumeFile:
@@ -73,13 +70,13 @@ class ResumeFile:
             self._first = self._end = file.tell()
             last, whole = b"", self._end
             for entry in _entries(file):
-                whole, names = file.tell(), _names(entry)
+                whole, names = file.tell(), names_of(entry)
                 if _UNFINISHED in names:
-                    _remove_unfinished(_arrays(entry, (_UNFINISHED,)), os.path.dirname(self.path))
+                    _remove_unfinished(arrays_of(entry, (_UNFINISHED,)), os.path.dirname(self.path))
                 if any(name.startswith(_STATE) for name in names):
                     last, self._end = entry, whole
             if last:
-                self.last_checkpoint = _split(_arrays(last))[1]
+                self.last_checkpoint = _split(arrays_of(last))[1]
             lost = os.fstat(file.fileno()).st_size - whole
         if lost:
             self._warn("note", f"torn or damaged at byte {whole}; the {lost} bytes there are not used")
@@ -107,7 +104,7 @@ class ResumeFile:
         with self._opened() as file:
             file.seek(self._first)
             for entry in _entries(file):
-                values, state = _split(_arrays(entry))
+                values, state = _split(arrays_of(entry))
                 if "time" in values:
                     yield values, state
                 if file.tell() >= self._end:
@@ -120,13 +117,13 @@ class ResumeFile:
         named = {_STATE + name: array for name, array in checkpoint.items()}
         self._unsaved += sum(np.asarray(array).nbytes for array in values.values())
         size = sum(np.asarray(array).nbytes for array in named.values())
-        if size <= self._unsaved or monotonic() - self._saved_at > LONGEST_UNSAVED:
-            self._unsaved, self._saved_at, self._pending = 0, monotonic(), {}
-            values = {**values, **named}
-        else:
-            self._pending = {name: np.array(array) for name, array in named.items()}
+        due = size <= self._unsaved or monotonic() - self._saved_at > LONGEST_UNSAVED
         with located(self.path):
-            self._write(values)
+            self._write({**values, **named} if due else values)
+        # Where that failed, `close` keeps the state behind the rows before.
+        self._pending = {} if due else {name: np.array(array) for name, array in named.items()}
+        if due:
+            self._unsaved, self._saved_at = 0, monotonic()
 
     @property
     def begun(self) -> bool:
@@ -174,15 +171,28 @@ class ResumeFile:
             self._put(self._head)
 
     def _write(self, arrays: Any) -> None:
-        entry = _packed(arrays)
+        entry = packed(arrays)
         self._put(framed(entry, _HEAD))
 
     def _put(self, data: bytes) -> None:
         assert self._file is not None and self.path is not None, "`begin` has opened the file"
-        view = memoryview(data)
-        while view:
-            view = view[self._file.write(view) :]
-        GROWING.grown(self.path)
+        start, view = self._file.tell(), memoryview(data)
+        try:
+            while view:
+                view = view[self._file.write(view) :]
+            GROWING.grown(self.path)
+        except OSError:
+            self._take_back(start)
+            raise
+
+    def _take_back(self, start: int) -> None:
+        """Cut off what a failure left from byte `start` on: a state behind it would be one of other rows."""
+        assert self._file is not None, "`begin` has opened the file"
+        try:
+            self._file.truncate(start)
+            self._file.seek(start)
+        except OSError:
+            self._pending = {}
 
     def _check_identity(self, head: bytes) -> None:
         try:
@@ -220,65 +230,9 @@ def _entries(file: BinaryIO) -> Iterator[bytes]:
     """Whole entries up to the end or the first torn one."""
     for entry in whole_payloads(file, _HEAD):
         # Zeros, as behind a loss of power, are an entry of no length and its checksum.
-        if not _is_whole(entry):
+        if not is_whole(entry):
             return
         yield entry
-
-
-def _packed(arrays: dict[str, np.ndarray]) -> bytes:
-    """An entry: a line that describes the arrays, and their bytes; files of numpy take ten times longer."""
-    given = {name: np.asarray(array) for name, array in arrays.items()}
-    reported = [[name, dtype_to_descr(array.dtype), array.shape] for name, array in given.items()]
-    # Joined as they lie: a copy of each array would take a third of the time.
-    parts = [np.ascontiguousarray(array).data for array in given.values()]
-    return b"".join((json.dumps(reported).encode(), b"\n", *parts))
-
-
-def _is_whole(entry: bytes) -> Any:
-    """Return whether an entry describes arrays, and holds as many bytes as they have."""
-    try:
-        size = sum(dtype.itemsize * math.prod(shape) for _, dtype, shape in _described(entry))
-        return size == len(entry) - entry.index(b"\n") - 1
-    except _UNDESCRIBED:
-        return False
-
-
-def _described(entry: bytes) -> Any:
-    """Name, type and shape of the arrays of an entry.  Raises one of `_UNDESCRIBED`."""
-    described = []
-    for name, reported, shape in json.loads(entry.partition(b"\n")[0]):
-        dtype = descr_to_dtype(_with_tuples(reported))
-        counted = all(type(length) is int and length >= 0 for length in shape)
-        if not (isinstance(name, str) and counted and dtype.itemsize) or dtype.hasobject:
-            raise ValueError(name)
-        described.append((name, dtype, shape))
-    return described
-
-
-def _names(entry: bytes) -> Any:
-    """The names of the arrays of an entry."""
-    return [name for name, _, _ in _described(entry)]
-
-
-def _arrays(entry: bytes, names: tuple[str, ...] | None = None) -> Any:
-    """The arrays of an entry, or those of them that are called `names`."""
-    content = entry.partition(b"\n")[2]
-    found, start = {}, 0
-    for name, kind, shape in _described(entry):
-        count = math.prod(shape)
-        array = np.frombuffer(content, kind, count, start) if count else np.empty(0, kind)
-        array = array.reshape(shape)
-        start += array.nbytes
-        if names is None or name in names:
-            found[name] = array.copy()
-    return found
-
-
-def _with_tuples(described: Sequence[Sequence[str]] | str) -> Any:
-    """Return a dtype's description with tuples, as numpy needs it: JSON has lists only."""
-    if isinstance(described, str):
-        return described
-    return [(name, _with_tuples(kind), *map(tuple, shape)) for name, kind, *shape in described]
 
 
 def _split(arrays: Mapping[str, np.ndarray]) -> Any:

@@ -1,5 +1,6 @@
 """The resume file: whole entries count, torn and damaged ones do not, and no other file is touched."""
 
+import errno
 import os
 import struct
 import sys
@@ -11,6 +12,7 @@ import pytest
 from flexmb_cli.errors import ModelError, OutputError
 from flexmb_cli.run.checkpoint import ResumeFile
 from flexmb_cli.run.outcome import Listener
+from flexmb_cli.run.packed_arrays import is_whole
 from tests.run.dafms_runs import run
 from tests.run.test_resume import error_of
 
@@ -55,6 +57,41 @@ def kept(path):
     for values, checkpoint in BLOCKS:
         resume_file.append(values, checkpoint)
     resume_file.close()
+
+
+class FullOnce:
+    """A file whose disk is full for one write, of which it takes a part, or for one sync."""
+
+    def __init__(self, file, taken):
+        self.file, self.taken = file, taken
+
+    def write(self, data):
+        if self.taken is None:
+            return self.file.write(data)
+        taken, self.taken = self.taken, None
+        self.file.write(data[:taken])
+        raise OSError(errno.ENOSPC, "full")
+
+    def __getattr__(self, name):
+        return getattr(self.file, name)
+
+
+@pytest.mark.parametrize("taken", [0, 40, 10**6])
+def test_a_write_that_failed_leaves_the_state_of_the_rows_before_it(tmp_path, taken):
+    """The state behind the lost rows was kept, and the whole file refused: --resume began anew."""
+    path, large = tmp_path / "x.resume", np.zeros(1000)
+    resume_file = ResumeFile(str(path), {"deck": "x"})
+    resume_file.begin([])
+    for k in range(2):
+        resume_file.append({"time": np.arange(3.0) + 3 * k}, {"row": np.array(3 * k + 3), "state": large})
+    resume_file._file = FullOnce(resume_file._file, taken)
+    with pytest.raises(OutputError, match="no space left"):
+        resume_file.append({"time": np.arange(3.0) + 6}, {"row": np.array(9), "state": large})
+    resume_file.close()
+    found = ResumeFile(str(path), {"deck": "x"})
+    found.find()
+    rows = sum(values["time"].size for values, _ in found.stored())
+    assert (rows, int(found.last_checkpoint["row"]), found.warnings) == (6, 6, [])
 
 
 def rows_of(path):
@@ -250,3 +287,10 @@ def test_rows_of_another_user_are_told(tmp_path, monkeypatch):
         monkeypatch.setattr(os, "geteuid", lambda: owner + 1)
     said = "of another user, whose rows are taken; without --resume none are"
     assert warnings_of(path) == [("warning", said)]
+
+
+def test_an_entry_of_no_numbers_in_an_impossible_shape_is_torn():
+    """numpy multiplies the other lengths, and refuses them."""
+    described = b'[["time","<f8",[0,%d,8]]]\n'
+    assert is_whole(described % 1)
+    assert not is_whole(described % 2**62)
