@@ -1,7 +1,7 @@
 """flexmb: kinematics and dynamics of rigid and flexible multibody systems from legacy decks.
 
-The Python interface is imported when it is used: `read_deck`, `check`, `solve`, `sweep`, what they
-take and give, and the exceptions that they raise.
+The Python interface is imported at first use: `read_deck`, `check`, `solve`, `sweep`, the types of their
+arguments and results, and the exceptions that they raise.
 """
 
 from typing import TYPE_CHECKING
@@ -42,7 +42,7 @@ __all__ = [
 
 
 def __dir__() -> list[str]:
-    """Return the names of the interface, also those that were not imported yet: editors complete them."""
+    """Return all names of the interface, imported or not, for completion in editors."""
     return sorted({*globals(), *__all__})
 
 

@@ -1,6 +1,6 @@
 """Faults as values and exceptions: a sentence, a place, an object, and an exit code.
 
-Faults are collected, not thrown one at a time: a reader goes on after a fault and raises one
+Faults are collected, not thrown one at a time: a reader continues after a fault and raises one
 `DeckError` that carries all of them.  Only the commands (`cli`) turn them into text on a stream.
 """
 
@@ -41,7 +41,7 @@ class Fault:
     `severity` is "error", "warning" or "note"; `subject` the object by its deck name ("universal
     joint 1"), "" when the whole deck is meant; `message` the rule, what was read and the remedy;
     `guide` lines to set above the deck's line (the columns that a fixed FORMAT prescribes); `about` the
-    object where the message itself names it, for records only; `id` the stable identifier of this kind of
+    object where the message itself names it, for records only; `id` the stable identifier of this type of
     fault ("YOUNG-012"), whatever its words become.
     """
 
@@ -59,7 +59,7 @@ class Fault:
         return f"{self.subject}: {self.message}" if self.subject else self.message
 
     def as_record(self) -> list[Any]:
-        """All of it in JSON's types."""
+        """Return all fields in JSON's types."""
         return [self.severity, self.message, self.place, self.subject, self.guide, self.about, self.id]
 
     @classmethod
@@ -82,7 +82,7 @@ class Fault:
 
 
 class FaultList(list[Fault]):
-    """Faults as they are found: no more than `MOST_LISTED_ERRORS` errors, `MOST_ALIKE` doubts of one kind."""
+    """Faults as they are found: up to `MOST_LISTED_ERRORS` errors, `MOST_ALIKE` warnings of one type."""
 
     def append(self, fault: Fault) -> None:
         """Add a fault, or say once that there are more like it."""
@@ -117,7 +117,7 @@ class FaultList(list[Fault]):
         return self
 
     @cached_property
-    def _counts(self) -> Any:
+    def _counts(self) -> dict[Any, Any]:
         return {}
 
 
@@ -202,7 +202,7 @@ class OutputError(FlexmbError):
         self.exit_code = exit_code
 
 
-def compiler_style(deck_name: str, faults: "Sequence[Any]", lines: Any = ()) -> str:
+def compiler_style(deck_name: str, faults: "Sequence[Any]", lines: "Sequence[str]" = ()) -> str:
     """Text of `faults` as compilers print them: place, severity, sentence, the line and a caret.
 
     `lines` are the deck's lines; a fault without a place shows neither line nor caret.
@@ -222,7 +222,7 @@ def _most_serious(faults: "Sequence[Any]") -> "Sequence[Any]":
     return [faults[index] for index in sorted(by_weight[:SHOWN_FAULTS])]
 
 
-def _one_fault(deck_name: str, fault: Fault, lines: Any) -> str:
+def _one_fault(deck_name: str, fault: Fault, lines: "Sequence[str]") -> str:
     if fault.place is None:
         return f"{deck_name}: {fault.severity}: {visible(fault.sentence)}"
     place = fault.place

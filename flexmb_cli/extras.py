@@ -13,11 +13,11 @@ class MissingExtra(FlexmbError):
     of_the_call = True
 
 
-def needed(module: str, package: str, extra: str, what: str) -> ModuleType:
+def needed(module: str, package: str, extra: str, what: str, beside: tuple[str, ...] = ()) -> ModuleType:
     """Return the imported `module` of `package`, which `what` needs and the extra brings.
 
     Call it before any work begins.  Raises MissingExtra with the command that installs the extra, or the
-    package where no extra has it ("").
+    package and those `beside` it where no extra has it ("").
     """
     try:
         return importlib.import_module(module)
@@ -27,6 +27,6 @@ def needed(module: str, package: str, extra: str, what: str) -> ModuleType:
 
         absent = isinstance(fault, ModuleNotFoundError) and (fault.name or "") in (package, module)
         reason = "which is not installed" if absent else f"which cannot be imported ({fault})"
-        command = install_command(extra) if extra else command_for([package])
+        command = install_command(extra) if extra else command_for([package, *beside])
         message = f"{what} needs {package}, {reason}; install it with: {command}"
         raise MissingExtra(message, id="FLEXMB-006") from fault

@@ -62,11 +62,20 @@ def _short(path: Path) -> str:
 
 
 def _libraries(extra: str) -> list[str]:
-    """Requirements of an extra, without those that other requirements of flexmb name."""
+    """Requirements of an extra, with those of the extras that it names: `flexmb[plot]` of `movie`."""
     try:
         required = metadata.requires(DISTRIBUTION) or []
     except metadata.PackageNotFoundError:
         required = []
+    return _required_by(extra, required) or [extra]
+
+
+def _required_by(extra: str, required: Sequence[str]) -> list[str]:
     marked = re.compile(rf"(.*?)\s*;.*\bextra == ['\"]{re.escape(extra)}['\"].*")
-    found = [match[1] for line in required if (match := marked.fullmatch(line))]
-    return [library for library in found if not library.startswith(f"{DISTRIBUTION}[")] or [extra]
+    own = [match[1] for line in required if (match := marked.fullmatch(line))]
+    found: list[str] = []
+    for library in own:
+        nested = re.fullmatch(rf"{DISTRIBUTION}\[(.*)\]", library)
+        extras = nested[1].split(",") if nested else []
+        found += [name for one in extras for name in _required_by(one.strip(), required)] or [library]
+    return found

@@ -98,14 +98,14 @@ def solve(deck: OpenDeck | str | os.PathLike[str], **options: float | str) -> "R
     opened = deck if isinstance(deck, OpenDeck) else read_deck(deck)
     run = Run(Outcome(opened.path), _run_options(options))
     with _naming(opened.path):
-        solution, doubts = prepared(opened.deck, run)
+        solution, of_model = prepared(opened.deck, run)
         blocks: list[Mapping[str, np.ndarray]] = []
         try:
             blocks.extend(solution.blocks_counted())
         except AnalysisError as failure:
-            failure.result = _result(opened, solution, blocks, [*run.outcome.faults, *doubts], failure)
+            failure.result = _result(opened, solution, blocks, [*run.outcome.faults, *of_model], failure)
             raise
-    return _result(opened, solution, blocks, [*run.outcome.faults, *doubts], None)
+    return _result(opened, solution, blocks, [*run.outcome.faults, *of_model], None)
 
 
 def _run_options(options: dict[str, Any]) -> "RunOptions":
@@ -121,7 +121,7 @@ def _run_options(options: dict[str, Any]) -> "RunOptions":
 
 @contextmanager
 def _naming(path: str) -> Iterator[None]:
-    """Put the deck, and the place in it, before what a failure says."""
+    """Put the deck's name and the place of the fault in front of the message of a FlexmbError."""
     try:
         yield
     except FlexmbError as failure:
@@ -140,10 +140,10 @@ def _result(
     failure: AnalysisError | None,
 ) -> "Result":
     layout = solution.layout()
-    # As in the file: without what the model does not have, such as forces of pins where there are none.
+    # The same datasets as in the HDF5 file: none of what the model lacks, such as pins.
     paths = ("time", *(item.path for item in layout.series)) if blocks else ()
     values = {path: np.concatenate([block[path] for block in blocks]) for path in paths}
-    warnings = (*opened.warnings, *faults, *solution.warnings, *solution.count.doubts)
+    warnings = (*opened.warnings, *faults, *solution.warnings, *solution.count.warnings)
     status, message = (COMPLETE, "") if failure is None else (FAILED, str(failure))
     return Result(opened, values, layout, status, message, tuple(dict.fromkeys(warnings)))
 
@@ -171,7 +171,7 @@ def sweep(study: str | os.PathLike[str], jobs: int = 1) -> dict[str, np.ndarray]
 def open_study(study: str | os.PathLike[str], parts: str, fresh: bool = False) -> "Sweep":
     """Return the study in a file, whose cases are kept in the folder `parts`; raises DeckError.
 
-    A study that was stopped goes on with the cases that are there, unless it is to be `fresh`.
+    A study that was stopped continues with the cases that are there, unless it is to be `fresh`.
     """
     from .study.sweep import Sweep
 
@@ -216,7 +216,7 @@ def write_study(path: str, study: "Sweep") -> None:
 
 
 def __getattr__(name: str) -> object:
-    """Import what `check` takes and gives when it is named: commands start without it."""
+    """Import CheckReport and RunOptions at first use: commands start without them."""
     if name == "CheckReport":
         from .run.check.check import CheckReport
 

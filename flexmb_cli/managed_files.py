@@ -1,4 +1,4 @@
-"""Files and folders that flexmb makes for itself: parts of a study, locks, resume files, drafts, caches.
+"""Files and folders that flexmb makes for itself: checkpoints of sweeps, locks, resume files, drafts, caches.
 
 Somebody else may have prepared their folder.  A link there could lead to any file of the user, opening a
 pipe could wait for ever, and opening a device could act on it; so only regular files are opened.

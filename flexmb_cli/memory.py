@@ -71,7 +71,7 @@ def lack_of_memory_text(fault: BaseException) -> str:
     return LACK_OF_MEMORY
 
 
-def _is_there(size: int) -> Any:
+def _is_there(size: int) -> bool:
     try:
         require_memory(size)
     except MemoryError:

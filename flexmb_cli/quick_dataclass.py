@@ -187,7 +187,7 @@ def _take_compiled(cls: type) -> None:
 
 
 class _OfTwin:
-    """An attribute by which `dataclasses` knows its classes: made when it is first asked for."""
+    """An attribute by which `dataclasses` recognises its classes: made at its first use."""
 
     def __init__(self, cls: type, name: str):
         self._cls, self._name = cls, name

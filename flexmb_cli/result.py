@@ -80,7 +80,7 @@ class Result(Mapping[str, np.ndarray]):
         """
         import tempfile
 
-        needed("xarray", "xarray", "", "to_xarray")
+        needed("xarray", "xarray", "", "to_xarray", ("h5netcdf",))
         needed("h5netcdf", "h5netcdf", "", "to_xarray")
         import xarray
 
@@ -119,7 +119,7 @@ class Result(Mapping[str, np.ndarray]):
         return quantities[0]
 
     def _quantities(self, name: str) -> "list[Quantity]":
-        """The quantities that a name means; they are looked up in a file without rows."""
+        """Return the quantities that a name selects, found in a temporary HDF5 file without rows."""
         if name not in self.found:
             paths = {item.path for item in self.layout.series}
             import tempfile

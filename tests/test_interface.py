@@ -162,13 +162,16 @@ def test_documented_exceptions_are_those_that_are_raised(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("module", "call"),
-    [("pandas", lambda result: result.to_pandas("time")), ("xarray", lambda result: result.to_xarray())],
+    ("module", "installed", "call"),
+    [
+        ("pandas", "pandas", lambda result: result.to_pandas("time")),
+        ("xarray", "xarray h5netcdf", lambda result: result.to_xarray()),
+    ],
 )
-def test_a_library_that_is_missing_is_named_with_its_installation(module, call, monkeypatch):
+def test_a_library_that_is_missing_is_named_with_its_installation(module, installed, call, monkeypatch):
     result = solve(FOUR_BAR)
     monkeypatch.setitem(sys.modules, module, None)
-    with pytest.raises(FlexmbError, match=rf"to_{module} needs {module}.*; install it with: .*{module}$"):
+    with pytest.raises(FlexmbError, match=rf"to_{module} needs {module}.*; install it with: .*{installed}$"):
         call(result)
 
 

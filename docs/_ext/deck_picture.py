@@ -68,10 +68,10 @@ def _lines(file, picture):
 
 
 def _panels(file, name):
-    from flexmb_cli.results.figures.curves import Source, default_quantities, panels
+    from flexmb_cli.results.figures.curves import Source, default_curves, panels
     from flexmb_cli.results.quantities.quantities import resolve
 
-    quantities = default_quantities(file)
+    quantities = default_curves(file).quantities
     rows = slice(0, len(file["time"]), max(1, len(file["time"]) // MOST_ROWS))
     time = resolve(file, ["time"], name)[0]
     source = Source("", file, rows, time, quantities, energies_change=True)

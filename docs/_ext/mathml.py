@@ -1,16 +1,28 @@
 """Formulas as MathML, which browsers show without scripts and without a network."""
 
+import re
+
 from docutils import nodes
 from latex2mathml.converter import convert
 
+PARENTHESES = re.compile(r"<mo>&#x00028;</mo>(<mtable)(>.*?</mtable>)<mo>&#x00029;</mo>", re.DOTALL)
+
+
+def mathml(formula: str, display: str = "inline") -> str:
+    """Return a formula as MathML; the style sheet draws the parentheses of its matrices.
+
+    Without a font for mathematics, which few Linux systems have, browsers do not stretch parentheses.
+    """
+    return PARENTHESES.sub(r'\1 class="matrix"\2', convert(formula, display=display))
+
 
 def _inline(translator, node):
-    translator.body.append(convert(node.astext()))
+    translator.body.append(mathml(node.astext()))
     raise nodes.SkipNode
 
 
 def _block(translator, node):
-    translator.body.append(f'<div class="math">{convert(node.astext(), display="block")}</div>')
+    translator.body.append(f'<div class="math">{mathml(node.astext(), display="block")}</div>')
     raise nodes.SkipNode
 
 

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Mapping
 from errno import EBADF
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -28,6 +28,9 @@ from ..memory import LACK_OF_MEMORY, lack_of_memory_text, lacks_memory
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
 from .options.exit_codes import epilog
 from .terminal.stops import ignore_stops, pass_over_stops
+
+if TYPE_CHECKING:
+    from types import FrameType
 
 # Two threads add up in another order than one, and end in other digits; decks in parallel are processes.
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
@@ -54,7 +57,7 @@ COMMANDS = {
 
 
 class Commands(Mapping[str, click.Command]):
-    """The commands by name, each imported when it is asked for."""
+    """The commands by name, each imported when it is requested."""
 
     def __getitem__(self, name: str) -> click.Command:
         if name not in COMMANDS:
@@ -67,18 +70,18 @@ class Commands(Mapping[str, click.Command]):
     def __iter__(self) -> Any:
         return iter(COMMANDS)
 
-    def __len__(self) -> Any:
+    def __len__(self) -> int:
         return len(COMMANDS)
 
 
 class Group(click.Group):
     """Keeps the commands in the order of `COMMANDS`."""
 
-    def list_commands(self, ctx: Any) -> Any:
+    def list_commands(self, ctx: click.Context) -> list[Any]:
         """Names in the order a newcomer meets them."""
         return list(self.commands)
 
-    def parse_args(self, ctx: Any, args: Any) -> Any:
+    def parse_args(self, ctx: click.Context, args: list[str]) -> Any:
         """Read the options before the command; those of commands belong behind it."""
         try:
             return super().parse_args(ctx, args)
@@ -92,19 +95,19 @@ class Group(click.Group):
                 raise click.UsageError(message, ctx) from None
             raise
 
-    def resolve_command(self, ctx: Any, args: Any) -> Any:
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         """Return the command that the arguments name; a deck in its place is a slip."""
         if args[0] not in self.commands and os.path.exists(args[0]):
             raise click.UsageError(f"{args[0]} is a file, not a command: flexmb run {args[0]}", ctx)
         return super().resolve_command(ctx, args)
 
-    def format_commands(self, ctx: click.Context, formatter: Any) -> None:
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the names with their help."""
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
 
 
-def _tell_version(context: click.Context, option: Any, asked: bool) -> None:
+def _print_version(context: click.Context, option: Any, asked: bool) -> None:
     if not asked or context.resilient_parsing:
         return
     from .terminal.commit import commit
@@ -118,7 +121,7 @@ def _tell_version(context: click.Context, option: Any, asked: bool) -> None:
 @click.group(cls=Group, invoke_without_command=True, epilog=epilog("flexmb"),
              subcommand_metavar="[COMMAND] [ARGS]...",
              context_settings={"help_option_names": ["-h", "--help"]})  # fmt: skip
-@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_tell_version,
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_version,
               help="Show the version and the commit, and exit.")  # fmt: skip
 @click.option("--debug", is_flag=True, help="Show the traceback of a fault of flexmb itself.")
 @click.pass_context
@@ -155,7 +158,7 @@ def main() -> None:
             _refuse_lack(fault)
         _refuse_lost_folder()
         # Files are guarded where they are written: what is left are the standard streams.
-        _tell(f"flexmb: error: {_stream_fault(fault)}")
+        _notify(f"flexmb: error: {_stream_fault(fault)}")
         os._exit(ANALYSIS_FAILED)  # what waits in the broken stream would fail once more at exit
     finally:
         if Stop.asked is not None:
@@ -170,7 +173,7 @@ def _stream_fault(fault: OSError) -> str:
 
 
 def _run_command() -> None:
-    """Run the command that is asked for; how it ended is reported, and is the exit code."""
+    """Run the command that is requested; how it ended is reported, and is the exit code."""
     try:
         cli.main(standalone_mode=False, prog_name="flexmb")
     except (SystemExit, OSError):
@@ -196,9 +199,9 @@ def _run_command() -> None:
         _admit(fault)
 
 
-def _end_stopped(how: Any, exit_code: Any) -> None:
+def _end_stopped(how: str, exit_code: int) -> None:
     """Commands that keep something when they are stopped have their own words for it and end themselves."""
-    _tell(f"flexmb: {how}; what was not complete is not written")
+    _notify(f"flexmb: {how}; what was not complete is not written")
     _print_json(exit_code)
     sys.exit(exit_code)
 
@@ -210,7 +213,7 @@ def _refuse_lack(fault: Any) -> None:
     said = lack_of_memory_text(fault)
     if said == LACK_OF_MEMORY:
         said = f"{said}; what was not complete is not written"
-    _tell(f"flexmb: error: {said}")
+    _notify(f"flexmb: error: {said}")
     _print_json(ANALYSIS_FAILED, Fault("error", said, id="CLI-001"))
     sys.exit(ANALYSIS_FAILED)
 
@@ -239,7 +242,7 @@ def _refuse_usage(fault: Any) -> None:
     _print_json(BAD_INPUT, Fault("error", " ".join(said.split()), id="CLI-003"))
 
 
-def _print_json(exit_code: Any, *faults: Any, file: Any = None) -> None:
+def _print_json(exit_code: int, *faults: Any, file: Any = None) -> None:
     from .terminal.json_faults import print_record, wants_json
 
     if wants_json(cli.commands, sys.argv[1:]):
@@ -250,7 +253,7 @@ def _refuse_lost_folder() -> None:
     try:
         os.getcwd()
     except OSError:
-        _tell("flexmb: error: the current folder does not exist any more")
+        _notify("flexmb: error: the current folder does not exist any more")
         sys.exit(BAD_INPUT)
 
 
@@ -261,7 +264,7 @@ def _end_in_order() -> None:
         signal.signal(signal.SIGHUP, _terminate)
 
 
-def _terminate(number: Any, frame: Any) -> None:
+def _terminate(number: int, frame: "FrameType | None") -> None:
     raise Terminated
 
 
@@ -280,7 +283,7 @@ def _open_closed_streams() -> None:
         sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
 
 
-def _tell(sentence: str) -> None:
+def _notify(sentence: str) -> None:
     with contextlib.suppress(OSError):
         click.echo(lines_visible(sentence), err=True)
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from .terminal.screen import tell
+from .terminal.screen import notify
 
 
 @click.command("compile")
@@ -37,27 +37,27 @@ def compile_(listing: bool, clear: Any, quiet: bool) -> None:
     elif clear:
         count, stay = clear_compiled()
         if not quiet:
-            tell(f"flexmb: {count} file{'' if count == 1 else 's'} of compiled kernels deleted")
+            notify(f"flexmb: {count} file{'' if count == 1 else 's'} of compiled kernels deleted")
         for path in stay:
-            tell(f"flexmb: warning: {path} cannot be deleted")
+            notify(f"flexmb: warning: {path} cannot be deleted")
     elif nothing_to_compile():
         raise click.UsageError("NUMBA_DISABLE_JIT is set: kernels are interpreted, and none can be compiled")
     else:
         _compile(units_to_compile(), compile_unit, quiet)
     for sentence in refused_places():
-        tell(f"flexmb: warning: {sentence}")
+        notify(f"flexmb: warning: {sentence}")
 
 
 def _compile(units: Any, compile_unit: Any, quiet: bool) -> None:
     import sys
 
     if not quiet and not units:
-        tell("flexmb: all kernels are compiled")
+        notify("flexmb: all kernels are compiled")
     shown = not quiet and sys.stderr.isatty()
     with click.progressbar(units, label="compiling", file=sys.stderr, hidden=not shown) as bar:
         for unit in bar:
             if not quiet and not shown:
-                tell(f"flexmb: compiling {unit}")
+                notify(f"flexmb: compiling {unit}")
             compile_unit(unit)
 
 

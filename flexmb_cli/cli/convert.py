@@ -7,7 +7,7 @@ import click
 
 from ..dialects.recognise import every_dialect
 from .options.completion import files
-from .terminal.screen import tell
+from .terminal.screen import notify
 from .terminal.written_place import WrittenPlace
 
 PROGRAMS = {"mjcf": ".xml", "exudyn": ".py"}
@@ -58,7 +58,7 @@ def convert(
     else:
         write_whole(output, text.encode("utf-8"))
     if not quiet:
-        tell(f"{deck} → {reported(output)}")
+        notify(f"{deck} → {reported(output)}")
 
 
 def _check_units(form: str, unit: str, to_unit: str) -> None:

@@ -11,7 +11,7 @@ from ..errors import compiler_style, visible
 from .options.completion import files
 from .options.finite import Finite
 from .terminal.json_faults import faults_in_json
-from .terminal.screen import show, tell
+from .terminal.screen import notify, show
 from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: 
         if all(many):
             raise click.UsageError(f"{message}: give the reference and the new results")
         if not quiet:
-            tell(f"note: {message}")
+            notify(f"note: {message}")
     if all(many):
         summary = _compare_folders(a, b, tolerances, update, as_json, options)
     else:

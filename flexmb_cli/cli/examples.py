@@ -76,7 +76,7 @@ def _folder() -> Any:
     return folder
 
 
-def _copy_all(output_dir: Any, force: Any) -> Any:
+def _copy_all(output_dir: Any, force: bool) -> Any:
     """Copy the folder of the decks as it is; return how many examples it holds."""
     target = output_dir / "decks"
     _refuse_taken([target], force)
@@ -95,7 +95,7 @@ def _similar(name: str, decks: dict[str, Path]) -> str:
     return f"is one of these meant: {names}?" if names else "`flexmb examples` lists them"
 
 
-def _list(decks: Any) -> Any:
+def _list(decks: dict[str, Path]) -> Any:
     described: dict[Any, Any] = {}
     for folder in {path.parent for path in decks.values()}:
         described |= dict(_descriptions(folder))
@@ -142,7 +142,7 @@ def _copy(deck: Path, folder: Path, force: bool) -> list[Path]:
     return [folder / deck.name, *targets.values()]
 
 
-def _refuse_taken(targets: Any, force: Any) -> None:
+def _refuse_taken(targets: Any, force: bool) -> None:
     """Refuse targets that exist; a copy would also be written where a link to nothing leads."""
     taken = [str(target) for target in targets if target.exists() or target.is_symlink()]
     if taken and not force:

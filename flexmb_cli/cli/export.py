@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .options.completion import files
-from .terminal.screen import tell
+from .terminal.screen import notify
 from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
@@ -43,18 +43,18 @@ def export(result: str, form: str, output: str | None, quiet: bool) -> None:
     if is_study(result):
         note = _export_study(result, form, output)
         if note and not quiet:
-            tell(f"{result}: note: {note}")
+            notify(f"{result}: note: {note}")
         if not quiet:
-            tell(f"{result} → {reported(output)}")
+            notify(f"{result} → {reported(output)}")
         return
     with open_result(result) as file:
         refuse_uneven(file)
         notes = remarks(file)
         WRITERS[form](file, output)
     for note in () if quiet else notes:
-        tell(f"{result}: note: {note}")
+        notify(f"{result}: note: {note}")
     if not quiet:
-        tell(f"{result} → {reported(output)}")
+        notify(f"{result} → {reported(output)}")
 
 
 def _export_study(path: str, form: str, output: str) -> Any:

@@ -36,7 +36,7 @@ from .terminal.written_place import WrittenPlace
     help="Write the state space A, B, C, D: FILE.npz (NumPy), FILE.mat (MATLAB) or FILE.json.",
 )
 def modes(
-    decks: Any,
+    decks: tuple[str, ...],
     changes: tuple[str, ...],
     echo: bool,
     as_json: bool,
@@ -76,7 +76,7 @@ def modes(
     sys.exit(max(codes))
 
 
-def _refuse_output(out: None, decks: tuple[str]) -> None:
+def _refuse_output(out: None, decks: tuple[str, ...]) -> None:
     from ..results.files.state_space import FORMS
     from .options.output_file import refuse_inputs
 

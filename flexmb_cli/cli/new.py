@@ -13,7 +13,7 @@ from ..errors import ANALYSIS_FAILED, BAD_INPUT, DeckError, Fault, Place, compil
 from ..managed_files import refuse_unsafe
 from ..quick_dataclass import replace
 from ..run.outcome import Terminated
-from .terminal.screen import standard_output, tell
+from .terminal.screen import notify, standard_output
 from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ class _Talk:
         if restart or not os.path.lexists(self.draft):
             return Dialogue(form)
         if not self.keeps_draft:
-            tell(
+            notify(
                 f"{self.draft}: note: the draft of an earlier call is left alone: answers through a pipe "
                 "begin anew; --draft continues it"
             )
@@ -130,7 +130,7 @@ class _Talk:
         except DeckError as failure:
             click.echo(compiler_style(self.draft, failure.faults), err=True)
             sys.exit(failure.exit_code)
-        tell(f"{self.draft}: continuing with {len(dialogue.values)} answers; --restart begins anew")
+        notify(f"{self.draft}: continuing with {len(dialogue.values)} answers; --restart begins anew")
         return dialogue
 
     @property
@@ -219,7 +219,7 @@ class _Talk:
         start, width = (words[k].start(), len(words[k][0])) if 0 <= k < len(words) else (0, 1)
         return replace(fault, place=Place(max(1, len(self.lines)), start + 1, width))
 
-    def accepted(self) -> Any:
+    def accepted(self) -> bool:
         """Return whether `flexmb check` takes the deck; else show its faults and let the dialogue go back."""
         from ..run.check.check import check_deck
         from ..run.outcome import RunOptions
@@ -258,7 +258,7 @@ class _Talk:
         if not (prefix and self.dialogue.back_to(prefix)):
             self.dialogue.back_to("counts")
 
-    def _text(self) -> Any:
+    def _text(self) -> str:
         return "".join(f"{line}\n" for line, _ in self.dialogue.lines)
 
     def write(self) -> Any:
@@ -269,7 +269,7 @@ class _Talk:
             standard_output().write(self._text())
         else:
             write_whole(self.path, self._text().encode())
-            tell(f"{self.path}: written; flexmb check {self.path} accepts it")
+            notify(f"{self.path}: written; flexmb check {self.path} accepts it")
         if self.keeps_draft and os.path.lexists(self.draft):
             os.unlink(self.draft)
 
@@ -292,7 +292,7 @@ class _Talk:
         else:
             where = "nothing was answered"
         click.echo(err=True)
-        tell(f"flexmb: {why}; no deck is written, {where}")
+        notify(f"flexmb: {why}; no deck is written, {where}")
 
     def stop(self, why: str) -> None:
         """End without a deck (exit 1)."""

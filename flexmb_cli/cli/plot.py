@@ -8,7 +8,7 @@ import click
 
 from .options.completion import files, quantities
 from .options.finite import AnyFinite, Millimetres
-from .terminal.screen import tell
+from .terminal.screen import notify
 from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ def _plot_results(
     across: str,
     part: Any,
     title: str | None,
-    width: Any,
+    width: float | None,
     quiet: bool,
     print_options: dict[str, float | str],
 ) -> None:
@@ -133,7 +133,7 @@ def _plot_results(
     write_whole(output, _drawn(picture, (drawn, form, title), width, print_options))
     if not quiet:
         curves = sum(len(panel.curves) for panel in drawn)
-        tell(f"{paths[0]} → {output}, {curves} curve{'s' * (curves != 1)}")
+        notify(f"{paths[0]} → {output}, {curves} curve{'s' * (curves != 1)}")
 
 
 def _plot_study(
@@ -173,7 +173,7 @@ def _plot_study(
     write_whole(output, content)
     if not quiet:
         left_out = f"; {cases.failed} failed cases are left out" if cases.failed else ""
-        tell(f"{path} → {output}, {what}{left_out}")
+        notify(f"{path} → {output}, {what}{left_out}")
 
 
 def _drawn(
@@ -204,7 +204,7 @@ def _drawn(
 
 def _warn_of_font(look: "Look | None", family: str) -> None:
     option = f"--style {look.style}: font" if look and family != look.font else "--font"
-    tell(f"flexmb: warning: {option} {family}: no such font is installed; matplotlib's own is taken")
+    notify(f"flexmb: warning: {option} {family}: no such font is installed; matplotlib's own is taken")
 
 
 def _source(
@@ -238,10 +238,10 @@ def _source(
             path, f"nothing to draw over {abscissa[0].name}: name another quantity", id="CLI-007"
         )
     for note in () if quiet else [*remarks(file), *(f"{cut}; NAMEs draw others" for cut in chosen.cut)]:
-        tell(f"{path}: note: {note}")
+        notify(f"{path}: note: {note}")
     still = () if names or quiet else still_energies(file)
     if still:
-        tell(f"{path}: note: not drawn, for they do not change: {', '.join(still)}")
+        notify(f"{path}: note: not drawn, for they do not change: {', '.join(still)}")
     window = slice(rows.start, rows.stop, rows.step)
     return Source(label, file, window, abscissa[0], quantities, energies_change=not names)
 

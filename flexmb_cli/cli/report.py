@@ -7,7 +7,7 @@ import click
 from .options.completion import files
 from .options.finite import AnyFinite
 from .options.interval import Interval
-from .terminal.screen import tell
+from .terminal.screen import notify
 from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
@@ -72,9 +72,9 @@ def report(result: str, output: str | None, quiet: bool, movie: str | None, **lo
     else:
         write_whole(output, page)
     for note in () if quiet else notes:
-        tell(f"{result}: note: {note}")
+        notify(f"{result}: note: {note}")
     if not quiet:
-        tell(f"{result} → {reported(output)}, {_size(len(page))}")
+        notify(f"{result} → {reported(output)}, {_size(len(page))}")
 
 
 def _refuse_options(names: tuple[str, ...], why: str) -> None:
@@ -130,12 +130,12 @@ def _write_film(path: str, target: Any, page: Any, looks: Any, bodies: "BodyLook
     if quiet:
         return
     for note in notes:
-        tell(f"{path}: note: {note}")
+        notify(f"{path}: note: {note}")
     if look.rate < looks["fps"]:
-        tell(
+        notify(
             f"{target}: note: {look.rate} frames a second, the most that browsers show of a GIF; MP4 has more"
         )
-    tell(f"{path} → {target}, {len(content) / 1e6:.1f} MB")
+    notify(f"{path} → {target}, {len(content) / 1e6:.1f} MB")
 
 
 def _film_look(looks: dict[str, Any], bodies: "BodyLook", form: str) -> "FilmLook":

@@ -11,7 +11,7 @@ from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, FlexmbError
 from ..model.integrators import METHOD_OPTIONS, TREE_METHODS
 from .options.deck_options import DECK, deck_options, refuse_strange_models, show_faults, with_models
 from .options.finite import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, Finite
-from .terminal.screen import show, standard_output, tell, wants_debug
+from .terminal.screen import notify, show, standard_output, wants_debug
 from .terminal.stops import stop_on_signals
 from .terminal.written_place import WrittenPlace
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..run.outcome import Outcome, RunOptions
 
 
-_BEGINNING = 10_000  # characters of a deck that tell its dialect
+_BEGINNING = 10_000  # characters of a deck by which its dialect is recognised
 
 
 @click.command()
@@ -116,16 +116,16 @@ def _refuse_mixed_output(as_json: bool, options: "dict[Any, Any]") -> None:
             raise click.UsageError(f"--no-{name} and --{name} {options[name]} exclude each other: give one")
 
 
-def _note_names_behind_only(decks: Any, options: "dict[Any, Any]", quiet: bool) -> None:
+def _note_names_behind_only(decks: "Sequence[str]", options: "dict[Any, Any]", quiet: bool) -> None:
     """`--only point energy` takes the second name for a deck."""
     from ..deck.several_models import named_model
 
     known = all(deck == "-" or os.path.exists(named_model(deck)[0]) for deck in decks)
     if options["only"] and not quiet and not known:
-        tell("flexmb: --only takes one quantity: give it once for each, as in --only point --only energy")
+        notify("flexmb: --only takes one quantity: give it once for each, as in --only point --only energy")
 
 
-def _refuse_parallel_input(decks: Any, jobs: int) -> None:
+def _refuse_parallel_input(decks: "Sequence[str]", jobs: int) -> None:
     if jobs > 1 and len(decks) > 1 and "-" in decks:
         raise click.UsageError("standard input goes to one process only: with -j give every deck by its name")
 
@@ -229,11 +229,11 @@ def _dialect(deck: str, options: "RunOptions") -> str:
 def _report_outcome(outcome: "Outcome", options: "RunOptions", quiet: bool, verbose: bool) -> None:
     show_faults(outcome, quiet)
     if outcome.exit_code > 128:
-        tell(f"{outcome.deck}: interrupted; {_kept(outcome)}")
+        notify(f"{outcome.deck}: interrupted; {_kept(outcome)}")
     elif outcome.exit_code == DONE and not quiet:
-        tell(f"{outcome.deck}: {_rows(outcome)} → {', '.join(outcome.files) or _no_file(options)}")
+        notify(f"{outcome.deck}: {_rows(outcome)} → {', '.join(outcome.files) or _no_file(options)}")
     elif (outcome.exit_code in (ANALYSIS_FAILED, INTERNAL_FAULT) or outcome.files) and not quiet:
-        tell(f"{outcome.deck}: {_kept(outcome)}")
+        notify(f"{outcome.deck}: {_kept(outcome)}")
     if outcome.errors and not quiet:
         from ..run.error_estimate import estimate_text
 
@@ -242,7 +242,7 @@ def _report_outcome(outcome: "Outcome", options: "RunOptions", quiet: bool, verb
         click.echo(f"  {outcome.statistics}", err=True)
 
 
-def _no_file(options: "RunOptions") -> Any:
+def _no_file(options: "RunOptions") -> str:
     return "standard output" if options.out == "-" else "no file"
 
 

@@ -15,7 +15,7 @@ from .options.completion import files
 from .options.output_file import refuse_inputs
 from .terminal.json_faults import faults_in_json
 from .terminal.progress import Progress
-from .terminal.screen import tell
+from .terminal.screen import notify
 from .terminal.stops import stop_on_signals
 from .terminal.written_place import WrittenPlace
 
@@ -43,7 +43,7 @@ def sweep(
     output: str | None,
     jobs: int,
     scheduler: str | None,
-    parts: Any,
+    parts: str | None,
     fresh: bool,
     as_json: bool,
     quiet: bool,
@@ -94,9 +94,10 @@ def _require_libraries(output: str, scheduler: str | None) -> None:
 
 
 def _report_stop(
-    study: str, output: Any, made: Any, parts: Any, on_cluster: Any, as_json: bool, exit_code: Any
+    study: str, output: str, made: "Sweep", parts: str, on_cluster: bool, as_json: bool, exit_code: int
 ) -> None:
-    cases, failed, table = made.job.study.cases, made.failed, output
+    cases, failed = made.job.study.cases, made.failed
+    table: str | None = output
     reported = f"{output} is complete"
     if os.path.isdir(parts):
         with faults_in_json(as_json, {"study": study}, study):
@@ -166,7 +167,7 @@ def _solve(made: "Sweep", study: str, jobs: int, scheduler: str | None, quiet: b
         interface.solve_study(made, blocks, progress.advance, jobs, scheduler, listener)
 
 
-def _first_failures(made: "Sweep", most: int = 3) -> Any:
+def _first_failures(made: "Sweep", most: int = 3) -> list[Any]:
     if not made.failed:
         return []
     from itertools import islice
@@ -175,7 +176,7 @@ def _first_failures(made: "Sweep", most: int = 3) -> Any:
     return list(islice(failed, most))
 
 
-def _write(made: Any, output: str) -> None:
+def _write(made: "Sweep", output: str) -> None:
     from .. import interface
 
     interface.write_study(output, made)
@@ -193,7 +194,7 @@ def _report(study: str, output: str, made: "Sweep", failures: Any, quiet: bool) 
     _say(f"{study}: {cases} cases{reported} → {output}", quiet)
 
 
-def _print_record(study: str, status: Any, exit_code: Any, made: "Sweep", failed: Any, table: Any) -> None:
+def _print_record(study: str, status: str, exit_code: int, made: "Sweep", failed: Any, table: Any) -> None:
     """`table` is None while there is none yet."""
     record = {"study": study, "status": status, "exit_code": exit_code, "faults": []}
     record |= {"cases": made.job.study.cases, "failed": failed, "file": table}
@@ -202,4 +203,4 @@ def _print_record(study: str, status: Any, exit_code: Any, made: "Sweep", failed
 
 def _say(sentence: str, quiet: bool) -> None:
     if not quiet:
-        tell(sentence)
+        notify(sentence)

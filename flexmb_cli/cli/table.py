@@ -7,7 +7,7 @@ import click
 
 from .options.completion import files, quantities
 from .options.finite import AnyFinite
-from .terminal.screen import show, tell, terminal_width
+from .terminal.screen import notify, show, terminal_width
 
 if TYPE_CHECKING:
     import h5py
@@ -128,7 +128,7 @@ def _print_study(
             show(list_text(columns, style or "text"))
             return
         for note in () if quiet else study_notes(file, columns, bool(names)):
-            tell(f"{path}: note: {note}")
+            notify(f"{path}: note: {note}")
         for k, heads in enumerate(_study_blocks(columns, style)):
             show("\n" * bool(k))
             for piece in study_text(file, columns, every, style or "csv", heads):
@@ -146,14 +146,14 @@ def _study_blocks(columns: "list[StudyColumn]", style: str | None) -> "list[list
 
 def _remark_settings(path: str, settings: list[str], quiet: bool) -> None:
     if settings and not quiet:
-        tell(f"{path}: note: the run changed the deck by --set: {', '.join(settings)}")
+        notify(f"{path}: note: the run changed the deck by --set: {', '.join(settings)}")
 
 
 def _remark(path: str, file: "h5py.File", rows: range, quiet: bool) -> None:
-    """Tell on standard error what the numbers do not show."""
+    """Print on standard error what the numbers do not show."""
     from ..results.quantities.quantities import remarks
 
     for note in () if quiet else remarks(file):
-        tell(f"{path}: note: {note}")
+        notify(f"{path}: note: {note}")
     if not rows and len(file["time"]) and not quiet:
-        tell(f"{path}: note: it has no rows in this window of time")
+        notify(f"{path}: note: it has no rows in this window of time")

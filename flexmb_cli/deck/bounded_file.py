@@ -1,4 +1,4 @@
-"""Content of a stream that may be longer than anybody wants, without room for the longest."""
+"""The first bytes of a stream of any length, without reserving memory for the largest length allowed."""
 
 import os
 from contextlib import suppress
@@ -10,7 +10,7 @@ _PIECE = 2**20  # bytes
 def first_bytes(stream: BinaryIO, most: int) -> bytes:
     """Return the first `most` bytes of a stream, or all of them.
 
-    `stream.read(most)` reserves as many bytes as are asked for, whatever there is.
+    A plain `stream.read(most)` would reserve `most` bytes even for a short stream.
     """
     expected = 0
     # A stream in memory has no descriptor.
@@ -18,7 +18,7 @@ def first_bytes(stream: BinaryIO, most: int) -> bytes:
         expected = os.fstat(stream.fileno()).st_size
     pieces = [stream.read(min(expected + 1, most))]
     found = len(pieces[0])
-    # A pipe or a device tells no size, and a file may have grown.
+    # A pipe or a device has no size, and a file may have grown.
     while expected < found < most and (piece := stream.read(min(_PIECE, most - found))):
         pieces.append(piece)
         found += len(piece)

@@ -1,6 +1,6 @@
-"""A deck asked for number by number: questions out, answers in; no stream is touched here.
+"""The dialogue of `flexmb new`, which builds a deck number by number: questions out, answers in, no streams.
 
-What is asked comes from a `Form`, one a dialect, made of the reader's own tables.  A line may answer
+The questions come from the `Form` of a dialect, which is made of the reader's own tables.  A line may answer
 one number, one question or the rest of a record, as Pascal's READ took them.
 """
 
@@ -70,7 +70,7 @@ class Dialogue:
         return self.form.lines(self.records)
 
     def answer(self, line: str) -> list[Fault]:
-        """Take `line` as the answer to the present question; the faults and doubts of it.
+        """Take `line` as the answer to the present question; the errors and warnings of it.
 
         An error among them means that the answer was refused, or sent the dialogue back.
         """
@@ -79,21 +79,21 @@ class Dialogue:
             raise ValueError("every question is answered")
         texts = _texts(asked, line)
         cells = asked.entry.cells[self._cell : self._cell + len(texts)]
-        doubts = self._spelling(asked.entry, cells, texts)
-        if len(texts) > len(cells) or any(fault.severity == "error" for fault in doubts):
-            return doubts
+        warnings = self._spelling(asked.entry, cells, texts)
+        if len(texts) > len(cells) or any(fault.severity == "error" for fault in warnings):
+            return warnings
         tried = {_name(asked.entry, cell): text for cell, text in zip(cells, texts, strict=True)}
         before, self.values = self.values, {**self.values, **tried}
         end = self._cell + len(texts)
         faults = self._faults(asked.entry, end)
         wrong = next((fault for fault in faults if fault.severity == "error"), None)
         if wrong is None:
-            self._go_on(asked.entry, end)
+            self._proceed(asked.entry, end)
         elif self._lies_before(wrong):
             self._cell = _start(asked.entry, wrong.place.column - 1)
         else:
             self.values = before
-        return [*doubts, *faults]
+        return [*warnings, *faults]
 
     def back(self) -> bool:
         """Go to the question before the present one; False at the first."""
@@ -107,7 +107,7 @@ class Dialogue:
         return True
 
     def back_to(self, prefix: str) -> bool:
-        """Go back to the record called `prefix`; False when none of that name was asked for yet."""
+        """Go back to the record called `prefix`; False when none of that name was requested yet."""
         for index, entry in enumerate(self.form.entries(self.values)[: self._entry + 1]):
             if entry.prefix == prefix:
                 self._entry, self._cell = index, 0
@@ -123,7 +123,7 @@ class Dialogue:
             if wrong is not None:
                 self._cell = _start(asked.entry, wrong.place.column - 1) if self._is_here(wrong) else 0
                 return faults
-            self._go_on(asked.entry, end)
+            self._proceed(asked.entry, end)
             if end < len(asked.entry.cells):
                 break
         return []
@@ -134,19 +134,19 @@ class Dialogue:
         return sum(takewhile(bool, known))
 
     def _spelling(self, entry: Entry, cells: tuple[Cell, ...], texts: list[str]) -> list[Fault]:
-        """Faults and doubts of the spelling of `texts`, and the fault of too many."""
+        """Errors and warnings of the spelling of `texts`, and the fault of too many."""
         faults = []
         for column, (cell, text) in enumerate(zip(cells, texts, strict=False), start=self._cell + 1):
             place = Place(self._entry + 1, column)
             try:
                 if text is None:
                     raise number.Misspelt(f"must be {cell.kind}; Enter gives none here")
-                doubt = spelled(cell, text)[1]
+                warning = spelled(cell, text)[1]
             except number.Misspelt as fault:
                 faults.append(Fault("error", f"{cell.key} {fault}", place, entry.subject, id="DECK-001"))
                 continue
-            if doubt:
-                faults.append(Fault("warning", f"{cell.key}: {doubt}", place, entry.subject, id="DECK-002"))
+            if warning:
+                faults.append(Fault("warning", f"{cell.key}: {warning}", place, entry.subject, id="DECK-002"))
         if len(texts) > len(cells):
             message = f"{len(texts)} values, but only {len(cells)} are left: {' '.join(c.key for c in cells)}"
             place = Place(self._entry + 1, len(entry.cells) + 1)
@@ -169,7 +169,7 @@ class Dialogue:
         last = _record(self._entry, replace(entry, cells=entry.cells[:end]), self.values)
         return self.form.faults([*self.records, last], complete)
 
-    def _go_on(self, entry: Entry, end: int) -> Any:
+    def _proceed(self, entry: Entry, end: int) -> Any:
         self._entry, self._cell = (self._entry + 1, 0) if end == len(entry.cells) else (self._entry, end)
 
     def _is_here(self, fault: Fault) -> bool:
@@ -205,7 +205,7 @@ def from_draft(form: Form, text: str) -> Dialogue:
     return dialogue
 
 
-def _name(entry: Entry, cell: Cell) -> Any:
+def _name(entry: Entry, cell: Cell) -> str:
     return f"{entry.prefix}.{cell.key}"
 
 
@@ -228,5 +228,5 @@ def _texts(asked: Any, line: str) -> list[str]:
     if not line.strip():
         return list(asked.offered)
     letters = [cell.letter for cell in asked.entry.cells[asked.first :]]
-    # Text goes on to the end of the line, blanks and all.
+    # Text continues to the end of the line, blanks and all.
     return line.strip().split(None, letters.index(TEXT) if TEXT in letters else -1)

@@ -2,7 +2,7 @@
 
 Rules of FORTRAN 77 (ANSI X3.9-1978, 13.5) with blanks ignored in numbers: a blank field is zero, a
 field without a decimal point has it `d` digits from its right end, an exponent may be E, D or a bare
-sign, a short line is as if padded with blanks, a list longer than the FORMAT goes on on the next line.
+sign, a short line is as if padded with blanks, a list longer than the FORMAT continues on the next line.
 """
 
 import re

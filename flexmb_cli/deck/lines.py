@@ -76,5 +76,5 @@ class Lines(Sequence[str]):
 
 
 def as_lines(lines: Sequence[str]) -> Lines:
-    """Return lines of any kind as `Lines`."""
+    """Return lines of any type as `Lines`."""
     return lines if isinstance(lines, Lines) else Lines("\n".join(lines))

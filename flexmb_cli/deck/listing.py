@@ -22,7 +22,7 @@ LARGEST_INDEX = 99999
 
 
 class ListingForm(NamedTuple):
-    """A kind of listing, as `diff` has to know it."""
+    """A type of listing, as `diff` compares it."""
 
     name: str  # in words
     mark_of_failure: str  # what ends the listing of a failed run, in words
@@ -128,7 +128,7 @@ def read_bytes(path: "Path | str") -> bytes:
 
 
 def _bounded(path: "Path | str", file: BinaryIO) -> bytes:
-    # A device or a pipe tells no size, and may never end.
+    # A device or a pipe has no size, and may never end.
     content = first_bytes(file, LARGEST_LISTING + 1)
     if len(content) > LARGEST_LISTING:
         reason = (

@@ -13,6 +13,14 @@ _REAL = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eEdD]([+-]?[0-9]+))?
 _BARE_EXPONENT = re.compile(r"([+-]?(?:[0-9]+\.[0-9]*|\.[0-9]+))([+-][0-9]+)")
 _PLAIN_INTEGER = re.compile(r"[+-]?[0-9]+")
 
+# A number and the unit that stands behind it; the first three have a factor to the unit of decks.
+_WITH_UNIT = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(°|deg|rpm|RPM|[mc]?m|in|rad|[mk]?g|s|kN|N)")
+_FACTORS = {
+    "°": (math.pi / 180, "angles are in rad", "degrees"),
+    "deg": (math.pi / 180, "angles are in rad", "degrees"),
+    "rpm": (math.pi / 30, "rates are in rad/s", "rpm"),
+}
+
 # Tried in this order; the first pattern that is found in the word gives the hint.
 _HINTS = (
     (re.compile(r"\}"), "a comment ends here that was not opened"),
@@ -49,9 +57,9 @@ class Misspelt(ValueError):
 
 @lru_cache(maxsize=4096)
 def real(word: str) -> tuple[float, str]:
-    """The finite double that `word` spells, and a doubt, "" for none.
+    """The finite double that `word` spells, and a warning, "" for none.
 
-    Read are `1`, `-.5`, `1.`, `1e3`, `1.5D+03` and, with a doubt, `1.5+3`.
+    Read are `1`, `-.5`, `1.`, `1e3`, `1.5D+03` and, with a warning, `1.5+3`.
     Raises Misspelt for any other spelling and for values that a double cannot hold.
     """
     if len(word) > LONGEST_NUMBER:
@@ -67,7 +75,7 @@ def real(word: str) -> tuple[float, str]:
 
 @lru_cache(maxsize=4096)
 def integer(word: str) -> tuple[int, str]:
-    """The integer that `word` spells, and a doubt, "" for none: `2.0` is taken for 2 with a doubt."""
+    """The integer that `word` spells, and a warning, "" for none: `2.0` is taken for 2 with a warning."""
     if _PLAIN_INTEGER.fullmatch(word) and len(word) <= MOST_DIGITS:
         return int(word), ""
     try:
@@ -98,4 +106,15 @@ def shown(word: str) -> str:
 
 def hint(word: str) -> str:
     """Return what is wrong with the spelling of a number, and the remedy, behind a colon; "" if unknown."""
+    found = _WITH_UNIT.fullmatch(word)
+    if found:
+        return f": {_unit_hint(*found.groups())}"
     return next((f": {hint}" for pattern, hint in _HINTS if pattern.search(word)), "")
+
+
+def _unit_hint(number: str, unit: str) -> str:
+    """Return how to write a number that has a unit behind it: a deck has none."""
+    factor, rule, name = _FACTORS.get(unit.lower(), (None, "", ""))
+    if factor is None:
+        return "write the number without its unit"
+    return f"{rule}; {number} {name} are {float(number) * factor:.15g}"

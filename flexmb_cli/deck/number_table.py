@@ -1,4 +1,4 @@
-"""The numbers of many records of one kind, by columns: a record takes a hundred times as long to make."""
+"""The numbers of many records of one type, by columns: a record takes a hundred times as long to make."""
 
 from array import array
 from collections.abc import Iterable, Iterator, Mapping, Sequence

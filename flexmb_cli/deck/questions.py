@@ -40,7 +40,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Entry:
-    """A record that is asked for; `number` counts within the section, 0 where there is one a deck.
+    """A record that is requested; `number` counts within the section, 0 where there is one a deck.
 
     `optional`: at the end of a pipe of answers it is answered by what Enter gives.
     """
@@ -58,7 +58,7 @@ class Entry:
 
     @property
     def groups(self) -> list[tuple[int, int]]:
-        """Ranges of cells that are asked for together: the components of one vector, or a single cell."""
+        """Ranges of cells that are requested together: the components of one vector, or a single cell."""
         indices, ranges = range(len(self.cells)), []
         # A cell without components belongs to nobody: its own index keeps it apart.
         for _, found in groupby(indices, key=lambda i: (self.cells[i].pattern or i, self.cells[i].unit)):
@@ -94,7 +94,7 @@ class Question:
 
     @property
     def help(self) -> str:
-        """A line for every value that is asked for."""
+        """A line for every value that is requested."""
         return "\n".join(_explained(*pair) for pair in zip(self.cells, self.offered, strict=True))
 
     @property
@@ -116,7 +116,7 @@ def _explained(cell: Cell, offered: str | None) -> str:
 
 
 def spelled(cell: Cell, text: str) -> tuple[Value, str]:
-    """Value and doubt of a cell's text.  Raises Misspelt."""
+    """Value and warning of a cell's text.  Raises Misspelt."""
     if cell.letter == TEXT and not text.isprintable():
         raise number.Misspelt(f"must be text that can be printed; read {number.shown(text)}")
     if cell.letter == TEXT or text == cell.default == "":

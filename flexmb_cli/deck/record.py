@@ -23,7 +23,7 @@ Value = Any
 class DeckText:
     """A deck as read: `name` is the file name without folder ("-" for standard input).
 
-    `warnings` are the doubts about the text itself, such as its character code.
+    `warnings` are the warnings about the text itself, such as its character code.
     """
 
     name: str
@@ -56,7 +56,7 @@ class Number:
 
 @lru_cache(maxsize=256)
 def _positions(keys: tuple[str, ...]) -> dict[str, int]:
-    """Return where each key stands first: one table for all records of a kind."""
+    """Return where each key stands first: one table for all records of a type."""
     return {key: k for k, key in reversed([*enumerate(keys)])}
 
 

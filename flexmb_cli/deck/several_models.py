@@ -1,4 +1,4 @@
-"""Several models in one FMBD.DAT: the 1992 program goes on after STAR with the next DFMB card, until STOP.
+"""Several models in one FMBD.DAT: the 1992 program continues after STAR with the next DFMB card, until STOP.
 
 The models share the record N, NDM.  Model k of a deck is named `k:DECK`, its numbers in `--set` `k:NAME`.
 Each is read by itself: what the cards of an earlier model gave is not kept, other than in 1992.

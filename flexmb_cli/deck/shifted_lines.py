@@ -13,7 +13,7 @@ from ..quick_dataclass import replace
 from .words import LONGEST_CARET, Word
 
 KEPT_PER_SLIP = 2
-FEWEST_LINES = 4  # that tell a lost line from a deck of few, long lines
+FEWEST_LINES = 4  # fewer may be a deck of few, long lines rather than one with a line lost
 MOST_NAMED = 4
 
 

@@ -8,7 +8,7 @@ from .fortran_format import Edit, fixed
 
 @dataclass(frozen=True)
 class Columns:
-    """The columns of a section: names as in the title, kinds as `diff` names them, decimals printed.
+    """The columns of a section: names as in the title, types as `diff` names them, decimals printed.
 
     `width`: characters of a field.
     """
@@ -26,7 +26,7 @@ class Columns:
 
 
 def _columns(item: str, width: int, *groups: Any) -> Columns:
-    """Groups (kind, names, decimals) side by side."""
+    """Groups (type, names, decimals) side by side."""
     names = tuple(name for _, words, _ in groups for name in words.split())
     kinds = tuple(kind for kind, words, _ in groups for _ in words.split())
     decimals = tuple(number for _, _, numbers in groups for number in numbers)

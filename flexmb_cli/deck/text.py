@@ -35,8 +35,8 @@ def decode(name: str, raw: bytes, what: str = "deck") -> DeckText:
         return DeckText(name, raw.decode("utf-8-sig"), digest)
     except UnicodeDecodeError as fault:
         place = _place_of(raw, fault.start)
-        doubt = Fault("warning", f"the {what} is not UTF-8 and is read as Latin-1", place, id="DECK-009")
-        return DeckText(name, raw.decode("latin-1"), digest, (doubt,))
+        warning = Fault("warning", f"the {what} is not UTF-8 and is read as Latin-1", place, id="DECK-009")
+        return DeckText(name, raw.decode("latin-1"), digest, (warning,))
 
 
 def _file_bytes(path: Path, what: str) -> bytes:

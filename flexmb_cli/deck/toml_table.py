@@ -1,4 +1,4 @@
-"""TOML texts that may be anybody's: what would take tomllib hours is refused before."""
+"""Untrusted TOML texts: those that would take tomllib hours are refused before they are parsed."""
 
 import re
 from typing import Any
@@ -12,7 +12,7 @@ _SYNTAX = re.compile(r"(.*) \(at line (\d+), column (\d+)\)")
 
 
 class TomlError(ValueError):
-    """A text is no TOML; `place` is None where nobody knows it."""
+    """A text is not TOML; `place` is None where it is unknown."""
 
     def __init__(self, message: str, place: Place | None = None):
         super().__init__(message)

@@ -155,10 +155,10 @@ def rigid_shapes(
     return tuple(found)
 
 
-def _placed(record: Record, keys: Keys) -> Any:
+def _placed(record: Record, keys: Keys) -> tuple[Any, Any]:
     return _three(record, keys.offset), _three(record, keys.angles)
 
 
-def _three(record: Record, keys: Any) -> Any:
+def _three(record: Record, keys: Any) -> tuple[Any, Any, Any]:
     x, y, z = (float(record[key]) for key in keys)
     return x, y, z

@@ -21,7 +21,7 @@ class Dialect(NamedTuple):
     begins: str  # what its decks begin with, in words
     recogniser: str  # function of a deck's lines: whether they begin like that
     reader: str  # function of a DeckText: the Deck, with every number named; raises DeckError
-    builder: str  # function of a Deck and its folder: (model, doubts); raises ModelError
+    builder: str  # function of a Deck and its folder: (model, warnings); raises ModelError
     # Class of the printed tables, made of (streams, deck, layout, analysis): the stream of the OUT table,
     # which may be None, and those of `series`.  It has begin(), rows(values by path), failed() and stopped().
     writer: str = ""
@@ -29,15 +29,15 @@ class Dialect(NamedTuple):
     listing_readers: tuple[str, ...] = ()
     # The same for files known by a column of numbers alone; they are tried behind those of all dialects.
     series_readers: tuple[str, ...] = ()
-    listing_signs: str = ""  # "no …": what is missing in a file that none of them knows
+    listing_signs: str = ""  # "no …": what is missing in a file that none of them recognises
     renamed: tuple[str, str] = ("", "")  # IN<rest> gives OUT<rest>; other names <stem>.OUT
     series: tuple[str, ...] = ()  # endings of further tables
     options: tuple[str, ...] = ()  # options of `run` on which only its numbers depend
-    methods: tuple[str, ...] = ()  # integrators that `--method` names
+    methods: tuple[str, ...] = ()  # integrators that `--method` accepts
     stepping: str = ""  # function of a Deck: whether its analysis takes time steps; all do where it is ""
     # Words of joints and constraints: the names in `model/joints.py`.
     joints: Mapping[str, str] = MappingProxyType({})
-    curves: tuple[str, ...] = ()  # datasets drawn unasked, most telling first
+    curves: tuple[str, ...] = ()  # datasets that `plot` draws by default, the most important first
     form: str = ""  # class of the dialogue of `flexmb new`
     form_with_cards: str = ""  # the same where a deck may have further cards, for `--cards`
     new_name: str = ""  # of the deck that it writes
@@ -76,7 +76,7 @@ class Dialect(NamedTuple):
         return found
 
     def build(self, deck: Deck, folder: Path) -> tuple[object, list[Fault]]:
-        """Return the model, file names being relative to `folder`, and the doubts; raises ModelError."""
+        """Return the model, file names being relative to `folder`, and the warnings; raises ModelError."""
         found: tuple[object, list[Fault]] = self.part(self.builder)(deck, folder)
         return found
 

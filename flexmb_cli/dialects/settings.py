@@ -88,7 +88,7 @@ class SettableDeck:
         return None
 
     def with_settings(self, settings: list[str]) -> Deck:
-        """As `apply_settings`."""
+        """Return the records as `apply_settings` does."""
         changes, taken, faults = {}, [], []
         for setting in settings:
             try:

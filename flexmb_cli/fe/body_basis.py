@@ -27,7 +27,7 @@ class Basis:
     """Eigenvalues ω² (N,), rad²/s², and shapes (3 n, N); the last `massless` of them have no mass.
 
     `superfluous`: nodes and directions of the static shapes that are not in it; `left_out`: how many
-    eigenmodes it is short of all; `next_value`: ω² of the first that was not asked for, nan when it is not
+    eigenmodes it is short of all; `next_value`: ω² of the first that was not requested, nan when it is not
     known.
     """
 
@@ -157,7 +157,7 @@ def _with_attachment(given: FlexibleInput, K: Any, S: Any, frame: Frame, basis: 
     forces, count = np.hstack([K @ basis.shapes, attached]), len(basis.values)
     found = reduced_basis(shapes, forces, S, count)
     superfluous = np.setdiff1d(rows, moving[found.kept[found.kept >= count] - count])
-    # Every static shape brings in a deformation of the modes not asked for: those of all nodes bring in all.
+    # Every static shape brings in a deformation of the modes not requested: those of all nodes bring in all.
     left_out = max(count + basis.left_out - len(found.values), 0)
     following = basis.next_value if left_out else math.nan
     shapes = modes.signed(found.shapes)

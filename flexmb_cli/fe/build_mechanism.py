@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 STEPS_A_PERIOD = 20
-MANY_PARTS = 10_000  # of a kind: as many points, each a kilobyte, are kept
+MANY_PARTS = 10_000  # of a type: as many points, each a kilobyte, are kept
 
 
 def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleMechanism, list[Fault]]:
@@ -44,14 +44,14 @@ def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleM
     bodies, faults = [], []
     for body in model.bodies:
         try:
-            built, doubts = _body(body, cached)
+            built, warnings = _body(body, cached)
             bodies.append(built)
-            faults += doubts
+            faults += warnings
         except ModelError as stopped:
             faults += stopped.faults
     if any(fault.severity == "error" for fault in faults):
         raise ModelError(faults)
-    faults += _step_doubts(model, bodies)
+    faults += _step_warnings(model, bodies)
     stresses = _stresses(model, bodies)
     return replace(_Points(model, bodies).mechanism(), stresses=stresses, shapes=model.shapes), faults
 
@@ -61,7 +61,7 @@ def _is_large(model: VsdfModel) -> bool:
     return len(model.bodies) > MANY_PARTS and all(body.flexible is None for body in model.bodies)
 
 
-def _stresses(model: Any, bodies: Any) -> Any:
+def _stresses(model: VsdfModel, bodies: Any) -> Any:
     """Return what is reported of stresses; most decks ask for none, and need no elements."""
     if not model.stresses:
         return ()
@@ -70,7 +70,7 @@ def _stresses(model: Any, bodies: Any) -> Any:
     return stress_outputs(model, bodies)
 
 
-def _step_doubts(model: VsdfModel, bodies: list[FloatingBody]) -> "Iterator[Fault]":
+def _step_warnings(model: VsdfModel, bodies: list[FloatingBody]) -> "Iterator[Fault]":
     """A step that is longer than a twentieth of the shortest period retained damps or distorts it."""
     for body in bodies:
         highest = body.flexible.frequencies.max(initial=0.0) if body.flexible else 0.0
@@ -83,12 +83,12 @@ def _step_doubts(model: VsdfModel, bodies: list[FloatingBody]) -> "Iterator[Faul
             yield Fault("warning", message, model.time.place, body.name, id="FE-007")
 
 
-def _body(given: VsdfBody, cached: Any) -> tuple[FloatingBody, list[Fault]]:
+def _body(given: VsdfBody, cached: bool) -> tuple[FloatingBody, list[Fault]]:
     if given.flexible is None:
         return _rigid_body(given), []
     motion = np.array(given.velocity), np.array(given.omega)
     places: dict[str, Any] = {"place": given.place, "velocity_place": given.velocity_place}
-    found, doubts = flexible_body(given.flexible, cached)
+    found, warnings = flexible_body(given.flexible, cached)
     r = np.array(given.r) + given.A @ found.origin
     p = euler_parameters(given.A @ found.axes)
     body = FloatingBody(
@@ -103,7 +103,7 @@ def _body(given: VsdfBody, cached: Any) -> tuple[FloatingBody, list[Fault]]:
         given.stiffened,
         **places,
     )
-    return body, doubts
+    return body, warnings
 
 
 def _rigid_body(given: VsdfBody) -> FloatingBody:
@@ -189,7 +189,7 @@ class _Points:
         target = self.model.global_position(pin.end) if pin.point is None else np.array(pin.point)
         return PointPin(pin.name, self.point(pin.end), pin.directions, target, pin.place, pin.functions)
 
-    def _force(self, force: "NodeForce") -> Any:
+    def _force(self, force: "NodeForce") -> PointForce:
         return PointForce(
             force.name, self.point(force.end), force.force, force.follows, force.factor, force.place
         )

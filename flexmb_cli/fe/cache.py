@@ -109,7 +109,7 @@ def _of_material(material: ElementMaterial) -> tuple[str, str, str]:
 
 
 def load(given: FlexibleInput) -> tuple[FlexibleBody, list[Fault]] | None:
-    """The body and the doubts that were noted when it was made; None when it is not in the cache."""
+    """The body and the warnings that were noted when it was made; None when it is not in the cache."""
     folder = cache_folder()
     if folder is None:
         return None
@@ -133,7 +133,7 @@ def _digest(key: str, content: bytes) -> bytes:
     return hashlib.sha256(key.encode() + content).digest()
 
 
-def _restored(given: Any, notes: "dict[Any, Any]", stored: Any) -> "tuple[FlexibleBody, Any]":
+def _restored(given: FlexibleInput, notes: "dict[Any, Any]", stored: Any) -> "tuple[FlexibleBody, Any]":
     arrays = {name: stored[name] for name in _ARRAYS}
     for name in ("m", "mass_deviation", "rigid_residual", "massless", "massless_in_motion"):
         arrays[name] = arrays[name].item()

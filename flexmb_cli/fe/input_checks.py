@@ -25,7 +25,7 @@ class Figures:
 
 
 def check_matrices(given: FlexibleInput, S: np.ndarray, K: np.ndarray, findings: Findings) -> Figures:
-    """All tests of mass `S` and stiffness `K`, both (3 n, 3 n); faults go to `findings`."""
+    """Check mass `S` and stiffness `K`, both (3 n, 3 n); faults go to `findings`."""
     check_holes(given, S, "mass", given.mass.place, findings)
     check_holes(given, K, "stiffness", given.stiffness.place, findings)
     _check_exchanged(given, S, K, findings)

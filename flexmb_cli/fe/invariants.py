@@ -1,5 +1,6 @@
 """Inertia invariants of a modal basis, from products with the n x n matrix of scalar masses.
 
+Vlasenko and Kasper (2008): m (36), s0 and S1 (40), J (48), C (46), with q_f = Phi eta put in.
 With S^ij = m_ij E every product of skew-symmetric stacks is one of G = P' m Q (3 x 3):
 P~' S Q~ = tr(G) E - G', and (P~' S q)_a = -eps_abc G_bc.
 """

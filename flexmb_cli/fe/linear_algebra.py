@@ -1,6 +1,6 @@
 """Matrices of a body: numpy arrays while they are small, so that no check waits for scipy; sparse beyond.
 
-Both kinds have `@`, `.T`, `.diagonal()`, `abs`, `.max()` and `A[rows][:, columns]`; what differs is here.
+Both types have `@`, `.T`, `.diagonal()`, `abs`, `.max()` and `A[rows][:, columns]`; what differs is here.
 """
 
 from collections.abc import Callable

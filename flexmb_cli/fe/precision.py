@@ -36,7 +36,7 @@ FEWEST_PRINTED = 5
 NEED_ALL, BY_CHANCE = 0.7, 10
 # Rounded matrices miss twice the root sum of squares in one case of twenty.
 MARGIN = 2.0
-# Rounding and the forces of a translation tell the same error within these factors; a stiffness that balances
+# Rounding and the forces of a translation give the same error within these factors; a stiffness that balances
 # better has exact numbers (a lumped truss), one that balances worse has errors that its digits do not show.
 BALANCED, UNBALANCED = 0.1, 3.0
 

@@ -63,7 +63,7 @@ def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | Non
     return None if basis is None else _body(given, matrices, frame, basis, figures, findings)
 
 
-def _read(given: Any, file: FEFile, letter: str, arrange: "Callable[..., Any]", findings: Any) -> Any:
+def _read(given: Any, file: FEFile, letter: str, arrange: "Callable[..., Any]", findings: Findings) -> Any:
     mapping = given.mapping
     try:
         if file.form == OF_ELEMENTS:
@@ -87,10 +87,10 @@ def _check_reference_nodes(given: FlexibleInput, findings: Findings) -> None:
 def _body(
     given: Any,
     matrices: Any,
-    frame: Any,
-    basis: Any,
+    frame: Frame,
+    basis: Basis,
     figures: Figures,
-    findings: Any,
+    findings: Findings,
 ) -> FlexibleBody:
     Phi, omega = basis.shapes, np.sqrt(np.maximum(basis.values, 0.0))
     invariants: dict[str, Any] = inertia_invariants(frame.r0, Phi, matrices.scalar)

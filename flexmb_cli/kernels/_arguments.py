@@ -43,7 +43,7 @@ def class_name(kind: type) -> str:
 
 
 def key_of(parameters: list) -> str:
-    """Return what tells equal lists of parameters from others."""
+    """Return a text that equal lists of parameters have in common, and no others."""
     return json.dumps(parameters, separators=(",", ":"))
 
 

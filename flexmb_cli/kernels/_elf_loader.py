@@ -147,7 +147,7 @@ class LoadedObject:
                     self._write_values(found[found["kind"] == kind], kind, self._places[section.info])
 
     def _write_values(self, relocations: np.ndarray, kind: Any, place: Any) -> None:
-        """Write S + A, or S + A - P, of all relocations of a kind."""
+        """Write S + A, or S + A - P, of all relocations of a type."""
         offsets = place + relocations["offset"]
         addresses = self._addresses[relocations["symbol"]]
         values = addresses + relocations["addend"]

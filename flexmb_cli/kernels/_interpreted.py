@@ -28,7 +28,7 @@ def twin(function: Callable) -> Callable:
     Each call of another kernel would otherwise ask anew whether it is interpreted.
     """
     found = _globals_of(function.__module__).get(function.__name__)
-    # Functions made within another one share their code: the closure tells them apart.
+    # Functions made within another one share their code: the closure distinguishes them.
     made = function.__code__, function.__closure__
     if isinstance(found, FunctionType) and (found.__code__, found.__closure__) == made:
         return found

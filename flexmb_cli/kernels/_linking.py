@@ -60,16 +60,17 @@ class WholeLibrary(JITCodeLibrary):
 
 
 def with_parts_of_parts(libraries: Any):
-    """All of them, each before those that it calls.
+    """Return the libraries with all that they call, each before those that it calls.
 
     LLVM links such a function only where something that is linked already calls it, and a part may name
     functions that its own code no longer calls.
     """
-    found, ended = {}, []  # type: ignore[var-annotated]
+    found: set[Any] = set()
+    ended: list[Any] = []
 
     def visit(library: Any) -> None:
         if library not in found:
-            found[library] = None
+            found.add(library)
             for called in library._linking_libraries if isinstance(library, PartLibrary) else ():
                 visit(called)
             ended.append(library)
@@ -80,9 +81,9 @@ def with_parts_of_parts(libraries: Any):
 
 
 def refuse_missing(module: Any) -> None:
-    """Code without what it calls would end the process when it runs, and be kept on the disk.
+    """Refuse code that lacks a function it calls: it would end the process, and be kept on the disk.
 
-    So would code that numba is to bind late, when the process knows all addresses.
+    So would code whose addresses numba fills in late, in the process.
     """
     there = {function.name for function in module.functions if not function.is_declaration}
     called = {function.name for function in module.functions if function.name.startswith(_MADE_BY_NUMBA)}

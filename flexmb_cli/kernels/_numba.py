@@ -1,4 +1,4 @@
-"""All that is used of numba: what its documentation does not promise is imported here alone.
+"""The parts of numba that flexmb uses; undocumented ones are imported in this file only.
 
 A test names it too, and shows what has changed in a new version of numba.
 """

@@ -24,12 +24,12 @@ class Entry(NamedTuple):
 
 
 def this_machine() -> tuple[str, str]:
-    """Return LLVM's name of this process's system, and that of the oldest processor of its kind."""
+    """Return LLVM's name of this process's system, and that of the oldest processor of its type."""
     return llvm.get_process_triple(), "generic"
 
 
 def emit_object(unit: str, entries: list[Entry], machines: dict) -> dict:
-    """Return (what the object's head tells of its entries, object) for each target of `machines`.
+    """Return (description of the entries for the object's head, object) for each target of `machines`.
 
     The parts of all entries are linked once, and only the entries can be seen from outside.
     """
@@ -39,7 +39,7 @@ def emit_object(unit: str, entries: list[Entry], machines: dict) -> dict:
 
 
 def _linked(unit: str, entries: list[Entry]):
-    """LLVM's code of all entries with their parts, and what tells of each."""
+    """Return LLVM's code of all entries with their parts, and a description of each entry."""
     context = cpu_target.target_context
     library = context.codegen().create_library(unit)
     wrappers = library.create_ir_module(unit)

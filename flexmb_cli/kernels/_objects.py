@@ -159,7 +159,7 @@ class Compiled:
         return Results(self._kinds[1])
 
     def takes(self, values: tuple) -> bool:
-        """Return whether the values are of the kinds that it was compiled for."""
+        """Return whether the values are of the types that it was compiled for."""
         with self._lock:
             return self._words.pack(values)
 
@@ -219,7 +219,7 @@ def _llvm_engine(code: bytes):
 
 
 def _name_symbols(llvm: Any) -> None:
-    """Tell LLVM where the functions of the C library are: on Windows it does not find them by itself."""
+    """Give LLVM the addresses of the C library's functions: on Windows it does not find them by itself."""
     library = ctypes.WinDLL("ucrtbase")  # type: ignore[attr-defined]
     for name in OF_C:
         llvm.add_symbol(name, ctypes.cast(getattr(library, name), ctypes.c_void_p).value)

@@ -9,7 +9,7 @@ import functools
 import importlib
 from typing import Any
 
-# Processor and system → what LLVM calls it, and the oldest processor of that kind: no fused multiply-add.
+# Processor and system → what LLVM calls it, and the oldest processor of that type: no fused multiply-add.
 PROCESSORS = {
     "x86_64-linux": ("x86_64-unknown-linux-gnu", "x86-64"),
     "arm64-linux": ("aarch64-unknown-linux-gnu", "generic"),

@@ -8,7 +8,7 @@ LARGEST_NUMBER = 1e50  # of a deck: products of four such numbers are still doub
 
 @dataclass
 class Findings:
-    """Faults and doubts found so far; nothing is thrown before all of it is known."""
+    """Errors and warnings found so far; nothing is thrown before all of it is known."""
 
     faults: list[Fault] = field(default_factory=FaultList)
 
@@ -22,7 +22,7 @@ class Findings:
         self.faults.append(Fault("error", message, place, subject, id=id))
 
     def warn(self, subject: str, message: str, place: Place | None, id: str = "") -> None:
-        """Add a doubt."""
+        """Add a warning."""
         self.faults.append(Fault("warning", message, place, subject, id=id))
 
     def note(self, subject: str, message: str, place: Place | None, id: str = "") -> None:

@@ -11,7 +11,7 @@ NO_ANGLE = f"beyond {LARGEST_ANGLE:.0e} rad a number determines no position with
 
 
 def check_driver_angles(mechanism: Mechanism, findings: Findings) -> None:
-    """Refuse angles beyond `LARGEST_ANGLE`, and doubt `MANY_REVOLUTIONS` in a report step."""
+    """Refuse angles beyond `LARGEST_ANGLE`; warn of `MANY_REVOLUTIONS` in a report step and of degrees."""
     for driver in mechanism.drivers:
         if driver.direction < 4:
             continue
@@ -27,6 +27,14 @@ def check_driver_angles(mechanism: Mechanism, findings: Findings) -> None:
                 f"it turns {revolutions:.3g} times between two report times, each followed: is B in rad/s?"
             )
             findings.note(driver.name, message, driver.place, id="MODEL-003")
+        elif abs(driver.C) > 2 * math.pi:
+            findings.note(driver.name, _beyond_a_turn(driver.C), driver.place, id="MODEL-016")
+
+
+def _beyond_a_turn(angle: float) -> str:
+    """Return the note about a constant that turns more than once, as one in degrees does."""
+    turns, degrees = abs(angle) / math.tau, math.radians(angle)
+    return f"its C of {angle:.6g} rad is {turns:.3g} turns; {angle:.6g} degrees would be {degrees:.10g} rad"
 
 
 def _largest_angle(driver: Driver, grid: TimeGrid) -> float:

@@ -82,7 +82,7 @@ class Dropped:
 
     `internal`: degrees of freedom inside elements, condensed; `shapes`: nodes and axes of the static shapes
     that others or the frame's conditions made superfluous; `modes`: how many eigenmodes of (104) the basis
-    is short of all; `next_frequency`: the first that was not asked for, Hz, nan when it is not known.
+    is short of all; `next_frequency`: the first that was not requested, Hz, nan when it is not known.
     """
 
     internal: int = 0

@@ -112,7 +112,7 @@ def _smallest(left: np.ndarray, whole: np.ndarray, motions: np.ndarray) -> tuple
     return shares[0], scaled @ shapes[:, 0]
 
 
-def _report(body: Body, k: Any, motion: np.ndarray, values: Any, findings: Findings) -> None:
+def _report(body: Body, k: int, motion: np.ndarray, values: Any, findings: Findings) -> None:
     turning = np.abs(motion[3:])
     if not turning.any():
         axis = int(np.argmax(np.abs(motion[:3]))) + 1
@@ -152,7 +152,7 @@ def _rotation(axis: int, angle: float) -> np.ndarray:
     return found
 
 
-def _matrix(attitude: tuple[float, float, float, float]) -> Any:
+def _matrix(attitude: tuple[float, float, float, float]) -> np.ndarray:
     """T of DAFMS (listing, SOK), with the scalar first: components in P_k = T x components in O_k."""
     e0, e = attitude[0], np.array(attitude[1:])
     return 2 * np.outer(e, e) + (2 * e0 * e0 - 1) * np.eye(3) + 2 * e0 * _cross(e)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .flexible_mechanism import NodePoint
 
 USUAL_EXPONENT = 10  # of two, of the largest factor of a coupling that is left as it is
-# The coordinates that the joints of each kind have.
+# The coordinates that the joints of each type have.
 COORDINATES_OF = {kind.name: kind.coordinates for kind in (*JOINT_TYPES, *NODE_JOINT_TYPES)}
 
 
@@ -209,7 +209,7 @@ class JointRate:
 
 @dataclass(frozen=True)
 class JointElements:
-    """All of them in the order of the deck; `reported`: whether results hold joint coordinates anyway."""
+    """All elements at joints in the order of the deck; `reported`: whether results have joint coordinates."""
 
     drivers: tuple[JointDriver, ...] = ()
     motors: tuple[JointMotor, ...] = ()
@@ -229,7 +229,7 @@ class JointElements:
         return any(getattr(self, field.name) for field in fields(self))
 
     def groups(self) -> list[tuple[Any, ...]]:
-        """Return the tuples of all kinds."""
+        """Return the tuples of all types."""
         found = (getattr(self, field.name) for field in fields(self))
         return [group for group in found if isinstance(group, tuple)]
 

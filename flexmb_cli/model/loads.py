@@ -105,6 +105,11 @@ class DynamicModel:
     integrator: Integrator = Integrator()
     elements: JointElements = field(default_factory=JointElements)
 
+    @property
+    def without_masses(self) -> bool:
+        """Return whether masses are left out on purpose: a given motion, of which joint angles are wanted."""
+        return self.analysis == "inverse" and not self.masses and not any(self.gravity)
+
 
 def holders(mechanism: Mechanism) -> list[tuple[str, int]]:
     """Names and bodies of the holding forces; a distance constraint holds two bodies."""

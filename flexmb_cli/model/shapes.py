@@ -62,7 +62,7 @@ def fault_of_sizes(kind: str, sizes: Vector) -> tuple[int, str] | None:
 
 
 def primitive(body: int, kind: str, sizes: Vector, offset: Vector, angles: Vector) -> Shape:
-    """Return the surface of a primitive of one of KINDS; lengths in m, angles in rad."""
+    """Return the surface of a primitive of one of `KINDS`; lengths in m, angles in rad."""
     a, b, c = sizes
     rings = {
         CYLINDER: ((0.0, -b / 2), (a, -b / 2), (a, b / 2), (0.0, b / 2)),
@@ -74,12 +74,12 @@ def primitive(body: int, kind: str, sizes: Vector, offset: Vector, angles: Vecto
     return Shape(body, moved(vertices, offset, angles), triangles)
 
 
-def _turned(k: int) -> Any:
+def _turned(k: int) -> tuple[Any, Any]:
     angle = math.pi * k / (CIRCLES + 1)
     return math.cos(angle), math.sin(angle)
 
 
-def _rounded(pair: tuple[float, float]) -> Any:
+def _rounded(pair: tuple[float, float]) -> tuple[Any, ...]:
     return tuple(round(x, DIGITS) for x in pair)
 
 
@@ -100,14 +100,14 @@ def turning(angles: Vector) -> np.ndarray:
     return moved(np.eye(3), (0.0, 0.0, 0.0), angles).T
 
 
-def _box(sizes: tuple[float, float, float]) -> Any:
+def _box(sizes: tuple[float, float, float]) -> tuple[Any, Any]:
     corners = ((-1, -1), (1, -1), (1, 1), (-1, 1))
     vertices = np.array([(x, y, z) for z in (-1, 1) for x, y in corners]) * (np.array(sizes) / 2)
     triangles = [(p, q, r) for p, q, r, _ in _CUBE] + [(p, r, s) for p, _, r, s in _CUBE]
     return vertices, np.array(triangles)
 
 
-def _revolved(profile: tuple[tuple[Any, ...], ...]) -> Any:
+def _revolved(profile: tuple[tuple[Any, ...], ...]) -> tuple[Any, Any]:
     """Surface of revolution of the points (radius, z) of a profile about z; points on the axis are one."""
     circle = [
         _rounded((math.cos(2 * math.pi * k / SIDES), math.sin(2 * math.pi * k / SIDES))) for k in range(SIDES)

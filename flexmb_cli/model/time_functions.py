@@ -24,9 +24,9 @@ class MotionFunction:
 
     1: c0 + c1 t + c2 t² + c3 t³.  2: (w/T) (t²/2 + (T/2 pi)² (cos(2 pi t/T) - 1)) up to T = c1, then
     w (t - T/2), with w = c0.  3: c0 + c1 sin(c2 t + c3).  4: the natural cubic spline through the points
-    (`times`, `values`), whose `curvature` (k,) is known at each; outside it goes on straight.  5: the same,
+    (`times`, `values`), whose `curvature` (k,) is known at each; outside it continues straight.  5: the same,
     which keeps its first and last value outside.  6: `pieces`, see `piecewise_polynomials`.  7: the sum of
-    `terms`, each a product of functions of the other kinds.  The points of a table may be a million: arrays
+    `terms`, each a product of functions of the other types.  The points of a table may be a million: arrays
     of doubles.
     """
 
@@ -191,7 +191,7 @@ def smoothness(function: MotionFunction) -> int:
     return {HELD_TABLE: 0}.get(function.kind, 2)
 
 
-# Kinds of motions: of a body along and about the global axes, and of a joint.
+# Types of motions: of a body along and about the global axes, and of a joint.
 TRANSLATIONS, ROTATIONS = ("TRAX", "TRAY", "TRAZ"), ("ROTX", "ROTY", "ROTZ")
 JOINT_TURN, JOINT_STROKE = "ANGL", "STRK"
 

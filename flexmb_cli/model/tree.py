@@ -254,7 +254,7 @@ class Tree:
 
 
 def generalized_coordinates(bodies: "Sequence[Any]", hinges: "Sequence[Any]") -> tuple[Coordinate, ...]:
-    """Coordinates of eq. (2.22): all rotations body by body, all translations, all elastic ones."""
+    """Return the coordinates of eq. (2.22), as many as (2.4): rotations, translations, elastic ones."""
     named = list(zip(range(len(bodies)), bodies, hinges, strict=True))
     rigid = [
         Coordinate(k, motion, axis, name=f"{body.name} {motion} {axis}")

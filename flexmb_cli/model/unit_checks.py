@@ -1,8 +1,8 @@
-"""Doubts that a deck is in SI units, and bodies that have no mass: notes of all commands.
+"""Warnings about a deck that may not be in SI units, and about bodies without mass, for all commands.
 
-A deck drawn in millimetres with masses in kilograms runs without complaint and gives nonsense.  Its
-gravity, its lengths, the radii of gyration of its bodies and their densities tell.  Masses in tonnes with all
-else in SI units divide densities by a thousand.
+A deck drawn in millimetres with masses in kilograms runs without complaint and gives nonsense.  It is
+recognised by its gravity, its lengths, and the radii of gyration and densities of its bodies.  Masses in
+tonnes with all else in SI units divide densities by a thousand.
 """
 
 from collections.abc import Iterable
@@ -80,9 +80,11 @@ class Extent:
         return (max(self.inertia, 0.0) / self.mass) ** 0.5 if self.mass > 0 else 0.0
 
 
-def unit_doubts(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Fault]:
+def unit_warnings(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Fault]:
     """Notes on the bodies and the gravity of any model with masses."""
     kind = type(model).__name__
+    if kind == "DynamicModel" and cast("DynamicModel", model).without_masses:
+        return FaultList()
     gravity, longest = float(np.linalg.norm(model.gravity)), None
     notes = FaultList()
     for body in _EXTENTS[kind](model):

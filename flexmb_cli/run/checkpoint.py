@@ -36,15 +36,15 @@ class ResumeFile:
     """The resume file at `path` (None keeps none); `identity` is all that the rows depend on, in JSON's
     types.
 
-    `find` the resume file of a stopped run if there may be one; then `begin`, take the `stored` entries,
-    and `append` further ones.  `doubts`: what could not be used of the one found, `last_checkpoint` where it
-    goes on.
+    Call `find` first where there may be the file of a stopped run; then `begin`, take the `stored`
+    entries, and `append` further ones.  `warnings`: why the file found is not used, or only a part of it;
+    `last_checkpoint`: the state from which the run continues.
     """
 
     def __init__(self, path: str | None, identity: dict[str, Any]):
         self.path = path
         self.identity = identity
-        self.doubts: list[Fault] = []
+        self.warnings: list[Fault] = []
         self.last_checkpoint: dict[str, np.ndarray] | None = None
         self._file: BinaryIO | None = None
         self._first = self._end = 0
@@ -61,10 +61,10 @@ class ResumeFile:
             return
         with self._opened() as file:
             if not belongs_here(os.fstat(file.fileno())):
-                self._doubt("warning", "of another user, whose rows are taken; without --resume none are")
+                self._warn("warning", "of another user, whose rows are taken; without --resume none are")
             head = file.readline(_LONGEST_HEAD)
             if _is_blank(head) or (self._head.startswith(head) and head != self._head):
-                self._doubt("warning", "cut in its first line, nothing of the stopped run can be used")
+                self._warn("warning", "cut in its first line, nothing of the stopped run can be used")
                 return
             self._check_identity(head)
             self._first = self._end = file.tell()
@@ -79,17 +79,17 @@ class ResumeFile:
                 self.last_checkpoint = _split(arrays_of(last))[1]
             lost = os.fstat(file.fileno()).st_size - whole
         if lost:
-            self._doubt("note", f"torn or damaged at byte {whole}; the {lost} bytes there are not used")
+            self._warn("note", f"torn or damaged at byte {whole}; the {lost} bytes there are not used")
 
-    def _doubt(self, severity: str, what: str) -> None:
-        self.doubts.append(Fault(severity, f"--resume: {self.path} is {what}", id="RUN-005"))
+    def _warn(self, severity: str, what: str) -> None:
+        self.warnings.append(Fault(severity, f"--resume: {self.path} is {what}", id="RUN-005"))
 
     @property
     def _head(self) -> bytes:
         return json.dumps(self.identity).encode() + b"\n"
 
     def begin(self, unfinished: Sequence[str]) -> None:
-        """Start the resume file, or go on with the one found; a kill would leave the files `unfinished`."""
+        """Start the resume file, or continue the one found; a kill would leave the files `unfinished`."""
         if self.path is None:
             return
         with located(self.path):
@@ -127,7 +127,7 @@ class ResumeFile:
 
     @property
     def begun(self) -> bool:
-        """Return whether this run, or the one that it goes on with, has left anything to resume."""
+        """Return whether this run, or the one that it continues with, has left anything to resume."""
         return self._file is not None or self._end > self._first
 
     def close(self) -> None:

@@ -1,4 +1,7 @@
-"""Context of one run from beginning to end: its options, its outcome, and the listener to its progress."""
+"""Context of one run: its options, its outcome, and the listener that receives its progress.
+
+Every function between the command and the analysis takes this one record instead of the separate arguments.
+"""
 
 from typing import NamedTuple, Protocol
 
@@ -7,13 +10,13 @@ from .outcome import Listener, Outcome, RunOptions, refuse_warnings
 
 
 class TextStream(Protocol):
-    """Destination of a listing that is not kept in a file."""
+    """Destination of a listing that is not written to a file."""
 
     def write(self, text: str, /) -> int:
         """Write `text`."""
 
     def flush(self) -> None:
-        """Hand what is buffered to the reader."""
+        """Pass buffered text on."""
 
 
 class Run(NamedTuple):
@@ -25,11 +28,11 @@ class Run(NamedTuple):
     stdout: TextStream | None = None  # receives the listing of `--out -`
 
     def warn(self, faults: "list[Fault] | tuple[Fault, ...]") -> None:
-        """Record doubts; under `--strict` they end the run as errors.  Raises ModelError."""
+        """Record warnings; under `--strict` they end the run as errors.  Raises ModelError."""
         self.outcome.faults += faults
         refuse_warnings(self.outcome, self.options)
 
     @property
-    def unheard(self) -> "Run":
-        """The same run once more, with an outcome of its own."""
+    def with_new_outcome(self) -> "Run":
+        """The same run with an empty outcome, for a second solution that reports nothing to the user."""
         return self._replace(outcome=Outcome(self.outcome.deck))

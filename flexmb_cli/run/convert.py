@@ -18,9 +18,12 @@ from .solution import solution_of
 if TYPE_CHECKING:
     from ..model.loads import DynamicModel
     from ..model.mechanism import Mechanism
+    from ..model.tree import Tree
 
 
 SI = "m"
+NO_FORWARD_DYNAMICS = "RUN-028"  # fault of a model that is not moved by forces
+NOT_TAKEN = "the form does not take this type of model"
 ROWS_FOR_RANK = 3  # of the motion: a start at rest in a singular position must leave it
 
 
@@ -90,7 +93,7 @@ def _deck_of(deck: Deck, run: Run, form: str, units: tuple[str, str]) -> str:
     return text
 
 
-def _title(deck: Deck) -> Any:
+def _title(deck: Deck) -> str:
     name = visible(PurePath(deck.source.name).name)
     return f"converted from the {dialect_named(deck.dialect).title} deck {name}"
 
@@ -106,46 +109,61 @@ def _refuse_unreadable(text: str, form: str, run: Run) -> None:
 
 
 def _other_way(deck: Deck, run: Run, model: "DynamicModel | Mechanism") -> str:
-    """Return which conversion takes a mechanism that is no tree, each having been tried; "" for none."""
-    for form in DIALECTS:
-        if form != deck.dialect and _leads_to(_mjcf_of_tree, deck, run, form):
+    """Return which conversion takes a mechanism that is no tree, or what hinders it, by trying."""
+    hindrances = _hindrances(_mjcf_of_tree, deck, run)
+    for form, hindrance in hindrances.items():
+        if not hindrance:
             return f"; it is an open chain: convert it --to {form} first, then that deck --to mjcf"
     try:
         _exudyn(model, "")
     except FlexmbError:
-        return ""
+        return _named(hindrances)
     return "; --to exudyn takes it"
 
 
-def _leads_to(write: Callable[[Any, str], str], deck: Deck, run: Run, form: str) -> bool:
-    """Return whether the deck converts to a dialect and `write` takes the model of that deck."""
+def _to_exudyn_by(deck: Deck, run: Run) -> str:
+    """Return which conversions lead to Exudyn, or what hinders them, by trying."""
+    hindrances = _hindrances(_exudyn, deck, run)
+    for form, hindrance in hindrances.items():
+        if not hindrance:
+            return f"; convert it --to {form} first, then that deck --to exudyn"
+    return _named(hindrances)
+
+
+def _hindrances(write: Callable[[Any, str], str], deck: Deck, run: Run) -> dict[str, str]:
+    """Return, by the other dialects, why `write` does not take the deck by way of them; "" where it does."""
+    return {form: _hindrance(write, deck, run, form) for form in DIALECTS if form != deck.dialect}
+
+
+def _hindrance(write: Callable[[Any, str], str], deck: Deck, run: Run, form: str) -> str:
     try:
         text = _deck_of(deck, run, form, (SI, SI))
         model, _ = dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
-        return bool(write(model, ""))
-    except FlexmbError:
-        return False
+        return "" if write(model, "") else NOT_TAKEN
+    except FlexmbError as failure:
+        return NOT_TAKEN if failure.faults[0].id == NO_FORWARD_DYNAMICS else str(failure)
 
 
-def _to_exudyn_by(deck: Deck, run: Run) -> str:
-    """Return which conversions lead to Exudyn, each having been tried; "" for none."""
-    for form in DIALECTS:
-        if form != deck.dialect and _leads_to(_exudyn, deck, run, form):
-            return f"; convert it --to {form} first, then that deck --to exudyn"
-    return ""
+def _named(hindrances: dict[str, str]) -> str:
+    """Return the hindrances in words, those of several dialects once."""
+    by_reason: dict[str, list[str]] = {}
+    for form, reason in hindrances.items():
+        if reason != NOT_TAKEN:
+            by_reason.setdefault(reason, []).append(form)
+    return "".join(f"; by way of --to {' or '.join(forms)}: {why}" for why, forms in by_reason.items())
 
 
-def _mjcf_of_tree(model: Any, name: str) -> str:
+def _mjcf_of_tree(model: "Tree", name: str) -> str:
     return _mjcf(model, name) if analysis_of(model) == "tree" else ""
 
 
-def _mjcf(model: Any, name: str) -> str:
+def _mjcf(model: "Tree", name: str) -> str:
     from ..results.models.mjcf import mjcf
 
     return mjcf(model, name)
 
 
-def _exudyn(model: Any, name: Any, other_way: Callable[[], str] = str) -> str:
+def _exudyn(model: Any, name: str, other_way: Callable[[], str] = str) -> str:
     from ..results.models.exudyn import exudyn_script
 
     if analysis_of(model) != "dynamic" or model.analysis != "forward":
@@ -163,7 +181,7 @@ def start_of(model: "DynamicModel", run: Run | None = None) -> dict[str, Any]:
     return _motion_of(model, 1, run)[0]
 
 
-def _motion_of(model: Any, rows: int, run: Run | None = None) -> list[dict[str, Any]]:
+def _motion_of(model: "DynamicModel", rows: int, run: Run | None = None) -> list[dict[str, Any]]:
     """Return what `start_of` does, of each of the first rows."""
     first = _first_rows_of(model, rows)
     blocks = list(solution_of(first, run or Run(Outcome(""), RunOptions())).blocks())
@@ -177,7 +195,7 @@ def _motion_of(model: Any, rows: int, run: Run | None = None) -> list[dict[str, 
     return found
 
 
-def _start(model: Any, run: Run) -> Any:
+def _start(model: "DynamicModel", run: Run) -> Any:
     from ..model.exchange.start import Start
 
     return Start(**start_of(model, run))

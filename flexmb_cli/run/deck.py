@@ -16,8 +16,8 @@ def run_deck(
 ) -> Outcome:
     """Read, solve and write the deck at `path` ("-": standard input).
 
-    `stdout` receives the OUT table of `--out -`.  Never raises for what a deck, a disk or a signal
-    can do.
+    `stdout` receives the OUT table of `--out -`.  Faults of the deck, a full disk and stops by signals are in
+    the outcome; they raise nothing.
     """
     outcome = Outcome(path)
     with ending_recorded(outcome, options):
@@ -31,7 +31,7 @@ def run_deck(
             if options.echo:
                 from ..results.texts.echo import echo
 
-                # By now the model tells what it took for empty fields.
+                # Building the model has filled in the defaults of empty fields.
                 outcome.echo = echo(deck)
     if outcome.exit_code == BAD_INPUT:
         outcome.faults += warnings_of_earlier_results(path, options)

@@ -12,7 +12,7 @@ from .outcome import RunOptions
 def warnings_of_earlier_results(path: str, options: RunOptions) -> list[Fault]:
     """Return a warning that names the results of an earlier run of the deck at `path`, if there are any.
 
-    A deck that cannot be read tells no dialect, so the names of all dialects are looked for.
+    The dialect of an unreadable deck is unknown, so the names of all dialects are looked for.
     """
     name, model = named_model(path)
     named = {

@@ -43,8 +43,8 @@ class EnergyDrift:
         self.lost = max(self.lost, ENERGY_ROUND_OFF * float(np.max(np.abs(total))))
 
     @property
-    def doubts(self) -> tuple[Fault, ...]:
-        """A warning where the energy strays by more than errors of the steps do."""
+    def warnings(self) -> tuple[Fault, ...]:
+        """Return a warning where the energy drifts by more than the errors of the steps explain."""
         if not self.largest > max(WRONG * self.scale, self.lost):
             return ()
         return (Fault("warning", f"{self}, {STRAYS}{self.reasons}", id="RUN-014"),)
@@ -54,7 +54,7 @@ class EnergyDrift:
 
 
 class ConstrainedDrift(EnergyDrift):
-    """That of a mechanism under constraints, whose total has the work of drivers and loads taken off."""
+    """Energy drift of a mechanism under constraints: the work of drivers and loads is subtracted."""
 
     reference = "the energies and the work done reach"
 

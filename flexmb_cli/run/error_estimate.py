@@ -51,7 +51,7 @@ class ErrorEstimate:
     def __init__(self, second: Iterator[Mapping[str, np.ndarray]]):
         self.second = second
         self.waiting: dict[str, Any] = {}
-        self.doubts: list[Fault] = []  # that the second run stopped
+        self.warnings: list[Fault] = []  # that the second run stopped
         self.largest: dict[str, Any] = {}  # by path: error, its time, s, and the largest size of the quantity
 
     def of(self, values: Mapping[str, "np.ndarray"]) -> dict[str, np.ndarray]:
@@ -66,11 +66,11 @@ class ErrorEstimate:
     def _next(self, times: np.ndarray) -> Any:
         """The rows of the second run at these times, fewer where it stops."""
         count = len(times)
-        while len(self.waiting.get("time", ())) < count and not self.doubts:
+        while len(self.waiting.get("time", ())) < count and not self.warnings:
             try:
                 block = next(self.second)
             except AnalysisError as failure:
-                self.doubts.append(
+                self.warnings.append(
                     Fault("warning", STOPPED.format(failure.time, failure.args[0]), id="RUN-023")
                 )
                 break
@@ -116,7 +116,7 @@ def finer_motion(
     analysis_of: Callable[..., Any], values: Callable[..., Any], run: Run
 ) -> Iterator[Mapping[str, np.ndarray]] | None:
     """Return the blocks of values of a second analysis at a tighter tolerance, if that chooses its steps."""
-    second = analysis_of(run.unheard)
+    second = analysis_of(run.with_new_outcome)
     if not second.integrator.chosen:
         nothing_to_refine(run, GIVEN_STEPS)
         return None
@@ -137,7 +137,7 @@ def with_errors(layout: "Layout") -> Any:
     return replace(layout, series=(*layout.series, *errors))
 
 
-def _is_estimated(path: str) -> Any:
+def _is_estimated(path: str) -> bool:
     return not path.startswith(NOT_ESTIMATED)
 
 

@@ -1,7 +1,7 @@
 """End of a deck that does not come to its last time: its reports, and its exit code."""
 
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..errors import ANALYSIS_FAILED, INTERNAL_FAULT, AnalysisError, Fault, FlexmbError, ModelError
 from ..memory import LACK_OF_MEMORY, lack_of_memory_text, lacks_memory
@@ -74,7 +74,7 @@ def _by_change(fault: Fault, options: RunOptions) -> Fault:
     return fault
 
 
-def _record_fault(outcome: Outcome, fault: Any, options: RunOptions) -> None:
+def _record_fault(outcome: Outcome, fault: BaseException, options: RunOptions) -> None:
     """A stop that became another exception, or a fault of the machine or of flexmb itself."""
     if Stop.asked is not None:
         outcome.exit_code = Stop.code()

@@ -11,7 +11,7 @@ from ..model.loads import DynamicModel
 from ..model.mechanism import TimeGrid
 from ..model.tree import Tree
 from ..quick_dataclass import dataclass, replace
-from ..solvers.compilation import Notices, tell_of_compiling
+from ..solvers.compilation import Notices, announce_compiling
 from .check.parts import FARTHEST_STEPS
 from .context import Run
 
@@ -31,7 +31,7 @@ MOST_SPEEDS_INTERPRETED = 30
 class Wish:
     """State to linearise about: `time`, s (None: the start), or the `equilibrium` found from there.
 
-    `state_space`: whether B, C and D are asked for; `out`: the file that they go to.
+    `state_space`: whether B, C and D are requested; `out`: the file that they go to.
     """
 
     time: float | None = None
@@ -137,7 +137,7 @@ def _kernels(
         raise ModelError([Fault("error", message, id="RUN-017")])
     if speeds <= MOST_SPEEDS_INTERPRETED and (wish.time is None or wish.time <= grid.start):
         return interpreting()
-    tell_of_compiling(listener, entry)
+    announce_compiling(listener, entry)
     return nullcontext()
 
 
@@ -172,7 +172,7 @@ def _of_mechanism(
 def _space(
     wish: Wish, responses: type, motion: "LinearisedMotion", A: np.ndarray, signals: "Callable[..., Any]"
 ) -> "StateSpace | None":
-    """The state space of a linearised motion, where it is asked for."""
+    """The state space of a linearised motion, where it is requested."""
     from ..solvers.linearisation.state_space import state_space
 
     if not wish.state_space and wish.out is None:

@@ -32,10 +32,10 @@ ANALYSES = {
 def model_of(deck: Deck, run: Run) -> Any:
     """Return the model of `deck` as the options want it solved; file names are relative to the deck.
 
-    Its doubts go into the outcome.  Raises ModelError.
+    Its warnings go into the outcome.  Raises ModelError.
     """
-    model, doubts = dialect_named(deck.dialect).build(deck, folder_of(run))
-    run.warn(doubts)
+    model, warnings = dialect_named(deck.dialect).build(deck, folder_of(run))
+    run.warn(warnings)
     return _integrated(model, deck, run.options) if analysis_of(model) == "tree" else model
 
 

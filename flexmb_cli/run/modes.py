@@ -6,7 +6,7 @@ from typing import Any
 from ..deck.record import Deck
 from ..errors import Fault, ModelError
 from ..model.flexible_body import Dropped, FlexibleBody
-from ..model.unit_checks import unit_doubts
+from ..model.unit_checks import unit_warnings
 from ..quick_dataclass import dataclass, field
 from .context import Run
 from .exit_status import ending_recorded
@@ -20,7 +20,7 @@ from .outcome import Listener, Outcome, RunOptions, Stop
 class ModesReport:
     """Result of one deck: `outcome` holds faults and exit code, `bodies` the flexible ones.
 
-    `mechanism` is None where its linearised motion was not asked for, or not found.
+    `mechanism` is None where its linearised motion was not requested, or not found.
     """
 
     outcome: Outcome
@@ -58,7 +58,7 @@ def _fill(report: ModesReport, wish: Wish, run: Run) -> None:
             "give them"
         )
         raise ModelError([Fault("error", message, id="RUN-018")])
-    run.outcome.faults += unit_doubts(model)
+    run.outcome.faults += unit_warnings(model)
     report.deck = deck
     if analysis == "flexible":
         report.bodies = [body.flexible for body in model.bodies if body.flexible is not None]

@@ -1,4 +1,4 @@
-"""A deck from its file to records: with the changes of `--set`, and doubts about the options given."""
+"""A deck from its file to records: with the changes of `--set`, and warnings about the options given."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -22,12 +22,12 @@ class Terminated(BaseException):
 
 
 class Stop:
-    """Exception that a signal asked for: KeyboardInterrupt or Terminated, None before.
+    """The stop that a signal requested: `asked` is KeyboardInterrupt or Terminated, None before.
 
-    `held`: how many ask that it be noted only.  A command notes it, and lets it be raised while a deck is
-    read or solved (`released`): files and records are never half done.
-    Libraries in whose midst it is raised may swallow it (HDF5 calling back for a write) or turn it into an
-    exception of their own (numba compiling): a run looks here between its blocks of rows.
+    `held` counts the blocks of code in which a stop is only noted.  It is raised at once while a deck is read
+    or solved (`released`), and delayed while files and records are written, so that none is left half done.
+    A library may swallow the exception (HDF5 in a callback) or replace it by one of its own (numba while it
+    compiles): therefore a run also looks here between its blocks of rows.
     """
 
     asked: type[BaseException] | None = None
@@ -36,7 +36,7 @@ class Stop:
     @classmethod
     @contextmanager
     def later(cls) -> "Iterator[None]":
-        """Have a signal wait for `heed`."""
+        """Have a signal wait for `raise_if_asked`."""
         cls.held += 1
         try:
             yield
@@ -50,25 +50,25 @@ class Stop:
         before = cls.held
         try:
             cls.held = 0
-            cls.heed()
+            cls.raise_if_asked()
             yield
         finally:
             cls.held = before
 
     @classmethod
     def too_late(cls) -> None:
-        """From here to the end of `released` nothing is left to be stopped."""
+        """Ignore stops from here to the end of `released`: all rows are written."""
         cls.held += 1
 
     @classmethod
-    def heed(cls) -> None:
-        """Raise what was asked for and got lost, unless it has to wait."""
+    def raise_if_asked(cls) -> None:
+        """Raise a stop that was noted, unless stops are held."""
         if cls.asked is not None and not cls.held:
             raise cls.asked
 
     @classmethod
     def code(cls) -> int:
-        """The exit code of what was asked for."""
+        """Return the exit code of the stop."""
         return INTERRUPTED if cls.asked is KeyboardInterrupt else TERMINATED
 
 
@@ -123,7 +123,7 @@ class Outcome:
 
     `deck` is the deck as named by the user, `settings` what `--set` changed of it, `source` its text once
     read, `echo` the list of its numbers if asked for, `statistics` what the solver counted, `resumable`
-    whether `--resume` can go on with it, `errors` the largest global errors by the paths of their datasets,
+    whether `--resume` can continue it, `errors` the largest global errors by the paths of their datasets,
     `as_printed` whether it was solved with the errors of the program of 1996.
     """
 
@@ -179,7 +179,7 @@ class Listener:
 
 
 def refuse_warnings(outcome: Outcome, options: RunOptions) -> None:
-    """Under `--strict` the warnings so far become errors, and end the run."""
+    """Under `--strict` turn the warnings so far into errors, and raise ModelError."""
     if options.strict and any(fault.severity == "warning" for fault in outcome.faults):
         outcome.faults[:] = [
             replace(f, severity="error") if f.severity == "warning" else f for f in outcome.faults

@@ -66,7 +66,7 @@ def arrays_of(entry: bytes, names: tuple[str, ...] | None = None) -> Any:
 
 
 def _with_tuples(described: Sequence[Sequence[str]] | str) -> Any:
-    """A type's description as numpy has it: JSON knows lists only."""
+    """Return a dtype's description with tuples, as numpy needs it: JSON has lists only."""
     if isinstance(described, str):
         return described
     return [(name, _with_tuples(kind), *map(tuple, shape)) for name, kind, *shape in described]

@@ -49,7 +49,7 @@ def _refuse_out_of_range(name: str, value: Any) -> None:
         raise ValueError(f"solve needs {low:g} {sign_low} {name}{upper}; read {value!r}")
 
 
-def _meant(name: str) -> Any:
+def _meant(name: str) -> str:
     from difflib import get_close_matches
 
     close = get_close_matches(name, KNOWN, n=1)

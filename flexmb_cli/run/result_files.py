@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from ..dialects.recognise import dialect_named
 from ..errors import OutputError
 from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
-from .context import Run
+from .context import Run, TextStream
 
 if TYPE_CHECKING:
     import numpy as np
@@ -40,14 +40,14 @@ class ResultFiles:
             self.discard()
             raise
 
-    def _open_table(self, deck: "Deck", solution: "Solution", run: Any) -> None:
+    def _open_table(self, deck: "Deck", solution: "Solution", run: Run) -> None:
         from ..results.files.replaced_file import ReplacedText
 
-        out = None
+        out: TextStream | None = None
         if self.paths.out is not None and self.paths.out != STANDARD_OUTPUT:
             # Somebody else may have put a pipe in the place of a name that the deck gives.
-            out = ReplacedText(self.paths.out, special=self.paths.out in self.paths.named)
-            self.texts.append(out)
+            out = table = ReplacedText(self.paths.out, special=self.paths.out in self.paths.named)
+            self.texts.append(table)
         elif self.paths.out is not None:
             out = run.stdout
         for path in self.paths.series:

@@ -43,7 +43,7 @@ def restore(resume_file: ResumeFile, analysis: Any, layout: Layout) -> None:
         raise ModelError([Fault("error", message, id="RUN-040")]) from found
 
 
-def _shapes_of(layout: Layout) -> Any:
+def _shapes_of(layout: Layout) -> dict[Any, Any]:
     """Return the shape of a row of every series, by its path."""
     length = {axis.path: len(axis.values) for axis in layout.axes}
     return {item.path: tuple(length[path] for path in item.axes) for item in (TIME, *layout.series)}

@@ -1,6 +1,6 @@
-"""One run of any model: blocks of report rows are solved, kept for `--resume`, and written.
+"""Solve a deck of any dialect and write its results: block by block to the resume file, tables and HDF5 file.
 
-`Solution` is what an analysis gives for it.
+`Solution` is an analysis ready to be solved, in the same form for all models.
 """
 
 import os
@@ -13,7 +13,7 @@ from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
 from ..quick_dataclass import dataclass, field
 from ..results.files.file_names import ResultPaths
-from ..solvers.compilation import tell_of_damage
+from ..solvers.compilation import report_damage
 from .checkpoint import ResumeFile
 from .context import Run
 from .exit_status import reason_of
@@ -25,27 +25,29 @@ from .result_files import ResultFiles
 if TYPE_CHECKING:
     import numpy as np
 
+    from .error_estimate import ErrorEstimate
+
 
 class Analysis(Protocol):
-    """Interface of an analysis that is solved."""
+    """Interface of an analysis."""
 
     def rows(self) -> Iterator[Any]:
         """Yield blocks of report rows."""
 
     @property
     def checkpoint(self) -> Mapping[str, "np.ndarray"]:
-        """Return what it goes on from, behind the last block."""
+        """Return the state behind the last block, as arrays by name."""
 
-    def restore(self, checkpoint: dict[str, "np.ndarray"]) -> Any:
-        """Go on from a checkpoint."""
+    def restore(self, checkpoint: dict[str, "np.ndarray"]) -> object:
+        """Continue from a checkpoint."""
 
 
 class NoCount:
     """Counts nothing."""
 
     @property
-    def doubts(self) -> tuple[Fault, ...]:
-        """Return what the values counted make doubtful."""
+    def warnings(self) -> tuple[Fault, ...]:
+        """Return the warnings about the values counted."""
         return ()
 
     def add(self, values: Mapping[str, "np.ndarray"]) -> None:
@@ -60,13 +62,13 @@ class Solution:
     """An analysis ready to be solved.
 
     `analysis.rows()` yields blocks of report rows, `rows` in all; `values` gives a block as arrays by the
-    paths of their datasets, of which `layout()` tells the HDF5 file.  `count` counts them: `add(values)`,
-    `doubts` about them, and as text the statistics.  `doubts()` are those about the model, `warnings` those
+    paths of their datasets, which `layout()` describes.  `count` counts them: `add(values)`, its `warnings`
+    about them, and as text the statistics.  `model_warnings()` are those about the model, `warnings` those
     of the analysis so far.  `finer(run)` makes the blocks of values of a second, finer run, or None.
     `identity`: what the numbers depend on besides the deck, in JSON's types.
 
     If it is `resumable`, the analysis has a `checkpoint` behind every block, arrays by name, and
-    `analysis.restore(checkpoint)` goes on from it.
+    `analysis.restore(checkpoint)` continues from it.
     """
 
     analysis: Analysis
@@ -74,7 +76,7 @@ class Solution:
     layout: Callable[..., Any]
     values: Callable[[Any], Mapping[str, "np.ndarray"]]
     count: NoCount
-    doubts: Callable[[], list[Fault]] = list
+    model_warnings: Callable[[], list[Fault]] = list
     warnings: list[Fault] = field(default_factory=list)
     finer: Callable[[Run], Iterator[Mapping[str, "np.ndarray"]] | None] = lambda run: None
     identity: dict[str, Any] = field(default_factory=dict)
@@ -98,10 +100,10 @@ def solution_of(model: Any, run: Run) -> Solution:
 
 
 def prepared(deck: Deck, run: Run) -> tuple[Solution, list[Fault]]:
-    """Return the solution of a deck, and doubts about its model; raises ModelError."""
+    """Return the solution of a deck, and the warnings about its model; raises ModelError."""
     refuse_foreign_method(deck, run.options)
     solution = solution_of(model_of(deck, run), run)
-    return solution, solution.doubts()
+    return solution, solution.model_warnings()
 
 
 def solve_deck(deck: Deck, paths: ResultPaths, run: Run) -> None:
@@ -110,20 +112,20 @@ def solve_deck(deck: Deck, paths: ResultPaths, run: Run) -> None:
     Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
     """
     with _resumable_if_stopped(paths, run), Stop.released():
-        solution, doubts = prepared(deck, run)
-        run.outcome.faults += doubts
+        solution, model_warnings = prepared(deck, run)
+        run.outcome.faults += model_warnings
         resume_file = _resume_file(deck, solution, paths, run)
         estimate = _estimate(solution, run)
     with Stop.later():
         try:
-            _Keeper(deck, solution, paths, run, resume_file, estimate, doubts).keep()
+            _RowWriter(deck, solution, paths, run, resume_file, estimate, model_warnings).write()
         finally:
-            tell_of_damage(run.listener)
+            report_damage(run.listener)
 
 
 @contextmanager
 def _resumable_if_stopped(paths: ResultPaths, run: Run) -> Iterator[None]:
-    """Note an earlier run's resume file for whoever stops a run before it was looked at."""
+    """Report an earlier run's resume file as usable if this run is stopped before it opens the file."""
     try:
         yield
     except (KeyboardInterrupt, Terminated):
@@ -133,12 +135,12 @@ def _resumable_if_stopped(paths: ResultPaths, run: Run) -> Iterator[None]:
 
 
 def _resume_file(deck: Deck, solution: Solution, paths: ResultPaths, run: Run) -> ResumeFile:
-    """The resume file of a run; one that cannot be resumed keeps none."""
+    """Return the resume file of a run, one without a path where the run cannot be resumed."""
     kept = paths.resume if solution.resumable else None
     resume_file = ResumeFile(kept, identity_of(deck, solution, run))
     if run.options.resume:
         resume_file.find()
-        run.outcome.faults += resume_file.doubts
+        run.outcome.faults += resume_file.warnings
         if resume_file.last_checkpoint is not None:
             from .resumed import restore
 
@@ -147,7 +149,7 @@ def _resume_file(deck: Deck, solution: Solution, paths: ResultPaths, run: Run) -
 
 
 def identity_of(deck: Deck, solution: Solution, run: Run) -> dict[str, Any]:
-    """Return all that the numbers of a run depend on: only the same run can be resumed."""
+    """Return everything that the results of a run depend on: only the same run can be resumed."""
     return {
         "flexmb": __version__,
         "deck": f"{deck.model}:{deck.source.name}" if deck.model else deck.source.name,
@@ -158,8 +160,8 @@ def identity_of(deck: Deck, solution: Solution, run: Run) -> dict[str, Any]:
     }
 
 
-def _estimate(solution: Solution, run: Run) -> Any:
-    """The comparison with a second run, where it is asked for and can be made."""
+def _estimate(solution: Solution, run: Run) -> "ErrorEstimate | None":
+    """Return the comparison with a second run, where it is requested and can be made."""
     if not run.options.estimate_error:
         return None
     from .error_estimate import ErrorEstimate
@@ -168,8 +170,8 @@ def _estimate(solution: Solution, run: Run) -> Any:
     return None if finer is None else ErrorEstimate(finer)
 
 
-class _Keeper:
-    """Keeps the rows of one run: resume file first, then tables and result."""
+class _RowWriter:
+    """Writes the rows of one run: resume file first, then tables and result."""
 
     def __init__(
         self,
@@ -178,23 +180,23 @@ class _Keeper:
         paths: ResultPaths,
         run: Run,
         resume_file: ResumeFile,
-        estimate: None,
-        doubts: list[Fault],
+        estimate: "ErrorEstimate | None",
+        model_warnings: list[Fault],
     ):
         self.solution, self.run, self.resume_file, self.estimate = solution, run, resume_file, estimate
-        self.doubts = doubts
+        self.model_warnings = model_warnings
         self.files = ResultFiles(deck, solution, paths, run, estimate is not None)
 
-    def keep(self) -> None:
+    def write(self) -> None:
         """Write the rows as they come, and put the files in their places; raises as `solve_deck`."""
         outcome, resume_file, files = self.run.outcome, self.resume_file, self.files
         try:
             resume_file.begin(files.unfinished)
-            self._keep_blocks()
-            self._tell_doubts()
+            self._write_blocks()
+            self._record_warnings()
             self.run.warn(())
         except AnalysisError as failure:
-            self._tell_doubts()
+            self._record_warnings()
             outcome.files = files.close_failed(failure.args[0], True, self.notes)
             resume_file.remove()
             raise
@@ -212,28 +214,28 @@ class _Keeper:
             raise
         self._complete()
 
-    def _keep_blocks(self) -> None:
-        """Take block by block; between two of them a run can be stopped.
+    def _write_blocks(self) -> None:
+        """Write block by block; a run can be stopped between two of them.
 
-        Raises KeyboardInterrupt or Terminated before all rows that are wanted are kept.
+        Raises KeyboardInterrupt or Terminated only before the last row is written.
         """
         outcome, listener, wanted = self.run.outcome, self.run.listener, self.solution.rows
         with Stop.released():
             listener.begin(wanted)
             for values in self._blocks():
                 with Stop.later():
-                    self._write(values)
+                    self._write_block(values)
                     if outcome.rows >= wanted:
                         Stop.too_late()
                 listener.advance(len(values["time"]))
-                Stop.heed()
+                Stop.raise_if_asked()
 
     def _blocks(self) -> "Iterator[Mapping[str, np.ndarray]]":
-        """Blocks of values: those of a stopped run first, then what the analysis adds to the resume file."""
+        """Yield blocks of values: those of a stopped run first, then those that the analysis adds."""
         solution, resume_file = self.solution, self.resume_file
         if resume_file.last_checkpoint is not None:
             for values, _ in resume_file.stored():
-                # The second run is not kept: it begins anew.
+                # The resume file has no rows of the second, finer run: that starts again.
                 yield self._with_errors(values)
         elif self.run.options.resume:
             self.run.listener.notice("nothing to resume; the run starts at its beginning")
@@ -249,7 +251,7 @@ class _Keeper:
     def _with_errors(self, values: Mapping[str, "np.ndarray"]) -> Mapping[str, "np.ndarray"]:
         return values if self.estimate is None else self.estimate.of(values)
 
-    def _write(self, values: Mapping[str, "np.ndarray"]) -> None:
+    def _write_block(self, values: Mapping[str, "np.ndarray"]) -> None:
         outcome, count = self.run.outcome, self.solution.count
         self.files.rows(values)
         count.add(values)
@@ -258,27 +260,23 @@ class _Keeper:
         if self.estimate is not None:
             outcome.errors = self.estimate.as_dict
 
-    def _tell_doubts(self) -> None:
-        """Tell what the analysis, the energy of the rows and the second run make doubtful."""
-        estimated = () if self.estimate is None else self.estimate.doubts
-        self.solution.warnings.extend((*self.solution.count.doubts, *estimated))
+    def _record_warnings(self) -> None:
+        """Record the warnings of the analysis, of the energy of the rows and of the second run."""
+        estimated = () if self.estimate is None else self.estimate.warnings
+        self.solution.warnings.extend((*self.solution.count.warnings, *estimated))
         self.run.outcome.faults += self.solution.warnings
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Return what the model made doubtful and the analysis reported about its way, for the result
-        file.
-        """
-        return sentences((*self.doubts, *self.solution.warnings))
+        """Return the warnings about the model and the analysis as sentences, for the result file."""
+        return sentences((*self.model_warnings, *self.solution.warnings))
 
     def _leave_resume_file(self) -> None:
         self.resume_file.close()
         self.run.outcome.resumable = self.resume_file.begun
 
     def _complete(self) -> None:
-        """Put the results in their places; where they cannot be, the resume file stays for the next
-        attempt.
-        """
+        """Put the results in their places; if that fails, the resume file stays for the next attempt."""
         try:
             self.run.outcome.files = self.files.close(self.notes)
         except (OutputError, MemoryError):

@@ -1,4 +1,4 @@
-"""Writes the state space of a mechanism in the form that the name of the file asks for."""
+"""Output of the state space of a mechanism, in the format of the file's suffix."""
 
 from pathlib import Path
 from typing import Any

@@ -25,9 +25,9 @@ class StepCount(NoCount):
             self.drift.add(values)
 
     @property
-    def doubts(self) -> tuple[Fault, ...]:
+    def warnings(self) -> tuple[Fault, ...]:
         """Return what the energy of the rows makes doubtful."""
-        return self.drift.doubts if self.drift else ()
+        return self.drift.warnings if self.drift else ()
 
     def __str__(self) -> str:
         worst = f"largest residual {self.residual:.1e}"

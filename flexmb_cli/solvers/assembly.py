@@ -39,7 +39,7 @@ def assemble(
     """Return the first position with all gaps closed that `search` finds from the starts, else the best.
 
     `search` yields positions with their residuals; of two that stay open a later one is taken if its
-    largest gap is below `better` times that of the other.  The residual returned tells whether it is closed.
+    largest gap is below `better` times that of the other.  The residual returned shows whether it is closed.
     """
     best: Position | None = None
     for start in starts:

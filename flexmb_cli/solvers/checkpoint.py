@@ -1,4 +1,4 @@
-"""State of an analysis, as arrays by name, so that a stopped run goes on with the same steps."""
+"""State of an analysis, as arrays by name, so that a stopped run continues with the same steps."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -25,7 +25,7 @@ def arrays_in(**records: Any) -> dict[str, np.ndarray]:
 
 
 class OtherRun(ValueError):
-    """Checkpoint that does not fit the analysis that is to go on from it."""
+    """Checkpoint that does not fit the analysis that is to continue from it."""
 
 
 def fill_arrays(stored: Mapping[str, np.ndarray], **records: Any) -> None:

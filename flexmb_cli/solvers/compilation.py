@@ -8,7 +8,7 @@ from typing import Protocol, cast
 from ..errors import OutputError
 
 _reported: set[str] = set()  # entries this process need not look for again: a study asks for every case
-_told: set[str] = set()  # sentences about damaged files
+_shown: set[str] = set()  # sentences about damaged files
 COMPILING = "compiling kernels (once per version, 5 to 20 s)"
 NO_FOLDER = "no folder to keep compiled kernels in; set NUMBA_CACHE_DIR to one that can be written"
 
@@ -20,7 +20,7 @@ class Notices(Protocol):
         """Show the sentence."""
 
     def status(self, doing: str) -> None:
-        """Show what goes on, until something else does."""
+        """Show what is being done until the next call."""
 
 
 def interpreting(wanted: bool = True) -> AbstractContextManager[None]:
@@ -40,7 +40,7 @@ def nothing_to_compile() -> bool:
     return _jit.interpreted()
 
 
-def tell_of_compiling(listener: Notices, entry: str) -> None:
+def announce_compiling(listener: Notices, entry: str) -> None:
     """Notices for the user when the kernel `entry` ("module.function") has to be compiled."""
     if entry in _reported:
         return
@@ -48,25 +48,25 @@ def tell_of_compiling(listener: Notices, entry: str) -> None:
     from ..kernels import _jit
 
     must_compile = _jit.must_compile(entry)
-    tell_of_damage(listener)
+    report_damage(listener)
     if not must_compile:
         return
     from ..kernels import _cache
 
-    listener.status(COMPILING)
     if _cache.folder_to_write() is None:
         listener.notice(NO_FOLDER)
     for sentence in _cache.refused:
         listener.notice(sentence)
+    listener.status(COMPILING)
 
 
-def tell_of_damage(listener: Notices) -> None:
+def report_damage(listener: Notices) -> None:
     """Notices for the user, one a file, when compiled kernels were damaged or could not be read."""
     from ..kernels import _entry
 
     for sentence in _entry.damaged:
-        if sentence not in _told:
-            _told.add(sentence)
+        if sentence not in _shown:
+            _shown.add(sentence)
             listener.notice(f"warning: {sentence}")
 
 

@@ -6,7 +6,7 @@ from .study import LATIN, Study
 
 
 class Cases:
-    """Parameter values of every case of a study, made when they are asked for.
+    """Parameter values of every case of a study, made when they are requested.
 
     A sample is that of SciPy's Latin hypercube with the study's seed: any process has the same.
     """

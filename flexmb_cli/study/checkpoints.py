@@ -54,7 +54,7 @@ class Parts:
         return StudyLock(self.folder, study)
 
     def begin(self, fresh: bool) -> bool:
-        """Begin the folder, which is locked, or go on with that of a stopped study; whether there was one.
+        """Begin the folder, which is locked, or continue with that of a stopped study; whether there was one.
 
         Raises ModelError when the folder belongs to another study, OutputError when it cannot be written.
         """
@@ -181,7 +181,7 @@ def _name(block: int) -> str:
     return f"block-{block:08d}{_PART}"
 
 
-def _lock(file: Any) -> None:
+def _lock(file: BinaryIO) -> None:
     try:
         import fcntl
     except ImportError:  # no such locks here: blocks are given out one by one anyway

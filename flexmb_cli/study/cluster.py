@@ -163,9 +163,9 @@ class _Cluster:
                 keep(self.sweep, block, self.advance)
 
     def _give_again(self, share: list[int]) -> None:
-        """Hand out once more what a share lacks: what it has kept was solved, whoever did not live to tell.
+        """Hand out again the blocks that a share lacks; stored cases were solved, though their worker died.
 
-        A complete block must not come back: a share of such blocks that ends its worker would count no death.
+        A complete block is not handed out again: if it ended its worker, no death would be counted.
         """
         job = self.sweep.job
         kept = {block: [case.exit_code for case in job.stored(block)] for block in share}

@@ -1,7 +1,7 @@
 """Series of a study as a family of curves: each case over its times, coloured by a parameter."""
 
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
@@ -12,6 +12,9 @@ from .cases_table import CasesTable, cases_table
 from .text import EXIT_CODE, StudyColumn, chosen_columns, study_columns
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from ..results.figures.look import Look
 
 TIMES = "result/time"
@@ -53,12 +56,12 @@ def family_picture(
     form: str,
     title: str,
     look: "Look | None" = None,
-    tell_missing: Callable[[str], object] = str,
+    report_missing: Callable[[str], object] = str,
 ) -> bytes:
-    """Return the picture as a file of `form`; `look`, `tell_missing`: as of `plots.picture`."""
+    """Return the picture as a file of `form`; `look`, `report_missing`: as of `plots.picture`."""
     from .figures import drawn, label_axis, set_size
 
-    def draw(figure: Any) -> None:
+    def draw(figure: "Figure") -> None:
         set_size(figure, look, len(family.series))
         axes = figure.subplots(len(family.series), squeeze=False, sharex=True)[:, 0]
         for axis, (label, values) in zip(axes, family.series.items(), strict=True):
@@ -67,10 +70,12 @@ def family_picture(
             _draw_cases(figure, axis, family, values, look)
         label_axis(axes[-1], "x", "time [s]", look)
 
-    return drawn(draw, form, title, look, tell_missing)
+    return drawn(draw, form, title, look, report_missing)
 
 
-def _draw_cases(figure: Any, axis: Any, family: CurveFamily, values: np.ndarray, look: "Look | None") -> None:
+def _draw_cases(
+    figure: "Figure", axis: "Axes", family: CurveFamily, values: np.ndarray, look: "Look | None"
+) -> None:
     from matplotlib import rcParams
 
     from .figures import add_key, colours_of

@@ -3,7 +3,7 @@
 import io
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -11,6 +11,10 @@ from ..results.figures.label_fitting import Letters
 from ..results.figures.look import COLOURS, NARROWEST, PANEL, TICKS, Look
 from ..results.figures.plots import HEIGHT, METADATA, PRINTED, RESOLUTION, WIDTH, fit_figure, shown
 from .cases_table import CasesTable
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 ONLY_ROUND_OFF = "varies by round-off only"
 KINDS = ("auto", "curve", "map", "scatter", "parallel")
@@ -32,15 +36,15 @@ def study_picture(
     form: str,
     title: str,
     look: Look | None = None,
-    tell_missing: Callable[[str], object] = str,
+    report_missing: Callable[[str], object] = str,
 ) -> bytes:
     """Return the picture as a file of `form`, one of `plots.FORMATS`.  Imports matplotlib.
 
-    `look`, `tell_missing`: as of `plots.picture`.  Raises UnsuitedStudy where the study does not
-    suit the kind, ValueError where letters leave no room in print.
+    `look`, `report_missing`: as of `plots.picture`.  Raises UnsuitedStudy where the study does not
+    suit the type, ValueError where letters leave no room in print.
     """
     draw = {"curve": _curves, "map": _maps, "scatter": _scatter, "parallel": _parallel}[kind]
-    return drawn(lambda figure: draw(figure, cases, look), form, title, look, tell_missing)
+    return drawn(lambda figure: draw(figure, cases, look), form, title, look, report_missing)
 
 
 class UnsuitedStudy(Exception):
@@ -52,7 +56,7 @@ def drawn(
     form: str,
     title: str,
     look: Look | None = None,
-    tell_missing: Callable[[str], object] = str,
+    report_missing: Callable[[str], object] = str,
 ) -> bytes:
     """Return what `draw` puts on a figure, as a file of `form`."""
     import matplotlib
@@ -63,7 +67,7 @@ def drawn(
         matplotlib.rcParams["svg.hashsalt"] = "flexmb"
         if look:
             for family in look.apply():
-                tell_missing(family)
+                report_missing(family)
         figure = Figure(layout="constrained")
         draw(figure)
         if title or not look:
@@ -76,7 +80,7 @@ def drawn(
 
 
 def set_size(
-    figure: Any, look: Look | None, panels: int, height: float = HEIGHT, width: float = WIDTH
+    figure: "Figure", look: Look | None, panels: int, height: float = HEIGHT, width: float = WIDTH
 ) -> None:
     """Give the figure its size: on a screen that of `panels` of a height, in; in print the width on paper."""
     if look is None:
@@ -86,7 +90,7 @@ def set_size(
     figure.set_size_inches(look.inches, look.inches * part * panels + 0.3)
 
 
-def label_axis(axis: Any, which: str, label: str, look: Look | None) -> None:
+def label_axis(axis: "Axes", which: Literal["x", "y"], label: str, look: Look | None) -> None:
     """Write the label of the axis "x" or "y".
 
     In print it is wrapped, and there are fewer ticks.
@@ -103,12 +107,12 @@ def _label(label: str, look: Look | None) -> str:
     return Letters("axes.labelsize").wrapped(label, PANEL * look.inches, partial(shown, look=look))
 
 
-def _thickness(width: float, look: Look | None) -> dict[str, float]:
+def _thickness(width: float, look: Look | None) -> dict[str, Any]:
     """Return the width of curves on a screen; in print that of the look, or of its style file."""
     return {} if look else {"linewidth": width}
 
 
-def _curves(figure: Any, cases: CasesTable, look: Look | None) -> None:
+def _curves(figure: "Figure", cases: CasesTable, look: Look | None) -> None:
     """Each result over the one parameter that varies."""
     if len(cases.varied) > 1:
         names = ", ".join(cases.varied)
@@ -129,7 +133,7 @@ def _curves(figure: Any, cases: CasesTable, look: Look | None) -> None:
     label_axis(axes[-1], "x", name, look)
 
 
-def _maps(figure: Any, cases: CasesTable, look: Look | None) -> None:
+def _maps(figure: "Figure", cases: CasesTable, look: Look | None) -> None:
     """Each result over two parameters, a cell for every pair of values."""
     if not cases.is_grid:
         raise UnsuitedStudy(
@@ -166,7 +170,7 @@ def flat_range(values: np.ndarray) -> tuple[float, float] | None:
     return low - 0.05 * size, high + 0.05 * size
 
 
-def _scatter(figure: Any, cases: CasesTable, look: Look | None) -> None:
+def _scatter(figure: "Figure", cases: CasesTable, look: Look | None) -> None:
     """Each result over each parameter that varies."""
     across = cases.varied or cases.parameters
     set_size(figure, look, len(cases.results), width=max(WIDTH, 3.0 * len(across)))
@@ -185,7 +189,7 @@ def _scatter(figure: Any, cases: CasesTable, look: Look | None) -> None:
                 label_axis(axis, "x", name, look)
 
 
-def _parallel(figure: Any, cases: CasesTable, look: Look | None) -> None:
+def _parallel(figure: "Figure", cases: CasesTable, look: Look | None) -> None:
     """A line for every case through its parameters and results, coloured by the last result."""
     axes = {**(cases.varied or cases.parameters), **cases.results}
     last = next(reversed(cases.results))
@@ -212,7 +216,7 @@ def colours_of(values: np.ndarray) -> Any:
     return ScalarMappable(Normalize(np.nanmin(values), np.nanmax(values)), matplotlib.colormaps["viridis"])
 
 
-def add_key(figure: Any, colours: Any, axis: Any, label: str, look: Look | None) -> None:
+def add_key(figure: "Figure", colours: Any, axis: "Axes", label: str, look: Look | None) -> None:
     """Put a scale of the colours beside `axis`."""
     figure.colorbar(colours, ax=axis, label=_label(label, look))
 

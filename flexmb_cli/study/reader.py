@@ -113,7 +113,7 @@ class _Reader:
         elif study.sampling == LATIN and study.count * len(study.parameters) > MOST_CASES:
             self._fault("count", f"times parameters may be {MOST_CASES} at most")
 
-    def _entries(self, key: str) -> Any:
+    def _entries(self, key: str) -> list[Any]:
         """Names and contents of a table that must not be empty."""
         table = self.table.get(key)
         if not isinstance(table, dict) or not table:

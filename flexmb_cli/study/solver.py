@@ -68,7 +68,7 @@ class CaseSolver:
         self.takes = [item.take for item in self.study.results]
 
     def listened_by(self, listener: Listener) -> None:
-        """Report to `listener` from now on, and first what was found while nobody listened."""
+        """Report to `listener` from now on, earlier notices first."""
         self.listener = listener
         for kind, sentence in self.early:
             getattr(listener, kind)(sentence)
@@ -110,7 +110,7 @@ class CaseSolver:
             code, message = failure.exit_code, failure.faults[0].sentence
         except Exception as fault:
             # A stop that became another exception is none of the case's.
-            Stop.heed()
+            Stop.raise_if_asked()
             code, message = _reported(fault)
         return self._result(case, code, rows, taken, message)
 

@@ -33,7 +33,7 @@ SILENT = Listener()
 
 @dataclass(frozen=True)
 class Job:
-    """All that a worker needs for any block; texts, not paths: it may be on another machine."""
+    """Input of a worker for any block, as texts instead of paths: it may run on another machine."""
 
     deck: DeckText
     deck_folder: str
@@ -79,7 +79,7 @@ class BlockDone:
 class Sweep:
     """A study ready to be solved.  Raises DeckError where study or deck cannot be read as they are.
 
-    `restored`: the study was stopped before and goes on; `kept`: how many cases of a block there were then.
+    `restored`: the study was stopped before and continues; `kept`: how many cases of a block there were then.
     """
 
     job: Job
@@ -93,7 +93,7 @@ class Sweep:
 
     @classmethod
     def of(cls, path: str, parts_folder: str, fresh: bool = False) -> "Sweep":
-        """The study in the file at `path`; begins its folder of parts or goes on with it."""
+        """The study in the file at `path`; begins its folder of parts or continues with it."""
         text = _study_text(path)
         with reported_at(path, text.lines):
             study = read_study(text)
@@ -181,7 +181,7 @@ def _readable_deck(path: str, study: Study) -> DeckText:
     """The text of the study's deck; what is wrong with it is reported at its own lines."""
     with reported_at(path):
         if os.path.exists(path) and not os.path.isfile(path):
-            # A pipe would be waited for: the study, which may be a stranger's, chose the name.
+            # A pipe would be waited for: the study, which may be untrusted, chose the name.
             raise DeckError(
                 [Fault("error", "is no regular file, but a folder, a pipe or a device", id="STUDY-018")]
             )
@@ -227,7 +227,7 @@ def solve_block(
         for case in missing:
             part.append(solver.solve(case))
             advance(1)
-            Stop.heed()
+            Stop.raise_if_asked()
         return BlockDone(block, len(missing), part.failed)
 
 

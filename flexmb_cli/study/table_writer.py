@@ -21,7 +21,7 @@ def write_study_table(path: str, sweep: Sweep) -> None:
     # A stop must not be raised where HDF5 calls back for a write.
     with Stop.later():
         write_table(path, _head(sweep), _rows(sweep))
-    Stop.heed()
+    Stop.raise_if_asked()
     with Stop.later():
         try:
             sweep.end()

@@ -185,12 +185,12 @@ def _aligned(row: "Sequence[Any]", widths: list[int]) -> str:
 
 
 def _json(cell: float) -> float | None:
-    """JSON knows no nan and no infinity: null."""
+    """Return the cell; JSON has no nan and no infinity, so they become None."""
     return None if isinstance(cell, float) and not math.isfinite(cell) else cell
 
 
 def study_notes(table: h5py.File, columns: Sequence[StudyColumn], named: bool) -> list[str]:
-    """Return what the text does not show: series that nobody named, and cases that failed."""
+    """Return notes on what the text leaves out: series that were not named, and cases that failed."""
     series = [column.name for column in study_columns(table) if column.length]
     notes = [] if named or not series else [f"series are shown where they are named: {', '.join(series)}"]
     reported = failed_note(table)

@@ -17,7 +17,7 @@ BEGUN = "begun"
 
 
 class WorkersError(FlexmbError):
-    """The processes of a study do not live long enough to solve anything (exit 1)."""
+    """The processes of a study end before they solve anything (exit 1)."""
 
     exit_code = ANALYSIS_FAILED
 
@@ -52,7 +52,7 @@ def solve_in_processes(
     """
     work = _Work(sweep, jobs, advance, deque(blocks), listener)
     try:
-        while work.go_on():
+        while work.proceed():
             pass
         end_all(work.given)
     except BaseException:
@@ -80,7 +80,7 @@ class _Work:
     barren: int = 0
     reported: set[str] = field(default_factory=set)
 
-    def go_on(self) -> bool:
+    def proceed(self) -> bool:
         """Give blocks to processes and hear what they have to say; False when all are solved."""
         self._start()
         self._hand_out()
@@ -193,9 +193,9 @@ def _solve(job: Job, block: int, listener: Listener = SILENT) -> BlockDone | Bas
 
 
 def keep(sweep: Sweep, done: BlockDone, advance: Callable[[int], None]) -> None:
-    """Note that a block is done; `advance` gets how many cases this call brought."""
+    """Note that a block is done; call `advance` with the number of its cases that are new."""
     sweep.done[done.block] = done
-    # Cases of a process that died count too, but it could not tell.
+    # Cases solved by a process that died afterwards are new, too.
     advance(len(sweep.job.cases(done.block)) - sweep.kept[done.block])
 
 

@@ -50,7 +50,7 @@ def built(name, raw, folder) -> Answer:
 
 
 def _model(deck, folder):
-    """The doubts of the model that a deck describes."""
+    """The warnings of the model that a deck describes."""
     name = f"build_{deck.dialect}"
     build = getattr(import_module(f"flexmb_cli.dialects.{deck.dialect}.build"), name)
     return build(deck, folder)[1] if deck.dialect == "vsdf" else build(deck)[1]

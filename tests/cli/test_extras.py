@@ -5,6 +5,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tomllib
 import venv
 from importlib import metadata
 from pathlib import Path
@@ -90,6 +91,15 @@ def test_a_wheel_is_not_looked_for_on_an_index(monkeypatch):
     assert command[-2] == "install"
     assert command[-1].startswith("matplotlib>=")
     assert "flexmb" not in " ".join(command[1:])
+
+
+def test_the_command_for_films_installs_what_they_draw_with(monkeypatch):
+    """`movie` names `flexmb[plot]`: the command named matplotlib as missing and did not install it."""
+    monkeypatch.setattr(installation, "_checkout", lambda: None)
+    command = shlex.split(installation.install_command("movie"))
+    required = tomllib.loads((TOP / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    wanted = {name for name in required["movie"] if not name.startswith("flexmb[")} | set(required["plot"])
+    assert set(command[command.index("install") + 1 :]) == wanted
 
 
 def test_every_extra_of_users_has_libraries_to_name():

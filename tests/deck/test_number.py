@@ -24,12 +24,12 @@ SPELLINGS = {
 
 @pytest.mark.parametrize("word", SPELLINGS)
 def test_pascal_and_fortran_spellings_are_read(word):
-    value, doubt = real(word)
-    assert (value, doubt) == (SPELLINGS[word], "")
+    value, warning = real(word)
+    assert (value, warning) == (SPELLINGS[word], "")
     assert math.copysign(1.0, value) == math.copysign(1.0, SPELLINGS[word])
 
 
-def test_an_exponent_without_letter_is_read_with_a_doubt():
+def test_an_exponent_without_letter_is_read_with_a_warn():
     assert real("1.5+3") == (1500.0, "'1.5+3' is taken for 1500; write the exponent with e")
 
 
@@ -70,6 +70,11 @@ HINTS = {
     "-": "must be a number; read '-': no blank may stand between a sign and its number",
     "-3.753-4.25": "must be a number; read '-3.753-4.25': two numbers without a blank between them?",
     "0-6.10": "must be a number; read '0-6.10': two numbers without a blank between them?",
+    "-30deg": "must be a number; read '-30deg': angles are in rad; -30 degrees are -0.523598775598299",
+    "90°": "must be a number; read '90°': angles are in rad; 90 degrees are 1.5707963267949",
+    "1400RPM": "must be a number; read '1400RPM': rates are in rad/s; 1400 rpm are 146.607657167524",
+    "2.5mm": "must be a number; read '2.5mm': write the number without its unit",
+    "2S": "must be a number; read '2S': letter S instead of five?",
     "٣": "must be a number; read '٣': write plain ASCII characters, not full-width or typographic ones",
     ".": "must be a number; read '.'",
     "1e999": "must be a number of at most 1.8e308 in size; read '1e999'",
@@ -97,7 +102,7 @@ def test_integers_are_read(word, value):
 
 
 @pytest.mark.parametrize(("word", "value"), [("2.0", 2), ("2.", 2), ("1e1", 10), ("-3.0D0", -3)])
-def test_a_real_that_is_whole_is_taken_for_an_integer_with_a_doubt(word, value):
+def test_a_real_that_is_whole_is_taken_for_an_integer_with_a_warn(word, value):
     assert integer(word) == (value, f"should be an integer; '{word}' is taken for {value}")
 
 

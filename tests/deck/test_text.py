@@ -40,9 +40,9 @@ def test_a_byte_order_mark_is_no_character_of_the_deck():
 def test_text_that_is_not_utf_8_is_latin_1_with_a_warning_at_the_character():
     deck = decode("x", b"1\r\n{ \xb5 }")
     assert list(deck.lines) == ["1", "{ µ }"]
-    (doubt,) = deck.warnings
-    assert (doubt.severity, doubt.place) == ("warning", Place(2, 3))
-    assert doubt.message == "the deck is not UTF-8 and is read as Latin-1"
+    (warning,) = deck.warnings
+    assert (warning.severity, warning.place) == ("warning", Place(2, 3))
+    assert warning.message == "the deck is not UTF-8 and is read as Latin-1"
 
 
 def test_a_nul_byte_is_not_text():

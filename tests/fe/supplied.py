@@ -64,7 +64,7 @@ def spin_up(**choices):
 
 
 def body(given):
-    """The flexible body of an input whose files leave no doubt."""
-    found, doubts = flexible_body(given, cached=False)
-    assert doubts == []
+    """The flexible body of an input whose files leave no warning."""
+    found, warnings = flexible_body(given, cached=False)
+    assert warnings == []
     return found

@@ -181,7 +181,8 @@ MAPPINGS = [
         "HB",
         "ANS",
         "1 1 UX\n2 1 ROTX\n",
-        "map, line 2: freedom ROTX of node 1: only UX, UY, UZ can be used; mesh with solid elements",
+        "map, line 2: degree of freedom ROTX of node 1: only UX, UY, UZ can be used; "
+        "mesh with solid elements",
     ),
     ("HB", "ANS", "1 1 UX\n3 1 UY\n", "map maps 2 equations, but not equation 2"),
     ("HB", "CCX", "1.1\n", "format HB needs the equation mapping: add a card FEMP of format ANS"),

@@ -10,7 +10,7 @@ import pytest
 from flexmb_cli.errors import FlexmbError
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.fe.flexible_bodies import flexible_body
-from flexmb_cli.model.unit_checks import unit_doubts
+from flexmb_cli.model.unit_checks import unit_warnings
 from tests.dialects.vsdf.vsdf_decks import build, supplied
 from tests.fe.trusses import files_input, truss
 
@@ -107,10 +107,10 @@ def test_frequencies_that_no_solid_has_point_to_the_units(tmp_path):
     over.
     """
     mechanism, _ = flexible_mechanism(build(supplied("pendulum")), cached=False)
-    assert unit_doubts(mechanism) == []
+    assert unit_warnings(mechanism) == []
     (body,) = mechanism.bodies
     body.flexible.frequencies[:] *= 1e6
-    (note,) = unit_doubts(mechanism)
+    (note,) = unit_warnings(mechanism)
     assert note.severity == "note"
     assert note.sentence == (
         "body 1: the lowest frequency is 5.26e+06 Hz in a body of 0.1 m, as if sound went at 5e+05 m/s or faster: are "
@@ -123,7 +123,7 @@ def test_nodes_in_millimetres_are_told_though_the_matrices_fit_them():
     mechanism, _ = flexible_mechanism(build(supplied("pendulum")), cached=False)
     (body,) = mechanism.bodies
     body.flexible.r0[:] *= 1e3
-    (note,) = unit_doubts(mechanism)
+    (note,) = unit_warnings(mechanism)
     assert note.severity == "note"
     assert note.sentence == (
         "body 1: 0.26 kg in a box of 100 by 15 by 10 m are less than a thousandth of air: are the nodes in m?"

@@ -17,8 +17,8 @@ MODES = {"spinup": 12, "slider_crank_flex": 6, "slider_crank_stress": 6, "blade"
 
 
 def mechanism(text):
-    found, doubts = flexible_mechanism(build(text), cached=False)
-    assert doubts == []
+    found, warnings = flexible_mechanism(build(text), cached=False)
+    assert warnings == []
     return found
 
 

@@ -42,8 +42,8 @@ def found_and_predicted(folder, frame, change, **choices):
     given = files_input(folder, nodes().positions, M, K, modes=9, **FRAMES[frame], **choices)
     exact = flexible_body(given, cached=False)[0].frequencies
     files_input(folder, nodes().positions, M, change(K))
-    poor, doubts = flexible_body(given, cached=False)
-    return np.abs(poor.frequencies / exact - 1), poor.frequency_errors, [fault.message for fault in doubts]
+    poor, warnings = flexible_body(given, cached=False)
+    return np.abs(poor.frequencies / exact - 1), poor.frequency_errors, [fault.message for fault in warnings]
 
 
 @pytest.mark.parametrize("frame", FRAMES)
@@ -59,20 +59,20 @@ def test_rounded_stiffness_moves_the_frequencies_as_far_as_predicted(tmp_path, f
 
 @pytest.mark.parametrize("frame", FRAMES)
 def test_single_precision_in_double_is_recognised(tmp_path, frame):
-    found, predicted, doubts = found_and_predicted(tmp_path, frame, single)
+    found, predicted, warnings = found_and_predicted(tmp_path, frame, single)
     assert 0.1 < (found / predicted).max() < 1.5
-    assert any("the digits of the stiffness matrix leave mode 1" in doubt for doubt in doubts)
+    assert any("the digits of the stiffness matrix leave mode 1" in warning for warning in warnings)
 
 
 @pytest.mark.parametrize("frame", FRAMES)
 def test_noise_that_no_digits_show_is_told_by_the_forces_of_a_translation(tmp_path, frame):
     """Three millionths of every entry at random, printed in full, move the first frequency by a tenth."""
     noise = 3e-6 * np.random.default_rng(0).normal(size=(162, 162))
-    found, predicted, doubts = found_and_predicted(
+    found, predicted, warnings = found_and_predicted(
         tmp_path, frame, lambda K: K * (1 + np.triu(noise) + np.triu(noise, 1).T)
     )
     assert 0.05 < (found / predicted).max() < 1.5
-    assert any("export it with more digits" in doubt for doubt in doubts)
+    assert any("export it with more digits" in warning for warning in warnings)
 
 
 def test_the_pendulum_in_dmig_loses_what_its_ten_digits_cost():
@@ -104,9 +104,9 @@ def test_numbers_of_few_digits_that_balance_are_exact(tmp_path):
     M = truss(3, 4)[2]
     assert rounding_errors(K).digits < 4
     given = files_input(tmp_path, corners, M, K, clamped=(11, 12, 13), modes=2)
-    found, doubts = flexible_body(given, cached=False)
+    found, warnings = flexible_body(given, cached=False)
     assert found.frequency_errors.max() < 1e-12
-    assert not [fault for fault in doubts if "digits of the" in fault.message]
+    assert not [fault for fault in warnings if "digits of the" in fault.message]
 
 
 @pytest.mark.parametrize("form", ["{:.17g}", "{!r}", "{:.3e}", "{:.15e}"])
@@ -123,9 +123,9 @@ def test_masses_of_few_digits_that_are_exact_are_not_blamed(tmp_path, form, mass
     rows = [f"{k} {k} {form.format(mass)}" for k in range(1, len(K) + 1)]
     head = "%%MatrixMarket matrix coordinate real symmetric"
     (tmp_path / "M.mtx").write_text("\n".join([head, f"{len(K)} {len(K)} {len(K)}", *rows]) + "\n")
-    found, doubts = flexible_body(replace(given, modes=9), cached=False)
+    found, warnings = flexible_body(replace(given, modes=9), cached=False)
     assert found.frequency_errors.max() < 1e-8
-    assert not [fault for fault in doubts if "digits of the" in fault.message]
+    assert not [fault for fault in warnings if "digits of the" in fault.message]
 
 
 def test_masses_rounded_to_three_digits_are_blamed_by_name(tmp_path):
@@ -134,11 +134,11 @@ def test_masses_rounded_to_three_digits_are_blamed_by_name(tmp_path):
     clamped = {"clamped": (11, 12, 13)}
     exact = flexible_body(files_input(tmp_path, r, M, K, **clamped), cached=False)[0].frequencies
     coarse = np.kron(rounded(m, 3), np.eye(3))
-    poor, doubts = flexible_body(files_input(tmp_path, r, coarse, K, **clamped), cached=False)
+    poor, warnings = flexible_body(files_input(tmp_path, r, coarse, K, **clamped), cached=False)
     ratio = np.abs(poor.frequencies / exact - 1) / poor.frequency_errors
     assert 0.02 < ratio.max() < 1.5
-    (doubt,) = [fault for fault in doubts if "digits of the" in fault.message]
-    assert doubt.message.startswith("the digits of the mass matrix leave mode ")
+    (warning,) = [fault for fault in warnings if "digits of the" in fault.message]
+    assert warning.message.startswith("the digits of the mass matrix leave mode ")
 
 
 @pytest.mark.parametrize(

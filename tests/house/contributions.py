@@ -114,7 +114,8 @@ CARD_OF_BODIES = {
         ("def _rigid_mass(", PAYLOAD),
     ],
 }
-# (c) A field and a property of every analysis, by file: the lines before which they are put.
+# (c) A field and a property of every analysis, by file: the lines before which they are put.  Their names
+# are none that a contributor would choose, since the recipes are tried beside what was contributed.
 MAGNITUDE = '''    @property
     def {}(self) -> np.ndarray:
         """Magnitude of the {} of each body (T, bodies), {}."""
@@ -122,12 +123,12 @@ MAGNITUDE = '''    @property
         return found
 
 '''
-SPEED = MAGNITUDE.format("speed", "velocity", "m/s", "velocity")
+SPEED = MAGNITUDE.format("pace", "velocity", "m/s", "velocity")
 TURNING = (
-    "\n" + MAGNITUDE.format("turning", "angular velocity", "rad/s", "angular_velocity").rstrip("\n") + "\n"
+    "\n" + MAGNITUDE.format("whirl", "angular velocity", "rad/s", "angular_velocity").rstrip("\n") + "\n"
 )
 LAGRANGIAN = '''    @property
-    def lagrangian(self) -> np.ndarray:
+    def surplus(self) -> np.ndarray:
         """Kinetic less potential energy (T,), J."""
         found: np.ndarray = self.kinetic - self.potential
         return found
@@ -136,18 +137,18 @@ LAGRANGIAN = '''    @property
 PROPERTY = "    @property\n    def total(self)"
 BODY = '("body/body",)'
 STORED = '    "{}": Series("{}", {}, "{}", "{}"),\n'
-STORED_SPEED = STORED.format("speed", "body/speed", BODY, "m/s", "magnitude of the velocity")
-STORED_MOMENTUM = STORED.format("momentum", "system/momentum", '("xyz",)', "kg m/s", "momentum")
-STORED_REACH = STORED.format("reach", "body/reach", BODY, "m", "distance from the origin")
-STORED_TURNING = STORED.format("turning", "body/turning", BODY, "rad/s", "magnitude of its turning")
-MOMENTUM = "    momentum: np.ndarray  # (T, 3) of masses at the origins of their bodies, kg m/s\n"
+STORED_SPEED = STORED.format("pace", "body/pace", BODY, "m/s", "magnitude of the velocity")
+STORED_MOMENTUM = STORED.format("impetus", "system/impetus", '("xyz",)', "kg m/s", "momentum")
+STORED_REACH = STORED.format("afar", "body/afar", BODY, "m", "distance from the origin")
+STORED_TURNING = STORED.format("whirl", "body/whirl", BODY, "rad/s", "magnitude of its turning")
+MOMENTUM = "    impetus: np.ndarray  # (T, 3) of masses at the origins of their bodies, kg m/s\n"
 QUANTITY = {
     "flexmb_cli/solvers/kinematics/rows.py": [
         (
             "    constraint_residual: np",
-            "    reach: np.ndarray  # (T, n) distance from the origin, m\n",
+            "    afar: np.ndarray  # (T, n) distance from the origin, m\n",
         ),
-        ("        constraint_residual=", "        reach=np.linalg.norm(q[:, :, :3], axis=-1),\n"),
+        ("        constraint_residual=", "        afar=np.linalg.norm(q[:, :, :3], axis=-1),\n"),
         ("\n\ndef rows_of(", "\n" + TURNING.removesuffix("\n")),
     ],
     "flexmb_cli/results/hdf5/kinematic.py": [
@@ -157,7 +158,7 @@ QUANTITY = {
         ("    applied_power: np", MOMENTUM),
         (
             "        applied_power=",
-            "        momentum=np.einsum(\n"
+            "        impetus=np.einsum(\n"
             '            "b,tbi->ti",\n'
             "            [item.mass for item in model.masses],\n"
             "            motion.velocity[:, [item.body for item in model.masses]],\n"
@@ -168,15 +169,14 @@ QUANTITY = {
     "flexmb_cli/results/hdf5/dynamic.py": [
         (
             '    "kinetic": Series(',
-            STORED_MOMENTUM
-            + STORED.format("lagrangian", "energy/lagrangian", "()", "J", "kinetic - potential"),
+            STORED_MOMENTUM + STORED.format("surplus", "energy/surplus", "()", "J", "kinetic - potential"),
         )
     ],
     "flexmb_cli/solvers/tree/rows.py": [
         ("    closure_force: np.ndarray  # (T, C, 3) on body a of each closure, opp", MOMENTUM),
         (
             "        constraint_residual=",
-            '        momentum=np.einsum("b,tbi->ti", [b.mass for b in tree.bodies], motion.velocity),\n',
+            '        impetus=np.einsum("b,tbi->ti", [b.mass for b in tree.bodies], motion.velocity),\n',
         ),
         (PROPERTY, SPEED),
     ],
@@ -185,7 +185,7 @@ QUANTITY = {
         ("    amplitude: tuple", MOMENTUM),
         (
             "        amplitude=",
-            '        momentum=np.einsum("b,tbi->ti", [b.m for b in mechanism.bodies], u[..., :3]),\n',
+            '        impetus=np.einsum("b,tbi->ti", [b.m for b in mechanism.bodies], u[..., :3]),\n',
         ),
         (PROPERTY, SPEED),
     ],

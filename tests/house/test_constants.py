@@ -77,7 +77,7 @@ def test_numbers_of_the_same_name_have_the_same_meaning():
         }  # fmt: skip
         if name not in OF_EACH and len(values) - len(copies & set(values)) > 1:
             several[name] = values
-    assert not several
+    assert not several, "import the constant from one place, or list its name in OF_EACH here, and why"
 
 
 def test_no_name_is_listed_that_stands_in_one_file():

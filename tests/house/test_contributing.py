@@ -2,6 +2,7 @@
 
 import csv
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -34,6 +35,9 @@ from tests.house.test_house import MOST_FILES
 
 ROOT = Path(__file__).resolve().parents[2]
 TREE = TWO_LINKS.replace("1.000E-12    1.000E-13", "1.000E-07    1.000E-08")
+# The word under which a recipe enters its line into a table.
+ENTERED = re.compile(r'^ {4,8}(?:\w+\()?"([^"]+)"[,:]', re.MULTILINE)
+TAKEN = "the package has it now: give that of tests/house/contributions.py another name"
 pytestmark = pytest.mark.processes
 
 
@@ -43,6 +47,7 @@ def copy(tmp_path_factory):
     folder = tmp_path_factory.mktemp("copy")
     shutil.copytree(ROOT / "flexmb_cli", folder / "flexmb_cli", ignore=shutil.ignore_patterns("__pycache__"))
     for name, origin in KERNELS.items():
+        assert not (folder / name).parent.exists(), (name, TAKEN)
         (folder / name).parent.mkdir()
         (folder / name).with_name("__init__.py").touch()
         shutil.copy(ROOT / origin, folder / name)
@@ -51,6 +56,7 @@ def copy(tmp_path_factory):
             text = (folder / name).read_text(encoding="utf-8")
             for place, added in additions:
                 assert text.count(place) == 1, (name, place)
+                assert not [word for word in ENTERED.findall(added) if f'"{word}"' in text], (added, TAKEN)
                 text = text.replace(place, added + place)
             (folder / name).write_text(text, encoding="utf-8")
     (folder / "flexmb_cli/kernels/kinematics/joints/inplane.py").write_text(INPLANE)
@@ -59,11 +65,13 @@ def copy(tmp_path_factory):
     return folder
 
 
-def flexmb(copy, *words):
+def flexmb(copy, *words, answers=None):
     """What the copy's flexmb answers, kernels interpreted."""
     given = os.environ | {"PYTHONPATH": str(copy), "NUMBA_DISABLE_JIT": "1", "FLEXMB_CACHE_DIR": str(copy)}
     command = [sys.executable, "-m", "flexmb_cli", *words]
-    done = subprocess.run(command, cwd=copy, env=given, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(
+        command, cwd=copy, env=given, input=answers, capture_output=True, text=True, timeout=120
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -176,6 +184,20 @@ def test_a_card_of_two_files_is_read_echoed_set_and_obeyed(copy):
     assert [float(z) for _, z in rows] == pytest.approx([-4.0 * float(t) ** 2 for t, _ in rows], abs=1e-12)
 
 
+def test_answers_written_before_there_were_cards_still_give_a_deck(copy):
+    """Those of docs/how-to/type-a-deck.md, and the same with the new cards, whose counts come last."""
+    page = (ROOT / "docs/how-to/type-a-deck.md").read_text(encoding="utf-8")
+    written = page.partition("The same gate as a VSDF deck")[2].partition("```console\n$ ")[2]
+    script, command = written.partition("\n```")[0].split(" > answers\n$ ")
+    answers = subprocess.run(script, shell=True, text=True, capture_output=True, timeout=120).stdout
+    assert command == "flexmb new vsdf -o - < answers | flexmb check - -q"
+    for more, words in (("", []), ("1 1\n1 3 6\n9.5\n", ["PAYL", "DOWN"])):
+        typed = flexmb(copy, "new", "vsdf", "-o", "-", answers=answers + more)
+        assert [word for word in typed.split() if word in ("PAYL", "DOWN")] == words
+        (copy / "typed.vsdf").write_text(typed)
+        flexmb(copy, "check", "-q", "typed.vsdf")
+
+
 @pytest.fixture(scope="module")
 def results(copy):
     """The results of a deck of each analysis, and of a tree by both formulations, as {name: HDF5 file}."""
@@ -195,18 +217,18 @@ def results(copy):
 def test_quantities_of_kinematics_take_two_files(results):
     """A body at 0.5 m from its axis, 3 rad/s."""
     file = results[0]["rotor"]
-    assert file["body/reach"][:, 1] == pytest.approx(0.5, abs=1e-12)
-    assert file["body/turning"][:, 1] == pytest.approx(3.0, abs=1e-12)
-    assert file["body/reach"].attrs["units"] == "m"
+    assert file["body/afar"][:, 1] == pytest.approx(0.5, abs=1e-12)
+    assert file["body/whirl"][:, 1] == pytest.approx(3.0, abs=1e-12)
+    assert file["body/afar"].attrs["units"] == "m"
 
 
 def test_quantities_of_young_dynamics_take_two_files_and_know_the_masses(results):
     """p = m g t, T - V = m g² t², and those of kinematics."""
     file = results[0]["falling"]
     t = file["time"][:]
-    assert file["system/momentum"][:, 1] == pytest.approx(-1.5 * 8.0 * t, abs=1e-9)
-    assert file["energy/lagrangian"][:] == pytest.approx(1.5 * 64.0 * t * t, abs=1e-9)
-    assert file["body/reach"][:, 1] == pytest.approx(4.0 * t * t, abs=1e-9)
+    assert file["system/impetus"][:, 1] == pytest.approx(-1.5 * 8.0 * t, abs=1e-9)
+    assert file["energy/surplus"][:] == pytest.approx(1.5 * 64.0 * t * t, abs=1e-9)
+    assert file["body/afar"][:, 1] == pytest.approx(4.0 * t * t, abs=1e-9)
 
 
 @pytest.mark.parametrize("name", ["tree", "absolute", "elements"])
@@ -215,18 +237,18 @@ def test_quantities_of_trees_take_two_files_for_both_formulations(results, name)
     file = results[0][name]
     v = file["body/velocity"][:]
     assert np.abs(v[1:, 1]).max() > 0.1
-    assert file["body/speed"][:] == pytest.approx(np.hypot(v[..., 0], v[..., 1]), abs=1e-12)
-    assert file["system/momentum"][:] == pytest.approx(1.5 * v[:, 0] + 0.8 * v[:, 1], abs=1e-12)
+    assert file["body/pace"][:] == pytest.approx(np.hypot(v[..., 0], v[..., 1]), abs=1e-12)
+    assert file["system/impetus"][:] == pytest.approx(1.5 * v[:, 0] + 0.8 * v[:, 1], abs=1e-12)
 
 
 def test_quantities_of_flexible_mechanisms_are_stored_named_and_listed(copy, results):
     """|v| = g t, p = m g t."""
-    head, *rows = csv.reader(flexmb(copy, "table", "fall.h5", "body.1.speed").splitlines())
-    assert head == ["time [s]", "body.1.speed [m/s]"] and len(rows) == 6
+    head, *rows = csv.reader(flexmb(copy, "table", "fall.h5", "body.1.pace").splitlines())
+    assert head == ["time [s]", "body.1.pace [m/s]"] and len(rows) == 6
     assert [float(v) for _, v in rows] == pytest.approx([9.5 * float(t) for t, _ in rows], abs=1e-12)
     assert "magnitude of the velocity" in flexmb(copy, "table", "fall.h5", "--list")
     file = results[0]["fall"]
-    assert file["system/momentum"][:, 2] == pytest.approx(-2.0 * 9.5 * file["time"][:], abs=1e-12)
+    assert file["system/impetus"][:, 2] == pytest.approx(-2.0 * 9.5 * file["time"][:], abs=1e-12)
 
 
 def test_verify_compares_analyses_with_quantities_added(copy, results):

@@ -15,6 +15,7 @@ import deck_picture  # noqa: E402
 import deck_runs  # noqa: E402
 import gallery  # noqa: E402
 import links  # noqa: E402
+import mathml  # noqa: E402
 import pictures  # noqa: E402
 
 from flexmb_cli import solve  # noqa: E402
@@ -81,6 +82,13 @@ def test_names_of_tests_may_break_between_their_words():
     context = {"body": '<span class="pre">a/test_b.py::test_stop</span>'}
     breaks._mark(None, "page", "page.html", context, None)
     assert context["body"] == ('<span class="pre">a/<wbr>test_<wbr>b.py::<wbr>test_<wbr>stop</span>')
+
+
+def test_parentheses_of_matrices_need_no_font_for_mathematics():
+    """Without one, Chromium drew them as high as one row."""
+    shown = mathml.mathml(r"f(x) = \begin{pmatrix} a \\ b \end{pmatrix} \begin{pmatrix} c \end{pmatrix}")
+    assert shown.count('<mtable class="matrix">') == shown.count("</mtable>") == 2
+    assert shown.count("&#x00028;") == shown.count("&#x00029;") == 1  # those of f(x) stay
 
 
 def test_a_changed_deck_or_finite_element_file_has_another_digest(tmp_path):

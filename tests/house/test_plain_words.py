@@ -1,12 +1,14 @@
-"""Help texts, messages, README and documentation use the literature's terms, not the project's former ones.
+"""Help texts, messages, documentation, docstrings and comments use the literature's terms, not former ones.
 
 `REPLACED` is the list of words to replace that the project's writing guide gives: each with the word that
 stands instead.  Left out of it are those that are also words of the field or of every day, such as near,
 turns, measures, arms (of robots), spans (a null space), pulls (a cable) and law (a field of MOTN cards).
 """
 
+import ast
 import re
 import sys
+import tokenize
 from pathlib import Path
 
 import click
@@ -42,6 +44,7 @@ REPLACED = {
     "laws": "motion functions",
     "journal": "resume file",
     "heap check": "heap bounds",
+    "doubts": "warnings",
     "forgiving": "full-disk guard",
     "strangers|strangers'|stranger's": "untrusted",
     # Sentences: no personified programs, no riddles.
@@ -62,6 +65,7 @@ NO_PROSE = (
     r"\$[^$\n]+\$",  # formulas
     r"\]\([^)]*\)",  # addresses
     r"\bJournal\b",  # in titles of publications
+    r"^\[kinds\]$",  # a table of files of tolerances
 )
 MADE = {"_build", "gallery.md", "reproduced.md", "messages.md"}
 PAGES = [
@@ -83,7 +87,10 @@ def commands(command, name):
 
 
 def prose(page):
-    text = page.read_text(encoding="utf-8")
+    return without_code(page.read_text(encoding="utf-8"))
+
+
+def without_code(text):
     for pattern in NO_PROSE:
         text = re.sub(
             pattern, " ", text, flags=re.DOTALL | re.MULTILINE if "```" in pattern else re.MULTILINE
@@ -110,6 +117,31 @@ def test_messages_of_faults():
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(TOP)))
 def test_documentation(page):
     assert not former_words(prose(page))
+
+
+def docstrings_and_comments(module):
+    """The docstrings of a module and its parts, and its comments, with their lines."""
+    with tokenize.open(module) as file:
+        comments = [
+            (token.start[0], token.string)
+            for token in tokenize.generate_tokens(file.readline)
+            if token.type == tokenize.COMMENT
+        ]
+    described = (ast.Module, ast.ClassDef, ast.FunctionDef)
+    for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
+        if isinstance(node, described) and ast.get_docstring(node) is not None:
+            yield node.body[0].lineno, ast.get_docstring(node)
+    yield from comments
+
+
+def test_docstrings_and_comments():
+    found = [
+        f"{module.relative_to(TOP)}:{line}: {words}"
+        for module in sorted((TOP / "flexmb_cli").rglob("*.py"))
+        for line, text in docstrings_and_comments(module)
+        if (words := former_words(without_code(text)))
+    ]
+    assert not found
 
 
 def test_a_former_word_is_found():

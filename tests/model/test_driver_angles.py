@@ -45,7 +45,15 @@ def test_many_turns_between_two_report_times_are_doubted():
     assert note.message.startswith("it turns 1.59e+03 times between two report times")
 
 
-def doubts_of(kind, function, end=2.0):
+def test_a_constant_in_degrees_is_doubted_and_given_in_rad():
+    """90 rad are 90/(2 pi) = 14.32 turns; 90 degrees are pi/2 = 1.570796327."""
+    (note,) = built("driver.1.C=90")[1]
+    assert (note.severity, note.subject) == ("note", "driver 1")
+    assert note.message == "its C of 90 rad is 14.3 turns; 90 degrees would be 1.570796327 rad"
+    assert built("driver.1.C=-6.28")[1] == []  # within a turn
+
+
+def warnings_of(kind, function, end=2.0):
     findings = Findings()
     check_motion_functions((Motion("motion 1", kind, 0, function),), TimeGrid(0.0, end, 0.1), findings)
     return [(fault.severity, fault.message[: fault.message.index(";")]) for fault in findings.faults]
@@ -61,8 +69,8 @@ def doubts_of(kind, function, end=2.0):
     ],
 )
 def test_an_angle_by_a_law_that_is_none_is_refused(function, reached):
-    assert doubts_of("ANGL", function) == [("error", f"its angle reaches {reached} rad")]
-    assert doubts_of("TRAX", function) == []
+    assert warnings_of("ANGL", function) == [("error", f"its angle reaches {reached} rad")]
+    assert warnings_of("TRAX", function) == []
 
 
 def test_many_turns_by_a_law_are_doubted():
@@ -83,14 +91,14 @@ def test_many_turns_by_a_law_are_doubted():
     ],
 )
 def test_a_law_without_finite_rates_is_refused(function):
-    assert doubts_of("TRAX", function) == [
+    assert warnings_of("TRAX", function) == [
         ("error", "its law or a derivative is beyond 1e+100, or no number")
     ]
 
 
-@pytest.mark.parametrize(("direction", "doubts"), [(1, 0), (3, 0), (4, 1), (6, 1)])
-def test_only_angles_are_looked_at(direction, doubts):
+@pytest.mark.parametrize(("direction", "warnings"), [(1, 0), (3, 0), (4, 1), (6, 1)])
+def test_only_angles_are_looked_at(direction, warnings):
     driver = Driver("driver 1", 0, direction, 1e30, 0.0, 0.0)
     findings = Findings()
     check_driver_angles(Mechanism((), TimeGrid(0.0, 1.0, 0.1), drivers=(driver,)), findings)
-    assert len(findings.faults) == doubts
+    assert len(findings.faults) == warnings

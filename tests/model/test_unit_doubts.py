@@ -12,7 +12,7 @@ import pytest
 
 from flexmb_cli.model.loads import DynamicModel, MassProperties
 from flexmb_cli.model.mechanism import Body, Joint, Mechanism, TimeGrid
-from flexmb_cli.model.unit_checks import unit_doubts
+from flexmb_cli.model.unit_checks import unit_warnings
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.mechanism_modes import Wish
@@ -37,8 +37,8 @@ def rod(length=0.5, mass=2.0, inertia=2.0 * 0.5**2 / 12, gravity=9.81):
     return DynamicModel(mechanism, masses=masses if mass or inertia else (), gravity=(0.0, 0.0, -gravity))
 
 
-def test_a_rod_in_si_units_raises_no_doubt():
-    assert unit_doubts(rod()) == []
+def test_a_rod_in_si_units_raises_no_warn():
+    assert unit_warnings(rod()) == []
 
 
 @pytest.mark.parametrize(
@@ -53,7 +53,7 @@ def test_a_rod_in_si_units_raises_no_doubt():
     ids=["gravity", "lengths", "inertia", "inertia-of-long", "massless"],
 )
 def test_what_is_noticed(model, words):
-    (note,) = unit_doubts(model)
+    (note,) = unit_warnings(model)
     assert note.severity == "note" and words in note.message
 
 
@@ -69,12 +69,12 @@ def test_supplied_decks_are_in_si_units(path):
 
 def test_a_thin_rod_with_its_mass_in_tonnes_is_noticed():
     """0.5 m between joints at the ends: radius of gyration √(1000/12) 0.5 m = 4.56 m."""
-    (note,) = unit_doubts(rod(mass=0.002))
+    (note,) = unit_warnings(rod(mass=0.002))
     assert "make a radius of gyration of 4.56 m, joints are up to 0.25 m" in note.message
 
 
 @pytest.mark.parametrize("thickness", [0.0, 0.01])
-def test_a_flywheel_with_a_joint_beside_its_centre_raises_no_doubt(thickness):
+def test_a_flywheel_with_a_joint_beside_its_centre_raises_no_warn(thickness):
     """50 kg, 0.5 m: radius of gyration 0.354 m, the joint 0.01 m from the centre."""
     m, r = 50.0, 0.5
     across = m * (3.0 * r * r + thickness**2) / 12.0
@@ -82,7 +82,7 @@ def test_a_flywheel_with_a_joint_beside_its_centre_raises_no_doubt(thickness):
     bodies = (Body("body 1", (0.0, 0.0, 0.0), UNTURNED),)
     mechanism = Mechanism(bodies=bodies, joints=(joint,), time=TimeGrid(0.0, 1.0, 0.1))
     given = MassProperties("mass 1", 0, m, (0.0,) * 3, (across, across, m * r * r / 2.0, 0.0, 0.0, 0.0))
-    assert unit_doubts(DynamicModel(mechanism, masses=(given,), gravity=(0.0, 0.0, -9.81))) == []
+    assert unit_warnings(DynamicModel(mechanism, masses=(given,), gravity=(0.0, 0.0, -9.81))) == []
 
 
 def bar(density, tonnes):
@@ -100,8 +100,8 @@ def bar(density, tonnes):
 @pytest.mark.parametrize("density", [950.0, STEEL, 22600.0])
 def test_a_mass_in_tonnes_shows_in_the_density_of_the_body(density):
     """Polyethylene, steel and osmium: with the mass alone in tonnes the body is thinner than any."""
-    assert unit_doubts(bar(density, tonnes=False)) == []
-    (note,) = unit_doubts(bar(density, tonnes=True))
+    assert unit_warnings(bar(density, tonnes=False)) == []
+    (note,) = unit_warnings(bar(density, tonnes=True))
     assert "is the mass in kg, and not in tonnes?" in note.message or "are all in SI units?" in note.message
 
 

@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from flexmb_cli.results.figures.curves import default_quantities
+from flexmb_cli.results.figures.curves import default_curves
 from flexmb_cli.results.quantities.quantities import names
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
@@ -63,7 +63,7 @@ def test_elements_have_names_and_units_curves_and_an_energy_that_adds_up(result)
     for k, unit in enumerate(("N m", "N", "N m", "N"), 1):
         assert by_name[f"element.{k}.effort"].unit == unit
         assert {f"element.{k}.{what}" for what in ("coordinate", "rate", "power")} <= set(by_name)
-    drawn = {one.dataset for one in default_quantities(file)}
+    drawn = {one.dataset for one in default_curves(file).quantities}
     assert drawn >= {"coordinate/q", "element/effort", "driver/effort"}
     assert set((file["element/effort"][:, 2] == 0.0).tolist()) == {True, False}
     power = file["driver/effort"][:, 0] * file["coordinate/u"][:, 0] + file["element/power"][:].sum(axis=1)

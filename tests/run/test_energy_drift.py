@@ -68,11 +68,11 @@ def test_what_a_driver_or_a_damper_moves_is_the_measure_where_little_is_in_motio
     drift.add(rows([1e-6, 1e-6], [0.0, 50.0], [0.0, 50.0]))
     drift.add(rows([1e-6], [100.0], [99.95]))
     assert (drift.largest, drift.scale) == pytest.approx((0.05, 100.0))
-    assert drift.doubts == ()
+    assert drift.warnings == ()
 
 
 def test_a_mechanism_at_rest_is_not_doubted_for_round_off():
     drift = ConstrainedDrift("")
     drift.add(rows([0.0, 1e-30, 1e-28], [-1000.0, -1000.0 + 1e-13, -1000.0], [0.0, 0.0, 0.0]))
     assert drift.largest > 0.0
-    assert drift.doubts == ()
+    assert drift.warnings == ()

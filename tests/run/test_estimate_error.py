@@ -113,4 +113,4 @@ def test_a_second_run_that_stops_ends_the_estimate_but_not_the_run():
     )
     assert estimate.of(values)["audit/global_error/body/position"] == pytest.approx([np.nan] * 3, nan_ok=True)
     assert estimate.as_dict["body/position"] == {"error": 0.5, "time": 0.0, "largest": 0.5}
-    assert "errors are estimated up to t = 1.5 s only: a dead centre" in estimate.doubts[0].message
+    assert "errors are estimated up to t = 1.5 s only: a dead centre" in estimate.warnings[0].message

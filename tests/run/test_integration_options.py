@@ -103,6 +103,17 @@ def test_where_nothing_is_integrated_the_warning_names_what_sets_the_accuracy(tm
     assert "nothing to resume" in reported
 
 
+@pytest.mark.parametrize("deck", ["IN4-BAR-MASS.dat", "IN-ARM.dat"])
+@pytest.mark.parametrize("method", ["lsoda", "radau"])
+def test_a_prescribed_motion_does_not_depend_on_the_method(tmp_path, deck, method):
+    """`lsoda` ended as a fault of flexmb; `radau` stepped the arm by another method than the warning says."""
+    deck = DECKS / "young/dynamics" / deck
+    plain = solved(tmp_path, deck)[0].read_bytes()
+    path, reported = solved(tmp_path, deck, "--method", method)
+    assert "--method has no effect on this YOUNG deck" in reported
+    assert path.read_bytes() == plain
+
+
 def test_steps_of_given_length_have_no_tolerance(tmp_path, vsdf):
     _, reported = solved(tmp_path, vsdf, "--rtol", "1e-6", "--method", "alpha", "--set", "time.step=0.01")
     assert "rtol: the deck gives the length of the steps; set it to 0" in reported

@@ -91,7 +91,7 @@ def test_a_write_that_failed_leaves_the_state_of_the_rows_before_it(tmp_path, ta
     found = ResumeFile(str(path), {"deck": "x"})
     found.find()
     rows = sum(values["time"].size for values, _ in found.stored())
-    assert (rows, int(found.last_checkpoint["row"]), found.doubts) == (6, 6, [])
+    assert (rows, int(found.last_checkpoint["row"]), found.warnings) == (6, 6, [])
 
 
 def rows_of(path):
@@ -142,11 +142,12 @@ def test_what_is_no_resume_file_is_refused(tmp_path):
         rows_of(path)
 
 
-def doubts_of(path):
+def warnings_of(path):
     resume_file = ResumeFile(str(path), {"deck": "x"})
     resume_file.find()
     return [
-        (doubt.severity, doubt.message.removeprefix(f"--resume: {path} is ")) for doubt in resume_file.doubts
+        (warning.severity, warning.message.removeprefix(f"--resume: {path} is "))
+        for warning in resume_file.warnings
     ]
 
 
@@ -156,24 +157,24 @@ def test_a_resume_file_cut_in_its_first_line_says_so(tmp_path, length):
     kept(path)
     path.write_bytes(path.read_bytes()[:length])
     said = "cut in its first line, nothing of the stopped run can be used"
-    assert doubts_of(path) == [("warning", said)]
+    assert warnings_of(path) == [("warning", said)]
 
 
 def test_a_text_without_line_ends_is_no_cut_resume_file(tmp_path):
     path = tmp_path / "x.resume"
     path.write_text("shopping list")
     with pytest.raises(ModelError, match="is not the file of a stopped run"):
-        doubts_of(path)
+        warnings_of(path)
 
 
 def test_a_damaged_entry_is_told_with_its_place(tmp_path):
     path = tmp_path / "x.resume"
     kept(path)
-    assert doubts_of(path) == []
+    assert warnings_of(path) == []
     content = path.read_bytes()
     path.write_bytes(content + b"torn")
     said = f"torn or damaged at byte {len(content)}; the 4 bytes there are not used"
-    assert doubts_of(path) == [("note", said)]
+    assert warnings_of(path) == [("note", said)]
 
 
 @pytest.mark.parametrize("entry", [b"", b"no arrays"])
@@ -184,7 +185,7 @@ def test_an_entry_without_arrays_is_told(tmp_path, entry):
     content = path.read_bytes()
     path.write_bytes(content + struct.pack("<QI", len(entry), zlib.crc32(entry)) + entry)
     said = f"torn or damaged at byte {len(content)}; the {12 + len(entry)} bytes there are not used"
-    assert [sentence for _, sentence in doubts_of(path)] == [said]
+    assert [sentence for _, sentence in warnings_of(path)] == [said]
 
 
 @pytest.mark.parametrize(
@@ -205,7 +206,7 @@ def test_an_entry_that_does_not_hold_what_it_describes_is_told(tmp_path, descrip
     content, entry = path.read_bytes(), description + b"\n" + bytes(8)
     path.write_bytes(content + struct.pack("<QI", len(entry), zlib.crc32(entry)) + entry)
     said = f"torn or damaged at byte {len(content)}; the {12 + len(entry)} bytes there are not used"
-    assert [sentence for _, sentence in doubts_of(path)] == [said]
+    assert [sentence for _, sentence in warnings_of(path)] == [said]
     assert rows_of(path) == [0, 3, 6, 9]
 
 
@@ -216,7 +217,7 @@ def test_a_damaged_length_takes_no_memory(tmp_path, length):
     head, _, entries = path.read_bytes().partition(b"\n")
     path.write_bytes(head + b"\n" + length.to_bytes(8, "little") + entries[8:])
     assert rows_of(path) == []
-    assert len(doubts_of(path)) == 1
+    assert len(warnings_of(path)) == 1
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="locks of files are Unix's")
@@ -285,7 +286,7 @@ def test_rows_of_another_user_are_told(tmp_path, monkeypatch):
     else:
         monkeypatch.setattr(os, "geteuid", lambda: owner + 1)
     said = "of another user, whose rows are taken; without --resume none are"
-    assert doubts_of(path) == [("warning", said)]
+    assert warnings_of(path) == [("warning", said)]
 
 
 def test_an_entry_of_no_numbers_in_an_impossible_shape_is_torn():

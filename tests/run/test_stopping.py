@@ -197,7 +197,7 @@ def test_a_stop_while_files_are_opened_or_put_in_their_places_waits(monkeypatch)
         with Stop.later():
             signal.raise_signal(signal.SIGTERM)
             assert Stop.asked is Terminated
-        Stop.heed()
+        Stop.raise_if_asked()
 
 
 def test_who_is_told_to_stop_twice_is_stopped_once(monkeypatch):
@@ -209,14 +209,14 @@ def test_who_is_told_to_stop_twice_is_stopped_once(monkeypatch):
             signal.raise_signal(signal.SIGTERM)
         signal.raise_signal(signal.SIGTERM)
         with pytest.raises(Terminated):
-            Stop.heed()
+            Stop.raise_if_asked()
 
 
 def test_a_stop_is_raised_only_where_it_is_released(monkeypatch):
     monkeypatch.setattr(Stop, "asked", None)
     stop_on_signals()
     signal.raise_signal(signal.SIGTERM)
-    Stop.heed()
+    Stop.raise_if_asked()
     with pytest.raises(Terminated), Stop.released():
         pytest.fail("it had come before")
     assert Stop.held == 1

@@ -22,7 +22,7 @@ def test_a_run_tells_of_a_damaged_object_once(tmp_path, monkeypatch):
         (_objects, "PACKAGED", tmp_path),
         (_entry, "_loaded", set()),
         (_entry, "damaged", []),
-        (compilation, "_told", set()),
+        (compilation, "_shown", set()),
         (compilation, "_reported", set()),
     ):
         monkeypatch.setattr(module, name, value)
@@ -37,7 +37,7 @@ def test_a_run_tells_of_a_damaged_object_once(tmp_path, monkeypatch):
 def test_damage_that_is_found_on_the_way_is_told_at_the_end(tmp_path, monkeypatch):
     """Kernels of a second unit are loaded where a run first calls one."""
     monkeypatch.setattr(_entry, "damaged", [])
-    monkeypatch.setattr(compilation, "_told", set())
+    monkeypatch.setattr(compilation, "_shown", set())
     notices = []
     listener = Listener(begin=lambda rows: _entry.damaged.append("one file"), notice=notices.append)
     run_deck(str(DECK), RunOptions(folder=str(tmp_path)), listener)

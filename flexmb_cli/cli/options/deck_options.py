@@ -6,7 +6,7 @@ import click
 
 from ...dialects import DIALECTS
 from ...errors import FlexmbError, compiler_style
-from ..terminal.screen import tell
+from ..terminal.screen import notify
 from ..terminal.stops import stop_on_signals
 from .completion import files
 
@@ -48,8 +48,7 @@ def deck_options(command: "Callable[..., Any]") -> "Callable[..., Any]":
 def every_deck(
     decks: tuple[str, ...], changes: tuple[str, ...], examine: "Callable[[str], Report]"
 ) -> "Iterator[Report]":
-    """Return what `examine` finds of each deck, also of those that it is not asked for any more after a
-    stop.
+    """Yield the report of `examine` on each deck; decks after a stop are named as interrupted.
 
     Raises DeckError for settings among the `changes` of a model that a deck lacks.
     """
@@ -62,7 +61,7 @@ def every_deck(
         yield report
         del report  # a large deck takes hundreds of megabytes, which the next one needs
         if code > 128:
-            tell(f"{deck}: interrupted")
+            notify(f"{deck}: interrupted")
 
 
 def with_models(decks: tuple[str, ...]) -> list[str]:

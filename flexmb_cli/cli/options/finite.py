@@ -14,7 +14,7 @@ _MILLIMETRES = {"mm": 1.0, "cm": 10.0, "in": 25.4}
 class Finite(click.FloatRange):
     """`click.FloatRange` for finite numbers."""
 
-    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The number, or a usage error that names the option."""
         _refuse_comma(self, value, param, ctx)
         return _finite(self, super().convert(value, param, ctx), value, param, ctx)
@@ -23,7 +23,7 @@ class Finite(click.FloatRange):
 class AnyFinite(click.types.FloatParamType):
     """`click.FLOAT` for finite numbers; the help of a `FloatRange` without limits shows an empty range."""
 
-    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The number, or a usage error that names the option."""
         _refuse_comma(self, value, param, ctx)
         return _finite(self, super().convert(value, param, ctx), value, param, ctx)
@@ -32,7 +32,7 @@ class AnyFinite(click.types.FloatParamType):
 class Millimetres(Finite):
     """A width on paper: mm, or with `cm` or `in` behind the number."""
 
-    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The width in mm, or a usage error."""
         if not isinstance(value, str):
             return super().convert(value, param, ctx)
@@ -43,13 +43,19 @@ class Millimetres(Finite):
         return super().convert(float(match[1]) * _MILLIMETRES[(match[2] or "mm").lower()], param, ctx)
 
 
-def _refuse_comma(kind: "AnyFinite | Finite", value: Any, param: Any, ctx: Any) -> None:
+def _refuse_comma(
+    kind: "AnyFinite | Finite", value: Any, param: click.Parameter | None, ctx: click.Context | None
+) -> None:
     if isinstance(value, str) and _DECIMAL_COMMA.fullmatch(value.strip()):
         kind.fail(f"{value} has a decimal comma; write {value.strip().replace(',', '.')}", param, ctx)
 
 
 def _finite(
-    kind: AnyFinite | Finite, number: float, value: float | str, param: Any, ctx: click.Context
+    kind: AnyFinite | Finite,
+    number: float,
+    value: float | str,
+    param: click.Parameter | None,
+    ctx: click.Context | None,
 ) -> Any:
     if not math.isfinite(number):
         kind.fail(f"{value} is no finite number", param, ctx)

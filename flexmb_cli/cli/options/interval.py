@@ -12,7 +12,9 @@ class Interval(click.ParamType):  # type: ignore[type-arg]
 
     name = "interval"
 
-    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[float, float]:
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, float]:
         """Return both numbers."""
         if isinstance(value, tuple):
             return value

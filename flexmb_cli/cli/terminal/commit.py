@@ -8,7 +8,7 @@ BUILT_FROM = Path(__file__).with_name("_commit.txt")  # that setup.py puts into 
 
 
 def commit(checkout: Path = CHECKOUT, built_from: Path = BUILT_FROM) -> str:
-    """Return the first digits of the commit, "" where neither checkout nor installation tell it."""
+    """Return the first digits of the commit, "" where neither checkout nor installation has it."""
     try:
         if (checkout / "pyproject.toml").is_file():
             found = _head(_git_folder(checkout))

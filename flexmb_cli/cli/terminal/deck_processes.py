@@ -4,7 +4,7 @@ import signal
 import sys
 from collections import deque
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...errors import ANALYSIS_FAILED, Fault
 from ...memory import lack_of_memory_text, lacks_memory
@@ -15,13 +15,18 @@ from ...run.processes.worker import Worker, end_all, having_answers, portable
 from .progress import Progress
 from .stops import pass_over_stops, stop_on_signals
 
+if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+
 KILLED = (
     "the process that solved this deck was killed from outside, or out of memory: give it again; "
     "--resume continues the run"
 )
 
 
-def outcomes_in_parallel(decks: Any, options: RunOptions, jobs: int, progress: Progress) -> Iterator[Outcome]:
+def outcomes_in_parallel(
+    decks: "Sequence[str]", options: RunOptions, jobs: int, progress: Progress
+) -> Iterator[Outcome]:
     """Return what became of every deck, in order; after a stop, of those that had been begun."""
     from ...run.processes.parent_watch import outlive_workers
 
@@ -30,7 +35,7 @@ def outcomes_in_parallel(decks: Any, options: RunOptions, jobs: int, progress: P
     try:
         for index in range(len(decks)):
             while index not in work.ended:
-                work.go_on()
+                work.proceed()
             yield work.ended.pop(index)
     except (KeyboardInterrupt, Terminated) as stop:
         work.stop(signal.SIGINT if isinstance(stop, KeyboardInterrupt) else signal.SIGTERM)
@@ -70,7 +75,7 @@ class _Work:
     reported: set[str] = field(default_factory=set)
     fault: BaseException | None = None
 
-    def go_on(self) -> None:
+    def proceed(self) -> None:
         """Give decks to processes, and wait until one has something to say."""
         while self.waiting and len(self.running) < self.jobs and Stop.asked is None:
             self._begin(*self.waiting.popleft())
@@ -80,7 +85,7 @@ class _Work:
         if self.fault:
             raise self.fault
 
-    def _begin(self, index: Any, deck: Any) -> None:
+    def _begin(self, index: int, deck: str) -> None:
         while self.idle:
             worker = self.idle.pop()
             if worker.send(deck):
@@ -95,8 +100,8 @@ class _Work:
         worker.send(deck)
         self.running[worker] = index, deck
 
-    def _put_back(self, index: Any, deck: Any, reason: str) -> None:
-        """No more processes than there are can be had; a deck that has none at all is done with."""
+    def _put_back(self, index: int, deck: str, reason: str) -> None:
+        """Let a deck wait whose process did not start; record it as failed if none is running."""
         if self.running:
             self.jobs = len(self.running)
             self.waiting.appendleft((index, deck))
@@ -110,15 +115,15 @@ class _Work:
         while self.running:
             self._hear(having_answers(self.running))
 
-    def _hear(self, workers: Any) -> None:
+    def _hear(self, workers: "Collection[Worker]") -> None:
         for worker in workers:
             answer = worker.answer()
             if isinstance(answer, str):
-                self._tell(answer)
+                self._notify(answer)
             else:
                 self._take(worker, *self.running.pop(worker), answer)
 
-    def _tell(self, sentence: str) -> None:
+    def _notify(self, sentence: str) -> None:
         if sentence not in self.reported:
             self.reported.add(sentence)
             if isinstance(sentence, _Doing):
@@ -126,10 +131,10 @@ class _Work:
             else:
                 self.progress.notice(sentence)
 
-    def _take(self, worker: Any, index: Any, deck: Any, answer: Any) -> None:
+    def _take(self, worker: Worker, index: int, deck: str, answer: Any) -> None:
         """Return what became of a deck; `answer` None: its process was killed."""
-        outcome, goes_on = answer or (_failed(deck, KILLED), False)
-        if goes_on:
+        outcome, takes_more = answer or (_failed(deck, KILLED), False)
+        if takes_more:
             self.idle.append(worker)
         else:
             worker.end()
@@ -141,24 +146,24 @@ class _Work:
             self.fault = outcome
 
 
-def _failed(deck: Any, reported: Any) -> Any:
+def _failed(deck: str, reported: Any) -> Outcome:
     return Outcome(deck, ANALYSIS_FAILED, faults=[Fault("error", reported, id="CLI-008")])
 
 
 def _serve(line: Any, options: RunOptions) -> None:
-    """Solve what comes through `line` until nothing more can come.
+    """Solve the decks that arrive through `line` until the other end closes it.
 
-    Sent are sentences for who looks on, and (what became of a deck, whether the process goes on).  It does
-    not after a stop: what was being imported then stays half done.
+    Sends notices while a deck is solved, then (outcome, whether this process takes further decks).  After a
+    stop it takes none: a module whose import was interrupted stays half imported.
     """
     unable = _begin_process()
     listener = Listener(notice=line.send, status=lambda doing: line.send(_Doing(doing)))
-    goes_on = True
-    while goes_on:
+    takes_more = True
+    while takes_more:
         deck = line.recv()
         outcome = unable or _solve(deck, options, listener)
-        goes_on = Stop.asked is None and isinstance(outcome, Outcome)
-        line.send((outcome, goes_on))
+        takes_more = Stop.asked is None and isinstance(outcome, Outcome)
+        line.send((outcome, takes_more))
 
 
 def _begin_process() -> Any:
@@ -174,7 +179,7 @@ def _begin_process() -> Any:
     return None
 
 
-def _solve(deck: Any, options: RunOptions, listener: Any) -> Any:
+def _solve(deck: str, options: RunOptions, listener: Listener) -> Any:
     try:
         from ... import interface
 

@@ -5,13 +5,15 @@ Written here and not by a library: the least one that estimates the remaining ti
 
 import sys
 import time
+from collections.abc import Callable
 from threading import Event, Thread
 from typing import Any
 
-from .screen import tell, terminal_width
+from .screen import notify, terminal_width
 
 REDRAWN_AFTER = 0.1  # s
 LOGGED_AFTER = 10.0  # s
+TICK = 1.0  # s, between two times of what is waited for on a terminal
 
 
 class Progress:
@@ -28,34 +30,40 @@ class Progress:
         self.waiting: _Waiting | None = None
 
     def notice(self, sentence: str) -> None:
-        """Print a sentence that stays."""
+        """Print a sentence that stays; the status line continues below it."""
+        doing = self.waiting.sentence if self.waiting else None
         self.clear()
         if not self.quiet:
-            tell(f"flexmb: {sentence}")
+            notify(f"flexmb: {sentence}")
+        if doing:
+            self._wait(doing)
 
     def status(self, doing: str) -> None:
-        """Show what happens before the first row, such as compiling; a log repeats it until it ends."""
+        """Show what happens before the first row, such as compiling, with the time so far, until it ends."""
         if self.drawn:
             self._draw(f"{self.title}: {doing}")
         elif self.logged:
-            tell(f"{self.title}: {doing}")
-            self._wait(doing)
+            notify(f"{self.title}: {doing}")
+        if self.drawn or self.logged:
+            self._wait(f"{self.title}: {doing}")
 
     def begin(self, total: int) -> None:
-        """Begin to count up to `total`."""
+        """Begin to count up to `total`; what is waited for stays: kernels are compiled for the first row."""
         self.total, self.done, self.first = total, 0, 0
         self.began = self.shown = time.monotonic()
-        if self.drawn and total > 1:
+        if self.waiting or total <= 1:
+            return
+        if self.drawn:
             self._draw(self.sentence(self.began))
-        elif self.logged and total > 1 and not self.waiting:
-            self._wait(f"0 of {total} {self.unit}")
+        elif self.logged:
+            self._wait(self.sentence(self.began))
 
     def advance(self, count: int) -> None:
         """Count what was done, and show it when it is time."""
         self._end_waiting()
         now = time.monotonic()
         if not self.done:
-            # Kernels are compiled before the first rows, which tells nothing of the rate.
+            # Kernels are compiled before the first rows, so their time does not count for the rate.
             self.first, self.began = count, now
         self.done += count
         if self.drawn and self.total > 1 and now - self.shown >= REDRAWN_AFTER:
@@ -63,7 +71,7 @@ class Progress:
             self._draw(self.sentence(now))
         elif self.logged and now - self.shown >= LOGGED_AFTER:
             self.shown = now
-            tell(self.sentence(now))
+            notify(self.sentence(now))
 
     def sentence(self, now: float) -> str:
         """Return the count, the rate and the remaining time at `now` of the monotonic clock."""
@@ -83,9 +91,10 @@ class Progress:
             self.stream.flush()
             self.standing = False
 
-    def _wait(self, doing: str) -> None:
+    def _wait(self, sentence: str) -> None:
         self._end_waiting()
-        self.waiting = _Waiting(f"{self.title}: {doing}")
+        show, every = (self._draw, TICK) if self.drawn else (notify, LOGGED_AFTER)
+        self.waiting = _Waiting(sentence, show, every)
 
     def _end_waiting(self) -> None:
         if self.waiting:
@@ -111,15 +120,15 @@ class Progress:
 class _Waiting:
     """Repeats a sentence with the time since, from a thread: the one that compiles reports nothing."""
 
-    def __init__(self, sentence: str):
-        self.sentence, self.ended = sentence, Event()
+    def __init__(self, sentence: str, show: Callable[[str], None], every: float):
+        self.sentence, self.show, self.every, self.ended = sentence, show, every, Event()
         self.thread = Thread(target=self._repeat, daemon=True)
         self.thread.start()
 
     def _repeat(self) -> None:
         began = time.monotonic()
-        while not self.ended.wait(LOGGED_AFTER):
-            tell(f"{self.sentence}: {_duration(time.monotonic() - began)} so far")
+        while not self.ended.wait(self.every):
+            self.show(f"{self.sentence}: {_duration(time.monotonic() - began)} so far")
 
     def end(self) -> None:
         """Repeat it no more."""

@@ -55,7 +55,7 @@ def standard_output() -> OutputText:
     return OutputText(sys.stdout)
 
 
-def tell(sentence: str) -> None:
+def notify(sentence: str) -> None:
     """A sentence on standard error; a line break within a file name is marked, too."""
     click.echo(visible(sentence), err=True)
 

@@ -2,20 +2,23 @@
 
 import signal
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...run.outcome import Stop, Terminated
 from ...run.processes.signal_mask import STOPS
 
+if TYPE_CHECKING:
+    from types import FrameType
+
 
 def stop_on_signals() -> None:
-    """Have them noted from here on, and raised where they are released (`Stop.released`), but once only.
+    """Note SIGINT and SIGTERM from here on; raise the first where stops are released (`Stop.released`).
 
-    A second one would come in the midst of what the first one has brought about: rows are being kept.  The
-    terminal tells a process what its parent tells it, too.
+    A second signal is ignored: rows are being kept then, and a process may receive the same signal from the
+    terminal and from its parent.
     """
 
-    def stop(number: int, frame: Any) -> None:
+    def stop(number: int, frame: "FrameType | None") -> None:
         before, Stop.asked = Stop.asked, KeyboardInterrupt if number == signal.SIGINT else Terminated
         if before is None and not Stop.held:
             raise Stop.asked

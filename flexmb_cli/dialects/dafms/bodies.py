@@ -45,7 +45,7 @@ def _cards_begin(values: DeckValues) -> Any:
     return values.number("time", 0, "H").place
 
 
-def _body(values: DeckValues, k: int, findings: Findings) -> Any:
+def _body(values: DeckValues, k: int, findings: Findings) -> Body:
     name = f"body {k}"
     flexible = values.number("counts", k, "NUMNP").value > 0
     elastic = _elasticity(values, k, findings) if flexible else None
@@ -78,7 +78,7 @@ def _body(values: DeckValues, k: int, findings: Findings) -> Any:
 
 
 def _warn_of_unused_cards(values: DeckValues, k: int, findings: Findings) -> None:
-    """ELDA and GSTF speak of nodes: on a body that has none they would change nothing."""
+    """ELDA and GSTF concern nodes: on a body without nodes they would have no effect."""
     for card, section in (("ELDA", "elastic_damping"), ("GSTF", "stiffening")):
         asked = values.values(section, k, (0,))
         if any(asked if card == "ELDA" else asked[:1]):
@@ -105,7 +105,7 @@ def _mass(values: DeckValues, k: int, elastic: Elasticity | None, findings: Find
     return float(max(mass, nodes))
 
 
-def _inertia(values: Any, k: Any, findings: Findings) -> np.ndarray:
+def _inertia(values: Any, k: int, findings: Findings) -> np.ndarray:
     moments = values.record("inertia", k).numbers
     for number in moments:
         if number.value < 0:
@@ -186,14 +186,14 @@ def _nodal_masses(values: Any, k: int, findings: Findings) -> np.ndarray:
     return masses
 
 
-def _stiffness(values: Any, k: Any, findings: Findings, axes: tuple[int, ...]) -> np.ndarray:
+def _stiffness(values: Any, k: int, findings: Findings, axes: tuple[int, ...]) -> np.ndarray:
     matrix = full_matrix(values.record("counts.jdi", k).values, values.record("bkp", k).values)
     _check_definite(matrix, values, k, findings, axes)
     return matrix
 
 
 def _check_definite(
-    matrix: np.ndarray, values: Any, k: Any, findings: Findings, axes: tuple[int, ...]
+    matrix: np.ndarray, values: Any, k: int, findings: Findings, axes: tuple[int, ...]
 ) -> None:
     try:
         np.linalg.cholesky(matrix)

@@ -19,7 +19,7 @@ GRAVITY = (0.0, 9.8, 0.0)
 
 
 def build_model(deck: Deck, folder: Path) -> tuple[Tree, list[Fault]]:
-    """Return the tree, and the doubts about it; a deck names no files.  Raises ModelError."""
+    """Return the tree, and the warnings about it; a deck names no files.  Raises ModelError."""
     return build_dafms(deck)
 
 

@@ -8,7 +8,7 @@ from ...quick_dataclass import dataclass
 class Card:
     """A card: its word (four columns), the section of its records, FORMAT and list of one record.
 
-    `layout` tells how many records follow: "bodies" N, each headed by the body's number; "list" one
+    `layout` is how many records follow: "bodies" N, each headed by the body's number; "list" one
     list over all bodies; "coordinates", "state" a list over the coordinates; "single" one record;
     "switch" none; "entries" a count, then so many entries.  Of those the first `head` items
     stand in `format`, the others in `tail`; without a head all do, and `tail` is that of a list.

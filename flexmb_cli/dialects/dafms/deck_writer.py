@@ -30,7 +30,7 @@ OPTIONAL: tuple[str, ...] = (
     "DESN",
 )
 OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH")
-# Cards that FMBD.DAT did not have: their counts are asked for last.
+# Cards that FMBD.DAT did not have: their counts are requested last.
 ADDED = ("GEOM", *(card.word for card in ELEMENT_CARDS))
 
 WIDE_REAL, _REAL, _INTEGER = 13, 10, 5
@@ -170,7 +170,7 @@ class _Deck:
         found: list[tuple[str, str]] = lines + self._list([(n, masses.prefix) for n in masses.numbers], 10)
         return found
 
-    def _list(self, pairs: list[tuple[Number, str]], per_line: int, width: int = _REAL) -> Any:
+    def _list(self, pairs: list[tuple[Number, str]], per_line: int, width: int = _REAL) -> list[Any]:
         """Numbers side by side; a line goes under the name of its first number's record."""
         chunks = [pairs[i : i + per_line] for i in range(0, len(pairs), per_line)]
         return [("".join(field(n, width) for n, _ in chunk), chunk[0][1]) for chunk in chunks]

@@ -83,7 +83,7 @@ class DafmsForm:
         return entries
 
     def faults(self, records: Sequence[Record], complete: bool) -> list[Fault]:
-        """Ranges, columns that a number does not fit, a beam that is none; `flexmb check` knows the rest."""
+        """Return faults of ranges, columns and beams; `flexmb check` finds all others."""
         return faults_of(records, complete)
 
     def lines(self, records: Sequence[Record]) -> list[tuple[str, str]]:

@@ -65,7 +65,7 @@ def _numbers(section: str, count: int, subject: str) -> list[Entry]:
     return [Entry(section, 1, subject, cells)] if cells else []
 
 
-def _points(section: str, count: int, subject: str) -> Any:
+def _points(section: str, count: int, subject: str) -> list[Any]:
     unit = "N m" if section.startswith("torque") else "N m or N"
     cells = (Cell("t", "time", "s"), Cell("f", "torque or force, linear between the points", unit))
     return [Entry(section, i, f"{subject}, point {i}", cells) for i in counted(min(count, MOST_POINTS))]

@@ -1,6 +1,6 @@
-"""Answers that `flexmb new dafms` refuses at once: ranges, columns, beams and tables that are none.
+"""Answers that `flexmb new dafms` refuses at once: wrong ranges, columns, beams and tables.
 
-`flexmb check`, which the finished deck must pass, knows the rest.
+`flexmb check`, which the finished deck must pass, finds all other faults.
 """
 
 from collections.abc import Sequence
@@ -79,7 +79,7 @@ def _faults_of_node(records: Sequence[Record], record: Record) -> list[Fault]:
     return [Fault("error", message, node[0].place, record.subject, id="DAFMS-026")]
 
 
-def _faults_of_time(before: Record, record: Record) -> Any:
+def _faults_of_time(before: Record, record: Record) -> list[Any]:
     """Points of a table come in the order of time; two at one time are a jump."""
     tables = tuple(f"{CARDS[word].section}." for word in ("TABM", "TABL"))
     if not record.section.startswith(tables) or before.section != record.section:
@@ -91,14 +91,14 @@ def _faults_of_time(before: Record, record: Record) -> Any:
     return [Fault("error", message, time.place, record.subject, id="DAFMS-027")]
 
 
-def _faults_of_title(record: Record) -> Any:
+def _faults_of_title(record: Record) -> list[Any]:
     message = f"the heading card has room for 75 characters; read {len(record['text'])}"
     return (
         [Fault("error", message, record.place, "title", id="DAFMS-028")] if len(record["text"]) > 75 else []
     )
 
 
-def _outside(records: Any, record: Record, value: "Number") -> Any:
+def _outside(records: Any, record: Record, value: "Number") -> list[Any]:
     least, most = _range(records, record, value.key)
     if least is None or least <= value.value <= most:
         return []

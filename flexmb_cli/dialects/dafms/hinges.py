@@ -14,6 +14,8 @@ from ...model.diagnostics import Findings
 from ...model.tree import INERTIAL, UNTURNED, Body, Hinge
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ...deck.record import Record
 
 
@@ -30,7 +32,7 @@ def build_hinges(values: DeckValues, bodies: tuple[Body, ...], findings: Finding
     return tuple(_hinge(values, bodies, parents, k, findings) for k in range(1, len(bodies) + 1))
 
 
-def _parent(values: Any, k: Any, findings: Any) -> int:
+def _parent(values: Any, k: int, findings: Findings) -> int:
     number = values.record("parent", k)
     if number is None:
         return INERTIAL
@@ -68,7 +70,7 @@ def _free_axes(values: DeckValues, k: int, name: str) -> tuple[int, ...]:
 
 def _node(
     values: DeckValues,
-    bodies: Any,
+    bodies: "Sequence[Body]",
     parent: Any,
     k: int,
     point: tuple[float, float, float],
@@ -133,7 +135,7 @@ def _node_of_parents_record(
 
 def _warn_of_rigid_attachment(
     values: DeckValues,
-    bodies: Any,
+    bodies: "Sequence[Body]",
     parent: int,
     k: int,
     point: tuple[float, float, float],
@@ -193,7 +195,9 @@ def _attitude(values: DeckValues, section: str, card: str, k: int, findings: Fin
     return tuple(float(e) / length for e in (e4, e1, e2, e3))
 
 
-def _elastic_rotation(values: DeckValues, parent: Any, node: int, bodies: Any) -> np.ndarray | None:
+def _elastic_rotation(
+    values: DeckValues, parent: Any, node: int, bodies: "Sequence[Body]"
+) -> np.ndarray | None:
     """Matrix (3, NM) of card NROT for the node the hinge sits on; None when it is not given."""
     for record in values.section("nodal_rotation"):
         rows = np.array([number.value for number in record.numbers[2:]], float)

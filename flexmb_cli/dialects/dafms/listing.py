@@ -223,7 +223,7 @@ class Series:
 class Tables:
     """Echo and time series of a run in `streams`: that of the echo, which may be None, and units 2 and 3.
 
-    `analysis` has the `tree`, and tells where it stopped (`stopped_at`), if it knows.
+    `analysis` has the `tree`, and the time at which it stopped (`stopped_at`), None if unknown.
     """
 
     def __init__(self, streams: tuple[Any, ...], deck: Deck, layout: str, analysis: "TreeAnalysis"):

@@ -119,7 +119,7 @@ def _echo_line(number: int, line: str, match: re.Match[str], faults: list[Fault]
     return EchoLine(number, tag.name, values, units, tag.columns, tag.kind, edits)
 
 
-def _fault(number: int, line: str, start: int, tag: _Tag) -> Any:
+def _fault(number: int, line: str, start: int, tag: _Tag) -> Fault:
     wanted = f"{len(tag.columns)} numbers are expected" if tag.columns else "numbers are expected"
     read = line[start:].strip()
     column = start + 1 + len(line[start:]) - len(line[start:].lstrip())

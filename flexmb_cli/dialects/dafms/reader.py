@@ -191,7 +191,7 @@ def _check_nodes(records: Records, nodes: tuple[Number, ...], dofs: tuple[Number
 
 
 def _stop_at_errors(records: Records) -> None:
-    """The counts tell how to go on: with a wrong one nothing behind it can be read."""
+    """Raise `Unreadable` after an error: behind a wrong count nothing can be read."""
     if records.errors:
         raise Unreadable
 

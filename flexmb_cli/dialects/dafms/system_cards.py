@@ -105,7 +105,7 @@ class _System:
         try:
             readers[card.layout](card)
         except MissingRecord:
-            # Reading goes on at the card that stood in the place of a data record.
+            # Reading continues at the card that stood in the place of a data record.
             return
 
     def _read_bodies(self, card: Card) -> None:

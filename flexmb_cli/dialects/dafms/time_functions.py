@@ -21,7 +21,7 @@ from ...model.tree import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from ...deck.record import Record
 
@@ -71,9 +71,9 @@ def _dampers(hinged: "_HingeCards", findings: Findings) -> list[Spring]:
 
 
 def _behind_the_hinge(record: "Record") -> list[Any]:
-    """Values behind K and A, by their places.
+    """Return the values behind K and A, by their places.
 
-    A record that is asked for a key keeps a table of its keys, 460 bytes, and there may be 100,000 records.
+    Not by their keys: the table of keys that a record then makes takes 460 bytes, for up to 100,000 records.
     """
     return [number.value for number in record.numbers[2:]]
 
@@ -157,7 +157,7 @@ def _check_rotations(values: DeckValues, bodies: tuple[Body, ...], findings: Fin
         seen.setdefault(where, node.place.line if node.place else 0)
 
 
-def _pulses(values: Any, bodies: Any, findings: Any) -> list[BodyTorque]:
+def _pulses(values: Any, bodies: "Sequence[Body]", findings: Findings) -> list[BodyTorque]:
     """DESN: +F1, nothing, -F1 for TIME each, about axis 1 (thesis 4.3)."""
     torques = []
     for k in range(1, len(bodies) + 1):

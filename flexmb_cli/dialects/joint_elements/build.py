@@ -91,7 +91,7 @@ def _refuse_too_many(maker: ElementMaker, sections: Callable[..., Any], cards: C
 def joint_driver(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes drivers of a coordinate."""
 
-    def make(maker: ElementMaker, record: Record) -> Any:
+    def make(maker: ElementMaker, record: Record) -> JointDriver | None:
         where, function = maker.where(record, coordinate), maker.functions.motion(record, maker.start)
         return JointDriver(record.subject, *where, function, record.place) if where and function else None
 
@@ -101,14 +101,14 @@ def joint_driver(coordinate: str | None) -> Callable[..., Any]:
 def motor(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes motors in a coordinate."""
 
-    def make(maker: ElementMaker, record: Record) -> Any:
+    def make(maker: ElementMaker, record: Record) -> JointMotor | None:
         where, function = maker.where(record, coordinate), maker.functions.function(record)
         return JointMotor(record.subject, *where, function, record.place) if where and function else None
 
     return make
 
 
-def _spring_data(maker: Any, record: Record) -> Any:
+def _spring_data(maker: Any, record: Record) -> dict[Any, Any]:
     for key in ("stiffness", "damping"):
         if record[key] < 0.0:
             message = f"{key} {record[key]:g} is negative, which drives a motion on"
@@ -127,7 +127,7 @@ def _spring_data(maker: Any, record: Record) -> Any:
 def joint_spring(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes springs in a coordinate."""
 
-    def make(maker: ElementMaker, record: Record) -> Any:
+    def make(maker: ElementMaker, record: Record) -> JointSpring | None:
         where, data = maker.where(record, coordinate), _spring_data(maker, record)
         return JointSpring(record.subject, *where, **data) if where else None
 
@@ -151,7 +151,7 @@ def cable(maker: ElementMaker, record: Record) -> LineSpring | None:
 def stop(coordinate: str | None) -> Callable[..., Any]:
     """Return what makes stops of a coordinate."""
 
-    def make(maker: ElementMaker, record: Record) -> Any:
+    def make(maker: ElementMaker, record: Record) -> EndStop | None:
         maker.not_negative(record, "stiffness", "damping")
         if not record["lower"] < record["upper"]:
             message = f"upper must be larger than lower, {record['lower']:g}; read {record['upper']:g}"

@@ -168,7 +168,7 @@ def _polynomial(_functions: Functions, given: GivenFunction) -> Any:
     return piecewise(polynomial(given.values))
 
 
-def _sine(_functions: Functions, given: GivenFunction) -> Any:
+def _sine(_functions: Functions, given: GivenFunction) -> MotionFunction:
     mean, size, omega, phase = (float(value) for value in (*given.values, 0.0)[:4])
     return MotionFunction(SINE, (mean, size, omega, phase))
 
@@ -217,7 +217,7 @@ def _multiplied_out(parts: Sequence[MotionFunction], combine: Callable[..., Any]
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of function: its name, what makes it, and how many numbers define it.
+    """A type of function: its name, what makes it, and how many numbers define it.
 
     `least` numbers or more, by `step`, up to `most` (0: any).
     """

@@ -58,7 +58,7 @@ def _check_body_numbers(values: DeckValues, count: int, findings: Findings) -> N
             findings.error(record.subject, message, number.place, id="VSDF-001")
 
 
-def _body(values: Any, k: Any, folder: Any, findings: Any) -> VsdfBody:
+def _body(values: Any, k: int, folder: Path, findings: Findings) -> VsdfBody:
     record = values.record("body", k)
     flexible = record["kind"] == "FLEX"
     r = values.record("position", k)
@@ -77,7 +77,7 @@ def _body(values: Any, k: Any, folder: Any, findings: Any) -> VsdfBody:
 
 
 def _refuse_cards_of_others(values: DeckValues, k: int, kind: str, findings: Findings) -> None:
-    """Faults for the cards of body k, of kind FLEX or RIGD, that are for bodies of the other kind."""
+    """Faults for the cards of body k, of type FLEX or RIGD, that are for bodies of the other type."""
     for card in CARDS:
         if card.bodies in ("", kind):
             continue
@@ -91,7 +91,7 @@ def _refuse_cards_of_others(values: DeckValues, k: int, kind: str, findings: Fin
                 findings.error(given.subject, message, given.place, id="VSDF-022")
 
 
-def _attitude(record: "Record | None", findings: Any) -> Any:
+def _attitude(record: "Record | None", findings: Findings) -> Any:
     if record is None:
         return 1.0, 0.0, 0.0, 0.0
     p = tuple(float(record[f"e{i}"]) for i in range(4))
@@ -107,12 +107,12 @@ def _attitude(record: "Record | None", findings: Any) -> Any:
 
 
 def _rigid(
-    values: Any,
-    k: Any,
-    record: Any,
+    values: DeckValues,
+    k: int,
+    record: "Record",
     pose: dict[Any, Any],
     _folder: Path,
-    findings: Any,
+    findings: Findings,
 ) -> VsdfBody:
     rigid = values.record("rigid", k)
     if rigid is None:

@@ -19,7 +19,7 @@ from .loads import Factors, build_forces, build_joint_springs, build_outputs, bu
 from .motion_angles import check_motion_functions
 from .motions import build_motions, build_tables
 from .stress_outputs import build_stresses
-from .unused_fields import doubt_tables, refuse_unread
+from .unused_fields import refuse_unread, warn_of_tables
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,7 +41,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     integrator = _integrator(values, findings)
     joints = build_joints(values, bodies, ground, findings)
     tables = build_tables(values, findings)
-    doubt_tables(values, tables, findings)
+    warn_of_tables(values, tables, findings)
     functions = build_functions(values, tables, findings)
     factors = Factors(tables, functions, values, findings)
     pins = build_pins(values, bodies, ground, findings)
@@ -104,7 +104,7 @@ def _time(values: DeckValues, findings: Findings) -> TimeGrid:
     return TimeGrid(0.0, end, output, record.place)
 
 
-def _integrator(values: Any, findings: Any) -> Integrator:
+def _integrator(values: Any, findings: Findings) -> Integrator:
     record, time = values.record("integrator"), values.record("time")
     step = float(time["step"]) if time else 0.0
     if step < 0:

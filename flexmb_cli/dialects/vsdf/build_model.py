@@ -10,10 +10,10 @@ from .build import build_vsdf
 
 
 def build_model(deck: Deck, folder: Path) -> tuple[FlexibleMechanism, list[Fault]]:
-    """Return the mechanism, file names relative to `folder`, and the doubts about it.  Raises ModelError."""
-    model, doubts = build_vsdf(deck, folder)
+    """Return the mechanism and the warnings; file names are relative to `folder`.  Raises ModelError."""
+    model, warnings = build_vsdf(deck, folder)
     try:
         mechanism, more = flexible_mechanism(model)
     except ModelError as failure:
-        raise ModelError((*doubts, *failure.faults)) from failure
-    return mechanism, [*doubts, *more]
+        raise ModelError((*warnings, *failure.faults)) from failure
+    return mechanism, [*warnings, *more]

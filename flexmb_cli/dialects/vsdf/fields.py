@@ -17,7 +17,7 @@ class Field(NamedTuple):
     text: str  # without the blanks around it
     column: int  # of the first character of the text, from 1
     first: int = 0  # first column of a field of fixed form
-    last: int = 0  # its last column, 0 where text goes on
+    last: int = 0  # its last column, 0 where text continues
     number: int = 0  # of a field by commas, from 1
 
     @property
@@ -66,12 +66,12 @@ def rest(line: str, columns: tuple[Column, ...]) -> Field:
 
 
 def runs_over(line: str, columns: tuple[Column, ...], extra: Field) -> bool:
-    """Return whether what stands behind the last field of a card in fixed form goes on without a blank."""
+    """Return whether what stands behind the last field of a card in fixed form continues without a blank."""
     return not is_free(line, columns) and extra.column > 1 and not line[extra.column - 2].isspace()
 
 
 def value(field: Field, column: Column) -> tuple[float | int | str, str]:
-    """The field's value and a doubt, "" for none.  Raises Unfit."""
+    """The field's value and a warning, "" for none.  Raises Unfit."""
     if not field.text:
         if column.default is None:
             raise Unfit(f"{column.key} in {field.span} must be {_NAMES[column.letter]}; the field is empty")
@@ -93,10 +93,10 @@ def _numeral(field: Field, column: Column) -> tuple[float, str]:
     if "\t" in field.text:
         raise Unfit(f"{column.key} in {field.span}: a tab counts as one column; use blanks or commas")
     try:
-        found, doubt = read(field.text)
+        found, warning = read(field.text)
     except number.Misspelt as fault:
         raise Unfit(f"{column.key} in {field.span} {fault}") from None
-    return found, f"{column.key}: {doubt}" if doubt else ""
+    return found, f"{column.key}: {warning}" if warning else ""
 
 
 def _word(field: Field, column: Column) -> tuple[str, str]:
@@ -124,7 +124,7 @@ def guide(line: str, columns: tuple[Column, ...]) -> tuple[str, ...]:
 
 @functools.cache
 def _edges(columns: tuple[Column, ...]) -> tuple[tuple[int, int], ...]:
-    """First and last column of each field; text goes on to the end of the line, marked by 0."""
+    """First and last column of each field; text continues to the end of the line, marked by 0."""
     edges, first = [], 1
     for column in columns:
         first += column.skip

@@ -62,7 +62,7 @@ def flexible_body(
     return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)
 
 
-def _or_density(values: DeckValues, k: Any, files: Any) -> Any:
+def _or_density(values: DeckValues, k: int, files: Any) -> str:
     """Return what else helps where both matrices are missing."""
     if values.record("material", k) and files["mass_matrix"] is files["stiffness_matrix"] is None:
         return ", or the density of its elements on MATL"

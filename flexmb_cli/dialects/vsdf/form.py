@@ -13,16 +13,24 @@ from ...deck.record import Number, Record
 from ...errors import Fault
 from .card import Card, Column
 from .cards import BY_WORD, CARDS, END, FINAL
-from .elements.cards import ELEMENT_CARDS
 
 _BODY, _FLEXIBLE, _RIGID = BY_WORD["BODY"], ("FEMN",), ("RIGI",)
-_SINGLE = tuple(card for card in CARDS if card.counted == "single")
-# Their counts are asked for last: answers piped from a file written before they were there still give
-# a deck.
-_ADDED = tuple(card for card in CARDS if card.word in ("GEOM", "GSTL") or card in ELEMENT_CARDS)
-_COUNTED = tuple(
-    card for card in CARDS if card not in (*_SINGLE, *_ADDED) and card.word not in (*_FLEXIBLE, *_RIGID)
+
+
+def _cards(words: str) -> tuple[Card, ...]:
+    return tuple(BY_WORD[word] for word in words.split())
+
+
+# Answers piped from a file written before a card was there still give a deck: these lists stay as they are,
+# and cards that stand in none of them are counted last.
+_SINGLE = _cards("GRAV TIME INTG")
+COUNTED = _cards(
+    "BODY FEMM FEMK FEMP NODE NSET CLMP ATTM CRBN DAMP POSI EULP VELO PINN JOIN MOTN TABL FORC TORQ SPRI "
+    "JSPR GEOS FEMG OUTN MATL OUTS PLAC"
 )
+ADDED = _cards("GEOM GSTL FUNC SUPP TMOT AMOT TSPR ASPR TSTO ASTO LSPR CABL BUSH COUP FRIC RATE OUTJ")
+_ASKED = (*_SINGLE, *COUNTED, *ADDED, *_cards(" ".join((*_FLEXIBLE, *_RIGID))))
+LATER = tuple(card for card in CARDS if card not in _ASKED)
 
 
 def _count_cell(card: Card) -> Cell:
@@ -31,8 +39,9 @@ def _count_cell(card: Card) -> Cell:
     return Cell(card.word, f"number of cards: {what}", letter=INTEGER, default=default)
 
 
-_COUNTS = Entry("counts", 0, "counts", tuple(_count_cell(card) for card in _COUNTED))
-_ELEMENTS = Entry("elements", 0, "shapes and elements", tuple(_count_cell(card) for card in _ADDED), True)
+_COUNTS = Entry("counts", 0, "counts", tuple(_count_cell(card) for card in COUNTED))
+_ELEMENTS = Entry("elements", 0, "shapes and elements", tuple(_count_cell(card) for card in ADDED), True)
+_MORE = Entry("more", 0, "further cards", tuple(_count_cell(card) for card in LATER), True)
 
 
 class VsdfForm:
@@ -41,7 +50,10 @@ class VsdfForm:
     dialect = "vsdf"
 
     def entries(self, values: dict[str, str]) -> list[Entry]:
-        """Title, counts, bodies with what each kind needs, other cards, those of the whole deck, elements."""
+        """Title, counts, bodies with what each type needs, other cards, those of the whole deck, elements.
+
+        Cards that are newer than these come last.
+        """
         counts = _counts(values, _COUNTS)
         entries = [TITLE_ENTRY, _COUNTS]
         if not counts:
@@ -52,16 +64,22 @@ class VsdfForm:
             kind = values.get(f"body.{k}.kind", "").upper()
             words = _FLEXIBLE if kind == "FLEX" else _RIGID
             entries += [_entry(BY_WORD[word], k) for word in words]
-        for card in _COUNTED[1:]:
+        for card in COUNTED[1:]:
             entries += [_entry(card, k) for k in range(1, counts[card.word] + 1)]
         entries += [*(_entry(card, 0) for card in _SINGLE), _ELEMENTS]
         added = _counts(values, _ELEMENTS)
-        for card in _ADDED if added else ():
+        for card in ADDED if added else ():
             entries += [_entry(card, k) for k in range(1, added[card.word] + 1)]
+        if not (added and LATER):
+            return entries
+        later = _counts(values, _MORE)
+        entries.append(_MORE)
+        for card in LATER if later else ():
+            entries += [_entry(card, k) for k in range(1, later[card.word] + 1)]
         return entries
 
     def faults(self, records: Sequence[Record], complete: bool) -> list[Fault]:
-        """Counts, numbers of bodies and joints, and lists of nodes; `flexmb check` knows the rest."""
+        """Return faults of counts, body and joint numbers, node lists; `flexmb check` finds all others."""
         last = records[-1]
         if last.section in _OF_COUNTS:
             return [
@@ -98,7 +116,7 @@ class VsdfForm:
 
 
 _BY_SECTION = {card.section: card for card in CARDS}
-_OF_COUNTS = (_COUNTS.section, _ELEMENTS.section)
+_OF_COUNTS = (_COUNTS.section, _ELEMENTS.section, _MORE.section)
 
 
 def _counts(values: dict[str, str], entry: Entry) -> dict[str, int]:
@@ -144,7 +162,7 @@ def _data_lines(card: Card, record: Record) -> list[str]:
     return ["    " + ",".join(part) for part in (texts[:first], texts[first:]) if part]
 
 
-def _outside(record: Record, value: Number, least: bool, most: int) -> Any:
+def _outside(record: Record, value: Number, least: bool, most: int) -> list[Any]:
     if int(least) <= value.value <= most:
         return []
     message = f"{value.key} must be within {int(least)}..{most}; read {value.text}"

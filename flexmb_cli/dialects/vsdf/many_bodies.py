@@ -80,15 +80,15 @@ class ManyBodies(_Many):
             return self._whole[index]
         row = self._rows[_OF_BODY * index : _OF_BODY * (index + 1)].tolist()
         r, p, velocity, omega, c, J = (
-            tuple(row[first:last]) for first, last in ((0, 3), (3, 7), (7, 10), (10, 13), (14, 17), (17, 26))
+            row[first:last] for first, last in ((0, 3), (3, 7), (7, 10), (10, 13), (14, 17), (17, 26))
         )
         return VsdfBody(
             _name(index),
-            r,  # type: ignore[arg-type]
-            p,  # type: ignore[arg-type]
-            velocity,  # type: ignore[arg-type]
-            omega,  # type: ignore[arg-type]
-            rigid=RigidMass(row[13], c, np.array(J).reshape(3, 3)),  # type: ignore[arg-type]
+            (r[0], r[1], r[2]),
+            (p[0], p[1], p[2], p[3]),
+            (velocity[0], velocity[1], velocity[2]),
+            (omega[0], omega[1], omega[2]),
+            rigid=RigidMass(row[13], (c[0], c[1], c[2]), np.array(J).reshape(3, 3)),
             nodes=_NodesWhenAsked(self._nodes_of, index + 1),
             place=self._place(2 * index),
             velocity_place=self._place(2 * index + 1),
@@ -154,5 +154,5 @@ class ManyJoints(_Many):
         )
 
     def _end(self, first: int) -> End:
-        body, node, *point = self._rows[first : first + _OF_END]
-        return End(int(body), int(node), None if math.isnan(point[0]) else tuple(point))  # type: ignore[arg-type]
+        body, node, x, y, z = self._rows[first : first + _OF_END]
+        return End(int(body), int(node), None if math.isnan(x) else (x, y, z))

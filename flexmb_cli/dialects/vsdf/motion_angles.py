@@ -14,7 +14,7 @@ SAMPLES = 101  # even times of a run at which a function is evaluated
 
 
 def check_motion_functions(motions: tuple[Motion, ...], grid: TimeGrid, findings: Findings) -> None:
-    """Refuse functions that are no numbers, no angles; doubt `MANY_REVOLUTIONS` in a report step."""
+    """Refuse functions that are no numbers, no angles; warn of `MANY_REVOLUTIONS` in a report step."""
     for motion in motions:
         values, rates, _ = reported = _sampled(motion.function, grid)
         if not (np.abs(reported) <= LARGEST_RATE).all():

@@ -19,7 +19,7 @@ _TITLE_WIDTH = 75
 _MOST_FAULTS = 1000
 # More would take more than twelve times the deck's size.
 _MOST_LISTED = 2_000_000  # fields of cards with lists, together
-_MOST_CARDS = 100_000  # of a kind whose records become objects
+_MOST_CARDS = 100_000  # of a type whose records become objects
 _UNBOUNDED = ("node", "table")
 
 

@@ -1,4 +1,4 @@
-"""Fields of VSDF cards that are filled and not read: whoever filled them meant something by it.
+"""Fields of VSDF cards that are filled but not read: they are reported, since a value there is likely a slip.
 
 A written 0 is what an empty field means, and is let pass.
 """
@@ -41,7 +41,7 @@ def refuse_unread(values: DeckValues, findings: Findings) -> None:
         for record in without_any(values.section(section), keys):
             message = f"{', '.join(keys)} are all empty, so the card does nothing"
             findings.error(record.subject, message, record.at(keys[0]).place, id="VSDF-083")
-    _doubt_switched_off(values, findings)
+    _warn_of_switched_off(values, findings)
 
 
 def _refuse(record: "Record", key: str, reason: str, findings: Findings) -> None:
@@ -100,14 +100,14 @@ _UNREAD = {
 }
 
 
-def _doubt_switched_off(values: DeckValues, findings: Findings) -> None:
+def _warn_of_switched_off(values: DeckValues, findings: Findings) -> None:
     for record in values.section("stiffening"):
         if not record["on"] and record["E"]:
             message = "E and nu are not used: stiffening is switched off, on is 0"
             findings.warn(record.subject, message, record.at("E").place, id="VSDF-085")
 
 
-def doubt_tables(values: DeckValues, tables: dict[int, Any], findings: Findings) -> None:
+def warn_of_tables(values: DeckValues, tables: dict[int, Any], findings: Findings) -> None:
     """Warnings of `tables` without faults that neither a motion nor a load names."""
     used = {record["c0"] for record in values.section("motion") if record["law"] == TABLE}
     for section in ("force", "torque"):

@@ -33,7 +33,7 @@ _SECTIONS = ("body", "simplified", "distance", "driver", "ground", "point")
 
 @without_collector()
 def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
-    """The mechanism that `deck` describes, and the doubts about it.
+    """The mechanism that `deck` describes, and the warnings about it.
 
     Raises ModelError with all faults found, the deck's own warnings among them.
     """
@@ -63,7 +63,7 @@ def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
 
 
 def faults_of_last(records: Sequence[Record], bodies: int, complete: bool = True) -> list[Fault]:
-    """Faults and doubts that the last of `records` brings into a deck in the making of `bodies` bodies.
+    """Errors and warnings that the last of `records` brings into a deck in the making of `bodies` bodies.
 
     The records before it are complete and without errors; the last may lack its later numbers
     (not `complete`).  What is known only of a whole deck (equations, assembly) is not looked at.

@@ -38,7 +38,7 @@ INERTIA_ROUND_OFF = 1e-9  # of the largest moment of inertia
 
 
 def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
-    """The dynamic model that `deck` describes, and the doubts about it.
+    """The dynamic model that `deck` describes, and the warnings about it.
 
     Raises ModelError with all faults found.
     """
@@ -64,8 +64,8 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
     )
     functions.note_unused()
     check_time(model, findings)
-    _doubt_massless(model, findings)
-    _doubt_idle_velocities(model, findings)
+    _warn_of_massless(model, findings)
+    _warn_of_idle_velocities(model, findings)
     _note_loads_at_rest(model, findings)
     faults = [*warnings, *findings.in_order]
     if any(fault.severity == "error" for fault in faults):
@@ -190,12 +190,12 @@ def _torque(record: Record, findings: Findings, functions: Any) -> AppliedTorque
 
 def _spring(record: Record, findings: Findings) -> SpringDamper:
     for key in ("stiffness", "free_length", "damping"):
-        _doubt_negative(record, key, findings)
+        _warn_of_negative(record, key, findings)
     return _line(record, record["stiffness"], record["free_length"])
 
 
 def _damper(record: Record, findings: Findings) -> SpringDamper:
-    _doubt_negative(record, "damping", findings)
+    _warn_of_negative(record, "damping", findings)
     return _line(record, 0.0, 0.0)
 
 
@@ -213,7 +213,7 @@ def _line(record: Record, stiffness: float, free_length: float) -> SpringDamper:
     )
 
 
-def _doubt_negative(record: Record, key: str, findings: Findings) -> None:
+def _warn_of_negative(record: Record, key: str, findings: Findings) -> None:
     if record[key] < 0.0:
         message = f"{key.replace('_', ' ')} {record[key]:g} is negative"
         findings.warn(record.subject, message, record.at(key).place, id="YOUNG-008")
@@ -225,7 +225,9 @@ def _velocity(record: Record, _findings: Findings) -> InitialVelocity:
     )
 
 
-def _doubt_massless(model: DynamicModel, findings: Findings) -> None:
+def _warn_of_massless(model: DynamicModel, findings: Findings) -> None:
+    if model.without_masses:
+        return
     reported = {ground.body for ground in model.mechanism.grounds} | {item.body for item in model.masses}
     for number, body in enumerate(model.mechanism.bodies):
         if number not in reported:
@@ -256,7 +258,7 @@ def _note_loads_at_rest(model: DynamicModel, findings: Findings) -> None:
             findings.note(item.name, message, item.place, id="YOUNG-017")
 
 
-def _doubt_idle_velocities(model: DynamicModel, findings: Findings) -> None:
+def _warn_of_idle_velocities(model: DynamicModel, findings: Findings) -> None:
     if model.analysis == FORWARD:
         return
     for item in model.velocities:

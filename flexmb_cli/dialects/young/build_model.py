@@ -14,20 +14,20 @@ if TYPE_CHECKING:
 
 
 def build_model(deck: Deck, folder: Path) -> tuple[object, list[Fault]]:
-    """Return a Mechanism or a DynamicModel, and the doubts about it.  Raises ModelError."""
+    """Return a Mechanism or a DynamicModel, and the warnings about it.  Raises ModelError."""
     if analysis_of(deck) is None:
-        mechanism, doubts = build_young(deck)
-        return (_shaped(mechanism, deck, folder) if _has_shapes(deck) else mechanism), doubts
+        mechanism, warnings = build_young(deck)
+        return (_shaped(mechanism, deck, folder) if _has_shapes(deck) else mechanism), warnings
     # Kinematics need no arrays of masses.
     from .build_dynamics import build_young_dynamics
 
-    model, doubts = build_young_dynamics(deck)
+    model, warnings = build_young_dynamics(deck)
     if _has_shapes(deck):
         model = replace(model, mechanism=_shaped(model.mechanism, deck, folder))
-    return model, doubts
+    return model, warnings
 
 
-def _has_shapes(deck: Deck) -> Any:
+def _has_shapes(deck: Deck) -> bool:
     return bool(deck.section("shape") or deck.section("shape_file"))
 
 

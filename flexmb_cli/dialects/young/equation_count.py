@@ -111,7 +111,7 @@ def _may_be_planar(mechanism: Mechanism, group: "_Group") -> bool:
     return planar and loops > 0 and group.excess == _PER_PLANAR_LOOP * loops
 
 
-def _balanced(mechanism: Any, grounded: Any) -> Any:
+def _balanced(mechanism: Any, grounded: Any) -> bool:
     """Return whether every group of bodies has as many equations as coordinates."""
     count = len(mechanism.bodies)
     root, fixed = array("i", range(count)), bytearray(count)

@@ -14,7 +14,7 @@ LEAST_TOLERANCE, MOST_TOLERANCE = 1e-13, 1e-2
 
 
 def tolerance_of(deck: Deck, findings: Findings) -> float:
-    """That of RAD5, else that of TOLERANCE, else the default."""
+    """Return the tolerance of card RAD5, else that of TOLERANCE, else the default."""
     found = DEFAULT_TOLERANCE
     for section, key in (("tolerance", "relative"), ("radau", "tolerance")):
         for record in deck.section(section):

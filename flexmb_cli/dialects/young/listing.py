@@ -160,7 +160,7 @@ def _counts(record: Record, layout: str) -> str:
     return f"{title}\n{_answers(_values(record, 0), integer(3), layout)}"
 
 
-def _body(record: Record, layout: str) -> Any:
+def _body(record: Record, layout: str) -> str:
     title = f"FOR BODY {record.number} ENTER INITIAL ESTIMATES OF X,Y,Z & E0 E1,E2,E3"
     return f"{title}\n{_answers(_values(record, 0), fixed(6, 2), layout)}"
 

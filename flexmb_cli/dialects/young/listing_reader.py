@@ -132,7 +132,7 @@ class _Scan:
         if words[0].upper() in HEADINGS and self.time:
             self._open_section(HEADINGS[words[0].upper()])
         elif words[0].upper() in ("BODY", "NO"):
-            # Column titles begin a section; behind an unknown heading nothing goes on.
+            # Column titles begin a section; behind an unknown heading nothing continues.
             self._interrupted = None
             if self._open is not None:
                 self._take_title(self._open, words[1:])
@@ -210,7 +210,7 @@ def _read_together(texts: list[str], width: int) -> np.ndarray | None:
     if len(decimals) != width or not _decimals_agree(joined, np.array(decimals), len(texts)):
         return None
     with warnings.catch_warnings():
-        # numpy tells text that is no number by a warning.
+        # numpy reports text that is no number by a warning.
         warnings.simplefilter("error")
         try:
             numbers = np.fromstring(joined, sep=" ")

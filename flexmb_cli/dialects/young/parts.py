@@ -38,7 +38,7 @@ _GROUND = ("x", "y", "z", "alpha", "beta", "gamma")
 
 
 def part_of(record: Record, bodies: int, complete: bool = True) -> tuple[object, list[Fault]]:
-    """The part that a record describes in a mechanism of so many bodies, and the faults and doubts about it.
+    """Return the part that a record describes in a mechanism of so many bodies, with its errors and warnings.
 
     None where its bodies or its direction do not exist, its numbers are too large, or it is no part of a
     mechanism.  Not `complete`: the record may lack its later numbers, and nothing is made of it.
@@ -208,18 +208,18 @@ def _unit(vector: tuple[float, float, float]) -> list[float] | None:
 
 def _simplified(record: Record, findings: Findings) -> Simplified:
     if record["direction"] >= _FIRST_ANGLE:
-        _doubt_degrees(record, "value", findings)
+        _warn_of_degrees(record, "value", findings)
     return Simplified(record.subject, record["body"] - 1, record["direction"], record["value"], record.place)
 
 
 def _ground(record: Record, findings: Findings) -> Ground:
     for key in _GROUND[3:]:
-        _doubt_degrees(record, key, findings)
+        _warn_of_degrees(record, key, findings)
     values = tuple(map(record.__getitem__, _GROUND))
     return Ground(record.subject, record["body"] - 1, values, record.place)
 
 
-def _doubt_degrees(record: Record, key: str, findings: Findings) -> None:
+def _warn_of_degrees(record: Record, key: str, findings: Findings) -> None:
     angle = record[key]
     if abs(angle) > DOUBTFUL_ANGLE:
         message = f"angles are in rad; {key} {angle:.6g} would be {angle / math.tau:.3g} turns"

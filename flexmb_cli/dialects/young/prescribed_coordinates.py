@@ -16,7 +16,7 @@ from ...model.mechanism import Driver, Ground, Mechanism
 from ...quick_dataclass import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
 
 SAME_VALUE = 1e-12
@@ -82,7 +82,7 @@ def _by_bodies(mechanism: Any, findings: Findings) -> Iterator[list[_Hold]]:
     yield from by_body.values()
 
 
-def _of(mechanism: Any, k: Any, given: Any) -> _Hold:
+def _of(mechanism: Any, k: int, given: Any) -> _Hold:
     """The hold of simplified constraint k, or behind all `given` ones of a driver."""
     if k < given:
         item = mechanism.simplified[k]
@@ -119,7 +119,7 @@ def _to_check(grounds: "Iterator[Any]", mechanism: Any) -> list[Ground]:
     ]
 
 
-def _of_grounds(grounds: Any) -> Iterator[_Hold]:
+def _of_grounds(grounds: "Iterable[Ground]") -> Iterator[_Hold]:
     for ground in grounds:
         for direction, value in enumerate(ground.values, start=1):
             yield _Hold(ground.name, ground.body, direction, value, ground.place)

@@ -60,10 +60,10 @@ class CardRecords:
             return Number(column.key, word.text, column.meaning, column.unit, word.place, word.text)
         value: float = 0
         try:
-            value, doubt = number.integer(word.text) if column.is_integer else number.real(word.text)
-            if doubt:
+            value, warning = number.integer(word.text) if column.is_integer else number.real(word.text)
+            if warning:
                 self.faults.append(
-                    Fault("warning", f"{column.key}: {doubt}", word.place, subject, id="YOUNG-021")
+                    Fault("warning", f"{column.key}: {warning}", word.place, subject, id="YOUNG-021")
                 )
         except number.Misspelt as fault:
             self.error(word.place, subject, f"{column.key} {fault}")

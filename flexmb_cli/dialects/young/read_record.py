@@ -56,7 +56,7 @@ class ReadRecord(Record):
         found: Number = self._number(self.positions[key])
         return found
 
-    def _number(self, k: Any) -> Any:
+    def _number(self, k: int) -> Number:
         word, column = self._words[self._first + k], self._section.columns[k]
         meaning, unit = column.label(is_rotation(self._section, self.values))
         return Number(column.key, self.values[k], meaning, unit, word.place, word.text)

@@ -199,10 +199,10 @@ def _record(reading: _Reading, section: Section, number_of_record: int, found: r
     texts = reading.words.texts(found.start, found.stop)
     try:
         read = [spelled(text) for spelled, text in zip(section.spellings, texts, strict=False)]
-        values, doubts = zip(*read, strict=True) if read else ((), ())
+        values, warnings = zip(*read, strict=True) if read else ((), ())
     except number.Misspelt:
-        values, doubts = (), (True,)
-    if any(doubts):
+        values, warnings = (), (True,)
+    if any(warnings):
         values = tuple(_values(reading, section, number_of_record, found))
     return ReadRecord(section, number_of_record, values, reading.words, found.start)
 
@@ -215,13 +215,13 @@ def _values(
     for column, spelled, place in zip(section.columns, section.spellings, found, strict=False):
         word = reading.words[place]
         try:
-            value, doubt = spelled(word.text)
+            value, warning = spelled(word.text)
         except number.Misspelt as fault:
             reading.error(word, subject, f"{column.key} {fault}")
-            value, doubt = None, ""
-        if doubt:
+            value, warning = None, ""
+        if warning:
             colon = "" if column.is_integer else ":"
-            reading.warn(word, subject, f"{column.key}{colon} {doubt}")
+            reading.warn(word, subject, f"{column.key}{colon} {warning}")
         yield value
 
 
@@ -244,7 +244,7 @@ def _words_behind(reading: _Reading) -> list[Word]:
     return [*rest, *following] if rest else []
 
 
-def _lines_behind(reading: _Reading, last: int) -> Any:
+def _lines_behind(reading: _Reading, last: int) -> tuple[Any, Any]:
     """The words behind the last number on its line `last`, and those of the next line that has any."""
     end = reading.taken
     reading.words.reach(end + 2 * LONGEST_RECORD)
@@ -255,7 +255,7 @@ def _lines_behind(reading: _Reading, last: int) -> Any:
     return rest, [word for word in following if word.line == following[0].line]
 
 
-def _is_number(word: Word) -> Any:
+def _is_number(word: Word) -> bool:
     try:
         number.real(word.text)
     except number.Misspelt:
@@ -290,5 +290,5 @@ def _slip_of_counts(reading: _Reading, record: ReadRecord) -> tuple[Fault, ...]:
     return slips(close, [(COUNTS.subject, len(COUNTS.columns)), *bodies], kept_per_slip=1)
 
 
-def _in_order(faults: "Sequence[Fault]") -> Any:
+def _in_order(faults: "Sequence[Fault]") -> list[Any]:
     return sorted(faults, key=lambda fault: fault.place)

@@ -6,7 +6,7 @@ in m, angles in rad, times in s; points in the axes of their body.
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ...deck import number
 from ...model.joints import JOINT_TYPES, PITCH
@@ -73,7 +73,7 @@ class Section:
         return self.positions.get("direction")
 
 
-def _whole(key: str, meaning: str) -> Any:
+def _whole(key: str, meaning: str) -> "Column":
     return Column(key, meaning, is_integer=True)
 
 

@@ -58,8 +58,8 @@ def _cards(lines: Lines, behind: int, keywords: Iterable[str], message: str) -> 
         yield Fault("warning", f"{found[1].upper()} {message}", place, id="YOUNG-156")
 
 
-def _without_comments(lines: Lines, behind: int) -> Any:
-    """The text behind a line with blanks for comments and one kind of line end, and where it starts."""
+def _without_comments(lines: Lines, behind: int) -> tuple[Any, Any]:
+    """The text behind a line with blanks for comments and one type of line end, and where it starts."""
     start = lines.start_of(behind)
     text = lines.text[start:].replace("\r", "\n")
     # A crowd of braces that nothing closes would be searched to the end of the text, each of them.
@@ -69,7 +69,7 @@ def _without_comments(lines: Lines, behind: int) -> Any:
     ], start
 
 
-def _is_like_opening(word: str) -> Any:
+def _is_like_opening(word: str) -> bool:
     from difflib import SequenceMatcher
 
     return SequenceMatcher(None, word.upper(), _OPENING).ratio() >= _LEAST_LIKENESS

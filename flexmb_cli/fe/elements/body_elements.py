@@ -99,7 +99,7 @@ def warn_of_distortion(
 def element_mesh(given: FlexibleInput) -> BodyMesh | None:
     """Return the elements of a body of no known material, for pictures; None where they cannot be read.
 
-    They have no part in its motion, so that other kinds of elements are no fault.
+    They have no part in its motion, so that other types of elements are no fault.
     """
     if given.mesh is None:
         return None

@@ -1,12 +1,15 @@
 """From elements to matrices of the body: which formulation its stiffness is made of, stresses, K_G."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...quick_dataclass import dataclass
 from ..linear_algebra import summed
 from .solid_elements import FORMULATIONS, SolidElements, elasticity, solid_elements
+
+if TYPE_CHECKING:
+    from ..linear_algebra import Matrix
 
 # Elements at a time: the strains of a brick of 20 nodes and 27 points are 80 kB.
 _CHUNK = 500
@@ -30,7 +33,7 @@ class BodyElements:
 
 
 def matching_elements(
-    positions: np.ndarray, rows: np.ndarray, material: tuple[float, float], K: Any
+    positions: np.ndarray, rows: np.ndarray, material: tuple[float, float], K: "Matrix"
 ) -> BodyElements:
     """Return the formulation of elements `rows` (m, k) that assembles to K (3 n, 3 n), else the nearest.
 
@@ -48,7 +51,7 @@ def matching_elements(
     return min(found, key=lambda body: body.deviation)
 
 
-def element_stiffness(made: SolidElements, D: np.ndarray) -> Any:
+def element_stiffness(made: SolidElements, D: np.ndarray) -> tuple[Any, Any]:
     """Return the nodal stiffness (m, 3 k, 3 k), N/m, and how incompatible modes follow the nodes.
 
     `made`: m elements of k nodes; `D` (6, 6), Pa.  The second has (m, internal degrees of freedom, 3 k).

@@ -42,13 +42,15 @@ from .solid_elements import (
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from ..linear_algebra import Matrix
+
 
 # A mass that differs by more of itself is that of another density; meshes and digits make less.
 DIFFERENT_MASS = 1e-3
 
 
 def body_stress(
-    given: FlexibleInput, K: Any, mass: float, frame: Frame, Phi: np.ndarray, findings: Findings
+    given: FlexibleInput, K: "Matrix", mass: float, frame: Frame, Phi: np.ndarray, findings: Findings
 ) -> BodyStress | None:
     """Return the elements of `given` and their nodal stresses per mode; None with a fault found.
 
@@ -78,11 +80,11 @@ def body_stress(
 
 def _at_best_points(
     given: Any,
-    positions: Any,
+    positions: np.ndarray,
     table: BodyTable,
     nearest: BodyElements,
-    K: Any,
-    findings: Any,
+    K: "Matrix",
+    findings: Findings,
 ) -> BodyElements:
     """Return elements at their points of reduced integration, for a stiffness of an unknown formulation.
 
@@ -111,7 +113,7 @@ def _at_best_points(
     return body
 
 
-def _check_density(given: Any, mass: Any, body: BodyElements, findings: Any) -> None:
+def _check_density(given: Any, mass: float, body: BodyElements, findings: Findings) -> None:
     material, volume = given.material, body.elements.volumes.sum()
     if abs(material.density * volume - mass) > DIFFERENT_MASS * mass:
         message = (

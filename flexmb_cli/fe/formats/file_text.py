@@ -1,6 +1,6 @@
 """Text of a file and tables of numbers in it; what cannot be read is reported with its line.
 
-The names of these files come from decks, which may be a stranger's: only regular files are opened, and
+The names of these files come from decks, which may be untrusted: only regular files are opened, and
 nothing larger than `LARGEST_FILE` is read.
 """
 

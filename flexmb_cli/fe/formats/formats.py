@@ -15,7 +15,7 @@ class MatrixFormat(NamedTuple):
 
     reader: str  # "module:function" of this folder: (path), (path, mapping) or (path, "M" or "K")
     mapping: str = ""  # format of the equation mapping that it needs beside the matrix, "" for none
-    by_letter: bool = False  # whether a file holds several matrices, which M and K tell apart
+    by_letter: bool = False  # whether a file holds several matrices, named M and K
 
 
 MATRIX_FORMATS = {
@@ -39,10 +39,10 @@ FORMS_WITH_ELEMENTS = ("INP", "CDB", "BDF")
 def read_matrix(
     path: Path, form: str, letter: str, mapping: Path | None = None, mapping_form: str = ""
 ) -> MatrixFile:
-    """The matrix at `path` in format `form`; `letter` (M or K) tells which, where a file holds several.
+    """Return the matrix at `path` in format `form`; `letter` (M or K) selects one where a file holds several.
 
-    Raises FEFileFault, also where a size is declared that no free body with these entries has: memory is
-    taken by the size.
+    Raises FEFileFault, also for a declared size that no free body with these entries can have: the size
+    determines how much memory is taken.
     """
     found = _read(path, form, letter, mapping, mapping_form)
     if found.size > len(found.values):

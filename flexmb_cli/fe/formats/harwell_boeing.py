@@ -58,9 +58,8 @@ def read_mapping(path: Path) -> np.ndarray:
             continue
         label = match[3].upper()
         if label not in _DIRECTIONS:
-            message = (
-                f"freedom {label} of node {match[2]}: only UX, UY, UZ can be used; mesh with solid elements"
-            )
+            named = f"degree of freedom {label} of node {match[2]}"
+            message = f"{named}: only UX, UY, UZ can be used; mesh with solid elements"
             raise line_fault(path.name, number, message)
         found[int(match[1])] = int(match[2]), _DIRECTIONS[label]
     if not found:
@@ -169,7 +168,7 @@ def _matrix(
     rows: np.ndarray,
     values: np.ndarray,
     equations: np.ndarray,
-) -> Any:
+) -> MatrixFile:
     """ANSYS 9 declared RSA and wrote full columns with wrong pointers: those are not mirrored."""
     full = len(values) == size * size
     if full:

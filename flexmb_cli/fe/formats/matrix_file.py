@@ -23,7 +23,7 @@ class MatrixFile:
     `one_triangle`: the entries off the diagonal stand for their mirror images too.  `equations`
     (size, 2): node and direction (1 2 3) of every row; None: rows follow the node table, x y z of its
     first node first.  `digits`: significant digits of the longest number as it is printed, final zeros
-    included; 0 where no text tells.
+    included; 0 for binary files.
     """
 
     size: int

@@ -28,7 +28,7 @@ def read_matrix_market(path: Path) -> MatrixFile:
     return reader(path.name, lines[start], body, start + 1, symmetric)
 
 
-def _kind(name: str, lines: list[str]) -> Any:
+def _kind(name: str, lines: list[str]) -> tuple[Any, Any]:
     words = lines[0].lower().split() if lines else []
     if not words or words[0] != _BANNER:
         raise line_fault(name, 1, "a Matrix Market file begins with %%MatrixMarket; is the format another?")

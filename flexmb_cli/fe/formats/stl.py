@@ -2,7 +2,7 @@
 
 3D Systems, "StereoLithography Interface Specification" (1988): a binary file has 80 bytes of title, the
 number of its triangles, and 50 bytes for each (normal, three corners, two bytes unused), little-endian.
-Writers begin binary files with "solid", too, so that the length tells the two kinds apart.
+Some writers begin binary files with "solid", too, so the file's length distinguishes the two types.
 """
 
 import re
@@ -97,7 +97,7 @@ def _check_count(name: str, count: int) -> None:
         raise FEFileFault(message, id="FE-081")
 
 
-def _joined(name: str, corners: np.ndarray) -> Any:
+def _joined(name: str, corners: np.ndarray) -> tuple[Any, Any]:
     """Vertices that differ, and triangles with three of them."""
     vertices, index = np.unique(corners + 0.0, axis=0, return_inverse=True)
     triangles = index.reshape(-1, 3)

@@ -253,7 +253,7 @@ def fill_forces(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: flo
 
 
 @allocating
-def _add_friction(system: Any, work: "Work") -> float:
+def _add_friction(system: System, work: "Work") -> float:
     """Add the friction of all joints to FORCES, on which it depends, and on GAMMA; returns its power."""
     (m, n), first = work.jacobian.shape, first_friction(system.loads)
     count, applied = system.loads.shape[0] - first, work.vectors[FORCES]

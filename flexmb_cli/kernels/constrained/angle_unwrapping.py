@@ -1,7 +1,7 @@
 """Angles of screws, drivers and joint springs during an integration: they count whole turns, which a position
 alone does not show."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from .._jit import kernel
 from ..kinematics.constraints import SCREW
@@ -26,7 +26,7 @@ MOST_TURNED = 2.5  # rad in a step, less than half a turn: the stages of a step 
 
 
 @kernel
-def _turn_rate(work: Work, c: Any, u: "np.ndarray"):
+def _turn_rate(work: Work, c: "np.ndarray", u: "np.ndarray"):
     """Rate of a screw's angle: the relative turning along its axis, rad/s."""
     i, j = 6 * c["body_i"] + 3, 6 * c["body_j"] + 3
     axis = rotate(work.rotations[A], c["body_i"], c["s_i"])

@@ -1,7 +1,7 @@
 """Vectors fixed to bodies, c + S η in body axes, as vectors in global axes with rate and remainder of
 acceleration.
 
-Vlasenko and Kasper (2008), kinematics of a node: with s = c + S η and A the body's rotation,
+Vlasenko and Kasper (2008), (7)-(9), (28): with s = c + S η and A the body's rotation,
 
     body vector = A s,   rate = A (ω~ s + S η̇),   rest = A (ω~ ω~ s + 2 ω~ S η̇),
 

@@ -131,7 +131,7 @@ def _pushed_back(load: "np.void", depth: float, approach: float, sign: float, an
 
 
 @kernel
-def add_unit_friction(system: Any, work: "Work", k: int, f: "np.ndarray") -> None:
+def add_unit_friction(system: "System", work: "Work", k: int, f: "np.ndarray") -> None:
     """Add friction k by the normal force 1 N to f (n,), and answer for it."""
     load, answer, geometry = system.loads[k], work.responses[k], geometry_of(system, work)
     r = load["radius"]

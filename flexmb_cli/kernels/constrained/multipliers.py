@@ -39,7 +39,7 @@ def fill_multipliers(system: System, work: Work, ud: np.ndarray, lam: np.ndarray
 
 @allocating
 def _share(work: Work, borne: np.ndarray, lam: np.ndarray) -> None:
-    """Spread what the independent rows bear over all rows, to least norm."""
+    """Distribute the multipliers of the independent rows over all rows, with least norm."""
     rank, order, m = work.rank[0], work.order, lam.shape[0]
     count = m - rank
     C = np.empty((count, rank))

@@ -5,7 +5,7 @@ body, then all η̇; its coordinates q (n + b,) are r and p of every body, then 
 """
 
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -98,12 +98,13 @@ def make_work(system: System, angles: int) -> Work:
 
 
 @plain
-def columns_of(system: Any):
+def columns_of(system: System):
     """Return columns (m, 1 + c): how many of each equation's Jacobian may be other than zero, then which."""
     first, bodies = system.bodies.shape[0], system.masses.shape[0]
     found = [_speeds_of({(int(body), 0, 0) for body in pair}, bodies) for pair in system.bodies]
     for row in range(first, system.row_scale.shape[0]):
-        body_vectors, k = set(), row - first  # type: ignore[var-annotated]
+        body_vectors: set[int] = set()
+        k = row - first
         while k >= 0:
             primitive = system.primitives[k]
             body_vectors.update(map(int, primitive["ends"].ravel() if primitive["alpha"] else ()))

@@ -1,4 +1,4 @@
-"""Functions of time with their first two derivatives; formulas and kinds as in `model.time_functions`."""
+"""Functions of time with their first two derivatives; formulas and types as in `model.time_functions`."""
 
 import math
 from typing import TYPE_CHECKING, Any
@@ -56,7 +56,7 @@ def _spin_up(w: float, T: float, t: float) -> tuple[float, float, float]:
 
 @kernel
 def _table(knots: "np.ndarray", first: int, last: int, t: float, held: bool) -> tuple[float, float, float]:
-    """Cubic through the knots first to last; outside it goes on straight, or keeps its value where `held`."""
+    """Evaluate the cubic through the knots first to last; outside straight, or constant where `held`."""
     inside = min(max(t, knots[first, 0]), knots[last, 0])
     while last - first > 1:
         middle = (first + last) // 2

@@ -207,7 +207,7 @@ def is_doubtful(clock: "np.void", work: "Work"):
     """Return whether a row inside or at the end of a step, whose factors are at hand, lies so near a singular
     position that round-off may rule it.
     """
-    # `not >` doubts a nan.
+    # `not >` takes a nan for doubtful.
     return clock["step_length"] > 0.0 and not smallest_pivot(work.factors, work.rank[0]) > firm_pivot(clock)
 
 
@@ -228,7 +228,7 @@ def fill_doubtful(
 ):
     """Fill a report row at t that `is_doubtful`; `trial` and its rates are those of the interpolation.
 
-    At the fraction x = 1, the end of a run, that knows no more of the accelerations than the equations: nan.
+    At x = 1, the end of a run, the interpolation has no better accelerations than the equations: nan.
     """
     clock, row = integration.clock[0], integration.clock[0]["row"]
     if x == 1.0:

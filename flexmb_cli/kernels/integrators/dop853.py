@@ -109,7 +109,7 @@ def _length(integration: "Any", *arrays: Any):
 
 
 @kernel
-def _largest_error(clock: Any, h: float):
+def _largest_error(clock: "np.void", h: float):
     """Error of a step of length h, in tolerances, that its projection may take away."""
     return max(BLURRED, BLURRED_SPEEDS / clock["rtol"]) if leads_over(clock, h) else 1.0
 

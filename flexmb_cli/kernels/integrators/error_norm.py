@@ -19,13 +19,13 @@ PROJECTION_SHARE = 1e-10  # of a state that the projection may move at any toler
 
 
 @kernel
-def tolerance(clock: Any, unit: float, size: int):
+def tolerance(clock: "np.void", unit: float, size: int):
     """Return the error allowed in a component of this size, whose absolute tolerance is of `unit`."""
     return clock["atol"] * unit + clock["rtol"] * size
 
 
 @kernel
-def displacement_tolerance(clock: Any, unit: float):
+def displacement_tolerance(clock: "np.void", unit: float):
     """Return the error allowed in a displacement, or a rotation vector, of the size of its unit."""
     return (clock["atol"] + clock["rtol"]) * unit
 
@@ -41,7 +41,7 @@ def scaled_norm(integration: "Any", state: "np.ndarray", change: "np.ndarray"):
 
 
 @kernel
-def strayed(open_end: "np.ndarray", closed_end: "np.ndarray", clock: Any):
+def strayed(open_end: "np.ndarray", closed_end: "np.ndarray", clock: "np.void"):
     """Return the place in the state that the projection onto the loops moved too far, or -1.
 
     open_end (N,), closed_end (N,): the state at the end of a step before and after the projection.

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
 @allocating
 def error_on_constraints(system: "System", work: "Work", integration: "Integration", h: float):
-    """Error of the step from z to trial, which has been projected, whose factors are at hand.
+    """Return the error of the step from z to the projected trial; the factors are those of the projection.
 
-    Only what the projection leaves of it counts: across a singular position, where the stages tell one
-    motion from another badly, it takes most of it away.
+    Only the part that the projection leaves counts.  Across a singular position, where the stages mix the
+    two motions, the projection removes most of the error.
     """
     clock, n = integration.clock[0], system.speed_scale.shape[0]
     first = clock["counted"] - n

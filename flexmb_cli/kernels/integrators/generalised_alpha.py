@@ -139,12 +139,12 @@ def _first_step(system: System, integration: AlphaIntegration) -> float:
 
 
 @kernel
-def _length(integration: "AlphaIntegration", system: Any, work: "Work"):
+def _length(integration: "AlphaIntegration", system: System, work: "Work"):
     return next_length(integration.clock[0], integration.memory[0])
 
 
 @kernel
-def _attempt(integration: "AlphaIntegration", h: float, system: Any, work: "Work"):
+def _attempt(integration: "AlphaIntegration", h: float, system: System, work: "Work"):
     """Find the end of a step of length h; 1, or minus the factor on the length for another try."""
     clock, memory = integration.clock[0], integration.memory[0]
     if not solve_step(system, work, integration, h):
@@ -155,7 +155,7 @@ def _attempt(integration: "AlphaIntegration", h: float, system: Any, work: "Work
 
 
 @kernel
-def _reject(integration: "AlphaIntegration", h: float, factor: float, system: Any, work: "Work") -> None:
+def _reject(integration: "AlphaIntegration", h: float, factor: float, system: System, work: "Work") -> None:
     retreat(integration.clock[0], integration.memory[0], h, h * factor)
 
 
@@ -259,7 +259,7 @@ def integrate_rows(
 
 
 @allocating
-def _between(system: Any, integration: AlphaIntegration, x: float, point: np.ndarray) -> Any:
+def _between(system: System, integration: AlphaIntegration, x: float, point: np.ndarray) -> Any:
     """Fill point with the state at the fraction x of the last step."""
     clock, memory, old, z, n = (
         integration.clock[0],

@@ -32,7 +32,7 @@ SAME_TIME_IN_STEP = 1e-9  # of a step: times this near to each other are one
 OF_ERROR = 1e-6  # of the step's error: what the iterations may leave in a step of given length
 ITERATED_BLURRED = 0.3  # of the tolerance: what the iterations may leave where that is all round-off
 LEAST_PASSING = 0.1  # of a given step: way over a singular position on which none ends, 5 times what is FOUND
-FAR_PIVOT = 5.0  # of one that is firm: where the smallest is above, given steps alone tell how far to look
+FAR_PIVOT = 5.0  # of one that is firm: where the smallest is above, given steps alone fix how far to look
 PASSED_ON = 1.0  # error at the end of a run, in tolerances, if errors of steps only added up
 PASSING = 0.005  # of the tolerance: error of a step over a singular position, of which a run has a few
 
@@ -121,7 +121,7 @@ def _laid_out(clock: "np.void", memory: "np.void") -> float:
 
 
 @kernel
-def retreat(clock: Any, memory: "np.void", tried: float, h: float) -> None:
+def retreat(clock: "np.void", memory: "np.void", tried: float, h: float) -> None:
     """After a step of length `tried` that was not found, or not well enough: one of length h."""
     over = leads_over(clock, tried)
     if over:

@@ -1,11 +1,12 @@
 """Errors of a step of the generalised-α method, in tolerances, by the growth of the accelerations."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from .._jit import kernel, part
 from .error_norm import displacement_tolerance, tolerance
 
 if TYPE_CHECKING:
+    from ..constrained.system import System
     from .generalised_alpha import AlphaIntegration
 
 # Rows of the accelerations kept (5, n): of the step's end as it is found, its start, the start of the step
@@ -16,7 +17,7 @@ ACCELERATION_GAP, SPEED_GAP, POSITION_GAP = 0, 1, 2
 
 
 @part
-def step_error(system: Any, integration: "AlphaIntegration", h: float):
+def step_error(system: "System", integration: "AlphaIntegration", h: float):
     """Error of the step in tolerances, from the growth of the accelerations.
 
     By Taylor's series, with s = α_m - α_f: (1/12 + s²/4) h³ d(ud)/dt in positions and
@@ -40,7 +41,7 @@ def step_error(system: Any, integration: "AlphaIntegration", h: float):
 
 
 @part
-def correction_size(system: Any, integration: "AlphaIntegration", by_speed: float):
+def correction_size(system: "System", integration: "AlphaIntegration", by_speed: float):
     """The change of the speeds by the correction of the accelerations, in tolerances."""
     clock, n, total = integration.clock[0], system.speed_scale.shape[0], 0.0
     first = clock["counted"] - n
@@ -51,7 +52,7 @@ def correction_size(system: Any, integration: "AlphaIntegration", by_speed: floa
 
 
 @kernel
-def fastest_change(system: Any, integration: "AlphaIntegration"):
+def fastest_change(system: "System", integration: "AlphaIntegration"):
     """The largest rate at which accelerations change speeds, 1/s."""
     n = system.speed_scale.shape[0]
     first = integration.clock[0]["counted"] - n

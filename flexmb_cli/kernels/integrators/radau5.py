@@ -155,7 +155,7 @@ def _renew(system: System, work: Work, integration: RadauIntegration) -> int:
 
 
 @kernel
-def _length(integration: "RadauIntegration", system: Any, work: "Work"):
+def _length(integration: "RadauIntegration", system: System, work: "Work"):
     """Return the length of the step to try, whose matrices are renewed where they are of another position."""
     clock = integration.clock[0]
     copy(integration.angles[NEW], work.angles)
@@ -165,7 +165,7 @@ def _length(integration: "RadauIntegration", system: Any, work: "Work"):
 
 
 @kernel
-def _is_current(integration: "RadauIntegration", system: Any, work: "Work"):
+def _is_current(integration: "RadauIntegration", system: System, work: "Work"):
     """Renew the matrices where another order of elimination holds; return whether they are those of z."""
     if work.quality[0] != integration.memory[0]["quality"]:
         integration.clock[0]["fault"] = _renew(system, work, integration)
@@ -174,7 +174,7 @@ def _is_current(integration: "RadauIntegration", system: Any, work: "Work"):
 
 
 @kernel
-def _attempt(integration: "RadauIntegration", h: float, system: Any, work: "Work"):
+def _attempt(integration: "RadauIntegration", h: float, system: System, work: "Work"):
     """`_try_step` or, in front of a singular position, a step over it; 0 where it begins at one."""
     clock, memory, factor = integration.clock[0], integration.memory[0], 0.0
     way, left = clock["singular"] - clock["t"], clock["stop"] - clock["t"]
@@ -193,7 +193,7 @@ def _attempt(integration: "RadauIntegration", h: float, system: Any, work: "Work
 
 
 @kernel
-def _reject(integration: "RadauIntegration", h: float, factor: float, system: Any, work: "Work") -> None:
+def _reject(integration: "RadauIntegration", h: float, factor: float, system: System, work: "Work") -> None:
     clock, memory = integration.clock[0], integration.memory[0]
     clock["step"] = h * factor
     clock["rejections"] += 1
@@ -256,7 +256,7 @@ def _accept(integration: RadauIntegration, factor: float, system: System, work: 
 
 
 @kernel
-def _is_singular(work: "Work", clock: Any, memory: "np.void"):
+def _is_singular(work: "Work", clock: np.void, memory: "np.void"):
     """Return whether a pivot at the end of the last step was as good as zero."""
     for k in range(work.rank[0] if clock["steps"] > 0 else 0):
         if abs(work.pivots[k]) < 10.0 * memory["branching"]:

@@ -3,7 +3,7 @@
 Hairer and Wanner, Solving Ordinary Differential Equations II (second edition), section IV.8.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from .radau5_table import ERROR, REAL, STAGES, WEIGHTS
 from .rotation_increments import LONGEST_TURN, largest_turn
 
 if TYPE_CHECKING:
-    from ..constrained.system import Work
+    from ..constrained.system import System, Work
     from .radau5 import RadauIntegration
 
 SAFETY, FASTEST = 0.9, 6.0
@@ -26,7 +26,7 @@ STEEPEST = 3.0 / (25.0 * 5.0**0.5)  # slope of x³ (1 - x)³
 
 
 @kernel
-def step_error(system: Any, work: "Work", integration: "RadauIntegration", h: float):
+def step_error(system: "System", work: "Work", integration: "RadauIntegration", h: float):
     """Error of the step in tolerances, of order 3: stiff motions are taken out by the matrix."""
     clock, n, rank, m = integration.clock[0], integration.rates.shape[1], work.rank[0], work.jacobian.shape[0]
     u = coordinates_and_speeds(system, integration.z)[1]
@@ -87,7 +87,7 @@ def work_scale(integration: "RadauIntegration"):
 
 
 @kernel
-def next_factor(clock: Any, memory: "np.void", h: float, error: float):
+def next_factor(clock: np.void, memory: "np.void", h: float, error: float):
     """Factor on the step length: by the error of this step, and by its growth since the last."""
     if not error > 0.0:
         return FASTEST
@@ -99,7 +99,7 @@ def next_factor(clock: Any, memory: "np.void", h: float, error: float):
 
 
 @kernel
-def steps_within_rotation_limit(system: Any, integration: "RadauIntegration"):
+def steps_within_rotation_limit(system: "System", integration: "RadauIntegration"):
     """Return how many steps like this one a body may turn in one, for rows between its ends.
 
     A turn θ leaves (θ/2)⁵ max |d/dx x³ (1 - x)³| / 720 of its rate in Hermite's quintic.

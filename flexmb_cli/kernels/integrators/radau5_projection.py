@@ -3,7 +3,7 @@
 The shortest way in the metric of the matrix of the step: stiff motions stay at rest.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -100,7 +100,7 @@ def _node_time(node: int):
 
 
 @allocating
-def between(system: Any, integration: "RadauIntegration", x: float, point: "np.ndarray") -> None:
+def between(system: System, integration: "RadauIntegration", x: float, point: "np.ndarray") -> None:
     """Fill point with the state at the fraction x of the last step."""
     clock, old, z, n = integration.clock[0], integration.old, integration.z, system.speed_scale.shape[0]
     bodies, h = system.masses.shape[0], clock["step_length"]

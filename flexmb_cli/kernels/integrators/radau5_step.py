@@ -65,7 +65,7 @@ MASS_LAYER, DAMPING_LAYER, STIFFNESS_LAYER = 0, 1, 2
 
 MOST_ITERATIONS = 10
 LEAST = 1e-3  # contraction that is trusted
-SECOND = 2.0  # contraction with which the second correction goes on
+SECOND = 2.0  # contraction with which the second correction continues
 FLOOR = 1e-14  # of the speeds: round-off
 
 

@@ -7,10 +7,10 @@ as long as the iterations converge.  Closed loops are kept closed in the rates b
 themselves, and in the coordinates at the end of every step (`stiff_projection`).
 
 The state is that of `tree_motion`: its speeds are iterated, coordinates follow from them, and Euler
-parameters and the applied work are taken from the last evaluation.
+parameters and the applied work are those of the last evaluation.
 """
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from .time_loop import Method, time_loop
 from .tree_dop853 import observe_trial
 
 if TYPE_CHECKING:
+    from ...model.arrays.tree import TreeArrays
     from ..tree.report import Report as TreeReport
 
 SLOW_CONTRACTION = 0.2  # contraction at which b is renewed for the next step
@@ -84,12 +85,12 @@ def implicit_work(clock: np.ndarray, z: np.ndarray, speeds: int, closures: np.nd
 
 
 @kernel
-def _length(s: "Implicit", tree: Any, work: "np.ndarray", coordinates: np.ndarray):
+def _length(s: "Implicit", tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray):
     return min(s.clock[0]["step"], s.clock[0]["stop"] - s.clock[0]["t"])
 
 
 @kernel
-def _attempt(s: "Implicit", h: float, tree: Any, work: "np.ndarray", coordinates: np.ndarray):
+def _attempt(s: "Implicit", h: float, tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray):
     """Find the end of a step of length h; the factor on the next length, or minus that of another try."""
     clock, z = s.clock[0], s.z
     if not _solve(s, h, tree, work, coordinates):
@@ -101,7 +102,7 @@ def _attempt(s: "Implicit", h: float, tree: Any, work: "np.ndarray", coordinates
 
 
 @kernel
-def _solve(s: "Implicit", h: float, tree: Any, work: "np.ndarray", coordinates: np.ndarray) -> bool:
+def _solve(s: "Implicit", h: float, tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray) -> bool:
     """Solve the stages of a step of length h, anew with a new matrix where an older one does not serve."""
     clock, memory = s.clock[0], s.memory[0]
     for _ in range(2):
@@ -117,7 +118,7 @@ def _solve(s: "Implicit", h: float, tree: Any, work: "np.ndarray", coordinates: 
 
 @kernel
 def _reject(
-    s: "Implicit", h: float, factor: float, tree: Any, work: "np.ndarray", coordinates: np.ndarray
+    s: "Implicit", h: float, factor: float, tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray
 ) -> None:
     clock = s.clock[0]
     clock["step"] = h * factor
@@ -126,7 +127,7 @@ def _reject(
 
 
 @kernel
-def _accept(s: "Implicit", factor: float, tree: Any, work: "np.ndarray", coordinates: np.ndarray):
+def _accept(s: "Implicit", factor: float, tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray):
     """Make the end of a step the state, and close its loops; a code."""
     clock, z, h = s.clock[0], s.z, s.clock[0]["length"]
     clock["step_start"], clock["step_length"] = clock["t"], h
@@ -152,7 +153,13 @@ def _accept(s: "Implicit", factor: float, tree: Any, work: "np.ndarray", coordin
 
 @kernel
 def _close_loops(
-    tree: Any, work: "np.ndarray", coordinates: np.ndarray, clock: Any, z: np.ndarray, h: float, s: "Implicit"
+    tree: "TreeArrays",
+    work: "np.ndarray",
+    coordinates: np.ndarray,
+    clock: np.void,
+    z: np.ndarray,
+    h: float,
+    s: "Implicit",
 ) -> None:
     """Close the loops at the end of a step; the step is taken back where that moves it too far."""
     copy(z, s.trial)
@@ -171,7 +178,12 @@ def _close_loops(
 
 @kernel
 def _fill_row(
-    s: "Implicit", t: float, report: "TreeReport", tree: Any, work: "np.ndarray", coordinates: np.ndarray
+    s: "Implicit",
+    t: float,
+    report: "TreeReport",
+    tree: "TreeArrays",
+    work: "np.ndarray",
+    coordinates: np.ndarray,
 ):
     """Fill a report row at a time up to the present one; a code."""
     clock = s.clock[0]
@@ -187,7 +199,7 @@ _advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row))
 
 @kernel
 def integrate_rows(
-    tree: Any,
+    tree: "TreeArrays",
     work: "np.ndarray",
     coordinates: np.ndarray,
     integration: "Implicit",

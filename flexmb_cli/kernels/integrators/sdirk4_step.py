@@ -3,7 +3,7 @@
 Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.6.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from ..tree.motion import derivative
 from .error_norm import CAUTION, ITERATED, tolerance
 
 if TYPE_CHECKING:
+    from ...model.arrays.tree import TreeArrays
     from .sdirk4 import Implicit
 
 STAGES, DIAGONAL = 5, 0.25
@@ -37,7 +38,7 @@ LEAST = 1e-3  # contraction that is trusted: a smaller one may be round-off
 
 @kernel
 def prepare_matrix(
-    tree: Any, work: "np.ndarray", coordinates: np.ndarray, z: np.ndarray, h: float, s: "Implicit"
+    tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray, z: np.ndarray, h: float, s: "Implicit"
 ):
     """Renew b where it is stale and the factors where b or the step length is another one."""
     memory = s.memory[0]
@@ -52,7 +53,13 @@ def prepare_matrix(
 
 @kernel
 def solve_stages(
-    tree: Any, work: "np.ndarray", coordinates: np.ndarray, clock: Any, z: np.ndarray, h: float, s: "Implicit"
+    tree: "TreeArrays",
+    work: "np.ndarray",
+    coordinates: np.ndarray,
+    clock: np.void,
+    z: np.ndarray,
+    h: float,
+    s: "Implicit",
 ):
     """Slopes of all stages; s.trial is the state of the last one.  False when an iteration fails."""
     n = z.shape[0]
@@ -73,10 +80,10 @@ def solve_stages(
 
 @kernel
 def _solve_stage(
-    tree: Any,
+    tree: "TreeArrays",
     work: "np.ndarray",
     coordinates: np.ndarray,
-    clock: Any,
+    clock: np.void,
     t: float,
     h: float,
     slope: "np.ndarray",
@@ -119,7 +126,7 @@ def _place_trial(h: float, slope: "np.ndarray", s: "Implicit") -> None:
 
 
 @kernel
-def _correct(tree: Any, clock: Any, h: float, slope: "np.ndarray", s: "Implicit"):
+def _correct(tree: "TreeArrays", clock: np.void, h: float, slope: "np.ndarray", s: "Implicit"):
     """Newton's correction of the slopes, and its size against the tolerance."""
     speeds = s.change.shape[0]
     for m in range(speeds):
@@ -142,7 +149,7 @@ def _correct(tree: Any, clock: Any, h: float, slope: "np.ndarray", s: "Implicit"
 
 
 @kernel
-def step_error(tree: Any, clock: Any, z: np.ndarray, h: float, s: "Implicit"):
+def step_error(tree: "TreeArrays", clock: np.void, z: np.ndarray, h: float, s: "Implicit"):
     """Error of the step against the tolerance, what the matrix calls stiff taken out."""
     speeds, last = s.change.shape[0], z.shape[0] - 1
     for i in range(z.shape[0]):

@@ -70,7 +70,7 @@ def _steps(method: "Method"):
     def take_step(integration: "Any", spent: int, *arrays: Any):
         """Make one step; a code.
 
-        The tries pause when the evaluations of the clock reach `spent`, and the next call goes on with them.
+        The tries pause when the evaluations of the clock reach `spent`, and the next call continues.
         """
         clock = integration.clock[0]
         while True:

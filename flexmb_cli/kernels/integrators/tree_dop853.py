@@ -1,9 +1,9 @@
 """DOP853 on the equations of a tree, with its loops closed at the end of every step.
 
-A resumed run goes on from the start of the last step and makes the same steps as an uninterrupted one.
+A resumed run continues from the start of the last step and makes the same steps as an uninterrupted one.
 """
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGES
 from .error_norm import scaled_norm, strayed
 
 if TYPE_CHECKING:
+    from ...model.arrays.tree import TreeArrays
     from ..tree.report import Report as TreeReport
 
 # Tasks besides BEGIN and INTEGRATION of `clock`: close the loops of z; go on at z with a known step.
@@ -52,7 +53,7 @@ def evaluate(
     integration: "Integration",
     slope: "np.ndarray",
     t: float,
-    tree: Any,
+    tree: "TreeArrays",
     work: "np.ndarray",
     coordinates: np.ndarray,
 ):
@@ -65,18 +66,27 @@ def evaluate(
 
 @kernel
 def _slope(
-    integration: "Integration", stage: int, t: float, tree: Any, work: "np.ndarray", coordinates: np.ndarray
+    integration: "Integration",
+    stage: int,
+    t: float,
+    tree: "TreeArrays",
+    work: "np.ndarray",
+    coordinates: np.ndarray,
 ):
     return evaluate(integration, integration.slopes[stage], t, tree, work, coordinates)
 
 
 @kernel
-def _normalise(integration: "Integration", tree: Any, work: "np.ndarray", coordinates: np.ndarray) -> None:
+def _normalise(
+    integration: "Integration", tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray
+) -> None:
     normalise_attitudes(tree, integration.trial)
 
 
 @kernel
-def _finish(integration: "Integration", h: float, tree: Any, work: "np.ndarray", coordinates: np.ndarray):
+def _finish(
+    integration: "Integration", h: float, tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray
+):
     clock = integration.clock[0]
     if not _slope(integration, STAGES, clock["t"] + h, tree, work, coordinates):
         return -0.2
@@ -84,13 +94,13 @@ def _finish(integration: "Integration", h: float, tree: Any, work: "np.ndarray",
 
 
 @kernel
-def _watch(integration: "Integration", tree: Any, work: "np.ndarray", coordinates: np.ndarray):
+def _watch(integration: "Integration", tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray):
     """Tables of loads end the steps by `stop`: there are no other events."""
     return READY
 
 
 @kernel
-def _close(integration: "Integration", tree: Any, work: "np.ndarray", coordinates: np.ndarray):
+def _close(integration: "Integration", tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray):
     """Close the loops at the end of a step, whose slope then is that at the start of the next; a code."""
     clock = integration.clock[0]
     if tree.closures.shape[0] == 0:
@@ -128,7 +138,7 @@ def _fill_row(
     integration: "Integration",
     t: float,
     report: "TreeReport",
-    tree: Any,
+    tree: "TreeArrays",
     work: "np.ndarray",
     coordinates: np.ndarray,
 ):
@@ -152,7 +162,7 @@ def observe_trial(
     slope: "np.ndarray",
     t: float,
     report: "TreeReport",
-    tree: Any,
+    tree: "TreeArrays",
     work: "np.ndarray",
     coordinates: np.ndarray,
 ):
@@ -176,7 +186,7 @@ _advance = dop853(Equations(_slope, _normalise, _finish, _watch, _close, _fill_r
 
 @kernel
 def integrate_rows(
-    tree: Any,
+    tree: "TreeArrays",
     work: "np.ndarray",
     coordinates: np.ndarray,
     integration: "Integration",
@@ -188,7 +198,9 @@ def integrate_rows(
 
 
 @kernel
-def begin(task: int, tree: Any, work: "np.ndarray", coordinates: np.ndarray, integration: "Integration"):
+def begin(
+    task: int, tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray, integration: "Integration"
+):
     """Do a task that makes no steps; a code."""
     clock = integration.clock[0]
     copy(integration.z, integration.trial)
@@ -204,7 +216,9 @@ def begin(task: int, tree: Any, work: "np.ndarray", coordinates: np.ndarray, int
 
 
 @kernel
-def _choose_first_step(integration: "Integration", tree: Any, work: "np.ndarray", coordinates: np.ndarray):
+def _choose_first_step(
+    integration: "Integration", tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray
+):
     """Choose the first step (Hairer et al., section II.4) from the first slope and a probe."""
     clock, counted = integration.clock[0], integration.z.shape[0] - 1
     first = first_step(integration, integration.slopes[0])

@@ -257,7 +257,7 @@ def follow(
     motion (screws, 3) holds angles and rates of the screws.  out (rows, 3, n): positions,
     velocities, accelerations.  audit (rows, 3): largest |Φ|, largest |dΦ/dt|, Newton iterations.
     Returns the number of rows reached: fewer than asked for when the way is barred, or when
-    clock[BUDGET] is used up and a further call goes on.
+    clock[BUDGET] is used up and a further call continues.
     """
     work = make_work(state.shape[1])
     new = np.empty((3, state.shape[1]))

@@ -12,14 +12,14 @@ CLOCK_ROUND_OFF = 2e-15  # of the time: shorter steps do not move the clock
 # round-off hides which curve is smooth.
 BIFURCATION_LENGTH = 1e-4
 # Places in `clock`: time reached, step to try (0: assemble first), sign of det Φ_q, last step taken,
-# attempts left before the caller is asked, iterations spent on the row so far.
+# attempts left before control returns to the caller, iterations spent on the row so far.
 TIME, NEXT_LENGTH, SIGN, LAST_LENGTH, BUDGET, SPENT = 0, 1, 2, 3, 4, 5
 CLOCK_SIZE = 6
 
 
 @kernel
 def step_to(clock: np.ndarray, target: float) -> float:
-    """End of the step to try next: the target, or a part of the way that leaves no sliver."""
+    """Return the end of the step to try next: the target, or a point at most halfway to it."""
     left = target - clock[TIME]
     return target if clock[NEXT_LENGTH] >= left else clock[TIME] + min(clock[NEXT_LENGTH], 0.5 * left)
 
@@ -29,7 +29,7 @@ def acceptable(clock: np.ndarray, off: float, moved: float, sign: int) -> bool:
     """Return whether a step may be taken: on one smooth curve, and with det Φ_q of one sign.
 
     The ways of assembling a mechanism are separated by positions at which det Φ_q is zero.  Where two
-    of them come close, the other can look smoother than the true one; the sign tells them apart.  A
+    of them come close, the other can look smoother than the true one; the sign distinguishes them.  A
     sign that changes on a way too short for a narrow pass to hide in is a true bifurcation.
     """
     if clock[NEXT_LENGTH] == 0.0:

@@ -1,7 +1,7 @@
 """Euler parameters: rotation matrices, their rates, and rows of their Jacobian.
 
-Young (1996), chapter 3.  A = G Lᵀ (3.26) is used as it stands, a quadratic form in p, and not in the
-form (3.16), which equals it only for |p| = 1: so 2 G s̄' (4.9) is the exact derivative of A s' for
+Young (1996), chapter 3: G (3.24), L (3.25).  A = G Lᵀ (3.26) is used as it stands, a quadratic form in p, not
+in the form (3.16), which equals it only for |p| = 1: so 2 G s̄' (4.9) is the exact derivative of A s' for
 any p, and 2 Ġ L̇ᵀ s' the exact remainder of its second time derivative.
 
 q (7 bodies,) holds seven coordinates a body: x, y, z (m), e0, e1, e2, e3; qd (7 bodies,) their rates.
@@ -22,7 +22,7 @@ TURN = 2.0 * math.pi
 
 
 @kernel
-def dot(a: Any, b: tuple[float, float, float]) -> Any:
+def dot(a: "np.ndarray", b: tuple[float, float, float]) -> Any:
     """Return the scalar product of two vectors, a (3,) and the triple b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 @kernel
-def product(a: "np.ndarray", b: Any) -> Any:
+def product(a: "np.ndarray", b: "np.ndarray") -> Any:
     """Return the scalar product of the rows a (n,) and b (n,), in four sums."""
     # Four sums side by side: one alone waits for each addition to end.
     s0 = s1 = s2 = s3 = 0.0

@@ -20,7 +20,7 @@ def triple(a: "np.ndarray", first: int) -> tuple[float, float, float]:
 
 
 @part
-def store(v: tuple[float, float, float], a: Any, first: int) -> Any:
+def store(v: tuple[float, float, float], a: "np.ndarray", first: int) -> Any:
     """Set three places of a (k,) from `first` on to v."""
     a[first] = v[0]
     a[first + 1] = v[1]
@@ -54,7 +54,7 @@ def scaled(c: float, a: tuple[float, float, float]) -> tuple[float, float, float
 
 
 @part
-def dot(a: Any, b: tuple[float, float, float]) -> Any:
+def dot(a: "np.ndarray", b: tuple[float, float, float]) -> Any:
     """Return the scalar product a · b; a (3,) may be an array."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 

@@ -2,7 +2,7 @@
 
 Composite rigid bodies (Featherstone, Rigid Body Dynamics Algorithms, 2008, section 6.2): with all
 coordinates locked, each frame shows the inertia of everything beyond it; a unit acceleration along a
-coordinate asks for one wrench there, which every coordinate on the way to the root feels.  The cost
+coordinate needs one wrench there, which acts along every coordinate on the way to the root.  The cost
 is that of the entries which are not zero.
 """
 

@@ -1,7 +1,7 @@
 """Inertia and bias force of a frame, the nodal masses of a flexible body eliminated on the spot.
 
-DAFMS thesis (1992), sections 3.2-3.3, in recursive form: instead of the matrix b and the columns f*
-and F, each frame collects the inertia and force its subtree shows at its origin while the
+DAFMS thesis (1992), sections 3.2-3.3, eqs. (3.14) and (3.15), in recursive form: instead of the matrix b and
+the columns f* and F, each frame collects the inertia and force its subtree shows at its origin while the
 coordinates of that subtree stay free.  A nodal mass that is free along axis d shows no inertia along d,
 only the elastic force; along the other axes it is carried with the body.
 """

@@ -1,11 +1,12 @@
 """Kane's equations of a tree, b y' = F - f*, solved recursively at a cost linear in bodies and nodes.
 
-DAFMS thesis (1992), chapter 3, with the terms its listing leaves out.  The matrix b is never formed:
-eliminating the coordinates from the tips to the root is the factorization of b in the order of the
-tree (Featherstone's articulated bodies).  A coordinate is either free, and its acceleration follows,
-or locked: its acceleration is given, and the effort that enforces it follows.  All locked is
-inverse dynamics.  The one-way motion of thesis 4.3 is two solutions: the rigid coordinates with the
-elastic ones locked at rest, then the elastic ones with the rigid ones locked.
+DAFMS thesis (1992), chapter 3, eqs. (3.7) and (3.16), with the terms its listing leaves out.  Partial
+velocities, (2.35)-(2.38), are not stored: the recursion carries vectors from frame to frame.  The matrix b
+is never formed: eliminating the coordinates from the tips to the root is the factorization of b in the order
+of the tree (Featherstone's articulated bodies).  A coordinate is either free, and its acceleration follows,
+or locked: its acceleration is given, and the effort that enforces it follows.  All locked is inverse
+dynamics.  The one-way motion of thesis 4.3 is two solutions: the rigid coordinates with the elastic ones
+locked at rest, then the elastic ones with the rigid ones locked.
 """
 
 from typing import TYPE_CHECKING

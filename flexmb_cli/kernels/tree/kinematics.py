@@ -1,8 +1,8 @@
 """Outward pass of a tree: attitudes, positions, velocities and acceleration remainders.
 
-DAFMS thesis (1992), sections 2.2-2.3: S_k = S_j TD_k TR_k (2.10), positions (2.33), angular velocity
-(2.27), velocity (2.34).  What the thesis leaves out is added: the axis of a second rotation turns
-with the first, and the carried point moves with 2 w x u'.
+DAFMS thesis (1992), sections 2.2-2.3: S_k = S_j TD_k TR_k (2.10), positions (2.32) and (2.33), angular
+velocities (2.27) and (2.28), velocity (2.34), acceleration (2.41).  What the thesis leaves out is added: the
+axis of a second rotation turns with the first, and the carried point moves with 2 w x u'.
 
 `frame` is a record of `model.arrays.tree_frames.FRAME`; `s`, `parent` and `work` are records of FRAME_WORK,
 `coordinates` of COORDINATE_WORK.

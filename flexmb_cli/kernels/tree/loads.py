@@ -1,5 +1,6 @@
 """Forces along the coordinates: elastic bodies, springs and dampers, motors; prescribed motion.
 
+DAFMS thesis (1992), generalised active forces, eqs. (3.8)-(3.13).
 Geometric stiffening acts on the elastic coordinates only; its reaction on the body is of second
 order in the displacements and left out, as is axial prestress by the acceleration of the body's origin.
 

@@ -1,4 +1,4 @@
-"""The motion of a tree as a first-order system z' = f(t, z).
+"""The motion of a tree as a first-order system z' = f(t, z): DAFMS thesis (1992), eqs. (2.23) and (3.16).
 
 z holds the NS speeds, the NS coordinates, four Euler parameters for each hinge with three rotations,
 and last the work that has been applied, whose error does not count.

@@ -1,6 +1,6 @@
 """Report rows of a tree: what is found at the states of the report times."""
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -9,6 +9,9 @@ from ..linalg.copying import copy
 from .energy import energies
 from .motion import parts
 from .projection import largest_gap, largest_rate
+
+if TYPE_CHECKING:
+    from ...model.arrays.tree import TreeArrays
 
 
 class Report(NamedTuple):
@@ -24,7 +27,7 @@ class Report(NamedTuple):
 
 @kernel
 def observe(
-    tree: Any, work: "np.ndarray", coordinates: np.ndarray, z: np.ndarray, report: "Report", row: int
+    tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray, z: np.ndarray, report: "Report", row: int
 ) -> None:
     """Fill a report row from the state z, which has just been evaluated."""
     copy(z, report.rows[row])

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @part
 def clear_unit_forces(work: "np.ndarray") -> None:
-    """No force on any frame."""
+    """Set the unit forces on all frames to zero."""
     for k in range(work.shape[0]):
         for i in range(6):
             work[k]["unit_force"][i] = 0.0

@@ -61,7 +61,7 @@ class PointJoints:
         self.table, self.joints = table, joints
         self._turning: dict[int, tuple[int, int, int]] = {}
 
-    def _vectors(self, joint: int) -> Any:
+    def _vectors(self, joint: int) -> JointVectors:
         return JointVectors(self.table, self.joints[joint])
 
     def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
@@ -100,7 +100,7 @@ class PointJoints:
 
 
 def coordinates_of_joints(joints: Sequence[Any]) -> list[JointCoordinateName]:
-    """All joint coordinates in the order of the joints, which have a `kind`."""
+    """Return all joint coordinates in the order of the joints, which have a `kind`."""
     return [
         JointCoordinateName(k, coordinate)
         for k, joint in enumerate(joints)

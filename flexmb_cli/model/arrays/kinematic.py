@@ -171,7 +171,7 @@ def across(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return cross(axes[m], s), cross(axes[n], s)
 
 
-def _screw_values(mechanism: Mechanism, joint: Joint, s_i: np.ndarray) -> Any:
+def _screw_values(mechanism: Mechanism, joint: Joint, s_i: np.ndarray) -> dict[Any, Any]:
     """Slide and turn of the deck's own estimates, before assembly, are the zero of the thread."""
     f = unit(np.array(joint.h_i) - dot(joint.h_i, s_i) * s_i)
     g = cross(s_i, f)

@@ -168,7 +168,7 @@ def line_primitive(head: int, tail: int) -> np.ndarray:
 
 
 def blank_load(kind: int) -> np.ndarray:
-    """A LOAD record of a kind that refers to nothing."""
+    """A LOAD record of a type that refers to nothing."""
     record = np.zeros((), LOAD)
     record["kind"] = kind
     for field in (

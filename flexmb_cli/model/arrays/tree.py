@@ -181,7 +181,7 @@ def _elastic_bodies(
     return np.concatenate(records) if records else np.zeros(0, ELASTIC_BODY), reach, *flat
 
 
-def _stiffening(tree: Any, k: Any) -> np.ndarray:
+def _stiffening(tree: Any, k: int) -> np.ndarray:
     """(2, NM, NM): by turning and by weight, what hangs on the nodes pulling as if it sat there."""
     elastic = tree.bodies[k].elastic
     masses = elastic.masses + hanging_masses(tree, k)
@@ -199,7 +199,7 @@ def _stiffening(tree: Any, k: Any) -> np.ndarray:
     )
 
 
-def hanging_masses(tree: Any, k: Any) -> np.ndarray:
+def hanging_masses(tree: Any, k: int) -> np.ndarray:
     """Mass of all bodies beyond each node of body k (NP,), kg."""
     carried = np.array([body.mass for body in tree.bodies])
     hanging = np.zeros(len(tree.bodies[k].elastic.masses))

@@ -103,7 +103,7 @@ def tree_frames(tree: Tree, index: "dict[Any, Any]") -> FrameParts:
 
 
 def _add_node_frames(
-    tree: Tree, k: Any, carriers: list[tuple[int, int, int]], index: dict[Any, Any], parts: Any
+    tree: Any, k: int, carriers: list[tuple[int, int, int]], index: dict[Any, Any], parts: FrameParts
 ) -> None:
     """Node frames at all carrying nodes of a body; they have no slope where nothing turns."""
     elastic, frame = tree.bodies[k].elastic, parts.of_body[k]
@@ -207,7 +207,7 @@ def _node_coordinates(body: Body, k: int, node: int, index: "dict[Any, Any]") ->
     return [index.get((k, ELASTIC, axis, node), -1) for axis in (1, 2, 3)]
 
 
-def _node_frame(body: Any, k: Any, node: Any, parent: Any, index: Any) -> np.ndarray:
+def _node_frame(body: Any, k: int, node: int, parent: int, index: dict[Any, Any]) -> np.ndarray:
     frame = _blank_frame(parent, k)
     elastic = body.elastic
     frame["point"] = elastic.positions[node]
@@ -219,7 +219,7 @@ def _node_frame(body: Any, k: Any, node: Any, parent: Any, index: Any) -> np.nda
     return frame
 
 
-def _nodal_mass(body: Body, k: int, node: int, index: "dict[Any, Any]") -> Any:
+def _nodal_mass(body: Body, k: int, node: int, index: "dict[Any, Any]") -> tuple[Any, Any, Any, Any]:
     elastic = body.elastic
     assert elastic is not None, "nodal masses are those of an elastic body"
     return (

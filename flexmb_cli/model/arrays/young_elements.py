@@ -113,7 +113,7 @@ class _Equations:
         self.table.equations(item.name, item.place, item.i, item.j, parts)
 
 
-def _revolute_cylindrical(table: PrimitiveTable, a: Any, b: Any) -> Any:
+def _revolute_cylindrical(table: PrimitiveTable, a: Any, b: Any) -> list[Any]:
     """P_i stays on the axis of body j, and the two axes at right angles."""
     of_i, of_j = a[1].r0 - a[0].r0, b[1].r0 - b[0].r0
     s_i, s_j = of_i / np.linalg.norm(of_i), of_j / np.linalg.norm(of_j)

@@ -1,4 +1,4 @@
-"""Functions of time as cards that YOUNG, VSDF and DAFMS decks have alike: kinds, and the numbers of each."""
+"""Functions of time as cards that YOUNG, VSDF and DAFMS decks have alike: types, and the numbers of each."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -9,7 +9,7 @@ from ..piecewise_polynomials import Pieces, continuous_rates, smooth_step, splin
 from ..time_functions import COMPOUND, PIECEWISE, SINE, MotionFunction
 from .functions import points_of, polynomial_of, simple, without_jumps
 
-Card = tuple[int, str, tuple[float, ...]]  # number of the function, its kind, the numbers that define it
+Card = tuple[int, str, tuple[float, ...]]  # number of the function, its type, the numbers that define it
 SAME = 1e-9  # of the largest value: coefficients that two cards have in common
 
 
@@ -46,7 +46,7 @@ class FunctionCards:
 
 
 def _card_of(function: MotionFunction) -> tuple[str, tuple[float, ...]] | None:
-    """Kind and numbers of a function that is no sum or product; None where no card says the same."""
+    """Type and numbers of a function that is no sum or product; None where no card says the same."""
     if c := polynomial_of(function):
         return "polynomial", c
     if function.kind == SINE:
@@ -68,7 +68,7 @@ def _step(pieces: Pieces) -> tuple[str, tuple[float, ...]] | None:
 
 
 def _spline(pieces: Pieces) -> tuple[str, tuple[float, ...]] | None:
-    """A cubic spline, whose last piece goes on: any point of it is the last."""
+    """A cubic spline, whose last piece continues: any point of it is the last."""
     if len(pieces) < 3 or continuous_rates(pieces) < 2:
         return None
     times = [piece[0] for piece in pieces]

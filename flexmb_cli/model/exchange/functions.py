@@ -113,7 +113,7 @@ def simple(function: MotionFunction) -> MotionFunction:
     return function if any(total[1:]) else MotionFunction(SINE, (mean + total[0], size, omega, phase))
 
 
-def _sum(polynomials: Any) -> Any:
+def _sum(polynomials: Any) -> tuple[Any, ...]:
     total = np.zeros(max(map(len, polynomials), default=1))
     for c in polynomials:
         total[: len(c)] += c

@@ -65,7 +65,7 @@ class RigidBody:
 class RigidJoint:
     """A joint of `kind` between bodies `i` and `j`, with points P and vectors s along the axes (or arms).
 
-    The kinds are those of `joint_types`, and "fixed", "revolute-spherical" (its axis on body i) and
+    The types are those of `joint_types`, and "fixed", "revolute-spherical" (its axis on body i) and
     "spherical-spherical".  `size`: pitch, m/rad, or length of the link, m.
     """
 
@@ -107,7 +107,7 @@ class CoordinateSpring:
 
 @dataclass(frozen=True)
 class RigidModel:
-    """All of it, in the order of the deck.  `notes`: what a reader of the new deck should know."""
+    """A rigid mechanism in the order of the deck.  `notes`: remarks for the reader of the new deck."""
 
     bodies: tuple[RigidBody, ...]
     time: TimeGrid

@@ -45,7 +45,7 @@ class _Scaling:
     def __init__(self, L: float, M: float):
         self.L, self.M, self.force, self.torque = L, M, M * L, M * L * L
 
-    def model(self, model: Any) -> Any:
+    def model(self, model: RigidModel) -> Any:
         L, F, T = self.L, self.force, self.torque
         return replace(
             model,

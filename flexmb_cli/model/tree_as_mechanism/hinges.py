@@ -50,7 +50,7 @@ def add_hinges(table: PrimitiveTable, tree: Tree, frames: Frames) -> None:
         _add_node_frame(table, node_frame, len(tree.bodies) + n)
 
 
-def _slide(table: PrimitiveTable, body_vectors: HingeVectors, axis: int) -> Any:
+def _slide(table: PrimitiveTable, body_vectors: HingeVectors, axis: int) -> tuple[Any, Any, Any]:
     return f"translation {axis}", True, table.product(body_vectors.gap, body_vectors.p[axis - 1])
 
 
@@ -67,7 +67,7 @@ def _attitude(table: PrimitiveTable, body_vectors: HingeVectors, hinge: Hinge, b
     return _welded(table, body_vectors, body, rotation_matrix(hinge.attitude))
 
 
-def _welded(table: PrimitiveTable, body_vectors: HingeVectors, body: int, T: np.ndarray) -> Any:
+def _welded(table: PrimitiveTable, body_vectors: HingeVectors, body: int, T: np.ndarray) -> list[Any]:
     """Axes of the body that lie where those of P_k do are at right angles to the others of these."""
     e = [table.body_vector(body, T[axis]) for axis in range(3)]
     return [table.product(body_vectors.p[i], e[j]) for i, j in ((0, 1), (0, 2), (1, 2))]

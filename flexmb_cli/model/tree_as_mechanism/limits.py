@@ -37,7 +37,7 @@ def _one_way(tree: Tree) -> "Iterator[Any]":
 
 
 def _weights(tree: Tree) -> "Iterator[Any]":
-    """Geometric stiffening by gravity: the floating frame knows that by turning only."""
+    """Yield a fault for geometric stiffening by gravity: the floating frame has that by rotation only."""
     for body in tree.bodies:
         stiffened = body.elastic is not None and body.elastic.stiffened_from is not None
         if stiffened and any(tree.gravity):
@@ -74,7 +74,7 @@ def has_shared_axis(hinge: Hinge, axis: int) -> bool:
     return hinge.rotations in ((), (axis,))
 
 
-def _foreign_hinge(tree: Tree, item: "Motor | Spring", kind: str, what: str) -> Any:
+def _foreign_hinge(tree: Tree, item: "Motor | Spring", kind: str, what: str) -> Fault:
     message = (
         f"a {kind} in a hinge with {what} is not carried over to absolute coordinates; {_otherwise(tree)}"
     )

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def tree_loads(table: PrimitiveTable, tree: Tree, frames: Frames) -> np.ndarray:
-    """All loads but gravity and elasticity."""
+    """Return all loads but gravity and elasticity."""
     found: np.ndarray = _Loads(table, tree, frames).records()
     return found
 
@@ -128,7 +128,7 @@ class _Loads:
     def _function(self, function: Table) -> int:
         if len(function.times) == 1:
             return int(self.table.function(MotionFunction(POLYNOMIAL, (function.values[0], 0.0, 0.0, 0.0))))
-        # Past a jump at its end a table goes on: the kernel divides by the length of the last piece.
+        # Past a jump at its end a table continues: the kernel divides by the length of the last piece.
         times, values = (*function.times, function.times[-1] + 1.0), (*function.values, function.values[-1])
         return int(self.table.of_knots(HELD_TABLE, np.column_stack([times, values, np.zeros(len(times))])))
 

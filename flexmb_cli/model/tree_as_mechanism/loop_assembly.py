@@ -37,7 +37,7 @@ def closed_tree(tree: Tree, frames: Frames) -> Tree:
     raise _failure(tree, gaps)
 
 
-def _closed(tree: Tree, frames: Frames, free: np.ndarray) -> Any:
+def _closed(tree: Tree, frames: Frames, free: np.ndarray) -> tuple[Any, Any]:
     """Newton's steps with the free coordinates as long as they help; the tree and its gaps."""
     gaps, _ = _gaps_and_rates(tree, frames)
     for _ in range(MOST_STEPS):
@@ -75,7 +75,7 @@ def _moved(tree: Tree, step: np.ndarray) -> Any:
     return replace(tree, q=np.asarray(tree.q, float) + step, hinges=tuple(hinges))
 
 
-def _turned(attitude: Any, turn: np.ndarray) -> Any:
+def _turned(attitude: Any, turn: np.ndarray) -> tuple[Any, ...]:
     """Euler parameters after a rotation vector (3,) in P_k axes."""
     angle = np.linalg.norm(turn)
     c, s = np.cos(angle / 2), 0.5 * np.sinc(angle / (2 * np.pi)) * np.asarray(turn)
@@ -83,7 +83,7 @@ def _turned(attitude: Any, turn: np.ndarray) -> Any:
     return (float(c * e0 - s @ e), *(c * e + e0 * s + np.cross(s, e)))
 
 
-def _gaps_and_rates(tree: Tree, frames: Frames) -> Any:
+def _gaps_and_rates(tree: Tree, frames: Frames) -> tuple[Any, Any]:
     """Gaps of the closed directions, m, and their rates, m/s."""
     poses, gaps, rates = first_poses(tree, frames), [], []
     for closure in tree.closures:
@@ -111,7 +111,7 @@ def _point(tree: Tree, poses: list[Pose], body: Any, place: Any, node: Any) -> P
     return Pose(on.r + r, on.A, on.v + np.cross(on.w, r) + on.A @ slide, on.w)
 
 
-def _failure(tree: Tree, gaps: np.ndarray) -> Any:
+def _failure(tree: Tree, gaps: np.ndarray) -> AnalysisError:
     worst = int(np.argmax(np.abs(gaps)))
     closure = [closure for closure in tree.closures for _ in closure.directions][worst]
     message = (

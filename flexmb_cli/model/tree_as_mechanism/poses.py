@@ -78,7 +78,7 @@ class _Start:
         A, w = self._turn(k, hinge, at)
         return Pose(at.r + slide, A, at.v + np.cross(at.w, slide) + rate, w)
 
-    def _turn(self, k: int, hinge: "Hinge", at: Pose) -> Any:
+    def _turn(self, k: int, hinge: "Hinge", at: Pose) -> tuple[Any, Any]:
         A, w = at.A, at.w
         for axis in hinge.rotations:
             q, y = self.state[k, ROTATION, axis]

@@ -27,7 +27,7 @@ def compare(
 
     `same_attitude`: Euler parameters p and -p (with their rates) count as equal.  `explain`: differences
     that are known errors of the historic programs are counted as such.  Raises `TableError` when a file
-    cannot be read, or when the two are of different kinds.  `words`: lines of text that differ count, too.
+    cannot be read, or when the two are of different types.  `words`: lines of text that differ count, too.
     `listed`: how many of the numbers that differ the report names, besides the worst of each type.
     `deck`: that of two listings of YOUNG, run with the errors of the program of 1996 to explain differences.
     """
@@ -69,7 +69,12 @@ def _compare_tables(
 
 
 def _compare_stored(
-    path_a: Any, path_b: Any, forms: tuple[str, str], tolerances: Tolerances, same_attitude: bool, listed: int
+    path_a: "Path | str",
+    path_b: "Path | str",
+    forms: tuple[str, str],
+    tolerances: Tolerances,
+    same_attitude: bool,
+    listed: int,
 ) -> Report:
     if set(forms) == {HDF5}:
         from .hdf5 import compare_hdf5

@@ -21,6 +21,7 @@ from .tolerances import Tolerances
 TIME_HEAD = "time [s]"
 # Rows belong together when their times agree to this part of the longest time.
 SAME_TIME = 1e-9
+SHOWN_HEADS = 5  # of columns that a table lacks
 KIND_OF_NAME = (
     (r"body\..*\.e\d", "euler"),
     (r"body\..*\.de\d", "euler_rate"),
@@ -69,11 +70,11 @@ def compare_csv(
         for path, form in zip((path_a, path_b), forms, strict=True)
     )
     rows = _common_rows(report, a, b)
-    for head in dict.fromkeys((*a.heads, *b.heads)):
-        if head in a.heads and head in b.heads:
+    for head in a.heads:
+        if head in b.heads:
             _compare_column(report, head, (a, b), rows, tolerances)
-        else:
-            _report_missing(report, head, *((a, b) if head in a.heads else (b, a)), tolerances)
+    _report_missing(report, a, b, tolerances)
+    _report_missing(report, b, a, tolerances)
     return report
 
 
@@ -95,7 +96,7 @@ def read_csv(path: str) -> Columns:
 
 
 def kind_of_name(name: str) -> str:
-    """Return the kind of a quantity, as tolerances name it, from the name in a heading."""
+    """Return the type of a quantity, as tolerances name it, from the name in a heading."""
     if name == "time":
         return "time"
     for pattern, kind in KIND_OF_NAME:
@@ -176,13 +177,17 @@ def _compare_column(
     report.compare(kind, a, b, tolerances.named(name) or tolerances.of(kind), describe)
 
 
-def _report_missing(
-    report: Report, head: str, having: Columns, lacking: Columns, tolerances: Tolerances
-) -> None:
-    special = tolerances.named(head.partition(" [")[0]) or tolerances.of(having.kinds[head])
-    if special.ignores:
-        return
-    if having.whole:
-        report.words.append(f"{head} is not among the columns of {lacking.name}")
-    else:
-        report.missing.append(f"{head}: not in {lacking.name}")
+def _report_missing(report: Report, having: Columns, lacking: Columns, tolerances: Tolerances) -> None:
+    """Report the columns of one table that the other lacks; those of a result in one line of words."""
+
+    def counts(head: str) -> bool:
+        named = tolerances.named(head.partition(" [")[0]) or tolerances.of(having.kinds[head])
+        return not named.ignores
+
+    absent = [head for head in having.heads if head not in lacking.heads and counts(head)]
+    if not having.whole:
+        report.missing.extend(f"{head}: not in {lacking.name}" for head in absent)
+    elif absent:
+        more = f" and {len(absent) - SHOWN_HEADS} more" if len(absent) > SHOWN_HEADS else ""
+        names = ", ".join(absent[:SHOWN_HEADS]) + more
+        report.words.append(f"not compared, not among the columns of {lacking.name}: {names}")

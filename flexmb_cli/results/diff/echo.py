@@ -82,7 +82,7 @@ def _compare_lines(
     tolerances: Tolerances,
     form: ListingForm,
 ) -> Any:
-    """Lines with as many numbers, kind by kind."""
+    """Lines with as many numbers, type by type."""
     flat = _flattened(lines_a), _flattened(lines_b)
     order = sorted(range(len(flat[0])), key=lambda k: flat[0][k][0].kind)
     for kind, group in groupby(order, key=lambda k: flat[0][k][0].kind):

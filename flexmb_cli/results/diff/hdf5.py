@@ -162,7 +162,7 @@ def quantity_places(result: h5py.File, tolerances: Tolerances) -> dict[str, list
 
 
 def kind_of(name: str) -> str:
-    """Kind of a dataset, as tolerances name it."""
+    """Type of a dataset, as tolerances name it."""
     return KIND_OF.get(name) or KIND_OF_GROUP.get(name.partition("/")[0], "other")
 
 

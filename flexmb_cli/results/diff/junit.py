@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 from .folders import Compared
 
-# XML 1.0 knows no other characters below the blank.
+# XML 1.0 has no other characters below the blank.
 FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 

@@ -138,7 +138,9 @@ def _shared_block(section: Section, pick: np.ndarray, shared: list[str]) -> tupl
     return section.values[pick][:, columns], units[pick][:, columns]
 
 
-def _known_errors(report: Report, name: str, listing: Listing, pick: np.ndarray, shared: list[str]) -> Any:
+def _known_errors(
+    report: Report, name: str, listing: Listing, pick: np.ndarray, shared: list[str]
+) -> list[Any]:
     """Causes, each with the mask (lines, columns) of the cells that it spoils."""
     if not report.explaining:
         return []

@@ -35,7 +35,7 @@ def _occurrences(time: np.ndarray) -> list[tuple[float, int]]:
     return pairs
 
 
-def common_places(keys_a: "list[Any]", keys_b: "list[Any]") -> Any:
+def common_places(keys_a: "list[Any]", keys_b: "list[Any]") -> tuple[Any, ...]:
     """Positions of the keys that both lists have, in the order of the first."""
     place = {key: row for row, key in enumerate(keys_b)}
     rows = [(row, place[key]) for row, key in enumerate(keys_a) if key in place]

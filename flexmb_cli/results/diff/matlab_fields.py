@@ -92,7 +92,7 @@ def _compare_field(
         a, b = (np.array(list(map(str, np.ravel(x).tolist()))) for x in (a, b))
         _compare_texts(report, name, a, b)
         return
-    # MATLAB knows no arrays of fewer than two axes, and drops the last ones of length 1.
+    # MATLAB has no arrays of fewer than two axes, and drops the last ones of length 1.
     if np.squeeze(a).shape != np.squeeze(b).shape:
         report.missing.append(f"/{name}: shape {a.shape} against {b.shape}")
         return

@@ -1,4 +1,4 @@
-"""Result of a comparison: counts for every kind of column, the worst place, missing entries."""
+"""Result of a comparison: counts for every type of column, the worst place, missing entries."""
 
 import math
 from typing import TYPE_CHECKING, Any
@@ -52,7 +52,7 @@ class Found:
 
 @dataclass
 class Tally:
-    """Numbers of one kind: how many were compared and differ, and the largest distances.
+    """Numbers of one type: how many were compared and differ, and the largest distances.
 
     `explained` of the differing ones are known errors; `worst` is the worst of the others.  `unreadable`
     are not compared, since one of the tables has a question mark in their place.
@@ -96,8 +96,8 @@ class Tally:
 class Report:
     """Result of `compare`: `a` and `b` are the names of the files.
 
-    `words` tells of lines of text that differ; they count as a difference only with `words_count`.
-    `causes` counts the differences by known errors, `cells` names them, `emulation` tells more of them.
+    `words` counts lines of text that differ; they are a difference only with `words_count`.
+    `causes` counts the differences by known errors, `cells` names them, `emulation` describes them.
     `listed` are the first `most_listed` of the others.
     """
 
@@ -163,7 +163,7 @@ class Report:
         slack: float | np.ndarray = 0.0,
         known: "Sequence[Any]" = (),
     ) -> None:
-        """Compare two blocks of one kind; `describe(position, distance)` gives the `Found` there.
+        """Compare two blocks of one type; `describe(position, distance)` gives the `Found` there.
 
         `unit` and `slack` as in `Tolerance.exceeded`; `known` are pairs (cause, mask of the block).
         """
@@ -198,7 +198,7 @@ class Report:
             self.cells += [(cause, describe(place)) for place in places]
 
     def text(self) -> str:
-        """Summary for a reader: what is missing, a table of kinds, the worst place."""
+        """Summary for a reader: what is missing, a table of types, the worst place."""
         lines = list(self.missing[:SHOWN_MISSING])
         if len(self.missing) > SHOWN_MISSING:
             lines.append(f"… and {len(self.missing) - SHOWN_MISSING} more of this sort")
@@ -278,7 +278,7 @@ def _count(number: int, stem: str, one: str = "", many: str = "s") -> str:
 
 
 def _aligned(row: tuple[str, ...], widths: list[int]) -> str:
-    """The kind to the left, figures to the right, the place as it is."""
+    """The type to the left, figures to the right, the place as it is."""
     figures = [cell.rjust(width) for cell, width in zip(row[1:-1], widths[1:-1], strict=True)]
     return "  ".join([row[0].ljust(widths[0]), *figures, row[-1]]).rstrip()
 

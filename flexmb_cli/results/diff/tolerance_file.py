@@ -1,4 +1,4 @@
-"""Tolerances of results in a TOML file: for all files, for files by pattern, for kinds and for quantities.
+"""Tolerances of results in a TOML file: for all files, for files by pattern, for types and for quantities.
 
 rtol = 1e-9                                # of every file
 [kinds]
@@ -75,7 +75,7 @@ def read_tolerances(path: str, general: Tolerances) -> FileTolerances:
 
 
 def _content(path: str) -> dict[str, Any]:
-    """Return the table of the file at `path`, which may be anybody's."""
+    """Return the table of the file at `path`, which is untrusted."""
     try:
         source = read_text(path, "file of tolerances")
         if source.warnings:

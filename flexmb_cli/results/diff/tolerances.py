@@ -1,4 +1,4 @@
-"""Tolerances of a comparison of two results, for every kind of column and for single quantities."""
+"""Tolerances of a comparison of two results, for every type of column and for single quantities."""
 
 import math
 import re
@@ -67,7 +67,7 @@ class Tolerance:
 
     @property
     def ignores(self) -> bool:
-        """Return whether nothing of this kind counts, not even that it is missing."""
+        """Return whether nothing of this type counts, not even that it is missing."""
         return bool(np.isinf(self.atol).all())
 
     def exceeded(
@@ -100,7 +100,7 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Tolerances:
-    """`atol`, `rtol` None: what the format asks for; `kinds` overrules single kinds of columns.
+    """`atol`, `rtol` None: what the format asks for; `kinds` overrules single types of columns.
 
     `quantities` overrules single quantities, by patterns of their names; the last that fits counts.  The
     patterns that fitted anything are put into `used`.
@@ -126,7 +126,7 @@ class Tolerances:
         return replace(self, last_digit=0)
 
     def of(self, kind: str) -> Tolerance:
-        """Tolerance of one kind of column."""
+        """Tolerance of one type of column."""
         return self.kinds.get(kind) or Tolerance(self.atol or 0.0, self.rtol or 0.0, self.last_digit)
 
     def of_places(self, kind: str, shape: tuple[int, ...], overrules: "Iterable[Any]") -> Tolerance:
@@ -149,7 +149,7 @@ class Tolerances:
 
 
 def parse_kinds(settings: "Sequence[Any]") -> dict[str, Tolerance]:
-    """Tolerances of single kinds from `KIND=ATOL` or `KIND=ATOL,RTOL`; "inf" leaves the kind out.
+    """Tolerances of single types from `KIND=ATOL` or `KIND=ATOL,RTOL`; "inf" leaves the type out.
 
     Raises `ToleranceError` with one fault for every setting that cannot be understood.
     """

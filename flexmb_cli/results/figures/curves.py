@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from itertools import takewhile
-from typing import Any
 
 import h5py
 import numpy as np
@@ -22,9 +21,9 @@ TOTAL = "energy/total"
 OF_ELEMENTS = ("coordinate/q", "element/effort", "driver/effort")
 # More curves than these in a panel cannot be distinguished.
 MOST_CURVES = 12
-# A coordinate that moves less than this part of the farthest moving one tells nothing.
+# A coordinate that moves less than this part of the farthest moving one is not drawn by default.
 STILL = 1e-9
-# What the quantities of a unit are called together, where they have nothing else in common.
+# Names of panels by the unit of their quantities, where these have nothing else in common.
 OF_UNIT = {
     "m": "lengths", "rad": "angles", "m/s": "velocities", "rad/s": "angular velocities",
     "m/s^2": "accelerations", "rad/s^2": "angular accelerations", "N": "forces", "N m": "torques",
@@ -81,7 +80,7 @@ class Panel:
         return f"{changed}{common} [{self.unit}]" if common else f"[{self.unit}]"
 
 
-def _common_ending(texts: set[str]) -> Any:
+def _common_ending(texts: set[str]) -> str:
     """The words that all texts end with: "von Mises stress" of those and of the largest one."""
     endings = [text.split()[::-1] for text in texts]
     if not endings:
@@ -114,11 +113,6 @@ class DefaultCurves:
     cut: list[str]
 
 
-def default_quantities(result: h5py.File) -> list[Quantity]:
-    """Return the quantities of `default_curves`."""
-    return default_curves(result).quantities
-
-
 def default_curves(result: h5py.File) -> DefaultCurves:
     """Return what is drawn when nothing is named: the dialect's main quantities that move, and energies.
 
@@ -133,7 +127,7 @@ def default_curves(result: h5py.File) -> DefaultCurves:
     for dataset in datasets:
         wanted = [quantity for quantity in known if quantity.dataset == dataset]
         moving = _moving(result, wanted)
-        # Bodies are drawn where there are no points that tell the motion.
+        # Bodies are drawn where there are no points that show the motion.
         if moving and not (dataset == "body/position" and chosen):
             chosen += _few_of_each_unit(result, moving, cut)
     stresses = [one for one in known if one.dataset.startswith("stress/") and one.name.endswith("von_mises")]
@@ -147,7 +141,7 @@ def _datasets(dialect: str) -> tuple[str, ...]:
 
 
 def still_energies(result: h5py.File) -> list[str]:
-    """Names of the energies that `default_quantities` leaves out, for a line at zero tells nothing."""
+    """Return the names of the energies that `default_curves` leaves out because they stay at zero."""
     drawn = _energies(result)
     return [one.name for one in names(result) if one.dataset in ENERGIES and one not in drawn]
 

@@ -231,7 +231,7 @@ def _legend(contour: str, ends: tuple[float, float], reached: tuple[float, float
     return words if ends == reached else f"{words} (of {reached[0]:.3g} to {reached[1]:.3g})"
 
 
-def _rgb(text: str) -> Any:
+def _rgb(text: str) -> np.ndarray:
     return np.array([int(text[k : k + 2], 16) for k in (1, 3, 5)]) / 255
 
 

@@ -80,7 +80,7 @@ class Look:
         rcParams.update(settings() | self.settings())
         if self.style:
             _use_style(self.style)
-        # A tight box would change the width that was asked for.
+        # A tight box would change the width that was requested.
         rcParams["savefig.bbox"] = None
         if rcParams["text.usetex"] and not self.latex:
             raise OSError("text.usetex starts LaTeX, another program: give --latex, too")
@@ -107,7 +107,7 @@ class Look:
 
 
 def settings() -> "dict[RcKeyType, Any]":
-    """Return the settings of matplotlib for curves of every kind, which a style file may change."""
+    """Return the settings of matplotlib for curves of every type, which a style file may change."""
     from cycler import cycler
 
     return {
@@ -129,26 +129,26 @@ def _use_style(name: str) -> None:
     if not Path(name).is_file():
         near = get_close_matches(name, style.available, cutoff=0.4) or ["ggplot", "classic", "grayscale"]
         raise OSError(f"no such file, and no style of matplotlib, such as {', '.join(near)}, has this name")
-    told: list[str] = []
+    messages: list[str] = []
     try:
-        with _held_back(told):
+        with _held_back(messages):
             style.use(Path(name))
     except UnicodeDecodeError:
         raise OSError("it is no style file: its bytes are no text in UTF-8") from None
     # Of a setting that stands twice the last one counts.
-    places = (re.search(r", line #?(\d+)", each) for each in told if not each.startswith("Duplicate"))
+    places = (re.search(r", line #?(\d+)", each) for each in messages if not each.startswith("Duplicate"))
     numbers = [int(place[1]) for place in places if place]
     if numbers:
         raise OSError(_bad_line(numbers[0], Path(name).read_text(encoding="utf-8").splitlines()))
 
 
 @contextmanager
-def _held_back(told: list[str]) -> "Iterator[None]":
-    """Append what matplotlib logs to `told`; it would reach the screen."""
+def _held_back(messages: list[str]) -> "Iterator[None]":
+    """Append what matplotlib logs to `messages`; it would reach the screen."""
     logger = logging.getLogger("matplotlib")
 
     def hold(record: logging.LogRecord) -> bool:
-        told.append(record.getMessage())
+        messages.append(record.getMessage())
         return False
 
     logger.addFilter(hold)

@@ -45,13 +45,13 @@ def picture(
     form: str,
     title: str = "",
     look: Look | None = None,
-    tell_missing: Callable[[str], object] = str,
+    report_missing: Callable[[str], object] = str,
 ) -> bytes:
-    """The panels one below the other as a file of `form`, one of `FORMATS`.
+    """Return the panels one below the other as a file of `form`, one of `FORMATS`.
 
-    Colours tell quantities apart, dashes results, and quantities where there are no more colours; panels
+    Colours distinguish quantities; dashes distinguish results, and quantities beyond the last colour; panels
     over time share its axis, and paths (both axes of one unit) have equal ones.  A `look` is for print;
-    `tell_missing` is called with each of its font families that is not installed.
+    `report_missing` is called with each of its font families that is not installed.
     Imports matplotlib; raises OSError for a style that there is not.
     """
     import matplotlib
@@ -62,7 +62,7 @@ def picture(
         matplotlib.rcParams["svg.hashsalt"] = "flexmb"
         if look:
             for family in look.apply():
-                tell_missing(family)
+                report_missing(family)
         else:
             matplotlib.rcParams.update(settings())
         figure = fitted_figure(panels, title, look)
@@ -149,10 +149,10 @@ def _no_room(look: Look) -> ValueError:
 
 def _lay_out(figure: "Figure") -> bool:
     """Give everything its place; return whether there is too little room."""
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         figure.draw_without_rendering()
-    return any("constrained_layout not applied" in str(one.message) for one in told)
+    return any("constrained_layout not applied" in str(one.message) for one in caught)
 
 
 def _grow(figure: "Figure", heights: list[float]) -> bool:
@@ -248,7 +248,7 @@ def style(
 ) -> dict[str, Any]:
     """Return how the curve of a quantity of one of `results` is drawn: no two alike among 192.
 
-    Properties of the `cycle` tell quantities apart; where it begins anew, and between results, dashes do,
+    Properties of the `cycle` distinguish quantities; where it begins anew, and between results, dashes do,
     and beyond these multiples of the `thickness`.
     """
     dashes = result + results * (quantity // len(cycle))

@@ -118,7 +118,7 @@ def _status(result: h5py.File) -> str:
 
 
 def _audit(result: h5py.File) -> list[tuple[str, str]]:
-    """(what, number) of everything that tells how good the numbers are."""
+    """Return (name, number) of every figure about the accuracy of the result."""
     found = []
     for name, dataset in result["audit"].items() if "audit" in result else ():
         if isinstance(dataset, h5py.Dataset) and is_number(dataset) and dataset.size:

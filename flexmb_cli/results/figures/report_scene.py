@@ -113,7 +113,7 @@ def _lined(scene: Scene, surfaces: list[ElementBody]) -> list[DrawnBody]:
 
 
 def rounded(times: np.ndarray) -> list[str]:
-    """Times with as many digits as tell frames apart."""
+    """Return times with enough digits to distinguish frames."""
     step = float(np.min(np.diff(times))) if len(times) > 1 else 0.0
     digits = 9 if step <= 0 else int(min(9, max(0, 2 - np.floor(np.log10(step)))))
     return [
@@ -128,7 +128,7 @@ def _lines(body: DrawnBody) -> "dict[str, Any]":
     return data | {"marks": _numbers(marks), "edges": _integers(body.edges)}
 
 
-def _surface(body: ElementBody, ranges: Ranges) -> Any:
+def _surface(body: ElementBody, ranges: Ranges) -> dict[Any, Any]:
     faces, elements = outer_faces_of_elements(body.cells)
     nodes = np.unique(faces)
     place = np.zeros(len(body.undeformed), int)
@@ -172,7 +172,7 @@ def _energies(body: ElementBody, elements: np.ndarray, ranges: Ranges) -> dict[s
     return {"energy": _bytes(levels), "elements": numbers, "shown": _integers(column[elements])}
 
 
-def _rigid_surface(shape: BodyShape) -> Any:
+def _rigid_surface(shape: BodyShape) -> dict[Any, Any]:
     """A surface without modes; triangles of files may face either way, and their edges are not drawn."""
     return {
         "name": shape.name,

@@ -124,7 +124,7 @@ def read_scene(result: h5py.File, rows: slice = slice(None), every_node: bool = 
 
 
 def _check_shapes(result: h5py.File) -> None:
-    """All that is drawn fits together; raises `Damaged`."""
+    """Raise `Damaged` unless the arrays of all that is drawn fit together."""
     sizes: dict[str, int] = {}
     check_shapes(result, SHAPES, sizes)
     bodies = sizes.get("b", 0)

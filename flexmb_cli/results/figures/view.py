@@ -58,5 +58,5 @@ def _aside(up: np.ndarray) -> np.ndarray:
     return found
 
 
-def _plain(vector: np.ndarray) -> Any:
+def _plain(vector: np.ndarray) -> tuple[Any, ...]:
     return tuple(float(round(x, 9)) + 0.0 for x in vector / np.linalg.norm(vector))

@@ -5,7 +5,6 @@ points of all steps stand one behind the other, the lines are given once and eve
 """
 
 import io
-from typing import Any
 
 import h5py
 import numpy as np
@@ -58,7 +57,7 @@ def _write_remark(root: h5py.Group, result: h5py.File) -> None:
         root["Steps/FieldDataSizes/emulation"] = np.ones((steps, 2), np.int64)
 
 
-def _points(scene: Scene) -> Any:
+def _points(scene: Scene) -> np.ndarray:
     """Marks of bodies (T, n, 3), and behind them the vertices of shapes."""
     parts = [body.marks for body in scene.bodies]
     for shape in scene.shapes:

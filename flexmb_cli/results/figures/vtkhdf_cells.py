@@ -138,7 +138,7 @@ def _rigid_velocities(scene: Scene, number: int, places: np.ndarray, row: int) -
     return found
 
 
-def _cells_of(body: Any) -> Any:
+def _cells_of(body: Any) -> tuple[Any, Any]:
     """Type and nodes (m, k) of the cells of a body, of its lines or single marks, or of its shapes."""
     if isinstance(body, ElementBody):
         return CELL_TYPES[body.cells.shape[1]], body.cells

@@ -18,7 +18,7 @@ def framed(payload: bytes, head: struct.Struct) -> bytes:
 def whole_payloads(file: BinaryIO, head: struct.Struct) -> Iterator[bytes]:
     """Yield the payloads from here on, up to the end or the first that is torn or damaged.
 
-    Zeros, as a loss of power may leave, are a payload of no length and its checksum: who reads on must tell.
+    Zeros, as a loss of power may leave, look like an empty payload with its checksum: the caller must check.
     """
     size = os.fstat(file.fileno()).st_size
     while len(start := file.read(head.size)) == head.size:

@@ -8,7 +8,7 @@ from typing import Any
 
 
 class FullDiskGuard(io.FileIO):
-    """The file below HDF5.  It remembers the first failure of the disk and pretends that all goes well.
+    """The file below HDF5.  It keeps the first failure of the disk and reports success to HDF5.
 
     HDF5 itself must not meet a failing disk: it then crashes the process when its file is closed, when it
     cannot find a place, or when it does not read back what it has written.  What the disk has refused is kept
@@ -23,16 +23,16 @@ class FullDiskGuard(io.FileIO):
         super().__init__(place, "w+")
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Go to a place; the disk learns of it with the next transfer."""
+        """Set the position of the next transfer."""
         self._at = offset + {os.SEEK_SET: 0, os.SEEK_CUR: self._at, os.SEEK_END: self._length}[whence]
         return self._at
 
     def tell(self) -> int:
-        """Return where HDF5 believes to be."""
+        """Return the position after the transfers that HDF5 requested."""
         return self._at
 
-    def write(self, data: Any) -> Any:
-        """Write all of `data`; tell HDF5 that it is done in any case."""
+    def write(self, data: Any) -> int:
+        """Write all of `data`; report success to HDF5 in any case."""
         view, start, done = memoryview(data).cast("B"), self._at, 0
         try:
             if self.failure is None:
@@ -48,7 +48,7 @@ class FullDiskGuard(io.FileIO):
         return len(view)
 
     def readinto(self, buffer: Any) -> int:
-        """Fill `buffer` with what HDF5 believes to have written."""
+        """Fill `buffer` with the bytes that HDF5 requested to be written there."""
         view, start, got = memoryview(buffer).cast("B"), self._at, 0
         try:
             super().seek(start)

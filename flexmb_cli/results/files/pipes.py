@@ -14,7 +14,7 @@ _PAUSE = 0.02  # s, between two tries
 def open_special(path: str) -> int:
     """Return a descriptor that writes to the pipe or device at `path`.
 
-    A plain opening of a pipe waits for its reader and goes on waiting when a signal asks for the end.
+    A plain opening of a pipe waits for its reader and continues waiting when a signal asks for the end.
     Raises OutputError where no program reads the pipe, OSError as `os.open`.
     """
     last = monotonic() + LONGEST_WAIT

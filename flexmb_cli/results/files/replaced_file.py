@@ -3,7 +3,7 @@
 A file is synced before it is moved, its folder after that: a loss of power leaves the old or the new file.
 
 What is no regular file (a pipe, /dev/null, /dev/stdout) is written to directly: moving a file over it
-would destroy it.  A pipe that nobody reads would hold the opening for ever, deaf to signals.
+would destroy it.  Opening a pipe without a reader would block for ever, signals included.
 """
 
 import os

@@ -12,7 +12,7 @@ import h5py
 FILTERS: tuple[int, ...] = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32)
 RECORD = 1024  # bytes for a chunk (libhdf5 1.14 takes about 800)
 INFLATED = 1032  # bytes, at most, of a byte that was deflated (zlib's technical details)
-_PIECE = 2**20
+_INFLATED_AT_ONCE = 2**20  # bytes
 _CHECKSUM = 4  # bytes of Fletcher's, packed with the chunk
 
 
@@ -66,7 +66,7 @@ def _fits(raw: bytes, room: int) -> bool:
     stream, total = zlib.decompressobj(), 0
     try:
         while not stream.eof and raw:
-            total += len(stream.decompress(raw, _PIECE))
+            total += len(stream.decompress(raw, _INFLATED_AT_ONCE))
             raw = stream.unconsumed_tail
             if total > room:
                 return False

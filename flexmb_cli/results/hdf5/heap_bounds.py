@@ -1,7 +1,7 @@
 """The global heaps of an HDF5 file, where its texts and references lie, looked at before HDF5 follows them.
 
 HDF5 File Format Specification 3.0, section III.E.  libhdf5 (1.14) goes round for ever, beyond the reach of
-signals, where a part of a heap has no size; so a stranger's file could stop `table` and `diff`.
+signals, where a part of a heap has no size; so an untrusted file could stop `table` and `diff`.
 """
 
 import mmap

@@ -1,6 +1,6 @@
 """h5py, imported without a call of the program `uname`.
 
-To learn the kind of machine it asks for all that `platform.uname()` has, and for the last item Python starts
+To learn the type of machine it asks for all that `platform.uname()` has, and for the last item Python starts
 `uname -p`: this process, and the modules that start it, took a twentieth of the time of a short run.
 """
 

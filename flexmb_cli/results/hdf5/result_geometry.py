@@ -19,7 +19,7 @@ OF_JOINT = ("joint/joint", SIDE.path)
 
 
 def gravity(acceleration: tuple[float, float, float]) -> tuple[Constant, ...]:
-    """The acceleration of gravity (3,), global axes, where there is any: it tells which way is up."""
+    """Return the acceleration of gravity (3,), global axes, where there is any; pictures show it as down."""
     g = np.array(acceleration, float)
     found = (Constant("gravity", (XYZ.path,), g, "m/s2", "acceleration of gravity, global axes"),)
     return found if g.any() else ()

@@ -1,4 +1,4 @@
-"""HDF5 results as anybody may have made them: read only where they are built as flexmb builds them.
+"""Untrusted HDF5 results: read only where they have the structure that flexmb writes.
 
 A file can lead to other files by its links, declare sizes that no memory holds, and name scales that are not
 there, at which the HDF5 library ends the process.  So the structure is looked at before anything is read, and
@@ -80,12 +80,12 @@ def _conventions(path: str) -> str:
         with h5py.File(path, "r") as file, understood():
             return "" if fault_of_heaps(file) else attribute(file, "Conventions")
     except (OSError, ValueError, TypeError, SystemError, Damaged):
-        # Whoever reads the file next tells what is wrong with it.
+        # The next reader of the file reports what is wrong with it.
         return ""
 
 
 def newer_layout(file: h5py.File) -> str:
-    """Return what to say of a file whose layout only a later flexmb knows, or an empty text."""
+    """Return the sentence about a file whose layout is of a later flexmb, or an empty text."""
     layout = attribute(file, "Conventions")
     found = re.fullmatch(r"flexmb-(?:study-)?([0-9]{1,9})", layout)
     if found is None or int(found[1]) <= NEWEST_LAYOUT:
@@ -204,7 +204,7 @@ def scale_of(dataset: h5py.Dataset, axis: int) -> h5py.Dataset | None:
     except (ValueError, TypeError) as error:
         raise Damaged(f"{where} is missing") from error
     good = isinstance(scale, h5py.Dataset) and _is_linked(scale) and scale.ndim == 1
-    # Of axis 0, the time, others tell the two lengths.
+    # The time (axis 0) may be shorter than the dataset: `rows` are those that both have.
     if not good or (axis and len(scale) != dataset.shape[axis]):
         raise Damaged(f"{where} has another length")
     return scale

@@ -102,7 +102,7 @@ def exudyn_script(
     """Return the script.
 
     `start`: "r" (bodies, 3) in m, Euler parameters "p" (bodies, 4), "v" and "omega" (bodies, 3), global axes.
-    `later`: "r" and "p" at later times, which tell a singular start from equations that repeat others.
+    `later`: "r" and "p" at later times, which distinguish a singular start from repeated equations.
     Raises ModelError for what is not converted.
     """
     # The name stands in texts of the script: with a quotation mark it could be any statement.

@@ -138,7 +138,7 @@ def _central_inertia(body: Body) -> np.ndarray:
     return found
 
 
-def _start(tree: Tree) -> Any:
+def _start(tree: Tree) -> tuple[Any, Any]:
     """Initial qpos and qvel in MuJoCo's order: body by body, translations first."""
     place = {(c.body, c.motion, c.axis): n for n, c in enumerate(tree.coordinates)}
     qpos, qvel = [], []

@@ -58,7 +58,7 @@ class Quantity:
 def open_result(path: Path | str) -> Iterator[h5py.File]:
     """The result at `path`, open for reading.
 
-    Raises `ResultError` when there is none, when it is another kind of file, or when it shows to be damaged
+    Raises `ResultError` when there is none, when it is another type of file, or when it shows to be damaged
     while it is open.
     """
     try:
@@ -168,7 +168,7 @@ def time_quantity(result: h5py.File) -> Quantity:
 def read(result: h5py.File, quantities: Sequence[Quantity], rows: slice = slice(None)) -> np.ndarray:
     """Values of `quantities` at `rows`, shape (rows, quantities), in the units of the quantities.
 
-    Only the datasets that are asked for are read, and of them the smallest box with all wanted elements.
+    Only the datasets that are requested are read, and of them the smallest box with all wanted elements.
     Raises `ResultError` when the file is damaged.
     """
     columns: dict[str, list[int]] = {}

@@ -207,7 +207,7 @@ class _Labels:
         return [(number, f"{kind}{number}", f"{kind} {number}") for number in numbers]
 
     def _names(self, scale: h5py.Dataset) -> list[str]:
-        """Names of what a scale counts: beside it, or in its kind's group (/reaction/joint: /joint/name)."""
+        """Names of what a scale counts: beside it, or in its type's group (/reaction/joint: /joint/name)."""
         group, _, kind = self._path(scale).rpartition("/")
         beside = self._listed(f"{group}/name", len(scale))
         return beside or self._listed(f"{kind}/name", len(scale))

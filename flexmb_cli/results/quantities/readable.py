@@ -14,7 +14,7 @@ _WORDS = {
     "u_rate": "acceleration",
 }
 _AXES = ("x", "y", "z")
-# Quantities that the name of a component tells.
+# Quantities that the name of a component implies.
 _IMPLIED = ("position", "Euler parameters")
 _OF_BODY = ("stress", "strain", "elastic", "modal")
 
@@ -29,7 +29,7 @@ class Readable:
 
     @property
     def label(self) -> str:
-        """All three in words: "velocity x of body 3", "z of point 1"."""
+        """Return quantity, component and object in words: "velocity x of body 3", "z of point 1"."""
         head = self.quantity
         if self.component:
             head = self.component if head in _IMPLIED else f"{head} {self.component}"

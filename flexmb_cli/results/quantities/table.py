@@ -156,7 +156,7 @@ def _lines(heads: list[str], values: list[list[float]], style: str) -> str:
 
 
 def _record(heads: list[str], row: list[float]) -> "dict[Any, Any]":
-    """JSON knows no nan and no infinity: null."""
+    """Return the row by heads; JSON has no nan and no infinity, so they become null."""
     return {head: value if math.isfinite(value) else None for head, value in zip(heads, row, strict=True)}
 
 

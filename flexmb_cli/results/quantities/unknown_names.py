@@ -1,4 +1,4 @@
-"""Message about a name that a result does not have: near names, or why it has none of that kind."""
+"""Message about a name that a result does not have: near names, or why it has none of that type."""
 
 import re
 from collections.abc import Sequence

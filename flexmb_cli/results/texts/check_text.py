@@ -102,7 +102,7 @@ def jacobian_text(jacobian: Any) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def _cell(value: Any) -> Any:
+def _cell(value: Any) -> str:
     if abs(value) < 5e-16:
         return f"{'.':>9}"
     return f"{value:>9.4f}" if abs(value) < 1000 else f"{value:>9.2e}"

@@ -56,7 +56,7 @@ def _position_lines(position: Any) -> "Iterator[Any]":
         yield f"    {name}: " + " ".join(f"{value:.6g}" for value in np.array(values) + 0.0)
 
 
-def _parts(names: Any, shape: Any) -> Any:
+def _parts(names: Any, shape: Any) -> str:
     sizes = np.abs(shape)
     order = [k for k in by_size(sizes)[:SHOWN_PARTS] if sizes[k] >= NAMED_PART]
     return ", ".join(f"{names[k]} {sizes[k]:.2f}" for k in order)

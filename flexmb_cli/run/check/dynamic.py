@@ -6,7 +6,7 @@ Where drivers move it (inverse dynamics), it is diagnosed as in kinematics.
 from typing import TYPE_CHECKING
 
 from ...model.loads import DynamicModel
-from ...model.unit_checks import unit_doubts
+from ...model.unit_checks import unit_warnings
 from ..context import Run
 from .check import CheckReport
 from .parts import (
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | None) -> None:
     """Fill the `CheckReport`; raises FlexmbError for what cannot be run."""
-    run.warn(unit_doubts(model))
+    run.warn(unit_warnings(model))
     if model.analysis == "forward" or model.elements:
         refuse_jacobian(
             jacobian, "it is printed of kinematics and inverse dynamics without elements at joints"

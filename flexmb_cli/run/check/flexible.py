@@ -7,7 +7,7 @@ import numpy as np
 from ...deck.many_records import Made
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from ...model.joints import BY_NAME
-from ...model.unit_checks import unit_doubts
+from ...model.unit_checks import unit_warnings
 from ..context import Run
 from .check import CheckReport
 from .parts import before_and_after, is_small, is_too_large, refuse_jacobian, report_times, start_of
@@ -22,7 +22,7 @@ CENTRE_ROUND_OFF = 1e-12
 def check(report: CheckReport, mechanism: FlexibleMechanism, run: Run, jacobian: str | None) -> None:
     """Fill the `CheckReport`; raises FlexmbError for what cannot be run."""
     refuse_jacobian(jacobian, "it is printed of mechanisms that drivers move, and of rigid bodies only")
-    run.outcome.faults += unit_doubts(mechanism)
+    run.outcome.faults += unit_warnings(mechanism)
     from ...solvers.compilation import interpreting
 
     counts = _parts(mechanism) | report_times(mechanism.time)

@@ -59,13 +59,13 @@ def _assemble(report: CheckReport, mechanism: Mechanism, jacobian: str | None, e
     start = analysis.arrays.q, report.time, analysis.arrays.screw_angles
     note_slips(report, analysis.evaluator, *start)
     if equations <= RANK_LIMIT:
-        _look_at_rank(report, analysis)
+        _look_at_rank(report, analysis, mechanism.time.start)
     if jacobian not in (None, "estimate"):
         report.jacobian = _jacobian_at(mechanism, float(jacobian))
 
 
 def _is_far(grid: TimeGrid, jacobian: str | None) -> bool:
-    """Return whether the Jacobian is asked for so late that the way there wants compiled kernels."""
+    """Return whether the Jacobian is requested so late that computing up to there needs compiled kernels."""
     return jacobian not in (None, "estimate") and float(jacobian) - grid.start > FAR_STEPS * grid.step
 
 
@@ -78,10 +78,10 @@ def _counts(mechanism: Mechanism, analysis: "KinematicAnalysis") -> dict[str, di
     }
 
 
-def _look_at_rank(report: CheckReport, analysis: "KinematicAnalysis") -> None:
+def _look_at_rank(report: CheckReport, analysis: "KinematicAnalysis", t: float) -> None:
     from ...solvers.singular.mobility import mobility
 
-    found = mobility(analysis.evaluator, analysis.state[0], report.time, analysis.motion[:, 0])
+    found = mobility(analysis.evaluator, analysis.state[0], t, analysis.motion[:, 0])
     report.rank = found.rank
     report.smallest = found.smallest
     report.redundant = [[equation.name for equation in group] for group in found.redundant]

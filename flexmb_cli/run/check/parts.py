@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from .check import CheckReport
 
 
-# Report steps to a time that a Jacobian or modes are asked for: seconds of computing for a four-bar, and
-# nothing tells how far it is.
+# Report steps up to the time at which a Jacobian or modes are requested: seconds for a four-bar, without any
+# progress shown.
 FARTHEST_STEPS = 100_000
 # What kernels left uncompiled look at in about a second: coordinates, whose matrix is factorised, and loads.
 INTERPRETED_COORDINATES, INTERPRETED_LOADS = 200, 300
@@ -121,6 +121,6 @@ def before_and_after(before: Gaps, after: Gaps) -> list[tuple[str, float, float,
 
 
 def refuse_jacobian(jacobian: str | None, reason: str) -> None:
-    """Raise ModelError where a Jacobian is asked for that the model does not have."""
+    """Raise ModelError where a Jacobian is requested that the model does not have."""
     if jacobian is not None:
         raise ModelError([Fault("error", f"--jacobian: {reason}", id="RUN-001")])

@@ -11,7 +11,7 @@ from ...errors import AnalysisError
 from ...model.mechanism import TimeGrid
 from ...model.tree import ELASTIC, Tree
 from ...model.tree_as_mechanism.limits import refuse_foreign
-from ...model.unit_checks import unit_doubts
+from ...model.unit_checks import unit_warnings
 from ...quick_dataclass import dataclass, replace
 from ..context import Run
 from .check import CheckReport
@@ -62,7 +62,7 @@ def check(report: CheckReport, tree: Tree, run: Run, jacobian: str | None) -> No
     refuse_jacobian(jacobian, "a tree has relative coordinates and no constraint Jacobian")
     if tree.elements:
         refuse_foreign(tree)
-    run.outcome.faults += unit_doubts(tree)
+    run.outcome.faults += unit_warnings(tree)
     report.counts = _counts(tree)
     elastic = [_spectrum(body) for body in tree.bodies if body.elastic is not None]
     report.tree = TreeFindings(_start(tree, tree.q, tree.y), None, [], [], {}, elastic)
@@ -127,7 +127,7 @@ def _with_elements(tree: Tree) -> "TreeAnalysis":
     return TreeWithElements(replace(tree, time=TimeGrid(start, start, tree.time.step)))
 
 
-def _start(tree: Tree, q: np.ndarray, y: np.ndarray) -> Any:
+def _start(tree: Tree, q: np.ndarray, y: np.ndarray) -> list[Any]:
     return [
         (c.name, "rad" if c.motion == "rotation" else "m", float(a), float(b))
         for c, a, b in zip(tree.coordinates, q, y, strict=True)

@@ -49,7 +49,7 @@ class Worker:
         return None
 
     def signal(self, number: int) -> None:
-        """Pass a stop on.  Windows tells it every process of the console, and knows no other signals."""
+        """Pass a stop on.  Windows sends it to every process of the console, and has no other signals."""
         pid = self.process.pid
         if os.name != "nt" and pid is not None and self.process.is_alive():
             os.kill(pid, number)
@@ -86,8 +86,8 @@ def _served(serve: Any, line: Any, *given: Any) -> None:
 
 
 def having_answers(workers: Collection[Worker]) -> list[Worker]:
-    """Wait until some of `workers` have sent something, or have ended; which ones."""
-    # Where a process ended before it took its line, only its end tells.
+    """Wait until some of `workers` have sent something, or have ended; return these."""
+    # A process that ended before it opened its line shows by its sentinel only.
     ready = set(connection.wait([thing for w in workers for thing in (w.line, w.process.sentinel)]))
     return [worker for worker in workers if ready & {worker.line, worker.process.sentinel}]
 

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 from ...errors import Fault, ModelError
 from ...model.integrators import word_of
 from ...model.loads import DynamicModel
-from ...model.unit_checks import unit_doubts
+from ...model.unit_checks import unit_warnings
 from ...quick_dataclass import replace
 from ...results.hdf5.dynamic import dynamic_layout, dynamic_values
-from ...solvers.compilation import tell_of_compiling
+from ...solvers.compilation import announce_compiling
 from ..context import Run
 from ..energy_drift import ConstrainedDrift
 from ..error_estimate import finer_motion, nothing_to_refine
@@ -49,7 +49,7 @@ def solution(model: DynamicModel, run: Run) -> Solution:
         layout,
         values,
         count,
-        partial(unit_doubts, model),
+        partial(unit_warnings, model),
         analysis.warnings,
         partial(finer_motion, partial(_stepped, model), values) if stepped else nothing_to_refine,
         dict(run.options.integration if stepped else run.options.solver),
@@ -58,7 +58,9 @@ def solution(model: DynamicModel, run: Run) -> Solution:
 
 
 def _as_asked(model: DynamicModel, options: "RunOptions") -> DynamicModel:
-    """The model with the method and the tolerance of the options."""
+    """The model with the method and tolerance of the options; a prescribed motion depends on neither."""
+    if model.analysis != "forward":
+        return model
     given, integrator = options.integration, model.integrator
     if "rtol" in given:
         integrator = replace(integrator, tolerance=given["rtol"])
@@ -85,7 +87,7 @@ def _stepped(model: DynamicModel, run: Run) -> "ForwardDynamics":
     analysis = (ForwardDynamics if forward else DrivenDynamics)(model)
     if forward:
         set_tolerances(analysis, run.options, run.outcome)
-    tell_of_compiling(run.listener, analysis.integrator.entry)
+    announce_compiling(run.listener, analysis.integrator.entry)
     return analysis
 
 
@@ -93,5 +95,5 @@ def _inverse(model: DynamicModel, run: Run) -> "InverseDynamics":
     from ...solvers.kinematics.inverse_dynamics import InverseDynamics
     from ...solvers.kinematics.settings import KinematicSettings
 
-    tell_of_compiling(run.listener, "constrained.report.observe_rows")
+    announce_compiling(run.listener, "constrained.report.observe_rows")
     return InverseDynamics(model, KinematicSettings(**run.options.solver))

@@ -7,10 +7,10 @@ from typing import Any
 
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.integrators import METHODS, Integrator, word_of
-from ...model.unit_checks import unit_doubts
+from ...model.unit_checks import unit_warnings
 from ...quick_dataclass import replace
 from ...results.hdf5.flexible import flexible_layout, flexible_values
-from ...solvers.compilation import tell_of_compiling
+from ...solvers.compilation import announce_compiling
 from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 from ..context import Run
 from ..energy_drift import ConstrainedDrift
@@ -35,7 +35,7 @@ def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
         lambda: flexible_layout(mechanism),
         values,
         StepCount(analysis.clock, ConstrainedDrift(TOO_COARSE)),
-        partial(unit_doubts, mechanism),
+        partial(unit_warnings, mechanism),
         analysis.warnings,
         partial(finer_motion, partial(_analysis, mechanism), values),
         {"bodies": _digest(analysis.system), **run.options.integration},
@@ -64,5 +64,5 @@ def _digest(system: Any) -> str:
 def _analysis(mechanism: FlexibleMechanism, run: Run) -> FlexibleDynamics:
     analysis = FlexibleDynamics(mechanism)
     set_tolerances(analysis, run.options, run.outcome)
-    tell_of_compiling(run.listener, analysis.integrator.entry)
+    announce_compiling(run.listener, analysis.integrator.entry)
     return analysis

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...model.mechanism import Mechanism
 from ...results.hdf5.kinematic import kinematic_layout, kinematic_values
-from ...solvers.compilation import tell_of_compiling
+from ...solvers.compilation import announce_compiling
 from ...solvers.kinematics.analysis import KinematicAnalysis
 from ...solvers.kinematics.settings import KinematicSettings
 from ..context import Run
@@ -20,7 +20,7 @@ def solution(mechanism: Mechanism, run: Run) -> Solution:
     """Return the kinematics of `mechanism`, ready to be solved."""
     if run.options.as_printed:
         return _as_printed(mechanism, run)
-    tell_of_compiling(run.listener, "kinematics.continuation.follow")
+    announce_compiling(run.listener, "kinematics.continuation.follow")
     analysis = KinematicAnalysis(mechanism, KinematicSettings(**run.options.solver))
     return _solution(mechanism, analysis, run, not analysis.one_block)
 

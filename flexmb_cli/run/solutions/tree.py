@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 from ...errors import Fault
 from ...model.integrators import IMPLICIT_TREE_METHODS
 from ...model.tree import Tree
-from ...model.unit_checks import unit_doubts
+from ...model.unit_checks import unit_warnings
 from ...quick_dataclass import replace
 from ...results.hdf5.tree import tree_layout, tree_values
-from ...solvers.compilation import tell_of_compiling
+from ...solvers.compilation import announce_compiling
 from ...solvers.tree.points import point_motion, point_names
 from ..context import Run
 from ..energy_drift import EnergyDrift
@@ -41,7 +41,7 @@ def solution(tree: Tree, run: Run) -> Solution:
         lambda: tree_layout(tree, point_names(tree)),
         partial(values_of, tree),
         TreeCount(analysis.clock, tree, absolute),
-        partial(unit_doubts, tree),
+        partial(unit_warnings, tree),
         analysis.warnings,
         finer=partial(_finer_blocks, tree),
         identity={"method": given.method, "rtol": given.rtol, "atol": given.atol, **formulation},
@@ -57,7 +57,7 @@ def kane_analysis(tree: Tree, run: Run) -> "TreeAnalysis":
     """Return the analysis by Kane's equations."""
     from ...solvers.tree.analysis import TreeAnalysis
 
-    tell_of_compiling(run.listener, "integrators.tree_dop853.integrate_rows")
+    announce_compiling(run.listener, "integrators.tree_dop853.integrate_rows")
     return TreeAnalysis(tree)
 
 
@@ -65,7 +65,7 @@ def kane_analysis_with_elements(tree: Tree, run: Run) -> "TreeAnalysis":
     """Return the analysis by Kane's equations of a tree with elements, which `verify` compares."""
     from ...solvers.tree.tree_with_elements import TreeWithElements
 
-    tell_of_compiling(run.listener, "integrators.tree_dop853.begin")
+    announce_compiling(run.listener, "integrators.tree_dop853.begin")
     return TreeWithElements(tree)
 
 
@@ -73,7 +73,7 @@ def absolute_analysis(tree: Tree, run: Run) -> Any:
     """Return the analysis in absolute coordinates; raises ModelError for what is not carried over."""
     from ...solvers.constrained.tree import AbsoluteTree
 
-    tell_of_compiling(run.listener, "integrators.constrained_dop853.integrate_rows")
+    announce_compiling(run.listener, "integrators.constrained_dop853.integrate_rows")
     return AbsoluteTree(tree)
 
 
@@ -106,9 +106,9 @@ class TreeCount(NoCount):
         self.drift.add(values)
 
     @property
-    def doubts(self) -> tuple[Fault, ...]:
+    def warnings(self) -> tuple[Fault, ...]:
         """Return what the energy of the rows makes doubtful."""
-        return () if self.one_way else self.drift.doubts
+        return () if self.one_way else self.drift.warnings
 
     def __str__(self) -> str:
         clock = self.clock[0]

@@ -42,7 +42,7 @@ class Size:
 
 @dataclass(frozen=True)
 class Difference:
-    """Largest difference of a quantity over the run, at a time, s, and the largest value of its kind."""
+    """Largest difference of a quantity over the run, at a time, s, and the largest value of its type."""
 
     name: str
     unit: str

@@ -54,7 +54,7 @@ def compare(
     blocks = []
     for block in analysis.rows():
         blocks.append(block)
-        Stop.heed()
+        Stop.raise_if_asked()
     run.outcome.rows = sum(block.time.size for block in blocks)
     start = blocks[0]
     X = coordinates_of(start.position[0], start.euler_parameters[0])

@@ -62,7 +62,7 @@ def differences(mechanism: FlexibleMechanism, deck: Deck, run: Run) -> tuple[Dif
     return tuple(_differences(mechanism, one, other, unique))
 
 
-def _finely(mechanism: Any, options: "RunOptions") -> Any:
+def _finely(mechanism: FlexibleMechanism, options: "RunOptions") -> Any:
     """Return the mechanism with steps finer than it is compared."""
     given = mechanism.integrator
     # Steps of a given length have no tolerance.
@@ -71,14 +71,14 @@ def _finely(mechanism: Any, options: "RunOptions") -> Any:
     return replace(mechanism, integrator=Integrator(method, tolerance=tolerance))
 
 
-def _rows(mechanism: Any) -> Any:
+def _rows(mechanism: FlexibleMechanism) -> tuple[Any, Any]:
     """Return the rows by their fields, and whether no equation repeats others."""
     from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 
     analysis, blocks = FlexibleDynamics(mechanism), []
     for block in analysis.rows():
         blocks.append(block)
-        Stop.heed()
+        Stop.raise_if_asked()
     named = [key for _, _, key in (*SERIES, *FORCES, *ELEMENTS)]
     names = ["time", "position", "velocity", *ENERGIES, *(key for key in named if hasattr(blocks[0], key))]
     rows = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
@@ -92,7 +92,9 @@ def _size(mechanism: FlexibleMechanism) -> Size:
     return Size(length_scale(mechanism), time.end - time.start, sum(body.m for body in mechanism.bodies))
 
 
-def _differences(mechanism: Any, one: np.ndarray, other: np.ndarray, unique: Any) -> "Iterator[Any]":
+def _differences(
+    mechanism: FlexibleMechanism, one: np.ndarray, other: np.ndarray, unique: Any
+) -> "Iterator[Any]":
     time, size = one["time"], _size(mechanism)
     for name, unit, key in SERIES + ELEMENTS + (FORCES if unique else ()):
         if key in one and one[key].size:

@@ -16,6 +16,8 @@ from .difference import Difference, Size, largest_difference
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from ..outcome import Listener
+
 
 FORMULATIONS = "Kane's equations and absolute coordinates"
 # Both integrate more closely than they are compared; deflections are small against a metre.
@@ -58,10 +60,10 @@ def _motions(tree: Tree, run: Run) -> Any:
     return kane, absolute
 
 
-def _heard(blocks: Any, listener: Any) -> "Iterator[Any]":
+def _heard(blocks: Any, listener: "Listener") -> "Iterator[Any]":
     for block in blocks:
         yield block
-        Stop.heed()
+        Stop.raise_if_asked()
         listener.advance(len(block.time))
 
 
@@ -115,7 +117,7 @@ def _moves_freely(tree: Tree) -> bool:
 
 
 def _coordinates(tree: Tree, size: Size, kane: dict[str, np.ndarray], absolute: Any) -> "Iterator[Any]":
-    """Coordinates and speeds by kind; integrals of angular velocities are no coordinates of a position."""
+    """Coordinates and speeds by type; integrals of angular velocities are no coordinates of a position."""
     kinds = np.array([c.motion for c in tree.coordinates])
     ball = [c.motion == ROTATION and len(tree.hinges[c.body].rotations) == 3 for c in tree.coordinates]
     for kind, unit in ((ROTATION, "rad"), (TRANSLATION, "m"), (ELASTIC, "m")):

@@ -1,4 +1,4 @@
-"""Equations of the joints as the program evaluates them, with the errors that are asked for.
+"""Equations of the joints as the program evaluates them, with the errors that are requested.
 
 Liang Yong (1996), section 4.2 and Appendix A, units YOUNG_3 and YOUNG_4.  Vectors along the axis keep the
 length that the deck gives them.  Without errors the equations are those of the text, corrected as in the

@@ -149,7 +149,7 @@ def _two_rows(first: int, second: int, third: int) -> list[int]:
     return pair
 
 
-def _failure(t: float, reported: Any) -> Any:
+def _failure(t: float, reported: Any) -> AnalysisError:
     return AnalysisError(
         Fault("error", f"at t = {t:.6g} s the program of 1996 fails: {reported}", id="SOLVE-033"), t
     )

@@ -142,7 +142,7 @@ def _across(joint: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return axis, f, cross(axis, f)
 
 
-def _components(state: State, joint: "Joint") -> Any:
+def _components(state: State, joint: "Joint") -> tuple[Any, ...]:
     """f · h_j and g · h_j, cosine and sine of the turn."""
     _, f, g = _across(joint)
     h = unit(joint.h_j)

@@ -5,7 +5,7 @@ listing.  The function of a driver is taken as C + B t + A t²/2, where the scan
 """
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -36,12 +36,12 @@ def held(mechanism: Mechanism, q: np.ndarray) -> list[Single]:
     return found
 
 
-def _value(q: np.ndarray, body: int, direction: int, value: float) -> Any:
+def _value(q: np.ndarray, body: int, direction: int, value: float) -> "Single":
     coordinate, target = held_coordinate(direction, value)
     return Single({7 * body + coordinate: 1.0}, q[body, coordinate] - target)
 
 
-def _difference(q: np.ndarray, item: "Distance") -> Any:
+def _difference(q: np.ndarray, item: "Distance") -> "Single":
     coordinate = item.direction - 1 if item.direction <= 3 else item.direction
     gap = q[item.i, coordinate] - q[item.j, coordinate] - item.value
     return Single({7 * item.i + coordinate: 1.0, 7 * item.j + coordinate: -1.0}, gap)

@@ -10,8 +10,6 @@ from ...errors import Fault
 from ...kernels.constrained.accelerations import factorise_order
 from ...kernels.constrained.angle_unwrapping import EXPECTED, NEW, OLD, fill_angles
 from ...kernels.integrators import clock as codes
-from ...model.arrays.function_table import break_times
-from ...model.arrays.records import CABLE, ELEMENT, FRICTION, STOP
 from ...model.arrays.system import SystemArrays
 from ...model.integrators import Integrator
 from ...model.joint_elements import JointElements
@@ -20,6 +18,7 @@ from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_
 from ..singular.dynamic_singularities import PassedDynamicSingularities
 from ..singular.mobility import Mobility
 from ..singular.rank_of_speeds import is_singular
+from .breakpoints import breakpoints, jumps_of_accelerations, warn_of_fine_tables
 from .coinciding_ends import refuse_coinciding_ends
 from .failures import (
     force_failure,
@@ -46,14 +45,13 @@ if TYPE_CHECKING:
 NO_ELEMENTS = JointElements()
 CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
 LARGEST_BLOCK = 256  # rows
-SAME_TIME_IN_RUN = 1e-9  # of a run: times this near to each other are one
 
 
 class ConstrainedMotion(ABC):
     """One run over the times of `grid`; `integrator`: one of `integrators`, by default the explicit one.
 
     The subclass for a model gives what is abstract here, the `velocities` behind `given_speeds`, and
-    `springs` in line.  `warnings` fills while the run goes on;
+    `springs` in line.  `warnings` fills while the run continues;
     `found` is what `start` found.
     """
 
@@ -110,7 +108,7 @@ class ConstrainedMotion(ABC):
         """Return the system with additions to the value, rate and second rate of driver k at t."""
 
     def usual_repetitions(self, q: np.ndarray) -> int | None:
-        """Number of equations that repeat others in every mechanism of this kind; None: of no such kind."""
+        """Number of equations that repeat others in every mechanism of this type; None: of no such type."""
         return None
 
     def given_rates(self, q: np.ndarray) -> "tuple[np.ndarray, np.ndarray, tuple[Any, ...]]":
@@ -131,9 +129,12 @@ class ConstrainedMotion(ABC):
         self.resumed = False
         times = np.array([self.grid.time(k) for k in range(self.grid.rows)])
         end = times[-1]
-        stops = self._breakpoints(end)
-        parts = np.split(np.arange(times.size), np.searchsorted(times, stops, "right"))
-        for stop, rows in zip([*stops, end], parts, strict=True):
+        stops = breakpoints(self, end)
+        jumps = jumps_of_accelerations(self) if self.integrator.keeps_accelerations else frozenset()
+        # A step that keeps accelerations ends just before they jump, and the next begins with those behind.
+        landings = [np.nextafter(stop, -np.inf) if stop in jumps else stop for stop in stops]
+        parts = np.split(np.arange(times.size), np.searchsorted(times, landings, "right"))
+        for stop, rows in zip([*landings, end], parts, strict=True):
             if stop < behind:
                 continue
             self.clock["stop"] = stop
@@ -145,7 +146,9 @@ class ConstrainedMotion(ABC):
             # To the very breakpoint, where there need not be a row.
             for _ in self._reports(np.array([stop] if stop < end else [])):
                 pass
-        self.warnings += self.integrator.doubts(self.clock[0])
+            if np.nextafter(stop, np.inf) in jumps:
+                self._begin_anew(np.nextafter(stop, np.inf))
+        self.warnings += self.integrator.warnings(self.clock[0])
 
     @property
     def checkpoint(self) -> dict[str, np.ndarray]:
@@ -199,53 +202,15 @@ class ConstrainedMotion(ABC):
             raise step_failure(self, codes.STEP_VANISHED)
         self.clock["excused"] = 1
 
-    def _breakpoints(self, end: float) -> list[float]:
-        """Points of tables before `end`, s, at which steps end.
-
-        What a table does between two steps of any length would be stepped over, and no method keeps its
-        order across a bend.
-        """
-        if not self.integrator.chosen:
-            return []
-        start = self.grid.start
-        found: list[float] = []
-        apart = SAME_TIME_IN_RUN * max(abs(start), abs(end))
-        corners = {t for function in self._tables for t in function.tolist()}
-        for t in sorted(corners | set(self._rows_of_work())):
-            # A step between two numbers for one time would be shorter than any can be.
-            if (found[-1] if found else start) + apart < t < end - apart:
-                found.append(t)
-        return found
-
-    def _rows_of_work(self) -> list[float]:
-        """Report times, at which steps end where nothing is free to move and an effort bends or jumps.
-
-        The motion has no error that would shorten the steps; the work of stops, cables and friction has.
-        """
-        loads = self.arrays.loads
-        bends = (loads["kind"] == ELEMENT) & np.isin(loads["shape"], (STOP, CABLE))
-        if self.found is None or self.found.free or not np.any(bends | (loads["kind"] == FRICTION)):
-            return []
-        return [self.grid.time(k) for k in range(self.grid.rows)]
-
-    @property
-    def _tables(self) -> list[np.ndarray]:
-        """The times of every table, s."""
-        system = self.system
-        found = [break_times(function, system.knots) for function in system.functions]
-        return [times for times in found if times.size]
-
-    def _warn_of_fine_tables(self) -> None:
-        """Steps of given length end where they end, whatever a table does between."""
-        apart = (float(np.diff(times).min()) for times in self._tables if times.size > 1)
-        finest = min(apart, default=np.inf)
-        if not self.integrator.chosen and finest < self.integrator.length:
-            message = (
-                f"a table has points {finest:.3g} s apart, and steps of {self.integrator.length:g} s "
-                f"may pass "
-                "over them: take a step below that, or 0 for steps that end at them"
-            )
-            self.warnings.append(Fault("warning", message, id="SOLVE-003"))
+    def _begin_anew(self, t: float) -> None:
+        """Go on at t, s, behind a jump of the accelerations, with those behind it; raises AnalysisError."""
+        memory, span = self.integration.memory, float(self.integration.memory["span"][0])
+        self.clock["t"], self.clock["stop"] = t, self.grid.time(self.grid.rows - 1)
+        self.clock["step"] = self.integrator.length
+        answer = self._call(codes.BEGIN, blank_report(self.arrays, np.zeros(0), self.works))
+        if answer != codes.READY:
+            raise step_failure(self, answer)
+        memory["span"] = span
 
     def start(self) -> Mobility:
         """Assemble positions and speeds at the first time and choose the first step.
@@ -275,10 +240,10 @@ class ConstrainedMotion(ABC):
         integration.z[: q.size] = self._first = q
         # Rates that contradict others are refused here: what is left does repeat others.
         integration.z[q.size : q.size + self.arrays.speeds] = start_speeds(self, q, grid.start)
-        refuse_coinciding_ends(self.system, self.work, self.springs, grid.start)
+        refuse_coinciding_ends(self.system, self.work, self.springs, self.elements.lines, grid.start)
         if found.redundant:
             self.warnings.append(repetition(found, self.usual_repetitions(q), *self.usual_words))
-        self._warn_of_fine_tables()
+        warn_of_fine_tables(self)
         return found
 
     def _call(self, task: int, report: "Report") -> int:

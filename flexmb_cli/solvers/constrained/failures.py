@@ -99,7 +99,7 @@ def rows_with_forces(responses: np.ndarray) -> int:
     return int(known.size if known.all() else np.argmin(known))
 
 
-def force_failure(analysis: Any, responses: np.ndarray, t: float) -> AnalysisError:
+def force_failure(analysis: "ConstrainedMotion", responses: np.ndarray, t: float) -> AnalysisError:
     """Return why loads (responses, (loads, columns)) have no force at t: a bushing, else friction."""
     turned = _overturned(analysis, responses)
     return (
@@ -107,7 +107,7 @@ def force_failure(analysis: Any, responses: np.ndarray, t: float) -> AnalysisErr
     )
 
 
-def _overturned(analysis: Any, responses: np.ndarray) -> np.ndarray:
+def _overturned(analysis: "ConstrainedMotion", responses: np.ndarray) -> np.ndarray:
     """Return which loads are bushings whose bodies have turned too far."""
     elements = analysis.arrays.loads["kind"] == ELEMENT
     return np.flatnonzero(elements & ~np.isfinite(responses[:, COORDINATE]))
@@ -132,7 +132,7 @@ def jam_failure(t: float) -> AnalysisError:
     return AnalysisError(Fault("error", message, None, "friction", id="SOLVE-038"), t)
 
 
-def _why_steps_fall(analysis: "ForwardDynamics", norms: dict[str, float]) -> Any:
+def _why_steps_fall(analysis: "ForwardDynamics", norms: dict[str, float]) -> tuple[Any, Any]:
     """The reason in words, and the equations it lies in; the condition goes into `norms`."""
     condition, owners = weakest_of_speeds(analysis, analysis.integration.z)
     norms["condition"] = condition
@@ -206,5 +206,5 @@ def note_undetermined_rows(analysis: "ConstrainedMotion", report: "Report") -> N
     warnings.append(Fault("note", message, id="SOLVE-041"))
 
 
-def _in_deck(equation: "Equation") -> Any:
+def _in_deck(equation: "Equation") -> tuple[Any, Any, Any]:
     return equation.place or (0, 0), equation.owner, equation.part

@@ -34,6 +34,11 @@ class Steps:
         return self.length == 0.0
 
     @property
+    def keeps_accelerations(self) -> bool:
+        """Return whether a step of chosen length begins with accelerations of the step before."""
+        return self.chosen and self.type.radius is not None
+
+    @property
     def _module(self) -> str:
         return f"{KERNELS}.{self.type.module}"
 
@@ -59,7 +64,7 @@ class Steps:
             integration.memory["rho"] = self._radius
         return integration
 
-    def doubts(self, clock: "np.void") -> list[Fault]:
+    def warnings(self, clock: "np.void") -> list[Fault]:
         """Return what is doubtful about the steps taken: some of given length had to be divided."""
         if self.chosen or not clock["rejections"]:
             return []

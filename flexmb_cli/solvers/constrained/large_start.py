@@ -1,6 +1,6 @@
 """The start of a forward run of many bodies: what `start` and `start_speeds` find, by sparse matrices."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -72,7 +72,7 @@ def speeds_of_many(
     return found
 
 
-def _mass_matrix(analysis: Any, q: np.ndarray) -> "csr_matrix":
+def _mass_matrix(analysis: "ConstrainedMotion", q: np.ndarray) -> "csr_matrix":
     """Return the mass matrix (n, n) of scaled speeds: a block a body, one column of each at a time."""
     from scipy.sparse import coo_matrix
 

@@ -1,6 +1,6 @@
 """The start of a forward run: an assembled position and independent equations."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -92,7 +92,7 @@ def _of_one_attitude(group: "tuple[Equation, ...]") -> bool:
     return "e0" in parts and parts <= {"e0", "e1", "e2", "e3"}
 
 
-def inertia_failure(analysis: Any, t: float) -> AnalysisError:
+def inertia_failure(analysis: "ConstrainedMotion", t: float) -> AnalysisError:
     """Some motion that the constraints leave free has no mass or inertia to resist it."""
     work, scale = analysis.work, analysis.arrays.speed_scale
     free = work.jacobian.shape[1] - int(work.rank[0])

@@ -48,7 +48,7 @@ def start_speeds(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> np.n
     given, wanted = analysis.given_speeds(q)
     if is_large(analysis.arrays):
         u = _of_many(analysis, q, rates * scale, nu, names, t)
-        _doubt_change(analysis, u, wanted, given)
+        _warn_of_change(analysis, u, wanted, given)
         return u
     J = np.concatenate([work.jacobian, rates * scale])
     particular = np.linalg.lstsq(J, nu, rcond=DEPENDENT)[0] if len(nu) else np.zeros(scale.size)
@@ -60,13 +60,18 @@ def start_speeds(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> np.n
     u = (particular + motions @ free) * scale
     if np.max(_changes(analysis, u, wanted, given), initial=0.0) > 0.0:
         u = _after_impulse(analysis, q, particular, motions, wanted, given)
-    _doubt_change(analysis, u, wanted, given)
+    _warn_of_change(analysis, u, wanted, given)
     found: np.ndarray = u
     return found
 
 
 def _of_many(
-    analysis: Any, q: np.ndarray, rates: np.ndarray, nu: np.ndarray, names: tuple[Any, ...], t: float
+    analysis: "ConstrainedMotion",
+    q: np.ndarray,
+    rates: np.ndarray,
+    nu: np.ndarray,
+    names: tuple[Any, ...],
+    t: float,
 ) -> np.ndarray:
     """Return the speeds (n,) of a large mechanism; rates (r, n), scaled, follow its equations."""
     from scipy.sparse import csr_matrix, vstack
@@ -175,7 +180,7 @@ def _changes(
     return np.where(change > FITS * max(largest, FITS), change, 0.0)
 
 
-def _doubt_change(
+def _warn_of_change(
     analysis: "ConstrainedMotion", u: np.ndarray, wanted: np.ndarray, given: np.ndarray
 ) -> None:
     change = _changes(analysis, u, wanted, given)

@@ -1,6 +1,6 @@
 """Input of the kernels of a dynamic analysis."""
 
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
@@ -76,7 +76,7 @@ class AnyCountEvaluator(Evaluator):
     Its system and work are those of constrained dynamics; |p| = 1 is not among its equations.
     """
 
-    def residual(self, q: np.ndarray, t: Any, expected: np.ndarray) -> np.ndarray:
+    def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
         """Scaled residual (equations,) at q; expected (screws,) are the angles expected."""
         rotations, phi = self.work.rotations[A], cast(Work, self.work).rows[PHI]
         rotation_matrices(q, rotations)

@@ -66,7 +66,7 @@ class AbsoluteTree(ConstrainedMotion):
         self.clock["atol"] = tree.integration.atol
         self._speeds = np.concatenate([np.concatenate([body.velocity, body.omega]) for body in bodies])
         self._elastic = [elastic_start(tree, k) for k in range(len(tree.bodies))]
-        self._angles = np.array(tree.q, float)  # those of the last row, which the next ones go on from
+        self._angles = np.array(tree.q, float)  # those of the last row, which the next ones continue from
         self._attitude = unturned(len(tree.bodies))
 
     @property

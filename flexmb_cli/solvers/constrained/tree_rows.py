@@ -1,7 +1,7 @@
 """The motion of a tree by that of its bodies in absolute coordinates; hinge coordinates are found from it.
 
 Integrals of the relative angular velocity, the coordinates of three free rotations, are no functions of
-the position: they are nan.  Angles go on from row to row.
+the position: they are nan.  Angles continue from row to row.
 """
 
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -88,7 +88,7 @@ def motion_of_bodies(
 ) -> TreeMotion:
     """Return the motion over the rows of a report in the terms of the tree.
 
-    `angles` (NS,): coordinates of the row before, whose turns these go on with.
+    `angles` (NS,): coordinates of the row before, whose turns these continue with.
     """
     motion = AbsoluteMotion(tree, arrays, report)
     q, y, y_rate = _coordinates(tree, frames, motion, angles)

@@ -42,7 +42,7 @@ START_ASIDE = 1e-3  # of the time between rows: a start that is singular is no l
 class KinematicAnalysis:
     """One run over the report times of a mechanism.
 
-    `warnings` fills while the run goes on.
+    `warnings` fills while the run continues.
     """
 
     def __init__(self, mechanism: Mechanism, settings: KinematicSettings | None = None):
@@ -97,7 +97,7 @@ class KinematicAnalysis:
 
     @property
     def one_block(self) -> bool:
-        """Return whether a block holds all rows behind the first: there is no way between to go on from."""
+        """Return whether a block holds all rows behind the first: it is no chain to continue from."""
         return self.mechanism.time.rows - 1 <= self._at_once(LARGEST_BLOCK)
 
     @property

@@ -33,7 +33,7 @@ class InverseDynamics:
 
     @property
     def warnings(self) -> list[Fault]:
-        """Doubts found so far."""
+        """Warnings found so far."""
         return self.motion.warnings
 
     def rows(self) -> Iterator[DynamicRows]:
@@ -76,7 +76,8 @@ class InverseDynamics:
         evaluate_jacobian(self.system, self.work, report.states[0, : 7 * bodies])
         if choose_order(self.work, self.arrays.speeds) < self.arrays.speeds:
             raise undetermined(report.times[0])
-        refuse_coinciding_ends(self.system, self.work, self.model.springs, float(report.times[0]))
+        model, start = self.model, float(report.times[0])
+        refuse_coinciding_ends(self.system, self.work, model.springs, model.elements.lines, start)
         self._ordered = True
 
 

@@ -7,7 +7,7 @@ from ...quick_dataclass import dataclass
 class KinematicSettings:
     """Limits of Newton's method.
 
-    `tolerance`: scaled residual at which iteration ends early; 0 goes on to round-off (YOUNG's FEPS
+    `tolerance`: scaled residual at which iteration ends early; 0 continues to round-off (YOUNG's FEPS
     was 1e-4).  `smallest_pivot`: scaled pivot below which a position counts as singular (EPSLU, 1e-5).
     `most_iterations`: for the assembly of the estimates (NRMAX, 250).  `most_ranked`: equations among which
     those that repeat others are looked for, by singular values: some minutes for 5,000.

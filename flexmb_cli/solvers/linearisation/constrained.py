@@ -135,7 +135,7 @@ class ConstrainedLinearised(LinearisedMotion):
         return found
 
     def companion(self, d: np.ndarray) -> np.ndarray:
-        """Return the change w (n,) of the speeds, L w = 0, that the displacement d asks for."""
+        """Return the change w (n,) of the speeds, L w = 0, that the displacement d causes."""
         return self.projected(self.variation(self.rate_gaps, d, np.zeros_like(d)))
 
     def projected(self, gaps: np.ndarray) -> np.ndarray:

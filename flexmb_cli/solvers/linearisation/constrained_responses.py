@@ -113,7 +113,7 @@ class ConstrainedResponses(Responses):
             DIFFERENCE_STEP / size,
         )
 
-    def _functionals(self, q: np.ndarray) -> Any:
+    def _functionals(self, q: np.ndarray) -> np.ndarray:
         blocks = [self._of_joint(q, a, b) for _, a, b in self.terms.joints]
         return np.concatenate(blocks) if blocks else np.zeros((0, self.motion.scale.size))
 

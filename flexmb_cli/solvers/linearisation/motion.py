@@ -74,7 +74,7 @@ class LinearisedMotion(ABC):
 
     @abstractmethod
     def companion(self, d: np.ndarray) -> np.ndarray:
-        """Return the change w (n,) of the speeds, L w = 0, that the displacement d asks for."""
+        """Return the change w (n,) of the speeds, L w = 0, that the displacement d causes."""
 
     @abstractmethod
     def turned(self, d: np.ndarray) -> np.ndarray:

@@ -59,7 +59,7 @@ class TreeLinearised(LinearisedMotion):
             q[p["coordinate"]] = p["C"] + t * (p["B"] + 0.5 * p["A"] * t)
             speeds[p["coordinate"]] = p["B"] + p["A"] * t
 
-    def _balls(self) -> Any:
+    def _balls(self) -> list[Any]:
         return [frame for frame in self.arrays.frames[1:] if frame["ball"] >= 0]
 
     def _functionals(self, z: np.ndarray) -> Any:
@@ -146,7 +146,7 @@ class TreeLinearised(LinearisedMotion):
         return self._rates(self.changed(d, w), self.t)
 
     def companion(self, d: np.ndarray) -> np.ndarray:
-        """Return the change w (NS,) of the speeds, L w = 0, that the displacement d asks for."""
+        """Return the change w (NS,) of the speeds, L w = 0, that the displacement d causes."""
         if not self.arrays.closures.size:
             return np.zeros_like(d)
         gaps = self.variation(lambda d, w: self.gap_rates(self.displaced(d), self.u + w), d, np.zeros_like(d))
@@ -232,7 +232,7 @@ def _rank(jacobian: np.ndarray) -> int:
     return int(np.sum(values > DEPENDENT * np.max(values, initial=0.0)))
 
 
-def _singular(t: float) -> Any:
+def _singular(t: float) -> str:
     return f"at t = {t:.6g} s the loops are at a singular position, where the tree cannot be linearised"
 
 

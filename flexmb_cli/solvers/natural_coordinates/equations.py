@@ -209,7 +209,7 @@ def driver_function(driver: Driver, t: float) -> tuple[float, float, float]:
 def _turning(driver: Driver, i: int, a: int) -> Any:
     """Return component (i, a) of the rotation matrix as a function of time, with two derivatives."""
 
-    def function(t: Any) -> Any:
+    def function(t: float) -> tuple[Any, Any, Any]:
         angle, rate, acceleration = driver_function(driver, t)
         D, slope, bend = turned(driver.direction - 4, angle)
         return D[i, a], slope[i, a] * rate, slope[i, a] * acceleration + bend[i, a] * rate**2

@@ -105,7 +105,7 @@ class NaturalMotion:
             X = self._closed(X + h * V + 0.5 * h * h * A, t)
         return X
 
-    def _rates(self, X: np.ndarray, t: float) -> Any:
+    def _rates(self, X: np.ndarray, t: float) -> tuple[Any, Any]:
         J = self.equations.jacobian(X)
         V = _least(J, self.equations.rates(t))
         return V, _least(J, self.equations.accelerations(V, t))
@@ -130,7 +130,7 @@ class NaturalMotion:
         matrix = np.block([[self.M, J.T], [J, np.zeros((count, count))]])
         return np.linalg.solve(matrix, np.append(self.forces(X, V), gamma))[: X.size]
 
-    def _efforts(self, X: np.ndarray, V: np.ndarray, A: np.ndarray, t: float) -> Any:
+    def _efforts(self, X: np.ndarray, V: np.ndarray, A: np.ndarray, t: float) -> np.ndarray:
         """Return what each driver delivers: the work of M A - Q along the motion of that driver alone."""
         if self.M is None:
             return np.zeros(0)
@@ -204,5 +204,5 @@ def _least(J: np.ndarray, b: np.ndarray) -> np.ndarray:
     return found
 
 
-def _rows(rows: list[tuple[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]) -> Any:
+def _rows(rows: list[tuple[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]) -> "NaturalRows":
     return NaturalRows(*(np.array(column) for column in zip(*rows, strict=True)))

@@ -72,7 +72,7 @@ class PassedDynamicSingularities(PassedSingularities):
         }
 
     def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
-        """Go on from what was seen up to a checkpoint."""
+        """Continue from what was seen up to a checkpoint."""
         self.row, self.notes.count = taken(checkpoint, "seen/counts", (2,), np.int64).tolist()
         values, times = (taken(checkpoint, f"seen/{name}", (None,)).tolist() for name in ("values", "times"))
         size = self.analysis.arrays.coordinate_scale.size

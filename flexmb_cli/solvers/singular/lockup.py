@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 LATER = 1e-3  # of the time between rows: behind a dead centre
 
 
-def step_failure(analysis: Any, t: float) -> AnalysisError:
+def step_failure(analysis: "KinematicAnalysis", t: float) -> AnalysisError:
     """The failure of `analysis` (a KinematicAnalysis) on its way to the report time t.
 
     A gap that stays open at t is a lock; without a gap the mechanism passes a position at which its
@@ -55,7 +55,7 @@ def _least_gap(evaluator: "Evaluator", q: np.ndarray, t: float, expected: np.nda
     return min([gap, *others], key=lambda found: np.max(np.abs(found)))
 
 
-def _singular(analysis: Any, reached: Any, t: float) -> Any:
+def _singular(analysis: "KinematicAnalysis", reached: Any, t: float) -> AnalysisError:
     """The failure at a singular position: a dead centre, behind which a gap remains, or a branching."""
     evaluator, q, expected = analysis.evaluator, analysis.state[0], analysis.motion[:, 0]
     weak = conditioning(evaluator, q, reached, expected)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 NAMED = 1e-6  # of the largest component of a null vector
 MOST_DENSE = 600  # coordinates or speeds; above, the rank is found by elimination
-PROBE = 1e-3  # size of the trial motion that tells a free motion from a stiff one
+PROBE = 1e-3  # size of the trial motion that distinguishes a free motion from a stiff one
 BACK = Corrections(met=1e-13, most=60, dependent=DEPENDENT)
 
 
@@ -105,7 +105,7 @@ class Mobility:
         return self.coordinates - self.rank
 
 
-def mobility(evaluator: Evaluator, q: np.ndarray, t: "Any", expected: np.ndarray) -> Mobility:
+def mobility(evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray) -> Mobility:
     """Rank analysis of the scaled Jacobian at an assembled position q (7 n,), by singular values.
 
     Of large mechanisms by elimination, which finds the same groups in time and memory of their size.

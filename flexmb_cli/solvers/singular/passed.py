@@ -52,7 +52,7 @@ class PassedSingularities(ABC):
         """Look at report rows, in order; `seen` is what `suspected` takes."""
         for interval in self.suspected(*seen):
             for passed in self.located(interval):
-                self.tell(passed)
+                self.report(passed)
 
     @abstractmethod
     def suspected(self, *seen: Any) -> Iterable[Any]:
@@ -70,7 +70,7 @@ class PassedSingularities(ABC):
     def sentence(self, passed: Passed, weak: Conditioning, owners: list[Equation]) -> str:
         """Return what is said of a position, whose weakest equations belong to `owners`."""
 
-    def tell(self, passed: Passed) -> None:
+    def report(self, passed: Passed) -> None:
         """Note a position, unless there are notes enough."""
         if self.notes.full:
             return

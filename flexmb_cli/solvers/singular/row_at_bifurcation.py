@@ -1,11 +1,11 @@
-"""A report row exactly where two motions of a mechanism cross, such as a parallelogram in line.
+"""A report row exactly at a bifurcation, where two motions of a mechanism cross (a parallelogram in line).
 
-Φ_q is singular there, and the rates that it gives are 0/0.  Where the motion is smooth they are the
-limits from both sides: the row is taken from the polynomial of fifth degree through positions,
-velocities and accelerations a little before and a little after.
+Φ_q is singular there, and its rates are 0/0.  Where the motion is smooth, the rates are the limits from both
+sides: the row is that of the polynomial of fifth degree through positions, velocities and accelerations a
+little before and a little after.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -51,7 +51,7 @@ def row_across(
     gap = _closed(analysis.evaluator, row, t, expected)
     if gap > ON_CURVE:
         return None
-    analysis.singularities.tell(Passed(row[0], t, expected, True))
+    analysis.singularities.report(Passed(row[0], t, expected, True))
     audit = np.array([[gap, _rate_gap(analysis, row, t), analysis.clock[SPENT]]])
     analysis.clock[SPENT], analysis.clock[NEXT_LENGTH] = 0.0, np.inf
     return rows_of(analysis.mechanism, np.array([t]), row[None], audit)
@@ -65,7 +65,7 @@ def _times(analysis: "KinematicAnalysis", t: float, earlier: float) -> tuple[flo
     return t - span, t + PART_AFTER * span
 
 
-def _between(first: np.ndarray, last: np.ndarray, h: float, x: float) -> Any:
+def _between(first: np.ndarray, last: np.ndarray, h: float, x: float) -> np.ndarray:
     """State (3, n) at the part x of a step of length h between two states: quintic Hermite interpolation."""
     q0, v0, a0 = first[0], h * first[1], h * h * first[2]
     q1, v1, a1 = last[0], h * last[1], h * h * last[2]
@@ -83,7 +83,7 @@ def _between(first: np.ndarray, last: np.ndarray, h: float, x: float) -> Any:
 
 
 def _closed(evaluator: "Evaluator", row: np.ndarray, t: float, expected: np.ndarray) -> float:
-    """Bring the position of `row` onto the equations where they are firm; returns the largest residual."""
+    """Bring the position of `row` onto the equations where they are regular; return the largest residual."""
     instant = Instant(evaluator, t, expected)
     row[0], gap = instant.at(row[0]) if evaluator.is_large else project(instant, row[0], FIRM)
     return float(np.max(np.abs(gap)))

@@ -176,7 +176,7 @@ class TreeAnalysis:
             )
         )
 
-    def _blank_report(self, times: np.ndarray) -> Any:
+    def _blank_report(self, times: np.ndarray) -> Report:
         rows, n = times.size, len(self.coordinates)
         return Report(
             times,
@@ -260,7 +260,7 @@ def _line(function: Table, t: float) -> tuple[float, float]:
     return va - slope * ta, slope
 
 
-def _no_inertia(tree: Tree, t: float, coordinate: Any) -> Any:
+def _no_inertia(tree: Tree, t: float, coordinate: Any) -> Fault:
     c = tree.coordinates[coordinate]
     body = tree.bodies[c.body]
     message = (
@@ -271,7 +271,7 @@ def _no_inertia(tree: Tree, t: float, coordinate: Any) -> Any:
     return Fault("error", message, body.place, body.name, id="SOLVE-025")
 
 
-def _step_vanished(tree: Tree, t: float, step: float, worst: int) -> Any:
+def _step_vanished(tree: Tree, t: float, step: float, worst: int) -> Fault:
     n = len(tree.coordinates)
     c = tree.coordinates[worst % n] if worst < 2 * n else None
     place, name = (tree.bodies[c.body].place, c.name) if c else (None, "an Euler parameter")

@@ -107,9 +107,9 @@ def pivot_shares(arrays: TreeArrays) -> np.ndarray:
 
 
 def stray(tree: Tree, shares: np.ndarray, repeated: np.ndarray, t: float, worst: int) -> Fault:
-    """Return what to say of steps that closing the loops moves away, however short they are.
+    """Return the fault of steps from which the projection onto the loops departs, however short they are.
 
-    `shares` (R,) are those of `pivot_shares`, `repeated` (R,) tells the rows that depend on others
+    `shares` (R,) are those of `pivot_shares`, `repeated` (R,) marks the rows that depend on others
     wherever the tree stands, `worst` is the place in the state of what moves most.
     """
     row, n = int(np.argmin(np.where(repeated, np.inf, shares))), len(tree.coordinates)

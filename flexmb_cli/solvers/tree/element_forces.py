@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...kernels.constrained.elements import NO_LENGTH
 from ...model.flexible_mechanism import NodePoint
 from ...model.joint_elements import Bushing, EndStop, JointMotor, JointSpring, LineSpring
 from ...model.tree import Tree
@@ -26,7 +27,7 @@ class ElementForces:
         self._turned = [
             self._axes(axes, item.j).T @ self._axes(axes, item.i) for item in self.elements.bushings
         ]
-        # Angles of the bushings found last: whole turns go on from them.
+        # Angles of the bushings found last: whole turns continue from them.
         self._angles = np.zeros((len(self.elements.bushings), 3))
         self.overturned: int | None = None  # number of a bushing whose angles jump
 
@@ -58,6 +59,11 @@ class ElementForces:
             ]
         return found
 
+    def lengths(self, answers: list[Answer]) -> list[float]:
+        """Return the lengths, m, of the lines among the answers of `add`."""
+        first = len(self.elements.springs)
+        return [x for x, _, _ in answers[first : first + len(self.elements.lines)]]
+
     def _in_joint(self, placed: PlacedBodies, item: JointSpring | EndStop) -> Answer:
         m = self.number[item.joint, item.coordinate]
         x, v = float(placed.q[m]), float(placed.y[m])
@@ -68,7 +74,7 @@ class ElementForces:
     def _in_line(self, placed: PlacedBodies, item: LineSpring) -> Answer:
         (r_i, v_i), (r_j, v_j) = (placed.point(_end(end)) for end in (item.P_i, item.P_j))
         x = float(np.linalg.norm(r_j - r_i))
-        unit = (r_j - r_i) / x
+        unit = (r_j - r_i) / max(x, NO_LENGTH)
         v = float(unit @ (v_j - v_i))
         effort = cable_effort(item, x, v) if item.slack else spring_effort(item, x, v)
         placed.push(_end(item.P_j), effort.effort * unit)

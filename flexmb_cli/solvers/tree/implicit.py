@@ -31,7 +31,7 @@ def implicit_rows(analysis: "TreeAnalysis") -> Iterator[TreeRows]:
 
     start = clock["step_start"].copy(), clock["step_length"].copy()
     for block in analysis.rows_of_steps(integrate_rows):
-        # A stopped run goes on from the last breakpoint: the matrix has no other memory.
+        # A stopped run continues from the last breakpoint: the matrix has no other memory.
         last = clock["step_start"].copy(), clock["step_length"].copy()
         clock["step_start"], clock["step_length"] = start
         yield block

@@ -1,4 +1,4 @@
-"""Messages about closed directions that other ones close, too."""
+"""Messages about redundant closures of a tree: directions that other closures hold, too."""
 
 import numpy as np
 

@@ -99,7 +99,7 @@ class TreeMotion(NamedTuple):
 def rows_of_tree(tree: Tree, motion: TreeMotion, last: np.ndarray | None) -> TreeRows:
     """Return the report rows of a motion of `tree`; those of both formulations are made here.
 
-    `last` (N, 4): Euler parameters of the row before, whose signs these go on with.
+    `last` (N, 4): Euler parameters of the row before, whose signs these continue with.
     """
     displacement = displacements(tree, motion.q)
     return TreeRows(
@@ -209,7 +209,7 @@ def euler_parameters(axes: np.ndarray) -> np.ndarray:
 
 
 def continued_signs(parameters: np.ndarray, last: np.ndarray | None) -> np.ndarray:
-    """The same attitudes (T, N, 4) with signs that go on from row to row, the first from `last`."""
+    """The same attitudes (T, N, 4) with signs that continue from row to row, the first from `last`."""
     last = unturned(parameters.shape[1]) if last is None else last
     chain = np.concatenate([last[None], parameters])
     signs = np.sign(np.sum(chain[1:] * chain[:-1], axis=-1))

@@ -7,7 +7,7 @@ Loops are closed at the report times and breakpoints, not at every step.
 """
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.integrate import LSODA, Radau
@@ -17,12 +17,15 @@ from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from .rows import TreeRows
 
+if TYPE_CHECKING:
+    from .analysis import TreeAnalysis
+
 SOLVERS = {"radau": Radau, "lsoda": LSODA}
 WATCHED, HOPELESS = 1000, 1e6  # steps; how many times as many may be left to the end of the interval
 UNCOUNTED = 1e6  # tolerance of the applied work, whose error must not choose the steps, J
 
 
-def library_rows(analysis: Any, stop: float) -> Iterator[TreeRows]:
+def library_rows(analysis: "TreeAnalysis", stop: float) -> Iterator[TreeRows]:
     """Report rows of a TreeAnalysis up to the breakpoint `stop`, whose functions are set."""
     settings, clock = analysis.tree.integration, analysis.clock[0]
     atol = np.full(analysis.state.size, settings.atol)
@@ -44,7 +47,7 @@ def library_rows(analysis: Any, stop: float) -> Iterator[TreeRows]:
         solver.step()
         steps += 1
         if steps % WATCHED == 0:
-            # scipy goes on with steps of any shortness where nothing can be resolved.
+            # scipy continues with steps of any shortness where nothing can be resolved.
             if stop - solver.t > HOPELESS * (solver.t - mark):
                 raise _step_failure(solver.t, settings.method)
             mark = solver.t
@@ -58,14 +61,14 @@ def library_rows(analysis: Any, stop: float) -> Iterator[TreeRows]:
         analysis.call(tree_dop853.CLOSE)
 
 
-def _slope(analysis: Any, t: float, z: np.ndarray) -> Any:
+def _slope(analysis: "TreeAnalysis", t: float, z: np.ndarray) -> Any:
     analysis.clock["t"], analysis.state[:] = t, z
     if analysis.call(tree_dop853.GO_ON) == codes.NO_INERTIA:
         raise analysis.failure()
     return analysis.integration.slopes[0].copy()
 
 
-def _step_failure(t: float, method: Any) -> Any:
+def _step_failure(t: float, method: Any) -> AnalysisError:
     message = (
         f"at t = {t:.6g} s {method} finds no step that meets the tolerance; the motion or a load grows "
         "without bound there, or the tolerance is finer than round-off"

@@ -26,6 +26,7 @@ from ...model.tree_as_mechanism.frames import hinge_frames
 from ...model.tree_as_mechanism.loop_assembly import closed_tree
 from ...quick_dataclass import fields, replace
 from ..compilation import interpreting
+from ..constrained.coinciding_ends import refuse_undirected_lines
 from ..constrained.failures import MOMENTS, bushing_failure, jam_failure
 from ..constrained.tree_element_rows import TreeElementRows
 from .analysis import TreeAnalysis, breakpoints, set_functions
@@ -81,6 +82,7 @@ class TreeWithElements(TreeAnalysis):
         grid, z = self.tree.time, self.state.copy()
         t, end = grid.start, grid.time(grid.rows - 1)
         self.slope(t, z)
+        refuse_undirected_lines(self.model.elements.lines, self.forces.lengths(self.answers), t)
         z = np.append(z, np.zeros(len(self.answers)))
         for stop in [*self._stops(t, end), end]:
             set_functions(self.tree, self._deck_functions, t, stop)

@@ -56,8 +56,9 @@ def test_the_line_tells_compiling_then_rows_with_rate_and_remaining_time(clock, 
         assert stream.line == "a.dat: compiling kernels"
         clock[0] += 20  # which is no part of the rate
         shown.begin(1000)
-        assert stream.line == "a.dat: 0 of 1000 rows"
-        clock[0] += 30  # kernels are compiled for the first rows, which is no part of it either
+        # Kernels are compiled for the first rows: the line still says so, and that is no part of the rate.
+        assert stream.line == "a.dat: compiling kernels"
+        clock[0] += 30
         shown.advance(10)
         assert stream.line == "a.dat: 10 of 1000 rows"
         clock[0] += 2
@@ -105,6 +106,26 @@ def test_a_log_tells_of_compiling_until_it_ends(capsys, monkeypatch):
     assert len(others) >= 2 and set(others) == {"a.dat: compiling kernels: 0:00 so far"}
     time.sleep(0.06)
     assert capsys.readouterr().err == ""
+
+
+def test_a_terminal_tells_of_compiling_and_for_how_long_beside_notices(capsys, monkeypatch):
+    """The rows begin, and a notice comes, while the first kernel is compiled."""
+    monkeypatch.setattr(module, "TICK", 0.02)
+    stream = Terminal()
+    with Progress("a.dat", "rows", False, False, stream) as shown:
+        shown.status("compiling kernels")
+        shown.begin(1000)
+        time.sleep(0.15)
+        assert stream.line == "a.dat: compiling kernels: 0:00 so far"
+        shown.notice("something else")
+        assert stream.line == ""
+        time.sleep(0.15)
+        assert stream.line == "a.dat: compiling kernels: 0:00 so far"
+        shown.advance(10)
+        shown.advance(10)
+        time.sleep(0.15)
+        assert "compiling" not in stream.line
+    assert capsys.readouterr().err == "flexmb: something else\n"
 
 
 @pytest.mark.parametrize("silent", [{"quiet": True, "verbose": True}, {"quiet": False, "verbose": False}])

@@ -268,6 +268,6 @@ def test_an_initial_angle_set_from_outside_is_no_slip_of_the_deck():
         else r
         for r in deck.records
     )
-    built, doubts = build_dafms(replace(deck, records=records))
+    built, warnings = build_dafms(replace(deck, records=records))
     assert built.q[1] == 0.1
-    assert doubts == []
+    assert warnings == []

@@ -10,8 +10,7 @@ from flexmb_cli.deck.text import decode, read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.vsdf.build import build_vsdf
 from flexmb_cli.dialects.vsdf.cards import CARDS, analysis
-from flexmb_cli.dialects.vsdf.elements.cards import ELEMENT_CARDS
-from flexmb_cli.dialects.vsdf.form import VsdfForm
+from flexmb_cli.dialects.vsdf.form import ADDED, COUNTED, LATER, VsdfForm
 from flexmb_cli.model.integrators import METHODS, Integrator
 from tests.dialects.vsdf.element_cases import CASES
 from tests.dialects.vsdf.vsdf_decks import read
@@ -20,9 +19,7 @@ DECKS = sorted((Path(__file__).parents[3] / "decks" / "vsdf").glob("*.vsdf"))
 BY_SECTION = {card.section: card for card in CARDS}
 SECTIONS = {card.word: card.section for card in CARDS}
 OF_ONE_BODY = ("FEMN", "RIGI")
-ALWAYS = (*OF_ONE_BODY, "GRAV", "TIME", "INTG")
-ADDED = [card for card in CARDS if card.word in ("GEOM", "GSTL") or card in ELEMENT_CARDS]
-COUNTED = [card for card in CARDS if card.word not in ALWAYS and card not in ADDED]
+COUNTS_OF = {"counts": COUNTED, "elements": ADDED, "more": LATER}
 
 
 def record_for(deck, entry):
@@ -38,9 +35,8 @@ def line_for(deck, question):
     entry = question.entry
     if entry.section == "title":
         return deck.one("title")["title"]
-    if entry.section in ("counts", "elements"):
-        counted = COUNTED if entry.section == "counts" else ADDED
-        return " ".join(str(len(deck.section(card.section))) for card in counted)
+    if entry.section in COUNTS_OF:
+        return " ".join(str(len(deck.section(card.section))) for card in COUNTS_OF[entry.section])
     record = record_for(deck, entry)
     if record is None:
         return ""

@@ -15,7 +15,7 @@ from tests.dialects.vsdf.vsdf_decks import DECKS, RIGID, build, changed, read
 
 
 @pytest.mark.parametrize("path", sorted(DECKS.glob("*.vsdf")), ids=lambda path: path.stem)
-def test_supplied_decks_are_recognised_and_read_without_doubt(path):
+def test_supplied_decks_are_recognised_and_read_without_warn(path):
     deck = read_deck(read_text(path))
     assert deck.dialect == "vsdf"
     assert deck.warnings == ()
@@ -109,9 +109,9 @@ def test_a_block_may_repeat():
     assert [record.number for record in deck.section("output")] == [1, 2]
 
 
-def test_a_deck_without_star_is_read_with_a_doubt():
-    (doubt,) = read(changed(("STAR\nSTOP\n", ""))).warnings
-    assert doubt.sentence == "no STAR card behind END: the deck asks for no run"
+def test_a_deck_without_star_is_read_with_a_warn():
+    (warning,) = read(changed(("STAR\nSTOP\n", ""))).warnings
+    assert warning.sentence == "no STAR card behind END: the deck asks for no run"
 
 
 def test_every_card_has_a_word_of_four_letters_of_its_own():

@@ -18,8 +18,8 @@ DECKS = Path(__file__).parents[3] / "decks" / "young"
 
 
 def mechanism(name):
-    built, doubts = build_young(read_young(read_text(DECKS / f"{name}.dat")))
-    assert doubts == []
+    built, warnings = build_young(read_young(read_text(DECKS / f"{name}.dat")))
+    assert warnings == []
     return built
 
 
@@ -69,14 +69,14 @@ def test_simplified_constraints_keep_body_direction_and_value():
 
 @pytest.mark.parametrize("size", [1.0, 2.0, 1e-200, 1e200, 5e-324])
 def test_euler_parameters_are_normalised_whatever_their_size(size):
-    built, doubts = build_young(read(pendulum(2, f"0 0 0 {size!r} -{size!r} 0 0")))
+    built, warnings = build_young(read(pendulum(2, f"0 0 0 {size!r} -{size!r} 0 0")))
     assert built.bodies[0].p == pytest.approx((math.sqrt(0.5), -math.sqrt(0.5), 0, 0), rel=1e-15)
-    assert len(doubts) == 1
+    assert len(warnings) == 1
 
 
 def test_a_length_off_by_less_than_a_thousandth_is_normalised_silently():
-    built, doubts = build_young(read(pendulum(2, "0 0 0 1.0009 0 0 0")))
-    assert doubts == []
+    built, warnings = build_young(read(pendulum(2, "0 0 0 1.0009 0 0 0")))
+    assert warnings == []
     assert built.bodies[0].p == (1, 0, 0, 0)
 
 
@@ -167,7 +167,7 @@ def test_variants_of_one_deck_are_those_of_decks_with_the_numbers_typed_in():
 
 
 def outcome(deck):
-    """What is built of a deck and the doubts, or the faults; without places, which a number set has not."""
+    """What is built of a deck and the warnings, or the faults; without places, which a number set has not."""
     try:
         built, reported = build_young(deck)
     except ModelError as failure:

@@ -10,6 +10,8 @@ from flexmb_cli.dialects.settings import apply_settings
 from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
 from flexmb_cli.errors import DeckError, ModelError
 from flexmb_cli.model.integrators import Integrator
+from flexmb_cli.run.check.check import check_deck
+from flexmb_cli.run.outcome import RunOptions
 
 README = Path(__file__).parents[3] / "decks/young/README.md"
 DECKS = Path(__file__).parents[3] / "decks/young/dynamics"
@@ -152,13 +154,23 @@ def test_what_no_body_can_have_is_refused_at_its_place(card, message):
 
 
 def test_a_body_without_mass_is_told():
-    _, doubts = build_young_dynamics(read("DYNAMICS forward\nGRAVITY 0 0 -9.81\n"))
-    assert [fault.sentence for fault in doubts] == ["body 1: has no MASS card and is taken as massless"]
+    _, warnings = build_young_dynamics(read("DYNAMICS forward\nGRAVITY 0 0 -9.81\n"))
+    assert [fault.sentence for fault in warnings] == ["body 1: has no MASS card and is taken as massless"]
+
+
+def test_a_given_motion_without_masses_and_weight_is_no_doubt(tmp_path):
+    """Masses that nothing loads are left out for joint angles; under gravity three bodies lack theirs."""
+    text = (DECKS.parent / "IN4-BAR.dat").read_text(encoding="utf-8") + "DYNAMICS inverse\nJOINTS\n"
+    deck = tmp_path / "angles.dat"
+    for card, doubts in (("", set()), ("GRAVITY 0 0 -9.81\n", {"YOUNG-016", "MODEL-010"})):
+        deck.write_text(text + card, encoding="utf-8")
+        found = {fault.id for fault in check_deck(str(deck), RunOptions()).outcome.faults}
+        assert found & {"YOUNG-016", "MODEL-010"} == doubts
 
 
 def test_moments_of_inertia_that_no_body_has_are_doubted():
-    _, doubts = build_young_dynamics(read("DYNAMICS forward\nMASS 1 1 0 0 0 1 1 2.5\n"))
-    assert ["principal moments" in fault.message for fault in doubts] == [True]
+    _, warnings = build_young_dynamics(read("DYNAMICS forward\nMASS 1 1 0 0 0 1 1 2.5\n"))
+    assert ["principal moments" in fault.message for fault in warnings] == [True]
 
 
 def test_an_inverse_deck_must_balance_equations_and_coordinates():

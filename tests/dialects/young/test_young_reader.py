@@ -58,7 +58,7 @@ def test_nineteen_decks_are_supplied():
 
 
 @pytest.mark.parametrize("path", DECKS, ids=lambda path: path.stem)
-def test_a_supplied_deck_says_what_it_shows_and_is_read_and_built_without_a_doubt(path):
+def test_a_supplied_deck_says_what_it_shows_and_is_read_and_built_without_a_warn(path):
     source = read_text(path)
     assert source.text.startswith("{ ")
     assert "Liang Yong, YOUNG dissertation (1996), Appendix" in source.text

@@ -263,10 +263,10 @@ def deck(*changes):
 
 
 def test_a_deck_asks_for_it_by_the_material_on_geos():
-    mechanism, doubts = flexible_mechanism(build(deck("    1    1     1.0E7      0.49")), cached=False)
+    mechanism, warnings = flexible_mechanism(build(deck("    1    1     1.0E7      0.49")), cached=False)
     assert mechanism.bodies[0].stiffened
     assert mechanism.bodies[0].flexible.KG.shape == (3, 3, 9, 9)
-    assert doubts == []
+    assert warnings == []
 
 
 FAULTS = {

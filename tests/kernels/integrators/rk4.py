@@ -13,17 +13,20 @@ from flexmb_cli.kernels.constrained.angle_unwrapping import expect_angles, unwra
 from flexmb_cli.kernels.integrators.clock import BEGIN, READY, STEP_VANISHED, new_clock
 from flexmb_cli.kernels.integrators.constrained_dop853 import Integration
 from flexmb_cli.kernels.integrators.constrained_equations import (
+    IN_DOUBT,
     code_of_gap,
+    fill_doubtful,
     note_gap,
     projected_slope,
     report_trial,
     slope,
 )
-from flexmb_cli.kernels.integrators.hermite import cubic
+from flexmb_cli.kernels.integrators.hermite import cubic, cubic_slope
 from flexmb_cli.kernels.integrators.time_loop import Method, time_loop
 from flexmb_cli.kernels.linalg.copying import copy
 
-STEP = 0.0625  # s, where the deck gives none; a power of two, whose sums meet the stop
+STEP = 0.0625  # s, where the deck gives none
+SAME = 1e-9  # of a step: what is left to the stop is no step of its own
 END = 4  # row of `slopes` of the slope at the end of a step
 
 
@@ -41,7 +44,10 @@ def new_integration(work, angles, works):
 
 @kernel
 def _length(integration, system, work):
-    return min(integration.clock[0]["step"], integration.clock[0]["stop"] - integration.clock[0]["t"])
+    """Return the length of the next step: the last one takes what round-off left of those before."""
+    clock = integration.clock[0]
+    left = clock["stop"] - clock["t"]
+    return left if left <= (1.0 + SAME) * clock["step"] else clock["step"]
 
 
 @kernel
@@ -75,7 +81,8 @@ def _accept(integration, factor, system, work):
     copy(integration.z, integration.old)
     copy(integration.trial, integration.z)
     clock["step_start"], clock["step_length"] = clock["t"], clock["length"]
-    clock["t"] = clock["t"] + clock["length"]
+    last = clock["length"] >= clock["stop"] - clock["t"]
+    clock["t"] = clock["stop"] if last else clock["t"] + clock["length"]
     clock["rejected"] = 0
     clock["steps"] += 1
     # dense: slopes at both ends
@@ -95,7 +102,8 @@ def _reject(integration, h, factor, system, work):
 
 
 @kernel
-def _fill_row(integration, t, report, system, work):
+def _place_row(integration, t):
+    """Bring `trial` to a time up to the present one; return the fraction of the last step."""
     clock, x = integration.clock[0], 1.0
     copy(integration.z, integration.trial)
     if t < clock["t"]:
@@ -104,7 +112,26 @@ def _fill_row(integration, t, report, system, work):
         for i in range(integration.z.shape[0]):
             ends = h * integration.dense[0, i], h * integration.dense[1, i]
             integration.trial[i] = cubic(x, integration.old[i], integration.z[i], ends[0], ends[1])
-    return report_trial(integration, t, x, report, system, work)
+    return x
+
+
+@kernel
+def _fill_row(integration, t, report, system, work):
+    x = _place_row(integration, t)
+    code = report_trial(integration, t, x, report, system, work)
+    if code != IN_DOUBT:
+        return code
+    # Near a singular position the rates are those of the interpolation: round-off may rule the equations.
+    _place_row(integration, t)
+    clock, h = integration.clock[0], integration.clock[0]["step_length"]
+    rates = report.rates[clock["row"]]
+    first = clock["counted"] - rates.shape[0]
+    for k in range(rates.shape[0]):
+        i = first + k
+        ends = h * integration.dense[0, i], h * integration.dense[1, i]
+        rates[k] = cubic_slope(x, integration.old[i], integration.z[i], ends[0], ends[1]) / h
+    fill_doubtful(integration, t, x, report, system, work)
+    return READY
 
 
 _advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row))

@@ -18,8 +18,9 @@ from tests.solvers.tree.tree_runs import run
 M, K, C, X0, V0 = 2.0, 50.0, 1.5, 0.3, 0.4
 
 
-def test_a_damped_mass_swings_as_in_textbooks_within_and_at_the_ends_of_steps():
-    tree = Tree(
+def damped_mass():
+    """A mass that slides on a spring with a damper."""
+    return Tree(
         (Body("body 1", M, np.eye(3)),),
         (Hinge(INERTIAL, translations=(1,)),),
         np.array([X0]),
@@ -29,7 +30,10 @@ def test_a_damped_mass_swings_as_in_textbooks_within_and_at_the_ends_of_steps():
         springs=(Spring(0, TRANSLATION, 1, K, C),),
         integration=Integration("sdirk4", 1e-6, 1e-6),
     )
-    rows = run(tree)
+
+
+def test_a_damped_mass_swings_as_in_textbooks_within_and_at_the_ends_of_steps():
+    rows = run(damped_mass())
     decay = C / (2.0 * M)
     omega = math.sqrt(K / M - decay**2)
     wave = X0 * np.cos(omega * rows.time) + (V0 + decay * X0) / omega * np.sin(omega * rows.time)

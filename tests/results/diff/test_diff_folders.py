@@ -186,7 +186,9 @@ def test_a_csv_table_with_a_selection_is_compared_in_its_own_columns(tmp_path):
     chosen.write_text("".join(",".join(line.split(",")[:4]) + "\n" for line in lines))
     done = compared(chosen, result)
     assert done.exit_code == 0
-    assert "is not among the columns of" in done.stdout
+    (absent,) = (line for line in done.stdout.splitlines() if "not among the columns of" in line)
+    columns = len(lines[0].split(","))
+    assert absent.endswith(f" and {columns - 4 - 5} more") and "1 line of words" in done.stdout
     assert compared(chosen, result, "--words").exit_code == 1
     assert compared(chosen, tmp_path / "a.csv").exit_code == 1  # two tables must have the same columns
     chosen.write_text("\n".join(lines[:-1]))

@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli.cli.plot import plot
-from flexmb_cli.results.figures.curves import Curve, Panel, Source, default_quantities, panels
+from flexmb_cli.results.figures.curves import Curve, Panel, Source, default_curves, panels
 from flexmb_cli.results.figures.plots import style
 from flexmb_cli.results.figures.report_page import curves_html
 from flexmb_cli.results.quantities.quantities import open_result, resolve
@@ -39,7 +39,7 @@ def draw(bar, tmp_path):
 def test_by_default_the_coordinates_of_points_that_move_are_drawn(bar):
     """The bar turns about y: its point keeps y = 0."""
     with open_result(bar) as file:
-        assert [quantity.name for quantity in default_quantities(file)] == ["point.1.x", "point.1.z"]
+        assert [quantity.name for quantity in default_curves(file).quantities] == ["point.1.x", "point.1.z"]
 
 
 def test_every_unit_has_its_panel(bar):
@@ -73,7 +73,7 @@ def test_energies_are_drawn_by_default_as_changes_and_their_sum_by_itself(tmp_pa
             file[f"energy/{name}"].attrs["units"] = "J"
             file[f"energy/{name}"].dims[0].attach_scale(file["time"])
     with open_result(tmp_path / "r.h5") as file:
-        wanted, time = default_quantities(file), resolve(file, ["time"])[0]
+        wanted, time = default_curves(file).quantities, resolve(file, ["time"])[0]
         changes, drift = panels([Source("", file, slice(None), time, wanted, energies_change=True)])
         (together,) = panels([Source("", file, slice(None), time, wanted)])
     assert {curve.label: curve.y.tolist() for curve in changes.curves} == {
@@ -94,7 +94,7 @@ def test_energies_that_do_not_change_are_not_drawn_but_named(tmp_path):
             file[f"energy/{name}"].attrs["units"] = "J"
             file[f"energy/{name}"].dims[0].attach_scale(file["time"])
     with open_result(path) as file:
-        drawn = {quantity.name for quantity in default_quantities(file)}
+        drawn = {quantity.name for quantity in default_curves(file).quantities}
     assert {"energy.kinetic", "energy.total"} <= drawn
     assert "energy.strain" not in drawn
     done = CliRunner().invoke(plot, [str(path), "-o", str(tmp_path / "p.png")])
@@ -123,7 +123,7 @@ def test_of_a_crowd_of_stresses_the_largest_are_drawn_and_the_rest_is_counted(cr
     """The first twelve were drawn, without a word about the others."""
     pytest.importorskip("matplotlib")
     with open_result(crowd) as file:
-        drawn = [quantity.name for quantity in default_quantities(file)]
+        drawn = [quantity.name for quantity in default_curves(file).quantities]
     assert drawn == [f"stress.1.element{k}.von_mises" for k in range(133, 145)]
     told = "of 144 curves of von Mises stress [Pa] the 12 with the largest values are drawn, 132 are left out"
     done = CliRunner().invoke(plot, [str(crowd), "-o", str(tmp_path / "p.png")])

@@ -57,6 +57,8 @@ def test_friction_follows_the_reaction_that_it_changes(end):
     a = (push * math.cos(math.pi / 6) - mu * (m * G + push / 2)) / m
     assert rows.acceleration[:, 1, 0] == pytest.approx(np.full(6, a), rel=1e-10)
     assert rows.joint_coordinate[:, 0] == pytest.approx(rows.time + a * rows.time**2 / 2, abs=1e-9)
+    # The push works, and friction takes: together m a v.
+    assert rows.applied_power == pytest.approx(m * a * (1.0 + a * rows.time), rel=1e-9)
 
 
 def test_a_joint_that_should_stick_creeps_at_the_speed_that_is_stated():

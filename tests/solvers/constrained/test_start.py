@@ -161,7 +161,7 @@ def test_a_joint_that_is_far_from_closing_at_the_estimates_is_named_with_its_dis
         assert words in text
 
 
-def test_rough_estimates_are_no_doubt():
+def test_rough_estimates_are_no_warn():
     deck = FREE.replace("0 0 0 1 0 0 0\n1 0", "1.05 0 0 1 0 0 0\n1 0")
     cards = "MASS 2 1 0 0 0 1 1 1\nSPHSPH 0 2 0 0 0 0 0 0 1\n"
     assert started(model_of(deck, "0 0.1 0.1", cards))[1] == []

@@ -13,9 +13,12 @@ from scipy.integrate import solve_ivp
 
 from flexmb_cli.errors import AnalysisError
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
+from flexmb_cli.kernels.constrained.angle_unwrapping import EXPECTED
+from flexmb_cli.kernels.constrained.doubtful_row import fill_doubtful_row
 from flexmb_cli.model.integrators import Integrator
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
+from flexmb_cli.solvers.constrained.system import blank_report
 from tests.dialects.vsdf.vsdf_decks import build
 
 WEIGHT = 3.0  # m/s²
@@ -118,6 +121,15 @@ def test_radaus_method_passes_smoothly_or_stops(tolerance, passes):
     assert len(stops) - sum(map(bool, stops)) >= passes
 
 
+def test_radaus_method_steps_over_a_position_in_line():
+    """Where it steps up to it instead, step lengths fall to nothing 0.04 s before."""
+    swinging = Parallelogram(0.5, -2.0, 2.0, 1.0, (1.0, 1.0, 1.0), WEIGHT)
+    times, crank, coupler, stopped = run(swinging, Integrator("RAD5", 0.0, 1e-8), 0.5)
+    assert not stopped and times[-1] == 0.5
+    assert np.abs(coupler).max() < 1e-7
+    assert crank == pytest.approx(swinging.turn(times), abs=1e-7)
+
+
 @pytest.mark.long_motion
 @pytest.mark.parametrize("length", [0.0, 0.02])
 def test_generalised_alpha_passes_smoothly(length):
@@ -154,23 +166,40 @@ def test_a_run_by_a_coarse_tolerance_ends_in_line_without_accelerations():
     ("card", "number", "length"), [("RAD5", 1e-5, 0), ("RK45", 1e-8, 0), ("GALF", 1e-6, 0)]
 )
 def test_a_row_in_line_has_no_reactions_and_is_told(card, number, length):
-    """From 0.5 rad at -2 rad/s the row at 0.25 s stands in line, on the motion: 2 rad/s and no acceleration.
+    """From 0.5 rad at -2 rad/s the row at 0.25 s stands in line, on the motion: 2 rad/s and no acceleration
+    of the turn; the coupler goes round on 1 m.
 
     An earlier version stopped there by RAD5.
     """
     steady = Parallelogram(0.5, -2.0, 3.0, 1.0, (0.5, 1.0, 4.0))
     analysis = FlexibleDynamics(steady.mechanism(Integrator(card, length, number), 0.5))
     blocks = list(analysis.rows())
-    times, speeds, accelerations, forces = (
+    times, speeds, accelerations, inwards, forces = (
         np.concatenate([getattr(rows, name) for rows in blocks])
-        for name in ("time", "angular_velocity", "angular_acceleration", "reaction_force")
+        for name in ("time", "angular_velocity", "angular_acceleration", "acceleration", "reaction_force")
     )
     assert times[50] == pytest.approx(0.25, abs=1e-15)
     assert speeds[:, 0, 2] == pytest.approx(-2.0, abs=1e-3)
     assert np.abs(accelerations[:, 0, 2]).max() < 0.01
+    assert inwards[50, 1] == pytest.approx([-4.0, 0.0, 0.0], abs=0.01)
     assert np.flatnonzero(np.isnan(forces).any(axis=(1, 2))).tolist() == [50]
     (told,) = [note.message for note in analysis.warnings if note.id == "SOLVE-041"]
     assert "at t = 0.25 s a row stands" in told
+
+
+def test_a_doubtful_row_that_round_off_does_not_rule_is_that_of_the_equations():
+    """Away from the line: the coupler of 1 kg circles at 2 rad/s on 1 m, and both cranks pull it inwards."""
+    steady = Parallelogram(0.5, -2.0, 3.0, 1.0, (0.5, 1.0, 4.0))
+    analysis = FlexibleDynamics(steady.mechanism(Integrator("RK45", 0.0, 1e-8), 0.5))
+    analysis.start()
+    integration, report = analysis.integration, blank_report(analysis.arrays, np.zeros(1), analysis.works)
+    place = integration.z.copy(), integration.units, integration.angles[EXPECTED]
+    report.rates[0] = np.nan
+    fill_doubtful_row(analysis.system, analysis.work, integration.z, place, 0.0, 1e-8, report, 0)
+    rows, inwards = analysis.block(report), -4.0 * np.array([math.cos(0.5), math.sin(0.5), 0.0])
+    assert rows.reaction_force[0, 1] - rows.reaction_force[0, 2] == pytest.approx(inwards, abs=1e-9)
+    assert rows.acceleration[0, 1] == pytest.approx(inwards, abs=1e-9)
+    assert turns(rows, 0) == pytest.approx([0.5], abs=1e-12)
 
 
 def test_the_rows_of_a_block_are_looked_at_at_once(monkeypatch):

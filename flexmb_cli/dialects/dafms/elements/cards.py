@@ -39,7 +39,7 @@ _CHARACTERISTICS = (
 _FORCE = "N m or N"
 
 
-def _card(word: Any, section: Any, form: Any, items: Any, tail: Any = "", head: Any = 0) -> Any:
+def _card(word: str, section: str, form: str, items: Any, tail: str = "", head: int = 0) -> Card:
     return Card(word, section, "entries", form, tuple(items), tail, head=head)
 
 

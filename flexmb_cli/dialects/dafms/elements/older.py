@@ -10,7 +10,7 @@ from ....quick_dataclass import replace
 
 
 def with_older_elements(tree: Tree) -> Tree:
-    """Return the tree with its springs, dampers and motors before its elements of the same kinds."""
+    """Return the tree with its springs, dampers and motors before its elements of the same types."""
     springs = tuple(_joint_spring(item) for item in tree.springs if not _turns_freely(tree, item))
     motors = tuple(_joint_motor(item) for item in tree.motors if not _turns_freely(tree, item))
     elements = tree.elements
@@ -42,6 +42,6 @@ def _joint_motor(item: Motor) -> JointMotor:
 def _function(table: Table) -> MotionFunction:
     if len(table.times) == 1:
         return MotionFunction(POLYNOMIAL, (table.values[0], 0.0, 0.0, 0.0))
-    # Past a jump at its end a table goes on: its last piece must have a length.
+    # Past a jump at its end a table continues: its last piece must have a length.
     times, values = (*table.times, table.times[-1] + 1.0), (*table.values, table.values[-1])
     return MotionFunction(HELD_TABLE, times=times, values=values, curvature=(0.0,) * len(times))

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ....model.exchange.rigid_model import CoordinateSpring, Refusals
     from ....model.joint_elements import JointMotor
     from ....model.loads import AppliedTorque
+    from ....model.time_functions import MotionFunction
     from .hanging import Hanging
 
 
@@ -43,7 +44,7 @@ class ElementCards:
     links: "list[Link]"
     hung: "dict[int, Hanging]"
 
-    def hinge_elements(self) -> Any:
+    def hinge_elements(self) -> list[Any]:
         """Springs, dampers, motors and prescribed motions."""
         springs, dampers, motors, tables, motions = [], [], [], [], []
         by_function: list[str] = []
@@ -83,7 +84,7 @@ class ElementCards:
         cards.insert(0, ("FUNC", list(map(_function, self.functions.cards))))
         return [line for word, entries in cards for line in self.entries(word, entries)]
 
-    def _number(self, function: Any, item: Any) -> int:
+    def _number(self, function: "MotionFunction", item: Any) -> int:
         """Number of the function card of an item; 0 where it cannot be written."""
         number = self.functions.number(function)
         if not number:
@@ -156,7 +157,7 @@ class ElementCards:
             self.refusals.add(item, "only tables of loads are converted to DAFMS; give the function as TABLE")
         return points or []
 
-    def table(self, k: int, which: int, points: "Sequence[tuple[float, float]]") -> Any:
+    def table(self, k: int, which: int, points: "Sequence[tuple[float, float]]") -> str:
         """Return the records of a table: body, degree of freedom, points."""
         lines = [integers(k, which, len(points))]
         return "\n".join([*lines, *(self.real(t) + self.real(v) for t, v in points)])
@@ -173,7 +174,7 @@ class ElementCards:
     def _dof(self, item: "CoordinateSpring | JointMotor") -> Any:
         return integers(*self._place(item))
 
-    def entries(self, word: str, entries: "Sequence[str]") -> Any:
+    def entries(self, word: str, entries: "Sequence[str]") -> list[Any]:
         """Return a card with its records behind their number; none without records."""
         return [word, integers(len(entries)), *entries] if entries else []
 
@@ -188,7 +189,7 @@ class ElementCards:
 
 
 def _function(card: Card) -> str:
-    """The records of a function: number, kind, how many numbers; the numbers with all their digits."""
+    """The records of a function: number, type, how many numbers; the numbers with all their digits."""
     number, kind, values = card
     rows = [values[k : k + _ON_A_RECORD] for k in range(0, len(values), _ON_A_RECORD)]
     head = integers(number, _KIND_NUMBERS[kind], len(values))

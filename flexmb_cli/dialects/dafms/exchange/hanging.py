@@ -39,7 +39,7 @@ class Hanging:
 
 def hinge_frame(
     kind: str, parent: int, s: tuple[float, float, float], own: np.ndarray, s_own: tuple[float, float, float]
-) -> Any:
+) -> tuple[Any, Any]:
     """Axes of P_k, global (3, 3): those of the parent, or with the hinge's axes; and the number of one axis.
 
     `parent`, `own`: matrices of the bodies; s, s_own: vectors along the axis (or arms) in theirs.

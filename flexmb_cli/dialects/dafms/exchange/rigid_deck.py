@@ -106,7 +106,7 @@ class _Deck(ElementCards):
         ]  # fmt: skip
 
     def _hang(self, link: "Link") -> Any:
-        """Frames of a body whose parent is hung."""
+        """Return the frames of a body, those of its parent being known."""
         model, body, axis = self.model, self.model.bodies[link.body], 3
         if link.joint is None:
             kind, origin, own, frame, place = "free", body.r, body.A, np.eye(3), np.zeros(3)

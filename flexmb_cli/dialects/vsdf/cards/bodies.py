@@ -1,4 +1,4 @@
-"""Cards of bodies: their kind, matrices, nodes, masses, and where they are and move at the start."""
+"""Cards of bodies: their type, matrices, nodes, masses, and where they are and move at the start."""
 
 from ....fe.formats.formats import MAPPING_FORMATS
 from ..card import Card, Column, vector_columns, whole_column, word_column

@@ -47,5 +47,5 @@ def _again(source: DeckText, card: Card, lines: Any, index: int) -> Record:
 
 
 def number_of(card: Card, head: Number, count: int) -> Any:
-    """Return the number of a record, of its kind the `count`-th, whose first number is `head`."""
+    """Return the number of a record, of its type the `count`-th, whose first number is `head`."""
     return {"single": 0, "list": count}.get(card.counted, head.value)

@@ -67,12 +67,12 @@ class CardReader:
     ) -> Number | None:
         place = Place(self.at, field.column, max(1, len(field.text)))
         try:
-            value, doubt = fields.value(field, column)
+            value, warning = fields.value(field, column)
         except fields.Unfit as fault:
             self.error(card.word, str(fault), place, fields.guide(line, columns))
             return None
-        if doubt:
-            self.warn(card.word, doubt, place)
+        if warning:
+            self.warn(card.word, warning, place)
         return Number(column.key, value, column.meaning, column.unit, place, field.text)
 
     def _check_rest(self, card: Card, line: str, columns: tuple[Column, ...]) -> None:
@@ -97,5 +97,5 @@ class CardReader:
         self.faults.append(Fault("error", message, place, subject, tuple(guide), id="VSDF-081"))
 
     def warn(self, subject: str, message: str, place: Place) -> None:
-        """Note a doubt."""
+        """Note a warning."""
         self.faults.append(Fault("warning", message, place, subject, id="VSDF-082"))

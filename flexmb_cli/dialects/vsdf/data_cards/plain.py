@@ -33,7 +33,7 @@ def matched(card: Card, line: str) -> re.Match[str] | None:
 
 
 def values(found: re.Match[str]) -> list[float]:
-    """Return the numbers of a data card that all cards of its kind have, nan for empty fields."""
+    """Return the numbers of a data card that all cards of its type have, nan for empty fields."""
     return [float(text) if text else math.nan for text in found.groups()]
 
 

@@ -93,7 +93,7 @@ class _Maker(JointMaker):
         super().__init__(joints, functions, findings, RUN_START)
         self.bodies, self.ground = bodies, ground
 
-    def ends(self, record: Record) -> Any:
+    def ends(self, record: Record) -> dict[Any, Any] | None:
         """Bodies (-1: ground) and nodes of an element between two bodies."""
         a, b = (
             find_end(
@@ -154,7 +154,7 @@ def moved_pins(
     return tuple(found)
 
 
-def _functions(record: Record, pin: Pin, functions: Functions, findings: Findings) -> Any:
+def _functions(record: Record, pin: Pin, functions: Functions, findings: Findings) -> tuple[Any, ...]:
     for held, axis in zip(pin.directions, "xyz", strict=True):
         number = record.at(f"function.{axis}")
         if number.value and not held:

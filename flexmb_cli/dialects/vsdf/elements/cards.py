@@ -27,18 +27,18 @@ _ENDS = (
 )
 
 
-def _real(key: str, meaning: str, unit: str = "", default: float | None = 0.0) -> Any:
+def _real(key: str, meaning: str, unit: str = "", default: float | None = 0.0) -> Column:
     return Column(key, meaning, unit, default=default)
 
 
-def _characteristics(force: Any, stretch: Any) -> Any:
+def _characteristics(force: Any, stretch: Any) -> tuple[Any, Any]:
     return (
         whole_column("curve", f"function of {stretch} that adds to the {force}, 0: none"),
         whole_column("damper", f"function of the rate that adds to the {force}, 0: none"),
     )
 
 
-def _spring(word: Any, section: Any, coordinate: str, force: str, unit: str) -> Any:
+def _spring(word: str, section: str, coordinate: str, force: str, unit: str) -> Card:
     columns = (
         _JOINT,
         _real("stiffness", f"{force} per {coordinate}", f"{force}/{unit}"),
@@ -50,7 +50,7 @@ def _spring(word: Any, section: Any, coordinate: str, force: str, unit: str) -> 
     return Card(word, section, f"{section} {{}}", "list", columns)
 
 
-def _stop(word: str, section: str, coordinate: str, force: str, unit: str) -> Any:
+def _stop(word: str, section: str, coordinate: str, force: str, unit: str) -> Card:
     columns = (
         _JOINT,
         _real("lower", f"least {coordinate}", unit),

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ....model.exchange.rigid_model import CoordinateSpring
+    from ....model.time_functions import MotionFunction
 
 
 _KINDS = {kind: word for word, kind in FUNCTION_KINDS.items()}
@@ -35,7 +36,7 @@ class ElementCards(ABC):
         """Return the records of all functions that have been numbered."""
         return [record(n, _KINDS[kind], *numbers) for n, kind, numbers in self.functions.cards]
 
-    def number(self, function: Any, item: Any) -> int:
+    def number(self, function: "MotionFunction", item: Any) -> int:
         """Number of the function card of an item; 0 where it cannot be written."""
         number = self.functions.number(function)
         if not number:

@@ -61,7 +61,7 @@ class _Deck(ElementCards):
         self.tables: list[str] = []
         self.table_count = 0
 
-    def cards(self) -> Any:
+    def cards(self) -> list[Any]:
         """Words of cards and their records, in the order of the deck."""
         model, integrator = self.model, self.model.integrator
         bodies = [self._body(k) for k in range(len(model.bodies))]
@@ -99,7 +99,7 @@ class _Deck(ElementCards):
             return (integrator.tolerance,)
         return integrator.radius, "", integrator.tolerance
 
-    def _body(self, k: int) -> Any:
+    def _body(self, k: int) -> dict[Any, Any]:
         body = self.model.bodies[k]
         self._check_mass(body)
         velocity = (*body.velocity, *(body.A.T @ body.omega))
@@ -124,14 +124,14 @@ class _Deck(ElementCards):
             message = "the largest principal moment of inertia exceeds the sum of the others: no VSDF body"
             self.refusals.add(body, message)
 
-    def _node(self, body: Any, place: Any) -> Any:
+    def _node(self, body: int, place: Any) -> Any:
         """Number of the node at a place of a body."""
         key = (body, *(float(x) + 0.0 for x in place))
         if key not in self.nodes:
             self.nodes[key] = 1 + sum(1 for other in self.nodes if other[0] == body)
         return self.nodes[key]
 
-    def _joint(self, number: int, joint: Any) -> Any:
+    def _joint(self, number: int, joint: "RigidJoint") -> Any:
         if joint.kind not in _WORDS:
             self.refusals.add(joint, f"VSDF has no {joint.kind} joint")
             return ""
@@ -164,7 +164,7 @@ class _Deck(ElementCards):
             found.append([self._node(body, place) for place in places])
         return found
 
-    def _motions(self) -> Any:
+    def _motions(self) -> list[Any]:
         found: list[tuple[Any, str, int]] = []
         turned = [item.body for item in self.model.drivers if item.direction > 3]
         for item in self.model.drivers:
@@ -195,7 +195,7 @@ class _Deck(ElementCards):
         self.tables += [record(self.table_count, float(t), float(v)) for t, v in points]
         return self.table_count
 
-    def _factor(self, function: Any, item: Any) -> Any:
+    def _factor(self, function: Any, item: Any) -> tuple[Any, Any]:
         """A constant factor, and the number of a table."""
         value = value_of(function)
         if value is not None:

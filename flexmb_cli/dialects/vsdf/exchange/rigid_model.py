@@ -149,7 +149,7 @@ class _Conversion(Conversion):
         c = body.s0 / body.m
         return self.rigid_body(k, body.name, (body.m, c, about_centre(body.m, c, body.J0)), body.place)
 
-    def _joint(self, joint: "PointJoint") -> Any:
+    def _joint(self, joint: "PointJoint") -> RigidJoint:
         i, j = joint.a[0].body, joint.b[0].body
         P_i, P_j = joint.a[0].r0, joint.b[0].r0
         s_i, s_j = (ends[1].r0 - ends[0].r0 if len(ends) > 1 else np.zeros(3) for ends in (joint.a, joint.b))
@@ -159,14 +159,14 @@ class _Conversion(Conversion):
         ends = vector(P_i), vector(P_j), vector(s_i), vector(s_j)
         return RigidJoint(joint.name, joint.kind, i, j, *ends, size, joint.place)
 
-    def _in_plane(self, i: int, j: int, P_i: Any, P_j: Any, s_i: Any, size: Any) -> Any:
+    def _in_plane(self, i: int, j: int, P_i: Any, P_j: Any, s_i: Any, size: Any) -> tuple[Any, Any]:
         """Return the point of the axis in the plane of P_j, which VSDF keeps beside P_i, and its distance."""
         s = s_i / np.linalg.norm(s_i)
         (r_i, A_i), (r_j, A_j) = self.now[i], self.now[j]
         beside = (r_j + A_j @ P_j - r_i - A_i @ P_i) @ (A_i @ s)
         return P_i + beside * s, math.sqrt(size * size - beside * beside)
 
-    def _pins(self) -> Any:
+    def _pins(self) -> tuple[Any, Any]:
         """Joints with the ground, and held coordinates of origins."""
         joints, held = [], []
         for pin in self.deck.pins:
@@ -191,7 +191,7 @@ class _Conversion(Conversion):
             if _DIRECTIONS[item.kind] > 3 and turned.count(item.target) > 1:
                 self.refusals.add(item, "several rotations of one body (ROTX, ROTY, ROTZ) are not converted")
 
-    def _joint_spring(self, item: Any) -> Any:
+    def _joint_spring(self, item: Any) -> CoordinateSpring:
         joint = self.deck.joints[item.joint]
         coordinate = BY_NAME[joint.kind].sprung
         q = self._coordinate_since(joint, coordinate)
@@ -202,6 +202,6 @@ def _from_zero(function: "MotionFunction") -> Any:
     return moved(function, 0.0, function.at(0.0)[0])
 
 
-def _body_driver(motion: Any) -> Any:
+def _body_driver(motion: Any) -> BodyDriver:
     direction = _DIRECTIONS[motion.kind]
     return BodyDriver(motion.name, motion.target, direction, motion.function, motion.place)

@@ -30,7 +30,7 @@ class YoungForm:
     asks_cards = False
 
     def entries(self, values: dict[str, str]) -> list[Entry]:
-        """Title, analysis where cards are asked for, counts, the records that these announce, cards."""
+        """Title, analysis where cards are requested, counts, the records that these announce, cards."""
         with_cards = self.asks_cards or f"{OPENING}.analysis" in values
         entries = [TITLE_ENTRY, *([OPENING_ENTRY] if with_cards else []), _entry(COUNTS, 0, values)]
         counts = _counts(values)
@@ -42,7 +42,7 @@ class YoungForm:
         return entries
 
     def faults(self, records: Sequence[Record], complete: bool) -> list[Fault]:
-        """Faults and doubts that the last record brings in."""
+        """Errors and warnings that the last record brings in."""
         last = records[-1]
         if last.section == "title":
             return _faults_of_title(last)

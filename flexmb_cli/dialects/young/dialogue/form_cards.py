@@ -78,7 +78,7 @@ def is_card(record: Record) -> bool:
 
 
 def faults_of_card(record: Record, bodies: int) -> list[Fault]:
-    """Body numbers, and numbers that may be repeated; `flexmb check` knows the rest."""
+    """Body numbers, and numbers that may be repeated; `flexmb check` finds all others."""
     faults = []
     for value in record.numbers:
         if value.key in ("body", "I", "J"):

@@ -57,7 +57,7 @@ class _Maker(JointMaker):
         }  # fmt: skip
 
 
-def _driven(maker: _Maker, record: Record) -> Any:
+def _driven(maker: _Maker, record: Record) -> DrivenItem | None:
     number, drivers = record["driver"], maker.mechanism.drivers
     if not 1 <= number <= len(drivers):
         message = no_such("driver", number, len(drivers))
@@ -68,7 +68,7 @@ def _driven(maker: _Maker, record: Record) -> Any:
     return None if function is None else DrivenItem(record.subject, number - 1, function, record.place)
 
 
-def _support(maker: _Maker, record: Record) -> Any:
+def _support(maker: _Maker, record: Record) -> DrivenItem | None:
     number, held = record["simplified"], maker.mechanism.simplified
     if not 1 <= number <= len(held):
         message = no_such("simplified constraint", number, len(held))
@@ -82,7 +82,7 @@ def _support(maker: _Maker, record: Record) -> Any:
     return None if function is None else DrivenItem(record.subject, number - 1, function, record.place)
 
 
-def _composite(maker: Any, record: Any) -> Any:
+def _composite(maker: Any, record: Any) -> CompositeJoint | None:
     axes = {key: record.vector(key) for key in ("s_i", "s_j") if f"{key}.x" in record}
     for key, s in axes.items():
         if not any(s):

@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ....model.exchange.conversion import Conversion, Pose, coordinate_since, place_of
 from ....model.exchange.functions import constant
@@ -11,6 +11,9 @@ from ....model.joint_elements import Bushing, Coupling, EndStop, JointMotor, Joi
 from ....model.loads import DynamicModel, SpringDamper
 from ....model.mechanism import GROUND, Mechanism
 from ....quick_dataclass import replace
+
+if TYPE_CHECKING:
+    from ....model.time_functions import MotionFunction
 
 
 class ConvertedElements(Conversion):
@@ -27,7 +30,7 @@ class ConvertedElements(Conversion):
         """Return a point of a body on its new body."""
 
     @abstractmethod
-    def _function(self, function: Any) -> Any:
+    def _function(self, function: "MotionFunction") -> Any:
         """Return a function of time from the start on."""
 
     def _offset(self, number: int, coordinate: str) -> Any:
@@ -79,7 +82,7 @@ class ConvertedElements(Conversion):
             else:
                 self.refusals.add(item, "a coupling of a joint between grounded bodies is not converted")
 
-    def _joint_springs(self) -> Any:
+    def _joint_springs(self) -> tuple[Any, Any]:
         """Springs without preload, and motors with the preload of those without stiffness."""
         springs, motors = [], []
         for item in self.deck.elements.springs:
@@ -98,7 +101,7 @@ class ConvertedElements(Conversion):
                 )
         return tuple(springs), tuple(motors)
 
-    def _springs(self) -> Any:
+    def _springs(self) -> tuple[Any, ...]:
         found = [self._spring(item, item.free_length) for item in self.deck.springs]
         for item in self.deck.elements.lines:
             if not _is_of_its_own(item):
@@ -106,7 +109,7 @@ class ConvertedElements(Conversion):
                 found.append(self._spring(item, item.rest - shift))
         return tuple(spring for spring in found if not spring.i == GROUND == spring.j)
 
-    def _spring(self, item: Any, rest: Any) -> Any:
+    def _spring(self, item: Any, rest: Any) -> SpringDamper:
         i, j = self.number[item.i], self.number[item.j]
         ends = self._point(item.i, place_of(item.P_i)), self._point(item.j, place_of(item.P_j))
         return SpringDamper(item.name, i, j, *ends, item.stiffness, rest, item.damping, item.place)

@@ -18,6 +18,9 @@ from ..sections import COUNT_OF, COUNTS, YOUNG_JOINTS
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from ....model.exchange.rigid_model import RigidJoint
+    from ....model.time_functions import MotionFunction
+
 
 _LINKS = {"revolute-spherical": "REVSPH", "spherical-spherical": "SPHSPH"}
 _KIND = {"fixed": "revolute"}  # whose angle a driver holds
@@ -55,7 +58,7 @@ class _Deck:
         order = [joint for joints in (*self.sorted.values(), unknown) for joint in joints]
         self.joint_number = {id(joint): n for n, joint in enumerate(order, start=1)}
 
-    def lines(self) -> Any:
+    def lines(self) -> list[Any]:
         """The numbers of the 1996 program, then the cards of dynamics."""
         model, time = self.model, self.model.time
         drives = [self._driver(n, item) for n, item in enumerate(model.drivers, start=1)]
@@ -81,7 +84,7 @@ class _Deck:
             "END",
         ]
 
-    def _counts(self) -> Any:
+    def _counts(self) -> list[Any]:
         counts = {
             "NBODY": len(self.model.bodies) + self.with_ground,
             "NDRIVE": len(self.model.drivers),
@@ -91,11 +94,11 @@ class _Deck:
         counts |= {COUNT_OF[kind.name]: len(self.sorted[kind.name]) for kind in YOUNG_JOINTS}
         return [counts.get(column.key, 0) for column in COUNTS.columns]
 
-    def _body(self, body: Any) -> Any:
+    def _body(self, body: int) -> Any:
         """Number of a body of a joint proper, which the ground is, too."""
         return len(self.model.bodies) + 1 if body == GROUND else body + 1
 
-    def _joint(self, joint: Any) -> Any:
+    def _joint(self, joint: "RigidJoint") -> Any:
         kind = next(each for each in YOUNG_JOINTS if each.name == _KIND.get(joint.kind, joint.kind))
         axes = {joint.i: np.array(joint.s_i), joint.j: np.array(joint.s_j)}
         if joint.kind == "fixed":
@@ -115,7 +118,7 @@ class _Deck:
         pitch = [joint.size] if joint.kind == "screw" else []
         return _line(self._body(joint.i), self._body(joint.j), *numbers, *pitch)
 
-    def _driver(self, n: Any, item: Any) -> Any:
+    def _driver(self, n: int, item: Any) -> tuple[Any, Any]:
         """The record of a driver, and the card of one that follows a function."""
         c = polynomial_of(item.function)
         if c is not None and len(c) <= 3:
@@ -124,7 +127,7 @@ class _Deck:
         number = self._function(item.function, item)
         return _line(item.body + 1, item.direction, item.function.at(0.0)[0], 0, 0), f"DRIVE {n} {number}"
 
-    def _function(self, function: Any, item: Any) -> Any:
+    def _function(self, function: "MotionFunction", item: Any) -> Any:
         """Number of a function card; 1 stands in where there is none."""
         number = self.functions.number(function)
         if not number:
@@ -202,10 +205,10 @@ class _Deck:
         """Number of a joint of the model in the deck."""
         return self.joint_number[id(self.model.joints[joint])]
 
-    def _word(self, item: Any, turning: Any, sliding: Any) -> Any:
+    def _word(self, item: Any, turning: Any, sliding: Any) -> str:
         return f"{turning if item.coordinate == ANGLE else sliding} {self._number(item.joint)}"
 
-    def _factor(self, load: Any, item: Any) -> Any:
+    def _factor(self, load: Any, item: Any) -> tuple[Any, Any]:
         value = value_of(item.factor)
         if value is not None:
             return [value * x for x in load], 0

@@ -123,7 +123,7 @@ class _Conversion(ConvertedElements):
         for item in self.mechanism.distances:
             self.refusals.add(item, "differences of single coordinates (NSIMP2) are not converted")
 
-    def _notes(self) -> Any:
+    def _notes(self) -> tuple[Any, ...]:
         notes = []
         if self.mechanism.time.start:
             notes.append(f"t = 0 is {self.mechanism.time.start!r} s of the other deck")
@@ -154,7 +154,7 @@ class _Conversion(ConvertedElements):
             return vector(s)
         return vector(self.now[body][1] @ np.array(s))
 
-    def _joints(self) -> Any:
+    def _joints(self) -> tuple[Any, ...]:
         found: list[Any] = []
         for k, joint in enumerate(self.mechanism.joints):
             self._add_joint(found, joint, joint.kind, joint.pitch, k)
@@ -175,10 +175,10 @@ class _Conversion(ConvertedElements):
         axes = self._direction(joint.i, joint.s_i), self._direction(joint.j, joint.s_j)
         found.append(RigidJoint(joint.name, kind, i, j, *ends, *axes, size, joint.place))
 
-    def _function(self, function: Any) -> Any:
+    def _function(self, function: "MotionFunction | None") -> Any:
         return function and moved(function, self.mechanism.time.start)
 
-    def _drivers(self) -> Any:
+    def _drivers(self) -> tuple[Any, ...]:
         """Drivers, and coordinates that are held, of bodies that move."""
         elements = self.deck.elements
         driven = {item.item: item.function for item in elements.driven}
@@ -199,7 +199,7 @@ class _Conversion(ConvertedElements):
             if self.number[item.body] != GROUND
         )
 
-    def _joint_driver(self, item: Any) -> Any:
+    def _joint_driver(self, item: Any) -> JointDriver:
         # The function is met at the start, whatever number of turns it begins with.
         time = self.mechanism.time.start
         function = moved(item.function, time, item.function.at(time)[0])

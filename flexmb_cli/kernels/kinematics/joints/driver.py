@@ -17,7 +17,7 @@ EQUATIONS = 1
 
 
 @kernel
-def function(c: Any, t: float) -> Any:
+def function(c: "np.ndarray", t: float) -> Any:
     """f, df/dt and d²f/dt² at time t."""
     return c["C"] + (c["B"] + 0.5 * c["A"] * t) * t, c["B"] + c["A"] * t, c["A"]
 
