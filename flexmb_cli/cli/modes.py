@@ -3,15 +3,18 @@
 import json
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .options.finite import AnyFinite
 from .terminal.progress import Progress
-from .terminal.screen import show, wants_debug
+from .terminal.screen import notify, show, wants_debug
 from .terminal.written_place import WrittenPlace
+
+if TYPE_CHECKING:
+    from ..run.outcome import Outcome
 
 
 @click.command()
@@ -72,6 +75,7 @@ def modes(
             click.echo(json.dumps(report.as_dict()))
         elif report.deck:
             _print_modes(report, echo, quiet)
+            _tell_output(report.outcome, out, quiet)
         codes.append(report.outcome.exit_code)
     sys.exit(max(codes))
 
@@ -99,3 +103,9 @@ def _print_modes(report: Any, with_echo: bool, quiet: bool) -> None:
         show(echo(report.deck))
     if not quiet:
         show(modes_text(report))
+
+
+def _tell_output(outcome: "Outcome", out: str | None, quiet: bool) -> None:
+    """Name the file of the state space, which a deck that fails does not write."""
+    if out is not None and not quiet and outcome.exit_code == 0:
+        notify(f"{outcome.deck} → {out}, state space")

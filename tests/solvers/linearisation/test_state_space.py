@@ -203,6 +203,18 @@ def test_the_state_space_goes_to_a_file_of_any_form(tmp_path):
 
 
 @pytest.mark.processes
+def test_the_file_of_a_state_space_is_named_once_it_is_written(tmp_path):
+    """Rule: a command that writes a file names it on standard error, unless -q or --json is given."""
+    deck, file = DECKS / "turntable.dat", tmp_path / "space.npz"
+    assert modes(deck, "--out", file).stderr.splitlines()[-1] == f"{deck} → {file}, state space"
+    for option in ("--json", "-q"):
+        assert "→" not in modes(deck, "--out", file, option).stderr
+    lost = tmp_path / "missing" / "space.npz"
+    done = modes(deck, "--out", lost)
+    assert done.returncode != 0 and "→" not in done.stderr
+
+
+@pytest.mark.processes
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
