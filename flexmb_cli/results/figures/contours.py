@@ -1,6 +1,6 @@
 """Colours of the surfaces of finite-element bodies, and their range over all rows.
 
-Stresses and strains are superposed from those of the modes; the report's viewer does the same (`viewer.js`).
+Stresses and strains are superposed from those of the modes; the report's scene does the same (`scene.js`).
 """
 
 from collections.abc import Iterator, Sequence

@@ -59,7 +59,7 @@ def report_page(result: h5py.File, look: BodyLook = DEFAULT_LOOK) -> str:
 
 def viewer_script() -> str:
     """Return the script of the page."""
-    return _viewer("raster.js") + _viewer("viewer.js")
+    return "".join(_viewer(f"{part}.js") for part in ("raster", "values", "scene", "viewer"))
 
 
 def _viewer(name: str) -> str:
