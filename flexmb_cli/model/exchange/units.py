@@ -1,5 +1,6 @@
 """A rigid model in other units: numbers of a deck in millimetres, kilograms and seconds in SI, and back."""
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from ...quick_dataclass import dataclass, replace
@@ -46,40 +47,54 @@ class _Scaling:
         self.L, self.M, self.force, self.torque = L, M, M * L, M * L * L
 
     def model(self, model: RigidModel) -> Any:
-        L, F, T = self.L, self.force, self.torque
-        return replace(
-            model,
-            bodies=tuple(self._body(body) for body in model.bodies),
-            gravity=_times(L, model.gravity),
-            joints=tuple(self._joint(joint) for joint in model.joints),
-            drivers=tuple(
-                replace(item, function=scaled(item.function, L if item.direction <= 3 else 1.0))
-                for item in model.drivers
-            ),
-            joint_drivers=tuple(
-                replace(item, function=scaled(item.function, 1.0 if item.coordinate == ANGLE else L))
-                for item in model.joint_drivers
-            ),
-            motors=tuple(
-                replace(item, function=scaled(item.function, T if item.coordinate == ANGLE else F))
-                for item in model.motors
-            ),
-            joint_springs=tuple(self._joint_spring(item) for item in model.joint_springs),
-            stops=tuple(self._stop(item) for item in model.stops),
-            frictions=tuple(self._friction(item) for item in model.frictions),
-            springs=tuple(self._spring(item) for item in model.springs),
-            preloaded=tuple(self._preloaded(item) for item in model.preloaded),
-            lines=tuple(self._line(item) for item in model.lines),
-            bushings=tuple(self._bushing(item) for item in model.bushings),
-            couplings=tuple(self._coupling(item) for item in model.couplings),
-            forces=tuple(
-                replace(item, force=_times(F, item.force), point=_times(L, item.point))
-                for item in model.forces
-            ),
-            torques=tuple(replace(item, torque=_times(T, item.torque)) for item in model.torques),
-            points=tuple(replace(item, s=_times(L, item.s)) for item in model.points),
-            shapes=tuple(scaled_shape(item, L) for item in model.shapes),
-        )
+        parts = {
+            name: tuple(rescale(item) for item in getattr(model, name))
+            for name, rescale in self._by_part().items()
+        }
+        return replace(model, gravity=_times(self.L, model.gravity), **parts)
+
+    def _by_part(self) -> dict[str, Callable[[Any], Any]]:
+        return {
+            "bodies": self._body,
+            "joints": self._joint,
+            "drivers": self._driver,
+            "joint_drivers": self._joint_driver,
+            "motors": self._motor,
+            "joint_springs": self._joint_spring,
+            "stops": self._stop,
+            "frictions": self._friction,
+            "springs": self._spring,
+            "preloaded": self._preloaded,
+            "lines": self._line,
+            "bushings": self._bushing,
+            "couplings": self._coupling,
+            "forces": self._force,
+            "torques": self._torque,
+            "points": self._point,
+            "shapes": self._shape,
+        }
+
+    def _driver(self, item: Any) -> Any:
+        return replace(item, function=scaled(item.function, self.L if item.direction <= 3 else 1.0))
+
+    def _joint_driver(self, item: Any) -> Any:
+        return replace(item, function=scaled(item.function, 1.0 if item.coordinate == ANGLE else self.L))
+
+    def _motor(self, item: Any) -> Any:
+        effort = self.torque if item.coordinate == ANGLE else self.force
+        return replace(item, function=scaled(item.function, effort))
+
+    def _force(self, item: Any) -> Any:
+        return replace(item, force=_times(self.force, item.force), point=_times(self.L, item.point))
+
+    def _torque(self, item: Any) -> Any:
+        return replace(item, torque=_times(self.torque, item.torque))
+
+    def _point(self, item: Any) -> Any:
+        return replace(item, s=_times(self.L, item.s))
+
+    def _shape(self, item: Any) -> Any:
+        return scaled_shape(item, self.L)
 
     def _body(self, body: "RigidBody") -> Any:
         L = self.L
