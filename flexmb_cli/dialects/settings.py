@@ -1,6 +1,5 @@
 """`--set NAME=VALUE`: numbers of a deck overridden by their readable names."""
 
-from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from ..deck import number
@@ -15,8 +14,6 @@ if TYPE_CHECKING:
 
 
 COUNTS = "counts"
-_NEAREST = 3
-_COMPARED = 20_000  # names of a deck with an unknown one: each comparison takes a tenth of a millisecond
 
 MOST_SHOWN = 200  # characters of a setting in a message
 
@@ -28,12 +25,6 @@ def apply_settings(deck: Deck, settings: list[str]) -> Deck:
     setting: an unknown name, a count (the deck's layout hangs on it), no number, no integer.
     """
     return SettableDeck(deck).with_settings(settings) if settings else deck
-
-
-def _is_meant(name: str, known: str, meaning: str) -> bool:
-    """Return whether `name` calls a number of this record by a word of its meaning: friction.1.sliding."""
-    prefix, _, word = name.rpartition(".")
-    return len(word) > 1 and known.startswith(f"{prefix}.") and word in meaning.lower().split()
 
 
 class SettableDeck:
@@ -51,18 +42,10 @@ class SettableDeck:
 
     def unknown(self, name: str) -> str:
         """Return what to say of a name that the deck lacks."""
-        from difflib import get_close_matches
+        # difflib is imported for this message only.
+        from .near_names import hint
 
-        # Capitals do not count here, so that driver.1.b is near driver.1.B.
-        names, meant = {}, []
-        for known, item in islice(self.deck.numbers(), _COMPARED):
-            names[known.lower()] = known
-            if _is_meant(name.lower(), known.lower(), item.meaning):
-                meant.append(known.lower())
-        found = [*meant, *get_close_matches(name.lower(), names, n=_NEAREST, cutoff=0.0)]
-        close = [names[word] for word in dict.fromkeys(found)][:_NEAREST]
-        nearest = f"the nearest are {', '.join(close)}; flexmb check --echo shows all"
-        return f"the deck has no number {name!r}; {nearest}"
+        return f"the deck has no number {name!r}; {hint(name, self.deck)}"
 
     def _place(self, name: str) -> Any:
         """Return where the record of a number stands among the deck's, and the number's key; None without

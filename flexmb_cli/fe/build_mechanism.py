@@ -24,9 +24,10 @@ from ..quick_dataclass import replace
 from .flexible_bodies import flexible_body
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from ..model.fe_model import NodeForce
+    from ..model.flexible_body import FlexibleInput
 
 
 STEPS_A_PERIOD = 20
@@ -38,27 +39,31 @@ def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleM
 
     Raises ModelError with the faults of all bodies.
     """
-    if _is_large(model):
-        large = _Points(model, Made(model.bodies, _rigid_body)).mechanism()
-        return replace(large, shapes=model.shapes), []
-    bodies, faults = [], []
-    for body in model.bodies:
+    flexible, faults = {}, []
+    for k, body in enumerate(model.bodies):
+        if body.flexible is None:
+            continue
         try:
-            built, warnings = _body(body, cached)
-            bodies.append(built)
+            flexible[k], warnings = _flexible_body(body, body.flexible, cached)
             faults += warnings
         except ModelError as stopped:
             faults += stopped.faults
     if any(fault.severity == "error" for fault in faults):
         raise ModelError(faults)
-    faults += _step_warnings(model, bodies)
+    faults += _step_warnings(model, flexible.values())
+    bodies = _all_bodies(model.bodies, flexible)
     stresses = _stresses(model, bodies)
     return replace(_Points(model, bodies).mechanism(), stresses=stresses, shapes=model.shapes), faults
 
 
-def _is_large(model: VsdfModel) -> bool:
-    """Return whether the parts of the mechanism are made when they are looked at: all bodies are rigid."""
-    return len(model.bodies) > MANY_PARTS and all(body.flexible is None for body in model.bodies)
+def _all_bodies(given: Sequence[VsdfBody], flexible: dict[int, FloatingBody]) -> Sequence[FloatingBody]:
+    """Return all bodies, given the flexible ones by their numbers; many are made when they are looked at."""
+
+    def made(k: int) -> FloatingBody:
+        return flexible[k] if k in flexible else _rigid_body(given[k])
+
+    numbers = range(len(given))
+    return Made(numbers, made) if len(given) > MANY_PARTS else tuple(map(made, numbers))
 
 
 def _stresses(model: VsdfModel, bodies: Any) -> Any:
@@ -70,7 +75,7 @@ def _stresses(model: VsdfModel, bodies: Any) -> Any:
     return stress_outputs(model, bodies)
 
 
-def _step_warnings(model: VsdfModel, bodies: list[FloatingBody]) -> "Iterator[Fault]":
+def _step_warnings(model: VsdfModel, bodies: "Iterable[FloatingBody]") -> "Iterator[Fault]":
     """A step that is longer than a twentieth of the shortest period retained damps or distorts it."""
     for body in bodies:
         highest = body.flexible.frequencies.max(initial=0.0) if body.flexible else 0.0
@@ -83,12 +88,12 @@ def _step_warnings(model: VsdfModel, bodies: list[FloatingBody]) -> "Iterator[Fa
             yield Fault("warning", message, model.time.place, body.name, id="FE-007")
 
 
-def _body(given: VsdfBody, cached: bool) -> tuple[FloatingBody, list[Fault]]:
-    if given.flexible is None:
-        return _rigid_body(given), []
+def _flexible_body(
+    given: VsdfBody, content: "FlexibleInput", cached: bool
+) -> tuple[FloatingBody, list[Fault]]:
     motion = np.array(given.velocity), np.array(given.omega)
     places: dict[str, Any] = {"place": given.place, "velocity_place": given.velocity_place}
-    found, warnings = flexible_body(given.flexible, cached)
+    found, warnings = flexible_body(content, cached)
     r = np.array(given.r) + given.A @ found.origin
     p = euler_parameters(given.A @ found.axes)
     body = FloatingBody(
@@ -128,7 +133,7 @@ class _Points:
         """The mechanism, item by item."""
         model = self.model
         return FlexibleMechanism(
-            self.bodies if isinstance(self.bodies, Made) else tuple(self.bodies),
+            self.bodies,
             model.time,
             model.integrator,
             model.gravity,

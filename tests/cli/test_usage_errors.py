@@ -186,7 +186,7 @@ def test_a_slip_of_the_hand_is_answered_with_what_is_meant(flexmb, tmp_path):
         ("diff", ".", "nowhere"): "nowhere: no such file or folder",
         ("examples", "pendulum"): "is one of these meant: pendulum.DAT, ",
         ("examples", "IN4BAR"): "is one of these meant: IN4-BAR, ",
-        ("run", "IN4-BAR.dat", "--set", "driver.1.b=3"): "the nearest are driver.1.B, ",
+        ("run", "IN4-BAR.dat", "--set", "driver.1.b=3"): "near it is driver.1.B; ",
     }
     for arguments, answer in meant.items():
         code, _, reported = flexmb(*arguments)

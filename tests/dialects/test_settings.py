@@ -36,14 +36,14 @@ def test_an_unknown_name_is_refused_with_the_nearest():
     (message,) = refused("driver.1.b=2")
     assert message == (
         "--set driver.1.b=2: the deck has no number 'driver.1.b'; "
-        "the nearest are driver.1.B, driver.1.C, driver.1.A; flexmb check --echo shows all"
+        "near it is driver.1.B; flexmb check --echo shows all"
     )
 
 
 def test_a_number_called_by_a_word_of_its_meaning_comes_first():
-    """B is the "angular velocity at t = 0" of a driver; the nearest in letters was driver.1.direction."""
+    """B is the "angular velocity at t = 0" of a driver; the nearest by letters was driver.1.direction."""
     (message,) = refused("driver.1.velocity=2")
-    assert "; the nearest are driver.1.B, driver.1." in message
+    assert "; near it is driver.1.B; driver.1 holds " in message
 
 
 def test_a_count_cannot_be_set():

@@ -57,7 +57,7 @@ def test_all_of_them_are_told_at_once(swept):
 def test_an_unknown_parameter_is_told_at_its_line(swept):
     code, reported, left = swept("driver.1.B", "driver.9.B")
     assert (code, left) == (2, ["study.toml"])
-    assert reported.startswith("study.toml:4:2: error: the deck has no number 'driver.9.B'; the nearest are")
+    assert reported.startswith("study.toml:4:2: error: the deck has no number 'driver.9.B'; near it is")
 
 
 def test_a_sample_without_a_count_is_told_where_the_sampling_stands(swept):

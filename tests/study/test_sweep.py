@@ -128,7 +128,7 @@ def test_a_case_that_locks_has_no_results_but_the_rows_before(tmp_path):
 @pytest.mark.parametrize(
     "change, message",
     [
-        (('"point.1.x"', '"point.9.x"'), "the deck has no number 'point.9.x'; the nearest are point.2.x"),
+        (('"point.1.x"', '"point.9.x"'), "the deck has no number 'point.9.x'; near it are point."),
         (("max point.1.z", "max point.1.q"), "point.1.q: the result has no such quantity"),
         (("max point.1.z", "max point.1"), "result top: point.1 is more than one number"),
         (("IN-RSSR.dat", "none.dat"), "none.dat: error: no such file"),

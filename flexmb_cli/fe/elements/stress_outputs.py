@@ -1,5 +1,7 @@
 """Stresses that a deck reports, per unit of each mode: of nodes and elements by their numbers."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ...errors import Fault, ModelError
@@ -9,7 +11,7 @@ from ...model.flexible_mechanism import FloatingBody, StressOutput
 from .stress_shapes import point_stresses
 
 
-def stress_outputs(model: VsdfModel, bodies: list[FloatingBody]) -> tuple[StressOutput, ...]:
+def stress_outputs(model: VsdfModel, bodies: Sequence[FloatingBody]) -> tuple[StressOutput, ...]:
     """Return what the model reports of its bodies.  Raises ModelError for an element that a body lacks."""
     return tuple(_output(selection, bodies[selection.body].flexible) for selection in model.stresses)
 

@@ -4,24 +4,20 @@ Written apart from the kernels of constrained dynamics, which `verify` compares 
 """
 
 import math
+from typing import NamedTuple
 
 from ...model.joint_elements import EndStop, JointFriction, JointSpring, LineSpring
 from ...model.time_functions import MotionFunction, integral_of
-from ...quick_dataclass import dataclass
 
 SLOW = 1e-9  # of the creep speed: tanh(x) / x is 1 there
 
 
-@dataclass(frozen=True)
-class Effort:
-    """Effort of an element in its coordinate x with the rate v.
+class Effort(NamedTuple):
+    """Effort of an element in its coordinate x with the rate v."""
 
-    `effort` drives x to larger values, N or N m; `energy`, J, is the potential of its part `kept`.
-    """
-
-    effort: float
-    kept: float
-    energy: float
+    effort: float  # N or N m, drives x to larger values
+    kept: float  # N or N m, the part of it that has a potential
+    energy: float  # J, that potential
 
 
 def spring_effort(item: JointSpring | LineSpring, x: float, v: float) -> Effort:

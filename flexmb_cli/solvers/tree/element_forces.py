@@ -13,9 +13,12 @@ from .element_efforts import Effort, cable_effort, linear_effort, spring_effort,
 from .placed_bodies import PlacedBodies
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
-Answer = tuple[float, float, Effort]  # coordinate, rate, effort
+Answer = tuple[float, float, float, float, float]
+# Columns of answers: coordinate and rate of an element, and the fields of its `Effort`.
+COORDINATE, RATE, EFFORT, KEPT, ENERGY = range(5)
+OF_BUSHING = 6  # coordinates: three displacements, three angles
 
 
 class ElementForces:
@@ -35,41 +38,48 @@ class ElementForces:
     def _axes(axes: np.ndarray, body: int) -> np.ndarray:
         return np.eye(3) if body < 0 else axes[body]
 
-    def add_motors(self, placed: PlacedBodies, t: float) -> list[Answer]:
-        """Add the efforts of motors at the time t; returns what each answers."""
-        return [self._of_motor(placed, item, t) for item in self.elements.motors]
+    def add_motors(self, placed: PlacedBodies, t: float) -> np.ndarray:
+        """Add the efforts of motors at the time t; returns what each answers, (motors, 5)."""
+        motors = self.elements.motors
+        return filled(len(motors), (self._of_motor(placed, item, t) for item in motors))
 
     def _of_motor(self, placed: PlacedBodies, item: JointMotor, t: float) -> Answer:
         m, effort = self.number[item.joint, item.coordinate], item.function.at(t)[0]
         placed.effort[m] += effort
-        return float(placed.q[m]), float(placed.y[m]), Effort(effort, 0.0, 0.0)
+        return float(placed.q[m]), float(placed.y[m]), effort, 0.0, 0.0
 
-    def add(self, placed: PlacedBodies) -> list[Answer]:
-        """Add the forces of all others; returns what each element answers, in the order of results."""
-        found = [self._in_joint(placed, item) for item in self.elements.springs]
-        found += [self._in_line(placed, item) for item in self.elements.lines]
-        found += [self._in_joint(placed, item) for item in self.elements.stops]
+    def add(self, placed: PlacedBodies) -> np.ndarray:
+        """Add the forces of all others; returns what each element answers, (n, 5), in the order of results.
+
+        Objects for the answers of 20,000 bushings would take 40 MB.
+        """
+        single = self.elements.springs, self.elements.lines, self.elements.stops
+        count = sum(map(len, single)) + OF_BUSHING * len(self.elements.bushings)
+        return filled(count, self._answers(placed))
+
+    def _answers(self, placed: PlacedBodies) -> "Iterator[Answer]":
+        yield from (self._in_joint(placed, item) for item in self.elements.springs)
+        yield from (self._in_line(placed, item) for item in self.elements.lines)
+        yield from (self._in_joint(placed, item) for item in self.elements.stops)
         self.overturned = None
         for k, item in enumerate(self.elements.bushings):
             if _is_overturned(placed, item, self._turned[k]):
                 self.overturned = k
-            found += [
-                *_along_axes(placed, item),
-                *_about_axes(placed, item, self._turned[k], self._angles[k]),
-            ]
-        return found
+            yield from _along_axes(placed, item)
+            yield from _about_axes(placed, item, self._turned[k], self._angles[k])
 
-    def lengths(self, answers: list[Answer]) -> list[float]:
+    def lengths(self, answers: np.ndarray) -> np.ndarray:
         """Return the lengths, m, of the lines among the answers of `add`."""
         first = len(self.elements.springs)
-        return [x for x, _, _ in answers[first : first + len(self.elements.lines)]]
+        found: np.ndarray = answers[first : first + len(self.elements.lines), COORDINATE]
+        return found
 
     def _in_joint(self, placed: PlacedBodies, item: JointSpring | EndStop) -> Answer:
         m = self.number[item.joint, item.coordinate]
         x, v = float(placed.q[m]), float(placed.y[m])
         effort = stop_effort(item, x, v) if isinstance(item, EndStop) else spring_effort(item, x, v)
         placed.effort[m] += effort.effort
-        return x, v, effort
+        return x, v, *effort
 
     def _in_line(self, placed: PlacedBodies, item: LineSpring) -> Answer:
         (r_i, v_i), (r_j, v_j) = (placed.point(_end(end)) for end in (item.P_i, item.P_j))
@@ -79,7 +89,20 @@ class ElementForces:
         effort = cable_effort(item, x, v) if item.slack else spring_effort(item, x, v)
         placed.push(_end(item.P_j), effort.effort * unit)
         placed.push(_end(item.P_i), -effort.effort * unit)
-        return x, v, effort
+        return x, v, *effort
+
+
+def filled(count: int, answers: "Iterable[Answer]") -> np.ndarray:
+    """Return as many answers as rows (count, 5)."""
+    found = np.empty((count, 2 + len(Effort._fields)))
+    for row, answer in zip(found, answers, strict=True):
+        row[:] = answer
+    return found
+
+
+def stored_energy(answers: np.ndarray) -> float:
+    """Return what elements that answered so store, J, added in their order."""
+    return float(sum(answers[:, ENERGY].tolist()))
 
 
 def _end(end: object) -> NodePoint:
@@ -102,7 +125,7 @@ def _along_axes(placed: PlacedBodies, item: Bushing) -> "Iterator[Answer]":
         placed.push(_end(item.P_j), force)
         placed.push(_end(item.P_i), -force)
         placed.twist(item.i, -1, np.cross(gap, force))
-        yield x, v, effort
+        yield x, v, *effort
 
 
 def _is_overturned(placed: PlacedBodies, item: Bushing, turned: np.ndarray) -> bool:
@@ -130,4 +153,4 @@ def _about_axes(
         angles[k] = x
         effort = linear_effort(item.stiffness[3 + k], item.damping[3 + k], x, v)
         placed.twist(item.i, item.j, effort.effort * slope)
-        yield x, v, effort
+        yield x, v, *effort

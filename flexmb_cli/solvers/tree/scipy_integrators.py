@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.integrate import LSODA, Radau
 
 from ...errors import AnalysisError, Fault
 from ...kernels.integrators import clock as codes
@@ -20,13 +19,14 @@ from .rows import TreeRows
 if TYPE_CHECKING:
     from .analysis import TreeAnalysis
 
-SOLVERS = {"radau": Radau, "lsoda": LSODA}
 WATCHED, HOPELESS = 1000, 1e6  # steps; how many times as many may be left to the end of the interval
 UNCOUNTED = 1e6  # tolerance of the applied work, whose error must not choose the steps, J
 
 
 def library_rows(analysis: "TreeAnalysis", stop: float) -> Iterator[TreeRows]:
     """Report rows of a TreeAnalysis up to the breakpoint `stop`, whose functions are set."""
+    from scipy.integrate import LSODA, Radau
+
     settings, clock = analysis.tree.integration, analysis.clock[0]
     atol = np.full(analysis.state.size, settings.atol)
     atol[-1] = UNCOUNTED
@@ -34,7 +34,7 @@ def library_rows(analysis: "TreeAnalysis", stop: float) -> Iterator[TreeRows]:
     rtol = max(settings.rtol, 100 * np.finfo(float).eps)
     if analysis.due_times(clock["t"]):
         yield analysis.observe(lambda t: analysis.state.copy(), analysis.due_times(clock["t"]))
-    solver = SOLVERS[settings.method](
+    solver = {"radau": Radau, "lsoda": LSODA}[settings.method](
         lambda t, z: _slope(analysis, t, z),
         float(clock["t"]),
         analysis.state.copy(),

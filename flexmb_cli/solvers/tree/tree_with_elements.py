@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.integrate import DOP853, Radau
 
 from ...errors import AnalysisError, Fault
 from ...kernels.constrained.dry_friction import COMPONENTS, PRELOAD, fill_normal_forces
@@ -30,8 +29,7 @@ from ..constrained.coinciding_ends import refuse_undirected_lines
 from ..constrained.failures import MOMENTS, bushing_failure, jam_failure
 from ..constrained.tree_element_rows import TreeElementRows
 from .analysis import TreeAnalysis, breakpoints, set_functions
-from .element_efforts import Effort
-from .element_forces import Answer, ElementForces
+from .element_forces import COORDINATE, EFFORT, ENERGY, KEPT, RATE, ElementForces, filled, stored_energy
 from .friction_in_hinges import FrictionInHinges
 from .placed_bodies import PlacedBodies
 from .rows import TreeRows
@@ -39,6 +37,8 @@ from .scipy_integrators import UNCOUNTED
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from scipy.integrate import DOP853, Radau
 
 
 class TreeWithElements(TreeAnalysis):
@@ -63,7 +63,7 @@ class TreeWithElements(TreeAnalysis):
         self.forces = ElementForces(closed, self.work["axes"][self.frames].reshape(-1, 3, 3))
         self.friction = FrictionInHinges(closed, self.forces.number)
         self.terms = self._coupling_terms()
-        self.answers: list[Answer] = []
+        self.answers = filled(0, ())
         self.multipliers = np.zeros(len(self.terms))  # of the couplings
         self.stop = math.inf  # s, end of the formulas in force
         self.jams = False  # no normal forces of friction agree with the motion of the last slope
@@ -100,7 +100,7 @@ class TreeWithElements(TreeAnalysis):
         """The arrays without the efforts of elements."""
         return self.arrays._replace(functions=self.arrays.functions[: self.loads])
 
-    def _step(self, solver: DOP853 | Radau) -> None:
+    def _step(self, solver: "DOP853 | Radau") -> None:
         """Make one step; raises AnalysisError where none succeeds."""
         try:
             solver.step()
@@ -109,7 +109,7 @@ class TreeWithElements(TreeAnalysis):
         if solver.status == "failed":
             raise self._force_failure(solver.t) or self._failure_ahead(solver) or _vanished(solver.t)
 
-    def _failure_ahead(self, solver: DOP853 | Radau) -> AnalysisError | None:
+    def _failure_ahead(self, solver: "DOP853 | Radau") -> AnalysisError | None:
         """Return why elements have no force where the speeds lead the state in a moment, or None."""
         z, span = solver.y[: self.state.size], self.tree.time.end - self.tree.time.start
         slope = self.slope(solver.t, z)
@@ -119,7 +119,9 @@ class TreeWithElements(TreeAnalysis):
                 return failure
         return None
 
-    def _solver(self, t: float, z: np.ndarray, stop: float) -> DOP853 | Radau:
+    def _solver(self, t: float, z: np.ndarray, stop: float) -> "DOP853 | Radau":
+        from scipy.integrate import DOP853, Radau  # half of the memory of `check`, which makes no step
+
         atol = np.full(z.size, self.tree.integration.atol)
         atol[self.state.size - 1 :] = UNCOUNTED
         rtol = max(self.tree.integration.rtol, 100 * np.finfo(float).eps)
@@ -151,17 +153,17 @@ class TreeWithElements(TreeAnalysis):
     def _with_answers(self, rows: TreeRows, works: np.ndarray) -> TreeElementRows:
         """The row with what the elements answered last; energy of elements is no work of loads."""
         kept = {field.name: getattr(rows, field.name) for field in fields(TreeRows)}
-        energy = sum(effort.energy for *_, effort in self.answers)
+        energy = stored_energy(self.answers)
         kept["potential"], kept["applied_work"] = (
             rows.potential + energy,
             rows.applied_work + energy - self.energy,
         )
         columns: dict[str, Any] = {
-            "element_coordinate": [x for x, _, _ in self.answers],
-            "element_rate": [v for _, v, _ in self.answers],
-            "element_effort": [effort.effort for *_, effort in self.answers],
+            "element_coordinate": self.answers[:, COORDINATE],
+            "element_rate": self.answers[:, RATE],
+            "element_effort": self.answers[:, EFFORT],
             "element_power": self._powers(),
-            "element_energy": [effort.energy for *_, effort in self.answers],
+            "element_energy": self.answers[:, ENERGY],
             "element_work": works,
             "coupling_effort": self.multipliers / [item.scale for item in self.model.elements.couplings],
             "driver_effort": self.coordinates["drive"][self.arrays.prescribed["coordinate"]],
@@ -170,9 +172,10 @@ class TreeWithElements(TreeAnalysis):
         arrays: dict[str, Any] = {name: np.array(row)[None] for name, row in columns.items()}
         return TreeElementRows(**kept, **arrays, dissipated=dissipated)
 
-    def _powers(self) -> list[float]:
+    def _powers(self) -> np.ndarray:
         """Return the power of each element, W, as it answered last; that of stored energy is left out."""
-        return [(effort.effort - effort.kept) * v for _, v, effort in self.answers]
+        found: np.ndarray = (self.answers[:, EFFORT] - self.answers[:, KEPT]) * self.answers[:, RATE]
+        return found
 
     def _slope_with_works(self, t: float, z: np.ndarray) -> np.ndarray:
         """The slope of a state with the works of the elements behind it."""
@@ -198,10 +201,8 @@ class TreeWithElements(TreeAnalysis):
         if self.jams:
             return unknown
         slope = self._moved(t, z, placed, placed.effort + self.friction.efforts(normals, placed.y))
-        self.answers += [
-            (0.0, v, Effort(effort, 0.0, 0.0)) for v, effort in self.friction.answers(normals, placed.y)
-        ]
-        self.answers += motors
+        rubbed = [(0.0, v, effort, 0.0, 0.0) for v, effort in self.friction.answers(normals, placed.y)]
+        self.answers = np.concatenate([self.answers, filled(len(rubbed), rubbed), motors])
         return slope
 
     def _within(self, t: float) -> float:
@@ -233,7 +234,7 @@ class TreeWithElements(TreeAnalysis):
         return normals
 
     def _energy_at(self, t: float, z: np.ndarray) -> float:
-        return sum(effort.energy for *_, effort in self.forces.add(self._place(t, z)))
+        return stored_energy(self.forces.add(self._place(t, z)))
 
     def _place(self, t: float, z: np.ndarray) -> PlacedBodies:
         """The bodies at a state, driven coordinates where their functions are."""
