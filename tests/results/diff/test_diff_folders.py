@@ -57,6 +57,13 @@ def test_what_is_compared_with_itself_is_named(folders, wild, code):
     assert "are the same, so that nothing can differ" in done.stderr
 
 
+def test_json_has_the_note_on_what_is_compared_with_itself(folders):
+    """Rule: what standard error says stands with its identifier in `--json`."""
+    done = compared(f"{folders[0]}/one.h5", f"{folders[0]}/one.h5", "--json")
+    (note,) = json.loads(done.stdout)["faults"]
+    assert (note["id"], note["severity"]) == ("DIFF-033", "note")
+
+
 def test_one_difference_in_one_file_is_told_with_its_place_and_ends_with_1(folders):
     changed(folders[1] / "inner" / "two.h5")
     done = compared(*folders)
