@@ -243,3 +243,14 @@ def test_names_in_headings_have_the_kinds_of_their_datasets(tmp_path):
     with open_result(write_result(tmp_path / "a.h5", 3)) as file:
         for quantity in names(file):
             assert kind_of_name(quantity.name) == kind_of(quantity.dataset), quantity.name
+
+
+def test_junit_shows_what_controls_a_terminal_or_turns_the_direction_of_writing(folders, tmp_path):
+    """Rule: both are replaced wherever names are shown, and XML 1.0 has no control characters."""
+    page = tmp_path / "found.xml"
+    names = [folder / "a\u202eb\u2066\x1b[31m.h5" for folder in folders]
+    for folder, name in zip(folders, names, strict=True):
+        (folder / "one.h5").rename(name)
+    assert compared(*names, "--junit", page).exit_code == 0
+    (case,) = ElementTree.parse(page).iter("testcase")
+    assert case.get("name").endswith("a\ufffdb\ufffd\ufffd[31m.h5")
