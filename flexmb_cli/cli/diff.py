@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import compiler_style, visible
+from ..errors import Fault, compiler_style, visible
 from .options.completion import files
 from .options.finite import Finite
 from .terminal.json_faults import faults_in_json
@@ -68,10 +68,12 @@ def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: 
     many = is_many(a), is_many(b)
     _refuse_unlike(a, b, many)
     tolerances = _tolerances(options)
+    notes = []
     if are_same(a, b):
         message = f"{a} and {b} are the same, so that nothing can differ"
         if all(many):
             raise click.UsageError(f"{message}: give the reference and the new results")
+        notes = [Fault("note", message, id="DIFF-033").as_dict()]
         if not quiet:
             notify(f"note: {message}")
     if all(many):
@@ -84,7 +86,7 @@ def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: 
     if all(many):
         _print_summary(summary, as_json, quiet)
     else:
-        _print_report(summary.compared[0], update, as_json, quiet)
+        _print_report(summary.compared[0], update, as_json, quiet, notes)
     sys.exit(summary.exit_code)
 
 
@@ -168,10 +170,10 @@ def _write_junit(path: str, summary: "Summary") -> None:
     write_whole(path, content)
 
 
-def _print_report(compared: Any, update: bool, as_json: bool, quiet: bool) -> None:
+def _print_report(compared: Any, update: bool, as_json: bool, quiet: bool, notes: list[Any]) -> None:
     a, b, updated = compared.pair.a, compared.pair.b, compared.updated
     if as_json:
-        click.echo(json.dumps(compared.report.as_dict() | {"a": a, "updated": updated}))
+        click.echo(json.dumps(compared.report.as_dict() | {"a": a, "updated": updated, "faults": notes}))
     elif not quiet:
         show("" if compared.new else compared.report.text())
         if update:

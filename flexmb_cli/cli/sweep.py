@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, compiler_style
+from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, Fault, compiler_style
 from ..memory import TO_LOAD, require_memory
 from ..run.outcome import INTERRUPTED, TERMINATED, Listener, Stop, Terminated
 from .options.completion import files
@@ -62,22 +62,23 @@ def sweep(
     output = output or f"{stem or 'flexmb'}.h5"
     parts = parts or f"{output}.parts"
     made = _begun(study, output, parts, scheduler, fresh, as_json)
-    _warn_of_result(study, output, quiet)
+    notices = _Notices(study, quiet)
+    _warn_of_result(notices, output)
     stop_on_signals()
     try:
         with faults_in_json(as_json, {"study": study}, study), Stop.released():
-            _solve(made, study, jobs, scheduler, quiet, verbose)
+            _solve(made, notices, jobs, scheduler, verbose)
             failures = _first_failures(made)
             _write(made, output)
     except (KeyboardInterrupt, Terminated) as stop:
         exit_code = INTERRUPTED if isinstance(stop, KeyboardInterrupt) else TERMINATED
-        _report_stop(study, output, made, parts, bool(scheduler), as_json, exit_code)
+        _report_stop(notices, output, made, parts, bool(scheduler), as_json, exit_code)
         # Workers that are still solving end with this process; whole cases are kept.
         os._exit(exit_code)
-    _report(study, output, made, failures, quiet)
+    _report(notices, output, made, failures)
     exit_code = ANALYSIS_FAILED if made.failed else DONE
     if as_json:
-        _print_record(study, "failed" if made.failed else "complete", exit_code, made, made.failed, output)
+        _print_record(notices, "failed" if made.failed else "complete", exit_code, made, made.failed, output)
     sys.exit(exit_code)
 
 
@@ -94,8 +95,15 @@ def _require_libraries(output: str, scheduler: str | None) -> None:
 
 
 def _report_stop(
-    study: str, output: str, made: "Sweep", parts: str, on_cluster: bool, as_json: bool, exit_code: int
+    notices: "_Notices",
+    output: str,
+    made: "Sweep",
+    parts: str,
+    on_cluster: bool,
+    as_json: bool,
+    exit_code: int,
 ) -> None:
+    study = notices.study
     cases, failed = made.job.study.cases, made.failed
     table: str | None = output
     reported = f"{output} is complete"
@@ -106,9 +114,9 @@ def _report_stop(
         more = " so far; its workers end what they have begun" if on_cluster else ""
         reported = f"{len(codes)} of {cases} cases are kept in {parts}{more}; the same command continues it"
         failed, table = sum(map(bool, codes)), None
-    _say(f"{study}: interrupted; {reported}", False)
+    notify(f"{study}: interrupted; {reported}")
     if as_json:
-        _print_record(study, "interrupted", exit_code, made, failed, table)
+        _print_record(notices, "interrupted", exit_code, made, failed, table)
         sys.stdout.flush()
 
 
@@ -135,23 +143,23 @@ def _begun(study: str, output: str, parts: str, scheduler: str | None, fresh: bo
     sys.exit(BAD_INPUT)
 
 
-def _warn_of_result(study: str, output: str, quiet: bool) -> None:
+def _warn_of_result(notices: "_Notices", output: str) -> None:
     """Warn before anything is solved: arm.toml and a run of arm.vsdf both write arm.h5."""
     from ..results.hdf5.stored_result import is_run
 
     if is_run(output):
         reported = f"{output} is the result of a run, which the table will replace; -o gives the table a name"
-        _say(f"{study}: warning: {reported}", quiet)
+        notices.fault(Fault("warning", reported, id="STUDY-029"))
 
 
-def _warn_of_another_user(made: "Sweep", study: str, quiet: bool) -> None:
+def _warn_of_another_user(made: "Sweep", notices: "_Notices") -> None:
     """Warn where rows of the table may be anything that another user wrote into the prepared folder."""
     if made.job.parts.is_of_another_user():
         reported = f"{made.job.parts_folder} is of another user, whose cases are taken; with --fresh none are"
-        _say(f"{study}: warning: {reported}", quiet)
+        notices.fault(Fault("warning", reported, id="STUDY-030"))
 
 
-def _solve(made: "Sweep", study: str, jobs: int, scheduler: str | None, quiet: bool, verbose: bool) -> None:
+def _solve(made: "Sweep", notices: "_Notices", jobs: int, scheduler: str | None, verbose: bool) -> None:
     from .. import interface
     from ..run.processes.parent_watch import outlive_workers
 
@@ -159,11 +167,11 @@ def _solve(made: "Sweep", study: str, jobs: int, scheduler: str | None, quiet: b
     blocks = made.pending()
     cases, left = made.job.study.cases, made.left
     if left < cases:
-        _say(f"continuing a stopped study: {cases - left} of {cases} cases are complete", quiet)
-        _warn_of_another_user(made, study, quiet)
-    with Progress(study, "cases", quiet, verbose) as progress:
+        notices.say(f"continuing a stopped study: {cases - left} of {cases} cases are complete")
+        _warn_of_another_user(made, notices)
+    with Progress(notices.study, "cases", notices.quiet, verbose) as progress:
         progress.begin(left)
-        listener = Listener(notice=progress.notice, status=progress.status)
+        listener = Listener(notice=progress.notice, status=progress.status).kept_in(notices.faults)
         interface.solve_study(made, blocks, progress.advance, jobs, scheduler, listener)
 
 
@@ -182,25 +190,42 @@ def _write(made: "Sweep", output: str) -> None:
     interface.write_study(output, made)
 
 
-def _report(study: str, output: str, made: "Sweep", failures: Any, quiet: bool) -> None:
-    cases = made.job.study.cases
+def _report(notices: "_Notices", output: str, made: "Sweep", failures: Any) -> None:
+    cases, study = made.job.study.cases, notices.study
     for case, message in failures:
-        _say(f"{study}: case {case}: {message}", quiet)
+        notices.say(f"{study}: case {case}: {message}")
+        notices.faults.append(Fault("error", f"case {case}: {message}", id="STUDY-031"))
     if made.failed > len(failures):
-        _say(
-            f"{study}: {made.failed - len(failures)} more cases failed; flexmb table {output} message", quiet
-        )
+        more = f"{made.failed - len(failures)} more cases failed; flexmb table {output} message"
+        notices.say(f"{study}: {more}")
+        notices.faults.append(Fault("error", more, id="STUDY-032"))
     reported = f", {made.failed} failed" if made.failed else ""
-    _say(f"{study}: {cases} cases{reported} → {output}", quiet)
+    notices.say(f"{study}: {cases} cases{reported} → {output}")
 
 
-def _print_record(study: str, status: str, exit_code: int, made: "Sweep", failed: Any, table: Any) -> None:
+def _print_record(
+    notices: "_Notices", status: str, exit_code: int, made: "Sweep", failed: Any, table: Any
+) -> None:
     """`table` is None while there is none yet."""
-    record = {"study": study, "status": status, "exit_code": exit_code, "faults": []}
+    faults = [{"file": notices.study} | fault.as_dict() for fault in notices.faults]
+    record = {"study": notices.study, "status": status, "exit_code": exit_code, "faults": faults}
     record |= {"cases": made.job.study.cases, "failed": failed, "file": table}
     click.echo(json.dumps(record))
 
 
-def _say(sentence: str, quiet: bool) -> None:
-    if not quiet:
-        notify(sentence)
+class _Notices:
+    """Warnings about a study: words on standard error unless `quiet`, `faults` for `--json`."""
+
+    def __init__(self, study: str, quiet: bool):
+        self.study, self.quiet = study, quiet
+        self.faults: list[Fault] = []
+
+    def say(self, sentence: str) -> None:
+        """Print a sentence."""
+        if not self.quiet:
+            notify(sentence)
+
+    def fault(self, fault: Fault) -> None:
+        """Print a warning, and keep it."""
+        self.faults.append(fault)
+        self.say(f"{self.study}: {fault.severity}: {fault.sentence}")

@@ -24,7 +24,9 @@ def run_deck(
         with Stop.released():
             deck = open_deck(path, options, outcome)
         warn_of_foreign_options(deck, options, outcome)
-        run = Run(outcome, own_options(deck, options), listener or Listener(), stdout)
+        run = Run(
+            outcome, own_options(deck, options), (listener or Listener()).kept_in(outcome.notices), stdout
+        )
         try:
             solve_deck(deck, paths_of(deck, options), run)
         finally:

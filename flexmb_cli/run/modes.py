@@ -44,7 +44,7 @@ def modes_of_deck(path: str, wish: Wish, options: RunOptions, listener: Listener
     """
     report = ModesReport(Outcome(path))
     with ending_recorded(report.outcome, options), Stop.released():
-        _fill(report, wish, Run(report.outcome, options, listener))
+        _fill(report, wish, Run(report.outcome, options, listener.kept_in(report.outcome.notices)))
     return report
 
 

@@ -124,7 +124,8 @@ class Outcome:
     `deck` is the deck as named by the user, `settings` what `--set` changed of it, `source` its text once
     read, `echo` the list of its numbers if asked for, `statistics` what the solver counted, `resumable`
     whether `--resume` can continue it, `errors` the largest global errors by the paths of their datasets,
-    `as_printed` whether it was solved with the errors of the program of 1996.
+    `as_printed` whether it was solved with the errors of the program of 1996, `notices` what was
+    reported on the way: about the machine and not the deck, so that neither results nor `--strict` know it.
     """
 
     deck: str
@@ -141,6 +142,7 @@ class Outcome:
     failed_at: float | None = None
     norms: dict[str, Any] = field(default_factory=dict)
     as_printed: bool = False
+    notices: list[Fault] = field(default_factory=list)
 
     @property
     def status(self) -> str:
@@ -155,7 +157,7 @@ class Outcome:
             "settings": list(self.settings),
             "status": self.status,
             "exit_code": self.exit_code,
-            "faults": [{"file": self.deck} | fault.as_dict() for fault in self.faults],
+            "faults": [{"file": self.deck} | fault.as_dict() for fault in (*self.faults, *self.notices)],
             "time": self.failed_at,
             "norms": self.norms,
             "rows": self.rows,
@@ -167,15 +169,24 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Listener:
-    """Listener to the progress of a run: `begin(rows)`, `advance(rows)`, `notice(sentence)`, `status(doing)`.
+    """Listener to the progress of a run: `begin(rows)`, `advance(rows)`, `notice(fault)`, `status(doing)`.
 
     A notice stays; a status holds until the first row.
     """
 
     begin: Callable[[int], None] = lambda rows: None
     advance: Callable[[int], None] = lambda rows: None
-    notice: Callable[[str], None] = lambda sentence: None
+    notice: Callable[[Fault], None] = lambda fault: None
     status: Callable[[str], None] = lambda doing: None
+
+    def kept_in(self, notices: list[Fault]) -> "Listener":
+        """Return a listener that keeps notices, too."""
+
+        def notice(fault: Fault) -> None:
+            notices.append(fault)
+            self.notice(fault)
+
+        return replace(self, notice=notice)
 
 
 def refuse_warnings(outcome: Outcome, options: RunOptions) -> None:

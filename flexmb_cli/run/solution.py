@@ -238,7 +238,8 @@ class _RowWriter:
                 # The resume file has no rows of the second, finer run: that starts again.
                 yield self._with_errors(values)
         elif self.run.options.resume:
-            self.run.listener.notice("nothing to resume; the run starts at its beginning")
+            message = "nothing to resume; the run starts at its beginning"
+            self.run.listener.notice(Fault("note", message, id="RUN-064"))
         if self.run.outcome.rows >= solution.rows:
             return
         for rows in solution.analysis.rows():

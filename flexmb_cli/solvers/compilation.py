@@ -5,7 +5,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Protocol, cast
 
-from ..errors import OutputError
+from ..errors import Fault, OutputError
 
 _reported: set[str] = set()  # entries this process need not look for again: a study asks for every case
 _shown: set[str] = set()  # sentences about damaged files
@@ -14,10 +14,10 @@ NO_FOLDER = "no folder to keep compiled kernels in; set NUMBA_CACHE_DIR to one t
 
 
 class Notices(Protocol):
-    """Receiver of sentences for the user."""
+    """Receiver of what is reported during a run."""
 
-    def notice(self, sentence: str) -> None:
-        """Show the sentence."""
+    def notice(self, fault: Fault) -> None:
+        """Show a warning or a note."""
 
     def status(self, doing: str) -> None:
         """Show what is being done until the next call."""
@@ -54,9 +54,9 @@ def announce_compiling(listener: Notices, entry: str) -> None:
     from ..kernels import _cache
 
     if _cache.folder_to_write() is None:
-        listener.notice(NO_FOLDER)
+        listener.notice(Fault("note", NO_FOLDER, id="SOLVE-043"))
     for sentence in _cache.refused:
-        listener.notice(sentence)
+        listener.notice(Fault("warning", sentence, id="SOLVE-044"))
     listener.status(COMPILING)
 
 
@@ -67,7 +67,7 @@ def report_damage(listener: Notices) -> None:
     for sentence in _entry.damaged:
         if sentence not in _shown:
             _shown.add(sentence)
-            listener.notice(f"warning: {sentence}")
+            listener.notice(Fault("warning", sentence, id="SOLVE-045"))
 
 
 def units_to_compile() -> list[str]:

@@ -52,11 +52,11 @@ class CaseSolver:
     study: Study
     folder: str
     options: RunOptions = field(default_factory=RunOptions)
-    early: list[tuple[str, str]] = field(default_factory=list)
+    early: list[tuple[str, Any]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.listener = Listener(
-            notice=lambda sentence: self.early.append(("notice", sentence)),
+            notice=lambda fault: self.early.append(("notice", fault)),
             status=lambda doing: self.early.append(("status", doing)),
         )
         self.cases = Cases(self.study)
@@ -70,8 +70,8 @@ class CaseSolver:
     def listened_by(self, listener: Listener) -> None:
         """Report to `listener` from now on, earlier notices first."""
         self.listener = listener
-        for kind, sentence in self.early:
-            getattr(listener, kind)(sentence)
+        for kind, said in self.early:
+            getattr(listener, kind)(said)
         self.early.clear()
 
     @property

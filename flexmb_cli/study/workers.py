@@ -5,7 +5,7 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
-from ..errors import ANALYSIS_FAILED, FlexmbError
+from ..errors import ANALYSIS_FAILED, Fault, FlexmbError
 from ..quick_dataclass import dataclass, field
 from ..run.outcome import Listener
 from ..run.processes.signal_mask import unblock_stops
@@ -23,10 +23,9 @@ class WorkersError(FlexmbError):
 
 
 class Remark(NamedTuple):
-    """A sentence of a process for the user."""
+    """A report of a process to the user."""
 
-    sentence: str  # as it is shown
-    stays: bool  # else it holds until the first row
+    said: Fault | str  # a warning or note, or what is done until the first row
 
 
 def solve_here(
@@ -78,7 +77,7 @@ class _Work:
     begun: set[Worker] = field(default_factory=set)
     deaths: Counter[tuple[int, int]] = field(default_factory=Counter)
     barren: int = 0
-    reported: set[str] = field(default_factory=set)
+    reported: "set[Fault | str]" = field(default_factory=set)
 
     def proceed(self) -> bool:
         """Give blocks to processes and hear what they have to say; False when all are solved."""
@@ -135,10 +134,15 @@ class _Work:
             self._do_with_fewer(str(answer))
 
     def _report(self, remark: Remark) -> None:
-        """Pass on what the processes say, each sentence once: they compile the same kernels."""
-        if remark.sentence not in self.reported:
-            self.reported.add(remark.sentence)
-            (self.listener.notice if remark.stays else self.listener.status)(remark.sentence)
+        """Pass on what the processes say, each of it once: they compile the same kernels."""
+        said = remark.said
+        if said in self.reported:
+            return
+        self.reported.add(said)
+        if isinstance(said, Fault):
+            self.listener.notice(said)
+        else:
+            self.listener.status(said)
 
     def _replace(self, worker: Worker) -> None:
         """A process has died: whatever it was at is counted."""
@@ -165,8 +169,7 @@ def _serve(line: Any, job: Job) -> None:
     """Solve the blocks that come through `line`."""
     line.send(_begin_process() or BEGUN)
     listener = Listener(
-        notice=lambda sentence: line.send(Remark(sentence, True)),
-        status=lambda doing: line.send(Remark(doing, False)),
+        notice=lambda fault: line.send(Remark(fault)), status=lambda doing: line.send(Remark(doing))
     )
     while True:
         line.send(_solve(job, line.recv(), listener))

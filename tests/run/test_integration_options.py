@@ -11,6 +11,8 @@ from flexmb_cli.cli.report import report
 from flexmb_cli.cli.run import run
 from flexmb_cli.cli.table import table
 from flexmb_cli.errors import FlexmbError
+from flexmb_cli.run.deck import run_deck
+from flexmb_cli.run.outcome import RunOptions
 from tests.dialects.vsdf.vsdf_decks import RIGID
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
@@ -100,7 +102,16 @@ def test_where_nothing_is_integrated_the_warning_names_what_sets_the_accuracy(tm
     _, reported = solved(tmp_path, DECKS / "young/IN1-1-1.dat", "--rtol", "1e-6", "--resume")
     assert "--rtol has no effect on this YOUNG deck: nothing is integrated" in reported
     assert "--feps sets the residual" in reported
-    assert "nothing to resume" in reported
+    assert "note: nothing to resume" in reported
+
+
+def test_json_has_what_is_told_on_the_way(tmp_path):
+    """Rule: what standard error says of the run stands with its identifier in `--json`."""
+    outcome = run_deck(str(DECKS / "young/IN1-1-1.dat"), RunOptions(folder=str(tmp_path), resume=True))
+    found = [fault for fault in outcome.as_dict()["faults"] if fault["id"] == "RUN-064"]
+    assert [(fault["severity"], fault["message"]) for fault in found] == [
+        ("note", "nothing to resume; the run starts at its beginning")
+    ]
 
 
 @pytest.mark.parametrize("deck", ["IN4-BAR-MASS.dat", "IN-ARM.dat"])

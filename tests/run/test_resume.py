@@ -77,7 +77,7 @@ def test_resuming_without_a_stopped_run_starts_at_the_beginning_and_says_so(tmp_
     said = []
     outcome = run("spatial_rigid", tmp_path, Listener(notice=said.append), resume=True)
     assert (outcome.exit_code, outcome.rows) == (0, 201)
-    assert "nothing to resume; the run starts at its beginning" in said
+    assert "nothing to resume; the run starts at its beginning" in [fault.sentence for fault in said]
 
 
 @pytest.mark.long_motion

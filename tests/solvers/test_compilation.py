@@ -31,7 +31,7 @@ def test_a_run_tells_of_a_damaged_object_once(tmp_path, monkeypatch):
         outcome = run_deck(str(DECK), RunOptions(folder=str(tmp_path)), Listener(notice=notices.append))
         assert outcome.exit_code == 0
     sentence = "kernels are compiled in its place; install flexmb anew"
-    assert notices == [f"warning: {path} is damaged: {sentence}"]
+    assert [notice.sentence for notice in notices] == [f"{path} is damaged: {sentence}"]
 
 
 def test_damage_that_is_found_on_the_way_is_told_at_the_end(tmp_path, monkeypatch):
@@ -41,4 +41,4 @@ def test_damage_that_is_found_on_the_way_is_told_at_the_end(tmp_path, monkeypatc
     notices = []
     listener = Listener(begin=lambda rows: _entry.damaged.append("one file"), notice=notices.append)
     run_deck(str(DECK), RunOptions(folder=str(tmp_path)), listener)
-    assert notices == ["warning: one file"]
+    assert [(notice.severity, notice.sentence) for notice in notices] == [("warning", "one file")]

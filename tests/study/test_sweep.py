@@ -96,6 +96,8 @@ def test_a_case_that_fails_is_recorded_and_stops_nothing(tmp_path):
         6,
         3,
     )
+    assert [fault["id"] for fault in reported["faults"]] == 3 * ["STUDY-031"]
+    assert "case 2: " in reported["faults"][0]["message"] and "case 2: " in done.stderr
     found = table(tmp_path / "study.h5")
     failed = found["exit_code"] == 1
     assert failed.tolist() == (found["parameter/spherical.1.P_j.z"] == 400.0).tolist()
@@ -224,3 +226,13 @@ def test_a_study_reports_once_that_kernels_are_compiled(tmp_path, monkeypatch, j
     sweep, said = Sweep.of(str(written(tmp_path, SMALL)), str(tmp_path / "parts")), []
     interface.solve_study(sweep, sweep.pending(), jobs=jobs, listener=Listener(status=said.append))
     assert said == [compilation.COMPILING]
+
+
+def test_json_has_the_warnings_that_are_printed(tmp_path):
+    """Rule: every warning on standard error stands with its identifier in `--json`; the list was empty."""
+    study = written(tmp_path, SMALL)
+    flexmb("run", DECKS / "young/IN4-BAR.dat", "-q", "--h5", "study.h5", "--no-out", cwd=tmp_path)
+    done = flexmb("sweep", study, "--json", cwd=tmp_path)
+    (warning,) = json.loads(done.stdout)["faults"]
+    assert (warning["id"], warning["severity"]) == ("STUDY-029", "warning")
+    assert f"warning: {warning['message']}" in done.stderr

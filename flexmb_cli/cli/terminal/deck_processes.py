@@ -62,7 +62,7 @@ class _Doing(str):
 class _Work:
     """`waiting` (index, deck), `running` (index, deck) by worker, `ended` outcomes by index.
 
-    `reported`: sentences that one process or another had to say; `fault`: one of flexmb, with --debug.
+    `reported`: what one process or another had to say; `fault`: one of flexmb, with --debug.
     """
 
     options: RunOptions
@@ -72,7 +72,7 @@ class _Work:
     running: dict[Worker, tuple[int, str]] = field(default_factory=dict)
     idle: list[Worker] = field(default_factory=list)
     ended: dict[int, Outcome] = field(default_factory=dict)
-    reported: set[str] = field(default_factory=set)
+    reported: "set[_Doing | Fault]" = field(default_factory=set)
     fault: BaseException | None = None
 
     def proceed(self) -> None:
@@ -118,18 +118,18 @@ class _Work:
     def _hear(self, workers: "Collection[Worker]") -> None:
         for worker in workers:
             answer = worker.answer()
-            if isinstance(answer, str):
+            if isinstance(answer, (_Doing, Fault)):
                 self._notify(answer)
             else:
                 self._take(worker, *self.running.pop(worker), answer)
 
-    def _notify(self, sentence: str) -> None:
-        if sentence not in self.reported:
-            self.reported.add(sentence)
-            if isinstance(sentence, _Doing):
-                self.progress.status(sentence)
+    def _notify(self, reported: "_Doing | Fault") -> None:
+        if reported not in self.reported:
+            self.reported.add(reported)
+            if isinstance(reported, Fault):
+                self.progress.notice(reported)
             else:
-                self.progress.notice(sentence)
+                self.progress.status(reported)
 
     def _take(self, worker: Worker, index: int, deck: str, answer: Any) -> None:
         """Return what became of a deck; `answer` None: its process was killed."""

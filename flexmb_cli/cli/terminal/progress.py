@@ -9,6 +9,7 @@ from collections.abc import Callable
 from threading import Event, Thread
 from typing import Any
 
+from ...errors import Fault
 from .screen import notify, terminal_width
 
 REDRAWN_AFTER = 0.1  # s
@@ -29,12 +30,12 @@ class Progress:
         self.standing = False
         self.waiting: _Waiting | None = None
 
-    def notice(self, sentence: str) -> None:
-        """Print a sentence that stays; the status line continues below it."""
+    def notice(self, fault: Fault) -> None:
+        """Print a warning or a note, which stays; the status line continues below it."""
         doing = self.waiting.sentence if self.waiting else None
         self.clear()
         if not self.quiet:
-            notify(f"flexmb: {sentence}")
+            notify(f"flexmb: {fault.severity}: {fault.sentence}")
         if doing:
             self._wait(doing)
 

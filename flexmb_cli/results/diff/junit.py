@@ -1,14 +1,11 @@
 """A comparison as a JUnit file, which Jenkins, GitLab and GitHub show as a table of tests."""
 
-import re
 from collections.abc import Sequence
 from typing import Any
 from xml.etree import ElementTree
 
+from ...errors import lines_visible
 from .folders import Compared
-
-# XML 1.0 has no other characters below the blank.
-FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def junit_bytes(title: str, compared: Sequence[Compared]) -> bytes:
@@ -17,26 +14,22 @@ def junit_bytes(title: str, compared: Sequence[Compared]) -> bytes:
     errors = sum(pair.failure is not None for pair in compared)
     counts = {"tests": str(len(compared)), "failures": str(failed), "errors": str(errors), "skipped": "0"}
     top = ElementTree.Element("testsuites", counts)
-    suite = ElementTree.SubElement(top, "testsuite", {"name": _text(title), **counts})
+    suite = ElementTree.SubElement(top, "testsuite", {"name": lines_visible(title), **counts})
     for pair in compared:
         case = ElementTree.SubElement(
-            suite, "testcase", {"name": _text(pair.pair.name), "classname": "flexmb.diff"}
+            suite, "testcase", {"name": lines_visible(pair.pair.name), "classname": "flexmb.diff"}
         )
         if pair.failure is not None or not pair.equal:
             _add_failure(case, pair)
         elif pair.report is not None and pair.report.unreadable:
-            ElementTree.SubElement(case, "system-out").text = _text(pair.sentence).rstrip("\n")
+            ElementTree.SubElement(case, "system-out").text = lines_visible(pair.sentence).rstrip("\n")
     ElementTree.indent(top)
     found: bytes = ElementTree.tostring(top, encoding="utf-8", xml_declaration=True) + b"\n"
     return found
 
 
 def _add_failure(case: Any, pair: Compared) -> None:
-    reported = _text(pair.sentence).rstrip("\n")
+    reported = lines_visible(pair.sentence).rstrip("\n")
     what = "error" if pair.failure is not None else "failure"
     last = reported.splitlines()[0 if pair.failure is not None else -1] if reported else ""
     ElementTree.SubElement(case, what, {"message": last, "type": what}).text = reported
-
-
-def _text(text: str) -> str:
-    return FORBIDDEN.sub("\ufffd", text)

@@ -69,7 +69,7 @@ def verify_deck(
         deck = open_deck(path, options, found.outcome)
         if options.echo:
             found.outcome.echo = echo(deck)
-        run = Run(found.outcome, options, listener or Listener())
+        run = Run(found.outcome, options, (listener or Listener()).kept_in(found.outcome.notices))
         model = model_of(deck, run)
         formulation = module_for(model, "verify")
         found.formulations = formulation.FORMULATIONS

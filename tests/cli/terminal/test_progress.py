@@ -13,6 +13,7 @@ import pytest
 from flexmb_cli.cli.terminal import progress as module
 from flexmb_cli.cli.terminal.progress import Progress
 from flexmb_cli.cli.terminal.screen import fitted
+from flexmb_cli.errors import Fault
 from tests.cli.terminal.test_terminal import at_a_terminal
 
 DECKS = Path(__file__).resolve().parents[3] / "decks"
@@ -117,7 +118,7 @@ def test_a_terminal_tells_of_compiling_and_for_how_long_beside_notices(capsys, m
         shown.begin(1000)
         time.sleep(0.15)
         assert stream.line == "a.dat: compiling kernels: 0:00 so far"
-        shown.notice("something else")
+        shown.notice(Fault("note", "something else", id="RUN-064"))
         assert stream.line == ""
         time.sleep(0.15)
         assert stream.line == "a.dat: compiling kernels: 0:00 so far"
@@ -125,7 +126,7 @@ def test_a_terminal_tells_of_compiling_and_for_how_long_beside_notices(capsys, m
         shown.advance(10)
         time.sleep(0.15)
         assert "compiling" not in stream.line
-    assert capsys.readouterr().err == "flexmb: something else\n"
+    assert capsys.readouterr().err == "flexmb: note: something else\n"
 
 
 @pytest.mark.parametrize("silent", [{"quiet": True, "verbose": True}, {"quiet": False, "verbose": False}])

@@ -57,6 +57,13 @@ def test_what_is_compared_with_itself_is_named(folders, wild, code):
     assert "are the same, so that nothing can differ" in done.stderr
 
 
+def test_json_has_the_note_on_what_is_compared_with_itself(folders):
+    """Rule: what standard error says stands with its identifier in `--json`."""
+    done = compared(f"{folders[0]}/one.h5", f"{folders[0]}/one.h5", "--json")
+    (note,) = json.loads(done.stdout)["faults"]
+    assert (note["id"], note["severity"]) == ("DIFF-033", "note")
+
+
 def test_one_difference_in_one_file_is_told_with_its_place_and_ends_with_1(folders):
     changed(folders[1] / "inner" / "two.h5")
     done = compared(*folders)
@@ -236,3 +243,14 @@ def test_names_in_headings_have_the_kinds_of_their_datasets(tmp_path):
     with open_result(write_result(tmp_path / "a.h5", 3)) as file:
         for quantity in names(file):
             assert kind_of_name(quantity.name) == kind_of(quantity.dataset), quantity.name
+
+
+def test_junit_shows_what_controls_a_terminal_or_turns_the_direction_of_writing(folders, tmp_path):
+    """Rule: both are replaced wherever names are shown, and XML 1.0 has no control characters."""
+    page = tmp_path / "found.xml"
+    names = [folder / "a\u202eb\u2066\x1b[31m.h5" for folder in folders]
+    for folder, name in zip(folders, names, strict=True):
+        (folder / "one.h5").rename(name)
+    assert compared(*names, "--junit", page).exit_code == 0
+    (case,) = ElementTree.parse(page).iter("testcase")
+    assert case.get("name").endswith("a\ufffdb\ufffd\ufffd[31m.h5")
