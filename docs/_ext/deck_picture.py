@@ -15,12 +15,12 @@ MOST_ROWS = 1500  # of a curve
 MARGIN = 1.15  # of half the size of the mechanism
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 GROUND_COLOUR = "#999999"
-DOTS = 110  # an inch
-LABEL, LEGEND = 34, 1  # letters of a line of a label; curves of one row of a legend
-FRAME = FilmLook(560, 480, 1)
+DOTS = 160  # an inch: pictures of few inches, so that letters stay readable on phones
+LABEL = 24  # letters of a line of a label, and of a legend in two columns
+FRAME = FilmLook(560, 480, 1, letters=1 / 24)  # shown half as large
 # Decks shown at their last instant alone, from a side and between other values: straps, so that the stress at
 # the hole is seen, which is exceeded at their joints, single nodes.
-LOOKS = {"strap": FilmLook(840, 440, 1, "z", BodyLook(ends=(0.0, 1.1e8)))}
+LOOKS = {"strap": FilmLook(840, 440, 1, "z", BodyLook(ends=(0.0, 1.1e8)), letters=1 / 28)}
 
 
 def draw(result: Path, mechanism: Path, curves: Path) -> bool:
@@ -61,7 +61,7 @@ def _film_frame(file, picture):
 def _lines(file, picture):
     from matplotlib import pyplot
 
-    figure = pyplot.figure(figsize=(4.2, 3.6), layout="constrained")
+    figure = pyplot.figure(figsize=(2.9, 2.5), layout="constrained")
     _draw_mechanism(figure.add_subplot(projection="3d"), file)
     figure.savefig(picture, dpi=DOTS, metadata={"Software": None})
     pyplot.close(figure)
@@ -82,7 +82,7 @@ def _curves(drawn, picture):
     from matplotlib import pyplot
 
     figure, axes = pyplot.subplots(
-        len(drawn), squeeze=False, sharex=True, figsize=(6.0, 1.1 + 2.5 * len(drawn)), layout="constrained"
+        len(drawn), squeeze=False, sharex=True, figsize=(4.2, 0.8 + 1.8 * len(drawn)), layout="constrained"
     )
     for axis, panel in zip(axes[:, 0], drawn, strict=True):
         _draw_curves(axis, panel)
@@ -110,7 +110,7 @@ def _draw_mechanism(axes, file):
     # Some room, so that nothing lies in the edges of the box.
     middle, half = (places.max(0) + places.min(0)) / 2, MARGIN * max(np.ptp(places, axis=0).max() / 2, 1e-9)
     axes.set(**{f"{x}lim": (m - half, m + half) for x, m in zip("xyz", middle, strict=True)})
-    axes.set_box_aspect(None, zoom=1.05)
+    axes.set_box_aspect(None, zoom=0.88)  # with room for the labels
     axes.view_init(elev=22, azim=-60)
     axes.tick_params(labelsize=8, pad=-3)
     axes.locator_params(nbins=4)
@@ -125,6 +125,6 @@ def _draw_curves(axis, panel):
     axis.set_ylabel(textwrap.fill(panel.y_label, LABEL))
     axis.grid(True, lw=0.4, color="#cccccc")
     if len(panel.curves) > 1:
-        rows = 2 if len(panel.curves) > LEGEND else 1
-        columns = min(2, -(-len(panel.curves) // rows))
+        longest = max(len(curve.label) for curve in panel.curves)
+        columns = 1 if longest > LABEL or len(panel.curves) <= 2 else 2
         axis.legend(fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns, frameon=False)

@@ -1,4 +1,4 @@
-"""Write docs/gallery.md: a picture, curves and key numbers of every supplied deck."""
+"""Write docs/gallery/: an index with thumbnails, and pages with curves and key numbers of every deck."""
 
 import re
 from pathlib import Path
@@ -8,42 +8,74 @@ import numpy as np
 from deck_picture import draw
 from deck_runs import DOCS, TOP, checked, solved
 
+PAGES = DOCS / "gallery"
 PICTURES = DOCS / "pictures" / "gallery"
 DRAWING = Path(__file__).with_name("deck_picture.py")
-FOLDERS = {
-    "YOUNG": ("young", "*.dat"),
-    "YOUNG with dynamics": ("young/dynamics", "*.dat"),
-    "DAFMS": ("dafms", "*.DAT"),
-    "VSDF": ("vsdf", "*.vsdf"),
+BREAK = "_\u200b"  # where long names may break
+# Page: title, folder, pattern.
+GROUPS = {
+    "young": ("Kinematics of YOUNG decks", "young", "*.dat"),
+    "dynamics": ("Dynamics of YOUNG decks", "young/dynamics", "*.dat"),
+    "dafms": ("DAFMS decks", "dafms", "*.DAT"),
+    "vsdf": ("VSDF decks", "vsdf", "*.vsdf"),
 }
 HEAD = """# Gallery
 
-Every supplied deck: the mechanism at some instants (faint: earlier), the curves that `flexmb plot` draws by
-default, and key numbers. Finite-element bodies are coloured by von Mises stress, those without a card `MATL`
-by their deformation; the straps by values up to that at the hole, which their joints exceed. Bodies with
-shapes (`GEOM`) look like these. `flexmb examples NAME` copies a deck with its files, `flexmb report` shows
-its motion. `scripts/docs` makes this page and its pictures.
+Every supplied deck; click on one for its curves and key numbers. `flexmb examples NAME` copies a deck with
+its files, `flexmb report` shows its motion. `scripts/docs` makes these pages and their pictures.
+"""
+HEAD_OF_PAGE = """
+The mechanism at some instants (faint: earlier), the curves that `flexmb plot` draws by default, and
+key numbers.
+"""
+COLOURS = """Finite-element bodies are coloured by von Mises stress, those without a card `MATL` by their
+deformation; the straps by values up to that at the hole, which their joints exceed. Bodies with shapes
+(`GEOM`) look like these.
 """
 
 
 def gallery() -> None:
-    """Solve all decks that are not kept, draw those whose pictures are older, and write the page."""
-    PICTURES.mkdir(parents=True, exist_ok=True)
-    groups = {
-        title: sorted((TOP / "decks" / where).glob(pattern)) for title, (where, pattern) in FOLDERS.items()
-    }
+    """Solve all decks that are not kept, draw those whose pictures are older, and write the pages."""
+    for folder in (PICTURES, PAGES):
+        folder.mkdir(parents=True, exist_ok=True)
+    groups = {page: decks_of(page) for page in GROUPS}
     decks = [deck for group in groups.values() for deck in group]
     results, records = solved(decks), checked(decks)
-    text = [HEAD]
-    for title, group in groups.items():
-        text.append(f"## {title}\n")
-        for deck in group:
-            text.append(_entry(deck, results[deck], records[deck]))
-    (DOCS / "gallery.md").write_text("\n".join(text), encoding="utf-8")
+    for page, group in groups.items():
+        text = [f"# {GROUPS[page][0]}", HEAD_OF_PAGE, *[COLOURS] * (page == "vsdf")]
+        text += [_entry(deck, results[deck], records[deck]) for deck in group]
+        _write(page, text)
+    tree = "\n".join(["```{toctree}", ":hidden:", "", *GROUPS, "```", ""])
+    _write("index", [HEAD, *(_thumbnails(page, group) for page, group in groups.items()), tree])
+
+
+def decks_of(page: str) -> list[Path]:
+    """Return the decks of a page by the alphabet."""
+    _, where, pattern = GROUPS[page]
+    return sorted((TOP / "decks" / where).glob(pattern))
+
+
+def _write(page, text):
+    (PAGES / f"{page}.md").write_text("\n".join(text), encoding="utf-8")
+
+
+def _thumbnails(page, group):
+    cards = [
+        f":::{{grid-item-card}} {deck.stem.replace('_', BREAK)}\n"
+        f":img-top: ../pictures/gallery/{_name(deck)}.png\n"
+        f":link: gallery-{_name(deck)}\n:link-type: ref\n:link-alt: {purpose(deck)}\n:::\n"
+        for deck in group
+    ]
+    grid = "::::{grid} 3 3 5 5\n:gutter: 2\n:class-container: thumbnails\n\n"
+    return f"## [{GROUPS[page][0]}]({page}.md)\n\n{grid}{''.join(cards)}::::\n"
+
+
+def _name(deck):
+    return f"{deck.stem}{deck.suffix.lower()}"
 
 
 def _entry(deck, result, record):
-    name = f"{deck.stem}{deck.suffix.lower()}"
+    name = _name(deck)
     mechanism, curves = PICTURES / f"{name}.png", PICTURES / f"{name}-curves.png"
     if not mechanism.exists() or mechanism.stat().st_mtime < max(map(_changed, (result, DRAWING))):
         curves.unlink(missing_ok=True)
@@ -56,13 +88,14 @@ def _entry(deck, result, record):
     shown = [_image(mechanism, f"Mechanism of {deck.name}")]
     shown += [_image(curves, f"Curves of {deck.name}")] * curves.exists()
     return (
-        f"### {deck.name}\n\n{purpose(deck)}\n\n:::{{div}} pictures\n{''.join(shown)}:::\n\n"
+        f"(gallery-{name})=\n\n## {deck.name}\n\n{purpose(deck)}\n\n"
+        f":::{{div}} pictures\n{''.join(shown)}:::\n\n"
         f"| key number | value |\n|---|---|\n{rows}\n"
     )
 
 
 def _image(picture, words):
-    return f"```{{image}} pictures/gallery/{picture.name}\n:alt: {words}\n```\n"
+    return f"```{{image}} ../pictures/gallery/{picture.name}\n:alt: {words}\n```\n"
 
 
 def purpose(deck: Path) -> str:
@@ -84,8 +117,8 @@ def key_numbers(result: h5py.File, record: dict) -> list[tuple[str, str]]:
     """Counts of the model, span of time, what moves fastest, and how well equations and energy are met."""
     counts, time = record["counts"], result["time"][:]
     found = [("bodies", _bodies(counts)), *_joints(counts)]
-    words = {key: key.replace("_", " ") for key in ("coordinates", "equations", "degrees_of_freedom")}
-    found += [(word, counts[key]) for key, word in words.items() if key in counts]
+    sizes = [key for key in ("coordinates", "equations", "degrees_of_freedom") if key in counts]
+    found.append((", ".join(sizes).replace("_", " "), ", ".join(f"{counts[key]}" for key in sizes)))
     found.append(("rows, time", f"{len(time)}, {time[0]:g} … {time[-1]:g} s"))
     found += [*_frequencies(record), *_motion(result)]
     if "audit/constraint_residual" in result:
@@ -122,12 +155,13 @@ def _frequencies(record):
 
 
 def _motion(result):
-    group = "point" if "point/velocity" in result and result["point/velocity"].shape[1] else "body"
-    speeds = np.linalg.norm(result[f"{group}/velocity"][:], axis=2)
-    if speeds.size:
-        row, k = np.unravel_index(int(speeds.argmax()), speeds.shape)
-        name = result[f"{group}/name"].asstr()[k]
-        yield "largest speed", f"{speeds.max():.4g} m/s, {name}, at {result['time'][row]:.4g} s"
+    for group in ("point", "body"):  # hinges of a tree may rest while its bodies turn
+        speeds = np.linalg.norm(result[f"{group}/velocity"][:], axis=2) if group in result else np.zeros(0)
+        if speeds.size and speeds.max() > 0:
+            row, k = np.unravel_index(int(speeds.argmax()), speeds.shape)
+            name = result[f"{group}/name"].asstr()[k]
+            yield "largest speed", f"{speeds.max():.4g} m/s, {name}, at {result['time'][row]:.4g} s"
+            break
     deflections = {
         name: _deflection(result[f"elastic/{name}"], result, name) for name in result.get("elastic", ())
     }

@@ -7,6 +7,9 @@ from latex2mathml.converter import convert
 
 PARENTHESES = re.compile(r"<mo>&#x00028;</mo>(<mtable)(>.*?</mtable>)<mo>&#x00029;</mo>", re.DOTALL)
 
+# Between two formulas of a line, which narrow screens show below each other; not that of an indented line.
+GAP = re.compile(r"(?<=\S)\s*\\qquad")
+
 
 def mathml(formula: str, display: str = "inline") -> str:
     """Return a formula as MathML; the style sheet draws the parentheses of its matrices.
@@ -22,7 +25,8 @@ def _inline(translator, node):
 
 
 def _block(translator, node):
-    translator.body.append(f'<div class="math">{mathml(node.astext(), display="block")}</div>')
+    formulas = "".join(mathml(part, display="block") for part in GAP.split(node.astext()) if part.strip())
+    translator.body.append(f'<div class="math formulas">{formulas}</div>')
     raise nodes.SkipNode
 
 

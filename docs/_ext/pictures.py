@@ -17,10 +17,15 @@ REPRODUCTION = TOP / "scripts" / "reproduction"
 PUBLISHED = TOP / "tests" / "published"
 # Pictures of the tutorial: deck, quantities, other options, file.
 FIGURES = [
-    ("young/IN4-BAR.dat", ["body.3.velocity"], [], "four-bar-velocity.svg"),
+    ("young/IN4-BAR.dat", ["body.3.velocity"], ["--width", "110"], "four-bar-velocity.svg"),
     ("young/IN4-BAR.dat", ["point.1.z"], ["--x", "point.1.y", "--width", "80"], "four-bar-path.png"),
-    ("dafms/two_link_n2.DAT", ["elastic.1.node2.z", "elastic.2.node2.z"], [], "two-link-tips.svg"),
-    ("vsdf/pendulum.vsdf", ["point.1.position"], [], "pendulum.svg"),
+    (
+        "dafms/two_link_n2.DAT",
+        ["elastic.1.node2.z", "elastic.2.node2.z"],
+        ["--to", "0.5", "--width", "110"],
+        "two-link-tips.svg",
+    ),
+    ("vsdf/pendulum.vsdf", ["point.1.position"], ["--width", "110"], "pendulum.svg"),
 ]
 
 

@@ -2,7 +2,7 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
-from html_page import Section
+from html_page import WIDTH, Section
 from runs import run
 
 SAMPLE_RATE_LIMIT = 2.0  # Hz: what counts as slow elastic motion
@@ -33,7 +33,7 @@ def pendulum(results, pictures) -> Section:
         down, and with 0.5 the pendulum hardly swings. The printed 0.1986 depends on the sampling: the
         motion itself reaches 0.1999."""
     )
-    figure, axes = plt.subplots(2, 1, figsize=(9, 4), sharex=True, layout="constrained")
+    figure, axes = plt.subplots(2, 1, figsize=(WIDTH, 4), sharex=True, layout="constrained")
     for axis, values, label in zip(axes, (q1, q2), ("q1 = x/L", "q2 = theta, rad"), strict=True):
         axis.plot(time, values, lw=0.6)
         axis.set_ylabel(label)
@@ -75,10 +75,10 @@ def shaft(results, pictures) -> Section:
 
 
 def _shaft_curves(runs):
-    figure, axes = plt.subplots(2, 2, figsize=(11, 5), sharex=True, layout="constrained")
+    figure, axes = plt.subplots(2, 2, figsize=(WIDTH, 4.8), sharex=True, layout="constrained")
     rate = runs["one-way"]["coordinate/u_rate"][:, 0]
     axes[0, 0].plot(runs["one-way"]["time"][:], INERTIA * rate, color="tab:orange")
-    axes[0, 0].set_title("4.4: torque, N m (inertia times acceleration, one-way)", fontsize=10)
+    axes[0, 0].set_title("4.4: torque, N m (one-way:\ninertia times acceleration)", fontsize=9)
     panels = (
         (axes[0, 1], "4.5: tip deflection, mm", "elastic/body 1/displacement", (9, 2), 1e3),
         (axes[1, 0], "4.6: shaft angle, rad", "coordinate/q", (0,), 1.0),
@@ -87,7 +87,7 @@ def _shaft_curves(runs):
     for axis, title, path, place, unit in panels:
         for name, result in runs.items():
             axis.plot(result["time"][:], unit * result[path][(slice(None), *place)], label=name, lw=1)
-        axis.set_title(title, fontsize=10)
+        axis.set_title(title, fontsize=9)
     axes[0, 1].legend()
     for axis in axes[1]:
         axis.set_xlabel("time, s")
@@ -97,7 +97,7 @@ def _shaft_curves(runs):
 def manipulator(results, pictures) -> Section:
     """Section 4.4."""
     section = Section("DAFMS: flexible two-link manipulator (4.4)")
-    figure, axes = plt.subplots(2, 1, figsize=(9, 4.5), sharex=True, layout="constrained")
+    figure, axes = plt.subplots(2, 1, figsize=(WIDTH, 4.5), sharex=True, layout="constrained")
     rows = []
     found = run(results, "dafms/two_link_n2.DAT", "dafms/two_link_n2_unco.DAT")
     reported = (("coupled", "+0.93"), ("one-way", "-0.43"))
@@ -150,7 +150,7 @@ def _ranges(found):
 
 
 def _figure_4_9(coupled, one_way):
-    figure, axes = plt.subplots(3, 2, figsize=(11, 7), sharex=True, layout="constrained")
+    figure, axes = plt.subplots(3, 2, figsize=(WIDTH, 6.6), sharex=True, layout="constrained")
     titles = ("angle", "mid-span deflection", "tip deflection")
     for result, name in ((coupled, "coupled"), (one_way, "one-way, as in the thesis")):
         curves = _curves(result)
@@ -159,7 +159,7 @@ def _figure_4_9(coupled, one_way):
             for row, (values, title) in enumerate(zip(panels, titles, strict=True)):
                 axis = axes[row, link]
                 axis.plot(result["time"][:], values, lw=0.8, label=name)
-                axis.set_title(f"link {link + 1}: {title}, {'mm' if row else 'rad'}", fontsize=10)
+                axis.set_title(f"link {link + 1}: {title}, {'mm' if row else 'rad'}", fontsize=9)
     axes[0, 1].legend(fontsize=8)
     for axis in axes[-1]:
         axis.set_xlabel("time, s")

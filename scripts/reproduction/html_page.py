@@ -4,6 +4,8 @@ import html
 from dataclasses import dataclass, field
 from pathlib import Path
 
+WIDTH = 6.4  # of figures, inches: their letters stay readable on a phone
+
 STYLE = """
 body { font: 15px/1.5 Georgia, serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222 }
 h1, h2, h3, table, figcaption { font-family: Helvetica, Arial, sans-serif }
@@ -43,7 +45,7 @@ class Section:
 
     def picture(self, folder: Path, name: str, figure, caption: str) -> None:
         """A matplotlib figure, written to `folder`."""
-        figure.savefig(folder / name, dpi=110, metadata={"Software": None})
+        figure.savefig(folder / name, dpi=160, metadata={"Software": None})
         self.markdown.append(
             f"```{{figure}} ../pictures/{folder.name}/{name}\n:alt: {_plain(caption)}\n{_plain(caption)}\n```"
         )

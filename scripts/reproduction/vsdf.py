@@ -2,7 +2,7 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
-from html_page import Section
+from html_page import WIDTH, Section
 from runs import run
 
 # Frequencies and motion of node 51 as recomputed from the paper's description by other programs:
@@ -44,7 +44,7 @@ def pendulum(results, pictures) -> Section:
 
 
 def _curves(time, z, vz):
-    figure, axes = plt.subplots(2, 1, figsize=(9, 5), sharex=True, layout="constrained")
+    figure, axes = plt.subplots(2, 1, figsize=(WIDTH, 4.8), sharex=True, layout="constrained")
     labels = ("3: height of node 51, m", "4: its velocity along z, m/s")
     for k, (axis, values, label) in enumerate(zip(axes, (z, vz), labels, strict=True)):
         axis.plot(time, values, label="flexmb, nine modes")

@@ -5,7 +5,7 @@ from collections import Counter, defaultdict
 
 import matplotlib.pyplot as plt
 import numpy as np
-from html_page import Section
+from html_page import WIDTH, Section
 from runs import PUBLISHED, run
 
 from flexmb_cli.dialects.young.errata import YOUNG_ERRORS
@@ -109,16 +109,16 @@ def coelho(results, pictures) -> Section:
         step."""
     )
     section.table(("vector", "largest difference, m, m/s, m/s²", "relative"), rows)
-    figure, axes = plt.subplots(1, 3, figsize=(11, 3.2), layout="constrained")
+    figure, axes = plt.subplots(3, 1, figsize=(WIDTH, 6.2), sharex=True, layout="constrained")
     units = ("m", "m/s", "m/s²")
     time = np.array([float(line["time"]) for line in table])
     for axis, end, unit in zip(axes, ("B", "VB", "AB"), units, strict=True):
         for k, component in enumerate("xyz"):
             (line,) = axis.plot(result["time"][:], computed[end][:, k], label=f"flexmb {component}")
             axis.plot(time, printed[end][:, k], "o", mfc="none", color=line.get_color())
-        axis.set_title(f"{end}, {unit}")
-        axis.set_xlabel("time, s")
-    axes[0].legend(fontsize=8)
+        axis.set_ylabel(f"{end}, {unit}")
+    axes[2].set_xlabel("time, s")
+    axes[0].legend(fontsize=8, ncols=3)
     section.picture(
         pictures, "coelho.png", figure, "Rod end B of the RSSR: circles Coelho (1996), lines flexmb."
     )

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import matplotlib.pyplot as plt
 import numpy as np
-from html_page import Section
+from html_page import WIDTH, Section
 from runs import DECKS, PUBLISHED, run
 
 FINE = 0.005  # s, of both mechanisms
@@ -87,7 +87,7 @@ def figures(results, pictures) -> Section:
     )
     printed = run(results / "printed", *decks, options=("--as-printed",))
     emulated = dict(zip(names, printed, strict=True))
-    sheet, axes = plt.subplots(2, 3, figsize=(12, 6), layout="constrained")
+    sheet, axes = plt.subplots(3, 2, figsize=(WIDTH, 7.2), layout="constrained")
     rows = []
     for figure, axis in zip(FIGURES, axes.flat, strict=True):
         rows.append(_draw(figure, axis, fine[figure.deck], emulated[figure.deck]))
@@ -105,7 +105,7 @@ def _draw(figure, axis, fine, emulated):
     step, printed, decimals = _printed(figure)
     when = emulated["time"][:][step]
     axis.plot(when, printed, "o", mfc="none", ms=4)
-    axis.set_title(f"{figure.number}: {figure.title}, {figure.unit}", fontsize=10)
+    axis.set_title(f"{figure.number}: {figure.title}, {figure.unit}", fontsize=9)
     axis.set_xlabel("time, s")
     gap = np.abs(np.interp(when, time, values) - printed)
     reported = "to the printed digit" if gap.max() <= 0.51 * 10.0**-decimals else None

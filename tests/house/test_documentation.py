@@ -16,7 +16,7 @@ pytestmark = pytest.mark.processes
 TOP = Path(__file__).resolve().parents[2]
 DOCS = TOP / "docs"
 SHIM = f'#!/bin/sh\nexec "{sys.executable}" -m flexmb_cli "$@"\n'
-MADE = {"_build", "gallery.md", "reproduced.md"}  # by the build of the documentation
+MADE = {"_build", "gallery", "reproduced.md"}  # by the build of the documentation
 PAGES = [
     TOP / "README.md",
     *sorted(page for page in DOCS.rglob("*.md") if not MADE & set(page.parts)),
@@ -124,7 +124,7 @@ def test_links_lead_to_files(page):
         path = target[0] or target[1]
         drawn = path.startswith(("pictures/", "../pictures/"))  # by the build of the documentation
         if not re.match(r"[a-z]+:", path) and not drawn:
-            made = path.endswith(("gallery.md", "reproduced.md"))
+            made = path.startswith("gallery/") or path.endswith("reproduced.md")
             assert made or (page.parent / path).exists(), path
 
 

@@ -67,7 +67,7 @@ NO_PROSE = (
     r"\bJournal\b",  # in titles of publications
     r"^\[kinds\]$",  # a table of files of tolerances
 )
-MADE = {"_build", "gallery.md", "reproduced.md", "messages.md"}
+MADE = {"_build", "gallery", "reproduced.md", "messages.md"}
 PAGES = [
     TOP / "README.md",
     *sorted(page for page in (TOP / "docs").rglob("*.md") if not MADE & set(page.parts)),

@@ -19,7 +19,7 @@ from .contours import ENERGY, Ranges, contour_ranges, nodal_values, unit_of
 from .depth_buffer import DepthBuffer
 from .element_bodies import ElementBody, element_bodies
 from .element_faces import outer_faces_of_elements, triangles
-from .film_texts import Texts
+from .film_texts import LETTERS, Texts
 from .report_scene import GREY, LONGEST_ANIMATION, MOST_TRACES, SHORTEST_ANIMATION, TRACE, colour_of, rounded
 from .scene import Scene, read_scene
 from .view import view_of
@@ -40,13 +40,17 @@ CONTOURS_BEGIN = 0.2  # of viridis, where contours begin: below it is as dark as
 
 @dataclass(frozen=True)
 class FilmLook:
-    """Width and height in pixels, frames a second, a view of `VIEWS`, else that of the report, and bodies."""
+    """Width and height in pixels, frames a second, a view of `VIEWS`, else that of the report, and bodies.
+
+    `letters` is their height as a share of the picture's.
+    """
 
     width: int = 960
     height: int = 540
     rate: int = 25
     view: str = "start"
     bodies: BodyLook = DEFAULT_LOOK
+    letters: float = LETTERS
 
 
 def film_bytes(result: h5py.File, form: str, look: FilmLook) -> bytes:
@@ -196,7 +200,7 @@ class _Canvas:
         magnified = f", deformation × {bodies_look.scale:g}" if bodies_look.scale != 1 else ""
         self.labels = [f"t = {time} s{magnified}" for time in rounded(scene.time)]
         self.legend = _legend(contour, ends, reached) if ends and reached else ""
-        self.texts = Texts(look.width, look.height, self.legend, self.contours)
+        self.texts = Texts(look.width, look.height, self.legend, self.contours, look.letters)
 
     def frame(self, row: int) -> np.ndarray:
         """The picture of a row."""

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 DOTS = 72  # an inch, so that a point is a pixel
-# Height of letters: their share of the picture's height, and least and largest, pixels.
+# Height of letters: their usual share of the picture's height, and least and largest, pixels.
 LETTERS, LEAST, LARGEST = 1 / 45, 7.0, 40.0
 # By the height of letters: a line, and height and width of the legend's colours.
 LINE_PITCH, BAR = 1.35, (0.8, 15.0)
@@ -13,10 +13,13 @@ MOST_MARGIN = 1 / 16  # of the picture's width
 
 
 class Texts:
-    """The texts of pictures of `width` by `height` pixels; `legend` stands below its `colours` (k, 3)."""
+    """The texts of pictures of `width` by `height` pixels; `legend` stands below its `colours` (k, 3).
 
-    def __init__(self, width: int, height: int, legend: str, colours: np.ndarray):
-        self.letters = float(np.clip(LETTERS * height, LEAST, LARGEST))
+    `letters` is the height of letters as a share of that of the picture.
+    """
+
+    def __init__(self, width: int, height: int, legend: str, colours: np.ndarray, letters: float = LETTERS):
+        self.letters = float(np.clip(letters * height, LEAST, LARGEST))
         self.margin = round(min(self.letters, MOST_MARGIN * width))
         self.room = width - 2 * self.margin
         self.legend, self.colours = self._fitting(legend), colours
