@@ -145,6 +145,51 @@ def test_the_image_installs_and_compiles_what_is_there():
     assert "--user" in text  # else results on a mounted folder belong to root
 
 
+def shown_on_the_page():
+    """The workflow for GitHub, with what the page leaves out, and the configuration of pre-commit."""
+    page = (TOP / "docs/how-to/ci-files.md").read_text(encoding="utf-8")
+    workflow, hooks = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
+    return f"name: decks\non: push\n{workflow}", hooks
+
+
+def test_the_workflow_and_the_hooks_of_the_page_fit_the_files():
+    workflow, hooks = map(yaml.safe_load, shown_on_the_page())
+    given = workflow["jobs"]["decks"]["steps"][1]["with"]
+    inputs = yaml.safe_load((TOP / "action.yml").read_text())["inputs"]
+    assert given.keys() <= inputs.keys()
+    assert {name for name, described in inputs.items() if described.get("required")} <= given.keys()
+    (offered,) = yaml.safe_load((TOP / ".pre-commit-hooks.yaml").read_text())
+    assert [hook["id"] for hook in hooks["repos"][0]["hooks"]] == [offered["id"]]
+
+
+@pytest.mark.parametrize(
+    "schema, file",
+    [
+        ("vendor.gitlab-ci", "docs/ci/gitlab-ci.yml"),
+        ("vendor.github-actions", "action.yml"),
+        ("vendor.github-workflows", "workflow of the page"),
+        ("vendor.citation-file-format", "CITATION.cff"),
+    ],
+)
+def test_files_fit_the_schemas_of_schemastore(schema, file, tmp_path):
+    pytest.importorskip("check_jsonschema", reason="check-jsonschema is not installed (extra ci-check)")
+    path = TOP / file
+    if not path.exists():
+        path = tmp_path / "workflow.yml"
+        path.write_text(shown_on_the_page()[0])
+    command = [sys.executable, "-m", "check_jsonschema", "--builtin-schema", schema, str(path)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_hadolint_finds_nothing_in_the_dockerfile():
+    beside = Path(sys.executable).with_name("hadolint")
+    if not beside.exists():
+        pytest.skip("hadolint is not installed (extra ci-check)")
+    done = subprocess.run([beside, TOP / "docs/ci/Dockerfile"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+
+
 def test_the_pages_show_the_files_themselves():
     page = (TOP / "docs/how-to/ci-files.md").read_text(encoding="utf-8")
     shown = re.findall(r"```\{literalinclude\} (\S+)", page)

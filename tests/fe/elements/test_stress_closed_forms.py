@@ -1,5 +1,7 @@
 """Stresses of supplied decks and of static loads against closed forms and published charts."""
 
+import re
+
 import h5py
 import numpy as np
 import pytest
@@ -123,9 +125,12 @@ def test_the_stress_at_the_hole_of_the_strap_converges_with_the_mesh(tmp_path):
     errors = 1 - np.array(found) / chart
     assert errors[2] < 0.02
     assert (errors[:-1] > 2 * errors[1:]).all()
-    # The tutorial's numbers: masses times radii, 7850 kg/m3 and 20 kg.
+    # The tutorial's numbers: its table; masses times radii, 7850 kg/m3 and 20 kg.
     beyond = 7850 * 0.04 * 0.004 * 0.15 * 0.225 / (20 * 0.3)
     assert (round(beyond, 3), round(found[2] / (1 + beyond), 2)) == (0.007, 3.08)
+    page = (DECKS.parents[1] / "docs/tutorial/finite-element-body.md").read_text(encoding="utf-8")
+    table = re.findall(r"^\| (?:`strap_\w+`|Peterson's chart) \|.*\| (\S+) \|$", page, re.MULTILINE)
+    assert table == [f"{value:.2f}" for value in (*found, chart)]
 
 
 @pytest.mark.long_motion
