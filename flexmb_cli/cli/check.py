@@ -76,7 +76,7 @@ def _print_check(report: "CheckReport", with_echo: bool) -> None:
         _print_echo(report)
     if report.counts:
         texts = {"tree": check_tree_text, "flexible": check_flexible_text}
-        show(texts.get(report.analysis, check_text)(report))
+        show(texts.get(report.analysis, check_text)(report), prose=True)
     if report.jacobian:
         show(jacobian_text(report.jacobian))
 

@@ -38,12 +38,16 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="Write the state space A, B, C, D: FILE.npz (NumPy), FILE.mat (MATLAB) or FILE.json.",
 )
+@click.option(
+    "-v", "--verbose", is_flag=True, help="Without a terminal, print the progress every ten seconds."
+)
 def modes(
     decks: tuple[str, ...],
     changes: tuple[str, ...],
     echo: bool,
     as_json: bool,
     quiet: bool,
+    verbose: bool,
     time: float | None,
     equilibrium: bool,
     out: Any,
@@ -63,7 +67,7 @@ def modes(
     from ..run.outcome import Listener, RunOptions
 
     _refuse_output(out, decks)
-    progress = Progress("modes", "decks", quiet, False)
+    progress = Progress("modes", "decks", quiet, verbose)
     listener = Listener(notice=progress.notice, status=progress.status)
     codes = []
     choices = RunOptions(changes=changes, debug=wants_debug(), **options)
@@ -102,7 +106,7 @@ def _print_modes(report: Any, with_echo: bool, quiet: bool) -> None:
     if with_echo:
         show(echo(report.deck))
     if not quiet:
-        show(modes_text(report))
+        show(modes_text(report), prose=True)
 
 
 def _tell_output(outcome: "Outcome", out: str | None, quiet: bool) -> None:

@@ -25,12 +25,16 @@ from .terminal.screen import show, wants_debug
 @click.option(
     "--atol", type=ABSOLUTE_TOLERANCE, help="Absolute tolerance of a step (1e-13; METH 2 and 4 1e-12)."
 )
+@click.option(
+    "-v", "--verbose", is_flag=True, help="Without a terminal, print the progress every ten seconds."
+)
 def verify(
     decks: tuple[str, ...],
     changes: "tuple[Any, ...]",
     echo: bool,
     as_json: bool,
     quiet: bool,
+    verbose: bool,
     tolerance: float,
     rtol: None,
     atol: None,
@@ -51,7 +55,7 @@ def verify(
 
     steps = {name: value for name, value in (("rtol", rtol), ("atol", atol)) if value is not None}
     choices = RunOptions(changes=changes, integration=steps, echo=echo, debug=wants_debug(), **options)
-    progress = Progress("verify", "decks", quiet, False)
+    progress = Progress("verify", "decks", quiet, verbose)
     listener = Listener(notice=progress.notice, status=progress.status)
     codes = []
     for found in every_deck(decks, changes, lambda deck: verify_deck(deck, choices, tolerance, listener)):
@@ -62,6 +66,6 @@ def verify(
         if as_json:
             click.echo(json.dumps(found.as_dict()))
         elif found.differences and not quiet:
-            show(verify_text(found))
+            show(verify_text(found), prose=True)
         codes.append(found.outcome.exit_code)
     sys.exit(max(codes))

@@ -3,6 +3,7 @@
 import os
 import re
 import sys
+import textwrap
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,8 @@ from ...run.exit_status import StreamError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+COLUMN_GAP = re.compile(r"\S {2,}\S")
 
 
 class OutputText:
@@ -60,15 +63,17 @@ def notify(sentence: str) -> None:
     click.echo(visible(sentence), err=True)
 
 
-def show(text: str, err: bool = False, whole: bool = False) -> None:
+def show(text: str, err: bool = False, whole: bool = False, prose: bool = False) -> None:
     """Lines of a report on standard output, or on standard error; a pipe may well lead to a terminal.
 
-    `whole`: no column is left out at a narrow terminal.
+    `whole`: no column is left out at a narrow terminal.  `prose`: lines without columns wrap between words.
     """
     stream = sys.stderr if err else sys.stdout
     text = lines_visible(text)
-    narrow = stream.isatty() and not whole
-    click.echo(fitted(text, terminal_width(stream)) if narrow else text, nl=False, err=err)
+    if stream.isatty() and not whole:
+        width = terminal_width(stream)
+        text = fitted(text if not prose else wrapped(text, width), width)
+    click.echo(text, nl=False, err=err)
 
 
 def terminal_width(stream: Any) -> int:
@@ -90,9 +95,25 @@ def fitted(text: str, width: int) -> str:
     return "".join(_fitted_line(line, width) for line in text.splitlines(keepends=True))
 
 
+def wrapped(text: str, width: int) -> str:
+    """Return `text` with lines of prose wrapped between words, two columns further in than they begin."""
+    return "".join(_wrapped_line(line, width) for line in text.splitlines(keepends=True))
+
+
+def _wrapped_line(line: str, width: int) -> str:
+    bare = line.rstrip("\n")
+    if len(bare) <= width or COLUMN_GAP.search(bare):
+        return line
+    indent = " " * (len(bare) - len(bare.lstrip()) + 2)
+    parts = textwrap.wrap(
+        bare, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+    )
+    return "\n".join(parts) + line[len(bare) :]
+
+
 def _fitted_line(line: str, width: int) -> str:
     bare = line.rstrip("\n")
-    if len(bare) <= width or not re.search(r"\S {2,}\S", bare):
+    if len(bare) <= width or not COLUMN_GAP.search(bare):
         return line
     # The gap behind the last cell that fits, with room for the mark; a cell of prose is cut between words.
     end = bare.rfind("  ", 0, width)

@@ -9,6 +9,7 @@ from typing import Any
 
 from ...errors import BAD_INPUT, FlexmbError, compiler_style, visible
 from ...quick_dataclass import dataclass, field
+from .counts import agreeing, counted
 from .forms import CSV, HDF5, LISTING, MATLAB, form_of
 from .report import Report
 
@@ -99,13 +100,14 @@ class Summary:
         failed = sum(pair.failure is not None for pair in self.compared)
         differ = sum(pair.report is not None and not pair.equal for pair in self.compared)
         updated = sum(pair.updated for pair in self.compared)
-        counts = [f"{len(self.compared) - missing - failed} files compared", f"{differ} differ"]
+        read = len(self.compared) - missing - failed
+        counts = [f"{counted(read, 'file')} compared", f"{differ} {agreeing(differ, 'differ')}"]
         counts += [f"{missing} missing"]
         counts += [f"{failed} cannot be read"] * bool(failed)
         unreadable = sum(pair.report.unreadable for pair in self.compared if pair.report is not None)
-        counts += [f"{unreadable} numbers marked ? not compared"] * bool(unreadable)
-        counts += [f"{updated} references updated"] * bool(updated)
-        counts += [f"{len(self.passed_over)} other files passed over"] * bool(self.passed_over)
+        counts += [f"{counted(unreadable, 'number')} marked ? not compared"] * bool(unreadable)
+        counts += [f"{counted(updated, 'reference')} updated"] * bool(updated)
+        counts += [f"{counted(len(self.passed_over), 'other file')} passed over"] * bool(self.passed_over)
         return f"{visible(self.a)}, {visible(self.b)}: {', '.join(counts)}\n"
 
     def as_dict(self) -> dict[str, Any]:

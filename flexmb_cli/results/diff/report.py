@@ -7,6 +7,7 @@ import numpy as np
 
 from ...errors import visible
 from ...quick_dataclass import dataclass, field
+from .counts import agreeing, counted
 from .tolerances import KINDS, Tolerance
 
 if TYPE_CHECKING:
@@ -262,19 +263,16 @@ class Report:
         return [*lines, f"… and {left} more"] if lines and left else lines
 
     def _verdict(self) -> str:
-        words = f"; {_count(len(self.words), 'line')} of words differ" if self.words else ""
+        lines = len(self.words)
+        words = f"; {counted(lines, 'line')} of words {agreeing(lines, 'differ')}" if lines else ""
         words = f"{self.unread}{words}"
         files = f"{visible(self.a)}, {visible(self.b)}"
         if not self.missing and not self.differing:
             return f"{files}: no difference in {self.compared} numbers{words}"
         known = f", {self.explained} of them by known errors" if self.explaining else ""
         counts = f"{self.differing} of {self.compared} numbers differ{known}"
-        missing = _count(len(self.missing), "missing entr", "y", "ies")
+        missing = counted(len(self.missing), "missing entr", "y", "ies")
         return f"{files}: {counts}, {missing}{words}"
-
-
-def _count(number: int, stem: str, one: str = "", many: str = "s") -> str:
-    return f"{number} {stem}{one if number == 1 else many}"
 
 
 def _aligned(row: tuple[str, ...], widths: list[int]) -> str:

@@ -12,7 +12,7 @@ import pytest
 
 from flexmb_cli.cli.terminal import progress as module
 from flexmb_cli.cli.terminal.progress import Progress
-from flexmb_cli.cli.terminal.screen import fitted
+from flexmb_cli.cli.terminal.screen import fitted, wrapped
 from flexmb_cli.errors import Fault
 from tests.cli.terminal.test_terminal import at_a_terminal
 
@@ -181,6 +181,28 @@ def test_a_narrow_terminal_gets_fewer_columns_and_whole_numbers(width, columns):
 def test_prose_is_left_to_wrap():
     sentence = "the run is not complete, its rows end at t = 1.5 s: the mechanism locks\n"
     assert fitted(sentence, 20) == sentence
+
+
+def test_prose_of_check_wraps_between_words_below_its_beginning():
+    """A line of columns is left to `fitted`; a name longer than the line stays whole."""
+    text = "deck: YOUNG deck\n  equations 28, coordinates 28, times 26\n    driver 1   2.9e-03 →  1.8e-15 m\n"
+    assert wrapped(text, 24) == (
+        "deck: YOUNG deck\n  equations 28,\n    coordinates 28,\n    times 26\n"
+        "    driver 1   2.9e-03 →  1.8e-15 m\n"
+    )
+    assert wrapped("a/path/without/any/blank.dat: it\n", 12) == "a/path/without/any/blank.dat:\n  it\n"
+
+
+@pytest.mark.processes
+@pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals are Unix's")
+def test_check_at_a_narrow_terminal_has_no_longer_line_and_all_words(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "60")
+    shown = at_a_terminal("check", "IN4-BAR.dat", cwd=DECKS / "young", stream="stdout").replace("\r\n", "\n")
+    assert max(map(len, shown.splitlines())) <= 60
+    assert (
+        "  equations 28, coordinates 28, degrees of freedom without\n    drivers 1, report times 26\n"
+        in shown
+    )
 
 
 @pytest.mark.processes

@@ -37,9 +37,7 @@ def changed(path, dataset="body/position", place=(1, 2, 0), by=1e-3):
 def test_equal_folders_have_no_difference(folders):
     done = compared(*folders)
     old, new = folders
-    assert done.stdout == (
-        f"{old}, {new}: 2 files compared, 0 differ, 0 missing, 1 other files passed over\n"
-    )
+    assert done.stdout == (f"{old}, {new}: 2 files compared, 0 differ, 0 missing, 1 other file passed over\n")
     assert done.exit_code == 0
 
 
@@ -70,7 +68,7 @@ def test_one_difference_in_one_file_is_told_with_its_place_and_ends_with_1(folde
     assert done.exit_code == 1
     assert "/body/position, body 3, x at t" in done.stdout
     assert done.stdout.splitlines()[-1].endswith(
-        "2 files compared, 1 differ, 0 missing, 1 other files passed over"
+        "2 files compared, 1 differs, 0 missing, 1 other file passed over"
     )
 
 
@@ -80,7 +78,7 @@ def test_a_file_that_only_one_folder_has_is_a_difference(folders, lacking):
     done = compared(*folders)
     assert done.exit_code == 1
     assert f"one.h5: not in {folders[lacking]}\n" in done.stdout
-    assert "1 files compared, 0 differ, 1 missing" in done.stdout
+    assert "1 file compared, 0 differ, 1 missing" in done.stdout
 
 
 def test_a_file_that_cannot_be_read_stops_no_other_and_ends_with_2(folders):
@@ -89,7 +87,7 @@ def test_a_file_that_cannot_be_read_stops_no_other_and_ends_with_2(folders):
     done = compared(*folders)
     assert done.exit_code == 2
     assert "two.h5: error: damaged HDF5 file" in done.stderr
-    assert "1 files compared, 1 differ, 0 missing, 1 cannot be read" in done.stdout
+    assert "1 file compared, 1 differs, 0 missing, 1 cannot be read" in done.stdout
 
 
 def test_folders_without_results_are_no_success(tmp_path):

@@ -53,7 +53,7 @@ def test_words_are_reported_and_count_when_asked(tmp_path):
     code, text = compared(tmp_path, TABLE, other)
     assert code == 0
     assert "words: line 5: 'ENTER BODY 1 COORDINATES' against 'ENTER BODY B COORDINATES'\n" in text
-    assert text.endswith("no difference in 42 numbers; 1 line of words differ\n")
+    assert text.endswith("no difference in 42 numbers; 1 line of words differs\n")
     assert compared(tmp_path, TABLE, other, "--words")[0] == 1
     assert compared(tmp_path, TABLE, TABLE, "--words")[0] == 0
 

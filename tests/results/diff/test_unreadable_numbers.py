@@ -167,7 +167,7 @@ def test_the_command_counts_them_in_its_forms(tmp_path):
     folders, page = (tmp_path / "old", tmp_path / "new"), tmp_path / "diff.xml"
     done = compared(*folders, "--junit", page)
     assert done.exit_code == 0
-    assert "1 files compared, 0 differ, 0 missing, 1 numbers marked ? not compared" in done.stdout
+    assert "1 file compared, 0 differ, 0 missing, 1 number marked ? not compared" in done.stdout
     (case,) = ElementTree.parse(page).getroot().iter("testcase")
     assert "not compared: 1 marked ?" in case.find("system-out").text
     record = json.loads(compared(*(folder / "OUT-A" for folder in folders), "--json").stdout)

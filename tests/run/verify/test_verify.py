@@ -90,3 +90,14 @@ def test_resume_goes_with_kane():
     result = CliRunner().invoke(cli, arguments)
     assert result.exit_code == 2
     assert "--formulation kane" in result.stderr
+
+
+@pytest.mark.parametrize(("asked", "said"), [((), ""), (("-v",), "verify: compiling kernels\n")])
+def test_a_log_names_compiling_with_v_alone(asked, said, monkeypatch):
+    def verify_deck(path, choices, tolerance, listener):
+        listener.status("compiling kernels")
+        return Verification(Outcome(path), tolerance, ())
+
+    monkeypatch.setattr("flexmb_cli.run.verify.verify.verify_deck", verify_deck)
+    result = CliRunner().invoke(cli, ["verify", *asked, str(DECKS / "pendulum.DAT")])
+    assert (result.exit_code, result.stderr) == (0, said)
