@@ -129,3 +129,33 @@ def test_a_misuse_in_dafms_is_told_with_place_object_and_remedy(word):
     cards, wanted = WRONG_DAFMS[word]
     told = [line for line in reported_dafms(deck(cards)) if ": error: " in line]
     assert any(re.match(rf"\d+:\d+: error: {re.escape(wanted)}", line) for line in told), told
+
+
+TWICE = function(5, 3, 1), card("PREF", integers(1, 3, 5, 0)), card("PRES", integers(1, 3) + reals(0, 1, 0))
+DEGREES = "upper of 90 rad is 14.3 turns; 90 degrees would be 1.5708 rad"
+MORE_DAFMS = {
+    "driven by two cards": (
+        "\n".join(TWICE),
+        "error: function drive 1: PRES already drives rotation 3 of the",
+    ),
+    "a polynomial of nothing": (
+        "FUNC\n    1\n    5    3    0",
+        "error: function 1: NP = 0 numbers, a function",
+    ),
+    "degrees": (card("HSTO", integers(1, 3) + reals(-1, 90, 5)), f"note: hinge stop 1: {DEGREES}"),
+}
+
+
+@pytest.mark.parametrize("name", MORE_DAFMS)
+def test_more_slips_in_dafms(name):
+    cards, wanted = MORE_DAFMS[name]
+    told = reported_dafms(deck(cards))
+    assert any(re.match(rf"\d+:\d+: {re.escape(wanted)}", line) for line in told), told
+
+
+def test_limits_in_degrees_are_noted_for_angles_alone():
+    """1.5708 is a quarter of the circle's 2 pi; a stroke of 90 m is one."""
+    told = reported_vsdf(vsdf_text(ARM, "TSTO\n 1,-1,90,5\n"))
+    assert any(line.endswith(f"note: tstop 1: {DEGREES}") for line in told), told
+    slider = vsdf.slid("")
+    assert not any(" turns;" in line for line in reported_vsdf(vsdf_text(slider, "ASTO\n 1,-1,90,5\n")))

@@ -172,7 +172,8 @@ class _System:
         self, card: Card, count: Number, subject: str, labels: "Callable[..., Any]", each: int
     ) -> Sequence[Number]:
         if count.value < 1:
-            message = f"NP = {count.value} points, a table needs at least 1"
+            what = "points, a table" if each == 2 else "numbers, a function"
+            message = f"NP = {count.value} {what} needs at least 1"
             self.records.stop(subject, message, count.place)
         return self.records.read_list(card.tail, each * count.value, labels, subject)
 

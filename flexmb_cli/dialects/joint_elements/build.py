@@ -4,6 +4,7 @@ A dialect says by a subclass of `ElementMaker` how its cards name joints and end
 `JOINT_CARDS` which of its sections give which elements.
 """
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -20,6 +21,7 @@ from ...model.joint_elements import (
     JointRate,
     JointSpring,
     LineSpring,
+    is_angle,
 )
 from ...model.joints import ANGLE, STROKE
 from .maker import ElementMaker
@@ -160,9 +162,23 @@ def stop(coordinate: str | None) -> Callable[..., Any]:
             key: float(record[key]) for key in ("lower", "upper", "stiffness", "damping")
         }
         where = maker.where(record, coordinate)
+        if where and is_angle(where[1]):
+            _note_degrees(maker, record)
         return EndStop(record.subject, *where, **numbers, place=record.place) if where else None
 
     return make
+
+
+def _note_degrees(maker: ElementMaker, record: Record) -> None:
+    """Note the first limit of an angle beyond a turn, which may have been meant in degrees."""
+    for key in ("lower", "upper"):
+        if abs(record[key]) > math.tau:
+            message = (
+                f"{key} of {record[key]:g} rad is {abs(record[key]) / math.tau:.3g} turns; "
+                f"{record[key]:g} degrees would be {math.radians(record[key]):.6g} rad"
+            )
+            maker.findings.note(record.subject, message, record.at(key).place, id="ELEMENTS-031")
+            return
 
 
 def bushing(maker: ElementMaker, record: Record) -> Bushing | None:

@@ -6,10 +6,11 @@ from itertools import pairwise
 import numpy as np
 
 from ..piecewise_polynomials import Pieces, continuous_rates, smooth_step, spline_table
-from ..time_functions import COMPOUND, PIECEWISE, SINE, MotionFunction
-from .functions import points_of, polynomial_of, simple, without_jumps
+from ..time_functions import COMPOUND, PIECEWISE, SINE, SPIN_UP, TABLE, MotionFunction
+from .functions import points_of, polynomial_of, rate_of, simple, without_jumps
 
 Card = tuple[int, str, tuple[float, ...]]  # number of the function, its type, the numbers that define it
+_NAMES = {SPIN_UP: "a spin-up", TABLE: "a natural cubic spline"}
 SAME = 1e-9  # of the largest value: coefficients that two cards have in common
 
 
@@ -19,6 +20,18 @@ class FunctionCards:
     def __init__(self, first: int = 1) -> None:
         self.first = first
         self.cards: list[Card] = []
+
+    def driver(self, function: MotionFunction) -> tuple[int, bool]:
+        """Return the number of a function that a coordinate follows, and whether it is that of its rate.
+
+        The integral of a table or ramp, alone or in a sum, has no card; its rate has.  0: neither has.
+        """
+        before = len(self.cards)
+        if number := self.number(function):
+            return number, False
+        del self.cards[before:]
+        rate = rate_of(function)
+        return (self.number(rate), True) if rate else (0, False)
 
     def number(self, function: MotionFunction) -> int:
         """Return the number of a function, whose cards are added; 0 for one that has no card."""
@@ -43,6 +56,22 @@ class FunctionCards:
         if 0 in parts:
             return 0
         return parts[0] if len(parts) == 1 else self._add("product", parts)
+
+
+def without_card(function: MotionFunction, dialect: str) -> str:
+    """Return why a function is refused, and what to give in its place."""
+    return (
+        f"its function of time is not converted: {dialect} has no card of {_described(function)}; "
+        "give it as a table, a spline, a polynomial or a sine"
+    )
+
+
+def _described(function: MotionFunction) -> str:
+    """Return the name of what a function without a card is or holds."""
+    if function.kind == COMPOUND:
+        parts = [factor for factors in function.terms for factor in factors if not _card_of(simple(factor))]
+        return f"a sum or product with {_described(parts[0])}"
+    return _NAMES.get(function.kind, "polynomials in pieces that are no table, spline, ramp or step")
 
 
 def _card_of(function: MotionFunction) -> tuple[str, tuple[float, ...]] | None:

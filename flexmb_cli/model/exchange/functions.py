@@ -2,6 +2,7 @@
 ones.
 """
 
+import math
 from itertools import pairwise
 from typing import Any
 
@@ -18,6 +19,7 @@ from ..time_functions import (
     TABLE,
     MotionFunction,
     piecewise,
+    sum_of,
 )
 
 # Half the time in which a table without jumps passes one of another dialect: its impulse is the same.
@@ -165,6 +167,26 @@ def points_of(function: MotionFunction) -> list[tuple[float, float]] | None:
             points.append((t1, reached))
         points.append((t1, v1))
     return points
+
+
+def rate_of(function: MotionFunction) -> MotionFunction | None:
+    """The derivative of a function; None of a product, a spin-up or a natural spline."""
+    function = simple(function)
+    if function.kind == SINE:
+        _, size, omega, phase = function.c
+        return MotionFunction(SINE, (0.0, size * omega, omega, phase + math.pi / 2))
+    if function.kind == PIECEWISE:
+        return piecewise(tuple(_rate_of_piece(piece) for piece in function.pieces))
+    if function.kind != COMPOUND or any(len(factors) != 1 for factors in function.terms):
+        return None
+    parts = [rate_of(factors[0]) for factors in function.terms]
+    known = [part for part in parts if part is not None and polynomial_of(part) != (0.0,)]
+    return None if None in parts else sum_of(known)
+
+
+def _rate_of_piece(piece: tuple[float, ...]) -> tuple[float, ...]:
+    start, _, *c = piece
+    return start, *([n * x for n, x in enumerate(c, 1)] or [0.0])
 
 
 def without_jumps(points: list[tuple[float, float]]) -> list[tuple[float, float]]:

@@ -4,6 +4,7 @@ The driven coordinate follows a polynomial given in advance: no run is compared 
 """
 
 import functools
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,6 +71,12 @@ SLIDE = TWO_LINKS.replace("    1    0    0    0    0\n", "    1    1    1    0  
 SLEEVE = TWO_LINKS.replace("    1    0    0    0    0\n", "    1    1    0    0    1\n", 1).replace(
     "Y(L)\n", "Y(L)\n" + 2 * "       0.0" + "\n", 1
 )
+# A third link like the second, on its end.
+THREE_LINKS = (
+    re.sub(r"^(?!\A)    2(.*\n)", r"\g<0>    3\1", TWO_LINKS, flags=re.MULTILINE)
+    .replace("    2    3\n", "    3    3\n", 1)
+    .replace("    0    1\nMASS", "    0    1    2\nMASS")
+)
 
 
 @dataclass(frozen=True)
@@ -99,12 +106,23 @@ class Case:
         return "\n".join([f"{head}Y(L)", *lines, given[given.index("RC(K") :]])
 
 
+def coupled(*terms):
+    """One coupling of terms (body, freedom, factor)."""
+    lines = (integers(1, *where) + reals(factor) for *where, factor in terms)
+    return "\n".join(["COUP", integers(len(terms)), *lines])
+
+
 def slippery(*numbers):
     return card("FRIC", integers(1) + reals(*numbers))
 
 
 ALL = {word: Case(cards, speeds=(0.0, SECOND if word == "COUP" else 0.0)) for word, cards in CASES.items()}
 ALL |= {
+    "rack and pinion": Case([coupled((1, 4, 1), (2, 3, 0.2))], SLIDE, 4, 1, POWERS, (-6.0, 0.0)),
+    "belt": Case([coupled((1, 3, 0.3), (2, 3, -0.1))], speeds=(0.0, 3.6)),
+    "differential": Case([coupled((1, 3, -2), (2, 3, 1), (3, 3, 1))], THREE_LINKS, speeds=(0.0, 1.4, 1.0)),
+    "spring of a stroke": Case([card("HSPR", integers(1, 4) + reals(80, 0.1, 0.9, 1.6))], SLIDE, 4, 1),
+    "stop of a stroke": Case([card("HSTO", integers(1, 4) + reals(-1, -0.2, 300, 0.3))], SLIDE, 4, 1),
     "turning": Case([slippery(0.2, 0.25, 0.5, 0.1, 0.04, 3)], powers=REVERSING),
     "sliding": Case([slippery(0.2, 0.25, 5, 0.5, 0, 3)], SLIDE, 4, 1, REVERSING),
     "turning and sliding": Case(

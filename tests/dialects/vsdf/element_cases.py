@@ -71,6 +71,53 @@ CASES = {
     "JSPR": turned("JSPR\n 1,8,0.1,0.4\n 2,6,0.2,0.3\n"),
 }  # fmt: skip
 
+# Joints 1, 2 and 3 turn about z of the ground, joint 4 slides along x.
+AXLES = """VSDF AXLES
+BODY
+ 1,RIGD
+ 2,RIGD
+ 3,RIGD
+ 4,RIGD
+RIGI
+ 1,1.5,0.3,0.1
+ 0.2,0.3,0.5
+ 2,0.8,0.2
+ 0.1,0.2,0.2
+ 3,0.5,0.1,0.2
+ 0.1,0.1,0.2
+ 4,2
+ 1,1,1
+POSI
+ 2,1
+ 3,2
+NODE
+ 0,1,0,0,0
+ 0,2,0,0,1
+ 0,3,1,0,0
+ 0,4,1,0,1
+ 0,5,2,0,0
+ 0,6,2,0,1
+ 0,7,0,1,0
+ 1,1,0,0,0
+ 1,2,0,0,1
+ 2,1,0,0,0
+ 2,2,0,0,1
+ 3,1,0,0,0
+ 3,2,0,0,1
+ 4,1,0,0,0
+ 4,2,1,0,0
+ 4,3,0,1,0
+JOIN
+ 1,REVO,0,1,2,1,1,2
+ 2,REVO,0,3,4,2,1,2
+ 3,REVO,0,5,6,3,1,2
+ 4,TRAN,0,1,3,4,1,2,7,3
+"""
+CASES_OF_COUPLINGS = {
+    "rack and pinion": Case(AXLES, f"{WEIGHT}COUP\n 1,1,1,-0.2\n 1,4,2,1\n"),
+    "belt": Case(AXLES, f"{WEIGHT}COUP\n 1,1,1,0.3\n 1,2,1,-0.1\n"),
+    "differential": Case(AXLES, f"{WEIGHT}COUP\n 1,1,1,-2\n 1,2,1,1\n 1,3,1,1\n"),
+}
 # Friction of every joint that has it, which stops, turns round and slides back.
 ALONG_Z = "0,3,1,0,0\n 1,1,0,0,0\n 1,2,0,0,1\n 1,3,1,0,0\nJOIN\n 1,{},0,1,2,1,1,2"
 BEARING = "FRIC\n 1,0.2,0.25,0.5,0.1,0.04,3\n"

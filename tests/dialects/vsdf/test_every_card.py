@@ -11,11 +11,11 @@ import pytest
 from flexmb_cli.dialects.vsdf.cards.joints_and_loads import JOINT_AND_LOAD_CARDS
 from flexmb_cli.dialects.vsdf.elements.cards import ELEMENT_CARDS
 from flexmb_cli.dialects.vsdf.elements.splines import spline_cards
-from tests.dialects.vsdf.element_cases import CASES, CASES_OF_FRICTION, POWERS, without
+from tests.dialects.vsdf.element_cases import CASES, CASES_OF_COUPLINGS, CASES_OF_FRICTION, POWERS, without
 from tests.dialects.vsdf.test_elements import rows_of
 
 pytestmark = pytest.mark.long_motion
-ALL = CASES | CASES_OF_FRICTION
+ALL = CASES | CASES_OF_COUPLINGS | CASES_OF_FRICTION
 END, STEP = 0.2, 0.001  # s
 METHODS = ["RK45", "RAD5", "GALF"]
 GIVEN = {"LSPR": 5e-6, "SPRI": 5e-6, "CABL": 5e-6, "BUSH": 5e-6}  # s, steps of GALF; 20 µs of the others

@@ -227,9 +227,14 @@ def test_the_command_offers_the_units_that_there_are():
     assert tuple(CHOICES) == tuple(UNITS)
 
 
-def test_a_spin_up_is_refused_in_young(tmp_path):
-    (tmp_path / "links.vsdf").write_text(
-        changed(("GRAV", "MOTN\n    1 ANGL    1    2       2.0       0.2\nGRAV"))
-    )
-    with pytest.raises(ModelError, match=r"motion 1: .*YOUNG has no spin-up"):
+NATURAL = "TABL\n    1       0.0       0.0\n    1       0.5       0.3\n    1       2.0       1.0\n"
+
+
+@pytest.mark.parametrize(
+    ("tables", "law", "kind"), [("", "2       2.0       0.2", "spin-up"), (NATURAL, "4       1.0", "natural")]
+)
+def test_a_law_that_young_has_not_is_refused_by_its_name_with_a_remedy(tables, law, kind, tmp_path):
+    cards = f"{tables}MOTN\n    1 ANGL    1    {law}\nGRAV"
+    (tmp_path / "links.vsdf").write_text(changed(("GRAV", cards)))
+    with pytest.raises(ModelError, match=rf"motion 1: .*YOUNG has no card of a {kind}.*; give it as a table"):
         converted(str(tmp_path / "links.vsdf"), "young")

@@ -57,10 +57,22 @@ def with_elements(tree: Tree, values: DeckValues, findings: Findings) -> Tree:
     functions.note_unused()
     if not elements:
         return tree
+    _refuse_prescribed(tree, elements, findings)
     tree = with_older_elements(replace(tree, elements=elements, **_start(tree, elements)))
     for item in elements.couplings:
         _check_speeds(tree, item, findings)
     return tree
+
+
+def _refuse_prescribed(tree: Tree, elements: "JointElements", findings: Findings) -> None:
+    """Refuse drivers by functions of coordinates that the card PRES drives."""
+    driven = {(each.body, f"{each.motion} {each.axis}") for each in tree.prescribed}
+    for item in elements.drivers:
+        if (item.joint, item.coordinate) in driven:
+            message = (
+                f"PRES already drives {item.coordinate} of the hinge of body {item.joint + 1}; remove one"
+            )
+            findings.error(item.name, message, item.place, id="DAFMS-152")
 
 
 def _given(values: DeckValues, findings: Findings) -> Iterator[GivenFunction]:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....deck.fortran_fields import filled
-from ....model.exchange.function_cards import Card, FunctionCards
+from ....model.exchange.function_cards import Card, FunctionCards, without_card
 from ....model.exchange.functions import points_of, polynomial_of, value_of
 from ....model.joints import ANGLE
 from ....model.mechanism import GROUND
@@ -66,7 +66,7 @@ class ElementCards:
         for item in self.model.joint_drivers:
             c = polynomial_of(item.function)
             if c is None or len(c) > 3:
-                driven.append(self._dof(item) + integers(self._number(item.function, item), 0))
+                driven.append(self._dof(item) + integers(*self._followed(item)))
                 continue
             C, B, half = (*c, 0.0, 0.0)[:3]
             motions.append(self._dof(item) + "".join(self.real(x) for x in (C, B, 2.0 * half)))
@@ -88,8 +88,15 @@ class ElementCards:
         """Number of the function card of an item; 0 where it cannot be written."""
         number = self.functions.number(function)
         if not number:
-            self.refusals.add(item, "its function of time is not converted: DAFMS has no card for it")
+            self.refusals.add(item, without_card(function, "DAFMS"))
         return number
+
+    def _followed(self, item: Any) -> tuple[int, int]:
+        """Number of the function card of a driver, 0 where it cannot be written; 1 if its rate follows it."""
+        number, rate = self.functions.driver(item.function)
+        if not number:
+            self.refusals.add(item, without_card(item.function, "DAFMS"))
+        return number, int(rate)
 
     def _preloaded(self, item: Any) -> str:
         numbers = item.stiffness, item.rest, item.damping, item.preload

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
-from ....model.exchange.function_cards import FunctionCards
+from ....model.exchange.function_cards import FunctionCards, without_card
 from ....model.exchange.rigid_model import Refusals, RigidModel
 from ....model.joint_elements import Coupling, EndStop, JointFriction
 from ....model.joints import ANGLE
@@ -40,7 +40,7 @@ class ElementCards(ABC):
         """Number of the function card of an item; 0 where it cannot be written."""
         number = self.functions.number(function)
         if not number:
-            self.refusals.add(item, "its function of time is not converted: VSDF has no card for it")
+            self.refusals.add(item, without_card(function, "VSDF"))
         return number
 
     def has_jspr(self, item: "CoordinateSpring") -> bool:

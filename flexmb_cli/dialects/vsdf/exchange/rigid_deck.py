@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....errors import Fault, Place
+from ....model.exchange.function_cards import without_card
 from ....model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
 from ....model.exchange.rigid_model import RigidModel, across
 from ....model.exchange.shapes import RigidShape, notes_of
@@ -14,6 +15,7 @@ from ....model.shapes import KINDS
 from ....model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE
 from ..cards import FINAL, SHAPES
 from ..joints import BY_WORD
+from ..motions import BY_FUNCTION, RATE_BY_FUNCTION
 from .element_cards import ElementCards, record
 
 if TYPE_CHECKING:
@@ -25,7 +27,8 @@ if TYPE_CHECKING:
 _WORDS = {kind.name: (word, kind) for word, kind in BY_WORD.items()}
 _DIRECTIONS = ("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ")
 _SHAPES = dict(zip(KINDS, SHAPES, strict=True))
-OF_FUNCTION = 5  # law of a motion by a function
+_AT_REST = 1e-12  # rad or m
+_MOVE = "lay the origin of the body where the coordinate is 0"
 _BEYOND = 1e-9  # of the largest moment of inertia
 
 
@@ -188,7 +191,13 @@ class _Deck(ElementCards):
             return function.kind, *function.c
         if function.kind == TABLE:
             return TABLE, float(self._table(list(zip(function.times, function.values, strict=True))))
-        return OF_FUNCTION, float(self.number(function, item))
+        number, rate = self.functions.driver(function)
+        if not number:
+            self.refusals.add(item, without_card(function, "VSDF"))
+        elif rate and abs(start := function.at(0.0)[0]) > _AT_REST:
+            message = f"it begins at {start:.6g} and follows an integral; VSDF begins integrals at 0: {_MOVE}"
+            self.refusals.add(item, message)
+        return RATE_BY_FUNCTION if rate else BY_FUNCTION, float(number)
 
     def _table(self, points: "Sequence[tuple[float, float]]") -> Any:
         self.table_count += 1

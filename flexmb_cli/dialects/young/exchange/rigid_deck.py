@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....errors import Fault, Place
-from ....model.exchange.function_cards import FunctionCards
+from ....model.exchange.function_cards import FunctionCards, without_card
 from ....model.exchange.functions import constant, polynomial_of, value_of
 from ....model.exchange.rigid_model import Refusals, RigidModel, across
 from ....model.exchange.shapes import RigidShape, notes_of
@@ -124,15 +124,22 @@ class _Deck:
         if c is not None and len(c) <= 3:
             C, B, half = (*c, 0.0, 0.0)[:3]
             return _line(item.body + 1, item.direction, C, B, 2.0 * half), ""
-        number = self._function(item.function, item)
-        return _line(item.body + 1, item.direction, item.function.at(0.0)[0], 0, 0), f"DRIVE {n} {number}"
+        driven = self._followed(item)
+        return _line(item.body + 1, item.direction, item.function.at(0.0)[0], 0, 0), f"DRIVE {n} {driven}"
 
     def _function(self, function: "MotionFunction", item: Any) -> Any:
         """Number of a function card; 1 stands in where there is none."""
         number = self.functions.number(function)
         if not number:
-            self.refusals.add(item, "the law is not converted: YOUNG has no spin-up and no natural spline")
+            self.refusals.add(item, without_card(function, "YOUNG"))
         return number or 1
+
+    def _followed(self, item: Any) -> str:
+        """Number of the function card of a driver, and 1 if its rate follows the function."""
+        number, rate = self.functions.driver(item.function)
+        if not number:
+            self.refusals.add(item, without_card(item.function, "YOUNG"))
+        return f"{number or 1} 1" if rate else str(number or 1)
 
     def _masses(self) -> "Iterator[Any]":
         for k, body in enumerate(self.model.bodies, start=1):
@@ -152,7 +159,7 @@ class _Deck:
             elif item.kind == "fixed":
                 cards.append(f"ANGLE {self.joint_number[id(item)]} {self._function(constant(0.0), item)}")
         for item in model.joint_drivers:
-            cards.append(f"{self._word(item, 'ANGLE', 'STROKE')} {self._function(item.function, item)}")
+            cards.append(f"{self._word(item, 'ANGLE', 'STROKE')} {self._followed(item)}")
         for item in model.motors:
             cards.append(f"{self._word(item, 'TMOTOR', 'AMOTOR')} {self._function(item.function, item)}")
         for item in model.joint_springs:
