@@ -26,6 +26,7 @@ def compile_(listing: bool, clear: Any, quiet: bool) -> None:
     from ..solvers.compilation import (
         clear_compiled,
         compile_unit,
+        copy_units,
         list_compiled,
         nothing_to_compile,
         refused_places,
@@ -43,9 +44,15 @@ def compile_(listing: bool, clear: Any, quiet: bool) -> None:
     elif nothing_to_compile():
         raise click.UsageError("NUMBA_DISABLE_JIT is set: kernels are interpreted, and none can be compiled")
     else:
+        _say_copied(*copy_units(), quiet)
         _compile(units_to_compile(), compile_unit, quiet)
     for sentence in refused_places():
         notify(f"flexmb: warning: {sentence}")
+
+
+def _say_copied(count: int, folder: Any, quiet: bool) -> None:
+    if count and not quiet:
+        notify(f"flexmb: {count} unit{'' if count == 1 else 's'} of compiled kernels copied to {folder}")
 
 
 def _compile(units: Any, compile_unit: Any, quiet: bool) -> None:

@@ -148,10 +148,16 @@ class Dialogue:
             if warning:
                 faults.append(Fault("warning", f"{cell.key}: {warning}", place, entry.subject, id="DECK-002"))
         if len(texts) > len(cells):
-            message = f"{len(texts)} values, but only {len(cells)} are left: {' '.join(c.key for c in cells)}"
             place = Place(self._entry + 1, len(entry.cells) + 1)
+            message = self._too_many(entry, cells, len(texts))
             faults.append(Fault("error", message, place, entry.subject, id="DECK-003"))
         return faults
+
+    def _too_many(self, entry: Entry, cells: tuple[Cell, ...], count: int) -> str:
+        """Return what to say of `count` values for fewer cells; within a record, how to answer all of it."""
+        message = f"{count} values, but only {len(cells)} are left: {' '.join(c.key for c in cells)}"
+        whole = len(cells) < count <= len(entry.cells)
+        return f"{message}; < {entry.prefix} asks for the whole record again" if whole else message
 
     def _known(self, entry: Entry, cell: Cell) -> Any:
         """The value kept for a cell when it is well spelled, else None."""

@@ -11,6 +11,8 @@ FIELDS_SHOWN = 14
 COMPARED = 20_000  # records of a large deck
 SAME_CARD, SAME_FIELD = 0.7, 0.6  # likeness of words: the twice common letters in the letters of both
 ALL = "flexmb check --echo shows all"
+# Symbols of textbooks and other programs: the word for it in names and meanings of fields.
+SYMBOLS = {"k": "stiffness", "c": "damping", "mu": "coefficient", "m": "mass"}
 
 
 def hint(name: str, deck: Deck) -> str:
@@ -49,14 +51,19 @@ def _spelled(field: str, cards: Sequence[Record]) -> list[str]:
 
 
 def _likely(field: str, cards: Sequence[Record]) -> list[str]:
-    """Return names that `field` may mean: those with this word in their meaning, then those spelled alike."""
+    """Return names that `field` may mean: those with its word in key or meaning, then like spellings."""
     numbers = list(_numbers(cards))
-    meant = [name for name, number in numbers if len(field) > 1 and field in number.meaning.lower().split()]
+    word = SYMBOLS.get(field, field)
+    meant = [name for name, number in numbers if len(word) > 1 and word in _words(number)]
     keys: dict[str, list[str]] = {}
     for name, number in numbers:
         keys.setdefault(number.key.lower(), []).append(name)
     slips = get_close_matches(field, keys, n=NEAR_NAMES, cutoff=SAME_FIELD)
     return list(dict.fromkeys([*meant, *(name for key in slips for name in keys[key])]))
+
+
+def _words(number: Number) -> list[str]:
+    return [*number.key.lower().split("."), *number.meaning.lower().split()]
 
 
 def _numbers(cards: Iterable[Record]) -> Iterator[tuple[str, Number]]:

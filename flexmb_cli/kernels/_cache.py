@@ -128,6 +128,18 @@ def folder_to_write() -> Path | None:
     return None
 
 
+def is_kept_behind(name: str) -> bool:
+    """Return whether an object is kept only behind the folder that new ones go to.
+
+    This process finds it there; one with another home, such as a node of a cluster, does not.
+    """
+    found, folder = content(name), folder_to_write()
+    if found is None or folder is None:
+        return False
+    order = list(folders())
+    return order.index(found[0].parent) > order.index(folder)
+
+
 def _make(folder: Path) -> None:
     folder.parent.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     for below in (folder.parent, folder):

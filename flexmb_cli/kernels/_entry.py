@@ -44,6 +44,13 @@ def _load_unit(unit: str, digest: str) -> bool:
     )
 
 
+def is_packaged(unit: str) -> bool:
+    """Return whether the package has the unit, of this version."""
+    target = _objects.target()
+    path = _objects.PACKAGED / str(target) / f"{unit}{_cache.ENDING}"
+    return target is not None and _objects.is_current(path, _objects.kernel_digest(), target)
+
+
 def _packaged(unit: str) -> tuple[Path, bytes] | None:
     """Return file and content of a unit's object in the package, None where there is none to be read."""
     path = _objects.PACKAGED / str(_objects.target()) / f"{unit}{_cache.ENDING}"

@@ -78,6 +78,26 @@ def units_to_compile() -> list[str]:
     return [unit for unit, entries in UNITS.items() if not all(map(_entry.is_ready, entries))]
 
 
+def copy_units() -> tuple[int, Path | None]:
+    """Copy units to the folder that new ones go to where it lacks them; return how many, and the folder.
+
+    NUMBA_CACHE_DIR may name a folder for others, who do not see what lies in this user's home.
+    """
+    from ..kernels import _cache, _entry
+    from ..kernels.signatures import UNITS
+
+    ready = (unit for unit, entries in UNITS.items() if all(map(_entry.is_ready, entries)))
+    behind = [unit for unit in ready if not _entry.is_packaged(unit) and _cache.is_kept_behind(unit)]
+    folder = _cache.folder_to_write() if behind else None
+    for unit in behind:
+        found = _cache.content(unit)
+        assert found is not None
+        _cache.keep(folder, unit, found[1])
+        if _cache.is_kept_behind(unit):
+            raise _unwritten(folder)
+    return len(behind), folder
+
+
 def compile_unit(unit: str) -> None:
     """Compile a unit of kernels into the user's cache; raises OutputError where it cannot be kept."""
     from ..kernels import _cache, _entry, _objects
@@ -93,7 +113,11 @@ def compile_unit(unit: str) -> None:
             made = _entry.emit(unit, _entry.unit_entries(unit), digest, [target])
             _cache.keep(folder, unit, made[target])
     if _cache.content(unit) is None:
-        raise OutputError(f"{folder}: compiled kernels cannot be written", id="SOLVE-002")
+        raise _unwritten(folder)
+
+
+def _unwritten(folder: Path | None) -> OutputError:
+    return OutputError(f"{folder}: compiled kernels cannot be written", id="SOLVE-002")
 
 
 def list_compiled() -> Iterator[tuple[str, int, str]]:

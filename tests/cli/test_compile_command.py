@@ -26,12 +26,13 @@ main()
 """
 
 
-def flexmb(cache, *arguments):
+def flexmb(cache, *arguments, home=""):
     """What a command prints, on both streams, and its exit code."""
     done = subprocess.run(
         [sys.executable, "-c", CODE, *arguments], capture_output=True, text=True, timeout=300,
         env=os.environ
-        | {"NUMBA_CACHE_DIR": str(cache), "XDG_CACHE_HOME": "", "HOME": "", "TMPDIR": str(cache.parent)},
+        | {"NUMBA_CACHE_DIR": str(cache), "TMPDIR": str(cache.parent)}
+        | {"XDG_CACHE_HOME": "", "HOME": str(home)},
     )  # fmt: skip
     return done.stdout + done.stderr, done.returncode
 
@@ -46,6 +47,20 @@ def test_it_compiles_once_lists_and_clears(tmp_path):
     assert total.endswith("in all")
     assert flexmb(cache, "compile", "--clear") == ("flexmb: 1 file of compiled kernels deleted\n", 0)
     assert not list(cache.rglob("*.object"))
+
+
+def test_an_empty_folder_gets_what_the_home_has(tmp_path):
+    """Nodes of a cluster have other homes; "all kernels are compiled" left the shared folder empty."""
+    home = tmp_path / "home"
+    assert flexmb(home / ".cache", "compile") == ("flexmb: compiling small\n", 0)
+    shared = tmp_path / "shared"
+    folder = shared / "flexmb" / f"objects-{_objects.kernel_digest()}"
+    done = "flexmb: all kernels are compiled\n"
+    said = (f"flexmb: 1 unit of compiled kernels copied to {folder}\n{done}", 0)
+    assert flexmb(shared, "compile", home=home) == said
+    assert flexmb(shared, "compile", home=home) == (done, 0)
+    assert flexmb(shared, "compile") == (done, 0)  # a node without that home
+    assert (folder / "small.object").stat().st_mode & 0o777 == 0o600
 
 
 def test_a_place_that_cannot_be_written_is_said(tmp_path):
@@ -109,6 +124,18 @@ def test_what_cannot_be_deleted_is_not_counted(version, monkeypatch):
         "flexmb: 0 files of compiled kernels deleted",
         f"flexmb: warning: {version}/good.object cannot be deleted",
     ]
+
+
+def test_what_a_read_only_folder_has_is_not_copied_behind_it(version, tmp_path, monkeypatch):
+    """An image of a container: kernels lie in a folder of root's, and the user's home is empty."""
+    home = tmp_path / "home/.cache/flexmb" / version.name
+    home.mkdir(parents=True, mode=0o700)
+    monkeypatch.setattr(_cache, "folder_to_write", lambda: home)
+    assert not _cache.is_kept_behind("good")
+    monkeypatch.setattr(_cache, "folder_to_write", lambda: version)
+    assert not _cache.is_kept_behind("good")
+    (version / "good.object").rename(home / "good.object")
+    assert _cache.is_kept_behind("good")
 
 
 def test_list_and_clear_exclude_each_other(tmp_path):

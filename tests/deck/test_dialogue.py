@@ -124,6 +124,24 @@ def test_a_wrong_answer_is_refused_at_once_and_changes_nothing(before, wrong, sa
     assert (dialogue.values, dialogue.question) == (values, question)
 
 
+def test_a_whole_record_in_its_midst_names_the_way_back_to_its_start():
+    """`<` leads to the last components of a body; its seven numbers are too many there."""
+    dialogue = talk("", COUNTS, "1 2 3", "1 0 0 0")
+    assert dialogue.back()
+    (said,) = errors(dialogue.answer("1 2 3 1 0 0 0"))
+    assert said.endswith(
+        "7 values, but only 4 are left: e0 e1 e2 e3; < body.1 asks for the whole record again"
+    )
+    assert dialogue.back_to("body.1")
+    assert errors(dialogue.answer("1 2 3 1 0 0 0")) == []
+    assert dialogue.question.entry.prefix == "body.2"
+
+
+def test_more_values_than_a_record_has_name_no_way_back():
+    (said,) = errors(talk("", COUNTS, "1 2 3").answer("1 2 3 1 0 0 0 0"))
+    assert said.endswith("are left: e0 e1 e2 e3")
+
+
 def test_a_title_cannot_end_its_comment():
     assert "cannot hold }" in errors(Dialogue(YoungForm()).answer("a } b"))[0]
 
