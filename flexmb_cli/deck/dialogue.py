@@ -148,16 +148,11 @@ class Dialogue:
             if warning:
                 faults.append(Fault("warning", f"{cell.key}: {warning}", place, entry.subject, id="DECK-002"))
         if len(texts) > len(cells):
+            left = f"{' '.join(c.key for c in cells)}{_way_back(entry, cells, len(texts))}"
+            message = f"{len(texts)} values, but only {len(cells)} are left: {left}"
             place = Place(self._entry + 1, len(entry.cells) + 1)
-            message = self._too_many(entry, cells, len(texts))
             faults.append(Fault("error", message, place, entry.subject, id="DECK-003"))
         return faults
-
-    def _too_many(self, entry: Entry, cells: tuple[Cell, ...], count: int) -> str:
-        """Return what to say of `count` values for fewer cells; within a record, how to answer all of it."""
-        message = f"{count} values, but only {len(cells)} are left: {' '.join(c.key for c in cells)}"
-        whole = len(cells) < count <= len(entry.cells)
-        return f"{message}; < {entry.prefix} asks for the whole record again" if whole else message
 
     def _known(self, entry: Entry, cell: Cell) -> Any:
         """The value kept for a cell when it is well spelled, else None."""
@@ -213,6 +208,12 @@ def from_draft(form: Form, text: str) -> Dialogue:
 
 def _name(entry: Entry, cell: Cell) -> str:
     return f"{entry.prefix}.{cell.key}"
+
+
+def _way_back(entry: Entry, cells: tuple[Cell, ...], count: int) -> str:
+    """Return how to answer a record with `count` values, of which only some are asked for."""
+    whole = len(cells) < count <= len(entry.cells)
+    return f"; < {entry.prefix} asks for the whole record again" if whole else ""
 
 
 def _start(entry: Entry, index: int) -> Any:
