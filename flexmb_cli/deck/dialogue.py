@@ -211,7 +211,7 @@ def _name(entry: Entry, cell: Cell) -> str:
 
 
 def _way_back(entry: Entry, cells: tuple[Cell, ...], count: int) -> str:
-    """Return how to answer a record with `count` values, of which only some are asked for."""
+    """Return how to answer a record with `count` values, of which a question takes only some."""
     whole = len(cells) < count <= len(entry.cells)
     return f"; < {entry.prefix} asks for the whole record again" if whole else ""
 
