@@ -6,6 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from flexmb_cli.deck.record import DeckText
+from flexmb_cli.dialects.young.dynamic_cards import read_young_deck
+from flexmb_cli.errors import DeckError
 from tests.dialects.young.young_decks import PENDULUM, faults, pendulum, read
 
 DECKS = sorted((Path(__file__).parents[2] / "decks" / "young").glob("*.dat"))
@@ -95,3 +98,15 @@ def test_a_lost_line_is_named_with_the_records_that_it_may_have_held(lost, repor
     assert f"{text} seems to be missing" in f"{warning.subject} {warning.message}"
     errors = [fault.message for fault in found if fault.severity == "error"]
     assert sum(f"(look first at line {line}: " in message for message in errors) == 1
+
+
+@pytest.mark.parametrize("lost", [10, 17, 21])
+def test_cards_behind_the_numbers_hide_no_lost_line(lost):
+    """The numbers reached into the cards: "ground 1: z must be a number; read 'DYNAMICS'"."""
+    (deck,) = (path for path in DECKS if path.stem == "IN5BODY")
+    lines = deck.read_text(encoding="utf-8").splitlines()
+    short = [*lines[: lost - 1], *lines[lost:]]
+    cards = ["", "DYNAMICS inverse { a comment }", "MASS 1 1.5 0 0 0 0.01 0.01 0.01", "END"]
+    with pytest.raises(DeckError) as failed:
+        read_young_deck(DeckText("deck", "\n".join([*short, *cards]), ""))
+    assert list(failed.value.faults) == list(faults("\n".join(short)))

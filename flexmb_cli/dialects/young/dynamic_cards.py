@@ -47,7 +47,7 @@ def read_young_deck(source: DeckText) -> Deck:
 
     Raises DeckError with all faults of the cards.
     """
-    deck = read_young(source)
+    deck = _read_numbers(source)
     opening = _opening(deck)
     if opening is None:
         step = deck.one("time").at("step").place
@@ -75,6 +75,22 @@ def takes_steps(deck: Deck) -> bool:
 def has_elements(deck: Deck) -> bool:
     """Return whether there are cards of elements at joints or of what drives them."""
     return analysis_of(deck) is not None and any(deck.section(card.section) for card in JOINT_CARDS)
+
+
+def _read_numbers(source: DeckText) -> Deck:
+    """Return the deck without its cards; raises DeckError.
+
+    Where a line is lost, the counts ask for numbers beyond the line that opens the cards.  The deck is then
+    judged as one that ends before it, so that the lost line is named and no word of a card is doubted.
+    """
+    try:
+        return read_young(source)
+    except DeckError as failed:
+        places = (fault.place for fault in failed.faults if fault.place is not None)
+        opening = next((place.line for place in places if MARKER.fullmatch(source.lines[place.line - 1])), 0)
+        if opening:
+            read_young(replace(source, text=source.text[: source.lines.start_of(opening - 1)]))
+        raise
 
 
 def _opening(deck: Deck) -> int | None:
