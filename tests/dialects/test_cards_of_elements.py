@@ -18,6 +18,7 @@ from tests.dialects.vsdf import element_cases as vsdf
 from tests.dialects.vsdf.vsdf_decks import read as read_vsdf
 from tests.dialects.vsdf.vsdf_decks import reported as reported_vsdf
 
+TUTORIAL = Path(__file__).parents[2] / "docs/tutorial/motors-and-springs.md"
 PAGES = {name: Path(__file__).parents[2] / f"decks/{name}/FORMAT.md" for name in ("vsdf", "dafms")}
 
 
@@ -48,6 +49,13 @@ def test_page_echo_and_check_know_the_card(dialect, card, text, read, tmp_path):
     path = tmp_path / f"x.{'vsdf' if dialect == 'vsdf' else 'DAT'}"
     path.write_text(text)
     assert check_deck(str(path), RunOptions()).outcome.exit_code == 0
+
+
+@pytest.mark.parametrize(("dialect", "card", "text", "read"), TEXTS)
+def test_the_tutorial_names_the_card_beside_that_of_young(dialect, card, text, read):
+    rows = [line.split("|") for line in TUTORIAL.read_text(encoding="utf-8").splitlines()]
+    cells = [row[3 if dialect == "vsdf" else 4] for row in rows if len(row) == 6]
+    assert any(f"`{card.word}`" in cell for cell in cells)
 
 
 ARM = vsdf.turned("")

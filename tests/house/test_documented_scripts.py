@@ -1,7 +1,10 @@
 """Programs of the pages that need a cluster, ParaView or CI; and a list of all programs with their tests."""
 
+import contextlib
+import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tomllib
@@ -74,8 +77,19 @@ def shared(tmp_path):
 
 
 def in_shell(script, folder):
-    done = subprocess.run(["sh", "-c", script], cwd=folder, capture_output=True, text=True, timeout=600)
-    return done.returncode, done.stdout + done.stderr
+    """Return exit code and output of a job; what it leaves behind is ended, as Slurm does."""
+    said = folder / "job.log"
+    with open(said, "wb") as log:
+        job = subprocess.Popen(
+            ["sh", "-c", script], cwd=folder, stdout=log, stderr=log, start_new_session=True
+        )
+        try:
+            code = job.wait(timeout=600)
+        finally:
+            # Workers that never met the scheduler would look for it without end.
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(job.pid, signal.SIGKILL)
+    return code, said.read_text(encoding="utf-8", errors="replace")
 
 
 def fastest(study):

@@ -17,7 +17,7 @@ WELDED = (
     .replace("-9.81", "  0.0")
     .replace("Y(L)\n       0.0       0.0       0.0       0.0", "Y(L)\n       2.0       0.0")
 )
-STOP = card("HSTO", integers(1, 3) + reals(-99, 99, 1))
+STOP = card("HSTO", integers(1, 3) + reals(-6, 6, 1))
 INERTIA = 0.44 + 0.172 + 0.8 * (1 + 2 * 0.3)  # kg m2, of both links about the hinge
 DAMPING, TORQUE = 0.5, 0.3
 
