@@ -9,6 +9,7 @@ import re
 from functools import lru_cache
 
 from ..quick_dataclass import dataclass
+from .number import unit_hint
 
 _EDIT = re.compile(r"(\d*)([IFE])(\d+)(?:\.(\d+))?")
 _PLAIN = re.compile(r"[+-]?(?:[0-9]+\.[0-9]*|\.[0-9]+)")
@@ -140,7 +141,7 @@ def hint(field: Field, line: str) -> str:
         return "write it without point and exponent"
     if len(text.split()) > 1:
         return "two numbers in one field?"
-    return ""
+    return unit_hint(text.strip())
 
 
 def _crosses_edge(field: Field, line: str) -> bool:

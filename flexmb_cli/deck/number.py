@@ -14,7 +14,11 @@ _BARE_EXPONENT = re.compile(r"([+-]?(?:[0-9]+\.[0-9]*|\.[0-9]+))([+-][0-9]+)")
 _PLAIN_INTEGER = re.compile(r"[+-]?[0-9]+")
 
 # A number and the unit that stands behind it; the first three have a factor to the unit of decks.
-_WITH_UNIT = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(°|deg|rpm|RPM|[mc]?m|in|rad|[mk]?g|s|kN|N)")
+_UNIT = "(?:°|deg|rpm|RPM|[mc]?m|in|rad|[mk]?g|s|kN|N)"
+# A unit may be composed, as in N/m, N*s/m or kg*m^2; without a bound "mmm…" would be tried in every split.
+_WITH_UNIT = re.compile(
+    rf"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))({_UNIT}(?:\^?[2-4])?(?:[/*·]?{_UNIT}(?:\^?[2-4])?){{0,3}})"
+)
 _FACTORS = {
     "°": (math.pi / 180, "angles are in rad", "degrees"),
     "deg": (math.pi / 180, "angles are in rad", "degrees"),
@@ -106,13 +110,18 @@ def shown(word: str) -> str:
 
 def hint(word: str) -> str:
     """Return what is wrong with the spelling of a number, and the remedy, behind a colon; "" if unknown."""
-    found = _WITH_UNIT.fullmatch(word)
-    if found:
-        return f": {_unit_hint(*found.groups())}"
+    if found := unit_hint(word):
+        return f": {found}"
     return next((f": {hint}" for pattern, hint in _HINTS if pattern.search(word)), "")
 
 
-def _unit_hint(number: str, unit: str) -> str:
+def unit_hint(word: str) -> str:
+    """Return how to write a word that is a number with a unit behind it; "" where it is not."""
+    found = _WITH_UNIT.fullmatch(word)
+    return _without_unit(*found.groups()) if found else ""
+
+
+def _without_unit(number: str, unit: str) -> str:
     """Return how to write a number that has a unit behind it: a deck has none."""
     factor, rule, name = _FACTORS.get(unit.lower(), (None, "", ""))
     if factor is None:

@@ -113,6 +113,32 @@ CASES = [
     pytest.param(
         deck_text(
             "two_link_n2",
+            ("Q(k)\n    1       0.0", "Q(k)\n    1    1.5N/m"),
+        ),
+        [
+            (
+                "41:10: error: Q(k) of body 1: PH1 in columns 6-15 must be a real number, read '1.5N/m' "
+                "(write the number without its unit); FORMAT(I5,3F10.5)"
+            ),
+        ],
+        id="a unit stands behind a number",
+    ),
+    pytest.param(
+        deck_text(
+            "two_link_n2",
+            ("Q(k)\n    1       0.0", "Q(k)\n    1    180deg"),
+        ),
+        [
+            (
+                "41:10: error: Q(k) of body 1: PH1 in columns 6-15 must be a real number, read '180deg' "
+                "(angles are in rad; 180 degrees are 3.14159265358979); FORMAT(I5,3F10.5)"
+            ),
+        ],
+        id="degrees stand behind a number",
+    ),
+    pytest.param(
+        deck_text(
+            "two_link_n2",
             ("Q(k)\n    1       0.0", "Q(k)\n    1    1.E999"),
         ),
         [
