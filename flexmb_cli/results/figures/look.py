@@ -2,6 +2,7 @@
 
 import logging
 import re
+import warnings
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -75,13 +76,15 @@ class Look:
 
         These are left out.  Raises OSError for a style that there is not, or that would start LaTeX unasked.
         """
-        from matplotlib import rcParams
+        from matplotlib import rcParams, rcParamsDefault
 
         rcParams.update(settings() | self.settings())
         if self.style:
             _use_style(self.style)
         # A tight box would change the width that was requested.
         rcParams["savefig.bbox"] = None
+        # Pictures have a resolution of their own; a style's would size the canvas of the layout at will.
+        rcParams["figure.dpi"] = rcParamsDefault["figure.dpi"]
         if rcParams["text.usetex"] and not self.latex:
             raise OSError("text.usetex starts LaTeX, another program: give --latex, too")
         # LaTeX finds its own fonts.
@@ -131,7 +134,9 @@ def _use_style(name: str) -> None:
         raise OSError(f"no such file, and no style of matplotlib, such as {', '.join(near)}, has this name")
     messages: list[str] = []
     try:
-        with _held_back(messages):
+        with _held_back(messages), warnings.catch_warnings():
+            # matplotlib leaves out a backend and the like, and warns with a line of its own source.
+            warnings.simplefilter("ignore", UserWarning)
             style.use(Path(name))
     except UnicodeDecodeError:
         raise OSError("it is no style file: its bytes are no text in UTF-8") from None

@@ -9,6 +9,7 @@ from ...kernels.constrained.elements import NO_LENGTH
 from ...model.flexible_mechanism import NodePoint
 from ...model.joint_elements import Bushing, EndStop, JointMotor, JointSpring, LineSpring
 from ...model.tree import Tree
+from ...model.vectors import cross
 from .element_efforts import Effort, cable_effort, linear_effort, spring_effort, stop_effort
 from .placed_bodies import PlacedBodies
 
@@ -117,14 +118,14 @@ def _along_axes(placed: PlacedBodies, item: Bushing) -> "Iterator[Answer]":
     A change of them turns with body i: by virtual work its torque is that of the opposite force at P_j.
     """
     (r_i, v_i), (r_j, v_j) = (placed.point(_end(end)) for end in (item.P_i, item.P_j))
-    gap, rate = r_j - r_i, v_j - v_i - np.cross(placed.angular_of(item.i), r_j - r_i)
+    gap, rate = r_j - r_i, v_j - v_i - cross(placed.angular_of(item.i), r_j - r_i)
     for k, axis in enumerate(placed.axes_of(item.i).T):
         x, v = float(axis @ gap), float(axis @ rate)
         effort = linear_effort(item.stiffness[k], item.damping[k], x, v)
         force = effort.effort * axis
         placed.push(_end(item.P_j), force)
         placed.push(_end(item.P_i), -force)
-        placed.twist(item.i, -1, np.cross(gap, force))
+        placed.twist(item.i, -1, cross(gap, force))
         yield x, v, *effort
 
 
@@ -148,7 +149,7 @@ def _about_axes(
     for k in range(3):
         f, g, h = A[:, (k + 1) % 3], A[:, (k + 2) % 3], B[:, (k + 1) % 3]
         c, s = float(f @ h), float(g @ h)
-        slope = (c * np.cross(h, g) - s * np.cross(h, f)) / (c * c + s * s)
+        slope = (c * cross(h, g) - s * cross(h, f)) / (c * c + s * s)
         x, v = angles[k] + math.remainder(math.atan2(s, c) - angles[k], math.tau), float(slope @ spin)
         angles[k] = x
         effort = linear_effort(item.stiffness[3 + k], item.damping[3 + k], x, v)

@@ -4,6 +4,7 @@ import numpy as np
 
 from ...model.flexible_mechanism import NodePoint
 from ...model.tree import ELASTIC, INERTIAL, Tree
+from ...model.vectors import cross
 
 
 class PlacedBodies:
@@ -39,7 +40,7 @@ class PlacedBodies:
             return end.r0, np.zeros(3)
         own, A = self.elastic(end.body), self.axes[end.body]
         reach = A @ (end.r0 + end.shape @ self.q[own])
-        velocity = self.velocity[end.body] + np.cross(self.angular[end.body], reach)
+        velocity = self.velocity[end.body] + cross(self.angular[end.body], reach)
         return self.origin[end.body] + reach, velocity + A @ (end.shape @ self.y[own])
 
     def push(self, end: NodePoint, force: np.ndarray) -> None:
@@ -47,7 +48,7 @@ class PlacedBodies:
         if end.body == INERTIAL:
             return
         self.force[end.body] += force
-        self.torque[end.body] += np.cross(self.point(end)[0] - self.origin[end.body], force)
+        self.torque[end.body] += cross(self.point(end)[0] - self.origin[end.body], force)
         self.effort[self.elastic(end.body)] += end.shape.T @ (self.axes[end.body].T @ force)
 
     def twist(self, i: int, j: int, torque: np.ndarray) -> None:

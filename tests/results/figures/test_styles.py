@@ -109,6 +109,18 @@ def test_a_style_that_crops_leaves_the_width_that_was_asked_for(deck, mechanism,
     assert abs(int.from_bytes(target.read_bytes()[16:20], "big") - 85 / 25.4 * 300) <= 1
 
 
+def test_settings_that_are_no_style_are_left_out_without_a_word(deck, mechanism, rows, tmp_path, recwarn):
+    """matplotlib warned of a backend with a line of its source; that dpi ended with exit code 3."""
+    bar = write_bar(tmp_path / "r.h5", deck, mechanism, rows, np.arange(7.0))
+    style, target = written(tmp_path, "backend: svg\nfigure.dpi: 1e9\n"), tmp_path / "p.png"
+    done = CliRunner().invoke(
+        plot, [str(bar), "point.1", "--width", "85", "--style", style, "-o", str(target)]
+    )
+    assert done.exit_code == 0, done.output
+    assert abs(int.from_bytes(target.read_bytes()[16:20], "big") - 85 / 25.4 * 300) <= 1
+    assert not recwarn.list
+
+
 @pytest.mark.parametrize("style, words", [
     ("nonsense", "--style nonsense: no such file, and no style of matplotlib, such as"),
     ("gplot", "--style gplot: no such file, and no style of matplotlib, such as ggplot, has this name"),
