@@ -52,8 +52,8 @@ def test_a_study_misses_the_peak_between_rows_as_far_as_its_page_says(step, digi
 def test_sizes_of_pages_are_those_of_their_files():
     plotly = pytest.importorskip("plotly")
     script = Path(plotly.__file__).parent / "package_data/plotly.min.js"
-    megabytes = f"{script.stat().st_size / 1e6:.1f}"
-    assert stated("how-to/curves-and-pages.md", r"which takes (\S+) MB of each") == megabytes
+    megabytes = f"{script.stat().st_size / 1e6:.0f}"  # whole ones: versions differ by a tenth
+    assert stated("how-to/curves-and-pages.md", r"which takes about (\S+) MB of each") == megabytes
     assert stated("how-to/pictures.md", r"\| plotly.js \| (\S+) MB") == megabytes
     own = sum(path.stat().st_size for path in VIEWER.iterdir())
     assert round(own / 1000) == int(stated("how-to/pictures.md", r"The viewer is flexmb's own, (\d+) kB"))

@@ -108,12 +108,11 @@ def note_slips(
     report: "CheckReport", evaluator: Any, q: "np.ndarray", t: float, expected: "np.ndarray"
 ) -> None:
     """Note joints that the estimates q leave open far wider than the others."""
-    from ...solvers.kinematics.estimate_gaps import open_estimates, slip_note, wide_estimates
+    from ...solvers.kinematics.estimate_gaps import open_estimates, slip_note
 
-    wide, rest = wide_estimates(evaluator, q, t, expected)
-    opened, others = (wide, rest) if wide else open_estimates(evaluator, q, t, expected)
+    opened, others, far = open_estimates(evaluator, q, t, expected)
     if opened:
-        report.outcome.faults.append(slip_note(opened, others, far=bool(wide)))
+        report.outcome.faults.append(slip_note(opened, others, far=far))
 
 
 def before_and_after(before: Gaps, after: Gaps) -> list[tuple[str, float, float, str]]:

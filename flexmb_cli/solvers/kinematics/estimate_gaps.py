@@ -32,18 +32,26 @@ def wide_estimates(
     `expected`: angles of screws, rad.  There are none where gaps are wide as a rule, or small: then the
     estimates are rough, or right.  Angles and Euler parameters are left out: attitudes may be far off.
     """
-    widest, length = _widest_lengths(evaluator, evaluator.residual(q, t, expected))
-    return _parted(widest, sum(abs(gap.value) > WIDE_ESTIMATE * length for gap in widest), length)
+    return _wide(*_widest_lengths(evaluator, evaluator.residual(q, t, expected)))
 
 
 def open_estimates(
     evaluator: "Evaluator | PositionGaps", q: np.ndarray, t: float, expected: np.ndarray
-) -> tuple[list[Gap], float]:
-    """Return gaps as `wide_estimates` does, narrower ones that are far wider than all others, too.
+) -> tuple[list[Gap], float, bool]:
+    """Return gaps as `wide_estimates` does and True; where there are none, those far wider than all others.
 
     6.01 typed for 6.10 opens a joint by a hundredth of the size, where three digits leave a thousandth.
     """
     widest, length = _widest_lengths(evaluator, evaluator.residual(q, t, expected))
+    wide, rest = _wide(widest, length)
+    return (wide, rest, True) if wide else (*_outstanding(widest, length), False)
+
+
+def _wide(widest: list[Gap], length: float) -> tuple[list[Gap], float]:
+    return _parted(widest, sum(abs(gap.value) > WIDE_ESTIMATE * length for gap in widest), length)
+
+
+def _outstanding(widest: list[Gap], length: float) -> tuple[list[Gap], float]:
     sizes = [abs(gap.value) for gap in widest]
     count = 0
     for k, (size, following) in enumerate(pairwise(sizes), start=1):
