@@ -33,9 +33,10 @@ HEAD = """# Messages
 
 Every message has an identifier that stays the same when its words change: with `--json` it is the key `id`
 of a fault. An identifier that is no longer used is not given to another message. `…` stands for what depends
-on the input. Where it is all that stands there, and the file is named, several messages of that file share the
-identifier, such as all faults of a study's keys (STUDY-013) or of the fields of a DAFMS card (DECK-005). An error may end
-with the numbers changed by `--set`. `python docs/_ext/fault_messages.py` makes this page; a test compares it with the program.
+on the input. Where it is all that stands there, and the file is named, several messages of that file share
+the identifier, such as all faults of a study's keys (STUDY-013) or of the fields of a DAFMS card (DECK-005).
+An error may end with the numbers changed by `--set`. `python docs/_ext/fault_messages.py` makes this page; a
+test compares it with the program.
 
 | identifier | message |
 |---|---|
