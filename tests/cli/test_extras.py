@@ -63,6 +63,7 @@ def test_a_missing_extra_is_reported_before_any_work(module, arguments, extra, f
 @pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
 def test_without_numba_a_kernel_that_no_object_has_is_refused(folder):
     """A wheel with objects works without numba, until a damaged object has to be compiled again."""
+    (folder / "none").mkdir()  # without a TMPDIR that is there, /tmp may hold this machine's kernels
     nowhere = dict.fromkeys(("NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "HOME", "TMPDIR"), str(folder / "none"))
     done = subprocess.run(
         [sys.executable, "-c", WITHOUT.format(module="numba"), "run", "IN4-BAR.dat"],
