@@ -3,7 +3,6 @@
 import os
 import sys
 import threading
-import time
 from dataclasses import fields, replace
 from pathlib import Path
 
@@ -174,11 +173,10 @@ def test_a_pipe_in_the_place_of_a_matrix_is_refused_not_waited_for(folder):
     given = truss_input(folder, 1)
     given.mass.path.unlink()
     os.mkfifo(given.mass.path)
-    fed = threading.Timer(3.0, lambda: os.open(given.mass.path, os.O_RDWR))  # ends the wait, if there is one
+    fed = threading.Timer(60.0, lambda: os.open(given.mass.path, os.O_RDWR))  # ends the wait, if there is one
     fed.daemon = True
     fed.start()
-    begun = time.monotonic()
     with pytest.raises(ModelError, match="no regular file"):
         flexible_body(given)
+    assert fed.is_alive(), "it waited"
     fed.cancel()
-    assert time.monotonic() - begun < 2.5

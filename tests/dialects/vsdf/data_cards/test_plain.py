@@ -76,17 +76,13 @@ def test_the_cards_of_a_large_deck_are_taken_apart_once_at_most(monkeypatch):
     assert sum(line.startswith("1,1") for line, *_ in cut) < 25
 
 
-def test_a_set_of_nodes_on_thousands_of_cards_is_put_together_once():
-    """Each card copied the set so far: a deck of 62 MB would have taken days."""
-    from time import process_time
-
-    numbers = range(1001, 13_001)
+def test_a_set_of_nodes_may_stand_on_a_thousand_cards():
+    """`scripts/bench/large_decks.py` measures the time: each card copied the set so far once."""
+    numbers = range(1001, 2001)
     nodes = "".join(f"1,{k},1.0,0.0,0.0\n" for k in numbers)
     cards = "".join(f"1,99,{k}\n" for k in numbers)
     text = changed(("NODE\n", f"NODE\n{nodes}"), ("TIME\n", f"NSET\n{cards}TIME\n"))
-    begun = process_time()
     assert build(text).bodies[0].sets[99] == tuple(numbers)
-    assert process_time() - begun < 6.0
 
 
 @pytest.mark.parametrize(
