@@ -1,11 +1,16 @@
 """What every test leaves as it found it."""
 
+import os
 import signal
 
 import pytest
 
 from flexmb_cli.run.outcome import Stop
 from flexmb_cli.run.processes.signal_mask import STOPS
+
+# A worker of pytest-xdist has begun to measure; what it starts would take the longer for it.
+if "PYTEST_XDIST_WORKER" in os.environ:
+    os.environ.pop("COVERAGE_PROCESS_CONFIG", None)
 
 
 @pytest.fixture(autouse=True)

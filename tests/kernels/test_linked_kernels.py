@@ -105,7 +105,7 @@ except IndexError:
 
 @pytest.mark.parametrize(("how", "place"), [("kernel", 2), ("part", -1)])
 def test_bounds_are_checked_in_what_a_kernel_calls_too(tmp_path, how, place):
-    """What the third pass of scripts/test rests on; kernels do not count from the end."""
+    """What the fourth pass of scripts/test rests on; kernels do not count from the end."""
     for _ in ("compiled", "loaded"):
         done = ran(tmp_path, BEYOND % (how, place), NUMBA_BOUNDSCHECK="1")
         assert done.stdout.strip() == "checked", done.stderr

@@ -102,7 +102,7 @@ def test_the_last_lines_of_ci_tell_what_was_skipped_and_why(checkout):
     with_packages(checkout, refused=99)
     code, reported, _ = run(checkout, ".ci/run", FLEXMB_CI_ATTEMPTS="2")
     assert code == 0
-    last = reported[-11:]
+    last = reported[-12:]
     why = "not installed, tried 2 times: E: Could not get lock"
     assert last[0] == f"scripts/test: calculix-ccx {why}"
     assert last[1] == f"scripts/test: chromium chromium-driver {why}"
@@ -110,14 +110,14 @@ def test_the_last_lines_of_ci_tell_what_was_skipped_and_why(checkout):
     assert last[3] == f"scripts/test: strace {why}"
     assert last[4:6] == ["scripts/test: skipped tests and why:", SKIPPED]
     assert last[6].startswith("scripts/test: ") and last[6].endswith("min on two quiet cores")
-    assert last[7:] == ["scripts/test: pytest closed its passes with", *[CLOSING] * 3]
+    assert last[7:] == ["scripts/test: pytest closed its passes with", *[CLOSING] * 4]
 
 
 def test_a_failing_pass_is_told_last_and_fails_ci(checkout):
     code, reported, _ = run(checkout, "scripts/test", ENDS="1")
     assert code == 1
-    assert "scripts/test: failed: 1. compiled" in reported[-8:]
-    assert reported[-3:] == [CLOSING] * 3
+    assert "scripts/test: failed: 1. physics, compiled" in reported[-10:]
+    assert reported[-4:] == [CLOSING] * 4
 
 
 def test_all_campaigns_run_and_one_that_finds_something_fails_the_script(checkout):
@@ -128,7 +128,7 @@ def test_all_campaigns_run_and_one_that_finds_something_fails_the_script(checkou
     code, reported, _ = run(checkout, "scripts/test", "--all")
     ran = (checkout / "campaigns").read_text()
     assert code == 1
-    assert reported[-4:] == ["scripts/test: pytest closed its passes with", *[CLOSING] * 3]
+    assert reported[-5:] == ["scripts/test: pytest closed its passes with", *[CLOSING] * 4]
     assert "scripts/test: failed: files of a megabyte" in reported
     wanted = (
         "inject_faults --seed",
