@@ -57,6 +57,8 @@ WORDS = {
     "FE-023": "…: no such file in …",
     "RESULT-021": "…: the result has no such quantity; …; flexmb table RESULT.h5 --list shows all",
     "RESULT-022": "/… cannot be read: …",
+    "RESULT-077": "numbers of the program YOUNG of 1996 with its known errors (--as-printed), not of the mechanism",
+    "RESULT-078": "the run is not complete, its rows end at t = … s: … / the run is not complete, it has no rows",
     "RUN-027": "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints; …",
     "SOLVE-044": "… is not used for compiled kernels: …",
     "SOLVE-045": "… is damaged: … / … cannot be read (…): …",

@@ -199,9 +199,13 @@ def shortfall(result: h5py.File) -> str:
     return f"the run is not complete, {end}" + (f": {message}" if message else "")
 
 
-def remarks(result: h5py.File) -> list[str]:
+def remarks(result: h5py.File) -> list[Fault]:
     """Return what a reader of any number must know: an emulation, a run that is not complete."""
-    return [text for text in (attribute(result, "emulation"), shortfall(result)) if text]
+    notes = (
+        Fault("note", attribute(result, "emulation"), id="RESULT-077"),
+        Fault("note", shortfall(result), id="RESULT-078"),
+    )
+    return [note for note in notes if note.message]
 
 
 def _elements(result: h5py.File, path: str, rows: slice, index: np.ndarray) -> np.ndarray:
