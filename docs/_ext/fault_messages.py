@@ -45,7 +45,7 @@ WORDS = {
     "CLI-002": "a fault of flexmb itself: …: …",
     "CLI-003": "No such option: … / Missing argument '…' / Missing option '…' / Invalid value for '…': …",
     "CLI-006": "nothing to draw: no rows in this window of time / it has no rows / the run is not …",
-    "DECK-001": f"… {NUMERAL} / must be text that can be printed; read … / must be …; Enter gives none here",
+    "DECK-001": "… must be …; read … / … must be …; Enter gives none here",
     "DECK-002": TAKEN_FOR,
     "DECK-016": f"--set …: … {NUMERAL}",
     "DECK-053": "cannot be read: …",
@@ -57,13 +57,16 @@ WORDS = {
     "FE-023": "…: no such file in …",
     "RESULT-021": "…: the result has no such quantity; …; flexmb table RESULT.h5 --list shows all",
     "RESULT-022": "/… cannot be read: …",
-    "RESULT-077": "numbers of the program YOUNG of 1996 with its known errors (--as-printed), not of the mechanism",
-    "RESULT-078": "the run is not complete, its rows end at t = … s: … / the run is not complete, it has no rows",
+    "RESULT-077": "numbers of the program YOUNG of 1996 with its known errors (--as-printed), "
+    "not of the mechanism",
+    "RESULT-078": "the run is not complete, its rows end at t = … s / "
+    "the run is not complete, it has no rows",
     "RUN-027": "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints; …",
     "SOLVE-044": "… is not used for compiled kernels: …",
     "SOLVE-045": "… is damaged: … / … cannot be read (…): …",
     "SOLVE-059": "at t = … s the motion passes a singular position… / close to a singular position… / "
     "near t = … s the motion passes a singular position of … (…), where it could branch; it goes on smoothly",
+    "STUDY-011": "not TOML: …",
     "STUDY-014": "the deck has no number …; …",
     "STUDY-016": "…: the result has no such quantity; …",
     "VSDF-016": "no row stands at the end … s: the last within whole steps is at … s",
@@ -73,6 +76,8 @@ WORDS = {
     "YOUNG-020": f"… {NUMERAL}",
     "YOUNG-021": TAKEN_FOR,
     "YOUNG-025": "…: … coordinates, … equations, … too many / too few",
+    "YOUNG-031": "… numbers are expected (… … …), … is no number of this table… / "
+    "… numbers are expected (… … …), … are there…",
     "YOUNG-056": f"… {NUMERAL}",
     "YOUNG-057": TAKEN_FOR,
     "YOUNG-162": f"… {NUMERAL}",

@@ -24,7 +24,7 @@ from fault_calls import (
 )
 
 MESSAGE_NAMES = ("message", "what", "reported")  # of functions that hand `id` on
-FEW_LETTERS = 9  # with no more of them, a message says what its parts hold
+FEW_LETTERS = 8  # with no more of them, a message says what its parts hold
 MOST_ALTERNATIVES = 8
 DEEPEST = 12  # functions that call each other
 VARIES = "…"
@@ -47,9 +47,13 @@ class Scope:
 def words(site: Site) -> str:
     """Return the message of a site, with … for what depends on the input."""
     plain = _said(site, deep=False)
-    if sum(map(str.isalpha, plain)) > FEW_LETTERS:
+    if _says_something(plain):
         return plain
     return _said(site, deep=True)
+
+
+def _says_something(text: str) -> bool:
+    return sum(map(str.isalpha, text)) > FEW_LETTERS
 
 
 def _said(site: Site, deep: bool) -> str:
@@ -156,7 +160,7 @@ def _part(part: ast.AST, scope: Scope) -> str:
 
 
 def _alternatives(texts: list[str]) -> str:
-    distinct = list(dict.fromkeys(text for text in texts if text.strip() and text != VARIES))
+    distinct = list(dict.fromkeys(text for text in texts if text.strip()))
     return " / ".join(distinct) if 0 < len(distinct) <= MOST_ALTERNATIVES else VARIES
 
 
@@ -185,7 +189,8 @@ def _called(call: ast.Call, scope: Scope) -> str:
     name = ast.unparse(call.func)
     if name == "no_such":
         what = text_of(call.args[0], scope)
-        return f"{what} number … is outside … / is not there: the deck has none"
+        none = f"is not there: the deck has no {what}; add one, or remove this card"
+        return f"{what} number … is outside … / {what} number … {none}"
     if isinstance(call.func, ast.Attribute) and call.func.attr == "format":
         return re.sub(r"\{[^}]*\}", VARIES, text_of(call.func.value, scope))
     if isinstance(call.func, ast.Name) or name.startswith("self."):
@@ -203,7 +208,7 @@ def _returned(name: str, scope: Scope, call: ast.Call | None = None) -> str:
     if not found:
         return VARIES
     function = found[0]
-    known = _arguments(call, function, replace(scope, deep=True)) if call else {}
+    known = _arguments(call, function, scope) if call else {}
     returns = [node for node in ast.walk(function) if isinstance(node, ast.Return) and node.value]
     inside = [Scope(path, function, node.lineno, known, scope.deep, scope.depth) for node in returns]
     return _alternatives([text_of(node.value, each) for node, each in zip(returns, inside, strict=True)])
@@ -217,4 +222,5 @@ def _of_callers(name: str, scope: Scope) -> str:
     for path, node in calls_by_name().get(function.name, ()):
         outside = Scope(path, around(path, node.lineno), node.lineno, {}, True, scope.depth + 3)
         texts.append(_arguments(node, function, outside).get(name, VARIES))
-    return _alternatives(texts)
+    # A name, a number or a file says nothing of the message.
+    return _alternatives(texts) if any(map(_says_something, texts)) else VARIES

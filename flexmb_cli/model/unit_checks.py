@@ -110,14 +110,14 @@ def unit_warnings(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Faul
 def _of_body(body: Extent) -> "Iterator[Fault]":
     if body.mass == 0.0 and body.inertia == 0.0:
         message = "has neither mass nor inertia: only what it is joined to can carry it"
-        yield Fault("note", message, body.place, body.name, id="MODEL-020")
+        yield Fault("note", message, body.place, body.name, id="MODEL-010")
     if body.radius and body.size and _is_doubtful(body):
         message = (
             f"mass {body.mass:.4g} kg and inertia {body.inertia:.4g} kg m² make a radius of gyration of "
             f"{body.radius:.3g} m, joints are up to {body.size:.3g} m from the mass centre: "
             "are all in SI units?"
         )
-        yield Fault("note", message, body.place, body.name, id="MODEL-010")
+        yield Fault("note", message, body.place, body.name, id="MODEL-020")
     elif body.density < HOLLOW:
         message = (
             f"mass {body.mass:.4g} kg and inertia {body.inertia:.4g} kg m² are those of an ellipsoid of "
