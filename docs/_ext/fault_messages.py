@@ -45,6 +45,12 @@ WORDS = {
     "CLI-002": "a fault of flexmb itself: …: …",
     "CLI-003": "No such option: … / Missing argument '…' / Missing option '…' / Invalid value for '…': …",
     "CLI-006": "nothing to draw: no rows in this window of time / it has no rows / the run is not …",
+    "CLI-031": "…: a curve needs one parameter that varies, these do: …; take --kind scatter / "
+    "…: a map needs two parameters with every pair of values solved; take --kind scatter",
+    "CLI-034": "--width: letters of … points leave no room for curves in … mm: choose a wider picture, "
+    "smaller letters or fewer curves",
+    "CLI-035": "--style …: text.usetex starts LaTeX, another program: give --latex, too / "
+    "--style …: no such file, and no style of matplotlib, such as …, has this name",
     "DECK-001": "… must be …; read … / … must be …; Enter gives none here",
     "DECK-002": TAKEN_FOR,
     "DECK-016": f"--set …: … {NUMERAL}",
@@ -64,8 +70,8 @@ WORDS = {
     "RUN-027": "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints; …",
     "SOLVE-044": "… is not used for compiled kernels: …",
     "SOLVE-045": "… is damaged: … / … cannot be read (…): …",
-    "SOLVE-059": "at t = … s the motion passes a singular position… / close to a singular position… / "
-    "near t = … s the motion passes a singular position of … (…), where it could branch; it goes on smoothly",
+    "SOLVE-059": "at t = … s the motion passes a singular position… / close to a singular position… / near t = "
+    "… s the motion passes a singular position of … (…), where it could branch; it continues smoothly",
     "STUDY-011": "not TOML: …",
     "STUDY-014": "the deck has no number …; …",
     "STUDY-016": "…: the result has no such quantity; …",

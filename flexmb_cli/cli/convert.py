@@ -9,6 +9,7 @@ from ..dialects.recognise import every_dialect
 from .options.completion import files
 from .terminal.notices import Notices
 from .terminal.written_place import WrittenPlace
+from .terminal.wrong_call import WrongCall
 
 PROGRAMS = {"mjcf": ".xml", "exudyn": ".py"}
 DECKS = {each.name: each for each in every_dialect() if each.rigid_deck}
@@ -78,7 +79,7 @@ def _check_units(form: str, unit: str, to_unit: str) -> None:
         reported = (
             f"--unit is for conversion between decks: convert the deck to SI units first, then to {form}"
         )
-        raise click.UsageError(reported)
+        raise WrongCall(reported, id="CLI-016")
     if to_unit != "m" and not (form in DECKS and DECKS[form].any_units):
         free = ", ".join(name for name, each in DECKS.items() if each.any_units)
-        raise click.UsageError(f"--to-unit is for --to {free}; {form} is in SI units")
+        raise WrongCall(f"--to-unit is for --to {free}; {form} is in SI units", id="CLI-017")

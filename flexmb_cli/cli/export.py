@@ -8,6 +8,7 @@ import click
 from .options.completion import files
 from .terminal.notices import Notices
 from .terminal.written_place import WrittenPlace
+from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
     import h5py
@@ -70,7 +71,9 @@ def _export_study(path: str, form: str, output: str) -> "list[Fault]":
     from .options.output_file import STANDARD_OUTPUT
 
     if form == "vtkhdf":
-        raise click.UsageError(f"{path} is the table of a study, which has no motion to show: csv or mat")
+        raise WrongCall(
+            f"{path} is the table of a study, which has no motion to show: csv or mat", id="CLI-023"
+        )
     with open_study(path) as file:
         if form == "mat":
             write_whole(output, matlab_bytes(file))

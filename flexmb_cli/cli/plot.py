@@ -11,6 +11,7 @@ from .options.completion import files, quantities
 from .options.finite import AnyFinite, Millimetres
 from .terminal.notices import Notices
 from .terminal.written_place import WrittenPlace
+from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -88,19 +89,21 @@ def plot(
     refuse_standard_output(output, "a picture")
     form = Path(output).suffix[1:].lower()
     if form not in FORMATS:
-        raise click.UsageError(f"{output}: pictures are written as .png, .svg or .pdf files")
+        raise WrongCall(f"{output}: pictures are written as .png, .svg or .pdf files", id="CLI-028")
     needed("matplotlib", "matplotlib", "plot", "flexmb plot")
     notices = Notices("result", result, quiet, as_json)
     if is_study(result):
         if others or across != "time" or start is not None or stop is not None or every > 1:
-            raise click.UsageError("the table of a study has no times: --with, --x, --from, --to and --every")
+            raise WrongCall(
+                "the table of a study has no times: --with, --x, --from, --to and --every", id="CLI-029"
+            )
         refuse_inputs(output, [result])
         with notices.failures():
             _plot_study(notices, names, output, kind, title, width, print_options)
         notices.end(file=output)
         return
     if kind != "auto":
-        raise click.UsageError(f"--kind {kind} is for tables of studies, and {result} is none")
+        raise WrongCall(f"--kind {kind} is for tables of studies, and {result} is none", id="CLI-030")
     paths = (result, *others)
     refuse_inputs(output, paths)
     with notices.failures():
@@ -176,7 +179,7 @@ def _plot_study(
         try:
             content = _drawn(study_picture, (cases, kind, form, title), width, print_options, notices)
         except UnsuitedStudy as fault:
-            raise click.UsageError(f"{path}: {fault}") from fault
+            raise WrongCall(f"{path}: {fault}", id="CLI-031") from fault
         what = f"{kind} of {', '.join(cases.results)}"
     write_whole(output, content)
     left_out = f"; {cases.failed} failed cases are left out" if cases.failed else ""
@@ -195,10 +198,10 @@ def _drawn(
 
     given = [f"--{name.replace('_', '-')}" for name in ("font", "style", "latex") if options[name]]
     if given and not width:
-        raise click.UsageError(f"{', '.join(given)}: for pictures of print; give --width, too")
+        raise WrongCall(f"{', '.join(given)}: for pictures of print; give --width, too", id="CLI-032")
     if "://" in options["style"]:
-        raise click.UsageError(
-            f"--style {options['style']}: a file wanted; nothing is fetched from a network"
+        raise WrongCall(
+            f"--style {options['style']}: a file wanted; nothing is fetched from a network", id="CLI-033"
         )
     look = None
     try:
@@ -206,11 +209,11 @@ def _drawn(
             look = Look(width, *(options[name] for name in ("font", "font_size", "style", "latex")))
         return draw(*arguments, look, lambda family: notices.add([_unknown_font(look, family)], "flexmb"))
     except ValueError as error:
-        raise click.UsageError(f"--width: {error}") from None
+        raise WrongCall(f"--width: {error}", id="CLI-034") from None
     except OSError as error:
-        raise click.UsageError(f"--style {options['style']}: {error}") from None
+        raise WrongCall(f"--style {options['style']}: {error}", id="CLI-035") from None
     except (RuntimeError, FileNotFoundError) as error:
-        raise click.UsageError(f"--latex: LaTeX cannot be run: {str(error).splitlines()[0]}") from None
+        raise WrongCall(f"--latex: LaTeX cannot be run: {str(error).splitlines()[0]}", id="CLI-036") from None
 
 
 def _unknown_font(look: "Look | None", family: str) -> Fault:
@@ -236,7 +239,9 @@ def _source(
     abscissa = resolve(file, [across], path, "--x ")
     if len(abscissa) != 1:
         few = ", ".join(quantity.name for quantity in abscissa[:4])
-        raise click.UsageError(f"--x {across} means {len(abscissa)} quantities ({few} …); name one of them")
+        raise WrongCall(
+            f"--x {across} means {len(abscissa)} quantities ({few} …); name one of them", id="CLI-037"
+        )
     chosen = DefaultCurves(resolve(file, names, path), []) if names else default_curves(file)
     quantities = [quantity for quantity in chosen.quantities if quantity.name != abscissa[0].name]
     rows = chosen_rows(file, *window)

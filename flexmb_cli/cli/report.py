@@ -10,6 +10,7 @@ from .options.finite import AnyFinite
 from .options.interval import Interval
 from .terminal.notices import Notices
 from .terminal.written_place import WrittenPlace
+from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
     from ..results.figures.body_look import BodyLook
@@ -93,7 +94,7 @@ def _refuse_options(names: tuple[str, ...], why: str) -> None:
         if context.get_parameter_source(parameters.get(name, name)) == click.core.ParameterSource.COMMANDLINE
     ]
     if given:
-        raise click.UsageError(f"{', '.join(given)}: {why}")
+        raise WrongCall(f"{', '.join(given)}: {why}", id="CLI-038")
 
 
 def _body_look(looks: dict[str, Any]) -> "BodyLook":
@@ -101,9 +102,9 @@ def _body_look(looks: dict[str, Any]) -> "BodyLook":
 
     colours, ends = looks["colours"], looks["ends"]
     if colours not in COLOURS:
-        raise click.UsageError(f"--colours {colours}: wanted is one of: {', '.join(COLOURS)}")
+        raise WrongCall(f"--colours {colours}: wanted is one of: {', '.join(COLOURS)}", id="CLI-039")
     if ends and colours == OWN_COLOURS:
-        raise click.UsageError("--range: bodies that have a colour each show no values")
+        raise WrongCall("--range: bodies that have a colour each show no values", id="CLI-040")
     return BodyLook(colours, ends, looks["scale"])
 
 
@@ -124,13 +125,13 @@ def _write_film(notices: Notices, target: Any, page: Any, looks: Any, bodies: "B
     refuse_standard_output(target, "a film", "--movie")
     form = Path(target).suffix[1:].lower()
     if form not in FORMATS:
-        raise click.UsageError(f"{target}: films are written as .mp4 or .gif files")
+        raise WrongCall(f"{target}: films are written as .mp4 or .gif files", id="CLI-041")
     if page:
-        raise click.UsageError("--movie writes a film in place of the page; leave out -o")
+        raise WrongCall("--movie writes a film in place of the page; leave out -o", id="CLI-042")
     look = _film_look(looks, bodies, form)
     _need_film_libraries(form)
     if is_study(path):
-        raise click.UsageError(f"{path} is the table of a study, which has no motion")
+        raise WrongCall(f"{path} is the table of a study, which has no motion", id="CLI-043")
     refuse_inputs(target, [path])
     with notices.failures():
         with open_result(path) as file:
@@ -153,7 +154,9 @@ def _film_look(looks: dict[str, Any], bodies: "BodyLook", form: str) -> "FilmLoo
     found = re.fullmatch(r"([0-9]{2,4})x([0-9]{2,4})", looks["size"])
     width, height = map(int, found.groups()) if found else (0, 0)
     if not (64 <= width <= 4096 and 64 <= height <= 4096):
-        raise click.UsageError(f"--size {looks['size']}: two numbers from 64 to 4096 wanted, such as 960x540")
+        raise WrongCall(
+            f"--size {looks['size']}: two numbers from 64 to 4096 wanted, such as 960x540", id="CLI-044"
+        )
     rate = min(looks["fps"], MOST_OF_GIFS) if form == "gif" else looks["fps"]
     # Video has whole blocks of two pixels.
     return FilmLook(width - width % 2, height - height % 2, rate, looks["view"], bodies)

@@ -11,6 +11,7 @@ from .options.completion import files, quantities
 from .options.finite import AnyFinite
 from .terminal.notices import Notices
 from .terminal.screen import show, terminal_width
+from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -68,23 +69,28 @@ def table(
     from ..results.hdf5.stored_result import is_study
 
     if number and (listing or style or is_study(result)):
-        raise click.UsageError(
-            "--as-table prints cards of a run: it goes with neither --list, --format nor a study"
+        raise WrongCall(
+            "--as-table prints cards of a run: it goes with neither --list, --format nor a study",
+            id="CLI-055",
         )
     if as_json and (style or number):
-        raise click.UsageError("--json has rows of its own: it goes with neither --format nor --as-table")
+        raise WrongCall(
+            "--json has rows of its own: it goes with neither --format nor --as-table", id="CLI-056"
+        )
     notices = Notices("result", result, quiet, as_json)
     printed = _Printed("jsonl" if as_json else style, as_json)
     if is_study(result):
         if start is not None or stop is not None:
-            message = "is the table of a study, a row a case: it has no times for --from and --to"
-            raise click.UsageError(f"{result} {message}")
+            message = f"{result} is the table of a study, a row a case: it has no times for --from and --to"
+            raise WrongCall(message, id="CLI-057")
         with notices.failures():
             _print_study(result, names, listing, every, printed, notices)
         notices.end(rows=printed.rows)
         return
     if listing and (start is not None or stop is not None or every > 1):
-        raise click.UsageError("--list shows names, not rows: --from, --to and --every do not go with it")
+        raise WrongCall(
+            "--list shows names, not rows: --from, --to and --every do not go with it", id="CLI-058"
+        )
     with notices.failures():
         _print_result(result, names, listing, (start, stop, every), number, printed, notices)
     notices.end(rows=printed.rows)
@@ -134,7 +140,9 @@ def _print_result(
 
     with open_result(result) as file:
         if not names and not listing:
-            raise click.UsageError(f"name at least one quantity; flexmb table {result} --list shows them all")
+            raise WrongCall(
+                f"name at least one quantity; flexmb table {result} --list shows them all", id="CLI-059"
+            )
         quantities = resolve(file, names, result) if names else all_names(file)
         if listing:
             notices.add(_settings_notes(settings_of(file)))

@@ -1,4 +1,4 @@
-"""What a command says of the one file that it reads: words on standard error, and an object of `--json`."""
+"""Notes of a command on the one file that it reads: words on standard error, and an object of `--json`."""
 
 import json
 from contextlib import contextmanager
@@ -9,13 +9,14 @@ import click
 from ...errors import DONE, Fault
 from .json_faults import faults_in_json
 from .screen import notify
+from .wrong_call import WrongCall
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
 
 class Notices:
-    """Notes on a file, in words unless `quiet`; with `as_json` one object on standard output at the end.
+    """Collected notes on a file, in words unless `quiet`; with `as_json` one object at the end.
 
     `role` is the key of the file in the object: "deck" or "result".
     """
@@ -34,7 +35,7 @@ class Notices:
     def refuse_standard_output(self, output: str) -> None:
         """Raise UsageError where the object and what is written would both go to standard output."""
         if self.as_json and output == "-":
-            raise click.UsageError("-o - and --json both take standard output; give -o a file")
+            raise WrongCall("-o - and --json both take standard output; give -o a file", id="CLI-060")
 
     def add(self, faults: "Iterable[Fault]", file: str = "") -> None:
         """Print notes, of the file that is read if no other is named, and keep them for the object."""
