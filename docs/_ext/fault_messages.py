@@ -70,8 +70,9 @@ WORDS = {
     "RUN-027": "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints; …",
     "SOLVE-044": "… is not used for compiled kernels: …",
     "SOLVE-045": "… is damaged: … / … cannot be read (…): …",
-    "SOLVE-059": "at t = … s the motion passes a singular position… / close to a singular position… / near t = "
-    "… s the motion passes a singular position of … (…), where it could branch; it continues smoothly",
+    "SOLVE-059": "at t = … s the motion passes a singular position… / close to a singular position… / "
+    "near t = … s the motion passes a singular position of … (…), where it could branch; "
+    "it continues smoothly",
     "STUDY-011": "not TOML: …",
     "STUDY-014": "the deck has no number …; …",
     "STUDY-016": "…: the result has no such quantity; …",
