@@ -3,20 +3,14 @@
 python docs/_ext/fault_messages.py
 """
 
-import ast
 from collections import Counter
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-TOP = Path(__file__).resolve().parents[2]
-PACKAGE = TOP / "flexmb_cli"
+from fault_calls import TOP, identifier, sites
+from fault_words import words
+
 PAGE = TOP / "docs" / "reference" / "messages.md"
-# What makes a fault, and which of its arguments is the message.
-MAKERS = {
-    "Fault": 1, "error": 1, "warn": 1, "note": 1, "OutputError": 0, "UnsafePlace": 0, "ResultError": 1,
-    "ToleranceError": 0, "ClusterError": 0, "WorkersError": 0, "MissingExtra": 0, "FEFileFault": 0,
-}  # fmt: skip
 # Identifiers of faults that are no longer reported, and what took their place; none is given again.
 RETIRED = {
     "DECK-015": "", "DECK-017": "", "RUN-011": "", "RUN-029": "", "RUN-032": "", "RUN-033": "",
@@ -28,15 +22,80 @@ RETIRED = {
     "YOUNG-120": "ELEMENTS-002", "YOUNG-124": "ELEMENTS-007", "YOUNG-125": "ELEMENTS-008",
     "YOUNG-126": "ELEMENTS-009", "YOUNG-127": "ELEMENTS-010", "YOUNG-128": "ELEMENTS-006",
     "YOUNG-129": "ELEMENTS-011", "YOUNG-153": "", "YOUNG-154": "",
+    # Each of these stood for many messages, which have identifiers of their own now.
+    "DAFMS-030": "DAFMS-001 to DAFMS-003", "DAFMS-150": "DAFMS-173, DAFMS-182 to DAFMS-184, DAFMS-189",
+    "DAFMS-151": "DAFMS-174 to DAFMS-181, MODEL-017", "DIFF-012": "DIFF-011, DIFF-036",
+    "FE-008": "FE-058, FE-073, FE-074", "FE-029": "FE-087 to FE-132",
+    "RESULT-025": "RESULT-053 to RESULT-056, RESULT-067 to RESULT-075",
+    "RESULT-026": "RESULT-057 to RESULT-063",
+    "SOLVE-023": "SOLVE-046 to SOLVE-059", "SOLVE-024": "SOLVE-046 to SOLVE-059",
+    "STUDY-013": "STUDY-033 to STUDY-053", "VSDF-150": "VSDF-170 to VSDF-178",
+    "VSDF-151": "VSDF-179 to VSDF-181, MODEL-018, MODEL-019",
+    "YOUNG-151": "YOUNG-163, YOUNG-166 to YOUNG-168, MODEL-018, MODEL-019",
+    "YOUNG-152": "YOUNG-164, YOUNG-165",
 }  # fmt: skip
+# How every reader refuses a word that is no number (`deck/number.py`), and what it warns of.
+NUMERAL = (
+    "must be a number; read … / must be an integer; read … / must be a number of at most 1.8e308 in size; "
+    "read … / must be 0 or at least 5e-324 in size; read … / must be an integer of at most 15 digits; read …"
+)
+TAKEN_FOR = "…: … is taken for …; write the exponent with e / … should be an integer; … is taken for …"
+# Messages whose words come from elsewhere: an exception, a library, the file at fault.
+WORDS = {
+    "CLI-002": "a fault of flexmb itself: …: …",
+    "CLI-003": "No such option: … / Missing argument '…' / Missing option '…' / Invalid value for '…': …",
+    "CLI-006": "nothing to draw: no rows in this window of time / it has no rows / the run is not …",
+    "CLI-031": "…: a curve needs one parameter that varies, these do: …; take --kind scatter / "
+    "…: a map needs two parameters with every pair of values solved; take --kind scatter",
+    "CLI-034": "--width: letters of … points leave no room for curves in … mm: choose a wider picture, "
+    "smaller letters or fewer curves",
+    "CLI-035": "--style …: text.usetex starts LaTeX, another program: give --latex, too / "
+    "--style …: no such file, and no style of matplotlib, such as …, has this name",
+    "DECK-001": "… must be …; read … / … must be …; Enter gives none here",
+    "DECK-002": TAKEN_FOR,
+    "DECK-016": f"--set …: … {NUMERAL}",
+    "DECK-053": "cannot be read: …",
+    "DECK-057": "--set …: write NAME=VALUE, such as time.end=2.5",
+    "DECK-058": "--set …: the deck has no number …; …",
+    "DECK-059": "--set …: a count cannot be set: the deck's layout hangs on it",
+    "DIFF-016": "line …: could not convert string to float: …",
+    "DIFF-030": "written by flexmb … in the layout …; this flexmb reads layouts up to …",
+    "FE-023": "…: no such file in …",
+    "RESULT-021": "…: the result has no such quantity; …; flexmb table RESULT.h5 --list shows all",
+    "RESULT-022": "/… cannot be read: …",
+    "RESULT-077": "numbers of the program YOUNG of 1996 with its known errors (--as-printed), "
+    "not of the mechanism",
+    "RESULT-078": "the run is not complete, its rows end at t = … s / "
+    "the run is not complete, it has no rows",
+    "RUN-027": "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints; …",
+    "SOLVE-044": "… is not used for compiled kernels: …",
+    "SOLVE-045": "… is damaged: … / … cannot be read (…): …",
+    "SOLVE-059": "at t = … s the motion passes a singular position… / close to a singular position… / "
+    "near t = … s the motion passes a singular position of … (…), where it could branch; "
+    "it continues smoothly",
+    "STUDY-011": "not TOML: …",
+    "STUDY-014": "the deck has no number …; …",
+    "STUDY-016": "…: the result has no such quantity; …",
+    "VSDF-016": "no row stands at the end … s: the last within whole steps is at … s",
+    "VSDF-040": f"each number / of the nodes {NUMERAL}",
+    "VSDF-081": f"… in columns … / in field … {NUMERAL}",
+    "VSDF-082": TAKEN_FOR,
+    "YOUNG-020": f"… {NUMERAL}",
+    "YOUNG-021": TAKEN_FOR,
+    "YOUNG-025": "…: … coordinates, … equations, … too many / too few",
+    "YOUNG-031": "… numbers are expected (… … …), … is no number of this table… / "
+    "… numbers are expected (… … …), … are there…",
+    "YOUNG-056": f"… {NUMERAL}",
+    "YOUNG-057": TAKEN_FOR,
+    "YOUNG-162": f"… {NUMERAL}",
+}
 HEAD = """# Messages
 
 Every message has an identifier that stays the same when its words change: with `--json` it is the key `id`
 of a fault. An identifier that is no longer used is not given to another message. `…` stands for what depends
-on the input. Where it is all that stands there, and the file is named, several messages of that file share
-the identifier, such as all faults of a study's keys (STUDY-013) or of the fields of a DAFMS card (DECK-005).
-An error may end with the numbers changed by `--set`. `python docs/_ext/fault_messages.py` makes this page; a
-test compares it with the program.
+on the input, and ` / ` between words of which a message has one or the other. An error may end with the
+numbers changed by `--set`. `python docs/_ext/fault_messages.py` makes this page; tests compare it with
+the program.
 
 | identifier | message |
 |---|---|
@@ -49,40 +108,9 @@ TAIL = """
 """
 
 
-@cache
-def makers() -> tuple[tuple[Path, ast.Call, ast.AST], ...]:
-    """Return every call that makes a fault: its file, the call, the function around it."""
-    return tuple(each for path in sorted(PACKAGE.rglob("*.py")) for each in _makers_of(path))
-
-
-def _makers_of(path: Path) -> Iterator[tuple[Path, ast.Call, ast.AST]]:
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    nodes = list(ast.walk(tree))
-    functions = [node for node in nodes if isinstance(node, ast.FunctionDef)]
-    for node in nodes:
-        if isinstance(node, ast.Call) and _maker(node):
-            around = [f for f in functions if f.lineno <= node.lineno <= f.end_lineno]
-            yield path, node, max(around, key=lambda f: f.lineno, default=tree)
-
-
-def _maker(call):
-    if isinstance(call.func, ast.Name):
-        name = call.func.id
-        return name if name in MAKERS and name not in ("error", "warn", "note") else None
-    if isinstance(call.func, ast.Attribute) and call.func.attr in ("error", "warn", "note"):
-        return call.func.attr if ast.unparse(call.func.value).endswith("findings") else None
-    return None
-
-
-def identifier(call: ast.Call) -> str | None:
-    """Return the identifier that a call gives, None without one; what another fault carries is ""."""
-    given = next((word.value for word in call.keywords if word.arg == "id"), None)
-    return given.value if isinstance(given, ast.Constant) else None if given is None else ""
-
-
 def proposal(path: Path) -> str:
     """Return the next free identifier for a fault in a file, of the area of the faults nearest to it."""
-    given = [(file, name) for file, call, _ in makers() if (name := identifier(call))]
+    given = [(site.path, name) for site in sites() if (name := identifier(site))]
     for place in (path, *path.parents):
         areas = Counter(name.partition("-")[0] for file, name in given if file.is_relative_to(place))
         if areas:
@@ -92,50 +120,40 @@ def proposal(path: Path) -> str:
     raise ValueError(f"{path} is in no folder with faults")
 
 
-def words(call: ast.Call, around: ast.AST) -> str:
-    """Return the message of a call, with … for what depends on the input."""
-    place = MAKERS[_maker(call)]
-    node = call.args[place] if len(call.args) > place else None
-    if isinstance(node, ast.Name):
-        before = [
-            each
-            for each in ast.walk(around)
-            if isinstance(each, ast.Assign)
-            and each.lineno <= call.lineno
-            and any(isinstance(target, ast.Name) and target.id == node.id for target in each.targets)
-        ]
-        node = max(before, key=lambda each: each.lineno).value if before else node
-    return " ".join(_text(node).split()) or "…"
-
-
-def _text(node):
-    if isinstance(node, ast.Constant):
-        return str(node.value)
-    if isinstance(node, ast.JoinedStr):
-        return "".join(_text(part) for part in node.values)
-    if isinstance(node, ast.BinOp):
-        return _text(node.left) + _text(node.right)
-    if isinstance(node, ast.Call) and ast.unparse(node.func) == "no_such":
-        return f"{_text(node.args[0])} number … is outside … / is not there: the deck has none"
-    if isinstance(node, ast.IfExp):
-        return f"{_text(node.body)} / {_text(node.orelse)}"
-    return "…"
-
-
-def _row(path: Path, call: ast.Call, around: ast.AST) -> str:
-    """Return the words, and the file where none of them is known."""
-    text = words(call, around)
-    known = any(letter.isalpha() for letter in text)
-    return text if known else f"{text} (from `{path.relative_to(PACKAGE).as_posix()}`)"
+@cache
+def messages() -> dict[str, list[str]]:
+    """Return the different texts of every identifier."""
+    found: dict[str, list[str]] = {}
+    for site in sites():
+        name = identifier(site)
+        if name:
+            texts = found.setdefault(name, [])
+            texts += [text for text in (WORDS.get(name) or words(site),) if text not in texts]
+    return found
 
 
 def page() -> str:
     """Return the text of the page."""
-    found = {identifier(call): _row(*each) for each in makers() if identifier(call := each[1])}
-    rows = (f"| {name} | {text.replace('|', chr(92) + '|')} |\n" for name, text in sorted(found.items()))
+    rows = (
+        f"| {name} | {' / '.join(texts).replace('|', chr(92) + '|')} |\n"
+        for name, texts in sorted(messages().items())
+    )
     gone = (f"| {name} | {successor} |\n" for name, successor in sorted(RETIRED.items()))
     return HEAD + "".join(rows) + TAIL + "".join(gone)
 
 
+def listed(text: str) -> set[str]:
+    """Return the identifiers that a text of the page lists, used or not."""
+    return {line.split(" ")[1] for line in text.splitlines() if line.startswith("| ") and "-" in line}
+
+
+def write(path: Path = PAGE) -> None:
+    """Write the page anew; refused if an identifier of the page that is there would be lost."""
+    lost = listed(path.read_text(encoding="utf-8")) - listed(page()) if path.exists() else set()
+    if lost:
+        raise SystemExit(f"enter in RETIRED what is no longer reported: {', '.join(sorted(lost))}")
+    path.write_text(page(), encoding="utf-8")
+
+
 if __name__ == "__main__":
-    PAGE.write_text(page(), encoding="utf-8")
+    write()

@@ -28,6 +28,7 @@ from ..memory import LACK_OF_MEMORY, lack_of_memory_text, lacks_memory
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
 from .options.exit_codes import epilog
 from .terminal.stops import ignore_stops, pass_over_stops
+from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -92,13 +93,13 @@ class Group(click.Group):
                 message = (
                     f"{fault.option_name} belongs behind the command: flexmb {name} {fault.option_name} ..."
                 )
-                raise click.UsageError(message, ctx) from None
+                raise WrongCall(message, ctx, id="CLI-014") from None
             raise
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         """Return the command that the arguments name; a deck in its place is a slip."""
         if args[0] not in self.commands and os.path.exists(args[0]):
-            raise click.UsageError(f"{args[0]} is a file, not a command: flexmb run {args[0]}", ctx)
+            raise WrongCall(f"{args[0]} is a file, not a command: flexmb run {args[0]}", ctx, id="CLI-015")
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -239,7 +240,9 @@ def _refuse_usage(fault: Any) -> None:
         click.echo(lines_visible(f"{context.get_usage()}\n{help_line}\n"), err=True)
     said = fault.format_message()
     click.echo(f"flexmb: error: {lines_visible(said)}", err=True)
-    _print_json(BAD_INPUT, Fault("error", " ".join(said.split()), id="CLI-003"))
+    words = " ".join(said.split())
+    own = isinstance(fault, WrongCall)
+    _print_json(BAD_INPUT, Fault("error", words, id=fault.id) if own else Fault("error", words, id="CLI-003"))
 
 
 def _print_json(exit_code: int, *faults: Any, file: Any = None) -> None:

@@ -7,8 +7,9 @@ import click
 
 from ..dialects.recognise import every_dialect
 from .options.completion import files
-from .terminal.screen import notify
+from .terminal.notices import Notices
 from .terminal.written_place import WrittenPlace
+from .terminal.wrong_call import WrongCall
 
 PROGRAMS = {"mjcf": ".xml", "exudyn": ".py"}
 DECKS = {each.name: each for each in every_dialect() if each.rigid_deck}
@@ -29,9 +30,17 @@ UNITS = ("m", "mm", "mm-kg", "cm", "in")
               help="Units of DECK: m (kg), mm (t), mm-kg, cm (g), in (lbf).  [default: m]")  # fmt: skip
 @click.option("--to-unit", type=click.Choice(UNITS), default="m",
               help="Units of the new deck, where its dialect prescribes none.  [default: m]")  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 def convert(
-    deck: str, form: str, output: str, changes: "tuple[Any, ...]", unit: str, to_unit: str, quiet: bool
+    deck: str,
+    form: str,
+    output: str,
+    changes: "tuple[Any, ...]",
+    unit: str,
+    to_unit: str,
+    as_json: bool,
+    quiet: bool,
 ) -> None:
     """Write the model of DECK for another program or dialect.
 
@@ -51,14 +60,17 @@ def convert(
     stem = "flexmb" if deck == "-" else PurePath(deck).stem
     output = output or f"{stem}{SUFFIX[form]}"
     refuse_inputs(output, [deck])
+    notices = Notices("deck", deck, quiet, as_json)
+    notices.refuse_standard_output(output)
     _check_units(form, unit, to_unit)
-    text = converted(deck, form, changes, unit, to_unit)
-    if output == STANDARD_OUTPUT:
-        click.echo(text, nl=False)
-    else:
-        write_whole(output, text.encode("utf-8"))
-    if not quiet:
-        notify(f"{deck} → {reported(output)}")
+    with notices.failures():
+        text = converted(deck, form, changes, unit, to_unit)
+        if output == STANDARD_OUTPUT:
+            click.echo(text, nl=False)
+        else:
+            write_whole(output, text.encode("utf-8"))
+    notices.say(f"{deck} → {reported(output)}")
+    notices.end(file=output)
 
 
 def _check_units(form: str, unit: str, to_unit: str) -> None:
@@ -67,7 +79,7 @@ def _check_units(form: str, unit: str, to_unit: str) -> None:
         reported = (
             f"--unit is for conversion between decks: convert the deck to SI units first, then to {form}"
         )
-        raise click.UsageError(reported)
+        raise WrongCall(reported, id="CLI-016")
     if to_unit != "m" and not (form in DECKS and DECKS[form].any_units):
         free = ", ".join(name for name, each in DECKS.items() if each.any_units)
-        raise click.UsageError(f"--to-unit is for --to {free}; {form} is in SI units")
+        raise WrongCall(f"--to-unit is for --to {free}; {form} is in SI units", id="CLI-017")

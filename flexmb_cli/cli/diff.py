@@ -13,6 +13,7 @@ from .options.finite import Finite
 from .terminal.json_faults import faults_in_json
 from .terminal.screen import notify, show
 from .terminal.written_place import WrittenPlace
+from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
     from ..results.diff.folders import Compared, Pair, Summary
@@ -62,9 +63,9 @@ def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: 
     from ..results.diff.folders import Summary, are_same, is_many
 
     if options["deck"] and not options["explain"]:
-        raise click.UsageError("--deck goes with --explain")
+        raise WrongCall("--deck goes with --explain", id="CLI-018")
     if update and "-" in (a, b):
-        raise click.UsageError("--update copies files; standard input is none")
+        raise WrongCall("--update copies files; standard input is none", id="CLI-019")
     many = is_many(a), is_many(b)
     _refuse_unlike(a, b, many)
     tolerances = _tolerances(options)
@@ -72,7 +73,7 @@ def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: 
     if are_same(a, b):
         message = f"{a} and {b} are the same, so that nothing can differ"
         if all(many):
-            raise click.UsageError(f"{message}: give the reference and the new results")
+            raise WrongCall(f"{message}: give the reference and the new results", id="CLI-020")
         notes = [Fault("note", message, id="DIFF-033").as_dict()]
         if not quiet:
             notify(f"note: {message}")
@@ -95,9 +96,10 @@ def _refuse_unlike(a: str, b: str, many: tuple[bool, bool]) -> None:
     if any(many) and not all(many):
         single, other = (a, b) if many[1] else (b, a)
         if single != "-" and not os.path.exists(single):
-            raise click.UsageError(f"{single}: no such file or folder")
-        raise click.UsageError(
-            f"{other} is a folder or a pattern, {single} is not: give two files, two folders or two patterns"
+            raise WrongCall(f"{single}: no such file or folder", id="CLI-021")
+        raise WrongCall(
+            f"{other} is a folder or a pattern, {single} is not: give two files, two folders or two patterns",
+            id="CLI-022",
         )
 
 

@@ -1,16 +1,19 @@
 """`flexmb export`: a result for other programs."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from .options.completion import files
-from .terminal.screen import notify
+from .terminal.notices import Notices
 from .terminal.written_place import WrittenPlace
+from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
     import h5py
+
+    from ..errors import Fault
 
 
 SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
@@ -21,8 +24,9 @@ SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
 @click.option("--to", "form", required=True, type=click.Choice(list(SUFFIX)), help="What to write.")
 @click.option("-o", "--output", type=WrittenPlace(), metavar="FILE",
               help="The file; - is standard output, for csv [default: NAME.FORM].")  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
-def export(result: str, form: str, output: str | None, quiet: bool) -> None:
+def export(result: str, form: str, output: str | None, as_json: bool, quiet: bool) -> None:
     """Write RESULT.h5 for ParaView (vtkhdf), spreadsheets (csv) or MATLAB and Octave (mat).
 
     vtkhdf holds the moving bodies as a time series for ParaView 5.12 and newer, csv all quantities with
@@ -33,50 +37,54 @@ def export(result: str, form: str, output: str | None, quiet: bool) -> None:
         flexmb export OUT4-BAR.h5 --to vtkhdf -o four-bar.vtkhdf
     """
     from ..results.hdf5.stored_result import is_study
-    from ..results.quantities.quantities import open_result, refuse_uneven, remarks
     from .options.output_file import refuse_inputs, refuse_standard_output, reported
 
     output = output or f"{Path(result).stem}{SUFFIX[form]}"
     refuse_inputs(output, [result])
     if form != "csv":
         refuse_standard_output(output, f"a file of the form {form}")
-    if is_study(result):
-        note = _export_study(result, form, output)
-        if note and not quiet:
-            notify(f"{result}: note: {note}")
-        if not quiet:
-            notify(f"{result} → {reported(output)}")
-        return
-    with open_result(result) as file:
+    notices = Notices("result", result, quiet, as_json)
+    notices.refuse_standard_output(output)
+    with notices.failures():
+        notes = (_export_study if is_study(result) else _export_run)(result, form, output)
+    notices.add(notes)
+    notices.say(f"{result} → {reported(output)}")
+    notices.end(file=output)
+
+
+def _export_run(path: str, form: str, output: str) -> "list[Fault]":
+    """Write the result of a run; return what its reader should know."""
+    from ..results.quantities.quantities import open_result, refuse_uneven, remarks
+
+    with open_result(path) as file:
         refuse_uneven(file)
         notes = remarks(file)
         WRITERS[form](file, output)
-    for note in () if quiet else notes:
-        notify(f"{result}: note: {note}")
-    if not quiet:
-        notify(f"{result} → {reported(output)}")
+    return notes
 
 
-def _export_study(path: str, form: str, output: str) -> Any:
+def _export_study(path: str, form: str, output: str) -> "list[Fault]":
     """Write the table of a study; return what its reader should know."""
     from ..results.files.matlab import matlab_bytes
     from ..results.files.replaced_file import write_whole
-    from ..study.text import failed_note, open_study, study_columns, study_text
+    from ..study.text import failed_notes, open_study, study_columns, study_text
     from .options.output_file import STANDARD_OUTPUT
 
     if form == "vtkhdf":
-        raise click.UsageError(f"{path} is the table of a study, which has no motion to show: csv or mat")
+        raise WrongCall(
+            f"{path} is the table of a study, which has no motion to show: csv or mat", id="CLI-023"
+        )
     with open_study(path) as file:
         if form == "mat":
             write_whole(output, matlab_bytes(file))
-            return failed_note(file)
-        note = failed_note(file)
+            return failed_notes(file)
+        notes = failed_notes(file)
         text = "".join(study_text(file, study_columns(file)))
     if output == STANDARD_OUTPUT:
         click.echo(text, nl=False)
     else:
         write_whole(output, text.encode("utf-8"))
-    return note
+    return notes
 
 
 def _write_vtkhdf(file: "h5py.File", output: str) -> None:

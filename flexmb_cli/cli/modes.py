@@ -12,6 +12,7 @@ from .options.finite import AnyFinite
 from .terminal.progress import Progress
 from .terminal.screen import notify, show, wants_debug
 from .terminal.written_place import WrittenPlace
+from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
     from ..run.outcome import Outcome
@@ -91,11 +92,11 @@ def _refuse_output(out: None, decks: tuple[str, ...]) -> None:
     if out is None:
         return
     if Path(out).suffix.lower() not in FORMS:
-        raise click.UsageError(
-            f"--out {out}: end the name with one of {', '.join(FORMS)}, which chooses the form"
+        raise WrongCall(
+            f"--out {out}: end the name with one of {', '.join(FORMS)}, which chooses the form", id="CLI-024"
         )
     if len(decks) > 1:
-        raise click.UsageError("--out takes the state space of one deck; call modes for each deck")
+        raise WrongCall("--out takes the state space of one deck; call modes for each deck", id="CLI-025")
     refuse_inputs(out, decks, "--out")
 
 

@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..errors import Fault
 from .options.completion import files, quantities
 from .options.finite import AnyFinite, Millimetres
-from .terminal.screen import notify
+from .terminal.notices import Notices
 from .terminal.written_place import WrittenPlace
+from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -47,6 +49,7 @@ EMULATION = ("With the known errors of", "the program of 1996 (--as-printed)")
     "--style", default="", metavar="FILE", help="A style file of matplotlib, or the name of a style."
 )
 @click.option("--latex", is_flag=True, help="Set texts by LaTeX, which must be installed.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
 def plot(
     result: str,
@@ -60,6 +63,7 @@ def plot(
     title: str | None,
     kind: str,
     width: None,
+    as_json: bool,
     quiet: bool,
     **print_options: Any,
 ) -> None:
@@ -85,19 +89,28 @@ def plot(
     refuse_standard_output(output, "a picture")
     form = Path(output).suffix[1:].lower()
     if form not in FORMATS:
-        raise click.UsageError(f"{output}: pictures are written as .png, .svg or .pdf files")
+        raise WrongCall(f"{output}: pictures are written as .png, .svg or .pdf files", id="CLI-028")
     needed("matplotlib", "matplotlib", "plot", "flexmb plot")
+    notices = Notices("result", result, quiet, as_json)
     if is_study(result):
         if others or across != "time" or start is not None or stop is not None or every > 1:
-            raise click.UsageError("the table of a study has no times: --with, --x, --from, --to and --every")
+            raise WrongCall(
+                "the table of a study has no times: --with, --x, --from, --to and --every", id="CLI-029"
+            )
         refuse_inputs(output, [result])
-        _plot_study(result, names, output, kind, title, width, quiet, print_options)
+        with notices.failures():
+            _plot_study(notices, names, output, kind, title, width, print_options)
+        notices.end(file=output)
         return
     if kind != "auto":
-        raise click.UsageError(f"--kind {kind} is for tables of studies, and {result} is none")
+        raise WrongCall(f"--kind {kind} is for tables of studies, and {result} is none", id="CLI-030")
     paths = (result, *others)
     refuse_inputs(output, paths)
-    _plot_results(paths, names, output, across, (start, stop, every), title, width, quiet, print_options)
+    with notices.failures():
+        _plot_results(
+            paths, names, output, across, (start, stop, every), title, width, notices, print_options
+        )
+    notices.end(file=output)
 
 
 def _plot_results(
@@ -108,7 +121,7 @@ def _plot_results(
     part: Any,
     title: str | None,
     width: float | None,
-    quiet: bool,
+    notices: Notices,
     print_options: dict[str, float | str],
 ) -> None:
     """Draw quantities of results over time, or across another; `part`: begin, end and stride of the rows."""
@@ -119,7 +132,7 @@ def _plot_results(
 
     with contextlib.ExitStack() as open_files:
         sources = [
-            _source(open_files, path, label, names, across, part, quiet)
+            _source(open_files, path, label, names, across, part, notices)
             for path, label in zip(paths, _labels(paths), strict=True)
         ]
         drawn = panels(sources)
@@ -130,20 +143,18 @@ def _plot_results(
         if any(attribute(one.result, "emulation") for one in sources):
             title = "\n".join(filter(None, [title, *EMULATION]))
     form = Path(output).suffix[1:].lower()
-    write_whole(output, _drawn(picture, (drawn, form, title), width, print_options))
-    if not quiet:
-        curves = sum(len(panel.curves) for panel in drawn)
-        notify(f"{paths[0]} → {output}, {curves} curve{'s' * (curves != 1)}")
+    write_whole(output, _drawn(picture, (drawn, form, title), width, print_options, notices))
+    curves = sum(len(panel.curves) for panel in drawn)
+    notices.say(f"{paths[0]} → {output}, {curves} curve{'s' * (curves != 1)}")
 
 
 def _plot_study(
-    path: str,
+    notices: Notices,
     names: tuple[str, ...],
     output: str,
     kind: str,
     title: str | None,
     width: float | None,
-    quiet: bool,
     print_options: "dict[str, Any]",
 ) -> None:
     from ..results.files.replaced_file import write_whole
@@ -152,7 +163,7 @@ def _plot_study(
     from ..study.figures import UnsuitedStudy, kind_for, study_picture
     from ..study.text import open_study
 
-    form = Path(output).suffix[1:].lower()
+    form, path = Path(output).suffix[1:].lower(), notices.file
     with open_study(path) as file:
         family = (
             curve_family(file, names, path) if kind == "auto" and names_series(file, names, path) else None
@@ -161,50 +172,54 @@ def _plot_study(
     if title is None:
         title = "" if width else cases.deck_name
     if family:
-        content = _drawn(family_picture, (family, form, title), width, print_options)
+        content = _drawn(family_picture, (family, form, title), width, print_options, notices)
         what = f"{len(family.times)} cases of {', '.join(family.series)}"
     else:
         kind = kind_for(cases) if kind == "auto" else kind
         try:
-            content = _drawn(study_picture, (cases, kind, form, title), width, print_options)
+            content = _drawn(study_picture, (cases, kind, form, title), width, print_options, notices)
         except UnsuitedStudy as fault:
-            raise click.UsageError(f"{path}: {fault}") from fault
+            raise WrongCall(f"{path}: {fault}", id="CLI-031") from fault
         what = f"{kind} of {', '.join(cases.results)}"
     write_whole(output, content)
-    if not quiet:
-        left_out = f"; {cases.failed} failed cases are left out" if cases.failed else ""
-        notify(f"{path} → {output}, {what}{left_out}")
+    left_out = f"; {cases.failed} failed cases are left out" if cases.failed else ""
+    notices.say(f"{path} → {output}, {what}{left_out}")
 
 
 def _drawn(
-    draw: "Callable[..., bytes]", arguments: "tuple[Any, ...]", width: float | None, options: "dict[str, Any]"
+    draw: "Callable[..., bytes]",
+    arguments: "tuple[Any, ...]",
+    width: float | None,
+    options: "dict[str, Any]",
+    notices: Notices,
 ) -> bytes:
     """The bytes of the picture that `draw` makes of its arguments and a look; print options need a width."""
     from ..results.figures.look import Look
 
     given = [f"--{name.replace('_', '-')}" for name in ("font", "style", "latex") if options[name]]
     if given and not width:
-        raise click.UsageError(f"{', '.join(given)}: for pictures of print; give --width, too")
+        raise WrongCall(f"{', '.join(given)}: for pictures of print; give --width, too", id="CLI-032")
     if "://" in options["style"]:
-        raise click.UsageError(
-            f"--style {options['style']}: a file wanted; nothing is fetched from a network"
+        raise WrongCall(
+            f"--style {options['style']}: a file wanted; nothing is fetched from a network", id="CLI-033"
         )
     look = None
     try:
         if width:
             look = Look(width, *(options[name] for name in ("font", "font_size", "style", "latex")))
-        return draw(*arguments, look, lambda family: _warn_of_font(look, family))
+        return draw(*arguments, look, lambda family: notices.add([_unknown_font(look, family)], "flexmb"))
     except ValueError as error:
-        raise click.UsageError(f"--width: {error}") from None
+        raise WrongCall(f"--width: {error}", id="CLI-034") from None
     except OSError as error:
-        raise click.UsageError(f"--style {options['style']}: {error}") from None
+        raise WrongCall(f"--style {options['style']}: {error}", id="CLI-035") from None
     except (RuntimeError, FileNotFoundError) as error:
-        raise click.UsageError(f"--latex: LaTeX cannot be run: {str(error).splitlines()[0]}") from None
+        raise WrongCall(f"--latex: LaTeX cannot be run: {str(error).splitlines()[0]}", id="CLI-036") from None
 
 
-def _warn_of_font(look: "Look | None", family: str) -> None:
+def _unknown_font(look: "Look | None", family: str) -> Fault:
     option = f"--style {look.style}: font" if look and family != look.font else "--font"
-    notify(f"flexmb: warning: {option} {family}: no such font is installed; matplotlib's own is taken")
+    message = f"{option} {family}: no such font is installed; matplotlib's own is taken"
+    return Fault("warning", message, id="CLI-011")
 
 
 def _source(
@@ -214,7 +229,7 @@ def _source(
     names: tuple[str, ...],
     across: str,
     window: Any,
-    quiet: bool,
+    notices: Notices,
 ) -> "Source":
     from ..results.figures.curves import DefaultCurves, Source, default_curves, still_energies
     from ..results.quantities.quantities import ResultError, open_result, remarks, resolve, shortfall
@@ -224,7 +239,9 @@ def _source(
     abscissa = resolve(file, [across], path, "--x ")
     if len(abscissa) != 1:
         few = ", ".join(quantity.name for quantity in abscissa[:4])
-        raise click.UsageError(f"--x {across} means {len(abscissa)} quantities ({few} …); name one of them")
+        raise WrongCall(
+            f"--x {across} means {len(abscissa)} quantities ({few} …); name one of them", id="CLI-037"
+        )
     chosen = DefaultCurves(resolve(file, names, path), []) if names else default_curves(file)
     quantities = [quantity for quantity in chosen.quantities if quantity.name != abscissa[0].name]
     rows = chosen_rows(file, *window)
@@ -237,11 +254,12 @@ def _source(
         raise ResultError(
             path, f"nothing to draw over {abscissa[0].name}: name another quantity", id="CLI-007"
         )
-    for note in () if quiet else [*remarks(file), *(f"{cut}; NAMEs draw others" for cut in chosen.cut)]:
-        notify(f"{path}: note: {note}")
-    still = () if names or quiet else still_energies(file)
+    notices.add(remarks(file), path)
+    notices.add([Fault("note", f"{cut}; NAMEs draw others", id="CLI-012") for cut in chosen.cut], path)
+    still = () if names else still_energies(file)
     if still:
-        notify(f"{path}: note: not drawn, for they do not change: {', '.join(still)}")
+        message = f"not drawn, for they do not change: {', '.join(still)}"
+        notices.add([Fault("note", message, id="CLI-013")], path)
     window = slice(rows.start, rows.stop, rows.step)
     return Source(label, file, window, abscissa[0], quantities, energies_change=not names)
 

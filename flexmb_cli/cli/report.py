@@ -4,11 +4,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..errors import Fault
 from .options.completion import files
 from .options.finite import AnyFinite
 from .options.interval import Interval
-from .terminal.screen import notify
+from .terminal.notices import Notices
 from .terminal.written_place import WrittenPlace
+from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
     from ..results.figures.body_look import BodyLook
@@ -35,8 +37,11 @@ if TYPE_CHECKING:
               help="Values of the first and the last colour [default: smallest and largest].")  # fmt: skip
 @click.option("--scale", type=AnyFinite(), default=1.0, metavar="X",
               help="Show deformations of finite-element bodies X times as large [default: 1].")  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
-def report(result: str, output: str | None, quiet: bool, movie: str | None, **looks: Any) -> None:
+def report(
+    result: str, output: str | None, as_json: bool, quiet: bool, movie: str | None, **looks: Any
+) -> None:
     """Write a self-contained HTML page: motion in 3-D, curves, audit and deck of RESULT.h5.
 
     The page needs no network and no graphics card: play, scrub and turn the motion in any browser.
@@ -56,25 +61,29 @@ def report(result: str, output: str | None, quiet: bool, movie: str | None, **lo
     from .options.output_file import STANDARD_OUTPUT, refuse_inputs, reported
 
     bodies = _body_look(looks)
+    notices = Notices("result", result, quiet, as_json)
     if movie:
-        _write_film(result, movie, output, looks, bodies, quiet)
+        _write_film(notices, movie, output, looks, bodies)
         return
     _refuse_options(("fps", "size", "view"), "for films; give --movie, too")
     output = output or f"{Path(result).stem}.html"
     refuse_inputs(output, [result])
-    if is_study(result):
-        _refuse_options(("colours", "range", "scale"), "for results of a run; this is the table of a study")
-        page, notes = _study_page(result), list[str]()
-    else:
-        page, notes = _result_page(result, bodies)
-    if output == STANDARD_OUTPUT:
-        click.echo(page, nl=False)
-    else:
-        write_whole(output, page)
-    for note in () if quiet else notes:
-        notify(f"{result}: note: {note}")
-    if not quiet:
-        notify(f"{result} → {reported(output)}, {_size(len(page))}")
+    notices.refuse_standard_output(output)
+    with notices.failures():
+        if is_study(result):
+            _refuse_options(
+                ("colours", "range", "scale"), "for results of a run; this is the table of a study"
+            )
+            page, notes = _study_page(result), list[Fault]()
+        else:
+            page, notes = _result_page(result, bodies)
+        if output == STANDARD_OUTPUT:
+            click.echo(page, nl=False)
+        else:
+            write_whole(output, page)
+    notices.add(notes)
+    notices.say(f"{result} → {reported(output)}, {_size(len(page))}")
+    notices.end(file=output)
 
 
 def _refuse_options(names: tuple[str, ...], why: str) -> None:
@@ -85,7 +94,7 @@ def _refuse_options(names: tuple[str, ...], why: str) -> None:
         if context.get_parameter_source(parameters.get(name, name)) == click.core.ParameterSource.COMMANDLINE
     ]
     if given:
-        raise click.UsageError(f"{', '.join(given)}: {why}")
+        raise WrongCall(f"{', '.join(given)}: {why}", id="CLI-038")
 
 
 def _body_look(looks: dict[str, Any]) -> "BodyLook":
@@ -93,9 +102,9 @@ def _body_look(looks: dict[str, Any]) -> "BodyLook":
 
     colours, ends = looks["colours"], looks["ends"]
     if colours not in COLOURS:
-        raise click.UsageError(f"--colours {colours}: wanted is one of: {', '.join(COLOURS)}")
+        raise WrongCall(f"--colours {colours}: wanted is one of: {', '.join(COLOURS)}", id="CLI-039")
     if ends and colours == OWN_COLOURS:
-        raise click.UsageError("--range: bodies that have a colour each show no values")
+        raise WrongCall("--range: bodies that have a colour each show no values", id="CLI-040")
     return BodyLook(colours, ends, looks["scale"])
 
 
@@ -103,7 +112,7 @@ def _size(count: int) -> str:
     return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.0f} kB"
 
 
-def _write_film(path: str, target: Any, page: Any, looks: Any, bodies: "BodyLook", quiet: bool) -> None:
+def _write_film(notices: Notices, target: Any, page: Any, looks: Any, bodies: "BodyLook") -> None:
     from pathlib import Path
 
     from ..results.figures.film import FORMATS, film_bytes
@@ -112,30 +121,29 @@ def _write_film(path: str, target: Any, page: Any, looks: Any, bodies: "BodyLook
     from ..results.quantities.quantities import open_result, refuse_uneven, remarks
     from .options.output_file import refuse_inputs, refuse_standard_output
 
+    path = notices.file
     refuse_standard_output(target, "a film", "--movie")
     form = Path(target).suffix[1:].lower()
     if form not in FORMATS:
-        raise click.UsageError(f"{target}: films are written as .mp4 or .gif files")
+        raise WrongCall(f"{target}: films are written as .mp4 or .gif files", id="CLI-041")
     if page:
-        raise click.UsageError("--movie writes a film in place of the page; leave out -o")
+        raise WrongCall("--movie writes a film in place of the page; leave out -o", id="CLI-042")
     look = _film_look(looks, bodies, form)
     _need_film_libraries(form)
     if is_study(path):
-        raise click.UsageError(f"{path} is the table of a study, which has no motion")
+        raise WrongCall(f"{path} is the table of a study, which has no motion", id="CLI-043")
     refuse_inputs(target, [path])
-    with open_result(path) as file:
-        refuse_uneven(file)
-        content, notes = film_bytes(file, form, look), remarks(file)
-    write_whole(target, content)
-    if quiet:
-        return
-    for note in notes:
-        notify(f"{path}: note: {note}")
+    with notices.failures():
+        with open_result(path) as file:
+            refuse_uneven(file)
+            content, notes = film_bytes(file, form, look), remarks(file)
+        write_whole(target, content)
+    notices.add(notes)
     if look.rate < looks["fps"]:
-        notify(
-            f"{target}: note: {look.rate} frames a second, the most that browsers show of a GIF; MP4 has more"
-        )
-    notify(f"{path} → {target}, {len(content) / 1e6:.1f} MB")
+        message = f"{look.rate} frames a second, the most that browsers show of a GIF; MP4 has more"
+        notices.add([Fault("note", message, id="RESULT-081")], file=target)
+    notices.say(f"{path} → {target}, {len(content) / 1e6:.1f} MB")
+    notices.end(file=target)
 
 
 def _film_look(looks: dict[str, Any], bodies: "BodyLook", form: str) -> "FilmLook":
@@ -146,7 +154,9 @@ def _film_look(looks: dict[str, Any], bodies: "BodyLook", form: str) -> "FilmLoo
     found = re.fullmatch(r"([0-9]{2,4})x([0-9]{2,4})", looks["size"])
     width, height = map(int, found.groups()) if found else (0, 0)
     if not (64 <= width <= 4096 and 64 <= height <= 4096):
-        raise click.UsageError(f"--size {looks['size']}: two numbers from 64 to 4096 wanted, such as 960x540")
+        raise WrongCall(
+            f"--size {looks['size']}: two numbers from 64 to 4096 wanted, such as 960x540", id="CLI-044"
+        )
     rate = min(looks["fps"], MOST_OF_GIFS) if form == "gif" else looks["fps"]
     # Video has whole blocks of two pixels.
     return FilmLook(width - width % 2, height - height % 2, rate, looks["view"], bodies)
@@ -162,7 +172,7 @@ def _need_film_libraries(form: str) -> None:
         needed("imageio_ffmpeg", "imageio-ffmpeg", "movie", f"{what} of an MP4 file")
 
 
-def _result_page(path: str, bodies: "BodyLook") -> tuple[bytes, list[str]]:
+def _result_page(path: str, bodies: "BodyLook") -> tuple[bytes, list[Fault]]:
     from ..results.figures.report_page import report_page
     from ..results.quantities.quantities import open_result, refuse_uneven, remarks
 

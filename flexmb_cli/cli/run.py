@@ -14,6 +14,7 @@ from .options.finite import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, Finite
 from .terminal.screen import notify, show, standard_output, wants_debug
 from .terminal.stops import stop_on_signals
 from .terminal.written_place import WrittenPlace
+from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -105,15 +106,17 @@ def run(
 
 def _refuse_mixed_output(as_json: bool, options: "dict[Any, Any]") -> None:
     if options["out"] == "-" and as_json:
-        raise click.UsageError("--out - and --json both take standard output; give --out a file")
+        raise WrongCall("--out - and --json both take standard output; give --out a file", id="CLI-045")
     # In the place of a closed stream (`>&-`) stands an open file, see `cli._open_closed_streams`.
     if options["out"] == "-" and getattr(sys.stdout, "name", "") == os.devnull:
-        raise click.UsageError("--out - writes to standard output, which is closed")
+        raise WrongCall("--out - writes to standard output, which is closed", id="CLI-046")
     if options["h5"] == "-":
-        raise click.UsageError("--h5 needs a file: an HDF5 result cannot go to standard output")
+        raise WrongCall("--h5 needs a file: an HDF5 result cannot go to standard output", id="CLI-047")
     for name in ("out", "h5"):
         if options[name] is not None and options[f"no_{name}"]:
-            raise click.UsageError(f"--no-{name} and --{name} {options[name]} exclude each other: give one")
+            raise WrongCall(
+                f"--no-{name} and --{name} {options[name]} exclude each other: give one", id="CLI-048"
+            )
 
 
 def _note_names_behind_only(decks: "Sequence[str]", options: "dict[Any, Any]", quiet: bool) -> None:
@@ -127,21 +130,23 @@ def _note_names_behind_only(decks: "Sequence[str]", options: "dict[Any, Any]", q
 
 def _refuse_parallel_input(decks: "Sequence[str]", jobs: int) -> None:
     if jobs > 1 and len(decks) > 1 and "-" in decks:
-        raise click.UsageError("standard input goes to one process only: with -j give every deck by its name")
+        raise WrongCall(
+            "standard input goes to one process only: with -j give every deck by its name", id="CLI-049"
+        )
 
 
 def _refuse_foreign_resume(options: "dict[Any, Any]") -> None:
     if options["resume"] and options["formulation"] == "absolute":
-        raise click.UsageError(
-            "--resume goes with --formulation kane: the other one leaves nothing to resume"
+        raise WrongCall(
+            "--resume goes with --formulation kane: the other one leaves nothing to resume", id="CLI-050"
         )
 
 
 def _refuse_foreign_estimate(options: "dict[Any, Any]") -> None:
     if options["estimate_error"] and options["formulation"] == "absolute":
-        raise click.UsageError("--estimate-error goes with --formulation kane")
+        raise WrongCall("--estimate-error goes with --formulation kane", id="CLI-051")
     if options["estimate_error"] and options["as_printed"]:
-        raise click.UsageError("--estimate-error and --as-printed exclude each other: give one")
+        raise WrongCall("--estimate-error and --as-printed exclude each other: give one", id="CLI-052")
 
 
 def _given(options: "dict[Any, Any]", **names: Any) -> "dict[Any, Any]":
@@ -201,7 +206,7 @@ def _refuse_shared_files(decks: "Sequence[str]", options: "RunOptions") -> None:
     from ..results.files.file_names import refuse_shared, result_paths
 
     if len(decks) > 1 and (options.h5 or options.out not in (None, "-")):
-        raise click.UsageError("--out and --h5 name one file: give one deck, or use --output-dir")
+        raise WrongCall("--out and --h5 name one file: give one deck, or use --output-dir", id="CLI-053")
     places = options.folder, options.out, options.h5, options.no_out, options.no_h5
     results = []
     for path, model in map(named_model, decks):

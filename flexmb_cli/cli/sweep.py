@@ -18,6 +18,7 @@ from .terminal.progress import Progress
 from .terminal.screen import notify
 from .terminal.stops import stop_on_signals
 from .terminal.written_place import WrittenPlace
+from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
     from ..study.sweep import Sweep
@@ -127,7 +128,7 @@ def _begun(study: str, output: str, parts: str, scheduler: str | None, fresh: bo
     from ..study.sweep import StudyError
 
     if PurePath(output).suffix not in (".h5", ".parquet"):
-        raise click.UsageError("-o needs a name that ends in .h5 or .parquet")
+        raise WrongCall("-o needs a name that ends in .h5 or .parquet", id="CLI-054")
     refuse_inputs(output, [study])
     _require_libraries(output, scheduler)
     try:

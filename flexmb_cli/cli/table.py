@@ -1,15 +1,21 @@
 """`flexmb table`: quantities of a result as text."""
 
+import json
 import sys
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..errors import Fault
 from .options.completion import files, quantities
 from .options.finite import AnyFinite
-from .terminal.screen import notify, show, terminal_width
+from .terminal.notices import Notices
+from .terminal.screen import show, terminal_width
+from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     import h5py
 
     from ..results.quantities.quantities import Quantity
@@ -28,6 +34,8 @@ if TYPE_CHECKING:
               help="csv (default), tsv, jsonl: JSON Lines, text: aligned (default of --list).")  # fmt: skip
 @click.option("--as-table", "number", type=click.IntRange(1), metavar="N",
               help="Print splines as cards of the deck's dialect: functions N, N + 1 and on.")  # fmt: skip
+@click.option("--json", "as_json", is_flag=True,
+              help="One JSON object on standard output; its rows are those of --format jsonl.")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Print no notes on the result.")
 def table(
     result: str,
@@ -38,6 +46,7 @@ def table(
     every: int,
     style: str | None,
     number: None,
+    as_json: bool,
     quiet: bool,
 ) -> Any:
     """Print quantities of RESULT.h5 over time, on a terminal and in a pipe alike.
@@ -60,22 +69,68 @@ def table(
     from ..results.hdf5.stored_result import is_study
 
     if number and (listing or style or is_study(result)):
-        raise click.UsageError(
-            "--as-table prints cards of a run: it goes with neither --list, --format nor a study"
+        raise WrongCall(
+            "--as-table prints cards of a run: it goes with neither --list, --format nor a study",
+            id="CLI-055",
         )
+    if as_json and (style or number):
+        raise WrongCall(
+            "--json has rows of its own: it goes with neither --format nor --as-table", id="CLI-056"
+        )
+    notices = Notices("result", result, quiet, as_json)
+    printed = _Printed("jsonl" if as_json else style, as_json)
     if is_study(result):
         if start is not None or stop is not None:
-            message = "is the table of a study, a row a case: it has no times for --from and --to"
-            raise click.UsageError(f"{result} {message}")
-        _print_study(result, names, listing, every, style, quiet)
+            message = f"{result} is the table of a study, a row a case: it has no times for --from and --to"
+            raise WrongCall(message, id="CLI-057")
+        with notices.failures():
+            _print_study(result, names, listing, every, printed, notices)
+        notices.end(rows=printed.rows)
         return
     if listing and (start is not None or stop is not None or every > 1):
-        raise click.UsageError("--list shows names, not rows: --from, --to and --every do not go with it")
-    _print_result(result, names, listing, (start, stop, every), style, number, quiet)
+        raise WrongCall(
+            "--list shows names, not rows: --from, --to and --every do not go with it", id="CLI-058"
+        )
+    with notices.failures():
+        _print_result(result, names, listing, (start, stop, every), number, printed, notices)
+    notices.end(rows=printed.rows)
+
+
+class _Printed:
+    """The text of a table: on standard output, or kept as `rows` of an object."""
+
+    def __init__(self, style: str | None, as_json: bool):
+        self.style, self._as_json, self._kept = style, as_json, list[str]()
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """The rows that were kept."""
+        return [json.loads(line) for line in "".join(self._kept).splitlines()]
+
+    def list(self, text: str) -> None:
+        """Take a list of names."""
+        if self._as_json:
+            self._kept.append(text)
+        else:
+            show(text)
+
+    def table(self, pieces: "Iterable[str]") -> None:
+        """Take the pieces of a table."""
+        if self._as_json:
+            self._kept += pieces
+            return
+        for piece in pieces:
+            show(piece, whole=True) if self.style == "text" else click.echo(piece, nl=False)
 
 
 def _print_result(
-    result: str, names: tuple[str, ...], listing: bool, part: Any, style: Any, number: Any, quiet: bool
+    result: str,
+    names: tuple[str, ...],
+    listing: bool,
+    part: Any,
+    number: Any,
+    printed: _Printed,
+    notices: Notices,
 ) -> None:
     """Print quantities of a run; `part`: begin, end and stride of the rows."""
     from ..results.hdf5.stored_result import settings_of
@@ -85,24 +140,25 @@ def _print_result(
 
     with open_result(result) as file:
         if not names and not listing:
-            raise click.UsageError(f"name at least one quantity; flexmb table {result} --list shows them all")
+            raise WrongCall(
+                f"name at least one quantity; flexmb table {result} --list shows them all", id="CLI-059"
+            )
         quantities = resolve(file, names, result) if names else all_names(file)
         if listing:
-            _remark_settings(result, settings_of(file), quiet)
-            show(list_text(quantities, style or "text"))
+            notices.add(_settings_notes(settings_of(file)))
+            printed.list(list_text(quantities, printed.style or "text"))
             return
         rows = chosen_rows(file, *part)
-        _remark(result, file, rows, quiet)
+        notices.add(_notes(file, rows))
         if number:
             from ..dialects.recognise import dialect_named
 
             dialect = dialect_named(str(file.attrs["dialect"]))
             show(dialect.part(dialect.spline_cards)(function_points(file, quantities, rows, number)))
             return
-        for k, group in enumerate(_groups(file, quantities, style)):
+        for k, group in enumerate(_groups(file, quantities, printed.style)):
             show("\n" * bool(k))
-            for piece in table_text(file, group, rows, style or "csv"):
-                show(piece, whole=True) if style == "text" else click.echo(piece, nl=False)
+            printed.table(table_text(file, group, rows, printed.style or "csv"))
 
 
 def _groups(file: "h5py.File", quantities: "list[Quantity]", style: str | None) -> "list[list[Quantity]]":
@@ -115,7 +171,7 @@ def _groups(file: "h5py.File", quantities: "list[Quantity]", style: str | None) 
 
 
 def _print_study(
-    path: str, names: tuple[str, ...], listing: bool, every: int, style: Any, quiet: bool
+    path: str, names: tuple[str, ...], listing: bool, every: int, printed: _Printed, notices: Notices
 ) -> None:
     from ..results.quantities.table import list_text
     from ..study.text import chosen_columns, open_study, study_columns, study_notes, study_text
@@ -125,14 +181,12 @@ def _print_study(
         if names or not listing:
             columns = chosen_columns(columns, names, path)
         if listing:
-            show(list_text(columns, style or "text"))
+            printed.list(list_text(columns, printed.style or "text"))
             return
-        for note in () if quiet else study_notes(file, columns, bool(names)):
-            notify(f"{path}: note: {note}")
-        for k, heads in enumerate(_study_blocks(columns, style)):
+        notices.add(study_notes(file, columns, bool(names)))
+        for k, heads in enumerate(_study_blocks(columns, printed.style)):
             show("\n" * bool(k))
-            for piece in study_text(file, columns, every, style or "csv", heads):
-                show(piece, whole=True) if style == "text" else click.echo(piece, nl=False)
+            printed.table(study_text(file, columns, every, printed.style or "csv", heads))
 
 
 def _study_blocks(columns: "list[StudyColumn]", style: str | None) -> "list[list[int]] | list[None]":
@@ -144,16 +198,16 @@ def _study_blocks(columns: "list[StudyColumn]", style: str | None) -> "list[list
     return fitting_heads(columns, terminal_width(sys.stdout))
 
 
-def _remark_settings(path: str, settings: list[str], quiet: bool) -> None:
-    if settings and not quiet:
-        notify(f"{path}: note: the run changed the deck by --set: {', '.join(settings)}")
+def _settings_notes(settings: list[str]) -> list[Fault]:
+    message = f"the run changed the deck by --set: {', '.join(settings)}"
+    return [Fault("note", message, id="RESULT-079")] if settings else []
 
 
-def _remark(path: str, file: "h5py.File", rows: range, quiet: bool) -> None:
-    """Print on standard error what the numbers do not show."""
+def _notes(file: "h5py.File", rows: range) -> list[Fault]:
+    """Return what the numbers do not show."""
     from ..results.quantities.quantities import remarks
 
-    for note in () if quiet else remarks(file):
-        notify(f"{path}: note: {note}")
-    if not rows and len(file["time"]) and not quiet:
-        notify(f"{path}: note: it has no rows in this window of time")
+    notes = remarks(file)
+    if not rows and len(file["time"]):
+        notes.append(Fault("note", "it has no rows in this window of time", id="RESULT-080"))
+    return notes

@@ -68,16 +68,18 @@ class Records:
         message: str,
         place: Place | None = None,
         guide: tuple[str, ...] = (),
+        *,
+        id: str,
     ) -> None:
         """Note a fault; without a place it stands at the current line's first column."""
         self.errors += severity == "error"
         self.faults.append(
-            Fault(severity, message, place or Place(self.line, 1), subject, tuple(guide), id="DECK-005")
+            Fault(severity, message, place or Place(self.line, 1), subject, tuple(guide), id=id)
         )
 
-    def stop(self, subject: str, message: str, place: Place | None = None) -> None:
+    def stop(self, subject: str, message: str, place: Place | None = None, *, id: str) -> None:
         """Note an error that nothing can be read after."""
-        self.report("error", subject, message, place)
+        self.report("error", subject, message, place, id=id)
         raise Unreadable
 
     def read(self, form: str, items: list[Item], subject: str) -> tuple[Number, ...]:
@@ -109,10 +111,10 @@ class Records:
             return
         if not index.text:
             message = f"the record's number is blank, taken as {wanted}"
-            self.report("warning", subject, message, index.place)
+            self.report("warning", subject, message, index.place, id="DECK-044")
             return
         message = f"the record is numbered {index.value}, expected {wanted}: {rule}"
-        self.report("error", subject, message, index.place)
+        self.report("error", subject, message, index.place, id="DECK-045")
 
     def end_of_deck(self, subject: str, expected: str) -> Any:
         """Note that the deck ends where `expected` should stand, just after its last character."""
@@ -120,7 +122,12 @@ class Records:
         while last > 1 and not self.lines[last - 1]:
             last -= 1
         column = len(self.lines[last - 1]) + 1 if self.lines else 1
-        self.stop(subject, f"unexpected end of the deck, expected {expected}", Place(max(last, 1), column))
+        self.stop(
+            subject,
+            f"unexpected end of the deck, expected {expected}",
+            Place(max(last, 1), column),
+            id="DECK-046",
+        )
 
     def _read_record(self, fmt: Format, items: list[Item], subject: str) -> list[Number]:
         if self.exhausted:
@@ -128,7 +135,7 @@ class Records:
         line = self.next_card()
         if self.word() in self.words:
             message = f"card '{self.word()}' stands where {_named(items)} must stand; FORMAT({fmt.text})"
-            self.report("error", subject, message)
+            self.report("error", subject, message, id="DECK-047")
             self.line -= 1
             raise MissingRecord
         card = _Card(self, fmt, line, len(items), subject)
@@ -159,24 +166,24 @@ class _Card:
             self._report_odd(field, item, place, value)
         return Number(item.key, value, item.meaning, item.unit, place, field.spelled)
 
-    def _report(self, severity: str, message: str, place: Place) -> None:
+    def _report(self, severity: str, message: str, place: Place, id: str) -> None:
         message = f"{message}; FORMAT({self.format.text})"
         guide = self.format.guide(len(self.fields))
-        self.records.report(severity, self.subject, message, place, guide)
+        self.records.report(severity, self.subject, message, place, guide, id=id)
 
     def _report_bad(self, field: Field, item: Item, place: Place) -> None:
         kind = "an integer" if field.edit.letter == "I" else "a real number"
         reason = hint(field, self.line)
         reason = f" ({reason})" if reason else ""
         message = f"{item.key} in {field.span} must be {kind}, read '{field.spelled}'{reason}"
-        self._report("error", message, place)
+        self._report("error", message, place, id="DECK-005")
 
     def _report_odd(self, field: Field, item: Item, place: Place, value: float) -> None:
         why = "blanks inside a number are ignored" if " " in field.spelled else "no decimal point is typed"
         if field.implied_point:
             why += f", so {field.edit.descriptor} takes {field.edit.decimals} decimals"
         message = f"{item.key} in {field.span}: '{field.spelled}' is read as {value!r}: {why}"
-        self._report("warning", message, place)
+        self._report("warning", message, place, id="DECK-048")
 
     def check_edges(self) -> None:
         """Warn of a number cut in two: it begins in one field and leaves blanks in the next.
@@ -191,7 +198,7 @@ class _Card:
                     f"'{left.spelled}' and '{right.spelled.split()[0]}' touch at column {right.edit.column}: "
                     "two numbers are read, one is typed?"
                 )
-                self._report("warning", message, Place(self.records.line, left.column))
+                self._report("warning", message, Place(self.records.line, left.column), id="DECK-049")
 
     def check_rest(self) -> None:
         """Warn of numbers behind the last column read; words there are the old decks' comments."""
@@ -200,7 +207,8 @@ class _Card:
         if rest and not rest.strip(" 0123456789.+-EeDd"):
             column = last + 1 + len(rest) - len(rest.lstrip())
             message = f"'{rest.strip()}' stands behind column {last} and is not read"
-            self._report("warning", message, Place(self.records.line, column, len(rest.strip())))
+            place = Place(self.records.line, column, len(rest.strip()))
+            self._report("warning", message, place, id="DECK-050")
 
 
 def _named(items: list[Item]) -> str:

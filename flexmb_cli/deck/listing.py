@@ -119,12 +119,12 @@ def read_bytes(path: "Path | str") -> bytes:
         with open(path, "rb") as file:
             return _bounded(path, file)
     except FileNotFoundError:
-        reason = "no such file"
+        fault = Fault("error", "no such file", id="DECK-006")
     except IsADirectoryError:
-        reason = "it is a folder"
+        fault = Fault("error", "it is a folder", id="DECK-055")
     except OSError as error:
-        reason = f"cannot be read: {error.strerror}"
-    raise TableError(str(path), [Fault("error", reason, id="DECK-006")])
+        fault = Fault("error", f"cannot be read: {error.strerror}", id="DECK-056")
+    raise TableError(str(path), [fault])
 
 
 def _bounded(path: "Path | str", file: BinaryIO) -> bytes:

@@ -44,17 +44,17 @@ def _file_bytes(path: Path, what: str) -> bytes:
         found = path.stat()
         if stat.S_ISDIR(found.st_mode):
             remedy = f"; give the files in it, such as {path}/*" if what == "deck" else ""
-            raise _unreadable(f"is a directory, not a {what}{remedy}")
+            raise _unreadable(f"is a directory, not a {what}{remedy}", id="DECK-051")
         if found.st_size > LARGEST_DECK:
             raise _too_large(what)
         with path.open("rb") as stream:
             return _first_bytes(stream, what)
     except FileNotFoundError:
-        raise _unreadable(f"no such file{_meant_instead(path)}") from None
+        raise _unreadable(f"no such file{_meant_instead(path)}", id="DECK-011") from None
     except PermissionError:
-        raise _unreadable("permission denied") from None
+        raise _unreadable("permission denied", id="DECK-052") from None
     except (OSError, ValueError) as fault:
-        raise _unreadable(f"cannot be read: {_reason(fault)}") from None
+        raise _unreadable(f"cannot be read: {_reason(fault)}", id="DECK-053") from None
 
 
 def _first_bytes(stream: BinaryIO, what: str) -> bytes:
@@ -106,8 +106,8 @@ def _place_of(raw: bytes, offset: int) -> Place:
 
 
 def _too_large(what: str) -> DeckError:
-    return _unreadable(f"larger than {LARGEST_DECK // 1024**2} MB, which no {what} is")
+    return _unreadable(f"larger than {LARGEST_DECK // 1024**2} MB, which no {what} is", id="DECK-054")
 
 
-def _unreadable(message: str) -> DeckError:
-    return DeckError([Fault("error", message, id="DECK-011")])
+def _unreadable(message: str, *, id: str) -> DeckError:
+    return DeckError([Fault("error", message, id=id)])

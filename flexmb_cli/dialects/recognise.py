@@ -56,26 +56,32 @@ def recognise(lines: Sequence[str]) -> str:
     first = next(words(lines), None)
     if first is None:
         raise DeckError([Fault("error", f"the deck is empty; {_beginnings()}", id="DECK-012")])
-    message = _meant_instead(first, lines) or f"no dialect begins like this; {_beginnings()}; {CHOOSES}"
-    raise DeckError([Fault("error", message, first.place, id="DECK-013")])
+    message = f"no dialect begins like this; {_beginnings()}; {CHOOSES}"
+    unknown = Fault("error", message, first.place, id="DECK-013")
+    raise DeckError([_meant_instead(first, lines) or unknown])
 
 
-def _meant_instead(first: Word, lines: Sequence[str]) -> str:
-    """Return what a file seems to be that begins like no deck; empty where nothing is known."""
+def _meant_instead(first: Word, lines: Sequence[str]) -> Fault | None:
+    """Return what a file seems to be that begins like no deck; None where nothing is known."""
     if first.text == UNCLOSED:
-        return "a comment is opened here and never closed with }"
+        return Fault("error", "a comment is opened here and never closed with }", first.place, id="DECK-060")
     if any("\uff01" <= letter <= "\uff5e" for letter in first.text):
-        return "these are full-width characters; type the deck in plain ASCII ones"
+        message = "these are full-width characters; type the deck in plain ASCII ones"
+        return Fault("error", message, first.place, id="DECK-061")
     if _is_study(lines):
-        return "this is a study, not a deck; flexmb sweep computes it"
+        message = "this is a study, not a deck; flexmb sweep computes it"
+        return Fault("error", message, first.place, id="DECK-062")
     if set(first.text) == {"#"}:
-        return "this is a page of text (Markdown), not a deck"
+        message = "this is a page of text (Markdown), not a deck"
+        return Fault("error", message, first.place, id="DECK-063")
     printed = next((d.title for d in every_dialect() if _is_listing(d, lines)), "")
     if printed:
-        return f"this is a table that a {printed} run printed; give the deck it was computed from"
+        message = f"this is a table that a {printed} run printed; give the deck it was computed from"
+        return Fault("error", message, first.place, id="DECK-064")
     if _is_title(first, lines):
-        return f"a title stands in braces: {{ {lines[first.place.line - 1].strip()} }}"
-    return ""
+        message = f"a title stands in braces: {{ {lines[first.place.line - 1].strip()} }}"
+        return Fault("error", message, first.place, id="DECK-065")
+    return None
 
 
 def _is_title(first: Word, lines: Sequence[str]) -> bool:

@@ -27,6 +27,14 @@ def apply_settings(deck: Deck, settings: list[str]) -> Deck:
     return SettableDeck(deck).with_settings(settings) if settings else deck
 
 
+class _Unusable(ValueError):
+    """The setting cannot be made; `id` is the fault's."""
+
+    def __init__(self, message: str, id: str):
+        super().__init__(message)
+        self.id = id
+
+
 class SettableDeck:
     """A deck whose numbers are looked up by name again and again."""
 
@@ -78,10 +86,10 @@ class SettableDeck:
                 name, changed = self._change(setting)
                 changes[name] = changed
                 taken.append(f"{name}={changed.text}")
-            except number.Misspelt as fault:
+            except _Unusable as fault:
                 shown = setting if len(setting) <= MOST_SHOWN else f"{setting[:MOST_SHOWN]}…"
                 name, message = setting.partition("=")[0].strip(), f"--set {shown}: {fault}"
-                faults.append(Fault("error", message, about=name, id="DECK-016"))
+                faults.append(Fault("error", message, about=name, id=fault.id))
         if faults:
             raise DeckError(faults)
         records = self._with_changes(changes)
@@ -90,18 +98,18 @@ class SettableDeck:
     def _change(self, setting: str) -> tuple[str, Number]:
         name, equals, word = (part.strip() for part in setting.partition("="))
         if not equals:
-            raise number.Misspelt("write NAME=VALUE, such as time.end=2.5")
+            raise _Unusable("write NAME=VALUE, such as time.end=2.5", id="DECK-057")
         place = self._place(name)
         if place is None:
-            raise number.Misspelt(self.unknown(name))
+            raise _Unusable(self.unknown(name), id="DECK-058")
         if name.startswith(f"{COUNTS}."):
-            raise number.Misspelt("a count cannot be set: the deck's layout hangs on it")
+            raise _Unusable("a count cannot be set: the deck's layout hangs on it", id="DECK-059")
         known = self.deck.records[place[0]].at(place[1])
         read = number.integer if isinstance(known.value, int) else number.real
         try:
             value, _ = read(word)
         except number.Misspelt as fault:
-            raise number.Misspelt(f"{name} {fault}") from None
+            raise _Unusable(f"{name} {fault}", id="DECK-016") from None
         return name, replace(known, value=value, text=word, place=None)
 
     def _with_changes(self, changes: "Mapping[str, Number]") -> Any:

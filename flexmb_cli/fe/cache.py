@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 # To be raised when the arrays, or how they are computed, change.
-LAYOUT = 15
+LAYOUT = 16
 # Bytes behind the arrays: a damage anywhere makes the body anew, instead of another body.
 DIGEST = 32
 _VARIABLES = (("FLEXMB_CACHE_DIR", ""), ("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache"))
@@ -144,7 +144,7 @@ def _restored(given: FlexibleInput, notes: "dict[Any, Any]", stored: Any) -> "tu
     )
     places = {"mass": given.mass.place, "stiffness": given.stiffness.place, "body": given.place}
     faults = [
-        Fault("warning", text, places[where], given.name, id="FE-008") for where, text in notes["warnings"]
+        Fault("warning", text, places[where], given.name, id=name) for where, text, name in notes["warnings"]
     ]
     return body, faults
 
@@ -171,7 +171,7 @@ def store(given: FlexibleInput, body: FlexibleBody, warnings: list[Fault]) -> No
         return
     where = {given.mass.place: "mass", given.stiffness.place: "stiffness", given.place: "body"}
     notes = {
-        "warnings": [(where.get(fault.place, "body"), fault.message) for fault in warnings],
+        "warnings": [(where.get(fault.place, "body"), fault.message, fault.id) for fault in warnings],
         "dropped": vars(body.dropped),
     }
     arrays = {name: np.asarray(getattr(body, name)) for name in _ARRAYS}

@@ -88,7 +88,7 @@ def unit_warnings(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Faul
     gravity, longest = float(np.linalg.norm(model.gravity)), None
     notes = FaultList()
     for body in _EXTENTS[kind](model):
-        notes += [Fault("note", note, body.place, body.name, id="MODEL-010") for note in _of_body(body)]
+        notes += _of_body(body)
         if longest is None or body.size > longest.size:
             longest = body
     if kind == "FlexibleMechanism":
@@ -107,20 +107,23 @@ def unit_warnings(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Faul
     return notes
 
 
-def _of_body(body: Extent) -> "Iterator[str]":
+def _of_body(body: Extent) -> "Iterator[Fault]":
     if body.mass == 0.0 and body.inertia == 0.0:
-        yield "has neither mass nor inertia: only what it is joined to can carry it"
+        message = "has neither mass nor inertia: only what it is joined to can carry it"
+        yield Fault("note", message, body.place, body.name, id="MODEL-010")
     if body.radius and body.size and _is_doubtful(body):
-        yield (
+        message = (
             f"mass {body.mass:.4g} kg and inertia {body.inertia:.4g} kg m² make a radius of gyration of "
             f"{body.radius:.3g} m, joints are up to {body.size:.3g} m from the mass centre: "
             "are all in SI units?"
         )
+        yield Fault("note", message, body.place, body.name, id="MODEL-020")
     elif body.density < HOLLOW:
-        yield (
+        message = (
             f"mass {body.mass:.4g} kg and inertia {body.inertia:.4g} kg m² are those of an ellipsoid of "
             f"{body.density:.2g} kg/m³, air has 1.2: is the mass in kg, and not in tonnes?"
         )
+        yield Fault("note", message, body.place, body.name, id="MODEL-021")
 
 
 def _is_doubtful(body: Extent) -> bool:

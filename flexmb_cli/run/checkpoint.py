@@ -61,10 +61,12 @@ class ResumeFile:
             return
         with self._opened() as file:
             if not belongs_here(os.fstat(file.fileno())):
-                self._warn("warning", "of another user, whose rows are taken; without --resume none are")
+                what = "of another user, whose rows are taken; without --resume none are"
+                self._warn("warning", what, id="RUN-065")
             head = file.readline(_LONGEST_HEAD)
             if _is_blank(head) or (self._head.startswith(head) and head != self._head):
-                self._warn("warning", "cut in its first line, nothing of the stopped run can be used")
+                what = "cut in its first line, nothing of the stopped run can be used"
+                self._warn("warning", what, id="RUN-066")
                 return
             self._check_identity(head)
             self._first = self._end = file.tell()
@@ -79,10 +81,11 @@ class ResumeFile:
                 self.last_checkpoint = _split(arrays_of(last))[1]
             lost = os.fstat(file.fileno()).st_size - whole
         if lost:
-            self._warn("note", f"torn or damaged at byte {whole}; the {lost} bytes there are not used")
+            what = f"torn or damaged at byte {whole}; the {lost} bytes there are not used"
+            self._warn("note", what, id="RUN-005")
 
-    def _warn(self, severity: str, what: str) -> None:
-        self.warnings.append(Fault(severity, f"--resume: {self.path} is {what}", id="RUN-005"))
+    def _warn(self, severity: str, what: str, *, id: str) -> None:
+        self.warnings.append(Fault(severity, f"--resume: {self.path} is {what}", id=id))
 
     @property
     def _head(self) -> bytes:

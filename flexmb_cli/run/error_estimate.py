@@ -107,9 +107,9 @@ def estimate_text(largest: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def nothing_to_refine(run: Run, reason: str = NO_STEPS) -> None:
-    """Say that no errors can be estimated, by default where nothing is integrated."""
-    run.outcome.faults.append(Fault("warning", reason, id="RUN-024"))
+def nothing_to_refine(run: Run) -> None:
+    """Say that no errors can be estimated, since nothing is integrated."""
+    run.outcome.faults.append(Fault("warning", NO_STEPS, id="RUN-024"))
 
 
 def finer_motion(
@@ -118,7 +118,7 @@ def finer_motion(
     """Return the blocks of values of a second analysis at a tighter tolerance, if that chooses its steps."""
     second = analysis_of(run.with_new_outcome)
     if not second.integrator.chosen:
-        nothing_to_refine(run, GIVEN_STEPS)
+        run.outcome.faults.append(Fault("warning", GIVEN_STEPS, id="RUN-067"))
         return None
     clock = second.clock
     tolerance = float(clock["rtol"][0])

@@ -84,7 +84,9 @@ class _Reader:
         self.within = ""
         count = self._sample_size() if sampled else 0
         if not sampled and "count" in self.table:
-            self._fault("count", f"belongs to sampling = {LATIN!r}; others take all values given")
+            self._fault(
+                "count", f"belongs to sampling = {LATIN!r}; others take all values given", id="STUDY-033"
+            )
         study = Study(
             self._text("deck"),
             self._choice("dialect", (AUTO, *reversed(DIALECTS)), AUTO),
@@ -101,24 +103,36 @@ class _Reader:
     def _sample_size(self) -> Any:
         if "count" in self.table:
             return self._whole("count", 1, MOST_CASES)
-        return self._fault("sampling", f"a {LATIN} needs `count`, the number of its cases: count = 100")
+        return self._fault(
+            "sampling", f"a {LATIN} needs `count`, the number of its cases: count = 100", id="STUDY-034"
+        )
 
     def _check_size(self, study: Study) -> None:
         lengths = {len(item.values) for item in study.parameters}
         if study.sampling == TOGETHER and len(lengths) > 1:
             counts = ", ".join(f"{item.name} has {len(item.values)}" for item in study.parameters)
-            self._fault("parameters", f"with sampling = {TOGETHER!r} all need as many values: {counts}")
+            self._fault(
+                "parameters",
+                f"with sampling = {TOGETHER!r} all need as many values: {counts}",
+                id="STUDY-035",
+            )
         elif study.cases > MOST_CASES:
-            self._fault("parameters", f"make {study.cases} cases; more than {MOST_CASES} are refused")
+            self._fault(
+                "parameters", f"make {study.cases} cases; more than {MOST_CASES} are refused", id="STUDY-036"
+            )
         elif study.sampling == LATIN and study.count * len(study.parameters) > MOST_CASES:
-            self._fault("count", f"times parameters may be {MOST_CASES} at most")
+            self._fault("count", f"times parameters may be {MOST_CASES} at most", id="STUDY-037")
 
     def _entries(self, key: str) -> list[Any]:
         """Names and contents of a table that must not be empty."""
         table = self.table.get(key)
         if not isinstance(table, dict) or not table:
             example = '"driver.1.B" = [1.0, 2.0]' if key == "parameters" else 'top = "max body.3.z"'
-            self._fault(key, f"the table [{key}] is missing or empty; it has entries such as {example}")
+            self._fault(
+                key,
+                f"the table [{key}] is missing or empty; it has entries such as {example}",
+                id="STUDY-038",
+            )
             return []
         self.within = key
         return list(table.items())
@@ -129,40 +143,42 @@ class _Reader:
         if isinstance(given, dict):
             return self._range(name, given, sampled)
         if sampled:
-            self._fault(name, "a sample needs a range: { from = 1, to = 2 }")
+            self._fault(name, "a sample needs a range: { from = 1, to = 2 }", id="STUDY-039")
             return None
         if not isinstance(given, list) or not given:
-            self._fault(name, "needs a list of numbers or a range { from = 1, to = 2, count = 5 }")
+            self._fault(
+                name, "needs a list of numbers or a range { from = 1, to = 2, count = 5 }", id="STUDY-040"
+            )
             return None
         if not all(map(_is_number, given)):
-            self._fault(name, "a list holds finite numbers only")
+            self._fault(name, "a list holds finite numbers only", id="STUDY-041")
             return None
         return Varied(name, tuple(given), place=self._place(name))
 
     def _range(self, name: str, given: "dict[Any, Any]", sampled: bool) -> Varied | None:
         if name_in_full := _dotted(name, given):
             message = f'a name with points stands in quotes: "{name_in_full}" = …'
-            self._fault(name, message, self._place(name_in_full))
+            self._fault(name, message, self._place(name_in_full), id="STUDY-042")
             return None
         self._refuse_unknown(given, RANGE_KEYS, name)
         start, end, scale = given.get("from"), given.get("to"), given.get("scale", SCALES[0])
         if not _is_number(start) or not _is_number(end):
-            self._fault(name, "a range needs finite numbers `from` and `to`")
+            self._fault(name, "a range needs finite numbers `from` and `to`", id="STUDY-043")
             return None
         if scale not in SCALES:
-            self._fault(name, f"scale is one of {', '.join(SCALES)}")
+            self._fault(name, f"scale is one of {', '.join(SCALES)}", id="STUDY-044")
             return None
         if scale == "log" and not (start > 0 and end > 0):
-            self._fault(name, "a logarithmic range needs positive ends")
+            self._fault(name, "a logarithmic range needs positive ends", id="STUDY-045")
             return None
         if sampled:
             if "count" in given:
-                self._fault(name, "a sample takes its count from the study's `count`")
+                self._fault(name, "a sample takes its count from the study's `count`", id="STUDY-046")
                 return None
             return Varied(name, (float(start), float(end)), scale == "log", self._place(name))
         count = given.get("count")
         if type(count) is not int or not 2 <= count <= MOST_VALUES:
-            self._fault(name, f"a range needs a count from 2 to {MOST_VALUES}")
+            self._fault(name, f"a range needs a count from 2 to {MOST_VALUES}", id="STUDY-047")
             return None
         values = _spaced(start, end, count, scale == "log")
         return Varied(name, values, place=self._place(name))
@@ -171,11 +187,11 @@ class _Reader:
         take, _, quantity = given.strip().partition(" ") if isinstance(given, str) else ("", "", "")
         if take not in TAKES or not quantity.strip():
             forms = ", ".join(TAKES)
-            self._fault(name, f'a result is written "TAKE QUANTITY" with TAKE one of {forms}')
+            self._fault(name, f'a result is written "TAKE QUANTITY" with TAKE one of {forms}', id="STUDY-048")
             return None
         if not _names_a_column(name):
             form = "letters, digits, marks and blanks, but no slash and no blank at its ends"
-            self._fault(name, f"a name of a result has {form}")
+            self._fault(name, f"a name of a result has {form}", id="STUDY-049")
             return None
         return Kept(name, quantity.strip(), take, self._place(name))
 
@@ -183,30 +199,30 @@ class _Reader:
         given = self.table.get(key)
         if isinstance(given, str) and given.strip():
             return given
-        self._fault(key, 'names the deck: deck = "IN-RSSR.dat"')
+        self._fault(key, 'names the deck: deck = "IN-RSSR.dat"', id="STUDY-050")
         return ""
 
     def _choice(self, key: str, choices: tuple[str, ...], default: str) -> str:
         given = self.table.get(key, default)
         if given not in choices:
-            self._fault(key, f"is one of {', '.join(choices)}")
+            self._fault(key, f"is one of {', '.join(choices)}", id="STUDY-051")
             return default
         return str(given)
 
     def _whole(self, key: str, low: int, high: int, default: int | None = None) -> Any:
         given = self.table.get(key, default)
         if type(given) is not int or not low <= given <= high:
-            return self._fault(key, f"is an integer from {low} to {high}")
+            return self._fault(key, f"is an integer from {low} to {high}", id="STUDY-052")
         return given
 
     def _refuse_unknown(self, table: "dict[Any, Any]", known: tuple[str, ...], owner: str) -> None:
         for key in table:
             if key not in known:
-                self._fault(key, f"unknown in {owner}; known are {', '.join(known)}")
+                self._fault(key, f"unknown in {owner}; known are {', '.join(known)}", id="STUDY-053")
 
-    def _fault(self, name: str, message: str, place: Place | None = None) -> None:
+    def _fault(self, name: str, message: str, place: Place | None = None, *, id: str) -> None:
         place = place or self._place(name)
-        self.faults.append(Fault("error", message, place, name, id="STUDY-013"))
+        self.faults.append(Fault("error", message, place, name, id=id))
 
     def _place(self, name: str) -> Place | None:
         """Return where the name stands as a key, at best of the table being read."""

@@ -165,16 +165,17 @@ def _quantities(study: Study, deck: Deck, solution: Solution) -> list[Quantity]:
 
 
 def _one(result: "h5py.File", item: Kept, faults: list[Fault]) -> Quantity | None:
-    message = ""
+    subject = f"result {item.name}"
     try:
         found = resolve(result, [item.quantity])
-        if len(found) > 1:
-            names = ", ".join(quantity.name for quantity in found[:6])
-            message = f"{item.quantity} is more than one number: {names} …; name one"
     except ResultError as failure:
         message = str(failure).removesuffix(SHOWS_ALL)
-    if message:
-        faults.append(Fault("error", message, item.place, f"result {item.name}", id="STUDY-016"))
+        faults.append(Fault("error", message, item.place, subject, id="STUDY-016"))
+        return None
+    if len(found) > 1:
+        names = ", ".join(quantity.name for quantity in found[:6])
+        message = f"{item.quantity} is more than one number: {names} …; name one"
+        faults.append(Fault("error", message, item.place, subject, id="STUDY-054"))
         return None
     return found[0]
 

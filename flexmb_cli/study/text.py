@@ -13,7 +13,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ..errors import visible
+from ..errors import Fault, visible
 from ..quick_dataclass import dataclass
 from ..results.hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, understood
 from ..results.quantities.quantities import NOTHING, SHOWS_ALL, ResultError
@@ -189,18 +189,18 @@ def _json(cell: float) -> float | None:
     return None if isinstance(cell, float) and not math.isfinite(cell) else cell
 
 
-def study_notes(table: h5py.File, columns: Sequence[StudyColumn], named: bool) -> list[str]:
+def study_notes(table: h5py.File, columns: Sequence[StudyColumn], named: bool) -> list[Fault]:
     """Return notes on what the text leaves out: series that were not named, and cases that failed."""
     series = [column.name for column in study_columns(table) if column.length]
-    notes = [] if named or not series else [f"series are shown where they are named: {', '.join(series)}"]
-    reported = failed_note(table)
-    return [*notes, reported] if reported and all(column.path != MESSAGE for column in columns) else notes
+    message = f"series are shown where they are named: {', '.join(series)}"
+    notes = [] if named or not series else [Fault("note", message, id="STUDY-055")]
+    return notes if any(column.path == MESSAGE for column in columns) else [*notes, *failed_notes(table)]
 
 
-def failed_note(table: h5py.File) -> str:
-    """Return a sentence on the cases that failed, "" where none did."""
+def failed_notes(table: h5py.File) -> list[Fault]:
+    """Return a note on the cases that failed, none where none did."""
     failed = int(np.count_nonzero(table[EXIT_CODE][:]))
-    reported = (
+    message = (
         f"{failed} of {len(table[CASE])} cases failed and have nan for results; the column message says why"
     )
-    return reported if failed else ""
+    return [Fault("note", message, id="STUDY-056")] if failed else []

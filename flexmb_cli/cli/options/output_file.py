@@ -3,7 +3,7 @@
 import os
 from typing import TYPE_CHECKING, Any
 
-import click
+from ..terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -16,15 +16,15 @@ def refuse_inputs(output: str, inputs: "Sequence[Any]", option: str = "-o") -> N
     """Raise UsageError when `output`, given with `option`, is one of the files that the command reads."""
     for path in inputs:
         if _are_one(output, path):
-            raise click.UsageError(
-                f"{option} {output} would overwrite {path}, which is read; name another file"
+            raise WrongCall(
+                f"{option} {output} would overwrite {path}, which is read; name another file", id="CLI-026"
             )
 
 
 def refuse_standard_output(output: str, what: str, option: str = "-o") -> None:
     """Raise UsageError when `what`, which `option` writes, is to go to standard output."""
     if output == STANDARD_OUTPUT:
-        raise click.UsageError(f"{what} cannot go to standard output; {option} names a file")
+        raise WrongCall(f"{what} cannot go to standard output; {option} names a file", id="CLI-027")
 
 
 def reported(output: str) -> str:

@@ -106,7 +106,9 @@ class _Work:
             self.jobs = len(self.running)
             self.waiting.appendleft((index, deck))
         else:
-            self.ended[index] = _failed(deck, f"no process can be started for this deck: {reason}")
+            self.ended[index] = _failed(
+                deck, f"no process can be started for this deck: {reason}", id="CLI-009"
+            )
 
     def stop(self, number: int) -> None:
         """Stop the processes as this one was: a signal may have come to this process alone."""
@@ -133,7 +135,7 @@ class _Work:
 
     def _take(self, worker: Worker, index: int, deck: str, answer: Any) -> None:
         """Return what became of a deck; `answer` None: its process was killed."""
-        outcome, takes_more = answer or (_failed(deck, KILLED), False)
+        outcome, takes_more = answer or (_failed(deck, KILLED, id="CLI-008"), False)
         if takes_more:
             self.idle.append(worker)
         else:
@@ -146,8 +148,8 @@ class _Work:
             self.fault = outcome
 
 
-def _failed(deck: str, reported: Any) -> Outcome:
-    return Outcome(deck, ANALYSIS_FAILED, faults=[Fault("error", reported, id="CLI-008")])
+def _failed(deck: str, reported: str, *, id: str) -> Outcome:
+    return Outcome(deck, ANALYSIS_FAILED, faults=[Fault("error", reported, id=id)])
 
 
 def _serve(line: Any, options: RunOptions) -> None:
@@ -186,5 +188,5 @@ def _solve(deck: str, options: RunOptions, listener: Listener) -> Any:
         return interface.solve_to_files(deck, options, listener)
     except Exception as fault:
         if lacks_memory(fault):
-            return _failed(deck, lack_of_memory_text(fault))
+            return _failed(deck, lack_of_memory_text(fault), id="CLI-010")
         return portable(fault)  # of flexmb itself, with --debug

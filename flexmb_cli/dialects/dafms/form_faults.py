@@ -139,7 +139,7 @@ def _faults_of_beam(record: Record, dimension: int) -> list[Fault]:
         beam: Beam = beam_of({n.key: n.value if n.text else None for n in record.numbers})
     except DeckError as failure:
         return [
-            Fault("error", fault.message, record.place, record.subject, id="DAFMS-030")
+            Fault("error", fault.message, record.place, record.subject, id=fault.id)
             for fault in failure.faults
         ]
     message = ""

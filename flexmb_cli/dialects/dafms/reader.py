@@ -12,35 +12,13 @@ from ...deck.number_list import LongRecord, NumberList, record_of
 from ...deck.record import Deck, DeckText, Number, Record
 from ...deck.several_models import MOST_MODELS
 from ...errors import DeckError, Place
-from ...quick_dataclass import dataclass, field
 from .cards import CARDS, KNOWN_WORDS, MACROS, SWITCHES
 from .skipped_lines import SkippedLines
-from .system_cards import read_system
+from .system_cards import Layout, read_system
 
 # More would take more than twelve times the deck's size.
 MOST_TREE_BODIES = 5000
 MOST_SHORT_NUMBERS = 350_000  # outside long lists
-
-
-@dataclass
-class Layout:
-    """Lengths of the lists of a deck: counts per body, body 1 first."""
-
-    bodies: int
-    dimension: int
-    translations: list[int] = field(default_factory=list)
-    rotations: list[int] = field(default_factory=list)
-    nodes: list[int] = field(default_factory=list)
-    dofs: list[int] = field(default_factory=list)
-
-    @property
-    def coordinates(self) -> int:
-        """NS, the number of generalized coordinates (thesis eq. 2.4)."""
-        return sum(self.translations) + sum(self.rotations) + sum(map(self.elastic, range(self.bodies)))
-
-    def elastic(self, body: int) -> int:
-        """NMK, the number of elastic coordinates of a body counted from 0."""
-        return self.nodes[body] * self.dofs[body]
 
 
 def read_dafms(source: DeckText) -> Deck:
@@ -72,7 +50,7 @@ class _Read(list[Record]):
             message = (
                 f"the deck has more than {MOST_SHORT_NUMBERS} numbers outside lists of one body or table"
             )
-            self.records.stop("", message, record.place)
+            self.records.stop("", message, record.place, id="DAFMS-153")
         super().append(record)
 
 
@@ -95,13 +73,14 @@ def _read_size(records: Records) -> tuple[Number, ...]:
     numbers = records.read("2I5", items, "counts")
     bodies, dimension = numbers
     if bodies.value < 1 and not records.errors:
-        records.report("error", "counts", f"N = {bodies.value} bodies, need at least 1", bodies.place)
+        message = f"N = {bodies.value} bodies, need at least 1"
+        records.report("error", "counts", message, bodies.place, id="DAFMS-154")
     if bodies.value > MOST_TREE_BODIES:
         message = f"N = {bodies.value} bodies, at most {MOST_TREE_BODIES} are taken"
-        records.report("error", "counts", message, bodies.place)
+        records.report("error", "counts", message, bodies.place, id="DAFMS-155")
     if dimension.value not in (2, 3) and not records.errors:
         message = f"NDM = {dimension.value}, the dimension is 2 or 3"
-        records.report("error", "counts", message, dimension.place)
+        records.report("error", "counts", message, dimension.place, id="DAFMS-156")
     _stop_at_errors(records)
     return numbers
 
@@ -117,7 +96,8 @@ def _find_model(records: Records) -> Number:
             text = line[:80]
             return Number("DFMB", 1, "heading card", "", Place(records.line, 1, max(1, len(text))), text)
         if word in MACROS:
-            records.stop("", f"card '{word}' stands before any model; a model begins with a DFMB card")
+            message = f"card '{word}' stands before any model; a model begins with a DFMB card"
+            records.stop("", message, id="DAFMS-157")
         skipped.add(line)
     skipped.flush()
     found: Number = records.end_of_deck("", "a DFMB card")
@@ -163,14 +143,13 @@ def _read_dofs(records: Records, name: str, motion: str, k: int) -> tuple[Number
 def _check_flags(records: Records, name: str, count: Number, flags: list[Number], subject: str) -> None:
     for number in flags:
         if number.value not in (0, 1):
-            records.report(
-                "error", subject, f"{number.key} is a flag, 0 or 1, read {number.value}", number.place
-            )
+            message = f"{number.key} is a flag, 0 or 1, read {number.value}"
+            records.report("error", subject, message, number.place, id="DAFMS-158")
             return
     free = sum(number.value for number in flags)
     if count.value != free:
         message = f"{name} = {count.value}, but {free} of its three flags are 1: they must agree"
-        records.report("error", subject, message, count.place)
+        records.report("error", subject, message, count.place, id="DAFMS-159")
 
 
 def _read_list(records: Records, name: str, meaning: str, count: int) -> tuple[Number, ...]:
@@ -182,12 +161,12 @@ def _check_nodes(records: Records, nodes: tuple[Number, ...], dofs: tuple[Number
     for k, (count, dof) in enumerate(zip(nodes, dofs, strict=True), 1):
         if count.value < 0:
             message = f"NUMNP = {count.value}: a body has 0 nodes (rigid) or more"
-            records.report("error", f"body {k}", message, count.place)
+            records.report("error", f"body {k}", message, count.place, id="DAFMS-160")
         elif count.value and dof.value not in (1, 2, 3):
             message = (
                 f"NDF = {dof.value}: a node has 1 (axis 3), 2 (axes 2, 3) or 3 elastic degrees of freedom"
             )
-            records.report("error", f"body {k}", message, dof.place)
+            records.report("error", f"body {k}", message, dof.place, id="DAFMS-161")
 
 
 def _stop_at_errors(records: Records) -> None:
@@ -265,7 +244,7 @@ def _check_skyline(records: Records, jdi: Sequence[Number], k: int) -> None:
                 f"{number.key} = {number.value} is no diagonal's address, expected {_range(before, column)}: "
                 "a column holds at most as many entries as its number, the diagonal last"
             )
-            records.stop(f"JDI of body {k}", message, number.place)
+            records.stop(f"JDI of body {k}", message, number.place, id="DAFMS-162")
         before = address
 
 
@@ -284,17 +263,19 @@ def _read_macros(records: Records) -> Record:
             break
         if word == "DFMB":
             message = f"of a file up to {MOST_MODELS} models are solved, of standard input one"
-            records.stop("", f"a second DFMB card: {message}; split the deck here")
+            records.stop("", f"a second DFMB card: {message}; split the deck here", id="DAFMS-163")
         elif word == "STAR":
             stars.append(records.line)
         elif word in CARDS:
-            records.report("warning", "", f"card '{word}' after END is not read; put it before END")
+            message = f"card '{word}' after END is not read; put it before END"
+            records.report("warning", "", message, id="DAFMS-164")
         elif word not in SWITCHES:
             skipped.add(line)
     else:
-        records.report("warning", "", "the deck ends without a STOP card")
+        records.report("warning", "", "the deck ends without a STOP card", id="DAFMS-165")
     skipped.flush()
     if not stars:
-        records.report("warning", "", "no STAR card: DAFMS reads this model and integrates nothing")
+        message = "no STAR card: DAFMS reads this model and integrates nothing"
+        records.report("warning", "", message, id="DAFMS-166")
     place = Place(stars[0], 1, 4) if stars else None
     return Record("run", 0, "run", (Number("STAR", len(stars), "number of STAR cards", "", place),))

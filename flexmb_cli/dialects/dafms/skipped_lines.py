@@ -41,20 +41,22 @@ class SkippedLines:
         if not self._count:
             return
         word = self._text[:4].ljust(4)
-        severity, message = self._describe(word)
         width = max(1, len(self._text[:4].rstrip()))
-        self.records.report(severity, "", message, Place(self._first, 1, width))
+        self._report(word, Place(self._first, 1, width))
         self._count = 0
 
-    def _describe(self, word: str) -> tuple[str, str]:
+    def _report(self, word: str, place: Place) -> None:
+        report = self.records.report
         more = f", with {_lines(self._count - 1)} after it" if self._count > 1 else ""
         if _DATA.fullmatch(word):
             behind = f"after card '{self.card}'" if self.card else self.where
-            return "warning", f"{_lines(self._count)} {behind} skipped: no card reads them"
-        known = resembling(word)
-        if known:
-            return "warning", f"unknown card '{word}' skipped{more}; is '{known}' meant?"
-        return "note", f"unknown card '{word}' skipped{more}"
+            message = f"{_lines(self._count)} {behind} skipped: no card reads them"
+            report("warning", "", message, place, id="DAFMS-186")
+        elif known := resembling(word):
+            message = f"unknown card '{word}' skipped{more}; is '{known}' meant?"
+            report("warning", "", message, place, id="DAFMS-187")
+        else:
+            report("note", "", f"unknown card '{word}' skipped{more}", place, id="DAFMS-188")
 
 
 def _lines(count: int) -> str:

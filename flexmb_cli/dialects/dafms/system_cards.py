@@ -7,6 +7,7 @@ from ...deck.fortran_records import Item, MissingRecord, Records
 from ...deck.number_list import record_of
 from ...deck.record import Number, Record
 from ...errors import Place
+from ...quick_dataclass import dataclass, field
 from .card import Card
 from .cards import CARDS, END, MACROS, PRINT_OFF, PRINT_ON
 from .skipped_lines import SkippedLines
@@ -14,13 +15,32 @@ from .skipped_lines import SkippedLines
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from .reader import Layout
-
 MOST_REPEATED = 1000  # each looks through all records
 
 
-def read_system(records: Records, layout: "Layout", read: list[Record]) -> None:
-    """Read TSYSIN's cards into `read`; `layout` gives the lengths of the lists (`dafms.Layout`)."""
+@dataclass
+class Layout:
+    """Lengths of the lists of a deck: counts per body, body 1 first."""
+
+    bodies: int
+    dimension: int
+    translations: list[int] = field(default_factory=list)
+    rotations: list[int] = field(default_factory=list)
+    nodes: list[int] = field(default_factory=list)
+    dofs: list[int] = field(default_factory=list)
+
+    @property
+    def coordinates(self) -> int:
+        """NS, the number of generalized coordinates (thesis eq. 2.4)."""
+        return sum(self.translations) + sum(self.rotations) + sum(map(self.elastic, range(self.bodies)))
+
+    def elastic(self, body: int) -> int:
+        """NMK, the number of elastic coordinates of a body counted from 0."""
+        return self.nodes[body] * self.dofs[body]
+
+
+def read_system(records: Records, layout: Layout, read: list[Record]) -> None:
+    """Read TSYSIN's cards into `read`; `layout` gives the lengths of the lists."""
     system = _System(records, layout, read)
     while not records.exhausted:
         line = records.next_card()
@@ -30,7 +50,9 @@ def read_system(records: Records, layout: "Layout", read: list[Record]) -> None:
             return
         if word in MACROS:
             system.skipped.flush()
-            records.report("error", "", f"card '{word}' stands before END: the card 'END ' is missing")
+            records.report(
+                "error", "", f"card '{word}' stands before END: the card 'END ' is missing", id="DAFMS-167"
+            )
             records.line -= 1
             return
         system.take(word, line)
@@ -52,7 +74,7 @@ def _of_function(k: int) -> tuple[str, str, str]:
 class _System:
     """Cards read by TSYSIN so far: the deck's records and the line of every card."""
 
-    def __init__(self, records: Records, layout: "Layout", read: list[Record]):
+    def __init__(self, records: Records, layout: Layout, read: list[Record]):
         self.records = records
         self.layout = layout
         self.read = read
@@ -85,9 +107,11 @@ class _System:
             line = self.lines[card.word]
             self.repeated += 1
             if self.repeated > MOST_REPEATED:
-                self.records.stop("", f"cards that replace earlier ones: more than {MOST_REPEATED}")
+                self.records.stop(
+                    "", f"cards that replace earlier ones: more than {MOST_REPEATED}", id="DAFMS-168"
+                )
             message = f"card '{card.word}' replaces the one on line {line}"
-            self.records.report("warning", "", message, Place(self.records.line, 1, 4))
+            self.records.report("warning", "", message, Place(self.records.line, 1, 4), id="DAFMS-169")
             sections = ("speed", "coordinate") if card.layout == "state" else (card.section,)
             self.read[:] = [record for record in self.read if record.section not in sections]
         self.lines[card.word] = self.records.line
@@ -150,7 +174,7 @@ class _System:
         (count,) = self.records.read("I5", [Item("NL", "number of entries")], card.word)
         if count.value < 0:
             message = f"a count of {count.value} entries: 0 or more"
-            self.records.report("error", card.word, message, count.place)
+            self.records.report("error", card.word, message, count.place, id="DAFMS-170")
         for number in range(1, count.value + 1):
             subject = f"{card.section.replace('_', ' ')} {number}"
             self.read.append(record_of(card.section, number, subject, *self._read_entry(card, subject)))
@@ -174,7 +198,7 @@ class _System:
         if count.value < 1:
             what = "points, a table" if each == 2 else "numbers, a function"
             message = f"NP = {count.value} {what} needs at least 1"
-            self.records.stop(subject, message, count.place)
+            self.records.stop(subject, message, count.place, id="DAFMS-171")
         return self.records.read_list(card.tail, each * count.value, labels, subject)
 
     def _read_rotation(self, card: Card, head: list[Number], subject: str) -> list[Number]:
@@ -182,7 +206,7 @@ class _System:
         body = head[0]
         if not 1 <= body.value <= self.layout.bodies or not self.layout.nodes[body.value - 1]:
             message = f"K = {body.value} is no flexible body"
-            self.records.stop(subject, message, body.place)
+            self.records.stop(subject, message, body.place, id="DAFMS-172")
         size = self.layout.elastic(body.value - 1)
         numbers: list[Number] = []
         for axis in (1, 2, 3):

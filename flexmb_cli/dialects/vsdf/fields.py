@@ -29,7 +29,11 @@ class Field(NamedTuple):
 
 
 class Unfit(ValueError):
-    """The field's text is not what the card wants there."""
+    """The field's text is not what the card wants there; `id` is the fault's."""
+
+    def __init__(self, message: str, id: str):
+        super().__init__(message)
+        self.id = id
 
 
 def is_free(line: str, columns: tuple[Column, ...]) -> bool:
@@ -74,7 +78,8 @@ def value(field: Field, column: Column) -> tuple[float | int | str, str]:
     """The field's value and a warning, "" for none.  Raises Unfit."""
     if not field.text:
         if column.default is None:
-            raise Unfit(f"{column.key} in {field.span} must be {_NAMES[column.letter]}; the field is empty")
+            message = f"{column.key} in {field.span} must be {_NAMES[column.letter]}; the field is empty"
+            raise Unfit(message, id="VSDF-182")
         return column.default, ""
     if column.letter in "IF":
         return _numeral(field, column)
@@ -88,14 +93,16 @@ def _numeral(field: Field, column: Column) -> tuple[float, str]:
     if " " in field.text:
         raise Unfit(
             f"{column.key} in {field.span} must be {_NAMES[column.letter]}; read '{field.text}': "
-            "two numbers in one field? fields are cut by column, or by commas"
+            "two numbers in one field? fields are cut by column, or by commas",
+            id="VSDF-183",
         )
     if "\t" in field.text:
-        raise Unfit(f"{column.key} in {field.span}: a tab counts as one column; use blanks or commas")
+        message = f"{column.key} in {field.span}: a tab counts as one column; use blanks or commas"
+        raise Unfit(message, id="VSDF-184")
     try:
         found, warning = read(field.text)
     except number.Misspelt as fault:
-        raise Unfit(f"{column.key} in {field.span} {fault}") from None
+        raise Unfit(f"{column.key} in {field.span} {fault}", id="VSDF-081") from None
     return found, f"{column.key}: {warning}" if warning else ""
 
 
@@ -104,7 +111,8 @@ def _word(field: Field, column: Column) -> tuple[str, str]:
     if word not in column.words:
         raise Unfit(
             f"{column.key} in {field.span} must be one of {', '.join(column.words)}; "
-            f"read {number.shown(field.text)}"
+            f"read {number.shown(field.text)}",
+            id="VSDF-185",
         )
     return word, ""
 

@@ -62,7 +62,9 @@ class _Reader(CardReader):
         ended: dict[str, Any] = {}
         while (line := self.next()) is not None:
             if too_much := self._too_much(card):
-                self.error("", f"{too_much}: the deck is not read from here on", Place(self.at, 1))
+                self.error(
+                    "", f"{too_much}: the deck is not read from here on", Place(self.at, 1), id="VSDF-153"
+                )
                 return
             if not DATA.match(line):
                 word = line[:4].strip().upper()
@@ -75,7 +77,7 @@ class _Reader(CardReader):
                 self._read_record(card, line)
             elif not self.unknown:
                 where = "behind END, where nothing is read" if ended else "before any keyword"
-                self.error("", f"a data card stands {where}", Place(self.at, 1))
+                self.error("", f"a data card stands {where}", Place(self.at, 1), id="VSDF-154")
         self._check_end(ended)
 
     def _too_much(self, card: Card | None) -> str:
@@ -92,7 +94,7 @@ class _Reader(CardReader):
         line = self.next() or ""
         if line[:4].upper() != "VSDF":
             place = Place(max(self.at, 1), 1, 4)
-            self.error("", f"the first card must begin with VSDF; read '{line[:4]}'", place)
+            self.error("", f"the first card must begin with VSDF; read '{line[:4]}'", place, id="VSDF-155")
         title = line[5 : 5 + _TITLE_WIDTH]
         place = Place(max(self.at, 1), 1, 4)
         self.records.append(Record("title", 0, "title", (Number("title", title, "title", "", place, title),)))
@@ -106,22 +108,27 @@ class _Reader(CardReader):
             return None
         if word not in BY_WORD:
             self.unknown = True
-            self.error("", f"there is no card '{line[:4].rstrip()}'{_hint(word)}", place)
+            self.error("", f"there is no card '{line[:4].rstrip()}'{_hint(word)}", place, id="VSDF-156")
             return None
         reported = self._check_alone(word, line)
         if END in ended:
-            self.error("", f"card '{word}' stands behind END, where nothing is read", place)
+            self.error("", f"card '{word}' stands behind END, where nothing is read", place, id="VSDF-157")
             self.unknown = True
             return None
         if word != "BODY" and not self.begun:
-            self.error("", f"card '{word}' stands before BODY, which must come first", place)
+            self.error("", f"card '{word}' stands before BODY, which must come first", place, id="VSDF-158")
         self.begun, self.bare = True, None if reported else place
         return BY_WORD[word]
 
     def _check_filled(self, card: Card | None, following: str) -> None:
         """A keyword alone says nothing; what was meant may stand in its comment."""
         if card is not None and self.bare is not None and following in KNOWN_WORDS:
-            self.warn(card.word, "no data card stands below the keyword, so it says nothing", self.bare)
+            self.warn(
+                card.word,
+                "no data card stands below the keyword, so it says nothing",
+                self.bare,
+                id="VSDF-159",
+            )
         self.bare = None
 
     def _check_alone(self, word: str, line: str) -> bool:
@@ -132,7 +139,7 @@ class _Reader(CardReader):
         message = (
             f"'{extra}' stands behind the keyword and is not read; data cards follow on lines of their own"
         )
-        self.error(word, message, Place(self.at, line.index(extra, 4) + 1, len(extra)))
+        self.error(word, message, Place(self.at, line.index(extra, 4) + 1, len(extra)), id="VSDF-160")
         return True
 
     def _check_end(self, ended: dict[str, Place]) -> None:
@@ -141,9 +148,9 @@ class _Reader(CardReader):
             while last > 1 and not self.lines[last - 1].strip():
                 last -= 1
             place = Place(last, len(self.lines[last - 1].rstrip()) + 1)
-            self.error("", "unexpected end of the deck, expected the card END", place)
+            self.error("", "unexpected end of the deck, expected the card END", place, id="VSDF-161")
         elif STAR not in ended:
-            self.warn("", "no STAR card behind END: the deck asks for no run", ended[END])
+            self.warn("", "no STAR card behind END: the deck asks for no run", ended[END], id="VSDF-162")
 
     def _read_record(self, card: Card, line: str) -> None:
         before = len(self.faults)
@@ -178,11 +185,11 @@ class _Reader(CardReader):
         if card.counted != "list":
             earlier = self._given(card.section, number, count)
             if earlier:
-                self.error(subject, f"it is given on line {earlier} already", head.place)
+                self.error(subject, f"it is given on line {earlier} already", head.place, id="VSDF-163")
                 return
         if card.counted == "own" and number != count:
             message = f"it is number {count} of its type; records are numbered 1, 2, ... in their order"
-            self.error(subject, message, head.place)
+            self.error(subject, message, head.place, id="VSDF-164")
         if plain.is_plain(card):
             head_numbers = numbers[: len(card.columns)]
             given = (float(number.value) if number.text else math.nan for number in head_numbers)

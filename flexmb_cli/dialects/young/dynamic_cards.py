@@ -138,7 +138,9 @@ class _Cards:
         card: list[Any] = []
         for word in words(self.source.lines, self.opening):
             if word.text == UNCLOSED:
-                self.made.error(word.place, "", "a comment is opened here and never closed with }")
+                self.made.error(
+                    word.place, "", "a comment is opened here and never closed with }", id="YOUNG-169"
+                )
                 break
             if is_keyword(word) and not _wants_text(card):
                 self._finish(card)
@@ -146,7 +148,9 @@ class _Cards:
                     message = (
                         f"there are more than {MOST_LOADS} cards other than {', '.join(BY_BODY).upper()}"
                     )
-                    self.made.error(word.place, "", f"{message}: the deck is not read from here on")
+                    self.made.error(
+                        word.place, "", f"{message}: the deck is not read from here on", id="YOUNG-170"
+                    )
                     return
                 card = [word]
                 if word.text.upper() == LAST_CARD:
@@ -156,7 +160,7 @@ class _Cards:
                 card.append(word)
             else:
                 message = "a card begins with a keyword, such as MASS, FORCE or GRAVITY"
-                self.made.error(word.place, "", message)
+                self.made.error(word.place, "", message, id="YOUNG-171")
                 card = [Word("", word.line, word.column)]
         self._finish(card)
 
@@ -179,13 +183,14 @@ class _Cards:
         keyword, *found = card
         kind = BY_KEYWORD.get(keyword.text.upper())
         if kind is None:
-            self.made.error(keyword.place, "", _unknown(keyword.text))
+            message = f"there is no card {number.shown(keyword.text)}{_hint(keyword.text)}"
+            self.made.error(keyword.place, "", message, id="YOUNG-172")
             return
         if self.shapes_alone and kind not in SHAPE_CARDS:
             message = (
                 f"{kind.keyword} is no shape; DYNAMICS in place of GEOMETRY opens cards with masses and loads"
             )
-            self.made.error(keyword.place, "", message)
+            self.made.error(keyword.place, "", message, id="YOUNG-173")
             return
         starts = self.starts.setdefault(kind.section, array("i"))
         self.loads += kind.section not in BY_BODY
@@ -194,7 +199,9 @@ class _Cards:
         if columns is None:
             subject = f"{kind.section} {len(starts)}"
             taken = f"at most {MOST_NUMBERS} numbers" if len(found) > MOST_NUMBERS else kind.numbers
-            self.made.error(keyword.place, subject, f"{kind.keyword} takes {taken}; read {len(found)}")
+            self.made.error(
+                keyword.place, subject, f"{kind.keyword} takes {taken}; read {len(found)}", id="YOUNG-174"
+            )
             return
         record = self.made.record(kind, columns, len(starts), keyword, found)
         self.numbers += len(columns)
@@ -208,10 +215,10 @@ def _wants_text(card: Sequence[Word]) -> Any:
     return kind is not None and kind.begins_with_text
 
 
-def _unknown(text: str) -> str:
+def _hint(text: str) -> str:
     from difflib import get_close_matches
 
     close = get_close_matches(text.upper(), BY_KEYWORD, n=1)
     if close:
-        return f"there is no card {number.shown(text)}; is {close[0]} meant?"
-    return f"there is no card {number.shown(text)}, only {', '.join(BY_KEYWORD)} and {LAST_CARD}"
+        return f"; is {close[0]} meant?"
+    return f", only {', '.join(BY_KEYWORD)} and {LAST_CARD}"

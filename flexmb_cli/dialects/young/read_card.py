@@ -32,9 +32,9 @@ class CardRecords:
     def __init__(self) -> None:
         self.faults: list[Fault] = FaultList()
 
-    def error(self, place: Place, subject: str, message: str) -> None:
+    def error(self, place: Place, subject: str, message: str, *, id: str) -> None:
         """Report what is wrong at a place."""
-        self.faults.append(Fault("error", message, place, subject, id="YOUNG-020"))
+        self.faults.append(Fault("error", message, place, subject, id=id))
 
     def record(
         self,
@@ -66,7 +66,7 @@ class CardRecords:
                     Fault("warning", f"{column.key}: {warning}", word.place, subject, id="YOUNG-021")
                 )
         except number.Misspelt as fault:
-            self.error(word.place, subject, f"{column.key} {fault}")
+            self.error(word.place, subject, f"{column.key} {fault}", id="YOUNG-020")
         return Number(column.key, value, column.meaning, column.unit, word.place, word.text)
 
 

@@ -93,23 +93,25 @@ class _Reading:
         self.taken = min(first + wanted, len(self.words))
         if self.taken > first and self.words[self.taken - 1].text == UNCLOSED:
             self.taken -= 1
-            self.error(self.words[self.taken], "", "a comment is opened here and never closed with }")
+            self.error(
+                self.words[self.taken], "", "a comment is opened here and never closed with }", id="YOUNG-169"
+            )
             self.words.drop_last()
         return range(first, self.taken)
 
-    def error(self, word: Word, subject: str, message: str) -> Any:
+    def error(self, word: Word, subject: str, message: str, *, id: str) -> Any:
         self.errors += 1
-        self.faults.append(Fault("error", message, word.place, subject, id="YOUNG-056"))
+        self.faults.append(Fault("error", message, word.place, subject, id=id))
 
-    def warn(self, word: Word, subject: str, message: str) -> None:
-        self.faults.append(Fault("warning", message, word.place, subject, id="YOUNG-057"))
+    def warn(self, word: Word, subject: str, message: str, *, id: str) -> None:
+        self.faults.append(Fault("warning", message, word.place, subject, id=id))
 
-    def early_end(self, subject: str, message: str) -> None:
+    def early_end(self, subject: str, message: str, *, id: str) -> None:
         # An unclosed comment swallows the rest of the deck: its own fault says enough.
         if any("never closed" in fault.message for fault in self.faults):
             return
         self.errors += 1
-        self.faults.append(Fault("error", message, end_of(self.source.lines), subject, id="YOUNG-058"))
+        self.faults.append(Fault("error", message, end_of(self.source.lines), subject, id=id))
 
 
 def _read_counts(reading: _Reading) -> "ReadRecord":
@@ -117,22 +119,22 @@ def _read_counts(reading: _Reading) -> "ReadRecord":
     found = reading.take(len(section.columns))
     record = _record(reading, section, 0, found)
     if len(found) < len(section.columns):
-        subject = "counts" if found else ""
-        reading.early_end(subject, _too_few_counts(len(found)))
+        _report_few_counts(reading, len(found))
     for place, count in zip(found, record.numbers, strict=True):
         least = 1 if count.key == "NBODY" else 0
         if count.value is not None and count.value < least:
             message = f"{count.key} must be at least {least}; read {count.value}"
-            reading.error(reading.words[place], "counts", message)
+            reading.error(reading.words[place], "counts", message, id="YOUNG-175")
     if reading.errors:
         raise DeckError(with_slip_named(reading.faults, _slip_of_counts(reading, record)))
     return record
 
 
-def _too_few_counts(found: int) -> str:
-    if not found:
-        return "the deck is empty; a YOUNG deck begins with 12 integers"
-    return f"the deck ends after {found} of the 12 counts"
+def _report_few_counts(reading: _Reading, found: int) -> None:
+    if found:
+        reading.early_end("counts", f"the deck ends after {found} of the 12 counts", id="YOUNG-176")
+    else:
+        reading.early_end("", "the deck is empty; a YOUNG deck begins with 12 integers", id="YOUNG-177")
 
 
 def _read_sections(reading: _Reading, counts: "ReadRecord") -> "ManyRecords | tuple[ReadRecord, ...]":
@@ -154,7 +156,7 @@ def _read_sections(reading: _Reading, counts: "ReadRecord") -> "ManyRecords | tu
                 f"the deck ends {where}; by its counts the deck needs "
                 f"{wanted + len(counts.values)} numbers, it has {reading.taken}"
             )
-            reading.early_end(subject_of(section, number_of_record), message)
+            reading.early_end(subject_of(section, number_of_record), message, id="YOUNG-058")
             break
     return tuple(records) if wanted <= many_records.MANY_NUMBERS else _many(reading, counts)
 
@@ -217,11 +219,11 @@ def _values(
         try:
             value, warning = spelled(word.text)
         except number.Misspelt as fault:
-            reading.error(word, subject, f"{column.key} {fault}")
+            reading.error(word, subject, f"{column.key} {fault}", id="YOUNG-056")
             value, warning = None, ""
         if warning:
             colon = "" if column.is_integer else ":"
-            reading.warn(word, subject, f"{column.key}{colon} {warning}")
+            reading.warn(word, subject, f"{column.key}{colon} {warning}", id="YOUNG-057")
         yield value
 
 

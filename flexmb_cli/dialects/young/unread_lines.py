@@ -30,7 +30,7 @@ def unread_lines(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator
         "is read as prose: a card needs the line DYNAMICS inverse, DYNAMICS forward or GEOMETRY before it"
     )
     # Cards behind a misspelt opening line have that one cause.
-    return iter(slips) if slips else _cards(lines, behind, keywords, message)
+    return iter(slips) if slips else _cards(lines, behind, keywords, message, id="YOUNG-156")
 
 
 def _like_openings(lines: Lines, behind: int) -> "Iterator[Any]":
@@ -47,15 +47,16 @@ def _like_openings(lines: Lines, behind: int) -> "Iterator[Any]":
 
 def cards_behind_end(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator[Fault]:
     """Warn of cards behind line `behind`, which holds END."""
-    yield from _cards(lines, behind, keywords, "stands behind END and is not read: put it before END")
+    message = "stands behind END and is not read: put it before END"
+    yield from _cards(lines, behind, keywords, message, id="YOUNG-178")
 
 
-def _cards(lines: Lines, behind: int, keywords: Iterable[str], message: str) -> "Iterator[Any]":
+def _cards(lines: Lines, behind: int, keywords: Iterable[str], message: str, *, id: str) -> "Iterator[Any]":
     text, start = _without_comments(lines, behind)
     card = rf"^[ \t]*({'|'.join(keywords)})[ \t]+{_NUMBER}(?:[ \t]+{_NUMBER})*[ \t]*$"
     for found in re.finditer(card, text, re.IGNORECASE | re.MULTILINE):
         place = Place(*lines.place_of(start + found.start(1)), len(found[1]))
-        yield Fault("warning", f"{found[1].upper()} {message}", place, id="YOUNG-156")
+        yield Fault("warning", f"{found[1].upper()} {message}", place, id=id)
 
 
 def _without_comments(lines: Lines, behind: int) -> tuple[Any, Any]:

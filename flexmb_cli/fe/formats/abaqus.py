@@ -20,7 +20,7 @@ def read_abaqus(path: Path) -> MatrixFile:
     """The matrix at `path`.  Raises FEFileFault."""
     name, lines = path.name, lines_of(path)
     if lines and lines[0].lower().startswith("%%matrixmarket"):
-        raise line_fault(name, 1, "this is a Matrix Market file: the format is MM")
+        raise line_fault(name, 1, "this is a Matrix Market file: the format is MM", id="FE-087")
     body, numbers = filled(lines, comment="*")
     if not body:
         raise FEFileFault(f"{name} holds no entries", id="FE-013")
@@ -31,14 +31,14 @@ def read_abaqus(path: Path) -> MatrixFile:
             "row node, row direction, column node, column direction, value wanted, or row, column, value, "
             "by commas or blanks"
         )
-        raise line_fault(name, numbers[0], message)
+        raise line_fault(name, numbers[0], message, id="FE-088")
     meaning = "row, column, value" if width == 3 else "row node, direction, column node, direction, value"
     entries = table(name, body, numbers, width, meaning, comma)
     where = whole(name, entries[:, :-1], numbers, "nodes and directions")
     # Rows, columns and directions count from 1; nodes of elements' own degrees of freedom are negative.
     wrong = np.flatnonzero((where[:, slice(None) if width == 3 else slice(1, None, 2)] < 1).any(axis=1))
     if wrong.size:
-        raise line_fault(name, numbers[wrong[0]], "rows, columns and directions count from 1")
+        raise line_fault(name, numbers[wrong[0]], "rows, columns and directions count from 1", id="FE-089")
     return (_by_rows if width == 3 else _by_nodes)(name, where, entries[:, -1])
 
 

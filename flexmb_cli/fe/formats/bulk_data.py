@@ -59,7 +59,9 @@ def integer_field(path: Path, card: BulkCard, index: int, what: str, default: in
     try:
         return integer(text)
     except ValueError:
-        raise line_fault(path.name, card.line, f"{card.name}: {what} wanted; read '{text}'") from None
+        raise line_fault(
+            path.name, card.line, f"{card.name}: {what} wanted; read '{text}'", id="FE-094"
+        ) from None
 
 
 def real_field(path: Path, card: BulkCard, index: int, what: str) -> float:
@@ -68,4 +70,6 @@ def real_field(path: Path, card: BulkCard, index: int, what: str) -> float:
     try:
         return number.real(text)[0] if text else 0.0
     except number.Misspelt:
-        raise line_fault(path.name, card.line, f"{card.name}: {what} wanted; read '{text}'") from None
+        raise line_fault(
+            path.name, card.line, f"{card.name}: {what} wanted; read '{text}'", id="FE-094"
+        ) from None

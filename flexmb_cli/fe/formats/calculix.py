@@ -44,11 +44,14 @@ def read_dofs(path: Path) -> np.ndarray:
         match = _DOF.fullmatch(line)
         if match is None:
             raise line_fault(
-                path.name, number, f"node.direction wanted, such as 12.3; read '{line.strip()[:40]}'"
+                path.name,
+                number,
+                f"node.direction wanted, such as 12.3; read '{line.strip()[:40]}'",
+                id="FE-095",
             )
         if match[2] not in "123":
             message = f"direction {match[2]} of node {match[1]}: only 1, 2, 3 can be used, no rotations"
-            raise line_fault(path.name, number, message)
+            raise line_fault(path.name, number, message, id="FE-096")
         found.append((int(match[1]), int(match[2])))
     if not found:
         raise FEFileFault(f"{path.name} is empty", id="FE-018")

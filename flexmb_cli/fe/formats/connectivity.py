@@ -80,7 +80,7 @@ def _check_nodes(name: str, found: list[_Element]) -> None:
     for element in found:
         if len(element.nodes) not in COUNTS or len(set(element.nodes)) < len(element.nodes):
             message = f"element {element.number} has not the different nodes of one of the {_KNOWN}"
-            raise line_fault(name, element.line, message)
+            raise line_fault(name, element.line, message, id="FE-097")
 
 
 def _check_kinds(name: str, found: list[_Element]) -> None:
@@ -100,7 +100,7 @@ def _check_numbers(name: str, found: list[_Element]) -> None:
     for element in found:
         if element.number in first:
             message = f"element {element.number} is given twice, first on line {first[element.number]}"
-            raise line_fault(name, element.line, message)
+            raise line_fault(name, element.line, message, id="FE-098")
         first[element.number] = element.line
 
 
@@ -131,7 +131,7 @@ def _inp_type(path: Path, number: int, line: str) -> tuple[str, int]:
     kind = _INP_TYPE.search(line)
     if kind is None:
         message = f"stresses are known of {_KNOWN} only, types C3D4, C3D10, C3D8, C3D20 and their variants"
-        raise line_fault(path.name, number, message)
+        raise line_fault(path.name, number, message, id="FE-099")
     return kind[1], int(kind[2])
 
 
@@ -140,7 +140,7 @@ def _integers(path: Path, number: int, words: list[str]) -> list[int]:
         return [integer(word) for word in words]
     except ValueError:
         message = f"whole numbers wanted; read '{' '.join(words)[:40]}'"
-        raise line_fault(path.name, number, message) from None
+        raise line_fault(path.name, number, message, id="FE-100") from None
 
 
 def _cdb_elements(path: Path) -> "Iterator[_Element]":
@@ -151,7 +151,7 @@ def _cdb_elements(path: Path) -> "Iterator[_Element]":
         return
     layout = _CDB_FORMAT.match(lines[start + 1].strip()) if start + 1 < len(lines) else None
     if layout is None:
-        raise line_fault(path.name, start + 2, "a format such as (19i9) must follow EBLOCK")
+        raise line_fault(path.name, start + 2, "a format such as (19i9) must follow EBLOCK", id="FE-101")
     words: list[int] = []
     width, first = max(1, int(layout[1])), 0
     for number, line in enumerate(lines[start + 2 :], start=start + 3):
@@ -177,7 +177,7 @@ def _bdf_elements(path: Path) -> "Iterator[_Element]":
         number = integer_field(path, card, 0, "the number of the element")
         if card.name not in _MOST_POINTS:
             message = f"{card.name} {number}: stresses are known of {_KNOWN} only, cards CHEXA and CTETRA"
-            raise line_fault(path.name, card.line, message)
+            raise line_fault(path.name, card.line, message, id="FE-102")
         fields = range(2, 2 + _MOST_POINTS[card.name])
         given = [integer_field(path, card, i, "a grid point") for i in fields if _filled(card, i)]
         nodes = [given[i] for i in _FROM_NASTRAN] if len(given) == 20 else given

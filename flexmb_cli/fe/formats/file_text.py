@@ -131,16 +131,20 @@ def _fault_of_lines(
     for number, line in zip(numbers, lines, strict=False):
         words = [word.strip() for word in line.split(delimiter)]
         if len(words) != columns:
-            return line_fault(name, number, f"{meaning} wanted, {columns} numbers; read '{_short(line)}'")
+            return line_fault(
+                name, number, f"{meaning} wanted, {columns} numbers; read '{_short(line)}'", id="FE-103"
+            )
         for word in words:
             if not _is_finite(word):
-                return line_fault(name, number, f"{meaning} wanted; '{_short(word)}' is no finite number")
+                return line_fault(
+                    name, number, f"{meaning} wanted; '{_short(word)}' is no finite number", id="FE-104"
+                )
     return FEFileFault(f"{name} cannot be read as {meaning}", id="FE-028")
 
 
-def line_fault(name: str, number: int, message: str) -> FEFileFault:
+def line_fault(name: str, number: int, message: str, *, id: str) -> FEFileFault:
     """The fault of one line of the file `name`."""
-    return FEFileFault(f"{name}, line {number}: {message}", id="FE-029")
+    return FEFileFault(f"{name}, line {number}: {message}", id=id)
 
 
 def _is_finite(word: str) -> bool:
@@ -159,7 +163,7 @@ def whole(name: str, values: np.ndarray, numbers: Sequence[int], meaning: str) -
     """`values` (k, n) as int64; FEFileFault at the first line that has a fraction in them."""
     wrong = np.flatnonzero(~_is_whole(values).all(axis=1))
     if wrong.size:
-        raise line_fault(name, numbers[int(wrong[0])], f"{meaning} must be whole numbers")
+        raise line_fault(name, numbers[int(wrong[0])], f"{meaning} must be whole numbers", id="FE-105")
     return values.astype(np.int64)
 
 
@@ -174,7 +178,7 @@ def check_range(name: str, entries: np.ndarray, numbers: Sequence[int], size: in
     if wrong.size:
         row, column = entries[wrong[0]]
         message = f"entry ({row}, {column}) lies outside the matrix of {size} rows"
-        raise line_fault(name, numbers[int(wrong[0])], message)
+        raise line_fault(name, numbers[int(wrong[0])], message, id="FE-106")
 
 
 def filled(lines: list[str], comment: str = "") -> tuple[list[str], list[int]]:

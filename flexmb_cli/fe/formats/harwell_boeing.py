@@ -60,7 +60,7 @@ def read_mapping(path: Path) -> np.ndarray:
         if label not in _DIRECTIONS:
             named = f"degree of freedom {label} of node {match[2]}"
             message = f"{named}: only UX, UY, UZ can be used; mesh with solid elements"
-            raise line_fault(path.name, number, message)
+            raise line_fault(path.name, number, message, id="FE-107")
         found[int(match[1])] = int(match[2]), _DIRECTIONS[label]
     if not found:
         raise FEFileFault(
@@ -79,19 +79,21 @@ def _integers(name: str, line: str, number: int, first: int, count: int) -> list
         found = [integer(cell) for cell in cells]
     except ValueError:
         raise line_fault(
-            name, number, "integers of 14 columns wanted; is it a Harwell-Boeing file?"
+            name, number, "integers of 14 columns wanted; is it a Harwell-Boeing file?", id="FE-108"
         ) from None
     if min(found) < 0:
-        raise line_fault(name, number, "counts of lines and entries are not negative")
+        raise line_fault(name, number, "counts of lines and entries are not negative", id="FE-109")
     return found
 
 
 def _check_kind(name: str, kind: str, size: int, columns: int, equations: np.ndarray) -> None:
     if kind not in ("RSA", "RUA"):
         message = f"the matrix is of type {kind}; RSA (symmetric) or RUA, assembled and real, wanted"
-        raise line_fault(name, 3, message)
+        raise line_fault(name, 3, message, id="FE-110")
     if size != columns:
-        raise line_fault(name, 3, f"the matrix must be square; it has {size} rows, {columns} columns")
+        raise line_fault(
+            name, 3, f"the matrix must be square; it has {size} rows, {columns} columns", id="FE-111"
+        )
     if size != len(equations):
         raise FEFileFault(
             f"{name} has {size} rows and its mapping file {len(equations)} equations; "
@@ -105,7 +107,7 @@ def _format(name: str, line: str, first: int, width: int) -> tuple[str, int]:
     match = _FORMAT.search(line[first : first + width])
     if match is None:
         message = f"no FORTRAN format in '{line[first : first + width].strip()}'"
-        raise line_fault(name, 4, message)
+        raise line_fault(name, 4, message, id="FE-112")
     return match[1].upper(), int(match[2])
 
 
@@ -156,7 +158,7 @@ def _cut(
                 f"'{cell.strip()}' is no number; fields are {width} columns wide by the format of line 4: "
                 "are they wider or narrower here?"
             )
-            raise line_fault(name, number, message) from None
+            raise line_fault(name, number, message, id="FE-113") from None
     return np.array(values)
 
 

@@ -31,20 +31,28 @@ def read_matrix_market(path: Path) -> MatrixFile:
 def _kind(name: str, lines: list[str]) -> tuple[Any, Any]:
     words = lines[0].lower().split() if lines else []
     if not words or words[0] != _BANNER:
-        raise line_fault(name, 1, "a Matrix Market file begins with %%MatrixMarket; is the format another?")
+        raise line_fault(
+            name, 1, "a Matrix Market file begins with %%MatrixMarket; is the format another?", id="FE-114"
+        )
     if len(words) < 5 or words[1] != "matrix" or words[2] not in ("coordinate", "array"):
-        raise line_fault(name, 1, "%%MatrixMarket matrix coordinate|array real general|symmetric wanted")
+        raise line_fault(
+            name, 1, "%%MatrixMarket matrix coordinate|array real general|symmetric wanted", id="FE-115"
+        )
     if words[3] not in ("real", "integer", "double"):
-        raise line_fault(name, 1, f"the matrix must be real; this one is {words[3]}")
+        raise line_fault(name, 1, f"the matrix must be real; this one is {words[3]}", id="FE-116")
     if words[4] not in ("general", "symmetric"):
-        raise line_fault(name, 1, f"the matrix must be symmetric or general; this one is {words[4]}")
+        raise line_fault(
+            name, 1, f"the matrix must be symmetric or general; this one is {words[4]}", id="FE-117"
+        )
     return words[2], words[4] == "symmetric"
 
 
 def _size(name: str, line: str, number: int, count: int) -> np.ndarray:
     size = whole(name, table(name, [line], [number], count, "the size"), [number], "sizes")[0]
     if size[0] != size[1] or size[0] < 1:
-        raise line_fault(name, number, f"the matrix must be square; it has {size[0]} rows, {size[1]} columns")
+        raise line_fault(
+            name, number, f"the matrix must be square; it has {size[0]} rows, {size[1]} columns", id="FE-111"
+        )
     found: np.ndarray = size
     return found
 
@@ -60,7 +68,7 @@ def _coordinate(name: str, line: str, body: list[str], number: int, symmetric: b
     if symmetric and (rows < columns).any():
         first = int(np.flatnonzero(rows < columns)[0])
         message = "an entry above the diagonal, while the file declares a lower triangle"
-        raise line_fault(name, numbers[first], message)
+        raise line_fault(name, numbers[first], message, id="FE-118")
     return MatrixFile(int(size), rows, columns, entries[:, 2], symmetric)
 
 

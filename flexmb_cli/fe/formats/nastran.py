@@ -50,13 +50,13 @@ def chosen(path: Path, names: list[str], letter: str) -> str:
 
 def _check_header(path: Path, name: str, header: BulkCard) -> bool:
     if integer_field(path, header, 1, "the 0 of a header", -1) != 0:
-        raise line_fault(path.name, header.line, f"DMIG {name} begins without its header card")
+        raise line_fault(path.name, header.line, f"DMIG {name} begins without its header card", id="FE-119")
     form = integer_field(path, header, 2, "the form of the matrix")
     if form != _SYMMETRIC and form not in _SQUARE:
         message = f"DMIG {name} has form {form}; 6 (symmetric) or 1 (square) wanted"
-        raise line_fault(path.name, header.line, message)
+        raise line_fault(path.name, header.line, message, id="FE-120")
     if integer_field(path, header, 3, "the type of the matrix") not in _REAL:
-        raise line_fault(path.name, header.line, f"DMIG {name} is complex; real wanted")
+        raise line_fault(path.name, header.line, f"DMIG {name} is complex; real wanted", id="FE-121")
     return form == _SYMMETRIC
 
 
@@ -85,4 +85,4 @@ def _refuse(path: Any, card: BulkCard, row: int, row_component: int, node: int, 
         message = f"scalar point {point} is a coordinate of a condensed model; full matrices are wanted"
     else:
         message = f"grid point {point} has rotations (component {wrong}); mesh with solid elements"
-    raise line_fault(path.name, card.line, message)
+    raise line_fault(path.name, card.line, message, id="FE-122")

@@ -59,12 +59,12 @@ def _heading(name: str, lines: list[str], at: int) -> tuple[int, str, int]:
         width = _width(head[40:])
     except ValueError:
         message = "columns, rows, form, type, name and format of an OP4 text matrix wanted"
-        raise line_fault(name, at + 1, message) from None
+        raise line_fault(name, at + 1, message, id="FE-123") from None
     if kind not in REAL:
-        raise line_fault(name, at + 1, "the matrix is complex; real wanted")
+        raise line_fault(name, at + 1, "the matrix is complex; real wanted", id="FE-124")
     if abs(rows) != columns:
         message = f"the matrix must be square; it has {abs(rows)} rows, {columns} columns"
-        raise line_fault(name, at + 1, message)
+        raise line_fault(name, at + 1, message, id="FE-111")
     return columns, head[32:40].strip().upper(), width
 
 
@@ -80,7 +80,7 @@ def _check_words(name: str, head: int, words: int, found: int) -> None:
     """Refuse a column of other values than its heading announces, each one word or two (double precision)."""
     if words not in (found, 2 * found):
         message = f"the column announces {words} words and holds {found} values; was it cut off, or edited?"
-        raise line_fault(name, head + 1, message)
+        raise line_fault(name, head + 1, message, id="FE-125")
 
 
 def _column(name: str, lines: list[str], at: int) -> tuple[int, int, int]:
@@ -89,7 +89,7 @@ def _column(name: str, lines: list[str], at: int) -> tuple[int, int, int]:
         column, row, words = map(integer, lines[at].split())
     except (ValueError, IndexError):
         message = "column, first row and words wanted; was the file cut off?"
-        raise line_fault(name, at + 1, message) from None
+        raise line_fault(name, at + 1, message, id="FE-126") from None
     return column, row, words
 
 
@@ -97,7 +97,7 @@ def _string_row(name: str, lines: list[str], at: int) -> int:
     try:
         *length, row = map(integer, lines[at].split())
     except ValueError:
-        raise line_fault(name, at + 1, "the heading of a string of values wanted") from None
+        raise line_fault(name, at + 1, "the heading of a string of values wanted", id="FE-127") from None
     return row if length else row % PACKED
 
 
@@ -119,6 +119,8 @@ def _read_string(
             try:
                 values.append(real(cell))
             except ValueError:
-                raise line_fault(name, at + 1, f"a value wanted; read '{cell.strip()[:40]}'") from None
+                raise line_fault(
+                    name, at + 1, f"a value wanted; read '{cell.strip()[:40]}'", id="FE-128"
+                ) from None
     parts.append((row - 1, column - 1, np.array(values)))
     return at

@@ -38,10 +38,10 @@ def read_node_table(path: Path, form: str) -> NodeTable:
     _check_twice(path.name, found, numbers)
     for node, position, line in found:
         if not all(map(math.isfinite, position)):
-            raise line_fault(path.name, line, f"the position of node {node} is not finite")
+            raise line_fault(path.name, line, f"the position of node {node} is not finite", id="FE-129")
         if max(map(abs, position)) > FARTHEST:
             message = f"node {node} lies farther off than {FARTHEST:g} m; was a digit of an exponent lost?"
-            raise line_fault(path.name, line, message)
+            raise line_fault(path.name, line, message, id="FE-130")
     return NodeTable(numbers, np.array([position for _, position, _ in found], dtype=float))
 
 
@@ -81,10 +81,10 @@ def _node(name: str, number: int, words: list[str]) -> tuple[int, list[float], i
         values = [real(word) for word in words[1:]]
     except ValueError:
         message = f"id x y z wanted; read '{' '.join(words)[:40]}'"
-        raise line_fault(name, number, message) from None
+        raise line_fault(name, number, message, id="FE-131") from None
     if any(values[3:]):
         message = f"the axes of node {node} are rotated; matrices in rotated nodal axes cannot be used"
-        raise line_fault(name, number, message)
+        raise line_fault(name, number, message, id="FE-093")
     position = (values + [0.0] * 3)[:3]
     return node, position, number
 
@@ -103,5 +103,5 @@ def _bdf_nodes(path: Path) -> "Iterator[tuple[int, list[float], int]]":
         for index, what in ((1, "position"), (5, "displacement")):
             if integer_field(path, card, index, "a coordinate system", 0):
                 message = f"GRID {node}: the {what} must be in basic coordinates"
-                raise line_fault(path.name, card.line, message)
+                raise line_fault(path.name, card.line, message, id="FE-132")
         yield node, [real_field(path, card, i, "a coordinate") for i in (2, 3, 4)], card.line

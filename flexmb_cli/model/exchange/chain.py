@@ -43,7 +43,7 @@ def chain_of(model: RigidModel, refusals: Refusals) -> list[Link]:
     used = {link.joint for link in links}
     for k, joint in enumerate(model.joints):
         if k not in used:
-            refusals.add(joint, "the joint closes a loop; a tree of bodies is an open chain")
+            refusals.add(joint, "the joint closes a loop; a tree of bodies is an open chain", id="MODEL-017")
     return links
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import Fault, Place
+from ...errors import Place
 from ...quick_dataclass import replace
 from ..joint_elements import Bushing
 from ..joints import ANGLE
@@ -20,7 +20,6 @@ Pose = tuple[np.ndarray, np.ndarray]  # origin (3,), m, and rotation matrix (3, 
 End = tuple[int, Vector]  # body of the new model, and a point on it
 SAME_ATTITUDE = 1e-9  # rad
 # (message, place, name) of an item that is not converted: the dialect's fault
-Refused = Callable[[str, Place | None, str], Fault]
 
 
 class Conversion(ABC):
@@ -29,8 +28,8 @@ class Conversion(ABC):
     `now`: poses of the bodies at the start.
     """
 
-    def __init__(self, start: Start, refused: Refused):
-        self.start, self.refusals, self._refused = start, Refusals(), refused
+    def __init__(self, start: Start):
+        self.start, self.refusals = start, Refusals()
         self.now: list[Pose] = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)]
 
     @abstractmethod
@@ -40,7 +39,7 @@ class Conversion(ABC):
     def converted(self, shapes: Callable[[], tuple[RigidShape, ...]]) -> RigidModel:
         """Return the model with `shapes`; raises ModelError with all that is not converted."""
         found = replace(self.model(), shapes=shapes())
-        self.refusals.raise_faults(self._refused)
+        self.refusals.raise_faults()
         return found
 
     def bushing(self, item: Bushing, ends: tuple[End, End], first: list[Pose]) -> Bushing | None:
@@ -52,10 +51,16 @@ class Conversion(ABC):
         turned = _turn_since(first, self.now, item.i, item.j)
         if any((*item.stiffness[3:], *item.damping[3:])) and turned > SAME_ATTITUDE:
             message = f"the bodies of the bushing have turned by {turned:.3g} rad from where it has no torque"
-            self.refusals.add(item, f"{message} at the start; other dialects begin without torque")
+            self.refusals.add(
+                item, f"{message} at the start; other dialects begin without torque", id="MODEL-018"
+            )
             return None
         if i == GROUND != item.i and not np.allclose(self.now[item.i][1], np.eye(3), atol=SAME_ATTITUDE):
-            self.refusals.add(item, "the axes of a bushing are those of body I, which is grounded and turned")
+            self.refusals.add(
+                item,
+                "the axes of a bushing are those of body I, which is grounded and turned",
+                id="MODEL-019",
+            )
             return None
         return replace(item, i=i, j=j, P_i=P_i, P_j=P_j)
 

@@ -29,7 +29,7 @@ from ..vectors import rotation_matrix
 from .shapes import RigidShape
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    pass
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,13 +176,13 @@ class Refusals:
     """Items that a conversion cannot carry over, collected."""
 
     def __init__(self) -> None:
-        self.items: list[tuple[str, Place | None, str]] = []
+        self.items: list[Fault] = []
 
-    def add(self, item: Any, message: str) -> None:
+    def add(self, item: Any, message: str, *, id: str) -> None:
         """Refuse an item, which has a name and a place in its deck."""
-        self.items.append((message, item.place, item.name))
+        self.items.append(Fault("error", message, item.place, item.name, id=id))
 
-    def raise_faults(self, refused: "Callable[[str, Place | None, str], Fault]") -> None:
-        """Raise ModelError if an item was refused; `refused` makes the dialect's fault of each."""
+    def raise_faults(self) -> None:
+        """Raise ModelError if an item was refused."""
         if self.items:
-            raise ModelError([refused(*item) for item in self.items])
+            raise ModelError(self.items)

@@ -24,15 +24,15 @@ def accept(reference: "Path | str", result: "Path | str") -> None:
     failed later, unless the reference is so too: a mechanism that locks has no other.
     """
     if not is_missing(reference) and form_of(reference) != form_of(result):
-        _refuse(
-            result, f"it is {form_of(result)} and the reference {form_of(reference)}: nothing was accepted"
-        )
+        message = f"it is {form_of(result)} and the reference {form_of(reference)}: nothing was accepted"
+        _refuse(result, message, id="DIFF-035")
     failed, rows = _ending(result)
     if failed and not rows:
-        _refuse(result, "its run failed before the first row: that is no reference, and nothing was accepted")
+        message = "its run failed before the first row: that is no reference, and nothing was accepted"
+        _refuse(result, message, id="DIFF-002")
     if failed and (is_missing(reference) or not _ending(reference)[0]):
         message = "its run did not complete: only a reference that did not either is replaced by it, and"
-        _refuse(result, f"{message} nothing was accepted; copy the file if it shall be one")
+        _refuse(result, f"{message} nothing was accepted; copy the file if it shall be one", id="DIFF-034")
     try:
         source = open(result, "rb")  # noqa: SIM115
     except OSError as error:
@@ -77,8 +77,8 @@ def _folder(folder: str, pair: Pair) -> str:
     )
 
 
-def _refuse(result: Any, message: str) -> None:
-    raise TableError(str(result), [Fault("error", message, id="DIFF-002")])
+def _refuse(result: Any, message: str, *, id: str) -> None:
+    raise TableError(str(result), [Fault("error", message, id=id)])
 
 
 def _ending(path: "Path | str") -> tuple[bool, bool]:

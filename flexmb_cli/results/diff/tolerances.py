@@ -158,15 +158,15 @@ def parse_kinds(settings: "Sequence[Any]") -> dict[str, Tolerance]:
         kind, _, figures = setting.partition("=")
         numbers = [_figure(text) for text in figures.split(",")]
         if kind not in KINDS:
-            faults.append(f"{setting}: there is no type {kind!r}; the types are {', '.join(KINDS)}")
+            message = f"{setting}: there is no type {kind!r}; the types are {', '.join(KINDS)}"
+            faults.append(Fault("error", message, id="DIFF-011"))
         elif None in numbers or len(numbers) > 2:
-            faults.append(f"{setting}: write {kind}=ATOL or {kind}=ATOL,RTOL with numbers not below zero")
+            message = f"{setting}: write {kind}=ATOL or {kind}=ATOL,RTOL with numbers not below zero"
+            faults.append(Fault("error", message, id="DIFF-036"))
         else:
             kinds[kind] = Tolerance(*numbers)
     if faults:
-        raise ToleranceError(
-            faults[0], tuple(Fault("error", message, id="DIFF-011") for message in faults), id="DIFF-012"
-        )
+        raise ToleranceError(faults[0].message, tuple(faults), id=faults[0].id)
     return kinds
 
 

@@ -109,7 +109,7 @@ def _left_out(result: h5py.File) -> str:
 
 
 def _status(result: h5py.File) -> str:
-    notes = "".join(f'<p class="failed">{_shown(note)}</p>' for note in remarks(result))
+    notes = "".join(f'<p class="failed">{_shown(note.message)}</p>' for note in remarks(result))
     if shortfall(result):
         return notes
     time = result["time"][:]

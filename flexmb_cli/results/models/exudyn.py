@@ -107,10 +107,7 @@ def exudyn_script(
     """
     # The name stands in texts of the script: with a quotation mark it could be any statement.
     name = _NO_WORD.sub("_", name)
-    faults = [
-        Fault("error", message, place, subject, id="RESULT-025")
-        for message, place, subject in _foreign(model)
-    ]
+    faults = list(_foreign(model))
     if faults:
         raise ModelError(faults)
     time, placed = model.mechanism.time, _Placed(model, start)
@@ -135,25 +132,24 @@ def _head(placed: "_Placed", name: str) -> str:
     return HEAD.format(title=name, gravity=_list(placed.model.gravity), ground=shapes.removeprefix(", "))
 
 
-def _foreign(model: Any) -> Iterator[tuple[Any, ...]]:
-    """Yield what cannot be converted: message, place in the deck, subject."""
+def _foreign(model: Any) -> Iterator[Fault]:
+    """Yield the faults of what cannot be converted."""
     mechanism = model.mechanism
     for joint in mechanism.joints:
         if joint.kind not in HELD:
-            yield (
-                "only spherical, revolute, cylindrical and translational joints convert",
-                joint.place,
-                joint.name,
-            )
+            message = "only spherical, revolute, cylindrical and translational joints convert"
+            yield Fault("error", message, joint.place, joint.name, id="RESULT-053")
     for item in (*mechanism.simplified, *mechanism.distances, *mechanism.drivers):
-        yield "drivers and constraints of single coordinates do not convert", item.place, item.name
+        message = "drivers and constraints of single coordinates do not convert"
+        yield Fault("error", message, item.place, item.name, id="RESULT-054")
     heavy, still = {item.body for item in model.masses}, {item.body for item in mechanism.grounds}
     for k, body in enumerate(mechanism.bodies):
         if k not in heavy | still:
-            yield "Exudyn needs a mass for every moving body", body.place, body.name
+            message = "Exudyn needs a mass for every moving body"
+            yield Fault("error", message, body.place, body.name, id="RESULT-055")
     for load in (*model.forces, *model.torques):
         if load.factor is not None:
-            yield "loads over time do not convert", load.place, load.name
+            yield Fault("error", "loads over time do not convert", load.place, load.name, id="RESULT-056")
     yield from foreign_elements(model.elements)
 
 

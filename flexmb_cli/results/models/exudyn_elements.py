@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ...errors import Fault
 from ...model.joint_elements import JointElements, JointSpring, LineSpring, is_angle
 from ...model.mechanism import Joint
 
@@ -42,29 +43,34 @@ def slide(bodies, places, axis, **law):
 
 '''
 _REFUSED = {
-    "drivers": "drivers of joints do not convert",
-    "motors": "motors by functions of time do not convert",
-    "driven": "drivers by functions do not convert",
-    "supports": "supports by functions do not convert",
-    "bushings": "bushings do not convert: Exudyn's have other angles where a body turns about several axes",
-    "couplings": "couplings of joint coordinates do not convert",
-    "frictions": "friction does not convert: Exudyn's has no normal force of the joint",
+    "drivers": ("drivers of joints do not convert", "RESULT-067"),
+    "motors": ("motors by functions of time do not convert", "RESULT-068"),
+    "driven": ("drivers by functions do not convert", "RESULT-069"),
+    "supports": ("supports by functions do not convert", "RESULT-070"),
+    "bushings": (
+        "bushings do not convert: Exudyn's have other angles where a body turns about several axes",
+        "RESULT-071",
+    ),
+    "couplings": ("couplings of joint coordinates do not convert", "RESULT-072"),
+    "frictions": ("friction does not convert: Exudyn's has no normal force of the joint", "RESULT-073"),
 }
 LINK = "spherical-spherical"
 
 
-def foreign_elements(elements: JointElements) -> Iterator[tuple[Any, ...]]:
-    """Yield the elements that do not convert: message, place in the deck, name."""
-    for kind, message in _REFUSED.items():
+def foreign_elements(elements: JointElements) -> Iterator[Fault]:
+    """Yield the faults of elements that do not convert."""
+    for kind, (message, name) in _REFUSED.items():
         for item in getattr(elements, kind):
-            yield message, item.place, item.name
+            yield Fault("error", message, item.place, item.name, id=name)
     springs: tuple[JointSpring | LineSpring, ...] = (*elements.springs, *elements.lines)
     for spring in springs:
         if spring.curve or spring.damper:
-            yield "springs and dampers with functions do not convert", spring.place, spring.name
+            message = "springs and dampers with functions do not convert"
+            yield Fault("error", message, spring.place, spring.name, id="RESULT-074")
     for composite in elements.composites:
         if composite.kind != LINK:
-            yield f"a {composite.kind} joint does not convert", composite.place, composite.name
+            message = f"a {composite.kind} joint does not convert"
+            yield Fault("error", message, composite.place, composite.name, id="RESULT-075")
 
 
 class ElementLines:

@@ -41,43 +41,43 @@ def mjcf(tree: Tree, name: str) -> str:
 
 
 def _refuse_foreign(tree: Tree) -> None:
-    faults = [
-        Fault("error", message, place, subject, id="RESULT-026") for message, place, subject in _foreign(tree)
-    ]
+    faults = [*_foreign_bodies(tree), *_foreign_loads(tree)]
     if faults:
         raise ModelError(faults)
 
 
-def _foreign(tree: Tree) -> Iterator[tuple[Any, ...]]:
-    """Yield what cannot be converted: message, place in the deck, subject."""
+def _foreign_bodies(tree: Tree) -> Iterator[Fault]:
     for body in tree.bodies:
         if body.elastic is not None:
-            yield "the body is flexible; --to mjcf is for rigid trees", body.place, body.name
+            message = "the body is flexible; --to mjcf is for rigid trees"
+            yield Fault("error", message, body.place, body.name, id="RESULT-057")
         elif body.mass <= 0 or np.linalg.eigvalsh(_central_inertia(body)).min() <= 0:
-            yield "MuJoCo needs a positive mass and inertia about the mass centre", body.place, body.name
+            message = "MuJoCo needs a positive mass and inertia about the mass centre"
+            yield Fault("error", message, body.place, body.name, id="RESULT-058")
         elif not _is_real(np.linalg.eigvalsh(_central_inertia(body))):
-            yield "MuJoCo refuses an inertia larger than the sum of the two others", body.place, body.name
+            message = "MuJoCo refuses an inertia larger than the sum of the two others"
+            yield Fault("error", message, body.place, body.name, id="RESULT-059")
         if any((*body.force, *body.torque)):
-            yield "MJCF holds no constant external force or torque", body.place, body.name
+            message = "MJCF holds no constant external force or torque"
+            yield Fault("error", message, body.place, body.name, id="RESULT-060")
+
+
+def _foreign_loads(tree: Tree) -> Iterator[Fault]:
     for items, what in (
         (tree.torques, "torques over time"), (tree.motors, "motors over time"),
         (tree.prescribed, "prescribed motions"),
     ):  # fmt: skip
         for item in items:
-            yield f"MJCF holds no {what}", item.place, tree.bodies[item.body].name
+            name = tree.bodies[item.body].name
+            yield Fault("error", f"MJCF holds no {what}", item.place, name, id="RESULT-061")
     for closure in tree.closures:
-        yield (
-            "MuJoCo closes loops softly, which is another motion; only trees convert",
-            closure.place,
-            closure.name,
-        )
+        message = "MuJoCo closes loops softly, which is another motion; only trees convert"
+        yield Fault("error", message, closure.place, closure.name, id="RESULT-062")
     for spring in tree.springs:
         if spring.motion == ROTATION and len(tree.hinges[spring.body].rotations) == 3:
-            yield (
-                "a damper of three free rotations does not convert",
-                spring.place,
-                tree.bodies[spring.body].name,
-            )
+            message = "a damper of three free rotations does not convert"
+            name = tree.bodies[spring.body].name
+            yield Fault("error", message, spring.place, name, id="RESULT-063")
 
 
 def _is_real(moments: np.ndarray) -> bool:

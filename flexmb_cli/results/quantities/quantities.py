@@ -68,7 +68,7 @@ def open_result(path: Path | str) -> Iterator[h5py.File]:
     except IsADirectoryError:
         raise ResultError(path, "it is a folder", id="RESULT-016") from None
     except OSError as error:
-        raise ResultError(path, _other_kind(path, error), id="RESULT-017") from error
+        raise _other_kind(path, error) from error
     try:
         with file, understood():
             check_structure(file)
@@ -79,7 +79,7 @@ def open_result(path: Path | str) -> Iterator[h5py.File]:
                     id="RESULT-018",
                 )
             if newer := newer_layout(file):
-                raise ResultError(path, newer)
+                raise ResultError(path, newer, id="RESULT-076")
             if not isinstance(file.get(TIME), h5py.Dataset):
                 raise ResultError(
                     path, "this HDF5 file is no result of flexmb: it has no dataset /time", id="RESULT-019"
@@ -99,18 +99,21 @@ def _check_times(times: h5py.Dataset) -> None:
             raise Damaged("the times of its rows do not ascend, or are no numbers")
 
 
-def _other_kind(path: Path | str, error: Exception) -> str:
-    """Return what the file is that HDF5 cannot open."""
+def _other_kind(path: Path | str, error: Exception) -> "ResultError":
+    """Return the fault of a file that HDF5 cannot open: what it is."""
     begins = b""
     with suppress(OSError), open(path, "rb") as file:
         begins = file.read(512)
     if begins.startswith(b"PAR1"):
-        return "this is a Parquet table, which pandas and polars read; flexmb table prints those in HDF5"
+        message = "this is a Parquet table, which pandas and polars read; flexmb table prints those in HDF5"
+        return ResultError(path, message, id="RESULT-064")
     if begins and b"\0" not in begins:
-        return f"this is a text, not an HDF5 result{_result_beside(path)}"
+        message = f"this is a text, not an HDF5 result{_result_beside(path)}"
+        return ResultError(path, message, id="RESULT-065")
     if "truncated file" in str(error):
-        return "the file is cut off: copy it anew, or run the deck again"
-    return f"this is no HDF5 result that can be read: {error}"
+        message = "the file is cut off: copy it anew, or run the deck again"
+        return ResultError(path, message, id="RESULT-066")
+    return ResultError(path, f"this is no HDF5 result that can be read: {error}", id="RESULT-017")
 
 
 def _result_beside(path: Path | str) -> str:
@@ -196,9 +199,13 @@ def shortfall(result: h5py.File) -> str:
     return f"the run is not complete, {end}" + (f": {message}" if message else "")
 
 
-def remarks(result: h5py.File) -> list[str]:
+def remarks(result: h5py.File) -> list[Fault]:
     """Return what a reader of any number must know: an emulation, a run that is not complete."""
-    return [text for text in (attribute(result, "emulation"), shortfall(result)) if text]
+    notes = (
+        Fault("note", attribute(result, "emulation"), id="RESULT-077"),
+        Fault("note", shortfall(result), id="RESULT-078"),
+    )
+    return [note for note in notes if note.message]
 
 
 def _elements(result: h5py.File, path: str, rows: slice, index: np.ndarray) -> np.ndarray:

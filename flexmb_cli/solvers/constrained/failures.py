@@ -56,7 +56,7 @@ def step_failure(analysis: Any, answer: int) -> AnalysisError:
             else "a driver or a joint asks for a motion that the others forbid"
         )
         message = f"at t = {t:.6g} s equations that repeated others contradict them: {gap.text}; {reason}"
-        return AnalysisError(about("error", message, worst), t, norms)
+        return AnalysisError(about("error", message, worst, id="SOLVE-046"), t, norms)
     # Friction that only a trial jammed is not what ends the run.
     if not rows_with_forces(analysis.work.responses[None]) and (
         _overturned(analysis, analysis.work.responses).size or not _has_forces(analysis, t)
@@ -68,7 +68,7 @@ def step_failure(analysis: Any, answer: int) -> AnalysisError:
         return inertia_failure(analysis, t)
     reason, owners = _why_steps_fall(analysis, norms)
     message = f"at t = {t:.6g} s the step length falls to {step:.1e} s: {reason}"
-    return AnalysisError(about("error", message, *owners[:1]), t, norms)
+    return AnalysisError(about("error", message, *owners[:1], id="SOLVE-047"), t, norms)
 
 
 def _is_without_forces_ahead(analysis: Any, t: float) -> bool:
@@ -185,7 +185,7 @@ def repetition(found: "Mobility", usual: int | None, kind: str, each: str) -> Fa
         f"{count} equation{' repeats' if count == 1 else 's repeat'} others, among those of {shown}; the "
         "motion is unique, reactions are those of least norm"
     )
-    return about("warning", message, *placed)
+    return about("warning", message, *placed, id="SOLVE-048")
 
 
 def note_undetermined_rows(analysis: "ConstrainedMotion", report: "Report") -> None:

@@ -75,7 +75,7 @@ def _apart(
         f"{'; '.join(gap.text for gap in worst)}; to close it {_moved(arrays, q)}: correct {remedy} "
         "if that is not meant"
     )
-    yield about("warning", message, *(gap.equation for gap in worst))
+    yield about("warning", message, *(gap.equation for gap in worst), id="SOLVE-049")
 
 
 def _limits(mechanism: FlexibleMechanism, equations: "tuple[Equation, ...]") -> np.ndarray:

@@ -161,13 +161,13 @@ def _refuse_contradiction(
             f"at t = {t:.6g} s the initial joint rates contradict each other, or what joints, couplings and "
             f"drivers allow ({worst.name}); give fewer rates, or such as fit"
         )
-        raise ModelError([about("error", message, worst)])
+        raise ModelError([about("error", message, worst, id="SOLVE-050")])
     worst = equations[int(np.argmax(np.abs(rest[: len(equations)])))]
     message = (
         f"at t = {t:.6g} s the drivers ask for velocities that the joints forbid ({worst.name}); "
         "remove a driver or free a joint"
     )
-    raise ModelError([about("error", message, worst)])
+    raise ModelError([about("error", message, worst, id="SOLVE-051")])
 
 
 def _changes(

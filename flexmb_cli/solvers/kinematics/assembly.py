@@ -70,7 +70,7 @@ def assembly_failure(
         f"constraints: {left}; {_few(most_iterations)}{slip_sentence(wide, rest) if wide else ADVICE}"
     )
     owners = (one.equation for one in (*wide, *worst))
-    return AnalysisError(about("error", message, *owners), t, gap_norms(worst))
+    return AnalysisError(about("error", message, *owners, id="SOLVE-052"), t, gap_norms(worst))
 
 
 def too_large_to_rank(equations: int, most: int, t: float) -> AnalysisError:
@@ -100,14 +100,14 @@ def free_motion_error(
         "constrain it (a simplified constraint or a driver) in place of an equation that repeats others: "
         f"{doubled}"
     )
-    return ModelError([about("error", message, *_placed(found))])
+    return ModelError([about("error", message, *_placed(found), id="SOLVE-053")])
 
 
 def redundancy_warning(found: Mobility) -> Fault:
     """Some equations repeat others, yet every motion is determined."""
     groups = "; ".join(_group(group) for group in found.redundant)
     message = f"redundant equations, consistent with the others: {groups}"
-    return about("warning", message, *_placed(found))
+    return about("warning", message, *_placed(found), id="SOLVE-054")
 
 
 def _placed(found: Mobility) -> "list[Equation]":

@@ -72,7 +72,7 @@ def _parted(widest: list[Gap], count: int, length: float) -> tuple[list[Gap], fl
 def slip_note(wide: list[Gap], rest: float, *, far: bool) -> Fault:
     """Return the note of `check` on joints that assembly closed; `far`: bodies moved far."""
     message = f"{'assembly had to move bodies far: ' * far}{slip_sentence(wide, rest)}"
-    return about("note", message, *(gap.equation for gap in wide))
+    return about("note", message, *(gap.equation for gap in wide), id="SOLVE-055")
 
 
 def slip_sentence(wide: list[Gap], rest: float) -> str:

@@ -150,5 +150,5 @@ class PassedDynamicSingularities(PassedSingularities):
         conditioning = condition_text(weak.condition, MOST_CERTAIN_CONDITION)
         return (
             f"near t = {passed.t:.4g} s the motion passes a singular position of {owners_text(owners)} "
-            f"({conditioning}), where it could branch; it goes on smoothly"
+            f"({conditioning}), where it could branch; it continues smoothly"
         )

@@ -36,7 +36,9 @@ def step_failure(analysis: "KinematicAnalysis", t: float) -> AnalysisError:
             f"left of the worst ones: {left}; the mechanism locks, or a driver asks for more than it can do"
         )
         return AnalysisError(
-            about("error", message, worst[0].equation), t, gap_norms(worst) | {"reached": reached}
+            about("error", message, worst[0].equation, id="SOLVE-056"),
+            t,
+            gap_norms(worst) | {"reached": reached},
         )
     found: AnalysisError = _singular(analysis, reached, t)
     return found
@@ -70,7 +72,7 @@ def _singular(analysis: "KinematicAnalysis", reached: Any, t: float) -> Analysis
         f"{conditioning_text(evaluator, q, weak)}; motion reached t = {reached:.6g} s; {end}"
     )
     norms = gap_norms(worst) | {"reached": reached, "condition": weak.condition}
-    return AnalysisError(about("error", message, *weakest_joints(evaluator, weak)), t, norms)
+    return AnalysisError(about("error", message, *weakest_joints(evaluator, weak), id="SOLVE-057"), t, norms)
 
 
 def singular_start(analysis: "KinematicAnalysis", q: np.ndarray, t: float) -> AnalysisError:
@@ -82,5 +84,5 @@ def singular_start(analysis: "KinematicAnalysis", q: np.ndarray, t: float) -> An
         f"{conditioning_text(evaluator, q, weak)}: a "
         "dead centre, or a place where motions branch; begin a little earlier or later"
     )
-    fault = about("error", message, *weakest_joints(evaluator, weak))
+    fault = about("error", message, *weakest_joints(evaluator, weak), id="SOLVE-058")
     return AnalysisError(fault, t, {"condition": weak.condition})

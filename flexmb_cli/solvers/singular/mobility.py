@@ -42,11 +42,11 @@ class Gap:
         return f"{self.equation.owner} ({self.equation.part}{line}): {abs(self.value):.1e}{unit}"
 
 
-def about(severity: str, message: str, *owners: Equation) -> Fault:
+def about(severity: str, message: str, *owners: Equation, id: str) -> Fault:
     """A fault whose message names equations itself, at the place of the first; without any, at none."""
     if not owners:
-        return Fault(severity, message, id="SOLVE-023")
-    return Fault(severity, message, owners[0].place, about=owners[0].owner, id="SOLVE-024")
+        return Fault(severity, message, id=id)
+    return Fault(severity, message, owners[0].place, about=owners[0].owner, id=id)
 
 
 def worst_gaps(

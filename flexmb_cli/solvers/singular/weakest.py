@@ -85,4 +85,4 @@ class SingularityNotes:
         """Note a position, about the equations that are weakest there."""
         self.count += 1
         last = "; later ones are not looked for" if self.full else ""
-        self.warnings.append(about("note", f"{sentence}{last}", *owners))
+        self.warnings.append(about("note", f"{sentence}{last}", *owners, id="SOLVE-059"))

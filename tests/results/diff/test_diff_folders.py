@@ -208,7 +208,10 @@ def test_a_csv_table_with_a_selection_is_compared_in_its_own_columns(tmp_path):
         ("time [s],body.1.x [m]\n0,1\n0.1\n", "line 3 has 1 columns, the heading 2"),
         ("time [s],body.1.x [m]\n0,one\n", "line 2: could not convert string to float: 'one'"),
         ("time [s],body.1.x [m],body.1.x [m]\n0,1,1\n", "two columns have the same heading"),
-        (f"time [s],body.1.x [m]\n0,{200_000 * '1'}\n", "line 2: field larger than field limit (131072)"),
+        (
+            f"time [s],body.1.x [m]\n0,{200_000 * '1'}\n",
+            "line 2 is no row of a CSV table: field larger than field limit (131072)",
+        ),
     ],
 )
 def test_a_csv_table_that_cannot_be_read_is_refused_with_its_line(text, reported, tmp_path):

@@ -56,7 +56,7 @@ def test_a_parallelogram_that_passes_its_flat_positions_is_told(tmp_path):
     joints = ", ".join(f"revolute joint {k} (line {k + 5})" for k in range(1, 5))
     notes = [
         f"IN.dat:6:1: note: near t = {time} s the motion passes a singular position of {joints} (condition above "
-        "1e+06), where it could branch; it goes on smoothly"
+        "1e+06), where it could branch; it continues smoothly"
         for time in ("1.421", "2.992")
     ]
     repeated, *others = reported(found)

@@ -47,7 +47,7 @@ class ConvertedElements(Conversion):
         free = len(hinge.rotations), len(hinge.translations)
         if body not in self.number or free not in ((1, 0), (0, 1), (1, 1)):
             message = "in a hinge with several free rotations or translations it is not converted"
-            self.refusals.add(item, message)
+            self.refusals.add(item, message, id="DAFMS-173")
             return None
         return self.number[body], ANGLE if motion == ROTATION else STROKE, self.q[body, motion, int(axis)]
 

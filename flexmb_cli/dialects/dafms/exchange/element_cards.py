@@ -88,14 +88,14 @@ class ElementCards:
         """Number of the function card of an item; 0 where it cannot be written."""
         number = self.functions.number(function)
         if not number:
-            self.refusals.add(item, without_card(function, "DAFMS"))
+            self.refusals.add(item, without_card(function, "DAFMS"), id="DAFMS-174")
         return number
 
     def _followed(self, item: Any) -> tuple[int, int]:
         """Number of the function card of a driver, 0 where it cannot be written; 1 if its rate follows it."""
         number, rate = self.functions.driver(item.function)
         if not number:
-            self.refusals.add(item, without_card(item.function, "DAFMS"))
+            self.refusals.add(item, without_card(item.function, "DAFMS"), id="DAFMS-174")
         return number, int(rate)
 
     def _preloaded(self, item: Any) -> str:
@@ -118,7 +118,7 @@ class ElementCards:
     def _bushing(self, item: Any) -> str:
         if item.i != GROUND and np.abs(self.hung[item.i].own - self.model.axes(item.i)).max() > _SAME_AXES:
             message = "a bushing acts along the axes of its first body, which DAFMS lays along its hinge"
-            self.refusals.add(item, message)
+            self.refusals.add(item, message, id="DAFMS-175")
         return self._between(item, (), item.stiffness, item.damping)
 
     def _between(self, item: Any, head: Any, *rows: Any) -> str:
@@ -161,7 +161,11 @@ class ElementCards:
         """Return the points of a table; another function is refused."""
         points = points_of(function)
         if points is None:
-            self.refusals.add(item, "only tables of loads are converted to DAFMS; give the function as TABLE")
+            self.refusals.add(
+                item,
+                "only tables of loads are converted to DAFMS; give the function as TABLE",
+                id="DAFMS-176",
+            )
         return points or []
 
     def table(self, k: int, which: int, points: "Sequence[tuple[float, float]]") -> str:

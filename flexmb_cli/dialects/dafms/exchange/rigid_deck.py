@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....errors import Fault, Place
 from ....model.exchange.chain import chain_of
 from ....model.exchange.function_cards import FunctionCards
 from ....model.exchange.functions import value_of
@@ -37,14 +36,10 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     made = _Deck(model)
     made.refuse_foreign()
     lines = made.lines() if not made.refusals.items else []
-    made.refusals.raise_faults(_refused)
+    made.refusals.raise_faults()
     rounding = f"Numbers are rounded to their columns, relatively by {made.rounding:.1g} at most."
     notes = [f"Units: {units}.", *(f"{note}." for note in model.notes), *made.notes(), rounding]
     return "\n".join([*lines, "END ", "STAR", "STOP", *notes, ""]).replace("DFMB", f"DFMB {title}", 1)
-
-
-def _refused(message: str, place: Place | None, name: str) -> Fault:
-    return Fault("error", message, place, name, id="DAFMS-151")
 
 
 class _Deck(ElementCards):
@@ -71,17 +66,19 @@ class _Deck(ElementCards):
         """Collect what no tree of DAFMS has."""
         for joint in self.model.joints:
             if joint.kind not in FREE:
-                self.refusals.add(joint, f"DAFMS has no hinge like a {joint.kind} joint")
+                self.refusals.add(joint, f"DAFMS has no hinge like a {joint.kind} joint", id="DAFMS-177")
         for item in self.model.drivers:
             self.refusals.add(
-                item, "DAFMS prescribes hinge coordinates, not those of a body: drive the joint"
+                item,
+                "DAFMS prescribes hinge coordinates, not those of a body: drive the joint",
+                id="DAFMS-178",
             )
         for item in (*self.model.forces, *self.model.torques):
             if item.following:
-                self.refusals.add(item, "loads in DAFMS keep to inertial axes")
+                self.refusals.add(item, "loads in DAFMS keep to inertial axes", id="DAFMS-179")
         for item in self.model.forces:
             if value_of(item.factor) is None:
-                self.refusals.add(item, "forces in DAFMS are constant")
+                self.refusals.add(item, "forces in DAFMS are constant", id="DAFMS-180")
 
     def lines(self) -> Any:
         """The records up to END."""
@@ -187,7 +184,7 @@ class _Deck(ElementCards):
             if np.linalg.norm(self.model.position(item.body, item.point) - hung.origin) > _APART:
                 where = " ".join(f"{x:.9g}" for x in hung.origin)
                 message = f"DAFMS has forces at the origin O_k of a body only, here at {where}"
-                self.refusals.add(item, message)
+                self.refusals.add(item, message, id="DAFMS-181")
             forces[self.number[item.body] - 1] += value_of(item.factor) * np.array(item.force)
         for item in self.model.torques:
             value, k = value_of(item.factor), self.number[item.body]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....deck.record import Deck
-from ....errors import Fault, ModelError, Place
+from ....errors import Fault, ModelError
 from ....model.exchange.conversion import about_centre, place_of
 from ....model.exchange.functions import constant
 from ....model.exchange.rigid_model import (
@@ -63,18 +63,16 @@ def _refuse_flexible(tree: Tree) -> None:
     message = "the body is flexible; only rigid bodies are converted"
     flexible = [body for body in tree.bodies if body.elastic is not None]
     if flexible:
-        raise ModelError([_refused(message, body.place, body.name) for body in flexible])
-
-
-def _refused(message: str, place: Place | None, name: str) -> Fault:
-    return Fault("error", message, place, name, id="DAFMS-150")
+        raise ModelError(
+            [Fault("error", message, body.place, body.name, id="DAFMS-189") for body in flexible]
+        )
 
 
 class _Conversion(ConvertedElements):
     """Collects the parts of the model."""
 
     def __init__(self, tree: Tree, start: Start):
-        super().__init__(start, _refused)
+        super().__init__(start)
         self.tree = tree
         self.A = [A for _, A in self.now]
         self.number: dict[int, int] = {}  # of the joint of a body's hinge
@@ -138,7 +136,9 @@ class _Conversion(ConvertedElements):
             name = self.tree.bodies[k].name
             reported = "free rotations {} and translations {}".format(*(_axes(a) for a in _dofs(hinge)))
             self.refusals.add(
-                _Named(f"hinge of {name}", hinge.place), f"a hinge with {reported} is no single joint"
+                _Named(f"hinge of {name}", hinge.place),
+                f"a hinge with {reported} is no single joint",
+                id="DAFMS-182",
             )
             return
         self.number[k] = len(joints)
@@ -165,7 +165,7 @@ class _Conversion(ConvertedElements):
         for closure in self.tree.closures:
             if len(closure.directions) < 3 and not self._is_planar(closure):
                 message = "a closure of some directions is converted in planar mechanisms only"
-                self.refusals.add(closure, message)
+                self.refusals.add(closure, message, id="DAFMS-183")
                 continue
             yield RigidJoint(
                 closure.name, "spherical", closure.b, closure.a, vector(closure.b_point),
@@ -201,7 +201,7 @@ class _Conversion(ConvertedElements):
         free = len(hinge.rotations), len(hinge.translations)
         if item.body not in self.number or free not in ((1, 0), (0, 1), (1, 1)):
             message = f"a {what} in a hinge with several free rotations or translations is not converted"
-            self.refusals.add(_Named(f"{what} of {name}", item.place), message)
+            self.refusals.add(_Named(f"{what} of {name}", item.place), message, id="DAFMS-184")
             return None
         coordinate = ANGLE if item.motion == ROTATION else STROKE
         return self.number[item.body], coordinate, self.q[item.body, item.motion, item.axis]

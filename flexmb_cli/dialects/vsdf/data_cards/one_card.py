@@ -41,7 +41,7 @@ class CardReader:
             self.at = here
             keys = f"{card.second[0].key} ... {card.second[-1].key}"
             place = Place(here, len(self.lines[here - 1].rstrip()) + 1)
-            self.error(card.word, f"its second card, with {keys}, is missing", place)
+            self.error(card.word, f"its second card, with {keys}, is missing", place, id="VSDF-165")
             return []
         return self.read_card(card, line, card.second, None)
 
@@ -50,7 +50,7 @@ class CardReader:
         count = line.count(",") or len(line) // WIDTHS["I"]
         if more is not None and count > _MOST_FIELDS:
             message = f"a card has at most {_MOST_FIELDS} fields; continue on a further one"
-            self.error(card.word, message, Place(self.at, 1))
+            self.error(card.word, message, Place(self.at, 1), id="VSDF-166")
             return []
         found = fields.fields(line, columns, more)
         wanted = [*columns, *([more] * (len(found) - len(columns)))]
@@ -59,7 +59,7 @@ class CardReader:
             self._check_rest(card, line, columns)
         elif len(found) == len(columns) and more.default is None:
             place = Place(self.at, len(line) + 1)
-            self.error(card.word, f"the card names no {more.meaning}", place)
+            self.error(card.word, f"the card names no {more.meaning}", place, id="VSDF-167")
         return [number for number in numbers if number is not None]
 
     def _number(
@@ -69,10 +69,10 @@ class CardReader:
         try:
             value, warning = fields.value(field, column)
         except fields.Unfit as fault:
-            self.error(card.word, str(fault), place, fields.guide(line, columns))
+            self.error(card.word, str(fault), place, fields.guide(line, columns), id=fault.id)
             return None
         if warning:
-            self.warn(card.word, warning, place)
+            self.warn(card.word, warning, place, id="VSDF-082")
         return Number(column.key, value, column.meaning, column.unit, place, field.text)
 
     def _check_rest(self, card: Card, line: str, columns: tuple[Column, ...]) -> None:
@@ -84,18 +84,20 @@ class CardReader:
         place = Place(self.at, extra.column, len(text))
         if NUMBERS.match(text):
             message = f"'{text}' stands behind the last field and is not read"
-            self.error(card.word, message, place, fields.guide(line, columns))
+            self.error(card.word, message, place, fields.guide(line, columns), id="VSDF-168")
         elif fields.runs_over(line, columns, extra):
             message = (
                 f"'{text}' touches the last field, which ends in column {extra.column - 1}: a comment needs "
                 "a blank before it, a longer number the form with commas"
             )
-            self.error(card.word, message, place, fields.guide(line, columns))
+            self.error(card.word, message, place, fields.guide(line, columns), id="VSDF-169")
 
-    def error(self, subject: str, message: str, place: Place | None, guide: tuple[str, ...] = ()) -> None:
+    def error(
+        self, subject: str, message: str, place: Place | None, guide: tuple[str, ...] = (), *, id: str
+    ) -> None:
         """Note an error."""
-        self.faults.append(Fault("error", message, place, subject, tuple(guide), id="VSDF-081"))
+        self.faults.append(Fault("error", message, place, subject, tuple(guide), id=id))
 
-    def warn(self, subject: str, message: str, place: Place) -> None:
+    def warn(self, subject: str, message: str, place: Place, *, id: str) -> None:
         """Note a warning."""
-        self.faults.append(Fault("warning", message, place, subject, id="VSDF-082"))
+        self.faults.append(Fault("warning", message, place, subject, id=id))

@@ -40,7 +40,7 @@ class ElementCards(ABC):
         """Number of the function card of an item; 0 where it cannot be written."""
         number = self.functions.number(function)
         if not number:
-            self.refusals.add(item, without_card(function, "VSDF"))
+            self.refusals.add(item, without_card(function, "VSDF"), id="VSDF-170")
         return number
 
     def has_jspr(self, item: "CoordinateSpring") -> bool:

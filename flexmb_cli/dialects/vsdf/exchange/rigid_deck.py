@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....errors import Fault, Place
 from ....model.exchange.function_cards import without_card
 from ....model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
 from ....model.exchange.rigid_model import RigidModel, across
@@ -36,7 +35,7 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     """Return the deck's text; raises ModelError with all that VSDF does not know."""
     made = _Deck(model)
     cards = made.cards()
-    made.refusals.raise_faults(_refused)
+    made.refusals.raise_faults()
     lines = [
         f"VSDF {title}",
         f"* Units: {units}.",
@@ -46,10 +45,6 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
         if records:
             lines += [word, *records]
     return "\n".join([*lines, *(word.strip() for word in FINAL), ""])
-
-
-def _refused(message: str, place: Place | None, name: str) -> Fault:
-    return Fault("error", message, place, name, id="VSDF-150")
 
 
 class _Deck(ElementCards):
@@ -116,16 +111,16 @@ class _Deck(ElementCards):
     def _check_mass(self, body: "RigidBody") -> None:
         moments = np.linalg.eigvalsh(body.inertia)
         if not body.mass > 0:
-            self.refusals.add(body, "a VSDF body needs a mass above zero")
+            self.refusals.add(body, "a VSDF body needs a mass above zero", id="VSDF-171")
         elif not moments[0] > 0:
             message = (
                 f"a VSDF body needs principal moments of inertia above zero; the least is {moments[0]:.6g} "
                 "kg m^2, as of a thin rod: give the deck a small one"
             )
-            self.refusals.add(body, message)
+            self.refusals.add(body, message, id="VSDF-172")
         elif moments[2] > (moments[0] + moments[1]) * (1 + _BEYOND):
             message = "the largest principal moment of inertia exceeds the sum of the others: no VSDF body"
-            self.refusals.add(body, message)
+            self.refusals.add(body, message, id="VSDF-173")
 
     def _node(self, body: int, place: Any) -> Any:
         """Number of the node at a place of a body."""
@@ -136,7 +131,7 @@ class _Deck(ElementCards):
 
     def _joint(self, number: int, joint: "RigidJoint") -> Any:
         if joint.kind not in _WORDS:
-            self.refusals.add(joint, f"VSDF has no {joint.kind} joint")
+            self.refusals.add(joint, f"VSDF has no {joint.kind} joint", id="VSDF-174")
             return ""
         word, kind = _WORDS[joint.kind]
         a, b = self._ends(joint)
@@ -172,7 +167,7 @@ class _Deck(ElementCards):
         turned = [item.body for item in self.model.drivers if item.direction > 3]
         for item in self.model.drivers:
             if item.direction > 3 and turned.count(item.body) > 1:
-                self.refusals.add(item, "VSDF turns a body about one axis only")
+                self.refusals.add(item, "VSDF turns a body about one axis only", id="VSDF-175")
             found.append((item, _DIRECTIONS[item.direction - 1], item.body + 1))
         for driver in self.model.joint_drivers:
             word = "ANGL" if driver.coordinate == ANGLE else "STRK"
@@ -193,10 +188,10 @@ class _Deck(ElementCards):
             return TABLE, float(self._table(list(zip(function.times, function.values, strict=True))))
         number, rate = self.functions.driver(function)
         if not number:
-            self.refusals.add(item, without_card(function, "VSDF"))
+            self.refusals.add(item, without_card(function, "VSDF"), id="VSDF-170")
         elif rate and abs(start := function.at(0.0)[0]) > _AT_REST:
             message = f"it begins at {start:.6g} and follows an integral; VSDF begins integrals at 0: {_MOVE}"
-            self.refusals.add(item, message)
+            self.refusals.add(item, message, id="VSDF-176")
         return RATE_BY_FUNCTION if rate else BY_FUNCTION, float(number)
 
     def _table(self, points: "Sequence[tuple[float, float]]") -> Any:
@@ -231,13 +226,15 @@ class _Deck(ElementCards):
 
     def _spring(self, number: int, item: Any) -> Any:
         if item.stiffness < 0 or item.damping < 0 or item.free_length < 0:
-            self.refusals.add(item, "VSDF springs have no negative stiffness, damping or length at rest")
+            self.refusals.add(
+                item, "VSDF springs have no negative stiffness, damping or length at rest", id="VSDF-177"
+            )
         ends = (item.i + 1, self._node(item.i, item.P_i), item.j + 1, self._node(item.j, item.P_j))
         return record(number, *ends, item.stiffness, item.damping, item.free_length)
 
     def _joint_spring(self, item: "CoordinateSpring") -> Any:
         if item.stiffness < 0 or item.damping < 0:
-            self.refusals.add(item, "VSDF springs have no negative stiffness or damping")
+            self.refusals.add(item, "VSDF springs have no negative stiffness or damping", id="VSDF-178")
         return record(item.joint + 1, item.stiffness, item.damping, item.rest)
 
 

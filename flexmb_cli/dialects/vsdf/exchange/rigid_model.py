@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....deck.record import Deck
-from ....errors import Fault, ModelError, Place
+from ....errors import Fault, ModelError
 from ....model.exchange.conversion import Conversion, about_centre, coordinate_since, place_of
 from ....model.exchange.functions import constant, moved
 from ....model.exchange.rigid_model import (
@@ -51,15 +51,11 @@ def rigid_model(
     return _Conversion(mechanism, start(mechanism)).converted(lambda: exchanged_shapes(deck))
 
 
-def _refused(message: str, place: Place | None, name: str) -> Fault:
-    return Fault("error", message, place, name, id="VSDF-151")
-
-
 class _Conversion(Conversion):
     """Collects the parts of the model; the ground is the last of the poses."""
 
     def __init__(self, mechanism: FlexibleMechanism, start: Start):
-        super().__init__(start, _refused)
+        super().__init__(start)
         self.deck = mechanism
         ground = np.zeros(3), np.eye(3)
         self.first = [(body.r, rotation_matrix(body.p)) for body in mechanism.bodies] + [ground]
@@ -72,7 +68,7 @@ class _Conversion(Conversion):
         self._refuse_several_rotations(drivers)
         for pin in deck.pins:
             if any(pin.functions):
-                self.refusals.add(pin, "supports that move are not converted")
+                self.refusals.add(pin, "supports that move are not converted", id="VSDF-179")
         pins, held = self._pins()
         return RigidModel(
             tuple(self._body(k) for k in range(len(deck.bodies))),
@@ -176,7 +172,7 @@ class _Conversion(Conversion):
                 joints.append(RigidJoint(pin.name, "spherical", GROUND, body, *ends, place=pin.place))
             elif np.any(r0):
                 message = "a pin of some directions is converted at the origin of its body only"
-                self.refusals.add(pin, message)
+                self.refusals.add(pin, message, id="VSDF-180")
             else:
                 held += [
                     BodyDriver(pin.name, body, axis + 1, constant(float(pin.target[axis])), pin.place)
@@ -189,7 +185,9 @@ class _Conversion(Conversion):
         turned = [item.target for item in drivers if _DIRECTIONS[item.kind] > 3]
         for item in drivers:
             if _DIRECTIONS[item.kind] > 3 and turned.count(item.target) > 1:
-                self.refusals.add(item, "several rotations of one body (ROTX, ROTY, ROTZ) are not converted")
+                self.refusals.add(
+                    item, "several rotations of one body (ROTX, ROTY, ROTZ) are not converted", id="VSDF-181"
+                )
 
     def _joint_spring(self, item: Any) -> CoordinateSpring:
         joint = self.deck.joints[item.joint]

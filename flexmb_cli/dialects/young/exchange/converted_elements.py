@@ -80,7 +80,9 @@ class ConvertedElements(Conversion):
                 terms = tuple((self.joints[joint], name, factor) for joint, name, factor in item.terms)
                 yield replace(item, terms=terms)
             else:
-                self.refusals.add(item, "a coupling of a joint between grounded bodies is not converted")
+                self.refusals.add(
+                    item, "a coupling of a joint between grounded bodies is not converted", id="YOUNG-163"
+                )
 
     def _joint_springs(self) -> tuple[Any, Any]:
         """Springs without preload, and motors with the preload of those without stiffness."""

@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....errors import Fault, Place
 from ....model.exchange.function_cards import FunctionCards, without_card
 from ....model.exchange.functions import constant, polynomial_of, value_of
 from ....model.exchange.rigid_model import Refusals, RigidModel, across
@@ -30,14 +29,10 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     """Return the deck's text; raises ModelError with all that YOUNG does not know."""
     made = _Deck(model)
     lines = made.lines()
-    made.refusals.raise_faults(_refused)
+    made.refusals.raise_faults()
     notes = [title, f"Units: {units}", *model.notes, *notes_of(model.shapes)]
     head = [f"{{ {note.replace('{', '(').replace('}', ')')} }}" for note in notes]
     return "\n".join([*head, *lines, ""])
-
-
-def _refused(message: str, place: Place | None, name: str) -> Fault:
-    return Fault("error", message, place, name, id="YOUNG-152")
 
 
 class _Deck:
@@ -54,7 +49,7 @@ class _Deck:
         }
         unknown = [joint for joint in proper if _KIND.get(joint.kind, joint.kind) not in self.sorted]
         for joint in unknown:
-            self.refusals.add(joint, f"YOUNG has no {joint.kind} joint")
+            self.refusals.add(joint, f"YOUNG has no {joint.kind} joint", id="YOUNG-164")
         order = [joint for joints in (*self.sorted.values(), unknown) for joint in joints]
         self.joint_number = {id(joint): n for n, joint in enumerate(order, start=1)}
 
@@ -131,14 +126,14 @@ class _Deck:
         """Number of a function card; 1 stands in where there is none."""
         number = self.functions.number(function)
         if not number:
-            self.refusals.add(item, without_card(function, "YOUNG"))
+            self.refusals.add(item, without_card(function, "YOUNG"), id="YOUNG-165")
         return number or 1
 
     def _followed(self, item: Any) -> str:
         """Number of the function card of a driver, and 1 if its rate follows the function."""
         number, rate = self.functions.driver(item.function)
         if not number:
-            self.refusals.add(item, without_card(item.function, "YOUNG"))
+            self.refusals.add(item, without_card(item.function, "YOUNG"), id="YOUNG-165")
         return f"{number or 1} 1" if rate else str(number or 1)
 
     def _masses(self) -> "Iterator[Any]":

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....deck.record import Deck
-from ....errors import Fault, ModelError, Place
+from ....errors import Fault, ModelError
 from ....model.arrays.dynamic import inertia_matrix
 from ....model.attitudes import Attitudes
 from ....model.exchange.functions import constant, moved
@@ -50,15 +50,11 @@ def rigid_model(
     return made.converted(lambda: tuple(map(made.shape, exchanged_shapes(deck))))
 
 
-def _refused(message: str, place: Place | None, name: str) -> Fault:
-    return Fault("error", message, place, name, id="YOUNG-151")
-
-
 class _Conversion(ConvertedElements):
     """Collects the parts, grounded bodies becoming the ground."""
 
     def __init__(self, model: DynamicModel, start: Start):
-        super().__init__(start, _refused)
+        super().__init__(start)
         self.deck, self.mechanism = model, model.mechanism
         held = {ground.body for ground in self.mechanism.grounds}
         moving = [k for k in range(len(self.mechanism.bodies)) if k not in held]
@@ -121,7 +117,9 @@ class _Conversion(ConvertedElements):
 
     def _refuse_foreign(self) -> None:
         for item in self.mechanism.distances:
-            self.refusals.add(item, "differences of single coordinates (NSIMP2) are not converted")
+            self.refusals.add(
+                item, "differences of single coordinates (NSIMP2) are not converted", id="YOUNG-166"
+            )
 
     def _notes(self) -> tuple[Any, ...]:
         notes = []
@@ -160,7 +158,7 @@ class _Conversion(ConvertedElements):
             self._add_joint(found, joint, joint.kind, joint.pitch, k)
         for item in self.deck.elements.composites:
             if item.kind == "revolute-cylindrical":
-                self.refusals.add(item, "the composite joint REVCYL is not converted")
+                self.refusals.add(item, "the composite joint REVCYL is not converted", id="YOUNG-167")
             else:
                 self._add_joint(found, item, item.kind, item.size, None)
         return tuple(found)
@@ -189,7 +187,9 @@ class _Conversion(ConvertedElements):
             found.append((driver, driven.get(n) or prescribed))
         for n, held in enumerate(self.mechanism.simplified):
             if held.direction > 3:
-                self.refusals.add(held, "a held Euler parameter (directions 4 to 6) is not converted")
+                self.refusals.add(
+                    held, "a held Euler parameter (directions 4 to 6) is not converted", id="YOUNG-168"
+                )
             found.append((held, supported.get(n) or constant(held.value)))
         return tuple(
             BodyDriver(
