@@ -55,6 +55,7 @@ def convert(
     """
     from ..results.files.replaced_file import write_whole
     from ..run.convert import converted
+    from ..run.outcome import Outcome
     from .options.output_file import STANDARD_OUTPUT, refuse_inputs, reported
 
     stem = "flexmb" if deck == "-" else PurePath(deck).stem
@@ -64,11 +65,13 @@ def convert(
     notices.refuse_standard_output(output)
     _check_units(form, unit, to_unit)
     with notices.failures():
-        text = converted(deck, form, changes, unit, to_unit)
+        outcome = Outcome(deck)
+        text = converted(deck, form, changes, unit, to_unit, outcome)
         if output == STANDARD_OUTPUT:
             click.echo(text, nl=False)
         else:
             write_whole(output, text.encode("utf-8"))
+    notices.add(dict.fromkeys(outcome.faults))
     notices.say(f"{deck} → {reported(output)}")
     notices.end(file=output)
 

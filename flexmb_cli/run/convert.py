@@ -27,16 +27,23 @@ NOT_TAKEN = "the form does not take this type of model"
 ROWS_FOR_RANK = 3  # of the motion: a start at rest in a singular position must leave it
 
 
-def converted(path: str, form: str, changes: tuple[str, ...] = (), unit: str = SI, to_unit: str = SI) -> str:
+def converted(
+    path: str,
+    form: str,
+    changes: tuple[str, ...] = (),
+    unit: str = SI,
+    to_unit: str = SI,
+    outcome: Outcome | None = None,
+) -> str:
     """Return the model of the deck at `path` as text of a form: "mjcf", "exudyn", or a dialect.
 
     `unit`, `to_unit`: names of `model.exchange.units.UNITS`, in which the numbers of the deck are, and those
-    of the new deck are to be.  Raises FlexmbError, with the deck's name, for a deck with errors and for what
-    the form cannot hold.
+    of the new deck are to be.  `outcome` receives the warnings about the deck.  Raises FlexmbError, with the
+    deck's name, for a deck with errors and for what the form cannot hold.
     """
     options = RunOptions(changes=changes)
     try:
-        run = Run(Outcome(path), options)
+        run = Run(outcome or Outcome(path), options)
         deck = open_deck(path, options, run.outcome)
         # What a file is called may come from anywhere, and must not be more than a word of the new file.
         name = visible(PurePath(deck.source.name).stem)

@@ -90,6 +90,7 @@ def test_a_double_pendulum_comes_to_the_explicit_solution_with_order_two():
         assert gaps[1] / gaps[2] == pytest.approx(4.0, abs=0.5)
 
 
+@pytest.mark.long_motion
 def test_chosen_steps_keep_the_tolerance():
     """The tolerance is that of a run: a hundredth of it takes 100^(1/2) times as many steps of order two."""
     model = swinging_bar()

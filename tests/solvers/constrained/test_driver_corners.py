@@ -49,6 +49,7 @@ def test_steps_of_generalised_alpha_begin_anew_behind_a_corner():
     assert rows.driver_effort[1, 0] == pytest.approx(-STIFFNESS * angle - DAMPING * speed, abs=1e-9)
 
 
+@pytest.mark.long_motion
 def test_a_stop_just_at_the_corner_goes_on_to_the_same_numbers():
     """A checkpoint behind the row at the corner, whose acceleration has jumped."""
     cards = f"{MASSES}{RATES['ramp']}ANGLE 1 1 1\nGALF 0 0.9\nTOLERANCE 1e-4"

@@ -123,6 +123,7 @@ def test_a_power_screw_lifts_its_load_by_the_torque_of_machine_design(sense, sig
     assert rows.element_power[-1, 0] == pytest.approx(-power, rel=1e-8)
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("mass", [5.0, 12.0])
 @pytest.mark.parametrize(
     ("card", "near"), [("RAD5\n", 1e-6), ("GALF 0 0.9\nTOLERANCE 1e-4\n", 1e-3)], ids=["RAD5", "GALF"]

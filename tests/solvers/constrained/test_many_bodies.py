@@ -59,6 +59,7 @@ def test_the_time_of_check_grows_with_the_number_of_bodies(tmp_path):
     assert growth(lambda bodies: checked(tmp_path, chain(bodies)), BODIES) < LINEAR
 
 
+@pytest.mark.long_motion
 def test_a_free_chain_falls_with_gravity(tmp_path):
     """Far from the hinge by which it hangs a chain released in line falls by g t²/2.
 
