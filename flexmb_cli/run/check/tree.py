@@ -120,7 +120,7 @@ def _evaluate_start(report: CheckReport, tree: Tree) -> None:
 
 
 def _free_with_elements(report: CheckReport, tree: Tree) -> int:
-    """Return the degrees of freedom in absolute coordinates, as `run` finds them; warn of repeated couplings."""
+    """Return the degrees of freedom by the equations of `run`; warn of couplings that repeat others."""
     from ...solvers.constrained.tree import AbsoluteTree
 
     analysis = AbsoluteTree(tree)
