@@ -116,10 +116,12 @@ def _evaluate_start(report: CheckReport, tree: Tree) -> None:
     )
     closed = report.counts["closed_directions"] - len(redundant)
     free = len(tree.coordinates) - report.counts["prescribed"] - closed
-    report.counts["degrees_of_freedom"] = _free_with_elements(report, tree) if tree.elements else free
+    report.counts["degrees_of_freedom"] = (
+        _free_with_couplings(report, tree) if tree.elements.couplings else free
+    )
 
 
-def _free_with_elements(report: CheckReport, tree: Tree) -> int:
+def _free_with_couplings(report: CheckReport, tree: Tree) -> int:
     """Return the degrees of freedom by the equations of `run`; warn of couplings that repeat others."""
     from ...solvers.constrained.tree import AbsoluteTree
 
