@@ -14,8 +14,8 @@ PANELS = 2  # of curves
 MOST_ROWS = 1500  # of a curve
 MARGIN = 1.15  # of half the size of the mechanism
 PADS = {
-    "x": (-3, -5),
-    "y": (-3, -3),
+    "x": (-3, -2),
+    "y": (-3, 1),
     "z": (1, 1),
 }  # points from an axis to its ticks, and from these to its label
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
