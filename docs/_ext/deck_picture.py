@@ -13,6 +13,11 @@ INSTANTS = 7  # of the mechanism
 PANELS = 2  # of curves
 MOST_ROWS = 1500  # of a curve
 MARGIN = 1.15  # of half the size of the mechanism
+PADS = {
+    "x": (-3, -2),
+    "y": (-3, 1),
+    "z": (1, 1),
+}  # points from an axis to its ticks, and from these to its label
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 GROUND_COLOUR = "#999999"
 DOTS = 160  # an inch: pictures of few inches, so that letters stay readable on phones
@@ -61,8 +66,9 @@ def _film_frame(file, picture):
 def _lines(file, picture):
     from matplotlib import pyplot
 
-    figure = pyplot.figure(figsize=(2.9, 2.5), layout="constrained")
-    _draw_mechanism(figure.add_subplot(projection="3d"), file)
+    figure = pyplot.figure(figsize=(2.9, 2.5))
+    # The box leaves room at its right and below for numbers and labels.
+    _draw_mechanism(figure.add_axes((-0.04, 0.04, 0.97, 1.0), projection="3d"), file)
     figure.savefig(picture, dpi=DOTS, metadata={"Software": None})
     pyplot.close(figure)
 
@@ -110,12 +116,13 @@ def _draw_mechanism(axes, file):
     # Some room, so that nothing lies in the edges of the box.
     middle, half = (places.max(0) + places.min(0)) / 2, MARGIN * max(np.ptp(places, axis=0).max() / 2, 1e-9)
     axes.set(**{f"{x}lim": (m - half, m + half) for x, m in zip("xyz", middle, strict=True)})
-    axes.set_box_aspect(None, zoom=0.88)  # with room for the labels
+    axes.set_box_aspect(None, zoom=0.95)
     axes.view_init(elev=22, azim=-60)
-    axes.tick_params(labelsize=8, pad=-3)
-    axes.locator_params(nbins=4)
-    for x in "xyz":
-        getattr(axes, f"set_{x}label")(f"{x} [m]", fontsize=9, labelpad=-7)
+    axes.locator_params(nbins=3, steps=(1, 2, 5, 10))
+    for x, (tick, label) in PADS.items():
+        axes.tick_params(axis=x, labelsize=8, pad=tick)
+        getattr(axes, f"{x}axis").set_major_formatter("{x:g}")
+        getattr(axes, f"set_{x}label")(f"{x} [m]", fontsize=9, labelpad=label)
 
 
 def _draw_curves(axis, panel):

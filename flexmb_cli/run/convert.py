@@ -157,7 +157,9 @@ def _named(hindrances: dict[str, str]) -> str:
     for form, reason in hindrances.items():
         if reason != NOT_TAKEN:
             by_reason.setdefault(reason, []).append(form)
-    return "".join(f"; by way of --to {' or '.join(forms)}: {why}" for why, forms in by_reason.items())
+    return "".join(
+        f"; converting it --to {' or '.join(forms)} first fails: {why}" for why, forms in by_reason.items()
+    )
 
 
 def _mjcf_of_tree(model: "Tree", name: str) -> str:
@@ -173,9 +175,12 @@ def _mjcf(model: "Tree", name: str) -> str:
 def _exudyn(model: Any, name: str, other_way: Callable[[], str] = str) -> str:
     from ..results.models.exudyn import exudyn_script
 
-    if analysis_of(model) != "dynamic" or model.analysis != "forward":
-        message = "--to exudyn takes rigid mechanisms under forces: decks with DYNAMICS forward"
-        raise ModelError([Fault("error", message + other_way(), id="RUN-028")])
+    dynamic = analysis_of(model) == "dynamic"
+    if not dynamic or model.analysis != "forward":
+        # Other dialects would hold the same drivers.
+        why = "; drivers move an inverse run, and they do not convert" if dynamic else other_way()
+        message = f"--to exudyn takes rigid mechanisms under forces: decks with DYNAMICS forward{why}"
+        raise ModelError([Fault("error", message, id="RUN-028")])
     start, *later = _motion_of(model, ROWS_FOR_RANK)
     return exudyn_script(model, start, name, later)
 

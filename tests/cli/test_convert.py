@@ -235,10 +235,18 @@ def moved_as_in_exudyn(tmp_path, deck):
         (
             "vsdf/pendulum.vsdf",
             "exudyn",
-            "by way of --to dafms or young: body 1: the body is flexible",
+            "converting it --to dafms or young first fails: body 1: the body is flexible",
         ),
-        ("vsdf/pendulum.vsdf", "mjcf", "by way of --to dafms or young: body 1: the body is flexible"),
-        ("dafms/motor_gear.DAT", "exudyn", "by way of --to young: torque 1: loads over time do not convert"),
+        (
+            "vsdf/pendulum.vsdf",
+            "mjcf",
+            "converting it --to dafms or young first fails: body 1: the body is flexible",
+        ),
+        (
+            "dafms/motor_gear.DAT",
+            "exudyn",
+            "converting it --to young first fails: torque 1: loads over time do not convert",
+        ),
         ("dafms/fourbar_rigid.DAT", "exudyn", "convert it --to young first, then that deck --to exudyn"),
     ],
 )
@@ -263,7 +271,19 @@ def test_an_open_chain_is_sent_to_mjcf_by_way_of_its_tree(tmp_path):
     assert invoke(convert, [young, "--to", "dafms", "-o", tree]).exit_code == 0
     assert invoke(convert, [tree, "--to", "mjcf", "-o", str(tmp_path / "c.xml")]).exit_code == 0
     refused = invoke(convert, [str(DECKS / "young/dynamics/IN4-BAR-MASS.dat"), "--to", "mjcf"]).exception
-    assert "by way of --to dafms: revolute joint 2: the joint closes a loop" in str(refused)
+    assert "converting it --to dafms first fails: revolute joint 2: the joint closes a loop" in str(refused)
+
+
+def test_an_inverse_run_is_refused_for_its_drivers_and_sent_nowhere(tmp_path):
+    """The refusal told in 600 letters what another dialect met: a motion that nothing determines."""
+    text = (DECKS / "young/dynamics/IN-BRICARD.dat").read_text()
+    (tmp_path / "a.dat").write_text(text.replace("DYNAMICS forward", "DYNAMICS inverse"))
+    refused = CliRunner().invoke(convert, [str(tmp_path / "a.dat"), "--to", "exudyn"]).exception
+    (fault,) = refused.faults
+    assert fault.sentence == (
+        "--to exudyn takes rigid mechanisms under forces: decks with DYNAMICS forward; "
+        "drivers move an inverse run, and they do not convert"
+    )
 
 
 def test_a_load_by_a_function_of_time_does_not_convert_to_exudyn(tmp_path):

@@ -150,6 +150,10 @@ MORE_DAFMS = {
         "FUNC\n    1\n    5    3    0",
         "error: function 1: NP = 0 numbers, a function",
     ),
+    "a negative length": (
+        card("LSPR", integers(1, 0, 0, 0, 0, 0), HELD, reals(5, -0.1)),
+        "note: lspring 1: rest -0.1 is negative, and lengths are not: its spring pulls at every length",
+    ),
     "degrees": (card("HSTO", integers(1, 3) + reals(-1, 90, 5)), f"note: hinge stop 1: {DEGREES}"),
 }
 

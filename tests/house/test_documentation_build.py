@@ -2,11 +2,13 @@
 
 import re
 import sys
+from itertools import combinations
 from pathlib import Path
 
 import h5py
 import pytest
 from docutils import nodes
+from matplotlib.text import Text
 
 TOP = Path(__file__).resolve().parents[2]
 DOCS = TOP / "docs"
@@ -63,6 +65,29 @@ def test_a_body_that_turns_about_its_origin_has_curves(tmp_path):
         moves = deck_picture.draw(tmp_path / f"{name}.h5", *paths)
         pictures_of[name] = moves, *(path.exists() for path in paths)
     assert pictures_of == {"IN1-4-1": (True, True, True), "IN1-1-1": (False, True, False)}
+
+
+@pytest.mark.parametrize("name", ["young/dynamics/IN-ANDREWS.dat", "dafms/motor_gear.DAT"])
+def test_labels_of_axes_lie_beside_the_numbers_and_within_the_picture(name, tmp_path, monkeypatch):
+    """In the gallery "z [m]" lay on 0.000, and "x [m]" on -0.025."""
+    boxes = []
+    draw = Text.draw
+
+    def draw_and_note(text, renderer):
+        draw(text, renderer)
+        if text.get_text() and text.get_visible():  # mplot3d places the numbers while it draws
+            boxes.append((text.get_text(), text.get_window_extent(renderer)))
+
+    monkeypatch.setattr(Text, "draw", draw_and_note)
+    solve(TOP / "decks" / name).save(tmp_path / "a.h5")
+    deck_picture.draw(tmp_path / "a.h5", tmp_path / "a.png", tmp_path / "curves.png")
+    width, height = 2.9 * deck_picture.DOTS, 2.5 * deck_picture.DOTS
+    boxes = boxes[: 1 + [text for text, _ in boxes].index("z [m]")]  # those of the curves follow
+    assert [text for text, _ in boxes if text[0] in "xyz"] == ["x [m]", "y [m]", "z [m]"]
+    assert [
+        text for text, box in boxes if box.x0 < 0 or box.y0 < 0 or box.x1 > width or box.y1 > height
+    ] == []
+    assert [(one, other) for (one, a), (other, b) in combinations(boxes, 2) if a.overlaps(b)] == []
 
 
 def test_file_names_may_break_behind_strokes_and_options_not_at_all():

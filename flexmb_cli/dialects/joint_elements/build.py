@@ -139,6 +139,12 @@ def joint_spring(coordinate: str | None) -> Callable[..., Any]:
 def line_spring(maker: ElementMaker, record: Record) -> LineSpring | None:
     """A spring between two bodies."""
     ends, data = maker.ends(record), _spring_data(maker, record)
+    if data["rest"] < 0.0:
+        message = (
+            f"rest {data['rest']:g} is negative, and lengths are not: its spring pulls at every length; "
+            "a force at length 0 is a preload"
+        )
+        maker.findings.note(record.subject, message, record.at("rest").place, id="ELEMENTS-032")
     return LineSpring(record.subject, **ends, **data) if ends else None
 
 

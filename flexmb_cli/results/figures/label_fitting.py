@@ -1,5 +1,6 @@
 """Labels and numbers of axes that fit: measured as drawn, wrapped, thinned out or made smaller."""
 
+import re
 from collections.abc import Callable, Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, cast
@@ -24,6 +25,7 @@ PARTS, LABEL_LINE = (1.0, 0.9, 0.8, 0.7, LEAST_LETTERS), 1.3
 # Least distance of two numbers of an axis by the size of letters: across, and one above the other.
 GAP_BESIDE, GAP_ABOVE = 0.5, 0.1
 FEWEST_BINS = 1
+WORD = r"\[[^\]]*\]|\S+"  # of a label: a unit such as [N m/rad] is one
 
 
 class Letters:
@@ -59,9 +61,9 @@ class Letters:
         return float(width)
 
     def wrapped(self, text: str, room: float, shown: Callable[[str], str] = str) -> str:
-        """Return the words, as `shown`, in lines that are at most `room` in long; no word is broken."""
+        """Return the words, as `shown`, in lines that are at most `room` in long; units stay whole."""
         lines: list[str] = []
-        for word in text.split():
+        for word in re.findall(WORD, text):
             longer = f"{lines[-1]} {word}" if lines else word
             if lines and self.width(shown(longer)) <= room:
                 lines[-1] = longer

@@ -16,7 +16,12 @@ JOINT_SERIES = {
     "joint_rate": Series("coordinate/u", (COORDINATE,), "rad/s or m/s", "rate of the joint coordinate"),
 }
 ELEMENT_SERIES = {
-    "element_coordinate": Series("element/coordinate", (ELEMENT,), "rad or m", "length, stroke or angle"),
+    "element_coordinate": Series(
+        "element/coordinate",
+        (ELEMENT,),
+        "rad or m",
+        "length, stroke or angle; 0 of friction, see the coordinate of its joint",
+    ),
     "element_rate": Series(
         "element/rate", (ELEMENT,), "rad/s or m/s", "its rate; of friction the sliding speed"
     ),

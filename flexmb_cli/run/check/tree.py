@@ -115,8 +115,20 @@ def _evaluate_start(report: CheckReport, tree: Tree) -> None:
         energies={name: float(getattr(row, name)[0]) for name in ("kinetic", "potential", "strain")},
     )
     closed = report.counts["closed_directions"] - len(redundant)
-    held = report.counts["prescribed"] + len(tree.elements.couplings)
-    report.counts["degrees_of_freedom"] = len(tree.coordinates) - held - closed
+    free = len(tree.coordinates) - report.counts["prescribed"] - closed
+    report.counts["degrees_of_freedom"] = (
+        _free_with_couplings(report, tree) if tree.elements.couplings else free
+    )
+
+
+def _free_with_couplings(report: CheckReport, tree: Tree) -> int:
+    """Return the degrees of freedom by the equations of `run`; warn of couplings that repeat others."""
+    from ...solvers.constrained.tree import AbsoluteTree
+
+    analysis = AbsoluteTree(tree)
+    found = analysis.start_position()
+    report.outcome.faults += analysis.warnings
+    return int(found.coordinates - found.rank)
 
 
 def _with_elements(tree: Tree) -> "TreeAnalysis":

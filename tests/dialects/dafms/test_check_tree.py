@@ -7,6 +7,7 @@ import pytest
 from flexmb_cli.results.texts.check_tree_text import check_tree_text
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.outcome import RunOptions
+from tests.dialects.dafms.test_dafms_elements import deck, integers, reals
 from tests.run.dafms_runs import DECKS, NAMES, altered
 
 
@@ -42,15 +43,28 @@ def test_a_planar_four_bar_has_one_degree_of_freedom_and_its_gap_is_closed():
     assert assembled < 1e-14
 
 
+TERMS = (1, 2.0), (2, -1.0)  # body, factor
 LOOP = "    3    0    0    0    0    1    1\n       0.0        .5       0.0       0.0       0.0        .6\n"
 
 
 def test_a_closure_given_twice_is_recognised_and_counts_once(tmp_path):
-    deck = altered(tmp_path, "fourbar_rigid", (f"LOOP\n    1\n{LOOP}", f"LOOP\n    2\n{LOOP}{LOOP}"))
-    report = check(deck)
+    path = altered(tmp_path, "fourbar_rigid", (f"LOOP\n    1\n{LOOP}", f"LOOP\n    2\n{LOOP}{LOOP}"))
+    report = check(path)
     assert report.counts["closed_directions"] == 4
     assert len(report.tree.redundant) == 2
     assert report.counts["degrees_of_freedom"] == 1
+
+
+def test_a_coupling_given_twice_is_told_and_counts_once(tmp_path):
+    """Two links with one equation between them have one degree of freedom, which `check` gave as 0."""
+    terms = [integers(k, body, 3) + reals(factor * k) for k in (1, 2) for body, factor in TERMS]
+    (tmp_path / "a.DAT").write_text(deck("\n".join(["COUP", integers(4), *terms])))
+    report = check(tmp_path / "a.DAT")
+    assert report.counts["degrees_of_freedom"] == 1
+    (fault,) = report.outcome.faults
+    assert fault.severity == "warning" and fault.message.startswith(
+        "1 equation repeats others, among those of coupling 1, coupling 2;"
+    )
 
 
 def test_a_loop_that_cannot_be_closed_exits_with_1_and_says_how_far_it_is_open(tmp_path):

@@ -98,6 +98,10 @@ def test_a_slip_is_told_with_place_object_and_remedy(cards, wanted):
     assert wanted in messages(cards)
 
 
+SHORTER = (
+    "rest -0.1 is negative, and lengths are not: its spring pulls at every length; "
+    "a force at length 0 is a preload"
+)
 NOTHING = "does nothing: its coefficients are 0"
 
 
@@ -107,6 +111,7 @@ NOTHING = "does nothing: its coefficients are 0"
         ("TSPRING 2 -5", "warning", "6:11: tspring 1: stiffness -5 is negative, which drives a motion on"),
         ("LSPRING 0 2 1 0 0 0 0 0 5 1 -2", "warning",
          "6:29: lspring 1: damping -2 is negative, which drives a motion on"),
+        ("LSPRING 0 2 1 0 0 0 0 0 5 -0.1", "note", f"6:27: lspring 1: {SHORTER}"),
         ("TSTOP 2 -1 1 0", "note", f"6:7: tstop 1: {NOTHING}"),
         ("CABLE 0 2 1 0 0 0 0 0 0 1", "note", f"6:7: cable 1: {NOTHING}"),
         ("BUSHING 0 2 0 0 0 0 0 0 0 0 0 0 0 0", "note", f"6:9: bushing 1: {NOTHING}"),

@@ -8,6 +8,7 @@ from click.testing import CliRunner
 
 from flexmb_cli.cli.plot import plot
 from flexmb_cli.results.figures.curves import Curve, Panel
+from flexmb_cli.results.figures.label_fitting import Letters
 from flexmb_cli.results.figures.look import Look
 from flexmb_cli.results.figures.plots import fitted_figure, picture
 from flexmb_cli.results.quantities.readable import Readable
@@ -95,6 +96,13 @@ def test_labels_keep_three_fifths_of_the_size_that_was_asked_for(millimetres, po
     assert axis.yaxis.label.get_fontsize() >= 0.999 * max(0.6 * points, min(5, points))
     assert axis.yaxis.label.get_window_extent().height <= 1.01 * axis.bbox.height
     assert axis.bbox.width > 0.2 * figure.bbox.width
+
+
+def test_lines_of_labels_end_before_units_and_not_within_them():
+    """The colour bar of a study ended a line with "[N"."""
+    wrapped = Letters("axes.labelsize").wrapped
+    assert wrapped("tspring.1.stiffness [N m/rad]", 0.1) == "tspring.1.stiffness\n[N m/rad]"
+    assert wrapped("body [1 of 2", 0.1) == "body\n[1\nof\n2"
 
 
 def test_a_panel_narrower_than_a_seventh_of_its_picture_is_refused():
