@@ -53,6 +53,17 @@ def test_convert_names_the_file_that_it_wrote(flexmb):
     }  # fmt: skip
 
 
+def test_convert_shows_the_warnings_about_the_deck_with_their_places(flexmb):
+    quaternion = "       0.0       0.0       0.0       1.0"
+    text = Path(RIGID).read_text().replace(quaternion, quaternion.replace("1.0", "2.0"))
+    Path("long.DAT").write_text(text)
+    code, record, reported = flexmb("convert", "long.DAT", "--to", "mjcf", "-o", "new.xml")
+    assert (code, [(fault["id"], fault["line"]) for fault in record["faults"]]) == (
+        0, [("DAFMS-040", 30), ("DAFMS-040", 32)],
+    )  # fmt: skip
+    assert "long.DAT:30:13: warning: EULT of body 2: the Euler parameters have length 2" in reported
+
+
 def test_what_convert_refuses_has_identifier_place_and_deck(flexmb):
     code, record, reported = flexmb("convert", FOUR_BAR, "--to", "mjcf")
     (fault,) = record["faults"]

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ...errors import DONE, Fault
+from ...errors import DONE, Fault, compiler_style
 from .json_faults import faults_in_json
 from .screen import notify
 from .wrong_call import WrongCall
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
 
 class Notices:
@@ -43,6 +43,12 @@ class Notices:
         for fault in faults:
             self.faults.append((about, fault))
             self.say(f"{about}: {fault.severity}: {fault.message}")
+
+    def add_of_deck(self, faults: "Sequence[Fault]", lines: "Sequence[str]") -> None:
+        """Print notes on a deck with their places in its `lines`, and keep them for the object."""
+        self.faults += [(self.file, fault) for fault in faults]
+        if faults and not self.quiet:
+            click.echo(compiler_style(self.file, faults, lines), err=True)
 
     def say(self, sentence: str) -> None:
         """Print a sentence that the object has no need of."""
