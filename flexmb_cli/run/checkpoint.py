@@ -168,9 +168,13 @@ class ResumeFile:
         with located(self.path):
             file = unbuffered(open_managed(self.path, flags))
         if hold(file) is False:
-            file.close()
-            raise OutputError(f"{self.path}: another run is writing it; wait until it ends", id="RUN-007")
+            self._refuse(file, "another run is writing it; wait until it ends")
         return file
+
+    def _refuse(self, file: Any, obstacle: str) -> None:
+        file.close()
+        self._file = None
+        raise OutputError(f"{self.path}: {obstacle}", id="RUN-007")
 
     @contextmanager
     def _reading(self, start: int) -> Iterator[BinaryIO]:
@@ -201,9 +205,7 @@ class ResumeFile:
         )
         obstacle = obstacle or _obstacle(self._file.read(_LONGEST_HEAD))
         if obstacle:
-            self._file.close()
-            self._file = None
-            raise OutputError(f"{self.path}: {obstacle}", id="RUN-007")
+            self._refuse(self._file, obstacle)
         self._file.truncate(self._end)
         self._file.seek(self._end)
         if not self._end:

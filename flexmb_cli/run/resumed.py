@@ -22,7 +22,7 @@ POSITION = "body/position"  # finite at singular positions, too, unlike accelera
 
 def largest_entry(layout: Layout) -> int:
     """Return how many bytes an entry has at most: a block of rows, and matrices of the numbers of a row."""
-    width = sum(prod(shape) for shape in _shapes_of(layout).values())
+    width = int(sum(prod(shape) for shape in _shapes_of(layout).values()))
     return LARGEST_ENTRY + 8 * width * (ROWS_AT_ONCE + width)
 
 
