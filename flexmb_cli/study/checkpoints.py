@@ -32,12 +32,12 @@ _LONGEST_IDENTITY = 2**20  # bytes
 
 
 class RecordForm(NamedTuple):
-    """How many numbers the record of a case holds; one of another form counts as torn."""
+    """Counts of the numbers in the record of a case; a record of other counts is taken for a torn one."""
 
-    parameters: int
-    values: int
-    series: int
-    rows: int  # of a series
+    parameters: int  # that the study varies
+    values: int  # results that are one number
+    series: int  # results that are series
+    rows: int  # numbers of a series: report rows, 0 where there is no series
 
     @classmethod
     def of(cls, study: Study, rows: int) -> "RecordForm":
