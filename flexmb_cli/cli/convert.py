@@ -71,7 +71,7 @@ def convert(
             click.echo(text, nl=False)
         else:
             write_whole(output, text.encode("utf-8"))
-    notices.add_of_deck(tuple(dict.fromkeys(outcome.faults)), outcome.source.lines)
+    notices.add_of_deck(tuple(dict.fromkeys(outcome.faults)), outcome.source.lines if outcome.source else ())
     notices.say(f"{deck} → {reported(output)}")
     notices.end(file=output)
 

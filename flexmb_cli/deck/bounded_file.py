@@ -12,10 +12,7 @@ def first_bytes(stream: BinaryIO, most: int) -> bytes:
 
     A plain `stream.read(most)` would reserve `most` bytes even for a short stream.
     """
-    expected = 0
-    # A stream in memory has no descriptor.
-    with suppress(OSError, ValueError):
-        expected = os.fstat(stream.fileno()).st_size
+    expected = size_of(stream)
     pieces = [stream.read(min(expected + 1, most))]
     found = len(pieces[0])
     # A pipe or a device has no size, and a file may have grown.
@@ -23,3 +20,10 @@ def first_bytes(stream: BinaryIO, most: int) -> bytes:
         pieces.append(piece)
         found += len(piece)
     return b"".join(pieces)
+
+
+def size_of(stream: BinaryIO) -> int:
+    """Return the bytes of a file; 0 of a pipe, a device and a stream in memory."""
+    with suppress(OSError, ValueError):  # a stream in memory has no descriptor
+        return os.fstat(stream.fileno()).st_size
+    return 0

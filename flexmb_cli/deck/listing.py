@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import DeckError, Fault
 from ..quick_dataclass import dataclass, field
-from .bounded_file import first_bytes
+from .bounded_file import first_bytes, size_of
 from .fortran_format import Edit
 
 if TYPE_CHECKING:
@@ -129,8 +129,8 @@ def read_bytes(path: "Path | str") -> bytes:
 
 def _bounded(path: "Path | str", file: BinaryIO) -> bytes:
     # A device or a pipe has no size, and may never end.
-    content = first_bytes(file, LARGEST_LISTING + 1)
-    if len(content) > LARGEST_LISTING:
+    content = b"" if size_of(file) > LARGEST_LISTING else first_bytes(file, LARGEST_LISTING + 1)
+    if max(size_of(file), len(content)) > LARGEST_LISTING:
         reason = (
             f"is larger than {LARGEST_LISTING >> 20} MB: compare the HDF5 results, which are read in parts"
         )

@@ -10,7 +10,7 @@ import json
 import os
 import struct
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from time import monotonic
 from typing import Any, BinaryIO
 
@@ -20,7 +20,7 @@ from ..errors import Fault, ModelError, OutputError
 from ..managed_files import belongs_here, open_managed, unbuffered
 from ..results.files.disk_failures import located
 from ..results.files.durable import GROWING, sync, sync_folder
-from ..results.files.framed import framed, whole_payloads
+from ..results.files.framed import LargePayload, framed, whole_payloads
 from ..results.files.temporary_file import hold, is_unfinished
 from .packed_arrays import arrays_of, is_whole, names_of, packed
 
@@ -28,6 +28,7 @@ _HEAD = struct.Struct("<QI")
 _STATE = "checkpoint/"
 _UNFINISHED = "unfinished"
 _LONGEST_HEAD = 2**20
+LARGEST_ENTRY = 2**26  # bytes of memory that any run may take for an entry
 LONGEST_UNSAVED = 30.0  # s that a kill may cost where checkpoints are larger than rows
 _BEGINNING = b'{"'
 
@@ -46,20 +47,22 @@ class ResumeFile:
         self.identity = identity
         self.warnings: list[Fault] = []
         self.last_checkpoint: dict[str, np.ndarray] | None = None
-        self._file: BinaryIO | None = None
+        self._file: Any = None  # one stream from `find` on: the path may lead elsewhere by then
+        self._begun = False
         self._first = self._end = 0
         self._unsaved = 0  # bytes of rows behind the last checkpoint in the file,
         self._saved_at = monotonic()  # and when that was
         self._pending: dict[str, np.ndarray] = {}  # the checkpoint behind them
 
-    def find(self) -> None:
+    def find(self, most: int = LARGEST_ENTRY) -> None:
         """Look for the resume file of a stopped run, and remove the files that it left unfinished.
 
-        Raises ModelError when the resume file is of another run.
+        Raises ModelError when the resume file is of another run, or has an entry of more than `most` bytes.
         """
         if self.path is None or not os.path.lexists(self.path):
             return
-        with self._opened() as file:
+        self._file = self._opened(os.O_RDWR)
+        with self._reading(0) as file, self._refusing_large(most):
             if not belongs_here(os.fstat(file.fileno())):
                 what = "of another user, whose rows are taken; without --resume none are"
                 self._warn("warning", what, id="RUN-065")
@@ -71,7 +74,7 @@ class ResumeFile:
             self._check_identity(head)
             self._first = self._end = file.tell()
             last, whole = b"", self._end
-            for entry in _entries(file):
+            for entry in _entries(file, most):
                 whole, names = file.tell(), names_of(entry)
                 if _UNFINISHED in names:
                     _remove_unfinished(arrays_of(entry, (_UNFINISHED,)), os.path.dirname(self.path))
@@ -97,6 +100,7 @@ class ResumeFile:
             return
         with located(self.path):
             self._open()
+            self._begun = True
             # Names only: a resume file may be another's, and no file but beside it is to be touched.
             self._write({_UNFINISHED: np.array([os.path.basename(path) for path in unfinished], str)})
 
@@ -104,9 +108,8 @@ class ResumeFile:
         """Pairs (values, checkpoint) of the resume file that was found, oldest first."""
         if self._end == self._first:
             return
-        with self._opened() as file:
-            file.seek(self._first)
-            for entry in _entries(file):
+        with self._reading(self._first) as file:
+            for entry in _entries(file, self._end):
                 values, state = _split(arrays_of(entry))
                 if "time" in values:
                     yield values, state
@@ -131,7 +134,7 @@ class ResumeFile:
     @property
     def begun(self) -> bool:
         """Return whether this run, or the one that it continues with, has left anything to resume."""
-        return self._file is not None or self._end > self._first
+        return self._begun or self._end > self._first
 
     def close(self) -> None:
         """Leave the resume file for `--resume`."""
@@ -147,29 +150,71 @@ class ResumeFile:
 
     def remove(self) -> None:
         """The run is over and leaves nothing to resume; a resume file that was not begun stays."""
-        if self._file and self.path is not None:
+        if self._begun and self.path is not None:
+            stands = self._stands()
             self._file.close()
             # Where it must stay, it would only give the same results once more.
             with suppress(OSError):
-                os.unlink(self.path)
+                if stands:
+                    os.unlink(self.path)
 
-    def _opened(self) -> BinaryIO:
-        assert self.path is not None, "there is a file to resume"
+    def _stands(self) -> bool:
+        """Return whether the open file is still the one at its path."""
+        assert self.path is not None, "there is a file"
+        with suppress(OSError):
+            return os.path.samestat(os.lstat(self.path), os.fstat(self._file.fileno()))
+        return False
+
+    def _opened(self, flags: int) -> Any:
+        """Return the file at the path, which no other run writes."""
+        assert self.path is not None, "there is a file to open"
+        with located(self.path):
+            file = unbuffered(open_managed(self.path, flags))
+        if hold(file) is False:
+            file.close()
+            raise OutputError(f"{self.path}: another run is writing it; wait until it ends", id="RUN-007")
+        return file
+
+    def _refuse_what_stands_there(self, found: bool) -> None:
+        """Raise OutputError unless the open file is the one that was found, or may be written."""
+        fault = None
+        if found and not self._stands():
+            message = f"{self.path}: it was exchanged or removed since it was read; run again"
+            fault = OutputError(message, id="RUN-070")
+        elif obstacle := _obstacle(self._file.read(_LONGEST_HEAD)):
+            fault = OutputError(f"{self.path}: {obstacle}", id="RUN-071")
+        if fault:
+            self._file.close()
+            self._file = None
+            raise fault
+
+    @contextmanager
+    def _reading(self, start: int) -> Iterator[BinaryIO]:
+        """Give a stream that reads the open file from byte `start` on; writing continues at its end."""
+        with open(self._file.fileno(), "rb", closefd=False) as stream:
+            stream.seek(start)
+            try:
+                yield stream
+            finally:
+                self._file.seek(0, os.SEEK_END)
+
+    @contextmanager
+    def _refusing_large(self, most: int) -> Iterator[None]:
         try:
-            return open(open_managed(self.path, os.O_RDONLY), "rb")
-        except OSError as error:
-            raise OutputError(f"{self.path}: cannot be read: {error.strerror}", id="RUN-006") from error
+            yield
+        except LargePayload as found:
+            message = (
+                f"--resume: {self.path} has an entry of {found.length} bytes, but entries of this run have "
+                f"at most {most}; run without --resume to start anew"
+            )
+            raise ModelError([Fault("error", message, id="RUN-069")]) from found
 
     def _open(self) -> None:
-        assert self.path is not None, "there is a file to write"
-        file = unbuffered(open_managed(self.path, os.O_RDWR | os.O_CREAT))
-        obstacle = _obstacle(file)
-        if obstacle:
-            file.close()
-            raise OutputError(f"{self.path}: {obstacle}", id="RUN-007")
-        self._file = file
-        file.truncate(self._end)
-        file.seek(self._end)
+        found, self._file = self._file is not None, self._file or self._opened(os.O_RDWR | os.O_CREAT)
+        self._file.seek(0)
+        self._refuse_what_stands_there(found)
+        self._file.truncate(self._end)
+        self._file.seek(self._end)
         if not self._end:
             self._put(self._head)
 
@@ -214,11 +259,8 @@ class ResumeFile:
         return f"--resume: {self.path} is of another run: {changes}; run without --resume to start anew"
 
 
-def _obstacle(file: Any) -> str:
-    """Return why the open file may not be written as a resume file; "" where it may."""
-    if hold(file) is False:
-        return "another run is writing it; wait until it ends"
-    head = file.read(_LONGEST_HEAD)
+def _obstacle(head: bytes) -> str:
+    """Return why a file that begins so may not be written as a resume file; "" where it may."""
     if not (_is_blank(head) or _BEGINNING.startswith(head[: len(_BEGINNING)])):
         return "it is not the file of a stopped run, whose place it has; remove or rename it"
     return ""
@@ -229,9 +271,9 @@ def _is_blank(head: bytes) -> bool:
     return not head.strip(b"\0")
 
 
-def _entries(file: BinaryIO) -> Iterator[bytes]:
-    """Whole entries up to the end or the first torn one."""
-    for entry in whole_payloads(file, _HEAD):
+def _entries(file: BinaryIO, most: int) -> Iterator[bytes]:
+    """Whole entries up to the end or the first torn one.  Raises LargePayload."""
+    for entry in whole_payloads(file, _HEAD, most):
         # Zeros, as behind a loss of power, are an entry of no length and its checksum.
         if not is_whole(entry):
             return

@@ -12,6 +12,7 @@ from numpy.lib.format import descr_to_dtype, dtype_to_descr
 _UNDESCRIBED = (ValueError, TypeError, KeyError, SyntaxError, RecursionError)
 # numpy refuses such shapes, of no numbers, too.
 _TOO_BIG = 2**62
+_LONGEST_DESCRIPTION = 2**22  # bytes, for 50,000 arrays: Python takes twenty times as many for them
 
 
 def packed(arrays: dict[str, np.ndarray]) -> bytes:
@@ -35,7 +36,8 @@ def is_whole(entry: bytes) -> Any:
 def _described(entry: bytes) -> Any:
     """Name, type and shape of the arrays of an entry.  Raises one of `_UNDESCRIBED`."""
     described = []
-    for name, reported, shape in json.loads(entry.partition(b"\n")[0]):
+    end = entry.index(b"\n", 0, _LONGEST_DESCRIPTION)
+    for name, reported, shape in json.loads(entry[:end]):
         dtype = descr_to_dtype(_with_tuples(reported))
         counted = all(type(length) is int and length >= 0 for length in shape)
         if not (isinstance(name, str) and counted and dtype.itemsize) or dtype.hasobject:
@@ -53,11 +55,10 @@ def names_of(entry: bytes) -> Any:
 
 def arrays_of(entry: bytes, names: tuple[str, ...] | None = None) -> Any:
     """The arrays of an entry, or those of them that are called `names`."""
-    content = entry.partition(b"\n")[2]
-    found, start = {}, 0
+    found, start = {}, entry.index(b"\n") + 1
     for name, kind, shape in _described(entry):
         count = math.prod(shape)
-        array = np.frombuffer(content, kind, count, start) if count else np.empty(0, kind)
+        array = np.frombuffer(entry, kind, count, start) if count else np.empty(0, kind)
         array = array.reshape(shape)
         start += array.nbytes
         if names is None or name in names:

@@ -5,18 +5,27 @@ state behind them must have the names, shapes and types that this run gives them
 positions be finite.  Other numbers are taken as they are.
 """
 
-from collections.abc import Mapping
-from math import inf
+from collections.abc import Iterator, Mapping
+from math import inf, prod
 from typing import Any
 
 import numpy as np
 
-from ..errors import Fault, ModelError
+from ..errors import Fault, ModelError, OutputError
 from ..results.hdf5.layout import TIME, Layout
 from ..solvers.checkpoint import OtherRun, row_of, taken
-from .checkpoint import ResumeFile
+from .checkpoint import LARGEST_ENTRY, ResumeFile
 
+ROWS_AT_ONCE = 1024  # of a block of any analysis, at most
 POSITION = "body/position"  # finite at singular positions, too, unlike accelerations
+
+
+def largest_entry(layout: Layout) -> int:
+    """Return how many bytes an entry has at most: a block of rows, and matrices of the numbers of a row."""
+    width = int(sum(prod(shape) for shape in _shapes_of(layout).values()))
+    # Radau's method keeps most: three numbers for a pair of coordinates or equations, 14 MB of a VSDF chain
+    # of 60 bodies, for which 211 MB are allowed here.
+    return LARGEST_ENTRY + 8 * width * (ROWS_AT_ONCE + 4 * width)
 
 
 def restore(resume_file: ResumeFile, analysis: Any, layout: Layout) -> None:
@@ -28,19 +37,39 @@ def restore(resume_file: ResumeFile, analysis: Any, layout: Layout) -> None:
         checkpoint = resume_file.last_checkpoint
         assert checkpoint is not None, "a run is resumed from a checkpoint"
         analysis.restore(checkpoint)
-        shapes = _shapes_of(layout)
-        rows, last = 0, -inf
-        for values, _ in resume_file.stored():
-            rows += _rows_of(values, shapes)
-            last = _last_time(values, last)
-        if rows != row_of(checkpoint):
-            raise OtherRun("row")
+        for _ in _checked_blocks(resume_file, layout):
+            pass
     except OtherRun as found:
         message = (
             f"--resume: {resume_file.path} holds {found.args[0]!r} that this run cannot have written; "
             "run without --resume to start anew"
         )
         raise ModelError([Fault("error", message, id="RUN-040")]) from found
+
+
+def stored_blocks(resume_file: ResumeFile, layout: Layout) -> Iterator[Mapping[str, np.ndarray]]:
+    """Yield the blocks of a resume file that `restore` has read, checked once more.
+
+    Raises OutputError: whoever owns the file may change it in between.
+    """
+    try:
+        yield from _checked_blocks(resume_file, layout)
+    except OtherRun as found:
+        message = f"{resume_file.path}: another program changed it while it was read; run again"
+        raise OutputError(message, id="RUN-068") from found
+
+
+def _checked_blocks(resume_file: ResumeFile, layout: Layout) -> Iterator[Mapping[str, np.ndarray]]:
+    """Yield the blocks, which are of this run; raises OtherRun, at the end where rows are missing."""
+    checkpoint = resume_file.last_checkpoint
+    assert checkpoint is not None, "a run is resumed from a checkpoint"
+    shapes, rows, last = _shapes_of(layout), 0, -inf
+    for values, _ in resume_file.stored():
+        rows += _rows_of(values, shapes)
+        last = _last_time(values, last)
+        yield values
+    if rows != row_of(checkpoint):
+        raise OtherRun("row")
 
 
 def _shapes_of(layout: Layout) -> dict[Any, Any]:

@@ -139,12 +139,13 @@ def _resume_file(deck: Deck, solution: Solution, paths: ResultPaths, run: Run) -
     kept = paths.resume if solution.resumable else None
     resume_file = ResumeFile(kept, identity_of(deck, solution, run))
     if run.options.resume:
-        resume_file.find()
+        from .resumed import largest_entry, restore
+
+        layout = solution.layout()
+        resume_file.find(largest_entry(layout))
         run.outcome.faults += resume_file.warnings
         if resume_file.last_checkpoint is not None:
-            from .resumed import restore
-
-            restore(resume_file, solution.analysis, solution.layout())
+            restore(resume_file, solution.analysis, layout)
     return resume_file
 
 
@@ -234,7 +235,9 @@ class _RowWriter:
         """Yield blocks of values: those of a stopped run first, then those that the analysis adds."""
         solution, resume_file = self.solution, self.resume_file
         if resume_file.last_checkpoint is not None:
-            for values, _ in resume_file.stored():
+            from .resumed import stored_blocks
+
+            for values in stored_blocks(resume_file, solution.layout()):
                 # The resume file has no rows of the second, finer run: that starts again.
                 yield self._with_errors(values)
         elif self.run.options.resume:

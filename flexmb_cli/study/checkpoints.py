@@ -10,7 +10,7 @@ import json
 import os
 import struct
 from collections.abc import Iterator
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 
@@ -18,9 +18,10 @@ from ..errors import Fault, ModelError, OutputError
 from ..managed_files import ManagedFolder, belongs_here, unbuffered
 from ..results.files.disk_failures import located
 from ..results.files.durable import GROWING, sync, sync_folder
-from ..results.files.framed import framed, whole_payloads
+from ..results.files.framed import LargePayload, framed, whole_payloads
 from .lock import LOCK, StudyLock
-from .solver import CaseResult
+from .solver import MESSAGE_LENGTH, CaseResult
+from .study import SERIES, Study
 
 _HEAD = struct.Struct("<II")
 _FIXED = struct.Struct("<qiiiii")
@@ -30,12 +31,39 @@ _PART = ".part"
 _LONGEST_IDENTITY = 2**20  # bytes
 
 
+class RecordForm(NamedTuple):
+    """Counts of the numbers in the record of a case; a record of other counts is taken for a torn one."""
+
+    parameters: int  # that the study varies
+    values: int  # results that are one number
+    series: int  # results that are series
+    rows: int  # numbers of a series: report rows, 0 where there is no series
+
+    @classmethod
+    def of(cls, study: Study, rows: int) -> "RecordForm":
+        """Return the form of the cases of a study whose deck has so many report rows."""
+        series = sum(kept.take == SERIES for kept in study.results)
+        return cls(len(study.parameters), len(study.results) - series, series, rows if series else 0)
+
+    @property
+    def most_bytes(self) -> int:
+        """Return how long a record is, with the longest message."""
+        numbers = self.parameters + self.values + self.series * self.rows
+        return _FIXED.size + 4 + 4 * MESSAGE_LENGTH + 8 * numbers
+
+    def fits(self, result: CaseResult) -> bool:
+        """Return whether a record has this form."""
+        found = (result.parameters.size, result.values.size, *result.series.shape)
+        return found == tuple(self)
+
+
 class Parts:
     """The part files in `folder`; `identity` is all that the cases depend on, in JSON's types."""
 
-    def __init__(self, folder: str, identity: dict[str, Any]):
+    def __init__(self, folder: str, identity: dict[str, Any], form: RecordForm):
         self.folder = folder
         self.identity = identity
+        self.form = form
 
     def lock(self, study: str) -> StudyLock:
         """The right to write in the folder, which is made if it is missing.
@@ -83,7 +111,7 @@ class Parts:
         """The part file of a block of `cases`, locked until it is closed."""
         path = os.path.join(self.folder, _name(number))
         with located(path), ManagedFolder(self.folder) as folder:
-            return Part(path, folder.open(_name(number), os.O_RDWR | os.O_CREAT), cases)
+            return Part(path, folder.open(_name(number), os.O_RDWR | os.O_CREAT), cases, self.form)
 
     def stored(self, number: int, cases: range) -> Iterator[CaseResult]:
         """The first of the `cases` of a block that are there, without waiting for whoever works on it."""
@@ -93,7 +121,7 @@ class Parts:
         except FileNotFoundError:
             return
         with file:
-            yield from _records(file, cases)
+            yield from _records(file, cases, self.form)
 
     def sync_all(self) -> None:
         """Hand to the disk what all processes have kept so far.  Raises OutputError."""
@@ -146,13 +174,13 @@ class Parts:
 class Part:
     """One part file, open for appending by the only process that works on its block."""
 
-    def __init__(self, path: str, number: int, cases: range):
+    def __init__(self, path: str, number: int, cases: range, form: RecordForm):
         """`number` is the descriptor of the file at `path`, open for reading and writing."""
         self.path = path
         self._file = unbuffered(number)
         _lock(self._file)
         self.failed = self.count = end = 0
-        for record in _records(self._file, cases):
+        for record in _records(self._file, cases, form):
             self.count += 1
             self.failed += record.exit_code != 0
             end = self._file.tell()
@@ -197,15 +225,21 @@ def _packed(result: CaseResult) -> bytes:
     return fixed + struct.pack("<I", len(message)) + message + numbers.astype("<f8").tobytes()
 
 
-def _records(file: BinaryIO, cases: range) -> Iterator[CaseResult]:
-    """Whole records of `cases`, up to the end or the first that is torn or of another case."""
-    for case, payload in zip(cases, whole_payloads(file, _HEAD), strict=False):
+def _records(file: BinaryIO, cases: range, form: RecordForm) -> Iterator[CaseResult]:
+    """Whole records of `cases`, up to the end or the first that is torn, or of another case or form."""
+    with contextlib.suppress(LargePayload):
+        payloads = whole_payloads(file, _HEAD, form.most_bytes)
+        yield from _records_of(zip(cases, payloads, strict=False), form)
+
+
+def _records_of(payloads: Iterator[tuple[int, bytes]], form: RecordForm) -> Iterator[CaseResult]:
+    for case, payload in payloads:
         # Zeros, as behind a loss of power, are a record of no length and its checksum.
         try:
             result = _unpacked(payload)
         except (struct.error, ValueError):
             return
-        if result.case != case:
+        if result.case != case or not form.fits(result):
             return
         yield result
 

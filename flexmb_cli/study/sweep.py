@@ -15,7 +15,7 @@ from ..dialects.recognise import CHOOSES, read_deck
 from ..errors import INTERNAL_FAULT, DeckError, Fault
 from ..quick_dataclass import dataclass, field, replace
 from ..run.outcome import Listener, Stop
-from .checkpoints import Part, Parts
+from .checkpoints import Part, Parts, RecordForm
 from .lock import StudyLock
 from .reader import read_study
 from .solver import CaseResult, CaseSolver
@@ -41,11 +41,12 @@ class Job:
     block_size: int
     parts_folder: str
     identity: tuple[tuple[str, str], ...]
+    rows: int = 0  # of the deck, once it is known
 
     @property
     def parts(self) -> Parts:
         """Return where the cases are kept."""
-        return Parts(self.parts_folder, dict(self.identity))
+        return Parts(self.parts_folder, dict(self.identity), RecordForm.of(self.study, self.rows))
 
     @property
     def blocks(self) -> int:
@@ -105,6 +106,7 @@ class Sweep:
         job = Job(deck_text, folder, study, size, os.path.abspath(parts_folder), tuple(identity.items()))
         with reported_at(path, text.lines):
             solver = solver_of(job)
+        job = replace(job, rows=solver.rows)
         lock = job.parts.lock(path)
         try:
             restored = job.parts.begin(fresh)

@@ -113,6 +113,21 @@ def test_the_last_lines_of_ci_tell_what_was_skipped_and_why(checkout):
     assert last[7:] == ["scripts/test: pytest closed its passes with", *[CLOSING] * 4]
 
 
+def test_without_root_ci_installs_nothing_and_the_last_lines_name_what_is_missing(checkout):
+    calls = with_packages(checkout, refused=0)
+    program(checkout / "bin" / "id", "echo 1000")
+    code, reported, errors = run(checkout, ".ci/run")
+    missing = ("calculix-ccx", "chromium chromium-driver", "netcdf-bin", "strace")
+    notes = [f"{packages} not installed: that needs root" for packages in missing]
+    assert code == 0 and not calls.exists()
+    assert errors.splitlines() == [f"warning: {note}" for note in notes]
+    assert reported[-11:-5] == [
+        *(f"scripts/test: {note}" for note in notes),
+        "scripts/test: skipped tests and why:",
+        SKIPPED,
+    ]
+
+
 def test_a_failing_pass_is_told_last_and_fails_ci(checkout):
     code, reported, _ = run(checkout, "scripts/test", ENDS="1")
     assert code == 1

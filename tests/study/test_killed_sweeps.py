@@ -17,7 +17,7 @@ from flexmb_cli.cli.terminal.stops import stop_on_signals
 from flexmb_cli.run.outcome import Stop, Terminated
 from flexmb_cli.study import table_writer
 from flexmb_cli.study import workers as study_workers
-from flexmb_cli.study.checkpoints import Parts
+from flexmb_cli.study.checkpoints import Parts, RecordForm
 from flexmb_cli.study.sweep import Sweep, give_up_case, next_case, solve_block
 from flexmb_cli.study.table import write_table
 from tests.study.studies import FLEXMB, SAMPLED, flexmb, written
@@ -54,7 +54,8 @@ def bytes_of(parts):
 def kept_in(parts, cases, size):
     """How many cases are kept, in blocks of `size`."""
     blocks = (range(k, min(k + size, cases)) for k in range(0, cases, size))
-    return sum(len(list(Parts(str(parts), {}).stored(k, block))) for k, block in enumerate(blocks))
+    form = RecordForm(parameters=2, values=1, series=0, rows=0)  # of SAMPLED
+    return sum(len(list(Parts(str(parts), {}, form).stored(k, block))) for k, block in enumerate(blocks))
 
 
 @pytest.mark.parametrize("jobs", [pytest.param("1", marks=pytest.mark.campaign), "2"])

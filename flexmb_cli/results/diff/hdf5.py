@@ -11,12 +11,12 @@ import numpy as np
 
 from ...deck.listing import TableError
 from ...errors import Fault, visible
+from ..hdf5.stored_datasets import StoredDatasets
 from ..hdf5.stored_result import (
     Damaged,
     attribute,
     check_shapes,
     check_structure,
-    datasets,
     is_number,
     newer_layout,
     scale_of,
@@ -132,15 +132,13 @@ def _compare_files(
         _leave_out_lone_scales(*found)
     special = quantity_places(a, tolerances)
     for name in [*found[0], *(name for name in found[1] if name not in found[0])]:
-        shape = (found[0].get(name) or found[1][name]).shape[1:]
+        shape = found[0 if name in found[0] else 1][name].shape[1:]
         tolerance = tolerances.of_places(kind_of(name), shape, special.get(name, ()))
         if tolerance.ignores:
             continue
         if name in found[0] and name in found[1]:
             signs = partial(_signs, a, b) if flips and name in SIGNED else None
-            # Not kept open: HDF5 has a store of megabytes for each that was read.
-            pair = found[0].pop(name), found[1].pop(name)
-            _compare_dataset(report, name, pair, tolerance, signs)
+            _compare_dataset(report, name, (found[0][name], found[1][name]), tolerance, signs)
         else:
             report.missing.append(f"/{visible(name)}: not in {report.b if name in found[0] else report.a}")
 
@@ -166,18 +164,21 @@ def kind_of(name: str) -> str:
     return KIND_OF.get(name) or KIND_OF_GROUP.get(name.partition("/")[0], "other")
 
 
-def _compared_datasets(file: h5py.File) -> dict[str, h5py.Dataset]:
-    return {name: dataset for name, dataset in datasets(file).items() if name not in NOT_COMPARED}
+def _compared_datasets(file: h5py.File) -> StoredDatasets:
+    found = StoredDatasets(file)
+    for name in NOT_COMPARED:
+        found.leave_out(name)
+    return found
 
 
-def _leave_out_lone_scales(one: dict[str, h5py.Dataset], other: dict[str, h5py.Dataset]) -> None:
+def _leave_out_lone_scales(one: StoredDatasets, other: StoredDatasets) -> None:
     """Take the dimension scales that only one of two files has out of its datasets."""
     lone = [
         (item, name) for item, beside in ((one, other), (other, one)) for name in item.keys() - beside.keys()
     ]
     for found, name in lone:
         if h5py.h5ds.is_scale(found[name].id):
-            del found[name]
+            found.leave_out(name)
 
 
 def _compare_dataset(

@@ -26,6 +26,7 @@ PANEL, SQUARE_PART = 0.45, 0.85
 ROOMY = 4
 TICKS = 6
 THICKNESS = 1.3  # of a line, points
+LARGEST_STYLE = 2**20  # bytes; matplotlib keeps all lines of one
 # Distance of a legend's lines, and width of what stands before a name, by the size of letters.
 LINE_SPACING, HANDLE = 1.5, 5.0
 NARROWEST = 0.75  # part of a picture's width that a panel has at least
@@ -132,6 +133,8 @@ def _use_style(name: str) -> None:
     if not Path(name).is_file():
         near = get_close_matches(name, style.available, cutoff=0.4) or ["ggplot", "classic", "grayscale"]
         raise OSError(f"no such file, and no style of matplotlib, such as {', '.join(near)}, has this name")
+    if Path(name).stat().st_size > LARGEST_STYLE:
+        raise OSError("it is no style file: it has more than a megabyte")
     messages: list[str] = []
     try:
         with _held_back(messages), warnings.catch_warnings():

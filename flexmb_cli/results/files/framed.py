@@ -5,9 +5,18 @@ A kill tears at most the last one, which then does not count.
 
 import os
 import struct
+import sys
 import zlib
 from collections.abc import Iterator
 from typing import BinaryIO
+
+
+class LargePayload(ValueError):
+    """A payload takes more memory than its reader has for it; `length` in bytes."""
+
+    def __init__(self, length: int):
+        super().__init__(length)
+        self.length = length
 
 
 def framed(payload: bytes, head: struct.Struct) -> bytes:
@@ -15,9 +24,10 @@ def framed(payload: bytes, head: struct.Struct) -> bytes:
     return head.pack(len(payload), zlib.crc32(payload)) + payload
 
 
-def whole_payloads(file: BinaryIO, head: struct.Struct) -> Iterator[bytes]:
+def whole_payloads(file: BinaryIO, head: struct.Struct, most: int = sys.maxsize) -> Iterator[bytes]:
     """Yield the payloads from here on, up to the end or the first that is torn or damaged.
 
+    Raises LargePayload before it reads one of more than `most` bytes.
     Zeros, as a loss of power may leave, look like an empty payload with its checksum: the caller must check.
     """
     size = os.fstat(file.fileno()).st_size
@@ -26,6 +36,8 @@ def whole_payloads(file: BinaryIO, head: struct.Struct) -> Iterator[bytes]:
         # A damaged length may be larger than any memory.
         if length > size - file.tell():
             return
+        if length > most:
+            raise LargePayload(length)
         payload = file.read(length)
         if len(payload) < length or zlib.crc32(payload) != checksum:
             return

@@ -113,6 +113,8 @@ def _look_through(file: h5py.File) -> Any:
         paths += len(name)
         if link.type != h5py.h5l.TYPE_HARD:
             return f"/{_reported(name)} is a link to elsewhere, which is not followed"
+        if name != name.decode("utf-8", "replace").encode():
+            return f"the name /{_reported(name)} is not UTF-8"
         if name.count(b"/") > DEEPEST:
             return f"it has groups in groups, more than {DEEPEST} deep"
         if paths > most:
@@ -225,14 +227,6 @@ def _references(dataset: h5py.Dataset, axis: int) -> "np.ndarray | None":
         )
     made: np.ndarray | None = dataset.attrs["DIMENSION_LIST"]
     return made
-
-
-def datasets(file: h5py.File) -> dict[str, h5py.Dataset]:
-    """Every dataset by its path."""
-    found: dict[str, h5py.Dataset] = {}
-    # h5py cannot bear an exception in the midst of its visit.
-    file.visititems(lambda path, item: found.update({path: item}) if isinstance(item, h5py.Dataset) else None)
-    return found
 
 
 def place_of(dataset: h5py.Dataset) -> int:

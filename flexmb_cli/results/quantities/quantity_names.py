@@ -7,7 +7,8 @@ import h5py
 
 from ...errors import visible
 from ...quick_dataclass import dataclass
-from ..hdf5.stored_result import Damaged, attribute, datasets, is_number, is_text, place_of, scale_of, texts
+from ..hdf5.stored_datasets import StoredDatasets
+from ..hdf5.stored_result import Damaged, attribute, is_number, is_text, place_of, scale_of, texts
 
 TIME = "time"
 # Names of a dataset's elements, the shortest first; {0} and {1} are its axes behind time, {item} the body of
@@ -94,10 +95,12 @@ class Family:
 
 def families(result: h5py.File) -> list[Family]:
     """Every dataset of numbers along time, the time first."""
-    found = datasets(result)
-    time = place_of(result[TIME])
-    paths = [path for path, item in found.items() if path != TIME and _runs_along(time, path, item)]
-    labels = _Labels(result, found)
+    time, paths, places = place_of(result[TIME]), [], {}
+    for path, item in StoredDatasets(result).items():
+        places[place_of(item)] = path
+        if path != TIME and _runs_along(time, path, item):
+            paths.append(path)
+    labels = _Labels(result, places)
     return [_family(result, path, labels) for path in (TIME, *sorted(paths, key=_rank))]
 
 
@@ -171,11 +174,11 @@ def _slot(word: str, axes: Sequence[Labels], item: tuple[str, ...] | None) -> Sl
 class _Labels:
     """Names of the elements along the axes of a result."""
 
-    def __init__(self, result: h5py.File, found: dict[str, h5py.Dataset]):
+    def __init__(self, result: h5py.File, paths: dict[int, str]):
         self._result = result
         self._known: dict[str, Labels] = {}
-        # h5py would search the file for the path of every scale.
-        self._paths = {place_of(item): path for path, item in found.items()}
+        # By place: h5py would search the file for the path of every scale.
+        self._paths = paths
 
     def axis(self, dataset: h5py.Dataset, number: int) -> Labels:
         """Spellings for every position along an axis."""

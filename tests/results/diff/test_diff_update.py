@@ -101,6 +101,17 @@ def test_update_follows_no_link_of_a_result_to_another_file(result, rows):
     assert a.read_bytes() == before
 
 
+def test_a_file_that_is_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
+    """One of 3 GB took half a gigabyte of memory first."""
+    read = []
+    monkeypatch.setattr(listing, "first_bytes", lambda file, most: read.append(file) or file.read(most))
+    with (tmp_path / "OUT.dat").open("wb") as file:
+        file.truncate(3 * 2**30)
+    with pytest.raises(TableError, match="larger than 512 MB: compare the HDF5 results"):
+        read_listing(str(tmp_path / "OUT.dat"))
+    assert not read
+
+
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="needs a device that never ends")
 def test_a_file_without_end_is_refused_before_memory_is_full(monkeypatch):
     monkeypatch.setattr(listing, "LARGEST_LISTING", 2**20)

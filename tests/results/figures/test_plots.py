@@ -294,6 +294,17 @@ def test_a_font_of_a_style_file_that_is_not_installed_is_told_once(bar, tmp_path
     assert "findfont" not in caplog.text
 
 
+def test_a_style_file_of_gigabytes_is_not_read(bar, tmp_path):
+    """One of 3 GB that takes no room on the disk took 2.9 GB of memory, and more than 40 s."""
+    pytest.importorskip("matplotlib")
+    with (tmp_path / "s.mplstyle").open("wb") as file:
+        file.truncate(2**21)
+    options = ["--width", "85", "--style", str(tmp_path / "s.mplstyle"), "-o", str(tmp_path / "p.svg")]
+    done = CliRunner().invoke(plot, [str(bar), "point.1", *options])
+    assert done.exit_code == 2
+    assert "it is no style file: it has more than a megabyte" in done.output
+
+
 def test_a_style_file_starts_no_program(bar, tmp_path):
     """It drew by LaTeX, with a preamble of its own, though nobody asked for it."""
     pytest.importorskip("matplotlib")

@@ -89,6 +89,11 @@ EVERYWHERE = {
     "groups in groups": (deep, "deep"),
     "a type of its own": (replaced("time", shape=(5,), dtype=[("a", "f8")]), "neither numbers nor text"),
     "nothing": (replaced("time", data=h5py.Empty("f8")), "is empty"),
+    # A fault of flexmb in `diff`.
+    "a name in another encoding": (
+        lambda file: file.create_dataset(b"body/\xe9t\xe9", data=np.zeros(5)),
+        "is not UTF-8",
+    ),
 }
 
 
