@@ -34,9 +34,9 @@ pytestmark = pytest.mark.processes
         "young comment lines",
         "young words behind",
         "young lines behind",
-        "young eleven counts",
-        "young forces",
-        "young masses",
+        pytest.param("young eleven counts", marks=pytest.mark.campaign),
+        pytest.param("young forces", marks=pytest.mark.campaign),
+        pytest.param("young masses", marks=pytest.mark.campaign),
         "dafms full stiffness",
         "dafms tables",
         "vsdf table",
@@ -53,12 +53,11 @@ def test_a_large_deck_takes_at_most_twelve_bytes_a_byte(kind, tmp_path):
 
 
 def test_a_chain_of_a_thousand_bodies_is_checked(tmp_path):
-    """Singular values of 5000 equations took minutes and gigabytes."""
+    """Singular values of 5000 equations took gigabytes."""
     text = large_element_kinds.vsdf_chain(131_000)
-    seconds, peak, fault = large_decks.measured(text, "vsdf", tmp_path)
+    _, peak, fault = large_decks.measured(text, "vsdf", tmp_path)
     assert fault == ""
     assert peak <= large_decks.MOST_PER_BYTE * len(text) + large_decks.MOST_BESIDES
-    assert seconds < 20
 
 
 def test_nodes_that_a_flexible_body_may_not_have_are_not_kept(tmp_path):

@@ -121,7 +121,7 @@ def test_without_root_ci_installs_nothing_and_the_last_lines_name_what_is_missin
     notes = [f"{packages} not installed: that needs root" for packages in missing]
     assert code == 0 and not calls.exists()
     assert errors.splitlines() == [f"warning: {note}" for note in notes]
-    assert reported[-11:-5] == [
+    assert reported[-12:-6] == [
         *(f"scripts/test: {note}" for note in notes),
         "scripts/test: skipped tests and why:",
         SKIPPED,

@@ -71,7 +71,7 @@ def traceable():
         pytest.skip("strace (Debian package strace) is not installed, or may not trace here")
 
 
-@pytest.mark.parametrize("command", ["run dafms", "sweep"])
+@pytest.mark.parametrize("command", [pytest.param("run dafms", marks=pytest.mark.campaign), "sweep"])
 @pytest.mark.usefixtures("traceable")
 def test_a_loss_of_power_leaves_whole_files_and_what_can_be_gone_on_with(command):
     """Without the syncs of files empty results are found in their places."""

@@ -2,7 +2,6 @@
 
 import os
 import signal
-import time
 from types import SimpleNamespace
 
 import pytest
@@ -48,9 +47,7 @@ def test_a_dask_cluster_survives_the_kill_of_a_worker(tmp_path):
             while victims:
                 os.kill(victims.pop(), signal.SIGKILL)
 
-        start = time.monotonic()
         study_cluster.solve_on_cluster(sweep, sweep.pending(), advance, cluster.scheduler_address)
-        assert time.monotonic() - start < 120
     one, other = (list(found.results()) for found in (here, sweep))
     assert [r.case for r in other] == list(range(300))
     for a, b in zip(one, other, strict=True):
