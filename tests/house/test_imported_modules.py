@@ -207,6 +207,7 @@ def test_what_commands_import(tmp_path, command):
             "cli.terminal",
             "cli.terminal.screen",
             "cli.terminal.stops",
+            "cli.terminal.wrong_call",
         }
 
 

@@ -54,7 +54,6 @@ def test_steps_whose_sum_misses_the_end_reach_it():
     assert bar_angles(rows) == pytest.approx(exact, abs=0.02)
 
 
-@pytest.mark.long_motion
 def test_rows_near_a_singular_position_are_filled():
     """Cranks without gravity keep their 1 rad/s through the positions in line with the coupler, at π - 0.5 s.
 
