@@ -219,7 +219,8 @@ def alone(folder: Path | None, name: str) -> Iterator[None]:
         # Where the folder has vanished or became unwritable, everyone compiles, too.
         if folder is not None:
             with contextlib.suppress(OSError):
-                number = os.open(folder / f"{name}.lock", os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW, 0o600)
+                flags = os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK  # a pipe is not waited for
+                number = os.open(folder / f"{name}.lock", flags, 0o600)
                 opened.callback(os.close, number)
                 fcntl.flock(number, fcntl.LOCK_EX)
         yield

@@ -287,9 +287,10 @@ def _split(arrays: Mapping[str, np.ndarray]) -> Any:
 
 def _remove_unfinished(arrays: Mapping[str, np.ndarray], folder: str) -> None:
     for names in arrays.values():
-        for name in map(os.path.basename, names.tolist()):
+        texts = names.ravel().tolist() if names.dtype.kind == "U" else []
+        for name in map(os.path.basename, texts):
             if is_unfinished(name):
-                with suppress(OSError):
+                with suppress(OSError, ValueError):  # the file system has no such name
                     os.unlink(os.path.join(folder, name))
 
 

@@ -29,9 +29,32 @@ class OtherRun(ValueError):
 
 
 def fill_arrays(stored: Mapping[str, np.ndarray], **records: Any) -> None:
-    """Fill the arrays of named tuples with what `arrays_in` gave of such ones.  Raises OtherRun."""
+    """Fill the arrays of named tuples with what `arrays_in` gave of such ones.
+
+    Raises OtherRun, also for a number that leads a kernel out of an array.
+    """
+    from .stored_places import misplaced, works_in
+
     for path, array in arrays_in(**records).items():
         array[...] = taken(stored, path, array.shape, array.dtype)
+    for path, work in works_in(records).items():
+        if name := misplaced(work):
+            raise OtherRun(f"{path}/{name}")
+
+
+def taken_clock(
+    stored: Mapping[str, np.ndarray], name: str, own: np.ndarray, components: int, equations: int
+) -> np.ndarray:
+    """Return the clock (1,) of a checkpoint, which may replace `own`; see `stored_places.clock_fits`.
+
+    Raises OtherRun.
+    """
+    from .stored_places import clock_fits
+
+    clock = taken(stored, name, own.shape, own.dtype)
+    if not clock_fits(clock, own, components, equations):
+        raise OtherRun(name)
+    return clock
 
 
 def taken(

@@ -4,11 +4,12 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import pytest
 
-from flexmb_cli.kernels import _jit, _objects
+from flexmb_cli.kernels import _cache, _jit, _objects
 
 pytestmark = pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
 
@@ -200,6 +201,18 @@ def test_a_pipe_in_place_of_an_object_stops_nothing(cache, script):
     os.mkfifo(kept)
     assert twice(script, cache) == "42.0 compiled"
     assert twice(script, cache) == "42.0 loaded"
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes with names")
+def test_a_pipe_in_place_of_a_lock_is_not_waited_for(tmp_path):
+    pipe = tmp_path / "unit.lock"
+    os.mkfifo(pipe)
+    ends_the_wait = threading.Timer(60.0, lambda: os.open(pipe, os.O_RDWR))
+    ends_the_wait.daemon = True
+    ends_the_wait.start()
+    with _cache.alone(tmp_path, "unit"):
+        assert ends_the_wait.is_alive(), "it waited"
+    ends_the_wait.cancel()
 
 
 @pytest.mark.processes

@@ -14,7 +14,7 @@ from ...model.arrays.system import SystemArrays
 from ...model.integrators import Integrator
 from ...model.joint_elements import JointElements
 from ...model.mechanism import TimeGrid
-from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of, taken
+from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of, taken, taken_clock
 from ..singular.dynamic_singularities import PassedDynamicSingularities
 from ..singular.mobility import Mobility
 from ..singular.rank_of_speeds import is_singular
@@ -176,6 +176,8 @@ class ConstrainedMotion(ABC):
         )
         self.warnings[:] = faults_reported(checkpoint)
         self.undetermined = taken(checkpoint, "undetermined", (None,)).tolist()
+        size, equations = self.integration.z.size, len(self.arrays.equations)
+        taken_clock(checkpoint, "integration/clock", self.clock, size, equations)
         fill_arrays(checkpoint, integration=self.integration, work=self.work)
         self.singularities.restore(checkpoint)
 

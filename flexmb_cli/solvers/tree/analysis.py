@@ -17,7 +17,7 @@ from ...kernels.tree.report import Report
 from ...kernels.tree.work import FRAME_WORK, tree_work
 from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
 from ...model.tree import Table, Tree
-from ..checkpoint import row_of, taken
+from ..checkpoint import row_of, taken, taken_clock
 from .assembly import assemble_tree, pivot_shares, stray
 from .rows import TreeRows, motion_by_recursion, rows_of_tree
 
@@ -83,7 +83,8 @@ class TreeAnalysis:
         self.resumed = True
         self.row = row_of(checkpoint)
         self.attitude = taken(checkpoint, "attitude", (len(self.tree.bodies), 4))
-        self.clock[:] = taken(checkpoint, "clock", self.clock.shape, self.clock.dtype)
+        size = self.integration.z.size
+        self.clock[:] = taken_clock(checkpoint, "clock", self.clock, size, size)
         self.integration.z[:] = taken(checkpoint, "state", self.integration.z.shape)
 
     @property

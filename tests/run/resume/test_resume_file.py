@@ -14,7 +14,7 @@ from flexmb_cli.run.checkpoint import ResumeFile
 from flexmb_cli.run.outcome import Listener
 from flexmb_cli.run.packed_arrays import is_whole
 from tests.run.dafms_runs import run
-from tests.run.test_resume import error_of
+from tests.run.resume.test_resume import error_of
 
 
 @pytest.mark.parametrize("resume", [True, False])

@@ -20,7 +20,7 @@ from tests.dialects.vsdf.vsdf_decks import RIGID, changed
 from tests.run.dafms_runs import stop_after
 from tests.solvers.kinematics.young_linkages import AT_REST, turned, young
 
-DECKS = Path(__file__).parents[2] / "decks"
+DECKS = Path(__file__).parents[3] / "decks"
 
 
 def pendulum(cards):

@@ -14,7 +14,7 @@ from flexmb_cli.run.checkpoint import ResumeFile
 from flexmb_cli.run.outcome import Listener
 from flexmb_cli.solvers.tree import analysis
 from tests.run.dafms_runs import run, stop_after
-from tests.run.test_resume import error_of
+from tests.run.resume.test_resume import error_of
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="an open file keeps its place")
 NAME = "pendulum.resume"

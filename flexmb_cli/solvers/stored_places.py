@@ -1,0 +1,80 @@
+"""Checks of a stored state: numbers that kernels use as places and counts lie within their arrays.
+
+Kernels check no bounds.  A checksum can be made anew, so a resume file may hold any number.
+"""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..kernels.linalg.sparse_rows import FIRST_ENTRY
+
+if TYPE_CHECKING:
+    from ..kernels.constrained.system import Work
+
+# Fields of a clock that a run has from its deck and that no step changes.
+GIVEN = ("rtol", "atol", "counted")
+# Fields that are places in the state or among the equations, 0 or more.
+PLACES = ("worst", "equation")
+
+
+def clock_fits(stored: Any, own: Any, components: int, equations: int) -> bool:
+    """Return whether a stored clock (1,) may take the place of the run's `own`.
+
+    `components` of the state, `equations` of the system: what `PLACES` count.
+    """
+    if any(stored[name][0] != own[name][0] for name in GIVEN):
+        return False
+    ends = (max(1, components), max(1, equations))
+    return all(0 <= stored[name][0] < end for name, end in zip(PLACES, ends, strict=True))
+
+
+def works_in(records: Mapping[str, Any]) -> "dict[str, Work]":
+    """Return the `Work` of named tuples, and of those in them, by their paths."""
+    found = {}
+    for path, record in records.items():
+        if hasattr(record, "entries") and hasattr(record, "_asdict"):
+            found[path] = record
+        elif hasattr(record, "_asdict"):
+            parts = {f"{path}/{name}": part for name, part in record._asdict().items()}
+            found |= works_in(parts)
+    return found
+
+
+def misplaced(work: "Work") -> str:
+    """Return the first array of `work` with a number that leads out of an array, "" if all lead into one."""
+    m, n = work.jacobian.shape
+    rank = int(work.rank[0])
+    if not 0 <= rank <= min(m, n):
+        return "rank"
+    if not (_is_permutation(work.order[:m]) and _is_permutation(work.order[m:])):
+        return "order"
+    if not _rows_fit(work.columns[:, 1:], work.columns[:, 0], n):
+        return "columns"
+    return "" if _entries_fit(work.entries, rank, n) else "entries"
+
+
+def _is_permutation(order: np.ndarray) -> bool:
+    return np.array_equal(np.sort(order), np.arange(order.size))
+
+
+def _rows_fit(places: np.ndarray, counts: np.ndarray, n: int) -> bool:
+    """Return whether each row has `counts` places, all of them in 0 … n - 1."""
+    if np.any(counts < 0) or np.any(counts > places.shape[1]):
+        return False
+    used = np.arange(places.shape[1]) < counts[:, None]
+    return bool(np.all((places >= 0) & (places < n) | ~used))
+
+
+def _entries_fit(entries: np.ndarray, rank: int, n: int) -> bool:
+    """Return whether `entries` (m, n + 2) are those of `factorise`, or zeros.
+
+    Places up to the second number of a row are places of the leading block, (rank, rank).
+    """
+    made = entries[np.any(entries[:, :FIRST_ENTRY] != 0, axis=1)]
+    below, leading, last = (made[:, k] - FIRST_ENTRY for k in range(FIRST_ENTRY))
+    if np.any(below < 0) or np.any(leading < below) or np.any(last < leading):
+        return False
+    places = made[:, FIRST_ENTRY:]
+    return _rows_fit(places, leading, rank) and _rows_fit(places, last, n)
