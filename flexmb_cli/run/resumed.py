@@ -2,7 +2,8 @@
 
 A checksum says that the file is as it was written, not that this run wrote it: blocks of values and the
 state behind them must have the names, shapes and types that this run gives them, times must ascend and
-positions be finite.  Other numbers are taken as they are.
+positions be finite.  The analysis checks what its kernels use as places and counts.  Other numbers are
+taken as they are.
 """
 
 from collections.abc import Iterator, Mapping

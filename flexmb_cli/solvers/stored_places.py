@@ -4,14 +4,12 @@ Kernels check no bounds.  A checksum can be made anew, so a resume file may hold
 """
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ..kernels.constrained.system import Work
 from ..kernels.linalg.sparse_rows import FIRST_ENTRY
-
-if TYPE_CHECKING:
-    from ..kernels.constrained.system import Work
 
 # Fields of a clock that a run has from its deck and that no step changes.
 GIVEN = ("rtol", "atol", "counted")
@@ -30,11 +28,11 @@ def clock_fits(stored: Any, own: Any, components: int, equations: int) -> bool:
     return all(0 <= stored[name][0] < end for name, end in zip(PLACES, ends, strict=True))
 
 
-def works_in(records: Mapping[str, Any]) -> "dict[str, Work]":
+def works_in(records: Mapping[str, Any]) -> dict[str, Work]:
     """Return the `Work` of named tuples, and of those in them, by their paths."""
-    found = {}
+    found: dict[str, Work] = {}
     for path, record in records.items():
-        if hasattr(record, "entries") and hasattr(record, "_asdict"):
+        if isinstance(record, Work):
             found[path] = record
         elif hasattr(record, "_asdict"):
             parts = {f"{path}/{name}": part for name, part in record._asdict().items()}
@@ -42,7 +40,7 @@ def works_in(records: Mapping[str, Any]) -> "dict[str, Work]":
     return found
 
 
-def misplaced(work: "Work") -> str:
+def misplaced(work: Work) -> str:
     """Return the first array of `work` with a number that leads out of an array, "" if all lead into one."""
     m, n = work.jacobian.shape
     rank = int(work.rank[0])

@@ -19,7 +19,6 @@ from .start import Pair, Start, angle_between, stroke_between
 Pose = tuple[np.ndarray, np.ndarray]  # origin (3,), m, and rotation matrix (3, 3), body to global axes
 End = tuple[int, Vector]  # body of the new model, and a point on it
 SAME_ATTITUDE = 1e-9  # rad
-# (message, place, name) of an item that is not converted: the dialect's fault
 
 
 class Conversion(ABC):

@@ -5,7 +5,7 @@ Bodies are numbered from 0; -1 is the ground, whose axes are global.  SI units; 
 of their body.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -27,9 +27,6 @@ from ..mechanism import GROUND, Point, TimeGrid, Vector
 from ..time_functions import MotionFunction
 from ..vectors import rotation_matrix
 from .shapes import RigidShape
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(frozen=True, eq=False)
