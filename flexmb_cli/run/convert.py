@@ -181,8 +181,20 @@ def _exudyn(model: Any, name: str, other_way: Callable[[], str] = str) -> str:
         why = "; drivers move an inverse run, and they do not convert" if dynamic else other_way()
         message = f"--to exudyn takes rigid mechanisms under forces: decks with DYNAMICS forward{why}"
         raise ModelError([Fault("error", message, id="RUN-028")])
-    start, *later = _motion_of(model, ROWS_FOR_RANK)
-    return exudyn_script(model, start, name, later)
+    start, *later = motion = _motion_of(model, ROWS_FOR_RANK)
+    return exudyn_script(model, start, name, later, _degrees_of_freedom(model, motion))
+
+
+def _degrees_of_freedom(model: "DynamicModel", motion: list[dict[str, Any]]) -> int:
+    """Return the fewest that the Jacobian leaves at positions of a motion: singular ones have more."""
+    from ..solvers.compilation import interpreting
+    from ..solvers.constrained.young_dynamics import ForwardDynamics
+    from ..solvers.singular.rank_of_speeds import rank_at
+    from .check.parts import is_small
+
+    with interpreting(is_small(6 * len(model.mechanism.bodies))):
+        analysis = ForwardDynamics(model)
+        return analysis.arrays.speeds - max(rank_at(analysis, at["r"], at["p"]) for at in motion)
 
 
 def start_of(model: "DynamicModel", run: Run | None = None) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from flexmb_cli.model.mechanism import Joint, Mechanism, TimeGrid
 from flexmb_cli.model.tree import Body, Hinge, Spring, Tree
 from flexmb_cli.results.hdf5.dynamic import dynamic_values
 from flexmb_cli.results.models.exudyn import exudyn_script
-from flexmb_cli.results.models.exudyn_joints import independent_axes
+from flexmb_cli.results.models.exudyn_joints import independent_equations
 from flexmb_cli.results.models.mjcf import mjcf
 from flexmb_cli.run.convert import converted, start_of
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
@@ -339,5 +339,5 @@ def test_a_start_in_a_singular_position_costs_exudyn_no_equation():
         "r": np.array([[0.0, 0, 0], [0, 0, 0], [np.cos(0.6), np.sin(0.6), 0], [2, 0, 0]]),
         "p": np.array([flat["p"][0], turned, flat["p"][0], turned]),
     }
-    assert sum(map(sum, independent_axes(mechanism, [flat]))) == 16
-    assert independent_axes(mechanism, [flat, up]) == [(1, 1, 1, 1, 1, 0)] * 3 + [(1, 1, 0, 0, 0, 0)]
+    assert sum(map(sum, independent_equations(mechanism, (), [flat])[0])) == 16
+    assert independent_equations(mechanism, (), [flat, up])[0] == [(1, 1, 1, 1, 1, 0)] * 3 + [(1, 1, 0, 0, 0, 0)]

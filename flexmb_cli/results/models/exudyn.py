@@ -17,7 +17,7 @@ from ...model.loads import DynamicModel
 from ...model.mechanism import GROUND
 from ...model.vectors import rotation_matrix
 from .exudyn_elements import ElementLines, foreign_elements
-from .exudyn_joints import HELD, independent_axes, joint_frames
+from .exudyn_joints import HELD, independent_equations, joint_frames
 
 HEAD = '''"""{title}, written by flexmb for Exudyn 1.13 or later.  SI units.
 
@@ -97,12 +97,17 @@ _NO_WORD = re.compile(r"""[\\"'\x00-\x1f]""")
 
 
 def exudyn_script(
-    model: DynamicModel, start: dict[str, np.ndarray], name: str, later: Sequence[dict[str, np.ndarray]] = ()
+    model: DynamicModel,
+    start: dict[str, np.ndarray],
+    name: str,
+    later: Sequence[dict[str, np.ndarray]] = (),
+    dofs: int | None = None,
 ) -> str:
     """Return the script.
 
     `start`: "r" (bodies, 3) in m, Euler parameters "p" (bodies, 4), "v" and "omega" (bodies, 3), global axes.
     `later`: "r" and "p" at later times, which distinguish a singular start from repeated equations.
+    `dofs`: degrees of freedom that the script must leave, if known.
     Raises ModelError for what is not converted.
     """
     # The name stands in texts of the script: with a quotation mark it could be any statement.
@@ -111,8 +116,17 @@ def exudyn_script(
     if faults:
         raise ModelError(faults)
     time, placed = model.mechanism.time, _Placed(model, start)
+    links = model.elements.composites
+    held, kept = independent_equations(model.mechanism, links, [start, *later])
+    left = 6 * len(placed.numbers) - sum(map(sum, held)) - sum(kept)
+    if dofs not in (None, left):
+        message = (
+            f"the script would have {left} degrees of freedom, the deck has {dofs}: its joints are near a "
+            "singular position; convert it from another start"
+        )
+        raise ModelError([Fault("error", message)])
     lines = [_head(placed, name), "bodies = []"]
-    lines += [*placed.bodies(), *placed.joints([start, *later]), *placed.loads(), *placed.elements()]
+    lines += [*placed.bodies(), *placed.joints(held), *placed.loads(), *placed.elements(kept)]
     intervals = max(time.rows - 1, 1)
     return "\n".join(lines) + TAIL.format(
         title=name,
@@ -206,10 +220,10 @@ class _Placed:
             surfaces.append(f"shape({points.ravel().tolist()!r}, {triangles!r})")
         return f", graphicsDataList=[{', '.join(surfaces)}]" if surfaces else ""
 
-    def joints(self, positions: list[dict[str, np.ndarray]]) -> Iterator[str]:
-        """Yield a line for every joint."""
+    def joints(self, held: list[tuple[int, ...]]) -> Iterator[str]:
+        """Yield a line for every joint; `held`: the motions that each prevents."""
         mechanism = self.model.mechanism
-        frames, held = joint_frames(mechanism, self.start), independent_axes(mechanism, positions)
+        frames = joint_frames(mechanism, self.start)
         for joint, frame, axes in zip(mechanism.joints, frames, held, strict=True):
             place = _list(self._at(joint.i, joint.P_i))
             pair = f"itemNumbers=[{self._word(joint.i)}, {self._word(joint.j)}], position={place}"
@@ -252,14 +266,17 @@ class _Placed:
                     f"loadVector={_list(torque.torque)}, bodyFixed={bool(torque.following)})"
                 )
 
-    def elements(self) -> Iterator[str]:
-        """Yield lines of springs, stops, cables and links, from the joint coordinates at the start."""
+    def elements(self, kept: list[bool]) -> Iterator[str]:
+        """Yield lines of springs, stops, cables and links, from the joint coordinates at the start.
+
+        `kept`: whether a link repeats no other equation.
+        """
         joints, q = self.model.mechanism.joints, {}
         if len(self.start["q"]):
             names = [(item.joint, item.coordinate) for item in coordinates_of_joints(joints)]
             q = dict(zip(names, map(float, self.start["q"]), strict=True))
         made = ElementLines(joints, self._word, self._local, self._at, self._turned, q)
-        yield from made.lines(self.model.elements)
+        yield from made.lines(self.model.elements, kept)
 
     def _turned(self, body: int) -> np.ndarray:
         """Rotation matrix (3, 3) of a body or of the ground."""

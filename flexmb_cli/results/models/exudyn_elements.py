@@ -82,8 +82,8 @@ class ElementLines:
     ):  # fmt: skip
         self.joints, self.word, self.local, self.at, self.turned, self.q = joints, word, local, at, turned, q
 
-    def lines(self, elements: JointElements) -> Iterator[str]:
-        """Yield definitions and a line for every element."""
+    def lines(self, elements: JointElements, kept: list[bool]) -> Iterator[str]:
+        """Yield definitions and a line for every element; `kept`: whether a link repeats no other equation."""
         if not any((elements.springs, elements.lines, elements.stops, elements.composites)):
             return
         yield DEFINITIONS
@@ -101,8 +101,9 @@ class ElementLines:
             law = f"referenceLength={line.rest!r}, stiffness={line.stiffness!r}, damping={line.damping!r}"
             last = "springForceUserFunction=cable" if line.slack else f"force={line.preload!r}"
             yield f"mbs.CreateSpringDamper({self._ends(line)}, {law}, {last})"
-        for link in elements.composites:
-            yield f"mbs.CreateDistanceConstraint({self._ends(link)}, distance={link.size!r})"
+        for link, needed in zip(elements.composites, kept, strict=True):
+            line = f"mbs.CreateDistanceConstraint({self._ends(link)}, distance={link.size!r})"
+            yield line if needed else f"# {link.name} repeats equations of others"
 
     def _since(self, item: Any) -> float:
         """Joint coordinate at the start, less Exudyn's: of angles 0, of strokes the advance of P_j."""

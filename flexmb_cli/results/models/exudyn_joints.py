@@ -5,14 +5,21 @@ the axes of body I's frame, rotations about those of body J's.  All equations mu
 that ignores a singular Jacobian solves some closed loops only.
 """
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...model.mechanism import GROUND
 from ...model.vectors import rotation_matrix
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ...model.joint_elements import CompositeJoint
     from ...model.mechanism import Joint, Mechanism
+
+    Position = dict[str, np.ndarray]
 
 # The displacements and rotations that a joint along the third axis of its frame prevents.
 HELD = {
@@ -43,18 +50,21 @@ def frame_along(axis: np.ndarray) -> np.ndarray:
     return np.column_stack([x, np.cross(axis, x), axis])
 
 
-def independent_axes(mechanism: "Mechanism", positions: list[dict[str, np.ndarray]]) -> list[tuple[int, ...]]:
-    """Return for every joint which of its six motions are to be prevented, 1 or 0, without repeats.
+def independent_equations(
+    mechanism: "Mechanism", links: "Sequence[CompositeJoint]", positions: "Sequence[Position]"
+) -> tuple[list[tuple[int, ...]], list[bool]]:
+    """Return for every joint which of its six motions are to be prevented, 1 or 0, and whether a link is kept.
 
     `positions`: "r" (bodies, 3) in m and "p" (bodies, 4) at the start and at later times.  At a singular
     position more equations depend on each other than elsewhere: the position with the greatest rank decides.
     The last joint of a loop loses the repeated equations.  In a plane loop these are its three equations out
-    of the plane, at every position.
+    of the plane, at every position.  Links, which hold the distance of two points, come after all joints.
     """
     frames = joint_frames(mechanism, positions[0])
-    chosen = [_independent_rows(_rows(mechanism, frames, positions[0], later)) for later in positions]
+    chosen = [_independent_rows(_rows(mechanism, frames, links, positions[0], later)) for later in positions]
     kept = iter(max(chosen, key=sum))
-    return [tuple(int(held and next(kept)) for held in HELD[joint.kind]) for joint in mechanism.joints]
+    axes = [tuple(int(held and next(kept)) for held in HELD[joint.kind]) for joint in mechanism.joints]
+    return axes, list(kept)
 
 
 def _independent_rows(rows: np.ndarray) -> list[bool]:
@@ -73,40 +83,58 @@ def _independent_rows(rows: np.ndarray) -> list[bool]:
 
 
 def _rows(
-    mechanism: "Mechanism", frames: list[np.ndarray], start: dict[str, np.ndarray], now: dict[str, np.ndarray]
+    mechanism: "Mechanism",
+    frames: list[np.ndarray],
+    links: "Sequence[CompositeJoint]",
+    start: "Position",
+    now: "Position",
 ) -> np.ndarray:
-    """Return the equations of all joints in velocities and angular velocities of the moving bodies."""
-    still = {item.body for item in mechanism.grounds}
-    first, turned = ([rotation_matrix(p) for p in at["p"]] for at in (start, now))
-    columns = {body: 6 * k for k, body in enumerate(k for k in range(len(turned)) if k not in still)}
+    """Return the equations of all joints and links in velocities and angular velocities of the moving bodies."""
+    still = {GROUND, *(item.body for item in mechanism.grounds)}
+    first, turned = ([*map(rotation_matrix, at["p"]), np.eye(3)] for at in (start, now))
+    origins, places = ([*at["r"], np.zeros(3)] for at in (start, now))
+    columns = {body: 6 * k for k, body in enumerate(k for k in range(len(now["r"])) if k not in still)}
     length = float(np.ptp(now["r"], axis=0).max()) or 1.0
+    row = partial(_row, origins=places, columns=columns, length=length)
     found: list[np.ndarray] = []
     for joint, frame in zip(mechanism.joints, frames, strict=True):
         frame_of_i, frame_of_j = (turned[body] @ first[body].T @ frame for body in (joint.i, joint.j))
+        # The script gives body J the point that lies at P_i at the start, wherever P_j is.
+        from_j = origins[joint.i] + first[joint.i] @ np.array(joint.P_i) - origins[joint.j]
+        place = places[joint.j] + turned[joint.j] @ first[joint.j].T @ from_j
         for axis, held in enumerate(HELD[joint.kind]):
             if held:
                 direction = frame_of_i[:, axis] if axis < 3 else frame_of_j[:, axis - 3]
-                found.append(_row(joint, axis < 3, direction, turned, columns, length))
+                found.append(row(joint, direction, place if axis < 3 else None))
+    for link in links:
+        P_i, P_j = (
+            places[body] + turned[body] @ np.array(P) for body, P in ((link.i, link.P_i), (link.j, link.P_j))
+        )
+        found.append(row(link, P_j - P_i, P_j))
     return np.array(found).reshape(len(found), 6 * len(columns))
 
 
 def _row(
-    joint: "Joint",
-    moves: bool,
+    pair: "Joint | CompositeJoint",
     direction: np.ndarray,
-    turned: list[np.ndarray],
+    place: np.ndarray | None,
+    origins: list[np.ndarray],
     columns: dict[int, int],
     length: float,
 ) -> np.ndarray:
-    """Return the equation of no relative velocity along `direction`, or no angular velocity about it."""
+    """Return the equation of no relative velocity along `direction`, or without a place of none about it.
+
+    The direction turns with body I, and so the velocities of both bodies are those at `place`, that of the
+    point of body J: (A_i d)·(r_j + A_j s_j - r_i - A_i s_i) changes by ω_i times (r_j + A_j s_j - r_i) × A_i d.
+    """
     row = np.zeros(6 * len(columns))
-    for body, point, sign in ((joint.i, joint.P_i, 1.0), (joint.j, joint.P_j, -1.0)):
+    for body, sign in ((pair.i, 1.0), (pair.j, -1.0)):
         if body not in columns:
             continue
         at = columns[body]
-        if moves:
-            row[at : at + 3] = sign * direction
-            row[at + 3 : at + 6] = sign * np.cross(turned[body] @ np.array(point), direction) / length
-        else:
+        if place is None:
             row[at + 3 : at + 6] = sign * direction
+        else:
+            row[at : at + 3] = sign * direction
+            row[at + 3 : at + 6] = sign * np.cross(place - origins[body], direction) / length
     return row

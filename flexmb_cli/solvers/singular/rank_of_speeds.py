@@ -6,6 +6,7 @@ import numpy as np
 
 from ...kernels.constrained.accelerations import evaluate_jacobian
 from ...kernels.constrained.speeds import move
+from ...model.equations import DEPENDENT
 from ..constrained.large_start import is_large, sparse_jacobian
 from ..constrained.position import PositionGaps
 from ..constrained.system import new_work
@@ -66,6 +67,16 @@ def is_singular(analysis: "ConstrainedMotion", q: np.ndarray, start: np.ndarray)
         conditioning_of_speeds(analysis, gaps.jacobian(place.copy())).condition for place in (q, start)
     )
     return here > max(CROSSED, NEARLY_SINGULAR * usual)
+
+
+def rank_at(analysis: "ConstrainedMotion", r: np.ndarray, p: np.ndarray) -> int:
+    """Return the rank of the Jacobian of rigid bodies at origins r (bodies, 3), Euler parameters p (bodies, 4)."""
+    gaps = PositionGaps(analysis.arrays, analysis.system, analysis.work)
+    jacobian = gaps.jacobian(np.hstack([r, p]).ravel())
+    if not isinstance(jacobian, np.ndarray):
+        return order_of_pivots(jacobian)[1]
+    values = np.linalg.svd(jacobian, compute_uv=False)
+    return int(np.sum(values > DEPENDENT * values.max(initial=0.0)))
 
 
 def has_gained_rank(analysis: "ConstrainedMotion") -> bool:
