@@ -1,7 +1,9 @@
 """What may be installed beside flexmb: bounded where untested, locked with hashes on request."""
 
 import re
+import sys
 import tomllib
+from importlib.util import find_spec
 from pathlib import Path
 
 TOP = Path(__file__).resolve().parents[2]
@@ -48,6 +50,17 @@ def test_the_lowest_versions_are_those_of_every_extra_that_users_install():
     text = (TOP / "scripts/dependencies").read_text()
     named = set(re.findall(r'"([a-z]+)"', re.search(r"^names = \((.*?)\)", text, re.MULTILINE)[1]))
     extras = PROJECT["optional-dependencies"]
-    assert named == set(extras) - {"test", "export-check", "ci-check", "fuzz", "bench"}
+    assert named == set(extras) - {"test", "fuzz", "bench"}
     own = [item for name in named for item in extras[name] if not item.startswith("flexmb[")]
     assert all(re.match(r"[\w-]+>=[\d.]+", item) for item in own)
+
+
+def test_no_test_is_skipped_for_a_package_that_the_extra_test_lacks():
+    """VTK and the linters of CI files were in extras that continuous integration does not install."""
+    asked = {
+        name.partition(".")[0]
+        for path in (TOP / "tests").rglob("*.py")
+        for name in re.findall(r'importorskip\(\s*"([\w.]+)"', path.read_text(encoding="utf-8"))
+    }
+    assert asked > {"matplotlib", "plotly"}
+    assert {name for name in asked - sys.stdlib_module_names if find_spec(name) is None} == set()

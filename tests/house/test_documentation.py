@@ -97,7 +97,6 @@ def test_the_reading_examples_read_the_four_bar(tmp_path):
 
 def test_the_example_for_mujoco_finds_the_same_motion(tmp_path):
     """The tree by MuJoCo's own equations and RK4; 1e-10 m is what the page states for this deck."""
-    pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra bench)")
     page = (DOCS / "how-to/convert.md").read_text("utf-8")
     (block,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     deck = TOP / "decks/dafms/spatial_rigid.DAT"

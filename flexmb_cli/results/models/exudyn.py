@@ -269,7 +269,7 @@ class _Placed:
     def elements(self, kept: list[bool]) -> Iterator[str]:
         """Yield lines of springs, stops, cables and links, from the joint coordinates at the start.
 
-        `kept`: whether a link repeats no other equation.
+        `kept`: whether a link repeats no equation.
         """
         joints, q = self.model.mechanism.joints, {}
         if len(self.start["q"]):

@@ -83,7 +83,7 @@ class ElementLines:
         self.joints, self.word, self.local, self.at, self.turned, self.q = joints, word, local, at, turned, q
 
     def lines(self, elements: JointElements, kept: list[bool]) -> Iterator[str]:
-        """Yield definitions and a line for every element; `kept`: whether a link repeats no other equation."""
+        """Yield definitions and a line for every element; `kept`: whether a link repeats no equation."""
         if not any((elements.springs, elements.lines, elements.stops, elements.composites)):
             return
         yield DEFINITIONS

@@ -53,7 +53,7 @@ def frame_along(axis: np.ndarray) -> np.ndarray:
 def independent_equations(
     mechanism: "Mechanism", links: "Sequence[CompositeJoint]", positions: "Sequence[Position]"
 ) -> tuple[list[tuple[int, ...]], list[bool]]:
-    """Return for every joint which of its six motions are to be prevented, 1 or 0, and whether a link is kept.
+    """Return for every joint which of six motions it prevents, 1 or 0, and for every link whether it is kept.
 
     `positions`: "r" (bodies, 3) in m and "p" (bodies, 4) at the start and at later times.  At a singular
     position more equations depend on each other than elsewhere: the position with the greatest rank decides.
@@ -89,7 +89,7 @@ def _rows(
     start: "Position",
     now: "Position",
 ) -> np.ndarray:
-    """Return the equations of all joints and links in velocities and angular velocities of the moving bodies."""
+    """Return the equations of joints and links in velocities and angular velocities of the moving bodies."""
     still = {GROUND, *(item.body for item in mechanism.grounds)}
     first, turned = ([*map(rotation_matrix, at["p"]), np.eye(3)] for at in (start, now))
     origins, places = ([*at["r"], np.zeros(3)] for at in (start, now))
@@ -124,8 +124,8 @@ def _row(
 ) -> np.ndarray:
     """Return the equation of no relative velocity along `direction`, or without a place of none about it.
 
-    The direction turns with body I, and so the velocities of both bodies are those at `place`, that of the
-    point of body J: (A_i d)·(r_j + A_j s_j - r_i - A_i s_i) changes by ω_i times (r_j + A_j s_j - r_i) × A_i d.
+    The direction d turns with body I.  So the velocities of both bodies are those at `place`, where the
+    point of body J is: d · (P_j - P_i) changes by d · (v_j - v_i), both at P_j.
     """
     row = np.zeros(6 * len(columns))
     for body, sign in ((pair.i, 1.0), (pair.j, -1.0)):

@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from scipy.spatial.transform import Rotation
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOHDF import vtkHDFReader
 
 from flexmb_cli.cli.export import export
 from flexmb_cli.results.figures.element_faces import face_edges, outer_faces_of_elements, triangles
@@ -43,9 +45,6 @@ def test_edges_of_faces_come_once():
 @pytest.fixture
 def steps(result, tmp_path):  # noqa: F811
     """What VTK reads of the slider-crank's steps, and the result."""
-    pytest.importorskip("vtk", reason="VTK is not installed (extra export-check)")
-    from vtk import vtkHDFReader
-    from vtk.util.numpy_support import vtk_to_numpy
 
     target = tmp_path / "rod.vtkhdf"
     done = CliRunner().invoke(export, [str(result), "--to", "vtkhdf", "-o", str(target), "-q"])

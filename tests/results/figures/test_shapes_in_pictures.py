@@ -62,7 +62,6 @@ def test_the_page_draws_the_shapes_in_place_of_lines(path):
 
 
 def test_vtk_reads_the_shapes_as_polygons_that_move(path, tmp_path):
-    pytest.importorskip("vtkmodules", reason="vtk is not installed (extra: export-check)")
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkIOHDF import vtkHDFReader
 

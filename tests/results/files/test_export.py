@@ -57,7 +57,8 @@ def test_matlab_reads_the_motion_the_names_and_the_deck(exported, tmp_path):
 OCTAVE = shutil.which("octave-cli")
 
 
-@pytest.mark.skipif(OCTAVE is None, reason="Octave is not installed")
+@pytest.mark.campaign
+@pytest.mark.skipif(OCTAVE is None, reason="Octave (Debian package octave, 240 MB) is not installed")
 def test_octave_reads_every_digit(exported, tmp_path):
     """Octave loads the struct; it prints the points with seventeen digits, and the names."""
     exported("mat")
@@ -100,7 +101,6 @@ def test_vtkhdf_has_what_the_format_asks_for(exported):
 
 def test_vtk_reads_the_time_series(exported, tmp_path):
     """VTK's own reader, that of ParaView, gives the times and at each the marks of all bodies."""
-    pytest.importorskip("vtkmodules", reason="vtk is not installed (extra: export-check)")
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
     from vtkmodules.vtkIOHDF import vtkHDFReader

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import h5py
+import mujoco
 import numpy as np
 import pytest
 
@@ -89,7 +90,6 @@ def test_shapes_stay_in_place_from_a_tree_to_young_and_back(chain):
 
 
 def test_shapes_stay_in_place_in_mujoco(chain):
-    mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra bench)")
     model = mujoco.MjModel.from_xml_string(converted(str(chain), "mjcf"))
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, 0)
@@ -106,7 +106,6 @@ def test_shapes_stay_in_place_in_mujoco(chain):
 
 def test_shapes_stay_in_place_in_exudyn(tmp_path):
     """The script's bodies as Exudyn holds them; theirs are places from the mass centre."""
-    pytest.importorskip("exudyn", reason="Exudyn is not installed (extra bench)")
     old = tmp_path / "b.dat"
     text = (DECKS / "young/dynamics/IN-BRICARD.dat").read_text()
     old.write_text(text.replace("END", "GEOM 2 1  1 2 3  0.1 0.2 0.3  0.4 0.5 0.6\nEND"))

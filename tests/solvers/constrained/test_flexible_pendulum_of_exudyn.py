@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-pytest.importorskip("exudyn", reason="Exudyn is not installed (the extra bench)")
 sys.path.insert(0, str(Path(__file__).parents[3] / "scripts/bench"))
 from flexible import ROWS, integration, mechanism
 from flexible_pendulum import converged

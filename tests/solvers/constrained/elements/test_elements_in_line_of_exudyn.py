@@ -5,13 +5,12 @@ In Exudyn each rotor or slide is one coordinate: by an explicit method of order 
 
 import warnings
 
+import exudyn as exu
 import numpy as np
 import pytest
+from exudyn import utilities as parts
 
 from tests.solvers.constrained.element_decks import FREE, ROTOR, SLIDER, TWO_ROTORS, rows_of
-
-exu = pytest.importorskip("exudyn", reason="Exudyn is not installed (the extra bench)")
-from exudyn import utilities as parts  # noqa: E402
 
 pytestmark = [pytest.mark.long_motion, pytest.mark.filterwarnings("ignore::DeprecationWarning")]
 

@@ -2,18 +2,16 @@
 
 import warnings
 
+import exudyn as exu
 import numpy as np
 import pytest
+from exudyn.utilities import RigidBodyInertia
 
 from tests.solvers.constrained.element_decks import ARM, rows_of
-
-exu = pytest.importorskip("exudyn", reason="Exudyn is not installed (the extra bench)")
-from exudyn.utilities import RigidBodyInertia  # noqa: E402
 
 pytestmark = [
     pytest.mark.long_motion,
     pytest.mark.filterwarnings("ignore::DeprecationWarning"),
-    pytest.mark.skipif(not hasattr(exu.MainSystem, "CreateTorsionalSpringDamper"), reason="an older Exudyn"),
 ]
 END = 1.0  # s
 

@@ -1,11 +1,10 @@
 """Motors, springs, dampers and cables of a serial arm, the same model in MuJoCo (minimal coordinates)."""
 
+import mujoco
 import numpy as np
 import pytest
 
 from tests.solvers.constrained.element_decks import rows_of
-
-mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (the extra bench)")
 
 # Body 2 turns about z of the ground, body 3 on its end, body 4 slides along body 3.
 ARM_WITH_SLIDE = (

@@ -7,14 +7,13 @@ by an explicit method of order 6; parts come to rest, stick and turn back.
 import math
 import warnings
 
+import exudyn as exu
 import numpy as np
 import pytest
+from exudyn import utilities as parts
 
 from tests.solvers.constrained.element_decks import ROTOR, rows_of
 from tests.solvers.constrained.elements.element_cases import SLEEVE
-
-exu = pytest.importorskip("exudyn", reason="Exudyn is not installed (the extra bench)")
-from exudyn import utilities as parts  # noqa: E402
 
 pytestmark = [pytest.mark.long_motion, pytest.mark.filterwarnings("ignore::DeprecationWarning")]
 SLIDING, STICKING, STRIBECK, CREEP, RADIUS, PRELOAD = 0.3, 0.4, 0.2, 0.02, 0.05, 30.0
