@@ -101,7 +101,7 @@ def test_a_study_becomes_a_grid_in_xarray_as_the_page_shows(tmp_path):
 
 
 def test_the_script_for_exudyn_is_compared_as_the_page_shows(commands):
-    """The first tenth of the deck's motion; the campaign of `tests/run/convert` runs it to its end."""
+    """The first tenth of the deck's motion; `test_decks_in_exudyn.py` runs it to its end."""
     deck = "decks/young/dynamics/IN-BRICARD.dat"
     (commands / deck).parent.mkdir(parents=True)
     (commands / deck).write_text((TOP / deck).read_text().replace("0 5 0.05", "0 0.5 0.05"))

@@ -154,7 +154,7 @@ def _add_joint(rows: _Rows, mechanism: Any, joint: Joint) -> None:
     if "H_i" in kind.points and kind.size != PITCH:
         values |= {"h_i": unit(joint.h_i), "h_j": unit(joint.h_j)}
     if kind.size == PITCH:
-        values |= _screw_values(mechanism, joint, values["s_i"])
+        values |= screw_values(mechanism, joint)
         values["screw"] = len(rows.screw_angles)
         rows.screw_angles.append(values.pop("theta"))
     rows.add(kind, joint.i, joint.j, joint_equations(joint, rows.length), **values)
@@ -171,8 +171,13 @@ def across(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return cross(axes[m], s), cross(axes[n], s)
 
 
-def _screw_values(mechanism: Mechanism, joint: Joint, s_i: np.ndarray) -> dict[Any, Any]:
-    """Slide and turn of the deck's own estimates, before assembly, are the zero of the thread."""
+def screw_values(mechanism: Mechanism, joint: Joint) -> dict[str, Any]:
+    """Return what the kernel needs of a screw.
+
+    Slide and turn of the deck's own estimates, before assembly, are the zero of the thread.  Its `sense` is -1
+    if P_j lies before P_i: then a positive pitch moves P_j back along the axis.
+    """
+    s_i = unit(joint.s_i)
     f = unit(np.array(joint.h_i) - dot(joint.h_i, s_i) * s_i)
     g = cross(s_i, f)
     h_j = unit(joint.h_j)

@@ -99,6 +99,10 @@ class _Deck:
         if joint.kind == "fixed":
             axes = {body: self.model.axes(body).T[:, 2] for body in (joint.i, joint.j)}
         points = {"P": {joint.i: np.array(joint.P_i), joint.j: np.array(joint.P_j)}}
+        if joint.kind == "screw":
+            # YOUNG turns the thread the other way if P_j lies before P_i: they must coincide.
+            place = self.model.position(joint.j, joint.P_j) - self.model.position(joint.i, np.zeros(3))
+            points["P"][joint.i] = self.model.axes(joint.i).T @ place
         if len(kind.points) > 2:
             points["Q"] = {body: points["P"][body] + s for body, s in axes.items()}
         if len(kind.points) > 4:

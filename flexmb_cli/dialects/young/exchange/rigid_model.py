@@ -8,6 +8,7 @@ import numpy as np
 from ....deck.record import Deck
 from ....errors import Fault, ModelError
 from ....model.arrays.dynamic import inertia_matrix
+from ....model.arrays.kinematic import screw_values
 from ....model.attitudes import Attitudes
 from ....model.exchange.functions import constant, moved
 from ....model.exchange.rigid_model import (
@@ -155,7 +156,10 @@ class _Conversion(ConvertedElements):
     def _joints(self) -> tuple[Any, ...]:
         found: list[Any] = []
         for k, joint in enumerate(self.mechanism.joints):
-            self._add_joint(found, joint, joint.kind, joint.pitch, k)
+            pitch = joint.pitch
+            if pitch:  # YOUNG counts the distance of the points, others the advance of P_j
+                pitch *= screw_values(self.mechanism, joint)["sense"]
+            self._add_joint(found, joint, joint.kind, pitch, k)
         for item in self.deck.elements.composites:
             if item.kind == "revolute-cylindrical":
                 self.refusals.add(item, "the composite joint REVCYL is not converted", id="YOUNG-167")
