@@ -174,8 +174,8 @@ def across(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def screw_values(mechanism: Mechanism, joint: Joint) -> dict[str, Any]:
     """Return what the kernel needs of a screw.
 
-    Slide and turn of the deck's own estimates, before assembly, are the zero of the thread.  Its `sense` is -1
-    if P_j lies before P_i: then a positive pitch moves P_j back along the axis.
+    Slide and turn of the deck's own estimates, before assembly, are the zero of the thread.  Its `sense` is
+    -1 if P_j lies before P_i: then a positive pitch moves P_j back along the axis.
     """
     s_i = unit(joint.s_i)
     f = unit(np.array(joint.h_i) - dot(joint.h_i, s_i) * s_i)
