@@ -121,10 +121,10 @@ def exudyn_script(
     left = 6 * len(placed.numbers) - sum(map(sum, held)) - sum(kept)
     if dofs not in (None, left):
         message = (
-            f"the script would have {left} degrees of freedom, the deck has {dofs}: its joints are near a "
-            "singular position; convert it from another start"
+            f"the script would have {left} degrees of freedom, the deck has {dofs}: some equations nearly "
+            "repeat others; give the axes of loops with more digits, or begin away from a singular position"
         )
-        raise ModelError([Fault("error", message)])
+        raise ModelError([Fault("error", message, id="RESULT-085")])
     lines = [_head(placed, name), "bodies = []"]
     lines += [*placed.bodies(), *placed.joints(held), *placed.loads(), *placed.elements(kept)]
     intervals = max(time.rows - 1, 1)
