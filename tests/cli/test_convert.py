@@ -301,11 +301,12 @@ def test_an_element_at_a_joint_is_refused_where_it_stands(tmp_path):
 
 
 @pytest.mark.processes
-@pytest.mark.parametrize(("name", "old", "new"), [("ANDREWS", "", ""), ("BRICARD", "0 5 0.05", "0 0.5 0.05")])
-def test_a_supplied_mechanism_with_repeated_equations_moves_alike_in_exudyn(name, old, new, tmp_path):
-    """Nine of the squeezer's equations repeat others, one of the trihedral linkage's."""
+def test_a_supplied_mechanism_with_repeated_equations_moves_alike_in_exudyn(tmp_path):
+    """Nine of the squeezer's equations repeat others; the first third of its motion."""
     deck = tmp_path / "m.dat"
-    deck.write_text((DECKS / f"young/dynamics/IN-{name}.dat").read_text().replace(old, new))
+    text = (DECKS / "young/dynamics/IN-ANDREWS.dat").read_text()
+    deck.write_text(text.replace("\n0 0.03 0.0005\n", "\n0 0.01 0.0005\n"))
+    assert deck.read_text() != text
     done = CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(tmp_path / "m.py")])
     assert done.exit_code == 0, done.output
     call = [sys.executable, "-W", "error::DeprecationWarning", "m.py"]

@@ -25,15 +25,17 @@ SHIM = f'#!/bin/sh\nexec "{sys.executable}" -m flexmb_cli "$@"\n'
 # What bash does at TAB: it calls the function that `complete` registered, with the words so far.
 COMPLETE = """
 eval "$(_FLEXMB_COMPLETE=bash_source flexmb)"
-COMP_WORDS=({words}); COMP_CWORD={last}; COMP_LINE="{words}"
-_flexmb_completion flexmb 2>/dev/null
-printf '%s\\n' "${{COMPREPLY[@]}}"
+for line in "$@"; do
+    COMPREPLY=(); COMP_WORDS=($line); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); COMP_LINE=$line
+    _flexmb_completion flexmb 2>/dev/null
+    echo "${COMPREPLY[@]}"
+done
 """
 
 
 @pytest.fixture
 def shell(tmp_path):
-    """A folder with a deck and a result, and the words that bash offers there behind TAB."""
+    """A folder with a deck and a result, and the words that bash offers there behind TAB, for each line."""
     bash = shutil.which("bash")
     if bash is None:
         pytest.skip("bash is not installed")
@@ -44,31 +46,30 @@ def shell(tmp_path):
     (tmp_path / "INdeck.dat").touch()
     write_result(tmp_path / "r.h5", 3)
 
-    def offered(*words):
-        code = COMPLETE.format(words=" ".join(words), last=len(words) - 1)
+    def offered(*lines):
         done = subprocess.run(
-            [bash, "--norc", "-c", code], capture_output=True, text=True, cwd=tmp_path, timeout=60,
+            [bash, "--norc", "-c", COMPLETE, "bash", *lines],
+            capture_output=True, text=True, cwd=tmp_path, timeout=60,
             env=os.environ | {"PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}"},
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
-        return done.stdout.split()
+        return [line.split() for line in done.stdout.splitlines()]
 
     return offered
 
 
 @pytest.mark.processes
 def test_bash_completes_commands_options_and_choices(shell):
-    assert shell("flexmb", "e") == ["export", "examples"]
-    assert shell("flexmb", "run", "--est") == ["--estimate-error"]
-    assert shell("flexmb", "run", "--layout", "h") == ["historic"]
-    assert shell("flexmb", "new", "d") == ["dafms"]
+    lines = "flexmb e", "flexmb run --est", "flexmb run --layout h", "flexmb new d"
+    assert shell(*lines) == [["export", "examples"], ["--estimate-error"], ["historic"], ["dafms"]]
 
 
 @pytest.mark.processes
 def test_bash_completes_examples_and_the_quantities_of_a_result(shell):
-    assert "IN4-BAR" in shell("flexmb", "examples", "IN4")
-    assert shell("flexmb", "table", "r.h5", "body.1.vel") == [f"body.1.velocity.{axis}" for axis in "xyz"]
-    assert shell("flexmb", "table", "none.h5", "body") == []
+    lines = "flexmb examples IN4", "flexmb table r.h5 body.1.vel", "flexmb table none.h5 body"
+    examples, *quantities = shell(*lines)
+    assert "IN4-BAR" in examples
+    assert quantities == [[f"body.1.velocity.{axis}" for axis in "xyz"], []]
 
 
 @pytest.mark.processes

@@ -166,22 +166,31 @@ GUIDES = [
 ]
 
 
+BEADS = [(kind, places) for kind in ("translational", "two cylindrical") for places in APART[:2]]
+
+
+@pytest.fixture(scope="module")
+def moved(tmp_path_factory):
+    """Decks of guides and beads, and their positions in Exudyn."""
+    decks = [*(guide(*case) for case in GUIDES), *(bead(*case) for case in BEADS)]
+    return list(zip(decks, by_exudyn(tmp_path_factory.mktemp("exudyn"), decks), strict=True))
+
+
 @pytest.mark.processes
-def test_a_guide_keeps_all_equations_in_exudyn(tmp_path):
+def test_a_guide_keeps_all_equations_in_exudyn(moved):
     """The collar moves at the slider's rate and the rod keeps its direction, to round-off."""
-    decks = [guide(*case) for case in GUIDES]
-    for deck, found, case in zip(decks, by_exudyn(tmp_path, decks), GUIDES, strict=True):
+    for (deck, found), case in zip(moved, GUIDES, strict=False):
         rod, collar = (np.array(deck.split("\n")[k].split()[:3], float) for k in (2, 3))
-        moved = collar + np.outer([0.0, 0.2, 0.4], TURNED.apply(X))
-        np.testing.assert_allclose(found[:, :6], np.hstack([[rod] * 3, moved]), atol=1e-9, err_msg=str(case))
+        sliding = collar + np.outer([0.0, 0.2, 0.4], TURNED.apply(X))
+        np.testing.assert_allclose(
+            found[:, :6], np.hstack([[rod] * 3, sliding]), atol=1e-9, err_msg=str(case)
+        )
 
 
 @pytest.mark.processes
-def test_a_bead_on_a_turning_arm_moves_by_lagranges_equations_in_exudyn(tmp_path):
+def test_a_bead_on_a_turning_arm_moves_by_lagranges_equations_in_exudyn(moved):
     """On one rail, and on two, of which the second repeats all but one of its equations."""
-    cases = [(kind, places) for kind in ("translational", "two cylindrical") for places in APART[:2]]
-    rows = by_exudyn(tmp_path, [bead(*case) for case in cases])
-    for found, case in zip(rows, cases, strict=True):
+    for (_, found), case in zip(moved[len(GUIDES) :], BEADS, strict=True):
         origin = places_of_bead(case[0]) + TURNED.apply(0.1 * Z)
         np.testing.assert_allclose(found[:, 3:6], origin, atol=1e-7, err_msg=str(case))
 

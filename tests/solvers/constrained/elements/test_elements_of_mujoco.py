@@ -6,6 +6,8 @@ import pytest
 
 from tests.solvers.constrained.element_decks import rows_of
 
+pytestmark = pytest.mark.long_motion
+
 # Body 2 turns about z of the ground, body 3 on its end, body 4 slides along body 3.
 ARM_WITH_SLIDE = (
     "4 0 0 0 0 2 0 1 0 0 0 1\n0 0 0 1 0 0 0\n0 0 0 1 0 0 0\n1 0 0 1 0 0 0\n1.5 0 0 1 0 0 0\n"
