@@ -194,6 +194,31 @@ def test_links_with_two_spheres_hold_alike_in_exudyn(tmp_path):
     assert np.abs(fallen + 9.81 * 0.3**2 / 2).min() > 0.05
 
 
+# A pendulum about z, and a link from its axis to the ground, which repeats an equation of the revolute.
+REPEATED = """\
+2 0 0 0 0 1 0 0 0 0 0 1
+0 0 0 1 0 0 0
+0.4 0 0 1 0 0 0
+1 2 0 0 0 -0.4 0 0 0 0 1 -0.4 0 1
+1 0 0 0 0 0 0
+0 0.3 0.1
+
+DYNAMICS forward
+MASS 2 1.5 0.1 0.02 0 0.2 0.3 0.25
+GRAVITY 0.3 -9.81 0.2
+SPHSPH 0 2 0 0 0.7 -0.4 0 -0.2 0.9
+TOLERANCE 1e-12
+END
+"""
+
+
+@pytest.mark.processes
+def test_a_link_that_repeats_an_equation_is_left_out_in_exudyn(tmp_path):
+    """With it Exudyn's Jacobian is singular."""
+    assert np.ptp(moved_as_in_exudyn(tmp_path, REPEATED)["body/position"][:, 1, 1]) > 0.1
+    assert " repeats equations of others" in (tmp_path / "m.py").read_text()
+
+
 @pytest.mark.processes
 @pytest.mark.long_motion
 def test_springs_stops_and_a_cable_act_alike_in_exudyn(tmp_path):

@@ -17,7 +17,7 @@ from ...model.loads import DynamicModel
 from ...model.mechanism import GROUND
 from ...model.vectors import rotation_matrix
 from .exudyn_elements import ElementLines, foreign_elements
-from .exudyn_joints import HELD, independent_equations, joint_frames
+from .exudyn_joints import HELD, Position, independent_equations, joint_frames
 
 HEAD = '''"""{title}, written by flexmb for Exudyn 1.13 or later.  SI units.
 
@@ -97,11 +97,7 @@ _NO_WORD = re.compile(r"""[\\"'\x00-\x1f]""")
 
 
 def exudyn_script(
-    model: DynamicModel,
-    start: dict[str, np.ndarray],
-    name: str,
-    later: Sequence[dict[str, np.ndarray]] = (),
-    dofs: int | None = None,
+    model: DynamicModel, start: Position, name: str, later: Sequence[Position] = (), dofs: int | None = None
 ) -> str:
     """Return the script.
 

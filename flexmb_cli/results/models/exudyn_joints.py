@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from ...model.joint_elements import CompositeJoint
     from ...model.mechanism import Joint, Mechanism
 
-    Position = dict[str, np.ndarray]
-
+Position = dict[str, np.ndarray]  # "r" (bodies, 3) in m, Euler parameters "p" (bodies, 4)
 # The displacements and rotations that a joint along the third axis of its frame prevents.
 HELD = {
     "spherical": (1, 1, 1, 0, 0, 0),
@@ -32,7 +31,7 @@ HELD = {
 INDEPENDENT = 1e-7
 
 
-def joint_frames(mechanism: "Mechanism", start: dict[str, np.ndarray]) -> list[np.ndarray]:
+def joint_frames(mechanism: "Mechanism", start: Position) -> list[np.ndarray]:
     """Return for every joint its frame at the start (3, 3), whose third column is the joint's axis."""
     turned = [rotation_matrix(p) for p in start["p"]]
     return [
@@ -51,17 +50,16 @@ def frame_along(axis: np.ndarray) -> np.ndarray:
 
 
 def independent_equations(
-    mechanism: "Mechanism", links: "Sequence[CompositeJoint]", positions: "Sequence[Position]"
+    mechanism: "Mechanism", links: "Sequence[CompositeJoint]", positions: "list[Position]"
 ) -> tuple[list[tuple[int, ...]], list[bool]]:
     """Return for every joint which of six motions it prevents, 1 or 0, and for every link whether it is kept.
 
-    `positions`: "r" (bodies, 3) in m and "p" (bodies, 4) at the start and at later times.  At a singular
-    position more equations depend on each other than elsewhere: the position with the greatest rank decides.
-    The last joint of a loop loses the repeated equations.  In a plane loop these are its three equations out
-    of the plane, at every position.  Links, which hold the distance of two points, come after all joints.
+    `positions`: at the start and at later times.  At a singular position more equations depend on each other
+    than elsewhere: the position with the greatest rank decides.  The last joint of a loop loses the repeated
+    equations.  In a plane loop these are its three equations out of the plane, at every position.  Links, which
+    hold the distance of two points, come after all joints.
     """
-    frames = joint_frames(mechanism, positions[0])
-    chosen = [_independent_rows(_rows(mechanism, frames, links, positions[0], later)) for later in positions]
+    chosen = [_independent_rows(_rows(mechanism, links, positions[0], later)) for later in positions]
     kept = iter(max(chosen, key=sum))
     axes = [tuple(int(held and next(kept)) for held in HELD[joint.kind]) for joint in mechanism.joints]
     return axes, list(kept)
@@ -83,11 +81,7 @@ def _independent_rows(rows: np.ndarray) -> list[bool]:
 
 
 def _rows(
-    mechanism: "Mechanism",
-    frames: list[np.ndarray],
-    links: "Sequence[CompositeJoint]",
-    start: "Position",
-    now: "Position",
+    mechanism: "Mechanism", links: "Sequence[CompositeJoint]", start: Position, now: Position
 ) -> np.ndarray:
     """Return the equations of joints and links in velocities and angular velocities of the moving bodies."""
     still = {GROUND, *(item.body for item in mechanism.grounds)}
@@ -97,7 +91,7 @@ def _rows(
     length = float(np.ptp(now["r"], axis=0).max()) or 1.0
     row = partial(_row, origins=places, columns=columns, length=length)
     found: list[np.ndarray] = []
-    for joint, frame in zip(mechanism.joints, frames, strict=True):
+    for joint, frame in zip(mechanism.joints, joint_frames(mechanism, start), strict=True):
         frame_of_i, frame_of_j = (turned[body] @ first[body].T @ frame for body in (joint.i, joint.j))
         # The script gives body J the point that lies at P_i at the start, wherever P_j is.
         from_j = origins[joint.i] + first[joint.i] @ np.array(joint.P_i) - origins[joint.j]
