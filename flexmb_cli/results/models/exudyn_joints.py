@@ -56,8 +56,8 @@ def independent_equations(
 
     `positions`: at the start and at later times.  At a singular position more equations depend on each other
     than elsewhere: the position with the greatest rank decides.  The last joint of a loop loses the repeated
-    equations.  In a plane loop these are its three equations out of the plane, at every position.  Links, which
-    hold the distance of two points, come after all joints.
+    equations.  In a plane loop these are its three equations out of the plane, at every position.  Links hold
+    the distance of two points and come after all joints.
     """
     chosen = [_independent_rows(_rows(mechanism, links, positions[0], later)) for later in positions]
     kept = iter(max(chosen, key=sum))
