@@ -102,8 +102,8 @@ class ElementLines:
             last = "springForceUserFunction=cable" if line.slack else f"force={line.preload!r}"
             yield f"mbs.CreateSpringDamper({self._ends(line)}, {law}, {last})"
         for link, needed in zip(elements.composites, kept, strict=True):
-            line = f"mbs.CreateDistanceConstraint({self._ends(link)}, distance={link.size!r})"
-            yield line if needed else f"# {link.name} repeats equations of others"
+            call = f"mbs.CreateDistanceConstraint({self._ends(link)}, distance={link.size!r})"
+            yield call if needed else f"# {link.name} repeats equations of others"
 
     def _since(self, item: Any) -> float:
         """Joint coordinate at the start, less Exudyn's: of angles 0, of strokes the advance of P_j."""
