@@ -4,6 +4,9 @@ eliminated.
 Elements with incompatible modes may bring degrees of freedom of pseudo-nodes that no node table has.  They
 are condensed statically in K, and dropped in M: condensing M as well (Guyan) would couple directions, so that
 S^ij = m_ij E no longer held, of which the equations of motion make use.
+
+A translation of the nodes strains no element, so that internal rows do not resist it.  Rows of nodes that the
+table lacks do, by the stiffness of what joins them to the nodes: these are refused.
 """
 
 from collections.abc import Callable
@@ -15,6 +18,11 @@ from .formats.matrix_file import FEFileFault, MatrixFile
 from .linear_algebra import Matrix, Singular, condensed_on, solver, stored, summed, without_diagonal
 
 SYMMETRY = 1e-6
+# Force of an internal row in a translation, relative to the sum of the row's entries, which rounding to few
+# digits leaves; and relative to the largest entry of K, below which a row is round-off.
+RESISTED, ROUND_OFF_FORCE = 1e-3, 1e-12
+# Labels that a message names.
+MOST_NAMED = 6
 
 
 @dataclass(frozen=True)
@@ -39,6 +47,17 @@ class NodalMatrix:
             full[self.internal] = self.following(shapes)
         return full
 
+    def coupled_labels(self) -> np.ndarray:
+        """Return node and direction (k, 2) of the internal rows that have entries in the columns of nodes."""
+        file = self.file
+        if file.equations is None:
+            return np.empty((0, 2), dtype=np.int64)
+        inner = np.isin(np.arange(file.size), self.internal)
+        across = (file.values != 0.0) & (inner[file.rows] != inner[file.columns])
+        ends = np.concatenate([file.rows[across], file.columns[across]])
+        found: np.ndarray = file.equations[np.unique(ends[inner[ends]])]
+        return found
+
 
 def nodal_part(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
     """The rows and columns of the nodes `numbers` (n,); internal ones are dropped.  Raises FEFileFault."""
@@ -53,6 +72,7 @@ def condensed(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
     if not len(internal):
         return NodalMatrix(stored(outer), file, nodal, internal)
     inner, coupling = full[internal][:, internal], full[internal][:, nodal]
+    _refuse_nodes(name, file, internal[_resists_translation(coupling, abs(full).max())])
     try:
         matrix, solve = stored(condensed_on(outer, coupling, inner)), solver(inner)
     except Singular:
@@ -61,6 +81,43 @@ def condensed(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
             id="FE-061",
         ) from None
     return NodalMatrix(matrix, file, nodal, internal, lambda shapes: -solve(coupling @ shapes))
+
+
+def _resists_translation(coupling: Matrix, largest: float) -> np.ndarray:
+    """Return which rows (k,) of `coupling` (k, 3 n) to the nodes give a force when these translate."""
+    size = coupling.shape[1]
+    forces = np.abs(coupling @ np.tile(np.eye(3), (size // 3, 1))).max(axis=1)
+    found: np.ndarray = (forces > RESISTED * (abs(coupling) @ np.ones(size))) & (
+        forces > ROUND_OFF_FORCE * largest
+    )
+    return found
+
+
+def check_dropped_rows(name: str, matrix: NodalMatrix, stiffness: NodalMatrix) -> None:
+    """Refuse rows of `matrix` with labels that `stiffness` does not couple to the nodes.  Raises FEFileFault.
+
+    Programs that give masses to internal degrees of freedom, such as CalculiX, give them stiffness, too.
+    """
+    file, dropped = matrix.file, matrix.internal
+    if file.equations is None or not len(dropped):
+        return
+    filled = np.isin(dropped, file.rows[file.values != 0.0])
+    coupled = set(map(tuple, stiffness.coupled_labels().tolist()))
+    foreign = np.array([tuple(label) not in coupled for label in file.equations[dropped].tolist()])
+    _refuse_nodes(name, file, dropped[filled & foreign])
+
+
+def _refuse_nodes(name: str, file: MatrixFile, rows: np.ndarray) -> None:
+    """Refuse `rows` of nodes that the table lacks."""
+    if file.equations is None or not len(rows):
+        return
+    labels = np.unique(file.equations[rows, 0])
+    more = ", …" if len(labels) > MOST_NAMED else ""
+    raise FEFileFault(
+        f"{name} has rows with stiffness or mass of nodes that the node table lacks: "
+        f"{', '.join(map(str, labels[:MOST_NAMED]))}{more}; was the table cut short, or written of selected "
+        "nodes only? give one of all nodes"
+    )
 
 
 def _ordered(name: str, file: MatrixFile, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -19,7 +19,7 @@ from .input_checks import Figures, check_matrices, check_reference, rigid_motion
 from .invariants import effective_masses, inertia_invariants
 from .linear_algebra import Matrix, all_but, in_three_directions, of_mass, turned
 from .massless_shapes import massless_in_motion, split_by_mass, static_mass
-from .nodal_matrices import NodalMatrix, condensed, nodal_part
+from .nodal_matrices import NodalMatrix, check_dropped_rows, condensed, nodal_part
 from .precision import frequency_errors
 from .reference_frame import Frame, reference_frame, without_momentum
 from .static_shapes import as_solved
@@ -50,7 +50,7 @@ def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | Non
     reported = S is None and given.mass.form == given.stiffness.form == OF_ELEMENTS
     K = None if reported else _read(given, given.stiffness, "K", condensed, findings)
     _check_reference_nodes(given, findings)
-    if S is None or K is None or findings.faults:
+    if S is None or K is None or findings.faults or _drops_nodes(given, given.mass, S, K, findings):
         return None
     figures = check_matrices(given, S.matrix, K.matrix, findings)
     if any(fault.severity == "error" for fault in findings.faults):
@@ -76,6 +76,18 @@ def _read(given: Any, file: FEFile, letter: str, arrange: "Callable[..., Any]", 
     except FEFileFault as fault:
         findings.error(given.name, str(fault), file.place, id=fault.id)
         return None
+
+
+def _drops_nodes(
+    given: FlexibleInput, file: FEFile, matrix: NodalMatrix, K: NodalMatrix, findings: Findings
+) -> bool:
+    """Return whether `matrix` has rows of nodes that the node table lacks, with a fault found."""
+    try:
+        check_dropped_rows(file.path.name, matrix, K)
+    except FEFileFault as fault:
+        findings.error(given.name, str(fault), file.place, id=fault.id)
+        return True
+    return False
 
 
 def _check_reference_nodes(given: FlexibleInput, findings: Findings) -> None:
@@ -213,7 +225,7 @@ def _geometric(
     reduced = np.zeros((3, 3, size, size))
     for load in given.unit_loads:
         found = _read(given, load.file, "K", nodal_part, findings)
-        if found is not None:
+        if found and not _drops_nodes(given, load.file, found, matrices.of_stiffness, findings):
             reduced[load.i, load.j] = shapes.T @ (found.matrix @ shapes)
     made: np.ndarray = np.einsum("ia,jb,ijkl->abkl", frame.axes, frame.axes, reduced)
     return made
