@@ -1,4 +1,7 @@
-"""Nodes of an ANSYS archive (CDWRITE): the NBLOCK, cut by the format line below its heading."""
+"""Nodes of an ANSYS archive (CDWRITE): NBLOCK, cut by the format line below it, and N.
+
+ANSYS Mechanical APDL Command Reference, CDWRITE, NBLOCK, N.
+"""
 
 import re
 from collections.abc import Iterator
@@ -6,26 +9,61 @@ from pathlib import Path
 from typing import Any
 
 from .file_text import integer, line_fault, lines_of, real
+from .included_files import Line
+from .node_table import node_of
 
 _FORMAT = re.compile(r"\(\s*(\d+)i(\d+)\s*,\s*(\d+)e(\d+)", re.IGNORECASE)
+# Commands that make, move, turn or remove nodes, or read them from elsewhere, by their first four letters.
+_REFUSED = (
+    *("NGEN", "FILL", "NSYM", "NSCA", "NROT", "NMOD", "NANG", "NKPT", "NREA", "NUMM", "NUMC", "NDEL", "MOVE"),
+    *("TRAN", "UPGE", "UPCO", "/INP", "*USE", "*DO", "*REP", "CDRE"),
+)
+# Commands that make another coordinate system the active one.
+_ACTIVATING = ("CSYS", "LOCA", "CLOC", "CS", "CSKP", "CSWP")
 
 
-def cdb_nodes(path: Path) -> Iterator[tuple[int, list[float], int]]:
+def cdb_nodes(path: Path) -> Iterator[tuple[int, Any, Line]]:
     """Number, position and line of every node; trailing zeros may be left out of a line."""
     lines = lines_of(path)
-    start = next((i for i, line in enumerate(lines) if line.upper().startswith("NBLOCK")), None)
-    if start is None:
-        return
-    layout = _FORMAT.match(lines[start + 1].strip()) if start + 1 < len(lines) else None
+    at, system = 0, ""
+    while at < len(lines):
+        line, at = Line(path.name, at + 1, lines[at]), at + 1
+        command, *words = map(str.strip, line.text.upper().split("!")[0].split(","))
+        if command[:4] in _ACTIVATING and not words[:1] == ["R5.0"]:
+            system = "" if command[:4] == "CSYS" and words[:1] in ([], [""], ["0"]) else f"{command},{words[0]}"
+        elif command[:4] in _REFUSED:
+            message = f"{command} changes nodes, and is not read; let CDWRITE write them"
+            raise line.fault(message, id="FE-176")
+        elif command in ("N", "NBLOCK") and system:
+            message = f"nodes in the coordinates of {system}; write the archive after CSYS,0"
+            raise line.fault(message, id="FE-177")
+        elif command == "N":
+            yield from _command(line, words)
+        elif command == "NBLOCK":
+            block = list(_block(path.name, lines, at))
+            yield from block
+            at += 1 + len(block)
+
+
+def _command(line: Line, words: list[str]) -> Iterator[tuple[int, Any, Line]]:
+    """Yield the node of N, or of N,R5.3,LOC,..., which ends with -1; N,R5.3,ANG,... turns its axes."""
+    numbers = [word or "0" for word in (words[2:] if words[0].startswith("R") else words)]
+    if words[1:2] == ["ANG"]:
+        node_of(line, [numbers[0], "0", "0", "0", *numbers[1:]])
+    elif numbers[:1] != ["-1"]:
+        yield *node_of(line, numbers), line
+
+
+def _block(name: str, lines: list[str], at: int) -> Iterator[tuple[int, Any, Line]]:
+    """Yield the nodes of the block whose format is line `at`, counted from 0."""
+    layout = _FORMAT.match(lines[at].strip()) if at < len(lines) else None
     if layout is None:
-        raise line_fault(
-            path.name, start + 2, "a format such as (3i9,6e20.13) must follow NBLOCK", id="FE-090"
-        )
-    integers, width, _, digits = _widths(path.name, start + 2, layout.groups())
-    for number, line in enumerate(lines[start + 2 :], start=start + 3):
-        if line.upper().startswith("N,") or line.strip() == "-1" or not line[:width].strip():
+        raise line_fault(name, at + 1, "a format such as (3i9,6e20.13) must follow NBLOCK", id="FE-090")
+    integers, width, _, digits = _widths(name, at + 1, layout.groups())
+    for number, text in enumerate(lines[at + 1 :], start=at + 2):
+        if text.upper().startswith("N,") or text.strip() == "-1" or not text[:width].strip():
             return
-        yield _node(path.name, number, line.rstrip(), integers * width, width, digits)
+        yield _node(Line(name, number, text.rstrip()), integers * width, width, digits)
 
 
 def _widths(name: str, number: int, texts: Any) -> list[int]:
@@ -38,18 +76,14 @@ def _widths(name: str, number: int, texts: Any) -> list[int]:
     return found
 
 
-def _node(
-    name: str, number: int, line: str, first: int, width: int, digits: int
-) -> tuple[int, list[float], int]:
-    cells = [line[i : i + digits] for i in range(first, len(line), digits)]
+def _node(line: Line, first: int, width: int, digits: int) -> tuple[int, list[float], Line]:
+    cells = [line.text[i : i + digits] for i in range(first, len(line.text), digits)]
     try:
-        node = integer(line[:width])
+        node = integer(line.text[:width])
         values = [real(cell) if cell.strip() else 0.0 for cell in cells]
     except ValueError:
-        raise line_fault(
-            name, number, f"a line of NBLOCK wanted; read '{line.strip()[:40]}'", id="FE-092"
-        ) from None
+        raise line.fault(f"a line of NBLOCK wanted; read '{line.text.strip()[:40]}'", id="FE-092") from None
     if any(values[3:]):
         message = f"the axes of node {node} are rotated; matrices in rotated nodal axes cannot be used"
-        raise line_fault(name, number, message, id="FE-093")
-    return node, (values + [0.0] * 3)[:3], number
+        raise line.fault(message, id="FE-093")
+    return node, (values + [0.0] * 3)[:3], line
