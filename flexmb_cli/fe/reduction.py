@@ -50,7 +50,8 @@ def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | Non
     reported = S is None and given.mass.form == given.stiffness.form == OF_ELEMENTS
     K = None if reported else _read(given, given.stiffness, "K", condensed, findings)
     _check_reference_nodes(given, findings)
-    if S is None or K is None or findings.faults or _drops_nodes(given, given.mass, S, K, findings):
+    errors = any(fault.severity == "error" for fault in findings.faults)
+    if S is None or K is None or errors or _drops_nodes(given, given.mass, S, K, findings):
         return None
     figures = check_matrices(given, S.matrix, K.matrix, findings)
     if any(fault.severity == "error" for fault in findings.faults):

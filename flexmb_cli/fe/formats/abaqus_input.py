@@ -56,7 +56,7 @@ def reals_of(line: Line) -> list[float]:
 def blocks(path: Path) -> Iterator[Block]:
     """Yield the blocks of `path` and the files that it includes.  Raises FEFileFault."""
     block = None
-    for line in lines_with_included(path, _inclusion):
+    for line in lines_with_included(path, inclusion):
         text = line.text.strip()
         if not text or text.startswith("**"):
             continue
@@ -83,7 +83,7 @@ def _block(line: Line, text: str) -> Block:
     )
 
 
-def _inclusion(lines: list[str], at: int) -> Inclusion | None:
+def inclusion(lines: list[str], at: int) -> Inclusion | None:
     """Return the file of *INCLUDE, or of *NODE and *ELEMENT with INPUT=."""
     if not lines[at].lstrip().startswith("*") or lines[at].lstrip().startswith("**"):
         return None

@@ -37,7 +37,7 @@ class BulkCard(NamedTuple):
 def bulk_cards(path: Path, names: tuple[str, ...]) -> Iterator[BulkCard]:
     """The cards called `names` with their continuations, of this file and those that it includes."""
     card = None
-    for source in lines_with_included(path, _inclusion):
+    for source in lines_with_included(path, inclusion):
         line = source.text.split("$", 1)[0].rstrip()
         if not line:
             continue
@@ -66,7 +66,7 @@ def _check_head(line: Line, name: str, names: tuple[str, ...]) -> None:
         raise line.fault("a comma in fixed fields; write decimals with points", id="FE-169")
 
 
-def _inclusion(lines: list[str], at: int) -> Inclusion | None:
+def inclusion(lines: list[str], at: int) -> Inclusion | None:
     found = _INCLUDE.fullmatch(lines[at])
     if found is None:
         return None
