@@ -45,12 +45,15 @@ def integers_of(line: Line, words: list[str]) -> list[int]:
         raise line.fault(f"whole numbers wanted; read '{read}'", id="FE-100") from None
 
 
-def reals_of(line: Line) -> list[float]:
-    """Return the words of a line as numbers, 0 for empty ones.  Raises FEFileFault."""
+def reals_of(line: Line, count: int) -> list[float]:
+    """Return `count` numbers of a line, 0 for those that are missing or empty.  Raises FEFileFault."""
     try:
-        return [real(word) if word else 0.0 for word in words_of(line)]
+        values = [real(word) if word else 0.0 for word in words_of(line)]
     except ValueError:
-        raise line.fault(f"numbers wanted; read '{line.text.strip()[:40]}'", id="FE-156") from None
+        values = [0.0] * (count + 1)
+    if len(values) > count:
+        raise line.fault(f"{count} numbers wanted; read '{line.text.strip()[:40]}'", id="FE-156")
+    return values + [0.0] * (count - len(values))
 
 
 def blocks(path: Path) -> Iterator[Block]:

@@ -10,7 +10,7 @@ from typing import Any
 
 from .file_text import integer, line_fault, lines_of, real
 from .included_files import Line
-from .node_table import node_of
+from .node_table import Node, node_of
 
 _FORMAT = re.compile(r"\(\s*(\d+)i(\d+)\s*,\s*(\d+)e(\d+)", re.IGNORECASE)
 # Commands that make, move, turn or remove nodes, or read them from elsewhere, by their first four letters.
@@ -22,7 +22,7 @@ _REFUSED = (
 _ACTIVATING = ("CSYS", "LOCA", "CLOC", "CS", "CSKP", "CSWP")
 
 
-def cdb_nodes(path: Path) -> Iterator[tuple[int, Any, Line]]:
+def cdb_nodes(path: Path) -> Iterator[Node]:
     """Number, position and line of every node; trailing zeros may be left out of a line."""
     lines = lines_of(path)
     at, system = 0, ""
@@ -45,16 +45,17 @@ def cdb_nodes(path: Path) -> Iterator[tuple[int, Any, Line]]:
             at += 1 + len(block)
 
 
-def _command(line: Line, words: list[str]) -> Iterator[tuple[int, Any, Line]]:
+def _command(line: Line, words: list[str]) -> Iterator[Node]:
     """Yield the node of N, or of N,R5.3,LOC,..., which ends with -1; N,R5.3,ANG,... turns its axes."""
-    numbers = [word or "0" for word in (words[2:] if words[0].startswith("R") else words)]
+    node, *values = words[2:] if words[:1] and words[0].startswith("R") else words
+    values = [value or "0" for value in values]
     if words[1:2] == ["ANG"]:
-        node_of(line, [numbers[0], "0", "0", "0", *numbers[1:]])
-    elif numbers[:1] != ["-1"]:
-        yield *node_of(line, numbers), line
+        node_of(line, [node, "0", "0", "0", *values])
+    elif node != "-1":
+        yield *node_of(line, [node, *values]), line
 
 
-def _block(name: str, lines: list[str], at: int) -> Iterator[tuple[int, Any, Line]]:
+def _block(name: str, lines: list[str], at: int) -> Iterator[Node]:
     """Yield the nodes of the block whose format is line `at`, counted from 0."""
     layout = _FORMAT.match(lines[at].strip()) if at < len(lines) else None
     if layout is None:

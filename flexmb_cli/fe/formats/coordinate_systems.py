@@ -43,5 +43,5 @@ def spanned(first: Any, second: Any) -> Any:
 def rotation(axis: Any, degrees: float) -> Any:
     """Return the matrix (3, 3) of a turn about `axis` (3,)."""
     axis, angle = axis / np.linalg.norm(axis), math.radians(degrees)
-    crossed = np.cross(np.eye(3), -axis)
+    crossed = np.cross(np.eye(3), axis)
     return np.eye(3) + math.sin(angle) * crossed + (1.0 - math.cos(angle)) * (crossed @ crossed)

@@ -12,6 +12,7 @@ import numpy as np
 from .bulk_data import BulkCard, bulk_cards, integer_field, real_field
 from .coordinate_systems import BASIC, CoordinateSystem, spanned
 from .included_files import Line
+from .node_table import Node
 
 _CORDS = tuple(f"CORD{points}{type}" for points in "12" for type in "RCS")
 # Fields of GRID behind its number: CP, three coordinates, CD, PS, SEID.
@@ -20,7 +21,7 @@ _CP, _X, _CD, _PS, _SEID = 1, 2, 5, 6, 7
 DEEPEST_SYSTEM = 50
 
 
-def grids(path: Path) -> Iterator[tuple[int, Any, Line]]:
+def grids(path: Path) -> Iterator[Node]:
     """Yield number, position and line of every grid point.  Raises FEFileFault."""
     found = _Grids(path)
     for card in found.cards:

@@ -25,6 +25,9 @@ _LISTED = re.compile(r"\bDSYS\s*=\s*([1-9]\d*)", re.IGNORECASE)
 _HEADING = re.compile(r"[^\d+\-.]")
 
 
+Node = tuple[int, Any, Line]  # number, position, m, and the line that gives it
+
+
 @dataclass(frozen=True)
 class NodeTable:
     """Numbers (n,) and positions (n, 3), m, of the nodes in the file's order."""
@@ -53,7 +56,7 @@ def read_node_table(path: Path, form: str) -> NodeTable:
     return NodeTable(numbers, np.array([position for _, position, _ in found], dtype=float))
 
 
-def _check_twice(name: str, found: list[tuple[int, Any, Line]], numbers: np.ndarray) -> None:
+def _check_twice(name: str, found: list[Node], numbers: np.ndarray) -> None:
     values, counts = np.unique(numbers, return_counts=True)
     if (counts > 1).any():
         twice = int(values[counts > 1][0])
@@ -62,7 +65,7 @@ def _check_twice(name: str, found: list[tuple[int, Any, Line]], numbers: np.ndar
         raise FEFileFault(f"{name}: node {twice} stands on lines {where}", id="FE-054")
 
 
-def _plain_nodes(path: Path) -> "Iterator[tuple[int, Any, Line]]":
+def _plain_nodes(path: Path) -> "Iterator[Node]":
     """Lines `id x y z`; # and headings are passed over, as are rotated axes of NLIST when they are 0."""
     for number, text in enumerate(lines_of(path), start=1):
         line = Line(path.name, number, text)
