@@ -9,7 +9,7 @@ A translation of the nodes strains no element, so that internal rows do not resi
 table lacks do, by the stiffness of what joins them to the nodes: these are refused.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 import numpy as np
 
@@ -30,7 +30,8 @@ class NodalMatrix:
     """A symmetric matrix (3 n, 3 n) in the order of the node table, made of `file`.
 
     `nodal` (3 n,) and `internal`: the rows of the file that are those of the nodes, and those condensed or
-    dropped; `following` (internal, 3 n): how these move with the nodes, None where they rest.
+    dropped; `following` (internal, 3 n): how these move with the nodes, None where they rest; `coupled`:
+    nodes and directions of those with a stiffness to the nodes.
     """
 
     matrix: Matrix
@@ -38,6 +39,7 @@ class NodalMatrix:
     nodal: np.ndarray
     internal: np.ndarray
     following: Callable[[np.ndarray], np.ndarray] | None = None
+    coupled: Collection[tuple[int, int]] = ()
 
     def extended(self, shapes: np.ndarray) -> np.ndarray:
         """Return the displacements (size, k) of all rows of the file for those of the nodes, (3 n, k)."""
@@ -47,21 +49,19 @@ class NodalMatrix:
             full[self.internal] = self.following(shapes)
         return full
 
-    def coupled_labels(self) -> np.ndarray:
-        """Return node and direction (k, 2) of the internal rows that have entries in the columns of nodes."""
-        file = self.file
-        if file.equations is None:
-            return np.empty((0, 2), dtype=np.int64)
-        inner = np.isin(np.arange(file.size), self.internal)
-        across = (file.values != 0.0) & (inner[file.rows] != inner[file.columns])
-        ends = np.concatenate([file.rows[across], file.columns[across]])
-        found: np.ndarray = file.equations[np.unique(ends[inner[ends]])]
-        return found
 
+def nodal_part(
+    name: str, file: MatrixFile, numbers: np.ndarray, stiffness: NodalMatrix | None = None
+) -> NodalMatrix:
+    """The rows and columns of the nodes `numbers` (n,); internal ones are dropped.  Raises FEFileFault.
 
-def nodal_part(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
-    """The rows and columns of the nodes `numbers` (n,); internal ones are dropped.  Raises FEFileFault."""
+    They must be internal ones of `stiffness`, too, as in the files of programs that give them masses.
+    """
     full, nodal, internal = _ordered(name, file, numbers)
+    if stiffness:
+        filled = internal[np.isin(internal, file.rows[file.values != 0.0])]
+        foreign = [label not in stiffness.coupled for label in _labels(file, filled)]
+        _refuse_nodes(name, file, filled[np.array(foreign, dtype=bool)])
     return NodalMatrix(stored(full[nodal][:, nodal]), file, nodal, internal)
 
 
@@ -80,7 +80,8 @@ def condensed(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
             f"{name}: the {len(internal)} internal degrees of freedom have no stiffness of their own",
             id="FE-061",
         ) from None
-    return NodalMatrix(matrix, file, nodal, internal, lambda shapes: -solve(coupling @ shapes))
+    coupled = _labels(file, internal[abs(coupling) @ np.ones(len(nodal)) > 0.0])
+    return NodalMatrix(matrix, file, nodal, internal, lambda shapes: -solve(coupling @ shapes), {*coupled})
 
 
 def _resists_translation(coupling: Matrix, largest: float) -> np.ndarray:
@@ -93,31 +94,22 @@ def _resists_translation(coupling: Matrix, largest: float) -> np.ndarray:
     return found
 
 
-def check_dropped_rows(name: str, matrix: NodalMatrix, stiffness: NodalMatrix) -> None:
-    """Refuse rows of `matrix` with labels that `stiffness` does not couple to the nodes.  Raises FEFileFault.
-
-    Programs that give masses to internal degrees of freedom, such as CalculiX, give them stiffness, too.
-    """
-    file, dropped = matrix.file, matrix.internal
-    if file.equations is None or not len(dropped):
-        return
-    filled = np.isin(dropped, file.rows[file.values != 0.0])
-    coupled = set(map(tuple, stiffness.coupled_labels().tolist()))
-    foreign = np.array([tuple(label) not in coupled for label in file.equations[dropped].tolist()])
-    _refuse_nodes(name, file, dropped[filled & foreign])
+def _labels(file: MatrixFile, rows: np.ndarray) -> list[tuple[int, int]]:
+    """Return node and direction of `rows`, which only files with labels have beside those of the nodes."""
+    return [] if file.equations is None else [(node, axis) for node, axis in file.equations[rows].tolist()]
 
 
 def _refuse_nodes(name: str, file: MatrixFile, rows: np.ndarray) -> None:
     """Refuse `rows` of nodes that the table lacks."""
-    if file.equations is None or not len(rows):
-        return
-    labels = np.unique(file.equations[rows, 0])
-    more = ", …" if len(labels) > MOST_NAMED else ""
-    raise FEFileFault(
-        f"{name} has rows with stiffness or mass of nodes that the node table lacks: "
-        f"{', '.join(map(str, labels[:MOST_NAMED]))}{more}; was the table cut short, or written of selected "
-        "nodes only? give one of all nodes"
-    )
+    nodes = sorted({node for node, _ in _labels(file, rows)})
+    if nodes:
+        more = ", …" if len(nodes) > MOST_NAMED else ""
+        raise FEFileFault(
+            f"{name} has rows with stiffness or mass of nodes that the node table lacks: "
+            f"{', '.join(map(str, nodes[:MOST_NAMED]))}{more}; was the table cut short, or written of selected "
+            "nodes only? give one of all nodes",
+            id="FE-184",
+        )
 
 
 def _ordered(name: str, file: MatrixFile, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,6 +1,7 @@
 """Files of a finite-element program to a flexible body: read, tested, reduced."""
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from .input_checks import Figures, check_matrices, check_reference, rigid_motion
 from .invariants import effective_masses, inertia_invariants
 from .linear_algebra import Matrix, all_but, in_three_directions, of_mass, turned
 from .massless_shapes import massless_in_motion, split_by_mass, static_mass
-from .nodal_matrices import NodalMatrix, check_dropped_rows, condensed, nodal_part
+from .nodal_matrices import NodalMatrix, condensed, nodal_part
 from .precision import frequency_errors
 from .reference_frame import Frame, reference_frame, without_momentum
 from .static_shapes import as_solved
@@ -45,13 +46,14 @@ class _Matrices:
 
 def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | None:
     """Return the body that `given` describes; None where there is none, for the reason in `findings`."""
-    S = _read(given, given.mass, "M", nodal_part, findings)
-    # Elements without a mass have no stiffness for the same reason, which is reported once.
-    reported = S is None and given.mass.form == given.stiffness.form == OF_ELEMENTS
-    K = None if reported else _read(given, given.stiffness, "K", condensed, findings)
+    K = _read(given, given.stiffness, "K", condensed, findings)
+    # Elements without a stiffness have no mass for the same reason, which is reported once.
+    reported = K is None and given.mass.form == given.stiffness.form == OF_ELEMENTS
+    arrange = partial(nodal_part, stiffness=K)
+    S = None if reported else _read(given, given.mass, "M", arrange, findings)
     _check_reference_nodes(given, findings)
     errors = any(fault.severity == "error" for fault in findings.faults)
-    if S is None or K is None or errors or _drops_nodes(given, given.mass, S, K, findings):
+    if S is None or K is None or errors:
         return None
     figures = check_matrices(given, S.matrix, K.matrix, findings)
     if any(fault.severity == "error" for fault in findings.faults):
@@ -77,18 +79,6 @@ def _read(given: Any, file: FEFile, letter: str, arrange: "Callable[..., Any]", 
     except FEFileFault as fault:
         findings.error(given.name, str(fault), file.place, id=fault.id)
         return None
-
-
-def _drops_nodes(
-    given: FlexibleInput, file: FEFile, matrix: NodalMatrix, K: NodalMatrix, findings: Findings
-) -> bool:
-    """Return whether `matrix` has rows of nodes that the node table lacks, with a fault found."""
-    try:
-        check_dropped_rows(file.path.name, matrix, K)
-    except FEFileFault as fault:
-        findings.error(given.name, str(fault), file.place, id=fault.id)
-        return True
-    return False
 
 
 def _check_reference_nodes(given: FlexibleInput, findings: Findings) -> None:
@@ -225,8 +215,8 @@ def _geometric(
     shapes = _in_axes_of_table(frame, Phi)
     reduced = np.zeros((3, 3, size, size))
     for load in given.unit_loads:
-        found = _read(given, load.file, "K", nodal_part, findings)
-        if found and not _drops_nodes(given, load.file, found, matrices.of_stiffness, findings):
+        found = _read(given, load.file, "K", partial(nodal_part, stiffness=matrices.of_stiffness), findings)
+        if found is not None:
             reduced[load.i, load.j] = shapes.T @ (found.matrix @ shapes)
     made: np.ndarray = np.einsum("ia,jb,ijkl->abkl", frame.axes, frame.axes, reduced)
     return made

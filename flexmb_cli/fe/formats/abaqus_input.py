@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from .file_text import integer, real
-from .included_files import Inclusion, Line, lines_with_included
+from .included_files import IncludedLines, Line
 
-_FILE = re.compile(r"""\bINPUT\s*=\s*("[^"]*"|'[^']*'|[^,]*)""", re.IGNORECASE)
+_INPUT = re.compile(r"""\*\s*(INCLUDE|NODE|ELEMENT)\s*,(?:.*,)?\s*INPUT\s*=\s*["']?([^,"']*)""", re.IGNORECASE)
 
 
 class Block(NamedTuple):
@@ -41,8 +41,8 @@ def integers_of(line: Line, words: list[str]) -> list[int]:
     try:
         return [integer(word) for word in words]
     except ValueError:
-        read = " ".join(words)[:40]
-        raise line.fault(f"whole numbers wanted; read '{read}'", id="FE-100") from None
+        message = f"whole numbers wanted; read '{' '.join(words)[:40]}'"
+        raise line.fault(message, id="FE-100") from None
 
 
 def reals_of(line: Line, count: int) -> list[float]:
@@ -56,46 +56,37 @@ def reals_of(line: Line, count: int) -> list[float]:
     return values + [0.0] * (count - len(values))
 
 
-def blocks(path: Path) -> Iterator[Block]:
-    """Yield the blocks of `path` and the files that it includes.  Raises FEFileFault."""
-    block = None
-    for line in lines_with_included(path, inclusion):
+def lines(path: Path) -> Iterator[Line]:
+    """Yield keywords, whole, and data of a file and those that it includes.  Raises FEFileFault."""
+    source = IncludedLines(path)
+    for line in source:
         text = line.text.strip()
         if not text or text.startswith("**"):
             continue
-        if text.startswith("*"):
+        while text.startswith("*") and text.endswith(",") and (more := next(source, None)):
+            text += more.text.strip()
+        found = _INPUT.match(text)
+        # An encrypted file says nothing; its keyword is refused.
+        is_read = found and "PASSWORD" not in text.upper()
+        if found and is_read:
+            source.include(found[2].strip(), line)
+        if not (found and is_read and found[1].upper() == "INCLUDE"):
+            yield line._replace(text=text)
+
+
+def blocks(path: Path) -> Iterator[Block]:
+    """Yield the blocks of a file and those that it includes.  Raises FEFileFault."""
+    block = None
+    for line in lines(path):
+        if not line.text.startswith("*"):
             if block:
-                yield block
-            block = _block(line, text)
-        elif block and not block.data and block.line.text.endswith(",") and text[0].isalpha():
-            block = _block(block.line._replace(text=block.line.text + text), block.line.text + text)
-        elif block:
-            block.data.append(line)
+                block.data.append(line)
+            continue
+        if block:
+            yield block
+        keyword, *rest = line.text.upper().lstrip("* \t").split(",")
+        options = [word.partition("=") for word in rest if word.strip()]
+        values = {" ".join(name.split()): value.strip(" \t\"'") for name, _, value in options}
+        block = Block(" ".join(keyword.split()), values, line, [])
     if block:
         yield block
-
-
-def _block(line: Line, text: str) -> Block:
-    keyword, *rest = text.upper().lstrip("* \t").split(",")
-    options = [word.partition("=") for word in rest if word.strip()]
-    return Block(
-        " ".join(keyword.split()),
-        {" ".join(name.split()): value.strip(" \t\"'") for name, _, value in options},
-        line._replace(text=text),
-        [],
-    )
-
-
-def inclusion(lines: list[str], at: int) -> Inclusion | None:
-    """Return the file of *INCLUDE, or of *NODE and *ELEMENT with INPUT=."""
-    if not lines[at].lstrip().startswith("*") or lines[at].lstrip().startswith("**"):
-        return None
-    end, text = at + 1, lines[at].strip()
-    while text.endswith(",") and end < len(lines) and lines[end].strip()[:1].isalpha():
-        text, end = text + lines[end].strip(), end + 1
-    keyword = text.upper().lstrip("* \t").split(",")[0].strip()
-    found = _FILE.search(text)
-    # An encrypted file says nothing; its *INCLUDE is refused as a keyword.
-    if found is None or keyword not in ("INCLUDE", "NODE", "ELEMENT") or "PASSWORD" in text.upper():
-        return None
-    return Inclusion(found[1].strip(" \t\"'"), end - at, keyword != "INCLUDE")

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from ...deck import number
 from .file_text import integer, line_fault
-from .included_files import Inclusion, Line, lines_with_included
+from .included_files import IncludedLines, Line
 from .matrix_file import FEFileFault
 
 _INCLUDE = re.compile(r"\s*INCLUDE(?![A-Z0-9])\s*=?\s*(.*)", re.IGNORECASE)
@@ -34,10 +34,26 @@ class BulkCard(NamedTuple):
         return self.fields[index] if index < len(self.fields) else ""
 
 
+def lines(path: Path) -> Iterator[Line]:
+    """Yield the lines of a file and of those that it includes.  Raises FEFileFault."""
+    source = IncludedLines(path)
+    for line in source:
+        found = _INCLUDE.fullmatch(line.text)
+        if found is None:
+            yield line
+            continue
+        name, quote = found[1].split("$")[0].strip(), found[1][:1]
+        if quote in ("'", '"'):
+            while name.count(quote) < 2 and (more := next(source, None)):
+                name += more.text.strip()
+            name = name.split(quote)[1].strip()
+        source.include(name, line)
+
+
 def bulk_cards(path: Path, names: tuple[str, ...]) -> Iterator[BulkCard]:
     """The cards called `names` with their continuations, of this file and those that it includes."""
     card = None
-    for source in lines_with_included(path, inclusion):
+    for source in lines(path):
         line = source.text.split("$", 1)[0].rstrip()
         if not line:
             continue
@@ -64,18 +80,6 @@ def _check_head(line: Line, name: str, names: tuple[str, ...]) -> None:
         raise line.fault("cards repeated by = are not read; let a preprocessor write them out", id="FE-168")
     if len(name) > 8 and name.split()[0].rstrip("*") in names:
         raise line.fault("a comma in fixed fields; write decimals with points", id="FE-169")
-
-
-def inclusion(lines: list[str], at: int) -> Inclusion | None:
-    found = _INCLUDE.fullmatch(lines[at])
-    if found is None:
-        return None
-    text, end, quote = found[1].strip(), at + 1, found[1][:1]
-    if quote not in ("'", '"'):
-        return Inclusion(text.split("$", 1)[0].strip(), 1)
-    while text.count(quote) < 2 and end < len(lines):
-        text, end = text + lines[end].strip(), end + 1
-    return Inclusion(text.split(quote)[1].strip(), end - at)
 
 
 def _fields(line: str, head: str) -> list[str]:

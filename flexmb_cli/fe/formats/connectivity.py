@@ -12,8 +12,8 @@ import numpy as np
 
 from ...quick_dataclass import dataclass
 from .abaqus_input import blocks, integers_of, words_of
+from .ansys_cdb import commands
 from .bulk_data import bulk_cards, integer_field
-from .file_text import lines_of
 from .included_files import Line
 from .matrix_file import FEFileFault
 
@@ -30,8 +30,8 @@ _CDB_FORMAT = re.compile(r"\(\s*\d+i(\d{1,3})(?!\d)", re.IGNORECASE)
 # In EBLOCK eleven integers precede the nodes, the ninth of which counts them.
 _CDB_HEAD, _CDB_COUNT = 11, 8
 # Surface effect elements and elements of meshes only, which have no stiffness.
-_CDB_FLAT = re.compile(r"^(SURF)?15[1-4]$|^(MESH)?200$")
-_CDB_REFUSED = ("E", "EN", "EMOR", "EGEN", "ENGE", "ENSY", "ESYM", "EDEL", "EMOD", "/INP", "*USE", "*DO", "CDRE")
+_CDB_FLAT = re.compile(r"(SURF)?15[1-4]|(MESH)?200")
+_OF_ELEMENTS = "E EN EMOR EGEN ENGE ENSY ESYM EDEL EMOD /INP *USE *DO CDRE"
 # Nastran numbers the edges along the third direction before those of the upper face.
 _FROM_NASTRAN = [*range(12), *range(16, 20), *range(12, 16)]
 
@@ -158,49 +158,37 @@ def _inp_elements(path: Path) -> "Iterator[_Element]":
 
 def _cdb_elements(path: Path) -> "Iterator[_Element]":
     """EBLOCKs, cut by the formats below them; nodes that do not fit stand on the next line."""
-    lines = lines_of(path)
-    at, flat = 0, set()
-    while at < len(lines):
-        line, at = Line(path.name, at + 1, lines[at]), at + 1
-        command, *words = map(str.strip, line.text.upper().split("!")[0].split(","))
-        if command[:4] in _CDB_REFUSED:
-            message = f"{command} makes or changes elements, and is not read; let CDWRITE write them as blocks"
-            raise line.fault(message, id="FE-180")
-        if command == "ET" and words[1:] and _CDB_FLAT.search(words[1]):
-            flat.add(int(words[0]) if words[0].isdecimal() else 0)
-        if command == "EBLOCK":
-            rows, at = _rows(path, lines, at)
-            yield from (_cdb_element(first, row, "SOLID" in words, flat) for first, row in rows)
+    flat = set()
+    for line, command, words, below in commands(path, _OF_ELEMENTS):
+        if command == "ET" and _CDB_FLAT.fullmatch(words[1]):
+            flat.add(words[0])
+        elif command == "EBLOCK":
+            yield from _elements_of_block(line, below, "SOLID" in words, flat)
 
 
-def _rows(path: Path, lines: list[str], at: int) -> tuple[list[tuple[Line, list[int]]], int]:
-    """Return the rows of integers of the block whose format is line `at`, from 0, and the line after it."""
-    layout = _CDB_FORMAT.match(lines[at].strip()) if at < len(lines) else None
+def _elements_of_block(
+    heading: Line, lines: list[str], solid: bool, flat: set[str]
+) -> "Iterator[_Element]":
+    layout = _CDB_FORMAT.match(lines[0].strip()) if lines else None
     if layout is None:
-        message = "a format such as (19i9) must follow EBLOCK"
-        raise Line(path.name, at + 1, "").fault(message, id="FE-101")
-    width, rows, unfinished = max(1, int(layout[1])), [], False
-    for number, text in enumerate(lines[at + 1 :], start=at + 2):
+        second = Line(heading.name, heading.number + 1, "")
+        raise second.fault("a format such as (19i9) must follow EBLOCK", id="FE-101")
+    words: list[int] = []
+    width, first = max(1, int(layout[1])), heading
+    for number, text in enumerate(lines[1:], start=heading.number + 2):
         if text.strip() == "-1":
-            return rows, number
-        line, text = Line(path.name, number, text), text.rstrip()
-        words = integers_of(line, [text[i : i + width] for i in range(0, len(text), width)])
-        if unfinished:
-            rows[-1][1].extend(words)
-        else:
-            rows.append((line, words))
-        row = rows[-1][1]
-        unfinished = len(row) >= _CDB_HEAD and len(row) < _CDB_HEAD + row[_CDB_COUNT]
-    raise FEFileFault(f"{path.name}: EBLOCK does not end with -1; is the file cut off?", id="FE-022")
-
-
-def _cdb_element(line: Line, row: list[int], solid: bool, flat: set[int]) -> _Element:
-    """Return the element of a row; without SOLID on its EBLOCK a row has another order."""
-    if not solid or (len(row) > 1 and row[1] in flat):
-        return _Element(0, [], line, "surface elements" if solid else "of EBLOCK without SOLID")
-    if len(row) < _CDB_HEAD:
-        raise line.fault(f"{_CDB_HEAD} integers before the nodes wanted; {len(row)} read", id="FE-181")
-    return _Element(row[_CDB_HEAD - 1], row[_CDB_HEAD : _CDB_HEAD + row[_CDB_COUNT]], line)
+            return
+        line, text = Line(heading.name, number, text), text.rstrip()
+        first = first if words else line
+        words += integers_of(line, [text[i : i + width] for i in range(0, len(text), width)])
+        if not solid or (len(words) > 1 and str(words[1]) in flat):
+            yield _Element(0, [], first, "surface elements" if solid else "of EBLOCK without SOLID")
+            words = []
+        elif len(words) >= _CDB_HEAD and len(words) >= _CDB_HEAD + words[_CDB_COUNT]:
+            nodes = words[_CDB_HEAD : _CDB_HEAD + words[_CDB_COUNT]]
+            yield _Element(words[_CDB_HEAD - 1], nodes, first)
+            words = []
+    raise FEFileFault(f"{heading.name}: EBLOCK does not end with -1; is the file cut off?", id="FE-022")
 
 
 _SOLIDS = ("CHEXA", "CPENTA", "CTETRA", "CPYRAM", "CHEXA1", "CHEXA2")

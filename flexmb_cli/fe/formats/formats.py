@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 from ...quick_dataclass import replace
 from .file_text import bytes_of, printed_digits
-from .included_files import lines_with_included
 from .matrix_file import FEFileFault, MatrixFile
 
 
@@ -36,12 +35,8 @@ NEEDS_MAPPING = {form: known.mapping for form, known in MATRIX_FORMATS.items() i
 OF_ELEMENTS = "MESH"
 # Node tables that may hold elements, too.
 FORMS_WITH_ELEMENTS = ("INP", "CDB", "BDF")
-# What finds the statements by which files include others: (lines, first line).
-INCLUSIONS = {
-    "INP": "abaqus_input:inclusion",
-    "BDF": "bulk_data:inclusion",
-    "DMIG": "bulk_data:inclusion",
-}
+# What reads the lines of files that may include others: (path).
+INCLUDING = {"INP": "abaqus_input:lines", "BDF": "bulk_data:lines", "DMIG": "bulk_data:lines"}
 
 
 def read_matrix(
@@ -62,10 +57,9 @@ def read_matrix(
 def content_of(path: Path, form: str) -> bytes:
     """Return what a file and those that it includes hold.  Raises FEFileFault."""
     raw = bytes_of(path)
-    if form not in INCLUSIONS or not re.search(rb"\bIN(CLUDE|PUT)\b", raw, re.IGNORECASE):
+    if form not in INCLUDING or not re.search(rb"\bIN(CLUDE|PUT)\b", raw, re.IGNORECASE):
         return raw
-    lines = lines_with_included(path, _reader(INCLUSIONS[form]))
-    return "\n".join(line.text for line in lines).encode()
+    return "\n".join(line.text for line in _reader(INCLUDING[form])(path)).encode()
 
 
 def _read(path: Path, form: str, letter: str, mapping: Path | None, mapping_form: str) -> MatrixFile:

@@ -4,7 +4,7 @@ Names are relative to the folder of the file that names them.  They come from fi
 each is opened as `file_text` opens files, none may include itself, and depth, number and length are bounded.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -26,54 +26,41 @@ class Line(NamedTuple):
         return line_fault(self.name, self.number, message, id=id)
 
 
-class Inclusion(NamedTuple):
-    """A statement that names a file to be read in its place, or after it."""
+class IncludedLines:
+    """An iterator of lines, into which a reader puts those of other files."""
 
-    file: str
-    lines: int  # that the statement takes
-    kept: bool = False  # whether the statement itself is read, too
+    def __init__(self, path: Path) -> None:
+        """Begin with the lines of `path`.  Raises FEFileFault."""
+        self._files = [(path.resolve(), self._lines(path))]
+        self._left = [MOST_FILES, LARGEST_FILE]  # files and characters still allowed
 
+    def __iter__(self) -> Iterator[Line]:
+        return self
 
-Finder = Callable[[list[str], int], Inclusion | None]
+    def __next__(self) -> Line:
+        line = next(self._files[-1][1], None)
+        while line is None and len(self._files) > 1:
+            self._files.pop()
+            line = next(self._files[-1][1], None)
+        if line is None:
+            raise StopIteration
+        return line
 
+    def _lines(self, path: Path) -> Iterator[Line]:
+        return iter([Line(path.name, i, text) for i, text in enumerate(lines_of(path), start=1)])
 
-def lines_with_included(path: Path, find: Finder) -> Iterator[Line]:
-    """Yield the lines of `path` and of the files that it includes.  Raises FEFileFault.
-
-    `find` returns the inclusion that begins at a line, counted from 0, of all lines of its file.
-    """
-    yield from _lines(path, lines_of(path), find, (path.resolve(),), [MOST_FILES, LARGEST_FILE])
-
-
-def _lines(
-    path: Path, lines: list[str], find: Finder, above: tuple[Path, ...], left: list[int]
-) -> Iterator[Line]:
-    """Yield lines; `above`: the files that are being read, `left`: files and characters still allowed."""
-    at = 0
-    while at < len(lines):
-        found = find(lines, at)
-        first, at = at, at + (found.lines if found else 1)
-        if found is None or found.kept:
-            yield from (Line(path.name, i + 1, lines[i]) for i in range(first, at))
-        if found:
-            file = path.parent / found.file.replace("\\", "/")
-            inner = _opened(path.name, first + 1, file, above, left)
-            yield from _lines(file, inner, find, (*above, file.resolve()), left)
-
-
-def _opened(name: str, number: int, file: Path, above: tuple[Path, ...], left: list[int]) -> list[str]:
-    """Return the lines of `file`, which line `number` of the file `name` includes."""
-    if len(above) > DEEPEST or min(left) <= 0:
-        limits = f"{DEEPEST} files deep, {MOST_FILES} files or {LARGEST_FILE // 2**30} GB"
-        message = f"inclusions go beyond {limits}; join the files to one"
-        raise line_fault(name, number, message, id="FE-150")
-    try:
-        lines = lines_of(file)
-    except FEFileFault as fault:
-        raise line_fault(name, number, f"the file included here: {fault}", id="FE-151") from None
-    if file.resolve() in above:
-        message = f"{file.name} includes itself, at once or by other files; remove this line"
-        raise line_fault(name, number, message, id="FE-152")
-    left[0] -= 1
-    left[1] -= sum(map(len, lines))
-    return lines
+    def include(self, name: str, line: Line) -> None:
+        """Go on with the lines of the file `name`, which `line` names.  Raises FEFileFault."""
+        path = self._files[-1][0].parent / name.replace("\\", "/")
+        if len(self._files) > DEEPEST or min(self._left) <= 0:
+            limits = f"{DEEPEST} files deep, {MOST_FILES} files or {LARGEST_FILE // 2**30} GB"
+            raise line.fault(f"inclusions go beyond {limits}; join the files to one", id="FE-150")
+        try:
+            lines = self._lines(path)
+        except FEFileFault as fault:
+            raise line.fault(f"the file included here: {fault}", id="FE-151") from None
+        if path.resolve() in [file for file, _ in self._files]:
+            message = f"{path.name} includes itself, at once or by other files; remove this line"
+            raise line.fault(message, id="FE-152")
+        self._left = [self._left[0] - 1, self._left[1] - path.stat().st_size]
+        self._files.append((path.resolve(), lines))

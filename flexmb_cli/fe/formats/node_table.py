@@ -78,13 +78,18 @@ def _plain_nodes(path: Path) -> "Iterator[Node]":
 
 
 def node_of(line: Line, words: list[str]) -> tuple[int, list[float]]:
-    """Return a node's number and position; trailing coordinates that are left out are 0."""
+    """Return the node that `words` give: its number, coordinates and rotations."""
     try:
         node, values = integer(words[0]), [real(word) for word in words[1:]]
     except ValueError:
         read = " ".join(words)[:40]
         comma = "; write decimals with points, and no commas" if "," in read else ""
         raise line.fault(f"id x y z wanted; read '{read}'{comma}", id="FE-131") from None
+    return placed(line, node, values)
+
+
+def placed(line: Line, node: int, values: list[float]) -> tuple[int, list[float]]:
+    """Return a node's number and position; trailing coordinates that are left out are 0."""
     if any(values[3:]):
         message = f"the axes of node {node} are rotated; matrices in rotated nodal axes cannot be used"
         raise line.fault(message, id="FE-093")

@@ -153,11 +153,11 @@ def test_the_bar_by_other_commands(tmp_path, case):
 
 
 REFUSED_ARCHIVES = {
-    "generated nodes": ("N,1,0,0,0\nNGEN,5,1,1,,,0.1\n", "x, line 2: NGEN changes nodes, and is not read"),
-    "filled nodes": ("N,1,0,0,0\nfill,1,5\n", "line 2: FILL changes nodes"),
-    "an input file": ("/INPUT,nodes,inp\n", "line 1: /INPUT changes nodes"),
-    "turned nodes": ("N,1,0,0,0\nNROTAT,ALL\n", "NROTAT changes nodes"),
-    "scaled nodes": (nblock() + "NSCALE,,ALL,,,1e-3,1e-3,1e-3\n", "NSCALE changes nodes"),
+    "generated nodes": ("N,1,0,0,0\nNGEN,5,1,1,,,0.1\n", "x, line 2: NGEN makes or changes nodes or elements, and is not read"),
+    "filled nodes": ("N,1,0,0,0\nfill,1,5\n", "line 2: FILL makes or changes nodes or elements"),
+    "an input file": ("/INPUT,nodes,inp\n", "line 1: /INPUT makes or changes nodes or elements"),
+    "turned nodes": ("N,1,0,0,0\nNROTAT,ALL\n", "NROTAT makes or changes nodes or elements"),
+    "scaled nodes": (nblock() + "NSCALE,,ALL,,,1e-3,1e-3,1e-3\n", "NSCALE makes or changes nodes or elements"),
     "turned axes": ("N,R5.3,LOC,1,0,0,0\nN,R5.3,ANG,1,90,0,0\n", "line 2: the axes of node 1 are rotated"),
     "turned axes of N": ("N,1,0,0,0,90\n", "the axes of node 1 are rotated"),
     "a cylindrical system": ("CSYS,1\nN,1,1,90,0\n", "nodes in the coordinates of CSYS,1; write the archive"),
@@ -199,7 +199,7 @@ def test_surface_elements_of_an_archive_are_left_out(tmp_path, more, named):
 @pytest.mark.parametrize("line", ["EN,5,1,2,3,4", "E,1,2,3,4,5,6,7,8", "EGEN,3,4,1", "/INPUT,x"])
 def test_elements_by_other_commands_are_refused(tmp_path, line):
     (tmp_path / "x").write_text(nblock() + eblock(NUMBERED) + line + "\n")
-    with pytest.raises(FEFileFault, match="makes or changes elements, and is not read"):
+    with pytest.raises(FEFileFault, match="makes or changes nodes or elements, and is not read"):
         read_elements(tmp_path / "x", "CDB")
 
 
