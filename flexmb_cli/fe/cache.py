@@ -16,7 +16,7 @@ import numpy as np
 
 from ..errors import Fault
 from ..managed_files import UnsafePlace, is_own, open_managed
-from ..model.flexible_body import BodyMesh, BodyStress, Dropped, ElementMaterial, FEFile, FlexibleBody, FlexibleInput
+from ..model.flexible_body import BodyMesh, BodyStress, Dropped, ElementMaterial, FlexibleBody, FlexibleInput
 from ..quick_dataclass import fields
 from .formats.formats import content_of
 from .formats.matrix_file import FEFileFault
@@ -81,7 +81,7 @@ def key_of(given: FlexibleInput) -> str:
     return digest.hexdigest()
 
 
-def _content(file: FEFile) -> bytes:
+def _content(file: Any) -> bytes:
     """Return what a file holds, and those that it includes.  Raises OSError."""
     try:
         return content_of(file.path, file.form)

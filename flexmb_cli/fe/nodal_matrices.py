@@ -88,9 +88,8 @@ def _resists_translation(coupling: Matrix, largest: float) -> np.ndarray:
     """Return which rows (k,) of `coupling` (k, 3 n) to the nodes give a force when these translate."""
     size = coupling.shape[1]
     forces = np.abs(coupling @ np.tile(np.eye(3), (size // 3, 1))).max(axis=1)
-    found: np.ndarray = (forces > RESISTED * (abs(coupling) @ np.ones(size))) & (
-        forces > ROUND_OFF_FORCE * largest
-    )
+    least = np.maximum(RESISTED * (abs(coupling) @ np.ones(size)), ROUND_OFF_FORCE * largest)
+    found: np.ndarray = forces > least
     return found
 
 
@@ -106,8 +105,8 @@ def _refuse_nodes(name: str, file: MatrixFile, rows: np.ndarray) -> None:
         more = ", …" if len(nodes) > MOST_NAMED else ""
         raise FEFileFault(
             f"{name} has rows with stiffness or mass of nodes that the node table lacks: "
-            f"{', '.join(map(str, nodes[:MOST_NAMED]))}{more}; was the table cut short, or written of selected "
-            "nodes only? give one of all nodes",
+            f"{', '.join(map(str, nodes[:MOST_NAMED]))}{more}; was the table cut short, or written of "
+            "selected nodes only? give one of all nodes",
             id="FE-184",
         )
 

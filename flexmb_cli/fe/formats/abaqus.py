@@ -48,15 +48,12 @@ def read_abaqus(path: Path) -> MatrixFile:
 
 def _without_instance(name: str, body: list[str], numbers: list[int]) -> list[str]:
     """Return lines with the numbers of nodes alone, all of them of one instance."""
-    instance = None
-    for i, line in enumerate(body):
-        labels = [found[1] for found in _LABEL.findall(line)]
-        instance = instance or labels[0]
-        if labels != 2 * [instance]:
-            message = f"nodes of another instance than {instance}; write the matrices with FORMAT=MATRIX INPUT"
-            raise line_fault(name, numbers[i], message, id="FE-183")
-        body[i] = _LABEL.sub(r"\1\3", line)
-    return body
+    instance = _LABEL.findall(body[0])[0][1]
+    for number, line in zip(numbers, body, strict=True):
+        if [found[1] for found in _LABEL.findall(line)] != 2 * [instance]:
+            message = f"no two nodes of instance {instance}; write the matrices with FORMAT=MATRIX INPUT"
+            raise line_fault(name, number, message, id="FE-183")
+    return [_LABEL.sub(r"\1\3", line) for line in body]
 
 
 def _by_rows(_name: str, where: np.ndarray, values: np.ndarray) -> MatrixFile:

@@ -12,7 +12,9 @@ from typing import NamedTuple
 from .file_text import integer, real
 from .included_files import IncludedLines, Line
 
-_INPUT = re.compile(r"""\*\s*(INCLUDE|NODE|ELEMENT)\s*,(?:.*,)?\s*INPUT\s*=\s*["']?([^,"']*)""", re.IGNORECASE)
+_INPUT = re.compile(
+    r"""\*\s*(INCLUDE|NODE|ELEMENT)\s*,(?:.*,)?\s*INPUT\s*=\s*["']?([^,"']*)""", re.IGNORECASE
+)
 
 
 class Block(NamedTuple):

@@ -78,7 +78,9 @@ class _Nodes:
     def node(self, block: Block) -> None:
         block.refuse_others("NSET", "SYSTEM", "INPUT")
         if self.moved:
-            raise block.line.fault("nodes in a moved instance are not read; move them into its part", id="FE-167")
+            raise block.line.fault(
+                "nodes in a moved instance are not read; move them into its part", id="FE-167"
+            )
         type = block.options.get("SYSTEM", "R")
         if type not in ("R", "RC", "C", "S"):
             raise block.line.fault(f"SYSTEM={type} is unknown; R, C or S wanted", id="FE-155")

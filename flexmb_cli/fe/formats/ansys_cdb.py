@@ -13,7 +13,9 @@ from .node_table import Node, node_of, placed
 
 _FORMAT = re.compile(r"\(\s*(\d+)i(\d+)\s*,\s*(\d+)e(\d+)", re.IGNORECASE)
 # The first four letters of commands that make, move, turn or remove nodes, or read them from elsewhere.
-_OF_NODES = "NGEN FILL NSYM NSCA NROT NMOD NANG NKPT NREA NUMM NUMC NDEL MOVE TRAN UPGE UPCO /INP *USE *DO CDRE"
+_OF_NODES = (
+    "NGEN FILL NSYM NSCA NROT NMOD NANG NKPT NREA NUMM NUMC NDEL MOVE TRAN UPGE UPCO /INP *USE *DO CDRE"
+)
 # Commands that make another coordinate system the active one.
 _ACTIVATING = ("CSYS", "LOCA", "CLOC", "CS", "CSKP", "CSWP")
 
@@ -28,7 +30,9 @@ def commands(path: Path, refused: str) -> Iterator[tuple[Line, str, list[str], l
         line = Line(path.name, number, text)
         command, *words = map(str.strip, text.upper().split("!")[0].split(","))
         if command[:4] in words_refused:
-            message = f"{command} makes or changes nodes or elements, and is not read; let CDWRITE write blocks"
+            message = (
+                f"{command} makes or changes nodes or elements, and is not read; let CDWRITE write blocks"
+            )
             raise line.fault(message, id="FE-176")
         yield line, command, [*words, "", "", ""], lines[number:] if "BLOCK" in command else []
 
@@ -40,7 +44,9 @@ def cdb_nodes(path: Path) -> Iterator[Node]:
         if command[:4] in _ACTIVATING and words[0] != "R5.0":
             system = "" if command == "CSYS" and words[0] in ("", "0") else f"{command},{words[0]}"
         elif command in ("N", "NBLOCK") and system:
-            raise line.fault(f"nodes in the coordinates of {system}; write the archive after CSYS,0", id="FE-177")
+            raise line.fault(
+                f"nodes in the coordinates of {system}; write the archive after CSYS,0", id="FE-177"
+            )
         elif command == "N":
             node, *values = words[2:] if words[0].startswith("R") else words
             turned = words[1] == "ANG"
@@ -68,6 +74,9 @@ def _block(heading: Line, lines: list[str]) -> Iterator[Node]:
         line, text = Line(heading.name, number, text), text.rstrip()
         cells = [text[i : i + digits] for i in range(integers * width, len(text), digits)]
         try:
-            yield *placed(line, integer(text[:width]), [real(cell) if cell.strip() else 0.0 for cell in cells]), line
+            yield (
+                *placed(line, integer(text[:width]), [real(cell) if cell.strip() else 0.0 for cell in cells]),
+                line,
+            )
         except ValueError:
             raise line.fault(f"a line of NBLOCK wanted; read '{text.strip()[:40]}'", id="FE-092") from None

@@ -1,7 +1,7 @@
 """Cards of Nastran bulk data: small fields of 8, large fields of 16 columns, free fields by commas.
 
-MSC Nastran Quick Reference Guide, "Bulk data"; continuations follow their card directly.  INCLUDE names a file,
-which quotes may spread over several lines.
+MSC Nastran Quick Reference Guide, "Bulk data"; continuations follow their card directly.  INCLUDE names a
+file, which quotes may spread over several lines.
 """
 
 import re

@@ -128,32 +128,30 @@ def _inp_elements(path: Path) -> "Iterator[_Element]":
     """Data lines of *ELEMENT; a line that ends in a comma is continued."""
     flat: dict[str, Line] = {}  # sets of lines and surfaces
     for block in blocks(path):
+        kind, named = block.options.get("TYPE", ""), block.options.get("ELSET", "")
         if block.keyword in ("ELGEN", "ELCOPY"):
-            message = f"*{block.keyword} makes elements, and is not read; let a preprocessor write all of them"
+            message = f"*{block.keyword} is not read; let a preprocessor write all elements by *ELEMENT"
             raise block.line.fault(message, id="FE-178")
-        named = block.options.get("ELSET", "")
         if block.keyword.endswith("SECTION") and named in flat:
-            raise flat[named].fault(f"the elements {named} have a section; {_KNOWN} only are used", id="FE-179")
+            raise flat[named].fault(f"elements of a section; only {_KNOWN} are used", id="FE-179")
         if block.keyword != "ELEMENT":
             continue
         block.refuse_others("TYPE", "ELSET", "INPUT")
-        kind = block.options.get("TYPE", "")
+        type = _INP_TYPE.fullmatch(kind)
         if _INP_FLAT.fullmatch(kind):
             flat[named] = block.line
-            yield from (_Element(0, [], line, kind) for line in block.data if line.text.rstrip()[-1:] != ",")
-            continue
-        type = _INP_TYPE.fullmatch(kind)
-        if type is None:
-            message = f"stresses are known of {_KNOWN} only, types C3D4, C3D10, C3D8, C3D20 and their variants"
+        elif type is None:
+            message = f"stresses are known of {_KNOWN} only, types C3D4, C3D10, C3D8, C3D20 and variants"
             raise block.line.fault(message, id="FE-099")
-        first, words = None, []
+        words: list[str] = []
+        first = block.line
         for line in block.data:
-            first = first or line
+            first = first if words else line
             words += [word for word in words_of(line) if word]
-            if len(words) > int(type[1]) or not line.text.rstrip().endswith(","):
+            if (type and len(words) > int(type[1])) or not line.text.endswith(","):
                 values = integers_of(first, words)
-                yield _Element(values[0], values[1:], first, kind)
-                first, words = None, []
+                yield _Element(values[0], values[1:] if type else [], first, kind)
+                words = []
 
 
 def _cdb_elements(path: Path) -> "Iterator[_Element]":
@@ -163,12 +161,10 @@ def _cdb_elements(path: Path) -> "Iterator[_Element]":
         if command == "ET" and _CDB_FLAT.fullmatch(words[1]):
             flat.add(words[0])
         elif command == "EBLOCK":
-            yield from _elements_of_block(line, below, "SOLID" in words, flat)
+            yield from _block(line, below, "SOLID" in words, flat)
 
 
-def _elements_of_block(
-    heading: Line, lines: list[str], solid: bool, flat: set[str]
-) -> "Iterator[_Element]":
+def _block(heading: Line, lines: list[str], solid: bool, flat: set[str]) -> "Iterator[_Element]":
     layout = _CDB_FORMAT.match(lines[0].strip()) if lines else None
     if layout is None:
         second = Line(heading.name, heading.number + 1, "")
@@ -194,10 +190,11 @@ def _elements_of_block(
 _SOLIDS = ("CHEXA", "CPENTA", "CTETRA", "CPYRAM", "CHEXA1", "CHEXA2")
 # Other elements, masses and rigid joints.
 _BDF_OTHERS = (
-    *("CQUAD", "CQUAD4", "CQUAD8", "CQUADR", "CTRIA3", "CTRIA6", "CTRIAR", "CSHEAR", "CBAR", "CBEAM", "CBEND"),
-    *("CROD", "CONROD", "CTUBE", "CBUSH", "CELAS1", "CELAS2", "CELAS3", "CELAS4", "CMASS1", "CMASS2", "CONM1"),
-    *("CONM2", "RBE1", "RBE2", "RBE3", "RBAR", "RROD", "RTRPLT", "CTRIAX", "CTRIAX6", "CQUADX", "CWELD"),
-)
+    "CQUAD", "CQUAD4", "CQUAD8", "CQUADR", "CTRIA3", "CTRIA6", "CTRIAR", "CSHEAR", "CBAR", "CBEAM",
+    "CBEND", "CROD", "CONROD", "CTUBE", "CBUSH", "CELAS1", "CELAS2", "CELAS3", "CELAS4", "CMASS1",
+    "CMASS2", "CONM1", "CONM2", "RBE1", "RBE2", "RBE3", "RBAR", "RROD", "CTRIAX", "CTRIAX6",
+    "CQUADX",
+)  # fmt: skip
 # Fields of grid points behind the numbers of element and property.
 _MOST_POINTS = {"CHEXA": 20, "CTETRA": 10}
 

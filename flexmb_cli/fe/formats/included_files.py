@@ -26,28 +26,27 @@ class Line(NamedTuple):
         return line_fault(self.name, self.number, message, id=id)
 
 
+def _lines(path: Path) -> Iterator[Line]:
+    return iter([Line(path.name, i, text) for i, text in enumerate(lines_of(path), start=1)])
+
+
 class IncludedLines:
     """An iterator of lines, into which a reader puts those of other files."""
 
     def __init__(self, path: Path) -> None:
         """Begin with the lines of `path`.  Raises FEFileFault."""
-        self._files = [(path.resolve(), self._lines(path))]
-        self._left = [MOST_FILES, LARGEST_FILE]  # files and characters still allowed
+        self._files = [(path.resolve(), _lines(path))]
+        self._left = [MOST_FILES, LARGEST_FILE]  # files and bytes still allowed
 
     def __iter__(self) -> Iterator[Line]:
         return self
 
     def __next__(self) -> Line:
-        line = next(self._files[-1][1], None)
-        while line is None and len(self._files) > 1:
+        while (line := next(self._files[-1][1], None)) is None and len(self._files) > 1:
             self._files.pop()
-            line = next(self._files[-1][1], None)
         if line is None:
             raise StopIteration
         return line
-
-    def _lines(self, path: Path) -> Iterator[Line]:
-        return iter([Line(path.name, i, text) for i, text in enumerate(lines_of(path), start=1)])
 
     def include(self, name: str, line: Line) -> None:
         """Go on with the lines of the file `name`, which `line` names.  Raises FEFileFault."""
@@ -56,7 +55,7 @@ class IncludedLines:
             limits = f"{DEEPEST} files deep, {MOST_FILES} files or {LARGEST_FILE // 2**30} GB"
             raise line.fault(f"inclusions go beyond {limits}; join the files to one", id="FE-150")
         try:
-            lines = self._lines(path)
+            lines = _lines(path)
         except FEFileFault as fault:
             raise line.fault(f"the file included here: {fault}", id="FE-151") from None
         if path.resolve() in [file for file, _ in self._files]:

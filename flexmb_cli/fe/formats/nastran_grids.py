@@ -15,90 +15,87 @@ from .included_files import Line
 from .node_table import Node
 
 _CORDS = tuple(f"CORD{points}{type}" for points in "12" for type in "RCS")
-# Fields of GRID behind its number: CP, three coordinates, CD, PS, SEID.
+# Fields of GRID behind its number and those that GRDSET gives where they are empty.
 _CP, _X, _CD, _PS, _SEID = 1, 2, 5, 6, 7
+_DEFAULTS = (_CP, _CD, _PS, _SEID)
 # So many systems may be defined in one another.
 DEEPEST_SYSTEM = 50
 
 
 def grids(path: Path) -> Iterator[Node]:
     """Yield number, position and line of every grid point.  Raises FEFileFault."""
-    found = _Grids(path)
-    for card in found.cards:
+    cards = list(bulk_cards(path, ("GRID", "GRDSET", *_CORDS)))
+    default = next((card for card in cards if card.name == "GRDSET"), None)
+    points = [card for card in cards if card.name == "GRID"]
+    for card in cards:
+        card.fields.extend([""] * 8)
+    for card in points:
+        for i in _DEFAULTS if default else ():
+            card.fields[i] = card.fields[i] or default.fields[i]
+    systems = _Systems(path, points, [card for card in cards if card.name in _CORDS])
+    for card in points:
         node = integer_field(path, card, 0, "the number of the point")
-        found.check(node, card)
-        yield node, found.position(card, ()), Line(card.file, card.line, "")
+        _check(node, card, systems.of(card, _CD, ()))
+        yield node, systems.position(card, ()), Line(card.file, card.line, "")
 
 
-class _Grids:
-    """The GRID cards of a file, and the coordinate systems by their numbers."""
+def _check(node: int, card: BulkCard, system: CoordinateSystem) -> None:
+    """Refuse what turns a point's rows in matrices, or takes them out."""
+    if system.type != "R" or not np.allclose(system.axes, np.eye(3)):
+        raise card.fault(f"{node}: the displacement must be in basic axes (CD)", id="FE-132")
+    if set(card.fields[_PS]) & set("123"):
+        raise card.fault(f"{node} is held by PS = {card.fields[_PS]}; export the body free", id="FE-170")
+    if card.fields[_SEID].strip("0"):
+        raise card.fault(f"{node} is of superelement {card.fields[_SEID]}; write one body", id="FE-171")
 
-    def __init__(self, path: Path) -> None:
-        cards = list(bulk_cards(path, ("GRID", "GRDSET", *_CORDS)))
-        defaults = next((card for card in cards if card.name == "GRDSET"), None)
-        self.path = path
-        self.cards = [_completed(card, defaults) for card in cards if card.name == "GRID"]
-        self.points = {card.field(0): card for card in self.cards}
-        self.definitions: dict[int, tuple[BulkCard, int]] = {}  # and the first field
-        self.systems = {0: BASIC}
-        for card in cards:
-            if card.name in _CORDS:
-                for first in (0, 4) if card.name[4] == "1" and card.field(4) else (0,):
-                    number = integer_field(path, card, first, "the number of the system")
-                    self.definitions[number] = card, first
 
-    def check(self, node: int, card: BulkCard) -> None:
-        """Refuse what turns, holds or removes a point's rows in matrices."""
-        system = self.system(integer_field(self.path, card, _CD, "a coordinate system", 0), card, ())
-        if system.type != "R" or not np.allclose(system.axes, np.eye(3)):
-            message = f"{node}: the displacement must be in basic axes (CD); write cards and matrices so"
-            raise card.fault(message, id="FE-132")
-        if set(card.field(_PS)) & set("123"):
-            message = f"{node} is held by PS = {card.field(_PS)}; export the body free"
-            raise card.fault(message, id="FE-170")
-        if card.field(_SEID).strip("0"):
-            raise card.fault(f"{node} is of superelement {card.field(_SEID)}; write one body", id="FE-171")
+class _Systems:
+    """Coordinate systems by their numbers, and what defines the others: points and cards."""
+
+    def __init__(self, path: Path, points: list[BulkCard], cards: list[BulkCard]) -> None:
+        self.path, self.known = path, {0: BASIC}
+        self.points = {card.fields[0]: card for card in points}
+        firsts = [
+            (card, i) for card in cards for i in (0, 4)[: 1 + (card.name[4] == "1" and card.fields[4] > "")]
+        ]
+        self.cards = {
+            integer_field(path, card, i, "the number of the system"): (card, i) for card, i in firsts
+        }
 
     def position(self, card: BulkCard, above: tuple[int, ...]) -> Any:
         """Return the position of a point, in basic coordinates."""
-        system = self.system(integer_field(self.path, card, _CP, "a coordinate system", 0), card, above)
+        system = self.of(card, _CP, above)
         values = [real_field(self.path, card, _X + i, "a coordinate") for i in range(3)]
         return values if system is BASIC else system.basic(values)
 
-    def system(self, number: int, user: BulkCard, above: tuple[int, ...]) -> CoordinateSystem:
-        """Return a system that the card `user` names; `above`: the systems that wait for it."""
-        if number in self.systems:
-            return self.systems[number]
-        if number not in self.definitions:
-            message = f"coordinate system {number} is on no card CORD1R ... CORD2S; add it"
-            raise user.fault(message, id="FE-172")
-        card, first = self.definitions[number]
-        if number in above or len(above) > DEEPEST_SYSTEM:
-            message = f"coordinate system {number} depends on itself, or on more than {DEEPEST_SYSTEM} others"
-            raise card.fault(message, id="FE-173")
-        a, b, c = map(np.array, self._span(card, first, (*above, number)))
-        axes = spanned(b - a, c - a)
-        if axes is None:
-            raise card.fault(f"the points of system {number} lie on one line", id="FE-174")
-        self.systems[number] = CoordinateSystem(card.name[5], a, axes[:, [1, 2, 0]])
-        return self.systems[number]
+    def of(self, user: BulkCard, field: int, above: tuple[int, ...]) -> CoordinateSystem:
+        """Return the system that a field of a card names; `above`: the systems that wait for it."""
+        number = integer_field(self.path, user, field, "a coordinate system", 0)
+        if number not in self.known:
+            if number not in self.cards:
+                message = f"coordinate system {number} is on no card CORD1R ... CORD2S; add it"
+                raise user.fault(message, id="FE-172")
+            card, first = self.cards[number]
+            if number in above or len(above) > DEEPEST_SYSTEM:
+                message = (
+                    f"coordinate system {number} depends on itself, or on more than {DEEPEST_SYSTEM} others"
+                )
+                raise card.fault(message, id="FE-173")
+            a, b, c = map(np.array, self.span(card, first, (*above, number)))
+            axes = spanned(b - a, c - a)
+            if axes is None:
+                raise card.fault(f"the points of system {number} lie on one line", id="FE-174")
+            self.known[number] = CoordinateSystem(card.name[5], a, axes[:, [1, 2, 0]])
+        return self.known[number]
 
-    def _span(self, card: BulkCard, first: int, above: tuple[int, ...]) -> Iterator[Any]:
+    def span(self, card: BulkCard, first: int, above: tuple[int, ...]) -> Iterator[Any]:
         """Yield origin, a point on the z axis and one in the plane of x and z, in basic coordinates."""
-        if card.name[4] == "1":
-            for i in range(first + 1, first + 4):
-                if card.field(i) not in self.points:
-                    raise card.fault(f"there is no GRID '{card.field(i)}'", id="FE-175")
-                yield self.position(self.points[card.field(i)], above)
+        if card.name[4] == "2":
+            system = self.of(card, 1, above)
+            for i in (2, 5, 8):
+                yield system.basic([real_field(self.path, card, i + k, "a coordinate") for k in range(3)])
             return
-        system = self.system(integer_field(self.path, card, 1, "a coordinate system", 0), card, above)
-        for i in (2, 5, 8):
-            yield system.basic([real_field(self.path, card, i + k, "a coordinate") for k in range(3)])
-
-
-def _completed(card: BulkCard, defaults: BulkCard | None) -> BulkCard:
-    """Return a GRID whose empty fields have what GRDSET gives; 0 there is no empty field."""
-    if defaults is None:
-        return card
-    fields = [card.field(i) or defaults.field(i) * (i in (_CP, _CD, _PS, _SEID)) for i in range(8)]
-    return card._replace(fields=fields)
+        for point in card.fields[first + 1 : first + 4]:
+            if point not in self.points:
+                raise card.fault(f"there is no GRID '{point}'", id="FE-175")
+            yield self.position(self.points[point], above)

@@ -66,7 +66,8 @@ def by_matrices(folder, form, text, modes=3):
     (folder / "nodes").write_text(text)
     table = read_node_table(folder / "nodes", form)
     given = FlexibleInput(
-        "body 1", FEFile(BAR / "Ma.mtx", "ABQ"), FEFile(BAR / "Ka.mtx", "ABQ"), table.numbers, table.positions,
+        "body 1", FEFile(BAR / "Ma.mtx", "ABQ"), FEFile(BAR / "Ka.mtx", "ABQ"), table.numbers,
+        table.positions,
         modes=modes,
     )  # fmt: skip
     return flexible_body(given, cached=False)[0]

@@ -1,4 +1,4 @@
-"""Nodes of Abaqus input files that are generated, included, in local systems or moved: the bar's by other ways.
+"""Nodes of Abaqus input files that are generated, included, in local systems or moved: those of the bar.
 
 Meaning of the cards: Abaqus Keywords Reference Guide; masses and frequencies: bars.py.
 """
@@ -44,7 +44,11 @@ def cylindrical(point):
 def spherical(point):
     """R, theta about z, phi above the plane of x and y, as in *NMAP, TYPE=SPHERICAL."""
     x, y, z = point
-    return np.linalg.norm(point), math.degrees(math.atan2(y, x)), math.degrees(math.atan2(z, math.hypot(x, y)))
+    return (
+        np.linalg.norm(point),
+        math.degrees(math.atan2(y, x)),
+        math.degrees(math.atan2(z, math.hypot(x, y))),
+    )
 
 
 SAME = {
@@ -68,7 +72,8 @@ SAME = {
     "a cylinder about a moved axis": "*SYSTEM\n0.5,0,0\n"
     + in_system("C", [cylindrical((x - 0.5, y, z)) for x, y, z in POINTS]),
     "the global system again": "*SYSTEM\n1,1,1\n*SYSTEM\n*NODE\n" + inp_nodes(),
-    "an instance moved": "*PART, NAME=p\n*NODE\n" + inp_nodes(points=[(x - 2, y, z + 1) for x, y, z in POINTS])
+    "an instance moved": "*PART, NAME=p\n*NODE\n"
+    + inp_nodes(points=[(x - 2, y, z + 1) for x, y, z in POINTS])
     + "*END PART\n*ASSEMBLY, NAME=A\n*INSTANCE, NAME=p-1, PART=P\n2,0,-1\n*END INSTANCE\n*END ASSEMBLY\n",
     "an instance turned by -90 degrees about x": "*PART, NAME=p\n*NODE\n"
     + inp_nodes(points=[(x, -z, y) for x, y, z in POINTS])
@@ -104,7 +109,9 @@ def test_an_arc_in_cylindrical_coordinates(tmp_path):
 
 def test_an_instance_moved_and_turned_about_a_line_off_the_origin(tmp_path):
     """By 2 m along x, then by 180 degrees about x = 2, z = 0: x -> 4 - (x + 2), z -> -z."""
-    text = "*Part, name=bar\n*NODE\n" + inp_nodes() + "*End Part\n*Instance, name=bar-1, part=bar\n 2., 0., 0.\n"
+    text = (
+        "*Part, name=bar\n*NODE\n" + inp_nodes() + "*End Part\n*Instance, name=bar-1, part=bar\n 2., 0., 0.\n"
+    )
     (tmp_path / "x").write_text(text + " 2., 0., 0., 2., 1., 0., 180.\n*End Instance\n")
     found = read_node_table(tmp_path / "x", "INP").positions
     np.testing.assert_allclose(found, [(2 - x, y, -z) for x, y, z in POINTS], atol=1e-15)
@@ -143,7 +150,7 @@ def test_a_change_of_an_included_file_is_another_body(tmp_path):
 
 BAR_1 = "*PART, NAME=p\n*NODE\n1,0,0,0\n*END PART\n"
 REFUSED = {
-    "copies": (ENDS + "*NCOPY, CHANGE NUMBER=4, OLD SET=A, SHIFT\n", "line 10: *NCOPY: it makes, moves or hides"),
+    "copies": (ENDS + "*NCOPY, CHANGE NUMBER=4, OLD SET=A, SHIFT\n", "line 10: *NCOPY: it makes, moves"),
     "a map": (ENDS + "*NMAP, NSET=A, TYPE=RECTANGULAR\n", "*NMAP: it makes, moves or hides nodes"),
     "turned axes": (ENDS + "*TRANSFORM, NSET=A\n1,1,0,0,1,0\n", "*TRANSFORM: matrices in turned nodal axes"),
     "a parabola": (ENDS + "*NGEN, LINE=P\n1,13,4,5\n", "line 10: the option LINE of *NGEN is not read"),
@@ -151,7 +158,7 @@ REFUSED = {
     "an unknown option": ("*NODE, SYSTM=C\n1,0,0,0\n", "line 1: the option SYSTM of *NODE is not read"),
     "an unknown system": ("*NODE, SYSTEM=Q\n1,0,0,0\n", "SYSTEM=Q is unknown; R, C or S wanted"),
     "an import": ("*INSTANCE, LIBRARY=old, NAME=p\n*END INSTANCE\n", "the option LIBRARY of *INSTANCE"),
-    "an encrypted file": ("*INCLUDE, INPUT=a, PASSWORD=b\n", "line 1: *INCLUDE: it makes, moves or hides nodes"),
+    "an encrypted file": ("*INCLUDE, INPUT=a, PASSWORD=b\n", "line 1: *INCLUDE: it makes, moves"),
     "a file without a name": ("*INCLUDE\n", "line 1: *INCLUDE: it makes"),
     "two instances": (
         BAR_1 + 2 * "*INSTANCE, NAME=a, PART=p\n*END INSTANCE\n", "part P is not defined before, or has two",
@@ -162,7 +169,7 @@ REFUSED = {
     "nodes of a moved instance": (
         BAR_1 + "*INSTANCE, NAME=a, PART=p\n1,0,0\n*NODE\n2,0,0,0\n", "line 7: nodes in a moved instance",
     ),
-    "a rotation without an axis": (BAR_1 + "*INSTANCE, NAME=a, PART=p\n1\n1,1,1,1,1,1,5\n", "points of an axis"),
+    "a rotation without an axis": (BAR_1 + "*INSTANCE, NAME=a, PART=p\n1\n1,1,1,1,1,1,5\n", "points of an"),
     "three points on a line": ("*SYSTEM\n0,0,0,1,1,1\n2,2,2\n*NODE\n1,0,0,0\n", "lie on one line"),
     "decimal commas": ("*NODE\n2, 0,5, 0,0, 0,0\n", "line 2: three coordinates with decimal points wanted"),
     "a step of 0": (ENDS + "*NGEN\n1,13,0\n", "an increment of 0 does not lead from 1 to 13"),
@@ -175,17 +182,17 @@ REFUSED = {
         "*NSET, NSET=A, GENERATE\n1,999999999999\n*NFILL\nA,A,1,1\n", "more than 1000000 nodes are generated",
     ),
     "a billion intervals": (
-        "*NODE, NSET=A\n1,0,0,0\n*NODE, NSET=B\n2,1,0,0\n*NFILL\nA,B,999999999,1\n", "more than 1000000 nodes",
+        "*NODE, NSET=A\n1,0,0,0\n*NODE, NSET=B\n2,1,0,0\n*NFILL\nA,B,999999999,1\n", "more than 1000000",
     ),
     "sets of other lengths": (
         "*NODE, NSET=A\n1,0,0,0\n2,1,0,0\n*NODE, NSET=B\n3,1,1,0\n*NFILL\nA,B,2,1\n", "two sets of as many",
     ),
-    "an unsorted set": (ENDS + "*NSET, NSET=A, UNSORTED\n1,2\n*NFILL\nA,A,2,1\n", "the option UNSORTED of *NSET"),
+    "an unsorted set": (ENDS + "*NSET, NSET=A, UNSORTED\n1,2\n*NFILL\nA,A,2,1\n", "the option UNSORTED of"),
     "no set": (ENDS + "*NFILL\nA\n", "two sets of as many nodes, a number of intervals"),
     "another place of a node": (
         ENDS + "*NODE\n5,0,0,0\n" + NGEN, "node 5 stands on lines 11 and 13",
     ),
-    "a file that is not there": ("*INCLUDE, INPUT=no.inp\n", "x, line 1: the file included here: no.inp: no such"),
+    "a file that is not there": ("*INCLUDE, INPUT=no.inp\n", "line 1: the file included here: no.inp: no such"),
     "an empty name": ("*INCLUDE, INPUT=\n", "x, line 1: the file included here: "),
     "a name that is none": ("*INCLUDE, INPUT=a\0b\n", "x"),
     "itself": ("*INCLUDE, INPUT=x\n", "x, line 1: x includes itself"),
@@ -238,13 +245,19 @@ def test_lines_and_surfaces_beside_solid_elements_are_left_out_with_a_warning(tm
 
 def test_surfaces_with_a_section_are_shells_and_refused(tmp_path):
     text = "*NODE\n" + inp_nodes() + inp_elements() + FLAT + "*SHELL SECTION, ELSET=surface1\n0.01\n"
-    assert "line 24: the elements SURFACE1 have a section" in refusal(by_elements, tmp_path, "INP", text)[0]
+    assert "line 24: elements of a section; only tetrahedra" in refusal(by_elements, tmp_path, "INP", text)[0]
 
 
 HIDDEN = {
-    "*ELGEN": ("*ELEMENT, TYPE=C3D8\n1,1,2,3,4,5,6,7,8\n*ELGEN\n1,3,4,1\n", "*ELGEN makes elements"),
+    "*ELGEN": (
+        "*ELEMENT, TYPE=C3D8\n1,1,2,3,4,5,6,7,8\n*ELGEN\n1,3,4,1\n",
+        "*ELGEN is not read; let a preprocessor write",
+    ),
     "OFFSET": ("*ELEMENT, TYPE=C3D8, OFFSET=5\n", "the option OFFSET of *ELEMENT is not read"),
-    "numbering": ("*ELEMENT, TYPE=C3D8, SOLID ELEMENT NUMBERING=FIDAP\n", "the option SOLID ELEMENT NUMBERING"),
+    "numbering": (
+        "*ELEMENT, TYPE=C3D8, SOLID ELEMENT NUMBERING=FIDAP\n",
+        "the option SOLID ELEMENT NUMBERING",
+    ),
     "a mass": ("*ELEMENT, TYPE=MASS\n1,1\n", "stresses are known of tetrahedra"),
 }
 

@@ -70,7 +70,7 @@ REFUSED = {
     "a shell": (
         "INP",
         "*ELEMENT, TYPE=S4\n1, 1, 2, 3, 4\n",
-        "x holds no elements in format INP but 1 S4; tetrahedra of 4 or 10 and hexahedra of 8 or 20 nodes are used",
+        "x holds no elements in format INP but 1 S4; tetrahedra of 4 or 10 and hexahedra of 8 or 20 nodes",
     ),
     "a wedge": (
         "BDF",

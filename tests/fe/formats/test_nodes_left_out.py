@@ -139,7 +139,7 @@ def test_labels_of_two_instances_lead_to_another_format(tmp_path, other):
         return f"PART-1-1.{a},{i}, {column},{j},{k}"
 
     (message,) = refusal(by_labels, tmp_path, change)
-    assert "nodes of another instance than PART-1-1; write the matrices with FORMAT=MATRIX INPUT" in message
+    assert "no two nodes of instance PART-1-1; write the matrices with FORMAT=MATRIX INPUT" in message
 
 
 def test_a_table_of_selected_nodes_is_refused(tmp_path):
