@@ -192,7 +192,7 @@ REFUSED = {
     "another place of a node": (
         ENDS + "*NODE\n5,0,0,0\n" + NGEN, "node 5 stands on lines 11 and 13",
     ),
-    "a file that is not there": ("*INCLUDE, INPUT=no.inp\n", "line 1: the file included here: no.inp: no such"),
+    "a file that is not there": ("*INCLUDE, INPUT=no.inp\n", "the file included here: no.inp: no such"),
     "an empty name": ("*INCLUDE, INPUT=\n", "x, line 1: the file included here: "),
     "a name that is none": ("*INCLUDE, INPUT=a\0b\n", "x"),
     "itself": ("*INCLUDE, INPUT=x\n", "x, line 1: x includes itself"),

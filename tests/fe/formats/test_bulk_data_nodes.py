@@ -206,7 +206,7 @@ def test_elements_by_other_commands_are_refused(tmp_path, line):
 
 
 TEXTS = {
-    "a decimal comma": ("1 0 0 0\n2 0 0 0,08\n", "line 2: id x y z wanted; read '2 0 0 0,08'; write decimals"),
+    "a decimal comma": ("1 0 0 0\n2 0 0 0,08\n", "id x y z wanted; read '2 0 0 0,08'; write decimals"),
     "a list in cylindrical coordinates": (
         " LIST ALL SELECTED NODES.   DSYS=      1\n 1 1. 90. 0.\n", "list the nodes after DSYS,0",
     ),
