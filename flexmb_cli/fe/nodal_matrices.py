@@ -20,9 +20,9 @@ from .linear_algebra import Matrix, Singular, condensed_on, solver, stored, summ
 SYMMETRY = 1e-6
 # Force of an internal row in a translation, relative to the sum of the row's entries, which rounding to few
 # digits leaves; and relative to the largest entry of K, below which a row is round-off.
-RESISTED, ROUND_OFF_FORCE = 1e-3, 1e-12
+RESISTED, ROUND_OFF_ROW = 1e-3, 1e-12
 # Labels that a message names.
-MOST_NAMED = 6
+MOST_LABELS = 6
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def _resists_translation(coupling: Matrix, largest: float) -> np.ndarray:
     """Return which rows (k,) of `coupling` (k, 3 n) to the nodes give a force when these translate."""
     size = coupling.shape[1]
     forces = np.abs(coupling @ np.tile(np.eye(3), (size // 3, 1))).max(axis=1)
-    least = np.maximum(RESISTED * (abs(coupling) @ np.ones(size)), ROUND_OFF_FORCE * largest)
+    least = np.maximum(RESISTED * (abs(coupling) @ np.ones(size)), ROUND_OFF_ROW * largest)
     found: np.ndarray = forces > least
     return found
 
@@ -102,10 +102,10 @@ def _refuse_nodes(name: str, file: MatrixFile, rows: np.ndarray) -> None:
     """Refuse `rows` of nodes that the table lacks."""
     nodes = sorted({node for node, _ in _labels(file, rows)})
     if nodes:
-        more = ", …" if len(nodes) > MOST_NAMED else ""
+        more = ", …" if len(nodes) > MOST_LABELS else ""
         raise FEFileFault(
             f"{name} has rows with stiffness or mass of nodes that the node table lacks: "
-            f"{', '.join(map(str, nodes[:MOST_NAMED]))}{more}; was the table cut short, or written of "
+            f"{', '.join(map(str, nodes[:MOST_LABELS]))}{more}; was the table cut short, or written of "
             "selected nodes only? give one of all nodes",
             id="FE-184",
         )

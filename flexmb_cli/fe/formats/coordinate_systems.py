@@ -1,6 +1,5 @@
 """Rectangular, cylindrical and spherical coordinate systems in which programs give positions of nodes."""
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,10 +19,10 @@ class CoordinateSystem(NamedTuple):
         """Return the position (3,), m, of the point at `values`, angles in degrees."""
         r, theta, last = values
         if self.type != "R":
-            around = math.radians(theta if self.type == "C" else last)
-            across = r if self.type == "C" else r * math.sin(math.radians(theta))
-            height = last if self.type == "C" else r * math.cos(math.radians(theta))
-            r, theta, last = across * math.cos(around), across * math.sin(around), height
+            around = np.radians(theta if self.type == "C" else last)
+            across = r if self.type == "C" else r * np.sin(np.radians(theta))
+            height = last if self.type == "C" else r * np.cos(np.radians(theta))
+            r, theta, last = across * np.cos(around), across * np.sin(around), height
         return self.origin + self.axes @ (r, theta, last)
 
 
@@ -42,6 +41,6 @@ def spanned(first: Any, second: Any) -> Any:
 
 def rotation(axis: Any, degrees: float) -> Any:
     """Return the matrix (3, 3) of a turn about `axis` (3,)."""
-    axis, angle = axis / np.linalg.norm(axis), math.radians(degrees)
+    axis, angle = axis / np.linalg.norm(axis), np.radians(degrees)
     crossed = np.cross(np.eye(3), axis)
-    return np.eye(3) + math.sin(angle) * crossed + (1.0 - math.cos(angle)) * (crossed @ crossed)
+    return np.eye(3) + np.sin(angle) * crossed + (1.0 - np.cos(angle)) * (crossed @ crossed)

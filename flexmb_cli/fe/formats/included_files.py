@@ -11,7 +11,7 @@ from typing import NamedTuple
 from .file_text import LARGEST_FILE, line_fault, lines_of
 from .matrix_file import FEFileFault
 
-DEEPEST, MOST_FILES = 10, 1000
+DEEPEST_INCLUSION, MOST_FILES = 10, 1000
 
 
 class Line(NamedTuple):
@@ -19,7 +19,7 @@ class Line(NamedTuple):
 
     name: str  # of the file, without its folder
     number: int  # from 1
-    text: str
+    text: str  # without its line end
 
     def fault(self, message: str, *, id: str) -> FEFileFault:
         """Return the fault of this line."""
@@ -49,10 +49,10 @@ class IncludedLines:
         return line
 
     def include(self, name: str, line: Line) -> None:
-        """Go on with the lines of the file `name`, which `line` names.  Raises FEFileFault."""
+        """Continue with the lines of the file `name`, which `line` names.  Raises FEFileFault."""
         path = self._files[-1][0].parent / name.replace("\\", "/")
-        if len(self._files) > DEEPEST or min(self._left) <= 0:
-            limits = f"{DEEPEST} files deep, {MOST_FILES} files or {LARGEST_FILE // 2**30} GB"
+        if len(self._files) > DEEPEST_INCLUSION or min(self._left) <= 0:
+            limits = f"{DEEPEST_INCLUSION} files deep, {MOST_FILES} files or {LARGEST_FILE // 2**30} GB"
             raise line.fault(f"inclusions go beyond {limits}; join the files to one", id="FE-150")
         try:
             lines = _lines(path)

@@ -41,7 +41,7 @@ def grids(path: Path) -> Iterator[Node]:
 
 def _check(node: int, card: BulkCard, system: CoordinateSystem) -> None:
     """Refuse what turns a point's rows in matrices, or takes them out."""
-    if system.type != "R" or not np.allclose(system.axes, np.eye(3)):
+    if system is not BASIC and (system.type != "R" or not np.allclose(system.axes, np.eye(3))):
         raise card.fault(f"{node}: the displacement must be in basic axes (CD)", id="FE-132")
     if set(card.fields[_PS]) & set("123"):
         raise card.fault(f"{node} is held by PS = {card.fields[_PS]}; export the body free", id="FE-170")

@@ -20,7 +20,12 @@ if TYPE_CHECKING:
 # Products of such lengths with masses and stiffnesses stay finite.
 FARTHEST = 1e30  # m
 # "module:function" of this folder: number, position and line of every node; a run imports those it needs.
-READERS = {"CDB": "ansys_cdb:cdb_nodes", "INP": "abaqus_nodes:abaqus_nodes", "BDF": "nastran_grids:grids"}
+READERS = {
+    "TXT": "node_table:plain_nodes",
+    "CDB": "ansys_cdb:cdb_nodes",
+    "INP": "abaqus_nodes:abaqus_nodes",
+    "BDF": "nastran_grids:grids",
+}
 _LISTED = re.compile(r"\bDSYS\s*=\s*([1-9]\d*)", re.IGNORECASE)
 _HEADING = re.compile(r"[^\d+\-.]")
 
@@ -38,11 +43,10 @@ class NodeTable:
 
 def read_node_table(path: Path, form: str) -> NodeTable:
     """The node table at `path` in the format TXT, CDB, INP or BDF.  Raises FEFileFault."""
-    if form == "TXT":
-        found = list(_plain_nodes(path))
-    else:
-        module, name = READERS[form].split(":")
-        found = list(getattr(import_module(f"{__package__}.{module}"), name)(path))
+    module, name = READERS[form].split(":")
+    reader = getattr(import_module(f"{__package__}.{module}"), name)
+    with np.errstate(all="ignore"):  # what is not finite is refused below
+        found = list(reader(path))
     if not found:
         raise FEFileFault(f"{path.name} holds no nodes in format {form}", id="FE-053")
     numbers = np.array([number for number, _, _ in found], dtype=np.int64)
@@ -65,7 +69,7 @@ def _check_twice(name: str, found: list[Node], numbers: np.ndarray) -> None:
         raise FEFileFault(f"{name}: node {twice} stands on lines {where}", id="FE-054")
 
 
-def _plain_nodes(path: Path) -> "Iterator[Node]":
+def plain_nodes(path: Path) -> "Iterator[Node]":
     """Lines `id x y z`; # and headings are passed over, as are rotated axes of NLIST when they are 0."""
     for number, text in enumerate(lines_of(path), start=1):
         line = Line(path.name, number, text)
