@@ -149,7 +149,7 @@ class _Nodes:
         """Add the nodes `inner` at equal distances on the way from node `first` to `last`."""
         for number in (first, last):
             if number not in self.places:
-                raise line.fault(f"*{block.keyword}: node {number} is not defined before", id="FE-160")
+                raise line.fault(f"*{block.keyword}: node {number} is not defined before", id="FE-185")
         a, b = (np.array(self.found[self.places[number]][1]) for number in (first, last))
         for k, number in enumerate(inner, start=1):
             position = a + k / (len(inner) + 1) * (b - a)
@@ -170,7 +170,7 @@ class _Nodes:
         c = np.array(rows[1][:3]) if rows[1:] else a + np.cross((0.0, 0.0, 1.0), b - a)
         axes = spanned(b - a, c - a)
         if axes is None:
-            raise block.line.fault("the points of *SYSTEM lie on one line", id="FE-161")
+            raise block.line.fault("the points of *SYSTEM lie on one line", id="FE-186")
         self.system = BASIC._replace(origin=a, axes=axes) if rows else BASIC
 
     def instance(self, block: Block) -> None:
@@ -179,7 +179,7 @@ class _Nodes:
         self.begin("")
         part = block.options.get("PART", "?")
         if part not in self.parts:
-            raise block.line.fault(f"part {part} is not defined before, or has two instances", id="FE-162")
+            raise block.line.fault(f"part {part} is not defined before, or has two instances", id="FE-187")
         places, self.moved, self.placed = self.parts.pop(part), bool(block.data), True
         if not block.data:
             return
