@@ -25,7 +25,7 @@ class BulkCard(NamedTuple):
     fields: list[str]  # behind the name
     file: str = ""  # its name, without its folder
 
-    def fault(self, message: str, *, id: str) -> FEFileFault:
+    def card_fault(self, message: str, *, id: str) -> FEFileFault:
         """Return the fault of this card."""
         return line_fault(self.file, self.line, f"{self.name}: {message}", id=id)
 
@@ -101,7 +101,7 @@ def integer_field(path: Path, card: BulkCard, index: int, what: str, default: in
     try:
         return integer(text)
     except ValueError:
-        raise card.fault(f"{what} wanted; read '{text}'", id="FE-094") from None
+        raise card.card_fault(f"{what} wanted; read '{text}'", id="FE-094") from None
 
 
 def real_field(path: Path, card: BulkCard, index: int, what: str) -> float:
@@ -110,4 +110,4 @@ def real_field(path: Path, card: BulkCard, index: int, what: str) -> float:
     try:
         return number.real(text)[0] if text else 0.0
     except number.Misspelt:
-        raise card.fault(f"{what} wanted; read '{text}'", id="FE-094") from None
+        raise card.card_fault(f"{what} wanted; read '{text}'", id="FE-094") from None
