@@ -58,6 +58,7 @@ def bulk_cards(path: Path, names: tuple[str, ...]) -> Iterator[BulkCard]:
         if not line:
             continue
         head = (line.split(",", 1)[0] if "," in line else line[:8]).strip()
+        _check_head(source, head.upper(), names, card is not None)
         if not head or head[0] in "+*":
             if card is not None:
                 card.fields.extend(_fields(line, head))
@@ -65,7 +66,6 @@ def bulk_cards(path: Path, names: tuple[str, ...]) -> Iterator[BulkCard]:
         if card is not None:
             yield card
         name = head.rstrip("*").upper()
-        _check_head(source, name, names)
         if name == "ENDDATA":
             return
         # Files hold far more cards than those wanted.
@@ -74,12 +74,20 @@ def bulk_cards(path: Path, names: tuple[str, ...]) -> Iterator[BulkCard]:
         yield card
 
 
-def _check_head(line: Line, name: str, names: tuple[str, ...]) -> None:
-    """Refuse what hides cards: repetition, and a comma that makes fixed fields look like free ones."""
-    if name.startswith("="):
+def _check_head(line: Line, head: str, names: tuple[str, ...], follows: bool) -> None:
+    """Refuse what hides cards: repetition, fields out of their columns, a comma that makes them free ones.
+
+    `follows`: whether a continuation of a card called `names` may stand here.
+    """
+    if head.startswith("="):
         raise line.fault("cards repeated by = are not read; let a preprocessor write them out", id="FE-168")
-    if len(name) > 8 and name.split()[0].rstrip("*") in names:
-        raise line.fault("a comma in fixed fields; write decimals with points", id="FE-169")
+    word, *more = head.split() or [""]
+    follows = follows and "," in line.text
+    if (more and word.rstrip("*") in names) or (
+        follows and (word[:1].isdigit() or (more and word[:1] in "+*"))
+    ):
+        message = "fields out of their columns of 8 or 16, or decimals with commas; write them with points"
+        raise line.fault(message, id="FE-169")
 
 
 def _fields(line: str, head: str) -> list[str]:

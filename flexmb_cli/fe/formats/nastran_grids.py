@@ -25,13 +25,13 @@ DEEPEST_SYSTEM = 50
 def grids(path: Path) -> Iterator[Node]:
     """Yield number, position and line of every grid point.  Raises FEFileFault."""
     cards = list(bulk_cards(path, ("GRID", "GRDSET", *_CORDS)))
-    default = next((card for card in cards if card.name == "GRDSET"), None)
     points = [card for card in cards if card.name == "GRID"]
     for card in cards:
         card.fields.extend([""] * 8)
+    defaults = next((card.fields for card in cards if card.name == "GRDSET"), [""] * 8)
     for card in points:
-        for i in _DEFAULTS if default else ():
-            card.fields[i] = card.fields[i] or default.fields[i]
+        for i in _DEFAULTS:
+            card.fields[i] = card.fields[i] or defaults[i]
     systems = _Systems(path, points, [card for card in cards if card.name in _CORDS])
     for card in points:
         node = integer_field(path, card, 0, "the number of the point")

@@ -104,7 +104,16 @@ REFUSED_GRIDS = {
     "points on a line": ("CORD2R,1,,0.,0.,0.,0.,0.,1.\n,0.,0.,2.\nGRID,1,1,0.,0.,0.\n", "lie on one line"),
     "a system of unknown points": ("CORD1R,1,7,8,9\nGRID,1,1,0.,0.,0.\n", "there is no GRID '7'"),
     "repeated cards": (GRID + "=,*1,=,*0.2,==\n=3\n", "line 2: cards repeated by = are not read"),
-    "decimal commas": ("GRID           1             0,0     0,5     0,1\n", "a comma in fixed fields"),
+    "decimal commas": ("GRID           1             0,0     0,5     0,1\n", "fields out of their columns"),
+    "a decimal comma in a continuation": (
+        "GRID*                  1                             0.0             0.0\n*                  0,08\n",
+        "decimals with commas",
+    ),
+    "decimal commas in a small continuation": (
+        "CORD2R         3             0.0     0.0     0.0     1.0     0.0     0.0\n             0,0     1,0\n",
+        "decimals with commas",
+    ),
+    "fields by blanks": ("GRID 1 0 0.5 0. 0.\n", "fields out of their columns"),
     "itself": ("INCLUDE 'x'\n", "x, line 1: x includes itself"),
     "an open quote": ("INCLUDE 'x\n" + GRID, "line 1: the file included here"),
     "no file": ("INCLUDE\n", "line 1: the file included here"),
