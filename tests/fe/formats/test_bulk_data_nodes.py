@@ -110,7 +110,7 @@ REFUSED_GRIDS = {
         "decimals with commas",
     ),
     "decimal commas in a small continuation": (
-        "CORD2R         3             0.0     0.0     0.0     1.0     0.0     0.0\n             0,0     1,0\n",
+        "CORD2R         3             0.0     0.0     0.0     1.0     0.0     0.0\n           0,0   1,0\n",
         "decimals with commas",
     ),
     "fields by blanks": ("GRID 1 0 0.5 0. 0.\n", "fields out of their columns"),
