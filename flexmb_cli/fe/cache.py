@@ -18,7 +18,7 @@ from ..errors import Fault
 from ..managed_files import UnsafePlace, is_own, open_managed
 from ..model.flexible_body import BodyMesh, BodyStress, Dropped, ElementMaterial, FlexibleBody, FlexibleInput
 from ..quick_dataclass import fields
-from .formats.file_text import bytes_of
+from .formats.formats import content_of
 from .formats.matrix_file import FEFileFault
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 # To be raised when the arrays, or how they are computed, change.
-LAYOUT = 16
+LAYOUT = 17
 # Bytes behind the arrays: a damage anywhere makes the body anew, instead of another body.
 DIGEST = 32
 _VARIABLES = (("FLEXMB_CACHE_DIR", ""), ("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache"))
@@ -74,17 +74,17 @@ def key_of(given: FlexibleInput) -> str:
     for file in files:
         digest.update(f"|{file.form}".encode() if file else b"|none")
         if file:
-            digest.update(hashlib.sha256(_content(file.path)).digest())
+            digest.update(hashlib.sha256(_content(file)).digest())
     digest.update(np.ascontiguousarray(given.numbers, dtype="<i8").tobytes())
     digest.update(np.ascontiguousarray(given.positions, dtype="<f8").tobytes())
     digest.update(_settings(given).encode())
     return digest.hexdigest()
 
 
-def _content(path: Path) -> bytes:
-    """Return what a file holds; a pipe would be waited for, a device has no end.  Raises OSError."""
+def _content(file: Any) -> bytes:
+    """Return what a file holds, and those that it includes.  Raises OSError."""
     try:
-        return bytes_of(path)
+        return content_of(file.path, file.form)
     except FEFileFault as fault:
         raise OSError(str(fault)) from fault
 

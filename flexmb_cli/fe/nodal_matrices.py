@@ -4,9 +4,12 @@ eliminated.
 Elements with incompatible modes may bring degrees of freedom of pseudo-nodes that no node table has.  They
 are condensed statically in K, and dropped in M: condensing M as well (Guyan) would couple directions, so that
 S^ij = m_ij E no longer held, of which the equations of motion make use.
+
+A translation of the nodes strains no element, so that internal rows do not resist it.  Rows of nodes that the
+table lacks do, by the stiffness of what joins them to the nodes: these are refused.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 import numpy as np
 
@@ -15,6 +18,11 @@ from .formats.matrix_file import FEFileFault, MatrixFile
 from .linear_algebra import Matrix, Singular, condensed_on, solver, stored, summed, without_diagonal
 
 SYMMETRY = 1e-6
+# Force of an internal row in a translation, relative to the sum of the row's entries, which rounding to few
+# digits leaves; and relative to the largest entry of K, below which a row is round-off.
+RESISTED, ROUND_OFF_ROW = 1e-3, 1e-12
+# Labels that a message names.
+MOST_LABELS = 6
 
 
 @dataclass(frozen=True)
@@ -22,7 +30,8 @@ class NodalMatrix:
     """A symmetric matrix (3 n, 3 n) in the order of the node table, made of `file`.
 
     `nodal` (3 n,) and `internal`: the rows of the file that are those of the nodes, and those condensed or
-    dropped; `following` (internal, 3 n): how these move with the nodes, None where they rest.
+    dropped; `following` (internal, 3 n): how these move with the nodes, None where they rest; `coupled`:
+    nodes and directions of those with a stiffness to the nodes.
     """
 
     matrix: Matrix
@@ -30,6 +39,7 @@ class NodalMatrix:
     nodal: np.ndarray
     internal: np.ndarray
     following: Callable[[np.ndarray], np.ndarray] | None = None
+    coupled: Collection[tuple[int, int]] = ()
 
     def extended(self, shapes: np.ndarray) -> np.ndarray:
         """Return the displacements (size, k) of all rows of the file for those of the nodes, (3 n, k)."""
@@ -40,9 +50,18 @@ class NodalMatrix:
         return full
 
 
-def nodal_part(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
-    """The rows and columns of the nodes `numbers` (n,); internal ones are dropped.  Raises FEFileFault."""
+def nodal_part(
+    name: str, file: MatrixFile, numbers: np.ndarray, stiffness: NodalMatrix | None = None
+) -> NodalMatrix:
+    """The rows and columns of the nodes `numbers` (n,); internal ones are dropped.  Raises FEFileFault.
+
+    They must be internal ones of `stiffness`, too, as in the files of programs that give them masses.
+    """
     full, nodal, internal = _ordered(name, file, numbers)
+    if stiffness:
+        filled = internal[np.isin(internal, file.rows[file.values != 0.0])]
+        foreign = [label not in stiffness.coupled for label in _labels(file, filled)]
+        _refuse_nodes(name, file, filled[np.array(foreign, dtype=bool)])
     return NodalMatrix(stored(full[nodal][:, nodal]), file, nodal, internal)
 
 
@@ -53,6 +72,7 @@ def condensed(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
     if not len(internal):
         return NodalMatrix(stored(outer), file, nodal, internal)
     inner, coupling = full[internal][:, internal], full[internal][:, nodal]
+    _refuse_nodes(name, file, internal[_resists_translation(coupling, abs(full).max())])
     try:
         matrix, solve = stored(condensed_on(outer, coupling, inner)), solver(inner)
     except Singular:
@@ -60,7 +80,35 @@ def condensed(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
             f"{name}: the {len(internal)} internal degrees of freedom have no stiffness of their own",
             id="FE-061",
         ) from None
-    return NodalMatrix(matrix, file, nodal, internal, lambda shapes: -solve(coupling @ shapes))
+    coupled = _labels(file, internal[abs(coupling) @ np.ones(len(nodal)) > 0.0])
+    return NodalMatrix(matrix, file, nodal, internal, lambda shapes: -solve(coupling @ shapes), {*coupled})
+
+
+def _resists_translation(coupling: Matrix, largest: float) -> np.ndarray:
+    """Return which rows (k,) of `coupling` (k, 3 n) to the nodes give a force when these translate."""
+    size = coupling.shape[1]
+    forces = np.abs(coupling @ np.tile(np.eye(3), (size // 3, 1))).max(axis=1)
+    least = np.maximum(RESISTED * (abs(coupling) @ np.ones(size)), ROUND_OFF_ROW * largest)
+    found: np.ndarray = forces > least
+    return found
+
+
+def _labels(file: MatrixFile, rows: np.ndarray) -> list[tuple[int, int]]:
+    """Return node and direction of `rows`, which only files with labels have beside those of the nodes."""
+    return [] if file.equations is None else [(node, axis) for node, axis in file.equations[rows].tolist()]
+
+
+def _refuse_nodes(name: str, file: MatrixFile, rows: np.ndarray) -> None:
+    """Refuse `rows` of nodes that the table lacks."""
+    nodes = sorted({node for node, _ in _labels(file, rows)})
+    if nodes:
+        more = ", …" if len(nodes) > MOST_LABELS else ""
+        raise FEFileFault(
+            f"{name} has rows with stiffness or mass of nodes that the node table lacks: "
+            f"{', '.join(map(str, nodes[:MOST_LABELS]))}{more}; was the table cut short, or written of "
+            "selected nodes only? give one of all nodes",
+            id="FE-184",
+        )
 
 
 def _ordered(name: str, file: MatrixFile, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,6 +1,7 @@
 """Files of a finite-element program to a flexible body: read, tested, reduced."""
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -45,12 +46,14 @@ class _Matrices:
 
 def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | None:
     """Return the body that `given` describes; None where there is none, for the reason in `findings`."""
-    S = _read(given, given.mass, "M", nodal_part, findings)
-    # Elements without a mass have no stiffness for the same reason, which is reported once.
-    reported = S is None and given.mass.form == given.stiffness.form == OF_ELEMENTS
-    K = None if reported else _read(given, given.stiffness, "K", condensed, findings)
+    K = _read(given, given.stiffness, "K", condensed, findings)
+    # Elements without a stiffness have no mass for the same reason, which is reported once.
+    reported = K is None and given.mass.form == given.stiffness.form == OF_ELEMENTS
+    arrange = partial(nodal_part, stiffness=K)
+    S = None if reported else _read(given, given.mass, "M", arrange, findings)
     _check_reference_nodes(given, findings)
-    if S is None or K is None or findings.faults:
+    errors = any(fault.severity == "error" for fault in findings.faults)
+    if S is None or K is None or errors:
         return None
     figures = check_matrices(given, S.matrix, K.matrix, findings)
     if any(fault.severity == "error" for fault in findings.faults):
@@ -212,7 +215,7 @@ def _geometric(
     shapes = _in_axes_of_table(frame, Phi)
     reduced = np.zeros((3, 3, size, size))
     for load in given.unit_loads:
-        found = _read(given, load.file, "K", nodal_part, findings)
+        found = _read(given, load.file, "K", partial(nodal_part, stiffness=matrices.of_stiffness), findings)
         if found is not None:
             reduced[load.i, load.j] = shapes.T @ (found.matrix @ shapes)
     made: np.ndarray = np.einsum("ia,jb,ijkl->abkl", frame.axes, frame.axes, reduced)

@@ -224,7 +224,11 @@ NODES = [
         "NBLOCK,6,SOLID\n(3i9,6e20.13)\n        1        0        0 0.0000X\n",
         "x, line 3: a line of NBLOCK wanted; read '1        0        0 0.0000X'",
     ),
-    ("BDF", "GRID, 1, 5, 0., 0., 0.\n", "x, line 1: GRID 1: the position must be in basic coordinates"),
+    (
+        "BDF",
+        "GRID, 1, 5, 0., 0., 0.\n",
+        "x, line 1: GRID: coordinate system 5 is on no card CORD1R ... CORD2S; add it",
+    ),
     ("BDF", "GRID,,, 0., 0., 0.\n", "x, line 1: GRID: the number of the point wanted; read ''"),
 ]
 

@@ -31,8 +31,8 @@ def spoilt(folder, change, symmetric=True, **choices):
 def test_matrices_of_another_mesh(tmp_path):
     r, _, M, K = truss(1)
     assert messages(files_input(tmp_path, r[:5], M, K)) == [
-        "error: M.mtx has 21 rows; the 5 nodes of the table need 15, three each",
         "error: K.mtx has 21 rows; the 5 nodes of the table need 15, three each",
+        "error: M.mtx has 21 rows; the 5 nodes of the table need 15, three each",
     ]
 
 

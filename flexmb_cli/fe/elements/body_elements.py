@@ -42,6 +42,13 @@ def element_table(
     except FEFileFault as fault:
         findings.error(given.name, str(fault), file.place, id=fault.id)
         return None
+    if found.left_out:
+        message = (
+            f"{file.path.name} holds other elements, too ({found.left_out}); they have no part in the body, "
+            "neither mass nor stiffness"
+        )
+        if all(fault.message != message for fault in findings.faults):
+            findings.warn(given.name, message, file.place, id="FE-182")
     number = _folded(found.numbers, rows, positions)
     if number is not None:
         message = (

@@ -2,9 +2,10 @@
 
 Abaqus Analysis User's Guide, "Generating matrices"; coordinates come with blanks or commas.  The suffix .mtx
 is also Matrix Market's: the deck names the format.  Nodes with negative labels are internal degrees of
-freedom of elements.
+freedom of elements.  FORMAT=LABELS writes PART-1-1.7 for node 7 of an instance, the only one here.
 """
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from .matrix_file import FEFileFault, MatrixFile, has_both_triangles, labelled
 
 # Abaqus puts 1e36 on the diagonal where a degree of freedom is held.
 LARGEST_STIFFNESS = 1e30
+_LABEL = re.compile(r"""(^|,)\s*(["']?[A-Za-z][^,]*?)\.(-?\d+)["']?\s*(?=,)""")
 
 
 def read_abaqus(path: Path) -> MatrixFile:
@@ -24,6 +26,8 @@ def read_abaqus(path: Path) -> MatrixFile:
     body, numbers = filled(lines, comment="*")
     if not body:
         raise FEFileFault(f"{name} holds no entries", id="FE-013")
+    if _LABEL.match(body[0]):
+        body = _without_instance(name, body, numbers)
     comma = "," in body[0]
     width = len(body[0].split("," if comma else None))
     if width not in (3, 5):
@@ -40,6 +44,16 @@ def read_abaqus(path: Path) -> MatrixFile:
     if wrong.size:
         raise line_fault(name, numbers[wrong[0]], "rows, columns and directions count from 1", id="FE-089")
     return (_by_rows if width == 3 else _by_nodes)(name, where, entries[:, -1])
+
+
+def _without_instance(name: str, body: list[str], numbers: list[int]) -> list[str]:
+    """Return lines with the numbers of nodes alone, all of them of one instance."""
+    instance = _LABEL.findall(body[0])[0][1]
+    for number, line in zip(numbers, body, strict=True):
+        if [found[1] for found in _LABEL.findall(line)] != 2 * [instance]:
+            message = f"no two nodes of instance {instance}; write the matrices with FORMAT=MATRIX INPUT"
+            raise line_fault(name, number, message, id="FE-183")
+    return [_LABEL.sub(r"\1\3", line) for line in body]
 
 
 def _by_rows(_name: str, where: np.ndarray, values: np.ndarray) -> MatrixFile:

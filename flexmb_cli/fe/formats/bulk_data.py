@@ -1,14 +1,20 @@
 """Cards of Nastran bulk data: small fields of 8, large fields of 16 columns, free fields by commas.
 
-MSC Nastran Quick Reference Guide, "Bulk data"; continuations follow their card directly.
+MSC Nastran Quick Reference Guide, "Bulk data"; continuations follow their card directly.  INCLUDE names a
+file, which quotes may spread over several lines.
 """
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
 from ...deck import number
-from .file_text import integer, line_fault, lines_of
+from .file_text import integer, line_fault
+from .included_files import IncludedLines, Line
+from .matrix_file import FEFileFault
+
+_INCLUDE = re.compile(r"\s*INCLUDE(?![A-Z0-9])\s*=?\s*(.*)", re.IGNORECASE)
 
 
 class BulkCard(NamedTuple):
@@ -17,16 +23,42 @@ class BulkCard(NamedTuple):
     name: str  # in capitals
     line: int  # that it begins on, from 1
     fields: list[str]  # behind the name
+    file: str = ""  # its name, without its folder
+
+    def card_fault(self, message: str, *, id: str) -> FEFileFault:
+        """Return the fault of this card."""
+        return line_fault(self.file, self.line, f"{self.name}: {message}", id=id)
+
+    def field(self, index: int) -> str:
+        """Return a field, "" when the card is shorter."""
+        return self.fields[index] if index < len(self.fields) else ""
+
+
+def lines(path: Path) -> Iterator[Line]:
+    """Yield the lines of a file and of those that it includes.  Raises FEFileFault."""
+    source = IncludedLines(path)
+    for line in source:
+        found = _INCLUDE.fullmatch(line.text)
+        if found is None:
+            yield line
+            continue
+        name, quote = found[1].split("$")[0].strip(), found[1][:1]
+        if quote in ("'", '"'):
+            while name.count(quote) < 2 and (more := next(source, None)):
+                name += more.text.strip()
+            name = name.split(quote)[1].strip()
+        source.include(name, line)
 
 
 def bulk_cards(path: Path, names: tuple[str, ...]) -> Iterator[BulkCard]:
-    """The cards called `names` with their continuations."""
+    """The cards called `names` with their continuations, of this file and those that it includes."""
     card = None
-    for count, line in enumerate(lines_of(path), start=1):
-        line = line.split("$", 1)[0].rstrip()
+    for source in lines(path):
+        line = source.text.split("$", 1)[0].rstrip()
         if not line:
             continue
         head = (line.split(",", 1)[0] if "," in line else line[:8]).strip()
+        _check_head(source, head.upper(), names, card is not None)
         if not head or head[0] in "+*":
             if card is not None:
                 card.fields.extend(_fields(line, head))
@@ -34,10 +66,28 @@ def bulk_cards(path: Path, names: tuple[str, ...]) -> Iterator[BulkCard]:
         if card is not None:
             yield card
         name = head.rstrip("*").upper()
+        if name == "ENDDATA":
+            return
         # Files hold far more cards than those wanted.
-        card = BulkCard(name, count, _fields(line, head)) if name in names else None
+        card = BulkCard(name, source.number, _fields(line, head), source.name) if name in names else None
     if card is not None:
         yield card
+
+
+def _check_head(line: Line, head: str, names: tuple[str, ...], follows: bool) -> None:
+    """Refuse what hides cards: repetition, fields out of their columns, a comma that makes them free ones.
+
+    `follows`: whether a continuation of a card called `names` may stand here.
+    """
+    if head.startswith("="):
+        raise line.fault("cards repeated by = are not read; let a preprocessor write them out", id="FE-168")
+    word, *more = head.split() or [""]
+    follows = follows and "," in line.text
+    if (more and word.rstrip("*") in names) or (
+        follows and (word[:1].isdigit() or (more and word[:1] in "+*"))
+    ):
+        message = "fields out of their columns of 8 or 16, or decimals with commas; write them with points"
+        raise line.fault(message, id="FE-169")
 
 
 def _fields(line: str, head: str) -> list[str]:
@@ -53,23 +103,19 @@ def _fields(line: str, head: str) -> list[str]:
 
 def integer_field(path: Path, card: BulkCard, index: int, what: str, default: int | None = None) -> int:
     """Field `index` of a card as an integer."""
-    text = card.fields[index] if index < len(card.fields) else ""
+    text = card.field(index)
     if not text and default is not None:
         return default
     try:
         return integer(text)
     except ValueError:
-        raise line_fault(
-            path.name, card.line, f"{card.name}: {what} wanted; read '{text}'", id="FE-094"
-        ) from None
+        raise card.card_fault(f"{what} wanted; read '{text}'", id="FE-094") from None
 
 
 def real_field(path: Path, card: BulkCard, index: int, what: str) -> float:
     """Field `index` of a card as a number, 0 when it is empty."""
-    text = card.fields[index] if index < len(card.fields) else ""
+    text = card.field(index)
     try:
         return number.real(text)[0] if text else 0.0
     except number.Misspelt:
-        raise line_fault(
-            path.name, card.line, f"{card.name}: {what} wanted; read '{text}'", id="FE-094"
-        ) from None
+        raise card.card_fault(f"{what} wanted; read '{text}'", id="FE-094") from None

@@ -4,14 +4,17 @@ Tetrahedra have 4 or 10 nodes, hexahedra 8 or 20.
 """
 
 import re
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...quick_dataclass import dataclass
-from .bulk_data import BulkCard, bulk_cards, integer_field
-from .file_text import integer, line_fault, lines_of
+from .abaqus_input import blocks, integers_of, words_of
+from .ansys_cdb import commands
+from .bulk_data import bulk_cards, integer_field
+from .included_files import Line
 from .matrix_file import FEFileFault
 
 if TYPE_CHECKING:
@@ -20,21 +23,29 @@ if TYPE_CHECKING:
 
 COUNTS = (4, 8, 10, 20)
 _KNOWN = "tetrahedra of 4 or 10 and hexahedra of 8 or 20 nodes"
-_INP_TYPE = re.compile(r"TYPE\s*=\s*(C3D(4|8|10|20)[A-Z]*)\s*(,|$)")
+_INP_TYPE = re.compile(r"C3D(4|8|10|20)[A-Z]*")
+# Lines and surfaces that mesh programs write beside the solid elements.
+_INP_FLAT = re.compile(r"(T[23]D|B[23]|CPS|CPE|CAX|SFM3D|M3D|R[23]D|S(?=\d)|STRI)\d+[A-Z]*")
 _CDB_FORMAT = re.compile(r"\(\s*\d+i(\d{1,3})(?!\d)", re.IGNORECASE)
 # In EBLOCK eleven integers precede the nodes, the ninth of which counts them.
 _CDB_HEAD, _CDB_COUNT = 11, 8
+# Surface effect elements and elements of meshes only, which have no stiffness.
+_CDB_FLAT = re.compile(r"(SURF)?15[1-4]|(MESH)?200")
+_OF_ELEMENTS = "E EN EMOR EGEN ENGE ENSY ESYM EDEL EMOD /INP *USE *DO CDRE"
 # Nastran numbers the edges along the third direction before those of the upper face.
 _FROM_NASTRAN = [*range(12), *range(16, 20), *range(12, 16)]
 
 
 @dataclass(frozen=True)
 class _Element:
-    """An element as its file gives it; `kind` is its type in an INP file, "" in others."""
+    """An element as its file gives it; `kind` is its type in an INP file, "" in others.
+
+    No nodes: an element of another type, which has no part in the body.
+    """
 
     number: int
     nodes: list[int]
-    line: int
+    line: Line
     kind: str = ""
 
 
@@ -42,7 +53,8 @@ class _Element:
 class ElementTable:
     """Node numbers (m, k) of the elements, k 4, 8, 10 or 20, and the numbers of the elements (m,).
 
-    `kind` is their type in an INP file, such as C3D20R; "" in other formats.
+    `kind` is their type in an INP file, such as C3D20R; "" in other formats.  `left_out`: what else the
+    file holds, in words.
 
     Hexahedra: corners of one face, of the opposite one, then the middles of edges as Abaqus and ANSYS have
     them.  Tetrahedra: corners, then the middles of the edges 1-2, 2-3, 3-1, 1-4, 2-4, 3-4.
@@ -51,6 +63,7 @@ class ElementTable:
     numbers: np.ndarray
     nodes: np.ndarray
     kind: str = ""
+    left_out: str = ""
 
 
 def read_elements(path: Path, form: str) -> ElementTable:
@@ -63,24 +76,29 @@ def read_elements(path: Path, form: str) -> ElementTable:
         raise FEFileFault(
             f"{path.name}: a node table of format {form} has no elements; INP, CDB or BDF has", id="FE-019"
         )
-    found = list(readers[form](path))
+    every = list(readers[form](path))
+    found = [element for element in every if element.nodes]
+    counts = Counter(element.kind for element in every if not element.nodes)
+    others = ", ".join(f"{count} {kind}" for kind, count in sorted(counts.items()))
     if not found:
-        raise FEFileFault(f"{path.name} holds no elements in format {form}", id="FE-020")
-    _check_nodes(path.name, found)
+        but = f" but {others}; {_KNOWN} are used" if others else ""
+        raise FEFileFault(f"{path.name} holds no elements in format {form}{but}", id="FE-020")
+    _check_nodes(found)
     _check_kinds(path.name, found)
-    _check_numbers(path.name, found)
+    _check_numbers(found)
     return ElementTable(
         np.array([element.number for element in found], dtype=np.int64),
         np.array([element.nodes for element in found], dtype=np.int64),
         found[0].kind,
+        others,
     )
 
 
-def _check_nodes(name: str, found: list[_Element]) -> None:
+def _check_nodes(found: list[_Element]) -> None:
     for element in found:
         if len(element.nodes) not in COUNTS or len(set(element.nodes)) < len(element.nodes):
             message = f"element {element.number} has not the different nodes of one of the {_KNOWN}"
-            raise line_fault(name, element.line, message, id="FE-097")
+            raise element.line.fault(message, id="FE-097")
 
 
 def _check_kinds(name: str, found: list[_Element]) -> None:
@@ -95,94 +113,103 @@ def _check_kinds(name: str, found: list[_Element]) -> None:
         )
 
 
-def _check_numbers(name: str, found: list[_Element]) -> None:
-    first: dict[int, int] = {}
+def _check_numbers(found: list[_Element]) -> None:
+    first: dict[int, Line] = {}
     for element in found:
         if element.number in first:
-            message = f"element {element.number} is given twice, first on line {first[element.number]}"
-            raise line_fault(name, element.line, message, id="FE-098")
+            other = first[element.number]
+            place = f"line {other.number}" + f" of {other.name}" * (other.name != element.line.name)
+            message = f"element {element.number} is given twice, first on {place}"
+            raise element.line.fault(message, id="FE-098")
         first[element.number] = element.line
 
 
 def _inp_elements(path: Path) -> "Iterator[_Element]":
     """Data lines of *ELEMENT; a line that ends in a comma is continued."""
-    words: list[str] = []
-    kind, wanted, first = "", 0, 0
-    for number, line in enumerate(lines_of(path), start=1):
-        if line.startswith("**") or not line.strip():
+    flat: dict[str, Line] = {}  # sets of lines and surfaces
+    for block in blocks(path):
+        kind, named = block.options.get("TYPE", ""), block.options.get("ELSET", "")
+        if block.keyword in ("ELGEN", "ELCOPY"):
+            message = f"*{block.keyword} is not read; let a preprocessor write all elements by *ELEMENT"
+            raise block.line.fault(message, id="FE-178")
+        if block.keyword.endswith("SECTION") and named in flat:
+            raise flat[named].fault(f"elements of a section; only {_KNOWN} are used", id="FE-179")
+        if block.keyword != "ELEMENT":
             continue
-        if line.startswith("*"):
-            kind, wanted = _inp_type(path, number, line.upper())
-            continue
-        if not wanted:
-            continue
-        first = first if words else number
-        words += [word for word in map(str.strip, line.split(",")) if word]
-        if len(words) > wanted or not line.rstrip().endswith(","):
-            values = _integers(path, first, words)
-            yield _Element(values[0], values[1:], first, kind)
-            words = []
-
-
-def _inp_type(path: Path, number: int, line: str) -> tuple[str, int]:
-    """Return type and nodes of the elements below this keyword, "" and 0 when it is no *ELEMENT."""
-    if line.split(",")[0].strip() != "*ELEMENT":
-        return "", 0
-    kind = _INP_TYPE.search(line)
-    if kind is None:
-        message = f"stresses are known of {_KNOWN} only, types C3D4, C3D10, C3D8, C3D20 and their variants"
-        raise line_fault(path.name, number, message, id="FE-099")
-    return kind[1], int(kind[2])
-
-
-def _integers(path: Path, number: int, words: list[str]) -> list[int]:
-    try:
-        return [integer(word) for word in words]
-    except ValueError:
-        message = f"whole numbers wanted; read '{' '.join(words)[:40]}'"
-        raise line_fault(path.name, number, message, id="FE-100") from None
+        block.refuse_others("TYPE", "ELSET", "INPUT")
+        type = _INP_TYPE.fullmatch(kind)
+        if _INP_FLAT.fullmatch(kind):
+            flat[named] = block.line
+        elif type is None:
+            message = f"stresses are known of {_KNOWN} only, types C3D4, C3D10, C3D8, C3D20 and variants"
+            raise block.line.fault(message, id="FE-099")
+        words: list[str] = []
+        first = block.line
+        for line in block.data:
+            first = first if words else line
+            words += [word for word in words_of(line) if word]
+            if (type and len(words) > int(type[1])) or not line.text.endswith(","):
+                values = integers_of(first, words)
+                yield _Element(values[0], values[1:] if type else [], first, kind)
+                words = []
 
 
 def _cdb_elements(path: Path) -> "Iterator[_Element]":
-    """EBLOCK, cut by the format below it; nodes that do not fit stand on the next line."""
-    lines = lines_of(path)
-    start = next((i for i, line in enumerate(lines) if line.upper().startswith("EBLOCK")), None)
-    if start is None:
-        return
-    layout = _CDB_FORMAT.match(lines[start + 1].strip()) if start + 1 < len(lines) else None
+    """EBLOCKs, cut by the formats below them; nodes that do not fit stand on the next line."""
+    flat = set()
+    for line, command, words, below in commands(path, _OF_ELEMENTS):
+        if command == "ET" and _CDB_FLAT.fullmatch(words[1]):
+            flat.add(words[0])
+        elif command == "EBLOCK":
+            yield from _block(line, below, "SOLID" in words, flat)
+
+
+def _block(heading: Line, lines: list[str], solid: bool, flat: set[str]) -> "Iterator[_Element]":
+    layout = _CDB_FORMAT.match(lines[0].strip()) if lines else None
     if layout is None:
-        raise line_fault(path.name, start + 2, "a format such as (19i9) must follow EBLOCK", id="FE-101")
+        second = Line(heading.name, heading.number + 1, "")
+        raise second.fault("a format such as (19i9) must follow EBLOCK", id="FE-101")
     words: list[int] = []
-    width, first = max(1, int(layout[1])), 0
-    for number, line in enumerate(lines[start + 2 :], start=start + 3):
-        if line.strip() == "-1":
+    width, first = max(1, int(layout[1])), heading
+    for number, text in enumerate(lines[1:], start=heading.number + 2):
+        if text.strip() == "-1":
             return
-        first = first if words else number
-        line = line.rstrip()
-        words += _integers(path, number, [line[i : i + width] for i in range(0, len(line), width)])
-        if len(words) >= _CDB_HEAD and len(words) >= _CDB_HEAD + words[_CDB_COUNT]:
+        line, text = Line(heading.name, number, text), text.rstrip()
+        first = first if words else line
+        words += integers_of(line, [text[i : i + width] for i in range(0, len(text), width)])
+        if not solid or (len(words) > 1 and str(words[1]) in flat):
+            yield _Element(0, [], first, "surface elements" if solid else "of EBLOCK without SOLID")
+            words = []
+        elif len(words) >= _CDB_HEAD and len(words) >= _CDB_HEAD + words[_CDB_COUNT]:
             nodes = words[_CDB_HEAD : _CDB_HEAD + words[_CDB_COUNT]]
             yield _Element(words[_CDB_HEAD - 1], nodes, first)
             words = []
-    raise FEFileFault(f"{path.name}: EBLOCK does not end with -1; is the file cut off?", id="FE-022")
+    raise FEFileFault(f"{heading.name}: EBLOCK does not end with -1; is the file cut off?", id="FE-022")
 
 
 _SOLIDS = ("CHEXA", "CPENTA", "CTETRA", "CPYRAM", "CHEXA1", "CHEXA2")
+# Other elements, masses and rigid joints.
+_BDF_OTHERS = (
+    "CQUAD", "CQUAD4", "CQUAD8", "CQUADR", "CTRIA3", "CTRIA6", "CTRIAR", "CSHEAR", "CBAR", "CBEAM",
+    "CBEND", "CROD", "CONROD", "CTUBE", "CBUSH", "CELAS1", "CELAS2", "CELAS3", "CELAS4", "CMASS1",
+    "CMASS2", "CONM1", "CONM2", "RBE1", "RBE2", "RBE3", "RBAR", "RROD", "CTRIAX", "CTRIAX6",
+    "CQUADX",
+)  # fmt: skip
 # Fields of grid points behind the numbers of element and property.
 _MOST_POINTS = {"CHEXA": 20, "CTETRA": 10}
 
 
 def _bdf_elements(path: Path) -> "Iterator[_Element]":
-    for card in bulk_cards(path, _SOLIDS):
+    for card in bulk_cards(path, (*_SOLIDS, *_BDF_OTHERS)):
+        line = Line(card.file, card.line, "")
+        if card.name in _BDF_OTHERS:
+            yield _Element(0, [], line, card.name)
+            continue
         number = integer_field(path, card, 0, "the number of the element")
         if card.name not in _MOST_POINTS:
             message = f"{card.name} {number}: stresses are known of {_KNOWN} only, cards CHEXA and CTETRA"
-            raise line_fault(path.name, card.line, message, id="FE-102")
+            raise line.fault(message, id="FE-102")
         fields = range(2, 2 + _MOST_POINTS[card.name])
-        given = [integer_field(path, card, i, "a grid point") for i in fields if _filled(card, i)]
+        given = [integer_field(path, card, i, "a grid point") for i in fields if card.field(i)]
         nodes = [given[i] for i in _FROM_NASTRAN] if len(given) == 20 else given
-        yield _Element(number, nodes, card.line)
-
-
-def _filled(card: BulkCard, index: int) -> bool:
-    return index < len(card.fields) and bool(card.fields[index])
+        yield _Element(number, nodes, line)

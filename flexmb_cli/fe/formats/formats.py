@@ -1,12 +1,13 @@
 """The formats of matrix files by their words in decks, and what reads them."""
 
+import re
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...quick_dataclass import replace
-from .file_text import printed_digits
+from .file_text import bytes_of, printed_digits
 from .matrix_file import FEFileFault, MatrixFile
 
 
@@ -34,6 +35,8 @@ NEEDS_MAPPING = {form: known.mapping for form, known in MATRIX_FORMATS.items() i
 OF_ELEMENTS = "MESH"
 # Node tables that may hold elements, too.
 FORMS_WITH_ELEMENTS = ("INP", "CDB", "BDF")
+# What reads the lines of files that may include others: (path).
+INCLUDING = {"INP": "abaqus_input:lines", "BDF": "bulk_data:lines", "DMIG": "bulk_data:lines"}
 
 
 def read_matrix(
@@ -49,6 +52,14 @@ def read_matrix(
         message = f"{found.size} rows and {len(found.values)} entries: rows without any are no body's"
         raise FEFileFault(f"{path.name} has {message}", id="FE-030")
     return replace(found, digits=printed_digits(path))
+
+
+def content_of(path: Path, form: str) -> bytes:
+    """Return what a file and those that it includes hold.  Raises FEFileFault."""
+    raw = bytes_of(path)
+    if form not in INCLUDING or not re.search(rb"\bIN(CLUDE|PUT)\b", raw, re.IGNORECASE):
+        return raw
+    return "\n".join(line.text for line in _reader(INCLUDING[form])(path)).encode()
 
 
 def _read(path: Path, form: str, letter: str, mapping: Path | None, mapping_form: str) -> MatrixFile:

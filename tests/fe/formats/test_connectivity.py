@@ -70,7 +70,7 @@ REFUSED = {
     "a shell": (
         "INP",
         "*ELEMENT, TYPE=S4\n1, 1, 2, 3, 4\n",
-        "x, line 1: stresses are known of tetrahedra of 4 or 10 and hexahedra of 8 or 20 nodes only",
+        "x holds no elements in format INP but 1 S4; tetrahedra of 4 or 10 and hexahedra of 8 or 20 nodes",
     ),
     "a wedge": (
         "BDF",
