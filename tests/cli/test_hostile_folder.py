@@ -1,6 +1,6 @@
 """Modules in the working folder are not executed: Python's own names, and those of libraries.
 
-Without the option -P, `python -c …`, with which `multiprocessing` starts its processes, has the working folder
+Without the option -P, `python -c …`, with which `multiprocessing` starts processes, has the working folder
 in front of `sys.path` (https://docs.python.org/3/using/cmdline.html#cmdoption-c).
 """
 
@@ -15,7 +15,17 @@ import flexmb_cli
 
 PACKAGE = Path(flexmb_cli.__file__).parent
 DECKS = PACKAGE.parent / "decks"
-LIBRARIES = ("numpy", "numba", "llvmlite", "h5py", "click", "scipy", "flexmb_cli", "sitecustomize", "distributed")
+LIBRARIES = (
+    "numpy",
+    "numba",
+    "llvmlite",
+    "h5py",
+    "click",
+    "scipy",
+    "flexmb_cli",
+    "sitecustomize",
+    "distributed",
+)
 # What pip makes of the entry point, in a folder of its own.
 SCRIPT = """import sys
 sys.path[0:0] = [{package!r}]
@@ -92,6 +102,8 @@ def test_workers_are_the_only_processes_that_the_package_starts():
     )
     found = set()
     for path in PACKAGE.rglob("*.py"):
-        code = [line for line in path.read_text(encoding="utf-8").splitlines() if "import " in line or "(" in line]
+        code = [
+            line for line in path.read_text(encoding="utf-8").splitlines() if "import " in line or "(" in line
+        ]
         found |= {path.relative_to(PACKAGE).as_posix() for line in code if starting.search(line)}
     assert found == {f"run/processes/{name}.py" for name in ("parent_watch", "signal_mask", "worker")}

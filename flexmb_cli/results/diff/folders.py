@@ -1,14 +1,15 @@
 """Compare the results of two folders, or of two patterns of names: files of one name belong together."""
 
-import glob
 import os
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
+from fnmatch import fnmatch
 from pathlib import PurePath
 from typing import Any
 
 from ...errors import BAD_INPUT, FlexmbError, compiler_style, visible
 from ...quick_dataclass import dataclass, field
+from ..files.file_names import STALE
 from .counts import agreeing, counted
 from .forms import CSV, HDF5, LISTING, MATLAB, form_of
 from .report import Report
@@ -79,12 +80,16 @@ class Compared:
 
 @dataclass
 class Summary:
-    """All pairs of two folders, in the order of their names; `passed_over`: names of other files."""
+    """All pairs of two folders, in the order of their names; `passed_over`: names of other files.
+
+    `special`: names of links to folders, pipes, devices and sockets, which are neither followed nor opened.
+    """
 
     a: str
     b: str
     compared: list[Compared] = field(default_factory=list)
     passed_over: list[str] = field(default_factory=list)
+    special: list[str] = field(default_factory=list)
 
     @property
     def exit_code(self) -> int:
@@ -94,8 +99,10 @@ class Summary:
     @property
     def verdict(self) -> str:
         """One line: how many files were compared, differ, are missing or cannot be read."""
+        special = [f"{counted(len(self.special), 'special file')} passed over"] * bool(self.special)
         if not self.compared:
-            return f"{visible(self.a)}, {visible(self.b)}: error: no results to compare\n"
+            reported = ", ".join(["error: no results to compare", *special])
+            return f"{visible(self.a)}, {visible(self.b)}: {reported}\n"
         missing = sum(bool(pair.missing) for pair in self.compared)
         failed = sum(pair.failure is not None for pair in self.compared)
         differ = sum(pair.report is not None and not pair.equal for pair in self.compared)
@@ -108,6 +115,7 @@ class Summary:
         counts += [f"{counted(unreadable, 'number')} marked ? not compared"] * bool(unreadable)
         counts += [f"{counted(updated, 'reference')} updated"] * bool(updated)
         counts += [f"{counted(len(self.passed_over), 'other file')} passed over"] * bool(self.passed_over)
+        counts += special
         return f"{visible(self.a)}, {visible(self.b)}: {', '.join(counts)}\n"
 
     def as_dict(self) -> dict[str, Any]:
@@ -119,6 +127,7 @@ class Summary:
             "exit_code": self.exit_code,
             "files": [pair.as_dict() for pair in self.compared],
             "passed_over": self.passed_over,
+            "special": self.special,
         }
 
 
@@ -127,25 +136,28 @@ def is_many(path: str) -> bool:
     return os.path.isdir(path) or (bool(WILD.search(path)) and not os.path.lexists(path))
 
 
-def pairs(a: str, b: str) -> Iterator[Pair]:
-    """Yield the files of `a` and `b` by name, in order; an export belongs to the HDF5 result of its stem.
+def matched(a: str, b: str) -> tuple[list[Pair], list[str]]:
+    """Return the files of `a` and `b` by name, in order, and the names of what is no regular file.
 
-    The name of a file is its path behind the folder, or behind the last folder without a wildcard.
+    The name of a file is its path behind the folder, or behind the last folder without a wildcard.  An export
+    belongs to the HDF5 result of its stem.
     """
-    files_a, files_b = (dict(_files(path)) for path in (a, b))
+    (files_a, special_a), (files_b, special_b) = _files(a), _files(b)
     partners = {name: _result_of(name) for name in files_a if _result_of(name) in files_b}
+    found = []
     for name in sorted(files_a.keys() | files_b.keys()):
         partner = name if name in files_b else partners.get(name, name)
         if name in files_a or name not in partners.values():
-            yield Pair(name, files_a.get(name), files_b.get(partner) if partner is not None else None)
+            found.append(Pair(name, files_a.get(name), files_b.get(partner) if partner is not None else None))
+    return found, sorted(special_a | special_b)
 
 
-def are_same(a: str, b: str) -> bool:
-    """Return whether `a` and `b` are one file or the same files: such a comparison proves nothing."""
-    if not is_many(a):
-        return os.path.exists(a) and os.path.exists(b) and os.path.samefile(a, b)
-    found = [(pair.a, pair.b) for pair in pairs(a, b)]
-    return bool(found) and all(one and other and os.path.samefile(one, other) for one, other in found)
+def are_same(pairs: Sequence[Pair]) -> bool:
+    """Return whether all pairs are of one file each: such a comparison proves nothing."""
+    return bool(pairs) and all(
+        one and other and os.path.exists(one) and os.path.exists(other) and os.path.samefile(one, other)
+        for one, other in ((pair.a, pair.b) for pair in pairs)
+    )
 
 
 def _result_of(name: str) -> str | None:
@@ -154,37 +166,69 @@ def _result_of(name: str) -> str | None:
     return path.with_suffix(".h5").as_posix() if path.suffix in EXPORTS else None
 
 
-def _files(path: str) -> Iterator[tuple[str, str]]:
-    """Pairs (name, path) of the files of a folder or of a pattern; hidden ones are left out."""
-    folder, pattern = (path, "**") if os.path.isdir(path) else _split(path)
-    for found in glob.glob(pattern, root_dir=folder or None, recursive=True):
-        whole = os.path.join(folder, found)
-        if os.path.isfile(whole):
-            yield PurePath(found).as_posix(), whole
+def _files(path: str) -> tuple[dict[str, str], set[str]]:
+    """Return the regular files of a folder or of a pattern by name, and the names of what else matches.
+
+    Hidden files are left out.  Each folder is read once, and a link to a folder is not followed: it may lead
+    back here, or anywhere.
+    """
+    folder, parts = (path, ("**",)) if os.path.isdir(path) else _split(path)
+    files: dict[str, str] = {}
+    special: set[str] = set()
+    waiting, seen = [("", parts)], set()
+    while waiting:
+        place = waiting.pop()
+        if place in seen:
+            continue
+        seen.add(place)
+        inner, (head, *rest) = place
+        waiting += [(inner, tuple(rest))] if head == "**" and rest else []
+        for name in _names(folder, inner, head, special):
+            whole = os.path.join(folder, name)
+            deeper = place[1] if head == "**" else tuple(rest)
+            is_folder, last = os.path.isdir(whole), not rest
+            if is_folder and not os.path.islink(whole):
+                waiting += [(name, deeper)] if deeper else []
+            elif last and os.path.isfile(whole):
+                files[PurePath(name).as_posix()] = whole
+            elif last or is_folder:
+                special.add(PurePath(name).as_posix())
+    return files, special
 
 
-def _split(pattern: str) -> tuple[str, str]:
-    """The folder before the first wildcard, and the rest."""
+def _names(folder: str, inner: str, pattern: str, special: set[str]) -> list[str]:
+    """Return what fits the pattern in a folder; one that cannot be read is added to `special`."""
+    try:
+        names = os.listdir(os.path.join(folder, inner) or ".")
+    except OSError:
+        special.add(PurePath(inner).as_posix())
+        return []
+    shown = [name for name in names if not name.startswith(".") or pattern.startswith(".")]
+    return [os.path.join(inner, name) for name in shown if fnmatch(name, pattern)]
+
+
+def _split(pattern: str) -> tuple[str, tuple[str, ...]]:
+    """The folder before the first wildcard, and the parts behind it."""
     parts = PurePath(pattern).parts
     first = next(k for k, part in enumerate(parts) if WILD.search(part))
-    return os.path.join("", *parts[:first]), os.path.join(*parts[first:])
+    return os.path.join("", *parts[:first]), parts[first:]
 
 
-def compare_many(a: str, b: str, compare_pair: Callable[[Pair], Report]) -> Summary:
-    """Compare all results of `a` and `b`; a file that cannot be read stops no other."""
-    summary = Summary(a, b)
-    for pair in pairs(a, b):
+def compare_many(summary: Summary, pairs: Sequence[Pair], compare_pair: Callable[[Pair], Report]) -> None:
+    """Compare all results among `pairs`; a file that cannot be read stops no other."""
+    for pair in pairs:
         if _is_result(pair):
             summary.compared.append(_compared(pair, compare_pair, summary))
         else:
             summary.passed_over.append(pair.name)
-    return summary
 
 
 def _compared(pair: Pair, compare_pair: "Callable[..., Any]", summary: Summary) -> Compared:
     if pair.a is None or pair.b is None:
         lacking = summary.a if pair.a is None else summary.b
-        return Compared(pair, missing=f"{pair.name}: not in {lacking}")
+        stale = f"{pair.name}{STALE}"
+        of_earlier = f" ({stale} is of an earlier run)" * os.path.isfile(os.path.join(lacking, stale))
+        return Compared(pair, missing=f"{pair.name}: not in {lacking}{of_earlier}")
     try:
         return Compared(pair, compare_pair(pair))
     except FlexmbError as failure:
@@ -195,6 +239,8 @@ def _compared(pair: Pair, compare_pair: "Callable[..., Any]", summary: Summary) 
 
 def _is_result(pair: Pair) -> bool:
     """Return whether a pair is to be compared: by its name, or by the content of one of its files."""
+    if pair.name.endswith(STALE):
+        return False
     if RESULT_NAME.fullmatch(PurePath(pair.name).name):
         return True
     return any(path is not None and _reads_as_result(path) for path in (pair.a, pair.b))
