@@ -1,36 +1,101 @@
-"""Results of an earlier run, which a deck with errors leaves where they are."""
+"""Results of an earlier run, which must not pass for those of a run that leaves none."""
 
+import os
+from collections.abc import Iterator
+from itertools import count
 from pathlib import Path
 
 from ..deck.several_models import named_model
 from ..dialects import DIALECTS
-from ..errors import Fault
-from ..results.files.file_names import result_paths
-from .outcome import RunOptions
+from ..dialects.recognise import recognise
+from ..errors import DONE, Fault, FlexmbError
+from ..results.files.file_names import STALE, STANDARD_INPUT, result_paths
+from ..results.files.own_files import is_own
+from .outcome import Outcome, RunOptions
+
+_BEGINNING = 10_000  # characters of a deck by which its dialect is recognised
 
 
-def warnings_of_earlier_results(path: str, options: RunOptions) -> list[Fault]:
-    """Return a warning that names the results of an earlier run of the deck at `path`, if there are any.
+def dialect_of(path: str, options: RunOptions) -> str:
+    """Return the dialect of a deck by its beginning, "auto" if it has none; its run reports the faults."""
+    # What is no regular file can be read only once.
+    if options.dialect != "auto" or not Path(path).is_file():
+        return options.dialect
+    try:
+        with Path(path).open(encoding="latin-1") as stream:
+            return recognise(stream.read(_BEGINNING).splitlines())
+    except (OSError, FlexmbError):
+        return options.dialect
 
-    The dialect of an unreadable deck is unknown, so the names of all dialects are looked for.
+
+class EarlierResults:
+    """The files that stand in the places of the results of the deck at `path`; make it before the run.
+
+    Results of all dialects count where that of the deck is unknown.
     """
-    name, model = named_model(path)
-    named = {
-        file
-        for dialect in DIALECTS
-        for file in result_paths(
-            Path(name).name,
-            dialect,
-            options.folder,
-            options.out,
-            options.h5,
-            options.no_out,
-            options.no_h5,
-            model,
-        ).files
-    }
-    there = ", ".join(sorted(file for file in named if Path(file).is_file() and not _is_of_study(file)))
-    return [Fault("warning", f"still of an earlier run: {there}", id="RUN-042")] if there else []
+
+    def __init__(self, path: str, options: RunOptions):
+        name, model = named_model(path)
+        self.deck = name if name == STANDARD_INPUT else Path(name).name
+        places = options.folder, options.out, options.h5, options.no_out, options.no_h5
+        dialect = dialect_of(name, options)
+        self._standing = {
+            file: state
+            for known in ([dialect] if dialect in DIALECTS else DIALECTS)
+            for file in result_paths(self.deck, known, *places, model).files
+            if (state := _state(file))
+        }
+
+    def set_aside(self, outcome: Outcome) -> None:
+        """Rename the results of an earlier run, and warn, where the run that ended left none of its own."""
+        if outcome.files or outcome.exit_code == DONE:
+            return
+        # What this run, or another one, has put there since is no earlier result.
+        files = [file for file, state in self._standing.items() if _state(file) == state and is_own(file)]
+        files = sorted(file for file in files if not _is_of_study(file))
+        if any(map(self._is_of_another, files)):
+            return
+        renamed = list(filter(None, map(_set_aside, files)))
+        if renamed:
+            message = f"results of an earlier run are renamed, since this one has none: {', '.join(renamed)}"
+            outcome.faults.append(Fault("warning", message, id="RUN-042"))
+        if stay := ", ".join(filter(os.path.lexists, files)):
+            message = f"still of an earlier run, and cannot be renamed: {stay}"
+            outcome.faults.append(Fault("warning", message, id="RUN-072"))
+
+    def _is_of_another(self, file: str) -> bool:
+        """Return whether an HDF5 result is of another deck, whose name was meant perhaps."""
+        if not file.endswith(".h5"):
+            return False
+        from ..results.hdf5.result_file import printable_name
+        from ..results.hdf5.stored_result import deck_name
+
+        return deck_name(file) not in ("", printable_name(self.deck))
+
+
+def _set_aside(file: str) -> str:
+    """Return the new name of a file, "" where it cannot be renamed."""
+    free = next(name for name in _stale_names(file) if not os.path.lexists(name))
+    try:
+        os.rename(file, free)
+    except OSError:
+        return ""
+    return free
+
+
+def _stale_names(file: str) -> Iterator[str]:
+    """Yield NAME.stale, NAME.stale.2, NAME.stale.3 …: nothing is lost."""
+    yield f"{file}{STALE}"
+    yield from (f"{file}{STALE}.{number}" for number in count(2))
+
+
+def _state(file: str) -> tuple[int, ...] | None:
+    """Return what tells a regular file from one put in its place, None where there is none."""
+    try:
+        found = os.stat(file)
+    except (OSError, ValueError):
+        return None
+    return (found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns) if os.path.isfile(file) else None
 
 
 def _is_of_study(file: str) -> bool:

@@ -75,10 +75,19 @@ def is_run(path: str) -> bool:
     return conventions.startswith(OF_FLEXMB) and not conventions.startswith(OF_STUDIES)
 
 
+def deck_name(path: str) -> str:
+    """Return the name of the deck of a result, "" where it cannot be read."""
+    return _attribute_of(path, "deck_name")
+
+
 def _conventions(path: str) -> str:
+    return _attribute_of(path, "Conventions")
+
+
+def _attribute_of(path: str, name: str) -> str:
     try:
         with h5py.File(path, "r") as file, understood():
-            return "" if fault_of_heaps(file) else attribute(file, "Conventions")
+            return "" if fault_of_heaps(file) else attribute(file, name)
     except (OSError, ValueError, TypeError, SystemError, Damaged):
         # The next reader of the file reports what is wrong with it.
         return ""
