@@ -67,5 +67,5 @@ def _is_table(text: str, path: str) -> bool:
 
 
 def _is_series(text: str, row: str) -> bool:
-    *lines, last = text.splitlines() or [""]
-    return all(re.fullmatch(row, line) for line in lines) and (bool(lines) or re.match(row, last) is not None)
+    *lines, cut = text.replace("\r", "").split("\n")
+    return all(re.fullmatch(row, line) for line in lines) and (bool(lines) or not cut.strip(" .-*0123456789E+"))
