@@ -67,19 +67,17 @@ def require_executable_memory() -> None:
         return
     import ctypes
 
-    flags = mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS
-    page = mmap.mmap(-1, mmap.PAGESIZE, flags, mmap.PROT_READ | mmap.PROT_WRITE)
+    page = mmap.mmap(-1, mmap.PAGESIZE, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
     page[0] = 1  # SELinux distinguishes pages that were written
-    protect = ctypes.CDLL(None, use_errno=True).mprotect
-    protect.argtypes = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int
-    place = ctypes.addressof(ctypes.c_char.from_buffer(page))
-    if protect(place, mmap.PAGESIZE, mmap.PROT_READ | mmap.PROT_EXEC):
-        raise ForbiddenMemory(
+    place = ctypes.c_void_p(ctypes.addressof(ctypes.c_char.from_buffer(page)))
+    rights = mmap.PROT_READ | mmap.PROT_EXEC
+    if ctypes.CDLL(None, use_errno=True).mprotect(place, ctypes.c_size_t(mmap.PAGESIZE), rights):
+        message = (
             "the system forbids executable memory, which compiled kernels need (mprotect: "
             f"{os.strerror(ctypes.get_errno())}); allow it (systemd: MemoryDenyWriteExecute=no, SELinux: "
-            "execmem), or set NUMBA_DISABLE_JIT=1, which is many times slower",
-            id="FLEXMB-008",
+            "execmem), or set NUMBA_DISABLE_JIT=1, which is many times slower"
         )
+        raise ForbiddenMemory(message, id="FLEXMB-008")
 
 
 def lacks_memory(fault: BaseException) -> bool:

@@ -6,9 +6,11 @@ from typing import Any
 import click
 
 from ..dialects.recognise import every_dialect
+from ..errors import FlexmbError
 from .options.completion import files
 from .options.output_file import FORCE
 from .terminal.notices import Notices
+from .terminal.screen import notify
 from .terminal.written_place import WrittenPlace
 from .terminal.wrong_call import WrongCall
 
@@ -59,6 +61,7 @@ def convert(
     from ..results.files.own_files import refuse_foreign
     from ..results.files.replaced_file import write_whole
     from ..run.convert import converted
+    from ..run.earlier_results import set_conversion_aside
     from ..run.outcome import Outcome
     from .options.output_file import STANDARD_OUTPUT, refuse_inputs, reported
 
@@ -70,12 +73,17 @@ def convert(
     _check_units(form, unit, to_unit)
     with notices.failures():
         outcome = Outcome(deck)
-        text = converted(deck, form, changes, unit, to_unit, outcome)
+        try:
+            text = converted(deck, form, changes, unit, to_unit, outcome)
+        except FlexmbError:
+            if stale := set_conversion_aside(output):
+                notify(f"{output}: of an earlier call, now {stale}")
+            raise
         if output == STANDARD_OUTPUT:
             click.echo(text, nl=False)
         else:
             # Of an earlier conversion of this deck both lines are the same.
-            refuse_foreign([output], force, "".join(text.splitlines(keepends=True)[:2]).encode())
+            refuse_foreign([output], force, "".join(text.splitlines(keepends=True)[:2]))
             write_whole(output, text.encode("utf-8"))
     notices.add_of_deck(tuple(dict.fromkeys(outcome.faults)), outcome.source.lines if outcome.source else ())
     notices.say(f"{deck} → {reported(output)}")

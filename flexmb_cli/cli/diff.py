@@ -16,8 +16,6 @@ from .terminal.written_place import WrittenPlace
 from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from ..results.diff.folders import Compared, Pair, Summary
     from ..results.diff.report import Report
     from ..results.diff.tolerance_file import FileTolerances
@@ -72,8 +70,8 @@ def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: 
     _refuse_unlike(a, b, many)
     tolerances = _tolerances(options)
     notes = []
-    pairs, special = matched(a, b) if all(many) else ([Pair(a, a, b)], [])
-    if are_same(pairs):
+    summary = matched(a, b) if all(many) else Summary(a, b, [Pair(a, a, b)])
+    if are_same(summary.pairs):
         message = f"{a} and {b} are the same, so that nothing can differ"
         if all(many):
             raise WrongCall(f"{message}: give the reference and the new results", id="CLI-020")
@@ -81,10 +79,9 @@ def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: 
         if not quiet:
             notify(f"note: {message}")
     if all(many):
-        summary = Summary(a, b, special=special)
-        _compare_folders(summary, pairs, tolerances, update, as_json, options)
+        _compare_folders(summary, tolerances, update, as_json, options)
     else:
-        summary = Summary(a, b, [_compare_files(a, b, tolerances, update, as_json, options)])
+        summary.compared = [_compare_files(a, b, tolerances, update, as_json, options)]
     tolerances.refuse_unused()
     if junit:
         _write_junit(junit, summary)
@@ -140,12 +137,7 @@ def _compare_files(a: Any, b: Any, tolerances: Any, update: bool, as_json: bool,
 
 
 def _compare_folders(
-    summary: "Summary",
-    pairs: "Sequence[Pair]",
-    tolerances: "FileTolerances",
-    update: bool,
-    as_json: bool,
-    options: dict[str, Any],
+    summary: "Summary", tolerances: "FileTolerances", update: bool, as_json: bool, options: dict[str, Any]
 ) -> None:
     from ..results.diff.compare import compare
     from ..results.diff.folders import compare_many
@@ -159,7 +151,7 @@ def _compare_folders(
         return compare(pair.a, pair.b, chosen, **options)
 
     with faults_in_json(as_json, {"a": summary.a, "b": summary.b}, summary.b):
-        compare_many(summary, pairs, compare_pair)
+        compare_many(summary, compare_pair)
         if update:
             from ..results.diff.accept import accept_pair
 

@@ -79,12 +79,9 @@ def _copy_all(output_dir: Any, force: bool) -> Any:
     """Copy the folder of the decks as it is; return how many examples it holds."""
     target = output_dir / "decks"
     _refuse_taken([target], force)
-    _write({target / path.relative_to(_folder()): path.read_bytes() for path in _files(_folder())})
+    files = sorted(path for path in _folder().rglob("*") if path.is_file())
+    _write({target / path.relative_to(_folder()): path.read_bytes() for path in files})
     return len(supplied())
-
-
-def _files(folder: Path) -> list[Path]:
-    return [path for path in sorted(folder.rglob("*")) if path.is_file()]
 
 
 def _write(contents: dict[Path, bytes]) -> None:

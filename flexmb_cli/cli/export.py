@@ -94,7 +94,7 @@ def _export_study(path: str, form: str, output: str, check: "Callable[..., None]
     if output == STANDARD_OUTPUT:
         click.echo(text, nl=False)
     else:
-        check(alike=text.partition("\n")[0].encode())
+        check(alike=text.partition("\n")[0])
         write_whole(output, text.encode("utf-8"))
     return notes
 
@@ -125,7 +125,7 @@ def _write_csv(file: "h5py.File", output: str, check: "Callable[..., None]") -> 
             click.echo(piece, nl=False)
         return
     heads = next(pieces)
-    check(alike=heads.encode())
+    check(alike=heads)
     text = ReplacedText(output)
     try:
         text.write(heads)

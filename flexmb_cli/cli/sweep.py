@@ -10,6 +10,7 @@ import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, Fault, compiler_style
 from ..memory import TO_LOAD, require_memory
+from ..results.files.own_files import refuse_foreign
 from ..run.outcome import INTERRUPTED, TERMINATED, Listener, Stop, Terminated
 from .options.completion import files
 from .options.output_file import FORCE, refuse_inputs
@@ -64,7 +65,8 @@ def sweep(
     stem = "" if study == "-" else PurePath(study).stem
     force, output = force or bool(output), output or f"{stem or 'flexmb'}.h5"
     parts = parts or f"{output}.parts"
-    made = _begun(study, output, force, parts, scheduler, fresh, as_json)
+    refuse_foreign([output], force)
+    made = _begun(study, output, parts, scheduler, fresh, as_json)
     notices = _Notices(study, quiet)
     _warn_of_result(notices, output)
     stop_on_signals()
@@ -123,12 +125,9 @@ def _report_stop(
         sys.stdout.flush()
 
 
-def _begun(
-    study: str, output: str, force: bool, parts: str, scheduler: str | None, fresh: bool, as_json: bool
-) -> "Sweep":
+def _begun(study: str, output: str, parts: str, scheduler: str | None, fresh: bool, as_json: bool) -> "Sweep":
     require_memory(TO_LOAD)  # of numpy, below
     from .. import interface
-    from ..results.files.own_files import refuse_foreign
     from ..results.files.replaced_file import refuse_unwritable
     from ..study.sweep import StudyError
 
@@ -141,7 +140,6 @@ def _begun(
             # The cases are kept beside the table: without this their folder would be made with all its
             # parents.
             refuse_unwritable(output, special=False)
-            refuse_foreign([output], force)
             return interface.open_study(study, parts, fresh)
     except StudyError as failure:
         click.echo(compiler_style(failure.file, failure.faults, failure.lines), err=True)

@@ -1,7 +1,7 @@
 """Results of an earlier run, which must not pass for those of a run that leaves none."""
 
 import os
-from collections.abc import Iterator
+import re
 from itertools import count
 from pathlib import Path
 
@@ -14,6 +14,10 @@ from ..results.files.own_files import is_own
 from .outcome import Outcome, RunOptions
 
 _BEGINNING = 10_000  # characters of a deck by which its dialect is recognised
+# What stands at the beginning of converted decks, of scripts for Exudyn and of MJCF files.
+_CONVERTED = re.compile(
+    rb"converted from the [A-Z]+ deck |, written by flexmb for Exudyn|\A<mujoco model=.*\n  <compiler angle="
+)
 
 
 def dialect_of(path: str, options: RunOptions) -> str:
@@ -68,14 +72,15 @@ class EarlierResults:
         if not file.endswith(".h5"):
             return False
         from ..results.hdf5.result_file import printable_name
-        from ..results.hdf5.stored_result import deck_name
+        from ..results.hdf5.stored_result import root_attribute
 
-        return deck_name(file) not in ("", printable_name(self.deck))
+        return root_attribute(file, "deck_name") not in ("", printable_name(self.deck))
 
 
 def _set_aside(file: str) -> str:
-    """Return the new name of a file, "" where it cannot be renamed."""
-    free = next(name for name in _stale_names(file) if not os.path.lexists(name))
+    """Rename a file to NAME.stale, NAME.stale.2 …: nothing is lost; return the name, "" where it stays."""
+    ends = (f"{STALE}.{number}" if number > 1 else STALE for number in count(1))
+    free = next(name for name in (file + end for end in ends) if not os.path.lexists(name))
     try:
         os.rename(file, free)
     except OSError:
@@ -83,10 +88,13 @@ def _set_aside(file: str) -> str:
     return free
 
 
-def _stale_names(file: str) -> Iterator[str]:
-    """Yield NAME.stale, NAME.stale.2, NAME.stale.3 …: nothing is lost."""
-    yield f"{file}{STALE}"
-    yield from (f"{file}{STALE}.{number}" for number in count(2))
+def set_conversion_aside(file: str) -> str:
+    """Rename a model that an earlier call has converted; return its new name, "" where there is none."""
+    try:
+        begin = Path(file).read_bytes()[:400]
+    except OSError:
+        return ""
+    return _set_aside(file) if _CONVERTED.search(begin) else ""
 
 
 def _state(file: str) -> tuple[int, ...] | None:

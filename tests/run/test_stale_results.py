@@ -153,3 +153,21 @@ def test_a_folder_that_cannot_be_changed_is_named(folder, monkeypatch):
     spoilt()
     (message,) = (f.message for f in run_deck("IN4-BAR.dat", RunOptions()).faults if f.id == "RUN-072")
     assert message == "still of an earlier run, and cannot be renamed: OUT4-BAR.dat, OUT4-BAR.h5"
+
+
+@pytest.mark.parametrize(("deck", "form", "suffix"), [
+    ("dafms/spatial_rigid.DAT", "vsdf", ".vsdf"),
+    ("dafms/spatial_rigid.DAT", "mjcf", ".xml"),
+])  # fmt: skip
+def test_a_failed_conversion_sets_the_earlier_one_aside(tmp_path, monkeypatch, deck, form, suffix):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(DECKS / deck, "c.DAT")
+    words = ["convert", "c.DAT", "--to", form]
+    assert flexmb(*words).exit_code == 0
+    before = Path(f"c{suffix}").read_bytes()
+    Path("c.DAT").write_text("DFMB nothing else\n")
+    assert flexmb(*words).exception is not None
+    assert Path(f"c{suffix}.stale").read_bytes() == before and not Path(f"c{suffix}").exists()
+    Path(f"c{suffix}").write_text("my model")
+    assert flexmb(*words).exception is not None
+    assert Path(f"c{suffix}").read_text() == "my model"

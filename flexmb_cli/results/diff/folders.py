@@ -80,13 +80,14 @@ class Compared:
 
 @dataclass
 class Summary:
-    """All pairs of two folders, in the order of their names; `passed_over`: names of other files.
+    """All `pairs` of two folders, in the order of their names; `passed_over`: names of other files.
 
     `special`: names of links to folders, pipes, devices and sockets, which are neither followed nor opened.
     """
 
     a: str
     b: str
+    pairs: list[Pair] = field(default_factory=list)
     compared: list[Compared] = field(default_factory=list)
     passed_over: list[str] = field(default_factory=list)
     special: list[str] = field(default_factory=list)
@@ -101,8 +102,8 @@ class Summary:
         """One line: how many files were compared, differ, are missing or cannot be read."""
         special = [f"{counted(len(self.special), 'special file')} passed over"] * bool(self.special)
         if not self.compared:
-            reported = ", ".join(["error: no results to compare", *special])
-            return f"{visible(self.a)}, {visible(self.b)}: {reported}\n"
+            counts = ["error: no results to compare", *special]
+            return f"{visible(self.a)}, {visible(self.b)}: {', '.join(counts)}\n"
         missing = sum(bool(pair.missing) for pair in self.compared)
         failed = sum(pair.failure is not None for pair in self.compared)
         differ = sum(pair.report is not None and not pair.equal for pair in self.compared)
@@ -136,28 +137,25 @@ def is_many(path: str) -> bool:
     return os.path.isdir(path) or (bool(WILD.search(path)) and not os.path.lexists(path))
 
 
-def matched(a: str, b: str) -> tuple[list[Pair], list[str]]:
-    """Return the files of `a` and `b` by name, in order, and the names of what is no regular file.
+def matched(a: str, b: str) -> Summary:
+    """Pair the files of `a` and `b` by name, in order; an export belongs to the HDF5 result of its stem.
 
-    The name of a file is its path behind the folder, or behind the last folder without a wildcard.  An export
-    belongs to the HDF5 result of its stem.
+    The name of a file is its path behind the folder, or behind the last folder without a wildcard.
     """
     (files_a, special_a), (files_b, special_b) = _files(a), _files(b)
+    summary = Summary(a, b, special=sorted(special_a | special_b))
     partners = {name: _result_of(name) for name in files_a if _result_of(name) in files_b}
-    found = []
     for name in sorted(files_a.keys() | files_b.keys()):
-        partner = name if name in files_b else partners.get(name, name)
+        partner = name if name in files_b else partners.get(name, name) or name
         if name in files_a or name not in partners.values():
-            found.append(Pair(name, files_a.get(name), files_b.get(partner) if partner is not None else None))
-    return found, sorted(special_a | special_b)
+            summary.pairs.append(Pair(name, files_a.get(name), files_b.get(partner)))
+    return summary
 
 
 def are_same(pairs: Sequence[Pair]) -> bool:
     """Return whether all pairs are of one file each: such a comparison proves nothing."""
-    return bool(pairs) and all(
-        one and other and os.path.exists(one) and os.path.exists(other) and os.path.samefile(one, other)
-        for one, other in ((pair.a, pair.b) for pair in pairs)
-    )
+    paths = [(pair.a or "", pair.b or "") for pair in pairs]
+    return bool(paths) and all(all(map(os.path.exists, two)) and os.path.samefile(*two) for two in paths)
 
 
 def _result_of(name: str) -> str | None:
@@ -177,34 +175,28 @@ def _files(path: str) -> tuple[dict[str, str], set[str]]:
     special: set[str] = set()
     waiting, seen = [("", parts)], set()
     while waiting:
-        place = waiting.pop()
+        place = inner, (head, *rest) = waiting.pop()
         if place in seen:
             continue
         seen.add(place)
-        inner, (head, *rest) = place
         waiting += [(inner, tuple(rest))] if head == "**" and rest else []
-        for name in _names(folder, inner, head, special):
+        try:
+            names = [name for name in os.listdir(os.path.join(folder, inner) or ".") if _fits(name, head)]
+        except OSError:  # a folder that cannot be read
+            names, special = [], special | {inner or path}
+        for name in (os.path.join(inner, name) for name in names):
             whole = os.path.join(folder, name)
-            deeper = place[1] if head == "**" else tuple(rest)
-            is_folder, last = os.path.isdir(whole), not rest
-            if is_folder and not os.path.islink(whole):
-                waiting += [(name, deeper)] if deeper else []
-            elif last and os.path.isfile(whole):
+            if os.path.isdir(whole) and not os.path.islink(whole):
+                waiting += [(name, parts) for parts in [place[1] if head == "**" else tuple(rest)] if parts]
+            elif not rest and os.path.isfile(whole):
                 files[PurePath(name).as_posix()] = whole
-            elif last or is_folder:
+            elif not rest or os.path.isdir(whole):
                 special.add(PurePath(name).as_posix())
     return files, special
 
 
-def _names(folder: str, inner: str, pattern: str, special: set[str]) -> list[str]:
-    """Return what fits the pattern in a folder; one that cannot be read is added to `special`."""
-    try:
-        names = os.listdir(os.path.join(folder, inner) or ".")
-    except OSError:
-        special.add(PurePath(inner).as_posix())
-        return []
-    shown = [name for name in names if not name.startswith(".") or pattern.startswith(".")]
-    return [os.path.join(inner, name) for name in shown if fnmatch(name, pattern)]
+def _fits(name: str, pattern: str) -> bool:
+    return (pattern.startswith(".") or not name.startswith(".")) and fnmatch(name, pattern)
 
 
 def _split(pattern: str) -> tuple[str, tuple[str, ...]]:
@@ -214,9 +206,9 @@ def _split(pattern: str) -> tuple[str, tuple[str, ...]]:
     return os.path.join("", *parts[:first]), parts[first:]
 
 
-def compare_many(summary: Summary, pairs: Sequence[Pair], compare_pair: Callable[[Pair], Report]) -> None:
-    """Compare all results among `pairs`; a file that cannot be read stops no other."""
-    for pair in pairs:
+def compare_many(summary: Summary, compare_pair: Callable[[Pair], Report]) -> None:
+    """Compare all results among the pairs; a file that cannot be read stops no other."""
+    for pair in summary.pairs:
         if _is_result(pair):
             summary.compared.append(_compared(pair, compare_pair, summary))
         else:
@@ -239,7 +231,7 @@ def _compared(pair: Pair, compare_pair: "Callable[..., Any]", summary: Summary) 
 
 def _is_result(pair: Pair) -> bool:
     """Return whether a pair is to be compared: by its name, or by the content of one of its files."""
-    if pair.name.endswith(STALE):
+    if STALE in PurePath(pair.name).suffixes[-2:]:  # NAME.stale, NAME.stale.2
         return False
     if RESULT_NAME.fullmatch(PurePath(pair.name).name):
         return True

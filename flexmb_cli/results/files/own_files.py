@@ -1,7 +1,4 @@
-"""Files that flexmb may replace unasked: those that it made itself, of any age, whole or cut, and empty ones.
-
-A deck, or a text of the user, in the place of a result stays: `--force` alone replaces it.
-"""
+"""Files that flexmb may replace unasked: its own, of any age, whole or cut, and empty ones."""
 
 import os
 import re
@@ -10,62 +7,54 @@ from collections.abc import Iterable
 from ...dialects.recognise import every_dialect
 from ...errors import OutputError
 
-_READ = 2**16  # bytes that are looked at
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
-# Beginnings of files that are no tables, and what else stands in so many bytes from there on.
-_MARKS = (
-    (HDF5_SIGNATURE, b"flexmb-", 2**10),  # of `Conventions`, the first attribute
-    (HDF5_SIGNATURE + b"\x02", b"VTKHDF", 2**7),  # superblock 2: VTK and h5py by themselves write others
-    (b"MATLAB 5.0 MAT-file, written by flexmb", b"", 0),
-    (b"\x89PNG\r\n", b"Software\0flexmb", 2**8),
-    (b'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">', b"script-src 'sha256-", 2**8),
-    (b'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">', b"script-src 'sha256-", 2**8),
+_READ, _HEAD = 2**16, 400  # bytes that are looked at, and those of a heading
+_SHORTEST_HDF5 = 2**8  # bytes; a file cut before holds nothing
+# Files that are no tables: an HDF5 result by `Conventions`, its first attribute; VTKHDF by the superblock 2,
+# where VTK and h5py by themselves write others; pages by their content security policy.
+_MARKED = re.compile(
+    rb"\x89HDF\r\n\x1a\n(.{,1000}flexmb-|\x02.{,100}VTKHDF)|MATLAB 5.0 MAT-file, written by flexmb"
+    rb"|\x89PNG\r\n.{,200}Software\0flexmb"
+    rb"|<!doctype html>\s<html lang=\"en\">\s?<head>\s?<meta charset=\"utf-8\">.{,100}script-src 'sha256-",
+    re.DOTALL | re.IGNORECASE,
 )
-# What HDF5 needs to find anything: a file cut before holds nothing.
-_SHORTEST_HDF5 = 2**8
 
 
-def refuse_foreign(paths: Iterable[str], force: bool = False, alike: bytes = b"") -> None:
+def refuse_foreign(paths: Iterable[str], force: bool = False, alike: str = "") -> None:
     """Raise OutputError where a file that flexmb did not make stands at one of `paths`.
 
-    `alike`: with what a file of this command begins, if it has no mark of its own.
+    `alike`: with what files of this command begin, if they have no mark of their own.
     """
     for path in paths:
         if not force and os.path.isfile(path) and not is_own(path, alike):
-            raise OutputError(
-                f"{path}: a file stands there that flexmb did not make; --force replaces it, or rename it",
-                id="RESULT-082",
+            message = (
+                f"{path}: a file stands there that flexmb did not make; --force replaces it, or rename it"
             )
+            raise OutputError(message, id="RESULT-082")
 
 
-def is_own(path: str, alike: bytes = b"") -> bool:
+def is_own(path: str, alike: str = "") -> bool:
     """Return whether the file at `path` is empty, or one that flexmb made."""
     try:
         with open(path, "rb") as file:
             content = file.read(_READ)
     except OSError:
         return False
-    if not content.strip(b"\0"):  # zeros are what a loss of power leaves
+    cut = HDF5_SIGNATURE.startswith(content[:8]) and len(content) < _SHORTEST_HDF5
+    if not content.strip(b"\0") or cut or _MARKED.match(content):  # zeros are what a loss of power leaves
         return True
-    if content.startswith(HDF5_SIGNATURE[: len(content)]) and len(content) < _SHORTEST_HDF5:
-        return True
-    if any(content.startswith(begin) and mark in content[:within] for begin, mark, within in _MARKS):
-        return True
-    return _is_table(content.decode("latin-1"), path) or (bool(alike) and content.startswith(alike))
+    return _is_table(content.decode("latin-1"), path) or bool(alike and content.startswith(alike.encode()))
 
 
 def _is_table(text: str, path: str) -> bool:
     """Return whether it is a printed table, or a part of one from its beginning."""
-    begin, whole = "".join(text[:400].lower().split()), len(text) <= 400
+    begin, whole = "".join(text[:_HEAD].lower().split()), len(text) <= _HEAD
+    *lines, _ = text.replace("\r", "").split("\n")
     for dialect in every_dialect():
-        for head in dialect.listing_begins:
-            if begin.startswith(head) or (whole and head.startswith(begin)):
-                return True
-        if dialect.series_row and path.endswith(dialect.series) and _is_series(text, dialect.series_row):
+        heads = dialect.listing_begins
+        if begin.startswith(heads) or (whole and any(head.startswith(begin) for head in heads)):
             return True
+        if dialect.series_row and path.endswith(dialect.series):
+            cut = not lines and re.fullmatch(r"[-+ .*\dE]*", text)
+            return bool(cut or (lines and all(re.fullmatch(dialect.series_row, line) for line in lines)))
     return False
-
-
-def _is_series(text: str, row: str) -> bool:
-    *lines, cut = text.replace("\r", "").split("\n")
-    return all(re.fullmatch(row, line) for line in lines) and (bool(lines) or not cut.strip(" .-*0123456789E+"))

@@ -66,25 +66,17 @@ def check_structure(file: h5py.File) -> None:
 
 def is_study(path: str) -> bool:
     """Return whether the file at `path` can be opened and is the table of a study."""
-    return _conventions(path).startswith(OF_STUDIES)
+    return root_attribute(path).startswith(OF_STUDIES)
 
 
 def is_run(path: str) -> bool:
     """Return whether the file at `path` can be opened and is the result of a run."""
-    conventions = _conventions(path)
+    conventions = root_attribute(path)
     return conventions.startswith(OF_FLEXMB) and not conventions.startswith(OF_STUDIES)
 
 
-def deck_name(path: str) -> str:
-    """Return the name of the deck of a result, "" where it cannot be read."""
-    return _attribute_of(path, "deck_name")
-
-
-def _conventions(path: str) -> str:
-    return _attribute_of(path, "Conventions")
-
-
-def _attribute_of(path: str, name: str) -> str:
+def root_attribute(path: str, name: str = "Conventions") -> str:
+    """Return an attribute of the file at `path`, "" where it cannot be read."""
     try:
         with h5py.File(path, "r") as file, understood():
             return "" if fault_of_heaps(file) else attribute(file, name)

@@ -72,12 +72,12 @@ def _safe_path() -> Iterator[None]:
 
     The variable PYTHONSAFEPATH would not do: a Python that was started with -E passes it over.
     """
-    flags = util._args_from_interpreter_flags  # type: ignore[attr-defined]
-    util._args_from_interpreter_flags = lambda: [*flags(), "-P"]  # type: ignore[attr-defined]
+    flags, of_util = util._args_from_interpreter_flags, vars(util)  # type: ignore[attr-defined]
+    of_util["_args_from_interpreter_flags"] = lambda: [*flags(), "-P"]
     try:
         yield
     finally:
-        util._args_from_interpreter_flags = flags  # type: ignore[attr-defined]
+        of_util["_args_from_interpreter_flags"] = flags
 
 
 @contextmanager
