@@ -65,6 +65,7 @@ def sweep(
     stem = "" if study == "-" else PurePath(study).stem
     force, output = force or bool(output), output or f"{stem or 'flexmb'}.h5"
     parts = parts or f"{output}.parts"
+    refuse_inputs(output, [study])
     refuse_foreign([output], force)
     made = _begun(study, output, parts, scheduler, fresh, as_json)
     notices = _Notices(study, quiet)
@@ -133,7 +134,6 @@ def _begun(study: str, output: str, parts: str, scheduler: str | None, fresh: bo
 
     if PurePath(output).suffix not in (".h5", ".parquet"):
         raise WrongCall("-o needs a name that ends in .h5 or .parquet", id="CLI-054")
-    refuse_inputs(output, [study])
     _require_libraries(output, scheduler)
     try:
         with faults_in_json(as_json, {"study": study}, study):
