@@ -47,7 +47,7 @@ class EarlierResults:
             file: state
             for known in ([dialect] if dialect in DIALECTS else DIALECTS)
             for file in result_paths(self.deck, known, *places, model).files
-            if (state := _state(file))
+            if (state := _state(file)) and state != _state(name)  # not the deck itself
         }
 
     def set_aside(self, outcome: Outcome) -> None:
@@ -56,8 +56,13 @@ class EarlierResults:
             return
         # What this run, or another one, has put there since is no earlier result.
         files = [file for file, state in self._standing.items() if _state(file) == state and is_own(file)]
-        files = sorted(file for file in files if not _is_of_study(file))
-        if any(map(self._is_of_another, files)):
+        # A run replaces no table of `flexmb sweep STEM.toml` unasked.
+        files = sorted(
+            file for file in files if not _attribute(file, "Conventions").startswith("flexmb-study-")
+        )
+        # The name of another deck may be a slip; results keep names as UTF-8 can hold them.
+        name = os.fsencode(self.deck).decode("utf-8", "backslashreplace")
+        if {_attribute(file, "deck_name") for file in files} - {"", name}:
             return
         renamed = list(filter(None, map(_set_aside, files)))
         if renamed:
@@ -66,15 +71,6 @@ class EarlierResults:
         if stay := ", ".join(filter(os.path.lexists, files)):
             message = f"still of an earlier run, and cannot be renamed: {stay}"
             outcome.faults.append(Fault("warning", message, id="RUN-072"))
-
-    def _is_of_another(self, file: str) -> bool:
-        """Return whether an HDF5 result is of another deck, whose name was meant perhaps."""
-        if not file.endswith(".h5"):
-            return False
-        from ..results.hdf5.result_file import printable_name
-        from ..results.hdf5.stored_result import root_attribute
-
-        return root_attribute(file, "deck_name") not in ("", printable_name(self.deck))
 
 
 def _set_aside(file: str) -> str:
@@ -90,10 +86,7 @@ def _set_aside(file: str) -> str:
 
 def set_conversion_aside(file: str) -> str:
     """Rename a model that an earlier call has converted; return its new name, "" where there is none."""
-    try:
-        begin = Path(file).read_bytes()[:400]
-    except OSError:
-        return ""
+    begin = Path(file).read_bytes()[:400] if os.path.isfile(file) else b""
     return _set_aside(file) if _CONVERTED.search(begin) else ""
 
 
@@ -106,11 +99,10 @@ def _state(file: str) -> tuple[int, ...] | None:
     return (found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns) if os.path.isfile(file) else None
 
 
-def _is_of_study(file: str) -> bool:
-    """Return whether a file is the table of `flexmb sweep STEM.toml`, which no run replaces unasked."""
+def _attribute(file: str, name: str) -> str:
+    """Return an attribute of an HDF5 result, "" of other files: they need no HDF5 library."""
     if not file.endswith(".h5"):
-        return False
-    # Decks without faults need no HDF5 library for this.
-    from ..results.hdf5.stored_result import is_study
+        return ""
+    from ..results.hdf5.stored_result import root_attribute
 
-    return is_study(file)
+    return root_attribute(file, name)

@@ -171,3 +171,24 @@ def test_a_failed_conversion_sets_the_earlier_one_aside(tmp_path, monkeypatch, d
     Path(f"c{suffix}").write_text("my model")
     assert flexmb(*words).exception is not None
     assert Path(f"c{suffix}").read_text() == "my model"
+
+
+def test_a_listing_that_is_given_for_a_deck_stays(folder):
+    """Its own result would have its name."""
+    shutil.copy("OUT4-BAR.dat", "x.OUT")
+    assert run_deck("x.OUT", RunOptions()).exit_code == 2
+    assert Path("x.OUT").exists() and not Path("x.OUT.stale").exists()
+
+
+def test_the_folder_of_results_lacks_what_was_set_aside(folder):
+    """The sequence of a pipeline: the deck is spoilt, and the comparison with the reference fails."""
+    os.mkdir("reference")
+    for name in NAMES:
+        shutil.copy(name, "reference")
+    assert flexmb("run", "-q", "IN4-BAR.dat", "-o", "results").exit_code == 0
+    assert flexmb("diff", "reference", "results").exit_code == 0
+    spoilt()
+    assert flexmb("run", "-q", "IN4-BAR.dat", "-o", "results").exit_code == 2
+    done = flexmb("diff", "reference", "results", "--junit", "diff.xml")
+    assert done.exit_code == 1 and "0 files compared, 0 differ, 2 missing" in done.stdout
+    assert Path("diff.xml").read_text().count("<failure") == 2
