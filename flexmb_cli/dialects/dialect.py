@@ -30,10 +30,8 @@ class Dialect(NamedTuple):
     # The same for files known by a column of numbers alone; they are tried behind those of all dialects.
     series_readers: tuple[str, ...] = ()
     listing_signs: str = ""  # "no …": what is missing in a file that none of them recognises
-    # With what its tables begin, in small letters without blanks, and all lines of `series`, a pattern: a
-    # file like that may be replaced unasked.
-    listing_begins: tuple[str, ...] = ()
-    series_row: str = ""
+    listing_begins: tuple[str, ...] = ()  # of its tables, in small letters without blanks
+    series_row: str = ""  # pattern of each line of `series`
     renamed: tuple[str, str] = ("", "")  # IN<rest> gives OUT<rest>; other names <stem>.OUT
     series: tuple[str, ...] = ()  # endings of further tables
     options: tuple[str, ...] = ()  # options of `run` on which only its numbers depend
