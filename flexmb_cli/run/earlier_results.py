@@ -91,7 +91,7 @@ def set_conversion_aside(file: str) -> str:
 
 
 def _state(file: str) -> tuple[int, ...] | None:
-    """Return what tells a regular file from one put in its place, None where there is none."""
+    """Return the identity of a regular file and of its content, None where there is none."""
     try:
         found = os.stat(file)
     except (OSError, ValueError):

@@ -8,7 +8,7 @@ from ...dialects.recognise import every_dialect
 from ...errors import OutputError
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
-_READ, _HEADING = 2**16, 400  # bytes that are looked at, and those of a heading
+_READ, _BEGIN_BYTES = 2**16, 400  # bytes that are looked at, and those of a heading
 _SHORTEST_HDF5 = 2**8  # bytes; a file cut before holds nothing
 # Files that are no tables: an HDF5 result by `Conventions`, its first attribute; VTKHDF by the superblock 2,
 # where VTK and h5py by themselves write others; pages by their content security policy.
@@ -48,7 +48,7 @@ def is_own(path: str, alike: str = "") -> bool:
 
 def _is_table(text: str, path: str) -> bool:
     """Return whether it is a printed table, or a part of one from its beginning."""
-    begin, whole = "".join(text[:_HEADING].lower().split()), len(text) <= _HEADING
+    begin, whole = "".join(text[:_BEGIN_BYTES].lower().split()), len(text) <= _BEGIN_BYTES
     *lines, _ = text.replace("\r", "").split("\n")
     for dialect in every_dialect():
         heads = dialect.listing_begins
