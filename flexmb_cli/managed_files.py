@@ -4,8 +4,10 @@ Somebody else may have prepared their folder.  A link there could lead to any fi
 pipe could wait for ever, and opening a device could act on it; so only regular files are opened.
 """
 
+import errno
 import os
 import stat
+from pathlib import Path
 from typing import Any
 
 from .errors import OutputError
@@ -72,6 +74,19 @@ def is_own(found: os.stat_result) -> bool:
 def belongs_here(found: os.stat_result) -> bool:
     """Return whether what has the status `found` is of this user, or of root, who could change all anyway."""
     return not hasattr(os, "geteuid") or found.st_uid in (0, os.geteuid())
+
+
+def make_own_folder(folder: Path) -> None:
+    """Make the folder `flexmb/NAME` of a cache, which only this user may write to, and those above it.
+
+    Raises PermissionError in a folder of somebody else, such as the HOME of the user whom root works for:
+    he could not use what is made there.
+    """
+    nearest = next(each for each in (folder, *folder.parents) if each.exists())
+    if not belongs_here(nearest.stat()):
+        raise PermissionError(errno.EACCES, "belongs to another user", str(nearest))
+    for below in (folder.parent.parent, folder.parent, folder):
+        below.mkdir(mode=0o700, parents=True, exist_ok=True)
 
 
 class ManagedFolder:

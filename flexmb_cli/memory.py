@@ -1,12 +1,17 @@
 """Want of memory: foreseen before libraries fail of it, and distinguished from other faults afterwards."""
 
 import errno
+import functools
 import math
 import mmap
+import os
+import sys
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import numpy as np
+
+from .errors import ANALYSIS_FAILED, FlexmbError
 
 try:
     # Here, because where memory is short it could not be loaded any more.
@@ -47,6 +52,32 @@ def require_memory(size: int) -> None:
             mmap.mmap(-1, size).close()
         except OSError as fault:
             raise MemoryError(f"{size // 2**20} MB of addresses are needed") from fault
+
+
+class ForbiddenMemory(FlexmbError):
+    """The system lets no program make code (exit 1)."""
+
+    exit_code = ANALYSIS_FAILED
+
+
+@functools.cache
+def require_executable_memory() -> None:
+    """Raise ForbiddenMemory where the system lets no memory become executable: LLVM would crash there."""
+    if sys.platform != "linux":
+        return
+    import ctypes
+
+    page = mmap.mmap(-1, mmap.PAGESIZE, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
+    page[0] = 1  # SELinux distinguishes pages that were written
+    place = ctypes.c_void_p(ctypes.addressof(ctypes.c_char.from_buffer(page)))
+    rights = mmap.PROT_READ | mmap.PROT_EXEC
+    if ctypes.CDLL(None, use_errno=True).mprotect(place, ctypes.c_size_t(mmap.PAGESIZE), rights):
+        message = (
+            "the system forbids executable memory, which compiled kernels need (mprotect: "
+            f"{os.strerror(ctypes.get_errno())}); allow it (systemd: MemoryDenyWriteExecute=no, SELinux: "
+            "execmem), or set NUMBA_DISABLE_JIT=1, which is many times slower"
+        )
+        raise ForbiddenMemory(message, id="FLEXMB-008")
 
 
 def lacks_memory(fault: BaseException) -> bool:

@@ -6,8 +6,11 @@ from typing import Any
 import click
 
 from ..dialects.recognise import every_dialect
+from ..errors import FlexmbError
 from .options.completion import files
+from .options.output_file import FORCE
 from .terminal.notices import Notices
+from .terminal.screen import notify
 from .terminal.written_place import WrittenPlace
 from .terminal.wrong_call import WrongCall
 
@@ -30,6 +33,7 @@ UNITS = ("m", "mm", "mm-kg", "cm", "in")
               help="Units of DECK: m (kg), mm (t), mm-kg, cm (g), in (lbf).  [default: m]")  # fmt: skip
 @click.option("--to-unit", type=click.Choice(UNITS), default="m",
               help="Units of the new deck, where its dialect prescribes none.  [default: m]")  # fmt: skip
+@FORCE
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 def convert(
@@ -39,6 +43,7 @@ def convert(
     changes: "tuple[Any, ...]",
     unit: str,
     to_unit: str,
+    force: bool,
     as_json: bool,
     quiet: bool,
 ) -> None:
@@ -53,23 +58,32 @@ def convert(
         flexmb convert decks/dafms/spatial_rigid.DAT --to vsdf
         flexmb convert IN4-BAR.dat --to young --to-unit mm -o IN4-MM.dat
     """
+    from ..results.files.own_files import refuse_foreign
     from ..results.files.replaced_file import write_whole
     from ..run.convert import converted
+    from ..run.earlier_results import set_conversion_aside
     from ..run.outcome import Outcome
     from .options.output_file import STANDARD_OUTPUT, refuse_inputs, reported
 
     stem = "flexmb" if deck == "-" else PurePath(deck).stem
-    output = output or f"{stem}{SUFFIX[form]}"
+    force, output = force or bool(output), output or f"{stem}{SUFFIX[form]}"
     refuse_inputs(output, [deck])
     notices = Notices("deck", deck, quiet, as_json)
     notices.refuse_standard_output(output)
     _check_units(form, unit, to_unit)
     with notices.failures():
         outcome = Outcome(deck)
-        text = converted(deck, form, changes, unit, to_unit, outcome)
+        try:
+            text = converted(deck, form, changes, unit, to_unit, outcome)
+        except FlexmbError:
+            if stale := set_conversion_aside(output):
+                notify(f"{output}: of an earlier call, now {stale}")
+            raise
         if output == STANDARD_OUTPUT:
             click.echo(text, nl=False)
         else:
+            # Of an earlier conversion of this deck both lines are the same.
+            refuse_foreign([output], force, "".join(text.splitlines(keepends=True)[:2]))
             write_whole(output, text.encode("utf-8"))
     notices.add_of_deck(tuple(dict.fromkeys(outcome.faults)), outcome.source.lines if outcome.source else ())
     notices.say(f"{deck} → {reported(output)}")

@@ -60,7 +60,7 @@ def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: 
         flexmb diff reference/OUT4-BAR.dat OUT4-BAR.dat --last-digit 1
         flexmb diff reference results --junit diff.xml
     """
-    from ..results.diff.folders import Summary, are_same, is_many
+    from ..results.diff.folders import Pair, Summary, are_same, is_many, matched
 
     if options["deck"] and not options["explain"]:
         raise WrongCall("--deck goes with --explain", id="CLI-018")
@@ -70,7 +70,8 @@ def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: 
     _refuse_unlike(a, b, many)
     tolerances = _tolerances(options)
     notes = []
-    if are_same(a, b):
+    summary = matched(a, b) if all(many) else Summary(a, b, [Pair(a, a, b)])
+    if are_same(summary.pairs):
         message = f"{a} and {b} are the same, so that nothing can differ"
         if all(many):
             raise WrongCall(f"{message}: give the reference and the new results", id="CLI-020")
@@ -78,9 +79,9 @@ def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: 
         if not quiet:
             notify(f"note: {message}")
     if all(many):
-        summary = _compare_folders(a, b, tolerances, update, as_json, options)
+        _compare_folders(summary, tolerances, update, as_json, options)
     else:
-        summary = Summary(a, b, [_compare_files(a, b, tolerances, update, as_json, options)])
+        summary.compared = [_compare_files(a, b, tolerances, update, as_json, options)]
     tolerances.refuse_unused()
     if junit:
         _write_junit(junit, summary)
@@ -136,8 +137,8 @@ def _compare_files(a: Any, b: Any, tolerances: Any, update: bool, as_json: bool,
 
 
 def _compare_folders(
-    a: str, b: str, tolerances: "FileTolerances", update: bool, as_json: bool, options: dict[str, Any]
-) -> "Summary":
+    summary: "Summary", tolerances: "FileTolerances", update: bool, as_json: bool, options: dict[str, Any]
+) -> None:
     from ..results.diff.compare import compare
     from ..results.diff.folders import compare_many
     from ..results.diff.forms import LISTING, form_of
@@ -149,14 +150,13 @@ def _compare_folders(
             chosen = chosen.without_digits()
         return compare(pair.a, pair.b, chosen, **options)
 
-    with faults_in_json(as_json, {"a": a, "b": b}, b):
-        summary = compare_many(a, b, compare_pair)
+    with faults_in_json(as_json, {"a": summary.a, "b": summary.b}, summary.b):
+        compare_many(summary, compare_pair)
         if update:
             from ..results.diff.accept import accept_pair
 
             for compared in summary.compared:
-                accept_pair(compared, a)
-    return summary
+                accept_pair(compared, summary.a)
 
 
 def _write_junit(path: str, summary: "Summary") -> None:

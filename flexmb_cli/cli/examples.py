@@ -1,7 +1,6 @@
 """`flexmb examples`: the supplied decks, listed or copied."""
 
 import re
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -80,8 +79,18 @@ def _copy_all(output_dir: Any, force: bool) -> Any:
     """Copy the folder of the decks as it is; return how many examples it holds."""
     target = output_dir / "decks"
     _refuse_taken([target], force)
-    shutil.copytree(_folder(), target, dirs_exist_ok=True)
+    files = sorted(path for path in _folder().rglob("*") if path.is_file())
+    _write({target / path.relative_to(_folder()): path.read_bytes() for path in files})
     return len(supplied())
+
+
+def _write(contents: dict[Path, bytes]) -> None:
+    """Write all files or none: a full disk leaves what was there."""
+    from ..results.files.replaced_file import make_folder, write_together
+
+    for folder in {path.parent for path in contents}:
+        make_folder(folder)
+    write_together(contents)
 
 
 def _similar(name: str, decks: dict[str, Path]) -> str:
@@ -134,11 +143,8 @@ def _copy(deck: Path, folder: Path, force: bool) -> list[Path]:
             text = text.replace(word, sources[named].as_posix())
     targets = {source: folder / to for source, to in sources.items()}
     _refuse_taken([folder / deck.name, *targets.values()], force)
-    for source, target in targets.items():
-        target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(source, target)
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / deck.name).write_text(text, encoding="utf-8", newline="")
+    contents = {folder / deck.name: text.encode()}
+    _write(contents | {target: source.read_bytes() for source, target in targets.items()})
     return [folder / deck.name, *targets.values()]
 
 

@@ -1,16 +1,20 @@
 """`flexmb export`: a result for other programs."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from .options.completion import files
+from .options.output_file import FORCE
 from .terminal.notices import Notices
 from .terminal.written_place import WrittenPlace
 from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import h5py
 
     from ..errors import Fault
@@ -24,9 +28,10 @@ SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
 @click.option("--to", "form", required=True, type=click.Choice(list(SUFFIX)), help="What to write.")
 @click.option("-o", "--output", type=WrittenPlace(), metavar="FILE",
               help="The file; - is standard output, for csv [default: NAME.FORM].")  # fmt: skip
+@FORCE
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
-def export(result: str, form: str, output: str | None, as_json: bool, quiet: bool) -> None:
+def export(result: str, form: str, output: str | None, force: bool, as_json: bool, quiet: bool) -> None:
     """Write RESULT.h5 for ParaView (vtkhdf), spreadsheets (csv) or MATLAB and Octave (mat).
 
     vtkhdf holds the moving bodies as a time series for ParaView 5.12 and newer, csv all quantities with
@@ -36,34 +41,40 @@ def export(result: str, form: str, output: str | None, as_json: bool, quiet: boo
     Example:
         flexmb export OUT4-BAR.h5 --to vtkhdf -o four-bar.vtkhdf
     """
+    from ..results.files.own_files import refuse_foreign
     from ..results.hdf5.stored_result import is_study
     from .options.output_file import refuse_inputs, refuse_standard_output, reported
 
-    output = output or f"{Path(result).stem}{SUFFIX[form]}"
+    force, output = force or bool(output), output or f"{Path(result).stem}{SUFFIX[form]}"
     refuse_inputs(output, [result])
+    check = partial(refuse_foreign, [output], force)
     if form != "csv":
+        check()
         refuse_standard_output(output, f"a file of the form {form}")
     notices = Notices("result", result, quiet, as_json)
     notices.refuse_standard_output(output)
     with notices.failures():
-        notes = (_export_study if is_study(result) else _export_run)(result, form, output)
+        notes = (_export_study if is_study(result) else _export_run)(result, form, output, check)
     notices.add(notes)
     notices.say(f"{result} → {reported(output)}")
     notices.end(file=output)
 
 
-def _export_run(path: str, form: str, output: str) -> "list[Fault]":
+def _export_run(path: str, form: str, output: str, check: "Callable[..., None]") -> "list[Fault]":
     """Write the result of a run; return what its reader should know."""
     from ..results.quantities.quantities import open_result, refuse_uneven, remarks
 
     with open_result(path) as file:
         refuse_uneven(file)
         notes = remarks(file)
-        WRITERS[form](file, output)
+        if form == "csv":
+            _write_csv(file, output, check)
+        else:
+            WRITERS[form](file, output)
     return notes
 
 
-def _export_study(path: str, form: str, output: str) -> "list[Fault]":
+def _export_study(path: str, form: str, output: str, check: "Callable[..., None]") -> "list[Fault]":
     """Write the table of a study; return what its reader should know."""
     from ..results.files.matlab import matlab_bytes
     from ..results.files.replaced_file import write_whole
@@ -83,6 +94,7 @@ def _export_study(path: str, form: str, output: str) -> "list[Fault]":
     if output == STANDARD_OUTPUT:
         click.echo(text, nl=False)
     else:
+        check(alike=text.partition("\n")[0])
         write_whole(output, text.encode("utf-8"))
     return notes
 
@@ -101,7 +113,7 @@ def _write_mat(file: "h5py.File", output: str) -> None:
     write_whole(output, matlab_bytes(file))
 
 
-def _write_csv(file: "h5py.File", output: str) -> None:
+def _write_csv(file: "h5py.File", output: str, check: "Callable[..., None]") -> None:
     from ..results.files.replaced_file import ReplacedText
     from ..results.quantities.quantities import names
     from ..results.quantities.table import chosen_rows, table_text
@@ -112,8 +124,11 @@ def _write_csv(file: "h5py.File", output: str) -> None:
         for piece in pieces:
             click.echo(piece, nl=False)
         return
+    heads = next(pieces)
+    check(alike=heads)
     text = ReplacedText(output)
     try:
+        text.write(heads)
         for piece in pieces:
             text.write(piece)
     except BaseException:
@@ -122,4 +137,4 @@ def _write_csv(file: "h5py.File", output: str) -> None:
     text.commit()
 
 
-WRITERS = {"vtkhdf": _write_vtkhdf, "csv": _write_csv, "mat": _write_mat}
+WRITERS = {"vtkhdf": _write_vtkhdf, "mat": _write_mat}

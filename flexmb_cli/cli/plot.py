@@ -9,6 +9,7 @@ import click
 from ..errors import Fault
 from .options.completion import files, quantities
 from .options.finite import AnyFinite, Millimetres
+from .options.output_file import FORCE
 from .terminal.notices import Notices
 from .terminal.written_place import WrittenPlace
 from .terminal.wrong_call import WrongCall
@@ -49,6 +50,7 @@ EMULATION = ("With the known errors of", "the program of 1996 (--as-printed)")
     "--style", default="", metavar="FILE", help="A style file of matplotlib, or the name of a style."
 )
 @click.option("--latex", is_flag=True, help="Set texts by LaTeX, which must be installed.")
+@FORCE
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
 def plot(
@@ -63,6 +65,7 @@ def plot(
     title: str | None,
     kind: str,
     width: None,
+    force: bool,
     as_json: bool,
     quiet: bool,
     **print_options: Any,
@@ -82,14 +85,16 @@ def plot(
     """
     from ..extras import needed
     from ..results.figures.plots import FORMATS
+    from ..results.files.own_files import refuse_foreign
     from ..results.hdf5.stored_result import is_study
     from .options.output_file import refuse_inputs, refuse_standard_output
 
-    output = output or f"{Path(result).stem}.png"
+    force, output = force or bool(output), output or f"{Path(result).stem}.png"
     refuse_standard_output(output, "a picture")
     form = Path(output).suffix[1:].lower()
     if form not in FORMATS:
         raise WrongCall(f"{output}: pictures are written as .png, .svg or .pdf files", id="CLI-028")
+    refuse_foreign([output], force)
     needed("matplotlib", "matplotlib", "plot", "flexmb plot")
     notices = Notices("result", result, quiet, as_json)
     if is_study(result):

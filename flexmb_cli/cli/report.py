@@ -8,6 +8,7 @@ from ..errors import Fault
 from .options.completion import files
 from .options.finite import AnyFinite
 from .options.interval import Interval
+from .options.output_file import FORCE
 from .terminal.notices import Notices
 from .terminal.written_place import WrittenPlace
 from .terminal.wrong_call import WrongCall
@@ -37,10 +38,11 @@ if TYPE_CHECKING:
               help="Values of the first and the last colour [default: smallest and largest].")  # fmt: skip
 @click.option("--scale", type=AnyFinite(), default=1.0, metavar="X",
               help="Show deformations of finite-element bodies X times as large [default: 1].")  # fmt: skip
+@FORCE
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
 def report(
-    result: str, output: str | None, as_json: bool, quiet: bool, movie: str | None, **looks: Any
+    result: str, output: str | None, force: bool, as_json: bool, quiet: bool, movie: str | None, **looks: Any
 ) -> None:
     """Write a self-contained HTML page: motion in 3-D, curves, audit and deck of RESULT.h5.
 
@@ -56,6 +58,7 @@ def report(
     """
     from pathlib import Path
 
+    from ..results.files.own_files import refuse_foreign
     from ..results.files.replaced_file import write_whole
     from ..results.hdf5.stored_result import is_study
     from .options.output_file import STANDARD_OUTPUT, refuse_inputs, reported
@@ -66,8 +69,9 @@ def report(
         _write_film(notices, movie, output, looks, bodies)
         return
     _refuse_options(("fps", "size", "view"), "for films; give --movie, too")
-    output = output or f"{Path(result).stem}.html"
+    force, output = force or bool(output), output or f"{Path(result).stem}.html"
     refuse_inputs(output, [result])
+    refuse_foreign([output], force)
     notices.refuse_standard_output(output)
     with notices.failures():
         if is_study(result):

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, FlexmbError
+from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT
 from ..model.integrators import METHOD_OPTIONS, TREE_METHODS
 from .options.deck_options import DECK, deck_options, refuse_strange_models, show_faults, with_models
 from .options.finite import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, Finite
+from .options.output_file import FORCE
 from .terminal.screen import notify, show, standard_output, wants_debug
 from .terminal.stops import stop_on_signals
 from .terminal.written_place import WrittenPlace
@@ -20,9 +21,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from ..run.outcome import Outcome, RunOptions
-
-
-_BEGINNING = 10_000  # characters of a deck by which its dialect is recognised
 
 
 @click.command()
@@ -44,6 +42,7 @@ _BEGINNING = 10_000  # characters of a deck by which its dialect is recognised
               help="Store only the datasets of this quantity as HDF5; can be given again.")  # fmt: skip
 @click.option("--layout", type=click.Choice(["safe", "historic"]), default="safe", show_default=True,
               help="historic: signed zeros, fields that run together.")  # fmt: skip
+@FORCE
 @click.option("-j", "--jobs", type=click.IntRange(1), default=1, show_default=True, help="Decks run at once.")
 @click.option("--feps", type=Finite(0), help="YOUNG: end Newton at this residual (historic 1e-4).")
 @click.option("--epslu", type=Finite(0, 1), help="YOUNG: smallest pivot (historic 1e-5).")
@@ -161,13 +160,17 @@ def _all_outcomes(
     """Return what became of every deck; one that was not begun before a stop is as if stopped at its first
     row.
     """
+    from ..run.earlier_results import EarlierResults
     from ..run.outcome import Outcome, Stop
 
     left = list(decks)
     for outcome in _outcomes(decks, options, jobs, quiet, verbose):
         left.remove(outcome.deck)
         yield outcome
-    yield from (Outcome(deck, Stop.code()) for deck in left)
+    for deck in left:
+        outcome = Outcome(deck, Stop.code())
+        EarlierResults(deck, options).set_aside(outcome)
+        yield outcome
 
 
 def _outcomes(
@@ -204,6 +207,7 @@ def _refuse_shared_files(decks: "Sequence[str]", options: "RunOptions") -> None:
 
     from ..deck.several_models import named_model
     from ..results.files.file_names import refuse_shared, result_paths
+    from ..run.earlier_results import dialect_of
 
     if len(decks) > 1 and (options.h5 or options.out not in (None, "-")):
         raise WrongCall("--out and --h5 name one file: give one deck, or use --output-dir", id="CLI-053")
@@ -211,24 +215,8 @@ def _refuse_shared_files(decks: "Sequence[str]", options: "RunOptions") -> None:
     results = []
     for path, model in map(named_model, decks):
         name = path if path == "-" else PurePath(path).name
-        results.append((path, result_paths(name, _dialect(path, options), *places, model)))
+        results.append((path, result_paths(name, dialect_of(path, options), *places, model)))
     refuse_shared(results, decks)
-
-
-def _dialect(deck: str, options: "RunOptions") -> str:
-    """Dialect of a deck by its beginning; the faults of one without any are reported by its run."""
-    from pathlib import Path
-
-    from ..dialects.recognise import recognise
-
-    # What is no regular file can be read only once.
-    if options.dialect != "auto" or not Path(deck).is_file():
-        return options.dialect
-    try:
-        with Path(deck).open(encoding="latin-1") as stream:
-            return recognise(stream.read(_BEGINNING).splitlines())
-    except (OSError, FlexmbError):
-        return options.dialect
 
 
 def _report_outcome(outcome: "Outcome", options: "RunOptions", quiet: bool, verbose: bool) -> None:

@@ -10,9 +10,10 @@ import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, Fault, compiler_style
 from ..memory import TO_LOAD, require_memory
+from ..results.files.own_files import refuse_foreign
 from ..run.outcome import INTERRUPTED, TERMINATED, Listener, Stop, Terminated
 from .options.completion import files
-from .options.output_file import refuse_inputs
+from .options.output_file import FORCE, refuse_inputs
 from .terminal.json_faults import faults_in_json
 from .terminal.progress import Progress
 from .terminal.screen import notify
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
               help="Folder of the cases so far, which all workers must share; "
               "goes away at the end.  [default: beside the table]")  # fmt: skip
 @click.option("--fresh", is_flag=True, help="Throw away what a stopped study left, and start anew.")
+@FORCE
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @click.option(
     "-v", "--verbose", is_flag=True, help="Without a terminal, print the progress every ten seconds."
@@ -46,6 +48,7 @@ def sweep(
     scheduler: str | None,
     parts: str | None,
     fresh: bool,
+    force: bool,
     as_json: bool,
     quiet: bool,
     verbose: bool,
@@ -60,8 +63,10 @@ def sweep(
         flexmb sweep study.toml -j 4
     """
     stem = "" if study == "-" else PurePath(study).stem
-    output = output or f"{stem or 'flexmb'}.h5"
+    force, output = force or bool(output), output or f"{stem or 'flexmb'}.h5"
     parts = parts or f"{output}.parts"
+    refuse_inputs(output, [study])
+    refuse_foreign([output], force)
     made = _begun(study, output, parts, scheduler, fresh, as_json)
     notices = _Notices(study, quiet)
     _warn_of_result(notices, output)
@@ -129,7 +134,6 @@ def _begun(study: str, output: str, parts: str, scheduler: str | None, fresh: bo
 
     if PurePath(output).suffix not in (".h5", ".parquet"):
         raise WrongCall("-o needs a name that ends in .h5 or .parquet", id="CLI-054")
-    refuse_inputs(output, [study])
     _require_libraries(output, scheduler)
     try:
         with faults_in_json(as_json, {"study": study}, study):

@@ -30,6 +30,8 @@ class Dialect(NamedTuple):
     # The same for files known by a column of numbers alone; they are tried behind those of all dialects.
     series_readers: tuple[str, ...] = ()
     listing_signs: str = ""  # "no …": what is missing in a file that none of them recognises
+    listing_begins: tuple[str, ...] = ()  # of its tables, in small letters without blanks
+    series_row: str = ""  # pattern of each line of `series`
     renamed: tuple[str, str] = ("", "")  # IN<rest> gives OUT<rest>; other names <stem>.OUT
     series: tuple[str, ...] = ()  # endings of further tables
     options: tuple[str, ...] = ()  # options of `run` on which only its numbers depend

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import Fault
-from ..managed_files import UnsafePlace, is_own, open_managed
+from ..managed_files import UnsafePlace, is_own, make_own_folder, open_managed
 from ..model.flexible_body import BodyMesh, BodyStress, Dropped, ElementMaterial, FlexibleBody, FlexibleInput
 from ..quick_dataclass import fields
 from .formats.formats import content_of
@@ -46,18 +46,12 @@ def cache_folder() -> Path | None:
             continue
         folder = Path(base) / below / "flexmb" / "bodies"
         try:
-            _make(folder)
+            make_own_folder(folder)
         except OSError:
             continue
         if os.access(folder, os.W_OK):
             return folder
     return None
-
-
-def _make(folder: Path) -> None:
-    """Make a folder that no other user may write to: compiled kernels lie beside it."""
-    for below in (folder.parent.parent, folder.parent, folder):
-        below.mkdir(mode=0o700, parents=True, exist_ok=True)
 
 
 def key_of(given: FlexibleInput) -> str:
@@ -124,8 +118,12 @@ def load(given: FlexibleInput) -> tuple[FlexibleBody, list[Fault]] | None:
     if _digest(key, content) != digest:
         return None
     arrays = io.BytesIO(content)
-    notes = json.loads(str(np.load(arrays, allow_pickle=False)))
-    return _restored(given, notes, {name: np.load(arrays, allow_pickle=False) for name in notes["arrays"]})
+    try:
+        notes = json.loads(str(np.load(arrays, allow_pickle=False)))
+        stored = {name: np.load(arrays, allow_pickle=False) for name in notes["arrays"]}
+        return _restored(given, notes, stored)
+    except (ValueError, KeyError, TypeError, AttributeError, EOFError):
+        return None  # whole, but no body of this layout
 
 
 def _digest(key: str, content: bytes) -> bytes:

@@ -10,10 +10,9 @@ import stat
 from collections.abc import Iterator
 from pathlib import Path
 
-from ..managed_files import is_own
-from ._objects import kernel_digest
+from ..managed_files import is_own, make_own_folder
+from ._objects import ENDING, kernel_digest
 
-ENDING = ".object"
 KEPT_VERSIONS = 3  # of the kernels' text; older folders are deleted
 _PREFIX = "objects-"
 _OLD_PREFIX = "kernels-"  # of versions that kept numba's own files
@@ -121,7 +120,7 @@ def folder_to_write() -> Path | None:
 
     for folder in folders():
         with contextlib.suppress(OSError):
-            _make(folder)
+            make_own_folder(folder)
             if folder in folders():  # another may have been quicker
                 tempfile.TemporaryFile(dir=folder).close()
                 return folder
@@ -138,12 +137,6 @@ def is_kept_behind(name: str) -> bool:
         return False
     order = list(folders())
     return order.index(found[0].parent) > order.index(folder)
-
-
-def _make(folder: Path) -> None:
-    folder.parent.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-    for below in (folder.parent, folder):
-        below.mkdir(mode=0o700, exist_ok=True)
 
 
 def keep(folder: Path | None, name: str, data: bytes) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..collector import without_collector
-from ..memory import TO_COMPILE, require_memory
+from ..memory import TO_COMPILE, require_executable_memory, require_memory
 from . import _cache, _objects
 from ._arguments import NotDescribedError, Words, describe, key_of
 from ._interpreted import is_interpreting, twin
@@ -32,7 +32,7 @@ def is_ready(name: str) -> bool:
     if unit is None or not _load_unit(unit, _objects.kernel_digest()):
         return False
     wanted = key_of(unit_parameters(unit)[name])
-    return any(compiled.key == wanted for compiled in _functions[name])
+    return any(compiled.key == wanted for compiled in _functions.get(name, ()))
 
 
 def _load_unit(unit: str, digest: str) -> bool:
@@ -83,7 +83,7 @@ def _note_damage(sentence: str) -> None:
 
 def _add(unit: str, content: bytes, digest: str) -> None:
     """Make the functions of an object known; raises as `_objects.load`."""
-    for name, functions in _objects.load(content, digest).items():
+    for name, functions in _objects.load(content, unit, digest).items():
         _functions[name] = functions + _functions.get(name, [])
     _loaded.add(unit)
 
@@ -201,6 +201,7 @@ class BuiltIn(PlainEntry):
 
 def _compiler():
     """Return what compiles kernels; numba is imported here.  Raises MissingExtra without it."""
+    require_executable_memory()
     try:
         import numba
     except ModuleNotFoundError:

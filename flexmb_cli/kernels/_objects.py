@@ -10,12 +10,13 @@ import functools
 import hashlib
 import json
 import os
+import struct
 import sys
 import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..memory import TO_LOAD, require_memory
+from ..memory import TO_LOAD, require_executable_memory, require_memory
 from ._arguments import Results, Words, key_of
 from .signatures import RECORDS, TUPLES
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 
 MAGIC = b"flexmb object 1\n"
+ENDING = ".object"
 # Those of a wheel, a folder for each target.  Their owner and mode are not checked, only their checksum:
 # whoever can write there can change the Python files beside them, too.
 PACKAGED = Path(__file__).parent / "objects"
@@ -137,7 +139,8 @@ def is_current(path: Path, digest: str, target: str) -> bool:
         header, _ = read(path.read_bytes())
     except (OSError, ValueError, DamagedError):
         return False
-    return (header.get("digest"), header.get("target")) == (digest, target)
+    unit = path.name.removesuffix(ENDING)
+    return (header.get("unit"), header.get("digest"), header.get("target")) == (unit, digest, target)
 
 
 class Compiled:
@@ -177,11 +180,14 @@ class Compiled:
 _engines: list[Any] = []  # machine code lives as long as they do
 
 
-def load(content: bytes, digest: str) -> dict[str, list[Compiled]]:
-    """Return the functions of an object by name; raises DamagedError and OtherKernelsError."""
+def load(content: bytes, unit: str, digest: str) -> dict[str, list[Compiled]]:
+    """Return the functions of the object of a unit by name; raises DamagedError and OtherKernelsError."""
     header, code = read(content)
+    if header["unit"] != unit:
+        raise DamagedError
     if header["digest"] != digest or header["target"] != target():
         raise OtherKernelsError
+    require_executable_memory()
     engine = _elf_engine(code) or _llvm_engine(code)
     _engines.append(engine)
     found: dict[str, list[Compiled]] = {}
@@ -197,9 +203,12 @@ def _elf_engine(code: bytes):
         return None
     from ._elf_loader import LoadedObject, NotLoadedError
 
-    with contextlib.suppress(NotLoadedError):
+    try:
         return LoadedObject(code)
-    return None
+    except NotLoadedError:
+        return None
+    except (struct.error, ValueError, IndexError, StopIteration, OverflowError) as fault:
+        raise DamagedError from fault
 
 
 def _llvm_engine(code: bytes):
@@ -213,7 +222,10 @@ def _llvm_engine(code: bytes):
         _name_symbols(llvm)
     machine = llvm.Target.from_default_triple().create_target_machine(opt=0, jit=True)
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
-    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    try:
+        engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    except RuntimeError as fault:
+        raise DamagedError from fault
     engine.finalize_object()
     return engine
 

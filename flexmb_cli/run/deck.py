@@ -1,10 +1,10 @@
 """Run one deck of any dialect; every failure becomes an outcome with its exit code."""
 
 from ..deck.record import Deck
-from ..errors import BAD_INPUT
 from ..results.files.file_names import ResultPaths, result_paths
+from ..results.files.own_files import refuse_foreign
 from .context import Run, TextStream
-from .earlier_results import warnings_of_earlier_results
+from .earlier_results import EarlierResults
 from .exit_status import ending_recorded
 from .open_deck import open_deck, own_options, warn_of_foreign_options
 from .outcome import Listener, Outcome, RunOptions, Stop
@@ -19,7 +19,7 @@ def run_deck(
     `stdout` receives the OUT table of `--out -`.  Faults of the deck, a full disk and stops by signals are in
     the outcome; they raise nothing.
     """
-    outcome = Outcome(path)
+    outcome, earlier = Outcome(path), EarlierResults(path, options)
     with ending_recorded(outcome, options):
         with Stop.released():
             deck = open_deck(path, options, outcome)
@@ -27,16 +27,17 @@ def run_deck(
         run = Run(
             outcome, own_options(deck, options), (listener or Listener()).kept_in(outcome.notices), stdout
         )
+        paths = paths_of(deck, options)
         try:
-            solve_deck(deck, paths_of(deck, options), run)
+            refuse_foreign((file for file in paths.files if file not in paths.named), options.force)
+            solve_deck(deck, paths, run)
         finally:
             if options.echo:
                 from ..results.texts.echo import echo
 
                 # Building the model has filled in the defaults of empty fields.
                 outcome.echo = echo(deck)
-    if outcome.exit_code == BAD_INPUT:
-        outcome.faults += warnings_of_earlier_results(path, options)
+    earlier.set_aside(outcome)
     return outcome
 
 

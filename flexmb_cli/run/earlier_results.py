@@ -1,43 +1,108 @@
-"""Results of an earlier run, which a deck with errors leaves where they are."""
+"""Results of an earlier run, which must not pass for those of a run that leaves none."""
 
+import os
+import re
+from itertools import count
 from pathlib import Path
 
 from ..deck.several_models import named_model
 from ..dialects import DIALECTS
-from ..errors import Fault
-from ..results.files.file_names import result_paths
-from .outcome import RunOptions
+from ..dialects.recognise import recognise
+from ..errors import DONE, Fault, FlexmbError
+from ..results.files.file_names import STALE, STANDARD_INPUT, result_paths
+from ..results.files.own_files import is_own
+from .outcome import Outcome, RunOptions
+
+_BEGINNING = 10_000  # characters of a deck by which its dialect is recognised
+# What stands at the beginning of converted decks, of scripts for Exudyn and of MJCF files.
+_CONVERTED = re.compile(
+    rb"converted from the [A-Z]+ deck |, written by flexmb for Exudyn|\A<mujoco model=.*\n  <compiler angle="
+)
 
 
-def warnings_of_earlier_results(path: str, options: RunOptions) -> list[Fault]:
-    """Return a warning that names the results of an earlier run of the deck at `path`, if there are any.
+def dialect_of(path: str, options: RunOptions) -> str:
+    """Return the dialect of a deck by its beginning, "auto" if it has none; its run reports the faults."""
+    # What is no regular file can be read only once.
+    if options.dialect != "auto" or not Path(path).is_file():
+        return options.dialect
+    try:
+        with Path(path).open(encoding="latin-1") as stream:
+            return recognise(stream.read(_BEGINNING).splitlines())
+    except (OSError, FlexmbError):
+        return options.dialect
 
-    The dialect of an unreadable deck is unknown, so the names of all dialects are looked for.
+
+class EarlierResults:
+    """The files that stand in the places of the results of the deck at `path`; make it before the run.
+
+    Results of all dialects count where that of the deck is unknown.
     """
-    name, model = named_model(path)
-    named = {
-        file
-        for dialect in DIALECTS
-        for file in result_paths(
-            Path(name).name,
-            dialect,
-            options.folder,
-            options.out,
-            options.h5,
-            options.no_out,
-            options.no_h5,
-            model,
-        ).files
-    }
-    there = ", ".join(sorted(file for file in named if Path(file).is_file() and not _is_of_study(file)))
-    return [Fault("warning", f"still of an earlier run: {there}", id="RUN-042")] if there else []
+
+    def __init__(self, path: str, options: RunOptions):
+        name, model = named_model(path)
+        self.deck = name if name == STANDARD_INPUT else Path(name).name
+        places = options.folder, options.out, options.h5, options.no_out, options.no_h5
+        dialect = dialect_of(name, options)
+        self._standing = {
+            file: state
+            for known in ([dialect] if dialect in DIALECTS else DIALECTS)
+            for file in result_paths(self.deck, known, *places, model).files
+            if (state := _state(file)) and state != _state(name)  # not the deck itself
+        }
+
+    def set_aside(self, outcome: Outcome) -> None:
+        """Rename the results of an earlier run, and warn, where the run that ended left none of its own."""
+        if outcome.files or outcome.exit_code == DONE:
+            return
+        # What this run, or another one, has put there since is no earlier result.
+        files = [file for file, state in self._standing.items() if _state(file) == state and is_own(file)]
+        # A run replaces no table of `flexmb sweep STEM.toml` unasked.
+        files = sorted(
+            file for file in files if not _attribute(file, "Conventions").startswith("flexmb-study-")
+        )
+        # The name of another deck may be a slip; results keep names as UTF-8 can hold them.
+        name = os.fsencode(self.deck).decode("utf-8", "backslashreplace")
+        if {_attribute(file, "deck_name") for file in files} - {"", name}:
+            return
+        renamed = list(filter(None, map(_set_aside, files)))
+        if renamed:
+            message = f"results of an earlier run are renamed, since this one has none: {', '.join(renamed)}"
+            outcome.faults.append(Fault("warning", message, id="RUN-042"))
+        if stay := ", ".join(filter(os.path.lexists, files)):
+            message = f"still of an earlier run, and cannot be renamed: {stay}"
+            outcome.faults.append(Fault("warning", message, id="RUN-072"))
 
 
-def _is_of_study(file: str) -> bool:
-    """Return whether a file is the table of `flexmb sweep STEM.toml`, which no run replaces unasked."""
+def _set_aside(file: str) -> str:
+    """Rename a file to NAME.stale, NAME.stale.2 …: nothing is lost; return the name, "" where it stays."""
+    ends = (f"{STALE}.{number}" if number > 1 else STALE for number in count(1))
+    free = next(name for name in (file + end for end in ends) if not os.path.lexists(name))
+    try:
+        os.rename(file, free)
+    except OSError:
+        return ""
+    return free
+
+
+def set_conversion_aside(file: str) -> str:
+    """Rename a model that an earlier call has converted; return its new name, "" where there is none."""
+    begin = Path(file).read_bytes()[:400] if os.path.isfile(file) else b""
+    return _set_aside(file) if _CONVERTED.search(begin) else ""
+
+
+def _state(file: str) -> tuple[int, ...] | None:
+    """Return the identity of a regular file and of its content, None where there is none."""
+    try:
+        found = os.stat(file)
+    except (OSError, ValueError):
+        return None
+    return (found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns) if os.path.isfile(file) else None
+
+
+def _attribute(file: str, name: str) -> str:
+    """Return an attribute of an HDF5 result, "" of other files: they need no HDF5 library."""
     if not file.endswith(".h5"):
-        return False
-    # Decks without faults need no HDF5 library for this.
-    from ..results.hdf5.stored_result import is_study
+        return ""
+    from ..results.hdf5.stored_result import root_attribute
 
-    return is_study(file)
+    return root_attribute(file, name)

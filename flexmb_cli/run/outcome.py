@@ -83,7 +83,7 @@ class RunOptions:
     `solver` are fields of `KinematicSettings`, `integration` of `model.tree.Integration`; `formulation` of
     a tree: KANE or ABSOLUTE; `as_printed`: a YOUNG deck is solved with the errors of the program of 1996;
     `debug`: faults of flexmb itself are raised; `only`: names of quantities that the HDF5 result holds, all
-    without any.
+    without any; `force`: files that flexmb did not make are replaced, too.
     """
 
     dialect: str = "auto"
@@ -104,6 +104,7 @@ class RunOptions:
     echo: bool = False
     debug: bool = False
     only: tuple[str, ...] = ()
+    force: bool = False
 
     @property
     def given_numbers(self) -> tuple[tuple[str, object], ...]:

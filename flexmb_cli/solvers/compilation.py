@@ -136,7 +136,10 @@ def _compiler_of(path: Path) -> str:
         content = _cache.read_own(path)
         if content is None:
             return "not used: others may have written it"
-        compiler: str = _objects.read(content)[0]["compiler"]
+        header, _ = _objects.read(content)
+        if header["unit"] != path.name.removesuffix(_cache.ENDING):
+            return f"not used: it is the unit {header['unit']}"
+        compiler: str = header["compiler"]
     except OSError as fault:
         return f"not used: {fault.strerror or 'it is no regular file'}"
     except (ValueError, KeyError, _objects.DamagedError):

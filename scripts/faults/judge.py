@@ -65,6 +65,9 @@ def _state(command, folder, before, output):
     whole = command.whole[output]
     if now == whole:
         return "new"
+    stale = path.with_name(f"{path.name}.stale")
+    if now is None and stale.is_file():
+        now = stale.read_bytes()  # a run without a result has set it aside
     if now == before.get(output):
         return "old"
     if now is not None and _is_partial(path, now, whole, folder):
@@ -110,7 +113,7 @@ def _strangers(command, folder, before, ended):
     found = []
     for path in sorted(folder.rglob("*")):
         name = str(path.relative_to(folder))
-        if path.is_dir() or name in command.outputs:
+        if path.is_dir() or name.removesuffix(".stale") in command.outputs:
             continue
         if name in before:
             if path.read_bytes() != before[name]:
@@ -138,7 +141,7 @@ def faults_of_finish(command: Command, folder: Path, before: dict, ended: Ended)
             found.append(f"given again: {output} has not the bytes of the undisturbed command")
     for path in sorted(folder.rglob("*")):
         name = str(path.relative_to(folder))
-        left = not path.is_dir() and name not in before and name not in command.outputs
+        left = not path.is_dir() and name not in before and name.removesuffix(".stale") not in command.outputs
         if left:
             found.append(f"given again: {name} is left behind")
     return found

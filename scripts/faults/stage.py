@@ -13,6 +13,7 @@ ANSWERS = [
     *["1 1 0", "1 2 0", "1 3 0", "1 4 0", "1 5 0", "0 1 0.1", "0"],
 ]
 VALUES = [1, 12, 3, 4, 2, 3, 4, 3, 3, 3, 3, 3, 3, 1]  # that each line of the answers gives
+OLD = bytes(4)  # what a loss of power leaves of a result, which the next command replaces
 STUDY = """
 deck = "{deck}"
 [parameters]
@@ -48,7 +49,7 @@ class Command:
         """Make `folder` as it is before the command; the files in it."""
         files = dict(self.inputs)
         if with_old:
-            files |= {output: self.old.get(output, b"old\n") for output in self.outputs}
+            files |= {output: self.old.get(output, OLD) for output in self.outputs}
         for name, content in files.items():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_bytes(content)

@@ -1,5 +1,7 @@
 """`flexmb examples` lists every supplied deck and copies those named, complete; `flexmb` alone helps."""
 
+import errno
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -93,3 +95,28 @@ def test_flexmb_alone_helps(tmp_path):
     for place in ("man flexmb", "decks/DIALECT/FORMAT.md", "docs/tutorial/index.md"):
         assert place in done.stdout
     assert max(map(len, done.stdout.split("Read on:")[1].splitlines())) <= 80
+
+
+def test_a_full_disk_leaves_no_empty_copies(tmp_path, monkeypatch):
+    """It left 83 empty files of `--all`."""
+    from flexmb_cli.results.files import replaced_file
+
+    written = replaced_file.Replacement.open
+
+    def full(self, mode, **how):
+        if self.path.endswith("pendulum.vsdf"):
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return written(self, mode, **how)
+
+    monkeypatch.setattr(replaced_file.Replacement, "open", full)
+    for words in (["--all"], ["pendulum.vsdf"]):
+        done = CliRunner().invoke(examples, [*words, "-o", str(tmp_path)])
+        assert "no space left" in str(done.exception).lower()
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+
+
+def test_a_pipe_in_the_place_of_a_copy_is_refused_at_once(tmp_path):
+    """`--force` waited for its reader for ever (POSIX, open)."""
+    os.mkfifo(tmp_path / "IN4-BAR.dat")
+    done = flexmb(tmp_path, "examples", "IN4-BAR", "--force")
+    assert done.returncode == 2 and "no regular file, but a pipe or a device" in done.stderr

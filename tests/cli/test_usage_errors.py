@@ -196,17 +196,6 @@ def test_a_slip_of_the_hand_is_answered_with_what_is_meant(flexmb, tmp_path):
         assert (code, answer in reported) == (2, True), (arguments, reported)
 
 
-def test_results_of_an_earlier_run_are_named_where_the_deck_has_errors(flexmb, tmp_path):
-    deck = tmp_path / "IN4-BAR.dat"
-    deck.write_text(Path(FOUR_BAR).read_text())
-    assert flexmb("run", "IN4-BAR.dat", "-q")[0] == 0
-    deck.write_text(Path(FOUR_BAR).read_text().replace("0 2.5 0.1", "0 2.5 x"))
-    for options in ((), ("-q",)):
-        code, _, reported = flexmb("run", "IN4-BAR.dat", *options)
-        assert code == 2
-        assert "IN4-BAR.dat: warning: still of an earlier run: OUT4-BAR.dat, OUT4-BAR.h5\n" in reported
-
-
 def test_the_table_of_a_study_is_no_result_of_an_earlier_run(flexmb, tmp_path):
     """`flexmb sweep f.toml` writes f.h5, which a run of f.dat would write, too."""
     (tmp_path / "f.dat").write_text(Path(FOUR_BAR).read_text().replace("0 2.5 0.1", "0 2.5 x"))
@@ -214,7 +203,8 @@ def test_the_table_of_a_study_is_no_result_of_an_earlier_run(flexmb, tmp_path):
     write_table(str(tmp_path / "f.h5"), head, [(1, 0, 3, "", [1.0])])
     assert "earlier run" not in flexmb("run", "f.dat")[2]
     (tmp_path / "f.OUT").write_text("")
-    assert "f.dat: warning: still of an earlier run: f.OUT\n" in flexmb("run", "f.dat")[2]
+    assert "this one has none: f.OUT.stale\n" in flexmb("run", "f.dat", "-q")[2]
+    assert (tmp_path / "f.h5").exists()
 
 
 def test_a_run_to_standard_output_says_so(flexmb):

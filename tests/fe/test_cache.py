@@ -97,6 +97,14 @@ def test_a_spoilt_file_is_made_anew(folder, spoil):
     assert cache.load(given) is not None
 
 
+@pytest.mark.parametrize("content", [b"", b"\x93NUMPY", b"text"])
+def test_other_content_with_a_right_digest_is_made_anew(folder, content):
+    given = truss_input(folder, 1, modes=2)
+    flexible_body(given)
+    kept()[0].write_bytes(content + cache._digest(cache.key_of(given), content))
+    assert cache.load(given) is None
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="modes are Unix's")
 def test_a_file_that_others_may_write_is_made_anew(folder):
     """Their numbers would count as those of the deck's files."""

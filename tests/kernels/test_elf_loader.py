@@ -43,7 +43,7 @@ def loaded_by(name, content, monkeypatch):
     """The function `mixed` as one of the loaders gives it."""
     refused = {"elf": "_llvm_engine", "llvm": "_elf_engine"}[name]
     monkeypatch.setattr(_objects, refused, lambda _: None)
-    return _objects.load(content, "0" * 16)["mixed"][0]
+    return _objects.load(content, "mixed", "0" * 16)["mixed"][0]
 
 
 @pytest.mark.parametrize("loader", ["elf", "llvm"])
@@ -87,4 +87,4 @@ def test_loaded_code_cannot_be_overwritten(code):
 def test_no_function_needs_llvmlite(code, monkeypatch):
     """llvmlite is imported where this loader gives up, nowhere else."""
     monkeypatch.setitem(sys.modules, "llvmlite.binding", None)
-    assert _objects.load(code, "0" * 16)
+    assert _objects.load(code, "mixed", "0" * 16)

@@ -4,11 +4,13 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 import threading
 from pathlib import Path
 
 import pytest
 
+from flexmb_cli.fe import cache as bodies
 from flexmb_cli.kernels import _cache, _jit, _objects
 
 pytestmark = pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
@@ -16,6 +18,7 @@ pytestmark = pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled"
 NOBODY = 65534
 KERNEL = """
 import os, pathlib, shutil, sys
+from flexmb_cli.fe import cache as bodies
 from flexmb_cli.kernels import _cache, _entry, _objects
 from flexmb_cli.kernels._jit import kernel
 
@@ -267,3 +270,20 @@ def kept_version(cache):
     """Name of the folder of this version."""
     (path,) = cache.rglob("__main__.twice*.lock")
     return path.parent.name
+
+
+def test_nothing_is_made_in_the_home_of_another_user(tmp_path, monkeypatch):
+    """`sudo` may keep HOME: a `~/.cache` of root with mode 0700 locks its user out of all caches."""
+    home = tmp_path / "home"
+    home.mkdir()
+    if os.geteuid() == 0:
+        os.chown(home, NOBODY, NOBODY)
+    else:
+        monkeypatch.setattr(os, "geteuid", lambda: NOBODY)
+    for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "FLEXMB_CACHE_DIR", "LOCALAPPDATA"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("HOME", str(home))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    for folder in (_cache.folder_to_write(), bodies.cache_folder()):
+        assert folder is None or home not in folder.parents
+    assert list(home.iterdir()) == []

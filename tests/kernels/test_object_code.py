@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -76,11 +77,40 @@ def test_every_system_gets_objects_of_its_format(for_all_machines):
 @compiled
 def test_an_object_of_another_version_or_machine_is_not_loaded(for_all_machines):
     content = for_all_machines[_objects.target()]
-    assert set(_objects.load(content, "0" * 16)) == {"constrained.speeds.normalise", "product_and_sum"}
+    assert set(_objects.load(content, "small", "0" * 16)) == {
+        "constrained.speeds.normalise",
+        "product_and_sum",
+    }
     other = next(target for target in for_all_machines if target != _objects.target())
     for foreign, digest in ((content, "1" * 16), (for_all_machines[other], "0" * 16)):
         with pytest.raises(_objects.OtherKernelsError):
-            _objects.load(foreign, digest)
+            _objects.load(foreign, "small", digest)
+
+
+@compiled
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda head, code: (head | {"unit": "constrained"}, code),
+        lambda head, code: (head, b""),
+        lambda head, code: (head, code[: len(code) // 2]),
+        lambda head, code: (head, bytes(len(code))),
+    ],
+    ids=["of another unit", "without code", "with half of its code", "zeroed"],
+)
+def test_a_whole_file_with_other_code_is_compiled_again(for_all_machines, monkeypatch, change):
+    """Its checksum is right: whoever copied, or wrote, it made that, too."""
+    monkeypatch.setattr(_entry, "damaged", [])
+    content = _objects.write(*change(*_objects.read(for_all_machines[_objects.target()])))
+    assert not _entry._take("small", (Path("small.object"), content), "0" * 16, "it is compiled again")
+    assert _entry.damaged == ["small.object is damaged: it is compiled again"]
+
+
+@compiled
+def test_an_object_without_the_kernel_wanted_is_a_miss(monkeypatch):
+    monkeypatch.setattr(_entry, "_functions", {})
+    monkeypatch.setattr(_entry, "_loaded", {"constrained"})
+    assert not _entry.is_ready("constrained.accelerations.accelerations")
 
 
 @compiled

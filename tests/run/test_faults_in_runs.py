@@ -64,7 +64,7 @@ def test_a_fault_of_flexmb_itself_keeps_what_was_solved(tmp_path, path):
         assert len(result["time"]) > 0
 
 
-def test_a_fault_in_the_midst_of_writing_a_block_leaves_the_older_results(tmp_path, monkeypatch):
+def test_a_fault_in_the_midst_of_writing_a_block_sets_the_older_results_aside(tmp_path, monkeypatch):
     """The table would have rows that the HDF5 file lacks."""
     assert deck.run_deck(DECK, RunOptions(folder=str(tmp_path))).exit_code == 0
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
@@ -74,7 +74,8 @@ def test_a_fault_in_the_midst_of_writing_a_block_leaves_the_older_results(tmp_pa
 
     monkeypatch.setattr(ResultFile, "rows", torn)
     assert deck.run_deck(DECK, RunOptions(folder=str(tmp_path))).exit_code == 1
-    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+    stale = {f"{name}.stale": content for name, content in before.items()}
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == stale
 
 
 @pytest.mark.parametrize("fault", [MemoryError(), OutputError("X.h5: no space left", 1)])

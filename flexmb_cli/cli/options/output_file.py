@@ -3,6 +3,8 @@
 import os
 from typing import TYPE_CHECKING, Any
 
+import click
+
 from ..terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
@@ -10,6 +12,7 @@ if TYPE_CHECKING:
 
 
 STANDARD_OUTPUT = "-"
+FORCE = click.option("--force", is_flag=True, help="Replace files that flexmb did not make, too.")
 
 
 def refuse_inputs(output: str, inputs: "Sequence[Any]", option: str = "-o") -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ...errors import ANALYSIS_FAILED, Fault
 from ...memory import lack_of_memory_text, lacks_memory
 from ...quick_dataclass import dataclass, field
+from ...run.earlier_results import EarlierResults
 from ...run.outcome import Listener, Outcome, RunOptions, Stop, Terminated
 from ...run.processes.signal_mask import unblock_stops
 from ...run.processes.worker import Worker, end_all, having_answers, portable
@@ -62,6 +63,8 @@ class _Doing(str):
 class _Work:
     """`waiting` (index, deck), `running` (index, deck) by worker, `ended` outcomes by index.
 
+    `earlier` results by index: those of a process that is killed are set aside here.
+
     `reported`: what one process or another had to say; `fault`: one of flexmb, with --debug.
     """
 
@@ -72,6 +75,7 @@ class _Work:
     running: dict[Worker, tuple[int, str]] = field(default_factory=dict)
     idle: list[Worker] = field(default_factory=list)
     ended: dict[int, Outcome] = field(default_factory=dict)
+    earlier: dict[int, EarlierResults] = field(default_factory=dict)
     reported: "set[_Doing | Fault]" = field(default_factory=set)
     fault: BaseException | None = None
 
@@ -86,6 +90,7 @@ class _Work:
             raise self.fault
 
     def _begin(self, index: int, deck: str) -> None:
+        self.earlier[index] = EarlierResults(deck, self.options)
         while self.idle:
             worker = self.idle.pop()
             if worker.send(deck):
@@ -106,9 +111,12 @@ class _Work:
             self.jobs = len(self.running)
             self.waiting.appendleft((index, deck))
         else:
-            self.ended[index] = _failed(
-                deck, f"no process can be started for this deck: {reason}", id="CLI-009"
-            )
+            message = f"no process can be started for this deck: {reason}"
+            self._end(index, _failed(deck, message, id="CLI-009"))
+
+    def _end(self, index: int, outcome: Outcome) -> None:
+        self.earlier[index].set_aside(outcome)
+        self.ended[index] = outcome
 
     def stop(self, number: int) -> None:
         """Stop the processes as this one was: a signal may have come to this process alone."""
@@ -141,7 +149,7 @@ class _Work:
         else:
             worker.end()
         if isinstance(outcome, Outcome):
-            self.ended[index] = outcome
+            self._end(index, outcome)
         elif isinstance(outcome, _Unable):
             self._put_back(index, deck, outcome.reason)
         else:

@@ -12,6 +12,7 @@ DIALECT = Dialect(
     builder="build_model:build_model",
     writer="listing:VsdfTable",
     listing_readers=("listing_reader:parse_vsdf",),
+    listing_begins=("*" * 78 + "vsdf",),
     listing_signs="no listing of a VSDF deck",
     options=("method", "rtol", "atol"),
     methods=METHOD_OPTIONS,

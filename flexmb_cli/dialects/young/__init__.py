@@ -12,6 +12,7 @@ DIALECT = Dialect(
     builder="build_model:build_model",
     writer="listing:OutTable",
     listing_readers=("listing_reader:parse_listing",),
+    listing_begins=("enternumberofbody:nbody", "numberswiththeknownerrorsoftheprogramof1996"),
     listing_signs="neither a line TIME= nor an echo of a YOUNG deck",
     renamed=("IN", "OUT"),
     options=("feps", "epslu", "nrmax", "as-printed", "method", "rtol", "atol"),

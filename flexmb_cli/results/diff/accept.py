@@ -2,6 +2,7 @@
 
 import os
 import shutil
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from ...deck.listing import TableError
@@ -59,7 +60,7 @@ def accept_pair(compared: Compared, folder: str) -> None:
     if pair.b is None or compared.equal or compared.failure is not None:
         return
     try:
-        reference = pair.a or os.path.join(_folder(folder, pair), pair.name)
+        reference = pair.a or _new_reference(folder, pair)
         if os.path.dirname(reference):
             make_folder(os.path.dirname(reference))
         accept(reference, pair.b)
@@ -68,13 +69,17 @@ def accept_pair(compared: Compared, folder: str) -> None:
         compared.failure = failure
 
 
-def _folder(folder: str, pair: Pair) -> str:
-    if os.path.isdir(folder):
-        return folder
-    raise TableError(
-        pair.b or pair.name,
-        [Fault("error", "a new reference needs a folder for A, and no pattern", id="DIFF-013")],
-    )
+def _new_reference(folder: str, pair: Pair) -> str:
+    """Return the place of a reference that `folder` lacks: no link on the way to it is followed."""
+    if not os.path.isdir(folder):
+        message = "a new reference needs a folder for A, and no pattern"
+        raise TableError(pair.b or pair.name, [Fault("error", message, id="DIFF-013")])
+    place = os.path.join(folder, pair.name)
+    if os.path.lexists(place) or os.path.realpath(place) != os.path.join(
+        os.path.realpath(folder), *PurePath(pair.name).parts
+    ):
+        _refuse(place, "a link, a pipe or a device stands in its place; remove it", id="DIFF-037")
+    return place
 
 
 def _refuse(result: Any, message: str, *, id: str) -> None:

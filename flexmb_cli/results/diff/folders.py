@@ -1,14 +1,15 @@
 """Compare the results of two folders, or of two patterns of names: files of one name belong together."""
 
-import glob
 import os
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
+from fnmatch import fnmatch
 from pathlib import PurePath
 from typing import Any
 
 from ...errors import BAD_INPUT, FlexmbError, compiler_style, visible
 from ...quick_dataclass import dataclass, field
+from ..files.file_names import STALE
 from .counts import agreeing, counted
 from .forms import CSV, HDF5, LISTING, MATLAB, form_of
 from .report import Report
@@ -79,12 +80,17 @@ class Compared:
 
 @dataclass
 class Summary:
-    """All pairs of two folders, in the order of their names; `passed_over`: names of other files."""
+    """All `pairs` of two folders, in the order of their names; `passed_over`: names of other files.
+
+    `special`: names of links to folders, pipes, devices and sockets, which are neither followed nor opened.
+    """
 
     a: str
     b: str
+    pairs: list[Pair] = field(default_factory=list)
     compared: list[Compared] = field(default_factory=list)
     passed_over: list[str] = field(default_factory=list)
+    special: list[str] = field(default_factory=list)
 
     @property
     def exit_code(self) -> int:
@@ -94,8 +100,10 @@ class Summary:
     @property
     def verdict(self) -> str:
         """One line: how many files were compared, differ, are missing or cannot be read."""
+        special = [f"{counted(len(self.special), 'special file')} passed over"] * bool(self.special)
         if not self.compared:
-            return f"{visible(self.a)}, {visible(self.b)}: error: no results to compare\n"
+            counts = ["error: no results to compare", *special]
+            return f"{visible(self.a)}, {visible(self.b)}: {', '.join(counts)}\n"
         missing = sum(bool(pair.missing) for pair in self.compared)
         failed = sum(pair.failure is not None for pair in self.compared)
         differ = sum(pair.report is not None and not pair.equal for pair in self.compared)
@@ -108,6 +116,7 @@ class Summary:
         counts += [f"{counted(unreadable, 'number')} marked ? not compared"] * bool(unreadable)
         counts += [f"{counted(updated, 'reference')} updated"] * bool(updated)
         counts += [f"{counted(len(self.passed_over), 'other file')} passed over"] * bool(self.passed_over)
+        counts += special
         return f"{visible(self.a)}, {visible(self.b)}: {', '.join(counts)}\n"
 
     def as_dict(self) -> dict[str, Any]:
@@ -119,6 +128,7 @@ class Summary:
             "exit_code": self.exit_code,
             "files": [pair.as_dict() for pair in self.compared],
             "passed_over": self.passed_over,
+            "special": self.special,
         }
 
 
@@ -127,25 +137,25 @@ def is_many(path: str) -> bool:
     return os.path.isdir(path) or (bool(WILD.search(path)) and not os.path.lexists(path))
 
 
-def pairs(a: str, b: str) -> Iterator[Pair]:
-    """Yield the files of `a` and `b` by name, in order; an export belongs to the HDF5 result of its stem.
+def matched(a: str, b: str) -> Summary:
+    """Pair the files of `a` and `b` by name, in order; an export belongs to the HDF5 result of its stem.
 
     The name of a file is its path behind the folder, or behind the last folder without a wildcard.
     """
-    files_a, files_b = (dict(_files(path)) for path in (a, b))
+    (files_a, special_a), (files_b, special_b) = _files(a), _files(b)
+    summary = Summary(a, b, special=sorted(special_a | special_b))
     partners = {name: _result_of(name) for name in files_a if _result_of(name) in files_b}
     for name in sorted(files_a.keys() | files_b.keys()):
-        partner = name if name in files_b else partners.get(name, name)
+        partner = name if name in files_b else partners.get(name, name) or name
         if name in files_a or name not in partners.values():
-            yield Pair(name, files_a.get(name), files_b.get(partner) if partner is not None else None)
+            summary.pairs.append(Pair(name, files_a.get(name), files_b.get(partner)))
+    return summary
 
 
-def are_same(a: str, b: str) -> bool:
-    """Return whether `a` and `b` are one file or the same files: such a comparison proves nothing."""
-    if not is_many(a):
-        return os.path.exists(a) and os.path.exists(b) and os.path.samefile(a, b)
-    found = [(pair.a, pair.b) for pair in pairs(a, b)]
-    return bool(found) and all(one and other and os.path.samefile(one, other) for one, other in found)
+def are_same(pairs: Sequence[Pair]) -> bool:
+    """Return whether all pairs are of one file each: such a comparison proves nothing."""
+    paths = [(pair.a or "", pair.b or "") for pair in pairs]
+    return bool(paths) and all(all(map(os.path.exists, two)) and os.path.samefile(*two) for two in paths)
 
 
 def _result_of(name: str) -> str | None:
@@ -154,37 +164,63 @@ def _result_of(name: str) -> str | None:
     return path.with_suffix(".h5").as_posix() if path.suffix in EXPORTS else None
 
 
-def _files(path: str) -> Iterator[tuple[str, str]]:
-    """Pairs (name, path) of the files of a folder or of a pattern; hidden ones are left out."""
-    folder, pattern = (path, "**") if os.path.isdir(path) else _split(path)
-    for found in glob.glob(pattern, root_dir=folder or None, recursive=True):
-        whole = os.path.join(folder, found)
-        if os.path.isfile(whole):
-            yield PurePath(found).as_posix(), whole
+def _files(path: str) -> tuple[dict[str, str], set[str]]:
+    """Return the regular files of a folder or of a pattern by name, and the names of what else matches.
+
+    Hidden files are left out.  Each folder is read once, and a link to a folder is not followed: it may lead
+    back here, or anywhere.
+    """
+    folder, parts = (path, ("**",)) if os.path.isdir(path) else _split(path)
+    files: dict[str, str] = {}
+    special: set[str] = set()
+    waiting, seen = [("", parts)], set()
+    while waiting:
+        place = inner, (head, *rest) = waiting.pop()
+        if place in seen:
+            continue
+        seen.add(place)
+        waiting += [(inner, tuple(rest))] if head == "**" and rest else []
+        try:
+            names = [name for name in os.listdir(os.path.join(folder, inner) or ".") if _fits(name, head)]
+        except OSError:  # a folder that cannot be read
+            names, special = [], special | {inner or path}
+        for name in (os.path.join(inner, name) for name in names):
+            whole = os.path.join(folder, name)
+            if os.path.isdir(whole) and not os.path.islink(whole):
+                waiting += [(name, parts) for parts in [place[1] if head == "**" else tuple(rest)] if parts]
+            elif not rest and os.path.isfile(whole):
+                files[PurePath(name).as_posix()] = whole
+            elif not rest or os.path.isdir(whole):
+                special.add(PurePath(name).as_posix())
+    return files, special
 
 
-def _split(pattern: str) -> tuple[str, str]:
-    """The folder before the first wildcard, and the rest."""
+def _fits(name: str, pattern: str) -> bool:
+    return (pattern.startswith(".") or not name.startswith(".")) and fnmatch(name, pattern)
+
+
+def _split(pattern: str) -> tuple[str, tuple[str, ...]]:
+    """The folder before the first wildcard, and the parts behind it."""
     parts = PurePath(pattern).parts
     first = next(k for k, part in enumerate(parts) if WILD.search(part))
-    return os.path.join("", *parts[:first]), os.path.join(*parts[first:])
+    return os.path.join("", *parts[:first]), parts[first:]
 
 
-def compare_many(a: str, b: str, compare_pair: Callable[[Pair], Report]) -> Summary:
-    """Compare all results of `a` and `b`; a file that cannot be read stops no other."""
-    summary = Summary(a, b)
-    for pair in pairs(a, b):
+def compare_many(summary: Summary, compare_pair: Callable[[Pair], Report]) -> None:
+    """Compare all results among the pairs; a file that cannot be read stops no other."""
+    for pair in summary.pairs:
         if _is_result(pair):
             summary.compared.append(_compared(pair, compare_pair, summary))
         else:
             summary.passed_over.append(pair.name)
-    return summary
 
 
 def _compared(pair: Pair, compare_pair: "Callable[..., Any]", summary: Summary) -> Compared:
     if pair.a is None or pair.b is None:
         lacking = summary.a if pair.a is None else summary.b
-        return Compared(pair, missing=f"{pair.name}: not in {lacking}")
+        stale = f"{pair.name}{STALE}"
+        of_earlier = f" ({stale} is of an earlier run)" * os.path.isfile(os.path.join(lacking, stale))
+        return Compared(pair, missing=f"{pair.name}: not in {lacking}{of_earlier}")
     try:
         return Compared(pair, compare_pair(pair))
     except FlexmbError as failure:
@@ -195,6 +231,8 @@ def _compared(pair: Pair, compare_pair: "Callable[..., Any]", summary: Summary) 
 
 def _is_result(pair: Pair) -> bool:
     """Return whether a pair is to be compared: by its name, or by the content of one of its files."""
+    if STALE in PurePath(pair.name).suffixes[-2:]:  # NAME.stale, NAME.stale.2
+        return False
     if RESULT_NAME.fullmatch(PurePath(pair.name).name):
         return True
     return any(path is not None and _reads_as_result(path) for path in (pair.a, pair.b))

@@ -3,9 +3,10 @@
 import re
 from typing import Any
 
+from ..files.own_files import HDF5_SIGNATURE
+
 HDF5, CSV, MATLAB, LISTING = "an HDF5 file", "a CSV table", "a MATLAB file", "a table for print"
 UNREADABLE = "a file that cannot be opened"
-HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 MATLAB_SIGNATURE = b"MATLAB 5.0 MAT-file"
 # The heading of the first column that `flexmb export --to csv` and `flexmb table` write, and what follows.
 CSV_HEAD = re.compile(rb"\A(?:\xef\xbb\xbf)?\"?time \[s\]\"?([,\t\r\n]|\Z)")

@@ -34,7 +34,7 @@ LEAST_PANEL = 0.15  # part of the width of a printed picture
 SQUEEZED = 0.7  # part of the wanted height of panels
 # No dates and no versions: pictures are compared in repositories.
 METADATA = {
-    "png": {"Software": None},
+    "png": {"Software": "flexmb"},
     "svg": {"Date": None, "Creator": None},
     "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
 }

@@ -11,6 +11,7 @@ from ...errors import OutputError
 from ...quick_dataclass import dataclass
 
 STANDARD_INPUT = STANDARD_OUTPUT = "-"
+STALE = ".stale"  # behind the name of a result that the latest run of its deck did not make
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from .pipes import open_special
 from .temporary_file import refuse_place, remove_leftovers, reserve
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
 
@@ -178,14 +178,22 @@ def refuse_unwritable(path: str, special: bool = True) -> None:
 
 def write_whole(path: str, data: bytes) -> None:
     """Put `data` at `path`, whole or not at all.  Raises `OutputError`."""
-    place = Replacement(path)
+    write_together({path: data}, special=True)
+
+
+def write_together(contents: "Mapping[Any, bytes]", special: bool = False) -> None:
+    """Put the contents at their paths, all or none, into what is no regular file only where `special`."""
+    places: list[Replacement] = []
     try:
-        with located(place.path), place.open("wb") as stream:
-            stream.write(data)
+        for path, data in contents.items():
+            places.append(place := Replacement(path, special))
+            with located(place.path), place.open("wb") as stream:
+                stream.write(data)
     except BaseException:
-        place.discard()
+        for place in places:
+            place.discard()
         raise
-    place.commit()
+    put_in_place(places)
 
 
 def put_in_place(files: "list[Any]") -> None:

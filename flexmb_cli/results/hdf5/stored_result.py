@@ -66,19 +66,20 @@ def check_structure(file: h5py.File) -> None:
 
 def is_study(path: str) -> bool:
     """Return whether the file at `path` can be opened and is the table of a study."""
-    return _conventions(path).startswith(OF_STUDIES)
+    return root_attribute(path).startswith(OF_STUDIES)
 
 
 def is_run(path: str) -> bool:
     """Return whether the file at `path` can be opened and is the result of a run."""
-    conventions = _conventions(path)
+    conventions = root_attribute(path)
     return conventions.startswith(OF_FLEXMB) and not conventions.startswith(OF_STUDIES)
 
 
-def _conventions(path: str) -> str:
+def root_attribute(path: str, name: str = "Conventions") -> str:
+    """Return an attribute of the file at `path`, "" where it cannot be read."""
     try:
         with h5py.File(path, "r") as file, understood():
-            return "" if fault_of_heaps(file) else attribute(file, "Conventions")
+            return "" if fault_of_heaps(file) else attribute(file, name)
     except (OSError, ValueError, TypeError, SystemError, Damaged):
         # The next reader of the file reports what is wrong with it.
         return ""

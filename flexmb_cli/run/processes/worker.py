@@ -10,7 +10,7 @@ import sys
 import traceback
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, nullcontext, suppress
-from multiprocessing import connection, get_context
+from multiprocessing import connection, get_context, util
 from types import ModuleType
 from typing import Any
 
@@ -30,7 +30,8 @@ class Worker:
         spawn = get_context("spawn")
         self.line, theirs = spawn.Pipe()
         self.process = spawn.Process(target=_served, args=(serve, theirs, *given))
-        with theirs, signals_masked(), nullcontext() if runs_script else _script_hidden():
+        script = nullcontext() if runs_script else _script_hidden()
+        with theirs, _safe_path(), signals_masked(), script:
             self.process.start()
 
     def send(self, message: Any) -> bool:
@@ -63,6 +64,20 @@ class Worker:
         """End the process, whatever it is at."""
         self.process.kill()
         self.end()
+
+
+@contextmanager
+def _safe_path() -> Iterator[None]:
+    """Start processes with Python's option -P: modules in the working folder are not theirs to import.
+
+    The variable PYTHONSAFEPATH would not do: a Python that was started with -E passes it over.
+    """
+    flags, of_util = util._args_from_interpreter_flags, vars(util)  # type: ignore[attr-defined]
+    of_util["_args_from_interpreter_flags"] = lambda: [*flags(), "-P"]
+    try:
+        yield
+    finally:
+        of_util["_args_from_interpreter_flags"] = flags
 
 
 @contextmanager

@@ -1,6 +1,7 @@
 """`flexmb diff` of folders, patterns, exports and files of tolerances."""
 
 import json
+import os
 import shutil
 import tracemalloc
 from xml.etree import ElementTree
@@ -255,3 +256,54 @@ def test_junit_shows_what_controls_a_terminal_or_turns_the_direction_of_writing(
     assert compared(*names, "--junit", page).exit_code == 0
     (case,) = ElementTree.parse(page).iter("testcase")
     assert case.get("name").endswith("a\ufffdb\ufffd\ufffd[31m.h5")
+
+
+@pytest.mark.parametrize("wild", ["", "/**", "/**/*.h5"])
+def test_links_to_folders_are_not_followed(folders, wild):
+    """Two links to `.` made 2^40 names of each file (Linux follows 40 links), one doubled the counts."""
+    for name in ("again", "more"):
+        (folders[1] / name).symlink_to(".", target_is_directory=True)
+    (folders[1] / "all").symlink_to("/", target_is_directory=True)
+    done = compared(*(f"{folder}{wild}" for folder in folders))
+    counts = "2 files compared, 0 differ, 0 missing"
+    others = "" if "h5" in wild else ", 1 other file passed over"
+    assert done.stdout.endswith(f": {counts}{others}, 3 special files passed over\n")
+    assert done.exit_code == 0
+
+
+def test_what_is_no_regular_file_is_passed_over_and_named(folders):
+    """Opening a pipe that nobody writes to waits for ever (POSIX, open)."""
+    for folder in folders:
+        os.mkfifo(folder / "OUT-pipe.dat")
+    (folders[0] / "zero.h5").symlink_to("/dev/zero")
+    (folders[0] / "nothing.h5").symlink_to("not-there")
+    (folders[1] / "one.h5").unlink()
+    os.mkfifo(folders[1] / "one.h5")
+    done = compared(*folders, "--json")
+    record = json.loads(done.stdout)
+    assert record["special"] == ["OUT-pipe.dat", "nothing.h5", "one.h5", "zero.h5"]
+    missing = [name for one in record["files"] for name in one["missing"]]
+    assert missing == [f"one.h5: not in {folders[1]}"] and done.exit_code == 1
+
+
+def test_links_stay_as_they_are_where_references_are_made(folders, tmp_path):
+    """A new reference is no way out of the folder of references, nor into a pipe."""
+    shutil.rmtree(folders[0] / "inner")
+    (tmp_path / "elsewhere").mkdir()
+    (folders[0] / "inner").symlink_to(tmp_path / "elsewhere", target_is_directory=True)
+    (folders[0] / "one.h5").unlink()
+    os.mkfifo(folders[0] / "one.h5")
+    done = compared(*folders, "--update")
+    assert done.exit_code == 2 and done.stderr.count("stands in its place") == 2
+    assert list((tmp_path / "elsewhere").iterdir()) == []
+
+
+def test_a_stale_result_is_no_new_one(folders):
+    """What an earlier run left under the name of its stale result counts as missing, in JUnit files, too."""
+    (folders[1] / "one.h5").rename(folders[1] / "one.h5.stale")
+    done = compared(*folders, "--junit", folders[0] / "diff.xml")
+    assert done.exit_code == 1
+    assert f"one.h5: not in {folders[1]} (one.h5.stale is of an earlier run)\n" in done.stdout
+    assert "1 file compared, 0 differ, 1 missing, 2 other files passed over" in done.stdout
+    top = ElementTree.parse(folders[0] / "diff.xml").getroot()
+    assert (top.get("tests"), top.get("failures"), top.get("errors")) == ("2", "1", "0")

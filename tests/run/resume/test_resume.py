@@ -125,7 +125,7 @@ def test_a_run_without_resume_starts_anew(tmp_path):
 
 
 @pytest.mark.long_motion
-def test_a_run_interrupted_before_its_first_row_leaves_the_old_results(tmp_path):
+def test_a_run_interrupted_before_its_first_row_sets_the_old_results_aside(tmp_path):
     run("pendulum", tmp_path)
     old = (tmp_path / "pendulum.h5").read_bytes()
 
@@ -134,7 +134,7 @@ def test_a_run_interrupted_before_its_first_row_leaves_the_old_results(tmp_path)
 
     outcome = run("pendulum", tmp_path, Listener(begin=stop))
     assert (outcome.exit_code, outcome.files) == (130, ())
-    assert (tmp_path / "pendulum.h5").read_bytes() == old
+    assert (tmp_path / "pendulum.h5.stale").read_bytes() == old
 
 
 def command(folder, *more):
