@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 # To be raised when the arrays, or how they are computed, change.
-LAYOUT = 16
+LAYOUT = 17
 # Bytes behind the arrays: a damage anywhere makes the body anew, instead of another body.
 DIGEST = 32
 _VARIABLES = (("FLEXMB_CACHE_DIR", ""), ("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache"))
@@ -72,7 +72,7 @@ def key_of(given: FlexibleInput) -> str:
     ]
     files += [material.file for material in (given.stiffening, given.material) if material]
     for file in files:
-        digest.update(f"|{file.form}".encode() if file else b"|none")
+        digest.update(f"|{file.form}{file.matrix and ' ' + file.matrix}".encode() if file else b"|none")
         if file:
             digest.update(hashlib.sha256(_content(file.path)).digest())
     digest.update(np.ascontiguousarray(given.numbers, dtype="<i8").tobytes())

@@ -69,9 +69,8 @@ def _read(given: Any, file: FEFile, letter: str, arrange: "Callable[..., Any]", 
         if file.form == OF_ELEMENTS:
             table = element_table(given, given.material.file, given.positions, findings)
             return table and arrange(file.path.name, element_matrix(given, table, letter), given.numbers)
-        found = read_matrix(
-            file.path, file.form, letter, mapping.path if mapping else None, mapping.form if mapping else ""
-        )
+        mapped = (mapping.path, mapping.form) if mapping else (None, "")
+        found = read_matrix(file.path, file.form, letter, *mapped, name=file.matrix)
         return arrange(file.path.name, found, given.numbers)
     except FEFileFault as fault:
         findings.error(given.name, str(fault), file.place, id=fault.id)
@@ -212,7 +211,7 @@ def _geometric(
     shapes = _in_axes_of_table(frame, Phi)
     reduced = np.zeros((3, 3, size, size))
     for load in given.unit_loads:
-        found = _read(given, load.file, "K", nodal_part, findings)
+        found = _read(given, load.file, "G", nodal_part, findings)
         if found is not None:
             reduced[load.i, load.j] = shapes.T @ (found.matrix @ shapes)
     made: np.ndarray = np.einsum("ia,jb,ijkl->abkl", frame.axes, frame.axes, reduced)

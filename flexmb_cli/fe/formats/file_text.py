@@ -142,7 +142,7 @@ def _fault_of_lines(
     return FEFileFault(f"{name} cannot be read as {meaning}", id="FE-028")
 
 
-def line_fault(name: str, number: int, message: str, *, id: str) -> FEFileFault:
+def line_fault(name: str, number: int, message: str, *, id: str = "") -> FEFileFault:
     """The fault of one line of the file `name`."""
     return FEFileFault(f"{name}, line {number}: {message}", id=id)
 
@@ -181,11 +181,13 @@ def check_range(name: str, entries: np.ndarray, numbers: Sequence[int], size: in
         raise line_fault(name, numbers[int(wrong[0])], message, id="FE-106")
 
 
-def filled(lines: list[str], comment: str = "") -> tuple[list[str], list[int]]:
-    """The lines that are neither blank nor begin with `comment`, and their numbers."""
+def filled(lines: list[str], comment: str = "", before: int = 0) -> tuple[list[str], list[int]]:
+    """The lines that are neither blank nor begin with `comment`, and their numbers in a file where `before`
+    others precede them.
+    """
     kept = [
         (line, number)
-        for number, line in enumerate(lines, start=1)
+        for number, line in enumerate(lines, start=before + 1)
         if line.strip() and not (comment and line.startswith(comment))
     ]
     return [line for line, _ in kept], [number for _, number in kept]
