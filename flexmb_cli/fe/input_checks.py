@@ -3,6 +3,8 @@
 A failed test names its figure, the worst node and the likely causes.  The limits are relative.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..errors import Place
@@ -10,6 +12,7 @@ from ..model.diagnostics import Findings
 from ..model.flexible_body import FlexibleInput
 from ..quick_dataclass import dataclass
 from .linear_algebra import in_three_directions
+from .precision import Rounding
 
 ISOTROPIC_DOUBT, ISOTROPIC_ERROR = 1e-8, 1e-3
 RIGID_DOUBT, RIGID_ERROR = 1e-7, 1e-4
@@ -24,12 +27,17 @@ class Figures:
     rigid_residual: float
 
 
-def check_matrices(given: FlexibleInput, S: np.ndarray, K: np.ndarray, findings: Findings) -> Figures:
-    """Check mass `S` and stiffness `K`, both (3 n, 3 n); faults go to `findings`."""
+def check_matrices(
+    given: FlexibleInput, S: np.ndarray, K: np.ndarray, rounding: Callable[[], Rounding], findings: Findings
+) -> Figures:
+    """Check mass `S` and stiffness `K`, both (3 n, 3 n); faults go to `findings`.
+
+    `rounding`: what the digits of the stiffness leave.
+    """
     check_holes(given, S, "mass", given.mass.place, findings)
     check_holes(given, K, "stiffness", given.stiffness.place, findings)
     _check_exchanged(given, S, K, findings)
-    return Figures(check_isotropy(given, S, findings), check_rigid_motions(given, K, findings))
+    return Figures(check_isotropy(given, S, findings), check_rigid_motions(given, K, rounding, findings))
 
 
 def _check_exchanged(given: FlexibleInput, S: np.ndarray, K: np.ndarray, findings: Findings) -> None:
@@ -82,7 +90,7 @@ def check_isotropy(given: FlexibleInput, S: np.ndarray, findings: Findings) -> f
             f"{given.numbers[row // 3]}: the equations need equal masses in all directions and none between "
             "them"
         )
-        doubt = "; a condensed mass matrix, or internal degrees of freedom in it?"
+        doubt = "; a mass condensed to a substructure or superelement, or internal degrees of freedom in it?"
         remedy = f"{doubt} export the matrix of solid elements"
         if severe:
             findings.error(given.name, message + remedy, given.mass.place, id="FE-057")
@@ -115,7 +123,9 @@ def rigid_motions(r: np.ndarray) -> np.ndarray:
     return motions.reshape(-1, 6)
 
 
-def check_rigid_motions(given: FlexibleInput, K: np.ndarray, findings: Findings) -> float:
+def check_rigid_motions(
+    given: FlexibleInput, K: np.ndarray, rounding: Callable[[], Rounding], findings: Findings
+) -> float:
     """K must not resist rigid motion: the largest |K R| relative to the largest entry of K."""
     centred = given.positions - given.positions.mean(axis=0)
     size = np.abs(centred).max() or 1.0
@@ -125,8 +135,22 @@ def check_rigid_motions(given: FlexibleInput, K: np.ndarray, findings: Findings)
     if residual > RIGID_DOUBT:
         node = given.numbers[int(forces.max(axis=1).argmax()) // 3]
         report = findings.error if residual > RIGID_ERROR else findings.warn
-        report(given.name, _rigid_message(translation, rotation, node), given.stiffness.place)
+        few = residual > RIGID_ERROR and _few_digits(given, residual, rounding())
+        report(given.name, few or _rigid_message(translation, rotation, node), given.stiffness.place)
     return residual
+
+
+def _few_digits(given: FlexibleInput, residual: float, rounding: Rounding) -> str:
+    """Return that the digits are too few, "" where rounding does not explain the forces."""
+    if residual > rounding.force:
+        return ""
+    remedy = "export at least ten"
+    if given.stiffness.form == "DMIG":
+        remedy = "export large fields of 16 columns (DMIG*), fields parted by commas, or OP4"
+    return (
+        f"the digits of the stiffness are too few: with {rounding.digits} of them it resists rigid motion by "
+        f"{residual:.1e} of the largest entry, as rounding makes it; {remedy}"
+    )
 
 
 def _rigid_message(translation: float, rotation: float, node: int) -> str:

@@ -36,6 +36,8 @@ FEWEST_PRINTED = 5
 NEED_ALL, BY_CHANCE = 0.7, 10
 # Rounded matrices miss twice the root sum of squares in one case of twenty.
 MARGIN = 2.0
+# Standard deviations that the worst of all rows hardly passes.
+BY_ROUNDING = 4.0
 # Rounding and the forces of a translation give the same error within these factors; a stiffness that balances
 # better has exact numbers (a lumped truss), one that balances worse has errors that its digits do not show.
 BALANCED, UNBALANCED = 0.1, 3.0
@@ -48,6 +50,16 @@ class EntryErrors:
     deviation: np.ndarray
     alike: bool
     digits: int
+
+
+@dataclass(frozen=True)
+class Rounding:
+    """Digits that a file prints, and the force relative to the largest entry that rounding may make of
+    forces that balance.
+    """
+
+    digits: int
+    force: float
 
 
 def frequency_errors(K: NodalMatrix, S: NodalMatrix, shapes: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -100,6 +112,20 @@ def _look_rounded(values: np.ndarray, digits: int) -> bool:
 def _uniform(unit: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Standard deviation of numbers rounded to multiples of `unit`; zeros are exact."""
     return np.where(values != 0, unit / np.sqrt(12), 0.0)
+
+
+def largest_rounding(file: "MatrixFile") -> Rounding:
+    """Return what the digits that a file prints leave of forces that should vanish.
+
+    Fields of fixed width have a digit less for negative numbers.
+    """
+    if not 1 < file.digits <= SINGLE:
+        return Rounding(file.digits, 0.0)
+    power = np.floor(np.log10(np.where(file.values, np.abs(file.values), 1.0)))
+    squares = _uniform(10.0 ** (power + 2 - file.digits), file.values) ** 2
+    sums = sum(np.bincount(rows, squares[kept], file.size) for rows, _, kept in _directions(file))
+    force = float(np.sqrt(np.max(sums)) / np.abs(file.values).max())
+    return Rounding(file.digits, BY_ROUNDING * force)
 
 
 def stiffness_errors(K: NodalMatrix) -> EntryErrors:

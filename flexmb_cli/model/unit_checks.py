@@ -5,6 +5,7 @@ recognised by its gravity, its lengths, and the radii of gyration and densities 
 tonnes with all else in SI units divide densities by a thousand.
 """
 
+import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, cast
 
@@ -31,6 +32,20 @@ WIDE, WIDE_WITHOUT_AXIS, WIDEST_OF_ALL = 30.0, 12.0, 300.0
 NARROW = 1e-2  # the other way round: 1e-3
 THIN = 1e-3  # kg/m³ of the box around its nodes; air has 1.2, osmium in millimetres 2e-5
 FOAM = 20.0  # kg/m³ of that box; light foams have 20, tungsten in tonnes 19, steel in tonnes 7.9
+DENSEST = 2.3e4  # kg/m³; osmium has 22,600
+SOLID = 150.0  # kg/m³; balsa, or a metal that fills a tenth of its box
+# Units that a file may have, and what they multiply the density by, once they are converted.
+UNITS = {
+    "nodes in mm (times 0.001)": 1e9,
+    "nodes in cm (times 0.01)": 1e6,
+    "nodes in inches (times 0.0254)": 0.0254**-3,
+    "masses in tonnes (times 1000)": 1e3,
+    "nodes in mm and masses in tonnes": 1e12,
+    "nodes in inches and masses in lbf s²/in (times 175.127)": 175.127 * 0.0254**-3,
+    "masses in g (times 0.001)": 1e-3,
+    "nodes converted from mm twice (times 1000)": 1e-9,
+    "nodes converted from inches twice (times 39.37)": 0.0254**3,
+}
 # kg/m³ of the ellipsoid with a rigid body's mass and inertia.  With a mass in tonnes it grows √1000 times in
 # every direction: osmium gets 7e-4, steel 2.5e-4.  1 kg with 1 kg m² about all axes has 6e-2.
 HOLLOW = 1e-3
@@ -153,15 +168,28 @@ def _of_densities(bodies: "Iterable[FloatingBody]") -> Any:
     for body in bodies:
         sides = _sides(body.reduced.r0)
         volume = float(np.prod(sides))
-        box = f"{body.m:.3g} kg in a box of {sides[0]:.3g} by {sides[1]:.3g} by {sides[2]:.3g} m are"
-        if body.m < THIN * volume:
-            message = f"{box} less than a thousandth of air: are the nodes in m?"
-            yield Fault("note", message, body.place, body.name, id="MODEL-014")
-        elif body.m < FOAM * volume:
-            message = (
-                f"{box} {body.m / volume:.2g} kg/m³, less than foam: is the mass in kg, and not in tonnes?"
-            )
-            yield Fault("note", message, body.place, body.name, id="MODEL-015")
+        density = body.m / volume if volume else math.nan
+        if density > DENSEST:
+            what, name = "more than any material has", "MODEL-022"
+        elif density < FOAM:
+            what, name = "less than foam", "MODEL-015"
+            if density < THIN:
+                what, name = "less than a thousandth of air", "MODEL-014"
+        else:
+            continue
+        box = f"{body.m:.3g} kg in a box of {sides[0]:.3g} by {sides[1]:.3g} by {sides[2]:.3g} m"
+        message = f"{box} are {density:.2g} kg/m³, {what}: {_likely_units(density)}"
+        yield Fault("note", message, body.place, body.name, id=name)
+
+
+def _likely_units(density: float) -> str:
+    """Return which other units would make a material of this density of the box."""
+    likely = [
+        f"{words} would make {density * factor:.2g} kg/m³"
+        for words, factor in UNITS.items()
+        if SOLID <= density * factor <= DENSEST
+    ]
+    return ", ".join(likely) or "are nodes in m and masses in kg?"
 
 
 def _sides(points: np.ndarray) -> np.ndarray:

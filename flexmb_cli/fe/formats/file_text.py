@@ -79,9 +79,12 @@ def printed_digits(path: Path) -> int:
     """Significant digits of the longest real number at the beginning of a file, 0 of a binary one."""
     with open(path, "rb") as stream:
         sample = stream.read(_SAMPLE)
-    if is_binary(sample):
-        return 0
-    numbers = _FRACTION.finditer(_COMMENT.sub(b"", sample))
+    return 0 if is_binary(sample) else digits_in(_COMMENT.sub(b"", sample))
+
+
+def digits_in(text: bytes) -> int:
+    """Significant digits of the longest real number."""
+    numbers = _FRACTION.finditer(text)
     return max((len((found[1] + found[2]).lstrip(b"0")) for found in numbers), default=0)
 
 

@@ -50,7 +50,7 @@ def read_matrix(
     if found.size > len(found.values):
         message = f"{found.size} rows and {len(found.values)} entries: rows without any are no body's"
         raise FEFileFault(f"{path.name} has {message}", id="FE-030")
-    return replace(found, digits=printed_digits(path))
+    return replace(found, digits=found.digits or printed_digits(path))
 
 
 def _read(

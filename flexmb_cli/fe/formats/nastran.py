@@ -4,18 +4,22 @@ MSC Nastran Quick Reference Guide, DMIG.  pyNastran reads them too, but cannot s
 """
 
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ...quick_dataclass import replace
 from .bulk_data import BulkCard, bulk_cards, integer_field, real_field
-from .file_text import line_fault
+from .file_text import digits_in, line_fault
 from .matrix_choice import NamedMatrix, chosen
 from .matrix_file import FEFileFault, MatrixFile, labelled, mirrored
 
 _SYMMETRIC, _SQUARE = 6, (1, 2)
 _REAL = (1, 2)
+# So many values show how many digits all have.
+_SAMPLE = 50_000
 
 
 def read_dmig(path: Path, letter: str, wanted: str = "") -> MatrixFile:
@@ -55,7 +59,9 @@ def _matrix(path: Path, name: str, cards: list[BulkCard]) -> MatrixFile:
             f"{path.name}: DMIG {name} is of form 6 and has both triangles, such as the entry of {row}, "
             f"{row_direction} with {column}, {direction} and its mirror image; give one triangle, or form 1",
         )
-    return found
+    # Fields of fixed width may touch the ones before, which have integers.
+    fields = islice((text for card in columns for text in card.fields[6::4]), _SAMPLE)
+    return replace(found, digits=digits_in("\n".join(fields).encode()))
 
 
 def _check_header(path: Path, name: str, header: BulkCard) -> bool:
