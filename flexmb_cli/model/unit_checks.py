@@ -33,7 +33,7 @@ NARROW = 1e-2  # the other way round: 1e-3
 THIN = 1e-3  # kg/m³ of the box around its nodes; air has 1.2, osmium in millimetres 2e-5
 FOAM = 20.0  # kg/m³ of that box; light foams have 20, tungsten in tonnes 19, steel in tonnes 7.9
 DENSEST = 2.3e4  # kg/m³; osmium has 22,600
-SOLID = 150.0  # kg/m³; balsa, or a metal that fills a tenth of its box
+SOLID = 300.0  # kg/m³; light wood, or aluminium that fills a ninth of its box
 # Units that a file may have, and what they multiply the density by, once they are converted.
 UNITS = {
     "nodes in mm (times 0.001)": 1e9,
@@ -178,14 +178,18 @@ def _of_densities(bodies: "Iterable[FloatingBody]") -> Any:
         else:
             continue
         box = f"{body.m:.3g} kg in a box of {sides[0]:.3g} by {sides[1]:.3g} by {sides[2]:.3g} m"
-        message = f"{box} are {density:.2g} kg/m³, {what}: {_likely_units(density)}"
+        message = f"{box} are {_two_digits(density)} kg/m³, {what}: {_likely_units(density)}"
         yield Fault("note", message, body.place, body.name, id=name)
+
+
+def _two_digits(value: float) -> str:
+    return f"{float(f'{value:.2g}'):g}"
 
 
 def _likely_units(density: float) -> str:
     """Return which other units would make a material of this density of the box."""
     likely = [
-        f"{words} would make {density * factor:.2g} kg/m³"
+        f"{words} would make {_two_digits(density * factor)} kg/m³"
         for words, factor in UNITS.items()
         if SOLID <= density * factor <= DENSEST
     ]
