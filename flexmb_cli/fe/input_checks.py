@@ -3,16 +3,15 @@
 A failed test names its figure, the worst node and the likely causes.  The limits are relative.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from ..errors import Place
 from ..model.diagnostics import Findings
 from ..model.flexible_body import FlexibleInput
 from ..quick_dataclass import dataclass
+from .formats.matrix_file import MatrixFile
 from .linear_algebra import in_three_directions
-from .precision import Rounding
+from .precision import rounding_force
 
 ISOTROPIC_DOUBT, ISOTROPIC_ERROR = 1e-8, 1e-3
 RIGID_DOUBT, RIGID_ERROR = 1e-7, 1e-4
@@ -28,16 +27,13 @@ class Figures:
 
 
 def check_matrices(
-    given: FlexibleInput, S: np.ndarray, K: np.ndarray, rounding: Callable[[], Rounding], findings: Findings
+    given: FlexibleInput, S: np.ndarray, K: np.ndarray, file: MatrixFile, findings: Findings
 ) -> Figures:
-    """Check mass `S` and stiffness `K`, both (3 n, 3 n); faults go to `findings`.
-
-    `rounding`: what the digits of the stiffness leave.
-    """
+    """Check mass `S` and stiffness `K`, both (3 n, 3 n), K of `file`; faults go to `findings`."""
     check_holes(given, S, "mass", given.mass.place, findings)
     check_holes(given, K, "stiffness", given.stiffness.place, findings)
     _check_exchanged(given, S, K, findings)
-    return Figures(check_isotropy(given, S, findings), check_rigid_motions(given, K, rounding, findings))
+    return Figures(check_isotropy(given, S, findings), check_rigid_motions(given, K, file, findings))
 
 
 def _check_exchanged(given: FlexibleInput, S: np.ndarray, K: np.ndarray, findings: Findings) -> None:
@@ -123,9 +119,7 @@ def rigid_motions(r: np.ndarray) -> np.ndarray:
     return motions.reshape(-1, 6)
 
 
-def check_rigid_motions(
-    given: FlexibleInput, K: np.ndarray, rounding: Callable[[], Rounding], findings: Findings
-) -> float:
+def check_rigid_motions(given: FlexibleInput, K: np.ndarray, file: MatrixFile, findings: Findings) -> float:
     """K must not resist rigid motion: the largest |K R| relative to the largest entry of K."""
     centred = given.positions - given.positions.mean(axis=0)
     size = np.abs(centred).max() or 1.0
@@ -135,21 +129,20 @@ def check_rigid_motions(
     if residual > RIGID_DOUBT:
         node = given.numbers[int(forces.max(axis=1).argmax()) // 3]
         report = findings.error if residual > RIGID_ERROR else findings.warn
-        few = residual > RIGID_ERROR and _few_digits(given, residual, rounding())
-        report(given.name, few or _rigid_message(translation, rotation, node), given.stiffness.place)
+        message = _rigid_message(translation, rotation, node)
+        if RIGID_ERROR < residual <= rounding_force(file):
+            message = _few_digits(given, residual, file.digits)
+        report(given.name, message, given.stiffness.place)
     return residual
 
 
-def _few_digits(given: FlexibleInput, residual: float, rounding: Rounding) -> str:
-    """Return that the digits are too few, "" where rounding does not explain the forces."""
-    if residual > rounding.force:
-        return ""
-    remedy = "export at least ten"
+def _few_digits(given: FlexibleInput, residual: float, digits: int) -> str:
+    remedy = "at least ten"
     if given.stiffness.form == "DMIG":
-        remedy = "export large fields of 16 columns (DMIG*), fields parted by commas, or OP4"
+        remedy = "large fields of 16 columns (DMIG*), fields parted by commas, or OP4"
     return (
-        f"the digits of the stiffness are too few: with {rounding.digits} of them it resists rigid motion by "
-        f"{residual:.1e} of the largest entry, as rounding makes it; {remedy}"
+        f"the digits of the stiffness are too few: with {digits} of them it resists rigid motion by "
+        f"{residual:.1e} of the largest entry, as rounding makes it; export {remedy}"
     )
 
 

@@ -4,6 +4,7 @@ Both types have `@`, `.T`, `.diagonal()`, `abs`, `.max()` and `A[rows][:, column
 """
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -96,7 +97,7 @@ def turned(K: np.ndarray, axes: np.ndarray) -> Matrix:
 
 
 def solver(A: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """The function b → x of A x = b, b (size,) or (size, k), A symmetric.  Raises Singular, then or at once."""
+    """The function b → x of A x = b, b (size,) or (size, k), A symmetric.  Raises Singular, then or now."""
     if isinstance(A, np.ndarray):
         return lambda b: _solved(A, b)
     from scipy.sparse.linalg import splu
@@ -139,7 +140,7 @@ def condensed_on(outer: Any, coupling: Any, inner: Any) -> Matrix:
 
     coupling, labels = coupling.tocsc(), connected_components(inner, directed=False)[1]
     if np.bincount(labels).max() <= LARGEST_BLOCK:
-        reduced = outer - coupling.T @ (_inverse_by_blocks(inner.tocoo(), labels) @ coupling)
+        reduced = outer - coupling.T @ (_inverse_by_blocks(inner, labels) @ coupling)
         return ((reduced + reduced.T) / 2).tocsc()
     solve, active = solver(inner), np.flatnonzero(np.diff(coupling.indptr))
     parts = np.split(active, range(COLUMNS_AT_ONCE, len(active), COLUMNS_AT_ONCE))
@@ -149,31 +150,19 @@ def condensed_on(outer: Any, coupling: Any, inner: Any) -> Matrix:
 
 
 def _inverse_by_blocks(A: Any, labels: np.ndarray) -> Matrix:
-    """The inverse of a sparse matrix in coordinates whose rows fall into blocks, (size,) `labels`, that nothing
-    couples.  Raises Singular.
+    """The inverse of a sparse matrix whose rows fall into blocks by `labels` that nothing couples.
+
+    Raises Singular.
     """
     from scipy import sparse
 
-    order, sizes = np.argsort(labels, kind="stable"), np.bincount(labels)
-    local = np.empty(len(labels), dtype=np.int64)
-    local[order] = np.arange(len(labels)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
-    parts = []
-    for size in distinct(sizes):
-        members = order[sizes[labels[order]] == size].reshape(-1, size)
-        number = np.zeros(len(sizes), dtype=np.int64)
-        number[labels[members[:, 0]]] = np.arange(len(members))
-        kept = sizes[labels[A.row]] == size
-        rows, columns = A.row[kept], A.col[kept]
-        blocks = np.zeros((len(members), size, size))
-        np.add.at(blocks, (number[labels[rows]], local[rows], local[columns]), A.data[kept])
-        try:
-            inverse = np.linalg.inv(blocks)
-        except np.linalg.LinAlgError:
-            raise Singular from None
-        places = np.broadcast_arrays(members[:, :, None], members[:, None, :])
-        parts.append((inverse.ravel(), *(place.ravel() for place in places)))
-    values, i, j = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return sparse.coo_matrix((values, (i, j)), A.shape).tocsc()
+    order, ends = np.argsort(labels, kind="stable"), np.cumsum(np.bincount(labels))
+    mixed, undo = A[order][:, order].tocsr(), np.argsort(order)
+    try:
+        blocks = [np.linalg.inv(mixed[a:b, a:b].toarray()) for a, b in pairwise([0, *ends])]
+    except np.linalg.LinAlgError:
+        raise Singular from None
+    return sparse.block_diag(blocks, format="csc")[undo][:, undo]
 
 
 def pencil(A: np.ndarray, B: np.ndarray, count: int, largest: bool = False) -> tuple[np.ndarray, np.ndarray]:

@@ -52,16 +52,6 @@ class EntryErrors:
     digits: int
 
 
-@dataclass(frozen=True)
-class Rounding:
-    """Digits that a file prints, and the force relative to the largest entry that rounding may make of
-    forces that balance.
-    """
-
-    digits: int
-    force: float
-
-
 def frequency_errors(K: NodalMatrix, S: NodalMatrix, shapes: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Relative errors (2, N) to expect of the frequencies of `shapes` (3 n, N), by `K` and by `S`.
 
@@ -114,18 +104,17 @@ def _uniform(unit: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.where(values != 0, unit / np.sqrt(12), 0.0)
 
 
-def largest_rounding(file: "MatrixFile") -> Rounding:
-    """Return what the digits that a file prints leave of forces that should vanish.
+def rounding_force(file: "MatrixFile") -> float:
+    """Return what few digits leave of forces that balance, relative to the largest entry; 0 for many digits.
 
     Fields of fixed width have a digit less for negative numbers.
     """
     if not 1 < file.digits <= SINGLE:
-        return Rounding(file.digits, 0.0)
+        return 0.0
     power = np.floor(np.log10(np.where(file.values, np.abs(file.values), 1.0)))
     squares = _uniform(10.0 ** (power + 2 - file.digits), file.values) ** 2
     sums = sum(np.bincount(rows, squares[kept], file.size) for rows, _, kept in _directions(file))
-    force = float(np.sqrt(np.max(sums)) / np.abs(file.values).max())
-    return Rounding(file.digits, BY_ROUNDING * force)
+    return float(BY_ROUNDING * np.sqrt(np.max(sums)) / np.abs(file.values).max())
 
 
 def stiffness_errors(K: NodalMatrix) -> EntryErrors:

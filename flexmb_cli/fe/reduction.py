@@ -1,7 +1,6 @@
 """Files of a finite-element program to a flexible body: read, tested, reduced."""
 
 import math
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,7 +20,7 @@ from .invariants import effective_masses, inertia_invariants
 from .linear_algebra import Matrix, all_but, in_three_directions, of_mass, turned
 from .massless_shapes import massless_in_motion, split_by_mass, static_mass
 from .nodal_matrices import NodalMatrix, condensed, nodal_part
-from .precision import frequency_errors, largest_rounding
+from .precision import frequency_errors
 from .reference_frame import Frame, reference_frame, without_momentum
 from .static_shapes import as_solved
 
@@ -53,7 +52,7 @@ def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | Non
     _check_reference_nodes(given, findings)
     if S is None or K is None or findings.faults:
         return None
-    figures = check_matrices(given, S.matrix, K.matrix, partial(largest_rounding, K.file), findings)
+    figures = check_matrices(given, S.matrix, K.matrix, K.file, findings)
     if any(fault.severity == "error" for fault in findings.faults):
         return None
     scalar = scalar_mass(S.matrix)
@@ -70,8 +69,8 @@ def _read(given: Any, file: FEFile, letter: str, arrange: "Callable[..., Any]", 
         if file.form == OF_ELEMENTS:
             table = element_table(given, given.material.file, given.positions, findings)
             return table and arrange(file.path.name, element_matrix(given, table, letter), given.numbers)
-        mapped = (mapping.path, mapping.form) if mapping else (None, "")
-        found = read_matrix(file.path, file.form, letter, *mapped, name=file.matrix)
+        path, form = (mapping.path, mapping.form) if mapping else (None, "")
+        found = read_matrix(file.path, file.form, letter, path, form, file.matrix)
         return arrange(file.path.name, found, given.numbers)
     except FEFileFault as fault:
         findings.error(given.name, str(fault), file.place, id=fault.id)

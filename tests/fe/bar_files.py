@@ -107,7 +107,10 @@ def harwell_boeing(matrix, blank=False):
     gap = [""] * blank
     counts = [len(pointers), len(indices), len(values)]
     head = ["title", "".join(f"{n:14d}" for n in (sum(counts), *counts, 0))]
-    head += [f"{'RUA':14}{size:14d}{size:14d}{count:14d}{0:14d}", f"{'(1I14)':16}{'(1I14)':16}{'(1E25.16)':20}"]
+    head += [
+        f"{'RUA':14}{size:14d}{size:14d}{count:14d}{0:14d}",
+        f"{'(1I14)':16}{'(1I14)':16}{'(1E25.16)':20}",
+    ]
     lines = [*head, *gap, *pointers, *gap, *indices[:7], *gap, *indices[7:], *values[:3], *gap, *values[3:]]
     return "\n".join(lines) + "\n"
 

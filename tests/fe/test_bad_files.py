@@ -143,7 +143,7 @@ MATRICES = [
     (
         "DMIG",
         DMIG_HEAD.replace("KAAX", "AAAX") + DMIG_HEAD.replace("KAAX", "BAAX"),
-        "x holds AAAX, BAAX: none of them has the name of the stiffness matrix, square and real; write its name on a card FEMX",
+        "x holds AAAX, BAAX: no K among them is meant; name a square real one on a card FEMX",
     ),
     ("OP4", "", "x is empty"),
     (

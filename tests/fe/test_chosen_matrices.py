@@ -63,7 +63,11 @@ OTHERS = {
             "*MATRIX INPUT, NAME=DMPV\n1,1,1,1,7.0\n*Matrix Input, name=Mass\n" + abaqus_nodes(M),
         ],
     ),
-    "Abaqus types": ("ABQ", "*MATRIX,TYPE=MASS\n", abaqus_rows(M) + "*MATRIX, TYPE=STIFFNESS\n" + abaqus_rows(K)),
+    "Abaqus types": (
+        "ABQ",
+        "*MATRIX,TYPE=MASS\n",
+        abaqus_rows(M) + "*MATRIX, TYPE=STIFFNESS\n" + abaqus_rows(K),
+    ),
 }
 
 
@@ -75,7 +79,9 @@ def test_other_formats_give_the_matrices_meant(tmp_path, name):
 
 
 def test_a_binary_op4_gives_the_matrices_meant(tmp_path):
-    raw = op4_binary(("K4AA", K * 0.01), ("PA", LOADS), ("VAX", LOADS * 1j), ("KAA", K), ("MAA", M), ("MUG1T", LOADS.T))
+    raw = op4_binary(
+        ("K4AA", K * 0.01), ("PA", LOADS), ("VAX", LOADS * 1j), ("KAA", K), ("MAA", M), ("MUG1T", LOADS.T)
+    )
     mass, found = bar_of(tmp_path, ("OP4", raw), ("OP4", raw))
     assert (mass, *found) == pytest.approx((MASS, *FREQUENCIES), rel=1e-7)
 
@@ -89,7 +95,13 @@ def test_the_card_names_the_matrices_in_every_format(tmp_path):
         ("DMIG", SEVERAL),
         ("OP4", op4_text("KMESH1", 2 * K) + op4_text("KMESH2", K) + op4_text("WEIGHT", M)),
         ("OP4", op4_binary(("KMESH1", 2 * K), ("KMESH2", K), ("WEIGHT", M))),
-        ("ABQ", "".join(f"*MATRIX INPUT,NAME={n}\n{abaqus_nodes(A)}" for n, A in (("KMESH1", 2 * K), ("KMESH2", K), ("WEIGHT", M)))),
+        (
+            "ABQ",
+            "".join(
+                f"*MATRIX INPUT,NAME={n}\n{abaqus_nodes(A)}"
+                for n, A in (("KMESH1", 2 * K), ("KMESH2", K), ("WEIGHT", M))
+            ),
+        ),
     ):
         mass, found = bar_of(tmp_path, (form, text), (form, text), cards=NAMES)
         assert (mass, *found) == pytest.approx((MASS, *FREQUENCIES), rel=1e-7)
@@ -98,9 +110,21 @@ def test_the_card_names_the_matrices_in_every_format(tmp_path):
 @pytest.mark.parametrize(
     ("text", "cards", "words"),
     [
-        (SEVERAL, "FEMX\n    1 M    WEIGHT\n", "KMESH1, KMESH2 may be the stiffness matrix, square and real; write its name on a card FEMX"),
-        (SEVERAL, NAMES.replace("WEIGHT", "MAAX"), "holds no matrix MAAX, but KMESH1, KMESH2, WEIGHT; card FEMX names"),
-        (dmig("VAX", LOADS, 9) + dmig("MUG1", LOADS, 9), "", "none of them has the name of the mass matrix"),
+        (
+            SEVERAL,
+            "FEMX\n    1 M    WEIGHT\n",
+            "2 may be meant (KMESH1, KMESH2); name a square real one on a card FEMX",
+        ),
+        (
+            SEVERAL,
+            NAMES.replace("WEIGHT", "MAAX"),
+            "holds KMESH1, KMESH2, WEIGHT: no MAAX among them is meant",
+        ),
+        (
+            dmig("VAX", LOADS, 9) + dmig("MUG1", LOADS, 9),
+            "",
+            "holds VAX, MUG1: no M among them is meant; name a square real one",
+        ),
         (dmig("KAAX", K) + dmig("MAAX", M) + dmig("MAAX", M), "", "DMIG MAAX begins again, after line"),
         (SEVERAL, NAMES + "    1 K    KMESH1\n", "matrix K of body 1 has a name already"),
         (SEVERAL, NAMES + "    1 KG   KDGG\n", "body 1 has no card FEMG, whose matrix it could name"),
@@ -111,8 +135,11 @@ def test_what_may_be_meant_is_named(tmp_path, text, cards, words):
 
 
 def test_two_op4_matrices_of_one_name_are_refused(tmp_path):
-    for text in (op4_text("KAA", K) + op4_text("MAA", M) + op4_text("KAA", K), op4_binary(("KAA", K), ("MAA", M), ("KAA", K))):
-        assert "holds 2 matrices KAA" in refused(tmp_path, ("OP4", text), ("OP4", text))
+    for text in (
+        op4_text("KAA", K) + op4_text("MAA", M) + op4_text("KAA", K),
+        op4_binary(("KAA", K), ("MAA", M), ("KAA", K)),
+    ):
+        assert "holds KAA, MAA, KAA: 2 may be meant (KAA)" in refused(tmp_path, ("OP4", text), ("OP4", text))
 
 
 def test_a_format_without_names_refuses_one(tmp_path):

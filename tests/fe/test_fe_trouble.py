@@ -127,7 +127,7 @@ def test_nodes_in_millimetres_are_told_though_the_matrices_fit_them():
     (note,) = unit_warnings(mechanism)
     assert note.severity == "note"
     assert note.sentence == (
-        "body 1: 0.26 kg in a box of 100 by 15 by 10 m are 1.7e-05 kg/m³, less than a thousandth of air: "
+        "body 1: 0.26 kg in a box of 100 by 15 by 10 m are 1.7e-05 kg/m³, less than foam: "
         "nodes in mm (times 0.001) would make 17000 kg/m³"
     )
 
@@ -135,13 +135,13 @@ def test_nodes_in_millimetres_are_told_though_the_matrices_fit_them():
 @pytest.mark.parametrize(
     ("length", "mass", "words"),
     [
-        (1000.0, 1.0, "2.7e-06 kg/m³, less than a thousandth of air: nodes in mm (times 0.001) would make 2700 kg"),
+        (1000.0, 1.0, "2.7e-06 kg/m³, less than foam: nodes in mm (times 0.001) would make 2700 kg"),
         (100.0, 1.0, "0.0027 kg/m³, less than foam: nodes in cm (times 0.01) would make 2700 kg/m³"),
         (1 / 0.0254, 1.0, "0.044 kg/m³, less than foam: nodes in inches (times 0.0254) would make 2700 kg/m³"),
-        (1000.0, 1e-3, "2.7e-09 kg/m³, less than a thousandth of air: nodes in mm and masses in tonnes would make 2700"),
+        (1000.0, 1e-3, "2.7e-09 kg/m³, less than foam: nodes in mm and masses in tonnes would make 2700"),
         (1.0, 1e-3, "2.7 kg/m³, less than foam: masses in tonnes (times 1000) would make 2700 kg/m³"),
-        (0.001, 1.0, "2.7e+12 kg/m³, more than any material has: nodes converted from mm twice (times 1000) would make"),
-        (1.0, 1e3, "2.7e+06 kg/m³, more than any material has: masses in g (times 0.001) would make 2700 kg/m³"),
+        (0.001, 1.0, "2.7e+12 kg/m³, more than osmium: nodes converted from mm twice (times 1000) would make"),
+        (1.0, 1e3, "2.7e+06 kg/m³, more than osmium: masses in g (times 0.001) would make 2700 kg/m³"),
     ],
 )  # fmt: skip
 def test_the_density_of_the_box_names_the_likely_unit(tmp_path, length, mass, words):

@@ -30,14 +30,21 @@ K_SOLVER, M_SOLVER = K[np.ix_(ROWS, ROWS)], M[np.ix_(ROWS, ROWS)]
 VECTOR = "%%MatrixMarket matrix array {} general\n% entry k: node of rows 3k-2 to 3k\n{}\n"
 WHOLE = VECTOR.format("integer", "\n".join(["16 1", *(str(node + 1) for node in ORDER)]))
 REAL = VECTOR.format("real", "\n".join(["16 1", *(f"{node + 1:.6E}" for node in ORDER)]))
-LABELS = "".join(f"{3 * k + d + 1} {node + 1} U{'XYZ'[d]}\n" for k, node in enumerate(ORDER) for d in range(3))
+LABELS = "".join(
+    f"{3 * k + d + 1} {node + 1} U{'XYZ'[d]}\n" for k, node in enumerate(ORDER) for d in range(3)
+)
 LINES = [f"{node + 1}.{d}" for node in range(16) for d in (1, 2, 3)]
 
 
 @pytest.mark.parametrize("mapping", [WHOLE, REAL, LABELS], ids=["whole", "real", "labels"])
 def test_rows_in_the_solvers_order_are_mapped(tmp_path, mapping):
     """APDL Math exports such a vector of node numbers; HBMAT's mapping says the same of every equation."""
-    for form, write in (("MM", market), ("OP4", lambda A: op4_text("A", A)), ("ABQ", abaqus_rows), ("HB", harwell_boeing)):
+    for form, write in (
+        ("MM", market),
+        ("OP4", lambda A: op4_text("A", A)),
+        ("ABQ", abaqus_rows),
+        ("HB", harwell_boeing),
+    ):
         mass, found = bar_of(tmp_path, (form, write(M_SOLVER)), (form, write(K_SOLVER)), ("ANS", mapping))
         assert (mass, *found) == pytest.approx((MASS, *FREQUENCIES), rel=1e-7)
 
@@ -49,8 +56,14 @@ def test_rows_in_the_solvers_order_are_mapped(tmp_path, mapping):
         (WHOLE.replace("\n16 1", "\n17 1"), "announces 17 entries and holds 16"),
         (VECTOR.format("integer", "2 1\n3\n3"), "node 3, direction 1 stands 2 times"),
         (VECTOR.format("real", "2 1\n3.5\n3"), "nodes must be whole numbers"),
-        (VECTOR.format("integer", "2 1\n5\n3"), "has 48 rows and FEMP maps 6; has it other nodes, or rotations"),
-        (VECTOR.format("integer", "8 1\n" + "\n".join("12345678")), "six rows a node are translations and rotations"),
+        (
+            VECTOR.format("integer", "2 1\n5\n3"),
+            "has 48 rows and FEMP maps 6; has it other nodes, or rotations",
+        ),
+        (
+            VECTOR.format("integer", "8 1\n" + "\n".join("12345678")),
+            "six rows a node are translations and rotations",
+        ),
         (LABELS.replace(" 3 UX", " 4 UX"), "node 4, direction 1 stands 2 times"),
     ],
 )
@@ -65,7 +78,12 @@ def test_blank_lines_are_passed_over(tmp_path):
         ("MM", market(M, ["", "  "]), market(K, [""]), None),
         ("MM", market(M, [""], "array"), market(K, ["", ""], "array"), None),
         ("HB", harwell_boeing(M, True), harwell_boeing(K, True), ("ANS", mapping)),
-        ("OP4", op4_text("MAA", M, blank=True), "\n" + op4_text("PA", K[:, :2], blank=True) + op4_text("KAA", K, blank=True), None),
+        (
+            "OP4",
+            op4_text("MAA", M, blank=True),
+            "\n" + op4_text("PA", K[:, :2], blank=True) + op4_text("KAA", K, blank=True),
+            None,
+        ),
         ("CCX", *(f"\n{ccx(A)}".replace("\n2 ", "\n\n2 ", 1) for A in (M, K)), ("CCX", "\n\n".join(LINES))),
     ):
         found = bar_of(tmp_path, (form, mass), (form, stiffness), given)
@@ -133,7 +151,9 @@ def test_a_substructure_of_abaqus_is_read(tmp_path):
     """*SUBSTRUCTURE MATRIX OUTPUT: the stiffness is that of own Guyan condensation; a lumped mass beside it."""
     keep = [3 * i + d for i in (0, 1, 2, 3, 12, 13, 14, 15) for d in range(3)]
     drop = [i for i in range(48) if i not in keep]
-    condensed = K[np.ix_(keep, keep)] - K[np.ix_(keep, drop)] @ np.linalg.solve(K[np.ix_(drop, drop)], K[np.ix_(drop, keep)])
+    condensed = K[np.ix_(keep, keep)] - K[np.ix_(keep, drop)] @ np.linalg.solve(
+        K[np.ix_(drop, drop)], K[np.ix_(drop, keep)]
+    )
     lumped = np.kron(np.diag([1.0, 2, 1, 1, 2, 1, 1, 1]), np.eye(3))
     # Nodes in another order than the table's: those of the element count.
     table = "".join(reversed(CORNERS.splitlines(keepends=True)))
@@ -162,13 +182,17 @@ def _dmig_of_corners(matrix):
         ("", "", "a mass condensed to a substructure or superelement"),
         ("1, 2, 3\n", "1, 2, 3, 4, 5, 6\n", "without rotations (4 to 6)"),
         ("1, 2, 3\n", "1, 2, 3\n 5, 1, 2\n", "at all nodes alike"),
-        ("NODES=       8", "NODES=       9", "has 9 nodes, and its comment names 8"),
-        ("**1, 2, 3, 4, 13, 14, 15, 16", "**1, 2, 3, 4, 13, 14, 15, 15", "node 15, direction 1 stands 2 times"),
+        ("NODES=       8", "NODES=       9", "has 9 nodes, and its comment 'ELEMENT NODES' names 8"),
+        (
+            "**1, 2, 3, 4, 13, 14, 15, 16",
+            "**1, 2, 3, 4, 13, 14, 15, 15",
+            "node 15, direction 1 stands 2 times",
+        ),
         ("9.7255855369618e+08\n8", "8", "of a *USER ELEMENT of 8 nodes has 300 values; this one has 299"),
         ("8.0890908962948e+07, ", "8.0890908962948f+07, ", "line 9: values by commas wanted"),
         ("*MATRIX,TYPE=MASS", "*MATRIX,TYPE=MASS,SCALE FACTOR=2", "SCALE FACTOR is not read"),
         ("*MATRIX,TYPE=MASS", "*DAMPING", "*DAMPING is not read"),
-        ("LINEAR", "FILE=9", "FILE of *USER ELEMENT is not read"),
+        ("LINEAR", "FILE=9", "FILE is not read; export"),
     ],
 )
 def test_a_substructure_that_cannot_be_used_is_refused(tmp_path, old, new, words):

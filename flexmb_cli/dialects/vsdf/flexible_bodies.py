@@ -79,10 +79,15 @@ def _matrix_names(values: DeckValues, k: int, findings: Findings) -> dict[str, s
         which = record.at("which")
         section = MATRIX_SECTIONS[which.value]
         if section in names:
-            findings.error(record.subject, f"matrix {which.value} of body {k} has a name already", which.place)
+            findings.error(
+                record.subject,
+                f"matrix {which.value} of body {k} has a name already",
+                which.place,
+                id="VSDF-190",
+            )
         if not values.places_of_body(section, k):
             message = f"body {k} has no card {_WORDS[section]}, whose matrix it could name"
-            findings.error(record.subject, message, which.place)
+            findings.error(record.subject, message, which.place, id="VSDF-191")
         names[section] = record["name"]
     return names
 

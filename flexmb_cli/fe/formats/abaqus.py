@@ -9,18 +9,23 @@ freedom of elements.
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .abaqus_substructure import UserElement, element_matrix, user_element
+from .abaqus_substructure import element_matrix, element_rows
 from .file_text import filled, line_fault, lines_of, table, whole
 from .matrix_choice import NamedMatrix, chosen
 from .matrix_file import FEFileFault, MatrixFile, has_both_triangles, labelled
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 # Abaqus puts 1e36 on the diagonal where a degree of freedom is held.
 LARGEST_STIFFNESS = 1e30
-# Keywords that head a matrix, and their parameters.
-_WORDS, _READ = ("*MATRIX", "*MATRIX INPUT"), ("NAME", "TYPE")
+# Keywords of substructures and matrices, and their parameters.
+_ELEMENT, _PARAMETERS = "*USER ELEMENT", ("NODES", "LINEAR", "UNSYMM", "TYPE", "COORDINATES")
+_READ = {_ELEMENT: _PARAMETERS, "*MATRIX": ("TYPE",), "*MATRIX INPUT": ("NAME", "TYPE")}
 
 
 def read_abaqus(path: Path, letter: str = "K", wanted: str = "") -> MatrixFile:
@@ -28,39 +33,39 @@ def read_abaqus(path: Path, letter: str = "K", wanted: str = "") -> MatrixFile:
     name, lines = path.name, lines_of(path)
     if lines and lines[0].lower().startswith("%%matrixmarket"):
         raise line_fault(name, 1, "this is a Matrix Market file: the format is MM", id="FE-087")
-    sections, element = _sections(name, lines)
     matrices = [
-        NamedMatrix(label, True, partial(_read_one, name, element, *filled(body, comment="*", before=before)))
-        for label, before, body in sections
-        if label or filled(body, comment="*")[0]
+        NamedMatrix(label, True, partial(_read_one, name, rows, body, numbers))
+        for label, rows, (body, numbers) in _sections(name, lines)
+        if body
     ]
     if not matrices:
         raise FEFileFault(f"{name} holds no entries", id="FE-013")
     return chosen(name, matrices, letter, wanted)
 
 
-def _sections(name: str, lines: list[str]) -> tuple[list[tuple[str, int, list[str]]], UserElement | None]:
-    """Name, lines before and lines of every matrix; the element whose nodes and directions their rows are."""
-    keywords = [i for i, line in enumerate(lines) if line.startswith("*") and line[1:2] not in ("*", "")]
-    sections, element = [("", 0, lines[: keywords[0]] if keywords else lines)], None
+def _sections(name: str, lines: list[str]) -> "Iterator[tuple[str, Any, tuple[Any, Any]]]":
+    """Name, rows of a substructure, and filled lines with their numbers, of every matrix."""
+    keywords = [i for i, line in enumerate(lines) if line[:1] == "*" and line[1:2] not in ("*", "")]
+    yield "", None, filled(lines[: keywords[0]] if keywords else lines, comment="*")
+    element = None
     for i, end in pairwise([*keywords, len(lines)]):
         word, *parameters = [part.strip() for part in lines[i].upper().rstrip(", ").split(",")]
-        values = {key.strip(): value.strip() for key, _, value in (part.partition("=") for part in parameters)}
-        if word == "*USER ELEMENT":
-            element = user_element(name, i + 1, values, lines[i + 1 : end])
-            continue
-        unread = [key for key in values if key not in _READ] if word in _WORDS else [word]
+        pairs = (part.partition("=") for part in parameters)
+        values = {key.strip(): value.strip() for key, _, value in pairs}
+        unread = [key for key in values if key not in _READ[word]] if word in _READ else [word]
         if unread:
-            raise line_fault(name, i + 1, f"{unread[0]} is not read; export the matrices without it")
-        sections.append((values.get("NAME") or values.get("TYPE") or word[1:], i + 1, lines[i + 1 : end]))
-    return sections, element
+            message = f"{unread[0]} is not read; export the matrices without it"
+            raise line_fault(name, i + 1, message, id="FE-190")
+        if word == _ELEMENT:
+            element = element_rows(name, i + 1, values.get("NODES", ""), lines[i + 1 : end])
+        else:
+            body = filled(lines[i + 1 : end], comment="*", before=i + 1)
+            yield values.get("NAME") or values.get("TYPE", ""), element, body
 
 
-def _read_one(name: str, element: UserElement | None, body: list[str], numbers: list[int]) -> MatrixFile:
-    if element is not None:
-        return element_matrix(name, element, body, numbers)
-    if not body:
-        raise FEFileFault(f"{name} holds no entries", id="FE-013")
+def _read_one(name: str, rows: np.ndarray | None, body: list[str], numbers: list[int]) -> MatrixFile:
+    if rows is not None:
+        return element_matrix(name, rows, body, numbers)
     comma = "," in body[0]
     width = len(body[0].split("," if comma else None))
     if width not in (3, 5):

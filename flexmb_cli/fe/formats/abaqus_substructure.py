@@ -1,86 +1,54 @@
 """Matrices of *SUBSTRUCTURE MATRIX OUTPUT: a *USER ELEMENT with its nodes and directions, then *MATRIX cards.
 
 Abaqus Keywords Reference Guide, *USER ELEMENT, LINEAR and *MATRIX: the lower triangle row by row, a row on as
-many lines as it needs; with UNSYMM the whole matrix.  The nodes stand in a comment.
+many lines as it needs; the whole matrix if it is unsymmetric.  The nodes stand in a comment.
 """
+
+import re
 
 import numpy as np
 
-from ...quick_dataclass import dataclass
-from .file_text import filled, integer, line_fault, real
+from .file_text import line_fault, real
 from .matrix_file import FEFileFault, MatrixFile, check_labels
 
-_NODES = "ELEMENT NODES"
+_NODES = re.compile(r"ELEMENT NODES[^\n]*((?:\n\*\*[ \d,]*)+)", re.IGNORECASE | re.ASCII)
 
 
-@dataclass(frozen=True)
-class UserElement:
-    """Rows of the matrices: `equations` (size, 2), node and direction; None: x y z of the table's nodes."""
-
-    size: int
-    equations: np.ndarray | None
-    unsymmetric: bool
-
-
-def user_element(name: str, line: int, parameters: dict[str, str], body: list[str]) -> UserElement:
-    """The element that *USER ELEMENT on `line` and the lines after it, `body`, describe."""
-    unread = [key for key in parameters if key not in ("NODES", "LINEAR", "UNSYMM", "TYPE", "COORDINATES")]
-    if unread:
-        raise line_fault(name, line, f"{unread[0]} of *USER ELEMENT is not read")
-    data, numbers = filled(body, comment="*", before=line)
-    directions = [_integers(name, number, text) for text, number in zip(data, numbers, strict=True)]
-    if directions != [[1, 2, 3]]:
+def element_rows(name: str, line: int, count: str, body: list[str]) -> np.ndarray:
+    """Node and direction of the rows (size, 2) of the *USER ELEMENT on `line` with `count` nodes."""
+    data = [re.findall(r"\w+", text) for text in body if text.strip() and text[0] != "*"]
+    if data != [["1", "2", "3"]]:
         message = (
             "*USER ELEMENT must have directions 1, 2, 3 at all nodes alike, without rotations (4 to 6) and "
-            f"retained modes; read {directions[:4]}"
+            f"retained modes; read {data[:4]}"
         )
-        raise line_fault(name, numbers[0] if numbers else line, message)
-    nodes = _nodes(name, line, body)
-    count = _integers(name, line, parameters.get("NODES") or str(len(nodes)))[0]
-    if not nodes:
-        return UserElement(3 * count, None, "UNSYMM" in parameters)
-    if count != len(nodes):
-        raise line_fault(name, line, f"*USER ELEMENT has {count} nodes, and its comment names {len(nodes)}")
-    equations = np.column_stack([np.repeat(nodes, 3), np.tile([1, 2, 3], count)])
-    check_labels(name, equations, "; each node of an element stands once")
-    return UserElement(3 * count, equations, "UNSYMM" in parameters)
+        raise line_fault(name, line, message, id="FE-191")
+    match = _NODES.search("\n".join(body))
+    nodes = [int(node) for node in re.findall(r"\d{1,15}", match[1])] if match else []
+    if not nodes or count not in ("", str(len(nodes))):
+        message = f"*USER ELEMENT has {count} nodes, and its comment 'ELEMENT NODES' names {len(nodes)}"
+        raise line_fault(name, line, message, id="FE-192")
+    rows = np.column_stack([np.repeat(nodes, 3), np.tile([1, 2, 3], len(nodes))])
+    check_labels(name, rows, "; each node of an element stands once")
+    return rows
 
 
-def _nodes(name: str, line: int, body: list[str]) -> list[int]:
-    """The nodes in the comment lines after the one that announces them."""
-    found: list[int] = []
-    announced = False
-    for number, text in enumerate(body, start=line + 1):
-        if not text.startswith("**"):
-            announced = False
-        elif _NODES in text.upper():
-            announced = True
-        elif announced:
-            found += _integers(name, number, text[2:])
-    return found
-
-
-def _integers(name: str, number: int, text: str) -> list[int]:
-    try:
-        return [integer(word) for word in text.strip().rstrip(",").split(",") if word.strip()]
-    except ValueError:
-        raise line_fault(name, number, f"whole numbers wanted; read '{text.strip()[:40]}'") from None
-
-
-def element_matrix(name: str, element: UserElement, body: list[str], numbers: list[int]) -> MatrixFile:
-    """The matrix whose triangle, or all of it, the lines `body` hold row by row."""
-    values = []
+def element_matrix(name: str, equations: np.ndarray, body: list[str], numbers: list[int]) -> MatrixFile:
+    """The matrix whose lower triangle, or all of it, the lines `body` hold row by row."""
+    values, size = [], len(equations)
     for text, number in zip(body, numbers, strict=True):
         try:
             values += [real(word) for word in text.split(",") if word.strip()]
         except ValueError:
-            raise line_fault(name, number, f"values by commas wanted; read '{text.strip()[:40]}'") from None
-    size = element.size
-    count = size * size if element.unsymmetric else size * (size + 1) // 2
-    if len(values) != count or not count:
+            message = f"values by commas wanted; read '{text.strip()[:40]}'"
+            raise line_fault(name, number, message, id="FE-193") from None
+    triangle = size * (size + 1) // 2
+    if len(values) not in (triangle, size * size):
         raise FEFileFault(
-            f"{name}: a matrix of a *USER ELEMENT of {size // 3} nodes has {count} values; this one has "
-            f"{len(values)}"
+            f"{name}: a matrix of a *USER ELEMENT of {size // 3} nodes has {triangle} values; this one has "
+            f"{len(values)}",
+            id="FE-194",
         )
-    full = np.indices((size, size)).reshape(2, -1) if element.unsymmetric else np.tril_indices(size)
-    return MatrixFile(size, *full, np.array(values), not element.unsymmetric, element.equations)
+    half = len(values) == triangle
+    rows, columns = np.tril_indices(size) if half else np.indices((size, size)).reshape(2, -1)
+    return MatrixFile(size, rows, columns, np.array(values), half, equations)

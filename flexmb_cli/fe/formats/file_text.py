@@ -145,7 +145,7 @@ def _fault_of_lines(
     return FEFileFault(f"{name} cannot be read as {meaning}", id="FE-028")
 
 
-def line_fault(name: str, number: int, message: str, *, id: str = "") -> FEFileFault:
+def line_fault(name: str, number: int, message: str, *, id: str) -> FEFileFault:
     """The fault of one line of the file `name`."""
     return FEFileFault(f"{name}, line {number}: {message}", id=id)
 

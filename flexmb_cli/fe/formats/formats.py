@@ -63,23 +63,24 @@ def _read(
             id="FE-031",
         )
     if name and not known.by_name:
-        raise FEFileFault(f"matrices of format {form} have no names; remove {name} from card FEMX")
+        raise FEFileFault(
+            f"matrices of format {form} have no names; remove {name} from card FEMX", id="FE-197"
+        )
     read = _reader(known.reader)
     if known.mapping:
         matrix: MatrixFile = read(path, _reader(MAPPING_FORMATS[mapping_form])(mapping))
         return matrix
     matrix = read(path, *which) if known.by_name else read(path)
-    return matrix if mapping is None or not mapping_form or known.labelled else _mapped(path, matrix, mapping, mapping_form)
-
-
-def _mapped(path: Path, matrix: MatrixFile, mapping: Path, mapping_form: str) -> MatrixFile:
-    """Return a matrix without labels with those that the mapping gives its rows."""
+    if mapping is None or not mapping_form or known.labelled:
+        return matrix
     if matrix.equations is not None:
-        raise FEFileFault(f"{path.name} labels its rows itself, so the mapping is not read; remove card FEMP")
+        raise FEFileFault(
+            f"{path.name} labels its rows itself, so the mapping is not read; remove card FEMP", id="FE-198"
+        )
     equations = _reader(MAPPING_FORMATS[mapping_form])(mapping)
     if matrix.size != len(equations):
         message = f"{path.name} has {matrix.size} rows and {mapping.name} maps {len(equations)}"
-        raise FEFileFault(message + size_hint(matrix.size, len(equations) / 3))
+        raise FEFileFault(message + size_hint(matrix.size, len(equations) / 3), id="FE-199")
     return replace(matrix, equations=equations)
 
 

@@ -128,7 +128,7 @@ def _numbers(
 ) -> np.ndarray:
     """`wanted` numbers from `count` lines, separated by blanks or cut by the width of their format.
 
-    `numbers`: those of these and all later lines in the file.
+    `numbers`: of these and all later lines.
     """
     letter, width = form
     start = len(lines) - len(numbers)

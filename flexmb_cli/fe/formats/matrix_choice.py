@@ -7,10 +7,9 @@ from .matrix_file import FEFileFault, MatrixFile
 
 # Names that Nastran gives square matrices end so; the first in a file are meant, of K and M in one set.
 SETS = ("AAX", "AA", "XX", "GG")
-# Beginnings of the names of mass, stiffness and geometric (differential) stiffness, the last three of any.
-PREFIXES = {"M": "M", "K": "K", "G": "KD"}
-BEGINNINGS = {"M": ("M",), "K": ("K", "STIF"), "G": ("K",)}
-MEANINGS = {"M": "mass matrix", "K": "stiffness matrix", "G": "geometric stiffness matrix"}
+# Letter: beginning of Nastran's name, beginnings of other names; G: geometric (differential) stiffness.
+NAMES = {"M": ("M", ("M",)), "K": ("K", ("K", "STIF")), "G": ("KD", ("K",))}
+DAMPING = "K4"  # structural damping
 
 
 class NamedMatrix(NamedTuple):
@@ -27,35 +26,21 @@ def chosen(file: str, matrices: Sequence[NamedMatrix], letter: str, name: str) -
     Raises FEFileFault, which names the candidates, where none or several may be meant.
     """
     names = [matrix.name for matrix in matrices]
-    wanted = name.upper() or (names[0] if len(names) == 1 else _meant(file, matrices, letter))
-    fitting = [matrix for matrix in matrices if matrix.name == wanted]
+    likely = [name.upper()] if name else names if len(names) == 1 else _likely(matrices, letter)
+    fitting = [matrix for matrix in matrices if matrix.name in likely]
     if len(fitting) != 1:
-        count = f"{len(fitting)} matrices" if fitting else "no matrix"
-        raise FEFileFault(
-            f"{file} holds {count} {wanted}, but {_listed(names)}; card FEMX names the one that is meant"
-        )
+        which = f"{len(fitting)} may be meant" if fitting else f"no {name or letter} among them is meant"
+        which += f" ({', '.join(likely[:20])})" if fitting else ""
+        message = f"{file} holds {', '.join(names[:20])}: {which}; name a square real one on a card FEMX"
+        raise FEFileFault(message, id="FE-043")
     return fitting[0].read()
 
 
-def _meant(file: str, matrices: Sequence[NamedMatrix], letter: str) -> str:
-    names = [matrix.name for matrix in matrices]
-    usable = dict.fromkeys(matrix.name for matrix in matrices if matrix.usable)
-    prefix, partner = PREFIXES[letter], "K" if letter == "M" else "M"
+def _likely(matrices: Sequence[NamedMatrix], letter: str) -> list[str]:
+    usable = list(dict.fromkeys(matrix.name for matrix in matrices if matrix.usable))
+    (prefix, beginnings), partner = NAMES[letter], "K" if letter == "M" else "M"
     present = [end for end in SETS if prefix + end in usable]
     paired = [end for end in present if partner + end in usable]
     if present:
-        return prefix + (paired or present)[0]
-    # K4AA and the like hold structural damping.
-    fitting = [name for name in usable if name.startswith(BEGINNINGS[letter]) and name[:2] != "K4"]
-    if len(fitting) == 1:
-        return fitting[0]
-    which = f"{_listed(fitting)} may be" if fitting else "none of them has the name of"
-    raise FEFileFault(
-        f"{file} holds {_listed(names)}: {which} the {MEANINGS[letter]}, square and real; write its name on "
-        "a card FEMX",
-        id="FE-043",
-    )
-
-
-def _listed(names: Sequence[str], most: int = 12) -> str:
-    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+        return [prefix + (paired or present)[0]]
+    return [name for name in usable if name.startswith(beginnings) and not name.startswith(DAMPING)]

@@ -93,5 +93,6 @@ def check_labels(name: str, equations: np.ndarray, causes: str) -> None:
         (node, direction), size = twice[0], len(equations)
         raise FEFileFault(
             f"{name} repeats {len(twice)} of {size} labels: node {node}, direction {direction} stands "
-            f"{counts.max()} times{causes}"
+            f"{counts.max()} times{causes}",
+            id="FE-201",
         )

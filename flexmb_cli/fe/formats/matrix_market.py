@@ -35,10 +35,14 @@ def read_node_vector(path: Path) -> np.ndarray:
     layout, _ = _kind(name, lines)
     body, numbers = filled(lines[1:], comment="%", before=1)
     if layout != "array" or not body:
-        raise FEFileFault(f"{name}: the node numbers of a mapping are a dense vector, layout array")
+        raise FEFileFault(
+            f"{name}: the node numbers of a mapping are a dense vector, layout array", id="FE-202"
+        )
     rows, columns = whole(name, table(name, body[:1], numbers, 2, "the size"), numbers, "sizes")[0]
     if columns != 1 or rows < 1:
-        raise line_fault(name, numbers[0], f"a vector of node numbers wanted; it has {columns} columns")
+        raise line_fault(
+            name, numbers[0], f"a vector of node numbers wanted; it has {columns} columns", id="FE-203"
+        )
     _check_count(name, len(body) - 1, rows)
     nodes = whole(name, table(name, body[1:], numbers[1:], 1, "a node"), numbers[1:], "nodes")[:, 0]
     equations: np.ndarray = np.column_stack([np.repeat(nodes, 3), np.tile([1, 2, 3], rows)])

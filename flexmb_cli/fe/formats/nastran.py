@@ -48,16 +48,17 @@ def _matrix(path: Path, name: str, cards: list[BulkCard]) -> MatrixFile:
     for card in columns:
         if card.fields[1] == "0":
             message = f"DMIG {name} begins again, after line {header.line}; keep one of the two"
-            raise line_fault(path.name, card.line, message)
+            raise line_fault(path.name, card.line, message, id="FE-204")
         _read_column(path, card, entries, values)
     where = np.array(entries, dtype=np.int64).reshape(-1, 4)
     found = labelled(where, np.array(values), True if symmetric else None)
-    both = mirrored(found.rows, found.columns, found.size) if symmetric else []
-    if len(both):
+    both = mirrored(found.rows, found.columns, found.size)
+    if symmetric and len(both):
         row, row_direction, column, direction = where[both[0]]
         raise FEFileFault(
             f"{path.name}: DMIG {name} is of form 6 and has both triangles, such as the entry of {row}, "
             f"{row_direction} with {column}, {direction} and its mirror image; give one triangle, or form 1",
+            id="FE-205",
         )
     # Fields of fixed width may touch the ones before, which have integers.
     fields = islice((text for card in columns for text in card.fields[6::4]), _SAMPLE)

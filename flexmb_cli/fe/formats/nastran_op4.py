@@ -6,7 +6,7 @@ values; a line of integers only heads a column, or a string of values in it.
 
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -30,10 +30,10 @@ def _text_matrices(path: Path) -> list[NamedMatrix]:
     lines, found = lines_of(path), []
     at = _filled(lines, 0)
     while at < len(lines):
-        head = _heading(path.name, lines, at)
-        usable = abs(head.rows) == head.columns and head.kind in REAL
-        found.append(NamedMatrix(head.label, usable, partial(_read_one, path.name, lines, at, head)))
-        at = _filled(lines, _end(lines, at, head.columns))
+        columns, rows, kind, label, _ = _heading(path.name, lines, at)
+        usable = abs(rows) == columns and kind in REAL
+        found.append(NamedMatrix(label, usable, partial(_read_one, path.name, lines, at)))
+        at = _filled(lines, _end(lines, at, columns))
     return found
 
 
@@ -53,8 +53,13 @@ def _end(lines: list[str], at: int, columns: int) -> int:
     return len(lines)
 
 
-def _read_one(name: str, lines: list[str], at: int, head: "_Heading") -> MatrixFile:
-    columns = _checked(name, at, head)
+def _read_one(name: str, lines: list[str], at: int) -> MatrixFile:
+    columns, rows, kind, _, width = _heading(name, lines, at)
+    if kind not in REAL:
+        raise line_fault(name, at + 1, "the matrix is complex; real wanted", id="FE-124")
+    if abs(rows) != columns:
+        message = f"the matrix must be square; it has {abs(rows)} rows, {columns} columns"
+        raise line_fault(name, at + 1, message, id="FE-111")
     parts: list[Any] = []
     while True:
         at = _filled(lines, at + 1)
@@ -62,44 +67,25 @@ def _read_one(name: str, lines: list[str], at: int, head: "_Heading") -> MatrixF
         if column > columns:
             return of_strings(name, columns, parts)
         if row:
-            first, at = at, _read_string(name, lines, at, (row, column, head.width), parts)
+            first, at = at, _read_string(name, lines, at, (row, column, width), parts)
             _check_words(name, first, words, len(parts[-1][2]))
             continue
         while (at_next := _filled(lines, at + 1)) < len(lines):
             if len(lines[at_next].split()) > 2 or "." in lines[at_next]:
                 break
             row = _string_row(name, lines, at_next)
-            at = _read_string(name, lines, at_next, (row, column, head.width), parts)
+            at = _read_string(name, lines, at_next, (row, column, width), parts)
 
 
-class _Heading(NamedTuple):
-    """Heading of a matrix."""
-
-    columns: int
-    rows: int  # negative where strings have headings of two numbers (BIGMAT)
-    kind: int  # 1, 2 real, 3, 4 complex
-    label: str  # name in capitals
-    width: int  # columns of a value
-
-
-def _heading(name: str, lines: list[str], at: int) -> _Heading:
+def _heading(name: str, lines: list[str], at: int) -> tuple[int, int, int, str, int]:
+    """Columns, rows, type and name of a matrix, and the width of a value."""
     head = lines[at]
     try:
         columns, rows, _, kind = (integer(head[8 * i : 8 * i + 8]) for i in range(4))
-        return _Heading(columns, rows, kind, head[32:40].strip().upper(), _width(head[40:]))
+        return columns, rows, kind, head[32:40].strip().upper(), _width(head[40:])
     except ValueError:
         message = "columns, rows, form, type, name and format of an OP4 text matrix wanted"
         raise line_fault(name, at + 1, message, id="FE-123") from None
-
-
-def _checked(name: str, at: int, head: _Heading) -> int:
-    """The number of columns of a square real matrix."""
-    if head.kind not in REAL:
-        raise line_fault(name, at + 1, "the matrix is complex; real wanted", id="FE-124")
-    if abs(head.rows) != head.columns:
-        message = f"the matrix must be square; it has {abs(head.rows)} rows, {head.columns} columns"
-        raise line_fault(name, at + 1, message, id="FE-111")
-    return head.columns
 
 
 def _width(form: str) -> int:
