@@ -76,7 +76,8 @@ def test_a_condensed_mass_matrix_couples_directions(tmp_path):
     assert spoilt(tmp_path, change) == [
         "error: the mass of directions x, y, z differs by 5.0e-01 of the largest entry, most at node 11: the "
         "equations need equal masses in all directions and none between them; a mass condensed to a "
-        "substructure or superelement, or internal degrees of freedom in it? export the matrix of solid elements"
+        "substructure or superelement, or internal degrees of freedom in it? export the matrix of solid "
+        "elements"
     ]
 
 

@@ -105,7 +105,7 @@ def blocks(sizes):
 
 @pytest.mark.parametrize("largest", [60, 0])
 def test_condensing_blocks_is_the_schur_complement_of_numpy(monkeypatch, largest):
-    """Blocks of several sizes, inverted one by one or, where they are large, solved for a few columns at a time."""
+    """Blocks of several sizes, inverted singly or, if they are large, solved for a few columns at a time."""
     monkeypatch.setattr(linear_algebra, "LARGEST_BLOCK", largest)
     monkeypatch.setattr(linear_algebra, "COLUMNS_AT_ONCE", 3)
     inner, outer, coupling = blocks([1, 9, 3, 9, 2, 1]), positive(11), RANDOM.normal(size=(25, 11))
@@ -118,7 +118,7 @@ def test_condensing_blocks_is_the_schur_complement_of_numpy(monkeypatch, largest
 
 
 def condensing_peak(count):
-    """Bytes at most taken at a time to condense `count` elements in a row, of 9 rows inside and 6 shared ones."""
+    """Most bytes taken at a time to condense a row of `count` elements, of 9 rows inside and 6 shared."""
     inner = block_diag([positive(9)] * count, format="csc")
     rows = np.repeat(np.arange(9 * count), 12)
     columns = (6 * (rows // 9) + np.tile(np.arange(12), 9 * count)).astype(int)

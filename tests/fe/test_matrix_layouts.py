@@ -1,7 +1,6 @@
 """Matrices as programs export them: in the solver's order, with blank lines, as substructures, with ties.
 
-Expected: frequencies of scipy.linalg.eigh of the numbers in tests/fe/bar, and the layouts that the manuals of the
-programs give.
+Expected: frequencies of scipy.linalg.eigh of the numbers in tests/fe/bar, and the manuals' layouts.
 """
 
 import numpy as np
@@ -148,7 +147,7 @@ CORNERS = "".join(NODES.splitlines(keepends=True)[i] for i in (0, 1, 2, 3, 12, 1
 
 
 def test_a_substructure_of_abaqus_is_read(tmp_path):
-    """*SUBSTRUCTURE MATRIX OUTPUT: the stiffness is that of own Guyan condensation; a lumped mass beside it."""
+    """*SUBSTRUCTURE MATRIX OUTPUT: the stiffness is that of own Guyan condensation, the mass lumped."""
     keep = [3 * i + d for i in (0, 1, 2, 3, 12, 13, 14, 15) for d in range(3)]
     drop = [i for i in range(48) if i not in keep]
     condensed = K[np.ix_(keep, keep)] - K[np.ix_(keep, drop)] @ np.linalg.solve(
