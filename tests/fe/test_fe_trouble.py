@@ -12,7 +12,7 @@ from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.fe.flexible_bodies import flexible_body
 from flexmb_cli.model.unit_checks import unit_warnings
 from tests.dialects.vsdf.vsdf_decks import build, supplied
-from tests.fe import bar_files
+from tests.fe.formats import bar_files
 from tests.fe.trusses import files_input, truss
 
 FRAMES = pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from .matrix_file import FEFileFault, MatrixFile, labelled, mirrored
 _SYMMETRIC, _SQUARE = 6, (1, 2)
 _REAL = (1, 2)
 # So many values show how many digits all have.
-_SAMPLE = 50_000
+_MANY_VALUES = 50_000
 
 
 def read_dmig(path: Path, letter: str, wanted: str = "") -> MatrixFile:
@@ -61,7 +61,7 @@ def _matrix(path: Path, name: str, cards: list[BulkCard]) -> MatrixFile:
             id="FE-205",
         )
     # Fields of fixed width may touch the ones before, which have integers.
-    fields = islice((text for card in columns for text in card.fields[6::4]), _SAMPLE)
+    fields = islice((text for card in columns for text in card.fields[6::4]), _MANY_VALUES)
     return replace(found, digits=digits_in("\n".join(fields).encode()))
 
 

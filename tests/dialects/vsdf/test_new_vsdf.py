@@ -10,7 +10,7 @@ from flexmb_cli.deck.text import decode, read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.vsdf.build import build_vsdf
 from flexmb_cli.dialects.vsdf.cards import CARDS, analysis
-from flexmb_cli.dialects.vsdf.form import ADDED, COUNTED, LATER, VsdfForm
+from flexmb_cli.dialects.vsdf.form import ADDED, COUNTED, LATER, LATER, VsdfForm
 from flexmb_cli.model.integrators import METHODS, Integrator
 from tests.dialects.vsdf.element_cases import CASES
 from tests.dialects.vsdf.vsdf_decks import read
@@ -105,8 +105,8 @@ ROD = [
 
 def test_a_rigid_pendulum_asked_for():
     """2.5 kg hung from the ground by a sphere at node 7; cards and fields as in decks/vsdf/FORMAT.md."""
-    none = " ".join("0" * len(ADDED))
-    dialogue = talk(*ROD, "1 7", "0 0 -9.81", "1 0.1", "", "", "", "", "", none)
+    none, later = (" ".join("0" * len(cards)) for cards in (ADDED, LATER))
+    dialogue = talk(*ROD, "1 7", "0 0 -9.81", "1 0.1", "", "", "", "", "", none, later)
     assert dialogue.question is None
     lines = [line.strip() for line, _ in dialogue.lines if not line.startswith("*")]
     assert lines == [

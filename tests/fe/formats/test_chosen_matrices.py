@@ -1,13 +1,13 @@
 """Which matrix is meant where a file holds several: names of Nastran's own alters, and names on card FEMX.
 
-Expected: frequencies of scipy.linalg.eigh of the numbers in tests/fe/bar.
+Expected: frequencies of scipy.linalg.eigh of the numbers in tests/fe/formats/bar.
 """
 
 import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from tests.fe.bar_files import (
+from tests.fe.formats.bar_files import (
     FREQUENCIES,
     MASS,
     K,

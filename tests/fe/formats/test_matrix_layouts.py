@@ -1,12 +1,12 @@
 """Matrices as programs export them: in the solver's order, with blank lines, as substructures, with ties.
 
-Expected: frequencies of scipy.linalg.eigh of the numbers in tests/fe/bar, and the manuals' layouts.
+Expected: frequencies of scipy.linalg.eigh of the numbers in tests/fe/formats/bar, and the manuals' layouts.
 """
 
 import numpy as np
 import pytest
 
-from tests.fe.bar_files import (
+from tests.fe.formats.bar_files import (
     FOLDER,
     FREQUENCIES,
     MASS,
