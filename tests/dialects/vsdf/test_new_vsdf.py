@@ -10,7 +10,7 @@ from flexmb_cli.deck.text import decode, read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.vsdf.build import build_vsdf
 from flexmb_cli.dialects.vsdf.cards import CARDS, analysis
-from flexmb_cli.dialects.vsdf.form import ADDED, COUNTED, LATER, LATER, VsdfForm
+from flexmb_cli.dialects.vsdf.form import ADDED, COUNTED, LATER, VsdfForm
 from flexmb_cli.model.integrators import METHODS, Integrator
 from tests.dialects.vsdf.element_cases import CASES
 from tests.dialects.vsdf.vsdf_decks import read
