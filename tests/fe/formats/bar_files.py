@@ -1,4 +1,4 @@
-"""The aluminium bar of tests/fe/formats/bar in the formats of other programs, and what `flexmb modes` says of it.
+"""The aluminium bar of tests/fe/formats/bar in the formats of other programs, and what `flexmb modes` says.
 
 0.9 x 0.12 x 0.08 m, three bricks of mean dilatation, E 7e10 Pa, nu 0.33, 2700 kg/m3, consistent mass.
 """
