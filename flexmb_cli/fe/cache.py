@@ -66,7 +66,7 @@ def key_of(given: FlexibleInput) -> str:
     ]
     files += [material.file for material in (given.stiffening, given.material) if material]
     for file in files:
-        digest.update(f"|{file.form}".encode() if file else b"|none")
+        digest.update(f"|{file.form}{file.matrix and ' ' + file.matrix}".encode() if file else b"|none")
         if file:
             digest.update(hashlib.sha256(_content(file)).digest())
     digest.update(np.ascontiguousarray(given.numbers, dtype="<i8").tobytes())

@@ -9,7 +9,9 @@ from ..errors import Place
 from ..model.diagnostics import Findings
 from ..model.flexible_body import FlexibleInput
 from ..quick_dataclass import dataclass
+from .formats.matrix_file import MatrixFile
 from .linear_algebra import in_three_directions
+from .precision import rounding_force
 
 ISOTROPIC_DOUBT, ISOTROPIC_ERROR = 1e-8, 1e-3
 RIGID_DOUBT, RIGID_ERROR = 1e-7, 1e-4
@@ -24,12 +26,14 @@ class Figures:
     rigid_residual: float
 
 
-def check_matrices(given: FlexibleInput, S: np.ndarray, K: np.ndarray, findings: Findings) -> Figures:
-    """Check mass `S` and stiffness `K`, both (3 n, 3 n); faults go to `findings`."""
+def check_matrices(
+    given: FlexibleInput, S: np.ndarray, K: np.ndarray, file: MatrixFile, findings: Findings
+) -> Figures:
+    """Check mass `S` and stiffness `K`, both (3 n, 3 n), K of `file`; faults go to `findings`."""
     check_holes(given, S, "mass", given.mass.place, findings)
     check_holes(given, K, "stiffness", given.stiffness.place, findings)
     _check_exchanged(given, S, K, findings)
-    return Figures(check_isotropy(given, S, findings), check_rigid_motions(given, K, findings))
+    return Figures(check_isotropy(given, S, findings), check_rigid_motions(given, K, file, findings))
 
 
 def _check_exchanged(given: FlexibleInput, S: np.ndarray, K: np.ndarray, findings: Findings) -> None:
@@ -82,7 +86,7 @@ def check_isotropy(given: FlexibleInput, S: np.ndarray, findings: Findings) -> f
             f"{given.numbers[row // 3]}: the equations need equal masses in all directions and none between "
             "them"
         )
-        doubt = "; a condensed mass matrix, or internal degrees of freedom in it?"
+        doubt = "; a mass condensed to a substructure or superelement, or internal degrees of freedom in it?"
         remedy = f"{doubt} export the matrix of solid elements"
         if severe:
             findings.error(given.name, message + remedy, given.mass.place, id="FE-057")
@@ -115,7 +119,7 @@ def rigid_motions(r: np.ndarray) -> np.ndarray:
     return motions.reshape(-1, 6)
 
 
-def check_rigid_motions(given: FlexibleInput, K: np.ndarray, findings: Findings) -> float:
+def check_rigid_motions(given: FlexibleInput, K: np.ndarray, file: MatrixFile, findings: Findings) -> float:
     """K must not resist rigid motion: the largest |K R| relative to the largest entry of K."""
     centred = given.positions - given.positions.mean(axis=0)
     size = np.abs(centred).max() or 1.0
@@ -125,8 +129,21 @@ def check_rigid_motions(given: FlexibleInput, K: np.ndarray, findings: Findings)
     if residual > RIGID_DOUBT:
         node = given.numbers[int(forces.max(axis=1).argmax()) // 3]
         report = findings.error if residual > RIGID_ERROR else findings.warn
-        report(given.name, _rigid_message(translation, rotation, node), given.stiffness.place)
+        message = _rigid_message(translation, rotation, node)
+        if RIGID_ERROR < residual <= rounding_force(file):
+            message = _few_digits(given, residual, file.digits)
+        report(given.name, message, given.stiffness.place)
     return residual
+
+
+def _few_digits(given: FlexibleInput, residual: float, digits: int) -> str:
+    remedy = "at least ten"
+    if given.stiffness.form == "DMIG":
+        remedy = "large fields of 16 columns (DMIG*), fields parted by commas, or OP4"
+    return (
+        f"the digits of the stiffness are too few: with {digits} of them it resists rigid motion by "
+        f"{residual:.1e} of the largest entry, as rounding makes it; export {remedy}"
+    )
 
 
 def _rigid_message(translation: float, rotation: float, node: int) -> str:

@@ -4,6 +4,7 @@ Both types have `@`, `.T`, `.diagonal()`, `abs`, `.max()` and `A[rows][:, column
 """
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,12 @@ import numpy as np
 Matrix = Any  # np.ndarray or scipy.sparse.csc_matrix
 # At so many rows all eigenvectors at once (numpy) take about what importing scipy and iterating for a few do.
 DENSE = 900
+# Rows of an uncoupled block that is inverted at once, as those inside an element (9 of C3D8I).
+LARGEST_BLOCK = 60
+# Right-hand sides that are solved for, and dense, at a time.
+COLUMNS_AT_ONCE = 256
+# Relative to the largest entry of a column; of a stiffness the diagonal is taken for a pivot.
+LEAST_PIVOT = 1e-3
 
 
 class Singular(Exception):
@@ -83,18 +90,21 @@ def turned(K: np.ndarray, axes: np.ndarray) -> Matrix:
         return np.einsum("ai,manb,bj->minj", axes, blocks, axes, optimize=True).reshape(K.shape)
     from scipy import sparse
 
-    turn = sparse.kron(sparse.identity(n), sparse.csc_matrix(axes)).tocsc()
-    return (turn.T @ K @ turn).tocsc()
+    # Products of sparse matrices drop exact zeros, and of an irregular pattern the factors fill up.
+    blocks = sparse.bsr_matrix(K, blocksize=(3, 3))
+    data = np.einsum("ai,mab,bj->mij", axes, blocks.data, axes, optimize=True)
+    return sparse.bsr_matrix((data, blocks.indices, blocks.indptr), shape=K.shape).tocsc()
 
 
 def solver(A: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """The function b → x of A x = b, b (size,) or (size, k).  Raises Singular, then or at once."""
+    """The function b → x of A x = b, b (size,) or (size, k), A symmetric.  Raises Singular, then or now."""
     if isinstance(A, np.ndarray):
         return lambda b: _solved(A, b)
     from scipy.sparse.linalg import splu
 
+    symmetric = {"diag_pivot_thresh": LEAST_PIVOT, "options": {"SymmetricMode": True}}
     try:
-        return splu(A.tocsc()).solve
+        return splu(A.tocsc(), permc_spec="MMD_AT_PLUS_A", **symmetric).solve
     except RuntimeError:
         raise Singular from None
 
@@ -122,18 +132,37 @@ def of_mass(S: Any, b: np.ndarray) -> np.ndarray:
 
 def condensed_on(outer: Any, coupling: Any, inner: Any) -> Matrix:
     """outer - coupling' inner^-1 coupling, of (n, n), (k, n) and (k, k).  Raises Singular."""
-    solve = solver(inner)
     if isinstance(outer, np.ndarray):
-        reduced = outer - coupling.T @ solve(coupling)
+        reduced = outer - coupling.T @ solver(inner)(coupling)
         return (reduced + reduced.T) / 2
     from scipy import sparse
+    from scipy.sparse.csgraph import connected_components
 
-    coupling = coupling.tocsc()
-    active = np.flatnonzero(np.diff(coupling.indptr))
-    solved = sparse.lil_matrix(coupling.shape)
-    solved[:, active] = solve(coupling[:, active].toarray())
-    reduced = outer - coupling.T @ solved.tocsc()
+    coupling, labels = coupling.tocsc(), connected_components(inner, directed=False)[1]
+    if np.bincount(labels).max() <= LARGEST_BLOCK:
+        reduced = outer - coupling.T @ (_inverse_by_blocks(inner, labels) @ coupling)
+        return ((reduced + reduced.T) / 2).tocsc()
+    solve, active = solver(inner), np.flatnonzero(np.diff(coupling.indptr))
+    parts = np.split(active, range(COLUMNS_AT_ONCE, len(active), COLUMNS_AT_ONCE))
+    products = [sparse.csc_matrix(coupling.T @ solve(coupling[:, part].toarray())) for part in parts]
+    reduced = outer - sparse.hstack(products) @ sparse.identity(outer.shape[0], format="csr")[active]
     return ((reduced + reduced.T) / 2).tocsc()
+
+
+def _inverse_by_blocks(A: Any, labels: np.ndarray) -> Matrix:
+    """The inverse of a sparse matrix whose rows fall into blocks by `labels` that nothing couples.
+
+    Raises Singular.
+    """
+    from scipy import sparse
+
+    order, ends = np.argsort(labels, kind="stable"), np.cumsum(np.bincount(labels))
+    mixed, undo = A[order][:, order].tocsr(), np.argsort(order)
+    try:
+        blocks = [np.linalg.inv(mixed[a:b, a:b].toarray()) for a, b in pairwise([0, *ends])]
+    except np.linalg.LinAlgError:
+        raise Singular from None
+    return sparse.block_diag(blocks, format="csc")[undo][:, undo]
 
 
 def pencil(A: np.ndarray, B: np.ndarray, count: int, largest: bool = False) -> tuple[np.ndarray, np.ndarray]:

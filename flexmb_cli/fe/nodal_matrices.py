@@ -14,7 +14,7 @@ from collections.abc import Callable, Collection
 import numpy as np
 
 from ..quick_dataclass import dataclass
-from .formats.matrix_file import FEFileFault, MatrixFile
+from .formats.matrix_file import FEFileFault, MatrixFile, size_hint
 from .linear_algebra import Matrix, Singular, condensed_on, solver, stored, summed, without_diagonal
 
 SYMMETRY = 1e-6
@@ -119,7 +119,8 @@ def _ordered(name: str, file: MatrixFile, numbers: np.ndarray) -> tuple[np.ndarr
     if file.equations is None:
         if file.size != size:
             raise FEFileFault(
-                f"{name} has {file.size} rows; the {len(numbers)} nodes of the table need {size}, three each",
+                f"{name} has {file.size} rows; the {len(numbers)} nodes of the table need {size}, three each"
+                f"{size_hint(file.size, len(numbers))}",
                 id="FE-062",
             )
         return full, np.arange(size), np.arange(0)
@@ -174,7 +175,8 @@ def _refuse_missing(name: str, missing: np.ndarray, numbers: np.ndarray, interna
         )
     raise FEFileFault(
         f"{name} has no row for direction {direction} of node {node}, and lacks {missing.size} in all: is "
-        "the node held by a boundary condition, or in no element? export the body unsupported, with the "
-        "nodes of its elements only",
+        "the node held by a boundary condition, tied to others (*RIGID BODY, *EQUATION, *MPC; RBE2, MPC; CE, "
+        "CERIG), or in no element? export the body unsupported, without ties, with the nodes of its elements "
+        "only",
         id="FE-067",
     )

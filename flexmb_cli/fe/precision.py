@@ -36,6 +36,8 @@ FEWEST_PRINTED = 5
 NEED_ALL, BY_CHANCE = 0.7, 10
 # Rounded matrices miss twice the root sum of squares in one case of twenty.
 MARGIN = 2.0
+# Standard deviations that the worst of all rows hardly passes.
+BY_ROUNDING = 4.0
 # Rounding and the forces of a translation give the same error within these factors; a stiffness that balances
 # better has exact numbers (a lumped truss), one that balances worse has errors that its digits do not show.
 BALANCED, UNBALANCED = 0.1, 3.0
@@ -100,6 +102,19 @@ def _look_rounded(values: np.ndarray, digits: int) -> bool:
 def _uniform(unit: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Standard deviation of numbers rounded to multiples of `unit`; zeros are exact."""
     return np.where(values != 0, unit / np.sqrt(12), 0.0)
+
+
+def rounding_force(file: "MatrixFile") -> float:
+    """Return what few digits leave of forces that balance, relative to the largest entry; 0 for many digits.
+
+    Fields of fixed width have a digit less for negative numbers.
+    """
+    if not 1 < file.digits <= SINGLE:
+        return 0.0
+    power = np.floor(np.log10(np.where(file.values, np.abs(file.values), 1.0)))
+    squares = _uniform(10.0 ** (power + 2 - file.digits), file.values) ** 2
+    sums = sum(np.bincount(rows, squares[kept], file.size) for rows, _, kept in _directions(file))
+    return float(BY_ROUNDING * np.sqrt(np.max(sums)) / np.abs(file.values).max())
 
 
 def stiffness_errors(K: NodalMatrix) -> EntryErrors:

@@ -55,7 +55,7 @@ def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | Non
     errors = any(fault.severity == "error" for fault in findings.faults)
     if S is None or K is None or errors:
         return None
-    figures = check_matrices(given, S.matrix, K.matrix, findings)
+    figures = check_matrices(given, S.matrix, K.matrix, K.file, findings)
     if any(fault.severity == "error" for fault in findings.faults):
         return None
     scalar = scalar_mass(S.matrix)
@@ -72,9 +72,8 @@ def _read(given: Any, file: FEFile, letter: str, arrange: "Callable[..., Any]", 
         if file.form == OF_ELEMENTS:
             table = element_table(given, given.material.file, given.positions, findings)
             return table and arrange(file.path.name, element_matrix(given, table, letter), given.numbers)
-        found = read_matrix(
-            file.path, file.form, letter, mapping.path if mapping else None, mapping.form if mapping else ""
-        )
+        path, form = (mapping.path, mapping.form) if mapping else (None, "")
+        found = read_matrix(file.path, file.form, letter, path, form, file.matrix)
         return arrange(file.path.name, found, given.numbers)
     except FEFileFault as fault:
         findings.error(given.name, str(fault), file.place, id=fault.id)
@@ -215,7 +214,7 @@ def _geometric(
     shapes = _in_axes_of_table(frame, Phi)
     reduced = np.zeros((3, 3, size, size))
     for load in given.unit_loads:
-        found = _read(given, load.file, "K", partial(nodal_part, stiffness=matrices.of_stiffness), findings)
+        found = _read(given, load.file, "G", partial(nodal_part, stiffness=matrices.of_stiffness), findings)
         if found is not None:
             reduced[load.i, load.j] = shapes.T @ (found.matrix @ shapes)
     made: np.ndarray = np.einsum("ia,jb,ijkl->abkl", frame.axes, frame.axes, reduced)

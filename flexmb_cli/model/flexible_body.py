@@ -15,11 +15,15 @@ from ..quick_dataclass import dataclass, field
 
 @dataclass(frozen=True)
 class FEFile:
-    """A file named by the deck: where it is, its format, and the place of its card."""
+    """A file named by the deck: where it is, its format, and the place of its card.
+
+    `matrix`: the name of the one that is meant where the file holds several, "" for the usual one.
+    """
 
     path: Path
     form: str
     place: Place | None = None
+    matrix: str = ""
 
 
 @dataclass(frozen=True)

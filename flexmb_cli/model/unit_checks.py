@@ -5,6 +5,7 @@ recognised by its gravity, its lengths, and the radii of gyration and densities 
 tonnes with all else in SI units divide densities by a thousand.
 """
 
+import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, cast
 
@@ -29,8 +30,19 @@ LARGE = 50.0  # m between the joints of one body, for a mechanism under gravity
 # doubted if it is too light for its size as well, or wider than any.
 WIDE, WIDE_WITHOUT_AXIS, WIDEST_OF_ALL = 30.0, 12.0, 300.0
 NARROW = 1e-2  # the other way round: 1e-3
-THIN = 1e-3  # kg/m³ of the box around its nodes; air has 1.2, osmium in millimetres 2e-5
-FOAM = 20.0  # kg/m³ of that box; light foams have 20, tungsten in tonnes 19, steel in tonnes 7.9
+FOAM = 20.0  # kg/m³ of the box around a body; light foams have 20, tungsten in tonnes 19, steel 7.9
+OSMIUM = 2.3e4  # kg/m³, rounded up
+SOLID = 300.0  # kg/m³; light wood, or aluminium that fills a ninth of its box
+# Units that a file may have, and what they multiply the density by, once they are converted.
+UNITS = {
+    "nodes in mm (times 0.001)": 1e9,
+    "nodes in cm (times 0.01)": 1e6,
+    "nodes in inches (times 0.0254)": 0.0254**-3,
+    "masses in tonnes (times 1000)": 1e3,
+    "nodes in mm and masses in tonnes": 1e12,
+    "masses in g (times 0.001)": 1e-3,
+    "nodes converted from mm twice (times 1000)": 1e-9,
+}
 # kg/m³ of the ellipsoid with a rigid body's mass and inertia.  With a mass in tonnes it grows √1000 times in
 # every direction: osmium gets 7e-4, steel 2.5e-4.  1 kg with 1 kg m² about all axes has 6e-2.
 HOLLOW = 1e-3
@@ -152,16 +164,24 @@ def _of_densities(bodies: "Iterable[FloatingBody]") -> Any:
     """Matrices know no lengths: nodes in millimetres, and masses in tonnes, pass every test of them."""
     for body in bodies:
         sides = _sides(body.reduced.r0)
-        volume = float(np.prod(sides))
-        box = f"{body.m:.3g} kg in a box of {sides[0]:.3g} by {sides[1]:.3g} by {sides[2]:.3g} m are"
-        if body.m < THIN * volume:
-            message = f"{box} less than a thousandth of air: are the nodes in m?"
-            yield Fault("note", message, body.place, body.name, id="MODEL-014")
-        elif body.m < FOAM * volume:
-            message = (
-                f"{box} {body.m / volume:.2g} kg/m³, less than foam: is the mass in kg, and not in tonnes?"
-            )
-            yield Fault("note", message, body.place, body.name, id="MODEL-015")
+        density = body.m / (float(np.prod(sides)) or math.nan)
+        if not (density < FOAM or density > OSMIUM):
+            continue
+        likely = [
+            f"{words} would make {_two_digits(density * factor)} kg/m³"
+            for words, factor in UNITS.items()
+            if SOLID <= density * factor <= OSMIUM
+        ]
+        message = (
+            f"{body.m:.3g} kg in a box of {sides[0]:.3g} by {sides[1]:.3g} by {sides[2]:.3g} m are "
+            f"{_two_digits(density)} kg/m³, {'less than foam' if density < FOAM else 'more than osmium'}: "
+            f"{', '.join(likely) or 'are nodes in m and masses in kg?'}"
+        )
+        yield Fault("note", message, body.place, body.name, id="MODEL-015")
+
+
+def _two_digits(value: float) -> str:
+    return f"{float(f'{value:.2g}'):g}"
 
 
 def _sides(points: np.ndarray) -> np.ndarray:

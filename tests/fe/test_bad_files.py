@@ -143,7 +143,7 @@ MATRICES = [
     (
         "DMIG",
         DMIG_HEAD.replace("KAAX", "AAAX") + DMIG_HEAD.replace("KAAX", "BAAX"),
-        "x holds the matrices AAAX, BAAX; exactly one must begin with K",
+        "x holds AAAX, BAAX: no K among them is meant; name a square real one on a card FEMX",
     ),
     ("OP4", "", "x is empty"),
     (

@@ -31,8 +31,10 @@ def spoilt(folder, change, symmetric=True, **choices):
 def test_matrices_of_another_mesh(tmp_path):
     r, _, M, K = truss(1)
     assert messages(files_input(tmp_path, r[:5], M, K)) == [
-        "error: K.mtx has 21 rows; the 5 nodes of the table need 15, three each",
-        "error: M.mtx has 21 rows; the 5 nodes of the table need 15, three each",
+        "error: K.mtx has 21 rows; the 5 nodes of the table need 15, three each; "
+        "has it other nodes, or rotations of beams and shells?",
+        "error: M.mtx has 21 rows; the 5 nodes of the table need 15, three each; "
+        "has it other nodes, or rotations of beams and shells?",
     ]
 
 
@@ -73,8 +75,9 @@ def test_a_condensed_mass_matrix_couples_directions(tmp_path):
 
     assert spoilt(tmp_path, change) == [
         "error: the mass of directions x, y, z differs by 5.0e-01 of the largest entry, most at node 11: the "
-        "equations need equal masses in all directions and none between them; a condensed mass matrix, or "
-        "internal degrees of freedom in it? export the matrix of solid elements"
+        "equations need equal masses in all directions and none between them; a mass condensed to a "
+        "substructure or superelement, or internal degrees of freedom in it? export the matrix of solid "
+        "elements"
     ]
 
 
@@ -223,8 +226,8 @@ def test_a_held_node_is_missing_from_the_equations(tmp_path):
     given = replace(given, mass=lines[0], stiffness=lines[1])
     assert messages(given)[1] == (
         "error: K.abq has no row for direction 3 of node 14, and lacks 1 in all: is the node held by a "
-        "boundary condition, or in no element? export the body unsupported, with the nodes of its elements "
-        "only"
+        "boundary condition, tied to others (*RIGID BODY, *EQUATION, *MPC; RBE2, MPC; CE, CERIG), or in no "
+        "element? export the body unsupported, without ties, with the nodes of its elements only"
     )
 
 

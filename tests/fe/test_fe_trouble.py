@@ -12,6 +12,7 @@ from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.fe.flexible_bodies import flexible_body
 from flexmb_cli.model.unit_checks import unit_warnings
 from tests.dialects.vsdf.vsdf_decks import build, supplied
+from tests.fe.formats import bar_files
 from tests.fe.trusses import files_input, truss
 
 FRAMES = pytest.mark.parametrize(
@@ -126,5 +127,28 @@ def test_nodes_in_millimetres_are_told_though_the_matrices_fit_them():
     (note,) = unit_warnings(mechanism)
     assert note.severity == "note"
     assert note.sentence == (
-        "body 1: 0.26 kg in a box of 100 by 15 by 10 m are less than a thousandth of air: are the nodes in m?"
+        "body 1: 0.26 kg in a box of 100 by 15 by 10 m are 1.7e-05 kg/m³, less than foam: "
+        "nodes in mm (times 0.001) would make 17000 kg/m³"
     )
+
+
+@pytest.mark.parametrize(
+    ("length", "mass", "words"),
+    [
+        (1000.0, 1.0, "2.7e-06 kg/m³, less than foam: nodes in mm (times 0.001) would make 2700 kg"),
+        (100.0, 1.0, "0.0027 kg/m³, less than foam: nodes in cm (times 0.01) would make 2700 kg/m³"),
+        (1 / 0.0254, 1.0, "0.044 kg/m³, less than foam: nodes in inches (times 0.0254) would make 2700 kg/m³"),
+        (1000.0, 1e-3, "2.7e-09 kg/m³, less than foam: nodes in mm and masses in tonnes would make 2700"),
+        (1.0, 1e-3, "2.7 kg/m³, less than foam: masses in tonnes (times 1000) would make 2700 kg/m³"),
+        (0.001, 1.0, "2.7e+12 kg/m³, more than osmium: nodes converted from mm twice (times 1000) would make"),
+        (1.0, 1e3, "2.7e+06 kg/m³, more than osmium: masses in g (times 0.001) would make 2700 kg/m³"),
+    ],
+)  # fmt: skip
+def test_the_density_of_the_box_names_the_likely_unit(tmp_path, length, mass, words):
+    """Aluminium that fills its box has 2700 kg/m³."""
+    nodes = "".join(
+        f"{number} {' '.join(repr(float(x) * length) for x in r)}\n"
+        for number, *r in map(str.split, bar_files.NODES.splitlines())
+    )
+    files = [("MM", bar_files.market(A * mass)) for A in (bar_files.M, bar_files.K)]
+    assert words in bar_files.said(tmp_path, *files, nodes=nodes).output

@@ -1,8 +1,12 @@
 """Small matrices are arrays, large ones sparse: both give what plain products and SciPy give."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from scipy.linalg import eigh
+from scipy.sparse import block_diag, csc_matrix, diags_array, eye_array, kron
+from scipy.sparse.linalg import splu
 
 from flexmb_cli.fe import linear_algebra
 from flexmb_cli.fe.linear_algebra import (
@@ -87,3 +91,71 @@ def test_the_numbers_that_are_not_chosen(chosen):
 def test_different_numbers_in_order(values):
     found = linear_algebra.distinct(np.array(values))
     assert found.tolist() == sorted(set(np.array(values).ravel().tolist()))
+
+
+def blocks(sizes):
+    """A positive matrix of uncoupled blocks, its rows mixed."""
+    A, first = np.zeros((sum(sizes), sum(sizes))), 0
+    for size in sizes:
+        A[first : first + size, first : first + size] = positive(size)
+        first += size
+    mixed = RANDOM.permutation(len(A))
+    return A[np.ix_(mixed, mixed)]
+
+
+@pytest.mark.parametrize("largest", [60, 0])
+def test_condensing_blocks_is_the_schur_complement_of_numpy(monkeypatch, largest):
+    """Blocks of several sizes, inverted singly or, if they are large, solved for a few columns at a time."""
+    monkeypatch.setattr(linear_algebra, "LARGEST_BLOCK", largest)
+    monkeypatch.setattr(linear_algebra, "COLUMNS_AT_ONCE", 3)
+    inner, outer, coupling = blocks([1, 9, 3, 9, 2, 1]), positive(11), RANDOM.normal(size=(25, 11))
+    coupling[:, [2, 5]] = 0.0
+    found = condensed_on(*map(csc_matrix, (outer, coupling, inner)))
+    assert found.toarray() == pytest.approx(outer - coupling.T @ np.linalg.solve(inner, coupling), abs=1e-12)
+    inner[3] = inner[:, 3] = 0.0
+    with pytest.raises(Singular):
+        condensed_on(*map(csc_matrix, (outer, coupling, inner)))
+
+
+def condensing_peak(count):
+    """Most bytes taken at a time to condense a row of `count` elements, of 9 rows inside and 6 shared."""
+    inner = block_diag([positive(9)] * count, format="csc")
+    rows = np.repeat(np.arange(9 * count), 12)
+    columns = (6 * (rows // 9) + np.tile(np.arange(12), 9 * count)).astype(int)
+    size = 6 * count + 6
+    coupling = csc_matrix((np.ones(len(rows)), (rows, columns)), (9 * count, size))
+    tracemalloc.start()
+    condensed_on(csc_matrix((size, size)), coupling, inner)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return peak
+
+
+def test_condensing_elements_takes_memory_in_proportion_to_them():
+    """Four times as many take four times as much; dense right-hand sides took sixteen times as much."""
+    assert condensing_peak(400) < 6 * condensing_peak(100)
+
+
+def test_a_stiffness_of_bricks_keeps_its_blocks_and_its_factors_stay_sparse():
+    """Equal bricks with their edges along the axes have exact zeros between directions.
+
+    Factors by minimum degree on the pattern of nodes are the reference: three rows for each.
+    """
+    cells = (12, 8, 8)
+    scalar = lattice(cells)
+    nodes = scalar.shape[0]
+    direction = diags_array([1.0, 2.0, 3.0])
+    K = kron(scalar, direction).tocsc()  # no coupling of directions at all
+    found = turned(K, np.eye(3))
+    assert found.nnz == 9 * scalar.nnz
+    assert (found - K).nnz == 0
+    pattern = splu(scalar, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    factors = solver(found).__self__
+    assert factors.L.nnz + factors.U.nnz < 1.2 * 9 * (pattern.L.nnz + pattern.U.nnz)
+    assert nodes == 13 * 9 * 9
+
+
+def lattice(cells):
+    """The matrix of a lattice of bricks, in which every node is coupled to those of its elements."""
+    lines = [diags_array([-1.0, 2.5, -1.0], offsets=[-1, 0, 1], shape=(n + 1, n + 1)) for n in cells]
+    return kron(kron(lines[0], lines[1]), lines[2]).tocsc() + 30 * eye_array(np.prod(np.array(cells) + 1))

@@ -158,7 +158,11 @@ STAR
         flexible_mechanism(build_vsdf(read(text), DECKS)[0], cached=False)
     assert [(fault.place.line, fault.sentence) for fault in stopped.value.faults] == [
         (9, f"body 1: none.mtx: no such file in {DECKS / 'fe'}"),
-        (13, "body 2: spinup_K.mtx has 372 rows; the 54 nodes of the table need 162, three each"),
+        (
+            13,
+            "body 2: spinup_K.mtx has 372 rows; the 54 nodes of the table need 162, three each; "
+            "has it other nodes, or rotations of beams and shells?",
+        ),
     ]
 
 

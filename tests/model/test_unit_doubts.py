@@ -116,7 +116,7 @@ def test_finite_elements_with_masses_in_tonnes_are_noticed(tmp_path):
     scaled = [f"{i} {j} {float(m) / 1000!r}" for i, j, m in map(str.split, entries[0].splitlines())]
     matrix.write_text("\n".join([head, "162 162 1131", *scaled]) + "\n")
     (note,) = notes_of(modes_of_deck(str(deck), Wish(), RunOptions(), Listener()))
-    assert "17 kg/m³, less than foam: is the mass in kg, and not in tonnes?" in note
+    assert "17 kg/m³, less than foam: masses in tonnes (times 1000) would make 17000 kg/m³" in note
 
 
 def notes_of(report):

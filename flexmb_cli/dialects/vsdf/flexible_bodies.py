@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
-from ...fe.formats.formats import NEEDS_MAPPING
+from ...fe.formats.formats import TAKES_MAPPING
 from ...fe.formats.matrix_file import FEFileFault
 from ...fe.formats.node_table import NodeTable, read_node_table
 from ...model.diagnostics import Findings
 from ...model.fe_model import VsdfBody
 from ...model.flexible_body import FEFile, FlexibleInput, UnitLoad
+from .cards.bodies import MATRIX_SECTIONS
 from .materials import matrices_of_elements, mesh_file, stiffening_material, stress_material
 from .nodes import members_of, sets_of
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 
 _MATRICES = {"mass_matrix": "FEMM", "stiffness_matrix": "FEMK"}
+_WORDS = _MATRICES | {"unit_load": "FEMG"}
 _FILES = ("node_table", *_MATRICES, "mapping")
 _LISTS = ("clamped", "attachment", "interface")
 
@@ -28,7 +30,8 @@ def flexible_body(
 ) -> VsdfBody:
     """Body k of the card `record`; `pose`: its place and first motion, `folder`: where its files are."""
     table = _node_table(values, k, record, folder, findings)
-    files = {name: _file(values.record(name, k), folder) for name in _FILES}
+    names = _matrix_names(values, k, findings)
+    files = {name: _file(values.record(name, k), folder, names.get(name, "")) for name in _FILES}
     files |= matrices_of_elements(values, k, files)
     for name, word in _MATRICES.items():
         if files[name] is None:
@@ -52,7 +55,7 @@ def flexible_body(
         **_node_lists(values, k, nodes, sets, findings),
         modes=_modes(record, findings),
         damping=_damping(values.record("damping", k), findings),
-        unit_loads=_unit_loads(values, k, folder, findings),
+        unit_loads=_unit_loads(values, k, folder, names.get("unit_load", ""), findings),
         stiffening=stiffening_material(values, k, nodes_file, findings),
         material=stress_material(values, k, nodes_file, findings),
         place=record.place,
@@ -69,20 +72,41 @@ def _or_density(values: DeckValues, k: int, files: Any) -> str:
     return ""
 
 
-def _file(record: Record | None, folder: Path) -> FEFile | None:
-    return None if record is None else _file_of(record, folder)
+def _matrix_names(values: DeckValues, k: int, findings: Findings) -> dict[str, str]:
+    """Return the names of matrices by the sections of the files that hold them."""
+    names: dict[str, str] = {}
+    for record in values.of_body("matrix_name", k):
+        which = record.at("which")
+        section = MATRIX_SECTIONS[which.value]
+        if section in names:
+            findings.error(
+                record.subject,
+                f"matrix {which.value} of body {k} has a name already",
+                which.place,
+                id="VSDF-190",
+            )
+        if not values.places_of_body(section, k):
+            message = f"body {k} has no card {_WORDS[section]}, whose matrix it could name"
+            findings.error(record.subject, message, which.place, id="VSDF-191")
+        names[section] = record["name"]
+    return names
 
 
-def _file_of(record: Record, folder: Path) -> FEFile:
-    return FEFile(folder / record["file"].replace("\\", "/"), record["form"], record.at("file").place)
+def _file(record: Record | None, folder: Path, matrix: str = "") -> FEFile | None:
+    return None if record is None else _file_of(record, folder, matrix)
+
+
+def _file_of(record: Record, folder: Path, matrix: str = "") -> FEFile:
+    path = folder / record["file"].replace("\\", "/")
+    return FEFile(path, record["form"], record.at("file").place, matrix)
 
 
 def _check_mapping(record: Record | None, files: "dict[Any, Any]", findings: Findings) -> None:
-    """Rows of the other formats follow the node table, whatever a mapping says."""
+    """Matrices whose rows have nodes and directions need no mapping."""
     forms = {files[name].form for name in ("mass_matrix", "stiffness_matrix") if files[name]}
-    if record and forms and not forms & set(NEEDS_MAPPING):
-        which = " and ".join(NEEDS_MAPPING)
-        message = f"the mapping is not read: only matrices of format {which} have one; remove the card"
+    if record and forms and not forms & set(TAKES_MAPPING):
+        which = ", ".join(TAKES_MAPPING)
+        message = f"the mapping is not read: only matrices of formats {which} have one; remove the card"
         findings.error(record.subject, message, record.place, id="VSDF-024")
 
 
@@ -168,7 +192,9 @@ def _damping(record: Record | None, findings: Findings) -> Any:
     return tuple(float(record[key]) for key in ("alpha", "beta", "ratio"))
 
 
-def _unit_loads(values: DeckValues, k: int, folder: Path, findings: Findings) -> tuple[UnitLoad, ...]:
+def _unit_loads(
+    values: DeckValues, k: int, folder: Path, matrix: str, findings: Findings
+) -> tuple[UnitLoad, ...]:
     loads: list[UnitLoad] = []
     for record in values.of_body("unit_load", k):
         number = record.at("load")
@@ -181,7 +207,7 @@ def _unit_loads(values: DeckValues, k: int, folder: Path, findings: Findings) ->
             findings.error(
                 record.subject, f"unit load {number.value} is given twice", number.place, id="VSDF-032"
             )
-        loads.append(UnitLoad(i, j, _file_of(record, folder)))
+        loads.append(UnitLoad(i, j, _file_of(record, folder, matrix)))
     return tuple(loads)
 
 

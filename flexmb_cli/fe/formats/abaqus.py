@@ -1,4 +1,5 @@
-"""Abaqus matrices (*MATRIX OUTPUT): FORMAT=MATRIX INPUT, by node and direction, and FORMAT=COORDINATE.
+"""Abaqus matrices (*MATRIX OUTPUT): FORMAT=MATRIX INPUT, by node and direction, and FORMAT=COORDINATE; those
+of substructures (*SUBSTRUCTURE MATRIX OUTPUT) in abaqus_substructure.py.
 
 Abaqus Analysis User's Guide, "Generating matrices"; coordinates come with blanks or commas.  The suffix .mtx
 is also Matrix Market's: the deck names the format.  Nodes with negative labels are internal degrees of
@@ -6,26 +7,67 @@ freedom of elements.  FORMAT=LABELS writes PART-1-1.7 for node 7 of an instance,
 """
 
 import re
+from functools import partial
+from itertools import pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .abaqus_substructure import element_matrix, element_rows
 from .file_text import filled, line_fault, lines_of, table, whole
+from .matrix_choice import NamedMatrix, chosen
 from .matrix_file import FEFileFault, MatrixFile, has_both_triangles, labelled
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 # Abaqus puts 1e36 on the diagonal where a degree of freedom is held.
 LARGEST_STIFFNESS = 1e30
 _LABEL = re.compile(r"""(^|,)\s*(["']?[A-Za-z][^,]*?)\.(-?\d+)["']?\s*(?=,)""")
+# Keywords of substructures and matrices, and their parameters.
+_ELEMENT, _PARAMETERS = "*USER ELEMENT", ("NODES", "LINEAR", "UNSYMM", "TYPE", "COORDINATES")
+_READ = {_ELEMENT: _PARAMETERS, "*MATRIX": ("TYPE",), "*MATRIX INPUT": ("NAME", "TYPE")}
 
 
-def read_abaqus(path: Path) -> MatrixFile:
-    """The matrix at `path`.  Raises FEFileFault."""
+def read_abaqus(path: Path, letter: str = "K", wanted: str = "") -> MatrixFile:
+    """The matrix `wanted` at `path`, or the one that `letter` (M K G) means.  Raises FEFileFault."""
     name, lines = path.name, lines_of(path)
     if lines and lines[0].lower().startswith("%%matrixmarket"):
         raise line_fault(name, 1, "this is a Matrix Market file: the format is MM", id="FE-087")
-    body, numbers = filled(lines, comment="*")
-    if not body:
+    matrices = [
+        NamedMatrix(label, True, partial(_read_one, name, rows, body, numbers))
+        for label, rows, (body, numbers) in _sections(name, lines)
+        if body
+    ]
+    if not matrices:
         raise FEFileFault(f"{name} holds no entries", id="FE-013")
+    return chosen(name, matrices, letter, wanted)
+
+
+def _sections(name: str, lines: list[str]) -> "Iterator[tuple[str, Any, tuple[Any, Any]]]":
+    """Name, rows of a substructure, and filled lines with their numbers, of every matrix."""
+    keywords = [i for i, line in enumerate(lines) if line[:1] == "*" and line[1:2] not in ("*", "")]
+    yield "", None, filled(lines[: keywords[0]] if keywords else lines, comment="*")
+    element = None
+    for i, end in pairwise([*keywords, len(lines)]):
+        word, *parameters = [part.strip() for part in lines[i].upper().rstrip(", ").split(",")]
+        pairs = (part.partition("=") for part in parameters)
+        values = {key.strip(): value.strip() for key, _, value in pairs}
+        unread = [key for key in values if key not in _READ[word]] if word in _READ else [word]
+        if unread:
+            message = f"{unread[0]} is not read; export the matrices without it"
+            raise line_fault(name, i + 1, message, id="FE-190")
+        if word == _ELEMENT:
+            element = element_rows(name, i + 1, values.get("NODES", ""), lines[i + 1 : end])
+        else:
+            body = filled(lines[i + 1 : end], comment="*", before=i + 1)
+            yield values.get("NAME") or values.get("TYPE", ""), element, body
+
+
+def _read_one(name: str, rows: np.ndarray | None, body: list[str], numbers: list[int]) -> MatrixFile:
+    if rows is not None:
+        return element_matrix(name, rows, body, numbers)
     if _LABEL.match(body[0]):
         body = _without_instance(name, body, numbers)
     comma = "," in body[0]

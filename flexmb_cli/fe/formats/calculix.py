@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from .file_text import check_range, filled, line_fault, lines_of, table, whole
-from .matrix_file import FEFileFault, MatrixFile
+from .matrix_file import FEFileFault, MatrixFile, check_labels
 
 _DOF = re.compile(r"\s*(\d{1,15})\.(\d)\s*", re.ASCII)
 
@@ -55,4 +55,7 @@ def read_dofs(path: Path) -> np.ndarray:
         found.append((int(match[1]), int(match[2])))
     if not found:
         raise FEFileFault(f"{path.name} is empty", id="FE-018")
-    return np.array(found, dtype=np.int64)
+    equations = np.array(found, dtype=np.int64)
+    causes = ", as of shells and beams that CalculiX expanded into solids; mesh with solid elements"
+    check_labels(path.name, equations, causes)
+    return equations

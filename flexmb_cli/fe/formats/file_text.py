@@ -79,9 +79,12 @@ def printed_digits(path: Path) -> int:
     """Significant digits of the longest real number at the beginning of a file, 0 of a binary one."""
     with open(path, "rb") as stream:
         sample = stream.read(_SAMPLE)
-    if is_binary(sample):
-        return 0
-    numbers = _FRACTION.finditer(_COMMENT.sub(b"", sample))
+    return 0 if is_binary(sample) else digits_in(_COMMENT.sub(b"", sample))
+
+
+def digits_in(text: bytes) -> int:
+    """Significant digits of the longest real number."""
+    numbers = _FRACTION.finditer(text)
     return max((len((found[1] + found[2]).lstrip(b"0")) for found in numbers), default=0)
 
 
@@ -181,11 +184,13 @@ def check_range(name: str, entries: np.ndarray, numbers: Sequence[int], size: in
         raise line_fault(name, numbers[int(wrong[0])], message, id="FE-106")
 
 
-def filled(lines: list[str], comment: str = "") -> tuple[list[str], list[int]]:
-    """The lines that are neither blank nor begin with `comment`, and their numbers."""
+def filled(lines: list[str], comment: str = "", before: int = 0) -> tuple[list[str], list[int]]:
+    """The lines that are neither blank nor begin with `comment`, and their numbers in a file where `before`
+    others precede them.
+    """
     kept = [
         (line, number)
-        for number, line in enumerate(lines, start=1)
+        for number, line in enumerate(lines, start=before + 1)
         if line.strip() and not (comment and line.startswith(comment))
     ]
     return [line for line, _ in kept], [number for _, number in kept]

@@ -8,29 +8,30 @@ from typing import Any, NamedTuple
 
 from ...quick_dataclass import replace
 from .file_text import bytes_of, printed_digits
-from .matrix_file import FEFileFault, MatrixFile
+from .matrix_file import FEFileFault, MatrixFile, size_hint
 
 
 class MatrixFormat(NamedTuple):
     """A format of matrices."""
 
-    reader: str  # "module:function" of this folder: (path), (path, mapping) or (path, "M" or "K")
+    reader: str  # "module:function" of this folder: (path), (path, mapping) or (path, letter, name)
     mapping: str = ""  # format of the equation mapping that it needs beside the matrix, "" for none
-    by_letter: bool = False  # whether a file holds several matrices, named M and K
+    by_name: bool = False  # whether a file may hold several matrices with names
+    labelled: bool = False  # whether its rows always have nodes and directions, so that no mapping is read
 
 
 MATRIX_FORMATS = {
     "MM": MatrixFormat("matrix_market:read_matrix_market"),
     "HB": MatrixFormat("harwell_boeing:read_harwell_boeing", mapping="ANS"),
     "CCX": MatrixFormat("calculix:read_calculix", mapping="CCX"),
-    "ABQ": MatrixFormat("abaqus:read_abaqus"),
-    "DMIG": MatrixFormat("nastran:read_dmig", by_letter=True),
-    "OP4": MatrixFormat("nastran_op4:read_op4", by_letter=True),
+    "ABQ": MatrixFormat("abaqus:read_abaqus", by_name=True),
+    "DMIG": MatrixFormat("nastran:read_dmig", by_name=True, labelled=True),
+    "OP4": MatrixFormat("nastran_op4:read_op4", by_name=True),
 }
 # Readers of equation mappings: (path).
 MAPPING_FORMATS = {"ANS": "harwell_boeing:read_mapping", "CCX": "calculix:read_dofs"}
-# The mapping that a format needs beside the matrix itself.
-NEEDS_MAPPING = {form: known.mapping for form, known in MATRIX_FORMATS.items() if known.mapping}
+# Formats that a mapping may or must stand beside.
+TAKES_MAPPING = tuple(form for form, known in MATRIX_FORMATS.items() if not known.labelled)
 # The form of a "file" that stands for the elements themselves.
 OF_ELEMENTS = "MESH"
 # Node tables that may hold elements, too.
@@ -40,18 +41,19 @@ INCLUDING = {"INP": "abaqus_input:lines", "BDF": "bulk_data:lines", "DMIG": "bul
 
 
 def read_matrix(
-    path: Path, form: str, letter: str, mapping: Path | None = None, mapping_form: str = ""
+    path: Path, form: str, letter: str, mapping: Path | None = None, mapping_form: str = "", name: str = ""
 ) -> MatrixFile:
-    """Return the matrix at `path` in format `form`; `letter` (M or K) selects one where a file holds several.
+    """Return the matrix at `path` in format `form`; `mapping` gives the nodes and directions of its rows.
 
-    Raises FEFileFault, also for a declared size that no free body with these entries can have: the size
-    determines how much memory is taken.
+    `name`, or `letter` (M, K, G for a geometric stiffness) without one, selects a matrix where a file holds
+    several.  Raises FEFileFault, also for a declared size that no free body with these entries can have: the
+    size determines how much memory is taken.
     """
-    found = _read(path, form, letter, mapping, mapping_form)
+    found = _read(path, form, (letter, name), mapping, mapping_form)
     if found.size > len(found.values):
         message = f"{found.size} rows and {len(found.values)} entries: rows without any are no body's"
         raise FEFileFault(f"{path.name} has {message}", id="FE-030")
-    return replace(found, digits=printed_digits(path))
+    return replace(found, digits=found.digits or printed_digits(path))
 
 
 def content_of(path: Path, form: str) -> bytes:
@@ -62,18 +64,35 @@ def content_of(path: Path, form: str) -> bytes:
     return "\n".join(line.text for line in _reader(INCLUDING[form])(path)).encode()
 
 
-def _read(path: Path, form: str, letter: str, mapping: Path | None, mapping_form: str) -> MatrixFile:
-    known = MATRIX_FORMATS[form]
+def _read(
+    path: Path, form: str, which: tuple[str, str], mapping: Path | None, mapping_form: str
+) -> MatrixFile:
+    known, name = MATRIX_FORMATS[form], which[1]
     if known.mapping and (mapping is None or mapping_form != known.mapping):
         raise FEFileFault(
             f"format {form} needs the equation mapping: add a card FEMP of format {known.mapping}",
             id="FE-031",
         )
-    more: tuple[Any, ...] = (letter,) if known.by_letter else ()
+    if name and not known.by_name:
+        raise FEFileFault(
+            f"matrices of format {form} have no names; remove {name} from card FEMX", id="FE-197"
+        )
+    read = _reader(known.reader)
     if known.mapping:
-        more = (_reader(MAPPING_FORMATS[mapping_form])(mapping),)
-    found: MatrixFile = _reader(known.reader)(path, *more)
-    return found
+        matrix: MatrixFile = read(path, _reader(MAPPING_FORMATS[mapping_form])(mapping))
+        return matrix
+    matrix = read(path, *which) if known.by_name else read(path)
+    if mapping is None or not mapping_form or known.labelled:
+        return matrix
+    if matrix.equations is not None:
+        raise FEFileFault(
+            f"{path.name} labels its rows itself, so the mapping is not read; remove card FEMP", id="FE-198"
+        )
+    equations = _reader(MAPPING_FORMATS[mapping_form])(mapping)
+    if matrix.size != len(equations):
+        message = f"{path.name} has {matrix.size} rows and {mapping.name} maps {len(equations)}"
+        raise FEFileFault(message + size_hint(matrix.size, len(equations) / 3), id="FE-199")
+    return replace(matrix, equations=equations)
 
 
 def _reader(reference: str) -> Callable[..., Any]:

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .file_text import integer, line_fault, lines_of, real
-from .matrix_file import FEFileFault, MatrixFile
+from .file_text import filled, integer, line_fault, lines_of, real
+from .matrix_file import FEFileFault, MatrixFile, check_labels, has_both_triangles
+from .matrix_market import is_market, read_node_vector
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,6 +31,9 @@ def read_harwell_boeing(path: Path, equations: np.ndarray) -> MatrixFile:
     Raises FEFileFault.
     """
     name, lines = path.name, lines_of(path)
+    # A title may be blank; further on a blank line is none of those that the heading counts.
+    body, numbers = filled(lines[1:], before=1)
+    lines, numbers = [*lines[:1], *body], [1, *numbers]
     if len(lines) < 4:
         raise FEFileFault(f"{name} ends before the fourth line of a Harwell-Boeing heading", id="FE-032")
     _, pointers, indices, values, right_sides = _integers(name, lines[1], 2, 0, 5)
@@ -42,7 +46,7 @@ def read_harwell_boeing(path: Path, equations: np.ndarray) -> MatrixFile:
     for lengths, form, wanted in zip(
         (pointers, indices, values), formats, (size + 1, count, count), strict=True
     ):
-        sections.append(_numbers(name, lines, start, lengths, form, wanted))
+        sections.append(_numbers(name, lines, numbers[start:], lengths, form, wanted))
         start += lengths
     pointers_, rows_, values_ = sections
     found: MatrixFile = _matrix(name, kind, size, pointers_, rows_, values_, equations)
@@ -50,9 +54,15 @@ def read_harwell_boeing(path: Path, equations: np.ndarray) -> MatrixFile:
 
 
 def read_mapping(path: Path) -> np.ndarray:
-    """Node and direction (1 2 3) of every equation, (size, 2), from a mapping file of HBMAT."""
+    """Node and direction (1 2 3) of every equation, (size, 2), from a mapping file of HBMAT.
+
+    Or from a vector of node numbers in Matrix Market format.
+    """
+    lines = lines_of(path)
+    if lines and is_market(lines[0]):
+        return read_node_vector(path)
     found = {}
-    for number, line in enumerate(lines_of(path), start=1):
+    for number, line in enumerate(lines, start=1):
         match = _EQUATION.fullmatch(line)
         if match is None:
             continue
@@ -69,7 +79,9 @@ def read_mapping(path: Path) -> np.ndarray:
     if sorted(found) != list(range(1, len(found) + 1)):
         gap = next(i for i in range(1, len(found) + 1) if i not in found)
         raise FEFileFault(f"{path.name} maps {len(found)} equations, but not equation {gap}", id="FE-034")
-    return np.array([found[i] for i in range(1, len(found) + 1)], dtype=np.int64)
+    equations = np.array([found[i] for i in range(1, len(found) + 1)], dtype=np.int64)
+    check_labels(path.name, equations, "; each has one equation")
+    return equations
 
 
 def _integers(name: str, line: str, number: int, first: int, count: int) -> list[int]:
@@ -112,10 +124,14 @@ def _format(name: str, line: str, first: int, width: int) -> tuple[str, int]:
 
 
 def _numbers(
-    name: str, lines: list[str], start: int, count: int, form: tuple[str, int], wanted: int
+    name: str, lines: list[str], numbers: list[int], count: int, form: tuple[str, int], wanted: int
 ) -> np.ndarray:
-    """`wanted` numbers from `count` lines, separated by blanks or cut by the width of their format."""
+    """`wanted` numbers from `count` lines, separated by blanks or cut by the width of their format.
+
+    `numbers`: of these and all later lines.
+    """
     letter, width = form
+    start = len(lines) - len(numbers)
     section = lines[start : start + count]
     if len(section) < count:
         raise FEFileFault(
@@ -123,7 +139,7 @@ def _numbers(
         )
     read = integer if letter == "I" else real
     split = _split(section, read, wanted)
-    return _cut(name, section, start, width, read, wanted) if split is None else split
+    return _cut(name, section, numbers, width, read, wanted) if split is None else split
 
 
 def _split(section: list[str], read: "Callable[..., Any]", wanted: int) -> np.ndarray | None:
@@ -138,17 +154,17 @@ def _split(section: list[str], read: "Callable[..., Any]", wanted: int) -> np.nd
 
 
 def _cut(
-    name: str, section: list[str], start: int, width: int, read: "Callable[..., Any]", wanted: int
+    name: str, section: list[str], numbers: list[int], width: int, read: "Callable[..., Any]", wanted: int
 ) -> np.ndarray:
     """The numbers in fields of `width` columns."""
     cells = [
         (line[i : i + width], number)
-        for number, line in enumerate(section, start=start + 1)
+        for line, number in zip(section, numbers, strict=False)
         for i in range(0, len(line.rstrip()), width)
     ]
     if len(cells) < wanted:
         message = f"{wanted} numbers wanted, {len(cells)} found in fields of {width} columns (line 4)"
-        raise FEFileFault(f"{name}, lines {start + 1}-{start + len(section)}: {message}", id="FE-037")
+        raise FEFileFault(f"{name}, lines {numbers[0]}-{numbers[len(section) - 1]}: {message}", id="FE-037")
     values = []
     for cell, number in cells[:wanted]:
         try:
@@ -185,5 +201,5 @@ def _matrix(
     rows = rows - 1
     if (rows < 0).any() or (rows >= size).any():
         raise FEFileFault(f"{name}: a row index lies outside 1..{size}", id="FE-039")
-    mirrored = kind == "RSA" and not full and not (rows < columns).any()
-    return MatrixFile(size, rows, columns, values, mirrored, equations)
+    one_triangle = kind == "RSA" and not full and not has_both_triangles(rows, columns, size)
+    return MatrixFile(size, rows, columns, values, one_triangle, equations)

@@ -66,7 +66,33 @@ def of_strings(name: str, size: int, strings: list[tuple[int, int, np.ndarray]])
 
 def has_both_triangles(rows: np.ndarray, columns: np.ndarray, size: int) -> bool:
     """Return whether any entry off the diagonal has its mirror image among the entries."""
-    off = rows != columns
+    return bool(len(mirrored(rows, columns, size)))
+
+
+def mirrored(rows: np.ndarray, columns: np.ndarray, size: int) -> np.ndarray:
+    """Return the numbers of the entries off the diagonal whose mirror images are entries, too."""
+    off = np.flatnonzero(rows != columns)
     forward = rows[off].astype(np.int64) * size + columns[off]
-    mirrored = columns[off].astype(np.int64) * size + rows[off]
-    return bool(np.isin(forward, mirrored, assume_unique=False).any())
+    images = columns[off].astype(np.int64) * size + rows[off]
+    found: np.ndarray = off[np.isin(forward, images, assume_unique=False)]
+    return found
+
+
+def size_hint(size: int, nodes: float) -> str:
+    """Return what a matrix with more rows than three a node may have, "" for one with fewer."""
+    if size == 6 * nodes:
+        return "; six rows a node are translations and rotations: mesh with solid elements"
+    return "; has it other nodes, or rotations of beams and shells?" if size > 3 * nodes else ""
+
+
+def check_labels(name: str, equations: np.ndarray, causes: str) -> None:
+    """Refuse `equations` (size, 2) of the file `name` in which a node and direction stand twice."""
+    labels, counts = np.unique(equations, axis=0, return_counts=True)
+    twice = labels[counts > 1]
+    if len(twice):
+        (node, direction), size = twice[0], len(equations)
+        raise FEFileFault(
+            f"{name} repeats {len(twice)} of {size} labels: node {node}, direction {direction} stands "
+            f"{counts.max()} times{causes}",
+            id="FE-201",
+        )

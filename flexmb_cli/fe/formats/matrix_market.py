@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from .file_text import check_range, line_fault, lines_of, table, whole
-from .matrix_file import FEFileFault, MatrixFile
+from .file_text import check_range, filled, line_fault, lines_of, table, whole
+from .matrix_file import FEFileFault, MatrixFile, check_labels
 
 _BANNER = "%%matrixmarket"
 
@@ -22,10 +22,37 @@ def read_matrix_market(path: Path) -> MatrixFile:
     if start is None:
         raise FEFileFault(f"{path.name} ends before the line of its size", id="FE-040")
     reader = _coordinate if layout == "coordinate" else _array
-    body = lines[start + 1 :]
-    while body and not body[-1].strip():
-        body.pop()
-    return reader(path.name, lines[start], body, start + 1, symmetric)
+    body, numbers = filled(lines[start + 1 :], before=start + 1)
+    return reader(path.name, (lines[start], start + 1), body, numbers, symmetric)
+
+
+def read_node_vector(path: Path) -> np.ndarray:
+    """Node and direction (1 2 3) of every row, (3 k, 2), from a vector of k node numbers.
+
+    Its entry k is the node of rows 3 k - 2 to 3 k, as ANSYS' APDL Math exports the order of its equations.
+    """
+    name, lines = path.name, lines_of(path)
+    layout, _ = _kind(name, lines)
+    body, numbers = filled(lines[1:], comment="%", before=1)
+    if layout != "array" or not body:
+        raise FEFileFault(
+            f"{name}: the node numbers of a mapping are a dense vector, layout array", id="FE-202"
+        )
+    rows, columns = whole(name, table(name, body[:1], numbers, 2, "the size"), numbers, "sizes")[0]
+    if columns != 1 or rows < 1:
+        raise line_fault(
+            name, numbers[0], f"a vector of node numbers wanted; it has {columns} columns", id="FE-203"
+        )
+    _check_count(name, len(body) - 1, rows)
+    nodes = whole(name, table(name, body[1:], numbers[1:], 1, "a node"), numbers[1:], "nodes")[:, 0]
+    equations: np.ndarray = np.column_stack([np.repeat(nodes, 3), np.tile([1, 2, 3], rows)])
+    check_labels(name, equations, "; each node stands once, for its three rows")
+    return equations
+
+
+def is_market(line: str) -> bool:
+    """Return whether a Matrix Market file may begin with this line."""
+    return line.lower().startswith(_BANNER)
 
 
 def _kind(name: str, lines: list[str]) -> tuple[Any, Any]:
@@ -57,10 +84,11 @@ def _size(name: str, line: str, number: int, count: int) -> np.ndarray:
     return found
 
 
-def _coordinate(name: str, line: str, body: list[str], number: int, symmetric: bool) -> MatrixFile:
-    size, _, count = _size(name, line, number, 3)
+def _coordinate(
+    name: str, heading: tuple[str, int], body: list[str], numbers: list[int], symmetric: bool
+) -> MatrixFile:
+    size, _, count = _size(name, *heading, 3)
     _check_count(name, len(body), count)
-    numbers = range(number + 1, number + 1 + len(body))
     entries = table(name, body, numbers, 3, "row, column and value")
     where = whole(name, entries[:, :2], numbers, "row and column")
     check_range(name, where, numbers, size)
@@ -72,11 +100,13 @@ def _coordinate(name: str, line: str, body: list[str], number: int, symmetric: b
     return MatrixFile(int(size), rows, columns, entries[:, 2], symmetric)
 
 
-def _array(name: str, line: str, body: list[str], number: int, symmetric: bool) -> MatrixFile:
-    size = int(_size(name, line, number, 2)[0])
+def _array(
+    name: str, heading: tuple[str, int], body: list[str], numbers: list[int], symmetric: bool
+) -> MatrixFile:
+    size = int(_size(name, *heading, 2)[0])
     count = size * (size + 1) // 2 if symmetric else size * size
     _check_count(name, len(body), count)
-    values = table(name, body, range(number + 1, number + 1 + len(body)), 1, "a value")[:, 0]
+    values = table(name, body, numbers, 1, "a value")[:, 0]
     columns, rows = np.triu_indices(size) if symmetric else np.indices((size, size)).reshape(2, -1)
     return MatrixFile(size, rows, columns, values, symmetric)
 

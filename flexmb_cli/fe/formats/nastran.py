@@ -3,49 +3,66 @@
 MSC Nastran Quick Reference Guide, DMIG.  pyNastran reads them too, but cannot stand beside numpy 2.
 """
 
+from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ...quick_dataclass import replace
 from .bulk_data import BulkCard, bulk_cards, integer_field, real_field
-from .file_text import line_fault
-from .matrix_file import FEFileFault, MatrixFile, labelled
+from .file_text import digits_in, line_fault
+from .matrix_choice import NamedMatrix, chosen
+from .matrix_file import FEFileFault, MatrixFile, labelled, mirrored
 
 _SYMMETRIC, _SQUARE = 6, (1, 2)
 _REAL = (1, 2)
+# So many values show how many digits all have.
+_MANY_VALUES = 50_000
 
 
-def read_dmig(path: Path, letter: str) -> MatrixFile:
-    """The DMIG matrix at `path`; of several the one whose name begins with `letter` (M or K)."""
-    matrices: dict[str, list[Any]] = {}
+def read_dmig(path: Path, letter: str, wanted: str = "") -> MatrixFile:
+    """The DMIG matrix `wanted` at `path`, or the one that `letter` (M K G) means.  Raises FEFileFault."""
+    cards: dict[str, list[BulkCard]] = {}
     for card in bulk_cards(path, ("DMIG",)):
-        name = card.fields[0].upper()
-        matrices.setdefault(name, []).append(card)
-    if not matrices:
+        cards.setdefault(card.fields[0].upper(), []).append(card)
+    if not cards:
         raise FEFileFault(f"{path.name} holds no DMIG card", id="FE-042")
-    name = chosen(path, list(matrices), letter)
-    header, *columns = matrices[name]
+    matrices = [
+        NamedMatrix(name, _is_usable(found[0]), partial(_matrix, path, name, found))
+        for name, found in cards.items()
+    ]
+    return chosen(path.name, matrices, letter, wanted)
+
+
+def _is_usable(header: BulkCard) -> bool:
+    return header.fields[2] in map(str, (_SYMMETRIC, *_SQUARE)) and header.fields[3] in map(str, _REAL)
+
+
+def _matrix(path: Path, name: str, cards: list[BulkCard]) -> MatrixFile:
+    header, *columns = cards
     symmetric = _check_header(path, name, header)
     entries: list[tuple[int, int, int, int]] = []
     values: list[float] = []
     for card in columns:
+        if card.fields[1] == "0":
+            message = f"DMIG {name} begins again, after line {header.line}; keep one of the two"
+            raise line_fault(path.name, card.line, message, id="FE-204")
         _read_column(path, card, entries, values)
     where = np.array(entries, dtype=np.int64).reshape(-1, 4)
-    return labelled(where, np.array(values), True if symmetric else None)
-
-
-def chosen(path: Path, names: list[str], letter: str) -> str:
-    """The only name, or the only one that begins with `letter`."""
-    fitting = [name for name in names if name.startswith(letter)]
-    if len(names) == 1:
-        return names[0]
-    if len(fitting) != 1:
+    found = labelled(where, np.array(values), True if symmetric else None)
+    both = mirrored(found.rows, found.columns, found.size)
+    if symmetric and len(both):
+        row, row_direction, column, direction = where[both[0]]
         raise FEFileFault(
-            f"{path.name} holds the matrices {', '.join(names)}; exactly one must begin with {letter}",
-            id="FE-043",
+            f"{path.name}: DMIG {name} is of form 6 and has both triangles, such as the entry of {row}, "
+            f"{row_direction} with {column}, {direction} and its mirror image; give one triangle, or form 1",
+            id="FE-205",
         )
-    return fitting[0]
+    # Fields of fixed width may touch the ones before, which have integers.
+    fields = islice((text for card in columns for text in card.fields[6::4]), _MANY_VALUES)
+    return replace(found, digits=digits_in("\n".join(fields).encode()))
 
 
 def _check_header(path: Path, name: str, header: BulkCard) -> bool:

@@ -5,12 +5,14 @@ one for every column that is not zero follows, and one behind the last column cl
 """
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ...quick_dataclass import dataclass
+from .matrix_choice import NamedMatrix
 from .matrix_file import FEFileFault, MatrixFile, of_strings
 
 REAL = (1, 2)
@@ -29,7 +31,7 @@ class _Layout:
     order: str
     word: int
 
-    def integers(self, record: bytes, first: int, count: int) -> tuple[int, ...]:
+    def integers(self, record: memoryview, first: int, count: int) -> tuple[int, ...]:
         """`count` integers from word `first` on."""
         kind = "i" if self.word == 4 else "q"
         try:
@@ -44,13 +46,17 @@ class _Layout:
         return np.dtype(f"{self.order}f{self.word if kind == 1 else 8}")
 
 
-def binary_matrices(file: str, raw: bytes) -> dict[str, MatrixFile]:
-    """The matrices of the file `file` by name.  Raises FEFileFault."""
+def binary_matrices(file: str, raw: bytes) -> list[NamedMatrix]:
+    """The matrices of the file `file`; only what is chosen is read.  Raises FEFileFault."""
     layout = _layout(file, raw)
-    records, found = _records(layout, raw), {}
+    records, found = _records(layout, memoryview(raw)), []
     for heading in records:
-        name, matrix = _read_one(layout, heading, records)
-        found[name] = matrix
+        columns, rows, _, kind = shape = layout.integers(heading, 0, 4)
+        name = bytes(heading[4 * layout.word : _HEADING_WORDS * layout.word]).decode("latin-1")
+        name = name.strip().upper()
+        strings = list(_columns(layout, columns, records))
+        usable = kind in REAL and abs(rows) == columns
+        found.append(NamedMatrix(name, usable, partial(_read_one, layout, name, shape, strings)))
     return found
 
 
@@ -67,7 +73,7 @@ def _layout(file: str, raw: bytes) -> _Layout:
     )
 
 
-def _records(layout: _Layout, raw: bytes) -> Iterator[bytes]:
+def _records(layout: _Layout, raw: memoryview) -> Iterator[memoryview]:
     """Records between their lengths, which stand before and behind."""
     at = 0
     while at < len(raw):
@@ -80,15 +86,24 @@ def _records(layout: _Layout, raw: bytes) -> Iterator[bytes]:
         at = end + 4
 
 
-def _read_one(layout: _Layout, heading: bytes, records: Iterator[Any]) -> tuple[str, MatrixFile]:
-    columns, rows, _, kind = layout.integers(heading, 0, 4)
-    name = heading[4 * layout.word : _HEADING_WORDS * layout.word].decode("latin-1").strip().upper()
+def _columns(layout: _Layout, columns: int, records: Iterator[memoryview]) -> Iterator[memoryview]:
+    """The records of a matrix: of its columns, and the one of a column behind the last that closes it."""
+    for record in records:
+        yield record
+        if layout.integers(record, 0, 1)[0] > columns:
+            return
+
+
+def _read_one(
+    layout: _Layout, name: str, shape: tuple[int, ...], records: Sequence[memoryview]
+) -> MatrixFile:
+    columns, rows, _, kind = shape
     _check(layout, name, columns, rows, kind)
     strings: list[Any] = []
     for record in records:
         column, row, words = layout.integers(record, 0, 3)
         if column > columns:
-            return name, of_strings(f"{layout.file}, matrix {name}", columns, strings)
+            return of_strings(f"{layout.file}, matrix {name}", columns, strings)
         held = len(record) // layout.word - 3
         if column < 1 or words > held:
             message = f"matrix {name}, column {column}: the record claims {words} words and holds {held}"
@@ -109,7 +124,7 @@ def _check(layout: _Layout, name: str, columns: int, rows: int, kind: int) -> No
 
 
 def _column(
-    layout: _Layout, record: bytes, head: tuple[int, int, int], big: bool, value: np.dtype
+    layout: _Layout, record: memoryview, head: tuple[int, int, int], big: bool, value: np.dtype
 ) -> Iterator[tuple[int, int, np.ndarray]]:
     """The strings of a column: one when it has a first row, else each with its own."""
     column, row, words = head

@@ -107,10 +107,10 @@ UNREAD = [
     ),
     (
         "a mapping beside formats that have none",
-        supplied("pendulum", ("JOIN\n", "FEMP\n    1 ANS  fe/pendulum.mapping\nJOIN\n")),
+        supplied("pendulum_dmig", ("JOIN\n", "FEMP\n    1 ANS  fe/pendulum.mapping\nJOIN\n")),
         [
-            "11:5: error: equation mapping of body 1: the mapping is not read: only matrices of format HB and "
-            "CCX have one; remove the card"
+            "11:5: error: equation mapping of body 1: the mapping is not read: only matrices of formats MM, HB, "
+            "CCX, ABQ, OP4 have one; remove the card"
         ],
     ),
     (

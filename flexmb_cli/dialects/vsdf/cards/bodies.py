@@ -6,6 +6,8 @@ from .columns import BODY, MATRIX_FORMS, file_card, node_list_card
 
 NODE_FORMS = ("TXT", "CDB", "INP", "BDF")
 MAPPING_FORMS = tuple(MAPPING_FORMATS)
+# What a card FEMX names, and the section of the file that holds it.
+MATRIX_SECTIONS = {"M": "mass_matrix", "K": "stiffness_matrix", "KG": "unit_load"}
 
 BODY_CARDS = (
     Card(
@@ -24,6 +26,18 @@ BODY_CARDS = (
     file_card("FEMM", "mass_matrix", "mass matrix", MATRIX_FORMS),
     file_card("FEMK", "stiffness_matrix", "stiffness matrix", MATRIX_FORMS),
     file_card("FEMP", "mapping", "equation mapping", MAPPING_FORMS),
+    Card(
+        "FEMX",
+        "matrix_name",
+        "matrix name {}",
+        "list",
+        (
+            BODY,
+            word_column("which", "M: of FEMM, K: of FEMK, KG: of FEMG", tuple(MATRIX_SECTIONS)),
+            Column("name", "name of the matrix that is meant in its file", letter="T", skip=1, default=None),
+        ),
+        bodies="FLEX",
+    ),
     Card(
         "RIGI",
         "rigid",

@@ -1,0 +1,147 @@
+"""Which matrix is meant where a file holds several: names of Nastran's own alters, and names on card FEMX.
+
+Expected: frequencies of scipy.linalg.eigh of the numbers in tests/fe/formats/bar.
+"""
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+from tests.fe.formats.bar_files import (
+    FREQUENCIES,
+    MASS,
+    K,
+    M,
+    abaqus_nodes,
+    abaqus_rows,
+    bar_of,
+    dmig,
+    market,
+    op4_binary,
+    op4_text,
+    refused,
+)
+
+LOADS = np.arange(1.0, 97.0).reshape(48, 2)
+HALF = K[:24, :24]
+COMPANIONS = dmig("VAX", LOADS, 9) + dmig("MUG1T", LOADS, 9) + dmig("K4AAX", 0.02 * K)
+
+
+def test_the_frequencies_are_those_of_scipy():
+    values = eigh(K, M, eigvals_only=True)[6:9]
+    assert np.sqrt(values) / (2 * np.pi) == pytest.approx(FREQUENCIES, rel=1e-7)
+
+
+PUNCHES = {
+    "companions": COMPANIONS + dmig("KAAX", K) + COMPANIONS.replace("VAX", "PAX") + dmig("MAAX", M),
+    "KAA and MAA beside the stiffness of other points": dmig("KGG", HALF) + dmig("KAA", K) + dmig("MAA", M),
+    "names that Nastran does not give": dmig("K2", K) + dmig("M2", M) + dmig("MUG1", LOADS, 9),
+    "STIFF and MASS": dmig("STIFF", K) + dmig("MASS", M),
+}
+PUNCHES["companions"] = PUNCHES["companions"].replace("MUG1T", "MUGX", 1).replace("K4AAX", "K4XX", 1)
+
+
+@pytest.mark.parametrize("name", PUNCHES)
+def test_a_punch_file_gives_the_matrices_meant(tmp_path, name):
+    mass, found = bar_of(tmp_path, ("DMIG", PUNCHES[name]), ("DMIG", PUNCHES[name]))
+    assert mass == pytest.approx(MASS, rel=1e-8)
+    assert found == pytest.approx(FREQUENCIES, rel=2e-7)
+
+
+OTHERS = {
+    "OP4 text": (
+        "OP4",
+        *[
+            op4_text("K4XX", 0.02 * np.eye(3), form=6) + op4_text("PA", LOADS) + op4_text("KAA", K, form=6),
+            op4_text("MUG1", np.hstack([LOADS, LOADS]), kind=4) + op4_text("MAA", M, form=6),
+        ],
+    ),
+    "Abaqus sections": (
+        "ABQ",
+        *[
+            "** made by hand\n*MATRIX INPUT, NAME=STIF\n" + abaqus_nodes(K),
+            "*MATRIX INPUT, NAME=DMPV\n1,1,1,1,7.0\n*Matrix Input, name=Mass\n" + abaqus_nodes(M),
+        ],
+    ),
+    "Abaqus types": (
+        "ABQ",
+        "*MATRIX,TYPE=MASS\n",
+        abaqus_rows(M) + "*MATRIX, TYPE=STIFFNESS\n" + abaqus_rows(K),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_other_formats_give_the_matrices_meant(tmp_path, name):
+    form, *parts = OTHERS[name]
+    mass, found = bar_of(tmp_path, (form, "".join(parts)), (form, "".join(parts)))
+    assert (mass, *found) == pytest.approx((MASS, *FREQUENCIES), rel=1e-7)
+
+
+def test_a_binary_op4_gives_the_matrices_meant(tmp_path):
+    raw = op4_binary(
+        ("K4AA", K * 0.01), ("PA", LOADS), ("VAX", LOADS * 1j), ("KAA", K), ("MAA", M), ("MUG1T", LOADS.T)
+    )
+    mass, found = bar_of(tmp_path, ("OP4", raw), ("OP4", raw))
+    assert (mass, *found) == pytest.approx((MASS, *FREQUENCIES), rel=1e-7)
+
+
+SEVERAL = dmig("KMESH1", 2 * K) + dmig("KMESH2", K) + dmig("WEIGHT", M)
+NAMES = "FEMX\n    1 K    kmesh2\n    1 M    WEIGHT\n"
+
+
+def test_the_card_names_the_matrices_in_every_format(tmp_path):
+    for form, text in (
+        ("DMIG", SEVERAL),
+        ("OP4", op4_text("KMESH1", 2 * K) + op4_text("KMESH2", K) + op4_text("WEIGHT", M)),
+        ("OP4", op4_binary(("KMESH1", 2 * K), ("KMESH2", K), ("WEIGHT", M))),
+        (
+            "ABQ",
+            "".join(
+                f"*MATRIX INPUT,NAME={n}\n{abaqus_nodes(A)}"
+                for n, A in (("KMESH1", 2 * K), ("KMESH2", K), ("WEIGHT", M))
+            ),
+        ),
+    ):
+        mass, found = bar_of(tmp_path, (form, text), (form, text), cards=NAMES)
+        assert (mass, *found) == pytest.approx((MASS, *FREQUENCIES), rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("text", "cards", "words"),
+    [
+        (
+            SEVERAL,
+            "FEMX\n    1 M    WEIGHT\n",
+            "2 may be meant (KMESH1, KMESH2); name a square real one on a card FEMX",
+        ),
+        (
+            SEVERAL,
+            NAMES.replace("WEIGHT", "MAAX"),
+            "holds KMESH1, KMESH2, WEIGHT: no MAAX among them is meant",
+        ),
+        (
+            dmig("VAX", LOADS, 9) + dmig("MUG1", LOADS, 9),
+            "",
+            "holds VAX, MUG1: no M among them is meant; name a square real one",
+        ),
+        (dmig("KAAX", K) + dmig("MAAX", M) + dmig("MAAX", M), "", "DMIG MAAX begins again, after line"),
+        (SEVERAL, NAMES + "    1 K    KMESH1\n", "matrix K of body 1 has a name already"),
+        (SEVERAL, NAMES + "    1 KG   KDGG\n", "body 1 has no card FEMG, whose matrix it could name"),
+    ],
+)
+def test_what_may_be_meant_is_named(tmp_path, text, cards, words):
+    assert words in refused(tmp_path, ("DMIG", text), ("DMIG", text), cards=cards)
+
+
+def test_two_op4_matrices_of_one_name_are_refused(tmp_path):
+    for text in (
+        op4_text("KAA", K) + op4_text("MAA", M) + op4_text("KAA", K),
+        op4_binary(("KAA", K), ("MAA", M), ("KAA", K)),
+    ):
+        assert "holds KAA, MAA, KAA: 2 may be meant (KAA)" in refused(tmp_path, ("OP4", text), ("OP4", text))
+
+
+def test_a_format_without_names_refuses_one(tmp_path):
+    said = refused(tmp_path, ("MM", market(M)), ("MM", market(K)), cards=NAMES)
+    assert "matrices of format MM have no names; remove kmesh2 from card FEMX" in said
