@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 # To be raised when the arrays, or how they are computed, change.
-LAYOUT = 16
+LAYOUT = 17
 # Bytes behind the arrays: a damage anywhere makes the body anew, instead of another body.
 DIGEST = 32
 _VARIABLES = (("FLEXMB_CACHE_DIR", ""), ("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache"))
@@ -104,8 +104,9 @@ def _settings(given: FlexibleInput) -> str:
     return repr((*settings, "stress", _of_material(given.material)) if given.material else settings)
 
 
-def _of_material(material: ElementMaterial) -> tuple[str, str, str]:
-    return material.young.hex(), material.poisson.hex(), material.density.hex()
+def _of_material(material: ElementMaterial) -> tuple[object, ...]:
+    numbers = (material.young.hex(), material.poisson.hex(), material.density.hex())
+    return *numbers, material.program, material.lumped, material.any_stiffness
 
 
 def load(given: FlexibleInput) -> tuple[FlexibleBody, list[Fault]] | None:
