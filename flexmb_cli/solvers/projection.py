@@ -127,7 +127,12 @@ def project(
 def _least_step(
     J: "np.ndarray | csr_matrix", gap: np.ndarray, dependent: float, columns: np.ndarray | None
 ) -> np.ndarray:
-    """Return the shortest step (n,) that takes the gap away to first order."""
+    """Return the shortest step (n,) that takes the gap away to first order.
+
+    It is 0 where an angle has no rate, as that of a vector along its axis: LAPACK might never return.
+    """
+    if isinstance(J, np.ndarray) and not np.isfinite(J).all():
+        return np.zeros(J.shape[1])
     if columns is None and not isinstance(J, np.ndarray):
         return _sparse_step(J, gap)
     if columns is None:

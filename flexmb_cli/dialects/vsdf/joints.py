@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 
 _COINCIDENT = 1e-12
+WELD_GAP = 1e-2  # of the larger triangle: what nodes of meshes and typed decimals leave
 BY_WORD = {word: BY_NAME[name] for word, name in DIALECT.joints.items()}
 # Those with nothing else come first.
 _BY_COORDINATES = sorted(BY_WORD.values(), key=lambda kind: len(kind.coordinates))
@@ -95,6 +96,8 @@ def _joint(
         return None
     _check_axis(record, "a", a, bodies, ground, findings)
     _check_axis(record, "b", b, bodies, ground, findings)
+    if kind.name == "fixed" and len(findings.faults) == before:
+        _check_weld(record, _positions(a, bodies, ground), _positions(b, bodies, ground), findings)
     size = _size(record, kind, a, b, bodies, ground, findings)
     return NodeJoint(record.subject, kind.name, a, b, size, record.place)
 
@@ -176,6 +179,27 @@ def _check_axis(
     elif H and not np.linalg.norm(np.cross(Q - P, H[0] - P)) > _COINCIDENT * length:
         message = f"node {letter}3 lies on the axis through {names}; it must lie across it"
         findings.error(record.subject, message, record.at(f"{letter}3").place, id="VSDF-049")
+
+
+def _check_weld(record: Record, on_a: list[np.ndarray], on_b: list[np.ndarray], findings: Findings) -> None:
+    """The three nodes of a fixed joint must meet: on both bodies they form the same triangle."""
+    (Q_a, H_a), (Q_b, H_b) = _in_triad(*on_a), _in_triad(*on_b)
+    size = max(abs(Q_a[0]), abs(Q_b[0]), np.linalg.norm(H_a), np.linalg.norm(H_b))
+    for k, apart in ((2, np.linalg.norm(Q_b - Q_a)), (3, np.linalg.norm(H_b - H_a))):
+        if apart > WELD_GAP * size:
+            message = (
+                f"nodes a{k} and b{k} would lie {apart:.3g} m apart when a1 meets b1 and the directions agree; "
+                "the three nodes on each body must be the same three points: add nodes that are"
+            )
+            findings.error(record.subject, message, record.at(f"b{k}").place)
+            return
+
+
+def _in_triad(P: np.ndarray, Q: np.ndarray, H: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return Q and H (2,), m, along P to Q and across it."""
+    length = np.linalg.norm(Q - P)
+    e1, h = (Q - P) / length, H - P
+    return np.array([length, 0.0]), np.array([h @ e1, np.linalg.norm(np.cross(e1, h))])
 
 
 def _size(

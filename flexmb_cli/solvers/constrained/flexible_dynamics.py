@@ -7,6 +7,7 @@ import numpy as np
 from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
 from ...model.arrays.flexible import flexible_arrays
+from ...model.arrays.start_attitudes import start_attitudes
 from ...model.flexible_mechanism import FlexibleMechanism, PointJoint
 from ...model.joints import BY_NAME, STROKE
 from ...model.loads import InitialVelocity
@@ -20,6 +21,7 @@ from .initial_gaps import gap_warnings
 from .joint_rates import rate_equations
 from .position import PositionGaps
 from .rows import global_axes
+from .start_attitudes import turn_warnings
 from .start_speeds import given_speeds
 from .system import with_driven
 
@@ -45,7 +47,9 @@ class FlexibleDynamics(ConstrainedMotion):
 
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates near the deck's that meet all equations; raises AnalysisError."""
-        q = assemble_flexible(self.evaluator, t)
+        attitudes = start_attitudes(self.mechanism)
+        q = assemble_flexible(self.evaluator, t, attitudes)
+        self.warnings += turn_warnings(self.arrays.q, attitudes)
         self.warnings += gap_warnings(self.mechanism, self.evaluator, q, t)
         return q
 
