@@ -45,7 +45,14 @@ def strains(place, averaged):
     for gradient in gradients:
         B = np.zeros((6, 24))
         for a, (dx, dy, dz) in enumerate(gradient):
-            B[:, 3 * a : 3 * a + 3] = [[dx, 0, 0], [0, dy, 0], [0, 0, dz], [dy, dx, 0], [0, dz, dy], [dz, 0, dx]]
+            B[:, 3 * a : 3 * a + 3] = [
+                [dx, 0, 0],
+                [0, dy, 0],
+                [0, 0, dz],
+                [dy, dx, 0],
+                [0, dz, dy],
+                [dz, 0, dx],
+            ]
             if averaged:
                 for row in range(3):
                     B[row, 3 * a : 3 * a + 3] += (mean[a] - gradient[a]) / 3

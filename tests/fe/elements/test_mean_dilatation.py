@@ -55,7 +55,9 @@ WITH_FILES = "FEMM\n    1 MM   M.mtx\nFEMK\n    1 MM   K.mtx\nMATL\n1,7E10,0.33\
 OF_ELEMENTS = "MATL\n1,7E10,0.33,2700\n"
 CANTILEVER = (
     "CLMP\n1,1,2,3,4\nMOTN\n"
-    + "".join(f"{k},{word},1,1\n" for k, word in enumerate(("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ"), 1))
+    + "".join(
+        f"{k},{word},1,1\n" for k, word in enumerate(("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ"), 1)
+    )
     + "FORC\n"
     + "".join(f"1,{node},0,0,125.0\n" for node in (25, 26, 27, 28))
     + "DAMP\n1,0,0,0.9\nINTG\n RAD5,1E-8\nOUTS\n1,NODE\n1,MAX\n"
