@@ -1,7 +1,7 @@
 """Bricks of eight nodes by loops over points and nodes: full integration, and mean dilatation (B-bar).
 
-Hughes, The Finite Element Method (1987), section 4.5.2: B-bar = B + (B_dil of the mean gradients - B_dil), the
-mean being that over the element's volume (Nagtegaal, Parks and Rice, 1974).
+Hughes, The Finite Element Method (1987), section 4.5.2: B-bar = B + (B_dil of the mean gradients - B_dil),
+the mean being that over the element's volume (Nagtegaal, Parks and Rice, 1974).
 """
 
 import numpy as np

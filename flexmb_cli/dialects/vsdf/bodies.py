@@ -136,9 +136,7 @@ def _rigid_mass(record: "Record", findings: Findings) -> RigidMass:
     moments = np.linalg.eigvalsh(inertia)
     slack = _MOMENT_ROUND_OFF * np.abs(moments).max()
     if moments[0] < -slack:
-        message = (
-            f"the principal moments of inertia must not be negative; the least is {moments[0]:.6g} kg m^2"
-        )
+        message = f"no principal moment of inertia may be negative; the least is {moments[0]:.6g} kg m^2"
         findings.error(record.subject, message, record.at("Jxx").place, id="VSDF-007")
     elif moments[2] > moments[0] + moments[1] + slack:
         message = (

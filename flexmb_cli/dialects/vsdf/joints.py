@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 _COINCIDENT = 1e-12
-WELD_GAP = 1e-2  # of the larger triangle: what nodes of meshes and typed decimals leave
+WELD_GAP = 1e-2  # of the distance of two nodes: what meshes and typed decimals leave
 BY_WORD = {word: BY_NAME[name] for word, name in DIALECT.joints.items()}
 # Those with nothing else come first.
 _BY_COORDINATES = sorted(BY_WORD.values(), key=lambda kind: len(kind.coordinates))
@@ -181,25 +181,17 @@ def _check_axis(
         findings.error(record.subject, message, record.at(f"{letter}3").place, id="VSDF-049")
 
 
-def _check_weld(record: Record, on_a: list[np.ndarray], on_b: list[np.ndarray], findings: Findings) -> None:
-    """The three nodes of a fixed joint must meet: on both bodies they form the same triangle."""
-    (Q_a, H_a), (Q_b, H_b) = _in_triad(*on_a), _in_triad(*on_b)
-    size = max(abs(Q_a[0]), abs(Q_b[0]), np.linalg.norm(H_a), np.linalg.norm(H_b))
-    for k, apart in ((2, np.linalg.norm(Q_b - Q_a)), (3, np.linalg.norm(H_b - H_a))):
-        if apart > WELD_GAP * size:
+def _check_weld(record: Record, a: Any, b: Any, findings: Findings) -> None:
+    """The three nodes of a fixed joint meet: on both bodies they form the same triangle."""
+    for m, n in ((1, 2), (1, 3), (2, 3)):
+        on_a, on_b = (float(np.linalg.norm(side[n - 1] - side[m - 1])) for side in (a, b))
+        if abs(on_a - on_b) > WELD_GAP * max(on_a, on_b):
             message = (
-                f"nodes a{k} and b{k} would lie {apart:.3g} m apart when a1 meets b1 and the directions agree; "
-                "the three nodes on each body must be the same three points: add nodes that are"
+                f"nodes a{m} and a{n} are {on_a:.6g} m apart, b{m} and b{n} {on_b:.6g} m: the three nodes of "
+                "a and those of b must be the same three points; add nodes that are"
             )
-            findings.error(record.subject, message, record.at(f"b{k}").place)
+            findings.error(record.subject, message, record.at(f"b{n}").place)
             return
-
-
-def _in_triad(P: np.ndarray, Q: np.ndarray, H: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return Q and H (2,), m, along P to Q and across it."""
-    length = np.linalg.norm(Q - P)
-    e1, h = (Q - P) / length, H - P
-    return np.array([length, 0.0]), np.array([h @ e1, np.linalg.norm(np.cross(e1, h))])
 
 
 def _size(

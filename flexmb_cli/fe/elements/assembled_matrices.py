@@ -1,8 +1,8 @@
 """Mass and stiffness of a body from its elements and material, where no program has written them.
 
-Masses are consistent, integrated exactly in elements with straight edges, or lumped by rows of elements of
-first order (Hughes, The Finite Element Method (1987), section 7.3).  Tetrahedra are integrated as collapsed cubes (Stroud, Approximate Calculation of
-Multiple Integrals (1971), section 2.5).
+Masses are consistent, integrated exactly in elements with straight edges, or lumped by the sums of rows
+(Hughes, The Finite Element Method (1987), section 7.3).  Tetrahedra are integrated as collapsed cubes
+(Stroud, Approximate Calculation of Multiple Integrals (1971), section 2.5).
 """
 
 from typing import Any
@@ -42,7 +42,6 @@ _OF_PROGRAM = {
     "CCX": {"C3D8I": "incompatible modes of CalculiX"},
     "ABQ": {"C3D8": "mean dilatation", "C3D8I": ""},
 }
-PROGRAMS = {"": "CalculiX", "CCX": "CalculiX", "ABQ": "Abaqus"}
 _OF_NODES = {4: "one point", 8: "incompatible modes", 10: "four points", 20: "full integration"}
 # Points a direction: products of two quadratic shape functions and a Jacobian of straight edges.
 _MASS_POINTS = {4: 3, 8: 2, 10: 4, 20: 3}
@@ -69,13 +68,12 @@ def _stiffness(given: Any, table: Any) -> Any:
 def formulation_of(name: str, nodes: int, program: str = "") -> Formulation:
     """Return the formulation of the elements that a file calls `name`, "" where it has no such names.
 
-    `program`: whose names these are, of `PROGRAMS`.  Raises FEFileFault for types whose matrices are not known.
+    `program`: whose names these are, CCX, ABQ or "".  Raises FEFileFault for types of unknown matrices.
     """
     types = _OF_TYPE | _OF_PROGRAM[program]
     if name == "C3D8R":
         raise FEFileFault(
-            f"C3D8R needs forces against hourglasses, which no file contains; use {'C3D8I' if types['C3D8I'] else 'C3D8'}",
-            id="FE-070",
+            "C3D8R needs forces against hourglasses, which no file contains; use C3D8", id="FE-070"
         )
     if name and not types.get(name):
         known = ", ".join(one for one, formulation in types.items() if formulation)
@@ -119,7 +117,8 @@ def assembled_text(given: FlexibleInput, table: BodyTable) -> str:
     material = given.material
     if given.mass.form != OF_ELEMENTS or material is None:
         return ""
-    types = f"{table.kind} of {PROGRAMS[material.program]}, " if table.kind else ""
+    program = "Abaqus" if material.program == "ABQ" else "CalculiX"
+    types = f"{table.kind} of {program}, " if table.kind else ""
     return f"{types}{'lumped' if material.lumped else 'consistent'} mass"
 
 
@@ -128,8 +127,8 @@ def warn_of_types(given: FlexibleInput, table: BodyTable, findings: Findings) ->
     material = given.material
     if given.mass.form == OF_ELEMENTS and material and not material.program and table.kind == "C3D8":
         message = (
-            "C3D8 is taken as in CalculiX, fully integrated; Abaqus averages its volumetric strain: write CCX "
-            "or ABQ on a card ELMT to say which is meant"
+            "C3D8 is taken as in CalculiX, fully integrated; Abaqus averages its volumetric strain: write "
+            "CCX or ABQ on a card ELMT to say which is meant"
         )
         findings.warn(given.name, message, material.place)
 

@@ -93,8 +93,8 @@ def _at_best_points(
     """Return elements at their points of reduced integration, for a stiffness of an unknown formulation.
 
     A stiffness that answers uniform strains as the elements do is of their mesh and material; else E or nu
-    is wrong, which is an error.  Such stresses are refused unless the deck asks for them, or the elements are
-    C3D8R: their strain is that of the centre, and what else is in K, forces against hourglasses, has no stress.
+    is wrong, which is an error.  Such stresses are refused unless the deck asks for them, or the elements
+    are C3D8R: what K has besides the strain of the centre, forces against hourglasses, has no stress.
     """
     material = given.material
     reduced = FORMULATIONS[table.rows.shape[1]]
@@ -115,8 +115,8 @@ def _at_best_points(
     )
     if material.any_stiffness or table.kind == "C3D8R":
         message = (
-            f"{what}; stresses are taken at the points of reduced integration, and element energies do not add "
-            f"up to the body's{_OF_CENTRE * (made.nodes == 8)}"
+            f"{what}; stresses are taken at the points of reduced integration, and element energies do not "
+            f"add up to the body's{_OF_CENTRE * (made.nodes == 8)}"
         )
         findings.warn(given.name, message, material.place, id="FE-073")
     else:

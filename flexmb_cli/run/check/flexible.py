@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...deck.many_records import Made
-from ...model.flexible_body import BodyStress
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from ...model.joints import BY_NAME
 from ...model.unit_checks import unit_warnings
@@ -106,14 +105,8 @@ def _body(body: FloatingBody) -> "dict[str, Any]":
         "frequency_errors": found.frequency_errors[: found.modes - found.massless].tolist(),
         "mass_deviation": found.mass_deviation,
         "rigid_residual": found.rigid_residual,
-        **({"elements": _elements(found.stress)} if found.stress else {}),
+        **({"elements": found.stress.text} if found.stress else {}),
     }
-
-
-def _elements(stress: BodyStress) -> str:
-    """Return the formulation of a body's elements, and what its matrices are made of."""
-    made = f"; M and K made of {stress.assembled}" if stress.assembled else ""
-    return f"{len(stress.numbers)} elements, {stress.formulation}{made}"
 
 
 def _centre(body: FloatingBody) -> list[float]:

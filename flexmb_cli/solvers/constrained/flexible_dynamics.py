@@ -7,7 +7,6 @@ import numpy as np
 from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
 from ...model.arrays.flexible import flexible_arrays
-from ...model.arrays.start_attitudes import start_attitudes
 from ...model.flexible_mechanism import FlexibleMechanism, PointJoint
 from ...model.joints import BY_NAME, STROKE
 from ...model.loads import InitialVelocity
@@ -21,7 +20,7 @@ from .initial_gaps import gap_warnings
 from .joint_rates import rate_equations
 from .position import PositionGaps
 from .rows import global_axes
-from .start_attitudes import turn_warnings
+from .start_attitudes import start_attitudes, turn_warnings
 from .start_speeds import given_speeds
 from .system import with_driven
 

@@ -13,8 +13,8 @@ from .start_attitudes import refuse_half_turns, turned_right
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from ...model.arrays.start_attitudes import StartAttitude
     from .position import PositionGaps
+    from .start_attitudes import StartAttitude
 
 
 SHORTEST = Corrections(met=1e-14, most=60, dependent=DEPENDENT)

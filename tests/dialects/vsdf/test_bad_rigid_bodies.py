@@ -39,7 +39,7 @@ RIGID_MODELS = [
         "a negative moment",
         changed(("       0.1       0.2       0.2", "      -0.1       0.2       0.2")),
         [
-            "7:7: error: mass of body 1: the principal moments of inertia must not be negative; the "
+            "7:7: error: mass of body 1: no principal moment of inertia may be negative; the "
             "least is -0.1 kg m^2"
         ],
     ),

@@ -1,7 +1,7 @@
 """Rigid bodies whose moments of inertia, or one of them, are 0: point masses and thin rods.
 
-Expected: the pendulum phi'' = -m g l sin(phi)/J of a body that hangs on a hinge along y, integrated by DOP853 of
-SciPy from rest along x; a public report gives abs e0 = 0.129411179 and abs e2 = 0.991591018 of the point mass.
+Expected: the pendulum phi'' = m g l cos(phi)/J of a body on a hinge along y, integrated by DOP853 of SciPy
+from rest along x; a public report gives abs e0 = 0.129411179 and abs e2 = 0.991591018 of the point mass.
 """
 
 from pathlib import Path
@@ -54,7 +54,7 @@ def final_attitude(text):
 
 
 def half_angle(moment, inertia):
-    """Half the angle about y after 1 s; `moment`: mass times distance, kg m, `inertia` about the hinge, kg m^2."""
+    """Half the angle about y after 1 s; `moment`: mass times distance, kg m; `inertia` about the hinge."""
 
     def rates(_, state):
         return [state[1], 9.81 * moment * np.cos(state[0]) / inertia]
@@ -106,6 +106,6 @@ def test_a_point_mass_welded_to_a_rod_adds_m_r_squared():
     ("0,0,0", "SPHE,0,1,,1,1"), ("0,0.2,0.2", "SPHE,0,1,,1,1"), ("0,0,0", "DIST,0,1,,1,2"),
 ])  # fmt: skip
 def test_a_turn_that_nothing_resists_is_refused(moments, joint):
-    """About the line through the points of a spherical joint and the mass centre; of a free body about all axes."""
+    """About the line from a spherical joint to the mass centre, or of a point mass about any axis."""
     with pytest.raises(AnalysisError, match="body 1 can move without any mass or inertia resisting"):
         final_attitude(deck(moments, joint))

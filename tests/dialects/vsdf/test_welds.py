@@ -1,4 +1,4 @@
-"""Fixed joints and prescribed rotations: attitudes that must agree, from any start, and never after a half turn.
+"""Fixed joints and prescribed rotations: attitudes that must agree, from any start, not after a half turn.
 
 Expected attitudes are those of the geometry: with the same three nodes on both bodies their axes agree.
 """
@@ -111,9 +111,9 @@ def test_bodies_that_others_hold_the_wrong_way_round_are_not_welded():
 
 
 @pytest.mark.parametrize("node, moved, wanted", [
-    (" 2,2,0.6,0,0\n", " 2,2,0.8,0,0\n", "nodes a2 and b2 would lie 0.2 m apart"),
-    (" 2,3,0.1,0.5,0\n", " 2,3,0.2,0.5,0\n", "nodes a3 and b3 would lie 0.1 m apart"),
-    (" 2,3,0.1,0.5,0\n", " 2,3,0.1,0.3,0.3\n", "nodes a3 and b3 would lie 0.0757 m apart"),
+    (" 2,2,0.6,0,0\n", " 2,2,0.8,0,0\n", "nodes a1 and a2 are 0.5 m apart, b1 and b2 0.7 m"),
+    (" 2,3,0.1,0.5,0\n", " 2,3,0.1,0.3,0.3\n", "nodes a1 and a3 are 0.5 m apart, b1 and b3 0.424264 m"),
+    (" 2,3,0.1,0.5,0\n", " 2,3,0.4,0.4,0\n", "nodes a2 and a3 are 0.707107 m apart, b2 and b3 0.447214 m"),
 ])  # fmt: skip
 def test_nodes_that_cannot_meet_are_refused_with_their_distance(node, moved, wanted):
     with pytest.raises(ModelError) as stopped:
@@ -157,7 +157,7 @@ WORDS = ("ROTX,1,1", "ROTY,1,1", "ROTZ,1,1")
 
 @pytest.mark.parametrize("spin", [0, 1, 2])
 @pytest.mark.parametrize("axis, degrees", [
-    ((1, 0, 0), 180), ((0, 1, 0), 180), ((0, 0, 1), 180), ((1, 1, -1), 120), ((9, 1, 1), 155), ((1, 2, 3), 20),
+    ((1, 0, 0), 180), ((0, 1, 0), 180), ((0, 0, 1), 180), ((1, 1, -1), 120), ((9, 1, 1), 155), ((1, 2, 3), 9),
 ])  # fmt: skip
 def test_three_prescribed_rotations_give_one_attitude(axis, degrees, spin):
     """A half turn about a held axis was kept without a word; 120 degrees about a diagonal never ended."""

@@ -1,7 +1,7 @@
 """C3D8 of Abaqus: mean-dilatation bricks against bricks of loops, patch tests, and a cantilever's stress.
 
-The bar of 0.9 x 0.12 x 0.08 m is the one of a public report; its stress of 448743 Pa and its frequencies follow
-from own bricks whose stiffness agrees with Abaqus' own to 7e-15.
+The bar of 0.9 x 0.12 x 0.08 m is the one of a public report; its stress of 448743 Pa and its frequencies
+follow from own bricks whose stiffness agrees with Abaqus' own to 7e-15.
 """
 
 import itertools
@@ -150,7 +150,7 @@ def test_a_deck_that_does_not_say_so_is_told_which_types_are_taken(tmp_path):
 
 
 @pytest.mark.parametrize("cards, kind, wanted", [
-    ("ELMT\n1,ABQ\n", "C3D8I", "elements of type C3D8I of Abaqus; known are C3D4, C3D8, C3D10, C3D20, C3D20R"),
+    ("ELMT\n1,ABQ\n", "C3D8I", "type C3D8I of Abaqus; known are C3D4, C3D8, C3D10, C3D20, C3D20R"),
     ("ELMT\n1,ABQ\n", "C3D8R", "C3D8R needs forces against hourglasses, which no file contains; use C3D8"),
 ])  # fmt: skip
 def test_types_whose_formulation_nobody_has_published_are_refused(cards, kind, wanted, tmp_path):
