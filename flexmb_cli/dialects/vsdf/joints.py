@@ -190,7 +190,7 @@ def _check_weld(record: Record, a: Any, b: Any, findings: Findings) -> None:
                 f"nodes a{m} and a{n} are {on_a:.6g} m apart, b{m} and b{n} {on_b:.6g} m: the three nodes of "
                 "a and those of b must be the same three points; add nodes that are"
             )
-            findings.error(record.subject, message, record.at(f"b{n}").place)
+            findings.error(record.subject, message, record.at(f"b{n}").place, id="VSDF-210")
             return
 
 

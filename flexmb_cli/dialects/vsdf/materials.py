@@ -40,7 +40,7 @@ def stress_material(values: DeckValues, k: int, file: FEFile, findings: Findings
     if record is None:
         if types:
             message = f"ELMT tells of the elements of a material; body {k} needs a card MATL"
-            findings.error(types.subject, message, types.place)
+            findings.error(types.subject, message, types.place, id="VSDF-211")
         return None
     density = record.at("rho")
     if density.text and not density.value > 0:
@@ -59,10 +59,10 @@ def _of_types(
             f"only INP files name types of elements, and the node table of body {k} is of format "
             f"{material.file.form}; leave the field empty"
         )
-        findings.error(record.subject, message, record.at("types").place)
+        findings.error(record.subject, message, record.at("types").place, id="VSDF-212")
     if record["mass"] and values.record("mass_matrix", k):
         message = f"the mass of body {k} is that of FEMM; leave the field empty"
-        findings.error(record.subject, message, record.at("mass").place)
+        findings.error(record.subject, message, record.at("mass").place, id="VSDF-213")
     return replace(
         material,
         program=record["types"],

@@ -106,7 +106,8 @@ def _lumped(elements: np.ndarray) -> np.ndarray:
     if nodes not in (4, 8):
         raise FEFileFault(
             f"the mass of elements of {nodes} nodes is not lumped, nor is it in Abaqus: corners would get a "
-            "negative mass; take CONS"
+            "negative mass; take CONS",
+            id="FE-160",
         )
     found: np.ndarray = elements.sum(axis=2)[:, :, None] * np.eye(nodes)
     return found
@@ -130,7 +131,7 @@ def warn_of_types(given: FlexibleInput, table: BodyTable, findings: Findings) ->
             "C3D8 is taken as in CalculiX, fully integrated; Abaqus averages its volumetric strain: write "
             "CCX or ABQ on a card ELMT to say which is meant"
         )
-        findings.warn(given.name, message, material.place)
+        findings.warn(given.name, message, material.place, id="FE-161")
 
 
 def _mass_rule(nodes: int) -> tuple[np.ndarray, np.ndarray]:

@@ -124,7 +124,7 @@ def _at_best_points(
             f"{what}, so their stresses are not known; leave MATL out, or write REDU on a card ELMT for "
             f"stresses at the points of reduced integration{_OF_CENTRE * (made.nodes == 8)}"
         )
-        findings.error(given.name, message, material.place)
+        findings.error(given.name, message, material.place, id="FE-162")
     return body
 
 

@@ -143,11 +143,11 @@ def refuse_half_turns(q: np.ndarray, attitudes: "Sequence[StartAttitude]", t: fl
     """Raise AnalysisError where an attitude is met after a half turn."""
     for item, degrees in _off(q, attitudes, WRONG):
         message = f"it is met only after a turn by {degrees:.4g} degrees; {_REMEDY}"
-        raise AnalysisError(Fault("error", message, item.place, item.owner), t)
+        raise AnalysisError(Fault("error", message, item.place, item.owner, id="SOLVE-090"), t)
 
 
 def turn_warnings(q: np.ndarray, attitudes: "Sequence[StartAttitude]") -> "Iterator[Fault]":
     """Yield a warning for each attitude that the deck's q is far from: gaps may not show it."""
     for item, degrees in _off(q, attitudes, WRONG):
         message = f"it is off by {degrees:.4g} degrees at the start; bodies are turned to meet it; {_REMEDY}"
-        yield Fault("warning", message, item.place, item.owner)
+        yield Fault("warning", message, item.place, item.owner, id="SOLVE-091")
