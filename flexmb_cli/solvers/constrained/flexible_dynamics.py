@@ -13,6 +13,7 @@ from ...model.loads import InitialVelocity
 from ...model.mechanism import Joint
 from ...model.planar_loops import OUT_OF_PLANE, repeated_in_plane
 from ..linearisation.terms import Terms, motors_of
+from ..start_attitudes import start_attitudes, turn_warnings
 from .analysis import ConstrainedMotion
 from .flexible_rows import FlexibleRows, flexible_rows
 from .flexible_start import assemble_flexible
@@ -20,7 +21,6 @@ from .initial_gaps import gap_warnings
 from .joint_rates import rate_equations
 from .position import PositionGaps
 from .rows import global_axes
-from .start_attitudes import start_attitudes, turn_warnings
 from .start_speeds import given_speeds
 from .system import with_driven
 

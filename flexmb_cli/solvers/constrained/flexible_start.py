@@ -8,13 +8,13 @@ from ...model.equations import DEPENDENT
 from ..assembly import TRIALS, assemble, is_closed, nudged
 from ..kinematics.assembly import assembly_failure
 from ..projection import Corrections, Instant, Position, project, shortened
-from .start_attitudes import refuse_half_turns, turned_right
+from ..start_attitudes import refuse_half_turns, turned_right
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from ..start_attitudes import StartAttitude
     from .position import PositionGaps
-    from .start_attitudes import StartAttitude
 
 
 SHORTEST = Corrections(met=1e-14, most=60, dependent=DEPENDENT)

@@ -10,21 +10,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...errors import AnalysisError, Fault, Place
-from ...model.arrays.node_joints import node_axes, spin_axis
-from ...model.equations import DEPENDENT
-from ...model.flexible_mechanism import FlexibleMechanism, NodePoint
-from ...model.mechanism import GROUND
-from ...model.time_functions import ROTATIONS
-from ...model.vectors import euler_parameters, rotation_matrix
-from ...quick_dataclass import dataclass
-from ..projection import Corrections, Instant, project, shortened
-from .large_start import is_large
+from ..errors import AnalysisError, Fault, Place
+from ..model.arrays.node_joints import node_axes, spin_axis
+from ..model.equations import DEPENDENT
+from ..model.flexible_mechanism import FlexibleMechanism, NodePoint
+from ..model.mechanism import GROUND
+from ..model.time_functions import ROTATIONS
+from ..model.vectors import euler_parameters, rotation_matrix
+from ..quick_dataclass import dataclass
+from .constrained.large_start import is_large
+from .projection import Corrections, Instant, project, shortened
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from .position import PositionGaps
+    from .constrained.position import PositionGaps
 
 TURNED = math.pi / 4  # an attitude that starts closer is found by the equations themselves
 WRONG = math.pi / 2  # half-way to the other solution
