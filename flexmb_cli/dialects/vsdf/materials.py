@@ -39,7 +39,7 @@ def stress_material(values: DeckValues, k: int, file: FEFile, findings: Findings
     record, types = values.record("material", k), values.record("element_types", k)
     if record is None:
         if types:
-            message = f"ELMT tells of the elements of a material; body {k} needs a card MATL"
+            message = f"ELMT describes the elements of a material; body {k} needs a card MATL"
             findings.error(types.subject, message, types.place, id="VSDF-211")
         return None
     density = record.at("rho")
