@@ -106,7 +106,7 @@ ROD = [
 def test_a_rigid_pendulum_asked_for():
     """2.5 kg hung from the ground by a sphere at node 7; cards and fields as in decks/vsdf/FORMAT.md."""
     none = " ".join("0" * len(ADDED))
-    dialogue = talk(*ROD, "1 7", "0 0 -9.81", "1 0.1", "", "", "", "", "", none)
+    dialogue = talk(*ROD, "1 7", "0 0 -9.81", "1 0.1", "", "", "", "", "", none, "0")
     assert dialogue.question is None
     lines = [line.strip() for line, _ in dialogue.lines if not line.startswith("*")]
     assert lines == [
