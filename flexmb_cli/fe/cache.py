@@ -98,8 +98,9 @@ def _settings(given: FlexibleInput) -> str:
     return repr((*settings, "stress", _of_material(given.material)) if given.material else settings)
 
 
-def _of_material(material: ElementMaterial) -> tuple[str, str, str]:
-    return material.young.hex(), material.poisson.hex(), material.density.hex()
+def _of_material(material: ElementMaterial) -> tuple[object, ...]:
+    numbers = (material.young.hex(), material.poisson.hex(), material.density.hex())
+    return *numbers, material.program, material.lumped, material.any_stiffness
 
 
 def load(given: FlexibleInput) -> tuple[FlexibleBody, list[Fault]] | None:

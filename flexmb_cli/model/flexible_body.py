@@ -39,7 +39,9 @@ class UnitLoad:
 class ElementMaterial:
     """Elements in the `file` of the nodes, of Young's modulus `young`, Pa, and Poisson's ratio.
 
-    `density`, kg/m³, nan where it is not given.
+    `density`, kg/m³, nan where it is not given.  `program`: CCX or ABQ, whose types of elements are meant,
+    "" where the deck does not say; `lumped`: whether the mass of elements is; `any_stiffness`: whether
+    stresses are wanted also of a stiffness of unknown formulation.
     """
 
     file: FEFile
@@ -47,6 +49,9 @@ class ElementMaterial:
     poisson: float
     place: Place | None = None
     density: float = float("nan")
+    program: str = ""
+    lumped: bool = False
+    any_stiffness: bool = False
 
 
 @dataclass(frozen=True)
@@ -113,7 +118,8 @@ class BodyStress:
     """The elements of a body in one formulation, and the stresses of its modes at the nodes.
 
     `deviation`: largest difference between the stiffness that the elements assemble to and that of the
-    file, relative to its largest entry.
+    file, relative to its largest entry.  `assembled`: type and mass of the elements that the matrices are
+    made of, "" where a file has these.
     """
 
     numbers: np.ndarray  # (m,) element numbers
@@ -123,6 +129,13 @@ class BodyStress:
     poisson: float
     deviation: float
     nodal: np.ndarray  # (n, 6, N) Pa per unit of each mode: xx yy zz xy yz zx, body axes
+    assembled: str = ""
+
+    @property
+    def text(self) -> str:
+        """Return the formulation in words, and what the matrices are made of."""
+        made = f"; M and K made of {self.assembled}" if self.assembled else ""
+        return f"{len(self.numbers)} elements, {self.formulation}{made}"
 
 
 @dataclass(frozen=True)

@@ -127,7 +127,9 @@ def project(
 def _least_step(
     J: "np.ndarray | csr_matrix", gap: np.ndarray, dependent: float, columns: np.ndarray | None
 ) -> np.ndarray:
-    """Return the shortest step (n,) that takes the gap away to first order."""
+    """Return the shortest step (n,) that takes the gap away to first order, 0 where there is none."""
+    if isinstance(J, np.ndarray) and not np.isfinite(J).all():
+        return np.zeros(J.shape[1])  # an angle of a vector along its axis has no rate; LAPACK never returns
     if columns is None and not isinstance(J, np.ndarray):
         return _sparse_step(J, gap)
     if columns is None:

@@ -127,7 +127,11 @@ KINDS = {
 @pytest.mark.parametrize("word", KINDS)
 def test_every_kind_of_joint_has_the_points_it_needs(word):
     kind, nodes = KINDS[word]
-    text = changed(("    2 REVO    1    3    4    2    1    2\n", f"    2 {word}    1{nodes}\n"))
+    # Node 3 of body 2 lies where a weld has node 1 of body 1.
+    text = changed(
+        ("    2 REVO    1    3    4    2    1    2\n", f"    2 {word}    1{nodes}\n"),
+        ("    2    3       0.5", "    2    3      -1.0"),
+    )
     joint = mechanism(text).joints[1]
     assert joint.kind == kind
     needed = BY_WORD[word]

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 _UNIT_LENGTH = 1e-6
-_TRIANGLE_INEQUALITY = 1e-9
+_MOMENT_ROUND_OFF = 1e-9  # of the largest moment of inertia
 
 
 def build_bodies(values: DeckValues, folder: Path, findings: Findings) -> Sequence[VsdfBody]:
@@ -134,10 +134,11 @@ def _rigid_mass(record: "Record", findings: Findings) -> RigidMass:
     xx, yy, zz, xy, yz, zx = (float(record[f"J{ij}"]) for ij in ("xx", "yy", "zz", "xy", "yz", "zx"))
     inertia = np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
     moments = np.linalg.eigvalsh(inertia)
-    if not moments[0] > 0:
-        message = f"the principal moments of inertia must be above zero; the least is {moments[0]:.6g} kg m^2"
+    slack = _MOMENT_ROUND_OFF * np.abs(moments).max()
+    if moments[0] < -slack:
+        message = f"no principal moment of inertia may be negative; the least is {moments[0]:.6g} kg m^2"
         findings.error(record.subject, message, record.at("Jxx").place, id="VSDF-007")
-    elif moments[2] > (moments[0] + moments[1]) * (1 + _TRIANGLE_INEQUALITY):
+    elif moments[2] > moments[0] + moments[1] + slack:
         message = (
             f"no body has the principal moments {moments[0]:.6g}, {moments[1]:.6g}, {moments[2]:.6g} kg m^2: "
             "the largest must not exceed the sum of the others (the moments are about the centre of mass)"

@@ -53,9 +53,9 @@ def whole_column(key: str, meaning: str, default: int | None = 0) -> Column:
     return Column(key, meaning, letter="I", default=default)
 
 
-def word_column(key: str, meaning: str, words: tuple[str, ...]) -> Column:
+def word_column(key: str, meaning: str, words: tuple[str, ...], default: str | None = None) -> Column:
     """A field of one of some words."""
-    return Column(key, meaning, letter="A", skip=1, words=words, default=None)
+    return Column(key, meaning, letter="A", skip=1, words=words, default=default)
 
 
 def vector_columns(key: str, meaning: str, unit: str = "", default: float | None = 0.0) -> tuple[Column, ...]:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 
 _COINCIDENT = 1e-12
+WELD_GAP = 1e-2  # of the distance of two nodes: what meshes and typed decimals leave
 BY_WORD = {word: BY_NAME[name] for word, name in DIALECT.joints.items()}
 # Those with nothing else come first.
 _BY_COORDINATES = sorted(BY_WORD.values(), key=lambda kind: len(kind.coordinates))
@@ -95,6 +96,8 @@ def _joint(
         return None
     _check_axis(record, "a", a, bodies, ground, findings)
     _check_axis(record, "b", b, bodies, ground, findings)
+    if kind.name == "fixed" and len(findings.faults) == before:
+        _check_weld(record, _positions(a, bodies, ground), _positions(b, bodies, ground), findings)
     size = _size(record, kind, a, b, bodies, ground, findings)
     return NodeJoint(record.subject, kind.name, a, b, size, record.place)
 
@@ -176,6 +179,19 @@ def _check_axis(
     elif H and not np.linalg.norm(np.cross(Q - P, H[0] - P)) > _COINCIDENT * length:
         message = f"node {letter}3 lies on the axis through {names}; it must lie across it"
         findings.error(record.subject, message, record.at(f"{letter}3").place, id="VSDF-049")
+
+
+def _check_weld(record: Record, a: Any, b: Any, findings: Findings) -> None:
+    """The three nodes of a fixed joint meet: on both bodies they form the same triangle."""
+    for m, n in ((1, 2), (1, 3), (2, 3)):
+        on_a, on_b = (float(np.linalg.norm(side[n - 1] - side[m - 1])) for side in (a, b))
+        if abs(on_a - on_b) > WELD_GAP * max(on_a, on_b):
+            message = (
+                f"nodes a{m} and a{n} are {on_a:.6g} m apart, b{m} and b{n} {on_b:.6g} m: the three nodes of "
+                "a and those of b must be the same three points; add nodes that are"
+            )
+            findings.error(record.subject, message, record.at(f"b{n}").place, id="VSDF-210")
+            return
 
 
 def _size(

@@ -8,6 +8,7 @@ from ...deck.records import DeckValues
 from ...fe.formats.formats import FORMS_WITH_ELEMENTS, OF_ELEMENTS
 from ...model.diagnostics import Findings
 from ...model.flexible_body import ElementMaterial, FEFile
+from ...quick_dataclass import replace
 
 
 def stiffening_material(
@@ -35,14 +36,39 @@ def matrices_of_elements(values: DeckValues, k: int, files: dict[str, Any]) -> d
 
 def stress_material(values: DeckValues, k: int, file: FEFile, findings: Findings) -> ElementMaterial | None:
     """Return the material that MATL gives body k, None where there is no such card."""
-    record = values.record("material", k)
+    record, types = values.record("material", k), values.record("element_types", k)
     if record is None:
+        if types:
+            message = f"ELMT describes the elements of a material; body {k} needs a card MATL"
+            findings.error(types.subject, message, types.place, id="VSDF-211")
         return None
     density = record.at("rho")
     if density.text and not density.value > 0:
         message = f"a density must be above zero; read {density.text}"
         findings.error(record.subject, message, density.place, id="VSDF-088")
-    return _material(record, file, findings, float(density.value) if density.text else math.nan)
+    found = _material(record, file, findings, float(density.value) if density.text else math.nan)
+    return found if types is None else _of_types(values, k, types, found, findings)
+
+
+def _of_types(
+    values: DeckValues, k: int, record: Record, material: ElementMaterial, findings: Findings
+) -> ElementMaterial:
+    """Return the material with what the card ELMT says of its elements."""
+    if record["types"] and material.file.form != "INP":
+        message = (
+            f"only INP files name types of elements, and the node table of body {k} is of format "
+            f"{material.file.form}; leave the field empty"
+        )
+        findings.error(record.subject, message, record.at("types").place, id="VSDF-212")
+    if record["mass"] and values.record("mass_matrix", k):
+        message = f"the mass of body {k} is that of FEMM; leave the field empty"
+        findings.error(record.subject, message, record.at("mass").place, id="VSDF-213")
+    return replace(
+        material,
+        program=record["types"],
+        lumped=record["mass"] == "LUMP",
+        any_stiffness=bool(record["stress"]),
+    )
 
 
 def mesh_file(values: DeckValues, k: int, file: FEFile) -> FEFile | None:

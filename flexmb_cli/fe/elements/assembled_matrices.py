@@ -1,15 +1,17 @@
 """Mass and stiffness of a body from its elements and material, where no program has written them.
 
-Masses are consistent, integrated exactly in elements with straight edges (Hughes, The Finite Element Method
-(1987), section 7.3).  Tetrahedra are integrated as collapsed cubes (Stroud, Approximate Calculation of
-Multiple Integrals (1971), section 2.5).
+Masses are consistent, integrated exactly in elements with straight edges, or lumped by the sums of rows
+(Hughes, The Finite Element Method (1987), section 7.3).  Tetrahedra are integrated as collapsed cubes
+(Stroud, Approximate Calculation of Multiple Integrals (1971), section 2.5).
 """
 
 from typing import Any
 
 import numpy as np
 
+from ...model.diagnostics import Findings
 from ...model.flexible_body import FlexibleInput
+from ..formats.formats import OF_ELEMENTS
 from ..formats.matrix_file import FEFileFault, MatrixFile
 from ..linear_algebra import in_three_directions
 from . import tetrahedra
@@ -34,6 +36,12 @@ _OF_TYPE = {
     "C3D20": "full integration",
     "C3D20R": "reduced integration",
 }
+# Where a deck names the program.  Nobody has published the 13 incompatible modes of C3D8I of Abaqus.
+_OF_PROGRAM = {
+    "": {},
+    "CCX": {"C3D8I": "incompatible modes of CalculiX"},
+    "ABQ": {"C3D8": "mean dilatation", "C3D8I": ""},
+}
 _OF_NODES = {4: "one point", 8: "incompatible modes", 10: "four points", 20: "full integration"}
 # Points a direction: products of two quadratic shape functions and a Jacobian of straight edges.
 _MASS_POINTS = {4: 3, 8: 2, 10: 4, 20: 3}
@@ -51,27 +59,30 @@ def element_matrix(given: FlexibleInput, table: BodyTable, letter: str) -> Matri
 
 def _stiffness(given: Any, table: Any) -> Any:
     material = given.material
-    formulation = formulation_of(table.kind, table.rows.shape[1])
+    formulation = formulation_of(table.kind, table.rows.shape[1], material.program)
     made = solid_elements(given.positions, table.rows, formulation)
     stiffness, _ = element_stiffness(made, elasticity(material.young, material.poisson))
     return assembled(stiffness, table.rows, len(given.positions), 3)
 
 
-def formulation_of(name: str, nodes: int) -> Formulation:
+def formulation_of(name: str, nodes: int, program: str = "") -> Formulation:
     """Return the formulation of the elements that a file calls `name`, "" where it has no such names.
 
-    Raises FEFileFault for types whose matrices are not known.
+    `program`: whose names these are, CCX, ABQ or "".  Raises FEFileFault for types of unknown matrices.
     """
+    types = _OF_TYPE | _OF_PROGRAM[program]
     if name == "C3D8R":
         raise FEFileFault(
-            "C3D8R needs forces against hourglasses, which no file contains; use C3D8I", id="FE-070"
+            "C3D8R needs forces against hourglasses, which no file contains; use C3D8", id="FE-070"
         )
-    if name and name not in _OF_TYPE:
-        known = ", ".join(_OF_TYPE)
+    if name and not types.get(name):
+        known = ", ".join(one for one, formulation in types.items() if formulation)
+        whose = " of Abaqus" if name in types else ""
         raise FEFileFault(
-            f"matrices cannot be assembled from elements of type {name}; known are {known}", id="FE-083"
+            f"matrices cannot be assembled from elements of type {name}{whose}; known are {known}",
+            id="FE-083",
         )
-    wanted = _OF_TYPE[name] if name else _OF_NODES[nodes]
+    wanted = types[name] if name else _OF_NODES[nodes]
     return next(one for one in FORMULATIONS[nodes] if one.name == wanted)
 
 
@@ -83,8 +94,44 @@ def _mass(given: Any, table: BodyTable) -> Any:
     for part in parts(len(rows)):
         volumes = np.linalg.det(np.einsum("mki,gkj->mgij", given.positions[rows[part]], slopes)) * weights
         elements[part] = np.einsum("ga,gb,mg->mab", shapes, shapes, volumes, optimize=True)
+    if given.material.lumped:
+        elements = _lumped(elements)
     scalar = assembled(given.material.density * elements, rows, len(given.positions), 1)
     return in_three_directions(scalar)
+
+
+def _lumped(elements: np.ndarray) -> np.ndarray:
+    """Return element masses (m, k, k) with the sum of each row on the diagonal.  Raises FEFileFault."""
+    nodes = elements.shape[1]
+    if nodes not in (4, 8):
+        raise FEFileFault(
+            f"the mass of elements of {nodes} nodes is not lumped, nor is it in Abaqus: corners would get a "
+            "negative mass; take CONS",
+            id="FE-160",
+        )
+    found: np.ndarray = elements.sum(axis=2)[:, :, None] * np.eye(nodes)
+    return found
+
+
+def assembled_text(given: FlexibleInput, table: BodyTable) -> str:
+    """Return what the matrices of `given` are made of, "" where files have them."""
+    material = given.material
+    if given.mass.form != OF_ELEMENTS or material is None:
+        return ""
+    program = "Abaqus" if material.program == "ABQ" else "CalculiX"
+    types = f"{table.kind} of {program}, " if table.kind else ""
+    return f"{types}{'lumped' if material.lumped else 'consistent'} mass"
+
+
+def warn_of_types(given: FlexibleInput, table: BodyTable, findings: Findings) -> None:
+    """Warn of matrices made of a type that programs understand differently, where the deck names none."""
+    material = given.material
+    if given.mass.form == OF_ELEMENTS and material and not material.program and table.kind == "C3D8":
+        message = (
+            "C3D8 is taken as in CalculiX, fully integrated; Abaqus averages its volumetric strain: write "
+            "CCX or ABQ on a card ELMT to say which is meant"
+        )
+        findings.warn(given.name, message, material.place, id="FE-161")
 
 
 def _mass_rule(nodes: int) -> tuple[np.ndarray, np.ndarray]:

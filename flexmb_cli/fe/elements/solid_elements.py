@@ -1,8 +1,9 @@
 """Solid elements: shape functions, points of integration and strains of hexahedra and tetrahedra.
 
 Hughes, The Finite Element Method (1987), sections 3.5 and 4.4; incompatible modes by Taylor, Beresford and
-Wilson, Int. J. Num. Meth. Eng. 10 (1976), 1211-1219.  All elements at once: arrays begin with the element
-and the point of integration.  Tetrahedra have their shape functions in `tetrahedra`.
+Wilson, Int. J. Num. Meth. Eng. 10 (1976), 1211-1219; mean dilatation (B-bar) by Nagtegaal, Parks and Rice,
+Comp. Meth. Appl. Mech. Eng. 4 (1974), 153-177.  All elements at once: arrays begin with the element and the
+point of integration.  Tetrahedra have their shape functions in `tetrahedra`.
 """
 
 import numpy as np
@@ -27,12 +28,14 @@ class Formulation:
 
     Their gradients are scaled by det J0 / det J, with J0 the Jacobian at the centre, so that they meet
     constant strain (Taylor, Beresford and Wilson); `scaled` False: by nothing, as in CalculiX.
+    `mean_dilatation`: the volumetric strain is its mean over the element, as in C3D8 of Abaqus.
     """
 
     name: str
     points: int
     incompatible: bool = False
     scaled: bool = True
+    mean_dilatation: bool = False
 
 
 # Incompatible modes come before the formulation that they improve: the first that assembles to K is taken.
@@ -42,6 +45,7 @@ FORMULATIONS = {
         Formulation("incompatible modes", 2, True),
         Formulation("incompatible modes of CalculiX", 2, True, scaled=False),
         Formulation("full integration", 2),
+        Formulation("mean dilatation", 2, mean_dilatation=True),
         Formulation("reduced integration", 1),
     ),
     10: (Formulation("four points", 4),),
@@ -125,12 +129,16 @@ class SolidElements:
 
     def strains(self, part: slice) -> np.ndarray:
         """B (m, g, 6, 3 (k + internal)) of the elements `part`: xx yy zz xy yz zx, shears as angles."""
-        dx, dy, dz = np.moveaxis(self.gradients[part], -1, 0)
+        gradients, volumes = self.gradients[part], self.volumes[part]
+        dx, dy, dz = np.moveaxis(gradients, -1, 0)
         B = np.zeros((*dx.shape[:2], 6, dx.shape[2], 3))
         B[..., 0, :, 0], B[..., 1, :, 1], B[..., 2, :, 2] = dx, dy, dz
         B[..., 3, :, 0], B[..., 3, :, 1] = dy, dx
         B[..., 4, :, 1], B[..., 4, :, 2] = dz, dy
         B[..., 5, :, 2], B[..., 5, :, 0] = dx, dz
+        if self.formulation.mean_dilatation:
+            mean = np.einsum("mg,mgai->mai", volumes, gradients) / volumes.sum(axis=1)[:, None, None]
+            B[..., :3, :, :] += ((mean[:, None] - gradients) / 3.0)[:, :, None]
         return B.reshape(*dx.shape[:2], 6, -1)
 
 

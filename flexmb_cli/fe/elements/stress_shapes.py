@@ -14,6 +14,7 @@ from ...model.diagnostics import Findings
 from ...model.flexible_body import BodyStress, FlexibleBody, FlexibleInput
 from ..reference_frame import Frame
 from . import tetrahedra
+from .assembled_matrices import assembled_text, warn_of_types
 from .body_elements import (
     FOREIGN,
     BodyTable,
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
 
 # A mass that differs by more of itself is that of another density; meshes and digits make less.
 DIFFERENT_MASS = 1e-3
+_OF_CENTRE = "; those of a brick's centre miss its bending"
 
 
 def body_stress(
@@ -63,6 +65,7 @@ def body_stress(
         return None
     warn_of_same_nodes(given, table, findings)
     warn_of_distortion(given, table, frame.r0, findings)
+    warn_of_types(given, table, findings)
     body = matching_elements(frame.r0, table.rows, (material.young, material.poisson), K)
     if body.deviation > FOREIGN:
         body = _at_best_points(given, frame.r0, table, body, K, findings)
@@ -75,6 +78,7 @@ def body_stress(
         material.poisson,
         body.deviation,
         nodal_stresses(body, Phi),
+        assembled_text(given, table),
     )
 
 
@@ -89,7 +93,8 @@ def _at_best_points(
     """Return elements at their points of reduced integration, for a stiffness of an unknown formulation.
 
     A stiffness that answers uniform strains as the elements do is of their mesh and material; else E or nu
-    is wrong, which is an error.
+    is wrong, which is an error.  Such stresses are refused unless the deck asks for them, or the elements
+    are C3D8R: what K has besides the strain of the centre, forces against hourglasses, has no stress.
     """
     material = given.material
     reduced = FORMULATIONS[table.rows.shape[1]]
@@ -99,17 +104,27 @@ def _at_best_points(
     D = elasticity(material.young, material.poisson)
     stiffness, internal = element_stiffness(made, D)
     body = BodyElements(made, D, internal, nearest.deviation)
-    if uniform_strain_deviation(made, stiffness, positions, K) > FOREIGN:
+    nodal_forces = (made, stiffness), (nearest.elements, element_stiffness(nearest.elements, D)[0])
+    if min(uniform_strain_deviation(*one, positions, K) for one in nodal_forces) > FOREIGN:
         remedy = "leave MATL out"
         findings.error(given.name, foreign_stiffness(nearest, material, remedy), material.place, id="FE-072")
-    else:
+        return body
+    what = (
+        f"the stiffness matrix is that of no known formulation of its elements (the nearest, "
+        f"{nearest.elements.formulation.name}, differs by {nearest.deviation:.1e} of the largest entry)"
+    )
+    if material.any_stiffness or table.kind == "C3D8R":
         message = (
-            f"the stiffness matrix is that of no known formulation of its elements (the nearest, "
-            f"{nearest.elements.formulation.name}, differs by {nearest.deviation:.1e} of the largest entry); "
-            "stresses are taken at the points of reduced integration, and element energies do not add up to "
-            "the body's"
+            f"{what}; stresses are taken at the points of reduced integration, and element energies do not "
+            f"add up to the body's{_OF_CENTRE * (made.nodes == 8)}"
         )
         findings.warn(given.name, message, material.place, id="FE-073")
+    else:
+        message = (
+            f"{what}, so their stresses are not known; leave MATL out, or write REDU on a card ELMT for "
+            f"stresses at the points of reduced integration{_OF_CENTRE * (made.nodes == 8)}"
+        )
+        findings.error(given.name, message, material.place, id="FE-162")
     return body
 
 

@@ -57,7 +57,7 @@ class JointVectors:
         return float(gap @ (self.table.A(self.i) @ self.s))
 
     def turning(self) -> tuple[int, int, int]:
-        """F, G of body a and H of body b, whose angle is 0 at t = 0.
+        """F, G of body a and H of body b, whose angle is 0 at t = 0, of a fixed joint where third nodes meet.
 
         They go from P to the third nodes where there are some, else they are fixed in the bodies' frames.
         """
@@ -77,6 +77,8 @@ class JointVectors:
         given = self.a[2].r0 - self.a[0].r0
         across = given - (given @ s) * s
         gamma = math.atan2(s @ np.cross(across, target), across @ target)
+        if self.joint.kind == "fixed":
+            gamma = 0.0
         B = math.cos(gamma) * (np.eye(3) - np.outer(s, s)) + math.sin(gamma) * tilde(s)
         B = B / np.linalg.norm(across)
         return (
@@ -221,9 +223,9 @@ def _body_motion(table: PrimitiveTable, mechanism: FlexibleMechanism, motion: Mo
     if motion.kind in TRANSLATIONS:
         origin = table.body_vector(motion.target, np.zeros(3)), table.body_vector(NONE, np.zeros(3))
         return table.product(origin, table.axis(TRANSLATIONS.index(motion.kind)))
-    own = _node_axes(mechanism.bodies[motion.target])
+    own = node_axes(mechanism.bodies[motion.target])
     about = ROTATIONS.index(motion.kind)
-    spin = _spin(mechanism.motions, motion.target)
+    spin = spin_axis(mechanism.motions, motion.target)
     after, last = (about + 1) % 3, (about + 2) % 3
     if about == spin:
         expected = motion.function.at(0.0)[0]
@@ -236,7 +238,7 @@ def _body_motion(table: PrimitiveTable, mechanism: FlexibleMechanism, motion: Mo
     return table.product(table.body_vector(motion.target, own[spin]), table.axis(third), sign)
 
 
-def _node_axes(body: FloatingBody) -> np.ndarray:
+def node_axes(body: FloatingBody) -> np.ndarray:
     """The axes of the node table in body axes, one a row."""
     return body.flexible.axes if body.flexible else np.eye(3)
 
@@ -245,7 +247,7 @@ def _is_zero(function: MotionFunction) -> bool:
     return function.kind == POLYNOMIAL and not any(function.c)
 
 
-def _spin(motions: tuple[Motion, ...], body: int) -> int:
+def spin_axis(motions: tuple[Motion, ...], body: int) -> int:
     """The axis a body is turned about: that of the only rotation that is not held at 0."""
     own = [motion for motion in motions if motion.target == body and motion.kind in ROTATIONS]
     turned = [motion for motion in own if not _is_zero(motion.function)]

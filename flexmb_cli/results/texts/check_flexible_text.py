@@ -58,4 +58,5 @@ def _body_line(body: "dict[str, Any]") -> str:
         return line
     low, high = body["frequencies"][0], body["frequencies"][-1]
     line += f", nodes {body['nodes']}, modes {body['modes']} from {low:.4g} to {high:.4g} Hz"
-    return f"{line}, precise to {max(body['frequency_errors']):.0e}"
+    line += f", precise to {max(body['frequency_errors']):.0e}"
+    return f"{line}; {body['elements']}" if "elements" in body else line

@@ -105,6 +105,7 @@ def _body(body: FloatingBody) -> "dict[str, Any]":
         "frequency_errors": found.frequency_errors[: found.modes - found.massless].tolist(),
         "mass_deviation": found.mass_deviation,
         "rigid_residual": found.rigid_residual,
+        **({"elements": found.stress.text} if found.stress else {}),
     }
 
 

@@ -13,6 +13,7 @@ from ...model.loads import InitialVelocity
 from ...model.mechanism import Joint
 from ...model.planar_loops import OUT_OF_PLANE, repeated_in_plane
 from ..linearisation.terms import Terms, motors_of
+from ..start_attitudes import start_attitudes, turn_warnings
 from .analysis import ConstrainedMotion
 from .flexible_rows import FlexibleRows, flexible_rows
 from .flexible_start import assemble_flexible
@@ -45,7 +46,9 @@ class FlexibleDynamics(ConstrainedMotion):
 
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates near the deck's that meet all equations; raises AnalysisError."""
-        q = assemble_flexible(self.evaluator, t)
+        attitudes = start_attitudes(self.mechanism)
+        q = assemble_flexible(self.evaluator, t, attitudes)
+        self.warnings += turn_warnings(self.arrays.q, attitudes)
         self.warnings += gap_warnings(self.mechanism, self.evaluator, q, t)
         return q
 

@@ -28,11 +28,19 @@ RIGID_MODELS = [
         ],
     ),
     (
-        "a moment missing",
-        changed(("       0.1       0.2       0.2", "                 0.2       0.2")),
+        "a moment missing of a body that is no rod",
+        changed(("       0.1       0.2       0.2", "                 0.2       0.3")),
         [
-            "7:1: error: mass of body 1: the principal moments of inertia must be above zero; the "
-            "least is 0 kg m^2"
+            "7:1: error: mass of body 1: no body has the principal moments 0, 0.2, 0.3 kg m^2: the largest "
+            "must not exceed the sum of the others (the moments are about the centre of mass)"
+        ],
+    ),
+    (
+        "a negative moment",
+        changed(("       0.1       0.2       0.2", "      -0.1       0.2       0.2")),
+        [
+            "7:7: error: mass of body 1: no principal moment of inertia may be negative; the "
+            "least is -0.1 kg m^2"
         ],
     ),
     (

@@ -9,6 +9,7 @@ WITHOUT_CARD = "GALF"  # method of a deck without the card INTG, and what `flexm
 _METHODS = (WITHOUT_CARD, *sorted(METHODS.keys() - {WITHOUT_CARD}))
 
 STRESS_PLACES = ("NODE", "ELEM", "MAX")
+PROGRAMS = ("CCX", "ABQ")
 SHAPES = ("BOX", "CYLI", "TUBE", "CONE", "SPHE")
 
 _SHAPED = whole_column("body", "rigid body, 0: ground", None)
@@ -130,5 +131,18 @@ ANALYSIS_CARDS = (
         "list",
         (_SHAPED, Column("unit", "metres in a unit of the file; empty: 1", "m", default=1.0), *_PLACED),
         second=(Column("file", "STL file", letter="T", skip=1, default=None),),
+    ),
+    Card(
+        "ELMT",
+        "element_types",
+        "element types of body {}",
+        "body",
+        (
+            BODY,
+            word_column("types", "program whose types the INP file names; empty: CCX", PROGRAMS, ""),
+            word_column("mass", "mass of the elements; empty: CONS, consistent", ("CONS", "LUMP"), ""),
+            word_column("stress", "REDU: stresses at reduced points if K is of no known type", ("REDU",), ""),
+        ),
+        bodies="FLEX",
     ),
 )

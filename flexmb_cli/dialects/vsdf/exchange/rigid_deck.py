@@ -112,13 +112,7 @@ class _Deck(ElementCards):
         moments = np.linalg.eigvalsh(body.inertia)
         if not body.mass > 0:
             self.refusals.add(body, "a VSDF body needs a mass above zero", id="VSDF-171")
-        elif not moments[0] > 0:
-            message = (
-                f"a VSDF body needs principal moments of inertia above zero; the least is {moments[0]:.6g} "
-                "kg m^2, as of a thin rod: give the deck a small one"
-            )
-            self.refusals.add(body, message, id="VSDF-172")
-        elif moments[2] > (moments[0] + moments[1]) * (1 + _BEYOND):
+        elif moments[2] > moments[0] + moments[1] + _BEYOND * moments[2]:
             message = "the largest principal moment of inertia exceeds the sum of the others: no VSDF body"
             self.refusals.add(body, message, id="VSDF-173")
 
