@@ -29,7 +29,7 @@ from .failures import (
 )
 from .initial_stops import notes_of_pressed_stops
 from .integrators import Steps
-from .large_start import is_large
+from .large_start import starts_sparse
 from .start import order_of_elimination
 from .start_speeds import start_speeds
 from .system import blank_report, constrained_system, new_work
@@ -220,7 +220,7 @@ class ConstrainedMotion(ABC):
         Returns what the equations leave free, and which of them repeat others; raises as `rows`.
         """
         found = self.start_position()
-        if is_large(self.arrays):
+        if starts_sparse(self.arrays):
             self.work.quality[0] = factorise_order(self.work)
         self.clock["t"] = self.grid.start
         self.clock["stop"] = self.grid.time(self.grid.rows - 1)

@@ -14,8 +14,8 @@ from ...model.mechanism import Joint
 from ...model.planar_loops import OUT_OF_PLANE, repeated_in_plane
 from ..linearisation.terms import Terms, motors_of
 from .analysis import ConstrainedMotion
+from .first_position import assemble
 from .flexible_rows import FlexibleRows, flexible_rows
-from .flexible_start import assemble_flexible
 from .initial_gaps import gap_warnings
 from .joint_rates import rate_equations
 from .position import PositionGaps
@@ -45,7 +45,7 @@ class FlexibleDynamics(ConstrainedMotion):
 
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates near the deck's that meet all equations; raises AnalysisError."""
-        q = assemble_flexible(self.evaluator, t)
+        q = assemble(self.evaluator, t)
         self.warnings += gap_warnings(self.mechanism, self.evaluator, q, t)
         return q
 

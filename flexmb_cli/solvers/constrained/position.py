@@ -8,7 +8,7 @@ from ...kernels.constrained.accelerations import evaluate_jacobian
 from ...kernels.constrained.projection import evaluate_residual
 from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import PHI, System, Work
-from .large_start import is_large, sparse_jacobian
+from .large_start import sparse_jacobian, starts_sparse
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -31,7 +31,7 @@ class PositionGaps:
     def jacobian(self, q: np.ndarray) -> "np.ndarray | csr_matrix":
         """Scaled Jacobian (m, n) on speeds, sparse where it is large."""
         evaluate_jacobian(self.system, self.work, q)
-        return sparse_jacobian(self.work) if is_large(self.arrays) else self.work.jacobian.copy()
+        return sparse_jacobian(self.work) if starts_sparse(self.arrays) else self.work.jacobian.copy()
 
     def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
         """Return the coordinates after a scaled step (n,) of translations, rotations and deformation."""

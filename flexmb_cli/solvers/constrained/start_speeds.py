@@ -12,7 +12,7 @@ from ...kernels.constrained.system import GAMMA
 from ...model.equations import DEPENDENT
 from ..projection import RESIDUAL_MET
 from ..singular.mobility import about
-from .large_start import is_large, sparse_jacobian, speeds_of_many
+from .large_start import sparse_jacobian, speeds_of_many, starts_sparse
 from .rows import body_axes, global_axes
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def start_speeds(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> np.n
     rates, values, names = analysis.given_rates(q)
     nu = np.concatenate([nu, values])
     given, wanted = analysis.given_speeds(q)
-    if is_large(analysis.arrays):
+    if starts_sparse(analysis.arrays):
         u = _of_many(analysis, q, rates * scale, nu, names, t)
         _warn_of_change(analysis, u, wanted, given)
         return u

@@ -8,14 +8,12 @@ from ...errors import AnalysisError, Fault, ModelError
 from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...kernels.tree.loop_closures import IMMOBILE
-from ...model.arrays.tree import TreeArrays
+from ...model.arrays.tree import TreeArrays, initial_attitudes
 from ...model.tree import ASSEMBLED_GAP, ROTATION, Closure, Tree
-from ..assembly import assemble, is_closed
+from ...model.tree_as_mechanism.frames import hinge_frames
+from ...model.tree_as_mechanism.loop_assembly import NEAR, nearest_closed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from ..projection import Position
     from .analysis import TreeAnalysis
 
 
@@ -35,16 +33,23 @@ def assemble_tree(analysis: "TreeAnalysis") -> None:
     if tree.one_way:
         raise ModelError([_one_way_fault(tree)])
     start = analysis.state.copy()
-
-    def search(kept: np.ndarray) -> "Iterator[Position]":
+    own = slice(len(tree.coordinates), 2 * len(tree.coordinates))
+    for kept in (_kept(tree, arrays), arrays.given):
         analysis.state[:] = start
         gap = _close(analysis, kept)
-        yield analysis.state, np.array([gap])
+        if not gap <= ASSEMBLED_GAP or np.max(np.abs(analysis.state - start)[own]) > NEAR:
+            gap = _close_nearest(analysis, kept, start)
+        if gap <= ASSEMBLED_GAP:
+            return
+    raise _assembly_failure(tree, arrays.closures)
 
-    if not is_closed(
-        assemble((_kept(tree, arrays), arrays.given), search, closed=ASSEMBLED_GAP)[1], ASSEMBLED_GAP
-    ):
-        raise _assembly_failure(tree, arrays.closures)
+
+def _close_nearest(analysis: "TreeAnalysis", kept: np.ndarray, start: np.ndarray) -> float:
+    """Close the loops nearest to the state `start`, as `_close` does."""
+    tree = analysis.tree
+    found = nearest_closed(tree, hinge_frames(tree), ~kept)[0]
+    analysis.state[:] = np.concatenate([tree.y, found.q, initial_attitudes(found).ravel(), start[-1:]])
+    return _close(analysis, kept)
 
 
 def _close(analysis: "TreeAnalysis", kept: np.ndarray) -> float:
