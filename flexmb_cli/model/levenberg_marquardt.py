@@ -28,11 +28,13 @@ def least_squares(
     x: np.ndarray,
     moved: "Callable[..., Any]" = np.add,
     first: float = FIRST_DAMPING,
+    met: float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray]:
     """The x (N,) with the least sum of squares of residual(x) (m,) near the given one, and its residual.
 
     `jacobian` gives the derivative (m, n), dense or sparse, at the x of the last call of `residual`; `moved`
-    gives the x after a step (n,).  `first`: damping of the first step, which keeps it short.
+    gives the x after a step (n,).  `first`: damping of the first step, which keeps it short; `met`: the
+    largest residual that ends the search.
     """
     r = residual(x)
     J = jacobian(x)
@@ -42,7 +44,7 @@ def least_squares(
     damping, growth = first * size, 2.0
     for _ in range(MOST_TRIALS):
         step = (damped_step if is_dense else _sparse_step)(J, r, damping)
-        if np.linalg.norm(step) <= SMALLEST_MOVE * (1.0 + np.linalg.norm(x)):
+        if np.max(np.abs(r)) <= met or np.linalg.norm(step) <= SMALLEST_MOVE * (1.0 + np.linalg.norm(x)):
             break
         tried_x = moved(x, step)
         tried = residual(tried_x)

@@ -53,6 +53,7 @@ class Sized:
         arms = J[is_length][:, turns]
         self.size = float(arms.max()) if is_length.any() and arms.max() > 0.0 else 1.0
         self.rows, self.columns = np.where(is_length, 1.0 / self.size, 1.0), np.ones(J.shape[1])
+        self.met = 0.0  # scaled gap at which searches end
         self.columns[: 6 * bodies].reshape(-1, 6)[:, :3] = self.size
 
     def search(
@@ -78,6 +79,7 @@ class Sized:
             q,
             lambda x, step: self.equations.moved(x, columns * step),
             damping,
+            self.met,
         )[0]
         return found
 
@@ -104,26 +106,32 @@ class Sized:
 
 
 def nearest_of(
-    sized: Sized, q: np.ndarray, finish: "Callable[[np.ndarray], Position]", free: np.ndarray | None = None
+    sized: Sized,
+    q: np.ndarray,
+    finish: "Callable[[np.ndarray], Position]",
+    free: np.ndarray | None = None,
+    met: float = RESIDUAL_MET,
 ) -> Position:
     """Return the nearest position to q that searches close, else that with the least gap.
 
-    `finish` corrects what a search finds to round-off.
+    `finish` corrects what a search finds to round-off; `met`: scaled gap that counts as closed.
     """
     found: list[Position] = []
-    for start, damping in _starts(sized, q, found):
+    for start, damping in _starts(sized, q, found, met):
         found.append(finish(sized.search(start, damping, free)))
-    closed = [one for one in found if is_closed(one[1])]
+    closed = [one for one in found if is_closed(one[1], met)]
     if closed:
         return min(closed, key=lambda one: sized.distance(q, one[0]))
     return min(found, key=lambda one: largest(one[1]))
 
 
-def _starts(sized: Sized, q: np.ndarray, found: list[Position]) -> "Iterator[tuple[np.ndarray, float]]":
+def _starts(
+    sized: Sized, q: np.ndarray, found: list[Position], met: float
+) -> "Iterator[tuple[np.ndarray, float]]":
     """Yield starts and dampings; none after a position that is found near."""
     for damping in DAMPINGS:
         yield q, damping
-        if is_closed(found[-1][1]) and sized.is_near(q, found[-1][0]):
+        if is_closed(found[-1][1], met) and sized.is_near(q, found[-1][0]):
             return
     for trial in range(1, OTHER_STARTS + 1 if sized.columns.size <= MOST_SEARCHED else 1):
         yield sized.aside(q, trial), DAMPINGS[0]

@@ -11,6 +11,7 @@ from ...kernels.constrained.accelerations import factorise_order
 from ...kernels.constrained.angle_unwrapping import EXPECTED, NEW, OLD, fill_angles
 from ...kernels.integrators import clock as codes
 from ...model.arrays.system import SystemArrays
+from ...model.equations import DEPENDENT
 from ...model.integrators import Integrator
 from ...model.joint_elements import JointElements
 from ...model.mechanism import TimeGrid
@@ -27,9 +28,12 @@ from .failures import (
     rows_with_forces,
     step_failure,
 )
+from .first_position import assemble
 from .initial_stops import notes_of_pressed_stops
 from .integrators import Steps
 from .large_start import starts_sparse
+from .overconstrained_loops import TO_GAP, gap_note
+from .position import PositionGaps
 from .start import order_of_elimination
 from .start_speeds import start_speeds
 from .system import blank_report, constrained_system, new_work
@@ -72,6 +76,7 @@ class ConstrainedMotion(ABC):
         self.works = len(arrays.loads) if elements else 0  # loads whose works are kept
         self.grid = grid
         self.integrator = Steps(integrator)
+        self.dependent = DEPENDENT  # singular values, of the largest, of equations that repeat others
         self.system = constrained_system(arrays)
         self.work = new_work(arrays)
         self.warnings: list[Fault] = []
@@ -220,7 +225,7 @@ class ConstrainedMotion(ABC):
         Returns what the equations leave free, and which of them repeat others; raises as `rows`.
         """
         found = self.start_position()
-        if starts_sparse(self.arrays):
+        if self.starts_sparse:
             self.work.quality[0] = factorise_order(self.work)
         self.clock["t"] = self.grid.start
         self.clock["stop"] = self.grid.time(self.grid.rows - 1)
@@ -247,6 +252,27 @@ class ConstrainedMotion(ABC):
             self.warnings.append(repetition(found, self.usual_repetitions(q), *self.usual_words))
         warn_of_fine_tables(self)
         return found
+
+    @property
+    def starts_sparse(self) -> bool:
+        """Return whether the start takes sparse matrices."""
+        return self.dependent == DEPENDENT and starts_sparse(self.arrays)
+
+    def first_position(
+        self, t: float, tolerance: float, *, estimates: bool = False
+    ) -> "tuple[PositionGaps, np.ndarray]":
+        """Return the equations and coordinates (n + b,) near the deck's that meet them; raises AnalysisError.
+
+        `tolerance`: scaled gap at which overconstrained loops count as closed; `estimates`: the deck's
+        positions are such.
+        """
+        gaps = PositionGaps(self.arrays, self.system, self.work)
+        gaps.sparse = starts_sparse(self.arrays)
+        q, loose = assemble(gaps, t, tolerance, estimates=estimates)
+        if loose:
+            self.dependent, self.clock["repeated"] = loose.dependent, TO_GAP * max(tolerance, loose.size)
+            self.warnings.append(gap_note(gaps, loose, tolerance))
+        return gaps, q
 
     def _call(self, task: int, report: "Report") -> int:
         return int(

@@ -14,7 +14,6 @@ from ...model.mechanism import Joint
 from ...model.planar_loops import OUT_OF_PLANE, repeated_in_plane
 from ..linearisation.terms import Terms, motors_of
 from .analysis import ConstrainedMotion
-from .first_position import assemble
 from .flexible_rows import FlexibleRows, flexible_rows
 from .initial_gaps import gap_warnings
 from .joint_rates import rate_equations
@@ -45,8 +44,8 @@ class FlexibleDynamics(ConstrainedMotion):
 
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates near the deck's that meet all equations; raises AnalysisError."""
-        q = assemble(self.evaluator, t)
-        self.warnings += gap_warnings(self.mechanism, self.evaluator, q, t)
+        gaps, q = self.first_position(t, self.mechanism.loop_tolerance)
+        self.warnings += gap_warnings(self.mechanism, gaps, q, t)
         return q
 
     def given_speeds(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

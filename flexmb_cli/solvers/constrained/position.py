@@ -8,7 +8,7 @@ from ...kernels.constrained.accelerations import evaluate_jacobian
 from ...kernels.constrained.projection import evaluate_residual
 from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import PHI, System, Work
-from .large_start import sparse_jacobian, starts_sparse
+from .large_start import is_large, sparse_jacobian
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -21,6 +21,7 @@ class PositionGaps:
 
     def __init__(self, arrays: "SystemArrays", system: System, work: Work):
         self.arrays, self.system, self.work = arrays, system, work
+        self.sparse = is_large(arrays)
 
     def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
         """Scaled residual (m,) at q; expected: the angles expected."""
@@ -31,7 +32,7 @@ class PositionGaps:
     def jacobian(self, q: np.ndarray) -> "np.ndarray | csr_matrix":
         """Scaled Jacobian (m, n) on speeds, sparse where it is large."""
         evaluate_jacobian(self.system, self.work, q)
-        return sparse_jacobian(self.work) if starts_sparse(self.arrays) else self.work.jacobian.copy()
+        return sparse_jacobian(self.work) if self.sparse else self.work.jacobian.copy()
 
     def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
         """Return the coordinates after a scaled step (n,) of translations, rotations and deformation."""

@@ -10,9 +10,8 @@ from ...kernels.constrained.mass_matrix import mass_times
 from ...kernels.constrained.projection import project_position
 from ...kernels.constrained.system import NO_INERTIA
 from ...model.by_size import by_size
-from ...model.equations import DEPENDENT
 from ..singular.mobility import NAMED, Mobility, involved, sparse_basis
-from .large_start import order_of_many, starts_sparse
+from .large_start import order_of_many
 
 if TYPE_CHECKING:
     from ...model.equations import Equation
@@ -24,12 +23,12 @@ def order_of_elimination(analysis: "ConstrainedMotion", q: np.ndarray, t: float)
 
     Improves q to round-off on the way, unless the mechanism is large.
     """
-    if starts_sparse(analysis.arrays):
+    if analysis.starts_sparse:
         return order_of_many(analysis, q)
     system, work, arrays = analysis.system, analysis.work, analysis.arrays
     evaluate_jacobian(system, work, q)
     left, values, right = np.linalg.svd(work.jacobian)
-    rank = int(np.sum(values > DEPENDENT * values[0])) if values.size else 0
+    rank = int(np.sum(values > analysis.dependent * values[0])) if values.size else 0
     found = choose_order(work, rank)
     if project_position(system, work, q, t, analysis.integration.angles[2]) == NO_INERTIA:
         raise inertia_failure(analysis, t)

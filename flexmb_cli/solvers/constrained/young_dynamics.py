@@ -15,10 +15,8 @@ from ...model.planar_loops import repeated_in_plane
 from ..linearisation.terms import Terms, motors_of
 from .analysis import ConstrainedMotion
 from .element_rows import element_rows
-from .first_position import assemble
 from .initial_gaps import estimate_warnings
 from .joint_rates import rate_equations
-from .position import PositionGaps
 from .rows import DynamicRows, dynamic_rows
 from .start_speeds import given_speeds
 
@@ -41,8 +39,7 @@ class ForwardDynamics(ConstrainedMotion):
 
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError."""
-        gaps = PositionGaps(self.arrays, self.system, self.work)
-        q = assemble(gaps, t, estimates=True)
+        gaps, q = self.first_position(t, self.mechanism.loop_tolerance, estimates=True)
         self.warnings += estimate_warnings(self.model, gaps, q, t)
         return q
 
