@@ -109,7 +109,7 @@ def gap_note(gaps: "PositionGaps", found: NearlyClosed, tolerance: float) -> Fau
         f"a loop is overconstrained and closes only to {_size(worst)}, within {tolerance:.1e} (by the digits "
         "typed, or --loop-tolerance); equations that repeat others are left out, and the gap remains"
     )
-    return about("note", message, worst[0].equation, id="SOLVE-060")
+    return about("note", message, worst[0].equation, id="SOLVE-080")
 
 
 def gap_error(gaps: "PositionGaps", found: NearlyClosed, t: float, tolerance: float) -> AnalysisError:
@@ -120,7 +120,7 @@ def gap_error(gaps: "PositionGaps", found: NearlyClosed, t: float, tolerance: fl
         f"{_size(worst)}; the digits typed, or --loop-tolerance, allow {tolerance:.1e}: align its axes, "
         f"replace a joint by one with more freedom, or allow more (--loop-tolerance {2 * found.size:.0e})"
     )
-    return AnalysisError(about("error", message, worst[0].equation, id="SOLVE-061"), t, gap_norms(worst))
+    return AnalysisError(about("error", message, worst[0].equation, id="SOLVE-081"), t, gap_norms(worst))
 
 
 def _size(worst: list[Gap]) -> str:
