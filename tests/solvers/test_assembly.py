@@ -1,11 +1,9 @@
 """What counts as closed, and how far bodies move: closed forms of translations and turns."""
 
-import math
-
 import numpy as np
 import pytest
 
-from flexmb_cli.solvers.assembly import displacements, is_closed
+from flexmb_cli.solvers.assembly import displacements
 from tests.solvers.kinematics.geometry import euler_parameters, product, unit
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import Fault
-from ...kernels.constrained.accelerations import choose_order, evaluate_jacobian, factorise_order
+from ...kernels.constrained.accelerations import evaluate_jacobian, factorise_order
 from ...kernels.constrained.angle_unwrapping import EXPECTED, NEW, OLD, fill_angles
 from ...kernels.constrained.projection import project_position, project_speeds
 from ...kernels.integrators import clock as codes
@@ -33,7 +33,7 @@ from .first_position import assemble
 from .initial_stops import notes_of_pressed_stops
 from .integrators import Steps
 from .large_start import starts_sparse
-from .overconstrained_loops import TO_GAP, gap_note
+from .overconstrained_loops import TO_GAP, choose_far_apart, gap_note
 from .position import PositionGaps
 from .start import order_of_elimination
 from .start_speeds import start_speeds
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 
 NO_ELEMENTS = JointElements()
 CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
-FEW_EVALUATIONS = 150  # the same where the choice of equations has to be looked at
+FEW_EVALUATIONS = 1  # the same where the choice of equations has to be looked at
 WORN_CHOICE = 0.5  # quality of a choice of equations, of that when it was made
 LARGEST_BLOCK = 256  # rows
 
@@ -195,9 +195,9 @@ class ConstrainedMotion(ABC):
         while times.size:
             report = blank_report(self.arrays, times[:LARGEST_BLOCK], self.works)
             answer = self._call(codes.INTEGRATION, report)
-            if self.dependent > DEPENDENT:
-                self._choose_equations()
             filled = int(self.clock["row"][0])
+            if self.dependent > DEPENDENT and answer in (codes.ROWS_FULL, codes.PAUSED):
+                self._choose_equations()
             times = times[filled:]
             known = rows_with_forces(report.responses[:filled])
             if known:
@@ -220,7 +220,7 @@ class ConstrainedMotion(ABC):
         evaluate_jacobian(system, work, q)
         if factorise_order(work) > WORN_CHOICE * self._quality:
             return
-        choose_order(work, int(work.rank[0]))
+        choose_far_apart(work, int(work.rank[0]))
         self._quality, work.quality[0] = float(work.quality[0]), 0.0
         project_position(system, work, q, t, self.integration.angles[EXPECTED])
         project_speeds(system, work, q, u, t)

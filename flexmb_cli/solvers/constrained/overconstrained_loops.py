@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import AnalysisError, Fault
+from ...kernels.constrained.accelerations import choose_order
+from ...model.by_size import first_of_largest
 from ...model.equations import DEPENDENT
 from ...quick_dataclass import dataclass
 from ..assembly import Sized, nearest_of
@@ -19,6 +21,7 @@ from .large_start import is_large
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from ...kernels.constrained.system import Work
     from .position import PositionGaps
 
 
@@ -100,6 +103,20 @@ def _is_overconstrained(
         if largest(there[1]) > LOOSEST or way < MOVES * PROBE:
             return False
     return True
+
+
+def choose_far_apart(work: "Work", rank: int) -> int:
+    """Choose `rank` equations that are far from dependent, and their order; return the rank found.
+
+    What is left of the gap in the others grows as those chosen come to depend.  Overwrites the Jacobian.
+    """
+    left, kept = work.jacobian.copy(), []
+    for _ in range(rank):
+        kept.append(first_of_largest(np.linalg.norm(left, axis=1)))
+        direction = left[kept[-1]] / np.linalg.norm(left[kept[-1]])
+        left -= np.outer(left @ direction, direction)
+    work.jacobian[np.setdiff1d(np.arange(len(left)), kept)] = 0.0
+    return choose_order(work, rank)
 
 
 def gap_note(gaps: "PositionGaps", found: NearlyClosed, tolerance: float) -> Fault:

@@ -10,8 +10,10 @@ from ...kernels.constrained.mass_matrix import mass_times
 from ...kernels.constrained.projection import project_position
 from ...kernels.constrained.system import NO_INERTIA
 from ...model.by_size import by_size
+from ...model.equations import DEPENDENT
 from ..singular.mobility import NAMED, Mobility, involved, sparse_basis
 from .large_start import order_of_many
+from .overconstrained_loops import choose_far_apart
 
 if TYPE_CHECKING:
     from ...model.equations import Equation
@@ -29,7 +31,7 @@ def order_of_elimination(analysis: "ConstrainedMotion", q: np.ndarray, t: float)
     evaluate_jacobian(system, work, q)
     left, values, right = np.linalg.svd(work.jacobian)
     rank = int(np.sum(values > analysis.dependent * values[0])) if values.size else 0
-    found = choose_order(work, rank)
+    found = (choose_far_apart if analysis.dependent > DEPENDENT else choose_order)(work, rank)
     if project_position(system, work, q, t, analysis.integration.angles[2]) == NO_INERTIA:
         raise inertia_failure(analysis, t)
     names = arrays.equations

@@ -1,7 +1,7 @@
 """Random linkages of ten types, built at a position known exactly, with estimates disturbed from it.
 
-A linkage is points and axes in global axes at its exact position, given to bodies whose frames are placed and turned
-at random.  Its deck is typed from them; `Judge` closes it by SciPy, sharing nothing with the program.
+A linkage is points and axes in global axes at its exact position, given to bodies whose frames are placed and
+turned at random.  Its deck is typed from them; `Judge` closes it by SciPy, sharing nothing with the program.
 """
 
 from dataclasses import dataclass, field
@@ -186,7 +186,7 @@ def _rssr(m, o, crank=None, A=None):
 
 def _six_bar(m, o):
     """Watt: a second loop from the rocker; Stephenson: from the coupler."""
-    rocker, D = _four_bar(m, o)
+    rocker, _ = _four_bar(m, o)
     start = rocker if m.random.uniform() < 0.5 else 2
     _four_bar(m, o, start, _apart(m.random, m.bodies[start][0]))
 

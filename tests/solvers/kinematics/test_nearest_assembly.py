@@ -130,7 +130,7 @@ def test_a_slider_crank_of_a_vsdf_deck_closes_on_the_side_of_its_positions(angle
 
 
 def outcome(kind, seed, restarts, cards=""):
-    """The distance of the assembly from the estimates over that of the nearest known, None if there is none."""
+    """The distance of the assembly from the estimates over that of the nearest, None if there is none."""
     made = linkage(kind, seed)
     estimates = made.estimates()
     judge = Judge(made, estimates)
