@@ -12,7 +12,7 @@ A position near the estimates that a quicker method finds is kept:
 - trees (`tree.assembly`): the projection of the kernels, with most coordinates kept, then all free.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -35,10 +35,12 @@ ASIDE = 0.3  # of the size, and rad: the largest distance of other starts from t
 NEARER = 1e-6  # of the distance of another assembly: what counts as nearer
 
 
-class PoseEquations(Equations):
+class PoseEquations(Equations, Protocol):
     """Equations whose steps are translations and rotations of bodies, then deformations."""
 
-    arrays: "KinematicArrays | SystemArrays"
+    @property
+    def arrays(self) -> "KinematicArrays | SystemArrays":
+        """Return the arrays of the mechanism."""
 
 
 class Sized:

@@ -116,7 +116,7 @@ def choose_far_apart(work: "Work", rank: int) -> int:
         direction = left[kept[-1]] / np.linalg.norm(left[kept[-1]])
         left -= np.outer(left @ direction, direction)
     work.jacobian[np.setdiff1d(np.arange(len(left)), kept)] = 0.0
-    return choose_order(work, rank)
+    return int(choose_order(work, rank))
 
 
 def gap_note(gaps: "PositionGaps", found: NearlyClosed, tolerance: float) -> Fault:
