@@ -86,7 +86,8 @@ def solve(deck: OpenDeck | str | os.PathLike[str], **options: float | str) -> "R
     """Solve a deck in memory.
 
     `options`: those of `flexmb run` that numbers depend on: `rtol`, `atol`, `method` of the integration;
-    `tolerance`, `smallest_pivot`, `most_iterations` of the kinematics; `formulation` ("absolute") of trees.
+    `tolerance`, `smallest_pivot`, `most_iterations` of the kinematics; `formulation` ("absolute") of trees;
+    `loop_tolerance` of overconstrained loops.
     Raises TypeError for another option, ValueError for a value out of range, FlexmbError for a deck that
     cannot be solved.  A run that fails on its way raises AnalysisError,
     whose attribute `result` holds the rows so far.
@@ -168,14 +169,16 @@ def sweep(study: str | os.PathLike[str], jobs: int = 1) -> dict[str, np.ndarray]
             return columns | {name: table[name][...] for name in ("exit_code", "rows") if name in table}
 
 
-def open_study(study: str | os.PathLike[str], parts: str, fresh: bool = False) -> "Sweep":
+def open_study(
+    study: str | os.PathLike[str], parts: str, fresh: bool = False, loop_tolerance: float | None = None
+) -> "Sweep":
     """Return the study in a file, whose cases are kept in the folder `parts`; raises DeckError.
 
     A study that was stopped continues with the cases that are there, unless it is to be `fresh`.
     """
     from .study.sweep import Sweep
 
-    return Sweep.of(os.fspath(study), parts, fresh)
+    return Sweep.of(os.fspath(study), parts, fresh, loop_tolerance)
 
 
 def solve_study(

@@ -13,6 +13,7 @@ from ..memory import TO_LOAD, require_memory
 from ..results.files.own_files import refuse_foreign
 from ..run.outcome import INTERRUPTED, TERMINATED, Listener, Stop, Terminated
 from .options.completion import files
+from .options.deck_options import LOOP_TOLERANCE
 from .options.output_file import FORCE, refuse_inputs
 from .terminal.json_faults import faults_in_json
 from .terminal.progress import Progress
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
               "goes away at the end.  [default: beside the table]")  # fmt: skip
 @click.option("--fresh", is_flag=True, help="Throw away what a stopped study left, and start anew.")
 @FORCE
+@LOOP_TOLERANCE
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @click.option(
     "-v", "--verbose", is_flag=True, help="Without a terminal, print the progress every ten seconds."
@@ -49,6 +51,7 @@ def sweep(
     parts: str | None,
     fresh: bool,
     force: bool,
+    loop_tolerance: float | None,
     as_json: bool,
     quiet: bool,
     verbose: bool,
@@ -67,7 +70,7 @@ def sweep(
     parts = parts or f"{output}.parts"
     refuse_inputs(output, [study])
     refuse_foreign([output], force)
-    made = _begun(study, output, parts, scheduler, fresh, as_json)
+    made = _begun(study, output, parts, scheduler, fresh, as_json, loop_tolerance)
     notices = _Notices(study, quiet)
     _warn_of_result(notices, output)
     stop_on_signals()
@@ -126,7 +129,15 @@ def _report_stop(
         sys.stdout.flush()
 
 
-def _begun(study: str, output: str, parts: str, scheduler: str | None, fresh: bool, as_json: bool) -> "Sweep":
+def _begun(
+    study: str,
+    output: str,
+    parts: str,
+    scheduler: str | None,
+    fresh: bool,
+    as_json: bool,
+    loop_tolerance: float | None,
+) -> "Sweep":
     require_memory(TO_LOAD)  # of numpy, below
     from .. import interface
     from ..results.files.replaced_file import refuse_unwritable
@@ -140,7 +151,7 @@ def _begun(study: str, output: str, parts: str, scheduler: str | None, fresh: bo
             # The cases are kept beside the table: without this their folder would be made with all its
             # parents.
             refuse_unwritable(output, special=False)
-            return interface.open_study(study, parts, fresh)
+            return interface.open_study(study, parts, fresh, loop_tolerance)
     except StudyError as failure:
         click.echo(compiler_style(failure.file, failure.faults, failure.lines), err=True)
     except DeckError as failure:

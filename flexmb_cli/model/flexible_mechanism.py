@@ -149,3 +149,4 @@ class FlexibleMechanism:
     stresses: tuple[StressOutput, ...] = ()
     shapes: tuple["Shape", ...] = ()
     elements: JointElements = field(default_factory=JointElements)
+    loop_tolerance: float = 0.0  # scaled gap at which overconstrained loops count as closed

@@ -158,3 +158,4 @@ class Mechanism:
     grounds: tuple[Ground, ...] = ()
     points: tuple[Point, ...] = field(default=())
     shapes: tuple["Shape", ...] = ()
+    loop_tolerance: float = 0.0  # scaled gap at which overconstrained loops count as closed

@@ -246,6 +246,7 @@ class Tree:
     integration: Integration = field(default_factory=Integration)
     elements: JointElements = field(default_factory=JointElements)
     shapes: tuple["Shape", ...] = ()
+    loop_tolerance: float = 0.0  # scaled gap at which overconstrained loops count as closed
 
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:

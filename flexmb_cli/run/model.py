@@ -9,6 +9,7 @@ from ..deck.text import STANDARD_INPUT
 from ..dialects.recognise import dialect_named
 from ..quick_dataclass import replace
 from .context import Run
+from .loop_tolerance import with_loop_tolerance
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -36,6 +37,7 @@ def model_of(deck: Deck, run: Run) -> Any:
     """
     model, warnings = dialect_named(deck.dialect).build(deck, folder_of(run))
     run.warn(warnings)
+    model = with_loop_tolerance(model, deck, run.options.loop_tolerance)
     return _integrated(model, deck, run.options) if analysis_of(model) == "tree" else model
 
 

@@ -9,6 +9,7 @@ from ..dialects.recognise import dialect_named, read_deck
 from ..errors import Fault
 from ..quick_dataclass import replace
 from ..solvers.as_printed.errors import AS_PRINTED
+from .loop_tolerance import LOOP_TOLERANCE
 from .outcome import SOLVER_OPTIONS, Outcome, RunOptions
 
 if TYPE_CHECKING:
@@ -65,7 +66,8 @@ def _counting_options(deck: Deck, options: RunOptions) -> tuple[str, ...]:
 def _options_of(deck: Deck) -> list[str]:
     """The options on which numbers of this deck depend: those of steps only where steps are taken."""
     dialect = dialect_named(deck.dialect)
-    return [name for name in dialect.options if name not in INTEGRATION or dialect.takes_steps(deck)]
+    own = [name for name in dialect.options if name not in INTEGRATION or dialect.takes_steps(deck)]
+    return [*own, LOOP_TOLERANCE]
 
 
 def warn_of_foreign_options(deck: Deck, options: RunOptions, outcome: Outcome) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from ..deck.record import DeckText
 from ..errors import DONE, Fault, ModelError
 from ..quick_dataclass import dataclass, field, replace
+from .loop_tolerance import LOOP_TOLERANCE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -105,6 +106,7 @@ class RunOptions:
     debug: bool = False
     only: tuple[str, ...] = ()
     force: bool = False
+    loop_tolerance: float | None = None
 
     @property
     def given_numbers(self) -> tuple[tuple[str, object], ...]:
@@ -115,7 +117,8 @@ class RunOptions:
         solver = ((SOLVER_OPTIONS.get(key, key), value) for key, value in self.solver.items())
         formulation = () if self.formulation == KANE else (("formulation", self.formulation),)
         flags = (("as-printed", None),) if self.as_printed else ()
-        return (*solver, *flags, *self.integration.items(), *formulation)
+        loops = () if self.loop_tolerance is None else ((LOOP_TOLERANCE, self.loop_tolerance),)
+        return (*solver, *flags, *self.integration.items(), *formulation, *loops)
 
 
 @dataclass

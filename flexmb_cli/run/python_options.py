@@ -6,6 +6,7 @@ from typing import Any
 
 from ..dialects.recognise import every_dialect
 from ..model.time_checks import FINEST
+from .loop_tolerance import LARGEST
 
 FORMULATIONS = ("kane", "absolute")
 # Lowest and highest value, and whether they are allowed.
@@ -15,6 +16,7 @@ RANGES = {
     "tolerance": (0.0, True, math.inf, False),
     "smallest_pivot": (0.0, True, 1.0, True),
     "most_iterations": (1, True, math.inf, False),
+    "loop_tolerance": (0.0, True, LARGEST, True),
 }
 KNOWN = (*RANGES, "method", "formulation", "as_printed")
 

@@ -1,55 +1,142 @@
-"""The first position of a model: searches from several starts, until one closes all gaps.
+"""The first position of a model: the assembly nearest to the estimates of its deck.
 
-Every formulation hands in where to start and how to search from there:
+Newton's method may jump to a far assembly; damped least squares reduce the gaps in every step.  Lengths are
+measured in the size of the mechanism, so that a gap of a joint and an angle between its axes weigh alike, and
+so do translations and rotations of bodies.  Where the estimates are far from closing, searches from several
+starts find several assemblies, of which the nearest is taken.
 
-- kinematics (`kinematics.assembly`): from the estimates, then a little off; least squares, then shortest
-  corrections;
-- rigid dynamics (`constrained.start`): from what kinematics finds, then the estimates; whole corrections;
-- flexible bodies (`constrained.flexible_start`): from the estimates, then a little off; by rigid motion, then
-  by deformation too;
-- trees (`tree.assembly`): with most coordinates kept, then all free; the projection of the kernels.
+A position near the estimates that a quicker method finds is kept:
 
-In kinematics Newton's method of the continuation comes first, as its step of length 0.  A tree in absolute
-coordinates takes the position of the tree it was made from (`model.tree_as_mechanism.loop_assembly`): that
-`verify` compares the two is why they share no search.
+- kinematics (`kinematics.assembly`): Newton's method of the continuation, as its step of length 0;
+- dynamics (`constrained.first_position`): shortest corrections, by rigid motion, then by deformation too;
+- trees (`tree.assembly`): the projection of the kernels, with most coordinates kept, then all free.
 """
 
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from .projection import RESIDUAL_MET, Equations, Position, largest
+from ..model.levenberg_marquardt import least_squares
+from .projection import RESIDUAL_MET, Equations, Instant, Position, largest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterator
+
+    from ..model.arrays.kinematic import KinematicArrays
+    from ..model.arrays.system import SystemArrays
 
 
-TRIALS = 4  # starts: the deck's estimates, and those nudged
-NUDGE = 0.05  # of the length scale, and of Euler parameters or rad
+NEAR = 0.1  # of the size, or rad: a body moved less is where its estimate means
+# First dampings of the searches: the first is quick, the others keep nearer to the estimates.
+DAMPINGS = (1e-3, 1.0)
+OTHER_STARTS = 6
+MOST_SEARCHED = 600  # speeds: above, other starts would take minutes
+ASIDE = 0.3  # of the size, and rad: the largest distance of other starts from the estimates
+NEARER = 1e-6  # of the distance of another assembly: what counts as nearer
 
-Start = TypeVar("Start")
+
+class PoseEquations(Equations, Protocol):
+    """Equations whose steps are translations and rotations of bodies, then deformations."""
+
+    @property
+    def arrays(self) -> "KinematicArrays | SystemArrays":
+        """Return the arrays of the mechanism."""
 
 
-def assemble(
-    starts: "Iterable[Start]",
-    search: "Callable[[Start], Iterable[Position]]",
-    better: float = 1.0,
-    closed: float = RESIDUAL_MET,
+class Sized:
+    """Equations at a time, lengths in the size of the mechanism: its longest lever arm at q (N,)."""
+
+    def __init__(self, instant: Instant, equations: PoseEquations, q: np.ndarray, bodies: int):
+        self.equations, self.instant, self.bodies = equations, instant, bodies
+        equations.residual(q, instant.t, instant.expected)
+        J = abs(equations.jacobian(q))
+        is_length = np.array([equation.is_length for equation in equations.arrays.equations], dtype=bool)
+        turns = np.arange(J.shape[1])[: 6 * bodies].reshape(-1, 6)[:, 3:].ravel()
+        arms = J[is_length][:, turns]
+        self.size = float(arms.max()) if is_length.any() and arms.max() > 0.0 else 1.0
+        self.rows, self.columns = np.where(is_length, 1.0 / self.size, 1.0), np.ones(J.shape[1])
+        self.met = 0.0  # scaled gap at which searches end
+        self.columns[: 6 * bodies].reshape(-1, 6)[:, :3] = self.size
+
+    def search(
+        self, q: np.ndarray, damping: float, free: np.ndarray | None = None, weights: Any = 1.0
+    ) -> np.ndarray:
+        """Return the position with the least residual that a search from q finds.
+
+        `free` (n,): the changes that are allowed, all by default; `weights` (m,): those of the equations.
+        """
+        rows = self.rows * weights
+        columns = self.columns if free is None else self.columns * free
+        t, expected = self.instant.t, self.instant.expected
+
+        def jacobian(x: np.ndarray) -> Any:
+            J = self.equations.jacobian(x)
+            if isinstance(J, np.ndarray):
+                return rows[:, None] * J * columns
+            return J.multiply(rows[:, None]).multiply(columns).tocsr()
+
+        found: np.ndarray = least_squares(
+            lambda x: rows * self.equations.residual(x, t, expected),
+            jacobian,
+            q,
+            lambda x, step: self.equations.moved(x, columns * step),
+            damping,
+            self.met,
+        )[0]
+        return found
+
+    def aside(self, q: np.ndarray, trial: int) -> np.ndarray:
+        """Return q with its bodies moved at random."""
+        step = np.random.default_rng(trial).uniform(-ASIDE, ASIDE, self.columns.size)
+        step[6 * self.bodies :] = 0.0
+        return self.equations.moved(q, step * self.columns)
+
+    def distance(self, before: np.ndarray, after: np.ndarray) -> float:
+        """Return the sum of the translations, in the size, and of the rotation angles of all bodies."""
+        way, turn = displacements(before, after, self.bodies)
+        return float(np.sum(way) / (self.size * self.length) + np.sum(turn))
+
+    def is_near(self, before: np.ndarray, after: np.ndarray) -> bool:
+        """Return whether no body is moved by more than `NEAR`."""
+        way, turn = displacements(before, after, self.bodies)
+        return float(max(np.max(way) / (self.size * self.length), np.max(turn))) <= NEAR
+
+    @property
+    def length(self) -> float:
+        """The length scale of the equations, m."""
+        return float(max((e.scale for e in self.equations.arrays.equations if e.is_length), default=1.0))
+
+
+def nearest_of(
+    sized: Sized,
+    q: np.ndarray,
+    finish: "Callable[[np.ndarray], Position]",
+    free: np.ndarray | None = None,
+    met: float = RESIDUAL_MET,
 ) -> Position:
-    """Return the first position with all gaps closed that `search` finds from the starts, else the best.
+    """Return the nearest position to q that searches close, else that with the least gap.
 
-    `search` yields positions with their residuals; of two that stay open a later one is taken if its
-    largest gap is below `better` times that of the other.  The residual returned shows whether it is closed.
+    `finish` corrects what a search finds to round-off; `met`: scaled gap that counts as closed.
     """
-    best: Position | None = None
-    for start in starts:
-        for found in search(start):
-            if is_closed(found[1], closed):
-                return found
-            if best is None or largest(found[1]) < better * largest(best[1]):
-                best = found
-    assert best is not None, "a search yields a position at least"
-    return best
+    found: list[Position] = []
+    for start, damping in _starts(sized, q, found, met):
+        found.append(finish(sized.search(start, damping, free)))
+    closed = [one for one in found if is_closed(one[1], met)]
+    if closed:
+        return min(closed, key=lambda one: sized.distance(q, one[0]))
+    return min(found, key=lambda one: largest(one[1]))
+
+
+def _starts(
+    sized: Sized, q: np.ndarray, found: list[Position], met: float
+) -> "Iterator[tuple[np.ndarray, float]]":
+    """Yield starts and dampings; none after a position that is found near."""
+    for damping in DAMPINGS:
+        yield q, damping
+        if is_closed(found[-1][1], met) and sized.is_near(q, found[-1][0]):
+            return
+    for trial in range(1, OTHER_STARTS + 1 if sized.columns.size <= MOST_SEARCHED else 1):
+        yield sized.aside(q, trial), DAMPINGS[0]
 
 
 def is_closed(gap: np.ndarray, closed: float = RESIDUAL_MET) -> bool:
@@ -57,13 +144,11 @@ def is_closed(gap: np.ndarray, closed: float = RESIDUAL_MET) -> bool:
     return largest(gap) <= closed
 
 
-def nudged(equations: Equations, q: np.ndarray, free: np.ndarray, trials: int) -> "Iterator[np.ndarray]":
-    """Yield q, then positions a little off it in what `free` (n,) marks, `trials` in all.
-
-    Axes that are exactly perpendicular where they should be parallel give no direction to turn.
-    """
-    for trial in range(trials):
-        if not trial:
-            yield q
-        else:
-            yield equations.moved(q, np.random.default_rng(trial).uniform(-NUDGE, NUDGE, free.size) * free)
+def displacements(before: np.ndarray, after: np.ndarray, bodies: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far each body moves, m (bodies,), and turns, rad (bodies,), between positions (N,)."""
+    a, b = (x[: 7 * bodies].reshape(-1, 7) for x in (before, after))
+    way = np.linalg.norm(b[:, :3] - a[:, :3], axis=1)
+    p, r = a[:, 3:], b[:, 3:]
+    # Of p⁻¹ r: an angle below 1e-8 is lost in its cosine.
+    sine = p[:, :1] * r[:, 1:] - r[:, :1] * p[:, 1:] - np.cross(p[:, 1:], r[:, 1:])
+    return way, 2.0 * np.arctan2(np.linalg.norm(sine, axis=1), np.abs(np.sum(p * r, axis=1)))

@@ -120,14 +120,13 @@ def rotation_between(q: np.ndarray, item: StartAttitude) -> np.ndarray:
     return found
 
 
-def turned_right(
-    gaps: "PositionGaps", attitudes: "Sequence[StartAttitude]", t: float, rigid: np.ndarray
-) -> np.ndarray:
+def turned_right(gaps: "PositionGaps", attitudes: "Sequence[StartAttitude]", t: float) -> np.ndarray:
     """Return the deck's coordinates with bodies turned so that the triads of `attitudes` roughly agree."""
     arrays = gaps.arrays
     q: np.ndarray = arrays.q
     if is_large(arrays) or not any(_off(q, attitudes, TURNED)):
         return q
+    rigid = np.arange(arrays.speeds) < 6 * arrays.bodies
     return project(Instant(AttitudeGaps(gaps, attitudes), t, arrays.angles), q, ROUGHLY, shortened, rigid)[0]
 
 

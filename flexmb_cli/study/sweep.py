@@ -14,7 +14,7 @@ from ..deck.text import read_text
 from ..dialects.recognise import CHOOSES, read_deck
 from ..errors import INTERNAL_FAULT, DeckError, Fault
 from ..quick_dataclass import dataclass, field, replace
-from ..run.outcome import Listener, Stop
+from ..run.outcome import Listener, RunOptions, Stop
 from .checkpoints import Part, Parts, RecordForm
 from .lock import StudyLock
 from .reader import read_study
@@ -42,6 +42,7 @@ class Job:
     parts_folder: str
     identity: tuple[tuple[str, str], ...]
     rows: int = 0  # of the deck, once it is known
+    loop_tolerance: float | None = None
 
     @property
     def parts(self) -> Parts:
@@ -93,7 +94,9 @@ class Sweep:
     done: dict[int, BlockDone] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, path: str, parts_folder: str, fresh: bool = False) -> "Sweep":
+    def of(
+        cls, path: str, parts_folder: str, fresh: bool = False, loop_tolerance: float | None = None
+    ) -> "Sweep":
         """The study in the file at `path`; begins its folder of parts or continues with it."""
         text = _study_text(path)
         with reported_at(path, text.lines):
@@ -103,7 +106,10 @@ class Sweep:
         folder = os.path.dirname(os.path.abspath(deck_path))
         size = max(1, min(MOST_CASES_A_BLOCK, study.cases // BLOCKS_WANTED))
         identity = {"version": __version__, "deck": deck_text.sha256, "study": text.sha256}
-        job = Job(deck_text, folder, study, size, os.path.abspath(parts_folder), tuple(identity.items()))
+        if loop_tolerance is not None:
+            identity["loop_tolerance"] = str(loop_tolerance)
+        place, items = os.path.abspath(parts_folder), tuple(identity.items())
+        job = Job(deck_text, folder, study, size, place, items, loop_tolerance=loop_tolerance)
         with reported_at(path, text.lines):
             solver = solver_of(job)
         job = replace(job, rows=solver.rows)
@@ -203,12 +209,13 @@ def _for_a_study(fault: Fault) -> Fault:
 
 def solver_of(job: Job) -> CaseSolver:
     """The solver of a job, made once in a process."""
-    return _solver(job.deck, job.deck_folder, job.study)
+    return _solver(job.deck, job.deck_folder, job.study, job.loop_tolerance)
 
 
 @lru_cache(maxsize=2)
-def _solver(text: DeckText, folder: str, study: Study) -> CaseSolver:
-    solver = CaseSolver(read_deck(text, study.dialect), study, folder)
+def _solver(text: DeckText, folder: str, study: Study, loop_tolerance: float | None) -> CaseSolver:
+    options = RunOptions(loop_tolerance=loop_tolerance)
+    solver = CaseSolver(read_deck(text, study.dialect), study, folder, options)
     gc.collect()  # before the cases freeze what is there
     return solver
 

@@ -9,6 +9,7 @@ from ...errors import FlexmbError, compiler_style
 from ..terminal.screen import notify
 from ..terminal.stops import stop_on_signals
 from .completion import files
+from .finite import Finite
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -28,6 +29,13 @@ _SHOWN_ALWAYS = frozenset({"RUN-042", "RUN-072"})
 DECK = click.argument("decks", metavar="DECK...", nargs=-1, required=True, shell_complete=files)
 
 
+LOOP_TOLERANCE = click.option(
+    "--loop-tolerance", type=Finite(0, 0.02), metavar="FLOAT",
+    help="Largest gap, rad or a share of the size, at which an overconstrained loop counts as closed "
+    "(default: what the digits of the deck allow).",
+)  # fmt: skip
+
+
 def deck_options(command: "Callable[..., Any]") -> "Callable[..., Any]":
     """Options that `run` and `check` share."""
     options = [
@@ -37,6 +45,7 @@ def deck_options(command: "Callable[..., Any]") -> "Callable[..., Any]":
                      help="Give a number of the deck another value, by its readable name (see --echo)."),
         click.option("--echo", is_flag=True, help="List every number of the deck with its meaning."),
         click.option("--strict", is_flag=True, help="Treat warnings as errors."),
+        LOOP_TOLERANCE,
         click.option("--json", "as_json", is_flag=True, help="One JSON object a deck on standard output."),
         click.option("-q", "--quiet", is_flag=True, help="Print errors only."),
     ]  # fmt: skip

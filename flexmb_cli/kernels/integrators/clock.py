@@ -17,6 +17,8 @@ LOOK = 3.5  # steps: how far ahead of the state singular positions are sought
 CLOSER = 1.15  # of the share of a step in front of the position: still far from its stages
 SMALLEST_STEP = 1e-14  # of the time, or of a millisecond
 
+REPEATED_GAP = 1e-7  # what equations that repeat others may be off, scaled
+
 CLOCK = np.dtype(
     [
         ("t", np.float64),  # time of the state, s
@@ -43,6 +45,7 @@ CLOCK = np.dtype(
         ("fault", np.int64),  # code of the last failed evaluation, or that of a solved one
         ("gap", np.float64),  # largest gap of the equations at the state, scaled, or m
         ("equation", np.int64),  # equation with that gap
+        ("repeated", np.float64),  # what equations that repeat others may be off, scaled
         ("pivot_order", np.float64),  # quality of the order of elimination at the last end of a step, no unit
         ("pivot_time", np.float64),  # time of that end, s
         ("firmest", np.float64),  # largest that the smallest scaled pivot was at the end of a step
@@ -57,7 +60,7 @@ def new_clock(counted: int = 0) -> np.ndarray:
     `counted` components of the state have errors that count.
     """
     clock = np.zeros(1, CLOCK)
-    clock["counted"] = counted
+    clock["counted"], clock["repeated"] = counted, REPEATED_GAP
     clock["stop"] = clock["next"] = clock["singular"] = np.inf
     return clock
 

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from .generalised_alpha import AlphaIntegration
     from .radau5 import RadauIntegration
 
-REPEATED_GAP = 1e-7  # what equations that repeat others may be off, scaled
 IN_DOUBT = -1  # code of a row that round-off may rule
 DOUBTFUL_PIVOT = 2e-3  # of the largest that the smallest pivot was, at most 1: round-off may rule a row below
 
@@ -134,7 +133,8 @@ def note_gap(
 @kernel
 def code_of_gap(integration: "Integration | AlphaIntegration | RadauIntegration"):
     """Return whether equations that repeat others still do, as a code."""
-    return READY if integration.clock[0]["gap"] <= REPEATED_GAP else CONTRADICTION
+    clock = integration.clock[0]
+    return READY if clock["gap"] <= clock["repeated"] else CONTRADICTION
 
 
 @kernel

@@ -35,9 +35,8 @@ if TYPE_CHECKING:
     from ...model.arrays.tree import TreeArrays
 
 
-# A pivot below this part of the row's own response means that other rows close this direction too;
-# a response below the second part of the largest one that nothing moves in this direction.
-REPEATED, IMMOBILE = 1e-9, 1e-12
+# A response below this part of the largest one means that nothing moves in this direction.
+IMMOBILE = 1e-12
 
 
 @kernel
@@ -174,7 +173,7 @@ def eliminate_rows(closures: "np.ndarray", matrix: "np.ndarray") -> None:
     for k in range(n):
         _bring_best_pivot(closures, matrix, k)
         p = closures[k]["order"]
-        if not matrix[p, p] > max(REPEATED * closures[p]["own"], IMMOBILE * largest):
+        if not matrix[p, p] > max(closures[p]["repeated"] * closures[p]["own"], IMMOBILE * largest):
             matrix[p, p] = 0.0
             continue
         for i in range(k + 1, n):

@@ -58,6 +58,8 @@ FUNCTION = np.dtype(
 )
 
 # One closed direction of a closure: what it is, then what the kernels found for it last.
+# A pivot below this part of the row's own response means that other rows close this direction too.
+REPEATED = 1e-9
 CLOSURE_ROW = np.dtype(
     [
         ("frame_a", np.int64),  # number of the first FRAME
@@ -70,6 +72,7 @@ CLOSURE_ROW = np.dtype(
         ("gap", np.float64),  # (p_a - p_b) . direction, m
         ("rate", np.float64),  # its rate, m/s
         ("force", np.float64),  # along the direction on body a, and opposite on body b, N
+        ("repeated", np.float64),  # pivot, of `own`, below which other rows close the direction
         ("own", np.float64),  # acceleration per unit force, 1/kg, before elimination
         ("order", np.int64),  # the row that is eliminated in this place
     ]
@@ -228,7 +231,7 @@ def _closure_rows(tree: Tree, of_body: list[int], of_node: "dict[Any, Any]") -> 
         point_b = c.b_point if c.b_node is None else (0.0, 0.0, 0.0)
         for axis in c.directions:
             row = np.zeros(1, CLOSURE_ROW)
-            row["frame_a"], row["frame_b"], row["axis"] = a, b, axis - 1
+            row["frame_a"], row["frame_b"], row["axis"], row["repeated"] = a, b, axis - 1, REPEATED
             row["point_a"], row["point_b"] = point_a, point_b
             rows.append(row)
     return np.concatenate(rows) if rows else np.zeros(0, CLOSURE_ROW)

@@ -12,12 +12,17 @@ import numpy as np
 from ...errors import AnalysisError, Fault
 from ...quick_dataclass import replace
 from ..equations import DEPENDENT
-from ..tree import ASSEMBLED_GAP, ELASTIC, INERTIAL, ROTATION, Tree
+from ..levenberg_marquardt import least_squares
+from ..tree import ASSEMBLED_GAP, ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from .frames import Frames, shape_of
 from .poses import STILL, Pose, elastic_start, first_poses
 
 MOST_STEPS = 40
 LONGEST_MOVE = 0.5  # step of a coordinate, rad or m
+NEAR = 0.1  # of the size, or rad: what coordinates change where the deck's are as meant
+DAMPINGS = (1e-3, 1.0)  # the first of searches: the second keeps nearer to the deck's coordinates
+OTHER_STARTS = 6
+ASIDE = 0.5  # of the size, and rad: the largest distance of other starts
 
 
 def closed_tree(tree: Tree, frames: Frames) -> Tree:
@@ -31,10 +36,69 @@ def closed_tree(tree: Tree, frames: Frames) -> Tree:
     first[[m for m, c in enumerate(tree.coordinates) if c.motion == ROTATION][:1]] = True
     for kept in (driven | elastic | first, driven):
         found, gaps = _closed(tree, frames, ~kept)
-        if np.max(np.abs(gaps)) <= ASSEMBLED_GAP:
+        if not _is_closed(gaps) or np.max(np.abs(np.subtract(found.q, tree.q))) > NEAR:
+            found, gaps = nearest_closed(tree, frames, ~kept)
+        if _is_closed(gaps):
             made: Tree = _with_closed_speeds(found, frames, ~kept)
             return made
     raise _failure(tree, gaps)
+
+
+def nearest_closed(tree: Tree, frames: Frames, free: np.ndarray) -> tuple[Tree, np.ndarray]:
+    """Return the tree closed nearest to its coordinates by changes of the `free` ones, and its gaps, m.
+
+    By damped least squares from the coordinates and from others near them; the one with the least gaps where
+    none closes.
+    """
+    slopes = abs(_jacobian(tree, frames))
+    slides = np.array([c.motion == TRANSLATION for c in tree.coordinates])
+    size = float(slopes[:, ~slides].max(initial=0.0)) or 1.0
+    units = np.where(slides, size, 1.0) * free
+    random = np.random.default_rng(1992)
+    turned = units * np.array([c.motion != ELASTIC for c in tree.coordinates])
+    asides = [_moved(tree, random.uniform(-ASIDE, ASIDE, units.size) * turned) for _ in range(OTHER_STARTS)]
+    starts = [(tree, damping) for damping in DAMPINGS] + [(aside, DAMPINGS[0]) for aside in asides]
+    found = [_closed(_searched(start, frames, units, size, d), frames, free) for start, d in starts]
+    closed = [one for one in found if _is_closed(one[1])]
+    if not closed:
+        return min(found, key=lambda one: float(np.max(np.abs(one[1]))))
+    poses = first_poses(tree, frames)
+    return min(closed, key=lambda one: _distance(poses, first_poses(one[0], frames), size))
+
+
+def _is_closed(gaps: np.ndarray) -> bool:
+    return bool(np.max(np.abs(gaps)) <= ASSEMBLED_GAP)
+
+
+def _distance(before: list[Pose], after: list[Pose], size: float) -> float:
+    """Return the sum of translations, in the size, and of rotation angles, rad, of all bodies."""
+    total = 0.0
+    for a, b in zip(before, after, strict=True):
+        cosine = 0.5 * (np.sum(a.A * b.A) - 1.0)
+        total += float(np.linalg.norm(b.r - a.r)) / size + float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    return total
+
+
+def _searched(tree: Tree, frames: Frames, units: np.ndarray, size: float, damping: float) -> Tree:
+    """Return the tree with the least gaps that a search finds by changes of coordinates in `units` (NS,)."""
+
+    def at(x: np.ndarray) -> Any:
+        attitudes = x[len(units) :].reshape(-1, 4)
+        hinges = [replace(h, attitude=tuple(p)) for h, p in zip(tree.hinges, attitudes, strict=True)]
+        return replace(tree, q=x[: len(units)], hinges=tuple(hinges))
+
+    def packed(tree: Tree) -> np.ndarray:
+        return np.concatenate([tree.q, *(hinge.attitude for hinge in tree.hinges)])
+
+    found = least_squares(
+        lambda x: _gaps_and_rates(at(x), frames)[0] / size,
+        lambda x: _jacobian(at(x), frames) * units / size,
+        packed(tree),
+        lambda x, step: packed(_moved(at(x), units * step)),
+        damping,
+    )[0]
+    made: Tree = at(found)
+    return made
 
 
 def _closed(tree: Tree, frames: Frames, free: np.ndarray) -> tuple[Any, Any]:

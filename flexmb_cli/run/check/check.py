@@ -27,6 +27,7 @@ class CheckReport:
     `analysis`: that of the model, see `run.model.ANALYSES`.  `bodies`: those of a mechanism with flexible
     ones.
     `gaps`: (owner, largest residual of the estimates, of the assembled position, unit) per owner.
+    `moved`: (body, translation in m, angle in rad) by which assembly moved it, the largest first.
     `redundant`, `free`: groups of names; None where the rank was not looked at.  `tree` is what was found
     of a tree, which has none of these.
     """
@@ -43,6 +44,7 @@ class CheckReport:
     bodies: Sequence[Any] | None = None
     smallest: float | None = None
     gaps: list[Any] = field(default_factory=list)
+    moved: list[Any] = field(default_factory=list)
     jacobian: "LabelledJacobian | None" = None
 
     def __repr__(self) -> str:
@@ -73,6 +75,7 @@ class CheckReport:
             "redundant": self.redundant,
             "free": self.free,
             "assembly": [dict(zip(names, gap, strict=True)) for gap in self.gaps],
+            "moved": [dict(zip(("body", "translation", "angle"), move, strict=True)) for move in self.moved],
         }
 
 

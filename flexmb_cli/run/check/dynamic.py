@@ -14,6 +14,7 @@ from .parts import (
     gaps_of,
     is_small,
     is_too_large,
+    note_moves,
     note_slips,
     parts_of,
     refuse_jacobian,
@@ -66,6 +67,7 @@ def _check_forward(report: CheckReport, model: DynamicModel, run: Run) -> None:
     q = analysis.integration.z[: arrays.q.size]
     report.gaps = before_and_after(before, gaps_of(gaps, analysis.arrays, q, analysis.arrays.angles))
     note_slips(report, gaps.evaluator, arrays.q, report.time, analysis.arrays.angles)
+    note_moves(report, analysis.arrays, arrays.q, q)
     report.rank, report.smallest = int(found.rank), float(found.smallest)
     report.redundant = [[equation.name for equation in group] for group in found.redundant]
     report.free = [list(names) for names in found.free]

@@ -10,7 +10,15 @@ from ...model.joints import BY_NAME
 from ...model.unit_checks import unit_warnings
 from ..context import Run
 from .check import CheckReport
-from .parts import before_and_after, is_small, is_too_large, refuse_jacobian, report_times, start_of
+from .parts import (
+    before_and_after,
+    is_small,
+    is_too_large,
+    note_moves,
+    refuse_jacobian,
+    report_times,
+    start_of,
+)
 
 if TYPE_CHECKING:
     from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
@@ -69,6 +77,7 @@ def _diagnose(report: CheckReport, mechanism: FlexibleMechanism) -> None:
         **report_times(mechanism.time),
     }
     report.gaps = before_and_after(before, _gaps(analysis, analysis.integration.z[: arrays.q.size]))
+    note_moves(report, arrays, arrays.q, analysis.integration.z[: arrays.q.size])
     report.rank, report.smallest = int(found.rank), float(found.smallest)
     report.redundant = [[equation.name for equation in group] for group in found.redundant]
     report.free = [list(names) for names in found.free]

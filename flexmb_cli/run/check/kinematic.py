@@ -12,7 +12,7 @@ from ...model.mechanism import Mechanism, TimeGrid
 from ...quick_dataclass import replace
 from ..context import Run
 from .check import CheckReport, LabelledJacobian
-from .parts import FARTHEST_STEPS, before_and_after, gaps_of, is_too_large, note_slips, parts_of
+from .parts import FARTHEST_STEPS, before_and_after, gaps_of, is_too_large, note_moves, note_slips, parts_of
 
 if TYPE_CHECKING:
     from ...solvers.kinematics.analysis import KinematicAnalysis
@@ -58,6 +58,7 @@ def _assemble(report: CheckReport, mechanism: Mechanism, jacobian: str | None, e
     report.gaps = before_and_after(before, after)
     start = analysis.arrays.q, report.time, analysis.arrays.screw_angles
     note_slips(report, analysis.evaluator, *start)
+    note_moves(report, analysis.arrays, analysis.arrays.q, analysis.state[0])
     if equations <= RANK_LIMIT:
         _look_at_rank(report, analysis, mechanism.time.start)
     if jacobian not in (None, "estimate"):

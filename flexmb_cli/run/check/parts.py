@@ -10,6 +10,7 @@ if TYPE_CHECKING:
 
     from ...model.arrays.dynamic import DynamicArrays
     from ...model.arrays.kinematic import KinematicArrays
+    from ...model.arrays.system import SystemArrays
     from ...model.mechanism import Mechanism, TimeGrid
     from ...solvers.constrained.analysis import ConstrainedMotion
     from ...solvers.singular.mobility import Mobility
@@ -23,6 +24,7 @@ FARTHEST_STEPS = 100_000
 INTERPRETED_COORDINATES, INTERPRETED_LOADS = 200, 300
 
 
+MOST_MOVES = 3  # bodies named
 MOST_ASSEMBLED = 20_000  # coordinates, which take some seconds
 MOST_DENSE_EQUATIONS = 2000  # equations, most of which repeat others: their dense matrix takes 32 MB
 
@@ -113,6 +115,23 @@ def note_slips(
     opened, others, far = open_estimates(evaluator, q, t, expected)
     if opened:
         report.outcome.faults.append(slip_note(opened, others, far=far))
+
+
+def note_moves(
+    report: "CheckReport", arrays: "KinematicArrays | SystemArrays", before: "np.ndarray", after: "np.ndarray"
+) -> None:
+    """Record how far assembly moved each body, and note it where one is moved far."""
+    from ...solvers.assembly import NEAR, displacements
+
+    names = arrays.body_names
+    scale = max((e.scale for e in arrays.equations if e.is_length), default=1.0)
+    moves = zip(names, *(x.tolist() for x in displacements(before, after, len(names))), strict=True)
+    report.moved = sorted(moves, key=lambda move: -(move[1] / scale + move[2]))
+    far = [move for move in report.moved if max(move[1] / scale, move[2]) > NEAR]
+    if far:
+        named = "; ".join(f"{name} by {way:.3g} m and {turn:.3g} rad" for name, way, turn in far[:MOST_MOVES])
+        message = f"assembly moves bodies from their estimates: {named}"
+        report.outcome.faults.append(Fault("note", message, id="RUN-081"))
 
 
 def before_and_after(before: Gaps, after: Gaps) -> list[tuple[str, float, float, str]]:

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import Fault
-from ...kernels.constrained.accelerations import factorise_order
+from ...kernels.constrained.accelerations import evaluate_jacobian, factorise_order
 from ...kernels.constrained.angle_unwrapping import EXPECTED, NEW, OLD, fill_angles
+from ...kernels.constrained.projection import project_position, project_speeds
 from ...kernels.integrators import clock as codes
 from ...model.arrays.system import SystemArrays
+from ...model.equations import DEPENDENT
 from ...model.integrators import Integrator
 from ...model.joint_elements import JointElements
 from ...model.mechanism import TimeGrid
@@ -27,9 +29,12 @@ from .failures import (
     rows_with_forces,
     step_failure,
 )
+from .first_position import assemble
 from .initial_stops import notes_of_pressed_stops
 from .integrators import Steps
-from .large_start import is_large
+from .large_start import starts_sparse
+from .overconstrained_loops import TO_GAP, choose_far_apart, gap_note
+from .position import PositionGaps
 from .start import order_of_elimination
 from .start_speeds import start_speeds
 from .system import blank_report, constrained_system, new_work
@@ -44,6 +49,8 @@ if TYPE_CHECKING:
 
 NO_ELEMENTS = JointElements()
 CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
+FEW_EVALUATIONS = 1  # the same where the choice of equations has to be looked at
+WORN_CHOICE = 0.5  # quality of a choice of equations, of that when it was made
 LARGEST_BLOCK = 256  # rows
 
 
@@ -72,6 +79,7 @@ class ConstrainedMotion(ABC):
         self.works = len(arrays.loads) if elements else 0  # loads whose works are kept
         self.grid = grid
         self.integrator = Steps(integrator)
+        self.dependent = DEPENDENT  # singular values, of the largest, of equations that repeat others
         self.system = constrained_system(arrays)
         self.work = new_work(arrays)
         self.warnings: list[Fault] = []
@@ -79,6 +87,7 @@ class ConstrainedMotion(ABC):
         self.row, self.resumed = 0, False
         self.undetermined: list[float] = []  # times of rows without constraint forces, s
         self._first = np.zeros(0)  # coordinates at the start
+        self._quality = 0.0  # of the choice of equations, where loops close only nearly
         coordinates, n = arrays.coordinate_scale.size, arrays.speeds
         self.integration = self.integrator.new_integration(self.work, arrays.angles.size, self.works)
         self.integration.units[:coordinates] = arrays.coordinate_scale
@@ -187,6 +196,8 @@ class ConstrainedMotion(ABC):
             report = blank_report(self.arrays, times[:LARGEST_BLOCK], self.works)
             answer = self._call(codes.INTEGRATION, report)
             filled = int(self.clock["row"][0])
+            if self.dependent > DEPENDENT and answer in (codes.ROWS_FULL, codes.PAUSED):
+                self._choose_equations()
             times = times[filled:]
             known = rows_with_forces(report.responses[:filled])
             if known:
@@ -197,6 +208,23 @@ class ConstrainedMotion(ABC):
                 self._excuse_short_steps()
             elif answer not in (codes.ROWS_FULL, codes.PAUSED):
                 raise step_failure(self, answer)
+
+    def _choose_equations(self) -> None:
+        """Choose other independent equations of loops that close only nearly, before those at hand depend.
+
+        The kernels do not: what one choice leaves of the gap is a step aside for another.
+        """
+        system, work, z = self.system, self.work, self.integration.z
+        n, t = self._first.size, float(self.clock["t"][0])
+        q, u = z[:n], z[n : n + self.arrays.speeds]
+        evaluate_jacobian(system, work, q)
+        if factorise_order(work) > WORN_CHOICE * self._quality:
+            return
+        choose_far_apart(work, int(work.rank[0]))
+        self._quality, work.quality[0] = float(work.quality[0]), 0.0
+        project_position(system, work, q, t, self.integration.angles[EXPECTED])
+        project_speeds(system, work, q, u, t)
+        self._begin()
 
     def _excuse_short_steps(self) -> None:
         """Go on where steps are short for a load or a spring; raises AnalysisError at a singular position."""
@@ -209,10 +237,14 @@ class ConstrainedMotion(ABC):
         memory, span = self.integration.memory, float(self.integration.memory["span"][0])
         self.clock["t"], self.clock["stop"] = t, self.grid.time(self.grid.rows - 1)
         self.clock["step"] = self.integrator.length
+        self._begin()
+        memory["span"] = span
+
+    def _begin(self) -> None:
+        """Choose the first step from where the integration stands; raises AnalysisError."""
         answer = self._call(codes.BEGIN, blank_report(self.arrays, np.zeros(0), self.works))
         if answer != codes.READY:
             raise step_failure(self, answer)
-        memory["span"] = span
 
     def start(self) -> Mobility:
         """Assemble positions and speeds at the first time and choose the first step.
@@ -220,13 +252,13 @@ class ConstrainedMotion(ABC):
         Returns what the equations leave free, and which of them repeat others; raises as `rows`.
         """
         found = self.start_position()
-        if is_large(self.arrays):
+        if self.starts_sparse:
             self.work.quality[0] = factorise_order(self.work)
+        if self.dependent > DEPENDENT:
+            self._quality, self.work.quality[0] = float(self.work.quality[0]), 0.0
         self.clock["t"] = self.grid.start
         self.clock["stop"] = self.grid.time(self.grid.rows - 1)
-        answer = self._call(codes.BEGIN, blank_report(self.arrays, np.zeros(0), self.works))
-        if answer != codes.READY:
-            raise step_failure(self, answer)
+        self._begin()
         self.warnings += notes_of_pressed_stops(self.elements.stops, self.arrays.loads, self.work.responses)
         return found
 
@@ -248,10 +280,35 @@ class ConstrainedMotion(ABC):
         warn_of_fine_tables(self)
         return found
 
+    @property
+    def starts_sparse(self) -> bool:
+        """Return whether the start takes sparse matrices."""
+        return self.dependent == DEPENDENT and starts_sparse(self.arrays)
+
+    def first_position(
+        self, t: float, tolerance: float, start: np.ndarray, *, estimates: bool = False
+    ) -> "tuple[PositionGaps, np.ndarray]":
+        """Return the equations and coordinates (n + b,) near `start` that meet them; raises AnalysisError.
+
+        `tolerance`: scaled gap at which overconstrained loops count as closed; `estimates`: the deck's
+        positions are such.
+        """
+        gaps = PositionGaps(self.arrays, self.system, self.work)
+        gaps.sparse = starts_sparse(self.arrays)
+        q, loose = assemble(gaps, t, tolerance, start, estimates=estimates)
+        if loose:
+            self.dependent, self.clock["repeated"] = loose.dependent, TO_GAP * max(tolerance, loose.size)
+            self.warnings.append(gap_note(gaps, loose, tolerance))
+        return gaps, q
+
+    @property
+    def _evaluations(self) -> int:
+        return FEW_EVALUATIONS if self.dependent > DEPENDENT else CALL_EVALUATIONS
+
     def _call(self, task: int, report: "Report") -> int:
         return int(
             self.integrator.integrate_rows(
-                task, self.system, self.work, self.integration, report, CALL_EVALUATIONS
+                task, self.system, self.work, self.integration, report, self._evaluations
             )
         )
 

@@ -13,10 +13,9 @@ from ...model.loads import InitialVelocity
 from ...model.mechanism import Joint
 from ...model.planar_loops import OUT_OF_PLANE, repeated_in_plane
 from ..linearisation.terms import Terms, motors_of
-from ..start_attitudes import start_attitudes, turn_warnings
+from ..start_attitudes import refuse_half_turns, start_attitudes, turn_warnings, turned_right
 from .analysis import ConstrainedMotion
 from .flexible_rows import FlexibleRows, flexible_rows
-from .flexible_start import assemble_flexible
 from .initial_gaps import gap_warnings
 from .joint_rates import rate_equations
 from .position import PositionGaps
@@ -47,9 +46,11 @@ class FlexibleDynamics(ConstrainedMotion):
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates near the deck's that meet all equations; raises AnalysisError."""
         attitudes = start_attitudes(self.mechanism)
-        q = assemble_flexible(self.evaluator, t, attitudes)
+        start = turned_right(self.evaluator, attitudes, t)
+        gaps, q = self.first_position(t, self.mechanism.loop_tolerance, start)
+        refuse_half_turns(q, attitudes, t)
         self.warnings += turn_warnings(self.arrays.q, attitudes)
-        self.warnings += gap_warnings(self.mechanism, self.evaluator, q, t)
+        self.warnings += gap_warnings(self.mechanism, gaps, q, t)
         return q
 
     def given_speeds(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

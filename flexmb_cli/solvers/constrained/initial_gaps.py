@@ -10,6 +10,7 @@ from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.joint_elements import CompositeJoint
 from ...model.loads import DynamicModel
 from ...model.mechanism import Joint
+from ..assembly import displacements
 from ..singular.mobility import about, worst_gaps
 from .position import PositionGaps
 
@@ -101,10 +102,7 @@ def _size(mechanism: FlexibleMechanism) -> float:
 
 def _moved(arrays: "SystemArrays", q: np.ndarray) -> str:
     """The body that was moved most, in words."""
-    size = 7 * arrays.bodies
-    before, after = (x[:size].reshape(-1, 7) for x in (arrays.q, q))
-    way = np.linalg.norm(after[:, :3] - before[:, :3], axis=1)
-    turn = 2.0 * np.arccos(np.clip(np.abs(np.sum(after[:, 3:] * before[:, 3:], axis=1)), 0.0, 1.0))
+    way, turn = displacements(arrays.q, q, arrays.bodies)
     scale = arrays.coordinate_scale[0]
     k = int(np.argmax(way / scale + turn))
     metres, radians = (x if x > LOST_ANGLE * unit else 0.0 for x, unit in ((way[k], scale), (turn[k], 1.0)))

@@ -18,9 +18,15 @@ if TYPE_CHECKING:
     from .analysis import ConstrainedMotion
 
 
+MOST_DENSE_START = 60  # speeds of bodies as if rigid
 # Weights of speeds that are not given, and of those given that no mass resists, of the smallest inertia:
 # what is given is kept, then what has no mass, then the others are small.
 OF_MASSLESS, OF_OTHERS = 1e-6, 1e-10
+
+
+def starts_sparse(arrays: "SystemArrays") -> bool:
+    """Return whether sparse matrices of the start take less time than dense ones."""
+    return 6 * arrays.bodies > MOST_DENSE_START or is_large(arrays)
 
 
 def is_large(arrays: "SystemArrays") -> bool:

@@ -21,6 +21,7 @@ class PositionGaps:
 
     def __init__(self, arrays: "SystemArrays", system: System, work: Work):
         self.arrays, self.system, self.work = arrays, system, work
+        self.sparse = is_large(arrays)
 
     def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
         """Scaled residual (m,) at q; expected: the angles expected."""
@@ -31,7 +32,7 @@ class PositionGaps:
     def jacobian(self, q: np.ndarray) -> "np.ndarray | csr_matrix":
         """Scaled Jacobian (m, n) on speeds, sparse where it is large."""
         evaluate_jacobian(self.system, self.work, q)
-        return sparse_jacobian(self.work) if is_large(self.arrays) else self.work.jacobian.copy()
+        return sparse_jacobian(self.work) if self.sparse else self.work.jacobian.copy()
 
     def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
         """Return the coordinates after a scaled step (n,) of translations, rotations and deformation."""

@@ -8,52 +8,16 @@ from ...errors import AnalysisError, Fault
 from ...kernels.constrained.accelerations import choose_order, evaluate_jacobian
 from ...kernels.constrained.mass_matrix import mass_times
 from ...kernels.constrained.projection import project_position
-from ...kernels.constrained.speeds import normalise
 from ...kernels.constrained.system import NO_INERTIA
 from ...model.by_size import by_size
 from ...model.equations import DEPENDENT
-from ..assembly import assemble, is_closed
-from ..kinematics.assembly import assemble_by_search, assembly_failure
-from ..projection import Corrections, Instant, Position, project
 from ..singular.mobility import NAMED, Mobility, involved, sparse_basis
-from .large_start import is_large, order_of_many
-from .position import PositionGaps
+from .large_start import order_of_many
+from .overconstrained_loops import choose_far_apart
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from ...model.equations import Equation
     from .analysis import ConstrainedMotion
-    from .young_dynamics import ForwardDynamics
-
-
-WHOLE = Corrections(met=1e-14, most=60, dependent=DEPENDENT, hopeless=1e6)
-
-
-def assembled(analysis: "ForwardDynamics", t: float) -> np.ndarray:
-    """Coordinates (n + b,) that meet all equations, near the deck's estimates; raises AnalysisError.
-
-    The nearest position first; where that leaves a gap, whole Newton steps from the estimates, which may
-    widen gaps on their way to a position that closes.
-    """
-    arrays = analysis.arrays.kinematic
-    q, expected = arrays.q.copy(), arrays.screw_angles
-    normalise(analysis.arrays.bodies, q)
-    if not len(arrays.equations):
-        made: np.ndarray = q
-        return made
-    found, gap = assemble_by_search(analysis.evaluator, q, t, expected)
-    instant = Instant(PositionGaps(analysis.arrays, analysis.system, analysis.work), t, expected)
-
-    def search(start: np.ndarray) -> "Iterator[Position]":
-        start = start.copy()
-        normalise(analysis.arrays.bodies, start)
-        yield project(instant, start, WHOLE)
-
-    closed, left = assemble((found, q), search)
-    if is_closed(left):
-        return closed
-    raise assembly_failure(analysis.evaluator, gap, t, estimates=(arrays.q, expected))
 
 
 def order_of_elimination(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> Mobility:
@@ -61,13 +25,13 @@ def order_of_elimination(analysis: "ConstrainedMotion", q: np.ndarray, t: float)
 
     Improves q to round-off on the way, unless the mechanism is large.
     """
-    if is_large(analysis.arrays):
+    if analysis.starts_sparse:
         return order_of_many(analysis, q)
     system, work, arrays = analysis.system, analysis.work, analysis.arrays
     evaluate_jacobian(system, work, q)
     left, values, right = np.linalg.svd(work.jacobian)
-    rank = int(np.sum(values > DEPENDENT * values[0])) if values.size else 0
-    found = choose_order(work, rank)
+    rank = int(np.sum(values > analysis.dependent * values[0])) if values.size else 0
+    found = (choose_far_apart if analysis.dependent > DEPENDENT else choose_order)(work, rank)
     if project_position(system, work, q, t, analysis.integration.angles[2]) == NO_INERTIA:
         raise inertia_failure(analysis, t)
     names = arrays.equations

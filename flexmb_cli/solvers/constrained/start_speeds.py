@@ -12,7 +12,7 @@ from ...kernels.constrained.system import GAMMA
 from ...model.equations import DEPENDENT
 from ..projection import RESIDUAL_MET
 from ..singular.mobility import about
-from .large_start import is_large, sparse_jacobian, speeds_of_many
+from .large_start import sparse_jacobian, speeds_of_many
 from .rows import body_axes, global_axes
 
 if TYPE_CHECKING:
@@ -42,17 +42,22 @@ def start_speeds(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> np.n
     evaluate_jacobian(system, work, q)
     nu = work.rows[GAMMA]
     fill_nu(system, t, nu)
-    nu = nu / analysis.arrays.row_scale
+    nu, equations = nu / analysis.arrays.row_scale, analysis.arrays.equations
     rates, values, names = analysis.given_rates(q)
     nu = np.concatenate([nu, values])
     given, wanted = analysis.given_speeds(q)
-    if is_large(analysis.arrays):
+    if analysis.starts_sparse:
         u = _of_many(analysis, q, rates * scale, nu, names, t)
         _warn_of_change(analysis, u, wanted, given)
         return u
     J = np.concatenate([work.jacobian, rates * scale])
+    if analysis.dependent > DEPENDENT:  # What the loops leave out is no part of the equations.
+        kept = np.sort(work.order[: work.rank[0]])
+        equations = tuple(equations[k] for k in kept)
+        kept = np.append(kept, np.arange(len(work.jacobian), len(J)))
+        J, nu = J[kept], nu[kept]
     particular = np.linalg.lstsq(J, nu, rcond=DEPENDENT)[0] if len(nu) else np.zeros(scale.size)
-    _refuse_contradiction(analysis.arrays.equations, names, J @ particular - nu, t)
+    _refuse_contradiction(equations, names, J @ particular - nu, t)
     rank = np.linalg.matrix_rank(J, DEPENDENT * np.linalg.norm(J, 2)) if names else work.rank[0]
     motions = np.linalg.svd(J)[2][rank:].T
     rest = (wanted / scale - particular)[given]

@@ -1,18 +1,13 @@
 """Input of the kernels of a dynamic analysis."""
 
-from typing import cast
-
 import numpy as np
 
 from ...kernels.constrained.elements import RESPONSE_COLUMNS
 from ...kernels.constrained.report import Report
-from ...kernels.constrained.system import PHI, System, Work, make_work
-from ...kernels.kinematics import constraints as equations
-from ...kernels.linalg.rotation import A, rotation_matrices
+from ...kernels.constrained.system import System, Work, make_work
 from ...model.arrays.records import FUNCTION, function_record
 from ...model.arrays.system import SystemArrays
 from ...model.time_functions import POLYNOMIAL
-from ..kinematics.position import Evaluator
 
 
 def constrained_system(arrays: SystemArrays) -> System:
@@ -68,18 +63,3 @@ def with_driven(system: System, row: int, values: np.ndarray, t: float) -> Syste
     primitives["function"][row] = system.functions.size
     record = np.array([function_record(POLYNOMIAL, c)], dtype=FUNCTION)
     return system._replace(functions=np.append(system.functions, record), primitives=primitives)
-
-
-class AnyCountEvaluator(Evaluator):
-    """An evaluator for any number of equations: redundant ones, and degrees of freedom left open.
-
-    Its system and work are those of constrained dynamics; |p| = 1 is not among its equations.
-    """
-
-    def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
-        """Scaled residual (equations,) at q; expected (screws,) are the angles expected."""
-        rotations, phi = self.work.rotations[A], cast(Work, self.work).rows[PHI]
-        rotation_matrices(q, rotations)
-        equations.residual(self.system.constraints, q, t, expected, rotations, phi)
-        found: np.ndarray = phi[: self.arrays.row_scale.size] / self.arrays.row_scale
-        return found

@@ -15,14 +15,10 @@ from ...model.planar_loops import repeated_in_plane
 from ..linearisation.terms import Terms, motors_of
 from .analysis import ConstrainedMotion
 from .element_rows import element_rows
-from .flexible_start import assemble_flexible
 from .initial_gaps import estimate_warnings
 from .joint_rates import rate_equations
-from .position import PositionGaps
 from .rows import DynamicRows, dynamic_rows
-from .start import assembled
 from .start_speeds import given_speeds
-from .system import AnyCountEvaluator
 
 
 class ForwardDynamics(ConstrainedMotion):
@@ -41,15 +37,9 @@ class ForwardDynamics(ConstrainedMotion):
         for part in (units[: 7 * bodies].reshape(-1, 7), units[7 * bodies : 13 * bodies].reshape(-1, 6)):
             part[:, :3] = step_length_scale(model, self.arrays.kinematic.length)
 
-    @property
-    def evaluator(self) -> AnyCountEvaluator:
-        """Residuals and Jacobians in coordinates."""
-        return AnyCountEvaluator(self.arrays.kinematic, self.system, self.work)
-
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError."""
-        gaps = PositionGaps(self.arrays, self.system, self.work)
-        q = assemble_flexible(gaps, t) if self.model.elements.constrain else assembled(self, t)
+        gaps, q = self.first_position(t, self.mechanism.loop_tolerance, self.arrays.q, estimates=True)
         self.warnings += estimate_warnings(self.model, gaps, q, t)
         return q
 

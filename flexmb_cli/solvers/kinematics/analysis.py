@@ -10,6 +10,7 @@ from ...kernels.kinematics import continuation
 from ...kernels.kinematics.continuation_clock import BUDGET, CLOCK_SIZE, TIME
 from ...model.arrays.kinematic import KinematicArrays, kinematic_arrays
 from ...model.mechanism import Mechanism
+from ..assembly import NEARER, is_closed
 from ..checkpoint import faults_reported, reported, row_of, taken
 from ..projection import RESIDUAL_MET
 from ..singular.kinematic_singularities import PassedKinematicSingularities
@@ -24,12 +25,14 @@ from .assembly import (
     too_large_to_rank,
 )
 from .driver_axes import keeps_axis, refuse_contradicted_drive, refuse_off_axis_drive
+from .nearest_position import sized_equations
 from .position import Evaluator
 from .rows import Rows, first_rows, joined_rows, rows_of
 from .settings import KinematicSettings
 from .system import kinematic_system, with_dependent_columns
 
 if TYPE_CHECKING:
+    from ..assembly import Sized
     from ..singular.mobility import Mobility
     from .sparse import SparseContinuation
 
@@ -92,6 +95,8 @@ class KinematicAnalysis:
         first = self._block(0, 1)
         if first is None:
             first = self._assemble_otherwise()
+        elif not self._search.is_near(self.arrays.q, self.state[0]):
+            first = self._nearer_row(first)
         refuse_off_axis_drive(self.mechanism, first)
         return first
 
@@ -218,6 +223,25 @@ class KinematicAnalysis:
         if not reached:
             return None
         return rows_of(self.mechanism, times[:reached], out[:reached], audit[:reached])
+
+    @property
+    def _search(self) -> "Sized":
+        start = self.arrays.q, self.mechanism.time.time(0), self.arrays.screw_angles
+        return sized_equations(self.evaluator, *start)
+
+    def _nearer_row(self, first: Rows) -> Rows:
+        """The first row on the assembly nearest to the estimates; Newton's method went far to `first`."""
+        t, estimates = self.mechanism.time.time(0), self.arrays.q
+        q, gap = assemble_by_search(self.evaluator, estimates, t, self.arrays.screw_angles)
+        kept, distance = (self.state, self.motion, self.clock), self._search.distance
+        most = (1.0 - NEARER) * distance(estimates, self.state[0])
+        if is_closed(gap) and distance(estimates, q) < most:
+            self._restart(q)
+            nearer = self._block(0, 1)
+            if nearer is not None and distance(estimates, self.state[0]) < most:
+                return nearer
+            self.state, self.motion, self.clock = kept
+        return first
 
     def _assemble_otherwise(self) -> Rows:
         """The first row where plain Newton fails: by search, and past equations that repeat others."""

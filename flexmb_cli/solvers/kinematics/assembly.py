@@ -6,17 +6,15 @@ import numpy as np
 
 from ...errors import AnalysisError, Fault, ModelError
 from ...model.equations import DEPENDENT
-from ..assembly import TRIALS, assemble, nudged
+from ..assembly import is_closed, nearest_of
 from ..projection import Corrections, Instant, Position, improving, project
 from ..singular.mobility import Mobility, about, gap_norms, motion_text, worst_gaps
 from .estimate_gaps import slip_sentence, wide_estimates
-from .nearest_position import nearest_position
+from .nearest_position import nearest_position, sized_equations
 from .position import Evaluator
 from .settings import KinematicSettings
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from ...model.equations import Equation
     from ..constrained.position import PositionGaps
 
@@ -25,7 +23,6 @@ ADVICE = (
     "check these joints' points and the body estimates; estimates that are too far are found by changing "
     "lengths in small steps from a mechanism that closes"
 )
-HALF = 0.5  # of the gap: what another search must reach to count as better
 ENOUGH = KinematicSettings.most_iterations
 # Shortest corrections also converge among redundant equations.  A wider gap than the last number is real:
 # they would only spread it.
@@ -35,19 +32,18 @@ POLISH = Corrections(met=1e-13, most=20, dependent=DEPENDENT, hopeless=1e-6)
 def assemble_by_search(
     evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """A position (7 n,) that meets the equations as well as can be, and its scaled residual (m,).
+    """The position (7 n,) nearest to the estimates q (7 n,) that meets the equations, and its residual (m,).
 
-    q (7 n,): estimates; `expected`: angles of screws, rad.  Least squares from the estimates, then from
-    estimates a little off, polished by shortest corrections.
+    Where none does, that which meets them best.  `expected`: angles of screws, rad.
     """
     instant = Instant(evaluator, t, expected)
 
-    def search(start: np.ndarray) -> "Iterator[Position]":
-        found = nearest_position(evaluator, start, t, expected)[0]
-        yield instant.at(found if evaluator.is_large else project(instant, found, POLISH, improving)[0])
+    def finish(found: np.ndarray) -> Position:
+        return instant.at(found) if evaluator.is_large else project(instant, found, POLISH, improving)
 
-    starts = nudged(evaluator, q, np.ones(q.size), 1 if evaluator.is_large else TRIALS)
-    return assemble(starts, search, HALF)
+    sized = sized_equations(evaluator, q, t, expected)
+    found, gap = nearest_of(sized, q, finish)
+    return (found, gap) if is_closed(gap) else nearest_position(evaluator, found, t, expected)
 
 
 def assembly_failure(

@@ -1,20 +1,25 @@
-"""The position with the least residual near another one, by least squares."""
+"""The position of a mechanism nearest to estimates, and the one with the least residual where none closes."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...model.joints import JOINT_TYPES
-from .levenberg_marquardt import least_squares
-from .position import Evaluator
+from ..assembly import DAMPINGS, Sized
+from ..projection import Instant
+from .position import Evaluator, Poses
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from ...model.arrays.kinematic import KinematicArrays
 
 
 PRESCRIBED_WEIGHT = 1e4
+NEARLY_MET = 1e-6  # scaled residual: corrections close what is left
+
+
+def sized_equations(evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray) -> Sized:
+    """Return the equations at t for searches near the estimates q (7 n,)."""
+    return Sized(Instant(evaluator, t, expected), Poses(evaluator), q, len(evaluator.arrays.body_names))
 
 
 def nearest_position(
@@ -22,41 +27,15 @@ def nearest_position(
 ) -> tuple[np.ndarray, np.ndarray]:
     """The position with the least residual that a least-squares search from q finds, and its residual.
 
-    What the deck prescribes (held and driven coordinates, |p| = 1) weighs so much more than the
-    joints that a gap shows where the user would see it: in a joint.
+    Where gaps are left, what the deck prescribes (held and driven coordinates) weighs so much more than the
+    joints that they show where the user would see them: in a joint.
     """
-    scale = evaluator.arrays.column_scale
+    sized = sized_equations(evaluator, q, t, expected)
+    found = sized.search(q, DAMPINGS[0])
     weights = np.where(_of_joints(evaluator.arrays), 1.0, PRESCRIBED_WEIGHT)
-
-    def residual(x: np.ndarray) -> Any:
-        return weights * evaluator.residual(x * scale, t, expected)
-
-    if evaluator.is_large:
-        x, weighted = _sparse_least_squares(evaluator, residual, weights, q / scale)
-    else:
-        x, weighted = least_squares(
-            residual, lambda x: weights[:, None] * evaluator.jacobian(x * scale), q / scale
-        )
-    return x * scale, weighted / weights
-
-
-def _sparse_least_squares(
-    evaluator: Evaluator, residual: "Callable[..., Any]", weights: np.ndarray, x: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """As `least_squares`, for so many equations that scipy's sparse matrices are loaded in any case."""
-    from scipy import optimize
-    from scipy.sparse import diags
-
-    scale = evaluator.arrays.column_scale
-
-    def jacobian(x: np.ndarray) -> Any:
-        residual(x)
-        return diags(weights) @ evaluator.sparse_matrix(x * scale)
-
-    result = optimize.least_squares(
-        residual, x, jacobian, tr_solver="lsmr", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=200
-    )
-    return result.x, result.fun
+    if not np.max(np.abs(evaluator.residual(found, t, expected))) <= NEARLY_MET:
+        found = sized.search(found, DAMPINGS[0], weights=weights)
+    return found, evaluator.residual(found, t, expected)
 
 
 def _of_joints(arrays: "KinematicArrays") -> np.ndarray:

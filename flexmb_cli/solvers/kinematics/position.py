@@ -11,10 +11,12 @@ from ...model.arrays.kinematic import KinematicArrays
 from ...quick_dataclass import dataclass
 
 if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
     from ...kernels.constrained.system import System as ConstrainedSystem
     from ...kernels.constrained.system import Work as ConstrainedWork
 
-DENSE_LIMIT = 350  # equations; above, matrices are sparse
+DENSE_LIMIT = 700  # equations; above, matrices are sparse
 
 
 def light_work(coordinates: int) -> Work:
@@ -90,3 +92,44 @@ class Evaluator:
     def is_large(self) -> bool:
         """Return whether dense matrices would be wasteful."""
         return self.arrays.q.size > DENSE_LIMIT
+
+
+class Poses:
+    """The equations of an `Evaluator` where bodies move by translations and rotations: |p| = 1 always."""
+
+    def __init__(self, evaluator: Evaluator):
+        self.evaluator, self.arrays = evaluator, evaluator.arrays
+        self.residual = evaluator.residual
+
+    def jacobian(self, q: np.ndarray) -> "np.ndarray | csr_matrix":
+        """Scaled Jacobian (equations, 6 bodies), rotations about body axes, sparse where it is large."""
+        rows, arrays = self.evaluator.rows(q), self.arrays
+        halves = []
+        for half in (0, 1):
+            e0, e1, e2, e3 = q.reshape(-1, 7)[arrays.bodies_of[:, half], 3:].T
+            L = np.array([[-e1, e0, e3, -e2], [-e2, -e3, e0, e1], [-e3, e2, -e1, e0]])
+            own = rows[:, 7 * half : 7 * half + 7]
+            halves += [own[:, :3] * arrays.length, 0.5 * np.einsum("kcm,mc->mk", L, own[:, 3:])]
+        values = np.concatenate(halves, axis=1) / arrays.row_scale[:, None]
+        columns = (6 * arrays.bodies_of[:, :, None] + np.arange(6)).reshape(len(rows), 12)
+        numbers = np.broadcast_to(np.arange(len(rows))[:, None], columns.shape)
+        shape = len(rows), 6 * (q.size // 7)
+        if self.evaluator.is_large:
+            from scipy.sparse import coo_matrix
+
+            return coo_matrix((values.ravel(), (numbers.ravel(), columns.ravel())), shape).tocsr()
+        matrix = np.zeros(shape)
+        np.add.at(matrix, (numbers, columns), values)
+        return matrix
+
+    def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """Return the coordinates after a scaled step (6 bodies,)."""
+        found, parts = q.reshape(-1, 7).copy(), step.reshape(-1, 6)
+        turn = parts[:, 3:]
+        angle = np.linalg.norm(turn, axis=1)[:, None]
+        c, s = np.cos(0.5 * angle), 0.5 * np.sinc(angle / (2.0 * np.pi)) * turn
+        e0, e = found[:, 3:4], q.reshape(-1, 7)[:, 4:]
+        found[:, :3] += self.arrays.length * parts[:, :3]
+        found[:, 4:] = e0 * s + c * e + np.cross(e, s)
+        found[:, 3:4] = c * e0 - np.sum(e * s, axis=1, keepdims=True)
+        return found.ravel()

@@ -10,7 +10,6 @@ from ...kernels.constrained.angle_unwrapping import EXPECTED
 from ...kernels.constrained.projection import project_position, project_speeds, rate_gap
 from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import GAMMA, NO_INERTIA, SOLVED
-from ...model.equations import DEPENDENT
 from ...quick_dataclass import dataclass, replace
 from ..constrained.analysis import ConstrainedMotion
 from ..constrained.start import inertia_failure
@@ -80,7 +79,7 @@ class ConstrainedLinearised(LinearisedMotion):
         self.free, self.L = chosen, L[chosen]
         self.Z = self._motions(self.L)
         self.L_rate = self._rate_of_functionals(self.q, self.u)
-        self._inverse = np.linalg.pinv(jacobian, DEPENDENT)
+        self._inverse = np.linalg.pinv(jacobian, analysis.dependent)
 
     def _motions(self, L: np.ndarray) -> np.ndarray:
         """Displacements (n, f) that the constraints factorised last allow, one for each coordinate."""

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import AnalysisError
-from ..assembly import NUDGE
 from ..kinematics.nearest_position import nearest_position
 from ..projection import RESIDUAL_MET
 from .conditioning import conditioning, conditioning_text, weakest_joints
@@ -16,6 +15,7 @@ if TYPE_CHECKING:
     from ..kinematics.position import Evaluator
 
 
+NUDGE = 0.05  # of the length scale, and of Euler parameters
 LATER = 1e-3  # of the time between rows: behind a dead centre
 
 

@@ -157,7 +157,8 @@ def sparse_basis(vectors: np.ndarray) -> tuple[np.ndarray, tuple[int, ...]]:
 def involved(vector: np.ndarray) -> list[int]:
     """Places of a vector (n,) that are not zero, largest first."""
     size = np.abs(vector)
-    return [k for k in by_size(size) if size[k] > NAMED * size.max()]
+    least = NAMED * size.max()
+    return [k for k in by_size(size) if size[k] > least]
 
 
 def moves_freely(
@@ -177,7 +178,7 @@ def motion_text(evaluator: Evaluator, q: np.ndarray, motion: np.ndarray) -> str:
     """A null vector (7 n,) in words: which bodies turn about, or move along, which global direction."""
     bodies = (motion * evaluator.arrays.column_scale).reshape(-1, 7)
     size = np.linalg.norm(motion.reshape(-1, 7), axis=1)
-    moving = [k for k in by_size(size) if size[k] > NAMED * size.max()]
+    moving = involved(size)
     parts = [
         _body_motion(evaluator.arrays.body_names[k], q[7 * k + 3 : 7 * k + 7], bodies[k]) for k in moving[:3]
     ]

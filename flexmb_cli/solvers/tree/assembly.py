@@ -8,18 +8,18 @@ from ...errors import AnalysisError, Fault, ModelError
 from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...kernels.tree.loop_closures import IMMOBILE
-from ...model.arrays.tree import TreeArrays
+from ...model.arrays.tree import REPEATED, TreeArrays, initial_attitudes
 from ...model.tree import ASSEMBLED_GAP, ROTATION, Closure, Tree
-from ..assembly import assemble, is_closed
+from ...model.tree_as_mechanism.frames import hinge_frames
+from ...model.tree_as_mechanism.loop_assembly import NEAR, nearest_closed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from ..projection import Position
     from .analysis import TreeAnalysis
 
 
 MOST_ITERATIONS = 40
+LOOSEST = 0.03  # gap, of the size, of what can be called a loop that nearly closes
+TO_GAP = 30.0  # sine of the angle between directions that count as one, to the gap
 
 
 def assemble_tree(analysis: "TreeAnalysis") -> None:
@@ -35,16 +35,57 @@ def assemble_tree(analysis: "TreeAnalysis") -> None:
     if tree.one_way:
         raise ModelError([_one_way_fault(tree)])
     start = analysis.state.copy()
-
-    def search(kept: np.ndarray) -> "Iterator[Position]":
+    own = slice(len(tree.coordinates), 2 * len(tree.coordinates))
+    for kept in (_kept(tree, arrays), arrays.given):
         analysis.state[:] = start
         gap = _close(analysis, kept)
-        yield analysis.state, np.array([gap])
+        if not gap <= ASSEMBLED_GAP or np.max(np.abs(analysis.state - start)[own]) > NEAR:
+            gap = _close_nearest(analysis, kept, start)
+        if gap <= ASSEMBLED_GAP:
+            return
+    failure = _assembly_failure(tree, arrays.closures)
+    analysis.state[:] = start
+    analysis.warnings.append(_close_nearly(analysis, failure))
 
-    if not is_closed(
-        assemble((_kept(tree, arrays), arrays.given), search, closed=ASSEMBLED_GAP)[1], ASSEMBLED_GAP
-    ):
-        raise _assembly_failure(tree, arrays.closures)
+
+def _close_nearly(analysis: "TreeAnalysis", failure: AnalysisError) -> Fault:
+    """Close overconstrained loops as well as they can be; return the note on what is left.
+
+    Raises `failure` where other loops stay open, AnalysisError where more is left than the tree allows.
+    """
+    tree, arrays, t = analysis.tree, analysis.arrays, analysis.tree.time.start
+    rows = arrays.closures
+    size = max(abs(x) for c in tree.closures for x in (*c.a_point, *c.b_point)) or 1.0
+    start, allowed = analysis.state.copy(), tree.loop_tolerance * size
+    for tolerance in (tree.loop_tolerance, LOOSEST):
+        rows["repeated"] = max(REPEATED, (TO_GAP * tolerance) ** 2)
+        for kept in (_kept(tree, arrays), arrays.given):
+            analysis.state[:] = start
+            gap = _close(analysis, kept)
+            is_open = np.abs(rows["gap"]) > ASSEMBLED_GAP
+            if gap > LOOSEST * size or pivot_shares(arrays)[is_open].any():
+                continue
+            closure = closure_of_row(tree, int(np.argmax(np.abs(rows["gap"]))))
+            words = f"a loop is overconstrained and closes only to {gap:.1e} m"
+            if gap <= allowed:
+                message = f"{words}, within {allowed:.1e} m; equations that repeat others are left out"
+                return Fault("note", message, closure.place, closure.name, id="SOLVE-082")
+            message = (
+                f"at t = {t:.6g} s the loop cannot be closed: {words}; the digits, or --loop-tolerance, "
+                f"allow {allowed:.1e} m: change the two points, or allow more "
+                f"(--loop-tolerance {2.0 * gap / size:.0e})"
+            )
+            fault = Fault("error", message, closure.place, closure.name, id="SOLVE-083")
+            raise AnalysisError(fault, t, {"gap": gap})
+    raise failure
+
+
+def _close_nearest(analysis: "TreeAnalysis", kept: np.ndarray, start: np.ndarray) -> float:
+    """Close the loops nearest to the state `start`, as `_close` does."""
+    tree = analysis.tree
+    found = nearest_closed(tree, hinge_frames(tree), ~kept)[0]
+    analysis.state[:] = np.concatenate([tree.y, found.q, initial_attitudes(found).ravel(), start[-1:]])
+    return _close(analysis, kept)
 
 
 def _close(analysis: "TreeAnalysis", kept: np.ndarray) -> float:

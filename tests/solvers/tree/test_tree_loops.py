@@ -98,6 +98,18 @@ def test_assembly_keeps_crank_and_deflections_and_closes_the_loop():
     assert rows.y[0] == pytest.approx(tree.y, abs=1e-6)
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_a_four_bar_far_from_closed_closes_on_the_side_of_its_coordinates(seed):
+    """Coupler and rocker off by up to 0.8 rad; the coordinates of the deck close, to nine digits.
+
+    The other way to close mirrors coupler and rocker at the line from the crank to the pivot.
+    """
+    tree = deck_tree("fourbar_rigid")
+    off = np.random.default_rng(seed).uniform(-0.8, 0.8, 3) * [0.0, 1.0, 1.0]
+    moved = replace(tree, q=tree.q + off, time=TimeGrid(0.0, 0.01, 0.01))
+    assert run(moved).q[0] == pytest.approx(tree.q, abs=1e-7)
+
+
 @pytest.mark.long_motion
 def test_planar_loop_closed_in_three_directions_drops_the_one_that_cannot_open():
     tree = deck_tree("fourbar_rigid")
