@@ -31,6 +31,8 @@ SHARE = 0.46  # of a step in front of a singular position: no stage is nearer th
 BLURRED, BLURRED_SPEEDS = 1e4, 1e-6
 SAFETY, FASTEST = 0.9, 10.0
 ERROR_EXPONENT = -1.0 / 8.0
+LOOKED_AT = 4  # each so many-th step is, whether it lies at the limit of stability
+AT_LIMIT = 4.5  # step length times largest eigenvalue: undamped vibrations are unstable above 5.9
 IMPOSSIBLE_ERROR = 1e10  # error of a step that cannot be made
 
 
@@ -95,6 +97,8 @@ def _acceptance(slope: "Callable[..., Any]", watch: "Callable[..., Any]", close:
         clock = integration.clock[0]
         _end_step(integration, factor)
         code = watch(integration, *arrays)
+        if clock["steps"] % LOOKED_AT == 0:
+            clock["stiff"] += is_at_limit(integration, clock["step_length"])
         if code == READY and clock["next"] < clock["t"]:
             fill_dense(integration, *arrays)
         return close(integration, *arrays) if code == READY else code
@@ -135,6 +139,21 @@ def _reject(integration: "Any", h: float, factor: float, *arrays: Any) -> None:
     clock["step"] = h * factor
     clock["rejections"] += 1
     clock["rejected"], clock["strayed"] = 1, 0
+
+
+@kernel
+def is_at_limit(integration: "Any", h: float):
+    """Return whether the last step, of length h, was about as long as stability allows; overwrites `trial`.
+
+    Hairer and Wanner, volume II, section IV.2: the slopes at the end of the step and at the last stage, which
+    is at the same time, differ by the largest eigenvalue times what their states do.
+    """
+    slopes, apart, steep = integration.slopes, 0.0, 0.0
+    set_stage(integration.old, slopes, STAGES - 1, h, integration.trial)
+    for i in range(integration.clock[0]["counted"]):
+        apart += (integration.z[i] - integration.trial[i]) ** 2
+        steep += (slopes[STAGES, i] - slopes[STAGES - 1, i]) ** 2
+    return h * h * steep > AT_LIMIT * AT_LIMIT * apart
 
 
 @kernel

@@ -63,7 +63,8 @@ class TreeAnalysis:
 
         The same steps follow.  The integrators of scipy keep a memory of steps: with them it is the last
         breakpoint.  `clock` is one record of CLOCK, `state` (n,) the state at that time,
-        `attitude` (N, 4) the Euler parameters of the last row, whose signs the next ones continue.
+        with DOP853 in the axes of its steps, `attitude` (N, 4) the Euler parameters of the last row, whose
+        signs the next ones continue.
         """
         assert self.attitude is not None, "rows have been yielded"
         clock = self.clock.copy()
@@ -109,7 +110,10 @@ class TreeAnalysis:
             self._start_interval(stop)
             method = self.tree.integration.method
             if method == "dop853":
-                yield from self.rows_of_steps(self.integrate_rows)
+                try:
+                    yield from self.rows_of_steps(self.integrate_rows)
+                finally:
+                    self.call(tree_dop853.LEAVE_STEPS)
             elif method == "sdirk4":
                 from .implicit import implicit_rows
 
@@ -191,15 +195,15 @@ class TreeAnalysis:
     def _start_interval(self, stop: float) -> None:
         set_functions(self.tree, self.arrays, float(self.clock["t"][0]), stop)
         self.clock["stop"] = stop
-        if self.resumed:
-            task = tree_dop853.GO_ON
-        else:
-            task = codes.BEGIN
-            if self.row == 0:
-                assemble_tree(self)
+        if self.row == 0 and not self.resumed:
+            assemble_tree(self)
+        begin, go_on = codes.BEGIN, tree_dop853.GO_ON
+        if self.tree.integration.method == "dop853":
+            begin, go_on = tree_dop853.BEGIN_STEPS, tree_dop853.GO_ON_STEPS
+        code = self.call(go_on if self.resumed else begin)
         self.resumed = False
         self.integration.old[:] = self.integration.z
-        if self.call(task) == codes.NO_INERTIA:
+        if code == codes.NO_INERTIA:
             raise self.failure()
         if self.repeated is None:
             self.repeated = pivot_shares(self.arrays) == 0.0
