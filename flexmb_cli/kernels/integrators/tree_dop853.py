@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from ...model.arrays.tree import TreeArrays
     from ..tree.report import Report as TreeReport
 
-# Tasks besides BEGIN and INTEGRATION of `clock`: close the loops of z; go on at z with a known step; begin and
-# go on with the steps of this module, for which `derivative_in_body_axes` says how z holds speeds; leave them.
+# Tasks besides BEGIN and INTEGRATION of `clock`: close the loops of z; go on at z with a known step; begin, go
+# on with and leave the steps of this module, in which z holds speeds as in `derivative_in_body_axes`.
 CLOSE, GO_ON, BEGIN_STEPS, GO_ON_STEPS, LEAVE_STEPS = 2, 3, 4, 5, 6
 # Place in `slopes` of what is not a stage.
 ASIDE = ALL_STAGES
@@ -213,8 +213,8 @@ def begin(
 ):
     """Do a task that makes no steps; a code."""
     clock, z = integration.clock[0], integration.z
-    in_body_axes = task == BEGIN_STEPS or task == GO_ON_STEPS
-    if task == BEGIN_STEPS or task == LEAVE_STEPS:
+    in_body_axes = task in (BEGIN_STEPS, GO_ON_STEPS)
+    if task in (BEGIN_STEPS, LEAVE_STEPS):
         turn_speeds(tree, coordinates, z, -1.0 if task == BEGIN_STEPS else 1.0, z)
     if task == LEAVE_STEPS:
         return READY
@@ -225,7 +225,7 @@ def begin(
         project(tree, work, coordinates, integration.trial)
         clock["gap"] = largest_gap(tree.closures)
         copy(integration.trial, integration.z)
-    elif task != GO_ON and task != GO_ON_STEPS:
+    elif task not in (GO_ON, GO_ON_STEPS):
         return _choose_first_step(integration, in_body_axes, tree, work, coordinates)
     return READY
 
