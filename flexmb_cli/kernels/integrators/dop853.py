@@ -6,7 +6,8 @@ Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second e
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from .._jit import kernel
+from .._jit import allocating, kernel
+from ..linalg.copying import copy
 from .clock import READY, laid_out, leads_over
 from .dop853_table import (
     ALL_STAGES,
@@ -18,7 +19,7 @@ from .dop853_table import (
     STAGE_WEIGHTS,
     STAGES,
 )
-from .error_norm import SLOWEST, scaled_norm, tolerance
+from .error_norm import SLOWEST, TIME_ROUND_OFF, scaled_norm, tolerance
 from .time_loop import Method, time_loop
 
 if TYPE_CHECKING:
@@ -65,7 +66,8 @@ def _attempts(slope: "Callable[..., Any]", normalise: "Callable[..., Any]", fini
         clock, trial = integration.clock[0], integration.trial
         for stage in range(1, STAGES):
             set_stage(integration.z, integration.slopes, stage, h, trial)
-            if not slope(integration, stage, clock["t"] + h * STAGE_TIMES[stage], *arrays):
+            t = min(clock["t"] + h * STAGE_TIMES[stage], _before(clock["stop"]))
+            if not slope(integration, stage, t, *arrays):
                 return -SLOWEST
         set_stage(integration.z, integration.slopes, STAGES, h, trial)
         normalise(integration, *arrays)
@@ -80,10 +82,14 @@ def _attempts(slope: "Callable[..., Any]", normalise: "Callable[..., Any]", fini
 
 
 def _acceptance(slope: "Callable[..., Any]", watch: "Callable[..., Any]", close: "Callable[..., Any]"):
-    @kernel
+    @allocating
     def fill_dense(integration: "Any", *arrays: Any) -> None:
         clock, old, slopes = integration.clock[0], integration.old, integration.slopes
         start, h = clock["step_start"], clock["step_length"]
+        behind = slopes[STAGES].copy()
+        if clock["t"] >= clock["stop"]:
+            copy(integration.z, integration.trial)
+            slope(integration, STAGES, _before(clock["stop"]), *arrays)
         for stage in range(STAGES + 1, ALL_STAGES):
             set_stage(old, slopes, stage, h, integration.trial)
             fault = clock["fault"]
@@ -91,6 +97,7 @@ def _acceptance(slope: "Callable[..., Any]", watch: "Callable[..., Any]", close:
             # Both ends were solved; where a point between them is not, its slope stays as it is.
             clock["fault"] = fault
         set_dense(old, integration.z, slopes, h, integration.dense)
+        copy(behind, slopes[STAGES])
 
     @kernel
     def accept(integration: "Any", factor: float, *arrays: Any):
@@ -139,6 +146,13 @@ def _reject(integration: "Any", h: float, factor: float, *arrays: Any) -> None:
     clock["step"] = h * factor
     clock["rejections"] += 1
     clock["rejected"], clock["strayed"] = 1, 0
+
+
+@kernel
+def _before(stop: float) -> float:
+    """Return the last time before a stop, at which the accelerations of drivers may jump: those before it
+    belong to the step that ends there."""
+    return stop - TIME_ROUND_OFF * abs(stop)
 
 
 @kernel

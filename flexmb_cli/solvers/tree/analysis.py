@@ -16,8 +16,10 @@ from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.report import Report
 from ...kernels.tree.work import FRAME_WORK, tree_work
 from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
+from ...model.inertia_checks import uneven_masses
 from ...model.tree import Table, Tree
 from ..checkpoint import row_of, taken, taken_clock
+from ..constrained.integrators import steps_at_limit
 from .assembly import assemble_tree, pivot_shares, stray
 from .rows import TreeRows, motion_by_recursion, rows_of_tree
 
@@ -122,6 +124,7 @@ class TreeAnalysis:
                 from .scipy_integrators import library_rows
 
                 yield from library_rows(self, stop)
+        self.warnings += steps_at_limit(self.clock[0], "--method sdirk4 or radau (METH 4, 2)")
 
     def rows_of_steps(self, integrate_rows: Callable[..., Any]) -> Iterator[TreeRows]:
         """Yield report rows up to the next breakpoint by a compiled integrator, `integrate_rows(report)`."""
@@ -283,6 +286,10 @@ def _step_vanished(tree: Tree, t: float, step: float, worst: int) -> Fault:
     kind = "speed" if worst < n else "coordinate"
     message = (
         f"at t = {t:.6g} s the step length fell to {step:.1e} s; the {kind} with the largest error is "
-        f"'{name}'; the motion or a load grows without bound there, or the tolerance is finer than round-off"
+        f"'{name}'; "
+        + (
+            uneven_masses([one.mass for one in tree.bodies])
+            or "the motion or a load grows without bound there, or the tolerance is finer than round-off"
+        )
     )
     return Fault("error", message, place, tree.bodies[c.body].name if c else "", id="SOLVE-026")
