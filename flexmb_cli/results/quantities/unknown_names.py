@@ -21,8 +21,8 @@ NEEDS = {
     "strain": "strains need the cards MATL and OUTS of a VSDF deck",
 }
 OF_TREES = {
-    "reaction": "a tree has reactions of closed loops only, and this one has none: add its loop's closure, or "
-    "convert the deck (flexmb convert DECK --to young)",
+    "reaction": "a tree has reactions of closed loops only, and this one has none: see what "
+    "flexmb convert DECK --to young gives",
     "driver": "efforts of drivers need a prescribed coordinate, card PRES or PREF",
     "element": "elements need cards such as HSPR, HSTO or BUSH",
 }

@@ -57,9 +57,9 @@ def jump_at(motion: "ConstrainedMotion", t: float) -> str:
         for before, after in pairwise(times.tolist()):
             if after - before < near and before - near <= t <= after + near:
                 return (
-                    f"a table or function changes between {before!r} and {after!r} s; of a driver's rate that is "
-                    f"a jump, an impulse, which no steps resolve: move these two times apart, by {near:.0e} s or "
-                    "more, or use STEP"
+                    f"a function changes between {before!r} and {after!r} s; of a driver's rate that "
+                    "is a jump, an impulse, which no steps resolve: move these two times apart, by "
+                    f"{near:.0e} s or more, or use STEP"
                 )
     return ""
 

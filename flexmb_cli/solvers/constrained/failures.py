@@ -152,7 +152,7 @@ def _why_steps_fall(analysis: "ForwardDynamics", norms: dict[str, float]) -> tup
             "others that they contradict beside it; begin elsewhere"
         )
         return reason, owners
-    masses = analysis.system.masses["m"].tolist()
+    masses = analysis.system.masses["mass"].tolist()
     if reason := jump_at(analysis, norms["reached"]) or uneven_masses(masses):
         return reason, []
     return (
