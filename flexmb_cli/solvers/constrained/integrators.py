@@ -35,7 +35,7 @@ def steps_at_limit(clock: "np.void", methods: str) -> list[Fault]:
         "stability of the explicit method allows: the fastest vibrations rule them, and errors may exceed "
         f"the tolerance a thousandfold; take {methods}, or a tolerance a hundred times as small"
     )
-    return [Fault("warning", message)]
+    return [Fault("warning", message, id="SOLVE-060")]
 
 
 class Steps:
