@@ -17,7 +17,7 @@ from .tree import INERTIAL, UNTURNED, Body, Tree
 
 # Share of a body's inertia below which what its nodes leave counts as rounding.
 _ROUNDING = 1e-11
-UNEVEN = 1e9  # ratio of two masses that double precision does not bear
+UNEVEN_MASSES = 1e9  # ratio of two masses that double precision does not bear
 
 
 def check_inertia(tree: Tree, values: DeckValues, findings: Findings) -> None:
@@ -163,7 +163,7 @@ def _matrix(attitude: tuple[float, float, float, float]) -> np.ndarray:
 def uneven_masses(masses: Sequence[float]) -> str:
     """Return that the masses of two bodies, kg, are too far apart to solve for both; "" where none are."""
     given = [(mass, k) for k, mass in enumerate(masses, 1) if mass > 0.0]
-    if not given or max(given)[0] < UNEVEN * min(given)[0]:
+    if not given or max(given)[0] < UNEVEN_MASSES * min(given)[0]:
         return ""
     (least, light), (most, heavy) = min(given), max(given)
     return (

@@ -21,8 +21,7 @@ NEEDS = {
     "strain": "strains need the cards MATL and OUTS of a VSDF deck",
 }
 OF_TREES = {
-    "reaction": "a tree has reactions of closed loops only, and this one has none: see what "
-    "flexmb convert DECK --to young gives",
+    "reaction": "a tree has reactions of closed loops only, and this one has none",
     "driver": "efforts of drivers need a prescribed coordinate, card PRES or PREF",
     "element": "elements need cards such as HSPR, HSTO or BUSH",
 }

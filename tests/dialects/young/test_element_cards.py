@@ -245,7 +245,7 @@ def test_sticking_friction_below_sliding_friction_is_warned_of(static, warned):
 @pytest.mark.parametrize("card", ["TSTOP 1 -0.5 0.5 500", "TSPRING 1 5.0", "ASPRING 1 5.0"])
 def test_element_on_a_universal_joint_is_refused_for_its_two_angles(card):
     """A universal joint leaves two rotations: four equations of six (Young, universal joint)."""
-    deck = (Path(__file__).parents[2] / "solvers/constrained/universal_stop.dat").read_text()
+    deck = (Path(__file__).parents[2] / "solvers/constrained/steps/universal_stop.dat").read_text()
     deck = read_deck(decode("test.dat", deck.replace("TSTOP 1 -0.5 0.5 500", card).encode()))
     with pytest.raises(
         (DeckError, ModelError), match=r"\(universal joint 1\) turns by two angles, not by one"

@@ -24,7 +24,9 @@ def test_forces_of_a_cart_with_a_pendulum_keep_its_centre_of_mass(tmp_path):
     """No force acts along the rails: 3 kg x + 0.5 kg 1 m cos θ is constant."""
     text = CART.read_text().replace("METH\n", "TOLR\n    1.000E-06    1.000E-06\nMETH\n")
     for name, method in (("radau.DAT", "    2\n"), ("lsoda.DAT", "    3\n")):
-        deck = text.replace("METH\n    2\n", f"METH\n{method}").replace("   80\n      20.0", "    6\n       2.0")
+        deck = text.replace("METH\n    2\n", f"METH\n{method}").replace(
+            "   80\n      20.0", "    6\n       2.0"
+        )
         (tmp_path / name).write_text(deck)
         angle, place = flexmb_cli.solve(tmp_path / name)["coordinate/q"].T
         assert 3.0 * place + 0.5 * np.cos(angle) == pytest.approx(np.full(7, 0.5), abs=1e-3)

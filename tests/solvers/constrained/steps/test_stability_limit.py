@@ -15,7 +15,7 @@ from flexmb_cli.model.integrators import Integrator
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 
-DECKS = Path(__file__).parents[3] / "decks" / "vsdf"
+DECKS = Path(__file__).parents[4] / "decks" / "vsdf"
 
 
 def growth(z):
