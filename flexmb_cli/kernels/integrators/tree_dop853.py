@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..tree.report import Report as TreeReport
 
 # Tasks besides BEGIN and INTEGRATION of `clock`: close the loops of z; continue at z with a known step; then,
-# for the steps of this module, in which z holds speeds as in `derivative_in_body_axes`: begin, continue, leave.
+# for the steps of this module, in which z holds speeds as in `derivative_in_body_axes`: begin, go, leave.
 CLOSE, GO_ON, BEGIN_STEPS, GO_ON_STEPS, LEAVE_STEPS = 2, 3, 4, 5, 6
 # Place in `slopes` of what is not a stage.
 ASIDE = ALL_STAGES
