@@ -36,6 +36,7 @@ def names_of(elements: JointElements) -> Iterator[tuple[str, str]]:
     yield from ((spring.name, _unit(spring.coordinate)) for spring in elements.springs)
     yield from ((line.name, LENGTH) for line in elements.lines)
     yield from ((stop.name, _unit(stop.coordinate)) for stop in elements.stops)
+    yield from ((item.name, _unit(item.coordinate)) for item in elements.laws)
     yield from ((f"{item.name} {part}", unit) for item in elements.bushings for part, unit in _BUSHING)
     yield from ((friction.name, LENGTH) for friction in elements.frictions)
     yield from ((motor.name, _unit(motor.coordinate)) for motor in elements.motors)
@@ -43,3 +44,8 @@ def names_of(elements: JointElements) -> Iterator[tuple[str, str]]:
 
 def _unit(coordinate: str) -> str:
     return TURN if is_angle(coordinate) else LENGTH
+
+
+def answering(elements: JointElements) -> int:
+    """Number of answers of elements in Kane's equations: six of a bushing."""
+    return len(list(names_of(elements)))

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import Place
 from ..quick_dataclass import dataclass, fields
 from .joints import ANGLE, JOINT_TYPES, NODE_JOINT_TYPES
+from .laws import JointLaw
 from .mechanism import Vector
 from .time_functions import MotionFunction
 
@@ -218,6 +219,7 @@ class JointElements:
     springs: tuple[JointSpring, ...] = ()
     lines: tuple[LineSpring, ...] = ()
     stops: tuple[EndStop, ...] = ()
+    laws: tuple[JointLaw, ...] = ()
     bushings: tuple[Bushing, ...] = ()
     couplings: tuple[Coupling, ...] = ()
     frictions: tuple[JointFriction, ...] = ()

@@ -241,6 +241,8 @@ def test_the_state_space_is_that_of_the_tree_without_elements(old, new):
 def test_a_stopped_run_goes_on_to_the_same_bytes(tmp_path, monkeypatch):
     """Angles beyond a turn and signs of Euler parameters go on from the row before the stop."""
     monkeypatch.setattr(constrained, "LARGEST_BLOCK", 3)
+    from flexmb_cli.solvers.tree import analysis as tree_analysis
+    monkeypatch.setattr(tree_analysis, "LARGEST_BLOCK", 3)
     text = deck(f"{CASES['friction'][1]}\n{CASES['motor'][1]}").replace(
         "    5\n       0.1\n", "   12\n       0.2\n"
     )

@@ -10,6 +10,7 @@ from typing import Any
 
 from ...deck.record import Number, Record
 from ...deck.records import DeckValues
+from ...model.laws import LAWS, JointLaw, Law
 from ...model.joint_elements import (
     Bushing,
     Coupling,
@@ -175,6 +176,22 @@ def stop(coordinate: str | None) -> Callable[..., Any]:
     return make
 
 
+def joint_law(law: Law, coordinate: str | None) -> Callable[..., Any]:
+    """Return what makes elements of a law in a coordinate."""
+
+    def make(maker: ElementMaker, record: Record) -> JointLaw | None:
+        maker.not_negative(record, *(p.name for p in law.parameters if p.positive))
+        where, values = maker.where(record, coordinate), tuple(float(record[p.name]) for p in law.parameters)
+        return JointLaw(record.subject, *where, law, values, record.place) if where else None
+
+    return make
+
+
+def law_sections(prefixes: dict[str, str | None]) -> list[tuple[str, Callable[..., Any]]]:
+    """Sections of all laws by the first letters of their words, which tell the coordinate."""
+    return [((prefix + law.word).lower(), joint_law(law, at)) for law in LAWS for prefix, at in prefixes.items()]
+
+
 def _note_degrees(maker: ElementMaker, record: Record) -> None:
     """Note the first limit of an angle beyond a turn, which may have been meant in degrees."""
     for key in ("lower", "upper"):
@@ -278,6 +295,7 @@ JOINT_CARDS: Cards = {
     "springs": [("tspring", joint_spring(ANGLE)), ("aspring", joint_spring(STROKE))],
     "lines": [("lspring", line_spring), ("cable", cable)],
     "stops": [("tstop", stop(ANGLE)), ("astop", stop(STROKE))],
+    "laws": law_sections({"t": ANGLE, "a": STROKE}),
     "bushings": [("bushing", bushing)],
     "couplings": [("coupling", coupling)],
     "frictions": [("friction", friction)],

@@ -31,7 +31,8 @@ from .dry_friction import (
     first_friction,
     has_friction,
 )
-from .elements import DAMPING, EFFORT, NORMAL, POWER, add_unit_friction
+from ..laws import DAMPING, EFFORT, NORMAL, POWER
+from .elements import add_unit_friction
 from .forces import add_applied_forces
 from .mass_matrix import inertia_and_elastic_forces, mass_matrices, mass_times
 from .multipliers import fill_multipliers

@@ -38,7 +38,7 @@ def add_applied_forces(system: System, work: Work, u: "np.ndarray", t: float, f:
         elif load["kind"] == RELATIVE:
             power += _add_relative(system, work, load, work.responses[k], t, f)
         elif load["kind"] == ELEMENT:
-            power += add_element(system, work, k, f)
+            power += add_element(system, work, k, t, f)
         elif load["kind"] < ELEMENT:
             factor = 1.0
             if load["function"] >= 0:

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from .._jit import kernel
 from ..linalg.vec3 import cross, dot, inward, outward, plus, scaled, symmetric, symmetric_times, triple
+from .elements import element_energy
 from .kinematics import node_place, node_vector
 from .loads import axial_prestress, elastic_row_times
 
@@ -32,7 +33,7 @@ def energies(
     for i in range(tree.springs.shape[0]):
         spring = tree.springs[i]
         potential += 0.5 * spring["stiffness"] * (q[spring["coordinate"]] - spring["rest"]) ** 2
-    return kinetic, potential, _strain(tree, q)
+    return kinetic, potential + element_energy(tree), _strain(tree, q)
 
 
 @kernel

@@ -17,6 +17,7 @@ from ..linalg.profile_ldl import factorise_profile, set_profile_times, substitut
 from ..linalg.row_products import product, subtract_multiple
 from ..linalg.vec3 import cross, minus, scaled, triple
 from .composite_mass import add_generalised_forces, set_mass
+from .element_rows import set_element_rows
 from .loads import axial_prestress
 from .loop_closures import eliminate_rows, solve_rows
 
@@ -38,9 +39,11 @@ class Stiff(NamedTuple):
     jacobian: np.ndarray  # (R, NS) J
     inverse_jacobian: np.ndarray  # (R, NS) rows of (b + f D + f² K)^-1 Jᵀ
     schur: np.ndarray  # (R, R) J times these
+    element_rows: np.ndarray  # (E + m, NS) what coordinates feel of a unit effort, 1, m
+    element_slopes: np.ndarray  # (E + m, 2) -dF/dx and -dF/dv, N/m, N s/m, or of torques and turns
 
 
-def stiff_work(closures: np.ndarray, speeds: int) -> Stiff:
+def stiff_work(closures: np.ndarray, speeds: int, elements: int = 0) -> Stiff:
     """Return blank work space for `speeds` coordinates and closures (R,)."""
     rows = closures.size
     return Stiff(  # type: ignore[call-arg]
@@ -51,6 +54,8 @@ def stiff_work(closures: np.ndarray, speeds: int) -> Stiff:
         np.zeros((rows, speeds)),
         np.zeros((rows, speeds)),
         np.zeros((rows, rows)),
+        np.zeros((elements, speeds)),
+        np.zeros((elements, 2)),
     )
 
 
@@ -61,6 +66,35 @@ def renew(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.n
     _set_ends(s.mass, s.mass_ends)
     _set_stiffness(tree, work, s.stiff, s.stiff_ends)
     set_jacobian(tree, work, coordinates, s)
+    set_element_rows(tree, work, coordinates, z, s.element_rows, s.element_slopes)
+    _add_element_stiffness(s)
+
+
+@kernel
+def _add_element_stiffness(s: Stiff) -> None:
+    """K += k g gᵀ of every element, whose row of K ends at the last coordinate that feels it."""
+    n = s.stiff.shape[0]
+    for e in range(s.element_rows.shape[0]):
+        row, end = s.element_rows[e], n
+        while end > 0 and row[end - 1] == 0.0:
+            end -= 1
+        for i in range(end):
+            if row[i] != 0.0:
+                s.stiff_ends[i] = max(s.stiff_ends[i], end)
+                for j in range(i, end):
+                    s.stiff[i, j] += s.element_slopes[e, 0] * row[i] * row[j]
+
+
+@kernel
+def _add_element_damping(tree: "TreeArrays", factor: float, s: Stiff) -> None:
+    """Matrix += factor d g gᵀ of every element."""
+    for e in range(s.element_rows.shape[0]):
+        row = s.element_rows[e]
+        for i in range(row.shape[0]):
+            if row[i] != 0.0:
+                for j in range(i, s.stiff_ends[i]):
+                    if not (tree.one_way and tree.elastic[i] != tree.elastic[j]):
+                        s.matrix[i, j] += factor * s.element_slopes[e, 1] * row[i] * row[j]
 
 
 @kernel
@@ -113,6 +147,7 @@ def factorise(tree: "TreeArrays", f: float, s: Stiff) -> bool:
             if tree.one_way and tree.elastic[i] != tree.elastic[j]:
                 A[i, j] = 0.0
     _add_damping(tree, f, A)
+    _add_element_damping(tree, f, s)
     if not factorise_profile(A, s.matrix_ends):
         return False
     factor_schur_complement(s)

@@ -24,6 +24,8 @@ from ..linalg.vec3 import (
 )
 from .articulated_inertia import couple_rotation, couple_translation, hand_over, subtract_outer
 from .inertia import own_inertia
+from .elements import add_element_wrenches, answer_elements
+from .friction import add_friction_efforts, answer_frictions, find_normal_forces
 from .kinematics import node_place, place_frames
 from .loads import add_body_torques, coordinate_efforts
 from .loop_closures import add_closure_forces, clear_loop_forces, find_loop_forces
@@ -64,6 +66,8 @@ def accelerations(
         place_frames(tree, work, coordinates, q, y, attitudes)
         if turn == 0:
             coordinate_efforts(tree, work, t, q, y, coordinates)
+            answer_elements(tree, work, t, q, y, coordinates)
+            answer_frictions(tree, y)
         fault = solve_tree(tree, work, coordinates, t, q, y)
         if fault != SOLVED:
             return fault
@@ -73,6 +77,10 @@ def accelerations(
 @part
 def _prepare_turn(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", turn: int) -> bool:
     """Lock and load the tree for the first or second solution; False when no second one is needed."""
+    if turn == 1 and tree.frictions.shape[0] > 0:
+        find_normal_forces(tree, work, coordinates)
+        add_friction_efforts(tree, coordinates)
+        return True
     if turn == 1 and not tree.one_way:
         if tree.closures.shape[0] > 0:
             find_loop_forces(tree, work, coordinates)
@@ -105,6 +113,7 @@ def solve_tree(
         own_inertia(frames[k], work[k], tree.nodal_masses, tree.gravity, coordinates, q, y)
     add_body_torques(tree, t, work)
     add_closure_forces(tree.closures, work)
+    add_element_wrenches(tree, work)
     for k in range(frames.shape[0] - 1, 0, -1):
         if frames[k]["flexible_parent"] >= 0:
             absorb_node_frames(

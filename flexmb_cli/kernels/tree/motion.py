@@ -1,13 +1,14 @@
 """The motion of a tree as a first-order system z' = f(t, z): DAFMS thesis (1992), eqs. (2.23) and (3.16).
 
-z holds the NS speeds, the NS coordinates, four Euler parameters for each hinge with three rotations,
-and last the work that has been applied, whose error does not count.
+z holds the NS speeds, the NS coordinates, four Euler parameters for each hinge with three rotations, the
+works of E elements, and last the work that has been applied; errors of works do not count.
 """
 
 from typing import TYPE_CHECKING
 
 from .._jit import kernel, plain
 from ..linalg.blocks import block
+from .elements import element_powers
 from .energy import applied_power
 from .kane import SOLVED, accelerations
 from .kinematics import attitude_rates
@@ -23,8 +24,7 @@ if TYPE_CHECKING:
 def parts(tree: "TreeArrays", z: "np.ndarray") -> "tuple[np.ndarray, np.ndarray, np.ndarray]":
     """Views of z: speeds, coordinates, Euler parameters (balls, 4)."""
     n = tree.given.shape[0]
-    balls = (z.shape[0] - 2 * n) // 4
-    return z[:n], z[n : 2 * n], block(z, 2 * n, (balls, 4))
+    return z[:n], z[n : 2 * n], block(z, 2 * n, (tree.balls, 4))
 
 
 @kernel
@@ -47,7 +47,9 @@ def derivative(
         yd[m] = coordinates[m]["rate"]
         qd[m] = y[m]
     turn_attitudes(tree, y, attitudes, rates)
-    dz[dz.shape[0] - 1] = applied_power(tree, work, coordinates, t, q, y)
+    last = dz.shape[0] - 1
+    powers = element_powers(tree, last - tree.answers.shape[0], dz)
+    dz[last] = powers + applied_power(tree, work, coordinates, t, q, y)
     return SOLVED
 
 

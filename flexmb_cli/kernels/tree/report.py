@@ -23,6 +23,8 @@ class Report(NamedTuple):
     rates: np.ndarray  # (T, NS) y', m/s² or rad/s²
     closures: np.ndarray  # (T, R) CLOSURE_ROW records
     audit: np.ndarray  # (T, 5) kinetic, potential, strain energy, J, largest gap, m, its rate, m/s
+    answers: np.ndarray  # (T, E, 8) of the elements, SI units
+    drives: np.ndarray  # (T, prescribed) efforts along prescribed coordinates, N or N m
 
 
 @kernel
@@ -37,6 +39,10 @@ def observe(
         report.rates[row, m] = coordinates[m]["rate"]
     for j in range(tree.closures.shape[0]):
         report.closures[row, j] = tree.closures[j]
+    for i in range(tree.answers.shape[0]):
+        copy(tree.answers[i], report.answers[row, i])
+    for i in range(tree.prescribed.shape[0]):
+        report.drives[row, i] = coordinates[tree.prescribed[i]["coordinate"]]["drive"]
     y, q, _attitudes = parts(tree, z)
     audit = report.audit[row]
     audit[0], audit[1], audit[2] = energies(tree, work, q, y)

@@ -67,7 +67,7 @@ def _yield_to(forces: "np.ndarray", c: "np.void", part: int) -> None:
     """Take out of the unit forces what a free coordinate does not transmit."""
     if c["locked"] != 0:
         return
-    c["response"] = -dot(triple(c["direction"], 0), triple(forces, part))
+    c["response"] = c["unit_effort"] - dot(triple(c["direction"], 0), triple(forces, part))
     gain = c["response"] / c["pivot"]
     for i in range(6):
         forces[i] += gain * c["coupling"][i]

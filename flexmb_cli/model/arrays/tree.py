@@ -7,7 +7,9 @@ import numpy as np
 from ..geometric_stiffness import across, beam_direction, geometric_stiffness
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Motor, Prescribed, Spring, Tree
 from .bandwidth import row_reach
+from .records import FUNCTION as CURVE
 from .node_frames import NodeFrames, empty_node_frames
+from .tree_elements import TreeElements
 from .tree_frames import NODAL_MASS, tree_frames
 
 if TYPE_CHECKING:
@@ -35,13 +37,15 @@ SPRING = np.dtype(
     ]
 )
 
-# A hinge coordinate that follows C + B t + A t²/2.
+# A hinge coordinate that follows C + B t + A t²/2, or a function.
 PRESCRIBED = np.dtype(
     [
         ("coordinate", np.int64),  # number of the coordinate
         ("C", np.float64),  # value at t = 0, m, rad
         ("B", np.float64),  # rate at t = 0, m/s, rad/s
         ("A", np.float64),  # acceleration, m/s², rad/s²
+        ("function", np.int64),  # number among `curves`, -1: none
+        ("until", np.float64),  # s: the function holds what it is just before it
     ]
 )
 
@@ -96,6 +100,14 @@ class TreeArrays(NamedTuple):
     given: np.ndarray  # (NS,) bool
     inertia_scale: np.ndarray  # (NS,) inertia against which a pivot of the mass matrix is zero, kg or kg m²
     node_frames: NodeFrames  # those of all flexible parents
+    elements: np.ndarray  # (E,) TREE_ELEMENT records
+    frictions: np.ndarray  # (m,) TREE_FRICTION records
+    joint_forces: np.ndarray  # (1 + m, m, 5) see `dry_friction.fill_normal_forces`
+    normals: np.ndarray  # (m,) normal forces, N
+    answers: np.ndarray  # (E + m, 8) what they answered last, columns of `kernels.laws`
+    curves: np.ndarray  # FUNCTION records of `records`: those of elements and drivers
+    knots: np.ndarray  # (k, 3) their knots
+    balls: int  # hinges with three rotations
     one_way: bool  # whether the elastic motion does not act on the rigid motion (thesis 4.3)
 
 
@@ -106,7 +118,13 @@ def tree_arrays(tree: Tree) -> TreeArrays:
     closures = _closure_rows(tree, parts.of_body, parts.of_node)
     elastic_bodies, reach, *matrices = _elastic_bodies(tree, index, parts.of_body)
     stiffness, damping, stiffening = matrices
-    prescribed = [(_rigid(index, p), p.C, p.B, p.A) for p in tree.prescribed]
+    prescribed = [(_rigid(index, p), p.C, p.B, p.A, -1, np.inf) for p in tree.prescribed]
+    elements = TreeElements(tree, index, parts.of_body)
+    for item in tree.elements.drivers:
+        coordinate, function = elements.driver(item)
+        prescribed.append((coordinate, 0.0, 0.0, 0.0, function, np.inf))
+    records, frictions = elements.records(), elements.frictions()
+    curves = elements.table.function_arrays()
     given = np.zeros(len(index), bool)
     given[[row[0] for row in prescribed]] = True
     return TreeArrays(
@@ -127,6 +145,14 @@ def tree_arrays(tree: Tree) -> TreeArrays:
         given=given,
         inertia_scale=_inertia_scale(tree),
         node_frames=empty_node_frames(parts.node_frames, parts.flexible_parent, parts.slopes),
+        elements=records,
+        frictions=frictions,
+        joint_forces=np.zeros((1 + frictions.size, frictions.size, 5)),
+        normals=np.zeros(frictions.size),
+        answers=np.zeros((records.size + frictions.size, 8)),
+        curves=curves["functions"] if curves["functions"].size else np.zeros(0, CURVE),
+        knots=curves["knots"],
+        balls=sum(len(hinge.rotations) == 3 for hinge in tree.hinges),
         one_way=tree.one_way,
     )
 

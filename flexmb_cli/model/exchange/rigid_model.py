@@ -12,6 +12,7 @@ import numpy as np
 from ...errors import Fault, ModelError, Place
 from ...quick_dataclass import dataclass
 from ..integrators import Integrator
+from ..laws import JointLaw
 from ..joint_elements import (
     Bushing,
     Coupling,
@@ -122,6 +123,7 @@ class RigidModel:
     notes: tuple[str, ...] = ()
     shapes: tuple[RigidShape, ...] = ()
     stops: tuple[EndStop, ...] = ()
+    laws: tuple[JointLaw, ...] = ()
     frictions: tuple[JointFriction, ...] = ()
     preloaded: tuple[JointSpring, ...] = ()  # with a preload, or with forces by functions
     lines: tuple[LineSpring, ...] = ()  # cables, and springs in line with a preload or functions

@@ -62,6 +62,7 @@ class _Scaling:
             "motors": self._motor,
             "joint_springs": self._joint_spring,
             "stops": self._stop,
+            "laws": self._law,
             "frictions": self._friction,
             "springs": self._spring,
             "preloaded": self._preloaded,
@@ -166,6 +167,11 @@ class _Scaling:
             stiffness=(self.torque if revolutions else self.M) * item.stiffness,
             damping=item.damping / length,
         )
+
+    def _law(self, item: Any) -> Any:
+        effort, length = (self.torque, 1.0) if item.coordinate == ANGLE else (self.force, self.L)
+        factors = [effort**p.effort * length**p.length for p in item.law.parameters]
+        return replace(item, values=tuple(f * x for f, x in zip(factors, item.values, strict=True)))
 
     def _friction(self, item: Any) -> Any:
         scaled_lengths = {name: self.L * getattr(item, name) for name in ("stribeck", "creep", "radius")}

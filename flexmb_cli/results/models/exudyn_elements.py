@@ -47,6 +47,7 @@ _REFUSED = {
     "motors": ("motors by functions of time do not convert", "RESULT-068"),
     "driven": ("drivers by functions do not convert", "RESULT-069"),
     "supports": ("supports by functions do not convert", "RESULT-070"),
+    "laws": ("laws of elements do not convert", "RESULT-999"),
     "bushings": (
         "bushings do not convert: Exudyn's have other angles where a body turns about several axes",
         "RESULT-071",

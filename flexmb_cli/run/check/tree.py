@@ -60,7 +60,7 @@ def check(report: CheckReport, tree: Tree, run: Run, jacobian: str | None) -> No
     Raises FlexmbError: a loop that cannot be closed, a mass matrix that is not positive definite.
     """
     refuse_jacobian(jacobian, "a tree has relative coordinates and no constraint Jacobian")
-    if tree.elements:
+    if tree.needs_equations:
         refuse_foreign(tree)
     run.outcome.faults += unit_warnings(tree)
     report.counts = _counts(tree)
@@ -101,7 +101,7 @@ def _evaluate_start(report: CheckReport, tree: Tree) -> None:
     except AnalysisError:
         report.tree = replace(report.tree, gaps=[(name, gap, gap) for name, gap in given])
         raise
-    if tree.elements:
+    if tree.needs_equations:
         row = next(_with_elements(tree).rows())
     assembled = _gaps(tree, analysis.arrays.closures)
     gaps = [(*before, after[1]) for before, after in zip(given, assembled, strict=True)]

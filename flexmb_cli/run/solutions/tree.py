@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 def solution(tree: Tree, run: Run) -> Solution:
     """Return the motion of `tree` by the formulation of the options, ready to be solved."""
-    absolute = run.options.formulation == ABSOLUTE or bool(tree.elements)
+    absolute = run.options.formulation == ABSOLUTE or tree.needs_equations
     if absolute:
         run.warn(list(_unused_method(tree)))
     analysis = (absolute_analysis if absolute else kane_analysis)(tree, run)
@@ -90,7 +90,7 @@ def _finer_blocks(tree: Tree, run: Run) -> Any:
     run.outcome.faults += why_no_estimate(given.rtol)
     # An absolute tolerance has no round-off to heed.
     second = replace(tree, integration=replace(given, rtol=finer(given.rtol), atol=FINER * given.atol))
-    analysis = absolute_analysis if tree.elements else kane_analysis
+    analysis = absolute_analysis if tree.needs_equations else kane_analysis
     return (values_of(second, rows) for rows in analysis(second, run).rows())
 
 

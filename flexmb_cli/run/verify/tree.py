@@ -50,7 +50,7 @@ def differences(tree: Tree, deck: Deck, run: Run) -> tuple[Difference, ...]:
 
 def _motions(tree: Tree, run: Run) -> Any:
     """Values of both formulations, whole runs by the paths of their datasets."""
-    kane = kane_analysis_with_elements if tree.elements else kane_analysis
+    kane = kane_analysis_with_elements if tree.needs_equations else kane_analysis
     analyses = absolute_analysis(tree, run), kane(tree, run)
     run.listener.begin(2 * tree.time.rows)
     absolute, kane = (

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...errors import Fault
 from ...kernels.constrained.elements import COORDINATE, EFFORT
-from ...model.arrays.records import ELEMENT, STOP
+from ...model.arrays.records import STOP
 from ...model.joint_elements import EndStop, is_angle
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ def notes_of_pressed_stops(
     stops: tuple[EndStop, ...], loads: np.ndarray, responses: np.ndarray
 ) -> "Iterator[Fault]":
     """Yield a note for each stop that pushes at the start; responses (loads, columns) belong to it."""
-    records = np.flatnonzero((loads["kind"] == ELEMENT) & (loads["shape"] == STOP))
+    records = np.flatnonzero(loads["shape"] == STOP)
     for stop, k in zip(stops, records, strict=True):
         length, force = ("rad", "N m") if is_angle(stop.coordinate) else ("m", "N")
         effort, x = responses[k, EFFORT], responses[k, COORDINATE]

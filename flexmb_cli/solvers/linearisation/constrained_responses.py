@@ -9,7 +9,7 @@ from ...kernels.constrained.elements import RESPONSE_COLUMNS
 from ...kernels.constrained.report import observe_rows
 from ...kernels.constrained.system import NO_INERTIA, SOLVED, System
 from ...model.arrays.constraint_table import tilde
-from ...model.arrays.records import FORCE, FRICTION, LINE, RELATIVE, TORQUE
+from ...model.arrays.records import ELEMENT, FORCE, FRICTION, LINE, RELATIVE, SPRING, TORQUE
 from ...model.flexible_mechanism import NodePoint
 from ...model.vectors import rotation_matrix
 from ..constrained.system import blank_report
@@ -231,7 +231,9 @@ def _spring_load(load: np.void, sign: float) -> "Callable[..., Any]":
 
 def _unit_motor(loads: np.ndarray) -> "Callable[..., Any]":
     """The records of a motor with another constant effort, in a joint or as two vectors of unit length."""
-    joint, vectors = loads[loads["kind"] == RELATIVE], loads[loads["kind"] != RELATIVE]
+    by_law = loads["kind"] == ELEMENT
+    joint, vectors = loads[loads["kind"] == RELATIVE], loads[(loads["kind"] != RELATIVE) & ~by_law]
+    laws = loads[by_law]
 
     def records(amount: float) -> np.ndarray:
         scaled = vectors.copy()
@@ -239,7 +241,10 @@ def _unit_motor(loads: np.ndarray) -> "Callable[..., Any]":
         pushed = [_spring_load(load, -1.0)(amount) for load in joint]
         for pair in pushed:
             pair["function"] = -1
-        return np.concatenate([scaled, *pushed])
+        # A spring without stiffness has its preload only.
+        constant = laws.copy()
+        constant["shape"], constant["function"], constant["preload"] = SPRING, -1, -amount
+        return np.concatenate([scaled, *pushed, constant])
 
     return records
 

@@ -16,8 +16,12 @@ from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.report import Report
 from ...kernels.tree.work import FRAME_WORK, tree_work
 from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
+from ...model.element_names import answering
+from ...model.time_functions import corners
 from ...model.tree import Table, Tree
 from ..checkpoint import row_of, taken, taken_clock
+from ..constrained.initial_stops import notes_of_pressed_stops
+from ..constrained.tree_element_rows import with_answers
 from .assembly import assemble_tree, pivot_shares, stray
 from .rows import TreeRows, motion_by_recursion, rows_of_tree
 
@@ -39,7 +43,7 @@ class TreeAnalysis:
         self.work, self.coordinates = tree_work(len(self.arrays.frames), len(tree.coordinates))
         start = initial_state(tree)
         self.coordinates["held"] = self.arrays.given
-        self.integration = tree_dop853.new_integration(start.size)
+        self.integration = tree_dop853.new_integration(start.size, 1 + len(self.arrays.answers))
         self.integration.z[:] = start
         self.clock = self.integration.clock
         self.clock["t"] = self.clock["step_start"] = tree.time.start
@@ -162,7 +166,7 @@ class TreeAnalysis:
         block = rows_of_tree(self.tree, motion, self.attitude)
         self.attitude = block.euler_parameters[-1]
         self.row += len(block.time)
-        return block
+        return with_answers(self.tree, block, report) if self.tree.elements else block
 
     def call(self, task: int) -> int:
         """Have the kernel do one of the tasks of `tree_dop853` that make no steps; its code."""
@@ -186,10 +190,14 @@ class TreeAnalysis:
             np.zeros((rows, n)),
             np.zeros((rows, self.arrays.closures.size), CLOSURE_ROW),
             np.zeros((rows, 5)),
+            np.zeros((rows, *self.arrays.answers.shape)),
+            np.zeros((rows, self.arrays.prescribed.size)),
         )
 
     def _start_interval(self, stop: float) -> None:
         set_functions(self.tree, self.arrays, float(self.clock["t"][0]), stop)
+        # Tables of elements may jump at the stop.
+        self.arrays.elements["until"] = self.arrays.prescribed["until"] = np.nextafter(stop, -np.inf)
         self.clock["stop"] = stop
         if self.resumed:
             task = tree_dop853.GO_ON
@@ -203,6 +211,8 @@ class TreeAnalysis:
             raise self.failure()
         if self.repeated is None:
             self.repeated = pivot_shares(self.arrays) == 0.0
+            stops, records = self.tree.elements.stops, self.arrays.elements
+            self.warnings += notes_of_pressed_stops(stops, records, self.arrays.answers)
             if self.repeated.any():
                 self._warn_of_repetition(self.repeated)
 
@@ -229,12 +239,13 @@ class TreeAnalysis:
 
 def initial_state(tree: Tree) -> np.ndarray:
     """State (n,) at the start: speeds, coordinates, Euler parameters, applied work."""
-    return np.concatenate([tree.y, tree.q, initial_attitudes(tree).ravel(), [0.0]])
+    return np.concatenate([tree.y, tree.q, initial_attitudes(tree).ravel(), np.zeros(1 + answering(tree.elements))])
 
 
 def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
     """Times inside (start, end) at which a function of the tree jumps or bends."""
     times = {t for function in _functions(tree) for t in function.times}
+    times |= {t for item in (*tree.elements.motors, *tree.elements.drivers) for t in corners(item.function)}
     return sorted(t for t in times if start < t < end)
 
 

@@ -29,7 +29,7 @@ def library_rows(analysis: "TreeAnalysis", stop: float) -> Iterator[TreeRows]:
 
     settings, clock = analysis.tree.integration, analysis.clock[0]
     atol = np.full(analysis.state.size, settings.atol)
-    atol[-1] = UNCOUNTED
+    atol[clock["counted"] :] = UNCOUNTED
     # scipy refuses anything finer and would print a warning.
     rtol = max(settings.rtol, 100 * np.finfo(float).eps)
     if analysis.due_times(clock["t"]):

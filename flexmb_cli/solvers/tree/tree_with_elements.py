@@ -18,6 +18,7 @@ from ...kernels.constrained.dry_friction import COMPONENTS, PRELOAD, fill_normal
 from ...kernels.integrators.clock import NO_INERTIA
 from ...kernels.integrators.tree_dop853 import GO_ON
 from ...model.arrays.tree import FUNCTION, body_frames
+from ...model.joint_elements import JointElements
 from ...model.integrators import IMPLICIT_TREE_METHODS
 from ...model.time_functions import MotionFunction
 from ...model.tree import Prescribed, Tree
@@ -50,7 +51,7 @@ class TreeWithElements(TreeAnalysis):
             Prescribed(item.joint, *_motion_and_axis(item.coordinate), 0.0, 0.0, 0.0)
             for item in tree.elements.drivers
         ]
-        super().__init__(replace(closed, prescribed=(*closed.prescribed, *drives)))
+        super().__init__(replace(closed, prescribed=(*closed.prescribed, *drives), elements=JointElements()))
         self.model = closed
         self.n = len(tree.coordinates)
         efforts = np.zeros(self.n, FUNCTION)

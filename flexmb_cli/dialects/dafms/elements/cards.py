@@ -3,6 +3,7 @@
 from typing import Any
 
 from ....deck.fortran_records import Item
+from ....model.laws import LAWS
 from ..card import Card
 
 # By the code of the card FUNC.
@@ -92,6 +93,15 @@ ELEMENT_CARDS = (
             Item("stiffness", "torque or force per depth", "N m/rad or N/m"),
             Item("damping", "share of it that a rate of 1 adds", "s/rad or s/m"),
         ),
+    ),
+    *(
+        _card(
+            f"H{law.word}"[:4],
+            f"h{law.word.lower()}",
+            f"2I5,{len(law.parameters)}F10.5",
+            (*HINGE_ITEMS, *(Item(p.name, p.meaning, f"{p.unit(True)} or {p.unit(False)}") for p in law.parameters)),
+        )
+        for law in LAWS
     ),
     _card(
         "LSPR",

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from ....model.laws import LAWS
 from ..card import Card, Column, vector_columns, whole_column
 
 FUNCTION_KINDS = {
@@ -92,6 +93,12 @@ ELEMENT_CARDS = (
     _spring("ASPR", "aspring", "stroke", "N", "m"),
     _stop("TSTO", "tstop", "angle", "N m", "rad"),
     _stop("ASTO", "astop", "stroke", "N", "m"),
+    *(
+        Card(f"{letter}{law.word}"[:4], f"{letter}{law.word}".lower(), f"{letter}{law.word} {{}}".lower(), "list",
+             (_JOINT, *(_real(p.name, p.meaning, p.unit(letter == "T"), None) for p in law.parameters)))
+        for law in LAWS
+        for letter in "TA"
+    ),
     Card(
         "LSPR",
         "lspring",

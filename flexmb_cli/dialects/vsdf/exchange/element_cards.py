@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
+from ....model.laws import LAWS
 from ....model.exchange.function_cards import FunctionCards, without_card
 from ....model.exchange.rigid_model import Refusals, RigidModel
 from ....model.joint_elements import Coupling, EndStop, JointFriction
@@ -66,6 +67,12 @@ class ElementCards(ABC):
             *(
                 (word, [_stop(item) for item in model.stops if (item.coordinate == ANGLE) == turning])
                 for word, turning in (("TSTO", True), ("ASTO", False))
+            ),
+            *(
+                (f"{letter}{law.word}"[:4], [record(i.joint + 1, *i.values) for i in model.laws
+                                             if i.law is law and (i.coordinate == ANGLE) == (letter == "T")])
+                for law in LAWS
+                for letter in "TA"
             ),
             ("LSPR", [record(*ends, *self._characteristics(item)) for item, ends in lines if not item.slack]),
             ("CABL", [record(*ends, item.stiffness, item.rest, item.damping)

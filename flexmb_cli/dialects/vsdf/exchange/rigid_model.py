@@ -92,6 +92,7 @@ class _Conversion(Conversion):
             tuple(Point(p.name, p.body, vector(p.r0)) for p in deck.outputs if p.body != GROUND),
             self._integrator(),
             stops=tuple(self._since_start(item, "lower", "upper") for item in deck.elements.stops),
+            laws=deck.elements.laws,
             frictions=deck.elements.frictions,
             preloaded=tuple(self._since_start(item, "rest") for item in deck.elements.springs),
             lines=tuple(

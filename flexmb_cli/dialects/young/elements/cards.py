@@ -1,5 +1,6 @@
 """Cards of time functions, joint drivers, joint elements, composite joints and initial joint rates."""
 
+from ....model.laws import LAWS
 from ..card import Card, vector, whole
 from ..sections import Column
 
@@ -89,6 +90,12 @@ JOINT_CARDS = (
     _spring("ASPRING", "aspring", "stroke", "N", "m"),
     _stop("TSTOP", "tstop", "angle", "N m", "rad"),
     _stop("ASTOP", "astop", "stroke", "N", "m"),
+    *(
+        Card(f"{letter}{law.word}", f"{letter}{law.word}".lower(),
+             (_JOINT, *(Column(p.name, p.meaning, p.unit(letter == "T")) for p in law.parameters)))
+        for law in LAWS
+        for letter in "TA"
+    ),
     Card(
         "LSPRING",
         "lspring",

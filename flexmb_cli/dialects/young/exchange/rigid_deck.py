@@ -185,6 +185,9 @@ class _Deck:
         for item in model.stops:
             limits = _line(item.lower, item.upper, item.stiffness, item.damping)
             yield f"{self._word(item, 'TSTOP', 'ASTOP')} {limits}"
+        for item in model.laws:
+            word = self._word(item, f"T{item.law.word}", f"A{item.law.word}")
+            yield f"{word} {_line(*item.values)}"
         for item in model.bushings:
             places = item.i + 1, item.j + 1, *item.P_i, *item.P_j
             yield f"BUSHING {_line(*places, *item.stiffness, *item.damping)}"

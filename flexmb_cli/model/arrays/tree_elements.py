@@ -1,0 +1,133 @@
+"""Elements of a tree → records: what each measures, and its law.
+
+A measure is a hinge coordinate, the distance of two points, or a displacement or turn between the frames of a
+bushing; a point may be a node, which elastic coordinates displace along the axes of its body.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..flexible_mechanism import NodePoint
+from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
+from ..tree_as_mechanism.frames import hinge_frames
+from ..tree_as_mechanism.poses import first_poses
+from .function_table import FunctionTable
+from .laws import FRICTION_LAW, LAW, SPRING, fill_friction, fill_law
+
+if TYPE_CHECKING:
+    from ..joint_elements import Bushing
+
+# What an element measures.
+IN_COORDINATE, IN_LINE, ALONG, ABOUT = 0, 1, 2, 3
+
+TREE_ELEMENT = np.dtype(
+    [
+        ("measure", np.int64),  # IN_COORDINATE, IN_LINE, ALONG, ABOUT
+        ("coordinate", np.int64),  # IN_COORDINATE: number of the hinge coordinate
+        ("frame_i", np.int64),  # FRAME of the first body, 0: inertial
+        ("frame_j", np.int64),  # FRAME of the second body
+        ("point_i", np.float64, 3),  # undeformed, axes of frame i, m
+        ("point_j", np.float64, 3),  # undeformed, axes of frame j, m
+        ("node_i", np.int64, 3),  # elastic coordinates that displace it along axis 1, 2, 3; -1: none
+        ("node_j", np.int64, 3),  # the same of the second
+        ("axis", np.int64),  # ALONG, ABOUT: axis of frame i, 0 to 2
+        ("turned", np.float64, 9),  # ABOUT: axes of the bushing on frame j, in its axes, row by row
+        ("resists", np.int64),  # ABOUT: whether there is a torque: then it must not overturn
+        ("expected", np.float64),  # ABOUT: angle found last, from which whole turns continue, rad
+        ("until", np.float64),  # s: functions of time hold what they are just before it
+        ("force", np.float64, 3),  # on body j at `place` per unit effort, opposite on i, inertial axes
+        ("torque", np.float64, 3),  # the same of a torque
+        ("place", np.float64, 3),  # inertial axes, m
+        *LAW.descr,
+    ]
+)
+
+TREE_FRICTION = np.dtype(
+    [
+        ("frame", np.int64),  # FRAME of the body whose hinge it is
+        ("turning", np.int64),  # coordinate of its rotation, -1: none
+        ("sliding", np.int64),  # coordinate of its translation, -1: none
+        ("preload", np.float64),  # normal force besides that of the hinge, N
+        ("turning_effort", np.float64),  # by the normal force 1 N, N m
+        ("sliding_effort", np.float64),  # by the normal force 1 N
+        *FRICTION_LAW.descr,
+    ]
+)
+
+
+class TreeElements:
+    """Records of the elements of a tree in the order of their results."""
+
+    def __init__(self, tree: Tree, index: Mapping[Any, Any], of_body: Sequence[int]):
+        self.tree, self.index, self.of_body = tree, index, of_body
+        self.table = FunctionTable()
+        self._axes = [pose.A for pose in first_poses(tree, hinge_frames(tree))] if tree.elements.bushings else []
+
+    def records(self) -> np.ndarray:
+        """The TREE_ELEMENT records: those of `names_of` without friction."""
+        elements, found = self.tree.elements, []
+        found += [self._in_coordinate(item) for item in elements.springs]
+        found += [self._between(item, IN_LINE) for item in elements.lines]
+        found += [self._in_coordinate(item) for item in (*elements.stops, *elements.laws)]
+        for bushing in elements.bushings:
+            found += self._bushing(bushing)
+        found += [self._in_coordinate(item) for item in elements.motors]
+        return np.concatenate(found) if found else np.zeros(0, TREE_ELEMENT)
+
+    def frictions(self) -> np.ndarray:
+        """The TREE_FRICTION records."""
+        found = np.zeros(len(self.tree.elements.frictions), TREE_FRICTION)
+        for record, item in zip(found, self.tree.elements.frictions, strict=True):
+            hinge = self.tree.hinges[item.joint]
+            record["frame"] = self.of_body[item.joint]
+            for field, motion, axes in (
+                ("turning", ROTATION, hinge.rotations), ("sliding", TRANSLATION, hinge.translations),
+            ):  # fmt: skip
+                record[field] = self.index[item.joint, motion, axes[0], None] if axes else -1
+            fill_friction(record, item)
+        return found
+
+    def driver(self, item: Any) -> tuple[int, int]:
+        """Coordinate and function of a driver."""
+        return self._coordinate(item), self.table.function(item.function)
+
+    def _coordinate(self, item: Any) -> int:
+        motion, axis = item.coordinate.split()
+        return int(self.index[item.joint, motion, int(axis), None])
+
+    def _in_coordinate(self, item: Any) -> np.ndarray:
+        record = np.zeros(1, TREE_ELEMENT)
+        record["measure"], record["coordinate"] = IN_COORDINATE, self._coordinate(item)
+        record["until"] = np.inf
+        fill_law(record, item, self.table)
+        return record
+
+    def _between(self, item: Any, measure: int) -> np.ndarray:
+        record = np.zeros(1, TREE_ELEMENT)
+        record["measure"], record["until"] = measure, np.inf
+        for side, body, point in (("i", item.i, item.P_i), ("j", item.j, item.P_j)):
+            record[f"frame_{side}"] = 0 if body == INERTIAL else self.of_body[body]
+            is_node = isinstance(point, NodePoint)
+            record[f"point_{side}"] = point.r0 if is_node else point
+            record[f"node_{side}"] = self._node(point) if is_node else -1
+        return record if measure != IN_LINE else fill_law(record, item, self.table)
+
+    def _node(self, point: NodePoint) -> list[int]:
+        """Elastic coordinates that move a node along the axes of its body, -1 where none does."""
+        own = [m for m, c in enumerate(self.tree.coordinates) if (c.motion, c.body) == (ELASTIC, point.body)]
+        rows = np.asarray(point.shape)
+        return [own[int(np.argmax(row))] if row.size and np.any(row) else -1 for row in rows]
+
+    def _bushing(self, item: "Bushing") -> Iterator[np.ndarray]:
+        A_i, A_j = (np.eye(3) if body == INERTIAL else self._axes[body] for body in (item.i, item.j))
+        for k in range(6):
+            record = self._between(item, ALONG if k < 3 else ABOUT)
+            record["axis"], record["turned"] = k % 3, (A_j.T @ A_i).ravel()
+            record["stiffness"], record["damping"] = item.stiffness[k], item.damping[k]
+            record["resists"] = bool(item.stiffness[k] or item.damping[k])
+            record["shape"] = SPRING
+            for field in ("function", "curve", "energy", "damper"):
+                record[field] = -1
+            yield record
