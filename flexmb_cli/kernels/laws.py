@@ -53,7 +53,7 @@ def _effort(
         return _pushed_back(law, 0.0, 0.0, 1.0, answer)
     if law["shape"] == MOTOR:
         answer[STIFFNESS], answer[DAMPING], answer[ENERGY] = 0.0, 0.0, 0.0
-        return function_values(functions, knots, law["function"], t)[0], 0.0
+        return law["preload"] + function_values(functions, knots, law["function"], t)[0], 0.0
     if law["shape"] == DRAG:
         answer[STIFFNESS], answer[DAMPING], answer[ENERGY] = 0.0, 2.0 * law["c"][0] * abs(v), 0.0
         return -law["c"][0] * abs(v) * v, 0.0

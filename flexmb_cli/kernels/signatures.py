@@ -66,15 +66,15 @@ TUPLES = {
     ),
     "Tree": (
         "model.arrays.tree:TreeArrays",
-        "FRAME1 NODAL_MASS1 ELASTIC_BODY1 f1 f1 f1 i2 SPRING1 PRESCRIBED1 TREE_FUNCTION1 CLOSURE_ROW1 f2 f1 "
-        "b1 b1 f1 NodeFrames TREE_ELEMENT1 TREE_FRICTION1 f3 f1 f2 FUNCTION1 f2 int bool",
+        "FRAME1 NODAL_MASS1 ELASTIC_BODY1 f1 f1 f1 i2 SPRING1 PRESCRIBED1 TREE_FUNCTION1 CLOSURE_ROW1 f2 f2 "
+        "f2 f2 f1 b1 b1 f1 NodeFrames TREE_ELEMENT1 TREE_FRICTION1 f3 f1 f2 FUNCTION1 f2 int bool",
     ),
     "NodeFrames": (
         "model.arrays.node_frames:NodeFrames",
         "NODE_FRAME1 FLEXIBLE_PARENT1 f1 f2 f2 f1 f2 f2 f2 f2 f2 f1 f1",
     ),
     "TreeIntegration": ("kernels.integrators.tree_dop853:Integration", "CLOCK1 f1 f1 f1 f2 f2 f1"),
-    "TreeReport": ("kernels.tree.report:Report", "f1 f2 FRAME_WORK2 f2 CLOSURE_ROW2 f2 f3 f2"),
+    "TreeReport": ("kernels.tree.report:Report", "f1 f2 FRAME_WORK2 f2 CLOSURE_ROW2 f2 f3 f2 f3"),
     "Implicit": (
         "kernels.integrators.sdirk4:Implicit", "CLOCK1 f1 SDIRK_MEMORY1 f2 f1 f1 f1 f1 f1 f1 f1 f1 Stiff",
     ),

@@ -44,8 +44,3 @@ def names_of(elements: JointElements) -> Iterator[tuple[str, str]]:
 
 def _unit(coordinate: str) -> str:
     return TURN if is_angle(coordinate) else LENGTH
-
-
-def answering(elements: JointElements) -> int:
-    """Number of answers of elements in Kane's equations: six of a bushing."""
-    return len(list(names_of(elements)))

@@ -252,14 +252,6 @@ class Tree:
         """The NS generalized coordinates in the order of eq. (2.22): rotations, translations, elastic."""
         return generalized_coordinates(self.bodies, self.hinges)
 
-    @property
-    def needs_equations(self) -> bool:
-        """Return whether absolute coordinates are needed: Kane's recursion has no couplings, and no friction
-        where loops, or the one-way assumption, share in the forces of hinges.
-        """
-        elements = self.elements
-        return bool(elements.couplings or (elements.frictions and (self.closures or self.one_way)))
-
 
 def generalized_coordinates(bodies: "Sequence[Any]", hinges: "Sequence[Any]") -> tuple[Coordinate, ...]:
     """Return the coordinates of eq. (2.22), as many as (2.4): rotations, translations, elastic ones."""

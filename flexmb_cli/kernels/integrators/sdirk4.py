@@ -67,7 +67,7 @@ class Implicit(NamedTuple):
 
 
 def implicit_work(
-    clock: np.ndarray, z: np.ndarray, speeds: int, closures: np.ndarray, elements: int = 0
+    clock: np.ndarray, z: np.ndarray, speeds: int, closures: np.ndarray, elements: int
 ) -> Implicit:
     """An integration of the state z for (R,) closures; the first step computes b."""
     n = z.size

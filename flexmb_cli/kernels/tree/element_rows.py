@@ -2,7 +2,10 @@
 
 from typing import TYPE_CHECKING
 
-from .._jit import kernel
+import numpy as np
+
+from .._jit import allocating, kernel
+from ..constrained.dry_friction import fill_feedback
 from ..laws import DAMPING, STIFFNESS
 from ..linalg.vec3 import cross, inward, minus, plus, scaled, triple
 from .composite_mass import add_generalised_forces
@@ -11,32 +14,36 @@ from .friction import answer_frictions
 from .motion import parts
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ...model.arrays.tree import TreeArrays
 
 
-@kernel
+@allocating
 def set_element_rows(
     tree: "TreeArrays",
-    work: "np.ndarray",
-    coordinates: "np.ndarray",
-    z: "np.ndarray",
-    rows: "np.ndarray",
-    slopes: "np.ndarray",
+    work: np.ndarray,
+    coordinates: np.ndarray,
+    z: np.ndarray,
+    rows: np.ndarray,
+    slopes: np.ndarray,
 ) -> None:
-    """Fill rows (E + m, NS) and slopes (E + m, 2) for frames placed at the state z."""
+    """Fill rows (E + m, NS) and slopes (E + m, 2) for frames placed at the state z.
+
+    The slopes of friction have the feedback of its own normal force, as it was found last.
+    """
     y, q, _attitudes = parts(tree, z)
     # No slope depends on a function of time.
     answer_elements(tree, work, 0.0, q, y, coordinates)
     answer_frictions(tree, y)
+    feedback = np.ones(tree.normals.shape[0])
+    if feedback.shape[0] > 0:
+        fill_feedback(tree.joint_forces, tree.normals, feedback)
     rows.fill(0.0)
     for e in range(rows.shape[0]):
         k = e - tree.elements.shape[0]
         slopes[e, 0], slopes[e, 1] = max(tree.answers[e, STIFFNESS], 0.0), max(tree.answers[e, DAMPING], 0.0)
         if k >= 0:
             _set_friction_row(tree.frictions[k], y, rows[e])
-            slopes[e, 0], slopes[e, 1] = 0.0, slopes[e, 1] * tree.normals[k]
+            slopes[e, 0], slopes[e, 1] = 0.0, slopes[e, 1] * tree.normals[k] * feedback[k]
         elif tree.elements[e]["measure"] == IN_COORDINATE:
             rows[e, tree.elements[e]["coordinate"]] = 1.0
         else:
@@ -47,7 +54,7 @@ def set_element_rows(
 
 
 @kernel
-def _set_friction_row(f: "np.void", y: "np.ndarray", row: "np.ndarray") -> None:
+def _set_friction_row(f: np.void, y: np.ndarray, row: np.ndarray) -> None:
     turning = y[f["turning"]] * f["radius"] if f["turning"] >= 0 else 0.0
     sliding = y[f["sliding"]] if f["sliding"] >= 0 else 0.0
     v = (turning * turning + sliding * sliding) ** 0.5
@@ -60,7 +67,7 @@ def _set_friction_row(f: "np.void", y: "np.ndarray", row: "np.ndarray") -> None:
 
 @kernel
 def _set_row(
-    tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", element: "np.void", row: "np.ndarray"
+    tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, element: np.void, row: np.ndarray
 ) -> None:
     force, torque = triple(element["force"], 0), triple(element["torque"], 0)
     for k, node, sign in ((element["frame_j"], element["node_j"], 1.0), (element["frame_i"], element["node_i"], -1.0)):

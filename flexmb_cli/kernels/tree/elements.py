@@ -116,7 +116,7 @@ def _point(
 
 @part
 def _measure_turn(element: "np.void", a: "np.void", b: "np.void", answer: "np.ndarray") -> bool:
-    """Angle from an axis of i to that of j in the plane across `axis`: not a number where it overturns."""
+    """Angle from an axis of i to that of j in the plane across `axis`; not a number where it overturns."""
     k = element["axis"]
     after, last = (k + 1) % 3, (k + 2) % 3
     f, g = column(a["axes"], after), column(a["axes"], last)

@@ -1,8 +1,7 @@
-"""Friction in the hinges of a tree: forces in hinges by the recursion, and the normal forces they give.
+"""Friction in the hinges of a tree: its normal forces follow from the forces in hinges, which it changes.
 
-What hangs on hinge k needs from it n = J al + H a + p_n, f = Hᵀ al + M a + p_f, with its articulated inertia
-after the elimination of the hinge and the acceleration (al, a) before that of the hinge.  A unit normal force
-changes these forces by its efforts' response alone.
+A unit normal force changes the forces in hinges by the response to its efforts, and to the forces that this
+response causes in loops and couplings.
 """
 
 from typing import TYPE_CHECKING
@@ -10,10 +9,10 @@ from typing import TYPE_CHECKING
 from .._jit import kernel, part
 from ..constrained.dry_friction import PRELOAD, fill_normal_forces
 from ..laws import DAMPING, EFFORT, NORMAL, POWER, answer_unit_friction
-from ..linalg.vec3 import cross, dot, minus, plus, scaled, symmetric, symmetric_times, triple
-from .articulated_inertia import _times_H, _transposed_H
+from ..linalg.vec3 import dot, minus, scaled, triple
+from .hinge_forces import hinge_wrench
+from .loop_closures import add_row_forces, find_loop_responses
 from .unit_forces import clear_unit_forces, respond
-from .work import J_, M_
 
 if TYPE_CHECKING:
     import numpy as np
@@ -33,73 +32,87 @@ def answer_frictions(tree: "TreeArrays", y: "np.ndarray") -> None:
         f["turning_effort"], f["sliding_effort"] = -share * turning * f["radius"], -share * sliding
 
 
-@part
-def hinge_wrench(
-    motion: "np.ndarray", remainder: "np.ndarray", share: float, bias: "np.ndarray", s: "np.void"
-) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    """Moment about its origin and force on a frame by its hinge, the parent moving with (al, a)."""
-    al = plus(triple(motion, 0), scaled(share, triple(remainder, 0)))
-    a = plus(triple(motion, 3), cross(triple(motion, 0), triple(s["offset"], 0)))
-    a = plus(a, scaled(share, triple(remainder, 3)))
-    I = s["inertia"]
-    n = plus(symmetric_times(symmetric(I, J_), al), _times_H(I, a))
-    f = plus(_transposed_H(I, al), symmetric_times(symmetric(I, M_), a))
-    return plus(n, triple(bias, 0)), plus(f, triple(bias, 3))
-
-
 @kernel
-def set_reactions(tree: "TreeArrays", work: "np.ndarray", reactions: "np.ndarray") -> None:
-    """Fill reactions (F, 6): moment about its origin and force of its hinge on every frame, inertial axes."""
-    for k in range(1, tree.frames.shape[0]):
-        s, parent = work[k], work[tree.frames[k]["parent"]]
-        n, f = hinge_wrench(parent["acceleration"], s["remainder"], 1.0, s["bias"], s)
-        for i in range(3):
-            reactions[k, i], reactions[k, 3 + i] = n[i], f[i]
-
-
-@part
-def _fill_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", share: float, row: int) -> None:
-    """Fill a row of the joint forces: those across the axes of the hinges."""
-    for k in range(tree.frictions.shape[0]):
-        f = tree.frictions[k]
-        s, parent = work[f["frame"]], work[tree.frames[f["frame"]]["parent"]]
-        if row == 0:
-            _n, force = hinge_wrench(parent["acceleration"], s["remainder"], 1.0, s["bias"], s)
-        else:
-            _n, force = hinge_wrench(parent["response"], s["remainder"], 0.0, s["unit_force"], s)
-        axis = triple(coordinates[f["turning"] if f["turning"] >= 0 else f["sliding"]]["direction"], 0)
-        force = minus(force, scaled(dot(force, axis), axis))
-        for i in range(3):
-            tree.joint_forces[row, k, i] = force[i]
-
-
-@part
 def find_normal_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray") -> None:
-    """Find the normal forces, the tree having been solved without friction."""
-    _fill_forces(tree, work, coordinates, 1.0, 0)
-    for k in range(tree.frictions.shape[0]):
-        tree.joint_forces[0, k, PRELOAD] = tree.frictions[k]["preload"]
+    """Find the normal forces, the forces of rows without friction known; add what friction causes in rows."""
+    _set_forces(tree, work, coordinates)
     for p in range(tree.frictions.shape[0]):
-        clear_unit_forces(work)
-        _set_unit_efforts(tree, coordinates, p, 1.0)
-        respond(tree, work, coordinates)
-        _fill_forces(tree, work, coordinates, 0.0, 1 + p)
-        _set_unit_efforts(tree, coordinates, p, 0.0)
+        _set_response(tree, work, coordinates, p)
     fill_normal_forces(tree.joint_forces, tree.normals)
     for k in range(tree.frictions.shape[0]):
         answer, N = tree.answers[tree.elements.shape[0] + k], tree.normals[k]
         answer[NORMAL] = N
         for column in (EFFORT, POWER, DAMPING):
             answer[column] *= N
+    for i in range(tree.closures.shape[0]):
+        force = tree.row_forces[0, i]
+        for p in range(tree.frictions.shape[0]):
+            force += tree.normals[p] * tree.row_forces[1 + p, i]
+        tree.closures[i]["force"] = force
 
 
-@part
-def _set_unit_efforts(tree: "TreeArrays", coordinates: "np.ndarray", p: int, size: float) -> None:
+@kernel
+def _set_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray") -> None:
+    """Fill the joint forces without friction: of the solution with open loops, and by the forces of rows."""
+    tree.joint_forces.fill(0.0)
+    for k in range(tree.frictions.shape[0]):
+        tree.joint_forces[0, k, PRELOAD] = tree.frictions[k]["preload"]
+    _add_forces(tree, work, coordinates, 0, False)
+    if tree.closures.shape[0] > 0:
+        _keep_row_forces(tree, 0)
+        clear_unit_forces(work, coordinates)
+        add_row_forces(tree, work, coordinates)
+        respond(tree, work, coordinates)
+        _add_forces(tree, work, coordinates, 0, True)
+
+
+@kernel
+def _set_response(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", p: int) -> None:
+    """Fill the joint forces by the unit normal force of friction p, and those of rows."""
+    clear_unit_forces(work, coordinates)
+    _set_unit_efforts(tree, coordinates, p)
+    respond(tree, work, coordinates)
+    if tree.closures.shape[0] > 0:
+        find_loop_responses(tree, work, coordinates)
+        _keep_row_forces(tree, 1 + p)
+        clear_unit_forces(work, coordinates)
+        _set_unit_efforts(tree, coordinates, p)
+        add_row_forces(tree, work, coordinates)
+        respond(tree, work, coordinates)
+    _add_forces(tree, work, coordinates, 1 + p, True)
+
+
+@kernel
+def _keep_row_forces(tree: "TreeArrays", place: int) -> None:
+    for i in range(tree.closures.shape[0]):
+        tree.row_forces[place, i] = tree.closures[i]["force"]
+
+
+@kernel
+def _set_unit_efforts(tree: "TreeArrays", coordinates: "np.ndarray", p: int) -> None:
     f = tree.frictions[p]
     if f["turning"] >= 0:
-        coordinates[f["turning"]]["unit_effort"] = size * f["turning_effort"]
+        coordinates[f["turning"]]["unit_effort"] = f["turning_effort"]
     if f["sliding"] >= 0:
-        coordinates[f["sliding"]]["unit_effort"] = size * f["sliding_effort"]
+        coordinates[f["sliding"]]["unit_effort"] = f["sliding_effort"]
+
+
+@kernel
+def _add_forces(
+    tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", row: int, response: bool
+) -> None:
+    """Add to a row of the joint forces those across the axes of the hinges, of the solution or a response."""
+    for k in range(tree.frictions.shape[0]):
+        f = tree.frictions[k]
+        s, parent = work[f["frame"]], work[tree.frames[f["frame"]]["parent"]]
+        if response:
+            _n, force = hinge_wrench(parent["response"], 0.0, s["unit_force"], s)
+        else:
+            _n, force = hinge_wrench(parent["acceleration"], 1.0, s["bias"], s)
+        axis = triple(coordinates[f["turning"] if f["turning"] >= 0 else f["sliding"]]["direction"], 0)
+        force = minus(force, scaled(dot(force, axis), axis))
+        for i in range(3):
+            tree.joint_forces[row, k, i] += force[i]
 
 
 @part

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .._jit import kernel
+from ..linalg.copying import copy
 from ..linalg.profile_ldl import factorise_profile, set_profile_times, substitute_profile
 from ..linalg.row_products import product, subtract_multiple
 from ..linalg.vec3 import cross, minus, scaled, triple
@@ -43,7 +44,7 @@ class Stiff(NamedTuple):
     element_slopes: np.ndarray  # (E + m, 2) -dF/dx and -dF/dv, N/m, N s/m, or of torques and turns
 
 
-def stiff_work(closures: np.ndarray, speeds: int, elements: int = 0) -> Stiff:
+def stiff_work(closures: np.ndarray, speeds: int, elements: int) -> Stiff:
     """Return blank work space for `speeds` coordinates and closures (R,)."""
     rows = closures.size
     return Stiff(  # type: ignore[call-arg]
@@ -103,6 +104,8 @@ def set_jacobian(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, 
     for i in range(s.rows.shape[0]):
         s.rows[i] = tree.closures[i]
         s.jacobian[i].fill(0.0)
+        if s.rows[i]["coupling"] >= 0:
+            copy(tree.couplings[s.rows[i]["coupling"]], s.jacobian[i])
         row, direction = s.rows[i], triple(s.rows[i]["direction"], 0)
         _add_force_row(tree, work, coordinates, row, row["frame_a"], direction, s.jacobian[i])
         _add_force_row(tree, work, coordinates, row, row["frame_b"], scaled(-1.0, direction), s.jacobian[i])

@@ -93,18 +93,18 @@ def elastic_row_times(
 def set_prescribed(
     tree: "TreeArrays", t: float, q: "np.ndarray", y: "np.ndarray", coordinates: "np.ndarray"
 ) -> None:
-    """Put the prescribed coordinates C + B t + A t²/2, or their functions, and their rates in place."""
+    """Put the prescribed coordinates C + B t + A t²/2, with their functions, and their rates in place."""
     for i in range(tree.prescribed.shape[0]):
         p = tree.prescribed[i]
         m = p["coordinate"]
-        if p["function"] >= 0:
-            q[m], y[m], coordinates[m]["rate"] = function_values(
-                tree.curves, tree.knots, p["function"], min(t, p["until"])
-            )
-            continue
         q[m] = p["C"] + t * (p["B"] + 0.5 * p["A"] * t)
         y[m] = p["B"] + p["A"] * t
         coordinates[m]["rate"] = p["A"]
+        if p["function"] >= 0:
+            value, rate, second = function_values(tree.curves, tree.knots, p["function"], min(t, p["until"]))
+            q[m] += value
+            y[m] += rate
+            coordinates[m]["rate"] += second
 
 
 @part

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..joint_elements import EndStop, JointMotor, LineSpring
+from ..joint_elements import EndStop, JointMotor
 from ..laws import MOST_PARAMETERS, JointLaw
 from ..time_functions import integral_of
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 # What a law is.
 SPRING, STOP, CABLE, MOTOR = 1, 2, 3, 4
 NONE = -1
+FUNCTIONS = ("function", "curve", "energy", "damper")  # fields that hold numbers of functions
 
 LAW = np.dtype(
     [
@@ -25,7 +26,7 @@ LAW = np.dtype(
         ("stiffness", np.float64),  # N/m, N m/rad
         ("free_length", np.float64),  # m or rad
         ("damping", np.float64),  # N s/m, N m s/rad; of a stop or cable s/m, s/rad
-        ("preload", np.float64),  # effort without stretch; N, N m
+        ("preload", np.float64),  # of a spring without stretch; of a motor besides its function; N, N m
         ("lower", np.float64),  # STOP: where it begins below, m, rad
         ("upper", np.float64),  # STOP: and above, m, rad
         ("c", np.float64, 4),  # parameters of a law of `model.laws`
@@ -54,10 +55,12 @@ def fill_law(record: Any, item: Any, table: "FunctionTable") -> Any:
     """Fill the law of a record by an element; its functions join those of the table."""
     if isinstance(item, JointLaw):
         record["c"] = np.pad(item.values, (0, MOST_PARAMETERS - len(item.values)))
-    record["shape"] = item.law.code if isinstance(item, JointLaw) else CABLE if isinstance(item, LineSpring) and item.slack else _SHAPES.get(type(item), SPRING)
+        record["shape"] = item.law.code
+    else:
+        record["shape"] = CABLE if getattr(item, "slack", False) else _SHAPES.get(type(item), SPRING)
     for name, field in _NUMBERS.items():
         record[field] = getattr(item, name, 0.0)
-    for field in ("function", "curve", "energy", "damper"):
+    for field in FUNCTIONS:
         record[field] = NONE
     if getattr(item, "function", None) is not None:
         record["function"] = table.function(item.function)

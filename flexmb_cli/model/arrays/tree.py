@@ -7,7 +7,6 @@ import numpy as np
 from ..geometric_stiffness import across, beam_direction, geometric_stiffness
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Motor, Prescribed, Spring, Tree
 from .bandwidth import row_reach
-from .records import FUNCTION as CURVE
 from .node_frames import NodeFrames, empty_node_frames
 from .tree_elements import TreeElements
 from .tree_frames import NODAL_MASS, tree_frames
@@ -37,7 +36,7 @@ SPRING = np.dtype(
     ]
 )
 
-# A hinge coordinate that follows C + B t + A t²/2, or a function.
+# A hinge coordinate that follows C + B t + A t²/2 and a function.
 PRESCRIBED = np.dtype(
     [
         ("coordinate", np.int64),  # number of the coordinate
@@ -61,7 +60,7 @@ FUNCTION = np.dtype(
     ]
 )
 
-# One closed direction of a closure: what it is, then what the kernels found for it last.
+# One closed direction of a closure, or a coupling: what it is, then what the kernels found for it last.
 CLOSURE_ROW = np.dtype(
     [
         ("frame_a", np.int64),  # number of the first FRAME
@@ -69,6 +68,8 @@ CLOSURE_ROW = np.dtype(
         ("point_a", np.float64, 3),  # axes of frame a, m
         ("point_b", np.float64, 3),  # axes of frame b, m
         ("axis", np.int64),  # 0, 1, 2 of frame b
+        ("coupling", np.int64),  # number of the coupling, -1: a closed direction
+        ("value", np.float64),  # which the sum of a coupling keeps, m or rad
         ("direction", np.float64, 3),  # of that axis, inertial axes
         ("place", np.float64, 3),  # of point a, inertial axes, m
         ("gap", np.float64),  # (p_a - p_b) . direction, m
@@ -95,6 +96,9 @@ class TreeArrays(NamedTuple):
     functions: np.ndarray  # FUNCTION records
     closures: np.ndarray  # CLOSURE_ROW records, one a closed direction
     closure_matrix: np.ndarray  # (rows, rows) work: J b^-1 Jᵀ, 1/kg
+    couplings: np.ndarray  # (C, NS) factors of the coordinates in the couplings, whose rows follow the closures
+    row_forces: np.ndarray  # (1 + m, rows) of closures and couplings without friction, and by unit normal forces
+    reactions: np.ndarray  # (F, 6) force of its hinge on every frame, N, and moment about its origin, N m
     gravity: np.ndarray  # (3,) inertial axes, m/s²
     elastic: np.ndarray  # (NS,) bool
     given: np.ndarray  # (NS,) bool
@@ -115,16 +119,14 @@ def tree_arrays(tree: Tree) -> TreeArrays:
     """The arrays of a tree; functions get their values later, interval by interval."""
     index = {(c.body, c.motion, c.axis, c.node): m for m, c in enumerate(tree.coordinates)}
     parts = tree_frames(tree, index)
-    closures = _closure_rows(tree, parts.of_body, parts.of_node)
     elastic_bodies, reach, *matrices = _elastic_bodies(tree, index, parts.of_body)
     stiffness, damping, stiffening = matrices
-    prescribed = [(_rigid(index, p), p.C, p.B, p.A, -1, np.inf) for p in tree.prescribed]
     elements = TreeElements(tree, index, parts.of_body)
-    for item in tree.elements.drivers:
-        coordinate, function = elements.driver(item)
-        prescribed.append((coordinate, 0.0, 0.0, 0.0, function, np.inf))
-    records, frictions = elements.records(), elements.frictions()
-    curves = elements.table.function_arrays()
+    couplings = elements.couplings()
+    closures = _closure_rows(tree, parts.of_body, parts.of_node, len(couplings))
+    prescribed = [(_rigid(index, p), p.C, p.B, p.A, -1, np.inf) for p in tree.prescribed]
+    prescribed += [(*elements.driver(item), np.inf) for item in tree.elements.drivers]
+    of_elements = elements.arrays()
     given = np.zeros(len(index), bool)
     given[[row[0] for row in prescribed]] = True
     return TreeArrays(
@@ -140,18 +142,15 @@ def tree_arrays(tree: Tree) -> TreeArrays:
         functions=_functions(tree, index, parts.of_body),
         closures=closures,
         closure_matrix=np.zeros((closures.size, closures.size)),
+        couplings=couplings,
+        row_forces=np.zeros((1 + len(tree.elements.frictions), closures.size)),
+        reactions=np.zeros((len(parts.frames), 6)),
         gravity=np.array(tree.gravity, float),
         elastic=np.array([c.motion == ELASTIC for c in tree.coordinates], bool),
         given=given,
         inertia_scale=_inertia_scale(tree),
         node_frames=empty_node_frames(parts.node_frames, parts.flexible_parent, parts.slopes),
-        elements=records,
-        frictions=frictions,
-        joint_forces=np.zeros((1 + frictions.size, frictions.size, 5)),
-        normals=np.zeros(frictions.size),
-        answers=np.zeros((records.size + frictions.size, 8)),
-        curves=curves["functions"] if curves["functions"].size else np.zeros(0, CURVE),
-        knots=curves["knots"],
+        **of_elements,
         balls=sum(len(hinge.rotations) == 3 for hinge in tree.hinges),
         one_way=tree.one_way,
     )
@@ -244,7 +243,8 @@ def _functions(tree: Tree, index: "dict[Any, Any]", of_body: list[int]) -> np.nd
     return _records(FUNCTION, functions)
 
 
-def _closure_rows(tree: Tree, of_body: list[int], of_node: "dict[Any, Any]") -> np.ndarray:
+def _closure_rows(tree: Tree, of_body: list[int], of_node: "dict[Any, Any]", couplings: int) -> np.ndarray:
+    """Rows of all closed directions, then of so many couplings."""
     rows = []
     for c in tree.closures:
         a = of_body[c.a] if c.a_node is None else of_node[c.a, c.a_node, None]
@@ -255,9 +255,11 @@ def _closure_rows(tree: Tree, of_body: list[int], of_node: "dict[Any, Any]") -> 
         for axis in c.directions:
             row = np.zeros(1, CLOSURE_ROW)
             row["frame_a"], row["frame_b"], row["axis"] = a, b, axis - 1
-            row["point_a"], row["point_b"] = point_a, point_b
+            row["point_a"], row["point_b"], row["coupling"] = point_a, point_b, -1
             rows.append(row)
-    return np.concatenate(rows) if rows else np.zeros(0, CLOSURE_ROW)
+    coupled = np.zeros(couplings, CLOSURE_ROW)
+    coupled["coupling"] = np.arange(couplings)
+    return np.concatenate([*rows, coupled])
 
 
 def _inertia_scale(tree: Any) -> np.ndarray:

@@ -14,10 +14,10 @@ from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from ..tree_as_mechanism.frames import hinge_frames
 from ..tree_as_mechanism.poses import first_poses
 from .function_table import FunctionTable
-from .laws import FRICTION_LAW, LAW, SPRING, fill_friction, fill_law
+from .laws import FRICTION_LAW, FUNCTIONS, LAW, NONE, SPRING, fill_friction, fill_law
 
 if TYPE_CHECKING:
-    from ..joint_elements import Bushing
+    from ..joint_elements import Bushing, JointDriver
 
 # What an element measures.
 IN_COORDINATE, IN_LINE, ALONG, ABOUT = 0, 1, 2, 3
@@ -58,14 +58,36 @@ TREE_FRICTION = np.dtype(
 
 
 class TreeElements:
-    """Records of the elements of a tree in the order of their results."""
+    """Arrays of the elements of a tree in the order of their results."""
 
     def __init__(self, tree: Tree, index: Mapping[Any, Any], of_body: Sequence[int]):
         self.tree, self.index, self.of_body = tree, index, of_body
         self.table = FunctionTable()
         self._axes = [pose.A for pose in first_poses(tree, hinge_frames(tree))] if tree.elements.bushings else []
 
-    def records(self) -> np.ndarray:
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Fields of TreeArrays; drivers must have been added."""
+        elements, frictions = self._elements(), self._frictions()
+        m, curves = frictions.size, self.table.function_arrays()
+        return {
+            "elements": elements,
+            "frictions": frictions,
+            "joint_forces": np.zeros((1 + m, m, 5)),
+            "normals": np.zeros(m),
+            "answers": np.zeros((elements.size + m, 8)),
+            "curves": curves["functions"],
+            "knots": curves["knots"],
+        }
+
+    def couplings(self) -> np.ndarray:
+        """Factors (C, NS) of the coordinates in the couplings."""
+        found = np.zeros((len(self.tree.elements.couplings), len(self.tree.coordinates)))
+        for row, item in zip(found, self.tree.elements.couplings, strict=True):
+            for joint, coordinate, factor in item.terms:
+                row[self._coordinate(joint, coordinate)] += factor / item.scale
+        return found
+
+    def _elements(self) -> np.ndarray:
         """The TREE_ELEMENT records: those of `names_of` without friction."""
         elements, found = self.tree.elements, []
         found += [self._in_coordinate(item) for item in elements.springs]
@@ -76,30 +98,31 @@ class TreeElements:
         found += [self._in_coordinate(item) for item in elements.motors]
         return np.concatenate(found) if found else np.zeros(0, TREE_ELEMENT)
 
-    def frictions(self) -> np.ndarray:
+    def _frictions(self) -> np.ndarray:
         """The TREE_FRICTION records."""
         found = np.zeros(len(self.tree.elements.frictions), TREE_FRICTION)
         for record, item in zip(found, self.tree.elements.frictions, strict=True):
             hinge = self.tree.hinges[item.joint]
             record["frame"] = self.of_body[item.joint]
             for field, motion, axes in (
-                ("turning", ROTATION, hinge.rotations), ("sliding", TRANSLATION, hinge.translations),
-            ):  # fmt: skip
+                ("turning", ROTATION, hinge.rotations),
+                ("sliding", TRANSLATION, hinge.translations),
+            ):
                 record[field] = self.index[item.joint, motion, axes[0], None] if axes else -1
             fill_friction(record, item)
         return found
 
-    def driver(self, item: Any) -> tuple[int, int]:
-        """Coordinate and function of a driver."""
-        return self._coordinate(item), self.table.function(item.function)
+    def driver(self, item: "JointDriver") -> tuple[int, float, float, float, int]:
+        """Coordinate of a driver, no C, B and A, its function."""
+        return self._coordinate(item.joint, item.coordinate), 0.0, 0.0, 0.0, self.table.function(item.function)
 
-    def _coordinate(self, item: Any) -> int:
-        motion, axis = item.coordinate.split()
-        return int(self.index[item.joint, motion, int(axis), None])
+    def _coordinate(self, joint: int, coordinate: str) -> int:
+        motion, axis = coordinate.split()
+        return int(self.index[joint, motion, int(axis), None])
 
     def _in_coordinate(self, item: Any) -> np.ndarray:
         record = np.zeros(1, TREE_ELEMENT)
-        record["measure"], record["coordinate"] = IN_COORDINATE, self._coordinate(item)
+        record["measure"], record["coordinate"] = IN_COORDINATE, self._coordinate(item.joint, item.coordinate)
         record["until"] = np.inf
         fill_law(record, item, self.table)
         return record
@@ -128,6 +151,6 @@ class TreeElements:
             record["stiffness"], record["damping"] = item.stiffness[k], item.damping[k]
             record["resists"] = bool(item.stiffness[k] or item.damping[k])
             record["shape"] = SPRING
-            for field in ("function", "curve", "energy", "damper"):
-                record[field] = -1
+            for field in FUNCTIONS:
+                record[field] = NONE
             yield record

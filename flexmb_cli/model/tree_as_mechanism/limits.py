@@ -10,6 +10,8 @@ if TYPE_CHECKING:
 
     from ..tree import Motor, Spring
 
+OTHERWISE = "run the deck by --formulation kane"
+
 
 def refuse_foreign(tree: Tree) -> None:
     """Raise ModelError with every item of the tree that only Kane's equations can treat here."""
@@ -18,20 +20,11 @@ def refuse_foreign(tree: Tree) -> None:
         raise ModelError(faults)
 
 
-def _otherwise(tree: Tree) -> str:
-    """Return what leads to Kane's equations, which know no elements."""
-    return (
-        "leave out the elements, which need absolute coordinates"
-        if tree.elements
-        else "run the deck by --formulation kane"
-    )
-
-
 def _one_way(tree: Tree) -> "Iterator[Any]":
     if tree.one_way:
         message = (
             "the one-way assumption (UNCO) is no equation of mechanics that absolute coordinates could "
-            f"share; {_otherwise(tree)}, or leave out UNCO"
+            f"share; {OTHERWISE}, or leave out UNCO"
         )
         yield Fault("error", message, id="MODEL-006")
 
@@ -43,7 +36,7 @@ def _weights(tree: Tree) -> "Iterator[Any]":
         if stiffened and any(tree.gravity):
             message = (
                 "GSTF with gravity: in absolute coordinates a beam is stiffened by turning only; set GRAV "
-                f"to zero, or {_otherwise(tree)}"
+                f"to zero, or {OTHERWISE}"
             )
             yield Fault("error", message, body.place, body.name, id="MODEL-007")
 
@@ -76,6 +69,6 @@ def has_shared_axis(hinge: Hinge, axis: int) -> bool:
 
 def _foreign_hinge(tree: Tree, item: "Motor | Spring", kind: str, what: str) -> Fault:
     message = (
-        f"a {kind} in a hinge with {what} is not carried over to absolute coordinates; {_otherwise(tree)}"
+        f"a {kind} in a hinge with {what} is not carried over to absolute coordinates; {OTHERWISE}"
     )
     return Fault("error", message, item.place, f"{kind} of {tree.bodies[item.body].name}", id="MODEL-008")

@@ -10,7 +10,7 @@ from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
 from ...quick_dataclass import replace
 from ..context import Run
 from ..outcome import Stop
-from ..solutions.tree import absolute_analysis, kane_analysis, kane_analysis_with_elements, values_of
+from ..solutions.tree import absolute_analysis, kane_analysis, values_of
 from .difference import Difference, Size, largest_difference
 
 if TYPE_CHECKING:
@@ -50,8 +50,7 @@ def differences(tree: Tree, deck: Deck, run: Run) -> tuple[Difference, ...]:
 
 def _motions(tree: Tree, run: Run) -> Any:
     """Values of both formulations, whole runs by the paths of their datasets."""
-    kane = kane_analysis_with_elements if tree.needs_equations else kane_analysis
-    analyses = absolute_analysis(tree, run), kane(tree, run)
+    analyses = absolute_analysis(tree, run), kane_analysis(tree, run)
     run.listener.begin(2 * tree.time.rows)
     absolute, kane = (
         _joined([values_of(tree, rows) for rows in _heard(analysis.rows(), run.listener)])

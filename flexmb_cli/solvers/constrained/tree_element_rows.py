@@ -67,6 +67,7 @@ def with_answers(tree: Tree, rows: TreeRows, report: Any) -> TreeElementRows:
     order = np.concatenate([others, motors])
     answers = report.answers[:, order] + 0.0
     works = report.rows[:, end - count : end] + 0.0
+    scales = np.array([item.scale for item in tree.elements.couplings])
     return TreeElementRows(
         **kept,
         element_coordinate=answers[..., COORDINATE],
@@ -76,6 +77,6 @@ def with_answers(tree: Tree, rows: TreeRows, report: Any) -> TreeElementRows:
         element_energy=answers[..., ENERGY],
         element_work=works[:, order],
         dissipated=0.0 - works[:, others].sum(axis=1),
-        coupling_effort=np.zeros((len(works), 0)),
+        coupling_effort=report.closures["force"][:, len(report.closures[0]) - len(scales) :] / scales,
         driver_effort=report.drives,
     )

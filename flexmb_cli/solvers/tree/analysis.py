@@ -16,13 +16,15 @@ from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.report import Report
 from ...kernels.tree.work import FRAME_WORK, tree_work
 from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
-from ...model.element_names import answering
+from ...model.element_names import names_of
 from ...model.time_functions import corners
 from ...model.tree import Table, Tree
 from ..checkpoint import row_of, taken, taken_clock
+from ..constrained.failures import MOMENTS, rows_with_forces
 from ..constrained.initial_stops import notes_of_pressed_stops
 from ..constrained.tree_element_rows import with_answers
 from .assembly import assemble_tree, pivot_shares, stray
+from .attached_elements import attachments, lost_force
 from .rows import TreeRows, motion_by_recursion, rows_of_tree
 
 # Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
@@ -80,6 +82,7 @@ class TreeAnalysis:
             "clock": clock,
             "state": self.integration.old.copy(),
             "attitude": self.attitude,
+            **(attachments(self.arrays) if self.tree.elements else {}),
         }
 
     def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
@@ -90,6 +93,9 @@ class TreeAnalysis:
         size = self.integration.z.size
         self.clock[:] = taken_clock(checkpoint, "clock", self.clock, size, size)
         self.integration.z[:] = taken(checkpoint, "state", self.integration.z.shape)
+        if self.tree.elements:
+            for name, values in attachments(self.arrays).items():
+                values[:] = taken(checkpoint, name, values.shape)
 
     @property
     def stopped_at(self) -> tuple[float, float, float, float, np.ndarray]:
@@ -130,8 +136,11 @@ class TreeAnalysis:
             report = self._blank_report(self._times_of_block())
             code = integrate_rows(report)
             filled = int(self.clock["row"][0])
-            if filled:
-                yield self._rows_of(Report(*(part[:filled] for part in report)))
+            known = rows_with_forces(report.answers[:filled])
+            if known:
+                yield self._rows_of(Report(*(part[:known] for part in report)))
+            if known < filled:
+                raise lost_force(self.tree, report.answers[known], float(report.times[known]))
             if code not in (codes.AT_STOP, codes.PAUSED, codes.ROWS_FULL):
                 raise self.failure()
 
@@ -192,12 +201,11 @@ class TreeAnalysis:
             np.zeros((rows, 5)),
             np.zeros((rows, *self.arrays.answers.shape)),
             np.zeros((rows, self.arrays.prescribed.size)),
+            np.zeros((rows, *self.arrays.reactions.shape)),
         )
 
     def _start_interval(self, stop: float) -> None:
         set_functions(self.tree, self.arrays, float(self.clock["t"][0]), stop)
-        # Tables of elements may jump at the stop.
-        self.arrays.elements["until"] = self.arrays.prescribed["until"] = np.nextafter(stop, -np.inf)
         self.clock["stop"] = stop
         if self.resumed:
             task = tree_dop853.GO_ON
@@ -232,14 +240,35 @@ class TreeAnalysis:
             assert self.repeated is not None, "the tree has begun to move"
             shares, worst = pivot_shares(self.arrays), int(clock["worst"])
             return AnalysisError(stray(self.tree, shares, self.repeated, t, worst), t, norms)
+        if failure := self.force_failure():
+            return failure
         return AnalysisError(
             _step_vanished(self.tree, t, float(clock["step"]), int(clock["worst"])), t, norms
         )
 
 
+    def force_failure(self) -> AnalysisError | None:
+        """Return why elements have no force at the state, or where its speeds lead in a moment, or None."""
+        if not self.tree.elements:
+            return None
+        t, z = float(self.clock["t"][0]), self.state.copy()
+        ahead, failure = np.zeros(z.size), None
+        for share in (0.0, *MOMENTS):
+            self.state[:] = z + share * ahead
+            self.call(GO_ON)
+            if not rows_with_forces(self.arrays.answers[None]):
+                failure = lost_force(self.tree, self.arrays.answers, t)
+                break
+            if not ahead.any():
+                ahead = (self.tree.time.end - self.tree.time.start) * self.integration.slopes[0]
+        self.state[:] = z
+        return failure
+
+
 def initial_state(tree: Tree) -> np.ndarray:
-    """State (n,) at the start: speeds, coordinates, Euler parameters, applied work."""
-    return np.concatenate([tree.y, tree.q, initial_attitudes(tree).ravel(), np.zeros(1 + answering(tree.elements))])
+    """State (n,) at the start: speeds, coordinates, Euler parameters, works of elements, applied work."""
+    works = np.zeros(1 + len(list(names_of(tree.elements))))
+    return np.concatenate([tree.y, tree.q, initial_attitudes(tree).ravel(), works])
 
 
 def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
@@ -250,7 +279,11 @@ def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
 
 
 def set_functions(tree: Tree, arrays: TreeArrays, begin: float, end: float) -> None:
-    """Write the values c0 + c1 t that the functions have between two breakpoints into the arrays."""
+    """Write the values c0 + c1 t that the functions have between two breakpoints into the arrays.
+
+    Functions of elements, which may jump at the end, hold what they are just before it.
+    """
+    arrays.elements["until"] = arrays.prescribed["until"] = np.nextafter(end, -np.inf)
     for record, function in zip(arrays.functions, _functions(tree), strict=True):
         record["c0"], record["c1"] = _line(function, (begin + end) / 2)
 

@@ -11,6 +11,7 @@ from ...kernels.tree.loop_closures import IMMOBILE
 from ...model.arrays.tree import TreeArrays
 from ...model.tree import ASSEMBLED_GAP, ROTATION, Closure, Tree
 from ..assembly import assemble, is_closed
+from .attached_elements import attach_elements
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -23,15 +24,27 @@ MOST_ITERATIONS = 40
 
 
 def assemble_tree(analysis: "TreeAnalysis") -> None:
-    """Bring the state of a TreeAnalysis onto the closures of its tree.
+    """Bring the state of a TreeAnalysis onto the closures of its tree, and attach its elements.
 
     The first rotation and the elastic coordinates are kept; when the loops cannot be closed so, only
     the prescribed coordinates are.  Raises ModelError for closures in a one-way model, AnalysisError
     when a gap remains.
     """
+    if analysis.tree.closures:
+        arrays = analysis.arrays
+        # Couplings keep what they begin with.
+        rows = int(np.sum(arrays.closures["coupling"] < 0))
+        analysis.arrays = arrays._replace(
+            closures=arrays.closures[:rows], closure_matrix=np.zeros((rows, rows))
+        )
+        _close_loops(analysis)
+        analysis.arrays = arrays
+    if analysis.tree.elements:
+        attach_elements(analysis)
+
+
+def _close_loops(analysis: "TreeAnalysis") -> None:
     tree, arrays = analysis.tree, analysis.arrays
-    if not tree.closures:
-        return
     if tree.one_way:
         raise ModelError([_one_way_fault(tree)])
     start = analysis.state.copy()
