@@ -1,13 +1,13 @@
 """Efforts of springs, stops, cables, bushings and friction by their definitions (`model.joint_elements`).
 
-Written apart from the kernels of constrained dynamics, which `verify` compares them with.
+Written apart from `kernels.laws`, which tests compare with them.
 """
 
 import math
 from typing import NamedTuple
 
-from ...model.joint_elements import EndStop, JointFriction, JointSpring, LineSpring
-from ...model.time_functions import MotionFunction, integral_of
+from flexmb_cli.model.joint_elements import EndStop, JointFriction, JointSpring, LineSpring
+from flexmb_cli.model.time_functions import MotionFunction, integral_of
 
 SLOW = 1e-9  # of the creep speed: tanh(x) / x is 1 there
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ...model.arrays.tree import TreeArrays
 
 
-@allocating
+@kernel
 def set_element_rows(
     tree: "TreeArrays",
     work: np.ndarray,
@@ -34,16 +34,13 @@ def set_element_rows(
     # No slope depends on a function of time.
     answer_elements(tree, work, 0.0, q, y, coordinates)
     answer_frictions(tree, y)
-    feedback = np.ones(tree.normals.shape[0])
-    if feedback.shape[0] > 0:
-        fill_feedback(tree.joint_forces, tree.normals, feedback)
     rows.fill(0.0)
     for e in range(rows.shape[0]):
         k = e - tree.elements.shape[0]
         slopes[e, 0], slopes[e, 1] = max(tree.answers[e, STIFFNESS], 0.0), max(tree.answers[e, DAMPING], 0.0)
         if k >= 0:
             _set_friction_row(tree.frictions[k], y, rows[e])
-            slopes[e, 0], slopes[e, 1] = 0.0, slopes[e, 1] * tree.normals[k] * feedback[k]
+            slopes[e, 0], slopes[e, 1] = 0.0, slopes[e, 1] * tree.normals[k]
         elif tree.elements[e]["measure"] == IN_COORDINATE:
             rows[e, tree.elements[e]["coordinate"]] = 1.0
         else:
@@ -51,6 +48,17 @@ def set_element_rows(
         for m in range(rows.shape[1]):
             if tree.given[m]:
                 rows[e, m] = 0.0
+    if tree.normals.shape[0] > 0:
+        _take_feedback(tree, slopes)
+
+
+@allocating
+def _take_feedback(tree: "TreeArrays", slopes: np.ndarray) -> None:
+    """Multiply the slopes of friction by the feedback of its own normal force."""
+    feedback = np.ones(tree.normals.shape[0])
+    fill_feedback(tree.joint_forces, tree.normals, feedback)
+    for k in range(feedback.shape[0]):
+        slopes[tree.elements.shape[0] + k, 1] *= feedback[k]
 
 
 @kernel

@@ -4,7 +4,7 @@ A measure is a hinge coordinate, the distance of two points, or a displacement o
 bushing; a point may be a node, which elastic coordinates displace along the axes of its body.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,10 +17,11 @@ from .function_table import FunctionTable
 from .laws import FRICTION_LAW, FUNCTIONS, LAW, NONE, SPRING, fill_friction, fill_law
 
 if TYPE_CHECKING:
-    from ..joint_elements import Bushing, JointDriver
+    from ..joint_elements import Bushing, JointDriver, LineSpring
 
 # What an element measures.
 IN_COORDINATE, IN_LINE, ALONG, ABOUT = 0, 1, 2, 3
+OF_BUSHING = 6  # records: three displacements, three angles
 
 TREE_ELEMENT = np.dtype(
     [
@@ -89,14 +90,24 @@ class TreeElements:
 
     def _elements(self) -> np.ndarray:
         """The TREE_ELEMENT records: those of `names_of` without friction."""
-        elements, found = self.tree.elements, []
-        found += [self._in_coordinate(item) for item in elements.springs]
-        found += [self._between(item, IN_LINE) for item in elements.lines]
-        found += [self._in_coordinate(item) for item in (*elements.stops, *elements.laws)]
+        elements = self.tree.elements
+        lines, motors = len(elements.lines), len(elements.motors)
+        before, after = elements.springs, (*elements.stops, *elements.laws)
+        found = np.zeros(
+            len(before) + lines + len(after) + OF_BUSHING * len(elements.bushings) + motors, TREE_ELEMENT
+        )
+        free = iter(found)
+        for item in before:
+            self._in_coordinate(next(free), item)
+        for line in elements.lines:
+            fill_law(self._between(next(free), line, IN_LINE), line, self.table)
+        for item in after:
+            self._in_coordinate(next(free), item)
         for bushing in elements.bushings:
-            found += self._bushing(bushing)
-        found += [self._in_coordinate(item) for item in elements.motors]
-        return np.concatenate(found) if found else np.zeros(0, TREE_ELEMENT)
+            self._bushing([next(free) for _ in range(OF_BUSHING)], bushing)
+        for item in elements.motors:
+            self._in_coordinate(next(free), item)
+        return found
 
     def _frictions(self) -> np.ndarray:
         """The TREE_FRICTION records."""
@@ -120,22 +131,17 @@ class TreeElements:
         motion, axis = coordinate.split()
         return int(self.index[joint, motion, int(axis), None])
 
-    def _in_coordinate(self, item: Any) -> np.ndarray:
-        record = np.zeros(1, TREE_ELEMENT)
+    def _in_coordinate(self, record: Any, item: Any) -> None:
         record["measure"], record["coordinate"] = IN_COORDINATE, self._coordinate(item.joint, item.coordinate)
-        record["until"] = np.inf
         fill_law(record, item, self.table)
-        return record
 
-    def _between(self, item: Any, measure: int) -> np.ndarray:
-        record = np.zeros(1, TREE_ELEMENT)
-        record["measure"], record["until"] = measure, np.inf
+    def _between(self, record: Any, item: "Bushing | LineSpring", measure: int) -> Any:
+        record["measure"] = measure
         for side, body, point in (("i", item.i, item.P_i), ("j", item.j, item.P_j)):
             record[f"frame_{side}"] = 0 if body == INERTIAL else self.of_body[body]
-            is_node = isinstance(point, NodePoint)
-            record[f"point_{side}"] = point.r0 if is_node else point
-            record[f"node_{side}"] = self._node(point) if is_node else -1
-        return record if measure != IN_LINE else fill_law(record, item, self.table)
+            assert isinstance(point, NodePoint), "ends in a tree are points of bodies"
+            record[f"point_{side}"], record[f"node_{side}"] = point.r0, self._node(point)
+        return record
 
     def _node(self, point: NodePoint) -> list[int]:
         """Elastic coordinates that move a node along the axes of its body, -1 where none does."""
@@ -143,14 +149,13 @@ class TreeElements:
         rows = np.asarray(point.shape)
         return [own[int(np.argmax(row))] if row.size and np.any(row) else -1 for row in rows]
 
-    def _bushing(self, item: "Bushing") -> Iterator[np.ndarray]:
+    def _bushing(self, records: list[Any], item: "Bushing") -> None:
         A_i, A_j = (np.eye(3) if body == INERTIAL else self._axes[body] for body in (item.i, item.j))
-        for k in range(6):
-            record = self._between(item, ALONG if k < 3 else ABOUT)
+        for k, record in enumerate(records):
+            self._between(record, item, ALONG if k < 3 else ABOUT)
             record["axis"], record["turned"] = k % 3, (A_j.T @ A_i).ravel()
             record["stiffness"], record["damping"] = item.stiffness[k], item.damping[k]
             record["resists"] = bool(item.stiffness[k] or item.damping[k])
             record["shape"] = SPRING
             for field in FUNCTIONS:
                 record[field] = NONE
-            yield record

@@ -21,7 +21,6 @@ from ...model.time_functions import corners
 from ...model.tree import Table, Tree
 from ..checkpoint import row_of, taken, taken_clock
 from ..constrained.failures import MOMENTS, rows_with_forces
-from ..constrained.initial_stops import notes_of_pressed_stops
 from ..constrained.tree_element_rows import with_answers
 from .assembly import assemble_tree, pivot_shares, stray
 from .attached_elements import attachments, lost_force
@@ -31,6 +30,7 @@ from .rows import TreeRows, motion_by_recursion, rows_of_tree
 CALL_WORK = 2_000_000
 LARGEST_BLOCK = 1024  # rows, of trees of a few bodies
 LARGEST_FRAMES = 8192  # frames of all rows of a block, as long as it has 256
+LARGEST_ANSWERS = 1 << 18  # answers of elements in all rows of a block: 16 MB
 
 
 GO_ON = tree_dop853.GO_ON  # evaluate once, without a step
@@ -147,6 +147,7 @@ class TreeAnalysis:
     def _times_of_block(self) -> Any:
         grid = self.tree.time
         most = max(256, LARGEST_FRAMES // len(self.arrays.frames))
+        most = min(most, max(1, LARGEST_ANSWERS // (1 + len(self.arrays.answers))))
         last = min(self.row + min(most, LARGEST_BLOCK), grid.rows)
         return grid.start + np.arange(self.row, last) * grid.step
 
@@ -219,8 +220,6 @@ class TreeAnalysis:
             raise self.failure()
         if self.repeated is None:
             self.repeated = pivot_shares(self.arrays) == 0.0
-            stops, records = self.tree.elements.stops, self.arrays.elements
-            self.warnings += notes_of_pressed_stops(stops, records, self.arrays.answers)
             if self.repeated.any():
                 self._warn_of_repetition(self.repeated)
 

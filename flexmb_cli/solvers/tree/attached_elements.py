@@ -8,16 +8,15 @@ from ...errors import AnalysisError
 from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...kernels.laws import COORDINATE
-from ...model.arrays.tree_elements import IN_LINE
+from ...model.arrays.tree_elements import IN_LINE, OF_BUSHING
 from ..constrained.coinciding_ends import refuse_undirected_lines
 from ..constrained.failures import bushing_failure, jam_failure
+from ..constrained.initial_stops import notes_of_pressed_stops
 
 if TYPE_CHECKING:
     from ...model.arrays.tree import TreeArrays
     from ...model.tree import Tree
     from .analysis import TreeAnalysis
-
-OF_BUSHING = 6  # records: three displacements, three angles
 
 
 def attach_elements(analysis: "TreeAnalysis") -> None:
@@ -37,6 +36,8 @@ def attach_elements(analysis: "TreeAnalysis") -> None:
     _call(analysis, tree_dop853.CLOSE if coupled.any() else tree_dop853.GO_ON)
     t, lengths = analysis.tree.time.start, arrays.answers[: elements.size, COORDINATE]
     refuse_undirected_lines(analysis.tree.elements.lines, lengths[elements["measure"] == IN_LINE], t)
+    stops = analysis.tree.elements.stops
+    analysis.warnings += notes_of_pressed_stops(stops, elements, arrays.answers)
     if failure := analysis.force_failure():
         raise failure
 

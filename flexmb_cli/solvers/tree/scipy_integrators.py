@@ -44,7 +44,10 @@ def library_rows(analysis: "TreeAnalysis", stop: float) -> Iterator[TreeRows]:
     )
     steps, mark = 0, solver.t
     while solver.status == "running":
-        solver.step()
+        try:
+            solver.step()
+        except ValueError:  # slopes that are no numbers in Radau's matrix
+            solver.status = "failed"
         steps += 1
         if steps % WATCHED == 0:
             # scipy continues with steps of any shortness where nothing can be resolved.
@@ -52,7 +55,8 @@ def library_rows(analysis: "TreeAnalysis", stop: float) -> Iterator[TreeRows]:
                 raise _step_failure(solver.t, settings.method)
             mark = solver.t
         if solver.status == "failed":
-            raise _step_failure(solver.t, settings.method)
+            clock["t"], analysis.state[:] = solver.t, solver.y
+            raise analysis.force_failure() or _step_failure(solver.t, settings.method)
         times = analysis.due_times(solver.t)
         if times:
             yield analysis.observe(solver.dense_output(), times)
@@ -65,7 +69,11 @@ def _slope(analysis: "TreeAnalysis", t: float, z: np.ndarray) -> Any:
     analysis.clock["t"], analysis.state[:] = t, z
     if analysis.call(tree_dop853.GO_ON) == codes.NO_INERTIA:
         raise analysis.failure()
-    return analysis.integration.slopes[0].copy()
+    slope = analysis.integration.slopes[0].copy()
+    # LSODA steps on where there is no slope.
+    if analysis.tree.integration.method == "lsoda" and not np.isfinite(slope).all():
+        raise analysis.force_failure() or _step_failure(t, "lsoda")
+    return slope
 
 
 def _step_failure(t: float, method: Any) -> AnalysisError:
