@@ -1,7 +1,7 @@
 """Laws of elements: the effort along a coordinate x with the rate v, by whichever formulation x was measured.
 
 A law answers effort and the part of it that has a potential, and fills -dF/dx, -dF/dv and the stored energy.
-`law` is any record with the fields of `model.arrays.laws.LAW`: a LOAD of absolute coordinates, a TREE_ELEMENT.
+`law` is any record with the fields of `model.arrays.laws.LAW`: a LOAD, or a TREE_ELEMENT.
 Friction: Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30 (1994), section 3.1, made smooth by
 tanh.  Stops and cables: Hunt and Crossley, Journal of Applied Mechanics 42 (1975), pages 440-445, exponent 1.
 """
@@ -15,8 +15,8 @@ from .constrained.time_functions import function_values
 if TYPE_CHECKING:
     import numpy as np
 
-# The codes of model.arrays.laws; a test compares them.
-SPRING, STOP, CABLE, MOTOR, DRAG, CUBIC = 1, 2, 3, 4, 5, 6
+# The codes of model.laws; a test compares them.
+SPRING, CABLE, MOTOR, STOP = 1, 2, 3, 4
 # Columns of the answers.
 COORDINATE, SPEED, EFFORT, POWER, STIFFNESS, DAMPING, NORMAL, ENERGY = 0, 1, 2, 3, 4, 5, 6, 7
 ANSWER_COLUMNS = 8
@@ -26,7 +26,12 @@ NO_LENGTH = 1e-300  # m, and m² of its square: a line that short has no directi
 
 @kernel
 def answer_law(
-    law: "np.void", functions: "np.ndarray", knots: "np.ndarray", t: float, directed: bool, answer: "np.ndarray"
+    law: "np.void",
+    functions: "np.ndarray",
+    knots: "np.ndarray",
+    t: float,
+    directed: bool,
+    answer: "np.ndarray",
 ) -> float:
     """Effort at the coordinate and speed in `answer` (8,), whose other columns are filled.
 
@@ -46,24 +51,18 @@ def _effort(
     """Effort along the coordinate, and the part of it that has a potential; fills slopes and energy."""
     x, v = answer[COORDINATE], answer[SPEED]
     if law["shape"] == STOP:
-        if x > law["upper"]:
-            return _pushed_back(law, x - law["upper"], v, -1.0, answer)
-        if x < law["lower"]:
-            return _pushed_back(law, law["lower"] - x, -v, 1.0, answer)
-        return _pushed_back(law, 0.0, 0.0, 1.0, answer)
+        lower, upper, k, b = law["c"][0], law["c"][1], law["c"][2], law["c"][3]
+        if x > upper:
+            return _pushed_back(k, b, x - upper, v, -1.0, answer)
+        if x < lower:
+            return _pushed_back(k, b, lower - x, -v, 1.0, answer)
+        return _pushed_back(k, b, 0.0, 0.0, 1.0, answer)
     if law["shape"] == MOTOR:
         answer[STIFFNESS], answer[DAMPING], answer[ENERGY] = 0.0, 0.0, 0.0
         return law["preload"] + function_values(functions, knots, law["function"], t)[0], 0.0
-    if law["shape"] == DRAG:
-        answer[STIFFNESS], answer[DAMPING], answer[ENERGY] = 0.0, 2.0 * law["c"][0] * abs(v), 0.0
-        return -law["c"][0] * abs(v) * v, 0.0
-    if law["shape"] == CUBIC:
-        k, s = law["c"][0], x - law["c"][1]
-        answer[STIFFNESS], answer[DAMPING], answer[ENERGY] = 3.0 * k * s * s, 0.0, 0.25 * k * s**4
-        return -k * s**3, -k * s**3
     s = x - law["free_length"]
     if law["shape"] == CABLE:
-        return _pushed_back(law, max(s, 0.0), v, -1.0, answer)
+        return _pushed_back(law["stiffness"], law["damping"], max(s, 0.0), v, -1.0, answer)
     kept, lost = law["preload"] + law["stiffness"] * s, law["damping"] * v
     answer[STIFFNESS], answer[DAMPING] = law["stiffness"], law["damping"]
     answer[ENERGY] = (law["preload"] + 0.5 * law["stiffness"] * s) * s
@@ -80,9 +79,8 @@ def _effort(
 
 
 @kernel
-def _pushed_back(law: "np.void", depth: float, approach: float, sign: float, answer: "np.ndarray"):
+def _pushed_back(k: float, b: float, depth: float, approach: float, sign: float, answer: "np.ndarray"):
     """A stop at a depth that grows at `approach`: effort, its part with a potential; fills slopes."""
-    k, b = law["stiffness"], law["damping"]
     share = max(0.0, 1.0 + b * approach)
     answer[STIFFNESS] = k * share if depth > 0.0 else 0.0
     answer[DAMPING] = k * depth * b if share > 0.0 else 0.0

@@ -35,7 +35,6 @@ def names_of(elements: JointElements) -> Iterator[tuple[str, str]]:
     """Name of every element and unit of its coordinate."""
     yield from ((spring.name, _unit(spring.coordinate)) for spring in elements.springs)
     yield from ((line.name, LENGTH) for line in elements.lines)
-    yield from ((stop.name, _unit(stop.coordinate)) for stop in elements.stops)
     yield from ((item.name, _unit(item.coordinate)) for item in elements.laws)
     yield from ((f"{item.name} {part}", unit) for item in elements.bushings for part, unit in _BUSHING)
     yield from ((friction.name, LENGTH) for friction in elements.frictions)

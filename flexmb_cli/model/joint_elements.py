@@ -1,4 +1,4 @@
-"""Drivers, springs, stops, bushings, couplings and friction at joints, and composite joints.
+"""Drivers, springs, laws, bushings, couplings and friction at joints, and composite joints.
 
 A joint coordinate is the angle of body J against body I about the joint's axis, rad, or the stroke of P_j
 along it, m; both are 0 at the deck's estimates.  Hinges of a tree have the coordinates "rotation 1" to
@@ -107,24 +107,6 @@ class LineSpring:
 
 
 @dataclass(frozen=True)
-class EndStop:
-    """Stops at `lower` and `upper` of a joint coordinate.
-
-    At a depth s > 0 they push back with stiffness s (1 + damping ds/dt), never less than 0: Hunt and
-    Crossley, Journal of Applied Mechanics 42 (1975), with the exponent 1.
-    """
-
-    name: str
-    joint: int
-    coordinate: str
-    lower: float
-    upper: float
-    stiffness: float
-    damping: float = 0.0
-    place: Place | None = None
-
-
-@dataclass(frozen=True)
 class Bushing:
     """Springs and dampers between frames at P_i and P_j that coincide in attitude at the estimates.
 
@@ -218,7 +200,6 @@ class JointElements:
     supports: tuple[DrivenItem, ...] = ()
     springs: tuple[JointSpring, ...] = ()
     lines: tuple[LineSpring, ...] = ()
-    stops: tuple[EndStop, ...] = ()
     laws: tuple[JointLaw, ...] = ()
     bushings: tuple[Bushing, ...] = ()
     couplings: tuple[Coupling, ...] = ()

@@ -83,8 +83,6 @@ def test_dafms_and_vsdf_decks_are_refused_with_the_card(text, name, tmp_path):
 def test_both_formulations_of_a_tree_begin_where_a_line_has_no_length():
     """The one divided 0 by 0 there, and its steps vanished."""
     tree = build(dafms(0.0))[0]
-    one, other = (
-        np.concatenate([r.q for r in kind(tree).rows()]) for kind in (AbsoluteTree, TreeAnalysis)
-    )
+    one, other = (np.concatenate([r.q for r in kind(tree).rows()]) for kind in (AbsoluteTree, TreeAnalysis))
     assert np.ptp(one[:, 0]) > 0.1
     assert other == pytest.approx(one, abs=1e-8)

@@ -9,13 +9,13 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts/bench"))
 import large_decks
 import large_element_kinds
+from flexmb_cli.solvers.tree.tree_with_elements import TreeWithElements
 
 from flexmb_cli.deck.record import DeckText
 from flexmb_cli.dialects.dafms.build import build_dafms
 from flexmb_cli.dialects.dafms.reader import read_dafms
 from flexmb_cli.dialects.vsdf.reader import _MOST_CARDS
 from flexmb_cli.dialects.young.dynamic_cards import MOST_LOADS
-from flexmb_cli.solvers.tree.tree_with_elements import TreeWithElements
 
 # Besides what the deck may take; a small deck takes 40 to 50 MB, one of finite elements 70.
 BESIDES = {"young": 90 * 10**6, "dafms": 90 * 10**6, "vsdf": 150 * 10**6}

@@ -13,11 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
 from ..laws import (
-    ANSWER_COLUMNS,
     COORDINATE,
     DAMPING,
-    EFFORT,
-    ENERGY,
     NO_LENGTH,
     POWER,
     SPEED,
@@ -37,7 +34,6 @@ if TYPE_CHECKING:
 
 # The codes of model.arrays.records; a test compares them.
 ELEMENT, FRICTION = 5, 6
-RESPONSE_COLUMNS = ANSWER_COLUMNS
 
 
 @kernel

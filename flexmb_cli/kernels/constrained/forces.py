@@ -9,10 +9,11 @@ import math
 from typing import TYPE_CHECKING
 
 from .._jit import kernel
+from ..laws import COORDINATE, EFFORT, ENERGY, NO_LENGTH, POWER, SPEED
 from ..linalg.rotation import A, rotate
 from .body_vectors import RATE, VECTOR, add_vector_row, geometry_of, vector
 from .constraint_primitives import add_primitive_row, primitive_rates, primitive_value
-from .elements import COORDINATE, EFFORT, ELEMENT, ENERGY, NO_LENGTH, POWER, SPEED, add_element
+from .elements import ELEMENT, add_element
 from .system import System, Work
 from .time_functions import function_values
 

@@ -1,4 +1,4 @@
-"""Slopes of elements for implicit methods: what every coordinate feels of a unit effort, and -dF/dx, -dF/dv."""
+"""Slopes of elements for implicit methods: what coordinates feel of a unit effort, -dF/dx and -dF/dv."""
 
 from typing import TYPE_CHECKING
 
@@ -78,7 +78,10 @@ def _set_row(
     tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, element: np.void, row: np.ndarray
 ) -> None:
     force, torque = triple(element["force"], 0), triple(element["torque"], 0)
-    for k, node, sign in ((element["frame_j"], element["node_j"], 1.0), (element["frame_i"], element["node_i"], -1.0)):
+    for k, node, sign in (
+        (element["frame_j"], element["node_j"], 1.0),
+        (element["frame_i"], element["node_i"], -1.0),
+    ):
         s = work[k]
         n = plus(torque, cross(minus(triple(element["place"], 0), triple(s["position"], 0)), force))
         add_generalised_forces(tree, work, coordinates, k, scaled(sign, n), scaled(sign, force), row)

@@ -24,7 +24,12 @@ IN_COORDINATE, IN_LINE, ALONG, ABOUT = 0, 1, 2, 3
 
 @part
 def answer_elements(
-    tree: "TreeArrays", work: "np.ndarray", t: float, q: "np.ndarray", y: "np.ndarray", coordinates: "np.ndarray"
+    tree: "TreeArrays",
+    work: "np.ndarray",
+    t: float,
+    q: "np.ndarray",
+    y: "np.ndarray",
+    coordinates: "np.ndarray",
 ) -> None:
     """Fill the answers of all elements, frames being placed, and add their efforts along coordinates."""
     for i in range(tree.elements.shape[0]):
@@ -58,7 +63,10 @@ def add_element_wrenches(tree: "TreeArrays", work: "np.ndarray") -> None:
         element = tree.elements[i]
         if element["measure"] != IN_COORDINATE:
             effort, place = tree.answers[i, EFFORT], triple(element["place"], 0)
-            force, torque = scaled(effort, triple(element["force"], 0)), scaled(effort, triple(element["torque"], 0))
+            force, torque = (
+                scaled(effort, triple(element["force"], 0)),
+                scaled(effort, triple(element["torque"], 0)),
+            )
             _add_wrench(work[element["frame_i"]], place, force, torque, 1.0)
             _add_wrench(work[element["frame_j"]], place, force, torque, -1.0)
 
@@ -77,7 +85,9 @@ def _add_wrench(
 
 
 @part
-def _measure(element: "np.void", work: "np.ndarray", q: "np.ndarray", y: "np.ndarray", answer: "np.ndarray") -> bool:
+def _measure(
+    element: "np.void", work: "np.ndarray", q: "np.ndarray", y: "np.ndarray", answer: "np.ndarray"
+) -> bool:
     """Fill coordinate, speed and the unit force; False where it has no direction."""
     a, b = work[element["frame_i"]], work[element["frame_j"]]
     if element["measure"] == ABOUT:
@@ -121,9 +131,10 @@ def _measure_turn(element: "np.void", a: "np.void", b: "np.void", answer: "np.nd
     after, last = (k + 1) % 3, (k + 2) % 3
     f, g = column(a["axes"], after), column(a["axes"], last)
     h = outward(b["axes"], column(element["turned"], after))
-    if element["resists"] != 0 and not dot(
-        column(a["axes"], k), outward(b["axes"], column(element["turned"], k))
-    ) > 0.0:
+    if (
+        element["resists"] != 0
+        and not dot(column(a["axes"], k), outward(b["axes"], column(element["turned"], k))) > 0.0
+    ):
         answer[COORDINATE], answer[SPEED] = math.nan, math.nan
         return True
     c, s = dot(f, h), dot(g, h)

@@ -5,9 +5,9 @@ velocities, (2.35)-(2.38), are not stored: the recursion carries vectors from fr
 is never formed: eliminating the coordinates from the tips to the root is the factorization of b in the order
 of the tree (Featherstone's articulated bodies).  A coordinate is either free, and its acceleration follows,
 or locked: its acceleration is given, and the effort that enforces it follows.  All locked is inverse
-dynamics.  Forces of loops, couplings and friction follow from a solution without them, and take a second one.
-The one-way motion of thesis 4.3 solves for the rigid coordinates with the elastic ones locked at rest, then for
-the elastic ones with the rigid ones locked.
+dynamics.  Forces of loops, couplings and friction follow from a solution without them, and take a second.
+The one-way motion of thesis 4.3 solves for the rigid coordinates with the elastic ones locked at rest, then
+for the elastic ones with the rigid ones locked.
 """
 
 from typing import TYPE_CHECKING
@@ -40,7 +40,11 @@ if TYPE_CHECKING:
 
 
 SOLVED = -1
-OPEN, CLOSED, ELASTIC = 0, 1, 2  # solutions: without forces of loops and friction, with them, of one-way motion
+OPEN, CLOSED, ELASTIC = (
+    0,
+    1,
+    2,
+)  # solutions: without forces of loops and friction, with them, of one-way motion
 
 # A pivot below this part of the body's own inertia is round-off: nothing moves with the coordinate.
 SMALLEST_HINGE_INERTIA = 1e-13

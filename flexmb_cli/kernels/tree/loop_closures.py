@@ -92,7 +92,9 @@ def _carried(
 
 
 @kernel
-def _gap_acceleration(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", row: "np.void") -> float:
+def _gap_acceleration(
+    tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", row: "np.void"
+) -> float:
     """Second derivative of the gap at the present accelerations."""
     if row["coupling"] >= 0:
         return _coupled(tree.couplings[row["coupling"]], coordinates["rate"])

@@ -14,7 +14,8 @@ from ..joints import NORMALISATION
 from ..loads import AppliedForce, AppliedTorque, DynamicModel
 from .constraint_table import PrimitiveTable
 from .kinematic import KinematicArrays, kinematic_arrays
-from .records import FLEXIBLE, FORCE, GROUP, LINE, LOAD, MASS, NONE, TORQUE, blank_load, line_primitive
+from .laws import NONE
+from .records import FLEXIBLE, FORCE, GROUP, LINE, LOAD, MASS, TORQUE, blank_load, line_primitive
 from .system import SystemArrays
 from .young_elements import without_driven, young_elements
 

@@ -13,15 +13,17 @@ from ...quick_dataclass import dataclass
 from ..flexible_mechanism import NodePoint, PointJoint
 from ..joint_elements import COORDINATES_OF, JointElements, is_angle
 from ..joints import ANGLE, BY_NAME, PITCH, STROKE
+from ..laws import SPRING
 from .constraint_table import PrimitiveTable
-from .laws import SPRING, fill_friction, fill_law
+from .laws import fill_friction, fill_law
 from .node_joints import JointVectors
 from .records import ELEMENT, FRICTION, blank_load, line_primitive
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from ..joint_elements import Bushing, EndStop, JointFriction, JointMotor, JointSpring, LineSpring
+    from ..joint_elements import Bushing, JointFriction, JointMotor, JointSpring, LineSpring
+    from ..laws import JointLaw
 
 
 @dataclass(frozen=True)
@@ -152,7 +154,7 @@ class ElementTable:
         """Springs, stops, bushings, joint coordinates, motors, friction; equations must have been added."""
         found = [self._in_joint(item) for item in self.elements.springs]
         found += [self._line(item) for item in self.elements.lines]
-        found += [self._in_joint(item) for item in (*self.elements.stops, *self.elements.laws)]
+        found += [self._in_joint(item) for item in self.elements.laws]
         for number, bushing in enumerate(self.elements.bushings):
             found += self._bushing(number, bushing)
         for name in self.reported:
@@ -166,7 +168,7 @@ class ElementTable:
         record["primitive"] = self.table.spring(self.joints.primitive(joint, coordinate))
         return record
 
-    def _in_joint(self, item: "JointSpring | EndStop | JointMotor") -> Any:
+    def _in_joint(self, item: "JointSpring | JointLaw | JointMotor") -> Any:
         return fill_law(self._at(item.joint, item.coordinate), item, self.table)
 
     def _end(self, body: int, point: Any) -> Any:

@@ -10,8 +10,9 @@ from ..flexible_mechanism import FlexibleMechanism, FloatingBody, PointForce, Po
 from .constraint_table import PrimitiveTable
 from .element_table import ElementTable, PointJoints, coordinates_of_joints
 from .kinematic import CONSTRAINT
+from .laws import NONE
 from .node_joints import add_joints, add_motions, spring_primitive
-from .records import FLEXIBLE, FORCE, LINE, LOAD, MASS, NONE, RELATIVE, TORQUE, blank_load, line_primitive
+from .records import FLEXIBLE, FORCE, LINE, LOAD, MASS, RELATIVE, TORQUE, blank_load, line_primitive
 from .system import SystemArrays
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .laws import CABLE, FRICTION_LAW, LAW, MOTOR, NONE, SPRING, STOP
+from .laws import FRICTION_LAW, LAW, NONE
 
 FORCE, TORQUE, LINE, RELATIVE, ELEMENT, FRICTION = 1, 2, 3, 4, 5, 6
 

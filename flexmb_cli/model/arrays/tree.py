@@ -96,8 +96,12 @@ class TreeArrays(NamedTuple):
     functions: np.ndarray  # FUNCTION records
     closures: np.ndarray  # CLOSURE_ROW records, one a closed direction
     closure_matrix: np.ndarray  # (rows, rows) work: J b^-1 Jᵀ, 1/kg
-    couplings: np.ndarray  # (C, NS) factors of the coordinates in the couplings, whose rows follow the closures
-    row_forces: np.ndarray  # (1 + m, rows) of closures and couplings without friction, and by unit normal forces
+    couplings: (
+        np.ndarray
+    )  # (C, NS) factors of the coordinates in the couplings, whose rows follow the closures
+    row_forces: (
+        np.ndarray
+    )  # (1 + m, rows) of closures and couplings without friction, and by unit normal forces
     reactions: np.ndarray  # (F, 6) force of its hinge on every frame, N, and moment about its origin, N m
     gravity: np.ndarray  # (3,) inertial axes, m/s²
     elastic: np.ndarray  # (NS,) bool

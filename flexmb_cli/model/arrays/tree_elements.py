@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..flexible_mechanism import NodePoint
+from ..laws import SPRING
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from ..tree_as_mechanism.frames import hinge_frames
 from ..tree_as_mechanism.poses import first_poses
 from .function_table import FunctionTable
-from .laws import FRICTION_LAW, FUNCTIONS, LAW, NONE, SPRING, fill_friction, fill_law
+from .laws import FRICTION_LAW, FUNCTIONS, LAW, NONE, fill_friction, fill_law
 
 if TYPE_CHECKING:
     from ..joint_elements import Bushing, JointDriver, LineSpring
@@ -64,7 +65,9 @@ class TreeElements:
     def __init__(self, tree: Tree, index: Mapping[Any, Any], of_body: Sequence[int]):
         self.tree, self.index, self.of_body = tree, index, of_body
         self.table = FunctionTable()
-        self._axes = [pose.A for pose in first_poses(tree, hinge_frames(tree))] if tree.elements.bushings else []
+        self._axes = (
+            [pose.A for pose in first_poses(tree, hinge_frames(tree))] if tree.elements.bushings else []
+        )
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Fields of TreeArrays; drivers must have been added."""
@@ -92,21 +95,19 @@ class TreeElements:
         """The TREE_ELEMENT records: those of `names_of` without friction."""
         elements = self.tree.elements
         lines, motors = len(elements.lines), len(elements.motors)
-        before, after = elements.springs, (*elements.stops, *elements.laws)
-        found = np.zeros(
-            len(before) + lines + len(after) + OF_BUSHING * len(elements.bushings) + motors, TREE_ELEMENT
-        )
+        bushings, singles = len(elements.bushings), len(elements.springs) + len(elements.laws)
+        found = np.zeros(singles + lines + OF_BUSHING * bushings + motors, TREE_ELEMENT)
         free = iter(found)
-        for item in before:
-            self._in_coordinate(next(free), item)
+        for spring in elements.springs:
+            self._in_coordinate(next(free), spring)
         for line in elements.lines:
             fill_law(self._between(next(free), line, IN_LINE), line, self.table)
-        for item in after:
-            self._in_coordinate(next(free), item)
+        for law in elements.laws:
+            self._in_coordinate(next(free), law)
         for bushing in elements.bushings:
             self._bushing([next(free) for _ in range(OF_BUSHING)], bushing)
-        for item in elements.motors:
-            self._in_coordinate(next(free), item)
+        for motor in elements.motors:
+            self._in_coordinate(next(free), motor)
         return found
 
     def _frictions(self) -> np.ndarray:
@@ -125,7 +126,13 @@ class TreeElements:
 
     def driver(self, item: "JointDriver") -> tuple[int, float, float, float, int]:
         """Coordinate of a driver, no C, B and A, its function."""
-        return self._coordinate(item.joint, item.coordinate), 0.0, 0.0, 0.0, self.table.function(item.function)
+        return (
+            self._coordinate(item.joint, item.coordinate),
+            0.0,
+            0.0,
+            0.0,
+            self.table.function(item.function),
+        )
 
     def _coordinate(self, joint: int, coordinate: str) -> int:
         motion, axis = coordinate.split()

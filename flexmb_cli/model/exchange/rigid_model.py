@@ -12,17 +12,16 @@ import numpy as np
 from ...errors import Fault, ModelError, Place
 from ...quick_dataclass import dataclass
 from ..integrators import Integrator
-from ..laws import JointLaw
 from ..joint_elements import (
     Bushing,
     Coupling,
-    EndStop,
     JointDriver,
     JointFriction,
     JointMotor,
     JointSpring,
     LineSpring,
 )
+from ..laws import JointLaw
 from ..loads import AppliedForce, AppliedTorque, SpringDamper
 from ..mechanism import GROUND, Point, TimeGrid, Vector
 from ..time_functions import MotionFunction
@@ -122,7 +121,6 @@ class RigidModel:
     integrator: Integrator = Integrator(tolerance=1e-12)
     notes: tuple[str, ...] = ()
     shapes: tuple[RigidShape, ...] = ()
-    stops: tuple[EndStop, ...] = ()
     laws: tuple[JointLaw, ...] = ()
     frictions: tuple[JointFriction, ...] = ()
     preloaded: tuple[JointSpring, ...] = ()  # with a preload, or with forces by functions

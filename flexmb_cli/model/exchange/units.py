@@ -61,7 +61,6 @@ class _Scaling:
             "joint_drivers": self._joint_driver,
             "motors": self._motor,
             "joint_springs": self._joint_spring,
-            "stops": self._stop,
             "laws": self._law,
             "frictions": self._friction,
             "springs": self._spring,
@@ -157,21 +156,10 @@ class _Scaling:
         )
         return replace(item, terms=terms)
 
-    def _stop(self, item: Any) -> Any:
-        revolutions = item.coordinate == ANGLE
-        length = 1.0 if revolutions else self.L
-        return replace(
-            item,
-            lower=length * item.lower,
-            upper=length * item.upper,
-            stiffness=(self.torque if revolutions else self.M) * item.stiffness,
-            damping=item.damping / length,
-        )
-
     def _law(self, item: Any) -> Any:
-        effort, length = (self.torque, 1.0) if item.coordinate == ANGLE else (self.force, self.L)
-        factors = [effort**p.effort * length**p.length for p in item.law.parameters]
-        return replace(item, values=tuple(f * x for f, x in zip(factors, item.values, strict=True)))
+        turning = item.coordinate == ANGLE
+        values = item.in_units(self.torque if turning else self.force, 1.0 if turning else self.L)
+        return replace(item, values=values)
 
     def _friction(self, item: Any) -> Any:
         scaled_lengths = {name: self.L * getattr(item, name) for name in ("stribeck", "creep", "radius")}

@@ -68,7 +68,5 @@ def has_shared_axis(hinge: Hinge, axis: int) -> bool:
 
 
 def _foreign_hinge(tree: Tree, item: "Motor | Spring", kind: str, what: str) -> Fault:
-    message = (
-        f"a {kind} in a hinge with {what} is not carried over to absolute coordinates; {OTHERWISE}"
-    )
+    message = f"a {kind} in a hinge with {what} is not carried over to absolute coordinates; {OTHERWISE}"
     return Fault("error", message, item.place, f"{kind} of {tree.bodies[item.body].name}", id="MODEL-008")

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arrays.constraint_table import PrimitiveTable
-from ..arrays.records import FORCE, LOAD, NONE, RELATIVE, TORQUE, blank_load
+from ..arrays.laws import NONE
+from ..arrays.records import FORCE, LOAD, RELATIVE, TORQUE, blank_load
 from ..time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
 from ..tree import ROTATION, Table, Tree
 from ..vectors import rotation_matrix

@@ -60,7 +60,7 @@ OF_HINGES = {
 
 
 def tree_layout(tree: Tree, points: list[str], reactions: bool) -> Layout:
-    """Axes and series of a tree; `points` are the names of its points, `reactions`: whether hinges have them."""
+    """Axes and series of a tree; `points`: names of its points, `reactions`: whether hinges have them."""
     axes = [
         XYZ,
         EULER_PARAMETER,

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...errors import Fault
 from ...model.joint_elements import JointElements, JointSpring, LineSpring, is_angle
+from ...model.laws import STOP
 from ...model.mechanism import Joint
 
 # Names of a script's bodies, and points of them: local ones, and global ones at the start.
@@ -47,7 +48,6 @@ _REFUSED = {
     "motors": ("motors by functions of time do not convert", "RESULT-068"),
     "driven": ("drivers by functions do not convert", "RESULT-069"),
     "supports": ("supports by functions do not convert", "RESULT-070"),
-    "laws": ("laws of elements do not convert", "RESULT-999"),
     "bushings": (
         "bushings do not convert: Exudyn's have other angles where a body turns about several axes",
         "RESULT-071",
@@ -63,6 +63,10 @@ def foreign_elements(elements: JointElements) -> Iterator[Fault]:
     for kind, (message, name) in _REFUSED.items():
         for item in getattr(elements, kind):
             yield Fault("error", message, item.place, item.name, id=name)
+    for law in elements.laws:
+        if law.law is not STOP:
+            message = f"the law {law.law.word} does not convert"
+            yield Fault("error", message, law.place, law.name)
     springs: tuple[JointSpring | LineSpring, ...] = (*elements.springs, *elements.lines)
     for spring in springs:
         if spring.curve or spring.damper:
@@ -85,7 +89,7 @@ class ElementLines:
 
     def lines(self, elements: JointElements) -> Iterator[str]:
         """Yield definitions and a line for every element."""
-        if not any((elements.springs, elements.lines, elements.stops, elements.composites)):
+        if not any((elements.springs, elements.lines, elements.laws, elements.composites)):
             return
         yield DEFINITIONS
         for spring in elements.springs:
@@ -93,9 +97,8 @@ class ElementLines:
             law = f"stiffness={spring.stiffness!r}, damping={spring.damping!r}, offset={rest!r}"
             effort = "torque" if is_angle(spring.coordinate) else "force"
             yield self._at_joint(spring, f"{law}, {effort}={spring.preload!r}")
-        for stop in elements.stops:
-            since = self._since(stop)
-            limits = f"{stop.lower - since!r}, {stop.upper - since!r}, {stop.stiffness!r}, {stop.damping!r}"
+        for stop in elements.laws:
+            limits = ", ".join(map(repr, stop.since(self._since(stop))))
             effort = "Torque" if is_angle(stop.coordinate) else "Force"
             yield self._at_joint(stop, f"spring{effort}UserFunction=stops({limits})")
         for line in elements.lines:

@@ -227,7 +227,7 @@ class ConstrainedMotion(ABC):
         answer = self._call(codes.BEGIN, blank_report(self.arrays, np.zeros(0), self.works))
         if answer != codes.READY:
             raise step_failure(self, answer)
-        self.warnings += notes_of_pressed_stops(self.elements.stops, self.arrays.loads, self.work.responses)
+        self.warnings += notes_of_pressed_stops(self.elements.laws, self.arrays.loads, self.work.responses)
         return found
 
     def start_position(self) -> Mobility:

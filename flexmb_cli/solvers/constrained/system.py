@@ -4,10 +4,10 @@ from typing import cast
 
 import numpy as np
 
-from ...kernels.constrained.elements import RESPONSE_COLUMNS
 from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import PHI, System, Work, make_work
 from ...kernels.kinematics import constraints as equations
+from ...kernels.laws import ANSWER_COLUMNS
 from ...kernels.linalg.rotation import A, rotation_matrices
 from ...model.arrays.records import FUNCTION, function_record
 from ...model.arrays.system import SystemArrays
@@ -53,7 +53,7 @@ def blank_report(arrays: SystemArrays, times: np.ndarray, works: int = 0) -> Rep
         np.zeros((rows, len(arrays.equations))),
         np.zeros(rows),
         np.zeros((rows, 5)),
-        np.zeros((rows, len(arrays.loads), RESPONSE_COLUMNS)),
+        np.zeros((rows, len(arrays.loads), ANSWER_COLUMNS)),
     )
 
 

@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...kernels.constrained.angle_unwrapping import EXPECTED
-from ...kernels.constrained.elements import RESPONSE_COLUMNS
 from ...kernels.constrained.report import observe_rows
 from ...kernels.constrained.system import NO_INERTIA, SOLVED, System
+from ...kernels.laws import ANSWER_COLUMNS
 from ...model.arrays.constraint_table import tilde
-from ...model.arrays.records import ELEMENT, FORCE, FRICTION, LINE, RELATIVE, SPRING, TORQUE
+from ...model.arrays.records import ELEMENT, FORCE, FRICTION, LINE, RELATIVE, TORQUE
 from ...model.flexible_mechanism import NodePoint
+from ...model.laws import SPRING
 from ...model.vectors import rotation_matrix
 from ..constrained.system import blank_report
 from .constrained import ConstrainedLinearised
@@ -78,7 +79,7 @@ class ConstrainedResponses(Responses):
         expected = analysis.integration.angles[EXPECTED][None].copy()
         system, work = model or motion.system, analysis.work
         # A kernel writes a row for every load, and a model may have one more.
-        answers = np.zeros((len(system.loads), RESPONSE_COLUMNS))
+        answers = np.zeros((len(system.loads), ANSWER_COLUMNS))
         work, report = work._replace(responses=answers), report._replace(responses=answers[None].copy())
         filled = observe_rows(system, work, expected, report)
         motion.refuse(SOLVED if filled else NO_INERTIA)

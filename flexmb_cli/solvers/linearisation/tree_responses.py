@@ -59,7 +59,9 @@ class TreeResponses(Responses):
         closures = [(closure.name, "force", "N") for closure in self.tree.closures]
         vectors = [Signal(f"{n} {what} {axis}", unit) for n, what, unit in points + closures for axis in AXES]
         drivers = zip(self._drivers, self.arrays.prescribed["coordinate"], strict=True)
-        efforts = [Signal(f"{name} effort", EFFORT_OF[_unit(self.tree.coordinates[m])]) for name, m in drivers]
+        efforts = [
+            Signal(f"{name} effort", EFFORT_OF[_unit(self.tree.coordinates[m])]) for name, m in drivers
+        ]
         return vectors + efforts * bool(self.tree.elements)
 
     def _rows(self, z: np.ndarray, arrays: TreeArrays) -> Any:

@@ -245,7 +245,6 @@ class TreeAnalysis:
             _step_vanished(self.tree, t, float(clock["step"]), int(clock["worst"])), t, norms
         )
 
-
     def force_failure(self) -> AnalysisError | None:
         """Return why elements have no force at the state, or where its speeds lead in a moment, or None."""
         if not self.tree.elements:
@@ -273,7 +272,9 @@ def initial_state(tree: Tree) -> np.ndarray:
 def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
     """Times inside (start, end) at which a function of the tree jumps or bends."""
     times = {t for function in _functions(tree) for t in function.times}
-    times |= {t for item in (*tree.elements.motors, *tree.elements.drivers) for t in corners(item.function)}
+    functions = [item.function for item in tree.elements.motors]
+    functions += [item.function for item in tree.elements.drivers]
+    times |= {t for function in functions for t in corners(function)}
     return sorted(t for t in times if start < t < end)
 
 

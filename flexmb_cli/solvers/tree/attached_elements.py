@@ -36,8 +36,7 @@ def attach_elements(analysis: "TreeAnalysis") -> None:
     _call(analysis, tree_dop853.CLOSE if coupled.any() else tree_dop853.GO_ON)
     t, lengths = analysis.tree.time.start, arrays.answers[: elements.size, COORDINATE]
     refuse_undirected_lines(analysis.tree.elements.lines, lengths[elements["measure"] == IN_LINE], t)
-    stops = analysis.tree.elements.stops
-    analysis.warnings += notes_of_pressed_stops(stops, elements, arrays.answers)
+    analysis.warnings += notes_of_pressed_stops(analysis.tree.elements.laws, elements, arrays.answers)
     if failure := analysis.force_failure():
         raise failure
 
@@ -60,8 +59,7 @@ def attachments(arrays: "TreeArrays") -> dict[str, np.ndarray]:
 def lost_force(tree: "Tree", answers: np.ndarray, t: float) -> AnalysisError:
     """Return why elements with such answers (E + m, 8) have no force at t: a bushing, else friction."""
     elements = tree.elements
-    single = elements.springs, elements.lines, elements.stops, elements.laws
-    first = sum(map(len, single))
+    first = len(elements.springs) + len(elements.lines) + len(elements.laws)
     angles = answers[first : first + OF_BUSHING * len(elements.bushings), COORDINATE]
     turned = np.flatnonzero(np.isnan(angles))
     return bushing_failure(int(turned[0]) // OF_BUSHING, t) if turned.size else jam_failure(t)

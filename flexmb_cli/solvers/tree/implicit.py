@@ -21,7 +21,9 @@ def implicit_rows(analysis: "TreeAnalysis") -> Iterator[TreeRows]:
     """
     clock, n = analysis.clock[0], len(analysis.coordinates)
     arrays = analysis.arrays
-    integration = sdirk4.implicit_work(analysis.clock, analysis.state, n, arrays.closures, len(arrays.answers))
+    integration = sdirk4.implicit_work(
+        analysis.clock, analysis.state, n, arrays.closures, len(arrays.answers)
+    )
     integration.before[:] = analysis.integration.slopes[0]
     budget = 1 + IMPLICIT_CALL_WORK // (1 + n * n)
 

@@ -11,7 +11,7 @@ SHOWN = 6
 
 
 def closed_rows(tree: Tree) -> list[tuple[str, Closure | Coupling]]:
-    """Return names and owners of the closed directions and couplings of a tree, in the order of their rows."""
+    """Return names and owners of the closed directions and couplings, in the order of their rows."""
     directions = [(closure, axis) for closure in tree.closures for axis in closure.directions]
     rows: list[tuple[str, Closure | Coupling]] = [
         (f"{closure.name} direction {axis}", closure) for closure, axis in directions
@@ -38,7 +38,7 @@ def repetition(tree: Tree, repeated: np.ndarray) -> Fault | None:
     coupled = bool(tree.elements.couplings)
     message = (
         f"{count} of {repeated.size} closed directions{' and couplings' * coupled} "
-        f"repeat{'s' * (count == 1)} others: {shown}; the motion is unique, forces along them are taken as 0; "
-        f"leave {'them' if coupled else 'their flags'} out"
+        f"repeat{'s' * (count == 1)} others: {shown}; the motion is unique, forces along them are taken as "
+        f"0; leave {'them' if coupled else 'their flags'} out"
     )
     return Fault("warning", message, found[0][1].place, found[0][1].name, id="SOLVE-036")

@@ -25,7 +25,6 @@ from ...joint_elements.build import (
     line_spring,
     motor,
     sections_of,
-    stop,
 )
 from ...joint_elements.build import build_elements as elements_of
 from ...joint_elements.functions import Functions, GivenFunction
@@ -42,8 +41,7 @@ _CARDS: Cards = {
     "drivers": [("function_drive", joint_driver(None))],
     "motors": [("function_motor", motor(None))],
     "springs": [("hinge_spring", joint_spring(None))],
-    "stops": [("hinge_stop", stop(None))],
-    "laws": law_sections({"h": None}),
+    "laws": law_sections({"hinge_": None}),
     "lines": [("lspring", line_spring), ("cable", cable)],
     "bushings": [("bushing", bushing)],
     "couplings": [("coupling", coupling)],

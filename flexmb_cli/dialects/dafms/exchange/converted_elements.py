@@ -5,9 +5,9 @@ from typing import Any
 
 from ....model.exchange.conversion import Conversion, place_of
 from ....model.exchange.functions import moved
-from ....model.laws import JointLaw
 from ....model.joint_elements import Bushing, Coupling, JointDriver, JointMotor
 from ....model.joints import ANGLE, STROKE
+from ....model.laws import JointLaw
 from ....model.tree import ROTATION, Tree
 from ....quick_dataclass import replace
 
@@ -22,7 +22,7 @@ class ConvertedElements(Conversion):
     def _elements(self) -> dict[str, tuple[Any, ...]]:
         """Elements in one joint coordinate, which count from the start."""
         found: dict[str, tuple[Any, ...]] = {}
-        counted = {"drivers": (), "motors": (), "springs": ("rest",), "stops": ("lower", "upper"), "laws": ()}
+        counted = {"drivers": (), "motors": (), "springs": ("rest",), "laws": ()}
         for kind, names in counted.items():
             items = [self._in_joint(item, names) for item in getattr(self.tree.elements, kind)]
             found[kind] = tuple(item for item in items if item)
@@ -41,8 +41,7 @@ class ConvertedElements(Conversion):
         elif isinstance(item, JointMotor):
             changed["function"] = moved(item.function, self.tree.time.start)
         elif isinstance(item, JointLaw):
-            pairs = zip(item.law.parameters, item.values, strict=True)
-            changed["values"] = tuple(value - q if p.counted else value for p, value in pairs)
+            changed["values"] = item.since(q)
         return replace(item, joint=joint, coordinate=coordinate, **changed)
 
     def _joint_coordinate(self, item: Any, body: int, coordinate: str) -> tuple[int, str, float] | None:

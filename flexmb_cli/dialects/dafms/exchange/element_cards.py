@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....deck.fortran_fields import filled
-from ....model.laws import LAWS
 from ....model.exchange.function_cards import Card, FunctionCards, without_card
 from ....model.exchange.functions import points_of, polynomial_of, value_of
 from ....model.joints import ANGLE
+from ....model.laws import LAWS
 from ....model.mechanism import GROUND
 from ..elements.cards import FUNCTION_KINDS
 
@@ -76,7 +76,6 @@ class ElementCards:
             ("CABL", self._lines(slack=True)),
             ("SPRI", springs), ("DAMP", dampers), ("MOTR", motors), ("TABM", tables), ("PRES", motions),
             ("HSPR", list(map(self._preloaded, self.model.preloaded))),
-            ("HSTO", list(map(self._stop, self.model.stops))),
             *((f"H{law.word}"[:4], [self._dof(i) + "".join(map(self.real, i.values))
                                     for i in self.model.laws if i.law is law]) for law in LAWS),
             ("BUSH", list(map(self._bushing, self.model.bushings))),

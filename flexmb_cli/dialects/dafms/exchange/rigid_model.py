@@ -104,7 +104,6 @@ class _Conversion(ConvertedElements):
             ),
             torques=tuple(self._torques()),
             integrator=integrator,
-            stops=elements["stops"],
             laws=elements["laws"],
             frictions=tuple(
                 replace(item, joint=self.number[item.joint])
