@@ -1,4 +1,4 @@
-"""Drivers, springs, laws, bushings, couplings and friction at joints, and composite joints.
+"""Drivers, springs, stops, bushings, couplings and friction at joints, and composite joints.
 
 A joint coordinate is the angle of body J against body I about the joint's axis, rad, or the stroke of P_j
 along it, m; both are 0 at the deck's estimates.  Hinges of a tree have the coordinates "rotation 1" to
@@ -11,16 +11,28 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import Place
 from ..quick_dataclass import dataclass, fields
-from .joints import ANGLE, JOINT_TYPES, NODE_JOINT_TYPES
+from .joints import ANGLE, BY_NAME, JOINT_TYPES, NODE_JOINT_TYPES
 from .laws import JointLaw
 from .mechanism import Vector
 from .time_functions import MotionFunction
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from .fe_model import End
-    from .flexible_mechanism import NodePoint
+    from .flexible_mechanism import FlexibleMechanism, NodePoint
+    from .loads import DynamicModel
 
 USUAL_EXPONENT = 10  # of two, of the largest factor of a coupling that is left as it is
+LENGTH, TURN = "m", "rad"
+OF_BUSHING = (
+    ("x", LENGTH),
+    ("y", LENGTH),
+    ("z", LENGTH),
+    ("about x", TURN),
+    ("about y", TURN),
+    ("about z", TURN),
+)
 # The coordinates that the joints of each type have.
 COORDINATES_OF = {kind.name: kind.coordinates for kind in (*JOINT_TYPES, *NODE_JOINT_TYPES)}
 
@@ -220,3 +232,27 @@ class JointElements:
     def constrain(self) -> bool:
         """Return whether some of them are equations."""
         return any((self.drivers, self.driven, self.supports, self.couplings, self.composites))
+
+
+def element_names(model: "DynamicModel | FlexibleMechanism") -> list[tuple[str, str]]:
+    """Name of every spring and element and unit of its coordinate, "m" or "rad"."""
+    found = [(item.name, LENGTH) for item in model.springs]
+    # Asking for the class would import flexible bodies in runs that have none.
+    joints = getattr(model, "joints", ())
+    for item in getattr(model, "joint_springs", ()):
+        found.append((item.name, _unit(BY_NAME[joints[item.joint].kind].sprung)))
+    return found + list(names_of(model.elements))
+
+
+def names_of(elements: JointElements) -> "Iterator[tuple[str, str]]":
+    """Name of every element and unit of its coordinate."""
+    yield from ((spring.name, _unit(spring.coordinate)) for spring in elements.springs)
+    yield from ((line.name, LENGTH) for line in elements.lines)
+    yield from ((item.name, _unit(item.coordinate)) for item in elements.laws)
+    yield from ((f"{item.name} {part}", unit) for item in elements.bushings for part, unit in OF_BUSHING)
+    yield from ((friction.name, LENGTH) for friction in elements.frictions)
+    yield from ((motor.name, _unit(motor.coordinate)) for motor in elements.motors)
+
+
+def _unit(coordinate: str) -> str:
+    return TURN if is_angle(coordinate) else LENGTH

@@ -1,4 +1,4 @@
-"""Laws of elements in a joint coordinate, a record each.
+"""Force laws of elements in a joint coordinate, a record each.
 
 Cards of all dialects, their units, names, checks and conversion, and the arrays of both formulations follow
 from these records.  A new law is one record here and one branch of `kernels.laws`, of the same code.
@@ -17,12 +17,12 @@ SPRING, CABLE, MOTOR = 1, 2, 3
 class Parameter(NamedTuple):
     """A number of a law; its unit is effort^effort coordinate^length s^time."""
 
-    name: str
+    name: str  # in decks and results
     meaning: str  # {coordinate} and {effort} stand for the words of a card
-    effort: int = 0
-    length: int = 0
-    time: int = 0
-    default: float | None = None  # None: it must be given
+    effort: int = 0  # power of the unit of the effort
+    length: int = 0  # power of the unit of the coordinate
+    time: int = 0  # power of the second
+    default: float | None = None  # in its unit; None: it must be given
     signed: bool = False  # whether it may be negative
     counted: bool = False  # a value of the coordinate: it counts from another start after a conversion
     above: str = ""  # parameter than which it must be larger
@@ -44,9 +44,9 @@ class Parameter(NamedTuple):
 class Law(NamedTuple):
     """A law by its word in decks, of at most six letters, and its code."""
 
-    word: str
-    code: int
-    parameters: tuple[Parameter, ...]
+    word: str  # behind the letter of the coordinate: TSTOP, ASTOP, HSTO
+    code: int  # that of its branch in `kernels.laws`
+    parameters: tuple[Parameter, ...]  # in the order of the card
 
     @property
     def optional(self) -> int:

@@ -179,7 +179,7 @@ def joint_law(law: Law, coordinate: str | None) -> Callable[..., Any]:
 
 
 def law_sections(prefixes: dict[str, str | None]) -> list[tuple[str, Callable[..., Any]]]:
-    """Sections of all laws by the beginnings of their names, which tell the coordinate."""
+    """Sections of all force laws by the beginnings of their names, a coordinate for each."""
     return [
         ((prefix + law.word).lower(), joint_law(law, at)) for law in LAWS for prefix, at in prefixes.items()
     ]

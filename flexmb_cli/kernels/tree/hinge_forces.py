@@ -22,9 +22,10 @@ if TYPE_CHECKING:
 def hinge_wrench(
     motion: "np.ndarray", share: float, bias: "np.ndarray", s: "np.void"
 ) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    """Moment about its origin and force on a frame by its hinge, the parent moving with (al, a).
+    """Moment about its origin and force on a frame by its hinge.
 
-    `share` of the velocities' accelerations: 1, or 0 for a response to unit forces, whose bias is given.
+    motion (6,): acceleration (al, a) of the parent; bias (6,): that of the frame, or unit forces; `share` of
+    the accelerations by velocities: 1, or 0 for a response to unit forces.
     """
     al = plus(triple(motion, 0), scaled(share, triple(s["remainder"], 0)))
     a = plus(triple(motion, 3), cross(triple(motion, 0), triple(s["offset"], 0)))

@@ -1,6 +1,6 @@
 """The stiff part of a tree's equations, b y' = ... - D y - K q, and linear systems with b + f D + f² K.
 
-K and D hold elastic bodies, their stiffening and hinge springs; what else depends on the coordinates
+K and D hold elastic bodies, their stiffening and elements; what else depends on the coordinates
 is soft, and an implicit step may leave it out of its matrix.  All matrices are stored by profiles
 (`profile_elimination`): rows of K end where `tree.reach` says, those of b at what moves along, so
 that for slender bodies factors and products cost as much as there are nodes.
@@ -239,10 +239,6 @@ def _set_stiffness(tree: "TreeArrays", work: np.ndarray, K: np.ndarray, ends: np
             start = body["stiffening"]
             _add_block(turning, tree.stiffening, start, body, tree.reach, K)
             _add_block(weight, tree.stiffening, start + body["count"] ** 2, body, tree.reach, K)
-    for i in range(tree.springs.shape[0]):
-        m = tree.springs[i]["coordinate"]
-        if not tree.given[m]:
-            K[m, m] += tree.springs[i]["stiffness"]
 
 
 @kernel
@@ -252,10 +248,6 @@ def _add_damping(tree: "TreeArrays", factor: float, A: np.ndarray) -> None:
         body = tree.elastic_bodies[b]
         if body["damping"] >= 0:
             _add_block(factor, tree.damping, body["damping"], body, tree.reach, A)
-    for i in range(tree.springs.shape[0]):
-        m = tree.springs[i]["coordinate"]
-        if not tree.given[m]:
-            A[m, m] += factor * tree.springs[i]["damping"]
 
 
 @kernel

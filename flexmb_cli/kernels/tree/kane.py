@@ -72,7 +72,7 @@ def accelerations(
         # Each time: accelerations of locked coordinates have joined the remainders of the hinges.
         place_frames(tree, work, coordinates, q, y, attitudes)
         if turn == OPEN:
-            coordinate_efforts(tree, work, t, q, y, coordinates)
+            coordinate_efforts(tree, work, q, y, coordinates)
             answer_elements(tree, work, t, q, y, coordinates)
             answer_frictions(tree, y)
         fault = solve_tree(tree, work, coordinates, t, q, y)

@@ -8,6 +8,7 @@ import math
 from typing import TYPE_CHECKING
 
 from .._jit import kernel, plain
+from ..laws import COORDINATE
 from ..linalg.blocks import block
 from .elements import element_powers
 from .energy import applied_power
@@ -44,7 +45,8 @@ def derivative(
     # A trial state after one where an element has no force.
     if tree.answers.shape[0] > 0 and not _is_finite(z):
         dz.fill(math.nan)
-        tree.answers.fill(math.nan)
+        for i in range(tree.answers.shape[0]):
+            tree.answers[i, COORDINATE] = math.nan
         return SOLVED
     y, q, attitudes = parts(tree, z)
     yd, qd, rates = parts(tree, dz)

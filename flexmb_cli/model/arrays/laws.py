@@ -1,5 +1,4 @@
-"""What an element does along its coordinate: fields that every record of an element has, and how they are
-filled.
+"""Fields of the force law that every record of an element has, and how they are filled.
 
 The kernels of both formulations hand such records to `kernels.laws`.
 """
@@ -25,7 +24,7 @@ LAW = np.dtype(
         ("free_length", np.float64),  # m or rad
         ("damping", np.float64),  # N s/m, N m s/rad; of a cable s/m
         ("preload", np.float64),  # of a spring without stretch; of a motor besides its function; N, N m
-        ("c", np.float64, MOST_PARAMETERS),  # parameters of a law of `model.laws`
+        ("c", np.float64, MOST_PARAMETERS),  # parameters of a law of `model.laws`, in their units
         ("function", np.int64),  # MOTOR: function of time, -1: none
         ("curve", np.int64),  # SPRING: function of the stretch, -1: none
         ("energy", np.int64),  # SPRING: function that is its integral, -1: none

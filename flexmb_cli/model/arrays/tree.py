@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..geometric_stiffness import across, beam_direction, geometric_stiffness
-from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Motor, Prescribed, Spring, Tree
+from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Prescribed, Tree
 from .bandwidth import row_reach
 from .node_frames import NodeFrames, empty_node_frames
 from .tree_elements import TreeElements
@@ -27,15 +27,6 @@ ELASTIC_BODY = np.dtype(
     ]
 )
 
-SPRING = np.dtype(
-    [
-        ("coordinate", np.int64),  # hinge coordinate that it acts on
-        ("stiffness", np.float64),  # N/m, N m/rad
-        ("damping", np.float64),  # N s/m, N m s/rad
-        ("rest", np.float64),  # value without effort, m, rad
-    ]
-)
-
 # A hinge coordinate that follows C + B t + A t²/2 and a function.
 PRESCRIBED = np.dtype(
     [
@@ -52,11 +43,10 @@ PRESCRIBED = np.dtype(
 # interval.
 FUNCTION = np.dtype(
     [
-        ("frame", np.int64),  # body torque on this frame, or 0
+        ("frame", np.int64),  # on which the torque acts
         ("axis", np.int64),  # 0, 1, 2, inertial
-        ("coordinate", np.int64),  # effort on this hinge coordinate, or -1
-        ("c0", np.float64),  # N, N m
-        ("c1", np.float64),  # N/s, N m/s
+        ("c0", np.float64),  # N m
+        ("c1", np.float64),  # N m/s
     ]
 )
 
@@ -91,17 +81,14 @@ class TreeArrays(NamedTuple):
     damping: np.ndarray  # all matrices (NM, NM), flat, N s/m
     stiffening: np.ndarray  # by turning, N/m per rad²/s², then by weight, N/m per m/s², flat
     reach: np.ndarray  # (NS, 2) first place and one past the last that counts in an elastic coordinate's rows
-    springs: np.ndarray  # SPRING records
     prescribed: np.ndarray  # PRESCRIBED records
     functions: np.ndarray  # FUNCTION records
     closures: np.ndarray  # CLOSURE_ROW records, one a closed direction
     closure_matrix: np.ndarray  # (rows, rows) work: J b^-1 Jᵀ, 1/kg
     couplings: (
         np.ndarray
-    )  # (C, NS) factors of the coordinates in the couplings, whose rows follow the closures
-    row_forces: (
-        np.ndarray
-    )  # (1 + m, rows) of closures and couplings without friction, and by unit normal forces
+    )  # (C, NS) factors of the coordinates in the couplings; their rows follow the closures
+    row_forces: np.ndarray  # (1 + m, rows) without friction, N or N m, and by unit normal forces
     reactions: np.ndarray  # (F, 6) force of its hinge on every frame, N, and moment about its origin, N m
     gravity: np.ndarray  # (3,) inertial axes, m/s²
     elastic: np.ndarray  # (NS,) bool
@@ -110,11 +97,11 @@ class TreeArrays(NamedTuple):
     node_frames: NodeFrames  # those of all flexible parents
     elements: np.ndarray  # (E,) TREE_ELEMENT records
     frictions: np.ndarray  # (m,) TREE_FRICTION records
-    joint_forces: np.ndarray  # (1 + m, m, 5) see `dry_friction.fill_normal_forces`
+    joint_forces: np.ndarray  # (1 + m, m, 5) as `dry_friction.fill_normal_forces` takes them, N
     normals: np.ndarray  # (m,) normal forces, N
-    answers: np.ndarray  # (E + m, 8) what they answered last, columns of `kernels.laws`
+    answers: np.ndarray  # (E + m, 8) what they answered last, SI units, columns of `kernels.laws`
     curves: np.ndarray  # FUNCTION records of `records`: those of elements and drivers
-    knots: np.ndarray  # (k, 3) their knots
+    knots: np.ndarray  # (k, 3) their knots, units of the functions
     balls: int  # hinges with three rotations
     one_way: bool  # whether the elastic motion does not act on the rigid motion (thesis 4.3)
 
@@ -141,9 +128,8 @@ def tree_arrays(tree: Tree) -> TreeArrays:
         damping=damping,
         stiffening=stiffening,
         reach=reach,
-        springs=_records(SPRING, [(_rigid(index, s), s.stiffness, s.damping, s.rest) for s in tree.springs]),
         prescribed=_records(PRESCRIBED, prescribed),
-        functions=_functions(tree, index, parts.of_body),
+        functions=_records(FUNCTION, [(parts.of_body[t.body], t.axis - 1, 0.0, 0.0) for t in tree.torques]),
         closures=closures,
         closure_matrix=np.zeros((closures.size, closures.size)),
         couplings=couplings,
@@ -177,7 +163,7 @@ def _records(dtype: np.dtype, rows: "list[Any]") -> np.ndarray:
     return np.array(rows, dtype) if rows else np.zeros(0, dtype)
 
 
-def _rigid(index: "dict[Any, Any]", item: Motor | Prescribed | Spring) -> int:
+def _rigid(index: "dict[Any, Any]", item: Prescribed) -> int:
     return int(index[item.body, item.motion, item.axis, None])
 
 
@@ -239,12 +225,6 @@ def hanging_masses(tree: Any, k: int) -> np.ndarray:
         elif hinge.parent != INERTIAL:
             carried[hinge.parent] += carried[child]
     return hanging
-
-
-def _functions(tree: Tree, index: "dict[Any, Any]", of_body: list[int]) -> np.ndarray:
-    functions = [(of_body[t.body], t.axis - 1, -1, 0.0, 0.0) for t in tree.torques]
-    functions += [(0, 0, _rigid(index, m), 0.0, 0.0) for m in tree.motors]
-    return _records(FUNCTION, functions)
 
 
 def _closure_rows(tree: Tree, of_body: list[int], of_node: "dict[Any, Any]", couplings: int) -> np.ndarray:

@@ -40,7 +40,7 @@ TREE_ELEMENT = np.dtype(
         ("expected", np.float64),  # ABOUT: angle found last, from which whole turns continue, rad
         ("until", np.float64),  # s: functions of time hold what they are just before it
         ("force", np.float64, 3),  # on body j at `place` per unit effort, opposite on i, inertial axes
-        ("torque", np.float64, 3),  # the same of a torque
+        ("torque", np.float64, 3),  # ABOUT: on body j per unit effort, opposite on i, inertial axes
         ("place", np.float64, 3),  # inertial axes, m
         *LAW.descr,
     ]
@@ -53,7 +53,7 @@ TREE_FRICTION = np.dtype(
         ("sliding", np.int64),  # coordinate of its translation, -1: none
         ("preload", np.float64),  # normal force besides that of the hinge, N
         ("turning_effort", np.float64),  # by the normal force 1 N, N m
-        ("sliding_effort", np.float64),  # by the normal force 1 N
+        ("sliding_effort", np.float64),  # by the normal force 1 N, N
         *FRICTION_LAW.descr,
     ]
 )

@@ -66,7 +66,7 @@ def foreign_elements(elements: JointElements) -> Iterator[Fault]:
     for law in elements.laws:
         if law.law is not STOP:
             message = f"the law {law.law.word} does not convert"
-            yield Fault("error", message, law.place, law.name)
+            yield Fault("error", message, law.place, law.name, id="RESULT-031")
     springs: tuple[JointSpring | LineSpring, ...] = (*elements.springs, *elements.lines)
     for spring in springs:
         if spring.curve or spring.damper:

@@ -98,14 +98,15 @@ class ConstrainedMotion(ABC):
     def block(self, report: "Report") -> Any:
         """The rows of a report in the terms of the model."""
 
+    # What is linearised has these two.
     @property
-    @abstractmethod
     def terms(self) -> "Terms":
         """Names of loads, drivers, joints and points."""
+        raise NotImplementedError
 
-    @abstractmethod
     def driven_system(self, k: int, additions: list[float], t: float) -> "System":
         """Return the system with additions to the value, rate and second rate of driver k at t."""
+        raise NotImplementedError
 
     def usual_repetitions(self, q: np.ndarray) -> int | None:
         """Number of equations that repeat others in every mechanism of this type; None: of no such type."""

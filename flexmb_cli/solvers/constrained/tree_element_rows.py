@@ -7,7 +7,7 @@ import numpy as np
 from ...kernels.constrained.report import Report
 from ...kernels.laws import COORDINATE, EFFORT, ENERGY, POWER, SPEED
 from ...model.arrays.system import SystemArrays
-from ...model.element_names import names_of
+from ...model.joint_elements import names_of
 from ...model.tree import Tree
 from ...quick_dataclass import dataclass, fields
 from ..tree.rows import TreeRows

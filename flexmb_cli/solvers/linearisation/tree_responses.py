@@ -107,10 +107,6 @@ class TreeResponses(Responses):
             Signal(f"{self.tree.bodies[torque.body].name} torque {AXES[torque.axis - 1]}", "N m")
             for torque in self.tree.torques
         ]
-        for motor in self.tree.motors:
-            unit = "N m" if motor.motion == ROTATION else "N"
-            name = f"{self.tree.bodies[motor.body].name} {motor.motion} {motor.axis} motor"
-            signals.append(Signal(name, unit))
         for k, signal in enumerate(signals):
             yield Input(signal, still, still, self._changed("functions", "c0", k), 1.0)
         motors = self.tree.elements.motors

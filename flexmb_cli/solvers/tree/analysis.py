@@ -16,7 +16,7 @@ from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.report import Report
 from ...kernels.tree.work import FRAME_WORK, tree_work
 from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
-from ...model.element_names import names_of
+from ...model.joint_elements import names_of
 from ...model.time_functions import corners
 from ...model.tree import Table, Tree
 from ..checkpoint import row_of, taken, taken_clock
@@ -271,7 +271,7 @@ def initial_state(tree: Tree) -> np.ndarray:
 
 def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
     """Times inside (start, end) at which a function of the tree jumps or bends."""
-    times = {t for function in _functions(tree) for t in function.times}
+    times = {t for torque in tree.torques for t in torque.function.times}
     functions = [item.function for item in tree.elements.motors]
     functions += [item.function for item in tree.elements.drivers]
     times |= {t for function in functions for t in corners(function)}
@@ -284,13 +284,8 @@ def set_functions(tree: Tree, arrays: TreeArrays, begin: float, end: float) -> N
     Functions of elements, which may jump at the end, hold what they are just before it.
     """
     arrays.elements["until"] = arrays.prescribed["until"] = np.nextafter(end, -np.inf)
-    for record, function in zip(arrays.functions, _functions(tree), strict=True):
-        record["c0"], record["c1"] = _line(function, (begin + end) / 2)
-
-
-def _functions(tree: Tree) -> list[Table]:
-    """Return the functions of torques, then those of motors."""
-    return [*(torque.function for torque in tree.torques), *(motor.function for motor in tree.motors)]
+    for record, torque in zip(arrays.functions, tree.torques, strict=True):
+        record["c0"], record["c1"] = _line(torque.function, (begin + end) / 2)
 
 
 def _line(function: Table, t: float) -> tuple[float, float]:

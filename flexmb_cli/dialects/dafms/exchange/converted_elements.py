@@ -5,7 +5,8 @@ from typing import Any
 
 from ....model.exchange.conversion import Conversion, place_of
 from ....model.exchange.functions import moved
-from ....model.joint_elements import Bushing, Coupling, JointDriver, JointMotor
+from ....model.exchange.rigid_model import CoordinateSpring
+from ....model.joint_elements import Bushing, Coupling, JointDriver, JointMotor, JointSpring
 from ....model.joints import ANGLE, STROKE
 from ....model.laws import JointLaw
 from ....model.tree import ROTATION, Tree
@@ -42,6 +43,9 @@ class ConvertedElements(Conversion):
             changed["function"] = moved(item.function, self.tree.time.start)
         elif isinstance(item, JointLaw):
             changed["values"] = item.since(q)
+        elif isinstance(item, JointSpring) and not (item.preload or item.curve or item.damper):
+            law = item.stiffness, item.rest - q, item.damping
+            return CoordinateSpring(item.name, joint, coordinate, *law, item.place)
         return replace(item, joint=joint, coordinate=coordinate, **changed)
 
     def _joint_coordinate(self, item: Any, body: int, coordinate: str) -> tuple[int, str, float] | None:
