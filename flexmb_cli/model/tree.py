@@ -109,11 +109,6 @@ class Table:
     values: tuple[float, ...]
 
 
-def constant(value: float) -> Table:
-    """The function that never changes."""
-    return Table((0.0,), (value,))
-
-
 def pulse(value: float, duration: float) -> Table:
     """The DESN function: +value, nothing, -value for `duration` each, then nothing."""
     t, f = duration, value

@@ -41,7 +41,7 @@ def _weights(tree: Tree) -> "Iterator[Any]":
 
 
 def _balls(tree: Tree) -> "Iterator[Any]":
-    """Yield a fault for what acts about one of three free rotations, whose rates are those of no coordinate."""
+    """Yield a fault for what acts about one of three free rotations: none is a coordinate of a position."""
     for items, kind in ((tree.elements.springs, "damper"), (tree.elements.motors, "motor")):
         for item in items:
             if is_angle(item.coordinate) and len(tree.hinges[item.joint].rotations) == 3:

@@ -140,7 +140,8 @@ class TreeAnalysis:
             if known:
                 yield self._rows_of(Report(*(part[:known] for part in report)))
             if known < filled:
-                raise lost_force(self.tree, report.answers[known], float(report.times[known]))
+                failure = lost_force(self.tree, report.answers[known], float(report.times[known]))
+                raise failure or self.failure()
             if code not in (codes.AT_STOP, codes.PAUSED, codes.ROWS_FULL):
                 raise self.failure()
 
@@ -253,9 +254,10 @@ class TreeAnalysis:
         ahead, failure = np.zeros(z.size), None
         for share in (0.0, *MOMENTS):
             self.state[:] = z + share * ahead
+            if not np.isfinite(self.state).all():
+                break
             self.call(GO_ON)
-            if not rows_with_forces(self.arrays.answers[None]):
-                failure = lost_force(self.tree, self.arrays.answers, t)
+            if failure := lost_force(self.tree, self.arrays.answers, t):
                 break
             if not ahead.any():
                 ahead = (self.tree.time.end - self.tree.time.start) * self.integration.slopes[0]

@@ -7,7 +7,7 @@ import numpy as np
 from ...errors import AnalysisError
 from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
-from ...kernels.laws import COORDINATE
+from ...kernels.laws import COORDINATE, NORMAL
 from ...model.arrays.tree_elements import IN_LINE, OF_BUSHING
 from ..constrained.coinciding_ends import refuse_undirected_lines
 from ..constrained.failures import bushing_failure, jam_failure
@@ -56,10 +56,12 @@ def attachments(arrays: "TreeArrays") -> dict[str, np.ndarray]:
     }
 
 
-def lost_force(tree: "Tree", answers: np.ndarray, t: float) -> AnalysisError:
-    """Return why elements with such answers (E + m, 8) have no force at t: a bushing, else friction."""
+def lost_force(tree: "Tree", answers: np.ndarray, t: float) -> AnalysisError | None:
+    """Return why elements with such answers (E + m, 8) have no force at t: a bushing, or friction."""
     elements = tree.elements
     first = len(elements.springs) + len(elements.lines) + len(elements.laws)
     angles = answers[first : first + OF_BUSHING * len(elements.bushings), COORDINATE]
     turned = np.flatnonzero(np.isnan(angles))
-    return bushing_failure(int(turned[0]) // OF_BUSHING, t) if turned.size else jam_failure(t)
+    if turned.size:
+        return bushing_failure(int(turned[0]) // OF_BUSHING, t)
+    return jam_failure(t) if np.isnan(answers[:, NORMAL]).any() else None

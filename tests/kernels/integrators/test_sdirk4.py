@@ -9,10 +9,11 @@ from flexmb_cli.kernels.integrators.clock import new_clock
 from flexmb_cli.kernels.integrators.sdirk4 import _close_loops, implicit_work
 from flexmb_cli.kernels.tree.implicit_matrix import factorise, renew
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.model.tree import INERTIAL, TRANSLATION, Body, Hinge, Integration, Spring, Tree
+from flexmb_cli.model.tree import INERTIAL, TRANSLATION, Body, Hinge, Integration, Tree
 from flexmb_cli.solvers.tree.analysis import initial_state
 from tests.kernels.tree.test_kane_closures import closed_where_it_is, looped_tree
 from tests.kernels.tree.test_kane_forward_dynamics import Recursion
+from tests.naive.random_trees import sprung
 from tests.solvers.tree.tree_runs import run
 
 M, K, C, X0, V0 = 2.0, 50.0, 1.5, 0.3, 0.4
@@ -27,7 +28,7 @@ def damped_mass():
         np.array([V0]),
         TimeGrid(0.0, 0.4, 0.05),
         gravity=(0.0, 0.0, 0.0),
-        springs=(Spring(0, TRANSLATION, 1, K, C),),
+        elements=sprung((0, TRANSLATION, 1, K, C)),
         integration=Integration("sdirk4", 1e-6, 1e-6),
     )
 

@@ -15,7 +15,7 @@ from flexmb_cli.solvers.tree.analysis import initial_state
 from tests.kernels.tree.test_elastic_rotation import turning_tree
 from tests.kernels.tree.test_kane_closures import closed_where_it_is, closure_equations, looped_tree
 from tests.kernels.tree.test_kane_forward_dynamics import Recursion, close
-from tests.naive.random_trees import random_tree
+from tests.naive.random_trees import random_tree, where
 
 F = 0.3  # s: no spring, damper or mass is negligible in b + F D + F² K
 
@@ -60,8 +60,8 @@ def dense_parts(recursion):
             K[np.ix_(own, own)] = body.elastic.stiffness
             D[np.ix_(own, own)] = body.elastic.damping
     place = {(c.body, c.motion, c.axis): m for m, c in enumerate(tree.coordinates)}
-    for spring in tree.springs:
-        m = place[spring.body, spring.motion, spring.axis]
+    for spring in tree.elements.springs:
+        m = place[where(spring)]
         K[m, m] += spring.stiffness
         D[m, m] += spring.damping
     return mass, D, K

@@ -18,7 +18,7 @@ from ....model.exchange.rigid_model import (
 )
 from ....model.exchange.start import Start
 from ....model.integrators import Integrator
-from ....model.joint_elements import JointDriver
+from ....model.joint_elements import JointDriver, JointSpring
 from ....model.joints import ANGLE, STROKE
 from ....model.loads import AppliedForce, AppliedTorque
 from ....model.time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
