@@ -18,7 +18,7 @@ from .context import Run
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ..solvers.constrained.analysis import ConstrainedMotion
+    from ..solvers.constrained.analysis import LinearisableMotion
     from ..solvers.linearisation.motion import LinearisedMotion
     from ..solvers.linearisation.state_space import StateSpace
 
@@ -141,7 +141,7 @@ def _kernels(
     return nullcontext()
 
 
-def _of_mechanism(analysis: "ConstrainedMotion", wish: Wish, run: Run) -> MechanismModes:
+def _of_mechanism(analysis: "LinearisableMotion", wish: Wish, run: Run) -> MechanismModes:
     from ..solvers.linearisation.constrained import ConstrainedLinearised, bring_to, linearised, modes_of
     from ..solvers.linearisation.constrained_responses import ConstrainedResponses, constrained_signals
     from ..solvers.linearisation.equilibrium import find_equilibrium

@@ -98,16 +98,6 @@ class ConstrainedMotion(ABC):
     def block(self, report: "Report") -> Any:
         """The rows of a report in the terms of the model."""
 
-    # What is linearised has these two.
-    @property
-    def terms(self) -> "Terms":
-        """Names of loads, drivers, joints and points."""
-        raise NotImplementedError
-
-    def driven_system(self, k: int, additions: list[float], t: float) -> "System":
-        """Return the system with additions to the value, rate and second rate of driver k at t."""
-        raise NotImplementedError
-
     def usual_repetitions(self, q: np.ndarray) -> int | None:
         """Number of equations that repeat others in every mechanism of this type; None: of no such type."""
         return None
@@ -265,3 +255,16 @@ class ConstrainedMotion(ABC):
 
 def _first(report: "Report", filled: int) -> dict[str, np.ndarray]:
     return {name: array[:filled] for name, array in report._asdict().items()}
+
+
+class LinearisableMotion(ConstrainedMotion):
+    """A motion with what its linearisation needs besides."""
+
+    @property
+    @abstractmethod
+    def terms(self) -> "Terms":
+        """Names of loads, drivers, joints and points."""
+
+    @abstractmethod
+    def driven_system(self, k: int, additions: list[float], t: float) -> "System":
+        """Return the system with additions to the value, rate and second rate of driver k at t."""

@@ -12,7 +12,7 @@ from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import GAMMA, NO_INERTIA, SOLVED
 from ...model.equations import DEPENDENT
 from ...quick_dataclass import dataclass, replace
-from ..constrained.analysis import ConstrainedMotion
+from ..constrained.analysis import LinearisableMotion
 from ..constrained.start import inertia_failure
 from .joint_coordinates import AXES, OWN, JointCoordinates
 from .motion import DIFFERENCE_STEP, LinearisedMotion, differentiated
@@ -59,7 +59,7 @@ class ConstrainedLinearised(LinearisedMotion):
 
     def __init__(
         self,
-        analysis: ConstrainedMotion,
+        analysis: LinearisableMotion,
         axes: str = OWN,
         state: Any = None,
         free: np.ndarray | None = None,
@@ -243,7 +243,7 @@ def modes_of(motion: LinearisedMotion, A: np.ndarray, constant: bool) -> Modes:
     )
 
 
-def bring_to(analysis: ConstrainedMotion, time: float) -> None:
+def bring_to(analysis: LinearisableMotion, time: float) -> None:
     """Start `analysis` and let it move to `time`, s.  Raises as its `rows` do."""
     grid = analysis.grid
     if time <= grid.start:

@@ -45,7 +45,9 @@ def test_a_step_that_leaves_its_loops_is_taken_back_and_begun_anew_with_another_
     """Closing the loops moves the end of the step by far more than its tolerance of 1e-9."""
     recursion = Recursion(closed_where_it_is(looped_tree(1)))
     start = initial_state(recursion.tree)
-    s = implicit_work(new_clock(), start + 1e-3, len(recursion.tree.q), recursion.arrays.closures)
+    arrays = recursion.arrays
+    clock = new_clock(start.size - 1 - len(arrays.answers))
+    s = implicit_work(clock, start + 1e-3, len(recursion.tree.q), arrays.closures, len(arrays.answers))
     s.old[:] = start
     s.clock["step_start"], s.clock["t"], s.clock["steps"] = 0.2, 0.25, 7
     s.clock["atol"] = s.clock["rtol"] = 1e-9
