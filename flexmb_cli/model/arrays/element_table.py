@@ -13,9 +13,8 @@ from ...quick_dataclass import dataclass
 from ..flexible_mechanism import NodePoint, PointJoint
 from ..joint_elements import COORDINATES_OF, JointElements, is_angle
 from ..joints import ANGLE, BY_NAME, PITCH, STROKE
-from ..laws import SPRING
 from .constraint_table import PrimitiveTable
-from .laws import fill_friction, fill_law
+from .laws import fill_friction, fill_law, fill_spring
 from .node_joints import JointVectors
 from .records import ELEMENT, FRICTION, blank_load, line_primitive
 
@@ -110,6 +109,13 @@ def coordinates_of_joints(joints: Sequence[Any]) -> list[JointCoordinateName]:
     ]
 
 
+def line_load(table: PrimitiveTable, head: int, tail: int) -> Any:
+    """Return the load in the length of the line from one body vector to another."""
+    record = blank_load(ELEMENT)
+    record["in_line"], record["primitive"] = 1, table.spring(line_primitive(head, tail))
+    return record
+
+
 class ElementTable:
     """Fills a table of primitives with elements, equations first."""
 
@@ -164,9 +170,8 @@ class ElementTable:
 
     def _at(self, joint: int, coordinate: str) -> Any:
         record = blank_load(ELEMENT)
-        record["shape"] = SPRING
         record["primitive"] = self.table.spring(self.joints.primitive(joint, coordinate))
-        return record
+        return fill_spring(record, 0.0, 0.0, 0.0)
 
     def _in_joint(self, item: "JointSpring | JointLaw | JointMotor") -> Any:
         return fill_law(self._at(item.joint, item.coordinate), item, self.table)
@@ -178,10 +183,8 @@ class ElementTable:
         )
 
     def _line(self, item: "LineSpring") -> Any:
-        record = blank_load(ELEMENT)
-        head, tail = self._end(item.j, item.P_j), self._end(item.i, item.P_i)
-        record["in_line"], record["primitive"] = 1, self.table.spring(line_primitive(head, tail))
-        return fill_law(record, item, self.table)
+        ends = self._end(item.j, item.P_j), self._end(item.i, item.P_i)
+        return fill_law(line_load(self.table, *ends), item, self.table)
 
     def _bushing(self, number: int, item: "Bushing") -> "Iterator[Any]":
         """Six loads, along and about the axes of body i."""
@@ -202,9 +205,8 @@ class ElementTable:
                 # The angle about an axis would jump where the other body's has turned through a right angle.
                 load["body_vector"] = axes[k - 3]
                 load["tilted"] = table.body_vector(item.j, turned[:, k - 3])
-            load["shape"], load["primitive"] = SPRING, table.spring(record)
-            load["stiffness"], load["damping"] = stiffness, damping
-            yield load
+            load["primitive"] = table.spring(record)
+            yield fill_spring(load, stiffness, 0.0, damping)
 
     def _friction(self, item: "JointFriction") -> Any:
         record = blank_load(FRICTION)

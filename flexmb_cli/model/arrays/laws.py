@@ -67,6 +67,16 @@ def fill_law(record: Any, item: Any, table: "FunctionTable") -> Any:
     return record
 
 
+def fill_spring(record: Any, stiffness: float, rest: float, damping: float) -> Any:
+    """Fill the law of a record by that of a linear spring and damper."""
+    record["shape"], record["stiffness"], record["free_length"], record["damping"] = (
+        SPRING, stiffness, rest, damping,
+    )  # fmt: skip
+    for field in FUNCTIONS:
+        record[field] = NONE
+    return record
+
+
 def fill_friction(record: Any, item: Any) -> Any:
     """Fill the law of friction, and its preload, by an element."""
     for field in ("dynamic", "static", "stribeck", "creep", "radius", "preload"):

@@ -13,7 +13,7 @@ import numpy as np
 
 from .laws import FRICTION_LAW, LAW, NONE
 
-FORCE, TORQUE, LINE, RELATIVE, ELEMENT, FRICTION = 1, 2, 3, 4, 5, 6
+FORCE, TORQUE, ELEMENT, FRICTION = 1, 2, 5, 6
 
 MASS = np.dtype(
     [
@@ -65,12 +65,12 @@ PRIMITIVE = np.dtype(
 
 LOAD = np.dtype(
     [
-        ("kind", np.int64),  # FORCE, TORQUE, LINE, RELATIVE, ELEMENT or FRICTION
+        ("kind", np.int64),  # FORCE, TORQUE, ELEMENT or FRICTION
         # Point of action of a force; of a torque any body vector of its body; of friction the axis.
         # Of a bushing's turn about an axis of one body that axis.
         ("body_vector", np.int64),
         ("tilted", np.int64),  # ELEMENT: the other body's axis within a right angle of it, -1: none
-        ("primitive", np.int64),  # RELATIVE, ELEMENT: the angle or stroke the spring acts in; LINE: its V
+        ("primitive", np.int64),  # ELEMENT: the angle or stroke that it acts in, or the V in whose length
         ("following", np.int64),  # 1: the vector is in body axes
         ("vector", np.float64, 3),  # N or N m
         ("in_line", np.int64),  # ELEMENT: 1: it acts in the length of V

@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..flexible_mechanism import NodePoint
-from ..laws import SPRING
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from ..tree_as_mechanism.frames import hinge_frames
 from ..tree_as_mechanism.poses import first_poses
 from .function_table import FunctionTable
-from .laws import FRICTION_LAW, FUNCTIONS, LAW, NONE, fill_friction, fill_law
+from .laws import FRICTION_LAW, LAW, fill_friction, fill_law, fill_spring
 
 if TYPE_CHECKING:
     from ..joint_elements import Bushing, JointDriver, LineSpring
@@ -161,8 +160,5 @@ class TreeElements:
         for k, record in enumerate(records):
             self._between(record, item, ALONG if k < 3 else ABOUT)
             record["axis"], record["turned"] = k % 3, (A_j.T @ A_i).ravel()
-            record["stiffness"], record["damping"] = item.stiffness[k], item.damping[k]
             record["resists"] = bool(item.stiffness[k] or item.damping[k])
-            record["shape"] = SPRING
-            for field in FUNCTIONS:
-                record[field] = NONE
+            fill_spring(record, item.stiffness[k], 0.0, item.damping[k])

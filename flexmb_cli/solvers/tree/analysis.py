@@ -20,7 +20,7 @@ from ...model.joint_elements import names_of
 from ...model.time_functions import corners
 from ...model.tree import Table, Tree
 from ..checkpoint import row_of, taken, taken_clock
-from ..constrained.failures import MOMENTS, rows_with_forces
+from ..constrained.failures import MOMENTS
 from ..constrained.tree_element_rows import with_answers
 from .assembly import assemble_tree, pivot_shares, stray
 from .attached_elements import attachments, lost_force
@@ -136,7 +136,8 @@ class TreeAnalysis:
             report = self._blank_report(self._times_of_block())
             code = integrate_rows(report)
             filled = int(self.clock["row"][0])
-            known = rows_with_forces(report.answers[:filled])
+            unknown = np.isnan(report.answers[:filled]).any(axis=(1, 2))
+            known = int(np.argmax(unknown)) if unknown.any() else filled
             if known:
                 yield self._rows_of(Report(*(part[:known] for part in report)))
             if known < filled:

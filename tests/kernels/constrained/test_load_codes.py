@@ -9,7 +9,7 @@ from flexmb_cli.model.arrays import records, tree_elements
 
 
 def test_kernels_and_model_call_the_kinds_of_loads_by_the_same_codes():
-    for name in ("FORCE", "TORQUE", "LINE", "RELATIVE"):
+    for name in ("FORCE", "TORQUE"):
         assert getattr(forces, name) == getattr(records, name)
     for name in ("ELEMENT", "FRICTION"):
         assert getattr(elements, name) == getattr(records, name)

@@ -134,7 +134,7 @@ def test_weight_along_a_beam_stiffens_it_as_a_pull_at_its_tip():
     )
     recursion = Recursion(tree)
     place_frames(recursion.arrays, recursion.work, recursion.coordinates, *recursion.state[1:])
-    coordinate_efforts(recursion.arrays, recursion.work, *recursion.state[:3], recursion.coordinates)
+    coordinate_efforts(recursion.arrays, recursion.work, *recursion.state[1:3], recursion.coordinates)
     expected = -(stiffness + 1.2 * m * g / length) * u
     assert recursion.coordinates["effort"][0] == pytest.approx(expected, rel=1e-10)
 
