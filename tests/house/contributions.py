@@ -341,7 +341,7 @@ GRAVITY 0 -8 0
 END
 """
 # A wheel with 0.8 kg m2 about its joint begins at 5 rad/s.
-WHEEL = """2 1 0 0 0 0 0 0 0 0 0 1
+WHEEL = """2 0 0 0 0 1 0 0 0 0 0 1
 0 0 0 1 0 0 0
 0 0 0 1 0 0 0
 1 2 0 0 0 0 0 0 0 0 1 0 0 1
