@@ -98,6 +98,17 @@ def test_loops_and_couplings_agree(tmp_path):
     assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-8]
 
 
+def test_a_coupling_that_repeats_another_agrees(tmp_path):
+    """The one formulation lets the first bear all, the other shares: along the coordinates it is the same."""
+    terms = [
+        integers(k, body, 3) + reals(factor * k) for k in (1, 2) for body, factor in ((1, 2.0), (2, 3.0))
+    ]
+    cards = "\n".join(["COUP", integers(4), *terms])
+    found = verified(tmp_path, f"{SHORT}{cards}\nEND \nSTAR\nSTOP\n", 1e-8)
+    assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-8]
+    assert max(each.scale for each in found.differences if each.name == "coupling effort") > 0.1
+
+
 # Body 1, light, slides along axis 1; body 2 hangs from it and turns about axis 3.
 CART = (
     SHORT.replace("    1    0    0    0    0\n    2", "    1    1    1    0    0\n    2", 1)
