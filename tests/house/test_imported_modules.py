@@ -184,7 +184,7 @@ def test_check_of_a_tree_with_elements_needs_no_integrator(tmp_path):
     deck = tmp_path / "spring.DAT"
     deck.write_text(f"{1:5d}{2:5d}\n" + text.split("\n", 1)[1].replace("END \n", f"{spring}END \n"))
     found = imported(tmp_path, "check", "-q", deck)
-    assert "flexmb_cli.solvers.tree.tree_with_elements" in found
+    assert "flexmb_cli.solvers.tree.attached_elements" in found
     assert "scipy" not in found
 
 

@@ -10,7 +10,7 @@ from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
 from ...quick_dataclass import replace
 from ..context import Run
 from ..outcome import Stop
-from ..solutions.tree import absolute_analysis, kane_analysis, kane_analysis_with_elements, values_of
+from ..solutions.tree import absolute_analysis, kane_analysis, values_of
 from .difference import Difference, Size, largest_difference
 
 if TYPE_CHECKING:
@@ -50,8 +50,7 @@ def differences(tree: Tree, deck: Deck, run: Run) -> tuple[Difference, ...]:
 
 def _motions(tree: Tree, run: Run) -> Any:
     """Values of both formulations, whole runs by the paths of their datasets."""
-    kane = kane_analysis_with_elements if tree.elements else kane_analysis
-    analyses = absolute_analysis(tree, run), kane(tree, run)
+    analyses = absolute_analysis(tree, run), kane_analysis(tree, run)
     run.listener.begin(2 * tree.time.rows)
     absolute, kane = (
         _joined([values_of(tree, rows) for rows in _heard(analysis.rows(), run.listener)])
@@ -93,13 +92,27 @@ def compare(
         found.append(_largest(f"{name} energy", "J", size, kane, *pair, scale=moved))
     for path, (name, unit) in ELEMENTS.items():
         if path in kane and kane[path].size:
-            found.append(_largest(name, unit, size, kane, kane[path], absolute[path]))
+            pair = kane[path], absolute[path]
+            if path == "coupling/effort":
+                # Where couplings repeat each other, only what they do along the coordinates is unique.
+                pair = pair[0] @ _factors(tree), pair[1] @ _factors(tree)
+            found.append(_largest(name, unit, size, kane, *pair))
     if "element/work" in kane and kane["element/work"].size and _moves_freely(tree):
         pair = kane["element/work"], absolute["element/work"]
         # No step controls the error of a work: against all energy that moves, it is as small as theirs.
         most = max(moved, float(np.max(np.abs(pair[0]))))
         found.append(_largest("element work", "J", size, kane, *pair, scale=most))
     return tuple(found)
+
+
+def _factors(tree: Tree) -> np.ndarray:
+    """Factors (couplings, NS) of the coordinates."""
+    number = {(c.body, f"{c.motion} {c.axis}"): m for m, c in enumerate(tree.coordinates)}
+    factors = np.zeros((len(tree.elements.couplings), len(number)))
+    for row, item in zip(factors, tree.elements.couplings, strict=True):
+        for body, coordinate, factor in item.terms:
+            row[number[body, coordinate]] += factor
+    return factors
 
 
 def _size(tree: Tree, kane: dict[str, np.ndarray]) -> Size:
