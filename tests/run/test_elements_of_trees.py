@@ -14,6 +14,7 @@ from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.mechanism_modes import Wish, tree_modes
 from flexmb_cli.run.outcome import Listener, Outcome, RunOptions
 from flexmb_cli.run.verify.verify import verify_deck
+from flexmb_cli.solvers.constrained.tree import AbsoluteTree
 from flexmb_cli.solvers.tree import analysis as tree_analysis
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from tests.dialects.dafms.dafms_decks import build, deck_text
@@ -126,6 +127,14 @@ def test_friction_agrees_where_it_changes_its_own_normal_force_by_more_than_the_
         tmp_path, f"{CART}{card('FRIC', integers(1) + reals(1.5, 1.5, 1, 0.001))}\nEND \nSTAR\nSTOP\n", 1e-7
     )
     assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-7]
+
+
+@pytest.mark.parametrize("kind", [TreeAnalysis, AbsoluteTree])
+def test_friction_that_jams_is_named_in_both_formulations(kind):
+    """The rod leans so that each N of friction adds more than one N of normal force, and pulls at it."""
+    tree = build(f"{CART}{card('FRIC', integers(1) + reals(30, 30, 1, 0.001))}\nEND \nSTAR\nSTOP\n")[0]
+    with pytest.raises(AnalysisError, match="at t = 0 s friction jams a joint"):
+        next(kind(replace(tree, y=-tree.y)).rows())
 
 
 @pytest.mark.parametrize("method", ["dop853", "radau", "sdirk4", "lsoda"])

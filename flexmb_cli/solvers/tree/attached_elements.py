@@ -37,7 +37,7 @@ def attach_elements(analysis: "TreeAnalysis") -> None:
     t, lengths = analysis.tree.time.start, arrays.answers[: elements.size, COORDINATE]
     refuse_undirected_lines(analysis.tree.elements.lines, lengths[elements["measure"] == IN_LINE], t)
     analysis.warnings += notes_of_pressed_stops(analysis.tree.elements.laws, elements, arrays.answers)
-    if failure := analysis.force_failure():
+    if failure := lost_force(analysis.tree, arrays.answers, t):
         raise failure
 
 
