@@ -11,7 +11,6 @@ from ...kernels.tree.loop_closures import IMMOBILE
 from ...model.arrays.tree import TreeArrays
 from ...model.tree import ASSEMBLED_GAP, ROTATION, Closure, Tree
 from ..assembly import assemble, is_closed
-from .attached_elements import attach_elements
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -40,6 +39,8 @@ def assemble_tree(analysis: "TreeAnalysis") -> None:
         _close_loops(analysis)
         analysis.arrays = arrays
     if analysis.tree.elements:
+        from .attached_elements import attach_elements
+
         attach_elements(analysis)
 
 
