@@ -94,7 +94,7 @@ class TreeAnalysis:
             values[:] = taken(checkpoint, name, values.shape)
 
     def _attachments(self) -> dict[str, np.ndarray]:
-        """What elements keep of the motion before, by names in resume files."""
+        """Return what elements keep of the motion before, by names in resume files."""
         if not self.tree.elements:
             return {}
         elements, values = self.arrays.elements, self.arrays.closures["value"]
