@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..flexible_mechanism import NodePoint
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from ..tree_as_mechanism.frames import hinge_frames
 from ..tree_as_mechanism.poses import first_poses
@@ -17,7 +16,8 @@ from .function_table import FunctionTable
 from .laws import FRICTION_LAW, LAW, fill_friction, fill_law, fill_spring
 
 if TYPE_CHECKING:
-    from ..joint_elements import Bushing, JointDriver, LineSpring
+    from ..flexible_mechanism import NodePoint
+    from ..joint_elements import Bushing, JointDriver
 
 # What an element measures.
 IN_COORDINATE, IN_LINE, ALONG, ABOUT = 0, 1, 2, 3
@@ -141,15 +141,15 @@ class TreeElements:
         record["measure"], record["coordinate"] = IN_COORDINATE, self._coordinate(item.joint, item.coordinate)
         fill_law(record, item, self.table)
 
-    def _between(self, record: Any, item: "Bushing | LineSpring", measure: int) -> Any:
+    def _between(self, record: Any, item: Any, measure: int) -> Any:
         record["measure"] = measure
         for side, body, point in (("i", item.i, item.P_i), ("j", item.j, item.P_j)):
             record[f"frame_{side}"] = 0 if body == INERTIAL else self.of_body[body]
-            assert isinstance(point, NodePoint), "ends in a tree are points of bodies"
+            # Ends in a tree are points of bodies.
             record[f"point_{side}"], record[f"node_{side}"] = point.r0, self._node(point)
         return record
 
-    def _node(self, point: NodePoint) -> list[int]:
+    def _node(self, point: "NodePoint") -> list[int]:
         """Elastic coordinates that move a node along the axes of its body, -1 where none does."""
         own = [m for m, c in enumerate(self.tree.coordinates) if (c.motion, c.body) == (ELASTIC, point.body)]
         rows = np.asarray(point.shape)

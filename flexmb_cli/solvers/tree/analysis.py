@@ -21,11 +21,8 @@ from ...model.joint_elements import names_of
 from ...model.time_functions import corners
 from ...model.tree import Table, Tree
 from ..checkpoint import row_of, taken, taken_clock
-from ..constrained.failures import MOMENTS
 from ..constrained.integrators import steps_at_limit
-from ..constrained.tree_element_rows import with_answers
 from .assembly import assemble_tree, pivot_shares, stray
-from .attached_elements import attachments, lost_force
 from .rows import TreeRows, motion_by_recursion, rows_of_tree
 
 # Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
@@ -85,7 +82,7 @@ class TreeAnalysis:
             "clock": clock,
             "state": self.integration.old.copy(),
             "attitude": self.attitude,
-            **(attachments(self.arrays) if self.tree.elements else {}),
+            **self._attachments(),
         }
 
     def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
@@ -96,9 +93,16 @@ class TreeAnalysis:
         size = self.integration.z.size
         self.clock[:] = taken_clock(checkpoint, "clock", self.clock, size, size)
         self.integration.z[:] = taken(checkpoint, "state", self.integration.z.shape)
-        if self.tree.elements:
-            for name, values in attachments(self.arrays).items():
-                values[:] = taken(checkpoint, name, values.shape)
+        for name, values in self._attachments().items():
+            values[:] = taken(checkpoint, name, values.shape)
+
+    def _attachments(self) -> dict[str, np.ndarray]:
+        """Return what elements keep of the motion before, by names in resume files."""
+        if not self.tree.elements:
+            return {}
+        elements, values = self.arrays.elements, self.arrays.closures["value"]
+        names = {"bushing_axes": elements["turned"], "bushing_angles": elements["expected"]}
+        return {**names, "coupling_values": values}
 
     @property
     def stopped_at(self) -> tuple[float, float, float, float, np.ndarray]:
@@ -148,6 +152,8 @@ class TreeAnalysis:
             if known:
                 yield self._rows_of(Report(*(part[:known] for part in report)))
             if known < filled:
+                from .attached_elements import lost_force
+
                 failure = lost_force(self.tree, report.answers[known], float(report.times[known]))
                 raise failure or self.failure()
             if code not in (codes.AT_STOP, codes.PAUSED, codes.ROWS_FULL):
@@ -185,7 +191,11 @@ class TreeAnalysis:
         block = rows_of_tree(self.tree, motion, self.attitude)
         self.attitude = block.euler_parameters[-1]
         self.row += len(block.time)
-        return with_answers(self.tree, block, report) if self.tree.elements else block
+        if not self.tree.elements:
+            return block
+        from ..constrained.tree_element_rows import with_answers
+
+        return with_answers(self.tree, block, report)
 
     def call(self, task: int) -> int:
         """Have the kernel do one of the tasks of `tree_dop853` that make no steps; its code."""
@@ -258,6 +268,9 @@ class TreeAnalysis:
         """Return why elements have no force at the state, or where its speeds lead in a moment, or None."""
         if not self.tree.elements:
             return None
+        from ..constrained.failures import MOMENTS
+        from .attached_elements import lost_force
+
         t, z = float(self.clock["t"][0]), self.state.copy()
         ahead, failure = np.zeros(z.size), None
         for share in (0.0, *MOMENTS):

@@ -12,7 +12,6 @@ from ...model.arrays.tree import REPEATED, TreeArrays, initial_attitudes
 from ...model.tree import ASSEMBLED_GAP, ROTATION, Closure, Tree
 from ...model.tree_as_mechanism.frames import hinge_frames
 from ...model.tree_as_mechanism.loop_assembly import NEAR, nearest_closed
-from .attached_elements import attach_elements
 
 if TYPE_CHECKING:
     from .analysis import TreeAnalysis
@@ -40,6 +39,8 @@ def assemble_tree(analysis: "TreeAnalysis") -> None:
         _close_loops(analysis)
         analysis.arrays = arrays
     if analysis.tree.elements:
+        from .attached_elements import attach_elements
+
         attach_elements(analysis)
 
 

@@ -14,7 +14,6 @@ from ..constrained.failures import bushing_failure, jam_failure
 from ..constrained.initial_stops import notes_of_pressed_stops
 
 if TYPE_CHECKING:
-    from ...model.arrays.tree import TreeArrays
     from ...model.tree import Tree
     from .analysis import TreeAnalysis
 
@@ -44,16 +43,6 @@ def attach_elements(analysis: "TreeAnalysis") -> None:
 def _call(analysis: "TreeAnalysis", task: int) -> None:
     if analysis.call(task) == codes.NO_INERTIA:
         raise analysis.failure()
-
-
-def attachments(arrays: "TreeArrays") -> dict[str, np.ndarray]:
-    """Return what elements keep of the motion before, by names in resume files."""
-    elements = arrays.elements
-    return {
-        "bushing_axes": elements["turned"],
-        "bushing_angles": elements["expected"],
-        "coupling_values": arrays.closures["value"],
-    }
 
 
 def lost_force(tree: "Tree", answers: np.ndarray, t: float) -> AnalysisError | None:
