@@ -20,7 +20,8 @@ MOST_GENERATED = 1_000_000
 # Of the distance between nodes of one number, relative to it: *NFILL makes those of a side again.
 SAME_PLACE = 1e-9
 _UNREAD = "it makes, moves or hides nodes, and is not read; let a preprocessor write all nodes by *NODE"
-_REFUSED = dict.fromkeys(("NCOPY", "NMAP", "IMPERFECTION", "IMPORT", "INCLUDE"), _UNREAD) | {
+_HIDDEN = ("NCOPY", "NMAP", "IMPERFECTION", "IMPORT", "INCLUDE", "ADJUST", "SYMMETRIC")
+_REFUSED = dict.fromkeys(_HIDDEN, _UNREAD) | {
     "TRANSFORM": "matrices in turned nodal axes cannot be used; write the file and the matrices without it"
 }
 
@@ -29,8 +30,9 @@ def abaqus_nodes(path: Path) -> list[Node]:
     """Return number, position and line of every node, in the order of the file.  Raises FEFileFault."""
     nodes = _Nodes()
     for block in blocks(path):
-        if block.keyword in _REFUSED:
-            raise block.line.fault(f"*{block.keyword}: {_REFUSED[block.keyword]}", id="FE-154")
+        first = block.keyword.partition(" ")[0]
+        if first in _REFUSED:
+            raise block.line.fault(f"*{block.keyword}: {_REFUSED[first]}", id="FE-154")
         if block.keyword in nodes.readers:
             nodes.readers[block.keyword](block)
     unplaced = [name for name, places in nodes.parts.items() if name and places]

@@ -17,7 +17,6 @@ class MatrixFormat(NamedTuple):
     reader: str  # "module:function" of this folder: (path), (path, mapping) or (path, letter, name)
     mapping: str = ""  # format of the equation mapping that it needs beside the matrix, "" for none
     by_name: bool = False  # whether a file may hold several matrices with names
-    labelled: bool = False  # whether its rows always have nodes and directions, so that no mapping is read
 
 
 MATRIX_FORMATS = {
@@ -25,13 +24,13 @@ MATRIX_FORMATS = {
     "HB": MatrixFormat("harwell_boeing:read_harwell_boeing", mapping="ANS"),
     "CCX": MatrixFormat("calculix:read_calculix", mapping="CCX"),
     "ABQ": MatrixFormat("abaqus:read_abaqus", by_name=True),
-    "DMIG": MatrixFormat("nastran:read_dmig", by_name=True, labelled=True),
+    "DMIG": MatrixFormat("nastran:read_dmig", by_name=True),
     "OP4": MatrixFormat("nastran_op4:read_op4", by_name=True),
 }
 # Readers of equation mappings: (path).
 MAPPING_FORMATS = {"ANS": "harwell_boeing:read_mapping", "CCX": "calculix:read_dofs"}
-# Formats that a mapping may or must stand beside.
-TAKES_MAPPING = tuple(form for form, known in MATRIX_FORMATS.items() if not known.labelled)
+# Formats that a mapping may or must stand beside; rows of DMIG always have nodes and directions.
+TAKES_MAPPING = tuple(form for form in MATRIX_FORMATS if form != "DMIG")
 # The form of a "file" that stands for the elements themselves.
 OF_ELEMENTS = "MESH"
 # Node tables that may hold elements, too.
@@ -82,12 +81,8 @@ def _read(
         matrix: MatrixFile = read(path, _reader(MAPPING_FORMATS[mapping_form])(mapping))
         return matrix
     matrix = read(path, *which) if known.by_name else read(path)
-    if mapping is None or not mapping_form or known.labelled:
+    if mapping is None or not mapping_form or matrix.equations is not None:
         return matrix
-    if matrix.equations is not None:
-        raise FEFileFault(
-            f"{path.name} labels its rows itself, so the mapping is not read; remove card FEMP", id="FE-198"
-        )
     equations = _reader(MAPPING_FORMATS[mapping_form])(mapping)
     if matrix.size != len(equations):
         message = f"{path.name} has {matrix.size} rows and {mapping.name} maps {len(equations)}"

@@ -1,6 +1,5 @@
 """Node tables: plain text, ANSYS NLIST and archives, Abaqus and CalculiX input, Nastran GRID cards."""
 
-import math
 import re
 from importlib import import_module
 from pathlib import Path
@@ -51,13 +50,15 @@ def read_node_table(path: Path, form: str) -> NodeTable:
         raise FEFileFault(f"{path.name} holds no nodes in format {form}", id="FE-053")
     numbers = np.array([number for number, _, _ in found], dtype=np.int64)
     _check_twice(path.name, found, numbers)
-    for node, position, line in found:
-        if not all(map(math.isfinite, position)):
+    positions = np.array([position for _, position, _ in found], dtype=float)
+    far = np.flatnonzero(~(np.abs(positions) <= FARTHEST).all(axis=1))
+    if far.size:
+        node, position, line = found[far[0]]
+        if not np.isfinite(position).all():
             raise line.fault(f"the position of node {node} is not finite", id="FE-129")
-        if max(map(abs, position)) > FARTHEST:
-            message = f"node {node} lies farther off than {FARTHEST:g} m; was a digit of an exponent lost?"
-            raise line.fault(message, id="FE-130")
-    return NodeTable(numbers, np.array([position for _, position, _ in found], dtype=float))
+        message = f"node {node} lies farther off than {FARTHEST:g} m; was a digit of an exponent lost?"
+        raise line.fault(message, id="FE-130")
+    return NodeTable(numbers, positions)
 
 
 def _check_twice(name: str, found: list[Node], numbers: np.ndarray) -> None:

@@ -13,6 +13,7 @@ from tests.fe.formats.bar_files import (
     NODES,
     K,
     M,
+    abaqus_nodes,
     abaqus_rows,
     bar_of,
     dmig,
@@ -46,6 +47,11 @@ def test_rows_in_the_solvers_order_are_mapped(tmp_path, mapping):
     ):
         mass, found = bar_of(tmp_path, (form, write(M_SOLVER)), (form, write(K_SOLVER)), ("ANS", mapping))
         assert (mass, *found) == pytest.approx((MASS, *FREQUENCIES), rel=1e-7)
+
+
+def test_a_mapping_of_one_matrix_stands_beside_labels_of_the_other(tmp_path):
+    found = bar_of(tmp_path, ("ABQ", abaqus_nodes(M)), ("MM", market(K_SOLVER)), ("ANS", WHOLE))
+    assert (found[0], *found[1]) == pytest.approx((MASS, *FREQUENCIES), rel=1e-7)
 
 
 @pytest.mark.parametrize(
