@@ -23,7 +23,7 @@ class BulkCard(NamedTuple):
     line: Line  # that it begins on
     fields: list[str]  # behind the name
 
-    def fault(self, message: str, *, id: str) -> FEFileFault:
+    def card_fault(self, message: str, *, id: str) -> FEFileFault:
         """Return the fault of this card."""
         return self.line.fault(f"{self.name}: {message}", id=id)
 
@@ -39,7 +39,7 @@ class BulkCard(NamedTuple):
         try:
             return integer(text)
         except ValueError:
-            raise self.fault(f"{what} wanted; read '{text}'", id="FE-094") from None
+            raise self.card_fault(f"{what} wanted; read '{text}'", id="FE-094") from None
 
     def real(self, index: int, what: str) -> float:
         """Return a field as a number, 0 if it is empty.  Raises FEFileFault."""
@@ -47,7 +47,7 @@ class BulkCard(NamedTuple):
         try:
             return real(text) if text else 0.0
         except ValueError:
-            raise self.fault(f"{what} wanted; read '{text}'", id="FE-094") from None
+            raise self.card_fault(f"{what} wanted; read '{text}'", id="FE-094") from None
 
 
 def lines(path: Path) -> Iterator[Line]:

@@ -44,11 +44,11 @@ def grids(path: Path) -> Iterator[Node]:
 def _check(node: int, card: BulkCard, system: CoordinateSystem) -> None:
     """Refuse what turns a point's rows in matrices, or takes them out."""
     if system is not BASIC and (system.type != "R" or not np.allclose(system.axes, np.eye(3))):
-        raise card.fault(f"{node}: the displacement must be in basic axes (CD)", id="FE-132")
+        raise card.card_fault(f"{node}: the displacement must be in basic axes (CD)", id="FE-132")
     if set(card.fields[_PS]) & set("123"):
-        raise card.fault(f"{node} is held by PS = {card.fields[_PS]}; export the body free", id="FE-170")
+        raise card.card_fault(f"{node} is held by PS = {card.fields[_PS]}; export the body free", id="FE-170")
     if card.fields[_SEID].strip("0"):
-        raise card.fault(f"{node} is of superelement {card.fields[_SEID]}; write one body", id="FE-171")
+        raise card.card_fault(f"{node} is of superelement {card.fields[_SEID]}; write one body", id="FE-171")
 
 
 class _Systems:
@@ -66,7 +66,7 @@ class _Systems:
             other = self.cards.setdefault(number, (card, i))[0]
             if other.fields != card.fields:
                 message = f"it differs from the one on line {other.line.number}; keep one of the two"
-                raise card.fault(message, id="FE-196")
+                raise card.card_fault(message, id="FE-196")
 
     def position(self, card: BulkCard, above: tuple[int, ...]) -> Any:
         """Return the position of a point, in basic coordinates."""
@@ -80,17 +80,17 @@ class _Systems:
         if number not in self.known:
             if number not in self.cards:
                 message = f"coordinate system {number} is on no card CORD1R ... CORD2S; add it"
-                raise user.fault(message, id="FE-172")
+                raise user.card_fault(message, id="FE-172")
             card, first = self.cards[number]
             if number in above or len(above) > DEEPEST_SYSTEM:
                 message = (
                     f"coordinate system {number} depends on itself, or on more than {DEEPEST_SYSTEM} others"
                 )
-                raise card.fault(message, id="FE-173")
+                raise card.card_fault(message, id="FE-173")
             a, b, c = map(np.array, self.span(card, first, (*above, number)))
             axes = spanned(b - a, c - a)
             if axes is None:
-                raise card.fault(f"the points of system {number} lie on one line", id="FE-174")
+                raise card.card_fault(f"the points of system {number} lie on one line", id="FE-174")
             self.known[number] = CoordinateSystem(card.name[5], a, axes[:, [1, 2, 0]])
         return self.known[number]
 
@@ -103,5 +103,5 @@ class _Systems:
             return
         for point in card.fields[first + 1 : first + 4]:
             if point not in self.points:
-                raise card.fault(f"there is no GRID '{point}'", id="FE-175")
+                raise card.card_fault(f"there is no GRID '{point}'", id="FE-175")
             yield self.position(self.points[point], above)
