@@ -72,16 +72,13 @@ def formulation_of(name: str, nodes: int, program: str = "") -> Formulation:
     """
     types = _OF_TYPE | _OF_PROGRAM[program]
     if name == "C3D8R":
-        raise FEFileFault(
-            "C3D8R needs forces against hourglasses, which no file contains; use C3D8", id="FE-070"
-        )
+        message = "C3D8R needs forces against hourglasses, which no file contains; use C3D8"
+        raise FEFileFault(message, id="FE-070")
     if name and not types.get(name):
         known = ", ".join(one for one, formulation in types.items() if formulation)
         whose = " of Abaqus" if name in types else ""
-        raise FEFileFault(
-            f"matrices cannot be assembled from elements of type {name}{whose}; known are {known}",
-            id="FE-083",
-        )
+        message = f"matrices cannot be assembled from elements of type {name}{whose}; known are {known}"
+        raise FEFileFault(message, id="FE-083")
     wanted = types[name] if name else _OF_NODES[nodes]
     return next(one for one in FORMULATIONS[nodes] if one.name == wanted)
 

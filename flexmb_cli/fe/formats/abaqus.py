@@ -107,9 +107,8 @@ def _by_nodes(name: str, where: np.ndarray, values: np.ndarray) -> MatrixFile:
     turning = (where[:, 1::2] > 3).any(axis=1)
     if (values[turning] != 0.0).any():
         node = where[turning, 0][0]
-        raise FEFileFault(
-            f"{name}: node {node} has rotations (direction 4 to 6); mesh with solid elements", id="FE-014"
-        )
+        message = f"{name}: node {node} has rotations (direction 4 to 6); mesh with solid elements"
+        raise FEFileFault(message, id="FE-014")
     where, values = where[~turning], values[~turning]
     held = np.flatnonzero(np.abs(values) > LARGEST_STIFFNESS)
     if held.size:

@@ -45,9 +45,8 @@ def cdb_nodes(path: Path) -> Iterator[Node]:
         if command[:4] in _ACTIVATING and words[0] != "R5.0":
             system = "" if command == "CSYS" and words[0] in ("", "0") else f"{command},{words[0]}"
         elif command in ("N", "NBLOCK") and system:
-            raise line.fault(
-                f"nodes in the coordinates of {system}; write the archive after CSYS,0", id="FE-177"
-            )
+            message = f"nodes in the coordinates of {system}; write the archive after CSYS,0"
+            raise line.fault(message, id="FE-177")
         elif command == "N":
             node, *values = words[2:] if words[0].startswith("R") else words
             turned = words[1] == "ANG"

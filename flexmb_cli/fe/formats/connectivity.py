@@ -16,6 +16,7 @@ from .ansys_cdb import commands
 from .bulk_data import bulk_cards
 from .included_files import Line
 from .matrix_file import FEFileFault
+from .node_table import check_twice
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -73,9 +74,8 @@ def read_elements(path: Path, form: str) -> ElementTable:
     """
     readers = {"INP": _inp_elements, "CDB": _cdb_elements, "BDF": _bdf_elements}
     if form not in readers:
-        raise FEFileFault(
-            f"{path.name}: a node table of format {form} has no elements; INP, CDB or BDF has", id="FE-019"
-        )
+        message = f"{path.name}: a node table of format {form} has no elements; INP, CDB or BDF has"
+        raise FEFileFault(message, id="FE-019")
     every = list(readers[form](path))
     found = [element for element in every if element.nodes]
     counts = Counter(element.kind for element in every if not element.nodes)
@@ -85,7 +85,7 @@ def read_elements(path: Path, form: str) -> ElementTable:
         raise FEFileFault(f"{path.name} holds no elements in format {form}{but}", id="FE-020")
     _check_nodes(found)
     _check_kinds(path.name, found)
-    _check_numbers(found)
+    check_twice(path.name, "element", ((element.number, element.line) for element in found))
     return ElementTable(
         np.array([element.number for element in found], dtype=np.int64),
         np.array([element.nodes for element in found], dtype=np.int64),
@@ -108,20 +108,8 @@ def _check_kinds(name: str, found: list[_Element]) -> None:
         raise FEFileFault(f"{name} mixes elements of {mixed} nodes; use one type", id="FE-021")
     kinds = sorted({element.kind for element in found})
     if len(kinds) > 1:
-        raise FEFileFault(
-            f"{name} mixes elements of types {' and '.join(kinds)}; one type is wanted", id="FE-084"
-        )
-
-
-def _check_numbers(found: list[_Element]) -> None:
-    first: dict[int, Line] = {}
-    for element in found:
-        if element.number in first:
-            other = first[element.number]
-            place = f"line {other.number}" + f" of {other.name}" * (other.name != element.line.name)
-            message = f"element {element.number} is given twice, first on {place}"
-            raise element.line.fault(message, id="FE-098")
-        first[element.number] = element.line
+        message = f"{name} mixes elements of types {' and '.join(kinds)}; one type is wanted"
+        raise FEFileFault(message, id="FE-084")
 
 
 def _inp_elements(path: Path) -> "Iterator[_Element]":

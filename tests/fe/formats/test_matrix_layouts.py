@@ -57,13 +57,13 @@ def test_a_mapping_of_one_matrix_stands_beside_labels_of_the_other(tmp_path):
 @pytest.mark.parametrize(
     ("mapping", "words"),
     [
-        (WHOLE.replace("\n16 1", "\n16 2"), "it has 2 columns"),
+        (WHOLE.replace("\n16 1", "\n16 2"), "of one column, not 2"),
         (WHOLE.replace("\n16 1", "\n17 1"), "announces 17 entries and holds 16"),
         (VECTOR.format("integer", "2 1\n3\n3"), "node 3, direction 1 stands 2 times"),
         (VECTOR.format("real", "2 1\n3.5\n3"), "nodes must be whole numbers"),
         (
             VECTOR.format("integer", "2 1\n5\n3"),
-            "has 48 rows and FEMP maps 6; has it other nodes, or rotations",
+            "has 48 rows and the mapping FEMP 6; has it other nodes, or rotations",
         ),
         (
             VECTOR.format("integer", "8 1\n" + "\n".join("12345678")),
