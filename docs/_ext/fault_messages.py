@@ -13,7 +13,8 @@ from fault_words import words
 PAGE = TOP / "docs" / "reference" / "messages.md"
 # Identifiers of faults that are no longer reported, and what took their place; none is given again.
 RETIRED = {
-    "DECK-015": "", "DECK-017": "", "MODEL-014": "MODEL-015", "RUN-006": "RESULT-007",
+    "DECK-015": "", "DECK-017": "", "FE-017": "FE-199", "FE-035": "FE-199", "FE-098": "FE-054",
+    "FE-198": "", "FE-203": "FE-202", "MODEL-014": "MODEL-015", "RUN-006": "RESULT-007",
     "RUN-011": "", "RUN-029": "", "RUN-032": "",
     "RUN-033": "", "YOUNG-062": "", "YOUNG-105": "ELEMENTS-012", "YOUNG-106": "ELEMENTS-014",
     "YOUNG-107": "ELEMENTS-015",

@@ -42,9 +42,8 @@ def _check_exchanged(given: FlexibleInput, S: np.ndarray, K: np.ndarray, finding
     of_mass, of_stiffness = (np.abs(A @ translations).max() / _largest(A) for A in (S, K))
     if of_mass <= RIGID_ERROR < of_stiffness:
         message = "it gives no force in a translation, and the stiffness does: are the files exchanged?"
-        findings.error(
-            given.name, f"this mass matrix looks like a stiffness; {message}", given.mass.place, id="FE-055"
-        )
+        message = f"this mass matrix looks like a stiffness; {message}"
+        findings.error(given.name, message, given.mass.place, id="FE-055")
 
 
 def _largest(matrix: np.ndarray) -> float:
@@ -93,12 +92,8 @@ def check_isotropy(given: FlexibleInput, S: np.ndarray, findings: Findings) -> f
         else:
             findings.warn(given.name, message + "; their mean is taken", given.mass.place, id="FE-058")
     if not scalar.sum() > 0:
-        findings.error(
-            given.name,
-            f"its mass is {scalar.sum():.6g} kg; it must be above zero",
-            given.mass.place,
-            id="FE-059",
-        )
+        message = f"its mass is {scalar.sum():.6g} kg; it must be above zero"
+        findings.error(given.name, message, given.mass.place, id="FE-059")
     return deviation
 
 
@@ -167,9 +162,5 @@ def check_reference(given: FlexibleInput, positions: np.ndarray, findings: Findi
     product = np.linalg.norm(np.cross(a, b))
     if product <= COLLINEAR * np.linalg.norm(a) * np.linalg.norm(b):
         nodes = ", ".join(map(str, given.reference))
-        findings.error(
-            given.name,
-            f"the reference nodes {nodes} lie on one line; three that span a plane are needed",
-            given.place,
-            id="FE-060",
-        )
+        message = f"the reference nodes {nodes} lie on one line; three that span a plane are needed"
+        findings.error(given.name, message, given.place, id="FE-060")

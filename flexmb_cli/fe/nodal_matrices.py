@@ -76,10 +76,8 @@ def condensed(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
     try:
         matrix, solve = stored(condensed_on(outer, coupling, inner)), solver(inner)
     except Singular:
-        raise FEFileFault(
-            f"{name}: the {len(internal)} internal degrees of freedom have no stiffness of their own",
-            id="FE-061",
-        ) from None
+        message = f"{name}: the {len(internal)} internal degrees of freedom have no stiffness of their own"
+        raise FEFileFault(message, id="FE-061") from None
     coupled = _labels(file, internal[abs(coupling) @ np.ones(len(nodal)) > 0.0])
     return NodalMatrix(matrix, file, nodal, internal, lambda shapes: -solve(coupling @ shapes), {*coupled})
 
@@ -170,9 +168,8 @@ def _rows_of_nodes(name: str, equations: np.ndarray, numbers: np.ndarray) -> tup
 def _refuse_missing(name: str, missing: np.ndarray, numbers: np.ndarray, internal: int) -> None:
     node, direction = numbers[missing[0] // 3], missing[0] % 3 + 1
     if missing.size == 3 * len(numbers):
-        raise FEFileFault(
-            f"{name}: none of its {internal} rows belongs to a node of the node table", id="FE-066"
-        )
+        message = f"{name}: none of its {internal} rows belongs to a node of the node table"
+        raise FEFileFault(message, id="FE-066")
     raise FEFileFault(
         f"{name} has no row for direction {direction} of node {node}, and lacks {missing.size} in all: is "
         "the node held by a boundary condition, tied to others (*RIGID BODY, *EQUATION, *MPC; RBE2, MPC; CE, "

@@ -131,7 +131,7 @@ SECOND = "2, 5, 9, 11, 7, 6, 10, 12, 8\n"  # the second of two bricks
 def test_an_element_given_twice_does_not_count_twice(tmp_path):
     """Its mass was added once more in silence."""
     said = refused(tmp_path, "C3D8", lambda text: text.replace(SECOND, SECOND + SECOND))
-    assert said.count("b.inp, line 17: element 2 is given twice, first on line 16") == 1
+    assert said.count("b.inp: element 2 stands on lines 16 and 17") == 1
 
 
 def test_elements_of_different_numbers_on_the_same_nodes_are_told(tmp_path):

@@ -71,7 +71,7 @@ MATRICES = [
         HB.replace(
             "RSA                        2             2", "RSA                        3             3"
         ),
-        "x has 3 rows and its mapping file 2 equations; they are of different models",
+        "x, lines 5-7: 4 numbers wanted, 3 found in fields of 14 columns (line 4)",
     ),
     ("HB", HB[:-26], "x ends at line 10, 1 lines too early"),
     (
@@ -87,11 +87,11 @@ MATRICES = [
         "x: the column pointers do not add up to 2 entries",
     ),
     ("CCX", "", "x is empty"),
-    ("CCX", "1 1 2.0\n1 3 2.0\n", "x, line 2: entry (1, 3) lies outside the matrix of 2 rows"),
+    ("CCX", "1 1 2.0\n1 0 2.0\n", "x, line 2: entry (1, 0) lies outside the matrix of 1 rows"),
     (
         "CCX",
         "1 1 2.0\n",
-        "x has 1 rows and its .dof file 2 equations; they are of different models",
+        "x has 1 rows and the mapping map 2",
     ),
     ("ABQ", "** only a comment\n", "x holds no entries"),
     ("ABQ", MM, "x, line 1: this is a Matrix Market file: the format is MM"),

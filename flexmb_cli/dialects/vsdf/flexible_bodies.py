@@ -79,12 +79,8 @@ def _matrix_names(values: DeckValues, k: int, findings: Findings) -> dict[str, s
         which = record.at("which")
         section = MATRIX_SECTIONS[which.value]
         if section in names:
-            findings.error(
-                record.subject,
-                f"matrix {which.value} of body {k} has a name already",
-                which.place,
-                id="VSDF-190",
-            )
+            message = f"matrix {which.value} of body {k} has a name already"
+            findings.error(record.subject, message, which.place, id="VSDF-190")
         if not values.places_of_body(section, k):
             message = f"body {k} has no card {_WORDS[section]}, whose matrix it could name"
             findings.error(record.subject, message, which.place, id="VSDF-191")
@@ -147,9 +143,8 @@ def _reference(record: Record, nodes: "dict[int, np.ndarray]", k: int, findings:
             findings.error(record.subject, message, number.place, id="VSDF-027")
     values = tuple(number.value for number in numbers)
     if len(set(values)) < 3 and 0 not in values:
-        findings.error(
-            record.subject, "the three reference nodes must differ", numbers[0].place, id="VSDF-028"
-        )
+        message = "the three reference nodes must differ"
+        findings.error(record.subject, message, numbers[0].place, id="VSDF-028")
         return ()
     return values if all(value in nodes for value in values) else ()
 
@@ -157,9 +152,8 @@ def _reference(record: Record, nodes: "dict[int, np.ndarray]", k: int, findings:
 def _modes(record: Record, findings: Findings) -> int:
     number = record.at("modes")
     if number.value < 0:
-        findings.error(
-            record.subject, f"a number of modes is 0 or more; read {number.text}", number.place, id="VSDF-029"
-        )
+        message = f"a number of modes is 0 or more; read {number.text}"
+        findings.error(record.subject, message, number.place, id="VSDF-029")
         return 0
     return int(number.value)
 
@@ -204,9 +198,8 @@ def _unit_loads(
             continue
         i, j = divmod(number.value - 4, 3)
         if any((load.i, load.j) == (i, j) for load in loads):
-            findings.error(
-                record.subject, f"unit load {number.value} is given twice", number.place, id="VSDF-032"
-            )
+            message = f"unit load {number.value} is given twice"
+            findings.error(record.subject, message, number.place, id="VSDF-032")
         loads.append(UnitLoad(i, j, _file_of(record, folder, matrix)))
     return tuple(loads)
 

@@ -31,17 +31,13 @@ from .solid_elements import (
 _OF_TYPE = {
     "C3D4": "one point",
     "C3D8": "full integration",
-    "C3D8I": "incompatible modes",
+    "C3D8I": "incompatible modes of CalculiX",
     "C3D10": "four points",
     "C3D20": "full integration",
     "C3D20R": "reduced integration",
 }
-# Where a deck names the program.  Nobody has published the 13 incompatible modes of C3D8I of Abaqus.
-_OF_PROGRAM = {
-    "": {},
-    "CCX": {"C3D8I": "incompatible modes of CalculiX"},
-    "ABQ": {"C3D8": "mean dilatation", "C3D8I": ""},
-}
+# Nobody has published the 13 incompatible modes of C3D8I of Abaqus.
+_OF_PROGRAM = {"CCX": {}, "ABQ": {"C3D8": "mean dilatation", "C3D8I": ""}}
 _OF_NODES = {4: "one point", 8: "incompatible modes", 10: "four points", 20: "full integration"}
 # Points a direction: products of two quadratic shape functions and a Jacobian of straight edges.
 _MASS_POINTS = {4: 3, 8: 2, 10: 4, 20: 3}
@@ -70,18 +66,15 @@ def formulation_of(name: str, nodes: int, program: str = "") -> Formulation:
 
     `program`: whose names these are, CCX, ABQ or "".  Raises FEFileFault for types of unknown matrices.
     """
-    types = _OF_TYPE | _OF_PROGRAM[program]
+    types = _OF_TYPE | _OF_PROGRAM[program or "CCX"]
     if name == "C3D8R":
-        raise FEFileFault(
-            "C3D8R needs forces against hourglasses, which no file contains; use C3D8", id="FE-070"
-        )
+        message = "C3D8R needs forces against hourglasses, which no file contains; use C3D8"
+        raise FEFileFault(message, id="FE-070")
     if name and not types.get(name):
         known = ", ".join(one for one, formulation in types.items() if formulation)
         whose = " of Abaqus" if name in types else ""
-        raise FEFileFault(
-            f"matrices cannot be assembled from elements of type {name}{whose}; known are {known}",
-            id="FE-083",
-        )
+        message = f"matrices cannot be assembled from elements of type {name}{whose}; known are {known}"
+        raise FEFileFault(message, id="FE-083")
     wanted = types[name] if name else _OF_NODES[nodes]
     return next(one for one in FORMULATIONS[nodes] if one.name == wanted)
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .abaqus_input import keyword_of
 from .abaqus_substructure import element_matrix, element_rows
 from .file_text import filled, line_fault, lines_of, table, whole
 from .matrix_choice import NamedMatrix, chosen
@@ -26,8 +27,8 @@ if TYPE_CHECKING:
 LARGEST_STIFFNESS = 1e30
 _LABEL = re.compile(r"""(^|,)\s*(["']?[A-Za-z][^,]*?)\.(-?\d+)["']?\s*(?=,)""")
 # Keywords of substructures and matrices, and their parameters.
-_ELEMENT, _PARAMETERS = "*USER ELEMENT", ("NODES", "LINEAR", "UNSYMM", "TYPE", "COORDINATES")
-_READ = {_ELEMENT: _PARAMETERS, "*MATRIX": ("TYPE",), "*MATRIX INPUT": ("NAME", "TYPE")}
+_ELEMENT, _PARAMETERS = "USER ELEMENT", ("NODES", "LINEAR", "UNSYMM", "TYPE", "COORDINATES")
+_READ = {_ELEMENT: _PARAMETERS, "MATRIX": ("TYPE",), "MATRIX INPUT": ("NAME", "TYPE")}
 
 
 def read_abaqus(path: Path, letter: str = "K", wanted: str = "") -> MatrixFile:
@@ -51,10 +52,8 @@ def _sections(name: str, lines: list[str]) -> "Iterator[tuple[str, Any, tuple[An
     yield "", None, filled(lines[: keywords[0]] if keywords else lines, comment="*")
     element = None
     for i, end in pairwise([*keywords, len(lines)]):
-        word, *parameters = [part.strip() for part in lines[i].upper().rstrip(", ").split(",")]
-        pairs = (part.partition("=") for part in parameters)
-        values = {key.strip(): value.strip() for key, _, value in pairs}
-        unread = [key for key in values if key not in _READ[word]] if word in _READ else [word]
+        word, values = keyword_of(lines[i])
+        unread = [key for key in values if key not in _READ[word]] if word in _READ else [f"*{word}"]
         if unread:
             message = f"{unread[0]} is not read; export the matrices without it"
             raise line_fault(name, i + 1, message, id="FE-190")
@@ -108,9 +107,8 @@ def _by_nodes(name: str, where: np.ndarray, values: np.ndarray) -> MatrixFile:
     turning = (where[:, 1::2] > 3).any(axis=1)
     if (values[turning] != 0.0).any():
         node = where[turning, 0][0]
-        raise FEFileFault(
-            f"{name}: node {node} has rotations (direction 4 to 6); mesh with solid elements", id="FE-014"
-        )
+        message = f"{name}: node {node} has rotations (direction 4 to 6); mesh with solid elements"
+        raise FEFileFault(message, id="FE-014")
     where, values = where[~turning], values[~turning]
     held = np.flatnonzero(np.abs(values) > LARGEST_STIFFNESS)
     if held.size:

@@ -33,9 +33,17 @@ class Block(NamedTuple):
                 raise self.line.fault(message, id="FE-153")
 
 
+def keyword_of(text: str) -> tuple[str, dict[str, str]]:
+    """Return the keyword of a line, without its star, and the values of its options by their names."""
+    keyword, *rest = text.upper().lstrip("* \t").split(",")
+    options = [word.partition("=") for word in rest if word.strip()]
+    values = {" ".join(name.split()): value.strip(" \t\"'") for name, _, value in options}
+    return " ".join(keyword.split()), values
+
+
 def words_of(line: Line) -> list[str]:
     """Return the words of a line of data."""
-    return [word.strip() for word in line.text.rstrip(" ,").split(",")]
+    return [word.strip() for word in line.text.rstrip(", \t").split(",")]
 
 
 def integers_of(line: Line, words: list[str]) -> list[int]:
@@ -63,10 +71,14 @@ def lines(path: Path) -> Iterator[Line]:
     source = IncludedLines(path)
     for line in source:
         text = line.text.strip()
-        if not text or text.startswith("**"):
+        if not text.startswith("*"):
+            if text:
+                yield line
             continue
-        while text.startswith("*") and text.endswith(",") and (more := next(source, None)):
-            text += more.text.strip()
+        if text.startswith("**"):
+            continue
+        while text.endswith(",") and (more := next(source, None)):
+            text += more.text.strip() * (not more.text.startswith("**"))
         found = _INPUT.match(text)
         # An encrypted file says nothing; its keyword is refused.
         is_read = found and "PASSWORD" not in text.upper()
@@ -80,15 +92,11 @@ def blocks(path: Path) -> Iterator[Block]:
     """Yield the blocks of a file and those that it includes.  Raises FEFileFault."""
     block = None
     for line in lines(path):
-        if not line.text.startswith("*"):
+        if line.text.startswith("*"):
             if block:
-                block.data.append(line)
-            continue
-        if block:
-            yield block
-        keyword, *rest = line.text.upper().lstrip("* \t").split(",")
-        options = [word.partition("=") for word in rest if word.strip()]
-        values = {" ".join(name.split()): value.strip(" \t\"'") for name, _, value in options}
-        block = Block(" ".join(keyword.split()), values, line, [])
+                yield block
+            block = Block(*keyword_of(line.text), line, [])
+        elif block:
+            block.data.append(line)
     if block:
         yield block

@@ -20,7 +20,8 @@ MOST_GENERATED = 1_000_000
 # Of the distance between nodes of one number, relative to it: *NFILL makes those of a side again.
 SAME_PLACE = 1e-9
 _UNREAD = "it makes, moves or hides nodes, and is not read; let a preprocessor write all nodes by *NODE"
-_REFUSED = dict.fromkeys(("NCOPY", "NMAP", "IMPERFECTION", "IMPORT", "INCLUDE"), _UNREAD) | {
+_HIDDEN = ("NCOPY", "NMAP", "IMPERFECTION", "IMPORT", "INCLUDE", "ADJUST", "SYMMETRIC")
+_REFUSED = dict.fromkeys(_HIDDEN, _UNREAD) | {
     "TRANSFORM": "matrices in turned nodal axes cannot be used; write the file and the matrices without it"
 }
 
@@ -29,11 +30,12 @@ def abaqus_nodes(path: Path) -> list[Node]:
     """Return number, position and line of every node, in the order of the file.  Raises FEFileFault."""
     nodes = _Nodes()
     for block in blocks(path):
-        if block.keyword in _REFUSED:
-            raise block.line.fault(f"*{block.keyword}: {_REFUSED[block.keyword]}", id="FE-154")
+        first = block.keyword.partition(" ")[0]
+        if first in _REFUSED:
+            raise block.line.fault(f"*{block.keyword}: {_REFUSED[first]}", id="FE-154")
         if block.keyword in nodes.readers:
             nodes.readers[block.keyword](block)
-    unplaced = [name for name, places in nodes.parts.items() if name and places]
+    unplaced = [name for name, part in nodes.parts.items() if name and part]
     if nodes.placed and unplaced:
         raise FEFileFault(f"{path.name}: part {unplaced[0]} has no instance; remove the part", id="FE-164")
     return nodes.found
@@ -46,41 +48,40 @@ class _Nodes:
         self.found: list[Node] = []
         self.parts: dict[str, list[int]] = {}  # places of their nodes in `found`
         self.generated, self.placed = 0, False
-        self.begin("")
+        self.begin()
         self.readers: dict[str, Callable[[Block], None]] = {
             "NODE": self.node,
             "NGEN": self.ngen,
             "NFILL": self.nfill,
             "NSET": self.nset,
             "SYSTEM": self.local_system,
-            "PART": lambda block: self.begin(block.options.get("NAME", "")),
-            "END PART": lambda _: self.begin(""),
+            "PART": self.begin,
+            "END PART": self.begin,
             "INSTANCE": self.instance,
-            "END INSTANCE": lambda _: self.begin(""),
+            "END INSTANCE": self.begin,
         }
 
-    def begin(self, part: str) -> None:
-        """Begin a part: numbers, sets and system of another do not count."""
+    def begin(self, block: Block | None = None) -> None:
+        """Begin a part, or end it: numbers, sets and system of another do not count."""
         self.places: dict[int, int] = {}  # in `found`, by number
         self.sets: dict[str, list[Block | int]] = {}
         self.system, self.moved = BASIC, False
-        self.part = self.parts.setdefault(part, [])
+        self.part = self.parts.setdefault(block.options.get("NAME", "") if block else "", [])
 
     def add(self, number: int, position: Any, line: Line) -> None:
         self.places[number] = len(self.found)
         self.part.append(len(self.found))
         self.found.append((number, position, line))
 
-    def join(self, block: Block, numbers: Iterable[int]) -> None:
+    def join(self, block: Block, members: Iterable[Block | int]) -> None:
         if "NSET" in block.options:
-            self.sets.setdefault(block.options["NSET"], []).extend(numbers)
+            self.sets.setdefault(block.options["NSET"], []).extend(members)
 
     def node(self, block: Block) -> None:
         block.refuse_others("NSET", "SYSTEM", "INPUT")
         if self.moved:
-            raise block.line.fault(
-                "nodes in a moved instance are not read; move them into its part", id="FE-167"
-            )
+            message = "nodes in a moved instance are not read; move them into its part"
+            raise block.line.fault(message, id="FE-167")
         type = block.options.get("SYSTEM", "R")
         if type not in ("R", "RC", "C", "S"):
             raise block.line.fault(f"SYSTEM={type} is unknown; R, C or S wanted", id="FE-155")
@@ -97,19 +98,19 @@ class _Nodes:
             self.join(block, [number])
 
     def nset(self, block: Block) -> None:
-        self.sets.setdefault(block.options.get("NSET", ""), []).append(block)
+        self.join(block, [block])
 
     def members(self, name: str) -> list[int]:
         """Return the nodes of a set, ascending."""
-        numbers: list[int] = []
+        numbers: set[int] = set()
         for item in self.sets.get(name.upper().strip("\"'"), ()):
             if isinstance(item, int):
-                numbers.append(item)
+                numbers.add(item)
                 continue
             item.refuse_others("NSET", "GENERATE", "INTERNAL")
             read = self.counted if "GENERATE" in item.options else integers_of
-            numbers += [number for line in item.data for number in read(line, words_of(line))]
-        return sorted(set(numbers))
+            numbers.update(*(read(line, words_of(line)) for line in item.data))
+        return sorted(numbers)
 
     def counted(self, line: Line, words: list[str]) -> range:
         """Return the numbers first, first + step, ... last.  Raises FEFileFault for too many."""
@@ -176,7 +177,7 @@ class _Nodes:
     def instance(self, block: Block) -> None:
         """Move the nodes of a part by a translation, then by a rotation about the line from a to b."""
         block.refuse_others("NAME", "PART")
-        self.begin("")
+        self.begin()
         part = block.options.get("PART", "?")
         if part not in self.parts:
             raise block.line.fault(f"part {part} is not defined before, or has two instances", id="FE-187")
@@ -184,7 +185,7 @@ class _Nodes:
         if not block.data:
             return
         shift = reals_of(block.data[0], 3)
-        *line, degrees = reals_of(block.data[1], 7) if block.data[1:] else [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
+        *line, degrees = reals_of(block.data[1], 7) if block.data[1:] else (0, 0, 0, 1, 0, 0, 0)
         a, b = np.reshape(line, (2, 3))
         if (a == b).all():
             raise block.line.fault("a translation, two points of an axis and an angle wanted", id="FE-163")

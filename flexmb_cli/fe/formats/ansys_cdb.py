@@ -9,6 +9,7 @@ from pathlib import Path
 
 from .file_text import integer, lines_of, real
 from .included_files import Line
+from .matrix_file import FEFileFault
 from .node_table import Node, node_of, placed
 
 _FORMAT = re.compile(r"\(\s*(\d+)i(\d+)\s*,\s*(\d+)e(\d+)", re.IGNORECASE)
@@ -44,9 +45,8 @@ def cdb_nodes(path: Path) -> Iterator[Node]:
         if command[:4] in _ACTIVATING and words[0] != "R5.0":
             system = "" if command == "CSYS" and words[0] in ("", "0") else f"{command},{words[0]}"
         elif command in ("N", "NBLOCK") and system:
-            raise line.fault(
-                f"nodes in the coordinates of {system}; write the archive after CSYS,0", id="FE-177"
-            )
+            message = f"nodes in the coordinates of {system}; write the archive after CSYS,0"
+            raise line.fault(message, id="FE-177")
         elif command == "N":
             node, *values = words[2:] if words[0].startswith("R") else words
             turned = words[1] == "ANG"
@@ -69,8 +69,10 @@ def _block(heading: Line, lines: list[str]) -> Iterator[Node]:
         message = "a format such as (3i9,6e20.13) wanted, counts and widths 1 to 999"
         raise second.fault(message, id="FE-091")
     for number, text in enumerate(lines[1:], start=second.number + 1):
-        if text.upper().startswith("N,") or text.strip() == "-1" or not text[:width].strip():
+        if text.upper().startswith("N,") or text.strip() == "-1":
             return
+        if not text.strip():
+            continue
         line, text = Line(heading.name, number, text), text.rstrip()
         cells = [text[i : i + digits] for i in range(integers * width, len(text), digits)]
         try:
@@ -80,3 +82,4 @@ def _block(heading: Line, lines: list[str]) -> Iterator[Node]:
             )
         except ValueError:
             raise line.fault(f"a line of NBLOCK wanted; read '{text.strip()[:40]}'", id="FE-092") from None
+    raise FEFileFault(f"{heading.name}: NBLOCK does not end with -1; is the file cut off?", id="FE-200")

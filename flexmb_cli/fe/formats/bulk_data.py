@@ -9,8 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from ...deck import number
-from .file_text import integer, line_fault
+from .file_text import integer, real
 from .included_files import IncludedLines, Line
 from .matrix_file import FEFileFault
 
@@ -21,17 +20,34 @@ class BulkCard(NamedTuple):
     """A card of a bulk data file."""
 
     name: str  # in capitals
-    line: int  # that it begins on, from 1
+    line: Line  # that it begins on
     fields: list[str]  # behind the name
-    file: str = ""  # its name, without its folder
 
     def card_fault(self, message: str, *, id: str) -> FEFileFault:
         """Return the fault of this card."""
-        return line_fault(self.file, self.line, f"{self.name}: {message}", id=id)
+        return self.line.fault(f"{self.name}: {message}", id=id)
 
     def field(self, index: int) -> str:
         """Return a field, "" when the card is shorter."""
         return self.fields[index] if index < len(self.fields) else ""
+
+    def integer(self, index: int, what: str, default: int | None = None) -> int:
+        """Return a field as an integer.  Raises FEFileFault."""
+        text = self.field(index)
+        if not text and default is not None:
+            return default
+        try:
+            return integer(text)
+        except ValueError:
+            raise self.card_fault(f"{what} wanted; read '{text}'", id="FE-094") from None
+
+    def real(self, index: int, what: str) -> float:
+        """Return a field as a number, 0 if it is empty.  Raises FEFileFault."""
+        text = self.field(index)
+        try:
+            return real(text) if text else 0.0
+        except ValueError:
+            raise self.card_fault(f"{what} wanted; read '{text}'", id="FE-094") from None
 
 
 def lines(path: Path) -> Iterator[Line]:
@@ -69,7 +85,7 @@ def bulk_cards(path: Path, names: tuple[str, ...]) -> Iterator[BulkCard]:
         if name == "ENDDATA":
             return
         # Files hold far more cards than those wanted.
-        card = BulkCard(name, source.number, _fields(line, head), source.name) if name in names else None
+        card = BulkCard(name, source, _fields(line, head)) if name in names else None
     if card is not None:
         yield card
 
@@ -82,11 +98,14 @@ def _check_head(line: Line, head: str, names: tuple[str, ...], follows: bool) ->
     if head.startswith("="):
         raise line.fault("cards repeated by = are not read; let a preprocessor write them out", id="FE-168")
     word, *more = head.split() or [""]
-    follows = follows and "," in line.text
-    if (more and word.rstrip("*") in names) or (
-        follows and (word[:1].isdigit() or (more and word[:1] in "+*"))
+    known, comma = word.rstrip("*") in names, "," in line.text
+    tabs = "\t" in line.text.split("$", 1)[0].rstrip() and not comma
+    if (known and (more or tabs)) or (
+        follows and (tabs or (comma and (word[:1].isdigit() or (more and word[:1] in "+*"))))
     ):
-        message = "fields out of their columns of 8 or 16, or decimals with commas; write them with points"
+        message = (
+            "fields out of their columns of 8 or 16, tabs, or decimals with commas; write blanks and points"
+        )
         raise line.fault(message, id="FE-169")
 
 
@@ -99,23 +118,3 @@ def _fields(line: str, head: str) -> list[str]:
     width, count = (16, 4) if "*" in head else (8, 8)
     padded = line.ljust(8 + width * count)
     return [padded[8 + width * i : 8 + width * (i + 1)].strip() for i in range(count)]
-
-
-def integer_field(path: Path, card: BulkCard, index: int, what: str, default: int | None = None) -> int:
-    """Field `index` of a card as an integer."""
-    text = card.field(index)
-    if not text and default is not None:
-        return default
-    try:
-        return integer(text)
-    except ValueError:
-        raise card.card_fault(f"{what} wanted; read '{text}'", id="FE-094") from None
-
-
-def real_field(path: Path, card: BulkCard, index: int, what: str) -> float:
-    """Field `index` of a card as a number, 0 when it is empty."""
-    text = card.field(index)
-    try:
-        return number.real(text)[0] if text else 0.0
-    except number.Misspelt:
-        raise card.card_fault(f"{what} wanted; read '{text}'", id="FE-094") from None

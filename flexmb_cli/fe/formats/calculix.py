@@ -15,24 +15,19 @@ from .matrix_file import FEFileFault, MatrixFile, check_labels
 _DOF = re.compile(r"\s*(\d{1,15})\.(\d)\s*", re.ASCII)
 
 
-def read_calculix(path: Path, equations: np.ndarray) -> MatrixFile:
-    """The matrix at `path` whose rows are `equations` (size, 2), node and direction."""
+def read_calculix(path: Path) -> MatrixFile:
+    """The matrix at `path`.  Raises FEFileFault."""
     lines, numbers = filled(lines_of(path))
     if not lines:
         raise FEFileFault(f"{path.name} is empty", id="FE-016")
     entries = table(path.name, lines, numbers, 3, "row, column and value")
     where = whole(path.name, entries[:, :2], numbers, "row and column")
-    check_range(path.name, where, numbers, len(equations))
-    if where.max() < len(equations):
-        raise FEFileFault(
-            f"{path.name} has {where.max()} rows and its .dof file {len(equations)} equations; "
-            "they are of different models",
-            id="FE-017",
-        )
+    size = int(where.max())
+    check_range(path.name, where, numbers, size)
     kept = entries[:, 2] != 0.0
     rows, columns = where[kept].T - 1
     one_triangle = not ((rows < columns).any() and (rows > columns).any())
-    return MatrixFile(len(equations), rows, columns, entries[kept, 2], one_triangle, equations)
+    return MatrixFile(size, rows, columns, entries[kept, 2], one_triangle)
 
 
 def read_dofs(path: Path) -> np.ndarray:
@@ -43,12 +38,8 @@ def read_dofs(path: Path) -> np.ndarray:
             continue
         match = _DOF.fullmatch(line)
         if match is None:
-            raise line_fault(
-                path.name,
-                number,
-                f"node.direction wanted, such as 12.3; read '{line.strip()[:40]}'",
-                id="FE-095",
-            )
+            message = f"node.direction wanted, such as 12.3; read '{line.strip()[:40]}'"
+            raise line_fault(path.name, number, message, id="FE-095")
         if match[2] not in "123":
             message = f"direction {match[2]} of node {match[1]}: only 1, 2, 3 can be used, no rotations"
             raise line_fault(path.name, number, message, id="FE-096")

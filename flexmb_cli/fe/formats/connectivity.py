@@ -13,9 +13,10 @@ import numpy as np
 from ...quick_dataclass import dataclass
 from .abaqus_input import blocks, integers_of, words_of
 from .ansys_cdb import commands
-from .bulk_data import bulk_cards, integer_field
+from .bulk_data import bulk_cards
 from .included_files import Line
 from .matrix_file import FEFileFault
+from .node_table import check_twice
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -73,9 +74,8 @@ def read_elements(path: Path, form: str) -> ElementTable:
     """
     readers = {"INP": _inp_elements, "CDB": _cdb_elements, "BDF": _bdf_elements}
     if form not in readers:
-        raise FEFileFault(
-            f"{path.name}: a node table of format {form} has no elements; INP, CDB or BDF has", id="FE-019"
-        )
+        message = f"{path.name}: a node table of format {form} has no elements; INP, CDB or BDF has"
+        raise FEFileFault(message, id="FE-019")
     every = list(readers[form](path))
     found = [element for element in every if element.nodes]
     counts = Counter(element.kind for element in every if not element.nodes)
@@ -85,7 +85,7 @@ def read_elements(path: Path, form: str) -> ElementTable:
         raise FEFileFault(f"{path.name} holds no elements in format {form}{but}", id="FE-020")
     _check_nodes(found)
     _check_kinds(path.name, found)
-    _check_numbers(found)
+    check_twice(path.name, "element", ((element.number, element.line) for element in found))
     return ElementTable(
         np.array([element.number for element in found], dtype=np.int64),
         np.array([element.nodes for element in found], dtype=np.int64),
@@ -108,20 +108,8 @@ def _check_kinds(name: str, found: list[_Element]) -> None:
         raise FEFileFault(f"{name} mixes elements of {mixed} nodes; use one type", id="FE-021")
     kinds = sorted({element.kind for element in found})
     if len(kinds) > 1:
-        raise FEFileFault(
-            f"{name} mixes elements of types {' and '.join(kinds)}; one type is wanted", id="FE-084"
-        )
-
-
-def _check_numbers(found: list[_Element]) -> None:
-    first: dict[int, Line] = {}
-    for element in found:
-        if element.number in first:
-            other = first[element.number]
-            place = f"line {other.number}" + f" of {other.name}" * (other.name != element.line.name)
-            message = f"element {element.number} is given twice, first on {place}"
-            raise element.line.fault(message, id="FE-098")
-        first[element.number] = element.line
+        message = f"{name} mixes elements of types {' and '.join(kinds)}; one type is wanted"
+        raise FEFileFault(message, id="FE-084")
 
 
 def _inp_elements(path: Path) -> "Iterator[_Element]":
@@ -148,7 +136,7 @@ def _inp_elements(path: Path) -> "Iterator[_Element]":
         for line in block.data:
             first = first if words else line
             words += [word for word in words_of(line) if word]
-            if (type and len(words) > int(type[1])) or not line.text.endswith(","):
+            if (type and len(words) > int(type[1])) or not line.text.rstrip().endswith(","):
                 values = integers_of(first, words)
                 yield _Element(values[0], values[1:] if type else [], first, kind)
                 words = []
@@ -193,7 +181,8 @@ _BDF_OTHERS = (
     "CQUAD", "CQUAD4", "CQUAD8", "CQUADR", "CTRIA3", "CTRIA6", "CTRIAR", "CSHEAR", "CBAR", "CBEAM",
     "CBEND", "CROD", "CONROD", "CTUBE", "CBUSH", "CELAS1", "CELAS2", "CELAS3", "CELAS4", "CMASS1",
     "CMASS2", "CONM1", "CONM2", "RBE1", "RBE2", "RBE3", "RBAR", "RROD", "CTRIAX", "CTRIAX6",
-    "CQUADX",
+    "CQUADX", "CBUSH1D", "CBUSH2D", "CFAST", "CGAP", "CSEAM", "CWELD", "CMASS3", "CMASS4", "RSPLINE",
+    "RJOINT", "RTRPLT", "PLOTEL",
 )  # fmt: skip
 # Fields of grid points behind the numbers of element and property.
 _MOST_POINTS = {"CHEXA": 20, "CTETRA": 10}
@@ -201,15 +190,14 @@ _MOST_POINTS = {"CHEXA": 20, "CTETRA": 10}
 
 def _bdf_elements(path: Path) -> "Iterator[_Element]":
     for card in bulk_cards(path, (*_SOLIDS, *_BDF_OTHERS)):
-        line = Line(card.file, card.line, "")
         if card.name in _BDF_OTHERS:
-            yield _Element(0, [], line, card.name)
+            yield _Element(0, [], card.line, card.name)
             continue
-        number = integer_field(path, card, 0, "the number of the element")
+        number = card.integer(0, "the number of the element")
         if card.name not in _MOST_POINTS:
             message = f"{card.name} {number}: stresses are known of {_KNOWN} only, cards CHEXA and CTETRA"
-            raise line.fault(message, id="FE-102")
+            raise card.line.fault(message, id="FE-102")
         fields = range(2, 2 + _MOST_POINTS[card.name])
-        given = [integer_field(path, card, i, "a grid point") for i in fields if card.field(i)]
+        given = [card.integer(i, "a grid point") for i in fields if card.field(i)]
         nodes = [given[i] for i in _FROM_NASTRAN] if len(given) == 20 else given
-        yield _Element(number, nodes, line)
+        yield _Element(number, nodes, card.line)

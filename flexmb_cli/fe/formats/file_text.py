@@ -4,6 +4,7 @@ The names of these files come from decks, which may be untrusted: only regular f
 nothing larger than `LARGEST_FILE` is read.
 """
 
+import codecs
 import os
 import re
 import stat
@@ -20,7 +21,6 @@ _SHOWN = 40
 # Numbers of nodes, rows and columns fit into int64 with room for a product by 3.
 _INTEGER = re.compile(r"[+-]?[0-9]{1,15}", re.ASCII)
 _REAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([EeDd]?[+-][0-9]+|[EeDd][0-9]+)?", re.ASCII)
-_NOT_FINITE = ("nan", "inf", "infinity")
 _EXACT = 2.0**53
 _COMMENT = re.compile(rb"^[ \t]*[%*$#].*$", re.MULTILINE)
 # A final ".0" is no digit that a format asks for: shortest forms of round numbers have it too.
@@ -65,11 +65,14 @@ def real(text: str) -> float:
 
     ValueError for any other spelling.
     """
+    try:  # Python's spellings are most; it has underlines and other scripts' digits as well
+        if "_" not in text and text.isascii():
+            return float(text)
+    except ValueError:
+        pass
     text = text.strip()
     found = _REAL.fullmatch(text)
     if found is None:
-        if text.lower().lstrip("+-") in _NOT_FINITE:
-            return float(text)
         raise ValueError(text)
     exponent = (found[2] or "").lstrip("EeDd")
     return float(f"{text[: found.end(1)]}e{exponent or 0}")
@@ -95,7 +98,7 @@ def is_binary(raw: bytes) -> bool:
 
 def text_of(path: Path) -> str:
     """The file's text.  Raises FEFileFault when there is none, or it is binary."""
-    raw = bytes_of(path)
+    raw = bytes_of(path).removeprefix(codecs.BOM_UTF8)
     if is_binary(raw):
         raise FEFileFault(f"{path.name} is a binary file; let the program write it as text", id="FE-027")
     return raw.decode("latin-1")

@@ -14,10 +14,9 @@ from .matrix_file import FEFileFault, MatrixFile, size_hint
 class MatrixFormat(NamedTuple):
     """A format of matrices."""
 
-    reader: str  # "module:function" of this folder: (path), (path, mapping) or (path, letter, name)
+    reader: str  # "module:function" of this folder: (path) or (path, letter, name)
     mapping: str = ""  # format of the equation mapping that it needs beside the matrix, "" for none
     by_name: bool = False  # whether a file may hold several matrices with names
-    labelled: bool = False  # whether its rows always have nodes and directions, so that no mapping is read
 
 
 MATRIX_FORMATS = {
@@ -25,13 +24,13 @@ MATRIX_FORMATS = {
     "HB": MatrixFormat("harwell_boeing:read_harwell_boeing", mapping="ANS"),
     "CCX": MatrixFormat("calculix:read_calculix", mapping="CCX"),
     "ABQ": MatrixFormat("abaqus:read_abaqus", by_name=True),
-    "DMIG": MatrixFormat("nastran:read_dmig", by_name=True, labelled=True),
+    "DMIG": MatrixFormat("nastran:read_dmig", by_name=True),
     "OP4": MatrixFormat("nastran_op4:read_op4", by_name=True),
 }
 # Readers of equation mappings: (path).
 MAPPING_FORMATS = {"ANS": "harwell_boeing:read_mapping", "CCX": "calculix:read_dofs"}
-# Formats that a mapping may or must stand beside.
-TAKES_MAPPING = tuple(form for form, known in MATRIX_FORMATS.items() if not known.labelled)
+# Formats that a mapping may or must stand beside; rows of DMIG always have nodes and directions.
+TAKES_MAPPING = tuple(form for form in MATRIX_FORMATS if form != "DMIG")
 # The form of a "file" that stands for the elements themselves.
 OF_ELEMENTS = "MESH"
 # Node tables that may hold elements, too.
@@ -69,28 +68,18 @@ def _read(
 ) -> MatrixFile:
     known, name = MATRIX_FORMATS[form], which[1]
     if known.mapping and (mapping is None or mapping_form != known.mapping):
-        raise FEFileFault(
-            f"format {form} needs the equation mapping: add a card FEMP of format {known.mapping}",
-            id="FE-031",
-        )
+        message = f"format {form} needs the equation mapping: add a card FEMP of format {known.mapping}"
+        raise FEFileFault(message, id="FE-031")
     if name and not known.by_name:
-        raise FEFileFault(
-            f"matrices of format {form} have no names; remove {name} from card FEMX", id="FE-197"
-        )
-    read = _reader(known.reader)
-    if known.mapping:
-        matrix: MatrixFile = read(path, _reader(MAPPING_FORMATS[mapping_form])(mapping))
+        message = f"matrices of format {form} have no names; remove {name} from card FEMX"
+        raise FEFileFault(message, id="FE-197")
+    is_mapped = mapping_form and form in TAKES_MAPPING
+    equations = _reader(MAPPING_FORMATS[mapping_form])(mapping) if is_mapped else None
+    matrix: MatrixFile = _reader(known.reader)(path, *which[: 2 * known.by_name])
+    if mapping is None or equations is None or matrix.equations is not None:
         return matrix
-    matrix = read(path, *which) if known.by_name else read(path)
-    if mapping is None or not mapping_form or known.labelled:
-        return matrix
-    if matrix.equations is not None:
-        raise FEFileFault(
-            f"{path.name} labels its rows itself, so the mapping is not read; remove card FEMP", id="FE-198"
-        )
-    equations = _reader(MAPPING_FORMATS[mapping_form])(mapping)
     if matrix.size != len(equations):
-        message = f"{path.name} has {matrix.size} rows and {mapping.name} maps {len(equations)}"
+        message = f"{path.name} has {matrix.size} rows and the mapping {mapping.name} {len(equations)}"
         raise FEFileFault(message + size_hint(matrix.size, len(equations) / 3), id="FE-199")
     return replace(matrix, equations=equations)
 

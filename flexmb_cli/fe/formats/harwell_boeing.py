@@ -13,7 +13,7 @@ import numpy as np
 
 from .file_text import filled, integer, line_fault, lines_of, real
 from .matrix_file import FEFileFault, MatrixFile, check_labels, has_both_triangles
-from .matrix_market import is_market, read_node_vector
+from .matrix_market import BANNER, read_node_vector
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,11 +25,8 @@ _EQUATION = re.compile(r"\s*(\d{1,15})\s+(\d{1,15})\s+([A-Za-z]\w*)\s*", re.ASCI
 _DIRECTIONS = {"UX": 1, "UY": 2, "UZ": 3}
 
 
-def read_harwell_boeing(path: Path, equations: np.ndarray) -> MatrixFile:
-    """The matrix at `path` whose rows are `equations` (size, 2), node and direction.
-
-    Raises FEFileFault.
-    """
+def read_harwell_boeing(path: Path) -> MatrixFile:
+    """The matrix at `path`.  Raises FEFileFault."""
     name, lines = path.name, lines_of(path)
     # A title may be blank; further on a blank line is none of those that the heading counts.
     body, numbers = filled(lines[1:], before=1)
@@ -39,7 +36,7 @@ def read_harwell_boeing(path: Path, equations: np.ndarray) -> MatrixFile:
     _, pointers, indices, values, right_sides = _integers(name, lines[1], 2, 0, 5)
     kind = lines[2][:3].upper()
     size, columns, count, _ = _integers(name, lines[2], 3, 14, 4)
-    _check_kind(name, kind, size, columns, equations)
+    _check_kind(name, kind, size, columns)
     formats = [_format(name, lines[3], first, 16 if first < 32 else 20) for first in (0, 16, 32)]
     start = 5 if right_sides else 4
     sections = []
@@ -49,8 +46,7 @@ def read_harwell_boeing(path: Path, equations: np.ndarray) -> MatrixFile:
         sections.append(_numbers(name, lines, numbers[start:], lengths, form, wanted))
         start += lengths
     pointers_, rows_, values_ = sections
-    found: MatrixFile = _matrix(name, kind, size, pointers_, rows_, values_, equations)
-    return found
+    return _matrix(name, kind, size, pointers_, rows_, values_)
 
 
 def read_mapping(path: Path) -> np.ndarray:
@@ -59,7 +55,7 @@ def read_mapping(path: Path) -> np.ndarray:
     Or from a vector of node numbers in Matrix Market format.
     """
     lines = lines_of(path)
-    if lines and is_market(lines[0]):
+    if lines and lines[0].lower().startswith(BANNER):
         return read_node_vector(path)
     found = {}
     for number, line in enumerate(lines, start=1):
@@ -73,9 +69,8 @@ def read_mapping(path: Path) -> np.ndarray:
             raise line_fault(path.name, number, message, id="FE-107")
         found[int(match[1])] = int(match[2]), _DIRECTIONS[label]
     if not found:
-        raise FEFileFault(
-            f"{path.name} holds no line 'equation node UX|UY|UZ'; is it the mapping file?", id="FE-033"
-        )
+        message = f"{path.name} holds no line 'equation node UX|UY|UZ'; is it the mapping file?"
+        raise FEFileFault(message, id="FE-033")
     if sorted(found) != list(range(1, len(found) + 1)):
         gap = next(i for i in range(1, len(found) + 1) if i not in found)
         raise FEFileFault(f"{path.name} maps {len(found)} equations, but not equation {gap}", id="FE-034")
@@ -90,28 +85,20 @@ def _integers(name: str, line: str, number: int, first: int, count: int) -> list
     try:
         found = [integer(cell) for cell in cells]
     except ValueError:
-        raise line_fault(
-            name, number, "integers of 14 columns wanted; is it a Harwell-Boeing file?", id="FE-108"
-        ) from None
+        message = "integers of 14 columns wanted; is it a Harwell-Boeing file?"
+        raise line_fault(name, number, message, id="FE-108") from None
     if min(found) < 0:
         raise line_fault(name, number, "counts of lines and entries are not negative", id="FE-109")
     return found
 
 
-def _check_kind(name: str, kind: str, size: int, columns: int, equations: np.ndarray) -> None:
+def _check_kind(name: str, kind: str, size: int, columns: int) -> None:
     if kind not in ("RSA", "RUA"):
         message = f"the matrix is of type {kind}; RSA (symmetric) or RUA, assembled and real, wanted"
         raise line_fault(name, 3, message, id="FE-110")
     if size != columns:
-        raise line_fault(
-            name, 3, f"the matrix must be square; it has {size} rows, {columns} columns", id="FE-111"
-        )
-    if size != len(equations):
-        raise FEFileFault(
-            f"{name} has {size} rows and its mapping file {len(equations)} equations; "
-            "they are of different models",
-            id="FE-035",
-        )
+        message = f"the matrix must be square; it has {size} rows, {columns} columns"
+        raise line_fault(name, 3, message, id="FE-111")
 
 
 def _format(name: str, line: str, first: int, width: int) -> tuple[str, int]:
@@ -134,9 +121,8 @@ def _numbers(
     start = len(lines) - len(numbers)
     section = lines[start : start + count]
     if len(section) < count:
-        raise FEFileFault(
-            f"{name} ends at line {len(lines)}, {count - len(section)} lines too early", id="FE-036"
-        )
+        message = f"{name} ends at line {len(lines)}, {count - len(section)} lines too early"
+        raise FEFileFault(message, id="FE-036")
     read = integer if letter == "I" else real
     split = _split(section, read, wanted)
     return _cut(name, section, numbers, width, read, wanted) if split is None else split
@@ -179,13 +165,7 @@ def _cut(
 
 
 def _matrix(
-    name: str,
-    kind: str,
-    size: int,
-    pointers: np.ndarray,
-    rows: np.ndarray,
-    values: np.ndarray,
-    equations: np.ndarray,
+    name: str, kind: str, size: int, pointers: np.ndarray, rows: np.ndarray, values: np.ndarray
 ) -> MatrixFile:
     """ANSYS 9 declared RSA and wrote full columns with wrong pointers: those are not mirrored."""
     full = len(values) == size * size
@@ -194,12 +174,11 @@ def _matrix(
     else:
         lengths = np.diff(pointers)
         if pointers[0] != 1 or (lengths < 0).any() or lengths.sum() != len(values):
-            raise FEFileFault(
-                f"{name}: the column pointers do not add up to {len(values)} entries", id="FE-038"
-            )
+            message = f"{name}: the column pointers do not add up to {len(values)} entries"
+            raise FEFileFault(message, id="FE-038")
         columns = np.repeat(np.arange(size), lengths)
     rows = rows - 1
     if (rows < 0).any() or (rows >= size).any():
         raise FEFileFault(f"{name}: a row index lies outside 1..{size}", id="FE-039")
     one_triangle = kind == "RSA" and not full and not has_both_triangles(rows, columns, size)
-    return MatrixFile(size, rows, columns, values, one_triangle, equations)
+    return MatrixFile(size, rows, columns, values, one_triangle)

@@ -11,7 +11,7 @@ import numpy as np
 from .file_text import check_range, filled, line_fault, lines_of, table, whole
 from .matrix_file import FEFileFault, MatrixFile, check_labels
 
-_BANNER = "%%matrixmarket"
+BANNER = "%%matrixmarket"
 
 
 def read_matrix_market(path: Path) -> MatrixFile:
@@ -34,15 +34,10 @@ def read_node_vector(path: Path) -> np.ndarray:
     name, lines = path.name, lines_of(path)
     layout, _ = _kind(name, lines)
     body, numbers = filled(lines[1:], comment="%", before=1)
-    if layout != "array" or not body:
-        raise FEFileFault(
-            f"{name}: the node numbers of a mapping are a dense vector, layout array", id="FE-202"
-        )
-    rows, columns = whole(name, table(name, body[:1], numbers, 2, "the size"), numbers, "sizes")[0]
+    rows, columns = _sizes(name, body[0], numbers[0], 2) if layout == "array" and body else (0, 0)
     if columns != 1 or rows < 1:
-        raise line_fault(
-            name, numbers[0], f"a vector of node numbers wanted; it has {columns} columns", id="FE-203"
-        )
+        message = f"the node numbers of a mapping are a vector, layout array of one column, not {columns}"
+        raise FEFileFault(f"{name}: {message}", id="FE-202")
     _check_count(name, len(body) - 1, rows)
     nodes = whole(name, table(name, body[1:], numbers[1:], 1, "a node"), numbers[1:], "nodes")[:, 0]
     equations: np.ndarray = np.column_stack([np.repeat(nodes, 3), np.tile([1, 2, 3], rows)])
@@ -50,38 +45,33 @@ def read_node_vector(path: Path) -> np.ndarray:
     return equations
 
 
-def is_market(line: str) -> bool:
-    """Return whether a Matrix Market file may begin with this line."""
-    return line.lower().startswith(_BANNER)
-
-
 def _kind(name: str, lines: list[str]) -> tuple[Any, Any]:
     words = lines[0].lower().split() if lines else []
-    if not words or words[0] != _BANNER:
-        raise line_fault(
-            name, 1, "a Matrix Market file begins with %%MatrixMarket; is the format another?", id="FE-114"
-        )
+    if not words or words[0] != BANNER:
+        message = "a Matrix Market file begins with %%MatrixMarket; is the format another?"
+        raise line_fault(name, 1, message, id="FE-114")
     if len(words) < 5 or words[1] != "matrix" or words[2] not in ("coordinate", "array"):
-        raise line_fault(
-            name, 1, "%%MatrixMarket matrix coordinate|array real general|symmetric wanted", id="FE-115"
-        )
+        message = "%%MatrixMarket matrix coordinate|array real general|symmetric wanted"
+        raise line_fault(name, 1, message, id="FE-115")
     if words[3] not in ("real", "integer", "double"):
         raise line_fault(name, 1, f"the matrix must be real; this one is {words[3]}", id="FE-116")
     if words[4] not in ("general", "symmetric"):
-        raise line_fault(
-            name, 1, f"the matrix must be symmetric or general; this one is {words[4]}", id="FE-117"
-        )
+        message = f"the matrix must be symmetric or general; this one is {words[4]}"
+        raise line_fault(name, 1, message, id="FE-117")
     return words[2], words[4] == "symmetric"
 
 
-def _size(name: str, line: str, number: int, count: int) -> np.ndarray:
-    size = whole(name, table(name, [line], [number], count, "the size"), [number], "sizes")[0]
+def _sizes(name: str, line: str, number: int, count: int) -> list[int]:
+    found = whole(name, table(name, [line], [number], count, "the size"), [number], "sizes")
+    return [int(size) for size in found[0]]
+
+
+def _size(name: str, line: str, number: int, count: int) -> list[int]:
+    size = _sizes(name, line, number, count)
     if size[0] != size[1] or size[0] < 1:
-        raise line_fault(
-            name, number, f"the matrix must be square; it has {size[0]} rows, {size[1]} columns", id="FE-111"
-        )
-    found: np.ndarray = size
-    return found
+        message = f"the matrix must be square; it has {size[0]} rows, {size[1]} columns"
+        raise line_fault(name, number, message, id="FE-111")
+    return size
 
 
 def _coordinate(
@@ -97,13 +87,13 @@ def _coordinate(
         first = int(np.flatnonzero(rows < columns)[0])
         message = "an entry above the diagonal, while the file declares a lower triangle"
         raise line_fault(name, numbers[first], message, id="FE-118")
-    return MatrixFile(int(size), rows, columns, entries[:, 2], symmetric)
+    return MatrixFile(size, rows, columns, entries[:, 2], symmetric)
 
 
 def _array(
     name: str, heading: tuple[str, int], body: list[str], numbers: list[int], symmetric: bool
 ) -> MatrixFile:
-    size = int(_size(name, *heading, 2)[0])
+    size = _size(name, *heading, 2)[0]
     count = size * (size + 1) // 2 if symmetric else size * size
     _check_count(name, len(body), count)
     values = table(name, body, numbers, 1, "a value")[:, 0]
@@ -113,6 +103,5 @@ def _array(
 
 def _check_count(name: str, found: int, announced: int) -> None:
     if found != announced:
-        raise FEFileFault(
-            f"{name} announces {announced} entries and holds {found}; was it cut off, or edited?", id="FE-041"
-        )
+        message = f"{name} announces {announced} entries and holds {found}; was it cut off, or edited?"
+        raise FEFileFault(message, id="FE-041")

@@ -6,13 +6,12 @@ MSC Nastran Quick Reference Guide, DMIG.  pyNastran reads them too, but cannot s
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ...quick_dataclass import replace
-from .bulk_data import BulkCard, bulk_cards, integer_field, real_field
-from .file_text import digits_in, line_fault
+from .bulk_data import BulkCard, bulk_cards
+from .file_text import digits_in
 from .matrix_choice import NamedMatrix, chosen
 from .matrix_file import FEFileFault, MatrixFile, labelled, mirrored
 
@@ -42,16 +41,24 @@ def _is_usable(header: BulkCard) -> bool:
 
 def _matrix(path: Path, name: str, cards: list[BulkCard]) -> MatrixFile:
     header, *columns = cards
-    symmetric = _check_header(path, name, header)
+    symmetric = _check_header(name, header)
     entries: list[tuple[int, int, int, int]] = []
     values: list[float] = []
     for card in columns:
         if card.fields[1] == "0":
-            message = f"DMIG {name} begins again, after line {header.line}; keep one of the two"
-            raise line_fault(path.name, card.line, message, id="FE-204")
-        _read_column(path, card, entries, values)
+            message = f"DMIG {name} begins again, after line {header.line.number}; keep one of the two"
+            raise card.line.fault(message, id="FE-204")
+        _read_column(card, entries, values)
     where = np.array(entries, dtype=np.int64).reshape(-1, 4)
     found = labelled(where, np.array(values), True if symmetric else None)
+    entry, counts = np.unique(where, axis=0, return_counts=True)
+    if (counts > 1).any():
+        row, row_direction, column, direction = entry[counts.argmax()]
+        raise FEFileFault(
+            f"{path.name}: DMIG {name} repeats entries, such as that of {row}, {row_direction} with "
+            f"{column}, {direction}; give each once",
+            id="FE-195",
+        )
     both = mirrored(found.rows, found.columns, found.size)
     if symmetric and len(both):
         row, row_direction, column, direction = where[both[0]]
@@ -65,41 +72,39 @@ def _matrix(path: Path, name: str, cards: list[BulkCard]) -> MatrixFile:
     return replace(found, digits=digits_in("\n".join(fields).encode()))
 
 
-def _check_header(path: Path, name: str, header: BulkCard) -> bool:
-    if integer_field(path, header, 1, "the 0 of a header", -1) != 0:
-        raise line_fault(path.name, header.line, f"DMIG {name} begins without its header card", id="FE-119")
-    form = integer_field(path, header, 2, "the form of the matrix")
+def _check_header(name: str, header: BulkCard) -> bool:
+    if header.integer(1, "the 0 of a header", -1) != 0:
+        raise header.line.fault(f"DMIG {name} begins without its header card", id="FE-119")
+    form = header.integer(2, "the form of the matrix")
     if form != _SYMMETRIC and form not in _SQUARE:
         message = f"DMIG {name} has form {form}; 6 (symmetric) or 1 (square) wanted"
-        raise line_fault(path.name, header.line, message, id="FE-120")
-    if integer_field(path, header, 3, "the type of the matrix") not in _REAL:
-        raise line_fault(path.name, header.line, f"DMIG {name} is complex; real wanted", id="FE-121")
+        raise header.line.fault(message, id="FE-120")
+    if header.integer(3, "the type of the matrix") not in _REAL:
+        raise header.line.fault(f"DMIG {name} is complex; real wanted", id="FE-121")
     return form == _SYMMETRIC
 
 
-def _read_column(
-    path: Path, card: BulkCard, entries: list[tuple[int, int, int, int]], values: list[float]
-) -> None:
+def _read_column(card: BulkCard, entries: list[tuple[int, int, int, int]], values: list[float]) -> None:
     """One column: fields of four, the first with the column's point and component."""
-    node = integer_field(path, card, 1, "a grid point")
-    component = integer_field(path, card, 2, "a component")
+    node = card.integer(1, "a grid point")
+    component = card.integer(2, "a component")
     for first in range(4, len(card.fields), 4):
         if not card.fields[first]:
             continue
-        row = integer_field(path, card, first, "a grid point")
-        row_component = integer_field(path, card, first + 1, "a component")
-        value = real_field(path, card, first + 2, "a value")
+        row = card.integer(first, "a grid point")
+        row_component = card.integer(first + 1, "a component")
+        value = card.real(first + 2, "a value")
         if value and not {component, row_component} <= {1, 2, 3}:
-            _refuse(path, card, row, row_component, node, component)
+            _refuse(card, row, row_component, node, component)
         if component in (1, 2, 3) and row_component in (1, 2, 3):
             entries.append((row, row_component, node, component))
             values.append(value)
 
 
-def _refuse(path: Any, card: BulkCard, row: int, row_component: int, node: int, component: int) -> None:
+def _refuse(card: BulkCard, row: int, row_component: int, node: int, component: int) -> None:
     point, wrong = (node, component) if component not in (1, 2, 3) else (row, row_component)
     if wrong == 0:
         message = f"scalar point {point} is a coordinate of a condensed model; full matrices are wanted"
     else:
         message = f"grid point {point} has rotations (component {wrong}); mesh with solid elements"
-    raise line_fault(path.name, card.line, message, id="FE-122")
+    raise card.line.fault(message, id="FE-122")

@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from .bulk_data import BulkCard, bulk_cards, integer_field, real_field
+from .bulk_data import BulkCard, bulk_cards
 from .coordinate_systems import BASIC, CoordinateSystem, spanned
-from .included_files import Line
 from .node_table import Node
 
 _CORDS = tuple(f"CORD{points}{type}" for points in "12" for type in "RCS")
@@ -24,19 +23,22 @@ DEEPEST_SYSTEM = 50
 
 def grids(path: Path) -> Iterator[Node]:
     """Yield number, position and line of every grid point.  Raises FEFileFault."""
-    cards = list(bulk_cards(path, ("GRID", "GRDSET", *_CORDS)))
-    points = [card for card in cards if card.name == "GRID"]
-    for card in cards:
+    points, systems = [], _Systems()
+    for card in bulk_cards(path, ("GRID", "GRDSET", *_CORDS)):
         card.fields.extend([""] * 8)
-    defaults = next((card.fields for card in cards if card.name == "GRDSET"), [""] * 8)
-    for card in points:
+        if card.name == "GRID":
+            points.append(card)
+            systems.points[card.fields[0]] = card
+        else:
+            systems.define(card)
+    defaults = systems.cards.pop("GRDSET", (None, 0))[0]
+    for card in points if defaults else ():
         for i in _DEFAULTS:
-            card.fields[i] = card.fields[i] or defaults[i]
-    systems = _Systems(path, points, [card for card in cards if card.name in _CORDS])
+            card.fields[i] = card.fields[i] or defaults.fields[i]
     for card in points:
-        node = integer_field(path, card, 0, "the number of the point")
+        node = card.integer(0, "the number of the point")
         _check(node, card, systems.of(card, _CD, ()))
-        yield node, systems.position(card, ()), Line(card.file, card.line, "")
+        yield node, systems.position(card, ()), card.line
 
 
 def _check(node: int, card: BulkCard, system: CoordinateSystem) -> None:
@@ -52,25 +54,29 @@ def _check(node: int, card: BulkCard, system: CoordinateSystem) -> None:
 class _Systems:
     """Coordinate systems by their numbers, and what defines the others: points and cards."""
 
-    def __init__(self, path: Path, points: list[BulkCard], cards: list[BulkCard]) -> None:
-        self.path, self.known = path, {0: BASIC}
-        self.points = {card.fields[0]: card for card in points}
-        firsts = [
-            (card, i) for card in cards for i in (0, 4)[: 1 + (card.name[4] == "1" and card.fields[4] > "")]
-        ]
-        self.cards = {
-            integer_field(path, card, i, "the number of the system"): (card, i) for card, i in firsts
-        }
+    def __init__(self) -> None:
+        self.known = {0: BASIC}
+        self.points: dict[str, BulkCard] = {}
+        self.cards: dict[Any, tuple[Any, int]] = {}  # with the first field of the system
+
+    def define(self, card: BulkCard) -> None:
+        """Keep a card, which may define two systems.  Raises FEFileFault for another one of that number."""
+        for i in (0, 4)[: 1 + (card.name[:5] == "CORD1" and card.fields[4] > "")]:
+            number = "GRDSET" if card.name == "GRDSET" else card.integer(i, "the number of the system")
+            other = self.cards.setdefault(number, (card, i))[0]
+            if other.fields != card.fields:
+                message = f"it differs from the one on line {other.line.number}; keep one of the two"
+                raise card.card_fault(message, id="FE-196")
 
     def position(self, card: BulkCard, above: tuple[int, ...]) -> Any:
         """Return the position of a point, in basic coordinates."""
         system = self.of(card, _CP, above)
-        values = [real_field(self.path, card, _X + i, "a coordinate") for i in range(3)]
+        values = [card.real(_X + i, "a coordinate") for i in range(3)]
         return values if system is BASIC else system.basic(values)
 
     def of(self, user: BulkCard, field: int, above: tuple[int, ...]) -> CoordinateSystem:
         """Return the system that a field of a card names; `above`: the systems that wait for it."""
-        number = integer_field(self.path, user, field, "a coordinate system", 0)
+        number = user.integer(field, "a coordinate system", 0)
         if number not in self.known:
             if number not in self.cards:
                 message = f"coordinate system {number} is on no card CORD1R ... CORD2S; add it"
@@ -93,7 +99,7 @@ class _Systems:
         if card.name[4] == "2":
             system = self.of(card, 1, above)
             for i in (2, 5, 8):
-                yield system.basic([real_field(self.path, card, i + k, "a coordinate") for k in range(3)])
+                yield system.basic([card.real(i + k, "a coordinate") for k in range(3)])
             return
         for point in card.fields[first + 1 : first + 4]:
             if point not in self.points:

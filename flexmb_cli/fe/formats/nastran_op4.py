@@ -139,8 +139,7 @@ def _read_string(
             try:
                 values.append(real(cell))
             except ValueError:
-                raise line_fault(
-                    name, at + 1, f"a value wanted; read '{cell.strip()[:40]}'", id="FE-128"
-                ) from None
+                message = f"a value wanted; read '{cell.strip()[:40]}'"
+                raise line_fault(name, at + 1, message, id="FE-128") from None
     parts.append((row - 1, column - 1, np.array(values)))
     return at

@@ -37,9 +37,8 @@ class _Layout:
         try:
             return struct.unpack_from(f"{self.order}{count}{kind}", record, first * self.word)
         except struct.error:
-            raise FEFileFault(
-                f"{self.file}: a record of {len(record)} bytes is too short", id="FE-045"
-            ) from None
+            message = f"{self.file}: a record of {len(record)} bytes is too short"
+            raise FEFileFault(message, id="FE-045") from None
 
     def value(self, kind: int) -> np.dtype:
         """A real number of type 1 (single, which in words of eight bytes is double) or 2 (double)."""
@@ -109,9 +108,8 @@ def _read_one(
             message = f"matrix {name}, column {column}: the record claims {words} words and holds {held}"
             raise FEFileFault(f"{layout.file}: {message}", id="FE-048")
         strings += _column(layout, record, (column, row, words), rows < 0, layout.value(kind))
-    raise FEFileFault(
-        f"{layout.file}: matrix {name} of {columns} columns does not end; is the file cut off?", id="FE-049"
-    )
+    message = f"{layout.file}: matrix {name} of {columns} columns does not end; is the file cut off?"
+    raise FEFileFault(message, id="FE-049")
 
 
 def _check(layout: _Layout, name: str, columns: int, rows: int, kind: int) -> None:

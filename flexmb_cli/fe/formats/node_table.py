@@ -1,6 +1,5 @@
 """Node tables: plain text, ANSYS NLIST and archives, Abaqus and CalculiX input, Nastran GRID cards."""
 
-import math
 import re
 from importlib import import_module
 from pathlib import Path
@@ -14,7 +13,7 @@ from .included_files import Line
 from .matrix_file import FEFileFault
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
 
 # Products of such lengths with masses and stiffnesses stay finite.
@@ -50,23 +49,25 @@ def read_node_table(path: Path, form: str) -> NodeTable:
     if not found:
         raise FEFileFault(f"{path.name} holds no nodes in format {form}", id="FE-053")
     numbers = np.array([number for number, _, _ in found], dtype=np.int64)
-    _check_twice(path.name, found, numbers)
-    for node, position, line in found:
-        if not all(map(math.isfinite, position)):
+    check_twice(path.name, "node", ((number, line) for number, _, line in found))
+    positions = np.array([position for _, position, _ in found], dtype=float)
+    far = np.flatnonzero(~(np.abs(positions) <= FARTHEST).all(axis=1))
+    if far.size:
+        node, position, line = found[far[0]]
+        if not np.isfinite(position).all():
             raise line.fault(f"the position of node {node} is not finite", id="FE-129")
-        if max(map(abs, position)) > FARTHEST:
-            message = f"node {node} lies farther off than {FARTHEST:g} m; was a digit of an exponent lost?"
-            raise line.fault(message, id="FE-130")
-    return NodeTable(numbers, np.array([position for _, position, _ in found], dtype=float))
+        message = f"node {node} lies farther off than {FARTHEST:g} m; was a digit of an exponent lost?"
+        raise line.fault(message, id="FE-130")
+    return NodeTable(numbers, positions)
 
 
-def _check_twice(name: str, found: list[Node], numbers: np.ndarray) -> None:
-    values, counts = np.unique(numbers, return_counts=True)
-    if (counts > 1).any():
-        twice = int(values[counts > 1][0])
-        lines = [line for number, _, line in found if number == twice][:2]
-        where = " and ".join(f"{line.number}{f' of {line.name}' * (line.name != name)}" for line in lines)
-        raise FEFileFault(f"{name}: node {twice} stands on lines {where}", id="FE-054")
+def check_twice(name: str, what: str, lines: "Iterable[tuple[int, Line]]") -> None:
+    """Refuse nodes or elements (`what`) of the file `name` of which a number stands on two lines."""
+    first: dict[int, Line] = {}
+    for number, line in lines:
+        if (other := first.setdefault(number, line)) is not line:
+            where = (f"{one.number}{f' of {one.name}' * (one.name != name)}" for one in (other, line))
+            raise FEFileFault(f"{name}: {what} {number} stands on lines {' and '.join(where)}", id="FE-054")
 
 
 def plain_nodes(path: Path) -> "Iterator[Node]":

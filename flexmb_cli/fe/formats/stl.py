@@ -66,9 +66,8 @@ def _text(name: str, raw: bytes) -> Any:
     facets = sum(1 for _ in _FACET.finditer(raw))
     _check_count(name, facets)
     if not _ENDING.search(raw):
-        raise FEFileFault(
-            f"{name} does not end with 'endsolid': the file was cut off; write it again", id="FE-077"
-        )
+        message = f"{name} does not end with 'endsolid': the file was cut off; write it again"
+        raise FEFileFault(message, id="FE-077")
     words = [word for found in _CORNER.finditer(raw) for word in found.groups()]
     if len(words) != 9 * facets:
         message = f"{name} has {len(words) // 3} corners and {facets} triangles, which have three each"

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from flexmb_cli.errors import ModelError
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
+from flexmb_cli.fe.elements.assembled_matrices import formulation_of
 from flexmb_cli.fe.elements.element_stiffness import (
     element_stiffness,
     initial_stress_matrix,
@@ -141,6 +142,14 @@ def test_a_skewed_brick_has_the_stiffness_that_calculix_prints():
         deviations[formulation.name] = np.abs(found - OF_CALCULIX).max()
     assert deviations.pop("incompatible modes of CalculiX") < 1e-13
     assert min(deviations.values()) > 1e-4
+
+
+@pytest.mark.parametrize("program", ["", "CCX"])
+def test_a_c3d8i_is_made_as_calculix_makes_it_where_the_deck_names_no_other_program(program):
+    """It was the brick of Taylor, Beresford and Wilson while the table of bodies called it CalculiX'."""
+    made = solid_elements(SKEWED, np.arange(8)[None], formulation_of("C3D8I", 8, program))
+    found = np.diag(element_stiffness(made, elasticity(1.0, 0.3))[0][0])[:6]
+    np.testing.assert_allclose(found, OF_CALCULIX, rtol=0, atol=1e-13)
 
 
 @dataclass(frozen=True)

@@ -78,7 +78,7 @@ def by_elements(folder, form, text):
     (folder / "mesh").write_text(text)
     path = folder / "mesh"
     table, elements = read_node_table(path, form), FEFile(path, OF_ELEMENTS)
-    material = ElementMaterial(FEFile(path, form), 7e10, 0.33, None, 2700.0)
+    material = ElementMaterial(FEFile(path, form), 7e10, 0.33, None, 2700.0, program="CCX")
     given = FlexibleInput(
         "body 1", elements, elements, table.numbers, table.positions, modes=3, material=material
     )

@@ -82,13 +82,15 @@ SAME = {
     + inp_nodes(1, 4, [(x - 2, y, z) for x, y, z in POINTS])
     + inp_nodes(13, 16, [(x - 2, y, z) for x, y, z in POINTS])
     + NGEN + "*INSTANCE, NAME=p-1, PART=p\n2.\n*END INSTANCE\n",
+    "keywords continued around a comment": "*NODE,\n** text\nNSET=ALL\n" + inp_nodes(),
+    "the mark of UTF-8": "\ufeff*NODE\n" + inp_nodes(),
     "keywords continued and indented": "  *Node ,\n  nset = ALL,\n System = R\n" + inp_nodes(),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("case", SAME)
 def test_the_bar_by_other_cards(tmp_path, case):
-    (tmp_path / "x").write_text(SAME[case])
+    (tmp_path / "x").write_text(SAME[case], encoding="utf-8")
     found = read_node_table(tmp_path / "x", "INP")
     order = np.argsort(found.numbers)
     assert found.numbers[order].tolist() == list(range(1, 17))
@@ -152,6 +154,11 @@ BAR_1 = "*PART, NAME=p\n*NODE\n1,0,0,0\n*END PART\n"
 REFUSED = {
     "copies": (ENDS + "*NCOPY, CHANGE NUMBER=4, OLD SET=A, SHIFT\n", "line 10: *NCOPY: it makes, moves"),
     "a map": (ENDS + "*NMAP, NSET=A, TYPE=RECTANGULAR\n", "*NMAP: it makes, moves or hides nodes"),
+    "a file that a comma does not part": ("*INCLUDE INPUT=a\n", "line 1: *INCLUDE INPUT=A: it makes, moves"),
+    "a revolved sector": (
+        ENDS + "*SYMMETRIC MODEL GENERATION, REVOLVE\n", "line 10: *SYMMETRIC MODEL GENERATION: it makes",
+    ),
+    "nodes moved to a surface": (ENDS + "*ADJUST, NODE SET=A, SURFACE=B\n", "line 10: *ADJUST: it makes"),
     "turned axes": (ENDS + "*TRANSFORM, NSET=A\n1,1,0,0,1,0\n", "*TRANSFORM: matrices in turned nodal axes"),
     "a parabola": (ENDS + "*NGEN, LINE=P\n1,13,4,5\n", "line 10: the option LINE of *NGEN is not read"),
     "uneven lengths": (ENDS + "*NFILL, BIAS=0.5\nA,B,3,4\n", "the option BIAS of *NFILL is not read"),

@@ -49,6 +49,8 @@ SAME_GRIDS = {
     "two systems of points on a card": "CORD1R,8,1,2,5,7,1,5,3\n" + bdf_nodes(1, 5)
     + bdf_nodes(6, 16, points=TURNED, system="7"),
     "a cylinder of points": "CORD1C,7,1,2,5\n" + bdf_nodes(1, 5) + bdf_nodes(6, 16, points=ROUND, system="7"),
+    "the mark of UTF-8": "\ufeff" + bdf_nodes(),
+    "a system given twice alike": CORD2R + CORD2R + bdf_nodes(points=TURNED, system="3"),
     "axes of displacements that are moved, not turned": "CORD2R,4,,5.,0.,0.,5.,0.,1.\n,6.,0.,0.\n"
     "GRDSET,,,,,,4,456\n"
     + bdf_nodes(),
@@ -113,6 +115,12 @@ REFUSED_GRIDS = {
         "CORD2R         3             0.0     0.0     0.0     1.0     0.0     0.0\n           0,0   1,0\n",
         "decimals with commas",
     ),
+    "tabs": ("GRID\t1\t\t-1234.5678\t0.5\t0.\n", "out of their columns of 8 or 16, tabs, or decimals"),
+    "tabs in a continuation": ("CORD2R,3,,0.,0.,0.,1.,0.,0.\n\t0.\t1.\t0.\n", "line 2: fields out of"),
+    "two defaults": (CORD2R + "GRDSET,,3\nGRDSET,,0\n" + GRID, "line 4: GRDSET: it differs from the one on"),
+    "two systems of a number": (
+        CORD2R + CORD2R.replace("1.,0.\n", "2.,3.\n") + GRID, "CORD2R: it differs from the one on line 1",
+    ),
     "fields by blanks": ("GRID 1 0 0.5 0. 0.\n", "fields out of their columns"),
     "itself": ("INCLUDE 'x'\n", "x, line 1: x includes itself"),
     "an open quote": ("INCLUDE 'x\n" + GRID, "line 1: the file included here"),
@@ -135,9 +143,9 @@ def test_nothing_behind_enddata_counts(tmp_path):
 
 
 def test_surfaces_and_masses_beside_solid_elements_are_left_out_with_a_warning(tmp_path):
-    text = bdf_nodes() + bdf_elements() + "CTRIA3,50,1,1,2,3\nCTRIA3,51,1,2,4,3\nCONM2,52,1,,5.\n"
+    text = bdf_nodes() + bdf_elements() + "CTRIA3,50,1,1,2,3\nCTRIA3,51,1,2,4,3\nCONM2,52,1,,5.\nCGAP,53\n"
     _, warnings = by_elements(tmp_path, "BDF", text)
-    assert warnings[0].startswith("mesh holds other elements, too (1 CONM2, 2 CTRIA3)")
+    assert warnings[0].startswith("mesh holds other elements, too (1 CGAP, 1 CONM2, 2 CTRIA3)")
 
 
 COMMANDS = "".join(f"N,{n},{x!r},{y!r},{z!r}\n" for n, (x, y, z) in enumerate(POINTS, 1))
@@ -151,6 +159,7 @@ SAME_ARCHIVES = {
         f"N,R5.3,LOC,{n:8d},{x!r},{y!r},{z!r}\nN,R5.3,ANG,{n:8d},0,0,0\n"
         for n, (x, y, z) in enumerate(POINTS, 1)
     ) + "N,R5.3,LOC,       -1,\n",
+    "blank lines in a block": nblock().replace("\n        5", "\n\n        5"),
     "a local system that is left again": "LOCAL,11,1,0,0,0\nCSYS,0\n" + nblock(),
     "a local system of CDWRITE": "LOCAL,R5.0,LOC, 11,0,0.1,0,0\n" + nblock(),
 }  # fmt: skip
@@ -175,6 +184,7 @@ REFUSED_ARCHIVES = {
     "a local system": ("LOCAL,11,1,0,0,0\n" + nblock(), "nodes in the coordinates of LOCAL,11"),
     "a node without number": ("N,,0,0,0\n", "line 1: id x y z wanted"),
     "decimal commas": ("N,1,0,5,0,0,0,1\n", "the axes of node 1 are rotated"),
+    "a block cut off": (nblock()[:800], "NBLOCK does not end with -1; is the file cut off?"),
     "a block without a format": ("NBLOCK,6,SOLID", "x, line 2: a format such as"),
 }  # fmt: skip
 
@@ -228,6 +238,12 @@ def test_plain_tables_that_cannot_be_read(tmp_path, case):
     with pytest.raises(FEFileFault) as refused:
         read_node_table(tmp_path / "x", "TXT")
     assert TEXTS[case][1] in str(refused.value)
+
+
+def test_no_node_is_lost_to_the_mark_of_utf8(tmp_path):
+    """The first line of a file of Windows' editor was taken for a heading."""
+    (tmp_path / "x").write_text("\ufeff1 1. 2. 3.\n2 0. 0. 0.\n", encoding="utf-8")
+    assert read_node_table(tmp_path / "x", "TXT").numbers.tolist() == [1, 2]
 
 
 def test_a_list_in_global_coordinates_is_read(tmp_path):

@@ -126,6 +126,11 @@ def test_the_card_names_the_matrices_in_every_format(tmp_path):
             "holds VAX, MUG1: no M among them is meant; name a square real one",
         ),
         (dmig("KAAX", K) + dmig("MAAX", M) + dmig("MAAX", M), "", "DMIG MAAX begins again, after line"),
+        (
+            dmig("KAAX", K) + (twice := dmig("MAAX", M)) + twice.partition("\n")[2],
+            "",
+            "DMIG MAAX repeats entries, such as that of 1, 1 with 1, 1; give each once",
+        ),
         (SEVERAL, NAMES + "    1 K    KMESH1\n", "matrix K of body 1 has a name already"),
         (SEVERAL, NAMES + "    1 KG   KDGG\n", "body 1 has no card FEMG, whose matrix it could name"),
     ],

@@ -100,17 +100,17 @@ REFUSED = {
     "an element twice": (
         "INP",
         "*ELEMENT, TYPE=C3D4\n7, 1, 2, 3, 4\n8, 2, 3, 4, 5\n*ELEMENT, TYPE=C3D4\n7, 1, 2, 3, 4\n",
-        "x, line 5: element 7 is given twice, first on line 2",
+        "x: element 7 stands on lines 2 and 5",
     ),
     "a card twice": (
         "BDF",
         "CTETRA,5,1,1,2,3,4\nCTETRA,5,1,2,3,4,6\n",
-        "x, line 2: element 5 is given twice, first on line 1",
+        "x: element 5 stands on lines 1 and 2",
     ),
     "a row of EBLOCK twice": (
         "CDB",
         "\n".join([*cdb(EIGHT).splitlines()[:3], *cdb(EIGHT).splitlines()[2:]]),
-        "x, line 4: element 5 is given twice, first on line 3",
+        "x: element 5 stands on lines 3 and 4",
     ),
     "a word": (
         "INP",

@@ -103,7 +103,7 @@ TABLES = {
     "an archive with a width of too many digits": ("CDB", f"NBLOCK,6\n(3i{LONG},6e20.1)\n        1\n"),
     "an archive with a position that is not finite": (
         "CDB",
-        "NBLOCK,6\n(3i9,6e20.13)\n" + f"{1:9d}{0:18d}{'nan':>20}\n",
+        "NBLOCK,6\n(3i9,6e20.13)\n" + f"{1:9d}{0:18d}{'nan':>20}\n-1\n",
     ),
     "a grid point of too many digits": ("BDF", f"GRID,{LONG},,0.,0.,0.\n"),
 }

@@ -13,6 +13,7 @@ from tests.fe.formats.bar_files import (
     NODES,
     K,
     M,
+    abaqus_nodes,
     abaqus_rows,
     bar_of,
     dmig,
@@ -48,16 +49,21 @@ def test_rows_in_the_solvers_order_are_mapped(tmp_path, mapping):
         assert (mass, *found) == pytest.approx((MASS, *FREQUENCIES), rel=1e-7)
 
 
+def test_a_mapping_of_one_matrix_stands_beside_labels_of_the_other(tmp_path):
+    found = bar_of(tmp_path, ("ABQ", abaqus_nodes(M)), ("MM", market(K_SOLVER)), ("ANS", WHOLE))
+    assert (found[0], *found[1]) == pytest.approx((MASS, *FREQUENCIES), rel=1e-7)
+
+
 @pytest.mark.parametrize(
     ("mapping", "words"),
     [
-        (WHOLE.replace("\n16 1", "\n16 2"), "it has 2 columns"),
+        (WHOLE.replace("\n16 1", "\n16 2"), "of one column, not 2"),
         (WHOLE.replace("\n16 1", "\n17 1"), "announces 17 entries and holds 16"),
         (VECTOR.format("integer", "2 1\n3\n3"), "node 3, direction 1 stands 2 times"),
         (VECTOR.format("real", "2 1\n3.5\n3"), "nodes must be whole numbers"),
         (
             VECTOR.format("integer", "2 1\n5\n3"),
-            "has 48 rows and FEMP maps 6; has it other nodes, or rotations",
+            "has 48 rows and the mapping FEMP 6; has it other nodes, or rotations",
         ),
         (
             VECTOR.format("integer", "8 1\n" + "\n".join("12345678")),

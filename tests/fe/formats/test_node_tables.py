@@ -57,6 +57,7 @@ def test_trailing_zeros_of_an_archive_may_be_left_out(tmp_path):
         "(3i9,6e20.13)\n"
         "        7        0        0\n"
         "        8        0        0 1.5000000000000E+00\n"
+        "       -1\n"
     )
     found = read_node_table(tmp_path / "x", "CDB")
     assert found.positions.tolist() == [[0.0, 0.0, 0.0], [1.5, 0.0, 0.0]]
