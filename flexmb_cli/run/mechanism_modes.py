@@ -187,7 +187,7 @@ def tree_modes(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
             return _of_tree_with_elements(tree, wish, run)
     entry = "integrators.tree_dop853.integrate_rows"
     with _kernels(len(tree.coordinates), wish, tree.time, run.listener, entry):
-        return _of_tree(tree, wish)
+        return _of_tree(tree, wish, run)
 
 
 def _of_tree_with_elements(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
@@ -221,7 +221,7 @@ def _tree_position(
             yield f"{name} attitude", pose[3:]
 
 
-def _of_tree(tree: Tree, wish: Wish) -> MechanismModes:
+def _of_tree(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
     from ..solvers.linearisation.constrained import linearised, modes_of
     from ..solvers.linearisation.equilibrium import find_equilibrium
     from ..solvers.linearisation.tree import TreeLinearised, start_tree
@@ -234,6 +234,7 @@ def _of_tree(tree: Tree, wish: Wish) -> MechanismModes:
         tree = replace(tree, time=replace(grid, end=time, step=time - grid.start))
     analysis = TreeAnalysis(tree)
     start_tree(analysis, time)
+    run.warn(analysis.warnings)
     if wish.equilibrium:
         find_equilibrium(analysis, TreeLinearised)
     motion, A, constant = linearised(analysis, TreeLinearised)

@@ -9,8 +9,8 @@ from ...model.integrators import IMPLICIT_TREE_METHODS
 from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
 from ...quick_dataclass import replace
 from ..context import Run
-from ..outcome import Stop
 from ..solutions.tree import absolute_analysis, kane_analysis, kane_analysis_with_elements, values_of
+from .compared_rows import compared_rows
 from .difference import Difference, Size, largest_difference
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def _motions(tree: Tree, run: Run) -> Any:
     analyses = absolute_analysis(tree, run), kane(tree, run)
     run.listener.begin(2 * tree.time.rows)
     absolute, kane = (
-        _joined([values_of(tree, rows) for rows in _heard(analysis.rows(), run.listener)])
+        _joined([values_of(tree, rows) for rows in _heard(compared_rows(analysis), run.listener)])
         for analysis in analyses
     )
     return kane, absolute
@@ -63,7 +63,6 @@ def _motions(tree: Tree, run: Run) -> Any:
 def _heard(blocks: Any, listener: "Listener") -> "Iterator[Any]":
     for block in blocks:
         yield block
-        Stop.raise_if_asked()
         listener.advance(len(block.time))
 
 
