@@ -49,8 +49,7 @@ def closed_tree(tree: Tree, frames: Frames) -> Tree:
     gap = np.max(np.abs(gaps)) / loop_size(tree)
     if gap > LOOSEST:
         raise _failure(tree, gaps)
-    made = _with_closed_speeds(found, frames, ~kept, TO_GAP * gap)
-    return made
+    return _with_closed_speeds(found, frames, ~kept, TO_GAP * gap)
 
 
 def loop_size(tree: Tree) -> float:

@@ -120,7 +120,7 @@ def choose_far_apart(work: "Work", rank: int) -> int:
 
 
 def independence(work: "Work") -> float:
-    """Return the least singular value of the equations chosen: what they leave is amplified by its inverse."""
+    """Return the least singular value of the equations chosen; its inverse amplifies the gap left."""
     kept = work.jacobian[work.order[: work.rank[0]]]
     return float(np.linalg.svd(kept, compute_uv=False)[-1])
 
