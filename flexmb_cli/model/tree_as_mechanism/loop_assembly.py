@@ -129,11 +129,12 @@ def _closed(tree: Tree, frames: Frames, free: np.ndarray) -> tuple[Any, Any]:
     return tree, gaps
 
 
-def _with_closed_speeds(tree: Tree, frames: Frames, free: np.ndarray, dependent: float = DEPENDENT) -> Any:
+def _with_closed_speeds(tree: Tree, frames: Frames, free: np.ndarray, dependent: float = DEPENDENT) -> Tree:
     _, rates = _gaps_and_rates(tree, frames)
     y = np.array(tree.y, float)
     y[free] += np.linalg.lstsq(_jacobian(tree, frames)[:, free], -rates, rcond=dependent)[0]
-    return replace(tree, y=y)
+    made: Tree = replace(tree, y=y)
+    return made
 
 
 def _jacobian(tree: Tree, frames: Frames) -> Any:
