@@ -87,6 +87,7 @@ class ConstrainedMotion(ABC):
         self.row, self.resumed = 0, False
         self.undetermined: list[float] = []  # times of rows without constraint forces, s
         self._first = np.zeros(0)  # coordinates at the start
+        self.loop_note: Fault | None = None  # on loops that close only nearly
         self._independence = 0.0  # of the equations when chosen, where loops close only nearly
         coordinates, n = arrays.coordinate_scale.size, arrays.speeds
         self.integration = self.integrator.new_integration(self.work, arrays.angles.size, self.works)
@@ -298,7 +299,8 @@ class ConstrainedMotion(ABC):
         q, loose = assemble(gaps, t, tolerance, start, estimates=estimates)
         if loose:
             self.dependent, self.clock["repeated"] = loose.dependent, TO_GAP * max(tolerance, loose.size)
-            self.warnings.append(gap_note(gaps, loose, tolerance))
+            self.loop_note = gap_note(gaps, loose, tolerance)
+            self.warnings.append(self.loop_note)
         return gaps, q
 
     @property

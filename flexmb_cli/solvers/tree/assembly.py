@@ -43,7 +43,8 @@ def assemble_tree(analysis: "TreeAnalysis") -> None:
             return
     failure = _assembly_failure(tree, arrays.closures)
     analysis.state[:] = start
-    analysis.warnings.append(_close_nearly(analysis, failure))
+    analysis.loop_note = _close_nearly(analysis, failure)
+    analysis.warnings.append(analysis.loop_note)
 
 
 def _close_nearly(analysis: "TreeAnalysis", failure: AnalysisError) -> Fault:
