@@ -86,11 +86,17 @@ def loop_gap(position):
     ],
 )
 def test_a_loop_within_the_tolerance_moves_and_keeps_its_gap(solve, tilt, digits, options):
+    """The gaps of the four hinges add up to the tilt, so that the largest is a quarter of it or more.
+
+    They lead out of the plane, so that lengths and heights within it change at second order only: by less
+    than 25 tilt², a turn of five tilts for chosen equations whose least singular value is a fifth.
+    """
     found = solve(four_bar(tilt, digits), **options)
     residual, total = (np.array(found[name]) for name in ("audit/constraint_residual", "energy/total"))
-    assert 0.1 * float(tilt) < residual.max() < 10.0 * float(tilt)
-    assert np.ptp(total) < 1e-6 + 0.5 * float(tilt)
-    assert loop_gap(np.array(found["body/position"])) < 5.0 * float(tilt)
+    second_order = 25.0 * float(tilt) ** 2
+    assert 0.25 * float(tilt) <= residual.max() < 2.0 * float(tilt)
+    assert np.ptp(total) < 1e-6 + 3.0 * 9.81 * second_order
+    assert loop_gap(np.array(found["body/position"])) < 1e-9 + second_order
     notes = [fault.message for fault in found.warnings if fault.id == "SOLVE-080"]
     assert len(notes) == 1
     assert "overconstrained and closes only to" in notes[0]
@@ -135,7 +141,10 @@ def test_a_loop_of_a_tree_keeps_the_gap_across_its_plane(solve):
 
 
 def test_a_loop_of_a_tree_keeps_its_energy_in_absolute_coordinates(solve):
-    """By what chosen equations leave, a millimetre over the least singular value, 0.2, that they may have."""
+    """Other equations are chosen on the way, each time with a step of a part of the gap of a millimetre.
+
+    To fall by it changes the energy of 1.2 kg by 12 mJ.
+    """
     found = solve(beside_the_plane(), "x.DAT", loop_tolerance=0.01, formulation="absolute", rtol=1e-11)
     assert np.ptp(np.array(found["energy/total"])) < 2e-3
     assert sum(fault.id == "SOLVE-080" for fault in found.warnings) == 1
@@ -204,9 +213,9 @@ def test_a_loop_of_a_vsdf_deck_moves_and_keeps_its_gap(solve):
     found = solve(vsdf_four_bar("1e-4"), "x.vsdf", loop_tolerance=1e-3)
     position = np.array(found["body/position"])
     assert np.ptp(position[:, 1, 0]) > 0.1, "it moves"
-    assert np.ptp(np.array(found["energy/total"])) < 5e-5
+    assert np.ptp(np.array(found["energy/total"])) < 1e-5
     crank = np.hypot(*position[:, 1, :2].T) - CRANK
-    assert max(np.abs(crank).max(), np.abs(position[:, 2, :2] - [GROUND, 0.0]).max()) < 5e-4
+    assert max(np.abs(crank).max(), np.abs(position[:, 2, :2] - [GROUND, 0.0]).max()) < 1e-6
 
 
 def inertia_and_potential(a):
