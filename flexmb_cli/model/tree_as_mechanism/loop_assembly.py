@@ -23,10 +23,15 @@ NEAR = 0.1  # of the size, or rad: what coordinates change where the deck's are 
 DAMPINGS = (1e-3, 1.0)  # the first of searches: the second keeps nearer to the deck's coordinates
 OTHER_STARTS = 6
 ASIDE = 0.5  # of the size, and rad: the largest distance of other starts
+LOOSEST = 0.03  # gap, of the size, of what can be called a loop that nearly closes
+TO_GAP = 30.0  # sine of the angle between directions that count as one, to the gap
 
 
 def closed_tree(tree: Tree, frames: Frames) -> Tree:
-    """The tree with initial coordinates and speeds that its closures allow; raises AnalysisError."""
+    """The tree with initial coordinates and speeds that its closures allow; raises AnalysisError.
+
+    Gaps of loops that nearly close are left.
+    """
     if not tree.closures:
         return tree
     given = {(p.body, p.motion, p.axis) for p in tree.prescribed}
@@ -41,7 +46,15 @@ def closed_tree(tree: Tree, frames: Frames) -> Tree:
         if _is_closed(gaps):
             made: Tree = _with_closed_speeds(found, frames, ~kept)
             return made
-    raise _failure(tree, gaps)
+    gap = np.max(np.abs(gaps)) / loop_size(tree)
+    if gap > LOOSEST:
+        raise _failure(tree, gaps)
+    return _with_closed_speeds(found, frames, ~kept, TO_GAP * gap)
+
+
+def loop_size(tree: Tree) -> float:
+    """Return the largest coordinate of the points that the closures join, m."""
+    return max(abs(x) for c in tree.closures for x in (*c.a_point, *c.b_point)) or 1.0
 
 
 def nearest_closed(tree: Tree, frames: Frames, free: np.ndarray) -> tuple[Tree, np.ndarray]:
@@ -116,11 +129,12 @@ def _closed(tree: Tree, frames: Frames, free: np.ndarray) -> tuple[Any, Any]:
     return tree, gaps
 
 
-def _with_closed_speeds(tree: Tree, frames: Frames, free: np.ndarray) -> Any:
+def _with_closed_speeds(tree: Tree, frames: Frames, free: np.ndarray, dependent: float = DEPENDENT) -> Tree:
     _, rates = _gaps_and_rates(tree, frames)
     y = np.array(tree.y, float)
-    y[free] += np.linalg.lstsq(_jacobian(tree, frames)[:, free], -rates, rcond=DEPENDENT)[0]
-    return replace(tree, y=y)
+    y[free] += np.linalg.lstsq(_jacobian(tree, frames)[:, free], -rates, rcond=dependent)[0]
+    made: Tree = replace(tree, y=y)
+    return made
 
 
 def _jacobian(tree: Tree, frames: Frames) -> Any:

@@ -14,7 +14,7 @@ from ...model.loads import DynamicModel
 from ...model.mechanism import Mechanism
 from ...quick_dataclass import replace
 from ..context import Run
-from ..outcome import Stop
+from .compared_rows import compared_rows
 from .difference import Difference, Size, largest_difference
 
 if TYPE_CHECKING:
@@ -51,10 +51,7 @@ def compare(
     from ...solvers.natural_coordinates.motion import NaturalMotion, coordinates_of, speeds_of
 
     motion = NaturalMotion(mechanism, model)
-    blocks = []
-    for block in analysis.rows():
-        blocks.append(block)
-        Stop.raise_if_asked()
+    blocks = list(compared_rows(analysis))
     run.outcome.rows = sum(block.time.size for block in blocks)
     start = blocks[0]
     X = coordinates_of(start.position[0], start.euler_parameters[0])

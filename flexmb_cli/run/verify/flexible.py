@@ -15,7 +15,7 @@ from ...model.integrators import METHODS, Integrator
 from ...quick_dataclass import replace
 from ..context import Run
 from ..model import folder_of
-from ..outcome import Stop
+from .compared_rows import compared_rows
 from .difference import Difference, Size, largest_difference
 
 if TYPE_CHECKING:
@@ -75,10 +75,8 @@ def _rows(mechanism: FlexibleMechanism) -> tuple[Any, Any]:
     """Return the rows by their fields, and whether no equation repeats others."""
     from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 
-    analysis, blocks = FlexibleDynamics(mechanism), []
-    for block in analysis.rows():
-        blocks.append(block)
-        Stop.raise_if_asked()
+    analysis = FlexibleDynamics(mechanism)
+    blocks = list(compared_rows(analysis))
     named = [key for _, _, key in (*SERIES, *FORCES, *ELEMENTS)]
     names = ["time", "position", "velocity", *ENERGIES, *(key for key in named if hasattr(blocks[0], key))]
     rows = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}

@@ -10,8 +10,8 @@ from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
 from ...quick_dataclass import replace
 from ...solvers.tree.analysis import breakpoints
 from ..context import Run
-from ..outcome import Stop
 from ..solutions.tree import absolute_analysis, kane_analysis, values_of
+from .compared_rows import compared_rows
 from .difference import Difference, Size, largest_difference
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def _motions(tree: Tree, run: Run) -> Any:
     analyses = absolute_analysis(tree, run), kane_analysis(tree, run)
     run.listener.begin(2 * tree.time.rows)
     absolute, kane = (
-        _joined([values_of(tree, rows) for rows in _heard(analysis.rows(), run.listener)])
+        _joined([values_of(tree, rows) for rows in _heard(compared_rows(analysis), run.listener)])
         for analysis in analyses
     )
     return kane, absolute
@@ -65,7 +65,6 @@ def _motions(tree: Tree, run: Run) -> Any:
 def _heard(blocks: Any, listener: "Listener") -> "Iterator[Any]":
     for block in blocks:
         yield block
-        Stop.raise_if_asked()
         listener.advance(len(block.time))
 
 

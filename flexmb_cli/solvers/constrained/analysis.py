@@ -33,7 +33,7 @@ from .first_position import assemble
 from .initial_stops import notes_of_pressed_stops
 from .integrators import Steps
 from .large_start import starts_sparse
-from .overconstrained_loops import TO_GAP, choose_far_apart, gap_note
+from .overconstrained_loops import TO_GAP, choose_far_apart, gap_note, independence
 from .position import PositionGaps
 from .start import order_of_elimination
 from .start_speeds import start_speeds
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 NO_ELEMENTS = JointElements()
 CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
 FEW_EVALUATIONS = 1  # the same where the choice of equations has to be looked at
-WORN_CHOICE = 0.5  # quality of a choice of equations, of that when it was made
+WORN_CHOICE = 0.7  # least singular value of the equations chosen, of that when they were
 LARGEST_BLOCK = 256  # rows
 
 
@@ -87,7 +87,8 @@ class ConstrainedMotion(ABC):
         self.row, self.resumed = 0, False
         self.undetermined: list[float] = []  # times of rows without constraint forces, s
         self._first = np.zeros(0)  # coordinates at the start
-        self._quality = 0.0  # of the choice of equations, where loops close only nearly
+        self.loop_note: Fault | None = None  # on loops that close only nearly
+        self._independence = 0.0  # of the equations when chosen, where loops close only nearly
         coordinates, n = arrays.coordinate_scale.size, arrays.speeds
         self.integration = self.integrator.new_integration(self.work, arrays.angles.size, self.works)
         self.integration.units[:coordinates] = arrays.coordinate_scale
@@ -209,10 +210,10 @@ class ConstrainedMotion(ABC):
         n, t = self._first.size, float(self.clock["t"][0])
         q, u = z[:n], z[n : n + self.arrays.speeds]
         evaluate_jacobian(system, work, q)
-        if factorise_order(work) > WORN_CHOICE * self._quality:
+        if independence(work) > WORN_CHOICE * self._independence:
             return
         choose_far_apart(work, int(work.rank[0]))
-        self._quality, work.quality[0] = float(work.quality[0]), 0.0
+        self._independence, work.quality[0] = independence(work), 0.0
         project_position(system, work, q, t, self.integration.angles[EXPECTED])
         project_speeds(system, work, q, u, t)
         self._begin()
@@ -246,7 +247,7 @@ class ConstrainedMotion(ABC):
         if self.starts_sparse:
             self.work.quality[0] = factorise_order(self.work)
         if self.dependent > DEPENDENT:
-            self._quality, self.work.quality[0] = float(self.work.quality[0]), 0.0
+            self._independence, self.work.quality[0] = independence(self.work), 0.0
         self.clock["t"] = self.grid.start
         self.clock["stop"] = self.grid.time(self.grid.rows - 1)
         self._begin()
@@ -289,7 +290,8 @@ class ConstrainedMotion(ABC):
         q, loose = assemble(gaps, t, tolerance, start, estimates=estimates)
         if loose:
             self.dependent, self.clock["repeated"] = loose.dependent, TO_GAP * max(tolerance, loose.size)
-            self.warnings.append(gap_note(gaps, loose, tolerance))
+            self.loop_note = gap_note(gaps, loose, tolerance)
+            self.warnings.append(self.loop_note)
         return gaps, q
 
     @property

@@ -119,6 +119,12 @@ def choose_far_apart(work: "Work", rank: int) -> int:
     return int(choose_order(work, rank))
 
 
+def independence(work: "Work") -> float:
+    """Return the least singular value of the equations chosen; its inverse amplifies the gap left."""
+    kept = work.jacobian[work.order[: work.rank[0]]]
+    return float(np.linalg.svd(kept, compute_uv=False)[-1])
+
+
 def gap_note(gaps: "PositionGaps", found: NearlyClosed, tolerance: float) -> Fault:
     """Return the note on a loop that closes within the tolerance only."""
     worst = worst_gaps(gaps, found.gap)

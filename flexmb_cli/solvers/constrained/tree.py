@@ -78,9 +78,13 @@ class AbsoluteTree(ConstrainedMotion):
         self._attitude = taken(checkpoint, "attitude", self._attitude.shape)
 
     def assembled(self, t: float) -> np.ndarray:
-        """Coordinates at the start: those of the tree, which meet the equations of its hinges."""
+        """Coordinates at the start: those of the tree, which meet the equations of its hinges.
+
+        Loops that close only nearly are closed by all bodies, as the tolerance allows.
+        """
         rigid = 7 * self.arrays.bodies
-        return np.concatenate([self.arrays.q[:rigid], *(eta for eta, _ in self._elastic)])
+        q = np.concatenate([self.arrays.q[:rigid], *(eta for eta, _ in self._elastic)])
+        return self.first_position(t, self.tree.loop_tolerance, q)[1] if self.tree.closures else q
 
     def given_speeds(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """All speeds are given, by the tree's."""

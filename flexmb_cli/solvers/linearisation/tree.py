@@ -4,6 +4,7 @@ The speeds are rates of the coordinates; those of a hinge with three rotations a
 parent.  Closed loops leave some coordinates independent: J u = 0 for the rates of the gaps.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.loads import set_prescribed
 from ...kernels.tree.motion import derivative, normalise_attitudes, parts, turn_attitudes
 from ...kernels.tree.projection import evaluate_gaps
+from ...model.arrays.tree import REPEATED
 from ...model.arrays.tree_frames import rotation_matrix
 from ...model.equations import DEPENDENT
 from ...model.tree import ROTATION, Tree
@@ -43,6 +45,8 @@ class TreeLinearised(LinearisedMotion):
             set_functions_at(analysis, self.t)
         grid = analysis.tree.time
         self.scale, self.duration = _scales(analysis.tree), grid.end - grid.start
+        repeated = float(np.max(self.arrays.closures["repeated"], initial=REPEATED))
+        self.dependent = math.sqrt(repeated) if repeated > REPEATED else DEPENDENT
         self.prescribe(self.z, self.t)
         speeds, _, _ = parts(self.arrays, self.z)
         self.u = speeds.copy()
@@ -100,18 +104,22 @@ class TreeLinearised(LinearisedMotion):
     def _independent(self, jacobian: np.ndarray) -> np.ndarray:
         weights = np.where(self.arrays.elastic, PREFERENCE["mode"], PREFERENCE["displacement"])
         scaled = jacobian * self.scale * weights
-        return np.flatnonzero(~dependent_columns(scaled, _rank(jacobian)) & ~self.arrays.given)
+        return np.flatnonzero(~dependent_columns(scaled, self._rank(jacobian)) & ~self.arrays.given)
+
+    def _rank(self, jacobian: np.ndarray) -> int:
+        values = np.linalg.svd(jacobian, compute_uv=False) if jacobian.size else np.zeros(0)
+        return int(np.sum(values > self.dependent * np.max(values, initial=0.0)))
 
     def _basis(self, jacobian: np.ndarray, L: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Z (NS, f) with J Z = 0, L Z = 1, and the generalised inverse of J."""
         free = np.flatnonzero(~self.arrays.given)
-        rank = _rank(jacobian)
+        rank = self._rank(jacobian)
         if free.size - rank != len(L):
             raise AnalysisError(Fault("error", _singular(self.t), id="SOLVE-016"), self.t)
         motions = np.zeros((self.scale.size, len(L)))
         kernel = np.linalg.svd(jacobian[:, free])[2][rank:].T if rank else np.eye(free.size)
         motions[free] = kernel
-        return motions @ np.linalg.inv(L @ motions), np.linalg.pinv(jacobian, DEPENDENT)
+        return motions @ np.linalg.inv(L @ motions), np.linalg.pinv(jacobian, self.dependent)
 
     def displaced(self, d: np.ndarray, z: np.ndarray | None = None) -> np.ndarray:
         """Return the state with the coordinates displaced by d."""
@@ -188,7 +196,9 @@ class TreeLinearised(LinearisedMotion):
             return z
         size = np.max(self.scale)
         for _ in range(MOST_CORRECTIONS):
-            gap = self._measured(z)["gap"].copy()
+            gap, J = self._measured(z)["gap"].copy(), self._jacobian(z)
+            # Overconstrained loops that close only nearly keep what no motion closes.
+            gap = J @ (np.linalg.pinv(J, self.dependent) @ gap)
             if np.max(np.abs(gap)) <= CLOSED_SHARE * size:
                 break
             z = self.displaced(self._correction(z, gap), z)
@@ -224,11 +234,6 @@ def _projected(Z: np.ndarray, inverse: np.ndarray, L: np.ndarray, gaps: np.ndarr
     x = inverse @ gaps
     found: np.ndarray = x - Z @ (L @ x)
     return found
-
-
-def _rank(jacobian: np.ndarray) -> int:
-    values = np.linalg.svd(jacobian, compute_uv=False) if jacobian.size else np.zeros(0)
-    return int(np.sum(values > DEPENDENT * np.max(values, initial=0.0)))
 
 
 def _singular(t: float) -> str:

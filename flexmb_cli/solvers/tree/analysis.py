@@ -53,6 +53,7 @@ class TreeAnalysis:
         self.attitude: np.ndarray | None = None  # (N, 4) Euler parameters of the last row
         self.repeated: np.ndarray | None = None  # (R,) closed directions that depend on others at the start
         self.warnings: list[Fault] = []  # fills at the start
+        self.loop_note: Fault | None = None  # on loops that close only nearly
         self.resumed = False
         if checkpoint is not None:
             self.restore(checkpoint)

@@ -11,15 +11,13 @@ from ...kernels.tree.loop_closures import IMMOBILE
 from ...model.arrays.tree import REPEATED, TreeArrays, initial_attitudes
 from ...model.tree import ASSEMBLED_GAP, ROTATION, Closure, Tree
 from ...model.tree_as_mechanism.frames import hinge_frames
-from ...model.tree_as_mechanism.loop_assembly import NEAR, nearest_closed
+from ...model.tree_as_mechanism.loop_assembly import LOOSEST, NEAR, TO_GAP, loop_size, nearest_closed
 
 if TYPE_CHECKING:
     from .analysis import TreeAnalysis
 
 
 MOST_ITERATIONS = 40
-LOOSEST = 0.03  # gap, of the size, of what can be called a loop that nearly closes
-TO_GAP = 30.0  # sine of the angle between directions that count as one, to the gap
 
 
 def assemble_tree(analysis: "TreeAnalysis") -> None:
@@ -59,7 +57,8 @@ def _close_loops(analysis: "TreeAnalysis") -> None:
             return
     failure = _assembly_failure(tree, arrays.closures)
     analysis.state[:] = start
-    analysis.warnings.append(_close_nearly(analysis, failure))
+    analysis.loop_note = _close_nearly(analysis, failure)
+    analysis.warnings.append(analysis.loop_note)
 
 
 def _close_nearly(analysis: "TreeAnalysis", failure: AnalysisError) -> Fault:
@@ -69,7 +68,7 @@ def _close_nearly(analysis: "TreeAnalysis", failure: AnalysisError) -> Fault:
     """
     tree, arrays, t = analysis.tree, analysis.arrays, analysis.tree.time.start
     rows = arrays.closures
-    size = max(abs(x) for c in tree.closures for x in (*c.a_point, *c.b_point)) or 1.0
+    size = loop_size(tree)
     start, allowed = analysis.state.copy(), tree.loop_tolerance * size
     for tolerance in (tree.loop_tolerance, LOOSEST):
         rows["repeated"] = max(REPEATED, (TO_GAP * tolerance) ** 2)

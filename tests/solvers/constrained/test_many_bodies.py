@@ -1,12 +1,22 @@
 """Mechanisms of more bodies than dense matrices serve: chains in rest, swinging and given a velocity."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+sys.path.insert(0, str(Path(__file__).parents[3] / "scripts/bench"))
+from four_bars import deck_of
+
 from flexmb_cli import solve
+from flexmb_cli.deck.text import decode
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
 from flexmb_cli.kernels import _jit
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 from tests.growth import LINEAR, growth
 
 BODIES = 110  # 660 speeds
@@ -57,6 +67,17 @@ def test_a_closed_chain_repeats_equations(tmp_path):
 def test_the_time_of_check_grows_with_the_number_of_bodies(tmp_path):
     """Four times the bodies took sixty times as long."""
     assert growth(lambda bodies: checked(tmp_path, chain(bodies)), BODIES) < LINEAR
+
+
+@pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
+def test_the_time_of_the_start_grows_with_the_number_of_four_bars():
+    """Dense matrices made it grow with the cube; each four-bar has three equations that repeat others."""
+
+    def start(count):
+        text = deck_of(count, "DOP853", 1e-8)
+        ForwardDynamics(build_young_dynamics(read_deck(decode("x.dat", text.encode())))[0]).start()
+
+    assert growth(start, 10) < LINEAR
 
 
 @pytest.mark.long_motion

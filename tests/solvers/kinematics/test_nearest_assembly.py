@@ -5,6 +5,7 @@ at, and what scipy.optimize.least_squares finds from the estimates and from plac
 """
 
 import math
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -129,25 +130,33 @@ def test_a_slider_crank_of_a_vsdf_deck_closes_on_the_side_of_its_positions(angle
     assert found == pytest.approx([0.2, math.sqrt(0.21)], abs=1e-12)
 
 
-def outcome(kind, seed, restarts, cards=""):
-    """The distance of the assembly from the estimates over that of the nearest, None if there is none."""
+@cache
+def judged(kind, seed, restarts):
+    """A linkage, estimates of it, its judge, and the distance of the nearest assembly."""
     made = linkage(kind, seed)
     estimates = made.estimates()
     judge = Judge(made, estimates)
     assert judge.closed(made.bodies), "the linkage is built closed"
+    return made, estimates, judge, judge.nearest(restarts)
+
+
+def outcome(kind, seed, restarts, cards=""):
+    """The distance of the assembly from the estimates over that of the nearest, None if there is none."""
+    made, estimates, judge, nearest = judged(kind, seed, restarts)
     try:
         q = assembled(made.deck(estimates, cards and masses(len(made.bodies))))
     except FlexmbError:
         return None
     poses = [(x[:3], x[3:]) for x in q]
     assert judge.closed(poses)
-    return judge.distance(poses) / judge.nearest(restarts)
+    return judge.distance(poses) / nearest
 
 
-@pytest.mark.parametrize("cards", ["", "masses"], ids=["kinematics", "dynamics"])
 @pytest.mark.parametrize("kind", TYPES)
-def test_a_random_linkage_closes_on_its_nearest_assembly(kind, cards):
-    assert outcome(kind, 2 + bool(cards), 0, cards) <= NEAREST
+def test_a_random_linkage_closes_on_its_nearest_assembly(kind):
+    """Every other type with masses; the campaign takes all both ways."""
+    number = TYPES.index(kind)
+    assert outcome(kind, 2 + number % 2, 0, number % 2 and "masses") <= NEAREST
 
 
 @pytest.mark.campaign
