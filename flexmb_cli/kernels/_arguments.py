@@ -118,7 +118,7 @@ def _array_packer(words: Any, first: int, dimensions: Any, dtype: np.dtype) -> "
             if array.dtype != dtype:
                 return False
             dtype = array.dtype  # comparing records takes longer than all the rest
-        words[first] = array.__array_interface__["data"][0]
+        words[first] = array.ctypes.data
         words[first + 1 : end] = array.shape
         return True
 

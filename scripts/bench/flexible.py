@@ -105,10 +105,14 @@ def contestants(given):
 
 
 def cheapest(run, settings, exact, error):
-    """The cheapest setting with no larger error; None if there is none.  Errors must fall with the cost."""
+    """The cheapest setting with no larger error, at the next dearer one either; None if there is none.
+
+    Errors must fall with the cost.  One setting alone may be lucky where stability limits the steps.
+    """
 
     def enough(k):
-        return np.abs(run(settings[k])[0] - exact).max() <= error
+        pair = settings[k : k + 2]
+        return max(np.abs(run(setting)[0] - exact).max() for setting in pair) <= error
 
     high = next((k for k in range(0, len(settings), STRIDE) if enough(k)), None)
     if high is None:

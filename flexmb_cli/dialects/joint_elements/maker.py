@@ -12,6 +12,8 @@ from .functions import Functions
 
 _COORDINATES = {1: ANGLE, 2: STROKE}
 _A = {ANGLE: "an angle", STROKE: "a stroke"}
+# Joints whose parts turn about several axes: none of their angles is the angle of an element.
+_SEVERAL_ANGLES = {"universal": " two angles", "spherical": " three angles"}
 
 
 class ElementMaker(ABC):
@@ -73,13 +75,18 @@ class JointMaker(ElementMaker):
             return None
         joint = self.joints[number - 1]
         if coordinate is not None and coordinate not in COORDINATES_OF[joint.kind]:
-            has = " and ".join(_A[one] for one in COORDINATES_OF[joint.kind]) or "neither angle nor stroke"
-            other = "a joint that has one"
-            if COORDINATES_OF[joint.kind]:
+            kinds = COORDINATES_OF[joint.kind]
+            has = " and ".join(_A[one] for one in kinds) or "neither an angle nor a stroke of its own"
+            message = f"joint {number} ({joint.name}) has {has}" + f", not {_A[coordinate]}" * bool(kinds)
+            other = "a joint that turns about one axis, or slides along one"
+            if joint.kind in _SEVERAL_ANGLES:
+                message = f"joint {number} ({joint.name}) turns by{_SEVERAL_ANGLES[joint.kind]}, not by one"
+                other = "a joint that turns about one axis, such as revolute joints with bodies between them"
+            elif kinds:
                 code = next(code for code, one in _COORDINATES.items() if one in COORDINATES_OF[joint.kind])
                 chosen = f"coordinate{key.removeprefix('joint')}" in record
                 other = f"coordinate {code}" if chosen else "the card for it"
-            message = f"joint {number} ({joint.name}) has {has}, not {_A[coordinate]}; take {other}"
+            message += f"; take {other}"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-004")
             return None
         return number - 1

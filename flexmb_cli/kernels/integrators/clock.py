@@ -36,6 +36,7 @@ CLOCK = np.dtype(
         ("steps", np.int64),  # accepted steps since the start
         ("evaluations", np.int64),  # evaluations of the equations since the start
         ("rejections", np.int64),  # failed attempts since the start
+        ("stiff", np.int64),  # accepted steps of those looked at that lie at the limit of stability
         ("rtol", np.float64),  # relative tolerance
         ("atol", np.float64),  # absolute tolerance, of units of the state
         ("counted", np.int64),  # components of the state whose errors count; behind them stand works

@@ -29,7 +29,7 @@ from .constrained_equations import (
 )
 from .dop853 import SLOWEST, Equations, dop853, first_step, interpolate, interpolate_slopes, next_factor
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGES
-from .error_norm import MOST_MOVED
+from .error_norm import MOST_MOVED, moved_by_time
 from .explicit_error import error_on_constraints
 from .singular_ahead import NOISE, look_ahead, round_off
 from .time_loop import SHORT
@@ -100,7 +100,7 @@ def _holds(system: "System", work: "Work", integration: "Integration", h: float,
     clock = integration.clock[0]
     noise = max(1.0, NOISE * round_off(work) / clock["rtol"])
     if not leads_over(clock, h):
-        return moved < MOST_MOVED * noise
+        return moved < MOST_MOVED * noise + moved_by_time(integration, h)
     clock["error"] = min(clock["error"], error_on_constraints(system, work, integration, h))
     return clock["error"] < noise and moved * clock["rtol"] < MOST_BLURRED
 

@@ -6,7 +6,8 @@ Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second e
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from .._jit import kernel
+from .._jit import allocating, kernel
+from ..linalg.copying import copy
 from .clock import READY, laid_out, leads_over
 from .dop853_table import (
     ALL_STAGES,
@@ -18,7 +19,7 @@ from .dop853_table import (
     STAGE_WEIGHTS,
     STAGES,
 )
-from .error_norm import SLOWEST, scaled_norm, tolerance
+from .error_norm import SLOWEST, TIME_ROUND_OFF, scaled_norm, tolerance
 from .time_loop import Method, time_loop
 
 if TYPE_CHECKING:
@@ -31,6 +32,8 @@ SHARE = 0.46  # of a step in front of a singular position: no stage is nearer th
 BLURRED, BLURRED_SPEEDS = 1e4, 1e-6
 SAFETY, FASTEST = 0.9, 10.0
 ERROR_EXPONENT = -1.0 / 8.0
+LOOKED_AT = 4  # each so many-th step is, whether it lies at the limit of stability
+AT_LIMIT = 4.5  # step length times largest eigenvalue: undamped vibrations are unstable above 5.9
 IMPOSSIBLE_ERROR = 1e10  # error of a step that cannot be made
 
 
@@ -63,7 +66,8 @@ def _attempts(slope: "Callable[..., Any]", normalise: "Callable[..., Any]", fini
         clock, trial = integration.clock[0], integration.trial
         for stage in range(1, STAGES):
             set_stage(integration.z, integration.slopes, stage, h, trial)
-            if not slope(integration, stage, clock["t"] + h * STAGE_TIMES[stage], *arrays):
+            t = min(clock["t"] + h * STAGE_TIMES[stage], _before(clock["stop"]))
+            if not slope(integration, stage, t, *arrays):
                 return -SLOWEST
         set_stage(integration.z, integration.slopes, STAGES, h, trial)
         normalise(integration, *arrays)
@@ -78,10 +82,14 @@ def _attempts(slope: "Callable[..., Any]", normalise: "Callable[..., Any]", fini
 
 
 def _acceptance(slope: "Callable[..., Any]", watch: "Callable[..., Any]", close: "Callable[..., Any]"):
-    @kernel
+    @allocating
     def fill_dense(integration: "Any", *arrays: Any) -> None:
         clock, old, slopes = integration.clock[0], integration.old, integration.slopes
         start, h = clock["step_start"], clock["step_length"]
+        behind = slopes[STAGES].copy()
+        if clock["t"] >= clock["stop"]:
+            copy(integration.z, integration.trial)
+            slope(integration, STAGES, _before(clock["stop"]), *arrays)
         for stage in range(STAGES + 1, ALL_STAGES):
             set_stage(old, slopes, stage, h, integration.trial)
             fault = clock["fault"]
@@ -89,12 +97,15 @@ def _acceptance(slope: "Callable[..., Any]", watch: "Callable[..., Any]", close:
             # Both ends were solved; where a point between them is not, its slope stays as it is.
             clock["fault"] = fault
         set_dense(old, integration.z, slopes, h, integration.dense)
+        copy(behind, slopes[STAGES])
 
     @kernel
     def accept(integration: "Any", factor: float, *arrays: Any):
         clock = integration.clock[0]
         _end_step(integration, factor)
         code = watch(integration, *arrays)
+        if clock["steps"] % LOOKED_AT == 0:
+            clock["stiff"] += is_at_limit(integration, clock["step_length"])
         if code == READY and clock["next"] < clock["t"]:
             fill_dense(integration, *arrays)
         return close(integration, *arrays) if code == READY else code
@@ -135,6 +146,28 @@ def _reject(integration: "Any", h: float, factor: float, *arrays: Any) -> None:
     clock["step"] = h * factor
     clock["rejections"] += 1
     clock["rejected"], clock["strayed"] = 1, 0
+
+
+@kernel
+def _before(stop: float) -> float:
+    """Return the last time before a stop, at which the accelerations of drivers may jump: those before it
+    belong to the step that ends there."""
+    return stop - TIME_ROUND_OFF * abs(stop)
+
+
+@kernel
+def is_at_limit(integration: "Any", h: float):
+    """Return whether the last step, of length h, was about as long as stability allows; overwrites `trial`.
+
+    Hairer and Wanner, volume II, section IV.2: the slopes at the end of the step and at the last stage, which
+    is at the same time, differ by the largest eigenvalue times what their states do.
+    """
+    slopes, apart, steep = integration.slopes, 0.0, 0.0
+    set_stage(integration.old, slopes, STAGES - 1, h, integration.trial)
+    for i in range(integration.clock[0]["counted"]):
+        apart += (integration.z[i] - integration.trial[i]) ** 2
+        steep += (slopes[STAGES, i] - slopes[STAGES - 1, i]) ** 2
+    return h * h * steep > AT_LIMIT * AT_LIMIT * apart
 
 
 @kernel

@@ -15,6 +15,7 @@ SLOWEST = 0.2  # least factor on the length of a step, by its error
 MOST_MOVED = 10.0  # tolerances by which a projection may move the end of an accepted step
 ITERATED = 0.02  # of the tolerance: what the iterations of a step of chosen length may leave
 CAUTION = 0.8  # power of what an iteration left of its error: by it the first of the next step is trusted
+TIME_ROUND_OFF = 2.3e-16  # of a time
 PROJECTION_SHARE = 1e-10  # of a state that the projection may move at any tolerance: gaps of 1e-13 m
 
 
@@ -38,6 +39,19 @@ def scaled_norm(integration: "Any", state: "np.ndarray", change: "np.ndarray"):
     for i in range(counted):
         total += (change[i] / tolerance(clock, integration.units[i], abs(state[i]))) ** 2
     return (total / counted) ** 0.5
+
+
+@kernel
+def moved_by_time(integration: "Any", h: float):
+    """Return by how many tolerances the round-off of the time moves the end of a step, which is in `trial`.
+
+    It counts where a driver's rate rises within 1e-9 s: the rate at such an end is that of another time.
+    """
+    clock, total = integration.clock[0], 0.0
+    for i in range(clock["counted"]):
+        change = integration.trial[i] - integration.z[i]
+        total += (change / tolerance(clock, integration.units[i], abs(integration.trial[i]))) ** 2
+    return TIME_ROUND_OFF * abs(clock["t"] + h) / h * (total / clock["counted"]) ** 0.5
 
 
 @kernel

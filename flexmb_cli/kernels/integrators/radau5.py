@@ -29,7 +29,7 @@ from .constrained_equations import (
     is_doubtful,
     note_gap,
 )
-from .error_norm import MOST_MOVED, SLOWEST
+from .error_norm import MOST_MOVED, SLOWEST, moved_by_time
 from .radau5_error import FASTEST, SAFETY, next_factor, step_error, steps_within_rotation_limit, work_error
 from .radau5_projection import accelerations_between, close_trial, moved, place_row, project_state
 from .radau5_singular_step import singular_step
@@ -221,7 +221,7 @@ def _try_step(system: System, work: Work, integration: RadauIntegration, h: floa
     clock["fault"] = close_trial(system, work, integration, clock["t"] + h)
     if clock["fault"] != SOLVED:
         return -0.25
-    if not moved(integration, found) < MOST_MOVED * blurred:
+    if not moved(integration, found) < MOST_MOVED * blurred + moved_by_time(integration, h):
         return -0.5
     return min(1.0 if clock["rejected"] else FASTEST, max(SLOWEST, factor))
 

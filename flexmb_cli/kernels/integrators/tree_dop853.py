@@ -10,7 +10,7 @@ import numpy as np
 from .._jit import kernel
 from ..linalg.copying import copy
 from ..tree.kane import SOLVED
-from ..tree.motion import derivative, normalise_attitudes
+from ..tree.motion import derivative, derivative_in_body_axes, normalise_attitudes, turn_speeds
 from ..tree.projection import largest_gap, project
 from ..tree.report import observe
 from .clock import NO_INERTIA, READY, new_clock
@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from ...model.arrays.tree import TreeArrays
     from ..tree.report import Report as TreeReport
 
-# Tasks besides BEGIN and INTEGRATION of `clock`: close the loops of z; go on at z with a known step.
-CLOSE, GO_ON = 2, 3
+# Tasks besides BEGIN and INTEGRATION of `clock`: close the loops of z; continue at z with a known step; then,
+# for the steps of this module, in which z holds speeds as in `derivative_in_body_axes`: begin, go, leave.
+CLOSE, GO_ON, BEGIN_STEPS, GO_ON_STEPS, LEAVE_STEPS = 2, 3, 4, 5, 6
 # Place in `slopes` of what is not a stage.
 ASIDE = ALL_STAGES
 
@@ -73,7 +74,13 @@ def _slope(
     work: "np.ndarray",
     coordinates: np.ndarray,
 ):
-    return evaluate(integration, integration.slopes[stage], t, tree, work, coordinates)
+    """Fill the slope of a stage at `trial`, in axes of the bodies; return whether there is one."""
+    clock = integration.clock[0]
+    clock["evaluations"] += 1
+    clock["fault"] = derivative_in_body_axes(
+        tree, work, coordinates, t, integration.trial, integration.slopes[stage]
+    )
+    return clock["fault"] == SOLVED
 
 
 @kernel
@@ -110,7 +117,9 @@ def _close(integration: "Integration", tree: "TreeArrays", work: "np.ndarray", c
     # slopes[0] is needed again where the step must be taken back.
     if not _slope(integration, ASIDE, clock["t"], tree, work, coordinates):
         return NO_INERTIA
+    turn_speeds(tree, coordinates, integration.trial, 1.0, integration.trial)
     project(tree, work, coordinates, integration.trial)
+    turn_speeds(tree, coordinates, integration.trial, -1.0, integration.trial)
     place = strayed(integration.z, integration.trial, clock)
     if place >= 0:
         _take_back(integration, place)
@@ -153,6 +162,7 @@ def _fill_row(
             integration.trial,
         )
         normalise_attitudes(tree, integration.trial)
+    turn_speeds(tree, coordinates, integration.trial, 1.0, integration.trial)
     return observe_trial(integration, integration.slopes[ASIDE], t, report, tree, work, coordinates)
 
 
@@ -202,29 +212,54 @@ def begin(
     task: int, tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray, integration: "Integration"
 ):
     """Do a task that makes no steps; a code."""
-    clock = integration.clock[0]
-    copy(integration.z, integration.trial)
-    if not _slope(integration, 0, clock["t"], tree, work, coordinates):
+    clock, z = integration.clock[0], integration.z
+    in_body_axes = task in (BEGIN_STEPS, GO_ON_STEPS)
+    if task in (BEGIN_STEPS, LEAVE_STEPS):
+        turn_speeds(tree, coordinates, z, -1.0 if task == BEGIN_STEPS else 1.0, z)
+    if task == LEAVE_STEPS:
+        return READY
+    copy(z, integration.trial)
+    if not _slope_at_start(integration, 0, clock["t"], in_body_axes, tree, work, coordinates):
         return NO_INERTIA
     if task == CLOSE:
         project(tree, work, coordinates, integration.trial)
         clock["gap"] = largest_gap(tree.closures)
         copy(integration.trial, integration.z)
-    elif task != GO_ON:
-        return _choose_first_step(integration, tree, work, coordinates)
+    elif task not in (GO_ON, GO_ON_STEPS):
+        return _choose_first_step(integration, in_body_axes, tree, work, coordinates)
     return READY
 
 
 @kernel
+def _slope_at_start(
+    integration: "Integration",
+    stage: int,
+    t: float,
+    in_body_axes: bool,
+    tree: "TreeArrays",
+    work: "np.ndarray",
+    coordinates: np.ndarray,
+):
+    """Fill a slope at `trial`, in axes of the bodies or of the hinges; return whether there is one."""
+    if in_body_axes:
+        return _slope(integration, stage, t, tree, work, coordinates)
+    return evaluate(integration, integration.slopes[stage], t, tree, work, coordinates)
+
+
+@kernel
 def _choose_first_step(
-    integration: "Integration", tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray
+    integration: "Integration",
+    in_body_axes: bool,
+    tree: "TreeArrays",
+    work: "np.ndarray",
+    coordinates: np.ndarray,
 ):
     """Choose the first step (Hairer et al., section II.4) from the first slope and a probe."""
     clock, counted = integration.clock[0], integration.z.shape[0] - 1
     first = first_step(integration, integration.slopes[0])
     for i in range(integration.z.shape[0]):
         integration.trial[i] = integration.z[i] + first * integration.slopes[0, i]
-    if not _slope(integration, 1, clock["t"] + first, tree, work, coordinates):
+    if not _slope_at_start(integration, 1, clock["t"] + first, in_body_axes, tree, work, coordinates):
         return NO_INERTIA
     for i in range(counted):
         integration.slopes[1, i] -= integration.slopes[0, i]

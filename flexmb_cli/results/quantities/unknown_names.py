@@ -7,9 +7,10 @@ from .nearest_names import nearest
 from .quantity_names import Family, Slot, folded
 
 FORCES = "in a YOUNG deck DYNAMICS inverse or DYNAMICS forward"
+TREE, FLEXIBLE = "coordinate/u", "energy/strain"  # what results of trees have, and those of VSDF decks, too
 # What a deck needs for the quantities that begin with a word.
 NEEDS = {
-    "coordinate": "joint coordinates need a tree, or the card JOINTS in a YOUNG deck with DYNAMICS",
+    "coordinate": "joint coordinates need the card JOINTS in a YOUNG deck with DYNAMICS",
     "reaction": f"reactions need masses: {FORCES}",
     "driver": f"efforts of drivers need masses: {FORCES}",
     "energy": f"energies need masses: {FORCES}",
@@ -18,6 +19,17 @@ NEEDS = {
     "modal": "modal amplitudes need a flexible body",
     "stress": "stresses need the cards MATL and OUTS of a VSDF deck",
     "strain": "strains need the cards MATL and OUTS of a VSDF deck",
+}
+OF_TREES = {
+    "reaction": "a tree has reactions of closed loops only, and this one has none",
+    "driver": "efforts of drivers need a prescribed coordinate, card PRES or PREF",
+    "element": "elements need cards such as HSPR, HSTO or BUSH",
+}
+OF_VSDF = {
+    "coordinate": "joint coordinates need the card OUTJ, or an element at a joint, such as TSPR",
+    "reaction": "reactions need joints, cards JOIN",
+    "driver": "efforts of drivers need the card MOTN",
+    "element": "elements need cards such as TSPR, ASPR or BUSH, or the card OUTJ beside SPRI",
 }
 _IN_BRACKETS = re.compile(r"\[(\d+)\]")
 
@@ -50,7 +62,10 @@ def _lacking(first: str, families: Sequence[Family]) -> str:
     wanted = next((word for word in NEEDS if first in (word, f"{word}s", f"{word}es")), None)
     if wanted is None or any(family.path.startswith(f"{wanted}/") for family in families):
         return ""
-    return (_in_place_of_displacements(families) if wanted == "elastic" else "") or NEEDS[wanted]
+    paths = {family.path for family in families}
+    of_kind = OF_TREES if TREE in paths else OF_VSDF if FLEXIBLE in paths else {}
+    hint = _in_place_of_displacements(families) if wanted == "elastic" else ""
+    return hint or of_kind.get(wanted, NEEDS[wanted])
 
 
 def _in_place_of_displacements(families: Sequence[Family]) -> str:
@@ -82,11 +97,13 @@ def _count(words: Sequence[str], families: Sequence[Family]) -> str:
     axes = [len(form[1].words) for family in families for form in family.forms if _is_numbered(form, words)]
     if not axes or 1 <= int(words[1][:9]) <= max(axes):
         return ""
-    return (
-        f"it has {words[0].lower()} 1 to {max(axes)}"
-        if max(axes) > 1
-        else f"it has {words[0].lower()} 1 only"
+    counted = f"1 to {max(axes)}" if max(axes) > 1 else "1 only"
+    counting = (
+        "; it counts angles and strokes in the order of the joints, cards such as ANGLE 2 count joints"
+        if words[0].lower() == "coordinate" and not any(family.path == TREE for family in families)
+        else ""
     )
+    return f"it has {words[0].lower()} {counted}{counting}"
 
 
 def _is_numbered(form: tuple[Slot, ...], words: Sequence[str]) -> bool:

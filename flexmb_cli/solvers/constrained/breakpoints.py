@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from ...kernels.constrained.system import System
     from .analysis import ConstrainedMotion
 
-SAME_TIME_IN_RUN = 1e-9  # of a run: times this near to each other are one
+SAME_TIME_IN_RUN = 1e-12  # of a run: times this near to each other are one
+JUMP_WITHIN = 1e-6  # of a time: points of a table nearer to each other may be too near for steps
 JUMP_OF_SECOND_RATE = 1e-6  # of the largest second rate of a function at its corners: more is no round-off
 
 
@@ -47,6 +48,20 @@ def _rows_of_work(motion: "ConstrainedMotion") -> list[float]:
     if motion.found is None or motion.found.free or not np.any(bends | (loads["kind"] == FRICTION)):
         return []
     return [motion.grid.time(k) for k in range(motion.grid.rows)]
+
+
+def jump_at(motion: "ConstrainedMotion", t: float) -> str:
+    """Return that a function changes near t, s, between two times as good as one; "" where none does."""
+    near = JUMP_WITHIN * max(abs(t), 1.0)
+    for times in _tables(motion.system):
+        for before, after in pairwise(times.tolist()):
+            if after - before < near and before - near <= t <= after + near:
+                return (
+                    f"a function changes between {before!r} and {after!r} s; of a driver's rate that "
+                    "is a jump, an impulse, which no steps resolve: move these two times apart, by "
+                    f"{near:.0e} s or more, or use STEP"
+                )
+    return ""
 
 
 def _tables(system: "System") -> list[np.ndarray]:

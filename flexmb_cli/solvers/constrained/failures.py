@@ -12,6 +12,7 @@ from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators.clock import CONTRADICTION
 from ...model.arrays.records import ELEMENT
+from ...model.inertia_checks import uneven_masses
 from ...model.integrators import METHODS
 from ..singular.mobility import Gap, about
 from ..singular.rank_of_speeds import (
@@ -21,6 +22,7 @@ from ..singular.rank_of_speeds import (
     weakest_of_speeds,
 )
 from ..singular.weakest import owners_text
+from .breakpoints import jump_at
 from .start import inertia_failure
 
 if TYPE_CHECKING:
@@ -150,6 +152,9 @@ def _why_steps_fall(analysis: "ForwardDynamics", norms: dict[str, float]) -> tup
             "others that they contradict beside it; begin elsewhere"
         )
         return reason, owners
+    masses = analysis.system.masses["mass"].tolist()
+    if reason := jump_at(analysis, norms["reached"]) or uneven_masses(masses):
+        return reason, []
     return (
         f"the joints are far from singular ({size}), so a load, stiffness or speed is too great; "
         + _remedies(analysis),

@@ -19,6 +19,25 @@ if TYPE_CHECKING:
 KERNELS = "flexmb_cli.kernels.integrators"
 
 
+FEWEST, SHARE = 4, 0.05  # steps of those looked at (a quarter), and of all, that make a warning
+LOOSE = 1e-5  # tolerance from which on they do
+
+
+def steps_at_limit(clock: "np.void", methods: str) -> list[Fault]:
+    """Return a warning where an explicit method made steps as long as its stability allows; else nothing.
+
+    Its error estimate does not see there what becomes of the vibrations that its steps do not resolve.
+    """
+    if clock["rtol"] < LOOSE or clock["stiff"] < max(FEWEST, SHARE * clock["steps"]):
+        return []
+    message = (
+        f"of {clock['steps']} steps about {min(4 * clock['stiff'], clock['steps'])} are as long as the "
+        "stability of the explicit method allows: the fastest vibrations rule them, and errors may exceed "
+        f"the tolerance a thousandfold; take {methods}, or a tolerance a hundred times as small"
+    )
+    return [Fault("warning", message, id="SOLVE-060")]
+
+
 class Steps:
     """Steps of an integrator, of lengths that its method chooses by the tolerance, or of a given length."""
 
@@ -65,8 +84,12 @@ class Steps:
         return integration
 
     def warnings(self, clock: "np.void") -> list[Fault]:
-        """Return what is doubtful about the steps taken: some of given length had to be divided."""
-        if self.chosen or not clock["rejections"]:
+        """Return what is doubtful about the steps taken: some of given length had to be divided, or they lie
+        at the limit of stability.
+        """
+        if self.chosen:
+            return steps_at_limit(clock, "GALF or RAD5 (--method alpha, radau)")
+        if not clock["rejections"]:
             return []
         message = (
             f"the iterations of {clock['rejections']} steps of {self.length:g} s did not converge, and the "

@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 
 from ...fe.lumped_body import floating_body, massless_body
+from ...kernels.constrained.angle_unwrapping import NEW
+from ...kernels.constrained.elements import COORDINATE
 from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
 from ...model.arrays.constraint_table import PrimitiveTable
-from ...model.arrays.element_table import ElementTable
+from ...model.arrays.element_table import ElementTable, JointCoordinateName
 from ...model.arrays.flexible import flexible_arrays, length_scale
 from ...model.arrays.records import LOAD
 from ...model.arrays.system import SystemArrays
@@ -32,7 +34,7 @@ from ...model.tree_as_mechanism.poses import elastic_start, first_poses
 from ...quick_dataclass import replace
 from ..checkpoint import taken
 from ..linearisation.terms import Terms, motors_of
-from ..tree.rows import TreeRows, rows_of_tree, unturned
+from ..tree.rows import TreeMotion, TreeRows, rows_of_tree, unturned
 from .analysis import ConstrainedMotion
 from .system import blank_report, with_driven
 from .tree_element_rows import rows_of_drivers, with_elements
@@ -66,18 +68,18 @@ class AbsoluteTree(ConstrainedMotion):
         self.clock["atol"] = tree.integration.atol
         self._speeds = np.concatenate([np.concatenate([body.velocity, body.omega]) for body in bodies])
         self._elastic = [elastic_start(tree, k) for k in range(len(tree.bodies))]
-        self._angles = np.array(tree.q, float)  # those of the last row, which the next ones continue from
+        behind = len(tree.elements.motors) + len(tree.elements.frictions)
+        self._probes = len(arrays.loads) - behind - len(turning_coordinates(tree)), len(arrays.loads) - behind
         self._attitude = unturned(len(tree.bodies))
 
     @property
     def checkpoint(self) -> dict[str, np.ndarray]:
-        """Return where to go on, with angles and attitudes of the last row, which the next ones continue."""
-        return {**super().checkpoint, "hinge_angles": self._angles, "attitude": self._attitude}
+        """Return where to go on, with attitudes of the last row, which the next ones continue."""
+        return {**super().checkpoint, "attitude": self._attitude}
 
     def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
         """Go on behind the rows that were yielded up to a checkpoint."""
         super().restore(checkpoint)
-        self._angles = taken(checkpoint, "hinge_angles", self._angles.shape)
         self._attitude = taken(checkpoint, "attitude", self._attitude.shape)
 
     def assembled(self, t: float) -> np.ndarray:
@@ -100,8 +102,16 @@ class AbsoluteTree(ConstrainedMotion):
         report = blank_report(self.arrays, np.full(n + 1, float(self.clock["t"][0])))
         report.states[:] = z[: report.states.shape[1]]
         report.states[:, -1 - n : -1] = np.eye(n + 1, n, -1)
-        motion = motion_of_bodies(self.tree, self.frames, self.arrays, report, self._angles)
+        probes = self.arrays.loads["primitive"][slice(*self._probes)]
+        turned = self.integration.angles[NEW][self.system.primitives["turn"][probes]]
+        report.responses[:, slice(*self._probes), COORDINATE] = turned
+        motion = self._motion(report)
         return motion.q[0], motion.y[1:].T
+
+    def _motion(self, report: Report) -> TreeMotion:
+        """The motion over the rows of a report in the terms of the tree."""
+        angles = report.responses[:, slice(*self._probes), COORDINATE]
+        return motion_of_bodies(self.tree, self.frames, self.arrays, report, angles)
 
     @property
     def terms(self) -> Terms:
@@ -136,10 +146,20 @@ class AbsoluteTree(ConstrainedMotion):
 
     def block(self, report: Report) -> TreeRows:
         """The rows of a report in the terms of the tree."""
-        motion = motion_of_bodies(self.tree, self.frames, self.arrays, report, self._angles)
-        rows = rows_of_tree(self.tree, motion, self._attitude)
-        self._angles, self._attitude = rows.q[-1].copy(), rows.euler_parameters[-1].copy()
-        return with_elements(self.tree, self.arrays, rows, report) if self.tree.elements else rows
+        rows = rows_of_tree(self.tree, self._motion(report), self._attitude)
+        self._attitude = rows.euler_parameters[-1].copy()
+        if not self.tree.elements:
+            return rows
+        return with_elements(self.tree, self.arrays, rows, report, len(turning_coordinates(self.tree)))
+
+
+def turning_coordinates(tree: Tree) -> list[JointCoordinateName]:
+    """Return the rotations that are angles, whose turns the steps of the integration count."""
+    return [
+        JointCoordinateName(c.body, f"{c.motion} {c.axis}")
+        for c in tree.coordinates
+        if c.motion == ROTATION and len(tree.hinges[c.body].rotations) < 3
+    ]
 
 
 def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple[Any, ...]) -> SystemArrays:
@@ -148,7 +168,7 @@ def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple[Any, ...]) -> Syst
     table = PrimitiveTable(bodies, length_scale(free))
     add_hinges(table, tree, frames)
     add_prescribed(table, tree, frames)
-    elements = ElementTable(table, HingeJoints(table, tree, frames), tree.elements, ())
+    elements = ElementTable(table, HingeJoints(table, tree, frames), tree.elements, turning_coordinates(tree))
     elements.add_couplings()
     elements.add_drivers(tree.time.start)
     add_closures(table, tree)

@@ -28,12 +28,16 @@ class TreeElementRows(TreeRows):
     driver_effort: np.ndarray  # (T, drivers) along the prescribed coordinates
 
 
-def with_elements(tree: Tree, arrays: SystemArrays, rows: TreeRows, report: Report) -> TreeElementRows:
-    """The rows with the elements, whose loads stand behind those of the tree."""
+def with_elements(
+    tree: Tree, arrays: SystemArrays, rows: TreeRows, report: Report, angles: int
+) -> TreeElementRows:
+    """The rows with the elements, whose loads, among them so many for angles of hinges, stand behind those of
+    the tree.
+    """
     kept = {field.name: getattr(rows, field.name) for field in fields(TreeRows)}
-    behind = len(list(names_of(tree.elements)))
+    behind = len(list(names_of(tree.elements))) + angles
     first = report.responses.shape[1] - behind
-    found = element_answers(report, first, tree.elements, 0)
+    found = element_answers(report, first, tree.elements, angles)
     own: dict[str, Any] = {name: value for name, value in found.items() if not name.startswith("joint")}
     own["driver_effort"] = report.multipliers[:, rows_of_drivers(tree, arrays)].copy()
     own["coupling_effort"] = coupling_efforts(report, arrays, tree.elements, len(tree.closures))

@@ -1,9 +1,11 @@
 """The motion of a tree by that of its bodies in absolute coordinates; hinge coordinates are found from it.
 
 Integrals of the relative angular velocity, the coordinates of three free rotations, are no functions of
-the position: they are nan.  Angles continue from row to row.
+the position: they are nan.  Turns of angles are those that the steps of the integration have counted.
 """
 
+import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -88,7 +90,7 @@ def motion_of_bodies(
 ) -> TreeMotion:
     """Return the motion over the rows of a report in the terms of the tree.
 
-    `angles` (NS,): coordinates of the row before, whose turns these continue with.
+    `angles` (T, n): those of hinges with one or two rotations, whose turns the coordinates have.
     """
     motion = AbsoluteMotion(tree, arrays, report)
     q, y, y_rate = _coordinates(tree, frames, motion, angles)
@@ -121,17 +123,17 @@ def _closure_forces(tree: Tree, arrays: SystemArrays, report: Report) -> Any:
     return report.wrenches[:, first:, 1, :3].copy()
 
 
-def _coordinates(tree: Tree, frames: Frames, motion: AbsoluteMotion, before: np.ndarray) -> Any:
+def _coordinates(tree: Tree, frames: Frames, motion: AbsoluteMotion, angles: np.ndarray) -> Any:
     """Coordinates, speeds and their rates (T, NS)."""
-    columns, elastic = [], 0
-    for c, start in zip(tree.coordinates, before, strict=True):
+    columns, elastic, counted = [], 0, iter(angles.T)
+    for c in tree.coordinates:
         if c.motion == ELASTIC:
             columns.append(tuple(eta[:, elastic] for eta in motion.eta))
             elastic += 1
             continue
         base, body = motion.base(frames.bases[c.body]), motion.of(c.body)
         if c.motion == ROTATION:
-            columns.append(_rotation(tree.hinges[c.body], c.axis - 1, base, body, start))
+            columns.append(_rotation(tree.hinges[c.body], c.axis - 1, base, body, counted))
         else:
             columns.append(_translation(c.axis - 1, base, body))
     return tuple(np.stack(parts, axis=1) for parts in zip(*columns, strict=True))
@@ -150,7 +152,7 @@ def _translation(axis: int, base: Moving, body: Moving) -> Any:
     return _along(gap, direction), _along(slide, direction), _along(second - turning, direction)
 
 
-def _rotation(hinge: "Hinge", axis: int, base: Moving, body: Moving, start: float) -> Any:
+def _rotation(hinge: "Hinge", axis: int, base: Moving, body: Moving, counted: Iterator[np.ndarray]) -> Any:
     """Angle or nan, speed and its rate: the relative angular velocity along the axis it turns about."""
     spin, change = body.w - base.w, body.alpha - base.alpha
     second = len(hinge.rotations) == 2 and axis == hinge.rotations[1] - 1
@@ -160,7 +162,8 @@ def _rotation(hinge: "Hinge", axis: int, base: Moving, body: Moving, start: floa
     rate = _along(change, direction) + _along(spin, np.cross(carrier.w, direction))
     if len(hinge.rotations) == 3:
         return np.full(len(speed), np.nan), speed, rate
-    return _continued(_angle(hinge, axis, base.axes, body.axes), start), speed, rate
+    angle = _angle(hinge, axis, base.axes, body.axes)
+    return angle + math.tau * np.round((next(counted) - angle) / math.tau), speed, rate
 
 
 def _angle(hinge: "Hinge", axis: int, P: np.ndarray, E: np.ndarray) -> Any:
@@ -174,8 +177,3 @@ def _angle(hinge: "Hinge", axis: int, P: np.ndarray, E: np.ndarray) -> Any:
         return np.arctan2(_along(across, E[:, :, second]), _along(P[:, :, second], E[:, :, second]))
     across = np.cross(E[:, :, first], E[:, :, second])
     return np.arctan2(_along(across, P[:, :, first]), _along(E[:, :, first], P[:, :, first]))
-
-
-def _continued(angle: np.ndarray, start: float) -> Any:
-    """Angles (T,) without jumps by whole turns, the first next to `start`."""
-    return np.unwrap(np.concatenate([[start], angle]))[1:]

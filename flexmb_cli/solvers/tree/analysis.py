@@ -16,8 +16,10 @@ from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.report import Report
 from ...kernels.tree.work import FRAME_WORK, tree_work
 from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
+from ...model.inertia_checks import uneven_masses
 from ...model.tree import Table, Tree
 from ..checkpoint import row_of, taken, taken_clock
+from ..constrained.integrators import steps_at_limit
 from .assembly import assemble_tree, pivot_shares, stray
 from .rows import TreeRows, motion_by_recursion, rows_of_tree
 
@@ -63,7 +65,8 @@ class TreeAnalysis:
 
         The same steps follow.  The integrators of scipy keep a memory of steps: with them it is the last
         breakpoint.  `clock` is one record of CLOCK, `state` (n,) the state at that time,
-        `attitude` (N, 4) the Euler parameters of the last row, whose signs the next ones continue.
+        with DOP853 in the axes of its steps, `attitude` (N, 4) the Euler parameters of the last row, whose
+        signs the next ones continue.
         """
         assert self.attitude is not None, "rows have been yielded"
         clock = self.clock.copy()
@@ -109,7 +112,10 @@ class TreeAnalysis:
             self._start_interval(stop)
             method = self.tree.integration.method
             if method == "dop853":
-                yield from self.rows_of_steps(self.integrate_rows)
+                try:
+                    yield from self.rows_of_steps(self.integrate_rows)
+                finally:
+                    self.call(tree_dop853.LEAVE_STEPS)
             elif method == "sdirk4":
                 from .implicit import implicit_rows
 
@@ -118,6 +124,7 @@ class TreeAnalysis:
                 from .scipy_integrators import library_rows
 
                 yield from library_rows(self, stop)
+        self.warnings += steps_at_limit(self.clock[0], "--method sdirk4 or radau (METH 4, 2)")
 
     def rows_of_steps(self, integrate_rows: Callable[..., Any]) -> Iterator[TreeRows]:
         """Yield report rows up to the next breakpoint by a compiled integrator, `integrate_rows(report)`."""
@@ -191,15 +198,15 @@ class TreeAnalysis:
     def _start_interval(self, stop: float) -> None:
         set_functions(self.tree, self.arrays, float(self.clock["t"][0]), stop)
         self.clock["stop"] = stop
-        if self.resumed:
-            task = tree_dop853.GO_ON
-        else:
-            task = codes.BEGIN
-            if self.row == 0:
-                assemble_tree(self)
+        if self.row == 0 and not self.resumed:
+            assemble_tree(self)
+        begin, go_on = codes.BEGIN, tree_dop853.GO_ON
+        if self.tree.integration.method == "dop853":
+            begin, go_on = tree_dop853.BEGIN_STEPS, tree_dop853.GO_ON_STEPS
+        code = self.call(go_on if self.resumed else begin)
         self.resumed = False
         self.integration.old[:] = self.integration.z
-        if self.call(task) == codes.NO_INERTIA:
+        if code == codes.NO_INERTIA:
             raise self.failure()
         if self.repeated is None:
             self.repeated = pivot_shares(self.arrays) == 0.0
@@ -279,6 +286,10 @@ def _step_vanished(tree: Tree, t: float, step: float, worst: int) -> Fault:
     kind = "speed" if worst < n else "coordinate"
     message = (
         f"at t = {t:.6g} s the step length fell to {step:.1e} s; the {kind} with the largest error is "
-        f"'{name}'; the motion or a load grows without bound there, or the tolerance is finer than round-off"
+        f"'{name}'; "
+        + (
+            uneven_masses([one.mass for one in tree.bodies])
+            or "the motion or a load grows without bound there, or the tolerance is finer than round-off"
+        )
     )
     return Fault("error", message, place, tree.bodies[c.body].name if c else "", id="SOLVE-026")

@@ -6,7 +6,7 @@ that its steps do not resolve and is then many times faster than an explicit met
 Loops are closed at the report times and breakpoints, not at every step.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from .rows import TreeRows
 if TYPE_CHECKING:
     from .analysis import TreeAnalysis
 
+INCREMENT = 1.5e-8  # of a coordinate or speed, or of 1 SI unit: the root of the round-off
 WATCHED, HOPELESS = 1000, 1e6  # steps; how many times as many may be left to the end of the interval
 UNCOUNTED = 1e6  # tolerance of the applied work, whose error must not choose the steps, J
 
@@ -34,13 +35,15 @@ def library_rows(analysis: "TreeAnalysis", stop: float) -> Iterator[TreeRows]:
     rtol = max(settings.rtol, 100 * np.finfo(float).eps)
     if analysis.due_times(clock["t"]):
         yield analysis.observe(lambda t: analysis.state.copy(), analysis.due_times(clock["t"]))
+    arguments: dict[str, Any] = {"rtol": rtol, "atol": atol}
+
+    def slope(t: float, z: np.ndarray) -> Any:
+        return _slope(analysis, t, z)
+
+    if settings.method == "radau":
+        arguments["jac"] = jacobian_of(slope)
     solver = {"radau": Radau, "lsoda": LSODA}[settings.method](
-        lambda t, z: _slope(analysis, t, z),
-        float(clock["t"]),
-        analysis.state.copy(),
-        stop,
-        rtol=rtol,
-        atol=atol,
+        slope, float(clock["t"]), analysis.state.copy(), stop, **arguments
     )
     steps, mark = 0, solver.t
     while solver.status == "running":
@@ -59,6 +62,21 @@ def library_rows(analysis: "TreeAnalysis", stop: float) -> Iterator[TreeRows]:
     clock["t"], analysis.state[:] = stop, solver.y
     if analysis.tree.closures:
         analysis.call(tree_dop853.CLOSE)
+
+
+def jacobian_of(slope: Callable[[float, np.ndarray], np.ndarray]) -> Callable[[float, np.ndarray], Any]:
+    """Return the function (t, z) of the Jacobian (n, n) of `slope`(t, z), by forward differences.
+
+    Radau's own differences become larger from call to call for coordinates that act on nothing, such as the
+    place of a free body, until they overflow.
+    """
+
+    def jacobian(t: float, z: np.ndarray) -> Any:
+        increments = (z + INCREMENT * np.maximum(1.0, np.abs(z))) - z
+        columns = [slope(t, z + row) for row in np.diag(increments)]
+        return ((np.array(columns) - slope(t, z)) / increments[:, None]).T
+
+    return jacobian
 
 
 def _slope(analysis: "TreeAnalysis", t: float, z: np.ndarray) -> Any:

@@ -33,7 +33,7 @@ from .element_forces import COORDINATE, EFFORT, ENERGY, KEPT, RATE, ElementForce
 from .friction_in_hinges import FrictionInHinges
 from .placed_bodies import PlacedBodies
 from .rows import TreeRows
-from .scipy_integrators import UNCOUNTED
+from .scipy_integrators import UNCOUNTED, jacobian_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -125,8 +125,10 @@ class TreeWithElements(TreeAnalysis):
         atol = np.full(z.size, self.tree.integration.atol)
         atol[self.state.size - 1 :] = UNCOUNTED
         rtol = max(self.tree.integration.rtol, 100 * np.finfo(float).eps)
-        method = Radau if self.tree.integration.method in IMPLICIT_TREE_METHODS else DOP853
-        return method(self._slope_with_works, t, z, stop, rtol=rtol, atol=atol, max_step=self.tree.time.step)
+        given: dict[str, Any] = {"rtol": rtol, "atol": atol, "max_step": self.tree.time.step}
+        if self.tree.integration.method in IMPLICIT_TREE_METHODS:
+            return Radau(self._slope_with_works, t, z, stop, jac=jacobian_of(self._slope_with_works), **given)
+        return DOP853(self._slope_with_works, t, z, stop, **given)
 
     def _stops(self, start: float, end: float) -> list[float]:
         """Times at which a load of the deck or a function of an element changes its formula."""

@@ -1,6 +1,7 @@
 """Cards of functions and of elements at joints: what is said of slips."""
 
 import tracemalloc
+from pathlib import Path
 
 import pytest
 
@@ -46,8 +47,8 @@ def messages(cards):
         ("ANGLE 2 7", "6:9: angle 1: there is no function 7; the deck has none; define it, or name another"),
         (
             "SINE 1 0 1 2\nANGLE 1 1",
-            "7:7: angle 1: joint 1 (spherical joint 1) has neither angle nor stroke, not an angle; "
-            "take a joint that has one",
+            "7:7: angle 1: joint 1 (spherical joint 1) turns by three angles, not by one; take a joint that "
+            "turns about one axis, such as revolute joints with bodies between them",
         ),
         (
             "SINE 1 0 1 2\nSTROKE 2 1",
@@ -239,3 +240,14 @@ def test_sticking_friction_below_sliding_friction_is_warned_of(static, warned):
     faults = build_young_dynamics(read(cards))[1]
     found = [fault for fault in faults if "less than it slides with" in fault.message]
     assert [fault.severity for fault in found] == ["warning"] * warned
+
+
+@pytest.mark.parametrize("card", ["TSTOP 1 -0.5 0.5 500", "TSPRING 1 5.0", "ASPRING 1 5.0"])
+def test_element_on_a_universal_joint_is_refused_for_its_two_angles(card):
+    """A universal joint leaves two rotations: four equations of six (Young, universal joint)."""
+    deck = (Path(__file__).parents[2] / "solvers/constrained/steps/universal_stop.dat").read_text()
+    deck = read_deck(decode("test.dat", deck.replace("TSTOP 1 -0.5 0.5 500", card).encode()))
+    with pytest.raises(
+        (DeckError, ModelError), match=r"\(universal joint 1\) turns by two angles, not by one"
+    ):
+        build_young_dynamics(deck)

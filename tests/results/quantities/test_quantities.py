@@ -11,6 +11,7 @@ import pytest
 
 from flexmb_cli import solve
 from flexmb_cli.results.quantities.quantities import Quantity, ResultError, names, open_result, read, resolve
+from flexmb_cli.results.quantities.quantity_names import Family, Slot
 from flexmb_cli.results.quantities.readable import readable
 from flexmb_cli.results.quantities.unknown_names import hint_for
 from tests.results.results import SERIES, value, write_result
@@ -273,6 +274,21 @@ def test_a_file_that_is_cut_off_is_named_in_words(tmp_path):
 def test_a_result_without_elements_names_the_card_that_brings_in_those_of_springs():
     """SPRING alone fills no columns of elements."""
     assert "the card JOINTS beside SPRING" in hint_for("element.1.effort", [])
+
+
+@pytest.mark.parametrize(
+    ("deck", "name", "need"),
+    [
+        ("dafms/arm_nrot.DAT", "reaction.1.force", "a tree has reactions of closed loops only"),
+        ("vsdf/slider_crank_flex.vsdf", "coordinate.1", "need the card OUTJ, or an element at a joint"),
+    ],
+)
+def test_what_trees_and_vsdf_results_lack_is_said_of_their_own_cards(deck, name, need):
+    paths = ["coordinate/u", "energy/strain"] if deck.startswith("dafms") else ["energy/strain"]
+    families = [Family(path, (), ((Slot(None, (("x",),)),),), ("1",), "", ()) for path in paths]
+    hint = hint_for(name, families)
+    assert need in hint
+    assert "YOUNG" not in hint
 
 
 @pytest.fixture

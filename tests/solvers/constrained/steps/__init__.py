@@ -1,0 +1,1 @@
+"""Steps near jumps, at the limit of stability, and over whole turns."""
