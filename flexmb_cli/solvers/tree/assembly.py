@@ -11,15 +11,14 @@ from ...kernels.tree.loop_closures import IMMOBILE
 from ...model.arrays.tree import REPEATED, TreeArrays, initial_attitudes
 from ...model.tree import ASSEMBLED_GAP, ROTATION, Closure, Tree
 from ...model.tree_as_mechanism.frames import hinge_frames
-from ...model.tree_as_mechanism.loop_assembly import NEAR, nearest_closed
+from ..assembly import LOOSEST, NEAR, TO_GAP
+from .loop_assembly import nearest_closed
 
 if TYPE_CHECKING:
     from .analysis import TreeAnalysis
 
 
 MOST_ITERATIONS = 40
-LOOSEST = 0.03  # gap, of the size, of what can be called a loop that nearly closes
-TO_GAP = 30.0  # sine of the angle between directions that count as one, to the gap
 
 
 def assemble_tree(analysis: "TreeAnalysis") -> None:

@@ -22,7 +22,6 @@ from ...model.integrators import IMPLICIT_TREE_METHODS
 from ...model.time_functions import MotionFunction
 from ...model.tree import Prescribed, Tree
 from ...model.tree_as_mechanism.frames import hinge_frames
-from ...model.tree_as_mechanism.loop_assembly import closed_tree
 from ...quick_dataclass import fields, replace
 from ..compilation import interpreting
 from ..constrained.coinciding_ends import refuse_undirected_lines
@@ -31,6 +30,7 @@ from ..constrained.tree_element_rows import TreeElementRows
 from .analysis import TreeAnalysis, breakpoints, set_functions
 from .element_forces import COORDINATE, EFFORT, ENERGY, KEPT, RATE, ElementForces, filled, stored_energy
 from .friction_in_hinges import FrictionInHinges
+from .loop_assembly import closed_tree
 from .placed_bodies import PlacedBodies
 from .rows import TreeRows
 from .scipy_integrators import UNCOUNTED, jacobian_of
