@@ -30,8 +30,10 @@ RECORDS = {
     "GROUP": "model.arrays.records:GROUP",
     "FRAME": "model.arrays.tree_frames:FRAME",
     "NODAL_MASS": "model.arrays.tree_frames:NODAL_MASS",
-    **{name: f"model.arrays.tree:{name}" for name in ("ELASTIC_BODY", "SPRING", "PRESCRIBED", "CLOSURE_ROW")},
+    **{name: f"model.arrays.tree:{name}" for name in ("ELASTIC_BODY", "PRESCRIBED", "CLOSURE_ROW")},
     "TREE_FUNCTION": "model.arrays.tree:FUNCTION",
+    "TREE_ELEMENT": "model.arrays.tree_elements:TREE_ELEMENT",
+    "TREE_FRICTION": "model.arrays.tree_elements:TREE_FRICTION",
     "NODE_FRAME": "model.arrays.node_frames:NODE_FRAME",
     "FLEXIBLE_PARENT": "model.arrays.node_frames:FLEXIBLE_PARENT",
     "FRAME_WORK": "kernels.tree.work:FRAME_WORK",
@@ -64,19 +66,19 @@ TUPLES = {
     ),
     "Tree": (
         "model.arrays.tree:TreeArrays",
-        "FRAME1 NODAL_MASS1 ELASTIC_BODY1 f1 f1 f1 i2 SPRING1 PRESCRIBED1 TREE_FUNCTION1 CLOSURE_ROW1 f2 f1 "
-        "b1 b1 f1 NodeFrames bool",
+        "FRAME1 NODAL_MASS1 ELASTIC_BODY1 f1 f1 f1 i2 PRESCRIBED1 TREE_FUNCTION1 CLOSURE_ROW1 f2 f2 "
+        "f2 f2 f1 b1 b1 f1 NodeFrames TREE_ELEMENT1 TREE_FRICTION1 f3 f1 f2 FUNCTION1 f2 int bool",
     ),
     "NodeFrames": (
         "model.arrays.node_frames:NodeFrames",
         "NODE_FRAME1 FLEXIBLE_PARENT1 f1 f2 f2 f1 f2 f2 f2 f2 f2 f1 f1",
     ),
     "TreeIntegration": ("kernels.integrators.tree_dop853:Integration", "CLOCK1 f1 f1 f1 f2 f2 f1"),
-    "TreeReport": ("kernels.tree.report:Report", "f1 f2 FRAME_WORK2 f2 CLOSURE_ROW2 f2"),
+    "TreeReport": ("kernels.tree.report:Report", "f1 f2 FRAME_WORK2 f2 CLOSURE_ROW2 f2 f3 f2 f3"),
     "Implicit": (
         "kernels.integrators.sdirk4:Implicit", "CLOCK1 f1 SDIRK_MEMORY1 f2 f1 f1 f1 f1 f1 f1 f1 f1 Stiff",
     ),
-    "Stiff": ("kernels.tree.implicit_matrix:Stiff", "f2 f2 f2 i1 i1 i1 f1 CLOSURE_ROW1 f2 f2 f2"),
+    "Stiff": ("kernels.tree.implicit_matrix:Stiff", "f2 f2 f2 i1 i1 i1 f1 CLOSURE_ROW1 f2 f2 f2 f2 f2"),
 }  # fmt: skip
 
 UNITS = {

@@ -11,15 +11,28 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import Place
 from ..quick_dataclass import dataclass, fields
-from .joints import ANGLE, JOINT_TYPES, NODE_JOINT_TYPES
+from .joints import ANGLE, BY_NAME, JOINT_TYPES, NODE_JOINT_TYPES
+from .laws import JointLaw
 from .mechanism import Vector
 from .time_functions import MotionFunction
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from .fe_model import End
-    from .flexible_mechanism import NodePoint
+    from .flexible_mechanism import FlexibleMechanism, NodePoint
+    from .loads import DynamicModel
 
 USUAL_EXPONENT = 10  # of two, of the largest factor of a coupling that is left as it is
+LENGTH, TURN = "m", "rad"
+OF_BUSHING = (
+    ("x", LENGTH),
+    ("y", LENGTH),
+    ("z", LENGTH),
+    ("about x", TURN),
+    ("about y", TURN),
+    ("about z", TURN),
+)
 # The coordinates that the joints of each type have.
 COORDINATES_OF = {kind.name: kind.coordinates for kind in (*JOINT_TYPES, *NODE_JOINT_TYPES)}
 
@@ -102,24 +115,6 @@ class LineSpring:
     curve: MotionFunction | None = None
     damper: MotionFunction | None = None
     slack: bool = False
-    place: Place | None = None
-
-
-@dataclass(frozen=True)
-class EndStop:
-    """Stops at `lower` and `upper` of a joint coordinate.
-
-    At a depth s > 0 they push back with stiffness s (1 + damping ds/dt), never less than 0: Hunt and
-    Crossley, Journal of Applied Mechanics 42 (1975), with the exponent 1.
-    """
-
-    name: str
-    joint: int
-    coordinate: str
-    lower: float
-    upper: float
-    stiffness: float
-    damping: float = 0.0
     place: Place | None = None
 
 
@@ -217,7 +212,7 @@ class JointElements:
     supports: tuple[DrivenItem, ...] = ()
     springs: tuple[JointSpring, ...] = ()
     lines: tuple[LineSpring, ...] = ()
-    stops: tuple[EndStop, ...] = ()
+    laws: tuple[JointLaw, ...] = ()
     bushings: tuple[Bushing, ...] = ()
     couplings: tuple[Coupling, ...] = ()
     frictions: tuple[JointFriction, ...] = ()
@@ -237,3 +232,27 @@ class JointElements:
     def constrain(self) -> bool:
         """Return whether some of them are equations."""
         return any((self.drivers, self.driven, self.supports, self.couplings, self.composites))
+
+
+def element_names(model: "DynamicModel | FlexibleMechanism") -> list[tuple[str, str]]:
+    """Name of every spring and element and unit of its coordinate, "m" or "rad"."""
+    found = [(item.name, LENGTH) for item in model.springs]
+    # Asking for the class would import flexible bodies in runs that have none.
+    joints = getattr(model, "joints", ())
+    for item in getattr(model, "joint_springs", ()):
+        found.append((item.name, _unit(BY_NAME[joints[item.joint].kind].sprung)))
+    return found + list(names_of(model.elements))
+
+
+def names_of(elements: JointElements) -> "Iterator[tuple[str, str]]":
+    """Name of every element and unit of its coordinate."""
+    yield from ((spring.name, _unit(spring.coordinate)) for spring in elements.springs)
+    yield from ((line.name, LENGTH) for line in elements.lines)
+    yield from ((item.name, _unit(item.coordinate)) for item in elements.laws)
+    yield from ((f"{item.name} {part}", unit) for item in elements.bushings for part, unit in OF_BUSHING)
+    yield from ((friction.name, LENGTH) for friction in elements.frictions)
+    yield from ((motor.name, _unit(motor.coordinate)) for motor in elements.motors)
+
+
+def _unit(coordinate: str) -> str:
+    return TURN if is_angle(coordinate) else LENGTH

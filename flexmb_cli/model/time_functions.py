@@ -6,7 +6,7 @@ The spin-up is that of Kane, Ryan and Banerjee (1987): from rest to the rate w o
 
 import math
 from array import array
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -215,3 +215,12 @@ class Motion:
     def is_length(self) -> bool:
         """Return whether it prescribes a length, m, rather than an angle, rad."""
         return self.kind in (*TRANSLATIONS, JOINT_STROKE)
+
+
+def corners(function: MotionFunction) -> Iterator[float]:
+    """Times at which a function changes its formula."""
+    yield from function.times
+    yield from (piece[0] for piece in function.pieces)
+    for factors in function.terms:
+        for factor in factors:
+            yield from corners(factor)

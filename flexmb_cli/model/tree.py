@@ -109,11 +109,6 @@ class Table:
     values: tuple[float, ...]
 
 
-def constant(value: float) -> Table:
-    """The function that never changes."""
-    return Table((0.0,), (value,))
-
-
 def pulse(value: float, duration: float) -> Table:
     """The DESN function: +value, nothing, -value for `duration` each, then nothing."""
     t, f = duration, value
@@ -128,35 +123,6 @@ class BodyTorque:
     axis: int
     function: Table
     place: Place | None = None
-
-
-@dataclass(frozen=True)
-class Spring:
-    """Spring and damper on one hinge coordinate: -stiffness (q - rest) - damping y.
-
-    The coordinates of three free rotations are no angles: such a hinge takes damping only.
-    """
-
-    body: int
-    motion: str
-    axis: int
-    stiffness: float = 0.0
-    damping: float = 0.0
-    rest: float = 0.0
-    place: Place | None = None
-    name: str = ""
-
-
-@dataclass(frozen=True)
-class Motor:
-    """Torque or force on one hinge coordinate, equal and opposite on the parent."""
-
-    body: int
-    motion: str
-    axis: int
-    function: Table
-    place: Place | None = None
-    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -238,8 +204,6 @@ class Tree:
     time: TimeGrid
     gravity: Vector = (0.0, 9.8, 0.0)
     torques: tuple[BodyTorque, ...] = ()
-    springs: tuple[Spring, ...] = ()
-    motors: tuple[Motor, ...] = ()
     prescribed: tuple[Prescribed, ...] = ()
     closures: tuple[Closure, ...] = ()
     one_way: bool = False

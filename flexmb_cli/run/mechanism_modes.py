@@ -16,9 +16,9 @@ from .check.parts import FARTHEST_STEPS
 from .context import Run
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable
 
-    from ..solvers.constrained.analysis import ConstrainedMotion
+    from ..solvers.constrained.analysis import LinearisableMotion
     from ..solvers.linearisation.motion import LinearisedMotion
     from ..solvers.linearisation.state_space import StateSpace
 
@@ -141,9 +141,7 @@ def _kernels(
     return nullcontext()
 
 
-def _of_mechanism(
-    analysis: "ConstrainedMotion", wish: Wish, run: Run, responses: type | None = None
-) -> MechanismModes:
+def _of_mechanism(analysis: "LinearisableMotion", wish: Wish, run: Run) -> MechanismModes:
     from ..solvers.linearisation.constrained import ConstrainedLinearised, bring_to, linearised, modes_of
     from ..solvers.linearisation.constrained_responses import ConstrainedResponses, constrained_signals
     from ..solvers.linearisation.equilibrium import find_equilibrium
@@ -156,7 +154,7 @@ def _of_mechanism(
     if wish.equilibrium:
         find_equilibrium(analysis, ConstrainedLinearised)
     motion, A, constant = linearised(analysis)
-    space = _space(wish, responses or ConstrainedResponses, motion, A, constrained_signals)
+    space = _space(wish, ConstrainedResponses, motion, A, constrained_signals)
     found, arrays = modes_of(motion, A, constant), analysis.arrays
     names = tuple(arrays.speed_name(k) for k in range(arrays.speeds))
     assert isinstance(motion, ConstrainedLinearised)
@@ -182,46 +180,12 @@ def _space(
 
 def tree_modes(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
     """Linearised motion of a tree; raises ModelError, AnalysisError."""
-    if tree.elements:
-        with _kernels(6 * len(tree.bodies), wish, tree.time, run.listener):
-            return _of_tree_with_elements(tree, wish, run)
     entry = "integrators.tree_dop853.integrate_rows"
     with _kernels(len(tree.coordinates), wish, tree.time, run.listener, entry):
-        return _of_tree(tree, wish)
+        return _of_tree(tree, wish, run)
 
 
-def _of_tree_with_elements(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
-    """Modes in absolute coordinates, in the terms of the tree: shapes and position by its coordinates."""
-    from ..solvers.constrained.tree import AbsoluteTree
-    from ..solvers.linearisation.absolute_tree_responses import AbsoluteTreeResponses
-
-    analysis = AbsoluteTree(tree)
-    found = _of_mechanism(analysis, wish, run, AbsoluteTreeResponses)
-    position, velocities = analysis.hinge_coordinates()
-    shapes = found.modes.shapes * analysis.arrays.speed_scale @ velocities.T
-    sizes = np.max(np.abs(shapes), axis=1, keepdims=True, initial=0.0)
-    names = tuple(coordinate.name for coordinate in tree.coordinates)
-    return replace(
-        found,
-        modes=replace(found.modes, shapes=shapes / np.where(sizes > 0.0, sizes, 1.0)),
-        names=names,
-        position=tuple(_tree_position(tree, names, position, found.position)),
-    )
-
-
-def _tree_position(
-    tree: Tree, names: tuple[str, ...], q: np.ndarray, bodies: "Sequence[tuple[str, tuple[float, ...]]]"
-) -> "Iterator[tuple[str, tuple[float, ...]]]":
-    """Coordinates of a tree; of three free rotations, which have none, the attitude of the body."""
-    for name, value in zip(names, q.tolist(), strict=True):
-        if np.isfinite(value):
-            yield name, (value,)
-    for (name, pose), hinge in zip(bodies, tree.hinges, strict=False):
-        if len(hinge.rotations) == 3:
-            yield f"{name} attitude", pose[3:]
-
-
-def _of_tree(tree: Tree, wish: Wish) -> MechanismModes:
+def _of_tree(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
     from ..solvers.linearisation.constrained import linearised, modes_of
     from ..solvers.linearisation.equilibrium import find_equilibrium
     from ..solvers.linearisation.tree import TreeLinearised, start_tree
@@ -233,7 +197,11 @@ def _of_tree(tree: Tree, wish: Wish) -> MechanismModes:
     if time > grid.start:
         tree = replace(tree, time=replace(grid, end=time, step=time - grid.start))
     analysis = TreeAnalysis(tree)
-    start_tree(analysis, time)
+    try:
+        start_tree(analysis, time)
+    finally:
+        run.outcome.faults += analysis.warnings
+    run.warn(())
     if wish.equilibrium:
         find_equilibrium(analysis, TreeLinearised)
     motion, A, constant = linearised(analysis, TreeLinearised)

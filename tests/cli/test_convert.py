@@ -19,7 +19,7 @@ from flexmb_cli.interface import solve
 from flexmb_cli.model.integrators import Integrator
 from flexmb_cli.model.loads import AppliedForce, DynamicModel, InitialVelocity, SpringDamper
 from flexmb_cli.model.mechanism import Joint, Mechanism, TimeGrid
-from flexmb_cli.model.tree import Body, Hinge, Spring, Tree
+from flexmb_cli.model.tree import Body, Hinge, Tree
 from flexmb_cli.results.hdf5.dynamic import dynamic_values
 from flexmb_cli.results.models.exudyn import exudyn_script
 from flexmb_cli.results.models.exudyn_joints import independent_equations
@@ -27,6 +27,7 @@ from flexmb_cli.results.models.mjcf import mjcf
 from flexmb_cli.run.convert import converted, start_of
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from flexmb_cli.solvers.tree.points import point_motion
+from tests.naive.random_trees import sprung
 from tests.solvers.constrained.dynamic_runs import AT_REST, GROUND, body, run, uneven_masses
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
@@ -65,14 +66,14 @@ def every_hinge():
         Hinge(2, (0.2, 0.1, 0.3), rotations=(1, 3)),
         Hinge(0, (-0.2, 0.3, 0.1), attitude=(0.6, 0.8, 0.0, 0.0), translations=(1,)),
     )
-    springs = (
-        Spring(1, "translation", 3, 40.0, 1.5, 0.1), Spring(3, "rotation", 1, 5.0, 0.3, 0.2),
-        Spring(4, "translation", 1, 30.0, 0.5, -0.1),
+    springs = sprung(
+        (1, "translation", 3, 40.0, 1.5, 0.1), (3, "rotation", 1, 5.0, 0.3, 0.2),
+        (4, "translation", 1, 30.0, 0.5, -0.1),
     )  # fmt: skip
     y = np.array([0.5, -0.4, 0.8, 0.6, -0.7, 0.3, 0.2, -0.1])
     q = np.array([0.0, 0.0, 0.0, 0.2, 0.3, -0.4, 0.1, 0.05])
     time = TimeGrid(0.0, 0.5, 0.1)
-    return Tree(tuple(heavy), hinges, q, y, time, (0.5, -9.0, 2.0), springs=springs)
+    return Tree(tuple(heavy), hinges, q, y, time, (0.5, -9.0, 2.0), elements=springs)
 
 
 def test_a_tree_with_every_hinge_moves_alike_in_mujoco():

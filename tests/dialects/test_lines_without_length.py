@@ -7,7 +7,7 @@ from flexmb_cli.errors import ModelError
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.outcome import RunOptions
 from flexmb_cli.solvers.constrained.tree import AbsoluteTree
-from flexmb_cli.solvers.tree.tree_with_elements import TreeWithElements
+from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from tests.dialects.dafms.dafms_decks import build
 from tests.dialects.dafms.test_dafms_elements import card, deck, integers, reals
 from tests.dialects.vsdf.element_cases import turned
@@ -83,8 +83,6 @@ def test_dafms_and_vsdf_decks_are_refused_with_the_card(text, name, tmp_path):
 def test_both_formulations_of_a_tree_begin_where_a_line_has_no_length():
     """The one divided 0 by 0 there, and its steps vanished."""
     tree = build(dafms(0.0))[0]
-    one, other = (
-        np.concatenate([r.q for r in kind(tree).rows()]) for kind in (AbsoluteTree, TreeWithElements)
-    )
+    one, other = (np.concatenate([r.q for r in kind(tree).rows()]) for kind in (AbsoluteTree, TreeAnalysis))
     assert np.ptp(one[:, 0]) > 0.1
     assert other == pytest.approx(one, abs=1e-8)

@@ -1,4 +1,4 @@
-"""What CONTRIBUTING.md tells one to write for a joint, a card, quantities, an integrator and a format."""
+"""What CONTRIBUTING.md tells one to write for a joint, a card, quantities, an integrator and so on."""
 
 # (a) A point on a plane, and one on a line, of the other body.
 JOINT = {
@@ -230,6 +230,39 @@ FORMAT = {
         )
     ],
 }
+# (h) A torque that grows with the square of the rate, and one with the cube of the stretch.
+LAW = {
+    "flexmb_cli/model/laws.py": [
+        (
+            ",)\n\n\n@dataclass(frozen=True)\nclass JointLaw",
+            ',\n    Law("SQUARE", 11, (Parameter("drag", "{effort} per square of the rate", 1, -2, 2),)),\n'
+            "    Law(\n"
+            '        "CUBE",\n'
+            "        12,\n"
+            "        (\n"
+            '            Parameter("stiffness", "{effort} per cube of the stretch", 1, -3),\n'
+            '            Parameter("rest", "rest {coordinate}", 0, 1, 0, 0.0, signed=True, counted=True),\n'
+            "        ),\n"
+            "    )",
+        )
+    ],
+    "flexmb_cli/kernels/laws.py": [
+        ("# Columns of the answers.", "SQUARE, CUBE = 11, 12\n"),
+        (
+            '    s = x - law["free_length"]\n',
+            '    if law["shape"] == SQUARE:\n'
+            '        drag = law["c"][0]\n'
+            "        answer[STIFFNESS], answer[DAMPING], answer[ENERGY] = 0.0, 2.0 * drag * abs(v), 0.0\n"
+            "        return -drag * abs(v) * v, 0.0\n"
+            '    if law["shape"] == CUBE:\n'
+            '        k, s = law["c"][0], x - law["c"][1]\n'
+            "        answer[STIFFNESS], answer[DAMPING] = 3.0 * k * s * s, 0.0\n"
+            "        answer[ENERGY] = 0.25 * k * s**4\n"
+            "        return -k * s**3, -k * s**3\n",
+        ),
+    ],
+}
+
 # A body of 2 kg that falls; the method of order 8 has no error in a parabola.
 DECK = """\
 VSDF A BODY THAT FALLS
@@ -306,4 +339,15 @@ DYNAMICS forward
 MASS 2 1.5 0 0 0 1 1 1
 GRAVITY 0 -8 0
 END
+"""
+# A wheel with 0.8 kg m2 about its joint begins at 5 rad/s.
+WHEEL = """2 0 0 0 0 1 0 0 0 0 0 1
+0 0 0 1 0 0 0
+0 0 0 1 0 0 0
+1 2 0 0 0 0 0 0 0 0 1 0 0 1
+1 0 0 0 0 0 0
+0 0.4 0.1
+DYNAMICS forward
+MASS 2 2 0 0 0 0.8 0.8 0.8
+RATE 1 1 5
 """

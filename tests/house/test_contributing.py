@@ -25,11 +25,13 @@ from tests.house.contributions import (
     JOINT,
     JOINT_OF_POINTS,
     KERNELS,
+    LAW,
     PENDULUM,
     PLANE,
     QUANTITY,
     READER,
     ROTOR,
+    WHEEL,
 )
 from tests.house.test_house import MOST_FILES
 
@@ -51,7 +53,7 @@ def copy(tmp_path_factory):
         (folder / name).parent.mkdir()
         (folder / name).with_name("__init__.py").touch()
         shutil.copy(ROOT / origin, folder / name)
-    for recipe in (JOINT, JOINT_OF_POINTS, CARD, CARD_OF_BODIES, QUANTITY, INTEGRATOR, FORMAT):
+    for recipe in (JOINT, JOINT_OF_POINTS, CARD, CARD_OF_BODIES, QUANTITY, INTEGRATOR, FORMAT, LAW):
         for name, additions in recipe.items():
             text = (folder / name).read_text(encoding="utf-8")
             for place, added in additions:
@@ -78,11 +80,11 @@ def flexmb(copy, *words, answers=None):
 
 def test_as_few_files_are_touched_as_the_page_says():
     assert len(JOINT) <= 4 and len(JOINT_OF_POINTS) + 1 <= 3 and len(CARD) <= 3 and len(CARD_OF_BODIES) <= 3
-    assert len(QUANTITY) <= 2 * 4 and len(KERNELS | INTEGRATOR) <= 3
+    assert len(QUANTITY) <= 2 * 4 and len(KERNELS | INTEGRATOR) <= 3 and len(LAW) == 2
     page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     assert all(
         name.removeprefix("flexmb_cli/dialects/vsdf/").split("/")[-1] in page
-        for name in JOINT | JOINT_OF_POINTS | CARD | CARD_OF_BODIES | QUANTITY
+        for name in JOINT | JOINT_OF_POINTS | CARD | CARD_OF_BODIES | QUANTITY | LAW
     )
 
 
@@ -297,3 +299,38 @@ def test_a_format_of_one_line_is_read_and_known_to_the_cards(copy):
     command = [sys.executable, "-c", program]
     done = subprocess.run(command, cwd=copy, env=given, capture_output=True, text=True, timeout=120)
     assert done.stdout.split() == ["True", "2", "2.5", "-1.0", "4.0"], done.stderr
+
+
+def motion_of_wheel(copy, name):
+    """Times, turns and rates of the wheel of a deck."""
+    flexmb(copy, "run", "-q", name, "--no-out", "--h5", "wheel.h5")
+    with h5py.File(copy / "wheel.h5") as result:
+        omega = result["body/angular_velocity"][:, -1, 2]
+        turn = 2.0 * np.arctan2(
+            result["body/euler_parameters"][:, -1, 3], result["body/euler_parameters"][:, -1, 0]
+        )
+        return result["time"][:], turn, omega
+
+
+@pytest.mark.parametrize("dialect", ["young", "vsdf", "dafms"])
+def test_a_force_law_of_two_files_acts_in_every_dialect(copy, dialect):
+    """J w' = -c w²: w = 5 / (1 + 0.6 5 t / 0.8).  J w²/2 + k s⁴/4 stays for J w' = -k s³, s = turn - 0.2."""
+    ending = {"young": "dat", "vsdf": "vsdf", "dafms": "DAT"}[dialect]
+    for word, law in (("square", "TSQUARE 1 0.6"), ("cube", "TCUBE 1 30 0.2")):
+        (copy / f"{word}.dat").write_text(f"{WHEEL}{law}\nTOLERANCE 1e-11\nEND\n")
+        if dialect != "young":
+            flexmb(copy, "convert", f"{word}.dat", "--to", dialect, "-o", f"{word}.{ending}")
+    t, _, omega = motion_of_wheel(copy, f"square.{ending}")
+    assert omega == pytest.approx(5.0 / (1.0 + 3.75 * t), rel=1e-8)
+    _, turn, omega = motion_of_wheel(copy, f"cube.{ending}")
+    energy = 0.4 * omega**2 + 7.5 * (turn - 0.2) ** 4
+    assert energy == pytest.approx(np.full(5, 10.0 + 7.5 * 0.2**4), rel=1e-7)
+    assert np.ptp(omega) > 1.0
+
+
+def test_units_of_a_force_law_follow_from_its_record(copy):
+    """0.6 N m s2/rad2 are 600 N mm s2/rad2."""
+    (copy / "square.dat").write_text(f"{WHEEL}TSQUARE 1 0.6\nEND\n")
+    flexmb(copy, "convert", "square.dat", "--to", "young", "--to-unit", "mm", "-o", "mm.dat")
+    (line,) = [line for line in (copy / "mm.dat").read_text().splitlines() if line.startswith("TSQUARE")]
+    assert float(line.split()[2]) == pytest.approx(600.0)

@@ -72,6 +72,8 @@ def own(modules):
 
 TREES = {"tree", "kane", "dafms", "implicit"}
 CONSTRAINED = {"constrained", "mass_matrix", "multipliers"}
+# Trees share kernels of time functions and friction.
+OF_MECHANISMS = {"solvers.constrained", "mass_matrix", "multipliers"}
 FLEXIBLE = {"vsdf", "fe_files", "fe.", "flexible_dynamics", "build_mechanism"}
 INTEGRATIONS = {"generalised_alpha", "radau5"}
 OF_SOLVING = {"kernels", "model", "run.check", "run.solution", "solvers.kinematics", "solvers.constrained"}
@@ -82,7 +84,7 @@ RUNS = {
     "dafms": (
         "dafms/pendulum.DAT",
         ("time.IT=2",),
-        CONSTRAINED
+        OF_MECHANISMS
         | FLEXIBLE
         | {"implicit", "newton", "young", "flexible_", "element_table", "elements.build"},
     ),
@@ -146,7 +148,7 @@ COMMANDS = {
         ["check", "-q", DECKS / "dafms/pendulum.DAT"],
         OF_CHECK,
         {"click", "numpy"},
-        CONSTRAINED | FLEXIBLE | {"implicit", "newton", "young", "flexible_", "results"},
+        OF_MECHANISMS | FLEXIBLE | {"implicit", "newton", "young", "flexible_", "results"},
     ),
     # A flexible body is reduced, and kept by way of a temporary file.
     "check vsdf": (
@@ -184,7 +186,7 @@ def test_check_of_a_tree_with_elements_needs_no_integrator(tmp_path):
     deck = tmp_path / "spring.DAT"
     deck.write_text(f"{1:5d}{2:5d}\n" + text.split("\n", 1)[1].replace("END \n", f"{spring}END \n"))
     found = imported(tmp_path, "check", "-q", deck)
-    assert "flexmb_cli.solvers.tree.tree_with_elements" in found
+    assert "flexmb_cli.solvers.tree.attached_elements" in found
     assert "scipy" not in found
 
 

@@ -41,7 +41,6 @@ REPLACED = {
     "told|tells|tell": "reported",
     "taken from": "updated from",
     "things? (?:are|is) missing": "missing entries",
-    "laws": "motion functions",
     "journal": "resume file",
     "heap check": "heap bounds",
     "doubts": "warnings",

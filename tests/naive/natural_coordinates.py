@@ -57,7 +57,7 @@ class SpatialTree:
     """The equations of one deck: balls and single rotations, nodes with three freedoms, gravity."""
 
     def __init__(self, tree):
-        assert not (tree.springs or tree.motors or tree.prescribed or tree.torques or tree.closures)
+        assert not (tree.elements or tree.prescribed or tree.torques or tree.closures)
         self.tree = tree
         self.nodes = [
             (k, i) for k, b in enumerate(tree.bodies) if b.elastic for i in range(len(b.elastic.masses))

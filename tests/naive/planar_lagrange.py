@@ -140,7 +140,7 @@ class PlanarTree:
     """The equations of one deck, of what the cards of 1992, GRAV, UNCO and LOOP can say."""
 
     def __init__(self, tree):
-        assert not (tree.springs or tree.motors or tree.prescribed)
+        assert not (tree.elements or tree.prescribed)
         assert all(hinge.elastic_rotation is None for hinge in tree.hinges)
         self.tree, self.frames = tree, Frames(tree)
         masses, forces, places = [], [], []

@@ -2,7 +2,9 @@
 
 import numpy as np
 
+from flexmb_cli.model.joint_elements import JointElements, JointMotor, JointSpring
 from flexmb_cli.model.mechanism import TimeGrid
+from flexmb_cli.model.time_functions import HELD_TABLE, MotionFunction
 from flexmb_cli.model.tree import (
     INERTIAL,
     ROTATION,
@@ -10,7 +12,6 @@ from flexmb_cli.model.tree import (
     Body,
     Elasticity,
     Hinge,
-    Spring,
     Tree,
     generalized_coordinates,
 )
@@ -71,7 +72,8 @@ def random_tree(seed, bodies=5, flexible=0.5, tilted=False, **options):
             parts.append(rigid_body(rng, name))
         hinges.append(random_hinge(rng, parts, k, tilted))
     n = len(generalized_coordinates(parts, hinges))
-    options.setdefault("springs", random_springs(rng, hinges))
+    springs = random_springs(rng, hinges)
+    options.setdefault("elements", JointElements(springs=options.pop("springs", springs)))
     options.setdefault("time", TimeGrid(0.0, 1.0, 0.1))
     return Tree(
         tuple(parts),
@@ -104,12 +106,35 @@ def random_hinge(rng, parts, k, tilted):
     )
 
 
+def spring(body, motion, axis, stiffness=0.0, damping=0.0, rest=0.0):
+    """A spring and damper in a hinge coordinate."""
+    return JointSpring("spring", body, f"{motion} {axis}", stiffness, rest, damping)
+
+
+def sprung(*springs):
+    """The elements of a tree that has such springs."""
+    return JointElements(springs=tuple(spring(*each) for each in springs))
+
+
+def motored(body, motion, axis, *points):
+    """The elements of a tree that has one motor, whose effort is linear between points (t, effort)."""
+    times, values = zip(*points, (points[-1][0] + 1.0, points[-1][1]), strict=True)
+    held = MotionFunction(HELD_TABLE, times=times, values=values, curvature=(0.0,) * len(times))
+    return JointElements(motors=(JointMotor("motor", body, f"{motion} {axis}", held),))
+
+
+def where(element):
+    """Body, motion and axis of an element in a hinge coordinate."""
+    motion, axis = element.coordinate.split()
+    return element.joint, motion, int(axis)
+
+
 def random_springs(rng, hinges):
     """A spring and damper on the first rotation or translation of every second hinge."""
     springs = []
     for k, hinge in enumerate(hinges[::2]):
         if hinge.translations:
-            springs.append(Spring(2 * k, TRANSLATION, hinge.translations[0], 3.0, 0.4, 0.1))
+            springs.append(spring(2 * k, TRANSLATION, hinge.translations[0], 3.0, 0.4, 0.1))
         elif len(hinge.rotations) in (1, 2):
-            springs.append(Spring(2 * k, ROTATION, hinge.rotations[-1], 2.0, 0.3, -0.2))
+            springs.append(spring(2 * k, ROTATION, hinge.rotations[-1], 2.0, 0.3, -0.2))
     return tuple(springs)

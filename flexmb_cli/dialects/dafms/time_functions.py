@@ -4,6 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
+from ...model.joint_elements import JointElements, JointMotor, JointSpring
+from ...model.time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
 from ...model.tree import (
     INERTIAL,
     ROTATION,
@@ -12,11 +14,8 @@ from ...model.tree import (
     BodyTorque,
     Closure,
     Hinge,
-    Motor,
     Prescribed,
-    Spring,
     Table,
-    constant,
     pulse,
 )
 
@@ -32,17 +31,18 @@ def build_functions_of_time(
     """Keyword arguments of `Tree` for everything that drives or loads it over time."""
     hinged = _HingeCards(values, hinges, findings)
     springs = [
-        Spring(*where, stiffness, rest=rest, place=record.place, name=record.subject)
+        JointSpring(record.subject, *_coordinate(where), stiffness, rest, place=record.place)
         for record, where in hinged.entries("spring")
         for stiffness, rest in [_behind_the_hinge(record)]
     ]
     springs += _dampers(hinged, findings)
     motors = [
-        Motor(*where, constant(*_behind_the_hinge(record)), record.place, record.subject)
+        JointMotor(record.subject, *_coordinate(where), _constant(*_behind_the_hinge(record)), record.place)
         for record, where in hinged.entries("motor")
     ]
     motors += [
-        Motor(*where, _table(r, findings), r.place, r.subject) for r, where in hinged.entries("motor_table")
+        JointMotor(record.subject, *_coordinate(where), _held(_table(record, findings)), record.place)
+        for record, where in hinged.entries("motor_table")
     ]
     drives = [
         Prescribed(*where, C, B, A, record.place)
@@ -53,21 +53,35 @@ def build_functions_of_time(
     _check_rotations(values, bodies, findings)
     return {
         "torques": tuple(_pulses(values, bodies, findings) + _torque_tables(values, bodies, findings)),
-        "springs": tuple(springs),
-        "motors": tuple(motors),
+        "elements": JointElements(springs=tuple(springs), motors=tuple(motors)),
         "prescribed": tuple(drives),
     }
 
 
-def _dampers(hinged: "_HingeCards", findings: Findings) -> list[Spring]:
+def _dampers(hinged: "_HingeCards", findings: Findings) -> list[JointSpring]:
     dampers = []
     for record, where in hinged.entries("damper"):
         (damping,) = _behind_the_hinge(record)
         if damping < 0:
             message = f"CS = {damping}: a negative damper feeds energy in"
             findings.warn(record.subject, message, record.at("CS").place, id="DAFMS-056")
-        dampers.append(Spring(*where, damping=damping, place=record.place, name=record.subject))
+        dampers.append(JointSpring(record.subject, *_coordinate(where), damping=damping, place=record.place))
     return dampers
+
+
+def _coordinate(where: tuple[int, str, int]) -> tuple[int, str]:
+    body, motion, axis = where
+    return body, f"{motion} {axis}"
+
+
+def _constant(effort: float) -> MotionFunction:
+    return MotionFunction(POLYNOMIAL, (effort, 0.0, 0.0, 0.0))
+
+
+def _held(table: Table) -> MotionFunction:
+    # Past a jump at its end a table continues: its last piece must have a length.
+    times, values = (*table.times, table.times[-1] + 1.0), (*table.values, table.values[-1])
+    return MotionFunction(HELD_TABLE, times=times, values=values, curvature=(0.0,) * len(times))
 
 
 def _behind_the_hinge(record: "Record") -> list[Any]:

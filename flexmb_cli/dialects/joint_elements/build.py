@@ -13,7 +13,6 @@ from ...deck.records import DeckValues
 from ...model.joint_elements import (
     Bushing,
     Coupling,
-    EndStop,
     JointDriver,
     JointElements,
     JointFriction,
@@ -24,6 +23,7 @@ from ...model.joint_elements import (
     is_angle,
 )
 from ...model.joints import ANGLE, STROKE
+from ...model.laws import LAWS, JointLaw, Law
 from .maker import ElementMaker
 
 Cards = Mapping[str, Sequence[tuple[str, Callable[..., Any]]]]  # fields of `JointElements`: sections, makers
@@ -71,8 +71,10 @@ def _is_idle(item: Any) -> bool:
         return not any((*item.stiffness, *item.damping))
     if isinstance(item, JointFriction):
         return not (item.dynamic or item.static)
-    one_sided = isinstance(item, EndStop) or (isinstance(item, LineSpring) and item.slack)
-    return one_sided and not item.stiffness
+    if isinstance(item, JointLaw):
+        # A law without effort by all its parameters that make one.
+        return not any(value for p, value in zip(item.law.parameters, item.values, strict=True) if p.effort)
+    return isinstance(item, LineSpring) and item.slack and not item.stiffness
 
 
 def _refuse_too_many(maker: ElementMaker, sections: Callable[..., Any], cards: Cards) -> bool:
@@ -156,28 +158,36 @@ def cable(maker: ElementMaker, record: Record) -> LineSpring | None:
     return LineSpring(record.subject, **ends, **data, slack=True, place=record.place) if ends else None
 
 
-def stop(coordinate: str | None) -> Callable[..., Any]:
-    """Return what makes stops of a coordinate."""
+def joint_law(law: Law, coordinate: str | None) -> Callable[..., Any]:
+    """Return what makes elements of a law in a coordinate."""
 
-    def make(maker: ElementMaker, record: Record) -> EndStop | None:
-        maker.not_negative(record, "stiffness", "damping")
-        if not record["lower"] < record["upper"]:
-            message = f"upper must be larger than lower, {record['lower']:g}; read {record['upper']:g}"
-            maker.findings.error(record.subject, message, record.at("upper").place, id="ELEMENTS-007")
-        numbers: dict[str, Any] = {
-            key: float(record[key]) for key in ("lower", "upper", "stiffness", "damping")
-        }
+    def make(maker: ElementMaker, record: Record) -> JointLaw | None:
+        maker.not_negative(record, *(p.name for p in law.parameters if not p.signed))
+        for p in law.parameters:
+            if p.above and not record[p.above] < record[p.name]:
+                message = (
+                    f"{p.name} must be larger than {p.above}, {record[p.above]:g}; read {record[p.name]:g}"
+                )
+                maker.findings.error(record.subject, message, record.at(p.name).place, id="ELEMENTS-007")
         where = maker.where(record, coordinate)
         if where and is_angle(where[1]):
-            _note_degrees(maker, record)
-        return EndStop(record.subject, *where, **numbers, place=record.place) if where else None
+            _note_degrees(maker, record, law)
+        values = tuple(float(record[p.name]) for p in law.parameters)
+        return JointLaw(record.subject, *where, law, values, record.place) if where else None
 
     return make
 
 
-def _note_degrees(maker: ElementMaker, record: Record) -> None:
-    """Note the first limit of an angle beyond a turn, which may have been meant in degrees."""
-    for key in ("lower", "upper"):
+def law_sections(prefixes: dict[str, str | None]) -> list[tuple[str, Callable[..., Any]]]:
+    """Sections of all force laws by the beginnings of their names, a coordinate for each."""
+    return [
+        ((prefix + law.word).lower(), joint_law(law, at)) for law in LAWS for prefix, at in prefixes.items()
+    ]
+
+
+def _note_degrees(maker: ElementMaker, record: Record, law: Law) -> None:
+    """Note the first angle beyond a turn, which may have been meant in degrees."""
+    for key in (p.name for p in law.parameters if p.counted):
         if abs(record[key]) > math.tau:
             message = (
                 f"{key} of {record[key]:g} rad is {abs(record[key]) / math.tau:.3g} turns; "
@@ -277,7 +287,7 @@ JOINT_CARDS: Cards = {
     "motors": [("tmotor", motor(ANGLE)), ("amotor", motor(STROKE))],
     "springs": [("tspring", joint_spring(ANGLE)), ("aspring", joint_spring(STROKE))],
     "lines": [("lspring", line_spring), ("cable", cable)],
-    "stops": [("tstop", stop(ANGLE)), ("astop", stop(STROKE))],
+    "laws": law_sections({"t": ANGLE, "a": STROKE}),
     "bushings": [("bushing", bushing)],
     "couplings": [("coupling", coupling)],
     "frictions": [("friction", friction)],

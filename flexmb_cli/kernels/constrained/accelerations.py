@@ -16,6 +16,7 @@ import numpy as np
 
 from .._jit import allocating, kernel, part
 from ..kinematics import constraints as equations
+from ..laws import DAMPING, EFFORT, NORMAL, POWER
 from ..linalg.cholesky import cholesky, cholesky_solve, cholesky_solve_rows
 from ..linalg.copying import copy
 from ..linalg.pivot_order import choose
@@ -31,7 +32,7 @@ from .dry_friction import (
     first_friction,
     has_friction,
 )
-from .elements import DAMPING, EFFORT, NORMAL, POWER, add_unit_friction
+from .elements import add_unit_friction
 from .forces import add_applied_forces
 from .mass_matrix import inertia_and_elastic_forces, mass_matrices, mass_times
 from .multipliers import fill_multipliers

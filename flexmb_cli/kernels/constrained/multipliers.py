@@ -3,16 +3,16 @@
 M u̇ = f + Jᵀ λ.  Where equations repeat others the multipliers are not unique: those of least norm
 are taken, Σ (s_k λ_k)² → min over all equations k, where s_k is the unit of the equation: the length scale
 L of the mechanism (a power of two near its largest length) for one in m, 1 for one without a unit.  A force
-F thus weighs as the moment L F, all in N m.  With J_d = C J_i for the dependent rows, and l the
-multipliers when the independent rows bear everything, they are
+F thus weighs as the moment L F, all in N m.  They lie in the range of J, spanned by the columns J_d of the
+dependent speeds:
 
-    λ_i = l - Cᵀ (1 + C Cᵀ)⁻¹ C l,   λ_d = C λ_i.
+    λ = J_d y,   (J_dᵀ J_d) y = (M u̇ - f)_d.
 """
 
 import numpy as np
 
-from .._jit import allocating, part
-from ..linalg.cholesky import cholesky, cholesky_solve
+from .._jit import allocating, kernel, part
+from ..linalg.profile_ldl import factorise_profile, substitute_profile
 from ..linalg.rank_revealing_lu import transposed_solution
 from .mass_matrix import mass_times
 from .system import FORCES, FREE, PRODUCT, System, Work
@@ -21,16 +21,17 @@ from .system import FORCES, FREE, PRODUCT, System, Work
 @part
 def fill_multipliers(system: System, work: Work, ud: np.ndarray, lam: np.ndarray) -> None:
     """Fill lam (m,) from the rates ud of the speeds, by the factors and forces at hand."""
-    rank, m = work.rank[0], lam.shape[0]
+    rank, (m, n) = work.rank[0], work.jacobian.shape
     forces, product, borne = work.vectors[FORCES], work.vectors[PRODUCT], work.vectors[FREE]
     mass_times(system, work, ud, product)
-    for i in range(rank):
-        k = work.order[m + i]
-        borne[i] = (product[k] - forces[k]) * system.speed_scale[k]
-    transposed_solution(work.factors, work.entries, rank, borne)
+    for k in range(n):
+        product[k] = (product[k] - forces[k]) * system.speed_scale[k]
     if m > rank:
-        _share(work, borne, lam)
+        _fill_least_norm(work, product, lam)
     else:
+        for i in range(rank):
+            borne[i] = product[work.order[m + i]]
+        transposed_solution(work.factors, work.entries, rank, borne)
         for i in range(rank):
             lam[work.order[i]] = borne[i]
     for row in range(m):
@@ -38,33 +39,81 @@ def fill_multipliers(system: System, work: Work, ud: np.ndarray, lam: np.ndarray
 
 
 @allocating
-def _share(work: Work, borne: np.ndarray, lam: np.ndarray) -> None:
-    """Distribute the multipliers of the independent rows over all rows, with least norm."""
-    rank, order, m = work.rank[0], work.order, lam.shape[0]
-    count = m - rank
-    C = np.empty((count, rank))
-    gram = np.empty((count, count))
-    share = np.zeros(count)
-    for d in range(count):
-        for i in range(rank):
-            C[d, i] = work.jacobian[order[rank + d], order[m + i]]
-        transposed_solution(work.factors, work.entries, rank, C[d])
-        for i in range(rank):
-            share[d] += C[d, i] * borne[i]
-        for e in range(d + 1):
-            gram[d, e] = 1.0 if d == e else 0.0
-            for i in range(rank):
-                gram[d, e] += C[d, i] * C[e, i]
-    cholesky(gram, count, 0.0)
-    cholesky_solve(gram, count, share)
-    for i in range(rank):
-        lam[order[i]] = borne[i]
-        for d in range(count):
-            lam[order[i]] -= C[d, i] * share[d]
-    for d in range(count):
-        lam[order[rank + d]] = 0.0
-        for i in range(rank):
-            lam[order[rank + d]] += C[d, i] * lam[order[i]]
+def _fill_least_norm(work: Work, constraint_forces: np.ndarray, lam: np.ndarray) -> None:
+    """Fill lam (m,) with the shortest λ for which Jᵀ λ are the constraint_forces (n,), all scaled."""
+    rank, (m, n) = work.rank[0], work.jacobian.shape
+    places, ends = np.full(n, -1, np.int64), np.zeros(rank, np.int64)
+    gram, y = np.empty((rank, rank)), np.empty(rank)
+    _number_in_order(work.order[m : m + rank], places)
+    _fill_gram(work, places, gram, ends)
+    factorise_profile(gram, ends)
+    for row in range(m):
+        lam[row] = 0.0
+    # The second pass refines: the condition number of the Gram matrix is the square of that of J.
+    for _ in range(2):
+        for k in range(n):
+            if places[k] >= 0:
+                y[places[k]] = constraint_forces[k]
+        _subtract_forces(work, places, lam, y)
+        substitute_profile(gram, ends, y)
+        _add_multipliers(work, places, y, lam)
+
+
+@kernel
+def _subtract_forces(work: Work, places: "np.ndarray", lam: np.ndarray, y: np.ndarray) -> None:
+    """Subtract J_dᵀ lam from y (rank,)."""
+    for row in range(lam.shape[0]):
+        for p in range(1, 1 + work.columns[row, 0]):
+            k = work.columns[row, p]
+            if places[k] >= 0:
+                y[places[k]] -= work.jacobian[row, k] * lam[row]
+
+
+@kernel
+def _add_multipliers(work: Work, places: "np.ndarray", y: np.ndarray, lam: np.ndarray) -> None:
+    """Add J_d y to lam (m,)."""
+    for row in range(lam.shape[0]):
+        for p in range(1, 1 + work.columns[row, 0]):
+            k = work.columns[row, p]
+            if places[k] >= 0:
+                lam[row] += work.jacobian[row, k] * y[places[k]]
+
+
+@kernel
+def _number_in_order(speeds: "np.ndarray", places: "np.ndarray") -> None:
+    """Fill places (n,) of -1 with the rank of each of `speeds` among them: neighbours stay neighbours."""
+    for k in speeds:
+        places[k] = 0
+    count = 0
+    for k in range(places.shape[0]):
+        if places[k] == 0:
+            places[k] = count
+            count += 1
+
+
+@kernel
+def _fill_gram(work: Work, places: "np.ndarray", gram: np.ndarray, ends: "np.ndarray") -> None:
+    """Fill gram with J_dᵀ J_d (rank, rank), each row from its diagonal to `ends` (rank,)."""
+    for row in range(work.jacobian.shape[0]):
+        last = -1
+        for p in range(1, 1 + work.columns[row, 0]):
+            last = max(last, places[work.columns[row, p]])
+        for p in range(1, 1 + work.columns[row, 0]):
+            i = places[work.columns[row, p]]
+            if i >= 0:
+                ends[i] = max(ends[i], last + 1)
+    for i in range(ends.shape[0]):
+        for j in range(i, ends[i]):
+            gram[i, j] = 0.0
+    for row in range(work.jacobian.shape[0]):
+        for p in range(1, 1 + work.columns[row, 0]):
+            k = work.columns[row, p]
+            i = places[k]
+            if i >= 0:
+                for other in range(1, 1 + work.columns[row, 0]):
+                    j = places[work.columns[row, other]]
+                    if j >= i:
+                        gram[i, j] += work.jacobian[row, k] * work.jacobian[row, work.columns[row, other]]
 
 
 @part

@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING, NamedTuple
 
 from .._jit import kernel
+from ..laws import POWER
 from .accelerations import accelerations
-from .elements import POWER
 from .forces import spring_energy
 from .mass_matrix import kinetic_energy, strain_energy, weight_energy
 from .multipliers import fill_multipliers, fill_wrenches

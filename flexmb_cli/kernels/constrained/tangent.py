@@ -7,11 +7,8 @@ gᵀ u, contributes k g gᵀ and c g gᵀ; what turns its force is left to the i
 from typing import TYPE_CHECKING
 
 from .._jit import kernel, part
-from ..linalg.rotation import dot
-from .body_vectors import RATE, VECTOR, Geometry, add_vector_row, geometry_of, move_vectors, vector
-from .constraint_primitives import add_primitive_row, primitive_rates
+from .body_vectors import geometry_of, move_vectors
 from .elements import ELEMENT, add_element_slope
-from .forces import LINE, NO_LENGTH, RELATIVE
 from .mass_matrix import constants_of, mass_times
 
 if TYPE_CHECKING:
@@ -43,15 +40,8 @@ def add_stiff(
     if system.loads.shape[0] > 0:
         move_vectors(geometry, x)
     for k in range(system.loads.shape[0]):
-        load = system.loads[k]
-        amount = by_position * load["stiffness"] + by_speed * load["damping"]
-        if load["kind"] == LINE:
-            _add_line(geometry, load["primitive"], amount, y)
-        elif load["kind"] == RELATIVE:
-            rate = primitive_rates(geometry, load["primitive"])[0]
-            add_primitive_row(geometry, load["primitive"], amount * rate, y)
-        elif load["kind"] >= ELEMENT:
-            add_element_slope(geometry, work, load, k, by_position, by_speed, y)
+        if system.loads[k]["kind"] >= ELEMENT:
+            add_element_slope(geometry, work, system.loads[k], k, by_position, by_speed, y)
 
 
 @part
@@ -65,13 +55,3 @@ def _add_flexible(
         if amount != 0.0:
             for i in range(N):
                 y[modal + i] += (by_position * K[j, i] + by_speed * D[j, i]) * amount
-
-
-@part
-def _add_line(geometry: Geometry, k: int, amount: float, y: "np.ndarray") -> None:
-    d, v = vector(geometry.relative_vectors[VECTOR, k], 0), vector(geometry.relative_vectors[RATE, k], 0)
-    square = dot(d, d)
-    if square > NO_LENGTH:
-        pull, ends = amount * dot(d, v) / square, geometry.primitives[k]["ends"]
-        add_vector_row(geometry, ends[0, 1], d, -pull, True, y)
-        add_vector_row(geometry, ends[0, 0], d, pull, True, y)

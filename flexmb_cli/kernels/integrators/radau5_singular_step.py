@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 from .._jit import allocating, kernel
 from ..constrained.angle_unwrapping import MOST_TURNED, expect_angles
-from ..constrained.elements import POWER
 from ..constrained.report import NOW, TRIED
 from ..constrained.system import SOLVED, System, Work
+from ..laws import POWER
 from .error_norm import tolerance
 from .radau5_error import work_scale
 from .radau5_projection import moved, project_state

@@ -66,7 +66,9 @@ class Implicit(NamedTuple):
     stiff: Stiff  # the matrix of an iteration
 
 
-def implicit_work(clock: np.ndarray, z: np.ndarray, speeds: int, closures: np.ndarray) -> Implicit:
+def implicit_work(
+    clock: np.ndarray, z: np.ndarray, speeds: int, closures: np.ndarray, elements: int
+) -> Implicit:
     """An integration of the state z for (R,) closures; the first step computes b."""
     n = z.size
     memory = np.zeros(1, MEMORY)
@@ -80,7 +82,7 @@ def implicit_work(clock: np.ndarray, z: np.ndarray, speeds: int, closures: np.nd
         *states,  # type: ignore[arg-type]
         np.zeros(speeds),
         np.zeros(speeds),
-        stiff_work(closures, speeds),
+        stiff_work(closures, speeds, elements),
     )
 
 

@@ -140,7 +140,7 @@ def _correct(tree: "TreeArrays", clock: np.void, h: float, slope: "np.ndarray", 
         slope[m] += s.change[m]
         total += (g * s.change[m] / tolerance(clock, 1.0, abs(s.trial[m]))) ** 2
         total += (g * g * s.change[m] / tolerance(clock, 1.0, abs(s.trial[speeds + m]))) ** 2
-    last = slope.shape[0] - 1
+    last = clock["counted"]
     for i in range(2 * speeds, slope.shape[0]):
         if i < last:
             total += (g * (s.rate[i] - slope[i]) / tolerance(clock, 1.0, abs(s.trial[i]))) ** 2
@@ -151,7 +151,7 @@ def _correct(tree: "TreeArrays", clock: np.void, h: float, slope: "np.ndarray", 
 @kernel
 def step_error(tree: "TreeArrays", clock: np.void, z: np.ndarray, h: float, s: "Implicit"):
     """Error of the step against the tolerance, what the matrix calls stiff taken out."""
-    speeds, last = s.change.shape[0], z.shape[0] - 1
+    speeds, last = s.change.shape[0], clock["counted"]
     for i in range(z.shape[0]):
         total = 0.0
         for j in range(STAGES):

@@ -41,9 +41,9 @@ class Integration(NamedTuple):
     units: np.ndarray  # (n,) a state's unit, of which the absolute tolerance is
 
 
-def new_integration(n: int) -> Integration:
-    """An integration at time 0 with an empty state."""
-    clock = new_clock(n - 1)
+def new_integration(n: int, works: int = 1) -> Integration:
+    """An integration at time 0 with an empty state of n numbers, the last of which are works."""
+    clock = new_clock(n - works)
     clock["fault"] = SOLVED
     states = [np.zeros(n) for _ in range(3)]
     return Integration(clock, *states, np.zeros((ASIDE + 1, n)), np.zeros((DENSE_TERMS, n)), np.ones(n))  # type: ignore[call-arg]
@@ -255,7 +255,7 @@ def _choose_first_step(
     coordinates: np.ndarray,
 ):
     """Choose the first step (Hairer et al., section II.4) from the first slope and a probe."""
-    clock, counted = integration.clock[0], integration.z.shape[0] - 1
+    clock, counted = integration.clock[0], integration.clock[0]["counted"]
     first = first_step(integration, integration.slopes[0])
     for i in range(integration.z.shape[0]):
         integration.trial[i] = integration.z[i] + first * integration.slopes[0, i]

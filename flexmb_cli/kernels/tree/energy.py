@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from .._jit import kernel
 from ..linalg.vec3 import cross, dot, inward, outward, plus, scaled, symmetric, symmetric_times, triple
+from .elements import element_energy
 from .kinematics import node_place, node_vector
 from .loads import axial_prestress, elastic_row_times
 
@@ -29,10 +30,7 @@ def energies(
             place, velocity = node_state(tree.nodal_masses[i], s, q, y)
             kinetic += 0.5 * tree.nodal_masses[i]["mass"] * dot(velocity, velocity)
             potential -= tree.nodal_masses[i]["mass"] * dot(g, place)
-    for i in range(tree.springs.shape[0]):
-        spring = tree.springs[i]
-        potential += 0.5 * spring["stiffness"] * (q[spring["coordinate"]] - spring["rest"]) ** 2
-    return kinetic, potential, _strain(tree, q)
+    return kinetic, potential + element_energy(tree), _strain(tree, q)
 
 
 @kernel
@@ -89,7 +87,7 @@ def applied_power(
     q: "np.ndarray",
     y: "np.ndarray",
 ) -> float:
-    """Power of external forces and torques, motors, dampers, stiffening and prescribed motion, W."""
+    """Power of external forces and torques, damping, stiffening and prescribed motion, W."""
     power = 0.0
     for k in range(1, tree.frames.shape[0]):
         frame, s = tree.frames[k], work[k]
@@ -102,11 +100,7 @@ def applied_power(
                 power += dot(force, velocity)
     for i in range(tree.functions.shape[0]):
         function = tree.functions[i]
-        rate = (
-            y[function["coordinate"]]
-            if function["frame"] == 0
-            else work[function["frame"]]["angular"][function["axis"]]
-        )
+        rate = work[function["frame"]]["angular"][function["axis"]]
         power += (function["c0"] + function["c1"] * t) * rate
     for m in range(coordinates.shape[0]):
         if tree.given[m]:
@@ -116,10 +110,8 @@ def applied_power(
 
 @kernel
 def _dissipated(tree: "TreeArrays", y: "np.ndarray") -> float:
-    """Power that dampers take."""
+    """Power that the damping of elastic bodies takes."""
     total = 0.0
-    for i in range(tree.springs.shape[0]):
-        total += tree.springs[i]["damping"] * y[tree.springs[i]["coordinate"]] ** 2
     for b in range(tree.elastic_bodies.shape[0]):
         body = tree.elastic_bodies[b]
         if body["damping"] >= 0:

@@ -1,6 +1,6 @@
 """The stiff part of a tree's equations, b y' = ... - D y - K q, and linear systems with b + f D + f² K.
 
-K and D hold elastic bodies, their stiffening and hinge springs; what else depends on the coordinates
+K and D hold elastic bodies, their stiffening and elements; what else depends on the coordinates
 is soft, and an implicit step may leave it out of its matrix.  All matrices are stored by profiles
 (`profile_elimination`): rows of K end where `tree.reach` says, those of b at what moves along, so
 that for slender bodies factors and products cost as much as there are nodes.
@@ -13,10 +13,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .._jit import kernel
+from ..linalg.copying import copy
 from ..linalg.profile_ldl import factorise_profile, set_profile_times, substitute_profile
 from ..linalg.row_products import product, subtract_multiple
 from ..linalg.vec3 import cross, minus, scaled, triple
 from .composite_mass import add_generalised_forces, set_mass
+from .element_rows import set_element_rows
 from .loads import axial_prestress
 from .loop_closures import eliminate_rows, solve_rows
 
@@ -38,9 +40,11 @@ class Stiff(NamedTuple):
     jacobian: np.ndarray  # (R, NS) J
     inverse_jacobian: np.ndarray  # (R, NS) rows of (b + f D + f² K)^-1 Jᵀ
     schur: np.ndarray  # (R, R) J times these
+    element_rows: np.ndarray  # (E + m, NS) what coordinates feel of a unit effort, 1, m
+    element_slopes: np.ndarray  # (E + m, 2) -dF/dx and -dF/dv, N/m, N s/m, or of torques and turns
 
 
-def stiff_work(closures: np.ndarray, speeds: int) -> Stiff:
+def stiff_work(closures: np.ndarray, speeds: int, elements: int) -> Stiff:
     """Return blank work space for `speeds` coordinates and closures (R,)."""
     rows = closures.size
     return Stiff(  # type: ignore[call-arg]
@@ -51,6 +55,8 @@ def stiff_work(closures: np.ndarray, speeds: int) -> Stiff:
         np.zeros((rows, speeds)),
         np.zeros((rows, speeds)),
         np.zeros((rows, rows)),
+        np.zeros((elements, speeds)),
+        np.zeros((elements, 2)),
     )
 
 
@@ -61,6 +67,35 @@ def renew(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.n
     _set_ends(s.mass, s.mass_ends)
     _set_stiffness(tree, work, s.stiff, s.stiff_ends)
     set_jacobian(tree, work, coordinates, s)
+    set_element_rows(tree, work, coordinates, z, s.element_rows, s.element_slopes)
+    _add_element_stiffness(s)
+
+
+@kernel
+def _add_element_stiffness(s: Stiff) -> None:
+    """K += k g gᵀ of every element, whose row of K ends at the last coordinate that feels it."""
+    n = s.stiff.shape[0]
+    for e in range(s.element_rows.shape[0]):
+        row, end = s.element_rows[e], n
+        while end > 0 and row[end - 1] == 0.0:
+            end -= 1
+        for i in range(end):
+            if row[i] != 0.0:
+                s.stiff_ends[i] = max(s.stiff_ends[i], end)
+                for j in range(i, end):
+                    s.stiff[i, j] += s.element_slopes[e, 0] * row[i] * row[j]
+
+
+@kernel
+def _add_element_damping(tree: "TreeArrays", factor: float, s: Stiff) -> None:
+    """Matrix += factor d g gᵀ of every element."""
+    for e in range(s.element_rows.shape[0]):
+        row = s.element_rows[e]
+        for i in range(row.shape[0]):
+            if row[i] != 0.0:
+                for j in range(i, s.stiff_ends[i]):
+                    if not (tree.one_way and tree.elastic[i] != tree.elastic[j]):
+                        s.matrix[i, j] += factor * s.element_slopes[e, 1] * row[i] * row[j]
 
 
 @kernel
@@ -69,6 +104,8 @@ def set_jacobian(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, 
     for i in range(s.rows.shape[0]):
         s.rows[i] = tree.closures[i]
         s.jacobian[i].fill(0.0)
+        if s.rows[i]["coupling"] >= 0:
+            copy(tree.couplings[s.rows[i]["coupling"]], s.jacobian[i])
         row, direction = s.rows[i], triple(s.rows[i]["direction"], 0)
         _add_force_row(tree, work, coordinates, row, row["frame_a"], direction, s.jacobian[i])
         _add_force_row(tree, work, coordinates, row, row["frame_b"], scaled(-1.0, direction), s.jacobian[i])
@@ -113,6 +150,7 @@ def factorise(tree: "TreeArrays", f: float, s: Stiff) -> bool:
             if tree.one_way and tree.elastic[i] != tree.elastic[j]:
                 A[i, j] = 0.0
     _add_damping(tree, f, A)
+    _add_element_damping(tree, f, s)
     if not factorise_profile(A, s.matrix_ends):
         return False
     factor_schur_complement(s)
@@ -201,10 +239,6 @@ def _set_stiffness(tree: "TreeArrays", work: np.ndarray, K: np.ndarray, ends: np
             start = body["stiffening"]
             _add_block(turning, tree.stiffening, start, body, tree.reach, K)
             _add_block(weight, tree.stiffening, start + body["count"] ** 2, body, tree.reach, K)
-    for i in range(tree.springs.shape[0]):
-        m = tree.springs[i]["coordinate"]
-        if not tree.given[m]:
-            K[m, m] += tree.springs[i]["stiffness"]
 
 
 @kernel
@@ -214,10 +248,6 @@ def _add_damping(tree: "TreeArrays", factor: float, A: np.ndarray) -> None:
         body = tree.elastic_bodies[b]
         if body["damping"] >= 0:
             _add_block(factor, tree.damping, body["damping"], body, tree.reach, A)
-    for i in range(tree.springs.shape[0]):
-        m = tree.springs[i]["coordinate"]
-        if not tree.given[m]:
-            A[m, m] += factor * tree.springs[i]["damping"]
 
 
 @kernel

@@ -5,8 +5,9 @@ velocities, (2.35)-(2.38), are not stored: the recursion carries vectors from fr
 is never formed: eliminating the coordinates from the tips to the root is the factorization of b in the order
 of the tree (Featherstone's articulated bodies).  A coordinate is either free, and its acceleration follows,
 or locked: its acceleration is given, and the effort that enforces it follows.  All locked is inverse
-dynamics.  The one-way motion of thesis 4.3 is two solutions: the rigid coordinates with the elastic ones
-locked at rest, then the elastic ones with the rigid ones locked.
+dynamics.  Forces of loops, couplings and friction follow from a solution without them, and take a second.
+The one-way motion of thesis 4.3 solves for the rigid coordinates with the elastic ones locked at rest, then
+for the elastic ones with the rigid ones locked.
 """
 
 from typing import TYPE_CHECKING
@@ -23,10 +24,13 @@ from ..linalg.vec3 import (
     triple,
 )
 from .articulated_inertia import couple_rotation, couple_translation, hand_over, subtract_outer
+from .elements import add_element_wrenches, answer_elements
+from .friction import add_friction_efforts, answer_frictions, find_normal_forces
+from .hinge_forces import set_reactions
 from .inertia import own_inertia
 from .kinematics import node_place, place_frames
 from .loads import add_body_torques, coordinate_efforts
-from .loop_closures import add_closure_forces, clear_loop_forces, find_loop_forces
+from .loop_closures import add_closure_forces, add_coupling_efforts, clear_loop_forces, find_loop_forces
 from .node_frames import absorb_node_frames, release_node_frames
 
 if TYPE_CHECKING:
@@ -36,6 +40,11 @@ if TYPE_CHECKING:
 
 
 SOLVED = -1
+OPEN, CLOSED, ELASTIC = (
+    0,
+    1,
+    2,
+)  # solutions: without forces of loops and friction, with them, of one-way motion
 
 # A pivot below this part of the body's own inertia is round-off: nothing moves with the coordinate.
 SMALLEST_HINGE_INERTIA = 1e-13
@@ -56,14 +65,16 @@ def accelerations(
     q, y (NS,), attitudes (balls, 4).  The rate of a "held" coordinate is input.
     """
     clear_loop_forces(tree.closures)
-    # One call of the solution only: a second would be compiled a second time.
-    for turn in range(2):
+    # One call of the solution only: another would be compiled another time.
+    for turn in (OPEN, CLOSED, ELASTIC):
         if not _prepare_turn(tree, work, coordinates, turn):
-            break
+            continue
         # Each time: accelerations of locked coordinates have joined the remainders of the hinges.
         place_frames(tree, work, coordinates, q, y, attitudes)
-        if turn == 0:
-            coordinate_efforts(tree, work, t, q, y, coordinates)
+        if turn == OPEN:
+            coordinate_efforts(tree, work, q, y, coordinates)
+            answer_elements(tree, work, t, q, y, coordinates)
+            answer_frictions(tree, y)
         fault = solve_tree(tree, work, coordinates, t, q, y)
         if fault != SOLVED:
             return fault
@@ -72,19 +83,35 @@ def accelerations(
 
 @part
 def _prepare_turn(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", turn: int) -> bool:
-    """Lock and load the tree for the first or second solution; False when no second one is needed."""
-    if turn == 1 and not tree.one_way:
-        if tree.closures.shape[0] > 0:
-            find_loop_forces(tree, work, coordinates)
-        return tree.closures.shape[0] > 0
+    """Lock and load the tree for a solution; False when it is not needed."""
+    if turn == CLOSED:
+        return _find_internal_forces(tree, work, coordinates)
+    if turn == ELASTIC:
+        if not tree.one_way:
+            return False
+        set_reactions(tree, work)
     for m in range(coordinates.shape[0]):
         c = coordinates[m]
         c["locked"] = c["held"]
         if tree.one_way:
-            c["locked"] = (c["held"] != 0 or tree.elastic[m]) if turn == 0 else not tree.elastic[m]
-            if turn == 0 and tree.elastic[m]:
+            c["locked"] = (c["held"] != 0 or tree.elastic[m]) if turn == OPEN else not tree.elastic[m]
+            if turn == OPEN and tree.elastic[m]:
                 c["rate"] = 0.0
     return True
+
+
+@part
+def _find_internal_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray") -> bool:
+    """Find the forces of loops, couplings and friction; return whether there are any."""
+    rows, frictions = tree.closures.shape[0], tree.frictions.shape[0]
+    if rows > 0:
+        find_loop_forces(tree, work, coordinates)
+    if frictions > 0:
+        find_normal_forces(tree, work, coordinates)
+        add_friction_efforts(tree, coordinates)
+    if rows > 0:
+        add_coupling_efforts(tree, coordinates)
+    return rows + frictions > 0
 
 
 @part
@@ -104,7 +131,8 @@ def solve_tree(
     for k in range(1, frames.shape[0]):
         own_inertia(frames[k], work[k], tree.nodal_masses, tree.gravity, coordinates, q, y)
     add_body_torques(tree, t, work)
-    add_closure_forces(tree.closures, work)
+    add_closure_forces(tree, work, q, y)
+    add_element_wrenches(tree, work)
     for k in range(frames.shape[0] - 1, 0, -1):
         if frames[k]["flexible_parent"] >= 0:
             absorb_node_frames(

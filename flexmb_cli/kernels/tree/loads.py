@@ -1,4 +1,4 @@
-"""Forces along the coordinates: elastic bodies, springs and dampers, motors; prescribed motion.
+"""Forces of elastic bodies along the coordinates, torques on bodies, prescribed motion.
 
 DAFMS thesis (1992), generalised active forces, eqs. (3.8)-(3.13).
 Geometric stiffening acts on the elastic coordinates only; its reaction on the body is of second
@@ -10,6 +10,7 @@ order in the displacements and left out, as is axial prestress by the accelerati
 from typing import TYPE_CHECKING
 
 from .._jit import part
+from ..constrained.time_functions import function_values
 from ..linalg.row_products import product
 from ..linalg.vec3 import dot, outward, triple
 
@@ -23,12 +24,11 @@ if TYPE_CHECKING:
 def coordinate_efforts(
     tree: "TreeArrays",
     work: "np.ndarray",
-    t: float,
     q: "np.ndarray",
     y: "np.ndarray",
     coordinates: "np.ndarray",
 ) -> None:
-    """Set the effort along each coordinate, frames being placed: -K u - D u', springs, dampers, motors."""
+    """Set the effort of elastic bodies along each coordinate, frames being placed: -K u - D u'."""
     for m in range(coordinates.shape[0]):
         coordinates[m]["effort"] = 0.0
     for b in range(tree.elastic_bodies.shape[0]):
@@ -43,14 +43,6 @@ def coordinate_efforts(
             _subtract_product(
                 weight, tree.stiffening, start + body["count"] ** 2, body, tree.reach, q, coordinates
             )
-    for i in range(tree.springs.shape[0]):
-        s = tree.springs[i]
-        m = s["coordinate"]
-        coordinates[m]["effort"] -= s["stiffness"] * (q[m] - s["rest"]) + s["damping"] * y[m]
-    for i in range(tree.functions.shape[0]):
-        function = tree.functions[i]
-        if function["coordinate"] >= 0:
-            coordinates[function["coordinate"]]["effort"] += function["c0"] + function["c1"] * t
 
 
 @part
@@ -92,13 +84,18 @@ def elastic_row_times(
 def set_prescribed(
     tree: "TreeArrays", t: float, q: "np.ndarray", y: "np.ndarray", coordinates: "np.ndarray"
 ) -> None:
-    """Put the prescribed coordinates C + B t + A t²/2, their speeds and accelerations in place."""
+    """Put the prescribed coordinates C + B t + A t²/2, with their functions, and their rates in place."""
     for i in range(tree.prescribed.shape[0]):
         p = tree.prescribed[i]
         m = p["coordinate"]
         q[m] = p["C"] + t * (p["B"] + 0.5 * p["A"] * t)
         y[m] = p["B"] + p["A"] * t
         coordinates[m]["rate"] = p["A"]
+        if p["function"] >= 0:
+            value, rate, second = function_values(tree.curves, tree.knots, p["function"], min(t, p["until"]))
+            q[m] += value
+            y[m] += rate
+            coordinates[m]["rate"] += second
 
 
 @part
@@ -106,5 +103,4 @@ def add_body_torques(tree: "TreeArrays", t: float, work: "np.ndarray") -> None:
     """Take the torque functions on bodies off p_n of their frames."""
     for i in range(tree.functions.shape[0]):
         function = tree.functions[i]
-        if function["frame"] > 0:
-            work[function["frame"]]["bias"][function["axis"]] -= function["c0"] + function["c1"] * t
+        work[function["frame"]]["bias"][function["axis"]] -= function["c0"] + function["c1"] * t

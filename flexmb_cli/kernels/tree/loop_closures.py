@@ -1,7 +1,8 @@
-"""Closed loops of a tree: gaps of the closures, their rates, and the forces that keep them closed.
+"""Closed loops and couplings of a tree: gaps of their rows, rates, and the forces that keep them at zero.
 
 A closure keeps p_a - p_b at zero along axes of body b.  Where point a may move along a free direction
-of b, its velocity is compared with that of the point of body b just there.
+of b, its velocity is compared with that of the point of body b just there.  A coupling keeps c . q at its
+value; its force acts as the efforts c along the coordinates.
 
 DAFMS thesis (1992), section 3.4, reduces the equations to independent speeds, y = A y_i + B, which
 makes the closure forces drop out since J A = 0 (3.17-3.25).  Here the same equations are solved for
@@ -14,6 +15,7 @@ with diagonal pivots: rows that repeat others leave none and get no force.
 from typing import TYPE_CHECKING
 
 from .._jit import kernel
+from ..linalg.row_products import product
 from ..linalg.vec3 import (
     accumulate,
     centripetal,
@@ -47,10 +49,14 @@ def clear_loop_forces(closures: "np.ndarray") -> None:
 
 
 @kernel
-def evaluate_closures(closures: "np.ndarray", work: "np.ndarray") -> None:
+def evaluate_rows(tree: "TreeArrays", work: "np.ndarray", q: "np.ndarray", y: "np.ndarray") -> None:
     """Set direction, place, gap and rate of every row for placed frames."""
-    for i in range(closures.shape[0]):
-        row = closures[i]
+    for i in range(tree.closures.shape[0]):
+        row = tree.closures[i]
+        if row["coupling"] >= 0:
+            factors = tree.couplings[row["coupling"]]
+            row["gap"], row["rate"] = product(factors, q) - row["value"], product(factors, y)
+            continue
         a, b = work[row["frame_a"]], work[row["frame_b"]]
         direction = column(b["axes"], row["axis"])
         place = plus(triple(a["position"], 0), outward(a["axes"], triple(row["point_a"], 0)))
@@ -85,9 +91,13 @@ def _carried(
 
 
 @kernel
-def _gap_acceleration(row: "np.void", a: "np.void", b: "np.void") -> float:
+def _gap_acceleration(
+    tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", row: "np.void"
+) -> float:
     """Second derivative of the gap at the present accelerations."""
-    place = triple(row["place"], 0)
+    if row["coupling"] >= 0:
+        return _coupled(tree.couplings[row["coupling"]], coordinates["rate"])
+    a, b, place = work[row["frame_a"]], work[row["frame_b"]], triple(row["place"], 0)
     wa, wb = triple(a["angular"], 0), triple(b["angular"], 0)
     of_a = plus(
         _carried(a, a["acceleration"], place), centripetal(wa, minus(place, triple(a["position"], 0)))
@@ -100,13 +110,33 @@ def _gap_acceleration(row: "np.void", a: "np.void", b: "np.void") -> float:
 
 
 @kernel
-def add_closure_forces(closures: "np.ndarray", work: "np.ndarray") -> None:
-    """Subtract the constraint forces from the bias of the two frames of each row."""
-    if closures.shape[0] == 0:
+def _gap_response(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", row: "np.void") -> float:
+    """Second derivative of the gap by the unit forces alone."""
+    if row["coupling"] >= 0:
+        return _coupled(tree.couplings[row["coupling"]], coordinates["response"])
+    a, b, place = work[row["frame_a"]], work[row["frame_b"]], triple(row["place"], 0)
+    apart = minus(_carried(a, a["response"], place), _carried(b, b["response"], place))
+    return dot(triple(row["direction"], 0), apart)
+
+
+@kernel
+def _coupled(factors: "np.ndarray", values: "np.ndarray") -> float:
+    total = 0.0
+    for m in range(factors.shape[0]):
+        total += factors[m] * values[m]
+    return total
+
+
+@kernel
+def add_closure_forces(tree: "TreeArrays", work: "np.ndarray", q: "np.ndarray", y: "np.ndarray") -> None:
+    """Subtract the constraint forces from the bias of the two frames of each closure."""
+    if tree.closures.shape[0] == 0:
         return
-    evaluate_closures(closures, work)
-    for i in range(closures.shape[0]):
-        row = closures[i]
+    evaluate_rows(tree, work, q, y)
+    for i in range(tree.closures.shape[0]):
+        row = tree.closures[i]
+        if row["coupling"] >= 0:
+            continue
         force = scaled(row["force"], triple(row["direction"], 0))
         place = triple(row["place"], 0)
         _load(work[row["frame_a"]], place, force)
@@ -122,22 +152,43 @@ def _load(s: "np.void", place: tuple[float, float, float], force: tuple[float, f
 
 
 @kernel
+def add_coupling_efforts(tree: "TreeArrays", coordinates: "np.ndarray") -> None:
+    """Add the efforts of couplings along the coordinates."""
+    for i in range(tree.closures.shape[0]):
+        row = tree.closures[i]
+        if row["coupling"] >= 0:
+            for m in range(coordinates.shape[0]):
+                coordinates[m]["effort"] += row["force"] * tree.couplings[row["coupling"], m]
+
+
+@kernel
 def find_loop_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray") -> None:
-    """Set the forces that take the closures' accelerations away, from the solution with open loops."""
+    """Set the forces that take the gaps' accelerations away, from the solution with open loops."""
     closures = tree.closures
     _set_response_matrix(tree, work, coordinates)
     for i in range(closures.shape[0]):
-        row = closures[i]
-        row["force"] = -_gap_acceleration(row, work[row["frame_a"]], work[row["frame_b"]])
+        closures[i]["force"] = -_gap_acceleration(tree, work, coordinates, closures[i])
     solve_rows(closures, tree.closure_matrix)
 
 
 @kernel
-def apply_row_forces(closures: "np.ndarray", work: "np.ndarray") -> None:
-    """Push with the forces of all rows."""
-    clear_unit_forces(work)
+def find_loop_responses(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray") -> None:
+    """Set the forces that take the gaps' responses away, from those of the tree with open loops."""
+    closures = tree.closures
     for i in range(closures.shape[0]):
-        row = closures[i]
+        closures[i]["force"] = -_gap_response(tree, work, coordinates, closures[i])
+    solve_rows(closures, tree.closure_matrix)
+
+
+@kernel
+def add_row_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray") -> None:
+    """Add the forces of all rows to the unit forces."""
+    for i in range(tree.closures.shape[0]):
+        row = tree.closures[i]
+        if row["coupling"] >= 0:
+            for m in range(coordinates.shape[0]):
+                coordinates[m]["unit_effort"] += row["force"] * tree.couplings[row["coupling"], m]
+            continue
         force = scaled(row["force"], triple(row["direction"], 0))
         unit_force(work[row["frame_a"]], triple(row["place"], 0), force)
         unit_force(work[row["frame_b"]], triple(row["place"], 0), scaled(-1.0, force))
@@ -149,15 +200,12 @@ def _set_response_matrix(tree: "TreeArrays", work: "np.ndarray", coordinates: "n
     closures, matrix = tree.closures, tree.closure_matrix
     for j in range(closures.shape[0]):
         closures[j]["force"] = 1.0
-        apply_row_forces(closures, work)
+        clear_unit_forces(work, coordinates)
+        add_row_forces(tree, work, coordinates)
         closures[j]["force"] = 0.0
         respond(tree, work, coordinates)
         for i in range(closures.shape[0]):
-            row = closures[i]
-            a, b = work[row["frame_a"]], work[row["frame_b"]]
-            place = triple(row["place"], 0)
-            apart = minus(_carried(a, a["response"], place), _carried(b, b["response"], place))
-            matrix[i, j] = dot(triple(row["direction"], 0), apart)
+            matrix[i, j] = _gap_response(tree, work, coordinates, closures[i])
     eliminate_rows(closures, matrix)
 
 

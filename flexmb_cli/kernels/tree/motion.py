@@ -1,14 +1,17 @@
 """The motion of a tree as a first-order system z' = f(t, z): DAFMS thesis (1992), eqs. (2.23) and (3.16).
 
-z holds the NS speeds, the NS coordinates, four Euler parameters for each hinge with three rotations,
-and last the work that has been applied, whose error does not count.
+z holds the NS speeds, the NS coordinates, four Euler parameters for each hinge with three rotations, the
+works of E elements, and last the work that has been applied; errors of works do not count.
 """
 
+import math
 from typing import TYPE_CHECKING
 
 from .._jit import allocating, kernel, plain
+from ..laws import COORDINATE
 from ..linalg.blocks import block
 from ..linalg.vec3 import cross, plus, scaled, store, triple
+from .elements import element_powers
 from .energy import applied_power
 from .kane import SOLVED, accelerations
 from .kinematics import attitude_rates
@@ -24,8 +27,7 @@ if TYPE_CHECKING:
 def parts(tree: "TreeArrays", z: "np.ndarray") -> "tuple[np.ndarray, np.ndarray, np.ndarray]":
     """Views of z: speeds, coordinates, Euler parameters (balls, 4)."""
     n = tree.given.shape[0]
-    balls = (z.shape[0] - 2 * n) // 4
-    return z[:n], z[n : 2 * n], block(z, 2 * n, (balls, 4))
+    return z[:n], z[n : 2 * n], block(z, 2 * n, (tree.balls, 4))
 
 
 @kernel
@@ -37,7 +39,16 @@ def derivative(
     z: "np.ndarray",
     dz: "np.ndarray",
 ) -> int:
-    """Fill dz; puts prescribed coordinates in their place in z.  Returns as `accelerations`."""
+    """Fill dz, not numbers where an element has no force; puts prescribed coordinates in their place in z.
+
+    Returns as `accelerations`.
+    """
+    # A trial state after one where an element has no force.
+    if tree.answers.shape[0] > 0 and not _is_finite(z):
+        dz.fill(math.nan)
+        for i in range(tree.answers.shape[0]):
+            tree.answers[i, COORDINATE] = math.nan
+        return SOLVED
     y, q, attitudes = parts(tree, z)
     yd, qd, rates = parts(tree, dz)
     set_prescribed(tree, t, q, y, coordinates)
@@ -48,7 +59,9 @@ def derivative(
         yd[m] = coordinates[m]["rate"]
         qd[m] = y[m]
     turn_attitudes(tree, y, attitudes, rates)
-    dz[dz.shape[0] - 1] = applied_power(tree, work, coordinates, t, q, y)
+    last = dz.shape[0] - 1
+    powers = element_powers(tree, last - tree.answers.shape[0], dz)
+    dz[last] = powers + applied_power(tree, work, coordinates, t, q, y)
     return SOLVED
 
 
@@ -66,7 +79,7 @@ def derivative_in_body_axes(
     In these axes errors of the attitude do not change the kinetic energy: they do not act on the speeds of a
     body that turns freely (Euler's equations), whose steps then err a thousandth as much.
     """
-    if not tree.given.shape[0] * 2 + 1 < z.shape[0]:
+    if tree.balls == 0:
         return derivative(tree, work, coordinates, t, z, dz)
     speeds = z[: tree.given.shape[0]].copy()
     turn_speeds(tree, coordinates, z, 1.0, z)
@@ -100,6 +113,14 @@ def turn_speeds(
         turn = plus(scaled(sense * attitudes[ball, 0], across), cross(e, across))
         square = attitudes[ball, 0] ** 2 + e[0] ** 2 + e[1] ** 2 + e[2] ** 2
         store(plus(v, scaled(2.0 / square, turn)), values, first)
+
+
+@kernel
+def _is_finite(z: "np.ndarray") -> bool:
+    total = 0.0
+    for i in range(z.shape[0]):
+        total += 0.0 * z[i]
+    return total == 0.0
 
 
 @kernel

@@ -11,9 +11,9 @@ import numpy as np
 
 from .._jit import allocating, kernel
 from .kinematics import attitude_rates, place_frames
-from .loop_closures import apply_row_forces, evaluate_closures, solve_rows
+from .loop_closures import add_row_forces, evaluate_rows, solve_rows
 from .motion import normalise_attitudes, parts
-from .unit_forces import respond, respond_nodes
+from .unit_forces import clear_unit_forces, respond, respond_nodes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -85,7 +85,7 @@ def evaluate_gaps(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray,
     """Place the frames and measure the closures at the state z."""
     y, q, attitudes = parts(tree, z)
     place_frames(tree, work, coordinates, q, y, attitudes)
-    evaluate_closures(tree.closures, work)
+    evaluate_rows(tree, work, q, y)
 
 
 @kernel
@@ -93,7 +93,8 @@ def respond_to_rows(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarra
     """Responses of all coordinates to forces that take away what the rows hold as forces."""
     _y, q, _attitudes = parts(tree, z)
     solve_rows(tree.closures, tree.closure_matrix)
-    apply_row_forces(tree.closures, work)
+    clear_unit_forces(work, coordinates)
+    add_row_forces(tree, work, coordinates)
     respond(tree, work, coordinates)
     respond_nodes(tree, work, coordinates, q)
 

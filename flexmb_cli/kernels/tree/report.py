@@ -7,6 +7,7 @@ import numpy as np
 from .._jit import kernel
 from ..linalg.copying import copy
 from .energy import energies
+from .hinge_forces import set_reactions
 from .motion import parts
 from .projection import largest_gap, largest_rate
 
@@ -23,6 +24,9 @@ class Report(NamedTuple):
     rates: np.ndarray  # (T, NS) y', m/s² or rad/s²
     closures: np.ndarray  # (T, R) CLOSURE_ROW records
     audit: np.ndarray  # (T, 5) kinetic, potential, strain energy, J, largest gap, m, its rate, m/s
+    answers: np.ndarray  # (T, E, 8) of the elements, SI units
+    drives: np.ndarray  # (T, prescribed) efforts along prescribed coordinates, N or N m
+    reactions: np.ndarray  # (T, F, 6) force of its hinge on every frame, N, and moment about its origin, N m
 
 
 @kernel
@@ -37,6 +41,14 @@ def observe(
         report.rates[row, m] = coordinates[m]["rate"]
     for j in range(tree.closures.shape[0]):
         report.closures[row, j] = tree.closures[j]
+    for i in range(tree.answers.shape[0]):
+        copy(tree.answers[i], report.answers[row, i])
+    for i in range(tree.prescribed.shape[0]):
+        report.drives[row, i] = coordinates[tree.prescribed[i]["coordinate"]]["drive"]
+    if not tree.one_way:
+        set_reactions(tree, work)
+    for k in range(tree.reactions.shape[0]):
+        copy(tree.reactions[k], report.reactions[row, k])
     y, q, _attitudes = parts(tree, z)
     audit = report.audit[row]
     audit[0], audit[1], audit[2] = energies(tree, work, q, y)

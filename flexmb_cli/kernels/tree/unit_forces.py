@@ -1,4 +1,4 @@
-"""Response of a tree to forces on frames alone: the accelerations b^-1 Jᵀ, without velocities or loads.
+"""Response of a tree to forces on frames and efforts along hinge coordinates alone: b^-1 Jᵀ, without loads.
 
 Uses the inertias, couplings and pivots that the last solution of the tree left behind, so that a
 force costs a fraction of a solution.
@@ -18,8 +18,10 @@ if TYPE_CHECKING:
 
 
 @part
-def clear_unit_forces(work: "np.ndarray") -> None:
-    """Set the unit forces on all frames to zero."""
+def clear_unit_forces(work: "np.ndarray", coordinates: "np.ndarray") -> None:
+    """Set the unit forces on all frames, and the unit efforts along all coordinates, to zero."""
+    for m in range(coordinates.shape[0]):
+        coordinates[m]["unit_effort"] = 0.0
     for k in range(work.shape[0]):
         for i in range(6):
             work[k]["unit_force"][i] = 0.0
@@ -67,7 +69,7 @@ def _yield_to(forces: "np.ndarray", c: "np.void", part: int) -> None:
     """Take out of the unit forces what a free coordinate does not transmit."""
     if c["locked"] != 0:
         return
-    c["response"] = -dot(triple(c["direction"], 0), triple(forces, part))
+    c["response"] = c["unit_effort"] - dot(triple(c["direction"], 0), triple(forces, part))
     gain = c["response"] / c["pivot"]
     for i in range(6):
         forces[i] += gain * c["coupling"][i]

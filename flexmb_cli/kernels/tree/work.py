@@ -42,6 +42,7 @@ COORDINATE_WORK = np.dtype(
         ("direction", np.float64, 3),  # axis of a hinge coordinate, unit vector
         ("coupling", np.float64, 6),  # inertia times direction, kg m², kg m or kg
         ("pivot", np.float64),  # inertia along it while all that hangs on it is free, kg or kg m²
+        ("unit_effort", np.float64),  # effort along it among the unit forces, N or N m
         ("drive", np.float64),  # effort less the bias force, N or N m; in the end what locks a locked one
         ("response", np.float64),  # acceleration by the unit forces alone, m/s² or rad/s²
     ]

@@ -13,8 +13,10 @@ from ...quick_dataclass import dataclass, replace
 from ..joints import NORMALISATION
 from ..loads import AppliedForce, AppliedTorque, DynamicModel
 from .constraint_table import PrimitiveTable
+from .element_table import line_load
 from .kinematic import KinematicArrays, kinematic_arrays
-from .records import FLEXIBLE, FORCE, GROUP, LINE, LOAD, MASS, NONE, TORQUE, blank_load, line_primitive
+from .laws import NONE, fill_spring
+from .records import FLEXIBLE, FORCE, GROUP, LOAD, MASS, TORQUE, blank_load
 from .system import SystemArrays
 from .young_elements import without_driven, young_elements
 
@@ -139,10 +141,7 @@ def _loads(table: PrimitiveTable, model: DynamicModel) -> list[np.ndarray]:
     records = [_load(table, FORCE, force, force.force, force.point) for force in model.forces]
     records += [_load(table, TORQUE, torque, torque.torque, (0.0, 0.0, 0.0)) for torque in model.torques]
     for spring in model.springs:
-        record = blank_load(LINE)
-        head, tail = table.body_vector(spring.j, spring.P_j), table.body_vector(spring.i, spring.P_i)
-        record["primitive"] = table.spring(line_primitive(head, tail))
-        for field in ("stiffness", "free_length", "damping"):
-            record[field] = getattr(spring, field)
-        records.append(record)
+        ends = table.body_vector(spring.j, spring.P_j), table.body_vector(spring.i, spring.P_i)
+        law = spring.stiffness, spring.free_length, spring.damping
+        records.append(fill_spring(line_load(table, *ends), *law))
     return records

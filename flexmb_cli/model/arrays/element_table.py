@@ -13,15 +13,16 @@ from ...quick_dataclass import dataclass
 from ..flexible_mechanism import NodePoint, PointJoint
 from ..joint_elements import COORDINATES_OF, JointElements, is_angle
 from ..joints import ANGLE, BY_NAME, PITCH, STROKE
-from ..time_functions import integral_of
 from .constraint_table import PrimitiveTable
+from .laws import fill_friction, fill_law, fill_spring
 from .node_joints import JointVectors
-from .records import CABLE, ELEMENT, FRICTION, RELATIVE, SPRING, STOP, blank_load, line_primitive
+from .records import ELEMENT, FRICTION, blank_load, line_primitive
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from ..joint_elements import Bushing, EndStop, JointFriction, JointMotor, JointSpring, LineSpring
+    from ..joint_elements import Bushing, JointFriction, JointMotor, JointSpring, LineSpring
+    from ..laws import JointLaw
 
 
 @dataclass(frozen=True)
@@ -108,6 +109,13 @@ def coordinates_of_joints(joints: Sequence[Any]) -> list[JointCoordinateName]:
     ]
 
 
+def line_load(table: PrimitiveTable, head: int, tail: int) -> Any:
+    """Return the load in the length of the line from one body vector to another."""
+    record = blank_load(ELEMENT)
+    record["in_line"], record["primitive"] = 1, table.spring(line_primitive(head, tail))
+    return record
+
+
 class ElementTable:
     """Fills a table of primitives with elements, equations first."""
 
@@ -150,30 +158,23 @@ class ElementTable:
 
     def loads(self) -> list[np.ndarray]:
         """Springs, stops, bushings, joint coordinates, motors, friction; equations must have been added."""
-        found = [self._spring(item) for item in self.elements.springs]
+        found = [self._in_joint(item) for item in self.elements.springs]
         found += [self._line(item) for item in self.elements.lines]
-        found += [self._stop(item) for item in self.elements.stops]
+        found += [self._in_joint(item) for item in self.elements.laws]
         for number, bushing in enumerate(self.elements.bushings):
             found += self._bushing(number, bushing)
         for name in self.reported:
-            found.append(self._at(name.joint, name.coordinate, SPRING))
-        found += [self._motor(item) for item in self.elements.motors]
+            found.append(self._at(name.joint, name.coordinate))
+        found += [self._in_joint(item) for item in self.elements.motors]
         return found + [self._friction(item) for item in self.elements.frictions]
 
-    def _at(self, joint: int, coordinate: str, shape: int) -> Any:
+    def _at(self, joint: int, coordinate: str) -> Any:
         record = blank_load(ELEMENT)
-        record["shape"] = shape
         record["primitive"] = self.table.spring(self.joints.primitive(joint, coordinate))
-        return record
+        return fill_spring(record, 0.0, 0.0, 0.0)
 
-    def _motor(self, item: "JointMotor") -> Any:
-        record = blank_load(RELATIVE)
-        record["primitive"] = self.table.spring(self.joints.primitive(item.joint, item.coordinate))
-        record["function"] = self.table.function(item.function)
-        return record
-
-    def _spring(self, item: "JointSpring") -> Any:
-        return self._with_data(self._at(item.joint, item.coordinate, SPRING), item)
+    def _in_joint(self, item: "JointSpring | JointLaw | JointMotor") -> Any:
+        return fill_law(self._at(item.joint, item.coordinate), item, self.table)
 
     def _end(self, body: int, point: Any) -> Any:
         """The body vector of an end: a node, or a point of a rigid body."""
@@ -181,30 +182,9 @@ class ElementTable:
             self.table.point(point) if isinstance(point, NodePoint) else self.table.body_vector(body, point)
         )
 
-    def _line(self, item: Any) -> Any:
-        record = blank_load(ELEMENT)
-        record["shape"], record["in_line"] = CABLE if item.slack else SPRING, 1
-        head, tail = self._end(item.j, item.P_j), self._end(item.i, item.P_i)
-        record["primitive"] = self.table.spring(line_primitive(head, tail))
-        return self._with_data(record, item)
-
-    def _with_data(self, record: np.ndarray, item: "JointSpring | LineSpring") -> Any:
-        record["stiffness"], record["damping"] = item.stiffness, item.damping
-        record["free_length"], record["preload"] = item.rest, item.preload
-        if item.curve is not None:
-            record["curve"] = self.table.function(item.curve, of_time=False)
-            energy = integral_of(item.curve)
-            assert energy is not None, "a curve is no product"
-            record["energy"] = self.table.function(energy, of_time=False)
-        if item.damper is not None:
-            record["damper"] = self.table.function(item.damper, of_time=False)
-        return record
-
-    def _stop(self, item: "EndStop") -> Any:
-        record = self._at(item.joint, item.coordinate, STOP)
-        record["stiffness"], record["damping"] = item.stiffness, item.damping
-        record["lower"], record["upper"] = item.lower, item.upper
-        return record
+    def _line(self, item: "LineSpring") -> Any:
+        ends = self._end(item.j, item.P_j), self._end(item.i, item.P_i)
+        return fill_law(line_load(self.table, *ends), item, self.table)
 
     def _bushing(self, number: int, item: "Bushing") -> "Iterator[Any]":
         """Six loads, along and about the axes of body i."""
@@ -225,9 +205,8 @@ class ElementTable:
                 # The angle about an axis would jump where the other body's has turned through a right angle.
                 load["body_vector"] = axes[k - 3]
                 load["tilted"] = table.body_vector(item.j, turned[:, k - 3])
-            load["shape"], load["primitive"] = SPRING, table.spring(record)
-            load["stiffness"], load["damping"] = stiffness, damping
-            yield load
+            load["primitive"] = table.spring(record)
+            yield fill_spring(load, stiffness, 0.0, damping)
 
     def _friction(self, item: "JointFriction") -> Any:
         record = blank_load(FRICTION)
@@ -236,8 +215,7 @@ class ElementTable:
             if coordinate is not None:
                 record[field] = self.table.spring(self.joints.primitive(item.joint, coordinate))
         record["body_vector"], record["group"] = self.joints.axis(item.joint), item.joint
-        for field in ("dynamic", "static", "stribeck", "creep", "radius", "preload"):
-            record[field] = getattr(item, field)
+        fill_friction(record, item)
         if pitch := self.joints.pitch(item.joint):
             # The flank of a thread stands across its helix: its force is the axial one over the cosine.
             record["thread"] = np.hypot(item.radius, pitch) / item.radius

@@ -8,10 +8,11 @@ import numpy as np
 
 from ..flexible_mechanism import FlexibleMechanism, FloatingBody, PointForce, PointSpring
 from .constraint_table import PrimitiveTable
-from .element_table import ElementTable, PointJoints, coordinates_of_joints
+from .element_table import ElementTable, PointJoints, coordinates_of_joints, line_load
 from .kinematic import CONSTRAINT
+from .laws import NONE, fill_spring
 from .node_joints import add_joints, add_motions, spring_primitive
-from .records import FLEXIBLE, FORCE, LINE, LOAD, MASS, NONE, RELATIVE, TORQUE, blank_load, line_primitive
+from .records import ELEMENT, FLEXIBLE, FORCE, LOAD, MASS, TORQUE, blank_load
 from .system import SystemArrays
 
 if TYPE_CHECKING:
@@ -105,10 +106,9 @@ def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism) -> list[np.ndarr
     records += [_torque(table, item) for item in mechanism.torques]
     records += [_spring(table, item) for item in mechanism.springs]
     for item in mechanism.joint_springs:
-        record = blank_load(RELATIVE)
+        record = blank_load(ELEMENT)
         record["primitive"] = table.spring(spring_primitive(table, mechanism.joints[item.joint]))
-        record["stiffness"], record["damping"], record["free_length"] = item.k, item.c, item.q0
-        records.append(record)
+        records.append(fill_spring(record, item.k, item.q0, item.c))
     return records
 
 
@@ -133,7 +133,6 @@ def _torque(table: PrimitiveTable, item: "BodyTorque") -> np.ndarray:
 
 
 def _spring(table: PrimitiveTable, item: PointSpring) -> np.ndarray:
-    record = blank_load(LINE)
-    record["primitive"] = table.spring(line_primitive(table.point(item.b), table.point(item.a)))
-    record["stiffness"], record["damping"], record["free_length"] = item.k, item.c, item.length
-    return record
+    record = line_load(table, table.point(item.b), table.point(item.a))
+    found: np.ndarray = fill_spring(record, item.k, item.length, item.c)
+    return found

@@ -14,7 +14,7 @@ from ..flexible_mechanism import FlexibleMechanism, FloatingBody, NodePoint, Poi
 from ..joints import BY_NAME, STROKE
 from ..time_functions import POLYNOMIAL, ROTATIONS, TRANSLATIONS, Motion, MotionFunction
 from .constraint_table import PrimitiveTable, tilde
-from .records import NONE
+from .laws import NONE
 
 ACROSS = 1e-9  # of a length: what decks and assembly round off
 

@@ -11,10 +11,9 @@ from typing import Any
 
 import numpy as np
 
-FORCE, TORQUE, LINE, RELATIVE, ELEMENT, FRICTION = 1, 2, 3, 4, 5, 6
-# What an ELEMENT is.
-SPRING, STOP, CABLE = 1, 2, 3
-NONE = -1
+from .laws import FRICTION_LAW, LAW, NONE
+
+FORCE, TORQUE, ELEMENT, FRICTION = 1, 2, 5, 6
 
 MASS = np.dtype(
     [
@@ -66,34 +65,20 @@ PRIMITIVE = np.dtype(
 
 LOAD = np.dtype(
     [
-        ("kind", np.int64),  # FORCE, TORQUE, LINE, RELATIVE, ELEMENT or FRICTION
+        ("kind", np.int64),  # FORCE, TORQUE, ELEMENT or FRICTION
         # Point of action of a force; of a torque any body vector of its body; of friction the axis.
         # Of a bushing's turn about an axis of one body that axis.
         ("body_vector", np.int64),
         ("tilted", np.int64),  # ELEMENT: the other body's axis within a right angle of it, -1: none
-        ("primitive", np.int64),  # RELATIVE, ELEMENT: the angle or stroke the spring acts in; LINE: its V
+        ("primitive", np.int64),  # ELEMENT: the angle or stroke that it acts in, or the V in whose length
         ("following", np.int64),  # 1: the vector is in body axes
-        ("function", np.int64),  # what multiplies the vector, -1: 1; RELATIVE: effort of a motor, -1: none
         ("vector", np.float64, 3),  # N or N m
-        ("stiffness", np.float64),  # N/m, N m/rad
-        ("free_length", np.float64),  # m or rad
-        ("damping", np.float64),  # N s/m, N m s/rad; of a stop or cable s/m, s/rad
-        ("shape", np.int64),  # ELEMENT: SPRING, STOP or CABLE
         ("in_line", np.int64),  # ELEMENT: 1: it acts in the length of V
-        ("curve", np.int64),  # ELEMENT: function of the stretch, -1: none
-        ("energy", np.int64),  # ELEMENT: function that is its integral, -1: none
-        ("damper", np.int64),  # ELEMENT: function of the rate, -1: none
-        ("preload", np.float64),  # effort without stretch; FRICTION: normal force; N, N m
-        ("lower", np.float64),  # STOP: where it begins below, m, rad
-        ("upper", np.float64),  # STOP: and above, m, rad
         ("stroke", np.int64),  # FRICTION: primitive of the stroke, -1: none; `primitive` is the angle
         ("group", np.int64),  # FRICTION: number of the joint among the groups; of a bushing its own
-        ("dynamic", np.float64),  # FRICTION: coefficient of sliding, no unit
-        ("static", np.float64),  # FRICTION: coefficient at rest, no unit
-        ("stribeck", np.float64),  # FRICTION: speed at which the one passes into the other, m/s
-        ("creep", np.float64),  # FRICTION: speed below which it grows with the speed, m/s
-        ("radius", np.float64),  # FRICTION: of what turns, m
         ("thread", np.float64),  # FRICTION: ratio of force on the flanks of a screw to that along its axis
+        *FRICTION_LAW.descr,
+        *LAW.descr,
     ]
 )
 

@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..geometric_stiffness import across, beam_direction, geometric_stiffness
-from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Motor, Prescribed, Spring, Tree
+from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Prescribed, Tree
 from .bandwidth import row_reach
 from .node_frames import NodeFrames, empty_node_frames
+from .tree_elements import TreeElements
 from .tree_frames import NODAL_MASS, tree_frames
 
 if TYPE_CHECKING:
@@ -26,22 +27,15 @@ ELASTIC_BODY = np.dtype(
     ]
 )
 
-SPRING = np.dtype(
-    [
-        ("coordinate", np.int64),  # hinge coordinate that it acts on
-        ("stiffness", np.float64),  # N/m, N m/rad
-        ("damping", np.float64),  # N s/m, N m s/rad
-        ("rest", np.float64),  # value without effort, m, rad
-    ]
-)
-
-# A hinge coordinate that follows C + B t + A t²/2.
+# A hinge coordinate that follows C + B t + A t²/2 and a function.
 PRESCRIBED = np.dtype(
     [
         ("coordinate", np.int64),  # number of the coordinate
         ("C", np.float64),  # value at t = 0, m, rad
         ("B", np.float64),  # rate at t = 0, m/s, rad/s
         ("A", np.float64),  # acceleration, m/s², rad/s²
+        ("function", np.int64),  # number among `curves`, -1: none
+        ("until", np.float64),  # s: the function holds what it is just before it
     ]
 )
 
@@ -49,17 +43,16 @@ PRESCRIBED = np.dtype(
 # interval.
 FUNCTION = np.dtype(
     [
-        ("frame", np.int64),  # body torque on this frame, or 0
+        ("frame", np.int64),  # on which the torque acts
         ("axis", np.int64),  # 0, 1, 2, inertial
-        ("coordinate", np.int64),  # effort on this hinge coordinate, or -1
-        ("c0", np.float64),  # N, N m
-        ("c1", np.float64),  # N/s, N m/s
+        ("c0", np.float64),  # N m
+        ("c1", np.float64),  # N m/s
     ]
 )
 
-# One closed direction of a closure: what it is, then what the kernels found for it last.
 # A pivot below this part of the row's own response means that other rows close this direction too.
 REPEATED = 1e-9
+# One closed direction of a closure, or a coupling: what it is, then what the kernels found for it last.
 CLOSURE_ROW = np.dtype(
     [
         ("frame_a", np.int64),  # number of the first FRAME
@@ -67,6 +60,8 @@ CLOSURE_ROW = np.dtype(
         ("point_a", np.float64, 3),  # axes of frame a, m
         ("point_b", np.float64, 3),  # axes of frame b, m
         ("axis", np.int64),  # 0, 1, 2 of frame b
+        ("coupling", np.int64),  # number of the coupling, -1: a closed direction
+        ("value", np.float64),  # which the sum of a coupling keeps, m or rad
         ("direction", np.float64, 3),  # of that axis, inertial axes
         ("place", np.float64, 3),  # of point a, inertial axes, m
         ("gap", np.float64),  # (p_a - p_b) . direction, m
@@ -89,16 +84,28 @@ class TreeArrays(NamedTuple):
     damping: np.ndarray  # all matrices (NM, NM), flat, N s/m
     stiffening: np.ndarray  # by turning, N/m per rad²/s², then by weight, N/m per m/s², flat
     reach: np.ndarray  # (NS, 2) first place and one past the last that counts in an elastic coordinate's rows
-    springs: np.ndarray  # SPRING records
     prescribed: np.ndarray  # PRESCRIBED records
     functions: np.ndarray  # FUNCTION records
     closures: np.ndarray  # CLOSURE_ROW records, one a closed direction
     closure_matrix: np.ndarray  # (rows, rows) work: J b^-1 Jᵀ, 1/kg
+    couplings: (
+        np.ndarray
+    )  # (C, NS) factors of the coordinates in the couplings; their rows follow the closures
+    row_forces: np.ndarray  # (1 + m, rows) without friction, N or N m, and by unit normal forces
+    reactions: np.ndarray  # (F, 6) force of its hinge on every frame, N, and moment about its origin, N m
     gravity: np.ndarray  # (3,) inertial axes, m/s²
     elastic: np.ndarray  # (NS,) bool
     given: np.ndarray  # (NS,) bool
     inertia_scale: np.ndarray  # (NS,) inertia against which a pivot of the mass matrix is zero, kg or kg m²
     node_frames: NodeFrames  # those of all flexible parents
+    elements: np.ndarray  # (E,) TREE_ELEMENT records
+    frictions: np.ndarray  # (m,) TREE_FRICTION records
+    joint_forces: np.ndarray  # (1 + m, m, 5) as `dry_friction.fill_normal_forces` takes them, N
+    normals: np.ndarray  # (m,) normal forces, N
+    answers: np.ndarray  # (E + m, 8) what they answered last, SI units, columns of `kernels.laws`
+    curves: np.ndarray  # FUNCTION records of `records`: those of elements and drivers
+    knots: np.ndarray  # (k, 3) their knots, units of the functions
+    balls: int  # hinges with three rotations
     one_way: bool  # whether the elastic motion does not act on the rigid motion (thesis 4.3)
 
 
@@ -106,10 +113,14 @@ def tree_arrays(tree: Tree) -> TreeArrays:
     """The arrays of a tree; functions get their values later, interval by interval."""
     index = {(c.body, c.motion, c.axis, c.node): m for m, c in enumerate(tree.coordinates)}
     parts = tree_frames(tree, index)
-    closures = _closure_rows(tree, parts.of_body, parts.of_node)
     elastic_bodies, reach, *matrices = _elastic_bodies(tree, index, parts.of_body)
     stiffness, damping, stiffening = matrices
-    prescribed = [(_rigid(index, p), p.C, p.B, p.A) for p in tree.prescribed]
+    elements = TreeElements(tree, index, parts.of_body)
+    couplings = elements.couplings()
+    closures = _closure_rows(tree, parts.of_body, parts.of_node, len(couplings))
+    prescribed = [(_rigid(index, p), p.C, p.B, p.A, -1, np.inf) for p in tree.prescribed]
+    prescribed += [(*elements.driver(item), np.inf) for item in tree.elements.drivers]
+    of_elements = elements.arrays()
     given = np.zeros(len(index), bool)
     given[[row[0] for row in prescribed]] = True
     return TreeArrays(
@@ -120,16 +131,20 @@ def tree_arrays(tree: Tree) -> TreeArrays:
         damping=damping,
         stiffening=stiffening,
         reach=reach,
-        springs=_records(SPRING, [(_rigid(index, s), s.stiffness, s.damping, s.rest) for s in tree.springs]),
         prescribed=_records(PRESCRIBED, prescribed),
-        functions=_functions(tree, index, parts.of_body),
+        functions=_records(FUNCTION, [(parts.of_body[t.body], t.axis - 1, 0.0, 0.0) for t in tree.torques]),
         closures=closures,
         closure_matrix=np.zeros((closures.size, closures.size)),
+        couplings=couplings,
+        row_forces=np.zeros((1 + len(tree.elements.frictions), closures.size)),
+        reactions=np.zeros((len(parts.frames), 6)),
         gravity=np.array(tree.gravity, float),
         elastic=np.array([c.motion == ELASTIC for c in tree.coordinates], bool),
         given=given,
         inertia_scale=_inertia_scale(tree),
         node_frames=empty_node_frames(parts.node_frames, parts.flexible_parent, parts.slopes),
+        **of_elements,
+        balls=sum(len(hinge.rotations) == 3 for hinge in tree.hinges),
         one_way=tree.one_way,
     )
 
@@ -151,7 +166,7 @@ def _records(dtype: np.dtype, rows: "list[Any]") -> np.ndarray:
     return np.array(rows, dtype) if rows else np.zeros(0, dtype)
 
 
-def _rigid(index: "dict[Any, Any]", item: Motor | Prescribed | Spring) -> int:
+def _rigid(index: "dict[Any, Any]", item: Prescribed) -> int:
     return int(index[item.body, item.motion, item.axis, None])
 
 
@@ -215,13 +230,8 @@ def hanging_masses(tree: Any, k: int) -> np.ndarray:
     return hanging
 
 
-def _functions(tree: Tree, index: "dict[Any, Any]", of_body: list[int]) -> np.ndarray:
-    functions = [(of_body[t.body], t.axis - 1, -1, 0.0, 0.0) for t in tree.torques]
-    functions += [(0, 0, _rigid(index, m), 0.0, 0.0) for m in tree.motors]
-    return _records(FUNCTION, functions)
-
-
-def _closure_rows(tree: Tree, of_body: list[int], of_node: "dict[Any, Any]") -> np.ndarray:
+def _closure_rows(tree: Tree, of_body: list[int], of_node: "dict[Any, Any]", couplings: int) -> np.ndarray:
+    """Rows of all closed directions, then of so many couplings."""
     rows = []
     for c in tree.closures:
         a = of_body[c.a] if c.a_node is None else of_node[c.a, c.a_node, None]
@@ -232,9 +242,11 @@ def _closure_rows(tree: Tree, of_body: list[int], of_node: "dict[Any, Any]") -> 
         for axis in c.directions:
             row = np.zeros(1, CLOSURE_ROW)
             row["frame_a"], row["frame_b"], row["axis"], row["repeated"] = a, b, axis - 1, REPEATED
-            row["point_a"], row["point_b"] = point_a, point_b
+            row["point_a"], row["point_b"], row["coupling"] = point_a, point_b, -1
             rows.append(row)
-    return np.concatenate(rows) if rows else np.zeros(0, CLOSURE_ROW)
+    coupled = np.zeros(couplings, CLOSURE_ROW)
+    coupled["coupling"], coupled["repeated"] = np.arange(couplings), REPEATED
+    return np.concatenate([*rows, coupled])
 
 
 def _inertia_scale(tree: Any) -> np.ndarray:

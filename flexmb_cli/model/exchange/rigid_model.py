@@ -15,13 +15,13 @@ from ..integrators import Integrator
 from ..joint_elements import (
     Bushing,
     Coupling,
-    EndStop,
     JointDriver,
     JointFriction,
     JointMotor,
     JointSpring,
     LineSpring,
 )
+from ..laws import JointLaw
 from ..loads import AppliedForce, AppliedTorque, SpringDamper
 from ..mechanism import GROUND, Point, TimeGrid, Vector
 from ..time_functions import MotionFunction
@@ -121,7 +121,7 @@ class RigidModel:
     integrator: Integrator = Integrator(tolerance=1e-12)
     notes: tuple[str, ...] = ()
     shapes: tuple[RigidShape, ...] = ()
-    stops: tuple[EndStop, ...] = ()
+    laws: tuple[JointLaw, ...] = ()
     frictions: tuple[JointFriction, ...] = ()
     preloaded: tuple[JointSpring, ...] = ()  # with a preload, or with forces by functions
     lines: tuple[LineSpring, ...] = ()  # cables, and springs in line with a preload or functions

@@ -61,7 +61,7 @@ class _Scaling:
             "joint_drivers": self._joint_driver,
             "motors": self._motor,
             "joint_springs": self._joint_spring,
-            "stops": self._stop,
+            "laws": self._law,
             "frictions": self._friction,
             "springs": self._spring,
             "preloaded": self._preloaded,
@@ -156,16 +156,10 @@ class _Scaling:
         )
         return replace(item, terms=terms)
 
-    def _stop(self, item: Any) -> Any:
-        revolutions = item.coordinate == ANGLE
-        length = 1.0 if revolutions else self.L
-        return replace(
-            item,
-            lower=length * item.lower,
-            upper=length * item.upper,
-            stiffness=(self.torque if revolutions else self.M) * item.stiffness,
-            damping=item.damping / length,
-        )
+    def _law(self, item: Any) -> Any:
+        turning = item.coordinate == ANGLE
+        values = item.in_units(self.torque if turning else self.force, 1.0 if turning else self.L)
+        return replace(item, values=values)
 
     def _friction(self, item: Any) -> Any:
         scaled_lengths = {name: self.L * getattr(item, name) for name in ("stribeck", "creep", "radius")}

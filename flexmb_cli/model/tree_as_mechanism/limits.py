@@ -3,35 +3,27 @@
 from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault, ModelError
-from ..tree import INERTIAL, ROTATION, Hinge, Tree
+from ..joint_elements import is_angle
+from ..tree import Tree
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from ..tree import Motor, Spring
+OTHERWISE = "run the deck by --formulation kane"
 
 
 def refuse_foreign(tree: Tree) -> None:
     """Raise ModelError with every item of the tree that only Kane's equations can treat here."""
-    faults = [fault for find in (_one_way, _weights, _dampers, _motors) for fault in find(tree)]
+    faults = [fault for find in (_one_way, _weights, _balls) for fault in find(tree)]
     if faults:
         raise ModelError(faults)
-
-
-def _otherwise(tree: Tree) -> str:
-    """Return what leads to Kane's equations, which know no elements."""
-    return (
-        "leave out the elements, which need absolute coordinates"
-        if tree.elements
-        else "run the deck by --formulation kane"
-    )
 
 
 def _one_way(tree: Tree) -> "Iterator[Any]":
     if tree.one_way:
         message = (
             "the one-way assumption (UNCO) is no equation of mechanics that absolute coordinates could "
-            f"share; {_otherwise(tree)}, or leave out UNCO"
+            f"share; {OTHERWISE}, or leave out UNCO"
         )
         yield Fault("error", message, id="MODEL-006")
 
@@ -43,39 +35,18 @@ def _weights(tree: Tree) -> "Iterator[Any]":
         if stiffened and any(tree.gravity):
             message = (
                 "GSTF with gravity: in absolute coordinates a beam is stiffened by turning only; set GRAV "
-                f"to zero, or {_otherwise(tree)}"
+                f"to zero, or {OTHERWISE}"
             )
             yield Fault("error", message, body.place, body.name, id="MODEL-007")
 
 
-def _dampers(tree: Tree) -> "Iterator[Any]":
-    for spring in tree.springs:
-        if spring.motion == ROTATION and len(tree.hinges[spring.body].rotations) == 3:
-            yield _foreign_hinge(tree, spring, "damper", "three free rotations")
-
-
-def _motors(tree: Tree) -> "Iterator[Any]":
-    """The angular velocities of three free rotations are no rates of coordinates."""
-    for motor in tree.motors:
-        hinge = tree.hinges[motor.body]
-        if hinge.parent != INERTIAL and motor.motion == ROTATION and len(hinge.rotations) == 3:
-            yield _foreign_hinge(tree, motor, "motor", "a moving parent and three free rotations")
-
-
-def has_fixed_axis(tree: Tree, motor: "Motor") -> bool:
-    """Return whether a motor's axis rests, or is shared by both bodies of its hinge at all times."""
-    hinge = tree.hinges[motor.body]
-    alone = motor.motion == ROTATION or len(hinge.translations) == 1
-    return hinge.parent == INERTIAL or (alone and has_shared_axis(hinge, motor.axis))
-
-
-def has_shared_axis(hinge: Hinge, axis: int) -> bool:
-    """Return whether an axis of P_k is fixed in the body, too: nothing turns, or only about that axis."""
-    return hinge.rotations in ((), (axis,))
-
-
-def _foreign_hinge(tree: Tree, item: "Motor | Spring", kind: str, what: str) -> Fault:
-    message = (
-        f"a {kind} in a hinge with {what} is not carried over to absolute coordinates; {_otherwise(tree)}"
-    )
-    return Fault("error", message, item.place, f"{kind} of {tree.bodies[item.body].name}", id="MODEL-008")
+def _balls(tree: Tree) -> "Iterator[Any]":
+    """Yield a fault for what acts about one of three free rotations: none is a coordinate of a position."""
+    for items, kind in ((tree.elements.springs, "damper"), (tree.elements.motors, "motor")):
+        for item in items:
+            if is_angle(item.coordinate) and len(tree.hinges[item.joint].rotations) == 3:
+                message = (
+                    f"a {kind} in a hinge with three free rotations is not carried over to absolute "
+                    f"coordinates; {OTHERWISE}"
+                )
+                yield Fault("error", message, item.place, item.name, id="MODEL-008")

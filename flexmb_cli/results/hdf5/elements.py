@@ -2,8 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from ...model.element_names import element_names
-from ...model.joint_elements import CompositeJoint
+from ...model.joint_elements import CompositeJoint, element_names
 from ...model.joints import ANGLE
 from ...model.loads import DynamicModel
 from ...quick_dataclass import replace

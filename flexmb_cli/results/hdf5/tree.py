@@ -5,8 +5,7 @@ Report rows come as values by the path of their dataset, so that a stopped run c
 
 from typing import TYPE_CHECKING, cast
 
-from ...model.element_names import names_of
-from ...model.joint_elements import is_angle
+from ...model.joint_elements import is_angle, names_of
 from ...model.tree import ELASTIC, ROTATION, Body, Tree
 from ...quick_dataclass import replace
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
 
 
 COORDINATE = ("coordinate/coordinate",)
+HINGE_VECTOR = ("hinge/hinge", "xyz")
 # Fields of `TreeRows` in results of all trees besides the motion of bodies.
 SERIES = {
     "q": Series("coordinate/q", COORDINATE, "rad or m", "generalized coordinate"),
@@ -49,8 +49,17 @@ OF_CLOSURES = {
 }
 
 
-def tree_layout(tree: Tree, points: list[str]) -> Layout:
-    """Axes and series of a tree; `points` are the names of its points."""
+# Of its own formulation only.
+OF_HINGES = {
+    "hinge_force": Series("hinge/force", HINGE_VECTOR, "N", "force through hinge K on body K, global axes"),
+    "hinge_torque": Series(
+        "hinge/torque", HINGE_VECTOR, "N m", "moment about O_K through hinge K on body K, global axes"
+    ),
+}
+
+
+def tree_layout(tree: Tree, points: list[str], reactions: bool) -> Layout:
+    """Axes and series of a tree; `points`: names of its points, `reactions`: whether hinges have them."""
     axes = [
         XYZ,
         EULER_PARAMETER,
@@ -59,6 +68,9 @@ def tree_layout(tree: Tree, points: list[str]) -> Layout:
         _coordinate_axis(tree),
     ]
     series = [*BODY_MOTION.values(), *POINT_MOTION.values(), *SERIES.values()]
+    if reactions:
+        axes.append(numbered_axis("hinge", [body.name for body in tree.bodies]))
+        series += OF_HINGES.values()
     for k, body in _flexible(tree):
         axes.append(_node_axis(body))
         long_name = f"elastic displacement of the nodes of {body.name}, axes of the body"
@@ -93,6 +105,7 @@ def _with_drivers(layout: Layout, tree: Tree) -> Layout:
 def tree_values(tree: Tree, rows: "TreeRows", points: "PointMotion") -> Values:
     """Report rows (`TreeRows`) and the motion of points, three arrays, by path."""
     named = BODY_MOTION | SERIES | (OF_CLOSURES if tree.closures else {})
+    named |= OF_HINGES if rows.hinge_force.size else {}
     values = {"time": rows.time} | {series.path: getattr(rows, name) for name, series in named.items()}
     for series, motion in zip(POINT_MOTION.values(), points, strict=True):
         values[series.path] = motion

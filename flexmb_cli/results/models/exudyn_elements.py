@@ -11,6 +11,7 @@ import numpy as np
 
 from ...errors import Fault
 from ...model.joint_elements import JointElements, JointSpring, LineSpring, is_angle
+from ...model.laws import STOP
 from ...model.mechanism import Joint
 
 # Names of a script's bodies, and points of them: local ones, and global ones at the start.
@@ -62,6 +63,10 @@ def foreign_elements(elements: JointElements) -> Iterator[Fault]:
     for kind, (message, name) in _REFUSED.items():
         for item in getattr(elements, kind):
             yield Fault("error", message, item.place, item.name, id=name)
+    for law in elements.laws:
+        if law.law is not STOP:
+            message = f"the law {law.law.word} does not convert"
+            yield Fault("error", message, law.place, law.name, id="RESULT-031")
     springs: tuple[JointSpring | LineSpring, ...] = (*elements.springs, *elements.lines)
     for spring in springs:
         if spring.curve or spring.damper:
@@ -84,7 +89,7 @@ class ElementLines:
 
     def lines(self, elements: JointElements, kept: list[bool]) -> Iterator[str]:
         """Yield definitions and a line for every element; `kept`: whether a link repeats no equation."""
-        if not any((elements.springs, elements.lines, elements.stops, elements.composites)):
+        if not any((elements.springs, elements.lines, elements.laws, elements.composites)):
             return
         yield DEFINITIONS
         for spring in elements.springs:
@@ -92,9 +97,8 @@ class ElementLines:
             law = f"stiffness={spring.stiffness!r}, damping={spring.damping!r}, offset={rest!r}"
             effort = "torque" if is_angle(spring.coordinate) else "force"
             yield self._at_joint(spring, f"{law}, {effort}={spring.preload!r}")
-        for stop in elements.stops:
-            since = self._since(stop)
-            limits = f"{stop.lower - since!r}, {stop.upper - since!r}, {stop.stiffness!r}, {stop.damping!r}"
+        for stop in elements.laws:
+            limits = ", ".join(map(repr, stop.since(self._since(stop))))
             effort = "Torque" if is_angle(stop.coordinate) else "Force"
             yield self._at_joint(stop, f"spring{effort}UserFunction=stops({limits})")
         for line in elements.lines:

@@ -6,12 +6,14 @@ XML reference (body, joint, inertial, keyframe) is the source of the elements.
 """
 
 from collections.abc import Iterator
+from itertools import chain
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
 from ...errors import Fault, ModelError
+from ...model.joint_elements import JointSpring, is_angle
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Body, Tree
 from ...model.vectors import euler_parameters, rotation_matrix
 
@@ -63,21 +65,20 @@ def _foreign_bodies(tree: Tree) -> Iterator[Fault]:
 
 
 def _foreign_loads(tree: Tree) -> Iterator[Fault]:
-    for items, what in (
-        (tree.torques, "torques over time"), (tree.motors, "motors over time"),
-        (tree.prescribed, "prescribed motions"),
-    ):  # fmt: skip
+    for items, what in ((tree.torques, "torques over time"), (tree.prescribed, "prescribed motions")):
         for item in items:
             name = tree.bodies[item.body].name
             yield Fault("error", f"MJCF holds no {what}", item.place, name, id="RESULT-061")
     for closure in tree.closures:
         message = "MuJoCo closes loops softly, which is another motion; only trees convert"
         yield Fault("error", message, closure.place, closure.name, id="RESULT-062")
-    for spring in tree.springs:
-        if spring.motion == ROTATION and len(tree.hinges[spring.body].rotations) == 3:
+    for element in chain(*tree.elements.groups()):
+        if not isinstance(element, JointSpring) or element.preload or element.curve or element.damper:
+            message = "of elements, MJCF holds springs in hinge coordinates without preload and functions"
+            yield Fault("error", message, element.place, element.name, id="RESULT-032")
+        elif is_angle(element.coordinate) and len(tree.hinges[element.joint].rotations) == 3:
             message = "a damper of three free rotations does not convert"
-            name = tree.bodies[spring.body].name
-            yield Fault("error", message, spring.place, name, id="RESULT-063")
+            yield Fault("error", message, element.place, element.name, id="RESULT-063")
 
 
 def _is_real(moments: np.ndarray) -> bool:
@@ -118,8 +119,8 @@ def _add_joint(
 ) -> None:
     k, motion, axis = place
     about = {"name": f"{tree.bodies[k].name} {motion} {axis}", "type": kind, "axis": _numbers(direction)}
-    for spring in tree.springs:
-        if (spring.body, spring.motion, spring.axis) == place:
+    for spring in tree.elements.springs:
+        if (spring.joint, spring.coordinate) == (k, f"{motion} {axis}"):
             about |= {"stiffness": repr(float(spring.stiffness)), "damping": repr(float(spring.damping))}
             about["springref"] = repr(float(spring.rest))
     ElementTree.SubElement(element, "joint", about)

@@ -10,9 +10,9 @@ import numpy as np
 from ...errors import AnalysisError
 from ...model.mechanism import TimeGrid
 from ...model.tree import ELASTIC, Tree
-from ...model.tree_as_mechanism.limits import refuse_foreign
 from ...model.unit_checks import unit_warnings
 from ...quick_dataclass import dataclass, replace
+from ...solvers.tree.redundancy import closed_rows
 from ..context import Run
 from .check import CheckReport
 from .parts import refuse_jacobian
@@ -60,8 +60,6 @@ def check(report: CheckReport, tree: Tree, run: Run, jacobian: str | None) -> No
     Raises FlexmbError: a loop that cannot be closed, a mass matrix that is not positive definite.
     """
     refuse_jacobian(jacobian, "a tree has relative coordinates and no constraint Jacobian")
-    if tree.elements:
-        refuse_foreign(tree)
     run.outcome.faults += unit_warnings(tree)
     report.counts = _counts(tree)
     elastic = [_spectrum(body) for body in tree.bodies if body.elastic is not None]
@@ -101,8 +99,8 @@ def _evaluate_start(report: CheckReport, tree: Tree) -> None:
     except AnalysisError:
         report.tree = replace(report.tree, gaps=[(name, gap, gap) for name, gap in given])
         raise
-    if tree.elements:
-        row = next(_with_elements(tree).rows())
+    if tree.elements.couplings:
+        report.outcome.faults += analysis.warnings
     assembled = _gaps(tree, analysis.arrays.closures)
     gaps = [(*before, after[1]) for before, after in zip(given, assembled, strict=True)]
     redundant = _redundant(tree, analysis.arrays)
@@ -114,29 +112,8 @@ def _evaluate_start(report: CheckReport, tree: Tree) -> None:
         redundant=redundant,
         energies={name: float(getattr(row, name)[0]) for name in ("kinetic", "potential", "strain")},
     )
-    closed = report.counts["closed_directions"] - len(redundant)
-    free = len(tree.coordinates) - report.counts["prescribed"] - closed
-    report.counts["degrees_of_freedom"] = (
-        _free_with_couplings(report, tree) if tree.elements.couplings else free
-    )
-
-
-def _free_with_couplings(report: CheckReport, tree: Tree) -> int:
-    """Return the degrees of freedom by the equations of `run`; warn of couplings that repeat others."""
-    from ...solvers.constrained.tree import AbsoluteTree
-
-    analysis = AbsoluteTree(tree)
-    found = analysis.start_position()
-    report.outcome.faults += analysis.warnings
-    return int(found.coordinates - found.rank)
-
-
-def _with_elements(tree: Tree) -> "TreeAnalysis":
-    """The analysis of the start with elements: driven coordinates in place, springs counted as energy."""
-    from ...solvers.tree.tree_with_elements import TreeWithElements
-
-    start = tree.time.start
-    return TreeWithElements(replace(tree, time=TimeGrid(start, start, tree.time.step)))
+    closed = analysis.arrays.closures.size - len(redundant)
+    report.counts["degrees_of_freedom"] = len(tree.coordinates) - report.counts["prescribed"] - closed
 
 
 def _start(tree: Tree, q: np.ndarray, y: np.ndarray) -> list[Any]:
@@ -153,9 +130,9 @@ def _gaps(tree: Tree, rows: np.ndarray) -> list[tuple[str, float]]:
 
 
 def _redundant(tree: Tree, arrays: "TreeArrays") -> list[str]:
-    """Directions whose pivots the elimination found to be zero."""
+    """Directions and couplings whose pivots the elimination found to be zero."""
     pivots = np.diag(arrays.closure_matrix)
-    names = [f"{closure.name} direction {axis}" for closure in tree.closures for axis in closure.directions]
+    names = [name for name, _ in closed_rows(tree)]
     return [name for name, pivot in zip(names, pivots, strict=True) if pivot == 0.0]
 
 

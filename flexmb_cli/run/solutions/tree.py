@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 def solution(tree: Tree, run: Run) -> Solution:
     """Return the motion of `tree` by the formulation of the options, ready to be solved."""
-    absolute = run.options.formulation == ABSOLUTE or bool(tree.elements)
+    absolute = run.options.formulation == ABSOLUTE
     if absolute:
         run.warn(list(_unused_method(tree)))
     analysis = (absolute_analysis if absolute else kane_analysis)(tree, run)
@@ -38,7 +38,7 @@ def solution(tree: Tree, run: Run) -> Solution:
     return Solution(
         analysis,
         tree.time.rows,
-        lambda: tree_layout(tree, point_names(tree)),
+        lambda: tree_layout(tree, point_names(tree), reactions=not absolute),
         partial(values_of, tree),
         TreeCount(analysis.clock, tree, absolute),
         partial(unit_warnings, tree),
@@ -59,14 +59,6 @@ def kane_analysis(tree: Tree, run: Run) -> "TreeAnalysis":
 
     announce_compiling(run.listener, "integrators.tree_dop853.integrate_rows")
     return TreeAnalysis(tree)
-
-
-def kane_analysis_with_elements(tree: Tree, run: Run) -> "TreeAnalysis":
-    """Return the analysis by Kane's equations of a tree with elements, which `verify` compares."""
-    from ...solvers.tree.tree_with_elements import TreeWithElements
-
-    announce_compiling(run.listener, "integrators.tree_dop853.begin")
-    return TreeWithElements(tree)
 
 
 def absolute_analysis(tree: Tree, run: Run) -> Any:
@@ -90,8 +82,7 @@ def _finer_blocks(tree: Tree, run: Run) -> Any:
     run.outcome.faults += why_no_estimate(given.rtol)
     # An absolute tolerance has no round-off to heed.
     second = replace(tree, integration=replace(given, rtol=finer(given.rtol), atol=FINER * given.atol))
-    analysis = absolute_analysis if tree.elements else kane_analysis
-    return (values_of(second, rows) for rows in analysis(second, run).rows())
+    return (values_of(second, rows) for rows in kane_analysis(second, run).rows())
 
 
 class TreeCount(NoCount):

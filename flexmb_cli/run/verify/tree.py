@@ -8,9 +8,10 @@ from ...deck.record import Deck
 from ...model.integrators import IMPLICIT_TREE_METHODS
 from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
 from ...quick_dataclass import replace
+from ...solvers.tree.analysis import breakpoints
 from ..context import Run
 from ..outcome import Stop
-from ..solutions.tree import absolute_analysis, kane_analysis, kane_analysis_with_elements, values_of
+from ..solutions.tree import absolute_analysis, kane_analysis, values_of
 from .difference import Difference, Size, largest_difference
 
 if TYPE_CHECKING:
@@ -40,7 +41,9 @@ POINTS = {"position": "m", "velocity": "m/s"}
 
 def differences(tree: Tree, deck: Deck, run: Run) -> tuple[Difference, ...]:
     """Run `tree` both ways and return what the motions differ in.  Raises FlexmbError."""
-    stiff = tree.elements and tree.integration.method in IMPLICIT_TREE_METHODS
+    # Elastic bodies alone are slow, but not too slow, by explicit steps.
+    acting = replace(tree.elements, drivers=(), motors=(), couplings=())
+    stiff = acting and tree.integration.method in IMPLICIT_TREE_METHODS
     given = (IMPLICIT if stiff else EXPLICIT) | run.options.integration
     tree = replace(tree, integration=replace(tree.integration, **given))
     found = compare(tree, *_motions(tree, run))
@@ -50,8 +53,7 @@ def differences(tree: Tree, deck: Deck, run: Run) -> tuple[Difference, ...]:
 
 def _motions(tree: Tree, run: Run) -> Any:
     """Values of both formulations, whole runs by the paths of their datasets."""
-    kane = kane_analysis_with_elements if tree.elements else kane_analysis
-    analyses = absolute_analysis(tree, run), kane(tree, run)
+    analyses = absolute_analysis(tree, run), kane_analysis(tree, run)
     run.listener.begin(2 * tree.time.rows)
     absolute, kane = (
         _joined([values_of(tree, rows) for rows in _heard(analysis.rows(), run.listener)])
@@ -91,15 +93,33 @@ def compare(
     for name in ENERGIES if _moves_freely(tree) else ENERGIES[:-1]:
         pair = kane[f"energy/{name}"], absolute[f"energy/{name}"]
         found.append(_largest(f"{name} energy", "J", size, kane, *pair, scale=moved))
+    start, end = tree.time.start, tree.time.end
+    jumps = np.array(breakpoints(tree, start, end))
+    # Where a table jumps, one formulation has the efforts before it and the other those after it.
+    steady = ~np.isclose(kane["time"][:, None], jumps, rtol=0.0, atol=1e-9 * (end - start)).any(axis=1)
     for path, (name, unit) in ELEMENTS.items():
         if path in kane and kane[path].size:
-            found.append(_largest(name, unit, size, kane, kane[path], absolute[path]))
+            pair = kane[path][steady], absolute[path][steady]
+            if path == "coupling/effort":
+                # Where couplings repeat each other, only what they do along the coordinates is unique.
+                pair = pair[0] @ _factors(tree), pair[1] @ _factors(tree)
+            found.append(largest_difference(name, unit, kane["time"][steady], *pair, size, None))
     if "element/work" in kane and kane["element/work"].size and _moves_freely(tree):
         pair = kane["element/work"], absolute["element/work"]
         # No step controls the error of a work: against all energy that moves, it is as small as theirs.
         most = max(moved, float(np.max(np.abs(pair[0]))))
         found.append(_largest("element work", "J", size, kane, *pair, scale=most))
     return tuple(found)
+
+
+def _factors(tree: Tree) -> np.ndarray:
+    """Factors (couplings, NS) of the coordinates."""
+    number = {(c.body, f"{c.motion} {c.axis}"): m for m, c in enumerate(tree.coordinates)}
+    factors = np.zeros((len(tree.elements.couplings), len(number)))
+    for row, item in zip(factors, tree.elements.couplings, strict=True):
+        for body, coordinate, factor in item.terms:
+            row[number[body, coordinate]] += factor
+    return factors
 
 
 def _size(tree: Tree, kane: dict[str, np.ndarray]) -> Size:

@@ -108,15 +108,6 @@ class ConstrainedMotion(ABC):
     def block(self, report: "Report") -> Any:
         """The rows of a report in the terms of the model."""
 
-    @property
-    @abstractmethod
-    def terms(self) -> "Terms":
-        """Names of loads, drivers, joints and points."""
-
-    @abstractmethod
-    def driven_system(self, k: int, additions: list[float], t: float) -> "System":
-        """Return the system with additions to the value, rate and second rate of driver k at t."""
-
     def usual_repetitions(self, q: np.ndarray) -> int | None:
         """Number of equations that repeat others in every mechanism of this type; None: of no such type."""
         return None
@@ -260,7 +251,7 @@ class ConstrainedMotion(ABC):
         self.clock["t"] = self.grid.start
         self.clock["stop"] = self.grid.time(self.grid.rows - 1)
         self._begin()
-        self.warnings += notes_of_pressed_stops(self.elements.stops, self.arrays.loads, self.work.responses)
+        self.warnings += notes_of_pressed_stops(self.elements.laws, self.arrays.loads, self.work.responses)
         return found
 
     def start_position(self) -> Mobility:
@@ -322,3 +313,16 @@ class ConstrainedMotion(ABC):
 
 def _first(report: "Report", filled: int) -> dict[str, np.ndarray]:
     return {name: array[:filled] for name, array in report._asdict().items()}
+
+
+class LinearisableMotion(ConstrainedMotion):
+    """A motion with what its linearisation needs besides."""
+
+    @property
+    @abstractmethod
+    def terms(self) -> "Terms":
+        """Names of loads, drivers, joints and points."""
+
+    @abstractmethod
+    def driven_system(self, k: int, additions: list[float], t: float) -> "System":
+        """Return the system with additions to the value, rate and second rate of driver k at t."""

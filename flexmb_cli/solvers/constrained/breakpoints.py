@@ -7,7 +7,8 @@ import numpy as np
 
 from ...errors import Fault
 from ...model.arrays.function_table import break_times
-from ...model.arrays.records import CABLE, ELEMENT, FRICTION, STOP
+from ...model.arrays.records import ELEMENT, FRICTION
+from ...model.laws import MOTOR, SPRING
 from ...model.time_functions import COMPOUND, PIECEWISE
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def _rows_of_work(motion: "ConstrainedMotion") -> list[float]:
     The motion has no error that would shorten the steps; the work of stops, cables and friction has.
     """
     loads = motion.arrays.loads
-    bends = (loads["kind"] == ELEMENT) & np.isin(loads["shape"], (STOP, CABLE))
+    bends = (loads["kind"] == ELEMENT) & ~np.isin(loads["shape"], (SPRING, MOTOR))
     if motion.found is None or motion.found.free or not np.any(bends | (loads["kind"] == FRICTION)):
         return []
     return [motion.grid.time(k) for k in range(motion.grid.rows)]

@@ -6,7 +6,6 @@ import numpy as np
 
 from ...errors import Fault, ModelError
 from ...kernels.constrained.body_vectors import VECTOR
-from ...model.arrays.records import ELEMENT, LINE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -32,17 +31,15 @@ def refuse_coinciding_ends(
 
     `springs` and `lines`: those in line of the model and of its elements, in the order of their loads.
     """
-    loads = system.loads
-    is_line = loads["kind"] == LINE
-    in_elements = (loads["kind"] == ELEMENT) & (loads["in_line"] == 1)
+    loads = system.loads[system.loads["in_line"] == 1]
     faults = []
-    for load, spring in zip(loads[is_line], springs, strict=True):
+    for load, spring in zip(loads[: len(springs)], springs, strict=True):
         free_length = load["free_length"]
         if load["stiffness"] * free_length and _length(work, load) <= COINCIDING * abs(free_length):
             faults.append(_fault(spring, free_length, t))
     if faults:
         raise ModelError(faults)
-    refuse_undirected_lines(lines, [_length(work, load) for load in loads[in_elements]], t)
+    refuse_undirected_lines(lines, [_length(work, load) for load in loads[len(springs) :]], t)
 
 
 def refuse_undirected_lines(lines: "Iterable[LineSpring]", lengths: "Iterable[float]", t: float) -> None:

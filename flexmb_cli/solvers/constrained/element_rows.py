@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ...kernels.constrained.elements import COORDINATE, EFFORT, ENERGY, POWER, SPEED
 from ...kernels.constrained.report import Report
+from ...kernels.laws import COORDINATE, EFFORT, ENERGY, POWER, SPEED
 from ...model.arrays.dynamic import DynamicArrays
 from ...model.arrays.element_table import coordinates_of_joints
 from ...model.arrays.system import SystemArrays

@@ -7,10 +7,11 @@ import numpy as np
 from ...errors import AnalysisError, Fault
 from ...kernels.constrained.accelerations import accelerations
 from ...kernels.constrained.angle_unwrapping import NEW
-from ...kernels.constrained.elements import COORDINATE, FRICTION
+from ...kernels.constrained.elements import FRICTION
 from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators.clock import CONTRADICTION
+from ...kernels.laws import COORDINATE
 from ...model.arrays.records import ELEMENT
 from ...model.inertia_checks import uneven_masses
 from ...model.integrators import METHODS

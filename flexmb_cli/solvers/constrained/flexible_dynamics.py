@@ -14,7 +14,7 @@ from ...model.mechanism import Joint
 from ...model.planar_loops import OUT_OF_PLANE, repeated_in_plane
 from ..linearisation.terms import Terms, motors_of
 from ..start_attitudes import refuse_half_turns, start_attitudes, turn_warnings, turned_right
-from .analysis import ConstrainedMotion
+from .analysis import LinearisableMotion
 from .flexible_rows import FlexibleRows, flexible_rows
 from .initial_gaps import gap_warnings
 from .joint_rates import rate_equations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
-class FlexibleDynamics(ConstrainedMotion):
+class FlexibleDynamics(LinearisableMotion):
     """One run over the report times of a mechanism."""
 
     omega_in_body_axes = True

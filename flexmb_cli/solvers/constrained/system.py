@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ...kernels.constrained.elements import RESPONSE_COLUMNS
 from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System, Work, make_work
+from ...kernels.laws import ANSWER_COLUMNS
 from ...model.arrays.records import FUNCTION, function_record
 from ...model.arrays.system import SystemArrays
 from ...model.time_functions import POLYNOMIAL
@@ -48,7 +48,7 @@ def blank_report(arrays: SystemArrays, times: np.ndarray, works: int = 0) -> Rep
         np.zeros((rows, len(arrays.equations))),
         np.zeros(rows),
         np.zeros((rows, 5)),
-        np.zeros((rows, len(arrays.loads), RESPONSE_COLUMNS)),
+        np.zeros((rows, len(arrays.loads), ANSWER_COLUMNS)),
     )
 
 

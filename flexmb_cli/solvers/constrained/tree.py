@@ -10,10 +10,8 @@ from typing import Any
 import numpy as np
 
 from ...fe.lumped_body import floating_body, massless_body
-from ...kernels.constrained.angle_unwrapping import NEW
-from ...kernels.constrained.elements import COORDINATE
 from ...kernels.constrained.report import Report
-from ...kernels.constrained.system import System
+from ...kernels.laws import COORDINATE
 from ...model.arrays.constraint_table import PrimitiveTable
 from ...model.arrays.element_table import ElementTable, JointCoordinateName
 from ...model.arrays.flexible import flexible_arrays, length_scale
@@ -21,23 +19,20 @@ from ...model.arrays.records import LOAD
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.integrators import IMPLICIT_TREE_METHODS, Integrator
-from ...model.joint_elements import is_angle
 from ...model.tree import ROTATION, Tree
 from ...model.tree_as_mechanism.elements import HingeJoints
 from ...model.tree_as_mechanism.frames import Frames, hinge_frames
 from ...model.tree_as_mechanism.hinges import add_closures, add_hinges, add_prescribed
 from ...model.tree_as_mechanism.limits import refuse_foreign
-from ...model.tree_as_mechanism.loads import load_names, tree_loads
+from ...model.tree_as_mechanism.loads import tree_loads
 from ...model.tree_as_mechanism.planar_tree import repeated_in_planar_tree
 from ...model.tree_as_mechanism.poses import elastic_start, first_poses
 from ...quick_dataclass import replace
 from ..checkpoint import taken
-from ..linearisation.terms import Terms, motors_of
 from ..tree.loop_assembly import closed_tree
 from ..tree.rows import TreeMotion, TreeRows, rows_of_tree, unturned
 from .analysis import ConstrainedMotion
-from .system import blank_report, with_driven
-from .tree_element_rows import rows_of_drivers, with_elements
+from .tree_element_rows import with_elements
 from .tree_rows import motion_of_bodies
 
 
@@ -96,53 +91,10 @@ class AbsoluteTree(ConstrainedMotion):
         """Closed directions across the plane of a planar tree; None of any other."""
         return repeated_in_planar_tree(self.tree)
 
-    def hinge_coordinates(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the coordinates (NS,) of the tree where the bodies are, and its speeds (NS, n) by theirs."""
-        n, z = self.arrays.speeds, self.integration.z
-        report = blank_report(self.arrays, np.full(n + 1, float(self.clock["t"][0])))
-        report.states[:] = z[: report.states.shape[1]]
-        report.states[:, -1 - n : -1] = np.eye(n + 1, n, -1)
-        probes = self.arrays.loads["primitive"][slice(*self._probes)]
-        turned = self.integration.angles[NEW][self.system.primitives["turn"][probes]]
-        report.responses[:, slice(*self._probes), COORDINATE] = turned
-        motion = self._motion(report)
-        return motion.q[0], motion.y[1:].T
-
     def _motion(self, report: Report) -> TreeMotion:
         """The motion over the rows of a report in the terms of the tree."""
         angles = report.responses[:, slice(*self._probes), COORDINATE]
         return motion_of_bodies(self.tree, self.frames, self.arrays, report, angles)
-
-    @property
-    def terms(self) -> Terms:
-        """Names of loads and drivers; what is observed is in the terms of the tree."""
-        tree, names = self.tree, load_names(PrimitiveTable(self._bodies, 1.0), self.tree, self.frames)
-        drivers = [
-            (f"{tree.bodies[p.body].name} {p.motion} {p.axis}", p.motion != ROTATION) for p in tree.prescribed
-        ]
-        drivers += [(item.name, not is_angle(item.coordinate)) for item in tree.elements.drivers]
-        named = list(dict.fromkeys(name for name, what in names if what == "motor"))
-        motors = [
-            (name, False, tuple(k for k, item in enumerate(names) if item[0] == name)) for name in named
-        ]
-        return Terms(
-            tuple((name if what in ("force", "torque") else "", True) for name, what in names),
-            tuple(drivers),
-            (),
-            (),
-            motors=(*motors, *motors_of(tree.elements, len(self.arrays.loads))),
-        )
-
-    def driven_system(self, k: int, additions: list[float], t: float) -> System:
-        """Return the system with additions to the value, rate and second rate of driver k at t."""
-        tree = self.tree
-        row = int(rows_of_drivers(tree, self.arrays)[k])
-        if k < len(tree.prescribed):
-            p = tree.prescribed[k]
-            values = p.C + t * (p.B + 0.5 * p.A * t), p.B + p.A * t, p.A
-        else:
-            values = tree.elements.drivers[k - len(tree.prescribed)].function.at(t)
-        return with_driven(self.system, row, np.add(values, additions), t)
 
     def block(self, report: Report) -> TreeRows:
         """The rows of a report in the terms of the tree."""
@@ -172,5 +124,5 @@ def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple[Any, ...]) -> Syst
     elements.add_couplings()
     elements.add_drivers(tree.time.start)
     add_closures(table, tree)
-    loads = np.array([*tree_loads(table, tree, frames), *elements.loads()], dtype=LOAD).reshape(-1)
+    loads = np.array([*tree_loads(table, tree), *elements.loads()], dtype=LOAD).reshape(-1)
     return replace(flexible_arrays(free), loads=loads, **table.arrays())

@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 
 from ...kernels.constrained.report import Report
+from ...kernels.laws import COORDINATE, EFFORT, ENERGY, POWER, SPEED
 from ...model.arrays.system import SystemArrays
-from ...model.element_names import names_of
+from ...model.joint_elements import names_of
 from ...model.tree import Tree
 from ...quick_dataclass import dataclass, fields
 from ..tree.rows import TreeRows
@@ -56,3 +57,30 @@ def rows_of_drivers(tree: Tree, arrays: SystemArrays) -> np.ndarray:
     groups = np.concatenate([np.arange(first, first + prescribed), functions])
     found: np.ndarray = arrays.groups["first_row"][groups]
     return found
+
+
+def with_answers(tree: Tree, rows: TreeRows, report: Any) -> TreeElementRows:
+    """The rows by Kane's equations with what the elements answered; energy of elements is no work."""
+    kept = {field.name: getattr(rows, field.name) for field in fields(TreeRows)}
+    # A force of none is 0, not -0.
+    end = report.rows.shape[1] - 1
+    count = report.answers.shape[1]
+    last = count - len(tree.elements.frictions)
+    first = last - len(tree.elements.motors)
+    others, motors = np.r_[:first, last:count], np.arange(first, last)
+    order = np.concatenate([others, motors])
+    answers = report.answers[:, order] + 0.0
+    works = report.rows[:, end - count : end] + 0.0
+    scales = np.array([item.scale for item in tree.elements.couplings])
+    return TreeElementRows(
+        **kept,
+        element_coordinate=answers[..., COORDINATE],
+        element_rate=answers[..., SPEED],
+        element_effort=answers[..., EFFORT],
+        element_power=answers[..., POWER],
+        element_energy=answers[..., ENERGY],
+        element_work=works[:, order],
+        dissipated=0.0 - works[:, others].sum(axis=1),
+        coupling_effort=report.closures["force"][:, len(report.closures[0]) - len(scales) :] / scales,
+        driver_effort=report.drives,
+    )

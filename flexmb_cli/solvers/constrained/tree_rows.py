@@ -114,6 +114,7 @@ def motion_of_bodies(
         closure_force=_closure_forces(tree, arrays, report),
         applied_work=report.states[:, 2 * arrays.speeds + arrays.bodies],
         audit=report.audit,
+        reactions=np.zeros((len(report.times), 0, 6)),
     )
 
 

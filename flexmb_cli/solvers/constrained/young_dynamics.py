@@ -13,7 +13,7 @@ from ...model.joints import DRIVER
 from ...model.loads import DynamicModel
 from ...model.planar_loops import repeated_in_plane
 from ..linearisation.terms import Terms, motors_of
-from .analysis import ConstrainedMotion
+from .analysis import LinearisableMotion
 from .element_rows import element_rows
 from .initial_gaps import estimate_warnings
 from .joint_rates import rate_equations
@@ -21,7 +21,7 @@ from .rows import DynamicRows, dynamic_rows
 from .start_speeds import given_speeds
 
 
-class ForwardDynamics(ConstrainedMotion):
+class ForwardDynamics(LinearisableMotion):
     """One run over the report times of a dynamic model."""
 
     arrays: DynamicArrays

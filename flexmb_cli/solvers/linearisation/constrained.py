@@ -11,7 +11,7 @@ from ...kernels.constrained.projection import project_position, project_speeds, 
 from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import GAMMA, NO_INERTIA, SOLVED
 from ...quick_dataclass import dataclass, replace
-from ..constrained.analysis import ConstrainedMotion
+from ..constrained.analysis import LinearisableMotion
 from ..constrained.start import inertia_failure
 from .joint_coordinates import AXES, OWN, JointCoordinates
 from .motion import DIFFERENCE_STEP, LinearisedMotion, differentiated
@@ -58,7 +58,7 @@ class ConstrainedLinearised(LinearisedMotion):
 
     def __init__(
         self,
-        analysis: ConstrainedMotion,
+        analysis: LinearisableMotion,
         axes: str = OWN,
         state: Any = None,
         free: np.ndarray | None = None,
@@ -242,7 +242,7 @@ def modes_of(motion: LinearisedMotion, A: np.ndarray, constant: bool) -> Modes:
     )
 
 
-def bring_to(analysis: ConstrainedMotion, time: float) -> None:
+def bring_to(analysis: LinearisableMotion, time: float) -> None:
     """Start `analysis` and let it move to `time`, s.  Raises as its `rows` do."""
     grid = analysis.grid
     if time <= grid.start:

@@ -5,11 +5,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...kernels.constrained.angle_unwrapping import EXPECTED
-from ...kernels.constrained.elements import RESPONSE_COLUMNS
 from ...kernels.constrained.report import observe_rows
 from ...kernels.constrained.system import NO_INERTIA, SOLVED, System
+from ...kernels.laws import ANSWER_COLUMNS
 from ...model.arrays.constraint_table import tilde
-from ...model.arrays.records import FORCE, FRICTION, LINE, RELATIVE, TORQUE
+from ...model.arrays.laws import fill_spring
+from ...model.arrays.records import FORCE, FRICTION, TORQUE
 from ...model.flexible_mechanism import NodePoint
 from ...model.vectors import rotation_matrix
 from ..constrained.system import blank_report
@@ -78,7 +79,7 @@ class ConstrainedResponses(Responses):
         expected = analysis.integration.angles[EXPECTED][None].copy()
         system, work = model or motion.system, analysis.work
         # A kernel writes a row for every load, and a model may have one more.
-        answers = np.zeros((len(system.loads), RESPONSE_COLUMNS))
+        answers = np.zeros((len(system.loads), ANSWER_COLUMNS))
         work, report = work._replace(responses=answers), report._replace(responses=answers[None].copy())
         filled = observe_rows(system, work, expected, report)
         motion.refuse(SOLVED if filled else NO_INERTIA)
@@ -155,9 +156,9 @@ class ConstrainedResponses(Responses):
         for (name, is_force), load in zip(self.terms.loads, loads, strict=False):
             for signal, records in _unit_loads(name, is_force, load) if name else ():
                 yield Input(signal, still, still, self._loaded(records), 1.0)
-        for name, is_force, numbers in self.terms.motors:
+        for name, is_force, number in self.terms.motors:
             signal = Signal(f"{name} effort", "N" if is_force else "N m")
-            yield Input(signal, still, still, self._loaded(_unit_motor(loads[[*numbers]])), 1.0)
+            yield Input(signal, still, still, self._loaded(_constant_load(loads[number])), 1.0)
 
     def _loaded(self, records: "Callable[..., Any]") -> "Callable[..., Any]":
         system = self.motion.system
@@ -203,10 +204,11 @@ def _unit_loads(name: str, is_force: bool, load: np.void) -> "Iterator[tuple[Sig
         unit = "N" if load["kind"] == FORCE else "N m"
         for k, axis in enumerate(AXES):
             yield Signal(f"{name} {axis}", unit), _vector_load(load, k)
-    elif load["kind"] == LINE:
-        yield Signal(f"{name} tension", "N"), _spring_load(load, 1.0)
+    elif load["in_line"]:
+        pull = _constant_load(load)
+        yield Signal(f"{name} tension", "N"), lambda amount: pull(-amount)
     else:
-        yield Signal(f"{name} effort", "N" if is_force else "N m"), _spring_load(load, -1.0)
+        yield Signal(f"{name} effort", "N" if is_force else "N m"), _constant_load(load)
 
 
 def _vector_load(load: np.void, axis: int) -> "Callable[..., Any]":
@@ -218,28 +220,15 @@ def _vector_load(load: np.void, axis: int) -> "Callable[..., Any]":
     return records
 
 
-def _spring_load(load: np.void, sign: float) -> "Callable[..., Any]":
-    """Two springs whose stiffnesses cancel and whose free lengths differ: a constant pull."""
+def _constant_load(load: np.void) -> "Callable[..., Any]":
+    """The record of a load that acts with a constant effort along the coordinate of an element."""
 
     def records(amount: float) -> np.ndarray:
-        pair = np.array([load, load])
-        pair["damping"], pair["stiffness"], pair["free_length"] = 0.0, (1.0, -1.0), (-sign * amount, 0.0)
-        return pair
-
-    return records
-
-
-def _unit_motor(loads: np.ndarray) -> "Callable[..., Any]":
-    """The records of a motor with another constant effort, in a joint or as two vectors of unit length."""
-    joint, vectors = loads[loads["kind"] == RELATIVE], loads[loads["kind"] != RELATIVE]
-
-    def records(amount: float) -> np.ndarray:
-        scaled = vectors.copy()
-        scaled["function"], scaled["vector"] = -1, amount * vectors["vector"]
-        pushed = [_spring_load(load, -1.0)(amount) for load in joint]
-        for pair in pushed:
-            pair["function"] = -1
-        return np.concatenate([scaled, *pushed])
+        record = np.array([load])
+        # A spring without stiffness has its preload only.
+        fill_spring(record, 0.0, 0.0, 0.0)
+        record["preload"] = -amount
+        return record
 
     return records
 

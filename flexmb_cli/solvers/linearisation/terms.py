@@ -13,7 +13,7 @@ class Terms:
     in a joint is a force;
     `drivers`: names, and whether they prescribe a length; `joints`: name and the point on each of its two
     bodies; `points`: name and body of the points of interest; `efforts`: places of the drivers among those
-    of the rows; `motors`: name, whether a force, and the numbers of the records that act at unit effort.
+    of the rows; `motors`: name, whether a force, and the number of its record.
     """
 
     loads: tuple[tuple[str, bool], ...]
@@ -21,12 +21,12 @@ class Terms:
     joints: tuple[tuple[str, NodePoint, NodePoint], ...]
     points: tuple[tuple[str, int], ...]
     efforts: tuple[int, ...] | None = None
-    motors: tuple[tuple[str, bool, tuple[int, ...]], ...] = ()
+    motors: tuple[tuple[str, bool, int], ...] = ()
 
 
-def motors_of(elements: JointElements, loads: int) -> tuple[tuple[str, bool, tuple[int, ...]], ...]:
+def motors_of(elements: JointElements, loads: int) -> tuple[tuple[str, bool, int], ...]:
     """The motors among so many loads: they stand before friction, which is the last."""
     first = loads - len(elements.frictions) - len(elements.motors)
     return tuple(
-        (item.name, not is_angle(item.coordinate), (first + k,)) for k, item in enumerate(elements.motors)
+        (item.name, not is_angle(item.coordinate), first + k) for k, item in enumerate(elements.motors)
     )

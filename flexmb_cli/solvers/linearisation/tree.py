@@ -1,4 +1,4 @@
-"""Linearised motion of a tree, with open or closed loops, in its hinge and elastic coordinates.
+"""Linearised motion of a tree, with open or closed loops and elements, in its hinge and elastic coordinates.
 
 The speeds are rates of the coordinates; those of a hinge with three rotations are about axes of its
 parent.  Closed loops leave some coordinates independent: J u = 0 for the rates of the gaps.
@@ -10,6 +10,7 @@ import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...kernels.tree.kane import SOLVED
+from ...kernels.tree.loads import set_prescribed
 from ...kernels.tree.motion import derivative, normalise_attitudes, parts, turn_attitudes
 from ...kernels.tree.projection import evaluate_gaps
 from ...model.arrays.tree_frames import rotation_matrix
@@ -55,9 +56,7 @@ class TreeLinearised(LinearisedMotion):
     def prescribe(self, z: np.ndarray, t: float) -> None:
         """Put the prescribed coordinates of z and their speeds to where they are at t."""
         speeds, q, _ = parts(self.arrays, z)
-        for p in self.arrays.prescribed:
-            q[p["coordinate"]] = p["C"] + t * (p["B"] + 0.5 * p["A"] * t)
-            speeds[p["coordinate"]] = p["B"] + p["A"] * t
+        set_prescribed(self.arrays, t, q, speeds, self.analysis.coordinates)
 
     def _balls(self) -> list[Any]:
         return [frame for frame in self.arrays.frames[1:] if frame["ball"] >= 0]

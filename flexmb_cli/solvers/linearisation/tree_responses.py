@@ -5,7 +5,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...model.arrays.tree import TreeArrays, body_frames
+from ...model.joint_elements import is_angle
 from ...model.tree import ELASTIC, INERTIAL, ROTATION, Coordinate
+from ..constrained.tree_element_rows import TreeElementRows
 from ..tree.points import point_motion, point_names, rotation_matrices
 from .state_space import (
     ACCELERATION_OF,
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
 
 
 AXES = "xyz"
+EFFORT_OF = {"rad": "N m", "m": "N"}
 
 
 class TreeResponses(Responses):
@@ -37,6 +40,9 @@ class TreeResponses(Responses):
         self.n = motion.scale.size
         self.relative = [Signal(c.name, _unit(c)) for c in self.tree.coordinates if c.motion != ELASTIC]
         self._axes = self._point_axes()
+        prescribed = self.arrays.prescribed["coordinate"][: len(self.tree.prescribed)]
+        self._drivers = [self.tree.coordinates[m].name for m in prescribed]
+        self._drivers += [item.name for item in self.tree.elements.drivers]
         self.observed = self._observed()
         self.inputs = [
             *self._function_inputs(),
@@ -51,9 +57,12 @@ class TreeResponses(Responses):
         ]
         points = [(name, *what) for name in names for what in MOVED_POINT]
         closures = [(closure.name, "force", "N") for closure in self.tree.closures]
-        return [
-            Signal(f"{name} {what} {axis}", unit) for name, what, unit in points + closures for axis in AXES
+        vectors = [Signal(f"{n} {what} {axis}", unit) for n, what, unit in points + closures for axis in AXES]
+        drivers = zip(self._drivers, self.arrays.prescribed["coordinate"], strict=True)
+        efforts = [
+            Signal(f"{name} effort", EFFORT_OF[_unit(self.tree.coordinates[m])]) for name, m in drivers
         ]
+        return vectors + efforts * bool(self.tree.elements)
 
     def _rows(self, z: np.ndarray, arrays: TreeArrays) -> Any:
         """The report row of a state, of the tree with other `arrays`."""
@@ -82,7 +91,8 @@ class TreeResponses(Responses):
         motion = point_motion(self.tree, rows)
         moving = [(k, axes) for k, axes in enumerate(self._axes) if axes is not None]
         found = [axes.T @ part[0, k] for k, axes in moving for part in motion]
-        return np.concatenate([rows.y_rate[0], *found, rows.closure_force[0].ravel()])
+        efforts = rows.driver_effort[0] if isinstance(rows, TreeElementRows) else np.zeros(0)
+        return np.concatenate([rows.y_rate[0], *found, rows.closure_force[0].ravel(), efforts])
 
     def displacements(self) -> tuple[np.ndarray, np.ndarray]:
         """Return P (hinge coordinates, n), and its rate, zero."""
@@ -97,12 +107,12 @@ class TreeResponses(Responses):
             Signal(f"{self.tree.bodies[torque.body].name} torque {AXES[torque.axis - 1]}", "N m")
             for torque in self.tree.torques
         ]
-        for motor in self.tree.motors:
-            unit = "N m" if motor.motion == ROTATION else "N"
-            name = f"{self.tree.bodies[motor.body].name} {motor.motion} {motor.axis} motor"
-            signals.append(Signal(name, unit))
         for k, signal in enumerate(signals):
             yield Input(signal, still, still, self._changed("functions", "c0", k), 1.0)
+        motors = self.tree.elements.motors
+        for k, item in enumerate(motors, len(self.arrays.elements) - len(motors)):
+            signal = Signal(f"{item.name} effort", "N m" if is_angle(item.coordinate) else "N")
+            yield Input(signal, still, still, self._changed("elements", "preload", k), 1.0)
 
     def _body_inputs(self) -> "Iterator[Any]":
         """Constant forces and torques of bodies that have some, inertial axes."""
@@ -152,7 +162,7 @@ class TreeResponses(Responses):
         d = one + motion.projected(-gaps)
         if np.max(np.abs(motion.gap_rates(motion.z, d)), initial=0.0) > ADMISSIBLE:
             return
-        name, unit = self.tree.coordinates[m].name, _unit(self.tree.coordinates[m])
+        name, unit = self._drivers[k], _unit(self.tree.coordinates[m])
         changes = [self._prescribed(k, order) for order in range(3)]
         yield Input(Signal(name, unit), d, motion.companion(d), changes[0])
         yield Input(Signal(f"{name} rate", SPEED_OF[unit]), still, d, changes[1])

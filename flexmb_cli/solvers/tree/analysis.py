@@ -17,6 +17,8 @@ from ...kernels.tree.report import Report
 from ...kernels.tree.work import FRAME_WORK, tree_work
 from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
 from ...model.inertia_checks import uneven_masses
+from ...model.joint_elements import names_of
+from ...model.time_functions import corners
 from ...model.tree import Table, Tree
 from ..checkpoint import row_of, taken, taken_clock
 from ..constrained.integrators import steps_at_limit
@@ -27,6 +29,7 @@ from .rows import TreeRows, motion_by_recursion, rows_of_tree
 CALL_WORK = 2_000_000
 LARGEST_BLOCK = 1024  # rows, of trees of a few bodies
 LARGEST_FRAMES = 8192  # frames of all rows of a block, as long as it has 256
+LARGEST_ANSWERS = 1 << 18  # answers of elements in all rows of a block: 16 MB
 
 
 GO_ON = tree_dop853.GO_ON  # evaluate once, without a step
@@ -41,7 +44,7 @@ class TreeAnalysis:
         self.work, self.coordinates = tree_work(len(self.arrays.frames), len(tree.coordinates))
         start = initial_state(tree)
         self.coordinates["held"] = self.arrays.given
-        self.integration = tree_dop853.new_integration(start.size)
+        self.integration = tree_dop853.new_integration(start.size, 1 + len(self.arrays.answers))
         self.integration.z[:] = start
         self.clock = self.integration.clock
         self.clock["t"] = self.clock["step_start"] = tree.time.start
@@ -79,6 +82,7 @@ class TreeAnalysis:
             "clock": clock,
             "state": self.integration.old.copy(),
             "attitude": self.attitude,
+            **self._attachments(),
         }
 
     def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
@@ -89,6 +93,16 @@ class TreeAnalysis:
         size = self.integration.z.size
         self.clock[:] = taken_clock(checkpoint, "clock", self.clock, size, size)
         self.integration.z[:] = taken(checkpoint, "state", self.integration.z.shape)
+        for name, values in self._attachments().items():
+            values[:] = taken(checkpoint, name, values.shape)
+
+    def _attachments(self) -> dict[str, np.ndarray]:
+        """Return what elements keep of the motion before, by names in resume files."""
+        if not self.tree.elements:
+            return {}
+        elements, values = self.arrays.elements, self.arrays.closures["value"]
+        names = {"bushing_axes": elements["turned"], "bushing_angles": elements["expected"]}
+        return {**names, "coupling_values": values}
 
     @property
     def stopped_at(self) -> tuple[float, float, float, float, np.ndarray]:
@@ -133,14 +147,22 @@ class TreeAnalysis:
             report = self._blank_report(self._times_of_block())
             code = integrate_rows(report)
             filled = int(self.clock["row"][0])
-            if filled:
-                yield self._rows_of(Report(*(part[:filled] for part in report)))
+            unknown = np.isnan(report.answers[:filled]).any(axis=(1, 2))
+            known = int(np.argmax(unknown)) if unknown.any() else filled
+            if known:
+                yield self._rows_of(Report(*(part[:known] for part in report)))
+            if known < filled:
+                from .attached_elements import lost_force
+
+                failure = lost_force(self.tree, report.answers[known], float(report.times[known]))
+                raise failure or self.failure()
             if code not in (codes.AT_STOP, codes.PAUSED, codes.ROWS_FULL):
                 raise self.failure()
 
     def _times_of_block(self) -> Any:
         grid = self.tree.time
         most = max(256, LARGEST_FRAMES // len(self.arrays.frames))
+        most = min(most, max(1, LARGEST_ANSWERS // (1 + len(self.arrays.answers))))
         last = min(self.row + min(most, LARGEST_BLOCK), grid.rows)
         return grid.start + np.arange(self.row, last) * grid.step
 
@@ -169,7 +191,11 @@ class TreeAnalysis:
         block = rows_of_tree(self.tree, motion, self.attitude)
         self.attitude = block.euler_parameters[-1]
         self.row += len(block.time)
-        return block
+        if not self.tree.elements:
+            return block
+        from ..constrained.tree_element_rows import with_answers
+
+        return with_answers(self.tree, block, report)
 
     def call(self, task: int) -> int:
         """Have the kernel do one of the tasks of `tree_dop853` that make no steps; its code."""
@@ -193,6 +219,9 @@ class TreeAnalysis:
             np.zeros((rows, n)),
             np.zeros((rows, self.arrays.closures.size), CLOSURE_ROW),
             np.zeros((rows, 5)),
+            np.zeros((rows, *self.arrays.answers.shape)),
+            np.zeros((rows, self.arrays.prescribed.size)),
+            np.zeros((rows, *self.arrays.reactions.shape)),
         )
 
     def _start_interval(self, stop: float) -> None:
@@ -229,31 +258,57 @@ class TreeAnalysis:
             assert self.repeated is not None, "the tree has begun to move"
             shares, worst = pivot_shares(self.arrays), int(clock["worst"])
             return AnalysisError(stray(self.tree, shares, self.repeated, t, worst), t, norms)
+        if failure := self.force_failure():
+            return failure
         return AnalysisError(
             _step_vanished(self.tree, t, float(clock["step"]), int(clock["worst"])), t, norms
         )
 
+    def force_failure(self) -> AnalysisError | None:
+        """Return why elements have no force at the state, or where its speeds lead in a moment, or None."""
+        if not self.tree.elements:
+            return None
+        from ..constrained.failures import MOMENTS
+        from .attached_elements import lost_force
+
+        t, z = float(self.clock["t"][0]), self.state.copy()
+        ahead, failure = np.zeros(z.size), None
+        for share in (0.0, *MOMENTS):
+            self.state[:] = z + share * ahead
+            if not np.isfinite(self.state).all():
+                break
+            self.call(GO_ON)
+            if failure := lost_force(self.tree, self.arrays.answers, t):
+                break
+            if not ahead.any():
+                ahead = (self.tree.time.end - self.tree.time.start) * self.integration.slopes[0]
+        self.state[:] = z
+        return failure
+
 
 def initial_state(tree: Tree) -> np.ndarray:
-    """State (n,) at the start: speeds, coordinates, Euler parameters, applied work."""
-    return np.concatenate([tree.y, tree.q, initial_attitudes(tree).ravel(), [0.0]])
+    """State (n,) at the start: speeds, coordinates, Euler parameters, works of elements, applied work."""
+    works = np.zeros(1 + len(list(names_of(tree.elements))))
+    return np.concatenate([tree.y, tree.q, initial_attitudes(tree).ravel(), works])
 
 
 def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
     """Times inside (start, end) at which a function of the tree jumps or bends."""
-    times = {t for function in _functions(tree) for t in function.times}
+    times = {t for torque in tree.torques for t in torque.function.times}
+    functions = [item.function for item in tree.elements.motors]
+    functions += [item.function for item in tree.elements.drivers]
+    times |= {t for function in functions for t in corners(function)}
     return sorted(t for t in times if start < t < end)
 
 
 def set_functions(tree: Tree, arrays: TreeArrays, begin: float, end: float) -> None:
-    """Write the values c0 + c1 t that the functions have between two breakpoints into the arrays."""
-    for record, function in zip(arrays.functions, _functions(tree), strict=True):
-        record["c0"], record["c1"] = _line(function, (begin + end) / 2)
+    """Write the values c0 + c1 t that the functions have between two breakpoints into the arrays.
 
-
-def _functions(tree: Tree) -> list[Table]:
-    """Return the functions of torques, then those of motors."""
-    return [*(torque.function for torque in tree.torques), *(motor.function for motor in tree.motors)]
+    Functions of elements, which may jump at the end, hold what they are just before it.
+    """
+    arrays.elements["until"] = arrays.prescribed["until"] = np.nextafter(end, -np.inf)
+    for record, torque in zip(arrays.functions, tree.torques, strict=True):
+        record["c0"], record["c1"] = _line(torque.function, (begin + end) / 2)
 
 
 def _line(function: Table, t: float) -> tuple[float, float]:

@@ -22,15 +22,29 @@ MOST_ITERATIONS = 40
 
 
 def assemble_tree(analysis: "TreeAnalysis") -> None:
-    """Bring the state of a TreeAnalysis onto the closures of its tree.
+    """Bring the state of a TreeAnalysis onto the closures of its tree, and attach its elements.
 
     The first rotation and the elastic coordinates are kept; when the loops cannot be closed so, only
     the prescribed coordinates are.  Raises ModelError for closures in a one-way model, AnalysisError
     when a gap remains.
     """
+    if analysis.tree.closures:
+        arrays = analysis.arrays
+        # Couplings keep what they begin with.
+        rows = int(np.sum(arrays.closures["coupling"] < 0))
+        analysis.arrays = arrays._replace(
+            closures=arrays.closures[:rows], closure_matrix=np.zeros((rows, rows))
+        )
+        _close_loops(analysis)
+        analysis.arrays = arrays
+    if analysis.tree.elements:
+        from .attached_elements import attach_elements
+
+        attach_elements(analysis)
+
+
+def _close_loops(analysis: "TreeAnalysis") -> None:
     tree, arrays = analysis.tree, analysis.arrays
-    if not tree.closures:
-        return
     if tree.one_way:
         raise ModelError([_one_way_fault(tree)])
     start = analysis.state.copy()
@@ -83,7 +97,8 @@ def _close_nearest(analysis: "TreeAnalysis", kept: np.ndarray, start: np.ndarray
     """Close the loops nearest to the state `start`, as `_close` does."""
     tree = analysis.tree
     found = nearest_closed(tree, hinge_frames(tree), ~kept)[0]
-    analysis.state[:] = np.concatenate([tree.y, found.q, initial_attitudes(found).ravel(), start[-1:]])
+    moved = np.concatenate([tree.y, found.q, initial_attitudes(found).ravel()])
+    analysis.state[:] = np.concatenate([moved, start[moved.size :]])
     return _close(analysis, kept)
 
 

@@ -20,7 +20,10 @@ def implicit_rows(analysis: "TreeAnalysis") -> Iterator[TreeRows]:
     Raises AnalysisError as the other methods.
     """
     clock, n = analysis.clock[0], len(analysis.coordinates)
-    integration = sdirk4.implicit_work(analysis.clock, analysis.state, n, analysis.arrays.closures)
+    arrays = analysis.arrays
+    integration = sdirk4.implicit_work(
+        analysis.clock, analysis.state, n, arrays.closures, len(arrays.answers)
+    )
     integration.before[:] = analysis.integration.slopes[0]
     budget = 1 + IMPLICIT_CALL_WORK // (1 + n * n)
 

@@ -1,18 +1,28 @@
-"""Messages about redundant closures of a tree: directions that other closures hold, too."""
+"""Messages about redundant closures and couplings of a tree: rows that others hold, too."""
 
 import numpy as np
 
 from ...errors import Fault
-from ...model.tree import Tree
+from ...model.joint_elements import Coupling
+from ...model.tree import Closure, Tree
 from ...model.tree_as_mechanism.planar_tree import repeated_in_planar_tree
 
 SHOWN = 6
 
 
+def closed_rows(tree: Tree) -> list[tuple[str, Closure | Coupling]]:
+    """Return names and owners of the closed directions and couplings, in the order of their rows."""
+    directions = [(closure, axis) for closure in tree.closures for axis in closure.directions]
+    rows: list[tuple[str, Closure | Coupling]] = [
+        (f"{closure.name} direction {axis}", closure) for closure, axis in directions
+    ]
+    return rows + [(item.name, item) for item in tree.elements.couplings]
+
+
 def repetition(tree: Tree, repeated: np.ndarray) -> Fault | None:
     """A note where a planar tree repeats what it must, else a warning; None where nothing is repeated.
 
-    `repeated` (R,): which of the closed directions, in their order, depend on others.
+    `repeated` (R,): which of the closed directions and couplings, in their order, depend on others.
     """
     count = int(np.sum(repeated))
     if not count:
@@ -23,12 +33,12 @@ def repetition(tree: Tree, repeated: np.ndarray) -> Fault | None:
             "the one across the plane of each loop; the motion is unique, forces along it are taken as 0"
         )
         return Fault("note", message, id="SOLVE-035")
-    rows = [(closure, axis) for closure in tree.closures for axis in closure.directions]
-    found = [row for row, again in zip(rows, repeated, strict=True) if again]
-    names = [f"{closure.name} direction {axis}" for closure, axis in found]
-    shown = ", ".join(names[:SHOWN]) + (" and others" if count > SHOWN else "")
+    found = [row for row, again in zip(closed_rows(tree), repeated, strict=True) if again]
+    shown = ", ".join(name for name, _ in found[:SHOWN]) + (" and others" if count > SHOWN else "")
+    coupled = bool(tree.elements.couplings)
     message = (
-        f"{count} of {repeated.size} closed directions repeat{'s' * (count == 1)} others: {shown}; the "
-        "motion is unique, forces along them are taken as 0; leave their flags out"
+        f"{count} of {repeated.size} closed directions{' and couplings' * coupled} "
+        f"repeat{'s' * (count == 1)} others: {shown}; the motion is unique, forces along them are taken as "
+        f"0; leave {'them' if coupled else 'their flags'} out"
     )
-    return Fault("warning", message, found[0][0].place, found[0][0].name, id="SOLVE-036")
+    return Fault("warning", message, found[0][1].place, found[0][1].name, id="SOLVE-036")

@@ -39,6 +39,8 @@ class TreeRows:
     closure_force: np.ndarray  # (T, C, 3) on body a of each closure, opposite on body b, global axes, N
     constraint_residual: np.ndarray  # (T,) largest gap of a closure, m
     velocity_residual: np.ndarray  # (T,) its largest rate, m/s
+    hinge_force: np.ndarray  # (T, N, 3) of the hinge on its body K, global axes, N; (T, 0, 3) where not known
+    hinge_torque: np.ndarray  # (T, N, 3) of the hinge on its body K about O_k, global axes, N m
 
     @property
     def total(self) -> np.ndarray:
@@ -94,6 +96,7 @@ class TreeMotion(NamedTuple):
     closure_force: np.ndarray  # (T, C, 3) on body a of each closure, N
     applied_work: np.ndarray  # (T,) of loads other than gravity and springs since the start, J
     audit: np.ndarray  # (T, 5) kinetic, potential, strain energy, J; largest gap, m, and its rate, m/s
+    reactions: np.ndarray  # (T, N, 6) force and moment about O_k of its hinge on each body, N, N m
 
 
 def rows_of_tree(tree: Tree, motion: TreeMotion, last: np.ndarray | None) -> TreeRows:
@@ -122,12 +125,15 @@ def rows_of_tree(tree: Tree, motion: TreeMotion, last: np.ndarray | None) -> Tre
         closure_force=motion.closure_force,
         constraint_residual=motion.audit[:, 3].copy(),
         velocity_residual=motion.audit[:, 4].copy(),
+        hinge_force=motion.reactions[..., :3] + 0.0,
+        hinge_torque=motion.reactions[..., 3:] + 0.0,
     )
 
 
 def motion_by_recursion(tree: Tree, arrays: TreeArrays, observed: Report) -> TreeMotion:
     """Return the motion over the rows of a report by Kane's equations."""
-    n, bodies = len(tree.coordinates), observed.frames[:, body_frames(arrays)]
+    n, own = len(tree.coordinates), body_frames(arrays)
+    bodies = observed.frames[:, own]
     axes = bodies["axes"].reshape(len(observed.rows), -1, 3, 3)
     return TreeMotion(
         time=observed.times,
@@ -144,14 +150,16 @@ def motion_by_recursion(tree: Tree, arrays: TreeArrays, observed: Report) -> Tre
         closure_force=_closure_forces(tree, observed.closures),
         applied_work=observed.rows[:, -1],
         audit=observed.audit,
+        reactions=observed.reactions[:, own],
     )
 
 
 def _closure_forces(tree: Tree, rows: np.ndarray) -> np.ndarray:
     """Sum of the forces along the closed directions of each closure (T, C, 3)."""
     along = rows["force"][..., None] * rows["direction"]
-    counts = [len(closure.directions) for closure in tree.closures]
-    parts = np.split(along, np.cumsum(counts)[:-1], axis=1) if counts else []
+    ends = np.cumsum([len(closure.directions) for closure in tree.closures], dtype=int)
+    # Rows of couplings follow.
+    parts = np.split(along, ends, axis=1)[: len(ends)]
     sums = [part.sum(axis=1) for part in parts]
     return np.stack(sums, axis=1) if sums else np.zeros((len(rows), 0, 3))
 

@@ -30,7 +30,7 @@ def library_rows(analysis: "TreeAnalysis", stop: float) -> Iterator[TreeRows]:
 
     settings, clock = analysis.tree.integration, analysis.clock[0]
     atol = np.full(analysis.state.size, settings.atol)
-    atol[-1] = UNCOUNTED
+    atol[clock["counted"] :] = UNCOUNTED
     # scipy refuses anything finer and would print a warning.
     rtol = max(settings.rtol, 100 * np.finfo(float).eps)
     if analysis.due_times(clock["t"]):
@@ -47,7 +47,10 @@ def library_rows(analysis: "TreeAnalysis", stop: float) -> Iterator[TreeRows]:
     )
     steps, mark = 0, solver.t
     while solver.status == "running":
-        solver.step()
+        try:
+            solver.step()
+        except ValueError:  # slopes that are no numbers in Radau's matrix
+            solver.status = "failed"
         steps += 1
         if steps % WATCHED == 0:
             # scipy continues with steps of any shortness where nothing can be resolved.
@@ -55,7 +58,8 @@ def library_rows(analysis: "TreeAnalysis", stop: float) -> Iterator[TreeRows]:
                 raise _step_failure(solver.t, settings.method)
             mark = solver.t
         if solver.status == "failed":
-            raise _step_failure(solver.t, settings.method)
+            clock["t"], analysis.state[:] = solver.t, solver.y
+            raise analysis.force_failure() or _step_failure(solver.t, settings.method)
         times = analysis.due_times(solver.t)
         if times:
             yield analysis.observe(solver.dense_output(), times)
@@ -83,7 +87,11 @@ def _slope(analysis: "TreeAnalysis", t: float, z: np.ndarray) -> Any:
     analysis.clock["t"], analysis.state[:] = t, z
     if analysis.call(tree_dop853.GO_ON) == codes.NO_INERTIA:
         raise analysis.failure()
-    return analysis.integration.slopes[0].copy()
+    slope = analysis.integration.slopes[0].copy()
+    # LSODA steps on where there is no slope.
+    if analysis.tree.integration.method == "lsoda" and not np.isfinite(slope).all():
+        raise analysis.force_failure() or _step_failure(t, "lsoda")
+    return slope
 
 
 def _step_failure(t: float, method: Any) -> AnalysisError:

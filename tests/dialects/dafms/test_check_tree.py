@@ -63,7 +63,7 @@ def test_a_coupling_given_twice_is_told_and_counts_once(tmp_path):
     assert report.counts["degrees_of_freedom"] == 1
     (fault,) = report.outcome.faults
     assert fault.severity == "warning" and fault.message.startswith(
-        "1 equation repeats others, among those of coupling 1, coupling 2;"
+        "1 of 2 closed directions and couplings repeats others: coupling 2;"
     )
 
 

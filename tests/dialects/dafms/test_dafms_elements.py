@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from flexmb_cli.quick_dataclass import fields, replace
-from flexmb_cli.solvers.constrained.tree import AbsoluteTree
 from flexmb_cli.solvers.constrained.tree_element_rows import TreeElementRows
+from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from tests.dialects.dafms.dafms_decks import build, reported
 from tests.solvers.constrained.element_decks import ARM
 from tests.solvers.constrained.element_decks import rows_of as young_rows
@@ -73,7 +73,7 @@ def deck(cards, model=TWO_LINKS):
 def rows_of(cards, method="dop853", model=TWO_LINKS):
     tree = build(deck(cards, model))[0]
     tree = replace(tree, integration=replace(tree.integration, method=method))
-    blocks = list(AbsoluteTree(tree).rows())
+    blocks = list(TreeAnalysis(tree).rows())
     names = [field.name for field in fields(TreeElementRows) if field.name != "displacement"]
     return SimpleNamespace(
         **{name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
-from flexmb_cli.kernels.constrained.elements import COORDINATE
+from flexmb_cli.kernels.laws import COORDINATE
 from flexmb_cli.run.solutions.flexible import as_asked
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from tests.dialects.vsdf.vsdf_decks import build, changed, reported, supplied

@@ -144,8 +144,7 @@ def energy(analysis, q):
     from flexmb_cli.kernels.constrained.forces import spring_energy
     from flexmb_cli.kernels.constrained.mass_matrix import strain_energy, weight_energy
 
-    evaluate_jacobian(analysis.system, analysis.work, q)
-    mass_matrices(analysis.system, analysis.work, q)
+    forces_at(analysis, q, np.zeros(analysis.arrays.speeds))
     potential = weight_energy(analysis.system, analysis.work, q)
     return potential + spring_energy(analysis.system, analysis.work) + strain_energy(analysis.system, q)
 

@@ -6,8 +6,9 @@ import pytest
 from flexmb_cli.kernels._jit import interpreting
 from flexmb_cli.kernels.constrained.accelerations import evaluate_jacobian
 from flexmb_cli.kernels.constrained.body_vectors import geometry_of, move_vectors
-from flexmb_cli.kernels.constrained.elements import DAMPING, ELEMENT, add_element, add_unit_friction
+from flexmb_cli.kernels.constrained.elements import ELEMENT, add_element, add_unit_friction
 from flexmb_cli.kernels.constrained.tangent import add_stiff
+from flexmb_cli.kernels.laws import DAMPING
 from tests.dialects.vsdf.mechanisms import random_state
 from tests.kernels.constrained.test_constraint_primitives import FIRST, H
 from tests.solvers.constrained.element_decks import ARM, SLIDER, analysis_of, model_of
@@ -31,7 +32,7 @@ def forces_at(analysis, q, u):
     move_vectors(geometry_of(system, work), u)
     for k in range(len(system.loads)):
         if system.loads[k]["kind"] == ELEMENT:
-            add_element(system, work, k, f)
+            add_element(system, work, k, 0.0, f)
         else:
             add_unit_friction(system, work, k, f)
             f, work.responses[k, DAMPING] = NORMAL_FORCE * f, NORMAL_FORCE * work.responses[k, DAMPING]

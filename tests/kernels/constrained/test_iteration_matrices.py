@@ -10,7 +10,8 @@ from flexmb_cli.kernels.constrained.accelerations import (
     evaluate_jacobian,
     factorise_constraints,
 )
-from flexmb_cli.kernels.constrained.forces import LINE, _stretch
+from flexmb_cli.kernels.constrained.body_vectors import geometry_of
+from flexmb_cli.kernels.constrained.constraint_primitives import primitive_value
 from flexmb_cli.kernels.constrained.mass_matrix import kinetic_energy, mass_matrices
 from flexmb_cli.kernels.constrained.system import SOLVED
 from flexmb_cli.kernels.constrained.tangent import add_stiff
@@ -53,10 +54,12 @@ def relax(analysis, q):
     work.angles[:] = analysis.screw_angles(q)
     evaluate_jacobian(system, work, q)
     for load in system.loads:
-        if load["kind"] == LINE:
+        if load["in_line"]:
             load["free_length"] = np.linalg.norm(work.relative_vectors[0, load["primitive"], 0])
         else:
-            load["free_length"] += _stretch(system, work, load)
+            turn = system.primitives[load["primitive"]]["turn"]
+            expected = work.angles[turn] if turn >= 0 else 0.0
+            load["free_length"] = primitive_value(geometry_of(system, work), load["primitive"], expected)
 
 
 def mass_of(analysis, q):

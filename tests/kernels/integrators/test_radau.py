@@ -6,7 +6,6 @@ from numpy.polynomial import Polynomial
 
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.kernels._jit import interpreting
-from flexmb_cli.kernels.constrained.elements import DAMPING, RESPONSE_COLUMNS, STIFFNESS
 from flexmb_cli.kernels.constrained.report import NOW, TRIED, coordinates_and_speeds
 from flexmb_cli.kernels.constrained.speeds import coordinate_accelerations, coordinate_rates, speeds_of_rates
 from flexmb_cli.kernels.constrained.system import SOLVED
@@ -15,6 +14,7 @@ from flexmb_cli.kernels.integrators.radau5 import _attempt
 from flexmb_cli.kernels.integrators.radau5_singular_step import _bend, _spread_power
 from flexmb_cli.kernels.integrators.radau5_step import START, place_stages
 from flexmb_cli.kernels.integrators.radau5_table import COMPLEX, REAL, TIMES, WEIGHTS
+from flexmb_cli.kernels.laws import ANSWER_COLUMNS, DAMPING, STIFFNESS
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 from tests.dialects.vsdf.mechanisms import analysis_of, sample
@@ -98,7 +98,7 @@ def test_a_rejected_step_leaves_the_slopes_of_the_state_to_stops_and_cables():
 
 
 def test_the_power_of_a_singular_step_changes_evenly(integration):
-    work = integration.newton._replace(responses=np.full((1, RESPONSE_COLUMNS), -4.0))
+    work = integration.newton._replace(responses=np.full((1, ANSWER_COLUMNS), -4.0))
     integration.memory["power"], integration.load_powers[NOW] = 2.0, -1.0
     assert _spread_power(integration, work, 5.0) == 3.0
     np.testing.assert_allclose(integration.powers, 2.0 + 3.0 * TIMES, rtol=1e-15)

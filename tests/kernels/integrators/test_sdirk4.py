@@ -9,10 +9,11 @@ from flexmb_cli.kernels.integrators.clock import new_clock
 from flexmb_cli.kernels.integrators.sdirk4 import _close_loops, implicit_work
 from flexmb_cli.kernels.tree.implicit_matrix import factorise, renew
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.model.tree import INERTIAL, TRANSLATION, Body, Hinge, Integration, Spring, Tree
+from flexmb_cli.model.tree import INERTIAL, TRANSLATION, Body, Hinge, Integration, Tree
 from flexmb_cli.solvers.tree.analysis import initial_state
 from tests.kernels.tree.test_kane_closures import closed_where_it_is, looped_tree
 from tests.kernels.tree.test_kane_forward_dynamics import Recursion
+from tests.naive.random_trees import sprung
 from tests.solvers.tree.tree_runs import run
 
 M, K, C, X0, V0 = 2.0, 50.0, 1.5, 0.3, 0.4
@@ -27,7 +28,7 @@ def damped_mass():
         np.array([V0]),
         TimeGrid(0.0, 0.4, 0.05),
         gravity=(0.0, 0.0, 0.0),
-        springs=(Spring(0, TRANSLATION, 1, K, C),),
+        elements=sprung((0, TRANSLATION, 1, K, C)),
         integration=Integration("sdirk4", 1e-6, 1e-6),
     )
 
@@ -44,7 +45,9 @@ def test_a_step_that_leaves_its_loops_is_taken_back_and_begun_anew_with_another_
     """Closing the loops moves the end of the step by far more than its tolerance of 1e-9."""
     recursion = Recursion(closed_where_it_is(looped_tree(1)))
     start = initial_state(recursion.tree)
-    s = implicit_work(new_clock(), start + 1e-3, len(recursion.tree.q), recursion.arrays.closures)
+    arrays = recursion.arrays
+    clock = new_clock(start.size - 1 - len(arrays.answers))
+    s = implicit_work(clock, start + 1e-3, len(recursion.tree.q), arrays.closures, len(arrays.answers))
     s.old[:] = start
     s.clock["step_start"], s.clock["t"], s.clock["steps"] = 0.2, 0.25, 7
     s.clock["atol"] = s.clock["rtol"] = 1e-9

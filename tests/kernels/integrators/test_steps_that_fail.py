@@ -45,7 +45,8 @@ def test_free_motions_at_a_stage_of_radaus_method_are_those_of_the_hinges():
 def test_a_step_of_sdirk4_is_made_within_the_tolerance_and_tried_again_beyond_it():
     """The mass swings with 5 rad/s: 1e-3 s are a small part of that, a second is not."""
     analysis = TreeAnalysis(damped_mass())
-    s = implicit_work(analysis.clock, analysis.state.copy(), 1, analysis.arrays.closures)
+    arrays = analysis.arrays
+    s = implicit_work(analysis.clock, analysis.state.copy(), 1, arrays.closures, len(arrays.answers))
     with interpreting():
         for h, made in ((1e-3, True), (1.0, False)):
             factor = _attempt(s, h, analysis.arrays, analysis.work, analysis.coordinates)

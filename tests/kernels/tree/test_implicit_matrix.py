@@ -15,7 +15,7 @@ from flexmb_cli.solvers.tree.analysis import initial_state
 from tests.kernels.tree.test_elastic_rotation import turning_tree
 from tests.kernels.tree.test_kane_closures import closed_where_it_is, closure_equations, looped_tree
 from tests.kernels.tree.test_kane_forward_dynamics import Recursion, close
-from tests.naive.random_trees import random_tree
+from tests.naive.random_trees import random_tree, where
 
 F = 0.3  # s: no spring, damper or mass is negligible in b + F D + F² K
 
@@ -60,8 +60,8 @@ def dense_parts(recursion):
             K[np.ix_(own, own)] = body.elastic.stiffness
             D[np.ix_(own, own)] = body.elastic.damping
     place = {(c.body, c.motion, c.axis): m for m, c in enumerate(tree.coordinates)}
-    for spring in tree.springs:
-        m = place[spring.body, spring.motion, spring.axis]
+    for spring in tree.elements.springs:
+        m = place[where(spring)]
         K[m, m] += spring.stiffness
         D[m, m] += spring.damping
     return mass, D, K
@@ -70,7 +70,7 @@ def dense_parts(recursion):
 def solved(recursion, residual):
     """b times residual, and the solution that belongs to it."""
     arrays, n = recursion.arrays, len(residual)
-    stiff = stiff_work(arrays.closures, n)
+    stiff = stiff_work(arrays.closures, n, len(arrays.answers))
     renew(arrays, recursion.work, recursion.coordinates, initial_state(recursion.tree), stiff)
     assert factorise(arrays, F, stiff)
     product = np.empty(n)
@@ -98,8 +98,9 @@ def test_correction_of_a_stage_is_that_of_newton_and_its_size_counts_tolerances(
     Hairer, Nørsett and Wanner I (II.4.11) of what moves speeds, coordinates and attitudes in the stage."""
     recursion = Recursion(random_tree(seed))
     arrays, z, n = recursion.arrays, initial_state(recursion.tree), len(recursion.tree.q)
-    clock, random = new_clock(), np.random.default_rng(seed)
-    s = implicit_work(clock, z.copy(), n, arrays.closures)
+    counted = len(z) - 1 - len(arrays.answers)
+    clock, random = new_clock(counted), np.random.default_rng(seed)
+    s = implicit_work(clock, z.copy(), n, arrays.closures, len(arrays.answers))
     clock["rtol"], clock["atol"] = 0.2, 0.1
     renew(arrays, recursion.work, recursion.coordinates, z, s.stiff)
     assert factorise(arrays, F, s.stiff)
@@ -107,9 +108,11 @@ def test_correction_of_a_stage_is_that_of_newton_and_its_size_counts_tolerances(
     mass, D, K = dense_parts(recursion)
     x = np.linalg.solve(mass + F * D + F**2 * K, mass @ (s.rate - slope)[:n])
     rest = (s.rate - slope)[2 * n :]
-    moved = np.concatenate([F * x, F**2 * x, F * rest])[:-1]  # the last place is the work
+    moved = np.concatenate([F * x, F**2 * x, F * rest])[:counted]  # works are the last
     found = _correct(arrays, clock[0], F / DIAGONAL, slope, s)
-    assert found == pytest.approx(np.sqrt(np.mean((moved / (0.1 + 0.2 * np.abs(z[:-1]))) ** 2)), rel=1e-9)
+    assert found == pytest.approx(
+        np.sqrt(np.mean((moved / (0.1 + 0.2 * np.abs(z[:counted]))) ** 2)), rel=1e-9
+    )
     close(slope[2 * n :], s.rate[2 * n :], 0.0)
     close(s.change, x, 1e-9)
 

@@ -5,15 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexmb_cli.kernels.tree.elements import answer_elements
 from flexmb_cli.kernels.tree.kane import SOLVED, accelerations, solve_tree
 from flexmb_cli.kernels.tree.kinematics import place_frames
 from flexmb_cli.kernels.tree.loads import coordinate_efforts
 from flexmb_cli.kernels.tree.work import tree_work
 from flexmb_cli.model.arrays.tree import initial_attitudes, tree_arrays
-from flexmb_cli.model.tree import ROTATION, BodyTorque, Motor, Prescribed, constant
+from flexmb_cli.model.tree import ROTATION, BodyTorque, Prescribed, Table
 from flexmb_cli.solvers.tree.analysis import set_functions
 from tests.naive.particle_tree import equations
-from tests.naive.random_trees import random_tree
+from tests.naive.random_trees import motored, random_tree
 
 SEEDS = range(12)
 
@@ -36,7 +37,8 @@ class Recursion:
     def inverse(self, rates, extra=0.0):
         """Efforts that are missing for the accelerations `rates` when `extra` efforts act as well."""
         place_frames(self.arrays, self.work, self.coordinates, *self.state[1:])
-        coordinate_efforts(self.arrays, self.work, *self.state[:3], self.coordinates)
+        coordinate_efforts(self.arrays, self.work, *self.state[1:3], self.coordinates)
+        answer_elements(self.arrays, self.work, *self.state[:3], self.coordinates)
         self.coordinates["effort"] += extra
         self.coordinates["locked"], self.coordinates["rate"] = 1, rates
         solve_tree(self.arrays, self.work, self.coordinates, *self.state[:3])
@@ -116,7 +118,8 @@ def test_motor_acts_on_its_coordinate_alone_and_body_torque_on_the_body_from_out
         i for i, c in enumerate(plain.coordinates) if (c.body, c.motion, c.axis) == (body, ROTATION, axis)
     )
     b, remainder, force = Recursion(plain).dense()
-    driven = Recursion(random_tree(5, motors=(Motor(body, ROTATION, axis, constant(7.0)),)))
+    motor = motored(body, ROTATION, axis, (0.0, 7.0)).motors
+    driven = Recursion(replace(plain, elements=replace(plain.elements, motors=motor)))
     force[m] += 7.0
     close(driven.forward(), np.linalg.solve(b, force - remainder), 1e-11)
 
@@ -126,7 +129,7 @@ def test_tabulated_body_torque_equals_the_constant_torque_of_the_same_size():
     last = tree.bodies[-1]
     stronger = replace(last, torque=(last.torque[0], last.torque[1] + 4.0, last.torque[2]))
     constant_torque = replace(tree, bodies=(*tree.bodies[:-1], stronger))
-    tabulated = replace(tree, torques=(BodyTorque(len(tree.bodies) - 1, 2, constant(4.0)),))
+    tabulated = replace(tree, torques=(BodyTorque(len(tree.bodies) - 1, 2, Table((0.0,), (4.0,))),))
     close(Recursion(tabulated).forward(), Recursion(constant_torque).forward(), 1e-13)
 
 

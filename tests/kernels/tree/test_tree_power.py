@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexmb_cli.kernels.laws import POWER
 from flexmb_cli.kernels.tree.energy import applied_power, energies
 from flexmb_cli.kernels.tree.kinematics import place_frames
 from flexmb_cli.kernels.tree.loads import coordinate_efforts
+from flexmb_cli.model.joint_elements import JointElements
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import (
     INERTIAL,
@@ -16,7 +18,6 @@ from flexmb_cli.model.tree import (
     BodyTorque,
     Elasticity,
     Hinge,
-    Motor,
     Prescribed,
     Table,
     Tree,
@@ -24,23 +25,30 @@ from flexmb_cli.model.tree import (
 from tests.kernels.tree.test_implicit_matrix import dense_parts
 from tests.kernels.tree.test_kane_forward_dynamics import Recursion, close, hinged_angle
 from tests.naive.particle_tree import Particles
-from tests.naive.random_trees import random_tree
+from tests.naive.random_trees import motored, random_tree, where
 
 T = 0.3  # s
-MOTOR, TORQUE = Table((0.0, 1.0), (2.0, 5.0)), Table((0.0, 1.0), (-3.0, 1.0))  # N m: 2.9 and -1.8 at T
+MOTOR, TORQUE = ((0.0, 2.0), (1.0, 5.0)), Table((0.0, 1.0), (-3.0, 1.0))  # N m: 2.9 and -1.8 at T
+
+
+def power_of(recursion):
+    """Power of all loads and elements."""
+    power = applied_power(recursion.arrays, recursion.work, recursion.coordinates, *recursion.state[:3])
+    return power + recursion.arrays.answers[:, POWER].sum()
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_applied_power_is_that_of_all_forces_but_weight_and_elasticity(seed):
     """F · y of the particles without weight and springs, less that of elastic forces, -q · K y."""
     tree = random_tree(seed, gravity=(0.0, 0.0, 0.0))
-    tree = replace(tree, springs=tuple(replace(spring, stiffness=0.0) for spring in tree.springs))
+    damped = tuple(replace(spring, stiffness=0.0) for spring in tree.elements.springs)
+    tree = replace(tree, elements=JointElements(springs=damped))
     recursion = Recursion(tree)
     assert isinstance(recursion.forward(), np.ndarray)
     _, _, force = recursion.dense()
     _, D, K = dense_parts(recursion)
     assert tree.y @ D @ tree.y > 0.01
-    power = applied_power(recursion.arrays, recursion.work, recursion.coordinates, *recursion.state[:3])
+    power = power_of(recursion)
     assert power == pytest.approx(force @ tree.y + tree.q @ K @ tree.y, rel=1e-10)
 
 
@@ -51,8 +59,8 @@ def test_kinetic_and_stored_energies_are_those_of_the_matrices(seed):
     tree = recursion.tree
     recursion.forward()
     place = {(c.body, c.motion, c.axis): tree.q[m] for m, c in enumerate(tree.coordinates)}
-    in_springs = [s.stiffness * (place[s.body, s.motion, s.axis] - s.rest) ** 2 / 2 for s in tree.springs]
-    _, _, K = dense_parts(Recursion(replace(tree, springs=())))
+    in_springs = [s.stiffness * (place[where(s)] - s.rest) ** 2 / 2 for s in tree.elements.springs]
+    _, _, K = dense_parts(Recursion(replace(tree, elements=JointElements())))
     expected = tree.y @ recursion.dense()[0] @ tree.y / 2, sum(in_springs), tree.q @ K @ tree.q / 2
     found = energies(recursion.arrays, recursion.work, tree.q, tree.y)
     assert found == pytest.approx(expected, rel=1e-10, abs=1e-12)
@@ -68,11 +76,11 @@ def test_motors_and_torques_that_grow_with_time_act_and_work_with_their_value_at
     place = {(c.body, c.motion, c.axis): m for m, c in enumerate(plain.coordinates)}
     force[place[body, ROTATION, axis]] += 2.9
     torques = (BodyTorque(len(plain.bodies) - 1, 2, TORQUE),)
-    recursion = Recursion(replace(plain, motors=(Motor(body, ROTATION, axis, MOTOR),), torques=torques))
+    recursion = Recursion(replace(plain, elements=motored(body, ROTATION, axis, *MOTOR), torques=torques))
     recursion.state = (T, *recursion.state[1:])
     close(recursion.forward(), np.linalg.solve(mass, force - remainder), 1e-11)
     elastic = plain.q @ dense_parts(recursion)[2] @ plain.y
-    power = applied_power(recursion.arrays, recursion.work, recursion.coordinates, *recursion.state[:3])
+    power = power_of(recursion)
     assert power == pytest.approx(force @ plain.y + elastic, rel=1e-10)
 
 
@@ -104,7 +112,7 @@ def test_a_driven_coordinate_takes_the_power_of_its_effort():
     assert abs(effort) > 1.0
     assert abs(tree.y[m] ** 2 - 1.0) > 0.01
     elastic = tree.q @ dense_parts(recursion)[2] @ tree.y
-    power = applied_power(recursion.arrays, recursion.work, recursion.coordinates, *recursion.state[:3])
+    power = power_of(recursion)
     assert power == pytest.approx(force @ tree.y + elastic + effort * tree.y[m], rel=1e-10)
 
 
@@ -126,7 +134,7 @@ def test_weight_along_a_beam_stiffens_it_as_a_pull_at_its_tip():
     )
     recursion = Recursion(tree)
     place_frames(recursion.arrays, recursion.work, recursion.coordinates, *recursion.state[1:])
-    coordinate_efforts(recursion.arrays, recursion.work, *recursion.state[:3], recursion.coordinates)
+    coordinate_efforts(recursion.arrays, recursion.work, *recursion.state[1:3], recursion.coordinates)
     expected = -(stiffness + 1.2 * m * g / length) * u
     assert recursion.coordinates["effort"][0] == pytest.approx(expected, rel=1e-10)
 
@@ -147,5 +155,5 @@ def test_the_pull_of_turning_on_a_tip_takes_power_from_its_bending():
     )
     recursion = Recursion(tree)
     place_frames(recursion.arrays, recursion.work, recursion.coordinates, *recursion.state[1:])
-    power = applied_power(recursion.arrays, recursion.work, recursion.coordinates, *recursion.state[:3])
+    power = power_of(recursion)
     assert power == pytest.approx(-1.2 * m * w**2 * u * v, rel=1e-10)

@@ -114,7 +114,7 @@ COMMANDS = {
 
 
 # Words of quantities that results did not have yet when those of the folder `earlier` were written.
-ADDED = ("rate", "cell")
+ADDED = ("rate", "cell", "hinge")
 
 
 @pytest.mark.parametrize("command", COMMANDS)

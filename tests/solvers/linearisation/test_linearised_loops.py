@@ -15,13 +15,14 @@ from scipy.optimize import brentq, fsolve
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.dafms.build import build_dafms
 from flexmb_cli.dialects.recognise import read_deck
-from flexmb_cli.model.tree import ROTATION, Motor, constant
+from flexmb_cli.model.tree import ROTATION
 from flexmb_cli.solvers.linearisation.constrained import linearised, modes_of
 from flexmb_cli.solvers.linearisation.equilibrium import find_equilibrium
 from flexmb_cli.solvers.linearisation.state_space import matrices
 from flexmb_cli.solvers.linearisation.tree import TreeLinearised, start_tree
 from flexmb_cli.solvers.linearisation.tree_responses import TreeResponses
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
+from tests.naive.random_trees import motored
 
 DECK = Path(__file__).parents[3] / "decks/dafms/fourbar_rigid.DAT"
 G, BASE = 9.8, 0.6
@@ -112,7 +113,7 @@ def test_a_four_bar_settles_at_its_lowest_position():
 def test_an_input_of_a_loop_acts_through_it():
     """A motor of 1 N m between crank and coupler drives x itself: x'' = 1/I."""
     tree, _ = build_dafms(read_deck(read_text(str(DECK))))
-    found = TreeAnalysis(replace(tree, motors=(Motor(1, ROTATION, 1, constant(0.0)),)))
+    found = TreeAnalysis(replace(tree, elements=motored(1, ROTATION, 1, (0.0, 0.0))))
     start_tree(found, 0.0)
     motion, _, _ = linearised(found, TreeLinearised)
     B = matrices(TreeResponses(motion))[1]

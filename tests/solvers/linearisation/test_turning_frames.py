@@ -12,13 +12,14 @@ from flexmb_cli.dialects.dafms.build import build_dafms
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.model.loads import DynamicModel, InitialVelocity, MassProperties, SpringDamper
 from flexmb_cli.model.mechanism import Driver, Joint, Mechanism, Simplified, TimeGrid
-from flexmb_cli.model.tree import INERTIAL, ROTATION, TRANSLATION, Closure, Hinge, Prescribed, Spring, Tree
+from flexmb_cli.model.tree import INERTIAL, ROTATION, TRANSLATION, Closure, Hinge, Prescribed, Tree
 from flexmb_cli.model.tree import Body as Part
 from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 from flexmb_cli.solvers.linearisation.constrained import ConstrainedLinearised, bring_to, linearised, modes
 from flexmb_cli.solvers.linearisation.equilibrium import find_equilibrium
 from flexmb_cli.solvers.linearisation.tree import TreeLinearised, start_tree
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
+from tests.naive.random_trees import sprung
 from tests.solvers.constrained.dynamic_runs import AT_REST, GROUND, body
 
 OMEGA, MASS = 3.0, 2.0
@@ -230,7 +231,7 @@ def tree_table(closed):
         np.eye(count)[0] * OMEGA,
         TimeGrid(0.0, 1.0, 0.5),
         gravity=O,
-        springs=(Spring(1, TRANSLATION, 1, 200.0),),
+        elements=sprung((1, TRANSLATION, 1, 200.0)),
         prescribed=(Prescribed(0, ROTATION, 3, 0.0, OMEGA, 0.0),),
         closures=(closure,) if closed else (),
     )
@@ -247,7 +248,7 @@ def test_the_turntable_as_a_tree_with_open_and_closed_loops(closed):
 
 def test_a_closed_loop_that_turns_settles_where_its_forces_balance():
     """200 (r - 0.05) = m Omega² r on a rail that a closure makes."""
-    tree = replace(tree_table(True), springs=(Spring(1, TRANSLATION, 1, 200.0, rest=0.05),))
+    tree = replace(tree_table(True), elements=sprung((1, TRANSLATION, 1, 200.0, 0.0, 0.05)))
     analysis = TreeAnalysis(tree)
     start_tree(analysis, 0.0)
     find_equilibrium(analysis, TreeLinearised)

@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexmb_cli.model.joint_elements import JointElements
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.model.tree import ROTATION, Motor, Prescribed, Table, generalized_coordinates
+from flexmb_cli.model.tree import ROTATION, Prescribed, generalized_coordinates
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis, initial_state
 from tests.naive.particle_tree import Particles
-from tests.naive.random_trees import random_tree
+from tests.naive.random_trees import motored, random_tree
 from tests.solvers.tree.tree_runs import run
 
 GRID = TimeGrid(0.0, 2.0, 0.05)
@@ -25,9 +26,9 @@ def unloaded(body):
 def settled(seed, **options):
     """A random tree without losses, at moderate speeds."""
     tree = random_tree(seed, bodies=4, time=GRID, **options)
-    springs = tuple(replace(s, damping=0.0) for s in tree.springs)
+    elements = JointElements(springs=tuple(replace(s, damping=0.0) for s in tree.elements.springs))
     settings = replace(tree.integration, rtol=1e-11, atol=1e-11)
-    return replace(tree, springs=springs, bodies=tuple(map(unloaded, tree.bodies)), integration=settings)
+    return replace(tree, elements=elements, bodies=tuple(map(unloaded, tree.bodies)), integration=settings)
 
 
 def floating(seed, **options):
@@ -76,11 +77,12 @@ def test_energy_audit_counts_forces_dampers_motors_and_prescribed_motion():
     settings = replace(tree.integration, rtol=1e-11, atol=1e-11)
     hinged = [(k, h.rotations[0]) for k, h in enumerate(tree.hinges) if len(h.rotations) in (1, 2)]
     (driven, axis), (moved, other) = hinged[0], hinged[1]
-    function = Table((0.0, 0.3, 0.7, 0.7, 1.5), (0.0, 2.0, -1.0, 3.0, 0.5))
+    points = (0.0, 0.0), (0.3, 2.0), (0.7, -1.0), (0.7, 3.0), (1.5, 0.5)
+    motor = motored(driven, ROTATION, axis, *points).motors
     tree = replace(
         tree,
         integration=settings,
-        motors=(Motor(driven, ROTATION, axis, function),),
+        elements=replace(tree.elements, motors=motor),
         prescribed=(Prescribed(moved, ROTATION, other, 0.1, 0.5, -0.4),),
     )
     rows = run(tree)

@@ -18,13 +18,12 @@ from flexmb_cli.model.tree import (
     Hinge,
     Integration,
     Prescribed,
-    Spring,
     Tree,
 )
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis, initial_state
 from tests.kernels.tree.test_elastic_rotation import turning_tree
 from tests.kernels.tree.test_kane_forward_dynamics import Recursion, close
-from tests.naive.random_trees import random_tree
+from tests.naive.random_trees import random_tree, sprung
 from tests.solvers.tree.tree_runs import deck_tree, joined, run
 
 pytestmark = pytest.mark.long_motion
@@ -199,7 +198,7 @@ def test_motion_without_bound_is_reported_with_time_and_coordinate():
         np.ones(1),
         np.zeros(1),
         TimeGrid(0.0, 2.0, 0.1),
-        springs=(Spring(0, TRANSLATION, 2, -1e6),),
+        elements=sprung((0, TRANSLATION, 2, -1e6)),
     )
     with pytest.raises(AnalysisError, match="t = 0"):
         run(implicit(tree, 1e-6))

@@ -16,14 +16,13 @@ from flexmb_cli.model.tree import (
     Elasticity,
     Hinge,
     Integration,
-    Spring,
     Table,
     Tree,
     pulse,
 )
 from flexmb_cli.solvers.tree import analysis
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
-from tests.naive.random_trees import random_tree
+from tests.naive.random_trees import random_tree, sprung
 from tests.solvers.tree.tree_runs import deck_tree, joined, run
 
 pytestmark = pytest.mark.long_motion
@@ -151,7 +150,7 @@ def test_motion_without_bound_keeps_the_rows_before_and_names_time_and_coordinat
         np.ones(1),
         np.zeros(1),
         TimeGrid(0.0, 2.0, 0.1),
-        springs=(Spring(0, TRANSLATION, 2, -1e6),),
+        elements=sprung((0, TRANSLATION, 2, -1e6)),
     )
     kept = []
     with pytest.raises(AnalysisError, match="slide translation 2") as caught:

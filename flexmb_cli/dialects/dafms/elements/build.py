@@ -21,16 +21,15 @@ from ...joint_elements.build import (
     friction,
     joint_driver,
     joint_spring,
+    law_sections,
     line_spring,
     motor,
     sections_of,
-    stop,
 )
 from ...joint_elements.build import build_elements as elements_of
 from ...joint_elements.functions import Functions, GivenFunction
 from ...joint_elements.maker import ElementMaker
 from .cards import FUNCTION_KINDS
-from .older import with_older_elements
 
 if TYPE_CHECKING:
     from ....model.joint_elements import JointElements
@@ -41,7 +40,7 @@ _CARDS: Cards = {
     "drivers": [("function_drive", joint_driver(None))],
     "motors": [("function_motor", motor(None))],
     "springs": [("hinge_spring", joint_spring(None))],
-    "stops": [("hinge_stop", stop(None))],
+    "laws": law_sections({"hinge_": None}),
     "lines": [("lspring", line_spring), ("cable", cable)],
     "bushings": [("bushing", bushing)],
     "couplings": [("coupling", coupling)],
@@ -58,7 +57,10 @@ def with_elements(tree: Tree, values: DeckValues, findings: Findings) -> Tree:
     if not elements:
         return tree
     _refuse_prescribed(tree, elements, findings)
-    tree = with_older_elements(replace(tree, elements=elements, **_start(tree, elements)))
+    older = tree.elements
+    springs, motors = (*older.springs, *elements.springs), (*older.motors, *elements.motors)
+    elements = replace(elements, springs=springs, motors=motors)
+    tree = replace(tree, elements=elements, **_start(tree, elements))
     for item in elements.couplings:
         _check_speeds(tree, item, findings)
     return tree

@@ -3,6 +3,7 @@
 from typing import Any
 
 from ....deck.fortran_records import Item
+from ....model.laws import LAWS, Law
 from ..card import Card
 
 # By the code of the card FUNC.
@@ -43,6 +44,16 @@ def _card(word: str, section: str, form: str, items: Any, tail: str = "", head: 
     return Card(word, section, "entries", form, tuple(items), tail, head=head)
 
 
+def _law(law: Law) -> Card:
+    words = {"coordinate": "coordinate", "effort": "torque or force"}
+    items = (
+        Item(p.name, p.meaning.format_map(words), f"{p.unit(True)} or {p.unit(False)}")
+        for p in law.parameters
+    )
+    form = f"2I5,{len(law.parameters)}F10.5"
+    return _card(f"H{law.word}"[:4], f"hinge_{law.word.lower()}", form, (*HINGE_ITEMS, *items))
+
+
 ELEMENT_CARDS = (
     _card(
         "FUNC",
@@ -81,18 +92,7 @@ ELEMENT_CARDS = (
             *_CHARACTERISTICS,
         ),
     ),
-    _card(
-        "HSTO",
-        "hinge_stop",
-        "2I5,4F10.5",
-        (
-            *HINGE_ITEMS,
-            Item("lower", "least coordinate", "rad or m"),
-            Item("upper", "largest coordinate", "rad or m"),
-            Item("stiffness", "torque or force per depth", "N m/rad or N/m"),
-            Item("damping", "share of it that a rate of 1 adds", "s/rad or s/m"),
-        ),
-    ),
+    *map(_law, LAWS),
     _card(
         "LSPR",
         "lspring",

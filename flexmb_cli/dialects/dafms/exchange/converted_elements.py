@@ -5,8 +5,10 @@ from typing import Any
 
 from ....model.exchange.conversion import Conversion, place_of
 from ....model.exchange.functions import moved
-from ....model.joint_elements import Bushing, Coupling, JointDriver, JointMotor
+from ....model.exchange.rigid_model import CoordinateSpring
+from ....model.joint_elements import Bushing, Coupling, JointDriver, JointMotor, JointSpring
 from ....model.joints import ANGLE, STROKE
+from ....model.laws import JointLaw
 from ....model.tree import ROTATION, Tree
 from ....quick_dataclass import replace
 
@@ -21,7 +23,7 @@ class ConvertedElements(Conversion):
     def _elements(self) -> dict[str, tuple[Any, ...]]:
         """Elements in one joint coordinate, which count from the start."""
         found: dict[str, tuple[Any, ...]] = {}
-        counted = {"drivers": (), "motors": (), "springs": ("rest",), "stops": ("lower", "upper")}
+        counted = {"drivers": (), "motors": (), "springs": ("rest",), "laws": ()}
         for kind, names in counted.items():
             items = [self._in_joint(item, names) for item in getattr(self.tree.elements, kind)]
             found[kind] = tuple(item for item in items if item)
@@ -39,6 +41,11 @@ class ConvertedElements(Conversion):
             changed["function"] = moved(item.function, start, item.function.at(start)[0])
         elif isinstance(item, JointMotor):
             changed["function"] = moved(item.function, self.tree.time.start)
+        elif isinstance(item, JointLaw):
+            changed["values"] = item.since(q)
+        elif isinstance(item, JointSpring) and not (item.preload or item.curve or item.damper):
+            law = item.stiffness, item.rest - q, item.damping
+            return CoordinateSpring(item.name, joint, coordinate, *law, item.place)
         return replace(item, joint=joint, coordinate=coordinate, **changed)
 
     def _joint_coordinate(self, item: Any, body: int, coordinate: str) -> tuple[int, str, float] | None:

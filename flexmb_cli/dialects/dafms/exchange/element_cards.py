@@ -8,6 +8,7 @@ from ....deck.fortran_fields import filled
 from ....model.exchange.function_cards import Card, FunctionCards, without_card
 from ....model.exchange.functions import points_of, polynomial_of, value_of
 from ....model.joints import ANGLE
+from ....model.laws import LAWS
 from ....model.mechanism import GROUND
 from ..elements.cards import FUNCTION_KINDS
 
@@ -75,7 +76,8 @@ class ElementCards:
             ("CABL", self._lines(slack=True)),
             ("SPRI", springs), ("DAMP", dampers), ("MOTR", motors), ("TABM", tables), ("PRES", motions),
             ("HSPR", list(map(self._preloaded, self.model.preloaded))),
-            ("HSTO", list(map(self._stop, self.model.stops))),
+            *((f"H{law.word}"[:4], [self._dof(i) + "".join(map(self.real, i.values))
+                                    for i in self.model.laws if i.law is law]) for law in LAWS),
             ("BUSH", list(map(self._bushing, self.model.bushings))),
             ("COUP", [x for n, item in enumerate(self.model.couplings, 1) for x in self._terms(n, item)]),
             ("FRIC", list(map(self._friction, self.model.frictions))),

@@ -18,7 +18,7 @@ from ....model.exchange.rigid_model import (
 )
 from ....model.exchange.start import Start
 from ....model.integrators import Integrator
-from ....model.joint_elements import JointDriver, JointMotor
+from ....model.joint_elements import JointDriver, JointSpring
 from ....model.joints import ANGLE, STROKE
 from ....model.loads import AppliedForce, AppliedTorque
 from ....model.time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
@@ -95,8 +95,8 @@ class _Conversion(ConvertedElements):
             vector(tree.gravity),
             tuple(joints),
             joint_drivers=(*self._prescribed(), *elements["drivers"]),
-            motors=(*self._motors(), *elements["motors"]),
-            joint_springs=tuple(self._springs()),
+            motors=elements["motors"],
+            joint_springs=tuple(item for item in elements["springs"] if isinstance(item, CoordinateSpring)),
             forces=tuple(
                 AppliedForce(f"force of {body.name}", k, vector(body.force), place=body.place)
                 for k, body in enumerate(tree.bodies)
@@ -104,13 +104,13 @@ class _Conversion(ConvertedElements):
             ),
             torques=tuple(self._torques()),
             integrator=integrator,
-            stops=elements["stops"],
+            laws=elements["laws"],
             frictions=tuple(
                 replace(item, joint=self.number[item.joint])
                 for item in tree.elements.frictions
                 if item.joint in self.number
             ),
-            preloaded=elements["springs"],
+            preloaded=tuple(item for item in elements["springs"] if isinstance(item, JointSpring)),
             lines=tuple(
                 replace(item, P_i=place_of(item.P_i), P_j=place_of(item.P_j)) for item in tree.elements.lines
             ),
@@ -215,25 +215,6 @@ class _Conversion(ConvertedElements):
                 name = f"motion of {self.tree.bodies[item.body].name}"
                 joint, coordinate, _ = found
                 yield JointDriver(name, joint, coordinate, function, item.place)
-
-    def _motors(self) -> "Iterator[Any]":
-        for item in self.tree.motors:
-            found = self._coordinate(item, "motor")
-            if found:
-                name = f"motor of {self.tree.bodies[item.body].name}"
-                joint, coordinate, _ = found
-                yield JointMotor(name, joint, coordinate, _function(item.function), item.place)
-
-    def _springs(self) -> "Iterator[Any]":
-        for item in self.tree.springs:
-            found = self._coordinate(item, "spring or damper")
-            if found:
-                joint, coordinate, q = found
-                name = f"spring of {self.tree.bodies[item.body].name}"
-                rest = item.rest - q
-                yield CoordinateSpring(
-                    name, joint, coordinate, item.stiffness, rest, item.damping, item.place
-                )
 
     def _torques(self) -> "Iterator[Any]":
         for k, body in enumerate(self.tree.bodies):

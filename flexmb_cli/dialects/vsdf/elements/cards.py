@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from ....model.laws import LAWS, Law
 from ..card import Card, Column, vector_columns, whole_column
 
 FUNCTION_KINDS = {
@@ -50,15 +51,15 @@ def _spring(word: str, section: str, coordinate: str, force: str, unit: str) -> 
     return Card(word, section, f"{section} {{}}", "list", columns)
 
 
-def _stop(word: str, section: str, coordinate: str, force: str, unit: str) -> Card:
-    columns = (
-        _JOINT,
-        _real("lower", f"least {coordinate}", unit),
-        _real("upper", f"largest {coordinate}", unit),
-        _real("stiffness", f"{force} per depth", f"{force}/{unit}", None),
-        _real("damping", "share of the force that a rate of 1 adds", f"s/{unit}"),
+def _law(law: Law, letter: str) -> Card:
+    words = (
+        {"coordinate": "angle", "effort": "N m"} if letter == "T" else {"coordinate": "stroke", "effort": "N"}
     )
-    return Card(word, section, f"{section} {{}}", "list", columns)
+    columns = (
+        _real(p.name, p.meaning.format_map(words), p.unit(letter == "T"), p.default) for p in law.parameters
+    )
+    section = f"{letter}{law.word}".lower()
+    return Card(section.upper()[:4], section, f"{section} {{}}", "list", (_JOINT, *columns))
 
 
 ELEMENT_CARDS = (
@@ -90,8 +91,7 @@ ELEMENT_CARDS = (
     Card("AMOT", "amotor", "amotor {}", "list", (_JOINT, _FUNCTION)),
     _spring("TSPR", "tspring", "angle", "N m", "rad"),
     _spring("ASPR", "aspring", "stroke", "N", "m"),
-    _stop("TSTO", "tstop", "angle", "N m", "rad"),
-    _stop("ASTO", "astop", "stroke", "N", "m"),
+    *(_law(law, letter) for law in LAWS for letter in "TA"),
     Card(
         "LSPR",
         "lspring",

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 from ....model.exchange.function_cards import FunctionCards, without_card
 from ....model.exchange.rigid_model import Refusals, RigidModel
-from ....model.joint_elements import Coupling, EndStop, JointFriction
+from ....model.joint_elements import Coupling, JointFriction
 from ....model.joints import ANGLE
+from ....model.laws import LAWS
 from ..elements.cards import FUNCTION_KINDS
 from ..joints import SLIDING, TURNING
 
@@ -64,8 +65,10 @@ class ElementCards(ABC):
             ),
             *self._motors(),
             *(
-                (word, [_stop(item) for item in model.stops if (item.coordinate == ANGLE) == turning])
-                for word, turning in (("TSTO", True), ("ASTO", False))
+                (f"{letter}{law.word}"[:4], [record(i.joint + 1, *i.values) for i in model.laws
+                                             if i.law is law and (i.coordinate == ANGLE) == (letter == "T")])
+                for law in LAWS
+                for letter in "TA"
             ),
             ("LSPR", [record(*ends, *self._characteristics(item)) for item, ends in lines if not item.slack]),
             ("CABL", [record(*ends, item.stiffness, item.rest, item.damping)
@@ -101,10 +104,6 @@ def _coupling(number: int, item: Coupling) -> list[str]:
         record(number, joint + 1, 1 if coordinate == ANGLE else 2, factor)
         for joint, coordinate, factor in item.terms
     ]
-
-
-def _stop(item: EndStop) -> str:
-    return record(item.joint + 1, item.lower, item.upper, item.stiffness, item.damping)
 
 
 def _friction(item: JointFriction) -> str:

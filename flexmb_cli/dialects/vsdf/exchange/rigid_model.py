@@ -91,9 +91,11 @@ class _Conversion(Conversion):
             ),
             tuple(Point(p.name, p.body, vector(p.r0)) for p in deck.outputs if p.body != GROUND),
             self._integrator(),
-            stops=tuple(self._since_start(item, "lower", "upper") for item in deck.elements.stops),
+            laws=tuple(replace(item, values=item.since(self._since(item))) for item in deck.elements.laws),
             frictions=deck.elements.frictions,
-            preloaded=tuple(self._since_start(item, "rest") for item in deck.elements.springs),
+            preloaded=tuple(
+                replace(item, rest=item.rest - self._since(item)) for item in deck.elements.springs
+            ),
             lines=tuple(
                 replace(item, P_i=place_of(item.P_i), P_j=place_of(item.P_j)) for item in deck.elements.lines
             ),
@@ -114,10 +116,9 @@ class _Conversion(Conversion):
             if found := self.bushing(item, ends, self.first):
                 yield found
 
-    def _since_start(self, item: Any, *names: str) -> Any:
-        """Return an element whose values `names` of a joint coordinate count from the start."""
-        since = self._coordinate_since(self.deck.joints[item.joint], item.coordinate)
-        return replace(item, **{name: getattr(item, name) - since for name in names})
+    def _since(self, item: Any) -> float:
+        """Return the joint coordinate of an element at the start."""
+        return self._coordinate_since(self.deck.joints[item.joint], item.coordinate)
 
     def _coordinate_since(self, joint: Any, coordinate: str) -> float:
         bodies, s = (joint.a[0].body, joint.b[0].body), joint.a[1].r0 - joint.a[0].r0

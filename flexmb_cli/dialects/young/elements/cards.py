@@ -1,5 +1,6 @@
 """Cards of time functions, joint drivers, joint elements, composite joints and initial joint rates."""
 
+from ....model.laws import LAWS, Law
 from ..card import Card, vector, whole
 from ..sections import Column
 
@@ -67,15 +68,13 @@ def _spring(keyword: str, section: str, coordinate: str, force: str, unit: str) 
     return Card(keyword, section, columns, optional=5)
 
 
-def _stop(keyword: str, section: str, coordinate: str, force: str, unit: str) -> Card:
-    columns = (
-        _JOINT,
-        Column("lower", f"least {coordinate}", unit),
-        Column("upper", f"largest {coordinate}", unit),
-        Column("stiffness", f"{force} per depth", f"{force}/{unit}"),
-        Column("damping", "share of the force that a rate of 1 adds", f"s/{unit}"),
+def _law(law: Law, letter: str) -> Card:
+    words = (
+        {"coordinate": "angle", "effort": "N m"} if letter == "T" else {"coordinate": "stroke", "effort": "N"}
     )
-    return Card(keyword, section, columns, optional=1)
+    columns = (Column(p.name, p.meaning.format_map(words), p.unit(letter == "T")) for p in law.parameters)
+    keyword = f"{letter}{law.word}"
+    return Card(keyword, keyword.lower(), (_JOINT, *columns), optional=law.optional)
 
 
 JOINT_CARDS = (
@@ -87,8 +86,7 @@ JOINT_CARDS = (
     Card("AMOTOR", "amotor", (_JOINT, _FUNCTION)),
     _spring("TSPRING", "tspring", "angle", "N m", "rad"),
     _spring("ASPRING", "aspring", "stroke", "N", "m"),
-    _stop("TSTOP", "tstop", "angle", "N m", "rad"),
-    _stop("ASTOP", "astop", "stroke", "N", "m"),
+    *(_law(law, letter) for law in LAWS for letter in "TA"),
     Card(
         "LSPRING",
         "lspring",

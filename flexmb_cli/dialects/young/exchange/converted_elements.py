@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 from ....model.exchange.conversion import Conversion, Pose, coordinate_since, place_of
 from ....model.exchange.functions import constant
 from ....model.exchange.rigid_model import CoordinateSpring
-from ....model.joint_elements import Bushing, Coupling, EndStop, JointMotor, JointSpring, LineSpring
+from ....model.joint_elements import Bushing, Coupling, JointMotor, JointSpring, LineSpring
+from ....model.laws import JointLaw
 from ....model.loads import DynamicModel, SpringDamper
 from ....model.mechanism import GROUND, Mechanism
 from ....quick_dataclass import replace
@@ -39,10 +40,9 @@ class ConvertedElements(Conversion):
         axis = joint.s_i, joint.P_i, joint.P_j
         return coordinate_since(coordinate, axis, (joint.i, joint.j), (self.first, self.now))
 
-    def _stop(self, item: EndStop) -> EndStop:
-        offset = self._offset(item.joint, item.coordinate)
-        joint, lower, upper = self.joints[item.joint], item.lower - offset, item.upper - offset
-        return replace(item, joint=joint, lower=lower, upper=upper)
+    def _law(self, item: JointLaw) -> JointLaw:
+        values = item.since(self._offset(item.joint, item.coordinate))
+        return replace(item, joint=self.joints[item.joint], values=values)
 
     def _motors(self) -> Iterator[Any]:
         for item in self.deck.elements.motors:

@@ -178,7 +178,7 @@ class _Deck:
         return cards
 
     def _elements(self) -> "Iterator[str]":
-        """The cards of springs with functions, cables, stops, bushings, couplings and friction."""
+        """The cards of springs with functions, cables, laws, bushings, couplings and friction."""
         model = self.model
         for item in model.preloaded:
             yield f"{self._word(item, 'TSPRING', 'ASPRING')} {self._characteristics(item)}"
@@ -186,9 +186,9 @@ class _Deck:
             ends = _line(item.i + 1, item.j + 1, *item.P_i, *item.P_j)
             cable = _line(item.stiffness, item.rest, item.damping)
             yield f"CABLE {ends} {cable}" if item.slack else f"LSPRING {ends} {self._characteristics(item)}"
-        for item in model.stops:
-            limits = _line(item.lower, item.upper, item.stiffness, item.damping)
-            yield f"{self._word(item, 'TSTOP', 'ASTOP')} {limits}"
+        for item in model.laws:
+            word = self._word(item, f"T{item.law.word}", f"A{item.law.word}")
+            yield f"{word} {_line(*item.values)}"
         for item in model.bushings:
             places = item.i + 1, item.j + 1, *item.P_i, *item.P_j
             yield f"BUSHING {_line(*places, *item.stiffness, *item.damping)}"

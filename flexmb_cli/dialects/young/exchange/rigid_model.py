@@ -96,7 +96,7 @@ class _Conversion(ConvertedElements):
             ),
             self.deck.integrator,
             self._notes(),
-            stops=tuple(self._stop(item) for item in deck.elements.stops if item.joint in self.joints),
+            laws=tuple(self._law(item) for item in deck.elements.laws if item.joint in self.joints),
             frictions=tuple(self._frictions()),
             preloaded=tuple(self._preloaded()),
             lines=tuple(self._lines()),

@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import simpson
 
 from flexmb_cli.kernels._jit import interpreting
-from flexmb_cli.model.element_names import element_names
+from flexmb_cli.model.joint_elements import element_names
 from flexmb_cli.results.hdf5.elements import element_layout
 from tests.solvers.constrained.body_balances import rotation, tensor
 from tests.solvers.constrained.element_decks import FREE, METHODS, ROTOR, analysis_of, model_of, rows_of

@@ -1,13 +1,14 @@
 """Efforts of springs, stops, cables, bushings and friction by their definitions (`model.joint_elements`).
 
-Written apart from the kernels of constrained dynamics, which `verify` compares them with.
+Written apart from `kernels.laws`, which tests compare with them.
 """
 
 import math
 from typing import NamedTuple
 
-from ...model.joint_elements import EndStop, JointFriction, JointSpring, LineSpring
-from ...model.time_functions import MotionFunction, integral_of
+from flexmb_cli.model.joint_elements import JointFriction, JointSpring, LineSpring
+from flexmb_cli.model.laws import JointLaw
+from flexmb_cli.model.time_functions import MotionFunction, integral_of
 
 SLOW = 1e-9  # of the creep speed: tanh(x) / x is 1 there
 
@@ -42,11 +43,12 @@ def cable_effort(item: LineSpring, x: float, v: float) -> Effort:
     return _pushed_back(item.stiffness, item.damping, max(x - item.rest, 0.0), v, -1.0)
 
 
-def stop_effort(item: EndStop, x: float, v: float) -> Effort:
+def stop_effort(item: JointLaw, x: float, v: float) -> Effort:
     """Stops: Hunt and Crossley's force beyond either."""
-    if x > item.upper:
-        return _pushed_back(item.stiffness, item.damping, x - item.upper, v, -1.0)
-    return _pushed_back(item.stiffness, item.damping, max(item.lower - x, 0.0), -v, 1.0)
+    lower, upper, stiffness, damping = item.values
+    if x > upper:
+        return _pushed_back(stiffness, damping, x - upper, v, -1.0)
+    return _pushed_back(stiffness, damping, max(lower - x, 0.0), -v, 1.0)
 
 
 def _pushed_back(stiffness: float, damping: float, depth: float, approach: float, sign: float) -> Effort:
@@ -55,11 +57,6 @@ def _pushed_back(stiffness: float, damping: float, depth: float, approach: float
     return Effort(
         sign * force * max(0.0, 1.0 + damping * approach), sign * force, 0.5 * stiffness * depth * depth
     )
-
-
-def linear_effort(stiffness: float, damping: float, x: float, v: float) -> Effort:
-    """A linear spring and damper."""
-    return Effort(-stiffness * x - damping * v, -stiffness * x, 0.5 * stiffness * x * x)
 
 
 def friction_per_speed(item: JointFriction, v: float) -> float:

@@ -1,0 +1,112 @@
+"""Laws of elements: the effort along a coordinate x with the rate v, by whichever formulation x was measured.
+
+A law answers effort and the part of it that has a potential, and fills -dF/dx, -dF/dv and the stored energy.
+`law` is any record with the fields of `model.arrays.laws.LAW`: a LOAD, or a TREE_ELEMENT.
+Friction: Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30 (1994), section 3.1, made smooth by
+tanh.  Stops and cables: Hunt and Crossley, Journal of Applied Mechanics 42 (1975), pages 440-445, exponent 1.
+"""
+
+import math
+from typing import TYPE_CHECKING
+
+from ._jit import kernel
+from .constrained.time_functions import function_values
+
+if TYPE_CHECKING:
+    import numpy as np
+
+# The codes of model.laws; a test compares them.
+SPRING, CABLE, MOTOR, STOP = 1, 2, 3, 4
+# Columns of the answers.
+COORDINATE, SPEED, EFFORT, POWER, STIFFNESS, DAMPING, NORMAL, ENERGY = 0, 1, 2, 3, 4, 5, 6, 7
+ANSWER_COLUMNS = 8
+SMALL = 1e-6  # of the creep speed: tanh(x)/x is 1 there
+NO_LENGTH = 1e-300  # m, and m² of its square: a line that short has no direction
+
+
+@kernel
+def answer_law(
+    law: "np.void",
+    functions: "np.ndarray",
+    knots: "np.ndarray",
+    t: float,
+    directed: bool,
+    answer: "np.ndarray",
+) -> float:
+    """Effort at the coordinate and speed in `answer` (8,), whose other columns are filled.
+
+    An element without direction acts with no force; its energy counts.
+    """
+    effort, kept = _effort(law, functions, knots, t, answer)
+    if not directed:
+        effort = kept = 0.0
+    answer[EFFORT], answer[POWER] = effort, (effort - kept) * answer[SPEED]
+    return effort
+
+
+@kernel
+def _effort(
+    law: "np.void", functions: "np.ndarray", knots: "np.ndarray", t: float, answer: "np.ndarray"
+) -> tuple[float, float]:
+    """Effort along the coordinate, and the part of it that has a potential; fills slopes and energy."""
+    x, v = answer[COORDINATE], answer[SPEED]
+    if law["shape"] == STOP:
+        lower, upper, k, b = law["c"][0], law["c"][1], law["c"][2], law["c"][3]
+        if x > upper:
+            return _pushed_back(k, b, x - upper, v, -1.0, answer)
+        if x < lower:
+            return _pushed_back(k, b, lower - x, -v, 1.0, answer)
+        return _pushed_back(k, b, 0.0, 0.0, 1.0, answer)
+    if law["shape"] == MOTOR:
+        answer[STIFFNESS], answer[DAMPING], answer[ENERGY] = 0.0, 0.0, 0.0
+        return law["preload"] + function_values(functions, knots, law["function"], t)[0], 0.0
+    s = x - law["free_length"]
+    if law["shape"] == CABLE:
+        return _pushed_back(law["stiffness"], law["damping"], max(s, 0.0), v, -1.0, answer)
+    kept, lost = law["preload"] + law["stiffness"] * s, law["damping"] * v
+    answer[STIFFNESS], answer[DAMPING] = law["stiffness"], law["damping"]
+    answer[ENERGY] = (law["preload"] + 0.5 * law["stiffness"] * s) * s
+    if law["curve"] >= 0:
+        force, slope, _ = function_values(functions, knots, law["curve"], s)
+        kept += force
+        answer[STIFFNESS] += slope
+        answer[ENERGY] += function_values(functions, knots, law["energy"], s)[0]
+    if law["damper"] >= 0:
+        force, slope, _ = function_values(functions, knots, law["damper"], v)
+        lost += force
+        answer[DAMPING] += slope
+    return -kept - lost, -kept
+
+
+@kernel
+def _pushed_back(k: float, b: float, depth: float, approach: float, sign: float, answer: "np.ndarray"):
+    """A stop at a depth that grows at `approach`: effort, its part with a potential; fills slopes."""
+    share = max(0.0, 1.0 + b * approach)
+    answer[STIFFNESS] = k * share if depth > 0.0 else 0.0
+    answer[DAMPING] = k * depth * b if share > 0.0 else 0.0
+    answer[ENERGY] = 0.5 * k * depth * depth
+    return sign * k * depth * share, sign * k * depth
+
+
+@kernel
+def answer_unit_friction(
+    law: "np.void", turning: float, sliding: float, both: bool, answer: "np.ndarray"
+) -> float:
+    """Answer for friction by the normal force 1 N at two sliding speeds, m/s; returns the force per speed."""
+    v = math.sqrt(turning * turning + sliding * sliding)
+    share, slope = friction_share(law, v)
+    signed = v if both else turning + sliding
+    answer[COORDINATE], answer[SPEED], answer[EFFORT] = 0.0, signed, -share * signed
+    answer[POWER], answer[DAMPING], answer[NORMAL] = -share * v * v, max(slope, 0.0), 1.0
+    return share
+
+
+@kernel
+def friction_share(law: "np.void", v: float):
+    """μ(v)/v and dμ/dv at the sliding speed v >= 0."""
+    x, fade = v / law["creep"], math.exp(-((v / law["stribeck"]) ** 2))
+    mu = law["dynamic"] + (law["static"] - law["dynamic"]) * fade
+    rise = math.tanh(x)
+    bend = -2.0 * (law["static"] - law["dynamic"]) * fade * v / law["stribeck"] ** 2
+    slope = mu * (1.0 - rise * rise) / law["creep"] + bend * rise
+    return (mu * rise / v if x > SMALL else mu / law["creep"]), slope

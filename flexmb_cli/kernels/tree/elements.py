@@ -1,0 +1,169 @@
+"""Elements of a tree: what they measure at placed frames, and their efforts along coordinates and on frames.
+
+An element in a hinge coordinate adds to the effort along it.  One between two bodies pushes body j at a place
+by its effort and body i by the opposite there; along the elastic coordinates that displace its ends the same
+force does work: each costs O(1).
+"""
+
+import math
+from typing import TYPE_CHECKING
+
+from .._jit import part
+from ..laws import COORDINATE, EFFORT, ENERGY, NO_LENGTH, POWER, SPEED, answer_law
+from ..linalg.vec3 import accumulate, column, cross, dot, inward, minus, outward, plus, scaled, store, triple
+from .kinematics import _along_axes
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ...model.arrays.tree import TreeArrays
+
+# The codes of model.arrays.tree_elements; a test compares them.
+IN_COORDINATE, IN_LINE, ALONG, ABOUT = 0, 1, 2, 3
+
+
+@part
+def answer_elements(
+    tree: "TreeArrays",
+    work: "np.ndarray",
+    t: float,
+    q: "np.ndarray",
+    y: "np.ndarray",
+    coordinates: "np.ndarray",
+) -> None:
+    """Fill the answers of all elements, frames being placed, and add their efforts along coordinates."""
+    for i in range(tree.elements.shape[0]):
+        element, answer, directed = tree.elements[i], tree.answers[i], True
+        if element["measure"] == IN_COORDINATE:
+            answer[COORDINATE], answer[SPEED] = q[element["coordinate"]], y[element["coordinate"]]
+        else:
+            directed = _measure(element, work, q, y, answer)
+        effort = answer_law(element, tree.curves, tree.knots, min(t, element["until"]), directed, answer)
+        if element["measure"] == IN_COORDINATE:
+            coordinates[element["coordinate"]]["effort"] += effort
+        elif element["measure"] != ABOUT:
+            force = scaled(effort, triple(element["force"], 0))
+            _push_node(element["node_j"], inward(work[element["frame_j"]]["axes"], force), 1.0, coordinates)
+            _push_node(element["node_i"], inward(work[element["frame_i"]]["axes"], force), -1.0, coordinates)
+
+
+@part
+def _push_node(
+    node: "np.ndarray", force: tuple[float, float, float], sign: float, coordinates: "np.ndarray"
+) -> None:
+    for axis in range(3):
+        if node[axis] >= 0:
+            coordinates[node[axis]]["effort"] += sign * force[axis]
+
+
+@part
+def add_element_wrenches(tree: "TreeArrays", work: "np.ndarray") -> None:
+    """Take the forces that elements put on frames off their biases."""
+    for i in range(tree.elements.shape[0]):
+        element = tree.elements[i]
+        if element["measure"] != IN_COORDINATE:
+            effort, place = tree.answers[i, EFFORT], triple(element["place"], 0)
+            force, torque = (
+                scaled(effort, triple(element["force"], 0)),
+                scaled(effort, triple(element["torque"], 0)),
+            )
+            _add_wrench(work[element["frame_i"]], place, force, torque, 1.0)
+            _add_wrench(work[element["frame_j"]], place, force, torque, -1.0)
+
+
+@part
+def _add_wrench(
+    s: "np.void",
+    place: tuple[float, float, float],
+    force: tuple[float, float, float],
+    torque: tuple[float, float, float],
+    sign: float,
+) -> None:
+    arm = minus(place, triple(s["position"], 0))
+    accumulate(scaled(sign, plus(torque, cross(arm, force))), s["bias"], 0)
+    accumulate(scaled(sign, force), s["bias"], 3)
+
+
+@part
+def _measure(
+    element: "np.void", work: "np.ndarray", q: "np.ndarray", y: "np.ndarray", answer: "np.ndarray"
+) -> bool:
+    """Fill coordinate, speed and the unit force; False where it has no direction."""
+    a, b = work[element["frame_i"]], work[element["frame_j"]]
+    if element["measure"] == ABOUT:
+        return _measure_turn(element, a, b, answer)
+    place, velocity = _point(b, element["point_j"], element["node_j"], q, y)
+    start, start_velocity = _point(a, element["point_i"], element["node_i"], q, y)
+    gap, rate = minus(place, start), minus(velocity, start_velocity)
+    store(place, element["place"], 0)
+    if element["measure"] == ALONG:
+        axis = column(a["axes"], element["axis"])
+        store(axis, element["force"], 0)
+        answer[COORDINATE] = dot(axis, gap)
+        answer[SPEED] = dot(axis, minus(rate, cross(triple(a["angular"], 0), gap)))
+        return True
+    length = math.sqrt(dot(gap, gap))
+    answer[COORDINATE] = length
+    if length < NO_LENGTH:
+        answer[SPEED] = 0.0
+        return False
+    unit = scaled(1.0 / length, gap)
+    store(unit, element["force"], 0)
+    answer[SPEED] = dot(unit, rate)
+    return True
+
+
+@part
+def _point(
+    s: "np.void", point: "np.ndarray", node: "np.ndarray", q: "np.ndarray", y: "np.ndarray"
+) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Place and velocity of a point of a frame, or of a node."""
+    arm = outward(s["axes"], plus(triple(point, 0), _along_axes(node, q)))
+    velocity = plus(triple(s["velocity"], 0), cross(triple(s["angular"], 0), arm))
+    velocity = plus(velocity, outward(s["axes"], _along_axes(node, y)))
+    return plus(triple(s["position"], 0), arm), velocity
+
+
+@part
+def _measure_turn(element: "np.void", a: "np.void", b: "np.void", answer: "np.ndarray") -> bool:
+    """Angle from an axis of i to that of j in the plane across `axis`; not a number where it overturns."""
+    k = element["axis"]
+    after, last = (k + 1) % 3, (k + 2) % 3
+    f, g = column(a["axes"], after), column(a["axes"], last)
+    h = outward(b["axes"], column(element["turned"], after))
+    if (
+        element["resists"] != 0
+        and not dot(column(a["axes"], k), outward(b["axes"], column(element["turned"], k))) > 0.0
+    ):
+        answer[COORDINATE], answer[SPEED] = math.nan, math.nan
+        return True
+    c, s = dot(f, h), dot(g, h)
+    square = c * c + s * s
+    slope = minus(scaled(c / square, cross(h, g)), scaled(s / square, cross(h, f)))
+    store(slope, element["torque"], 0)
+    turn = 2.0 * math.pi
+    angle = math.atan2(s, c)
+    angle += turn * math.floor((element["expected"] - angle) / turn + 0.5)
+    element["expected"] = angle
+    answer[COORDINATE] = angle
+    answer[SPEED] = dot(slope, minus(triple(b["angular"], 0), triple(a["angular"], 0)))
+    return True
+
+
+@part
+def element_energy(tree: "TreeArrays") -> float:
+    """Return what all elements store, J, as they answered last."""
+    total = 0.0
+    for i in range(tree.answers.shape[0]):
+        total += tree.answers[i, ENERGY]
+    return total
+
+
+@part
+def element_powers(tree: "TreeArrays", first: int, dz: "np.ndarray") -> float:
+    """Fill dz from `first` on with the powers of elements, W; returns their sum."""
+    total = 0.0
+    for i in range(tree.answers.shape[0]):
+        dz[first + i] = tree.answers[i, POWER]
+        total += tree.answers[i, POWER]
+    return total

@@ -1,0 +1,164 @@
+"""Elements of a tree → records: what each measures, and its law.
+
+A measure is a hinge coordinate, the distance of two points, or a displacement or turn between the frames of a
+bushing; a point may be a node, which elastic coordinates displace along the axes of its body.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
+from ..tree_as_mechanism.frames import hinge_frames
+from ..tree_as_mechanism.poses import first_poses
+from .function_table import FunctionTable
+from .laws import FRICTION_LAW, LAW, fill_friction, fill_law, fill_spring
+
+if TYPE_CHECKING:
+    from ..flexible_mechanism import NodePoint
+    from ..joint_elements import Bushing, JointDriver
+
+# What an element measures.
+IN_COORDINATE, IN_LINE, ALONG, ABOUT = 0, 1, 2, 3
+OF_BUSHING = 6  # records: three displacements, three angles
+
+TREE_ELEMENT = np.dtype(
+    [
+        ("measure", np.int64),  # IN_COORDINATE, IN_LINE, ALONG, ABOUT
+        ("coordinate", np.int64),  # IN_COORDINATE: number of the hinge coordinate
+        ("frame_i", np.int64),  # FRAME of the first body, 0: inertial
+        ("frame_j", np.int64),  # FRAME of the second body
+        ("point_i", np.float64, 3),  # undeformed, axes of frame i, m
+        ("point_j", np.float64, 3),  # undeformed, axes of frame j, m
+        ("node_i", np.int64, 3),  # elastic coordinates that displace it along axis 1, 2, 3; -1: none
+        ("node_j", np.int64, 3),  # the same of the second
+        ("axis", np.int64),  # ALONG, ABOUT: axis of frame i, 0 to 2
+        ("turned", np.float64, 9),  # ABOUT: axes of the bushing on frame j, in its axes, row by row
+        ("resists", np.int64),  # ABOUT: whether there is a torque: then it must not overturn
+        ("expected", np.float64),  # ABOUT: angle found last, from which whole turns continue, rad
+        ("until", np.float64),  # s: functions of time hold what they are just before it
+        ("force", np.float64, 3),  # on body j at `place` per unit effort, opposite on i, inertial axes
+        ("torque", np.float64, 3),  # ABOUT: on body j per unit effort, opposite on i, inertial axes
+        ("place", np.float64, 3),  # inertial axes, m
+        *LAW.descr,
+    ]
+)
+
+TREE_FRICTION = np.dtype(
+    [
+        ("frame", np.int64),  # FRAME of the body whose hinge it is
+        ("turning", np.int64),  # coordinate of its rotation, -1: none
+        ("sliding", np.int64),  # coordinate of its translation, -1: none
+        ("preload", np.float64),  # normal force besides that of the hinge, N
+        ("turning_effort", np.float64),  # by the normal force 1 N, N m
+        ("sliding_effort", np.float64),  # by the normal force 1 N, N
+        *FRICTION_LAW.descr,
+    ]
+)
+
+
+class TreeElements:
+    """Arrays of the elements of a tree in the order of their results."""
+
+    def __init__(self, tree: Tree, index: Mapping[Any, Any], of_body: Sequence[int]):
+        self.tree, self.index, self.of_body = tree, index, of_body
+        self.table = FunctionTable()
+        self._axes = (
+            [pose.A for pose in first_poses(tree, hinge_frames(tree))] if tree.elements.bushings else []
+        )
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Fields of TreeArrays; drivers must have been added."""
+        elements, frictions = self._elements(), self._frictions()
+        m, curves = frictions.size, self.table.function_arrays()
+        return {
+            "elements": elements,
+            "frictions": frictions,
+            "joint_forces": np.zeros((1 + m, m, 5)),
+            "normals": np.zeros(m),
+            "answers": np.zeros((elements.size + m, 8)),
+            "curves": curves["functions"],
+            "knots": curves["knots"],
+        }
+
+    def couplings(self) -> np.ndarray:
+        """Factors (C, NS) of the coordinates in the couplings."""
+        found = np.zeros((len(self.tree.elements.couplings), len(self.tree.coordinates)))
+        for row, item in zip(found, self.tree.elements.couplings, strict=True):
+            for joint, coordinate, factor in item.terms:
+                row[self._coordinate(joint, coordinate)] += factor / item.scale
+        return found
+
+    def _elements(self) -> np.ndarray:
+        """The TREE_ELEMENT records: those of `names_of` without friction."""
+        elements = self.tree.elements
+        lines, motors = len(elements.lines), len(elements.motors)
+        bushings, singles = len(elements.bushings), len(elements.springs) + len(elements.laws)
+        found = np.zeros(singles + lines + OF_BUSHING * bushings + motors, TREE_ELEMENT)
+        free = iter(found)
+        for spring in elements.springs:
+            self._in_coordinate(next(free), spring)
+        for line in elements.lines:
+            fill_law(self._between(next(free), line, IN_LINE), line, self.table)
+        for law in elements.laws:
+            self._in_coordinate(next(free), law)
+        for bushing in elements.bushings:
+            self._bushing([next(free) for _ in range(OF_BUSHING)], bushing)
+        for motor in elements.motors:
+            self._in_coordinate(next(free), motor)
+        return found
+
+    def _frictions(self) -> np.ndarray:
+        """The TREE_FRICTION records."""
+        found = np.zeros(len(self.tree.elements.frictions), TREE_FRICTION)
+        for record, item in zip(found, self.tree.elements.frictions, strict=True):
+            hinge = self.tree.hinges[item.joint]
+            record["frame"] = self.of_body[item.joint]
+            for field, motion, axes in (
+                ("turning", ROTATION, hinge.rotations),
+                ("sliding", TRANSLATION, hinge.translations),
+            ):
+                record[field] = self.index[item.joint, motion, axes[0], None] if axes else -1
+            fill_friction(record, item)
+        return found
+
+    def driver(self, item: "JointDriver") -> tuple[int, float, float, float, int]:
+        """Coordinate of a driver, no C, B and A, its function."""
+        return (
+            self._coordinate(item.joint, item.coordinate),
+            0.0,
+            0.0,
+            0.0,
+            self.table.function(item.function),
+        )
+
+    def _coordinate(self, joint: int, coordinate: str) -> int:
+        motion, axis = coordinate.split()
+        return int(self.index[joint, motion, int(axis), None])
+
+    def _in_coordinate(self, record: Any, item: Any) -> None:
+        record["measure"], record["coordinate"] = IN_COORDINATE, self._coordinate(item.joint, item.coordinate)
+        fill_law(record, item, self.table)
+
+    def _between(self, record: Any, item: Any, measure: int) -> Any:
+        record["measure"] = measure
+        for side, body, point in (("i", item.i, item.P_i), ("j", item.j, item.P_j)):
+            record[f"frame_{side}"] = 0 if body == INERTIAL else self.of_body[body]
+            # Ends in a tree are points of bodies.
+            record[f"point_{side}"], record[f"node_{side}"] = point.r0, self._node(point)
+        return record
+
+    def _node(self, point: "NodePoint") -> list[int]:
+        """Elastic coordinates that move a node along the axes of its body, -1 where none does."""
+        own = [m for m, c in enumerate(self.tree.coordinates) if (c.motion, c.body) == (ELASTIC, point.body)]
+        rows = np.asarray(point.shape)
+        return [own[int(np.argmax(row))] if row.size and np.any(row) else -1 for row in rows]
+
+    def _bushing(self, records: list[Any], item: "Bushing") -> None:
+        A_i, A_j = (np.eye(3) if body == INERTIAL else self._axes[body] for body in (item.i, item.j))
+        for k, record in enumerate(records):
+            self._between(record, item, ALONG if k < 3 else ABOUT)
+            record["axis"], record["turned"] = k % 3, (A_j.T @ A_i).ravel()
+            record["resists"] = bool(item.stiffness[k] or item.damping[k])
+            fill_spring(record, item.stiffness[k], 0.0, item.damping[k])

@@ -1,0 +1,56 @@
+"""Elements of a tree at its start: rest attitudes of bushings, sums of couplings, lines without direction."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...errors import AnalysisError
+from ...kernels.integrators import clock as codes
+from ...kernels.integrators import tree_dop853
+from ...kernels.laws import COORDINATE, NORMAL
+from ...model.arrays.tree_elements import IN_LINE, OF_BUSHING
+from ..constrained.coinciding_ends import refuse_undirected_lines
+from ..constrained.failures import bushing_failure, jam_failure
+from ..constrained.initial_stops import notes_of_pressed_stops
+
+if TYPE_CHECKING:
+    from ...model.tree import Tree
+    from .analysis import TreeAnalysis
+
+
+def attach_elements(analysis: "TreeAnalysis") -> None:
+    """Attach bushings and couplings where the state of a TreeAnalysis is, whose loops are closed.
+
+    Speeds are brought onto the couplings.  Raises ModelError for lines without a direction, AnalysisError
+    for elements without a force or a tree without inertia.
+    """
+    arrays, n = analysis.arrays, analysis.arrays.given.size
+    elements, coupled = arrays.elements, arrays.closures["coupling"] >= 0
+    _call(analysis, tree_dop853.GO_ON)
+    arrays.closures["value"][coupled] = arrays.couplings @ analysis.integration.trial[n : 2 * n]
+    axes = analysis.work["axes"].reshape(-1, 3, 3)
+    turned = axes[elements["frame_j"]].swapaxes(1, 2) @ axes[elements["frame_i"]]
+    elements["turned"] = turned.reshape(-1, 9)
+    elements["expected"] = 0.0
+    _call(analysis, tree_dop853.CLOSE if coupled.any() else tree_dop853.GO_ON)
+    t, lengths = analysis.tree.time.start, arrays.answers[: elements.size, COORDINATE]
+    refuse_undirected_lines(analysis.tree.elements.lines, lengths[elements["measure"] == IN_LINE], t)
+    analysis.warnings += notes_of_pressed_stops(analysis.tree.elements.laws, elements, arrays.answers)
+    if failure := lost_force(analysis.tree, arrays.answers, t):
+        raise failure
+
+
+def _call(analysis: "TreeAnalysis", task: int) -> None:
+    if analysis.call(task) == codes.NO_INERTIA:
+        raise analysis.failure()
+
+
+def lost_force(tree: "Tree", answers: np.ndarray, t: float) -> AnalysisError | None:
+    """Return why elements with such answers (E + m, 8) have no force at t: a bushing, or friction."""
+    elements = tree.elements
+    first = len(elements.springs) + len(elements.lines) + len(elements.laws)
+    angles = answers[first : first + OF_BUSHING * len(elements.bushings), COORDINATE]
+    turned = np.flatnonzero(np.isnan(angles))
+    if turned.size:
+        return bushing_failure(int(turned[0]) // OF_BUSHING, t)
+    return jam_failure(t) if np.isnan(answers[:, NORMAL]).any() else None

@@ -1,0 +1,83 @@
+"""Force laws of elements against their definitions, and their slopes and energies against differences."""
+
+import numpy as np
+import pytest
+
+from flexmb_cli.kernels._jit import interpreting
+from flexmb_cli.kernels.laws import (
+    ANSWER_COLUMNS,
+    COORDINATE,
+    DAMPING,
+    EFFORT,
+    ENERGY,
+    POWER,
+    SPEED,
+    STIFFNESS,
+    answer_law,
+    friction_share,
+)
+from flexmb_cli.model.arrays.function_table import FunctionTable
+from flexmb_cli.model.arrays.laws import FRICTION_LAW, LAW, fill_friction, fill_law
+from flexmb_cli.model.joint_elements import JointFriction, JointSpring, LineSpring
+from flexmb_cli.model.laws import LAWS, STOP, JointLaw
+from flexmb_cli.model.time_functions import POLYNOMIAL, MotionFunction
+from tests.naive.element_efforts import cable_effort, friction_per_speed, spring_effort, stop_effort
+
+H = 1e-5
+CURVE, DAMPER = (MotionFunction(POLYNOMIAL, c) for c in ((0.5, 2.0, 3.0, 0.4), (0.1, 1.5, 0.0, 0.3)))
+CASES = {
+    "spring": (JointSpring("", 0, "", 20.0, 0.3, 1.5, 2.0), spring_effort),
+    "curves": (JointSpring("", 0, "", 20.0, 0.3, 1.5, 2.0, CURVE, DAMPER), spring_effort),
+    "cable": (LineSpring("", 0, 0, (), (), 80.0, 0.2, 0.3, slack=True), cable_effort),
+    "stop": (JointLaw("", 0, "", STOP, (-0.1, 0.25, 90.0, 0.4)), stop_effort),
+}
+STATES = [(x, v) for x in (-0.7, 0.1, 0.9) for v in (-3.0, 0.2, 2.0)]
+
+
+def answered(item, x, v):
+    """What a law answers at a coordinate and its rate, kernels interpreted."""
+    table, record, answer = FunctionTable(), np.zeros(1, LAW)[0], np.zeros(ANSWER_COLUMNS)
+    fill_law(record, item, table)
+    answer[COORDINATE], answer[SPEED] = x, v
+    with interpreting():
+        answer_law(record, *table.function_arrays().values(), 0.0, True, answer)
+    return answer
+
+
+@pytest.mark.parametrize(("item", "defined"), CASES.values(), ids=CASES)
+def test_a_law_answers_what_defines_it(item, defined):
+    for x, v in STATES:
+        answer, wanted = answered(item, x, v), defined(item, x, v)
+        assert answer[EFFORT] == pytest.approx(wanted.effort, rel=1e-13)
+        assert answer[POWER] == pytest.approx((wanted.effort - wanted.kept) * v, rel=1e-12, abs=1e-12)
+        assert answer[ENERGY] == pytest.approx(wanted.energy, rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    "item",
+    [item for item, _ in CASES.values()]
+    + [JointLaw("", 0, "", law, tuple(0.2 + 0.3 * np.arange(len(law.parameters)))) for law in LAWS],
+)
+def test_slopes_of_a_law_are_those_of_its_effort_and_its_energy_has_the_part_without_power(item):
+    for x, v in STATES:
+        answer = answered(item, x, v)
+        by_x, by_v = (
+            (answered(item, x + H * a, v + H * b) - answered(item, x - H * a, v - H * b)) / (2 * H)
+            for a, b in ((1, 0), (0, 1))
+        )
+        assert answer[STIFFNESS] == pytest.approx(-by_x[EFFORT], rel=1e-7, abs=1e-7)
+        assert answer[DAMPING] == pytest.approx(-by_v[EFFORT], rel=1e-7, abs=1e-7)
+        assert -by_x[ENERGY] * v == pytest.approx(answer[EFFORT] * v - answer[POWER], rel=1e-6, abs=1e-7)
+
+
+def test_friction_slides_with_its_coefficient():
+    item = JointFriction("", 0, 0.2, 0.35, 0.4, 0.05)
+    record = np.zeros(1, np.dtype([*FRICTION_LAW.descr, ("preload", np.float64)]))[0]
+    fill_friction(record, item)
+    with interpreting():
+        for v in (0.0, 1e-9, 0.03, 0.5, 4.0):
+            share, slope = friction_share(record, v)
+            assert share == pytest.approx(friction_per_speed(item, v), rel=1e-12)
+            ahead = (v + H) * friction_per_speed(item, v + H)
+            behind = (v - H) * friction_per_speed(item, abs(v - H))
+            assert slope == pytest.approx((ahead - behind) / (2 * H), rel=1e-5, abs=1e-8)
