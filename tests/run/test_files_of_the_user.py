@@ -181,7 +181,7 @@ def test_a_study_replaces_no_data_of_others(folder):
     assert code == 2 and "--force replaces it" in reported and not Path("s.h5.parts").exists()
 
 
-@pytest.mark.parametrize("name", ["a" * 300 + ".DAT", "no-folder/q.DAT"])
+@pytest.mark.parametrize("name", ["a" * 300 + ".DAT", "no-folder/r.DAT"])
 def test_a_deck_that_cannot_be_looked_at_stops_no_other(folder, name):
     """NAME_MAX of Linux is 255 bytes: stat fails by ENAMETOOLONG, as by EACCES in a folder of others."""
     code, reported = flexmb("run", name, "q.DAT", "-q")
