@@ -82,7 +82,8 @@ def convert(
         if output == STANDARD_OUTPUT:
             click.echo(text, nl=False)
         else:
-            # Of an earlier conversion of this deck both lines are the same.
+            if not force and (stale := set_conversion_aside(output, text)):
+                notices.say(f"{output}: of an earlier call, now {stale}")
             refuse_foreign([output], force, "".join(text.splitlines(keepends=True)[:2]))
             write_whole(output, text.encode("utf-8"))
     notices.add_of_deck(tuple(dict.fromkeys(outcome.faults)), outcome.source.lines if outcome.source else ())

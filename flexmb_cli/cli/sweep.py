@@ -123,6 +123,7 @@ def _report_stop(
         more = " so far; its workers end what they have begun" if on_cluster else ""
         reported = f"{len(codes)} of {cases} cases are kept in {parts}{more}; the same command continues it"
         failed, table = sum(map(bool, codes)), None
+        _set_aside(output)
     notify(f"{study}: interrupted; {reported}")
     if as_json:
         _print_record(notices, "interrupted", exit_code, made, failed, table)
@@ -156,7 +157,16 @@ def _begun(
         click.echo(compiler_style(failure.file, failure.faults, failure.lines), err=True)
     except DeckError as failure:
         click.echo(compiler_style(study, failure.faults), err=True)
+    _set_aside(output)
     sys.exit(BAD_INPUT)
+
+
+def _set_aside(output: str) -> None:
+    """Rename the table of an earlier call, which must not pass for that of this one."""
+    from ..run.earlier_results import set_study_aside
+
+    if stale := set_study_aside(output):
+        notify(f"{output}: of an earlier call, now {stale}")
 
 
 def _warn_of_result(notices: "_Notices", output: str) -> None:

@@ -23,7 +23,7 @@ _CONVERTED = re.compile(
 def dialect_of(path: str, options: RunOptions) -> str:
     """Return the dialect of a deck by its beginning, "auto" if it has none; its run reports the faults."""
     # What is no regular file can be read only once.
-    if options.dialect != "auto" or not Path(path).is_file():
+    if options.dialect != "auto" or not os.path.isfile(path):
         return options.dialect
     try:
         with Path(path).open(encoding="latin-1") as stream:
@@ -57,9 +57,7 @@ class EarlierResults:
         # What this run, or another one, has put there since is no earlier result.
         files = [file for file, state in self._standing.items() if _state(file) == state and is_own(file)]
         # A run replaces no table of `flexmb sweep STEM.toml` unasked.
-        files = sorted(
-            file for file in files if not _attribute(file, "Conventions").startswith("flexmb-study-")
-        )
+        files = sorted(file for file in files if not _is_study(file))
         # The name of another deck may be a slip; results keep names as UTF-8 can hold them.
         name = os.fsencode(self.deck).decode("utf-8", "backslashreplace")
         if {_attribute(file, "deck_name") for file in files} - {"", name}:
@@ -84,10 +82,25 @@ def _set_aside(file: str) -> str:
     return free
 
 
-def set_conversion_aside(file: str) -> str:
-    """Rename a model that an earlier call has converted; return its new name, "" where there is none."""
-    begin = Path(file).read_bytes()[:400] if os.path.isfile(file) else b""
-    return _set_aside(file) if _CONVERTED.search(begin) else ""
+def set_conversion_aside(file: str, text: str = "") -> str:
+    """Rename a model that an earlier call has converted; return its new name, "" where there is none.
+
+    `text` itself stays; another one may have been edited since.
+    """
+    data = text.encode()
+    if not os.path.isfile(file):
+        return ""
+    try:
+        with open(file, "rb") as stream:
+            content = stream.read(max(_BEGINNING, len(data) + 1))
+    except OSError:
+        return ""
+    return _set_aside(file) if content != data and _CONVERTED.search(content[:400]) else ""
+
+
+def set_study_aside(file: str) -> str:
+    """Rename the table of an earlier study; return its new name, "" where there is none."""
+    return _set_aside(file) if _is_study(file) else ""
 
 
 def _state(file: str) -> tuple[int, ...] | None:
@@ -97,6 +110,10 @@ def _state(file: str) -> tuple[int, ...] | None:
     except (OSError, ValueError):
         return None
     return (found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns) if os.path.isfile(file) else None
+
+
+def _is_study(file: str) -> bool:
+    return _attribute(file, "Conventions").startswith("flexmb-study-")
 
 
 def _attribute(file: str, name: str) -> str:

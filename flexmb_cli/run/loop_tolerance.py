@@ -1,8 +1,9 @@
-"""How well loops must close: as the digits of the deck allow, or as `--loop-tolerance` says."""
+"""Tolerance of closed loops: as the digits of the deck allow, or as `--loop-tolerance` says."""
 
 import re
 from typing import TYPE_CHECKING, Any
 
+from ..deck.number import MOST_DIGITS
 from ..quick_dataclass import replace
 
 if TYPE_CHECKING:
@@ -10,16 +11,16 @@ if TYPE_CHECKING:
 
 
 LOOP_TOLERANCE = "loop-tolerance"
-LARGEST = 0.02  # of the size, or rad: what is farther from closing is no loop
-LOOKED_AT = 100_000  # characters of a deck
+LARGEST_TOLERANCE = 0.02  # of the size, or rad: what is farther from closing is no loop
+CHARACTERS_LOOKED_AT = 100_000  # characters of a deck
 NUMBER = re.compile(r"(?<![\w.])-?(\d*)\.(\d*)(?:[EeDd][-+]?\d+)?(?![\w.])")
-FEWEST_DIGITS, USUAL_DIGITS, MOST_DIGITS = 6, 8, 15  # fewer may be exact; where no number has so many
+FEWEST_DIGITS, USUAL_DIGITS = 6, 8  # fewer may be exact; where no number has so many
 UNITS_OFF = 5.0  # of the last digit: the roundings of a loop add up
 
 
 def typed_precision(deck: "Deck") -> float:
     """Return how well loops of a deck can close, by the number with the fewest digits that looks rounded."""
-    texts = NUMBER.finditer(deck.source.text[:LOOKED_AT])
+    texts = NUMBER.finditer(deck.source.text[:CHARACTERS_LOOKED_AT])
     counts = {len((match[1] + match[2]).lstrip("0")) for match in texts}
     digits = min((n for n in counts if n >= FEWEST_DIGITS), default=USUAL_DIGITS)
     return UNITS_OFF * 10.0 ** -min(digits, MOST_DIGITS)

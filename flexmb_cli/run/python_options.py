@@ -6,7 +6,7 @@ from typing import Any
 
 from ..dialects.recognise import every_dialect
 from ..model.time_checks import FINEST
-from .loop_tolerance import LARGEST
+from .loop_tolerance import LARGEST_TOLERANCE
 
 FORMULATIONS = ("kane", "absolute")
 # Lowest and highest value, and whether they are allowed.
@@ -16,7 +16,7 @@ RANGES = {
     "tolerance": (0.0, True, math.inf, False),
     "smallest_pivot": (0.0, True, 1.0, True),
     "most_iterations": (1, True, math.inf, False),
-    "loop_tolerance": (0.0, True, LARGEST, True),
+    "loop_tolerance": (0.0, True, LARGEST_TOLERANCE, True),
 }
 KNOWN = (*RANGES, "method", "formulation", "as_printed")
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from ..model.levenberg_marquardt import least_squares
+from .levenberg_marquardt import least_squares
 from .projection import RESIDUAL_MET, Equations, Instant, Position, largest
 
 if TYPE_CHECKING:
@@ -32,6 +32,8 @@ DAMPINGS = (1e-3, 1.0)
 OTHER_STARTS = 6
 MOST_SEARCHED = 600  # speeds: above, other starts would take minutes
 ASIDE = 0.3  # of the size, and rad: the largest distance of other starts from the estimates
+LOOSEST = 0.03  # gap of what can be called a loop that nearly closes; singular value, of the largest
+TO_GAP = 30.0  # singular values, of the largest, to the gap left: below it equations repeat others
 NEARER = 1e-6  # of the distance of another assembly: what counts as nearer
 
 

@@ -173,6 +173,16 @@ def test_a_failed_conversion_sets_the_earlier_one_aside(tmp_path, monkeypatch, d
     assert Path(f"c{suffix}").read_text() == "my model"
 
 
+def test_a_study_with_errors_sets_its_earlier_table_aside(folder):
+    study = 'deck = "IN4-BAR.dat"\n[parameters]\n"driver.1.B" = [1.0]\n[results]\nlast = "last body.2.x"\n'
+    Path("s.toml").write_text(study)
+    assert flexmb("sweep", "s.toml", "-q").exit_code == 0
+    before = Path("s.h5").read_bytes()
+    Path("s.toml").write_text(study + "x =")
+    assert flexmb("sweep", "s.toml", "-q").exit_code == 2
+    assert Path("s.h5.stale").read_bytes() == before and not Path("s.h5").exists()
+
+
 def test_a_listing_that_is_given_for_a_deck_stays(folder):
     """Its own result would have its name."""
     shutil.copy("OUT4-BAR.dat", "x.OUT")

@@ -19,11 +19,11 @@ def collector_of_the_command():
 
 
 def test_cases_leave_no_cycles_to_the_next_block(tmp_path, collector_of_the_command):
-    """Garbage is none of the objects that stay: sixty cases leave as many as twenty (17 kB each before)."""
-    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=60)), str(tmp_path / "parts"))
+    """Garbage is none of the objects that stay: thirty cases leave as many as ten (17 kB each before)."""
+    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=30)), str(tmp_path / "parts"))
     counts = []
-    for blocks in (range(20), range(20, 60)):
+    for blocks in (range(10), range(10, 30)):
         solve_here(sweep, blocks, lambda cases: None)
         counts.append(len(gc.get_objects()))
     sweep.lock.leave()
-    assert counts[1] - counts[0] < 40 * 10
+    assert counts[1] - counts[0] < 20 * 10

@@ -67,7 +67,7 @@ CLOSURE_ROW = np.dtype(
         ("gap", np.float64),  # (p_a - p_b) . direction, m
         ("rate", np.float64),  # its rate, m/s
         ("force", np.float64),  # along the direction on body a, and opposite on body b, N
-        ("repeated", np.float64),  # pivot, of `own`, below which other rows close the direction
+        ("repeated", np.float64),  # pivot, share of `own`, below which others close the direction
         ("own", np.float64),  # acceleration per unit force, 1/kg, before elimination
         ("order", np.int64),  # the row that is eliminated in this place
     ]

@@ -231,7 +231,7 @@ def _compared(pair: Pair, compare_pair: "Callable[..., Any]", summary: Summary) 
 
 def _is_result(pair: Pair) -> bool:
     """Return whether a pair is to be compared: by its name, or by the content of one of its files."""
-    if STALE in PurePath(pair.name).suffixes[-2:]:  # NAME.stale, NAME.stale.2
+    if re.search(rf"{re.escape(STALE)}(\.\d+)?$", pair.name):  # NAME.stale, NAME.stale.2
         return False
     if RESULT_NAME.fullmatch(PurePath(pair.name).name):
         return True

@@ -3,6 +3,7 @@
 import os
 import re
 from collections.abc import Iterable
+from functools import partial
 
 from ...dialects.recognise import every_dialect
 from ...errors import OutputError
@@ -38,10 +39,12 @@ def is_own(path: str, alike: str = "") -> bool:
     try:
         with open(path, "rb") as file:
             content = file.read(_READ)
+            if not content.strip(b"\0"):  # what a loss of power leaves
+                return not any(part.strip(b"\0") for part in iter(partial(file.read, _READ), b""))
     except OSError:
         return False
     cut = HDF5_SIGNATURE.startswith(content[:8]) and len(content) < _SHORTEST_HDF5
-    if not content.strip(b"\0") or cut or _MARKED.match(content):  # zeros are what a loss of power leaves
+    if cut or _MARKED.match(content):
         return True
     return _is_table(content.decode("latin-1"), path) or bool(alike and content.startswith(alike.encode()))
 
@@ -55,6 +58,6 @@ def _is_table(text: str, path: str) -> bool:
         if begin.startswith(heads) or (whole and any(head.startswith(begin) for head in heads)):
             return True
         if dialect.series_row and path.endswith(dialect.series):
-            cut = not lines and re.fullmatch(r"[-+ .*\dE]*", text)
+            cut = not lines and re.fullmatch(r" *|   [-+ .*\dE]*", text)
             return bool(cut or (lines and all(re.fullmatch(dialect.series_row, line) for line in lines)))
     return False

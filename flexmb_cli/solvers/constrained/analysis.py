@@ -16,9 +16,11 @@ from ...model.equations import DEPENDENT
 from ...model.integrators import Integrator
 from ...model.joint_elements import JointElements
 from ...model.mechanism import TimeGrid
+from ..assembly import TO_GAP
 from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of, taken, taken_clock
 from ..singular.dynamic_singularities import PassedDynamicSingularities
 from ..singular.mobility import Mobility
+from ..singular.overconstrained_loops import choose_far_apart, gap_note, independence
 from ..singular.rank_of_speeds import is_singular
 from .breakpoints import breakpoints, jumps_of_accelerations, warn_of_fine_tables
 from .coinciding_ends import refuse_coinciding_ends
@@ -33,7 +35,6 @@ from .first_position import assemble
 from .initial_stops import notes_of_pressed_stops
 from .integrators import Steps
 from .large_start import starts_sparse
-from .overconstrained_loops import TO_GAP, choose_far_apart, gap_note, independence
 from .position import PositionGaps
 from .start import order_of_elimination
 from .start_speeds import start_speeds

@@ -9,7 +9,7 @@ from ...model.equations import DEPENDENT
 from ..assembly import Sized, is_closed, nearest_of
 from ..kinematics.assembly import assembly_failure
 from ..projection import Corrections, Instant, Position, largest, project, shortened
-from .overconstrained_loops import NearlyClosed, gap_error, nearly_closed
+from ..singular.overconstrained_loops import NearlyClosed, gap_error, nearly_closed
 
 if TYPE_CHECKING:
     from .position import PositionGaps

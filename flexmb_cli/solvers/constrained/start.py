@@ -12,8 +12,8 @@ from ...kernels.constrained.system import NO_INERTIA
 from ...model.by_size import by_size
 from ...model.equations import DEPENDENT
 from ..singular.mobility import NAMED, Mobility, involved, sparse_basis
+from ..singular.overconstrained_loops import choose_far_apart
 from .large_start import order_of_many
-from .overconstrained_loops import choose_far_apart
 
 if TYPE_CHECKING:
     from ...model.equations import Equation

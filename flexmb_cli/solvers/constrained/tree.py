@@ -25,11 +25,11 @@ from ...model.tree_as_mechanism.frames import Frames, hinge_frames
 from ...model.tree_as_mechanism.hinges import add_closures, add_hinges, add_prescribed
 from ...model.tree_as_mechanism.limits import refuse_foreign
 from ...model.tree_as_mechanism.loads import tree_loads
-from ...model.tree_as_mechanism.loop_assembly import closed_tree
 from ...model.tree_as_mechanism.planar_tree import repeated_in_planar_tree
 from ...model.tree_as_mechanism.poses import elastic_start, first_poses
 from ...quick_dataclass import replace
 from ..checkpoint import taken
+from ..tree.loop_assembly import closed_tree
 from ..tree.rows import TreeMotion, TreeRows, rows_of_tree, unturned
 from .analysis import ConstrainedMotion
 from .tree_element_rows import with_elements

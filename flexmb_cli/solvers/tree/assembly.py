@@ -11,7 +11,8 @@ from ...kernels.tree.loop_closures import IMMOBILE
 from ...model.arrays.tree import REPEATED, TreeArrays, initial_attitudes
 from ...model.tree import ASSEMBLED_GAP, ROTATION, Closure, Tree
 from ...model.tree_as_mechanism.frames import hinge_frames
-from ...model.tree_as_mechanism.loop_assembly import LOOSEST, NEAR, TO_GAP, loop_size, nearest_closed
+from ..assembly import LOOSEST, NEAR, TO_GAP
+from .loop_assembly import loop_size, nearest_closed
 
 if TYPE_CHECKING:
     from .analysis import TreeAnalysis

@@ -298,6 +298,13 @@ def test_links_stay_as_they_are_where_references_are_made(folders, tmp_path):
     assert list((tmp_path / "elsewhere").iterdir()) == []
 
 
+def test_results_of_a_deck_with_stale_in_its_name_are_compared(folders):
+    """IN4.stale.dat gives OUT4.stale.dat and OUT4.stale.h5, which no rename makes."""
+    for folder in folders:
+        (folder / "one.h5").rename(folder / "one.stale.h5")
+    assert "2 files compared" in compared(*folders).stdout
+
+
 def test_a_stale_result_is_no_new_one(folders):
     """What an earlier run left under the name of its stale result counts as missing, in JUnit files, too."""
     (folders[1] / "one.h5").rename(folders[1] / "one.h5.stale")

@@ -17,9 +17,9 @@ from flexmb_cli.model.tree import (
     Tree,
 )
 from flexmb_cli.model.tree_as_mechanism.frames import hinge_frames
-from flexmb_cli.model.tree_as_mechanism.loop_assembly import closed_tree
 from flexmb_cli.solvers.constrained.tree import AbsoluteTree
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
+from flexmb_cli.solvers.tree.loop_assembly import closed_tree
 from tests.naive.particle_tree import equations
 from tests.naive.random_trees import motored, random_tree, sprung, where
 from tests.solvers.tree.tree_runs import deck_tree

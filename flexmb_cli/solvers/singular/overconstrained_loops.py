@@ -13,20 +13,18 @@ from ...kernels.constrained.accelerations import choose_order
 from ...model.by_size import first_of_largest
 from ...model.equations import DEPENDENT
 from ...quick_dataclass import dataclass
-from ..assembly import Sized, nearest_of
+from ..assembly import LOOSEST, TO_GAP, Sized, nearest_of
+from ..constrained.large_start import is_large
 from ..projection import RESIDUAL_MET, Corrections, Instant, Position, largest, project, shortened
-from ..singular.mobility import PROBE, Gap, about, gap_norms, worst_gaps
-from .large_start import is_large
+from .mobility import PROBE, Gap, about, gap_norms, worst_gaps
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...kernels.constrained.system import Work
-    from .position import PositionGaps
+    from ..constrained.position import PositionGaps
 
 
-LOOSEST = 0.03  # gap of what can be called a loop that nearly closes; singular value, of the largest
-TO_GAP = 30.0  # singular values, of the largest, to the gap left: below it equations repeat others
 SETTLING = 4  # corrections of that limit by the gap that it leaves
 MOVES = 0.3  # part of a trial motion that remains where the mechanism is free to move
 

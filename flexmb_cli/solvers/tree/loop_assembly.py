@@ -10,21 +10,17 @@ from typing import Any
 import numpy as np
 
 from ...errors import AnalysisError, Fault
+from ...model.equations import DEPENDENT
+from ...model.tree import ASSEMBLED_GAP, ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
+from ...model.tree_as_mechanism.frames import Frames, shape_of
+from ...model.tree_as_mechanism.poses import STILL, Pose, elastic_start, first_poses
 from ...quick_dataclass import replace
-from ..equations import DEPENDENT
+from ..assembly import DAMPINGS, LOOSEST, NEAR, OTHER_STARTS, TO_GAP
 from ..levenberg_marquardt import least_squares
-from ..tree import ASSEMBLED_GAP, ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
-from .frames import Frames, shape_of
-from .poses import STILL, Pose, elastic_start, first_poses
 
 MOST_STEPS = 40
 LONGEST_MOVE = 0.5  # step of a coordinate, rad or m
-NEAR = 0.1  # of the size, or rad: what coordinates change where the deck's are as meant
-DAMPINGS = (1e-3, 1.0)  # the first of searches: the second keeps nearer to the deck's coordinates
-OTHER_STARTS = 6
-ASIDE = 0.5  # of the size, and rad: the largest distance of other starts
-LOOSEST = 0.03  # gap, of the size, of what can be called a loop that nearly closes
-TO_GAP = 30.0  # sine of the angle between directions that count as one, to the gap
+TREE_ASIDE = 0.5  # of the size, and rad: the largest distance of other starts
 
 
 def closed_tree(tree: Tree, frames: Frames) -> Tree:
@@ -69,7 +65,10 @@ def nearest_closed(tree: Tree, frames: Frames, free: np.ndarray) -> tuple[Tree, 
     units = np.where(slides, size, 1.0) * free
     random = np.random.default_rng(1992)
     turned = units * np.array([c.motion != ELASTIC for c in tree.coordinates])
-    asides = [_moved(tree, random.uniform(-ASIDE, ASIDE, units.size) * turned) for _ in range(OTHER_STARTS)]
+    asides = [
+        _moved(tree, random.uniform(-TREE_ASIDE, TREE_ASIDE, units.size) * turned)
+        for _ in range(OTHER_STARTS)
+    ]
     starts = [(tree, damping) for damping in DAMPINGS] + [(aside, DAMPINGS[0]) for aside in asides]
     found = [_closed(_searched(start, frames, units, size, d), frames, free) for start, d in starts]
     closed = [one for one in found if _is_closed(one[1])]
