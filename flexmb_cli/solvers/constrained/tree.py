@@ -29,9 +29,11 @@ from ...model.tree_as_mechanism.planar_tree import repeated_in_planar_tree
 from ...model.tree_as_mechanism.poses import elastic_start, first_poses
 from ...quick_dataclass import replace
 from ..checkpoint import taken
+from ..projection import RESIDUAL_MET, largest
 from ..tree.loop_assembly import closed_tree
 from ..tree.rows import TreeMotion, TreeRows, rows_of_tree, unturned
 from .analysis import ConstrainedMotion
+from .position import PositionGaps
 from .tree_element_rows import with_elements
 from .tree_rows import motion_of_bodies
 
@@ -84,7 +86,10 @@ class AbsoluteTree(ConstrainedMotion):
         """
         rigid = 7 * self.arrays.bodies
         q = np.concatenate([self.arrays.q[:rigid], *(eta for eta, _ in self._elastic)])
-        return self.first_position(t, self.tree.loop_tolerance, q)[1] if self.tree.closures else q
+        gaps = PositionGaps(self.arrays, self.system, self.work)
+        if largest(gaps.residual(q, t, self.arrays.angles)) <= RESIDUAL_MET:
+            return q
+        return self.first_position(t, self.tree.loop_tolerance, q)[1]
 
     def given_speeds(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """All speeds are given, by the tree's."""
