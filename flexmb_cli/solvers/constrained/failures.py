@@ -13,7 +13,6 @@ from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators.clock import CONTRADICTION
 from ...kernels.laws import COORDINATE
 from ...model.arrays.records import ELEMENT
-from ...model.inertia_checks import uneven_masses
 from ...model.integrators import METHODS
 from ..singular.mobility import Gap, about
 from ..singular.rank_of_speeds import (
@@ -153,6 +152,9 @@ def _why_steps_fall(analysis: "ForwardDynamics", norms: dict[str, float]) -> tup
             "others that they contradict beside it; begin elsewhere"
         )
         return reason, owners
+    # Asked for after a failure alone: it imports trees.
+    from ...model.inertia_checks import uneven_masses
+
     masses = analysis.system.masses["mass"].tolist()
     if reason := jump_at(analysis, norms["reached"]) or uneven_masses(masses):
         return reason, []

@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault
-from ...model.integrators import METHODS, Integrator
+from ...model.integrators import METHODS, Integrator, steps_at_limit
 
 if TYPE_CHECKING:
     import numpy as np
@@ -17,25 +17,6 @@ if TYPE_CHECKING:
 
 
 KERNELS = "flexmb_cli.kernels.integrators"
-
-
-FEWEST, SHARE = 4, 0.05  # steps of those looked at (a quarter), and of all, that make a warning
-LOOSE = 1e-5  # tolerance from which on they do
-
-
-def steps_at_limit(clock: "np.void", methods: str) -> list[Fault]:
-    """Return a warning where an explicit method made steps as long as its stability allows; else nothing.
-
-    Its error estimate does not see there what becomes of the vibrations that its steps do not resolve.
-    """
-    if clock["rtol"] < LOOSE or clock["stiff"] < max(FEWEST, SHARE * clock["steps"]):
-        return []
-    message = (
-        f"of {clock['steps']} steps about {min(4 * clock['stiff'], clock['steps'])} are as long as the "
-        "stability of the explicit method allows: the fastest vibrations rule them, and errors may exceed "
-        f"the tolerance a thousandfold; take {methods}, or a tolerance a hundred times as small"
-    )
-    return [Fault("warning", message, id="SOLVE-060")]
 
 
 class Steps:
