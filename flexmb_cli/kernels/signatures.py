@@ -27,6 +27,7 @@ RECORDS = {
         for name in ("MASS", "FLEXIBLE", "BODY_VECTOR", "PRIMITIVE", "LOAD")
     },
     "FUNCTION": "model.arrays.records:FUNCTION",
+    **{name: f"model.arrays.laws:{name}" for name in ("LAW", "FRICTION_LAW")},  # parts of other records
     "GROUP": "model.arrays.records:GROUP",
     "FRAME": "model.arrays.tree_frames:FRAME",
     "NODAL_MASS": "model.arrays.tree_frames:NODAL_MASS",
@@ -137,6 +138,7 @@ UNITS = {
             "Tree FRAME_WORK1 COORDINATE_WORK1 TreeIntegration TreeReport int"
         ),
         "tree.motion.derivative": "Tree FRAME_WORK1 COORDINATE_WORK1 float f1 f1",
+        "tree.loads.set_prescribed": "Tree float f1 f1 COORDINATE_WORK1",
         "tree.motion.normalise_attitudes": "Tree f1",
         "tree.motion.turn_attitudes": "Tree f1 f2 f2",
         "tree.projection.evaluate_gaps": "Tree FRAME_WORK1 COORDINATE_WORK1 f1",

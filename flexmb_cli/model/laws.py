@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 from ..errors import Place
 from ..quick_dataclass import dataclass
 
-MOST_PARAMETERS = 4  # of a law
 # Codes of laws with fields of their own; those of LAWS follow.
 SPRING, CABLE, MOTOR = 1, 2, 3
 

@@ -12,7 +12,7 @@ that of another.
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from .._jit import kernel
+from .._jit import kernel, plain
 from ..linalg.rotation import RATE, REMAINDER, A, rotate
 from .system import System, Work
 
@@ -37,7 +37,7 @@ class Geometry(NamedTuple):
     relative_vectors: "np.ndarray"  # (3, primitives, 2, 3) V and W of the primitives, global axes, m
 
 
-@kernel
+@plain
 def geometry_of(system: System, work: Work) -> Geometry:
     """The geometry of a mechanism: views, which follow the work."""
     return Geometry(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..joint_elements import JointMotor
-from ..laws import CABLE, MOST_PARAMETERS, MOTOR, SPRING, JointLaw
+from ..laws import CABLE, MOTOR, SPRING, JointLaw
 from ..time_functions import integral_of
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ LAW = np.dtype(
         ("free_length", np.float64),  # m or rad
         ("damping", np.float64),  # N s/m, N m s/rad; of a cable s/m
         ("preload", np.float64),  # of a spring without stretch; of a motor besides its function; N, N m
-        ("c", np.float64, MOST_PARAMETERS),  # parameters of a law of `model.laws`, in their units
+        ("c", np.float64, 4),  # parameters of a law of `model.laws`, in their units
         ("function", np.int64),  # MOTOR: function of time, -1: none
         ("curve", np.int64),  # SPRING: function of the stretch, -1: none
         ("energy", np.int64),  # SPRING: function that is its integral, -1: none

@@ -25,6 +25,8 @@ INTERPRETED_COORDINATES, INTERPRETED_LOADS = 200, 300
 
 
 MOST_MOVES = 3  # bodies named
+# Of the size, or rad, that a note names: attitudes printed in 1996 are off by 0.75 rad.
+FAR_MOVE = 1.0
 MOST_ASSEMBLED = 20_000  # coordinates, which take some seconds
 MOST_DENSE_EQUATIONS = 2000  # equations, most of which repeat others: their dense matrix takes 32 MB
 
@@ -121,13 +123,13 @@ def note_moves(
     report: "CheckReport", arrays: "KinematicArrays | SystemArrays", before: "np.ndarray", after: "np.ndarray"
 ) -> None:
     """Record how far assembly moved each body, and note it where one is moved far."""
-    from ...solvers.assembly import NEAR, displacements
+    from ...solvers.assembly import displacements
 
     names = arrays.body_names
     scale = max((e.scale for e in arrays.equations if e.is_length), default=1.0)
     moves = zip(names, *(x.tolist() for x in displacements(before, after, len(names))), strict=True)
     report.moved = sorted(moves, key=lambda move: -(move[1] / scale + move[2]))
-    far = [move for move in report.moved if max(move[1] / scale, move[2]) > NEAR]
+    far = [move for move in report.moved if max(move[1] / scale, move[2]) > FAR_MOVE]
     if far:
         named = "; ".join(f"{name} by {way:.3g} m and {turn:.3g} rad" for name, way, turn in far[:MOST_MOVES])
         message = f"assembly moves bodies from their estimates: {named}"

@@ -30,6 +30,10 @@ def nearest_position(
     Where gaps are left, what the deck prescribes (held and driven coordinates) weighs so much more than the
     joints that they show where the user would see them: in a joint.
     """
+    # The search keeps |p|, and a start aside of a position has another.
+    poses = q.reshape(-1, 7).copy()
+    poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
+    q = poses.ravel()
     sized = sized_equations(evaluator, q, t, expected)
     found = sized.search(q, DAMPINGS[0])
     weights = np.where(_of_joints(evaluator.arrays), 1.0, PRESCRIBED_WEIGHT)

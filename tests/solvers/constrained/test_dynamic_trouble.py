@@ -118,15 +118,12 @@ def test_a_start_in_line_is_no_wrong_driver(tmp_path):
 @pytest.mark.long_motion
 @pytest.mark.parametrize("length", ["0", "0.01"], ids=["chosen steps", "given steps"])
 def test_a_start_in_line_is_no_fault_of_loads(length, tmp_path):
-    """Implicit steps fail before the equations are seen to contradict each other."""
     found = outcome(tmp_path, linkage((4, 1, 4, 1), 0.0, f"{SPINNING}GALF {length} 0.9\n"))
     assert (found.exit_code, found.rows) == (1, 1)
-    joints = ", ".join(f"revolute joint {k} (line {k + 5})" for k in range(1, 5))
     line = reported(found)[-1]
-    assert line.startswith("IN.dat:6:1: error: at t = ")
+    assert "equations that repeated others contradict them: revolute joint " in line
     assert line.endswith(
-        f" s: this is a singular position of {joints} (rods in line), where equations repeat others that they "
-        "contradict beside it; begin elsewhere"
+        "; they did so at the start only, which is a singular position (rods in line); begin elsewhere"
     )
 
 
@@ -218,7 +215,7 @@ def test_a_run_of_ages_is_refused(tmp_path):
         (("       1.0      0.01\n", "     1E12      1E11\n"), "28:6: error: TIME: the last time would be 1e+12 s; motions are integrated up to 1e+09 s (30 years)"),
         (("    1       2.0       0.5\n", "    1       0.0       0.5\n"), "6:13: error: mass of body 1: the mass must be above zero; read 0.0"),
         (("       0.1       0.2       0.2\n", "       0.1       0.2       0.9\n"), "7:8: error: mass of body 1: no body has the principal moments 0.1, 0.2, 0.9 kg m^2: the largest must not exceed the sum of the others (the moments are about the centre of mass)"),
-        (("       0.1       0.2       0.2\n", "      -0.1       0.2       0.2\n"), "7:7: error: mass of body 1: the principal moments of inertia must be above zero; the least is -0.1 kg m^2"),
+        (("       0.1       0.2       0.2\n", "      -0.1       0.2       0.2\n"), "7:7: error: mass of body 1: no principal moment of inertia may be negative; the least is -0.1 kg m^2"),
     ],
     ids=["ages", "mass", "triangle", "negative"],
 )  # fmt: skip

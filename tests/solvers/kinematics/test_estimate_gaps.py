@@ -29,7 +29,8 @@ def slipped(old, new):
 
 def test_a_lost_minus_that_gives_another_mechanism_is_noted_at_its_joint(tmp_path):
     """P_j of revolute joint 2 lies on the ground at x = -4: without its minus the gap is 8 m."""
-    (note,) = faults_of(tmp_path, slipped("0 -4.0 -8.50 0 1.0", "0 4.0 -8.50 0 1.0"))
+    note, moves = faults_of(tmp_path, slipped("0 -4.0 -8.50 0 1.0", "0 4.0 -8.50 0 1.0"))
+    assert moves.message.startswith("assembly moves bodies from their estimates: body ")
     assert (note.severity, note.place.line) == ("note", 16)
     assert note.message == (
         "assembly had to move bodies far: the body estimates leave a gap at revolute joint 2 (x, line 16): "
