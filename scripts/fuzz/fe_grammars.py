@@ -193,8 +193,6 @@ GRAMMARS = {
     "matrix ABQ": _abaqus,
     "matrix DMIG": _dmig,
     "matrix OP4": lambda draw: (_op4_text if draw(st.booleans()) else _op4_binary)(draw),
-    "matrix HB of two rows": _harwell_boeing,
-    "matrix CCX of two rows": _calculix,
     "mapping ANS": _mapping,
     "mapping CCX": _dofs,
     "nodes TXT": _nodes_txt,

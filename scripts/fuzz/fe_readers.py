@@ -5,8 +5,6 @@ import warnings
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
-
 from flexmb_cli.fe.formats.calculix import read_calculix, read_dofs
 from flexmb_cli.fe.formats.connectivity import read_elements
 from flexmb_cli.fe.formats.formats import read_matrix
@@ -14,18 +12,13 @@ from flexmb_cli.fe.formats.harwell_boeing import read_harwell_boeing, read_mappi
 from flexmb_cli.fe.formats.matrix_file import FEFileFault
 from flexmb_cli.fe.formats.node_table import read_node_table
 
-EQUATIONS = np.array([(node, k) for node in range(1, 9) for k in (1, 2, 3)])
-FEW = EQUATIONS[:2]
-
 READERS: dict[str, Callable[[Path], object]] = {
     **{
         f"matrix {form}": lambda p, form=form: read_matrix(p, form, "K")
         for form in ("MM", "ABQ", "DMIG", "OP4")
     },
-    "matrix HB": lambda p: read_harwell_boeing(p, EQUATIONS),
-    "matrix HB of two rows": lambda p: read_harwell_boeing(p, FEW),
-    "matrix CCX": lambda p: read_calculix(p, EQUATIONS),
-    "matrix CCX of two rows": lambda p: read_calculix(p, FEW),
+    "matrix HB": read_harwell_boeing,
+    "matrix CCX": read_calculix,
     "mapping ANS": read_mapping,
     "mapping CCX": read_dofs,
     **{

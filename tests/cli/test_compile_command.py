@@ -84,7 +84,8 @@ def version(tmp_path, monkeypatch):
     monkeypatch.setattr(_cache, "refused", [])
     folder = tmp_path / "flexmb" / f"objects-{_objects.kernel_digest()}"
     folder.mkdir(parents=True, mode=0o700)
-    (folder / "good.object").write_bytes(_objects.write({"compiler": "numba 0"}, b"code"))
+    header = {"compiler": "numba 0", "unit": "good"}
+    (folder / "good.object").write_bytes(_objects.write(header, b"code"))
     (folder / "good.object").chmod(0o600)
     return folder
 

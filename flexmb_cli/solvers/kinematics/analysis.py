@@ -250,9 +250,7 @@ class KinematicAnalysis:
         q, gap = assemble_by_search(evaluator, self.arrays.q, t, expected)
         if np.max(np.abs(gap)) > RESIDUAL_MET:
             refuse_contradicted_drive(self.mechanism, self.settings)
-            raise assembly_failure(
-                evaluator, gap, t, self.settings.most_iterations, (self.arrays.q, expected)
-            )
+            raise assembly_failure(evaluator, gap, t, (self.arrays.q, expected))
         if q.size > self.settings.most_ranked:
             raise too_large_to_rank(q.size, self.settings.most_ranked, t)
         found = mobility(evaluator, q, t, expected)
@@ -263,9 +261,7 @@ class KinematicAnalysis:
             self._restart(q)
             first = self._block(0, 1)
             if first is None:
-                raise assembly_failure(
-                    evaluator, gap, t, self.settings.most_iterations, (self.arrays.q, expected)
-                )
+                raise assembly_failure(evaluator, gap, t, (self.arrays.q, expected))
             return first
         return self._with_repetitions(q, found)
 

@@ -12,7 +12,6 @@ from ..singular.mobility import Mobility, about, gap_norms, motion_text, worst_g
 from .estimate_gaps import slip_sentence, wide_estimates
 from .nearest_position import nearest_position, sized_equations
 from .position import Evaluator
-from .settings import KinematicSettings
 
 if TYPE_CHECKING:
     from ...model.equations import Equation
@@ -23,7 +22,6 @@ ADVICE = (
     "check these joints' points and the body estimates; estimates that are too far are found by changing "
     "lengths in small steps from a mechanism that closes"
 )
-ENOUGH = KinematicSettings.most_iterations
 # Shortest corrections also converge among redundant equations.  A wider gap than the last number is real:
 # they would only spread it.
 POLISH = Corrections(met=1e-13, most=20, dependent=DEPENDENT, hopeless=1e-6)
@@ -50,20 +48,19 @@ def assembly_failure(
     evaluator: "Evaluator | PositionGaps",
     gap: np.ndarray,
     t: float,
-    most_iterations: int = ENOUGH,
     estimates: "tuple[np.ndarray, np.ndarray] | None" = None,
 ) -> AnalysisError:
     """The mechanism of the deck cannot be put together at its first time, t.
 
-    `gap` (m,): scaled residual.  `most_iterations`: how many Newton was allowed; fewer than usual may be
-    the reason.  `estimates`: coordinates of the deck and the angles of screws there, where a slip may show.
+    `gap` (m,): scaled residual.  `estimates`: coordinates of the deck and the angles of screws there, where a
+    slip may show.
     """
     worst = worst_gaps(evaluator, gap)
     wide, rest = wide_estimates(evaluator, estimates[0], t, estimates[1]) if estimates else ([], 0.0)
     left = "; ".join(one.text for one in worst) or "no gap is left, but the position is singular"
     message = (
         f"at t = {t:.6g} s the mechanism cannot be assembled from the estimates; what is left of the worst "
-        f"constraints: {left}; {_few(most_iterations)}{slip_sentence(wide, rest) if wide else ADVICE}"
+        f"constraints: {left}; {slip_sentence(wide, rest) if wide else ADVICE}"
     )
     owners = (one.equation for one in (*wide, *worst))
     return AnalysisError(about("error", message, *owners, id="SOLVE-052"), t, gap_norms(worst))
@@ -77,13 +74,6 @@ def too_large_to_rank(equations: int, most: int, t: float) -> AnalysisError:
         "it does"
     )
     return AnalysisError(Fault("error", message, id="SOLVE-009"), t)
-
-
-def _few(iterations: int) -> str:
-    if iterations >= ENOUGH:
-        return ""
-    plural = "s" * (iterations != 1)
-    return f"--nrmax lets Newton try {iterations} iteration{plural}: allow more ({ENOUGH} if not given), or "
 
 
 def free_motion_error(
