@@ -98,10 +98,10 @@ class Sized:
         way, turn = displacements(before, after, self.bodies)
         return float(np.sum(way) / (self.size * self.length) + np.sum(turn))
 
-    def is_near(self, before: np.ndarray, after: np.ndarray) -> bool:
-        """Return whether no body is moved by more than `NEAR`."""
+    def is_near(self, before: np.ndarray, after: np.ndarray, most: float = NEAR) -> bool:
+        """Return whether no body is moved by more than `most`, of the size or rad."""
         way, turn = displacements(before, after, self.bodies)
-        return float(max(np.max(way) / (self.size * self.length), np.max(turn))) <= NEAR
+        return float(max(np.max(way) / (self.size * self.length), np.max(turn))) <= most
 
     @property
     def length(self) -> float:

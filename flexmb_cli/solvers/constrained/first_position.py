@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .position import PositionGaps
 
 
+OTHER_ASSEMBLY = 0.5  # of the size, or rad: a body moved more is in another one
 SHORTEST = Corrections(met=1e-14, most=60, dependent=DEPENDENT)
 
 
@@ -35,11 +36,12 @@ def assemble(
     found = project(instant, q, SHORTEST, shortened, rigid)
     if is_closed(found[1]) and sized.is_near(q, found[0]):
         return found[0], None
-    # Elsewhere there may be positions where such loops close, but cannot move.
     loose = nearly_closed(gaps, instant, sized, q, rigid, near=True)
-    for columns in (rigid, np.ones_like(rigid))[: 0 if loose else 1 + (not rigid.all())]:
+    is_loose = loose is not None and loose.size <= tolerance
+    for columns in (rigid, np.ones_like(rigid))[: 0 if is_loose else 1 + (not rigid.all())]:
         tried = _closest(sized, instant, q, columns)
-        if is_closed(tried[1]):
+        # Far away there may be positions where loops that nearly close here close, but cannot move.
+        if is_closed(tried[1]) and (loose is None or sized.is_near(q, tried[0], OTHER_ASSEMBLY)):
             return tried[0], None
         found = min(found, tried, key=lambda one: largest(one[1]))
     loose = loose or nearly_closed(gaps, instant, sized, q, rigid, near=False)

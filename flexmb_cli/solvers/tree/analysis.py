@@ -25,6 +25,7 @@ from ..checkpoint import row_of, taken, taken_clock
 from .assembly import assemble_tree, pivot_shares, stray
 from .rows import TreeRows, motion_by_recursion, rows_of_tree
 
+SAME_TIME_OF_TREES = 1e-12  # of a run: times this near to each other are one
 # Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
 CALL_WORK = 2_000_000
 LARGEST_BLOCK = 1024  # rows, of trees of a few bodies
@@ -302,7 +303,12 @@ def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
     functions = [item.function for item in tree.elements.motors]
     functions += [item.function for item in tree.elements.drivers]
     times |= {t for function in functions for t in corners(function)}
-    return sorted(t for t in times if start < t < end)
+    # A step between two numbers for one time would be shorter than any can be.
+    apart, found = SAME_TIME_OF_TREES * max(abs(start), abs(end)), [start]
+    for t in sorted(times):
+        if found[-1] + apart < t < end - apart:
+            found.append(t)
+    return found[1:]
 
 
 def set_functions(tree: Tree, arrays: TreeArrays, begin: float, end: float) -> None:
