@@ -25,6 +25,7 @@ from flexmb_cli import (
 from flexmb_cli.cli import cli
 from flexmb_cli.cli.run import run
 from flexmb_cli.run.outcome import RunOptions
+from tests.solvers.kinematics.test_kinematic_trouble import slider_crank
 
 DECKS = Path(__file__).resolve().parents[1] / "decks"
 FOUR_BAR = DECKS / "young/IN4-BAR.dat"
@@ -176,13 +177,14 @@ def test_a_library_that_is_missing_is_named_with_its_installation(module, instal
 
 
 def test_rows_before_a_lock_are_kept(tmp_path):
-    """The crank is driven along x, which its pivot does not allow: the exception holds what was solved."""
-    text = FOUR_BAR.read_text().replace("1 4 0 3.14159265 0", "1 1 0 1 0")
-    (tmp_path / "locked.dat").write_text(text.replace("\n0 2.5 0.1", "\n0 50 0.1"))
+    """A crank of 1 m and a rod of 3 m reach 4 m; at 0.5 s the slider is asked for 4.02 m."""
+    text = slider_crank(1, 3, (3.42, 1.6, -1.6), (0, 2, 0.25), 1.0)
+    (tmp_path / "locked.dat").write_text(text)
     with pytest.raises(AnalysisError) as raised:
         solve(tmp_path / "locked.dat")
     assert raised.value.result.status == "failed"
     assert raised.value.result.message
+    assert raised.value.result.time.tolist() == [0.0, 0.25]
 
 
 def test_faults_of_a_deck_have_place_and_identifier():
