@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +21,6 @@ from ..model.flexible_mechanism import (
 )
 from ..model.mechanism import GROUND
 from ..model.vectors import euler_parameters
-from ..quick_dataclass import replace
 from .flexible_bodies import flexible_body
 
 if TYPE_CHECKING:
@@ -180,8 +180,8 @@ class _Points:
         given = self.model.elements
         if not given:
             return given
-        between = {"lines": given.lines, "bushings": given.bushings}
-        return replace(given, **{name: tuple(map(self._attached, items)) for name, items in between.items()})
+        lines, bushings = (tuple(map(self._attached, items)) for items in (given.lines, given.bushings))
+        return replace(given, lines=lines, bushings=bushings)
 
     def _attached(self, item: Any) -> Any:
         return replace(item, P_i=self.point(item.P_i), P_j=self.point(item.P_j))

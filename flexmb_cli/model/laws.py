@@ -4,10 +4,10 @@ Cards of all dialects, their units, names, checks and conversion, and the arrays
 from these records.  A new law is one record here and one branch of `kernels.laws`, of the same code.
 """
 
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..errors import Place
-from ..quick_dataclass import dataclass
 
 # Codes of laws with fields of their own; those of LAWS follow.
 SPRING, CABLE, MOTOR = 1, 2, 3

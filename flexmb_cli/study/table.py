@@ -4,6 +4,7 @@ Rows are written in blocks as they come: a study may be larger than the memory.
 """
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
@@ -12,7 +13,6 @@ import numpy as np
 
 from .. import __version__
 from ..extras import needed
-from ..quick_dataclass import dataclass
 from ..results.files.disk_failures import located
 from ..results.files.full_disk_guard import FullDiskGuard
 from ..results.files.replaced_file import Replacement

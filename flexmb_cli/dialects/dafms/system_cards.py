@@ -1,13 +1,13 @@
 """The cards of TSYSIN, in any order up to END: DAFMS thesis (Zhao, 1992), appendix C."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from ...deck.fortran_records import Item, MissingRecord, Records
 from ...deck.number_list import record_of
 from ...deck.record import Number, Record
 from ...errors import Place
-from ...quick_dataclass import dataclass, field
 from .card import Card
 from .cards import CARDS, END, MACROS, PRINT_OFF, PRINT_ON
 from .skipped_lines import SkippedLines

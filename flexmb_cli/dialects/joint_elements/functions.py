@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -18,7 +19,6 @@ from ...model.time_functions import (
     smoothness,
     sum_of,
 )
-from ...quick_dataclass import dataclass
 
 MOST_FUNCTIONS, LARGEST_TABLES = 20_000, 2_000_000  # of a deck
 MOST_FACTORS = 1000  # of a term, and terms, of what is multiplied out

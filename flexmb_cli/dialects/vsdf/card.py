@@ -1,6 +1,6 @@
 """Card of a VSDF deck: a keyword, and the fields of its data cards."""
 
-from ...quick_dataclass import dataclass
+from dataclasses import dataclass
 
 # A field's letter gives its width: I an integer, F a real, A a word, T text to the end of the line.
 WIDTHS = {"I": 5, "F": 10, "A": 4, "T": 0}

@@ -1,11 +1,11 @@
 """YOUNG deck to the model that it describes: a mechanism, or one with masses and loads."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Deck
 from ...errors import Fault, ModelError
-from ...quick_dataclass import replace
 from .build import build_young
 from .dynamic_cards import analysis_of
 

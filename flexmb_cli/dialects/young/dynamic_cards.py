@@ -9,6 +9,7 @@ the deck does.  `{...}` is a comment.
 import re
 from array import array
 from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -17,7 +18,6 @@ from ...deck.many_records import Block, ManyRecords, blocks_of
 from ...deck.record import Deck, DeckText, Number, Record
 from ...deck.words import UNCLOSED, Word, words
 from ...errors import DeckError, Place
-from ...quick_dataclass import dataclass, field, replace
 from .card import MOST_NUMBERS
 from .cards import BY_KEYWORD
 from .elements.cards import JOINT_CARDS
@@ -123,7 +123,7 @@ class _Cards:
     loads: int = 0  # cards whose number that of the bodies does not bound
     shapes_alone: bool = False
 
-    def behind(self, records: Sequence[Record]) -> Sequence[Record]:
+    def behind(self, records: "tuple[Record, ...] | ManyRecords") -> "tuple[Record, ...] | ManyRecords":
         """Return the records of the cards behind those of kinematics; many ones are made when looked at."""
         if isinstance(records, tuple) and self.numbers <= many_records.MANY_NUMBERS:
             return *records, *self.records

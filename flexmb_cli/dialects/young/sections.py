@@ -5,12 +5,12 @@ in m, angles in rad, times in s; points in the axes of their body.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ...deck import number
 from ...model.joints import JOINT_TYPES, PITCH
-from ...quick_dataclass import dataclass
 from . import DIALECT
 
 if TYPE_CHECKING:

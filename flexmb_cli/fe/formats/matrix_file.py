@@ -1,8 +1,8 @@
 """Content of a matrix file, and the one exception of all file readers."""
 
-import numpy as np
+from dataclasses import dataclass
 
-from ...quick_dataclass import dataclass
+import numpy as np
 
 
 class FEFileFault(Exception):

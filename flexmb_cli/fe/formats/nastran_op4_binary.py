@@ -6,12 +6,12 @@ one for every column that is not zero follows, and one behind the last column cl
 
 import struct
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from .matrix_choice import NamedMatrix
 from .matrix_file import FEFileFault, MatrixFile, of_strings
 

@@ -2,12 +2,12 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ...errors import Place
-from ...quick_dataclass import replace
 from ..joint_elements import Bushing
 from ..joints import ANGLE
 from ..mechanism import GROUND, Vector

@@ -1,5 +1,6 @@
 """Report rows of a tree with elements at its hinges."""
 
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,6 @@ from ...kernels.laws import COORDINATE, EFFORT, ENERGY, POWER, SPEED
 from ...model.arrays.system import SystemArrays
 from ...model.joint_elements import names_of
 from ...model.tree import Tree
-from ...quick_dataclass import dataclass, fields
 from ..tree.rows import TreeRows
 from .element_rows import coupling_efforts, element_answers
 

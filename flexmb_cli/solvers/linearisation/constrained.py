@@ -1,5 +1,6 @@
 """Eigenfrequencies and damping of the linearised motion of a mechanism, and its absolute formulation."""
 
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +11,6 @@ from ...kernels.constrained.angle_unwrapping import EXPECTED
 from ...kernels.constrained.projection import project_position, project_speeds, rate_gap
 from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import GAMMA, NO_INERTIA, SOLVED
-from ...quick_dataclass import dataclass, replace
 from ..constrained.analysis import LinearisableMotion
 from ..constrained.start import inertia_failure
 from .joint_coordinates import AXES, OWN, JointCoordinates

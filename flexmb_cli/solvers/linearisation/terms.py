@@ -1,8 +1,9 @@
 """Names of inputs and outputs of a linearised mechanism in the terms of its dialect."""
 
+from dataclasses import dataclass
+
 from ...model.flexible_mechanism import NodePoint
 from ...model.joint_elements import JointElements, is_angle
-from ...quick_dataclass import dataclass
 
 
 @dataclass(frozen=True)

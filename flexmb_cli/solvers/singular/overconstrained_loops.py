@@ -4,6 +4,7 @@ Equations that repeat others where the loop is exact contradict them by a little
 position and the motion; along what the small singular values stand for nothing is corrected.
 """
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +13,6 @@ from ...errors import AnalysisError, Fault
 from ...kernels.constrained.accelerations import choose_order
 from ...model.by_size import first_of_largest
 from ...model.equations import DEPENDENT
-from ...quick_dataclass import dataclass
 from ..assembly import LOOSEST, TO_GAP, Sized, nearest_of
 from ..constrained.large_start import is_large
 from ..projection import RESIDUAL_MET, Corrections, Instant, Position, largest, project, shortened

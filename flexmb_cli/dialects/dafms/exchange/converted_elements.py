@@ -1,6 +1,7 @@
 """Elements at hinges and between bodies of a DAFMS deck in the terms of `model.exchange`."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from ....model.exchange.conversion import Conversion, place_of
@@ -10,7 +11,6 @@ from ....model.joint_elements import Bushing, Coupling, JointDriver, JointMotor,
 from ....model.joints import ANGLE, STROKE
 from ....model.laws import JointLaw
 from ....model.tree import ROTATION, Tree
-from ....quick_dataclass import replace
 
 
 class ConvertedElements(Conversion):

@@ -1,6 +1,7 @@
 """Functions of time, and elements at joints and between nodes, of a VSDF deck."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ....deck.record import Record
@@ -9,7 +10,6 @@ from ....model.diagnostics import Findings
 from ....model.fe_model import NodeJoint, Pin, VsdfBody
 from ....model.joint_elements import JointElements
 from ....model.mechanism import GROUND
-from ....quick_dataclass import replace
 from ...joint_elements.build import JOINT_CARDS, sections_of
 from ...joint_elements.build import build_elements as elements_of
 from ...joint_elements.functions import Functions, GivenFunction

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,7 +27,6 @@ from ....model.joints import ANGLE, BY_NAME, STROKE
 from ....model.loads import AppliedForce, AppliedTorque, SpringDamper
 from ....model.mechanism import GROUND, Point
 from ....model.vectors import rotation_matrix
-from ....quick_dataclass import replace
 from ..shapes import exchanged_shapes
 
 if TYPE_CHECKING:

@@ -2,6 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ....model.exchange.conversion import Conversion, Pose, coordinate_since, place_of
@@ -11,7 +12,6 @@ from ....model.joint_elements import Bushing, Coupling, JointMotor, JointSpring,
 from ....model.laws import JointLaw
 from ....model.loads import DynamicModel, SpringDamper
 from ....model.mechanism import GROUND, Mechanism
-from ....quick_dataclass import replace
 
 if TYPE_CHECKING:
     from ....model.time_functions import MotionFunction
