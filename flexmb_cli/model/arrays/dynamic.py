@@ -15,7 +15,7 @@ from ..loads import AppliedForce, AppliedTorque, DynamicModel
 from .constraint_table import PrimitiveTable
 from .kinematic import KinematicArrays, kinematic_arrays
 from .laws import NONE
-from .records import FLEXIBLE, FORCE, GROUP, LOAD, MASS, TORQUE, blank_load
+from .records import FLEXIBLE, FORCE, GROUP, MASS, TORQUE, blank_load
 from .system import SystemArrays
 from .young_elements import without_driven, young_elements
 
@@ -38,7 +38,7 @@ def dynamic_arrays(model: DynamicModel) -> DynamicArrays:
         mechanism.bodies, kinematic.length, len(kinematic.equations), kinematic.screw_angles
     )
     elements = young_elements(table, model)
-    loads = _loads(table, model) + elements.loads(model.springs)
+    loads = elements.loads(_loads(table, model), model.springs)
     collected = table.arrays()
     return DynamicArrays(
         body_names=kinematic.body_names,
@@ -53,7 +53,7 @@ def dynamic_arrays(model: DynamicModel) -> DynamicArrays:
         masses=_masses(model, bodies),
         flexible=np.zeros(0, FLEXIBLE),
         modal=np.zeros(0),
-        loads=np.array(loads, dtype=LOAD).reshape(-1),
+        loads=loads,
         gravity=np.array(model.gravity, dtype=float),
         kinematic=kinematic,
         **collected,

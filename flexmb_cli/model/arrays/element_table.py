@@ -4,8 +4,8 @@ What a dialect calls a joint, and which coordinates it has, is left to the objec
 the hinges of a tree.
 """
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from collections.abc import Iterable, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -15,13 +15,10 @@ from ..joint_elements import COORDINATES_OF, JointElements
 from ..joints import ANGLE, BY_NAME, PITCH, STROKE
 from ..laws import FRICTION, SPRING, At, Element, Frames, Line, is_angle
 from .constraint_table import PrimitiveTable
-from .laws import fill_bushing, fill_law
+from .laws import NONE, fill_bushing, fill_law
 from .node_joints import JointVectors
-from .records import ELEMENT, blank_load, line_primitive
+from .records import ELEMENT, LOAD, blank_load, blank_primitive, line_primitive
 from .records import FRICTION as FRICTION_LOAD
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 @dataclass(frozen=True)
@@ -149,21 +146,26 @@ class ElementTable:
             part = item.coordinate, not is_angle(item.coordinate), record
             self.table.equations(item.name, item.place, *self.joints.bodies(item.joint), [part])
 
-    def loads(self, springs: Sequence[Element] = ()) -> list[np.ndarray]:
-        """Springs of the deck, force elements, joint coordinates, friction; equations have been added."""
-        forces = self.elements.forces
-        found = [load for item in springs for load in self._load(item)]
-        found += [load for item in forces if item.law is not FRICTION for load in self._load(item)]
-        found += [self._at(At(name.joint, name.coordinate)) for name in self.reported]
-        return found + [self._friction(item) for item in forces if item.law is FRICTION]
+    def loads(self, others: Iterable[np.ndarray], springs: Iterable[Element] = ()) -> np.ndarray:
+        """LOAD records: `others`, springs of the deck, force elements, joint coordinates, friction.
 
-    def _load(self, item: Element) -> "Iterator[Any]":
+        All equations must have been added.
+        """
+        forces = self.elements.forces
+        forces = self.elements.forces
+        found = [*others, *(self._load(item) for item in springs)]
+        found += [self._load(item) for item in forces if item.law is not FRICTION]
+        found += [self._at(At(name.joint, name.coordinate)) for name in self.reported]
+        found += [self._friction(item) for item in forces if item.law is FRICTION]
+        return np.concatenate([np.zeros(0, LOAD), *map(np.atleast_1d, found)])
+
+    def _load(self, item: Element) -> Any:
+        """The LOAD record of an element, or its six."""
         if isinstance(item.measure, Frames):
             self._bushings += 1
-            yield from self._bushing(item, self._bushings - 1)
-        else:
-            record = self._line(item.measure) if isinstance(item.measure, Line) else self._at(item.measure)
-            yield fill_law(record, item.law, item.values, self.table)
+            return self._bushing(item, self._bushings - 1)
+        record = self._line(item.measure) if isinstance(item.measure, Line) else self._at(item.measure)
+        return fill_law(record, item.law, item.values, self.table)
 
     def _at(self, measure: At) -> Any:
         record = blank_load(ELEMENT)
@@ -189,18 +191,18 @@ class ElementTable:
         head, tail = self._end(ends.j, ends.P_j), self._end(ends.i, ends.P_i)
         turned = table.A(ends.j).T @ table.A(ends.i)
         axes = [table.body_vector(ends.i, np.eye(3)[k]) for k in range(3)]
-        records = [table.product((head, tail), axes[k]) for k in range(3)]
-        for k in range(3):
-            after, last = axes[(k + 1) % 3], axes[(k + 2) % 3]
-            records.append(table.angle(after, last, table.body_vector(ends.j, turned[:, (k + 1) % 3])))
+        records = np.repeat(blank_primitive(), 6)
+        records["alpha"][:3], records["beta"][3:] = 1.0, 1.0
+        records["ends"][:3, 0], records["ends"][:3, 1, 0] = (head, tail), axes
+        records["f"][3:], records["g"][3:] = np.roll(axes, -1), np.roll(axes, -2)
+        own = [table.body_vector(ends.j, turned[:, k]) for k in range(3)]
+        records["h"][3:], records["turn"][3:] = np.roll(own, -1), len(table.angles) + np.arange(3)
+        table.angles += [0.0, 0.0, 0.0]
         loads = fill_bushing(np.repeat(blank_load(ELEMENT), 6), item)
-        loads["group"] = number
-        for k, (load, record) in enumerate(zip(loads, records, strict=True)):
-            if k >= 3 and load["c"].any():
-                # The angle about an axis would jump where the other body's has turned through a right angle.
-                load["body_vector"] = axes[k - 3]
-                load["tilted"] = table.body_vector(ends.j, turned[:, k - 3])
-            load["primitive"] = table.spring(record)
+        loads["group"], loads["primitive"] = number, table.spring(records) + np.arange(6)
+        # The angle about an axis would jump where the other body's has turned through a right angle.
+        resists = loads["c"].any(axis=1) & (np.arange(6) >= 3)
+        loads["body_vector"], loads["tilted"] = np.where(resists, [2 * axes, 2 * own], NONE)
         return loads
 
     def _friction(self, item: Element) -> Any:

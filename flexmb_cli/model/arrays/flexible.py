@@ -12,7 +12,7 @@ from .element_table import ElementTable, PointJoints, coordinates_of_joints
 from .kinematic import CONSTRAINT
 from .laws import NONE
 from .node_joints import add_joints, add_motions
-from .records import FLEXIBLE, FORCE, LOAD, MASS, TORQUE, blank_load
+from .records import FLEXIBLE, FORCE, MASS, TORQUE, blank_load
 from .system import SystemArrays
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def flexible_arrays(mechanism: FlexibleMechanism) -> SystemArrays:
     add_joints(table, mechanism)
     add_motions(table, mechanism)
     elements = _elements(table, mechanism)
-    loads = np.array([*_loads(table, mechanism), *elements.loads(mechanism.springs)], dtype=LOAD).reshape(-1)
+    loads = elements.loads(_loads(table, mechanism), mechanism.springs)
     flexible, modal = _flexible(bodies)
     modes = np.concatenate([np.zeros(0), *(_mode_scale(body, length) for body in bodies)])
     return SystemArrays(

@@ -15,7 +15,6 @@ from ...kernels.laws import COORDINATE
 from ...model.arrays.constraint_table import PrimitiveTable
 from ...model.arrays.element_table import ElementTable, JointCoordinateName
 from ...model.arrays.flexible import flexible_arrays, length_scale
-from ...model.arrays.records import LOAD
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.integrators import IMPLICIT_TREE_METHODS, Integrator
@@ -134,5 +133,5 @@ def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple[Any, ...]) -> Syst
     elements.add_couplings()
     elements.add_drivers(tree.time.start)
     add_closures(table, tree)
-    loads = np.array([*tree_loads(table, tree), *elements.loads()], dtype=LOAD).reshape(-1)
+    loads = elements.loads(tree_loads(table, tree))
     return replace(flexible_arrays(free), loads=loads, **table.arrays())
