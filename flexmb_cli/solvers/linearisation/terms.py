@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 
 from ...model.flexible_mechanism import NodePoint
-from ...model.joint_elements import JointElements, is_angle
+from ...model.joint_elements import JointElements
+from ...model.laws import MOTOR
 
 
 @dataclass(frozen=True)
@@ -25,9 +26,9 @@ class Terms:
     motors: tuple[tuple[str, bool, int], ...] = ()
 
 
-def motors_of(elements: JointElements, loads: int) -> tuple[tuple[str, bool, int], ...]:
-    """The motors among so many loads: they stand before friction, which is the last."""
-    first = loads - len(elements.frictions) - len(elements.motors)
+def motors_of(elements: JointElements, first: int) -> tuple[tuple[str, bool, int], ...]:
+    """The motors among loads whose force elements begin with the number `first`."""
+    parts = [item for item in elements.forces for _ in item.parts]
     return tuple(
-        (item.name, not is_angle(item.coordinate), first + k) for k, item in enumerate(elements.motors)
+        (item.name, not item.turning, first + k) for k, item in enumerate(parts) if item.law is MOTOR
     )
