@@ -16,8 +16,7 @@ from ..extras import needed
 from ..results.files.disk_failures import located
 from ..results.files.full_disk_guard import FullDiskGuard
 from ..results.files.replaced_file import Replacement
-from ..results.hdf5.quick_writing import TEXT
-from ..results.hdf5.result_file import FILE_FORMAT, printable_name
+from ..results.hdf5.result_file import FILE_FORMAT, TEXT, printable_name
 
 # 2: series have a dimension scale along their report rows, too.
 CONVENTIONS = "flexmb-study-2"
