@@ -6,6 +6,7 @@ import numpy as np
 
 from ...deck.record import Deck
 from ...model.integrators import IMPLICIT_TREE_METHODS
+from ...model.laws import MOTOR
 from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
 from ...quick_dataclass import replace
 from ...solvers.tree.analysis import breakpoints
@@ -42,7 +43,8 @@ POINTS = {"position": "m", "velocity": "m/s"}
 def differences(tree: Tree, deck: Deck, run: Run) -> tuple[Difference, ...]:
     """Run `tree` both ways and return what the motions differ in.  Raises FlexmbError."""
     # Elastic bodies alone are slow, but not too slow, by explicit steps.
-    acting = replace(tree.elements, drivers=(), motors=(), couplings=())
+    forces = tuple(item for item in tree.elements.forces if item.law is not MOTOR)
+    acting = replace(tree.elements, drivers=(), couplings=(), forces=forces)
     stiff = acting and tree.integration.method in IMPLICIT_TREE_METHODS
     given = (IMPLICIT if stiff else EXPLICIT) | run.options.integration
     tree = replace(tree, integration=replace(tree.integration, **given))
