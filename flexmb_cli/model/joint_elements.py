@@ -102,7 +102,7 @@ class JointElements:
     drivers: tuple[JointDriver, ...] = ()
     driven: tuple[DrivenItem, ...] = ()
     supports: tuple[DrivenItem, ...] = ()
-    forces: tuple[Element, ...] = ()  # friction after all others
+    forces: tuple[Element, ...] = ()  # motors after all others
     couplings: tuple[Coupling, ...] = ()
     composites: tuple[CompositeJoint, ...] = ()
     rates: tuple[JointRate, ...] = ()

@@ -293,6 +293,14 @@ def spring(
     return Element(name, SPRING, measure, values, place)
 
 
-def friction_last(elements: "Iterable[Element]") -> tuple[Element, ...]:
-    """Return elements in their order, but friction after all others, as the arrays have them."""
-    return tuple(sorted(elements, key=lambda item: item.law is FRICTION))
+def motors_last(elements: "Iterable[Element]") -> tuple[Element, ...]:
+    """Return elements in their order, but motors after all others, as results have them."""
+    return tuple(sorted(elements, key=lambda item: item.law is MOTOR))
+
+
+def parts_in_arrays(elements: "Iterable[Element]") -> list[tuple[Element, int]]:
+    """Return the element of each part in results, and its place in arrays, which have friction last."""
+    parts = [item for item in elements for _ in item.parts]
+    in_arrays = sorted(range(len(parts)), key=lambda k: parts[k].law is FRICTION)
+    place = {k: n for n, k in enumerate(in_arrays)}
+    return [(item, place[k]) for k, item in enumerate(parts)]

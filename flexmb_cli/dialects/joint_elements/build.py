@@ -252,9 +252,9 @@ def rate(maker: ElementMaker, record: Record) -> JointRate | None:
 JOINT_CARDS: Cards = {
     "forces": [
         *force_sections({"t": ANGLE, "a": STROKE}),
+        ("friction", force(FRICTION, Joint)),
         ("tmotor", force(MOTOR, At, ANGLE)),
         ("amotor", force(MOTOR, At, STROKE)),
-        ("friction", force(FRICTION, Joint)),
     ],
     "couplings": [("coupling", coupling)],
     "rates": [("rate", rate)],

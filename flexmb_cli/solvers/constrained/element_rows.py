@@ -11,7 +11,7 @@ from ...model.arrays.dynamic import DynamicArrays
 from ...model.arrays.element_table import coordinates_of_joints
 from ...model.arrays.system import SystemArrays
 from ...model.joint_elements import JointElements, names_of
-from ...model.laws import FRICTION, MOTOR
+from ...model.laws import FRICTION, MOTOR, parts_in_arrays
 from ...model.loads import DynamicModel
 from ...model.vectors import cross_rows
 from .rows import DynamicRows, dynamic_rows, global_axes
@@ -88,8 +88,8 @@ def element_answers(report: Report, first: int, elements: JointElements, coordin
     end = answers.shape[1] - len(elements.of(FRICTION))
     probes = np.arange(end - coordinates, end)
     springs = answers.shape[1] - coordinates - len(list(names_of(elements)))
-    motors = np.concatenate([np.zeros(springs, bool), motors_among(elements)])
-    found, works = (np.delete(array, probes, axis=1) for array in (answers, works))
+    order, motors = order_of(elements, springs)
+    found, works = (np.delete(array, probes, axis=1)[:, order] for array in (answers, works))
     probes = answers[:, probes]
     return {
         "joint_coordinate": probes[..., COORDINATE].copy(),
@@ -105,9 +105,12 @@ def element_answers(report: Report, first: int, elements: JointElements, coordin
     }
 
 
-def motors_among(elements: JointElements) -> np.ndarray:
-    """Return which parts of the force elements are motors."""
-    return np.array([item.law is MOTOR for item in elements.forces for _ in item.parts], bool)
+def order_of(elements: JointElements, springs: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Return the places in arrays of so many springs and of all parts of elements, and which are motors."""
+    parts = parts_in_arrays(elements.forces)
+    order = [*range(springs), *(springs + place for _, place in parts)]
+    motors = springs * [False] + [item.law is MOTOR for item, _ in parts]
+    return np.array(order, int), np.array(motors, bool)
 
 
 def _in_order_of_deck(model: DynamicModel, arrays: DynamicArrays, report: Report) -> Any:

@@ -11,7 +11,7 @@ from ...model.arrays.system import SystemArrays
 from ...model.joint_elements import names_of
 from ...model.tree import Tree
 from ..tree.rows import TreeRows
-from .element_rows import coupling_efforts, element_answers, motors_among
+from .element_rows import coupling_efforts, element_answers, order_of
 
 
 @dataclass(frozen=True)
@@ -65,8 +65,9 @@ def with_answers(tree: Tree, rows: TreeRows, report: Any) -> TreeElementRows:
     # A force of none is 0, not -0.
     end = report.rows.shape[1] - 1
     count = report.answers.shape[1]
-    answers = report.answers + 0.0
-    works = report.rows[:, end - count : end] + 0.0
+    order, motors = order_of(tree.elements)
+    answers = report.answers[:, order] + 0.0
+    works = report.rows[:, end - count : end][:, order] + 0.0
     scales = np.array([item.scale for item in tree.elements.couplings])
     return TreeElementRows(
         **kept,
@@ -76,7 +77,7 @@ def with_answers(tree: Tree, rows: TreeRows, report: Any) -> TreeElementRows:
         element_power=answers[..., POWER],
         element_energy=answers[..., ENERGY],
         element_work=works,
-        dissipated=0.0 - works[:, ~motors_among(tree.elements)].sum(axis=1),
+        dissipated=0.0 - works[:, ~motors].sum(axis=1),
         coupling_effort=report.closures["force"][:, len(report.closures[0]) - len(scales) :] / scales,
         driver_effort=report.drives,
     )

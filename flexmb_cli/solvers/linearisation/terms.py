@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from ...model.flexible_mechanism import NodePoint
 from ...model.joint_elements import JointElements
-from ...model.laws import MOTOR
+from ...model.laws import MOTOR, parts_in_arrays
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,8 @@ class Terms:
 
 def motors_of(elements: JointElements, first: int) -> tuple[tuple[str, bool, int], ...]:
     """The motors among loads whose force elements begin with the number `first`."""
-    parts = [item for item in elements.forces for _ in item.parts]
     return tuple(
-        (item.name, not item.turning, first + k) for k, item in enumerate(parts) if item.law is MOTOR
+        (item.name, not item.turning, first + place)
+        for item, place in parts_in_arrays(elements.forces)
+        if item.law is MOTOR
     )

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...model.arrays.tree import TreeArrays, body_frames
-from ...model.laws import MOTOR
+from ...model.laws import MOTOR, parts_in_arrays
 from ...model.tree import ELASTIC, INERTIAL, ROTATION, Coordinate
 from ..constrained.tree_element_rows import TreeElementRows
 from ..tree.points import point_motion, point_names, rotation_matrices
@@ -109,7 +109,7 @@ class TreeResponses(Responses):
         ]
         for k, signal in enumerate(signals):
             yield Input(signal, still, still, self._changed("functions", "c0", k), 1.0)
-        for k, item in enumerate(one for one in self.tree.elements.forces for _ in one.parts):
+        for item, k in parts_in_arrays(self.tree.elements.forces):
             if item.law is MOTOR:
                 signal = Signal(f"{item.name} effort", "N m" if item.turning else "N")
                 yield Input(signal, still, still, self._changed("elements", "c", (k, 0)), 1.0)

@@ -9,7 +9,7 @@ from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...kernels.laws import COORDINATE, NORMAL
 from ...model.arrays.tree_elements import IN_LINE, OF_BUSHING
-from ...model.laws import BUSHING, STOP
+from ...model.laws import BUSHING, STOP, parts_in_arrays
 from ..constrained.coinciding_ends import refuse_undirected_lines
 from ..constrained.failures import bushing_failure, jam_failure
 from ..constrained.initial_stops import notes_of_pressed_stops
@@ -48,7 +48,7 @@ def _call(analysis: "TreeAnalysis", task: int) -> None:
 
 def lost_force(tree: "Tree", answers: np.ndarray, t: float) -> AnalysisError | None:
     """Return why elements with such answers (E + m, 8) have no force at t: a bushing, or friction."""
-    bushings = [item.law is BUSHING for item in tree.elements.forces for _ in item.parts]
+    bushings = [k for item, k in parts_in_arrays(tree.elements.forces) if item.law is BUSHING]
     turned = np.flatnonzero(np.isnan(answers[bushings, COORDINATE]))
     if turned.size:
         return bushing_failure(int(turned[0]) // OF_BUSHING, t)

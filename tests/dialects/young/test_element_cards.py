@@ -173,7 +173,7 @@ def test_more_elements_or_functions_than_memory_allows_are_refused(monkeypatch):
     monkeypatch.setattr("flexmb_cli.dialects.joint_elements.build.MOST_ELEMENTS", 3)
     monkeypatch.setattr("flexmb_cli.dialects.joint_elements.functions.MOST_FUNCTIONS", 2)
     cards = "\n".join(f"SINE {k} 0 1 2\nTMOTOR 2 1\nTSPRING 2 1" for k in (1, 2))
-    assert messages(cards)[0].startswith("10:8: tmotor 2: the deck has 4 elements of drivers, springs")
+    assert messages(cards)[0].startswith("11:9: tspring 2: the deck has 4 elements of drivers, springs")
     assert messages("SINE 1 0 1 2\nSINE 2 0 1 2\nSINE 3 0 1 2") == [
         "8:6: sine 3: a deck has at most 2 functions, of 2000000 numbers together"
     ]

@@ -11,7 +11,7 @@ from ....deck.records import DeckValues
 from ....model.diagnostics import Findings
 from ....model.flexible_mechanism import NodePoint
 from ....model.joint_elements import Coupling
-from ....model.laws import FRICTION, MOTOR, Joint
+from ....model.laws import FRICTION, MOTOR, Joint, motors_last
 from ....model.tree import INERTIAL, ROTATION, TRANSLATION, Body, Hinge, Tree
 from ....model.tree_as_mechanism.frames import shape_of
 from ...joint_elements.build import (
@@ -36,8 +36,8 @@ _CARDS: Cards = {
     "drivers": [("function_drive", joint_driver(None))],
     "forces": [
         *force_sections({"hinge_": None}),
-        ("function_motor", force(MOTOR)),
         ("friction", force(FRICTION, Joint)),
+        ("function_motor", force(MOTOR)),
     ],
     "couplings": [("coupling", coupling)],
 }
@@ -52,7 +52,7 @@ def with_elements(tree: Tree, values: DeckValues, findings: Findings) -> Tree:
     if not elements:
         return tree
     _refuse_prescribed(tree, elements, findings)
-    elements = replace(elements, forces=(*tree.elements.forces, *elements.forces))
+    elements = replace(elements, forces=motors_last((*tree.elements.forces, *elements.forces)))
     tree = replace(tree, elements=elements, **_start(tree, elements))
     for item in elements.couplings:
         _check_speeds(tree, item, findings)
