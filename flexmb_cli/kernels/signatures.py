@@ -53,7 +53,7 @@ TUPLES = {
     ),
     "Work": (
         "kernels.constrained.system:Work",
-        "f4 f2 f2 f2 f2 i1 f2 f2 f3 f1 f3 f4 f1 f2 i1 f1 f1 f2 i2 i2",
+        "f4 f2 f2 f2 f1 i1 f2 f2 f3 f1 f3 f4 f1 f2 i1 f1 f1 f2 i2 i1 i2 f1",
     ),
     "Report": ("kernels.constrained.report:Report", "f1 f2 f2 f4 f2 f1 f2 f3"),
     "Integration": ("kernels.integrators.constrained_dop853:Integration", "CLOCK1 f1 f1 f1 f2 f2 f1 f2"),
@@ -114,7 +114,7 @@ UNITS = {
         "constrained.accelerations.evaluate_jacobian": "System Work f1",
         "constrained.accelerations.choose_order": "Work int",
         "constrained.accelerations.factorise_order": "Work",
-        "linalg.pivot_order.choose_entries": "i1 i2 f2 i1 int",
+        "linalg.local_order.choose_local": "i1 i2 f2 i1 int",
         "constrained.accelerations.accelerations": "System Work f1 f1 float f1",
         "constrained.projection.evaluate_residual": "System Work f1 float f1",
         "constrained.projection.fill_nu": "System float f1",

@@ -88,7 +88,7 @@ def new_integration(work: Any, angles: Any, works: int = 0) -> RadauIntegration:
 
     The works of the first `works` loads are kept.
     """
-    n = work.jacobian.shape[1]
+    n = work.motions.shape[0]
     size = (counted := 2 * n + work.mass.shape[0]) + 1 + works
     return RadauIntegration(
         new_clock(counted), np.zeros(1, MEMORY),
@@ -109,7 +109,7 @@ def _begin(integration: RadauIntegration, system: System, work: Work) -> int:
     copy(integration.z, integration.trial)
     copy(integration.angles[NEW], integration.angles[EXPECTED])
     code = _renew(system, work, integration)
-    if code == SOLVED and not prepare(integration, work.jacobian.shape[1] - work.rank[0], 0.0):
+    if code == SOLVED and not prepare(integration, work.motions.shape[0] - work.rank[0], 0.0):
         code = NO_INERTIA
     if code == SOLVED:
         code, memory["power"] = project_state(system, work, integration, clock["t"], rates[START])
@@ -119,7 +119,7 @@ def _begin(integration: RadauIntegration, system: System, work: Work) -> int:
     copy(integration.trial, integration.z)
     copy(integration.z, integration.old)
     fill_load_powers(work, integration.load_powers[NOW])
-    memory["branching"] = min(BRANCHING, BRANCHING_START * smallest_pivot(work.factors, work.rank[0]))
+    memory["branching"] = min(BRANCHING, BRANCHING_START * smallest_pivot(work.diagonal, work.rank[0]))
     for node in range(STAGES + 1):
         copy(rates[START], rates[LAST_STEP + node])
     clock["step"] = _first_step(system, integration)
@@ -187,7 +187,7 @@ def _attempt(integration: "RadauIntegration", h: float, system: System, work: "W
             if not _is_current(integration, system, work):
                 return -0.5
         factor = _try_step(system, work, integration, h)
-    if factor > 0.0 and smallest_pivot(work.factors, work.rank[0]) < memory["branching"]:
+    if factor > 0.0 and smallest_pivot(work.diagonal, work.rank[0]) < memory["branching"]:
         return 0.0 if _is_singular(work, clock, memory) else -0.5
     return factor
 

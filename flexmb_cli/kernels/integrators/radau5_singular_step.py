@@ -37,7 +37,7 @@ BEFORE_BENDING, AFTER_BENDING, OF_POWER = 0.03, 0.2, 0.125
 def singular_step(system: System, work: Work, integration: "RadauIntegration", h: float) -> bool:
     """Bring `trial` to the end of a step of length h from z as one made by stages; whether it may be made."""
     clock, rates = integration.clock[0], integration.rates
-    if not prepare(integration, work.jacobian.shape[1] - work.rank[0], h):
+    if not prepare(integration, work.motions.shape[0] - work.rank[0], h):
         return False
     predict(system, integration, h)
     clock["error"], power, found = 0.0, 0.0, integration.trial.copy()
@@ -63,7 +63,7 @@ def singular_step(system: System, work: Work, integration: "RadauIntegration", h
             (AFTER_BENDING if again else BEFORE_BENDING) * h * _unexpected(integration, expected),
         )
     pivot = most_declined(work)
-    behind = -work.factors[pivot, pivot] / work.pivots[pivot]
+    behind = -work.diagonal[pivot] / work.pivots[pivot]
     if not 1.0 / UNEVEN < behind < UNEVEN:
         return False
     of_work = h * abs(_spread_power(integration, work, power)) / work_scale(integration)

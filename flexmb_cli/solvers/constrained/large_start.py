@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...kernels.constrained.accelerations import evaluate_jacobian
+from ...kernels.constrained.accelerations import FEW_BODIES, evaluate_jacobian
 from ...kernels.constrained.mass_matrix import mass_matrices, mass_times
 from ..singular.mobility import MOST_DENSE
 from ..singular.sparse_rank import order_of_pivots, shortest_correction, sparse_mobility
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from .analysis import ConstrainedMotion
 
 
-MOST_DENSE_START = 60  # speeds of bodies as if rigid
 # Weights of speeds that are not given, and of those given that no mass resists, of the smallest inertia:
 # what is given is kept, then what has no mass, then the others are small.
 OF_MASSLESS, OF_OTHERS = 1e-6, 1e-10
@@ -26,7 +25,7 @@ OF_MASSLESS, OF_OTHERS = 1e-6, 1e-10
 
 def starts_sparse(arrays: "SystemArrays") -> bool:
     """Return whether sparse matrices of the start take less time than dense ones."""
-    return 6 * arrays.bodies > MOST_DENSE_START or is_large(arrays)
+    return arrays.bodies > FEW_BODIES or is_large(arrays)
 
 
 def is_large(arrays: "SystemArrays") -> bool:
@@ -40,8 +39,8 @@ def sparse_jacobian(work: "Work") -> "csr_matrix":
 
     counts, columns = work.columns[:, 0], work.columns[:, 1:]
     rows, places = np.nonzero(np.arange(columns.shape[1]) < counts[:, None])
-    values = work.jacobian[rows, columns[rows, places]]
-    return csr_matrix((values, (rows, columns[rows, places])), work.jacobian.shape)
+    shape = len(counts), len(work.motions)
+    return csr_matrix((work.jacobian[rows, places], (rows, columns[rows, places])), shape)
 
 
 def order_of_many(analysis: "ConstrainedMotion", q: np.ndarray) -> "Mobility":
