@@ -24,9 +24,7 @@ RANK_TOLERANCE = 1e-9  # of the largest entry: what is left below counts as zero
 
 
 @allocating
-def choose(
-    counts: np.ndarray, columns: np.ndarray, values: np.ndarray, order: np.ndarray, most: int
-) -> int:
+def choose(counts: np.ndarray, columns: np.ndarray, values: np.ndarray, order: np.ndarray, most: int) -> int:
     """Fill order (m + n,) with rows, then columns, in the order of pivots, at most `most`; returns the rank.
 
     For rows of so many entries (m,), none of them 0, at columns (m, c); overwrites them.

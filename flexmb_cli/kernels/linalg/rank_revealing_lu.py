@@ -5,10 +5,10 @@ Bricard's and Bennett's linkages.  Elimination with free choice of row and colum
 order found is kept from step to step, so that the same equations stay in charge and elimination
 needs no search, and is found anew when its pivots get small.
 
-Entries are scaled to pure numbers.  J: jacobian (m, c), row by row its entries in `columns` (m, 1 + c): how many
-of a row may be other than zero, and their columns.  order (m + n,): the rows in pivot order, then the columns;
-the first r of each are the independent equations and the dependent speeds.  Of the factors, too, only entries
-that may be other than zero are kept and visited.
+Entries are scaled to pure numbers.  J: jacobian (m, c), row by row its entries in `columns` (m, 1 + c): how
+many of a row may be other than zero, and their columns.  order (m + n,): the rows in pivot order, then the
+columns; the first r of each are the independent equations and the dependent speeds.  Of the factors, too,
+only entries other than zero are kept and visited.
 """
 
 import math
@@ -65,7 +65,7 @@ def smallest_pivot(diagonal: np.ndarray, rank: int) -> float:
 @kernel
 def free_motions(factors: Factors, order: np.ndarray, rank: int, motions: np.ndarray) -> None:
     """Fill motions (n, n - rank): its columns span the speeds that the equations leave free."""
-    values, places, ends, diagonal = factors
+    values, places, ends, diagonal = factors.values, factors.places, factors.ends, factors.diagonal
     m, n = ends.shape[0], order.shape[0] - ends.shape[0]
     free = n - rank
     for f in range(free):
@@ -88,11 +88,11 @@ def free_motions(factors: Factors, order: np.ndarray, rank: int, motions: np.nda
 def dependent_speeds(
     factors: Factors, order: np.ndarray, rank: int, right_side: np.ndarray, x: np.ndarray
 ) -> None:
-    """Fill the first of x (n or more,) with a solution of the independent equations whose free speeds are zero.
+    """Fill x (n or more,) with a solution of the independent equations whose free speeds are zero.
 
     right_side (m,) in the order of the equations.
     """
-    values, places, ends, diagonal = factors
+    values, places, ends, diagonal = factors.values, factors.places, factors.ends, factors.diagonal
     m, n = ends.shape[0], order.shape[0] - ends.shape[0]
     for j in range(rank, n):
         x[order[m + j]] = 0.0
@@ -111,7 +111,7 @@ def dependent_speeds(
 @allocating
 def transposed_solution(factors: Factors, rank: int, y: np.ndarray) -> None:
     """Solve Bᵀ x = y in place, y (rank,) in pivot order, B the leading block."""
-    values, places, ends, diagonal = factors
+    values, places, ends, diagonal = factors.values, factors.places, factors.ends, factors.diagonal
     for j in range(rank):
         y[j] /= diagonal[j]
         for p in range(ends[j, RIGHT], ends[j, BEHIND]):
@@ -127,7 +127,7 @@ def _rows_below(factors: Factors, rank: int):
     """The rows with an entry below the diagonal and where it stands, column by column, and where each column
     begins and ends.
     """
-    _, places, ends, _ = factors
+    places, ends = factors.places, factors.ends
     starts = np.zeros(rank + 2, np.int64)
     for i in range(rank):
         for p in range(ends[i, LEFT], ends[i, RIGHT]):

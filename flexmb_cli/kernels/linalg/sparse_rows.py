@@ -1,7 +1,7 @@
 """Elimination of a row of sparse factors: its nonzero places form a chain in order.
 
-jacobian (m, c), columns (m, 1 + c) and the factors are those of `rank_revealing_lu`.  whole (n,) is the row that
-is worked on, in the order of pivots; zeros between two rows.
+jacobian (m, c), columns (m, 1 + c) and the factors are those of `rank_revealing_lu`.  whole (n,) is the row
+that is worked on, in the order of pivots; zeros between two rows.
 """
 
 from typing import NamedTuple
@@ -17,7 +17,7 @@ LEFT, RIGHT, BEHIND, END = 0, 1, 2, 3
 class Factors(NamedTuple):
     """Rows of L and U, one after the other, without their zeros."""
 
-    values: np.ndarray  # (m n,) entries, scaled: those of a row left and right of its pivot, then behind the block
+    values: np.ndarray  # (m n,) entries, scaled: left of the pivot, right of it, behind the leading block
     places: np.ndarray  # (m n,) their places in the order of pivots
     ends: np.ndarray  # (m, 4) where the parts LEFT, RIGHT and BEHIND of a row begin, and where it ends
     diagonal: np.ndarray  # (m,) pivots, scaled
@@ -59,7 +59,7 @@ def eliminate(
     following (n + 1,) is the chain of `take_row`; `rank` columns belong to the leading block.  Returns the
     largest multiplier, and where the row ends.
     """
-    values, places, ends, diagonal = factors
+    values, places, ends, diagonal = factors.values, factors.places, factors.ends, factors.diagonal
     n, largest = whole.shape[0], 0.0
     ends[i, LEFT] = count
     k = following[n]
