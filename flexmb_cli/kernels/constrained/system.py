@@ -112,7 +112,11 @@ def factors_of(work: Work) -> Factors:
 def columns_of(system: System):
     """Return columns (m, 1 + c): how many of each equation's Jacobian may be other than zero, then which."""
     first, bodies = system.bodies.shape[0], system.masses.shape[0]
-    found = [_speeds_of({(int(body), 0, 0) for body in pair}, bodies) for pair in system.bodies]
+    of_pairs = {
+        pair: _speeds_of({(body, 0, 0) for body in pair}, bodies)
+        for pair in set(map(tuple, system.bodies.tolist()))
+    }
+    found = [of_pairs[pair] for pair in map(tuple, system.bodies.tolist())]
     for row in range(first, system.row_scale.shape[0]):
         body_vectors: set[int] = set()
         k = row - first

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 # Weights of speeds that are not given, and of those given that no mass resists, of the smallest inertia:
 # what is given is kept, then what has no mass, then the others are small.
 OF_MASSLESS, OF_OTHERS = 1e-6, 1e-10
+CLOSED_RATE = 1e-15  # of the largest speed: round-off
 
 
 def starts_sparse(arrays: "SystemArrays") -> bool:
@@ -65,7 +66,7 @@ def speeds_of_many(
     given, wanted = analysis.given_speeds(q)
     wanted = np.where(given, wanted / scale, 0.0)
     rest = nu - J @ wanted
-    if not rest.any():
+    if np.max(np.abs(rest), initial=0.0) <= CLOSED_RATE * np.max(np.abs(wanted), initial=0.0):
         return wanted
     M = _mass_matrix(analysis, q)
     inertias = M.diagonal()

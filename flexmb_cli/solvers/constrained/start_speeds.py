@@ -147,10 +147,11 @@ def given_speeds(
     """Return which of the speeds (6 bodies,) `velocities` give, and their values."""
     given, wanted = np.zeros((bodies, 6), dtype=bool), np.zeros((bodies, 6))
     p = q[: 7 * bodies].reshape(bodies, 7)[:, 3:]
-    for item in velocities:
-        given[item.body] = True
-        wanted[item.body, :3] = item.velocity
-        wanted[item.body, 3:] = body_axes(p[item.body], np.array(item.angular))
+    if velocities:
+        moved = [item.body for item in velocities]
+        given[moved] = True
+        wanted[moved, :3] = [item.velocity for item in velocities]
+        wanted[moved, 3:] = body_axes(p[moved], np.array([item.angular for item in velocities]))
     return given.ravel(), wanted.ravel()
 
 
