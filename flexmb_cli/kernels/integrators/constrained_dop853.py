@@ -118,7 +118,7 @@ def new_integration(work: "Work", angles: int, works: int = 0):
 
     The works of the first `works` loads are kept.
     """
-    counted = 2 * work.jacobian.shape[1] + work.mass.shape[0]
+    counted = 2 * work.motions.shape[0] + work.mass.shape[0]
     n = counted + 1 + works
     return Integration(
         new_clock(counted),

@@ -97,7 +97,7 @@ def new_integration(work: Any, angles: Any, works: int = 0) -> AlphaIntegration:
 
     The works of the first `works` loads are kept.
     """
-    m, n = work.jacobian.shape
+    m, n = work.jacobian.shape[0], work.motions.shape[0]
     counted = 2 * n + work.mass.shape[0]
     size = counted + 1 + works
     return AlphaIntegration(

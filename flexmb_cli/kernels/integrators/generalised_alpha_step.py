@@ -125,7 +125,7 @@ def look_ahead_of_given(system: "System", work: "Work", integration: Any, ud: "n
     ud (n,): accelerations at the state, whose factors are at hand.
     """
     clock, memory = integration.clock[0], integration.memory[0]
-    least, firm = smallest_pivot(work.factors, work.rank[0]), firm_pivot(clock)
+    least, firm = smallest_pivot(work.diagonal, work.rank[0]), firm_pivot(clock)
     reach = memory["fixed"] if least > FAR_PIVOT * firm else math.inf
     look_ahead(system, work, integration, ud, reach)
     memory["passing"] = LEAST_PASSING * memory["fixed"]

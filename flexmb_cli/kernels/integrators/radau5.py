@@ -77,7 +77,7 @@ BEFORE_BENDING, AFTER_BENDING, OF_POWER = 0.03, 0.2, 0.125
 def singular_step(system: System, work: Work, integration: "RadauIntegration", h: float) -> bool:
     """Bring `trial` to the end of a step of length h from z as one made by stages; whether it may be made."""
     clock, rates = integration.clock[0], integration.rates
-    if not prepare(integration, work.jacobian.shape[1] - work.rank[0], h):
+    if not prepare(integration, work.motions.shape[0] - work.rank[0], h):
         return False
     predict(system, integration, h)
     clock["error"], power, found = 0.0, 0.0, integration.trial.copy()
@@ -103,7 +103,7 @@ def singular_step(system: System, work: Work, integration: "RadauIntegration", h
             (AFTER_BENDING if again else BEFORE_BENDING) * h * _unexpected(integration, expected),
         )
     pivot = most_declined(work)
-    behind = -work.factors[pivot, pivot] / work.pivots[pivot]
+    behind = -work.diagonal[pivot] / work.pivots[pivot]
     if not 1.0 / UNEVEN < behind < UNEVEN:
         return False
     of_work = h * abs(_spread_power(integration, work, power)) / work_scale(integration)
@@ -201,7 +201,7 @@ def new_integration(work: Any, angles: Any, works: int = 0) -> RadauIntegration:
 
     The works of the first `works` loads are kept.
     """
-    n = work.jacobian.shape[1]
+    n = work.motions.shape[0]
     size = (counted := 2 * n + work.mass.shape[0]) + 1 + works
     return RadauIntegration(
         new_clock(counted), np.zeros(1, MEMORY),
@@ -222,7 +222,7 @@ def _begin(integration: RadauIntegration, system: System, work: Work) -> int:
     copy(integration.z, integration.trial)
     copy(integration.angles[NEW], integration.angles[EXPECTED])
     code = _renew(system, work, integration)
-    if code == SOLVED and not prepare(integration, work.jacobian.shape[1] - work.rank[0], 0.0):
+    if code == SOLVED and not prepare(integration, work.motions.shape[0] - work.rank[0], 0.0):
         code = NO_INERTIA
     if code == SOLVED:
         code, memory["power"] = project_state(system, work, integration, clock["t"], rates[START])
@@ -232,7 +232,7 @@ def _begin(integration: RadauIntegration, system: System, work: Work) -> int:
     copy(integration.trial, integration.z)
     copy(integration.z, integration.old)
     fill_load_powers(work, integration.load_powers[NOW])
-    memory["branching"] = min(BRANCHING, BRANCHING_START * smallest_pivot(work.factors, work.rank[0]))
+    memory["branching"] = min(BRANCHING, BRANCHING_START * smallest_pivot(work.diagonal, work.rank[0]))
     for node in range(STAGES + 1):
         copy(rates[START], rates[LAST_STEP + node])
     clock["step"] = _first_step(system, integration)
@@ -300,7 +300,7 @@ def _attempt(integration: "RadauIntegration", h: float, system: System, work: "W
             if not _is_current(integration, system, work):
                 return -0.5
         factor = _try_step(system, work, integration, h)
-    if factor > 0.0 and smallest_pivot(work.factors, work.rank[0]) < memory["branching"]:
+    if factor > 0.0 and smallest_pivot(work.diagonal, work.rank[0]) < memory["branching"]:
         return 0.0 if _is_singular(work, clock, memory) else -0.5
     return factor
 

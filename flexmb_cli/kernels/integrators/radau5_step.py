@@ -103,10 +103,10 @@ FLOOR = 1e-14  # of the speeds: round-off
 @kernel
 def renew_matrices(system: System, work: Work, matrices: "np.ndarray") -> None:
     """Fill matrices (3, n, n) with M, D and K of the free motions where everything stands."""
-    free = work.jacobian.shape[1] - work.rank[0]
+    free = work.motions.shape[0] - work.rank[0]
     column, product = work.vectors[UNKNOWN], work.vectors[PRODUCT]
     for f in range(free):
-        for k in range(work.jacobian.shape[1]):
+        for k in range(work.motions.shape[0]):
             column[k] = work.motions[k, f] * system.speed_scale[k]
         mass_times(system, work, column, product)
         fill_column(system, work, product, f, matrices[MASS_LAYER])
@@ -144,7 +144,7 @@ def solve_step(system: System, work: Work, integration: "RadauIntegration", h: f
     The matrices belong to z.
     """
     clock, quality = integration.clock[0], work.quality[0]
-    if not prepare(integration, work.jacobian.shape[1] - work.rank[0], h):
+    if not prepare(integration, work.motions.shape[0] - work.rank[0], h):
         return False
     predict(system, integration, h)
     left, before = integration.memory[0]["left"] ** CAUTION, 0.0
@@ -293,7 +293,7 @@ def _evaluate(system: System, work: Work, integration: "RadauIntegration", stage
 @kernel
 def _correct(system: System, work: Work, integration: "RadauIntegration") -> None:
     """Newton's correction of the accelerations of all stages."""
-    free = work.jacobian.shape[1] - work.rank[0]
+    free = work.motions.shape[0] - work.rank[0]
     rest, y, w = integration.rest, integration.real_part, integration.complex_part
     for f in range(free):
         y[f], w[f] = 0.0, 0.0

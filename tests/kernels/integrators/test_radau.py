@@ -171,5 +171,5 @@ def test_a_step_that_ends_where_a_pivot_has_vanished_is_tried_again_with_half_it
         analysis.start()
         integration, system, work = analysis.integration, analysis.system, analysis.work
         assert _attempt(integration, 1e-3, system, work) > 0.0
-        integration.memory["branching"] = 2.0 * np.abs(np.diag(work.factors)[: work.rank[0]]).max()
+        integration.memory["branching"] = 2.0 * np.abs(work.diagonal[: work.rank[0]]).max()
         assert _attempt(integration, 1e-3, system, work) == -0.5
