@@ -4,6 +4,7 @@ Both types have `@`, `.T`, `.diagonal()`, `abs`, `.max()` and `A[rows][:, column
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from itertools import pairwise
 from typing import Any
 
@@ -96,12 +97,20 @@ def turned(K: np.ndarray, axes: np.ndarray) -> Matrix:
     return sparse.bsr_matrix((data, blocks.indices, blocks.indptr), shape=K.shape).tocsc()
 
 
-def solver(A: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """The function b → x of A x = b, b (size,) or (size, k), A symmetric.  Raises Singular, then or now."""
+def solver(A: np.ndarray, places: np.ndarray | None = None) -> Callable[[np.ndarray], np.ndarray]:
+    """The function b → x of A x = b, b (size,) or (size, k), A symmetric.  Raises Singular, then or now.
+
+    `places` (size, 3): where its rows are, node by node.
+    """
     if isinstance(A, np.ndarray):
         return lambda b: _solved(A, b)
     from scipy.sparse.linalg import splu
 
+    from .multifrontal import solver_by_fronts
+
+    with suppress(np.linalg.LinAlgError):  # not positive definite: pivots are sought
+        if places is not None:
+            return solver_by_fronts(A, places)
     symmetric = {"diag_pivot_thresh": LEAST_PIVOT, "options": {"SymmetricMode": True}}
     try:
         return splu(A.tocsc(), permc_spec="MMD_AT_PLUS_A", **symmetric).solve
