@@ -63,8 +63,7 @@ def _modes_of(
         except FreeMotion as motion:
             raise type(motion)(_placed(motion.shape, free, K.shape[0])) from None
     else:
-        solve = held_solver(K, free, frame.r0)
-        values, shapes = lowest_by_iteration(inner, mass, count, solve, np.ones(len(free)))
+        values, shapes = lowest_by_iteration(mass, count, held_solver(K, free, frame.r0))
     full = _placed(shapes, free, K.shape[0])
     check_strain(K, full[:, 0])
     return values, full
@@ -123,8 +122,7 @@ def _mean_axis_modes(K: np.ndarray, S: np.ndarray, frame: Frame, count: int) -> 
         values = 1.0 / inverse[last]
         shapes = body.shapes(factor @ vectors[:, last]) * values
     else:
-        start = body.shapes(np.arange(size, dtype=float))
-        values, shapes = lowest_by_iteration(K, S, count, body.shapes, start)
+        values, shapes = lowest_by_iteration(S, count, body.shapes)
     check_strain(K, shapes[:, 0])
     shapes = frame.shifted(shapes, S)
     return values, signed(shapes / np.sqrt(np.einsum("ij,ij->j", shapes, S @ shapes)))
