@@ -125,7 +125,7 @@ def unit_warnings(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Faul
 
 
 def uneven_masses(bodies: "Sequence[tuple[str, float]]") -> str:
-    """Return that the masses, kg, of two named bodies are too far apart to solve for both; "" where none are."""
+    """Return that masses, kg, of two bodies are too far apart to solve for both; "" where none are."""
     given = [body for body in bodies if body[1] > 0.0]
     if not given:
         return ""

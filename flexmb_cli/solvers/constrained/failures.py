@@ -153,8 +153,7 @@ def _why_steps_fall(analysis: "ForwardDynamics", norms: dict[str, float]) -> tup
             "others that they contradict beside it; begin elsewhere"
         )
         return reason, owners
-    names, masses = analysis.arrays.body_names, analysis.system.masses
-    bodies = [(names[k], mass) for k, mass in zip(masses["body"], masses["mass"].tolist(), strict=True)]
+    bodies = list(zip(analysis.arrays.body_names, analysis.system.masses["mass"].tolist(), strict=True))
     if reason := jump_of_table(analysis, norms["reached"]) or uneven_masses(bodies):
         return reason, []
     return (

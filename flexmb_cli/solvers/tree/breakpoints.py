@@ -11,7 +11,8 @@ from ..table_times import jump_at, jump_within_no_time, times_between
 
 def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
     """Times inside (start, end) at which a function of the tree jumps or bends."""
-    functions = [item.function for item in (*tree.elements.motors, *tree.elements.drivers)]
+    elements = tree.elements
+    functions = [*(m.function for m in elements.motors), *(d.function for d in elements.drivers)]
     times = [t for torque in tree.torques for t in torque.function.times]
     return times_between(times + [t for function in functions for t in corners(function)], start, end)
 
