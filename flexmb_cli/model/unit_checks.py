@@ -111,7 +111,7 @@ def unit_warnings(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Faul
         flexible = [body for body in bodies if body.flexible is not None]
         notes += [*_of_frequencies(flexible), *_of_densities(flexible)]
     if message := uneven_masses(masses):
-        notes.append(Fault("note", message))
+        notes.append(Fault("note", message, id="MODEL-022"))
     if IN_MILLIMETRES[0] <= gravity <= IN_MILLIMETRES[1]:
         notes.append(
             Fault(

@@ -20,7 +20,7 @@ def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
 def refuse_jumps(tree: Tree) -> None:
     """Raise AnalysisError where the rate of a driver jumps between two times that count as one."""
     if message := jump_within_no_time(_times_of_drivers(tree), tree.time.end):
-        raise AnalysisError(Fault("error", message), tree.time.start)
+        raise AnalysisError(Fault("error", message, id="SOLVE-061"), tree.time.start)
 
 
 def why_no_step(tree: Tree, t: float) -> str:
