@@ -17,8 +17,7 @@ import numpy as np
 from .abaqus_input import keyword_of
 from .abaqus_substructure import element_matrix, element_rows
 from .file_text import filled, line_fault, lines_of, table, whole
-from .matrix_choice import NamedMatrix, chosen
-from .matrix_file import FEFileFault, MatrixFile, has_both_triangles, labelled
+from .matrix_file import FEFileFault, MatrixFile, NamedMatrix, chosen, has_both_triangles, labelled
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

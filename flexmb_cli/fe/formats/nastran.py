@@ -12,8 +12,7 @@ import numpy as np
 
 from .bulk_data import BulkCard, bulk_cards
 from .file_text import digits_in
-from .matrix_choice import NamedMatrix, chosen
-from .matrix_file import FEFileFault, MatrixFile, labelled, mirrored
+from .matrix_file import FEFileFault, MatrixFile, NamedMatrix, chosen, labelled, mirrored
 
 _SYMMETRIC, _SQUARE = 6, (1, 2)
 _REAL = (1, 2)

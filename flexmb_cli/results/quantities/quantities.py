@@ -122,7 +122,7 @@ def _result_beside(path: Path | str) -> str:
         Path(path).with_suffix(".h5"),
         *(Path(path).with_name(name) for name in _names_of_results(path)),
     }
-    found = next((str(result) for result in sorted(beside) if result.is_file()), "")
+    found = next((str(result) for result in sorted(beside) if result.is_file() and h5py.is_hdf5(result)), "")
     return f"; is {found} meant?" if found else "; flexmb run writes a deck's result into an .h5 file"
 
 

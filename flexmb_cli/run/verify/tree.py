@@ -9,7 +9,7 @@ from ...deck.record import Deck
 from ...model.integrators import IMPLICIT_TREE_METHODS
 from ...model.laws import MOTOR
 from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
-from ...solvers.tree.analysis import breakpoints
+from ...solvers.tree.breakpoints import breakpoints
 from ..context import Run
 from ..solutions.tree import absolute_analysis, kane_analysis, values_of
 from .compared_rows import compared_rows

@@ -10,13 +10,12 @@ from ...model.arrays.function_table import break_times
 from ...model.arrays.records import ELEMENT, FRICTION
 from ...model.laws import MOTOR, SPRING
 from ...model.time_functions import COMPOUND, PIECEWISE
+from ..table_times import jump_at, times_between
 
 if TYPE_CHECKING:
     from ...kernels.constrained.system import System
     from .analysis import ConstrainedMotion
 
-SAME_TIME_IN_RUN = 1e-12  # of a run: times this near to each other are one
-JUMP_WITHIN = 1e-6  # of a time: points of a table nearer to each other may be too near for steps
 JUMP_OF_SECOND_RATE = 1e-6  # of the largest second rate of a function at its corners: more is no round-off
 
 
@@ -28,15 +27,8 @@ def breakpoints(motion: "ConstrainedMotion", end: float) -> list[float]:
     """
     if not motion.integrator.chosen:
         return []
-    start = motion.grid.start
-    found: list[float] = []
-    apart = SAME_TIME_IN_RUN * max(abs(start), abs(end))
     corners = {t for function in _tables(motion.system) for t in function.tolist()}
-    for t in sorted(corners | set(_rows_of_work(motion))):
-        # A step between two numbers for one time would be shorter than any can be.
-        if (found[-1] if found else start) + apart < t < end - apart:
-            found.append(t)
-    return found
+    return times_between(corners | set(_rows_of_work(motion)), motion.grid.start, end)
 
 
 def _rows_of_work(motion: "ConstrainedMotion") -> list[float]:
@@ -51,18 +43,9 @@ def _rows_of_work(motion: "ConstrainedMotion") -> list[float]:
     return [motion.grid.time(k) for k in range(motion.grid.rows)]
 
 
-def jump_at(motion: "ConstrainedMotion", t: float) -> str:
-    """Return that a function changes near t, s, between two times as good as one; "" where none does."""
-    near = JUMP_WITHIN * max(abs(t), 1.0)
-    for times in _tables(motion.system):
-        for before, after in pairwise(times.tolist()):
-            if after - before < near and before - near <= t <= after + near:
-                return (
-                    f"a function changes between {before!r} and {after!r} s; of a driver's rate that "
-                    "is a jump, an impulse, which no steps resolve: move these two times apart, by "
-                    f"{near:.0e} s or more, or use STEP"
-                )
-    return ""
+def jump_of_table(motion: "ConstrainedMotion", t: float) -> str:
+    """Return what `jump_at` says of the tables of a motion."""
+    return jump_at((times.tolist() for times in _tables(motion.system)), t)
 
 
 def _tables(system: "System") -> list[np.ndarray]:
