@@ -13,6 +13,7 @@ from ...model.diagnostics import Findings
 from ...model.joint_elements import Coupling, JointDriver, JointElements, JointRate
 from ...model.laws import FRICTION, FUNCTIONS, OF_TIME, SPRING, VECTOR, At, Element, Frames, Joint, Line
 from ...model.laws import friction_last
+from ...quick_dataclass import fields
 from ..joint_elements.functions import Functions
 from .line import SECTION, ElementLine
 from .measures import Measures
@@ -219,3 +220,10 @@ class BlockBuilder:
     def _rate(self, line: ElementLine) -> JointRate | None:
         at = self.measures.at(line)
         return JointRate(line.subject, *at, float(line["rate"]), line.place) if at else None
+
+
+def joined(one: JointElements, other: JointElements) -> JointElements:
+    """Return the elements of both."""
+    groups = {field.name: (*getattr(one, field.name), *getattr(other, field.name)) for field in fields(one)
+              if isinstance(getattr(one, field.name), tuple)}  # fmt: skip
+    return JointElements(**groups | {"forces": friction_last(groups["forces"])}, reported=one.reported)

@@ -8,6 +8,8 @@ from ...errors import Place
 from ...quick_dataclass import dataclass
 
 SECTION = "elements"
+# Words that bring in equations, or take those of the deck away.
+CONSTRAINING = ("DRIVE", "SUPPORT", "COUPLING", "JOINT")
 
 
 @dataclass(frozen=True)

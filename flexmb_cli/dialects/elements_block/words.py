@@ -141,5 +141,3 @@ WORDS = (
     ),
 )  # fmt: skip
 BY_WORD = {word.word: word for word in WORDS}
-# Those that bring in equations, or take those of the deck away.
-CONSTRAINING = ("DRIVE", "SUPPORT", "COUPLING", "JOINT")

@@ -64,7 +64,7 @@ class Functions:
         for number in (given.number, given.also):
             if number is None:
                 continue
-            name = str(number.value)
+            name = name_of(number.value)
             if (name.lstrip("-").isdigit() and int(name) < 1) or name in self._records:
                 other = self._records.get(name)
                 why = f"is already {other.subject}" if other else "must be 1 or more"
@@ -83,12 +83,16 @@ class Functions:
         if function is not None:
             self._functions.update(dict.fromkeys(names, function))
 
+    def __contains__(self, value: object) -> bool:
+        """Return whether a name or number is that of a function."""
+        return name_of(value) in self._records
+
     def function(self, record: Record, key: str = "function") -> MotionFunction | None:
         """The function that `key` of a record names; None for 0, and where there is none."""
         number = record.at(key)
         if number.value == 0 and key != "function":
             return None
-        name = str(number.value)
+        name = name_of(number.value)
         if name not in self._records:
             known = listed(self._records) or "none"
             message = f"there is no function {name}; the deck has {known}; define it, or name another"
@@ -140,7 +144,7 @@ class Functions:
     def _refuse_rough(self, record: Record, function: MotionFunction, least: int, why: str, key: str) -> None:
         if smoothness(function) < least:
             remedy = "use SPLINE or STEP" if least else "move its points apart"
-            message = f"{why}, but that of function {record[key]} does; {remedy}"
+            message = f"{why}, but that of function {name_of(record[key])} does; {remedy}"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-018")
 
     def note_unused(self) -> None:
@@ -153,6 +157,11 @@ class Functions:
                 self.findings.note(
                     record.subject, f"nothing uses function {name}", record.place, id="ELEMENTS-019"
                 )
+
+
+def name_of(value: Any) -> str:
+    """Return the name of a function, which may be a number."""
+    return value if isinstance(value, str) else f"{value:g}"
 
 
 def listed(names: Iterable[str]) -> str:
@@ -200,8 +209,8 @@ def _ramp(t0: float, v0: float, t1: float, v1: float) -> Any:
 
 def _combined(known: Any, given: GivenFunction, combine: Callable[..., Any]) -> Any:
     parts = []
-    own = {str(number.value) for number in (given.number, given.also) if number}
-    for k, value in enumerate(map(str, given.values)):
+    own = {name_of(number.value) for number in (given.number, given.also) if number}
+    for k, value in enumerate(map(name_of, given.values)):
         part = known._functions.get(value)
         if value in known._records:
             known._used.add(known._records[value].subject)

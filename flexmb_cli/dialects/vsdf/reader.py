@@ -230,7 +230,9 @@ class _Reader(CardReader):
             self.error(subject, message, head.place, id="VSDF-164")
         if plain.is_plain(card):
             head_numbers = numbers[: len(card.columns)]
-            given = (float(number.value) if number.text else math.nan for number in head_numbers)
+            # A name of a function is read again where it is looked at.
+            values = (number.value if number.text else math.nan for number in head_numbers)
+            given = (math.nan if isinstance(value, str) else float(value) for value in values)
             self.rows.setdefault(card.section, array("d")).extend(given)
         self.numbers += len(numbers)
         if self.numbers > many_records.MANY_NUMBERS:
