@@ -27,7 +27,7 @@ RECORDS = {
         for name in ("MASS", "FLEXIBLE", "BODY_VECTOR", "PRIMITIVE", "LOAD")
     },
     "FUNCTION": "model.arrays.records:FUNCTION",
-    **{name: f"model.arrays.laws:{name}" for name in ("LAW", "FRICTION_LAW")},  # parts of other records
+    "LAW": "model.arrays.laws:LAW",  # part of other records
     "GROUP": "model.arrays.records:GROUP",
     "FRAME": "model.arrays.tree_frames:FRAME",
     "NODAL_MASS": "model.arrays.tree_frames:NODAL_MASS",

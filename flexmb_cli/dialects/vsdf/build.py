@@ -52,8 +52,10 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
         "motions": build_motions(values, bodies, joints, tables, functions, findings),
         "forces": build_forces(values, bodies, ground, factors, findings),
         "torques": build_torques(values, bodies, factors, findings),
-        "springs": build_springs(values, bodies, ground, findings),
-        "joint_springs": build_joint_springs(values, joints, findings),
+        "springs": (
+            *build_springs(values, bodies, ground, findings),
+            *build_joint_springs(values, joints, findings),
+        ),
         "outputs": build_outputs(values, bodies, ground, findings),
         "stresses": build_stresses(values, bodies, findings),
         "shapes": _shapes(values, bodies, folder, findings),

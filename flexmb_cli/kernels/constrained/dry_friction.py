@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._jit import allocating, kernel
+from ..laws import NORMAL_PRELOAD
 from ..linalg.copying import copy
 from .body_vectors import VECTOR, vector
 from .elements import ELEMENT, FRICTION
@@ -79,7 +80,7 @@ def fill_joint_forces(system: "System", work: "Work", first: int, lam: np.ndarra
         for i in range(3):
             found[k, i] -= along / square * axis[i]
         found[k, THREAD] = load["thread"] * along / math.sqrt(square)
-        found[k, PRELOAD] = load["preload"]
+        found[k, PRELOAD] = load["c"][NORMAL_PRELOAD]
 
 
 @allocating

@@ -58,7 +58,7 @@ def young_elements(table: PrimitiveTable, model: DynamicModel) -> ElementTable:
         table,
         PointJoints(table, [point_joint(joint) for joint in joints]),
         model.elements,
-        coordinates_of_joints(joints),
+        coordinates_of_joints(joints) if model.elements else [],
     )
     _Equations(table, model).add()
     found.add_couplings()

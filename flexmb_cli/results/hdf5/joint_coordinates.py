@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from typing import Any
 
-from ...model.joint_elements import Coupling, is_angle
+from ...model.joint_elements import Coupling
 from ...model.joints import ANGLE
+from ...model.laws import is_angle
 from ...quick_dataclass import replace
 from .layout import Axis, Layout, Series, Values, numbered_axis
 

@@ -73,7 +73,7 @@ def _size(mechanism: Mechanism, model: DynamicModel | None) -> Size:
 def _refuse_elements(model: Any) -> None:
     """Natural coordinates know the joints and loads of the dissertation, and no functions."""
     factors = [item.name for item in (*model.forces, *model.torques) if item.factor is not None]
-    ends = [item.name for item in model.springs if -1 in (item.i, item.j)]
+    ends = [item.name for item in model.springs if -1 in item.measure[:2]]
     if model.elements or factors or ends:
         what = next(iter((*factors, *ends)), "elements at joints")
         message = (

@@ -11,7 +11,7 @@ from ...model.joint_elements import names_of
 from ...model.tree import Tree
 from ...quick_dataclass import dataclass, fields
 from ..tree.rows import TreeRows
-from .element_rows import coupling_efforts, element_answers
+from .element_rows import coupling_efforts, element_answers, motors_among
 
 
 @dataclass(frozen=True)
@@ -65,11 +65,7 @@ def with_answers(tree: Tree, rows: TreeRows, report: Any) -> TreeElementRows:
     # A force of none is 0, not -0.
     end = report.rows.shape[1] - 1
     count = report.answers.shape[1]
-    last = count - len(tree.elements.frictions)
-    first = last - len(tree.elements.motors)
-    others, motors = np.r_[:first, last:count], np.arange(first, last)
-    order = np.concatenate([others, motors])
-    answers = report.answers[:, order] + 0.0
+    answers = report.answers + 0.0
     works = report.rows[:, end - count : end] + 0.0
     scales = np.array([item.scale for item in tree.elements.couplings])
     return TreeElementRows(
@@ -79,8 +75,8 @@ def with_answers(tree: Tree, rows: TreeRows, report: Any) -> TreeElementRows:
         element_effort=answers[..., EFFORT],
         element_power=answers[..., POWER],
         element_energy=answers[..., ENERGY],
-        element_work=works[:, order],
-        dissipated=0.0 - works[:, others].sum(axis=1),
+        element_work=works,
+        dissipated=0.0 - works[:, ~motors_among(tree.elements)].sum(axis=1),
         coupling_effort=report.closures["force"][:, len(report.closures[0]) - len(scales) :] / scales,
         driver_effort=report.drives,
     )

@@ -1,6 +1,7 @@
 """Inverse dynamics: reactions and driver efforts of the motion that the drivers prescribe."""
 
 from collections.abc import Iterator, Mapping
+from itertools import chain
 
 import numpy as np
 
@@ -77,7 +78,7 @@ class InverseDynamics:
         if choose_order(self.work, self.arrays.speeds) < self.arrays.speeds:
             raise undetermined(report.times[0])
         model, start = self.model, float(report.times[0])
-        refuse_coinciding_ends(self.system, self.work, model.springs, model.elements.lines, start)
+        refuse_coinciding_ends(self.system, self.work, chain(model.springs, model.elements.forces), start)
         self._ordered = True
 
 

@@ -19,6 +19,7 @@ from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tre
 from ...model.inertia_checks import uneven_masses
 from ...model.integrators import steps_at_limit
 from ...model.joint_elements import names_of
+from ...model.laws import MOTOR
 from ...model.time_functions import corners
 from ...model.tree import Table, Tree
 from ..checkpoint import row_of, taken, taken_clock
@@ -300,7 +301,7 @@ def initial_state(tree: Tree) -> np.ndarray:
 def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
     """Times inside (start, end) at which a function of the tree jumps or bends."""
     times = {t for torque in tree.torques for t in torque.function.times}
-    functions = [item.function for item in tree.elements.motors]
+    functions = [item["function"] for item in tree.elements.of(MOTOR)]
     functions += [item.function for item in tree.elements.drivers]
     times |= {t for function in functions for t in corners(function)}
     # A step between two numbers for one time would be shorter than any can be.

@@ -74,10 +74,10 @@ def messages(cards):
          "add one, or remove this card"),
         ("COUPLING 2 1 1 2 1 3", "6:10: coupling 1: names one coordinate twice; add its factors"),
         ("COUPLING 2 3 1 2 1 3", "6:12: coupling 1: must be 1 (angle) or 2 (stroke); read 3"),
-        ("FRICTION 2 0.1 0.1 0 1e-4 0.1", "6:20: friction 1: stribeck is a speed above 1e-100; read 0"),
+        ("FRICTION 2 0.1 0.1 0 1e-4 0.1", "6:20: friction 1: stribeck must be above 1e-100; read 0"),
         (
             "FRICTION 2 0.1 0.1 1e-300 1e-4 0.1",
-            "6:20: friction 1: stribeck is a speed above 1e-100; read 1e-300",
+            "6:20: friction 1: stribeck must be above 1e-100; read 1e-300",
         ),
         (
             "FRICTION 2 0.1 0.1 0.1 1e-4",

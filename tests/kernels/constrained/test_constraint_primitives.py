@@ -15,8 +15,10 @@ from flexmb_cli.kernels.constrained.mass_matrix import mass_matrices
 from flexmb_cli.kernels.constrained.projection import fill_nu
 from flexmb_cli.kernels.constrained.system import FORCES, GAMMA
 from flexmb_cli.model import time_functions as motion_law
-from flexmb_cli.model.fe_model import BodyTorque, JointSpring
-from flexmb_cli.model.flexible_mechanism import PointForce, PointSpring
+from flexmb_cli.model.fe_model import BodyTorque
+from flexmb_cli.model.flexible_mechanism import PointForce
+from flexmb_cli.model.joints import ANGLE, STROKE
+from flexmb_cli.model.laws import At, Line, spring
 from flexmb_cli.model.time_functions import Motion, MotionFunction, table_function
 from tests.dialects.vsdf.mechanisms import (
     KINDS,
@@ -125,9 +127,12 @@ def test_forces_are_those_of_their_energy(tmp_path):
     mechanism = sample(tmp_path)
     bodies = mechanism.bodies
     joints = (joint(bodies, "cylindrical", 0, 2), joint(bodies, "translational", 1, 2, "joint 2"))
-    springs = (PointSpring("spring 1", node(bodies, 0, 13), node(bodies, 2, 17), 30.0, 0.0, 0.4),)
-    turned = (JointSpring("s", 0, 20.0, 0.0, 0.3), JointSpring("s", 1, 25.0, 0.0, 0.1))
-    analysis = analysis_of(replace(mechanism, joints=joints, springs=springs, joint_springs=turned))
+    springs = (
+        spring("spring 1", Line(0, 2, node(bodies, 0, 13), node(bodies, 2, 17)), 30.0, 0.4),
+        spring("s", At(0, ANGLE), 20.0, 0.3),
+        spring("s", At(1, STROKE), 25.0, 0.1),
+    )
+    analysis = analysis_of(replace(mechanism, joints=joints, springs=springs))
     q, _ = random_state(analysis)
     arrays = analysis.arrays
     analysis.work.angles[:] = analysis.screw_angles(q)

@@ -8,16 +8,15 @@ from ....deck.fortran_fields import filled
 from ....model.exchange.function_cards import Card, FunctionCards, without_card
 from ....model.exchange.functions import points_of, polynomial_of, value_of
 from ....model.joints import ANGLE
-from ....model.laws import LAWS
+from ....model.laws import MOTOR, NUMBER, SPRING, At, Element, Frames, Joint
 from ....model.mechanism import GROUND
 from ..elements.cards import FUNCTION_KINDS
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from ....model.exchange.chain import Link
-    from ....model.exchange.rigid_model import CoordinateSpring, Refusals
-    from ....model.joint_elements import JointMotor
+    from ....model.exchange.rigid_model import Refusals
     from ....model.loads import AppliedTorque
     from ....model.time_functions import MotionFunction
     from .hanging import Hanging
@@ -46,45 +45,64 @@ class ElementCards:
     hung: "dict[int, Hanging]"
 
     def hinge_elements(self) -> list[Any]:
-        """Springs, dampers, motors and prescribed motions."""
-        springs, dampers, motors, tables, motions = [], [], [], [], []
-        by_function: list[str] = []
-        driven: list[str] = []
-        for item in self.model.joint_springs:
-            head = self._dof(item)
-            if item.stiffness:
-                springs.append(head + self.real(item.stiffness) + self.real(item.rest))
-            if item.damping:
-                dampers.append(head + self.real(item.damping))
-        for item in self.model.motors:
-            value = value_of(item.function)
-            if value is not None:
-                motors.append(self._dof(item) + self.real(value))
-            elif points := points_of(item.function):
-                tables.append(self.table(*self._place(item), points))
-            else:
-                by_function.append(self._dof(item) + integers(self._number(item.function, item)))
-        for item in self.model.joint_drivers:
-            c = polynomial_of(item.function)
+        """Force elements, couplings and prescribed motions."""
+        cards: dict[str, list[Any]] = {
+            word: [] for word in ("LSPR", "CABL", "SPRI", "DAMP", "MOTR", "TABM", "PRES")
+        }
+        for item in self.model.elements:
+            for word, text in self._element(item):
+                cards.setdefault(word, []).append(text)
+        for driver in self.model.joint_drivers:
+            c, dof = polynomial_of(driver.function), self._dof(driver.joint, driver.coordinate)
             if c is None or len(c) > 3:
-                driven.append(self._dof(item) + integers(*self._followed(item)))
+                cards.setdefault("PREF", []).append(dof + integers(*self._followed(driver)))
                 continue
             C, B, half = (*c, 0.0, 0.0)[:3]
-            motions.append(self._dof(item) + "".join(self.real(x) for x in (C, B, 2.0 * half)))
-        cards: list[tuple[str, list[Any]]] = [
-            ("LSPR", [*map(self._spring, self.model.springs), *self._lines(slack=False)]),
-            ("CABL", self._lines(slack=True)),
-            ("SPRI", springs), ("DAMP", dampers), ("MOTR", motors), ("TABM", tables), ("PRES", motions),
-            ("HSPR", list(map(self._preloaded, self.model.preloaded))),
-            *((f"H{law.word}"[:4], [self._dof(i) + "".join(map(self.real, i.values))
-                                    for i in self.model.laws if i.law is law]) for law in LAWS),
-            ("BUSH", list(map(self._bushing, self.model.bushings))),
-            ("COUP", [x for n, item in enumerate(self.model.couplings, 1) for x in self._terms(n, item)]),
-            ("FRIC", list(map(self._friction, self.model.frictions))),
-            ("MOTF", by_function), ("PREF", driven),
-        ]  # fmt: skip
-        cards.insert(0, ("FUNC", list(map(_function, self.functions.cards))))
-        return [line for word, entries in cards for line in self.entries(word, entries)]
+            cards["PRES"].append(dof + "".join(self.real(x) for x in (C, B, 2.0 * half)))
+        cards["COUP"] = [x for n, item in enumerate(self.model.couplings, 1) for x in self._terms(n, item)]
+        cards = {"FUNC": list(map(_function, self.functions.cards))} | cards
+        return [line for word, entries in cards.items() for line in self.entries(word, entries)]
+
+    def _element(self, item: Element) -> "Iterator[tuple[str, str]]":
+        """Words of cards and the entries that an element has there."""
+        measure = item.measure
+        if isinstance(measure, At):
+            yield from self._in_hinge(item, self._dof(*measure))
+            return
+        numbers = item.numbers(lambda function: self._number(function, item))
+        if isinstance(measure, Joint):
+            yield "FRIC", integers(self.hinge_of[measure.joint]) + "".join(map(self.real, numbers))
+        elif isinstance(measure, Frames):
+            self._check_axes(item)
+            yield "BUSH", self._between(measure, (), numbers[:6], numbers[6:])
+        elif item.law is SPRING:
+            yield "LSPR", self._between(measure, numbers[4:], numbers[:4])
+        else:
+            yield item.law.word[:4], self._between(measure, (), numbers)
+
+    def _in_hinge(self, item: Element, dof: str) -> "Iterator[tuple[str, str]]":
+        if item.law is MOTOR:
+            yield self._motor(item, dof)
+        elif item.linear:
+            if item["stiffness"]:
+                yield "SPRI", dof + self.real(item["stiffness"]) + self.real(item["rest"])
+            if item["damping"]:
+                yield "DAMP", dof + self.real(item["damping"])
+        else:
+            numbers = item.numbers(lambda function: self._number(function, item))
+            reals = sum(p.kind == NUMBER for p in item.law.parameters)
+            yield (
+                "HSPR" if item.law is SPRING else f"H{item.law.word}"[:4],
+                dof + "".join(map(self.real, numbers[:reals])) + integers(*numbers[reals:]),
+            )
+
+    def _motor(self, item: Element, dof: str) -> tuple[str, str]:
+        value = value_of(item["function"])
+        if value is not None:
+            return "MOTR", dof + self.real(value)
+        if points := points_of(item["function"]):
+            return "TABM", self.table(*self._freedom(*item.measure), points)
+        return "MOTF", dof + integers(self._number(item["function"], item))
 
     def _number(self, function: "MotionFunction", item: Any) -> int:
         """Number of the function card of an item; 0 where it cannot be written."""
@@ -100,32 +118,15 @@ class ElementCards:
             self.refusals.add(item, without_card(item.function, "DAFMS"), id="DAFMS-174")
         return number, int(rate)
 
-    def _preloaded(self, item: Any) -> str:
-        numbers = item.stiffness, item.rest, item.damping, item.preload
-        return str(self._dof(item)) + "".join(map(self.real, numbers)) + integers(*self._functions(item))
-
-    def _functions(self, item: Any) -> list[int]:
-        return [self._number(f, item) if f else 0 for f in (item.curve, item.damper)]
-
-    def _lines(self, slack: bool) -> list[str]:
-        """Cables, or springs in line with preloads or functions."""
-        found = []
-        for item in self.model.lines:
-            if item.slack == slack:
-                law = [item.stiffness, item.rest, item.damping, *([] if slack else [item.preload])]
-                head = () if slack else self._functions(item)
-                found.append(self._between(item, head, law))
-        return found
-
-    def _bushing(self, item: Any) -> str:
-        if item.i != GROUND and np.abs(self.hung[item.i].own - self.model.axes(item.i)).max() > _SAME_AXES:
+    def _check_axes(self, item: Element) -> None:
+        i = item.measure.i
+        if i != GROUND and np.abs(self.hung[i].own - self.model.axes(i)).max() > _SAME_AXES:
             message = "a bushing acts along the axes of its first body, which DAFMS lays along its hinge"
             self.refusals.add(item, message, id="DAFMS-175")
-        return self._between(item, (), item.stiffness, item.damping)
 
-    def _between(self, item: Any, head: Any, *rows: Any) -> str:
+    def _between(self, measure: Any, head: Any, *rows: Any) -> str:
         """An element between two bodies: numbers, points, its law."""
-        ends = (item.i, item.P_i), (item.j, item.P_j)
+        ends = (measure.i, measure.P_i), (measure.j, measure.P_j)
         numbers = [x for body, _ in ends for x in (0 if body == GROUND else self.number[body], 0)]
         points = [x for body, P in ends for x in self._point(body, P)]
         lines = ["".join(map(self.real, row)) for row in (points, *rows)]
@@ -138,18 +139,6 @@ class ElementCards:
             freedom = self._freedom(joint, coordinate)
             found.append(integers(number, *freedom) + self.real(factor))
         return found
-
-    def _stop(self, item: Any) -> str:
-        numbers = item.lower, item.upper, item.stiffness, item.damping
-        return str(self._dof(item)) + "".join(map(self.real, numbers))
-
-    def _friction(self, item: Any) -> str:
-        numbers = item.dynamic, item.static, item.stribeck, item.creep, item.radius, item.preload
-        return integers(self.hinge_of[item.joint]) + "".join(map(self.real, numbers))
-
-    def _spring(self, item: Any) -> str:
-        """A spring and damper between points in the axes of O_k."""
-        return self._between(item, (0, 0), (item.stiffness, item.free_length, item.damping))
 
     def _point(self, body: int, P: Any) -> Any:
         """A point from O_k, axes of O_k; of the ground from the origin."""
@@ -175,17 +164,14 @@ class ElementCards:
         lines = [integers(k, which, len(points))]
         return "\n".join([*lines, *(self.real(t) + self.real(v) for t, v in points)])
 
-    def _place(self, item: "CoordinateSpring | JointMotor") -> tuple[int, int]:
-        """Body of the hinge, and the number of its degree of freedom."""
-        return self._freedom(item.joint, item.coordinate)
-
     def _freedom(self, joint: int, coordinate: str) -> tuple[int, int]:
+        """Body of the hinge, and the number of its degree of freedom."""
         k = self.hinge_of[joint]
         axis = self.hung[self.links[k - 1].body].axis
         return k, axis if coordinate == ANGLE else axis + 3
 
-    def _dof(self, item: "CoordinateSpring | JointMotor") -> Any:
-        return integers(*self._place(item))
+    def _dof(self, joint: int, coordinate: str) -> str:
+        return integers(*self._freedom(joint, coordinate))
 
     def entries(self, word: str, entries: "Sequence[str]") -> list[Any]:
         """Return a card with its records behind their number; none without records."""

@@ -5,16 +5,15 @@ from typing import TYPE_CHECKING, Any
 
 from ....model.exchange.function_cards import FunctionCards, without_card
 from ....model.exchange.rigid_model import Refusals, RigidModel
-from ....model.joint_elements import Coupling, JointFriction
+from ....model.joint_elements import Coupling
 from ....model.joints import ANGLE
-from ....model.laws import LAWS
+from ....model.laws import SPRING, At, Element, Joint
 from ..elements.cards import FUNCTION_KINDS
 from ..joints import SLIDING, TURNING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ....model.exchange.rigid_model import CoordinateSpring
     from ....model.time_functions import MotionFunction
 
 
@@ -44,59 +43,38 @@ class ElementCards(ABC):
             self.refusals.add(item, without_card(function, "VSDF"), id="VSDF-170")
         return number
 
-    def has_jspr(self, item: "CoordinateSpring") -> bool:
-        """Return whether the older card JSPR holds a spring; it has none in strokes of joints that turn."""
-        kind = self.model.joints[item.joint].kind
-        return kind in TURNING if item.coordinate == ANGLE else kind in SLIDING and kind not in TURNING
-
     def elements(self) -> list[tuple[str, list[str]]]:
-        """Cards of springs with functions, stops, cables, bushings, couplings and friction."""
-        model = self.model
-        springs: list[tuple[Any, tuple[Any, ...]]] = [
-            (item, self._plain_spring(item)) for item in model.joint_springs if not self.has_jspr(item)
-        ]
-        springs += [(item, self._characteristics(item)) for item in model.preloaded]
-        lines = [(item, self._nodes_of(item)) for item in model.lines]
-        return [
-            *(
-                (word, [record(item.joint + 1, *numbers) for item, numbers in springs
-                        if (item.coordinate == ANGLE) == turning])
-                for word, turning in (("TSPR", True), ("ASPR", False))
-            ),
-            *self._motors(),
-            *(
-                (f"{letter}{law.word}"[:4], [record(i.joint + 1, *i.values) for i in model.laws
-                                             if i.law is law and (i.coordinate == ANGLE) == (letter == "T")])
-                for law in LAWS
-                for letter in "TA"
-            ),
-            ("LSPR", [record(*ends, *self._characteristics(item)) for item, ends in lines if not item.slack]),
-            ("CABL", [record(*ends, item.stiffness, item.rest, item.damping)
-                      for item, ends in lines if item.slack]),
-            ("BUSH", [record(*self._nodes_of(item), *item.stiffness, *item.damping)
-                      for item in model.bushings]),
-            ("COUP", [line for n, item in enumerate(model.couplings, 1) for line in _coupling(n, item)]),
-            ("FRIC", [_friction(item) for item in model.frictions]),
-        ]  # fmt: skip
+        """Words of cards of force elements and couplings, and their records."""
+        found: dict[str, list[str]] = {}
+        for item in self.model.elements:
+            word = self._word(item)
+            found.setdefault(word, []).append(self._record(word, item, len(found.get(word, ())) + 1))
+        terms = [line for n, item in enumerate(self.model.couplings, 1) for line in _coupling(n, item)]
+        return [*found.items(), ("COUP", terms)]
 
-    def _motors(self) -> list[tuple[str, list[str]]]:
-        """Motors in angles, then in strokes."""
-        found = [(item, self.number(item.function, item)) for item in self.model.motors]
-        return [
-            (word, [record(item.joint + 1, n) for item, n in found if (item.coordinate == ANGLE) == turning])
-            for word, turning in (("TMOT", True), ("AMOT", False))
-        ]
+    def _word(self, item: Element) -> str:
+        """Return the word of an element's card; the older ones SPRI and JSPR hold fewer springs."""
+        old = item.linear and not any(value < 0.0 for value in (item["stiffness"], item["damping"]))
+        if isinstance(item.measure, At):
+            kind = self.model.joints[item.measure.joint].kind
+            if old and (kind in TURNING if item.turning else kind in SLIDING and kind not in TURNING):
+                return "JSPR"
+            return f"{'T' if item.turning else 'A'}{item.law.word}"[:4]
+        if item.law is SPRING:
+            return "SPRI" if old and item["rest"] >= 0.0 else "LSPR"
+        return item.law.word[:4]
 
-    def _nodes_of(self, item: Any) -> tuple[int, ...]:
-        return item.i + 1, self._node(item.i, item.P_i), item.j + 1, self._node(item.j, item.P_j)
-
-    def _plain_spring(self, item: Any) -> tuple[Any, ...]:
-        return item.stiffness, item.rest, item.damping, 0.0, 0, 0
-
-    def _characteristics(self, item: Any) -> tuple[Any, ...]:
-        """Numbers of a spring and damper, those of its functions last."""
-        functions = [self.number(f, item) if f else 0 for f in (item.curve, item.damper)]
-        return item.stiffness, item.rest, item.damping, item.preload, *functions
+    def _record(self, word: str, item: Element, number: int) -> str:
+        measure = item.measure
+        if isinstance(measure, At | Joint):
+            head: tuple[int, ...] = (measure.joint + 1,)
+        else:
+            i, j, P_i, P_j = measure
+            head = i + 1, self._node(i, P_i), j + 1, self._node(j, P_j)
+        if word in ("SPRI", "JSPR"):
+            law = item["stiffness"], item["damping"], item["rest"]
+            return record(*([number] if word == "SPRI" else []), *head, *law)
+        return record(*head, *item.numbers(lambda function: self.number(function, item)))
 
 
 def _coupling(number: int, item: Coupling) -> list[str]:
@@ -104,11 +82,6 @@ def _coupling(number: int, item: Coupling) -> list[str]:
         record(number, joint + 1, 1 if coordinate == ANGLE else 2, factor)
         for joint, coordinate, factor in item.terms
     ]
-
-
-def _friction(item: JointFriction) -> str:
-    numbers = item.dynamic, item.static, item.stribeck, item.creep, item.radius, item.preload
-    return record(item.joint + 1, *numbers)
 
 
 def record(*values: Any) -> str:

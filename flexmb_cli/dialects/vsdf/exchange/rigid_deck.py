@@ -20,7 +20,7 @@ from .element_cards import ElementCards, record
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ....model.exchange.rigid_model import CoordinateSpring, RigidBody, RigidJoint
+    from ....model.exchange.rigid_model import RigidBody, RigidJoint
 
 
 _WORDS = {kind.name: (word, kind) for word, kind in BY_WORD.items()}
@@ -69,8 +69,6 @@ class _Deck(ElementCards):
             ("MOTN", self._motions()),
             ("FORC", self._forces()),
             ("TORQ", self._torques()),
-            ("SPRI", [self._spring(n, item) for n, item in enumerate(model.springs, start=1)]),
-            ("JSPR", [self._joint_spring(item) for item in model.joint_springs if self.has_jspr(item)]),
             *self.elements(),
             ("GRAV", [record(*model.gravity)]),
             ("TIME", [record(model.time.end, model.time.step, integrator.step)]),
@@ -217,19 +215,6 @@ class _Deck(ElementCards):
             torque = [factor * x for x in item.torque]
             found.append(record(item.body + 1, *torque, int(item.following), table))
         return found
-
-    def _spring(self, number: int, item: Any) -> Any:
-        if item.stiffness < 0 or item.damping < 0 or item.free_length < 0:
-            self.refusals.add(
-                item, "VSDF springs have no negative stiffness, damping or length at rest", id="VSDF-177"
-            )
-        ends = (item.i + 1, self._node(item.i, item.P_i), item.j + 1, self._node(item.j, item.P_j))
-        return record(number, *ends, item.stiffness, item.damping, item.free_length)
-
-    def _joint_spring(self, item: "CoordinateSpring") -> Any:
-        if item.stiffness < 0 or item.damping < 0:
-            self.refusals.add(item, "VSDF springs have no negative stiffness or damping", id="VSDF-178")
-        return record(item.joint + 1, item.stiffness, item.damping, item.rest)
 
 
 def _shape(shape: RigidShape) -> str:

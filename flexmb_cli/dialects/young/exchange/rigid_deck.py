@@ -9,6 +9,7 @@ from ....model.exchange.functions import constant, polynomial_of, value_of
 from ....model.exchange.rigid_model import Refusals, RigidModel, across
 from ....model.exchange.shapes import RigidShape, notes_of
 from ....model.joints import ANGLE
+from ....model.laws import SPRING, At, Element, Joint
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS
 from ..integration_cards import LEAST_TOLERANCE, MOST_TOLERANCE
@@ -158,15 +159,8 @@ class _Deck:
             elif item.kind == "fixed":
                 cards.append(f"ANGLE {self.joint_number[id(item)]} {self._function(constant(0.0), item)}")
         for item in model.joint_drivers:
-            cards.append(f"{self._word(item, 'ANGLE', 'STROKE')} {self._followed(item)}")
-        for item in model.motors:
-            cards.append(f"{self._word(item, 'TMOTOR', 'AMOTOR')} {self._function(item.function, item)}")
-        for item in model.joint_springs:
-            data = _line(item.stiffness, item.rest, item.damping)
-            cards.append(f"{self._word(item, 'TSPRING', 'ASPRING')} {data}")
-        for item in model.springs:
-            ends = item.i + 1, item.j + 1, *item.P_i, *item.P_j
-            cards.append(f"SPRING {_line(*ends, item.stiffness, item.free_length, item.damping)}")
+            word = "ANGLE" if item.coordinate == ANGLE else "STROKE"
+            cards.append(f"{word} {self._number(item.joint)} {self._followed(item)}")
         cards += self._elements()
         for item in model.forces:
             force, factor = self._factor(item.force, item)
@@ -178,41 +172,33 @@ class _Deck:
         return cards
 
     def _elements(self) -> "Iterator[str]":
-        """The cards of springs with functions, cables, laws, bushings, couplings and friction."""
-        model = self.model
-        for item in model.preloaded:
-            yield f"{self._word(item, 'TSPRING', 'ASPRING')} {self._characteristics(item)}"
-        for item in model.lines:
-            ends = _line(item.i + 1, item.j + 1, *item.P_i, *item.P_j)
-            cable = _line(item.stiffness, item.rest, item.damping)
-            yield f"CABLE {ends} {cable}" if item.slack else f"LSPRING {ends} {self._characteristics(item)}"
-        for item in model.laws:
-            word = self._word(item, f"T{item.law.word}", f"A{item.law.word}")
-            yield f"{word} {_line(*item.values)}"
-        for item in model.bushings:
-            places = item.i + 1, item.j + 1, *item.P_i, *item.P_j
-            yield f"BUSHING {_line(*places, *item.stiffness, *item.damping)}"
-        for item in model.couplings:
+        """The cards of force elements and couplings."""
+        for item in self.model.elements:
+            if isinstance(item.measure, At):
+                word = f"{'T' if item.turning else 'A'}{item.law.word} {self._number(item.measure.joint)}"
+            elif isinstance(item.measure, Joint):
+                word = f"FRICTION {self._number(item.measure.joint)}"
+            else:
+                i, j, P_i, P_j = item.measure
+                word = item.law.word if item.law is not SPRING or item.linear else "LSPRING"
+                word = f"{word} {_line(i + 1, j + 1, *P_i, *P_j)}"
+            yield f"{word} {_line(*self._values(item))}"
+        for coupling in self.model.couplings:
             terms = [
                 (self._number(joint), 1 if coordinate == ANGLE else 2, factor)
-                for joint, coordinate, factor in item.terms
+                for joint, coordinate, factor in coupling.terms
             ]
             yield f"COUPLING {_line(*(x for term in terms for x in term))}"
-        for item in model.frictions:
-            numbers = item.dynamic, item.static, item.stribeck, item.creep, item.radius, item.preload
-            yield f"FRICTION {_line(self._number(item.joint), *numbers)}"
 
-    def _characteristics(self, item: Any) -> str:
-        """Numbers of a spring and damper, those of its functions last."""
-        functions = [self._function(f, item) if f else 0 for f in (item.curve, item.damper)]
-        return str(_line(item.stiffness, item.rest, item.damping, item.preload, *functions))
+    def _values(self, item: Element) -> tuple[Any, ...]:
+        """The numbers of a law; functions are numbers of cards."""
+        return (
+            item.values[:3] if item.linear else item.numbers(lambda function: self._function(function, item))
+        )
 
     def _number(self, joint: int) -> int:
         """Number of a joint of the model in the deck."""
         return self.joint_number[id(self.model.joints[joint])]
-
-    def _word(self, item: Any, turning: Any, sliding: Any) -> str:
-        return f"{turning if item.coordinate == ANGLE else sliding} {self._number(item.joint)}"
 
     def _factor(self, load: Any, item: Any) -> tuple[Any, Any]:
         value = value_of(item.factor)
