@@ -110,7 +110,8 @@ class BlockReader:
             rest = [rest[1], rest[0], *rest[2:]]  # JOINT revcyl name, as well as JOINT name revcyl
         if not rest or "=" in rest[0].text:
             if word.unnamed:
-                return f"{word.word.lower()}-{len(self.records) + 1}", rest
+                count = sum(record.word == word.word for record in self.records)
+                return f"{word.word.lower()}-{count + 1}", rest
             self._error(first, "", f"{word.word} wants a name: {usage(word)}")
             return "", rest
         name = rest[0].text

@@ -1,7 +1,7 @@
 """Text of the block ELEMENTS: its lines without comments, cut into pieces, and where it ends."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from itertools import chain
 
@@ -38,15 +38,22 @@ def is_like_block(line: str) -> bool:
 
 
 def without_braces(lines: Lines, first: int) -> Iterator[str]:
-    """The lines from one on, comments in braces being blank; the last may hold a brace that none closes."""
+    """The lines from one on, comments in braces being blank.
+
+    The line of a comment that nothing closes is a brace alone, in column 1, which ends a block.
+    """
+    unclosed = lines.text.find("{", lines.text.rfind("}") + 1)
+    last = lines.place_of(unclosed)[0] if unclosed >= 0 else 0
     inside = False
-    for line in lines.after(first):
+    for n, line in enumerate(lines.after(first), first + 1):
+        if n == last:
+            yield "{"
+            return
         line = "{" + line if inside else line
         blank = _BRACES.sub(lambda found: " " * len(found[0]), line)
-        last = line.rfind("{")
-        opened = last >= 0 and "}" not in line[last:]
+        opening = line.rfind("{")
         yield blank[1:] if inside else blank
-        inside = opened
+        inside = opening >= 0 and "}" not in line[opening:]
 
 
 def without_starred(lines: Lines, first: int) -> Iterator[str]:
@@ -109,3 +116,26 @@ def stray_lines(lines: Iterable[tuple[int, str]]) -> Iterator[Fault]:
             word = line.split(maxsplit=1)[0]
             message = f"{word} stands outside a block; a line {BLOCK} before it, in column 1, opens one"
             yield Fault("error", message, Place(n, line.index(word) + 1, len(word)), id="ELEMENTS-035")
+
+
+def element_follows(lines: Lines, code: Callable[[Lines, int], Iterator[str]], opening: int) -> bool:
+    """Return whether the line behind another one that is not blank has the form of an element's."""
+    line = next((line for line in code(lines, opening) if line.strip()), "")
+    return line[:1].isspace() and is_element_line(line)
+
+
+def refuse_behind(
+    lines: Lines, code: Callable[[Lines, int], Iterator[str]], last: int, word: str
+) -> Iterator[Fault]:
+    """Refuse blocks and lines of elements behind line `last`, behind whose `word` nothing is read."""
+    if not mentions_block(lines.text, lines.start_of(last)):
+        return
+    inside = False
+    for n, line in enumerate(code(lines, last), last + 1):
+        if begins_block(line) and element_follows(lines, code, n):
+            message = f"{BLOCK} stands behind {word}, where nothing is read; put the block before {word}"
+            yield Fault("error", message, Place(n, 1, len(BLOCK)), id="ELEMENTS-036")
+            inside = True
+        elif line.strip() and not (inside and line[0].isspace()):
+            inside = False
+            yield from stray_lines([(n, line)])

@@ -9,7 +9,7 @@ from ...deck import many_records
 from ...deck.many_records import ManyRecords, blocks_of
 from ...deck.record import Deck, DeckText, Number, Record
 from ...errors import DeckError, Place
-from ..elements_block.text import BLOCK, begins_block, is_like_block, stray_lines, without_starred
+from ..elements_block.text import BLOCK, begins_block, is_like_block, refuse_behind, stray_lines, without_starred
 from . import fields
 from .card import WIDTHS, Card
 from .cards import BY_WORD, DATA_WORDS, END, FINAL, KNOWN_WORDS, STAR, STOP
@@ -83,6 +83,7 @@ class _Reader(CardReader):
                 self._check_filled(card, word)
                 card = self._open(word, line, ended)
                 if word == STOP:
+                    self.faults += refuse_behind(self.lines, without_starred, self.at, STOP)
                     break
             elif self._refuse_stray(line):
                 continue

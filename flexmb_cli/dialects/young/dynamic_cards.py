@@ -19,7 +19,14 @@ from ...deck.words import UNCLOSED, Word, words
 from ...errors import DeckError, Place
 from ...quick_dataclass import dataclass, field, replace
 from ..elements_block.line import SECTION as ELEMENTS
-from ..elements_block.text import BLOCK, begins_block, mentions_block
+from ..elements_block.text import (
+    BLOCK,
+    begins_block,
+    mentions_block,
+    refuse_behind,
+    stray_lines,
+    without_braces,
+)
 from .card import MOST_NUMBERS
 from .cards import BY_KEYWORD
 from .elements.cards import JOINT_CARDS
@@ -206,7 +213,8 @@ class _Cards:
                 card = [word]
                 if word.text.upper() == LAST_CARD:
                     self.made.faults += cards_behind_end(self.source.lines, word.line, BY_KEYWORD)
-                    self._refuse_behind_end(word.line)
+                    behind = refuse_behind(self.source.lines, without_braces, word.line, LAST_CARD)
+                    self.made.faults += behind
                     return None
             elif card:
                 card.append(word)
@@ -230,18 +238,10 @@ class _Cards:
     def _is_stray(self, word: Word) -> bool:
         """Return whether a word stands on a line of an element, outside a block, which is a fault."""
         if self.stray != word.line and "=" in self.source.lines[word.line - 1]:
-            from .blocks import stray_lines
-
             found = list(stray_lines([(word.line, self.source.lines[word.line - 1])]))
             self.made.faults += found
             self.stray = word.line if found else self.stray
         return self.stray == word.line
-
-    def _refuse_behind_end(self, last: int) -> None:
-        if self.blocks:
-            from .blocks import refuse_behind_end
-
-            self.made.faults += refuse_behind_end(self.source.lines, last)
 
     def _opening_record(self) -> Record:
         found = MARKER.fullmatch(self.source.lines[self.opening - 1])
