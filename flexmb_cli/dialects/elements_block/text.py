@@ -13,7 +13,7 @@ BLOCK = "ELEMENTS"
 # A piece has no blanks outside its parentheses.
 _PIECE = re.compile(r"(?:\([^()]*\)|[^\s()])+|[()]")
 _BRACES = re.compile(r"\{[^}]*\}?")
-_MENTIONED = re.compile(rf"{BLOCK}|=|^FUNCTION", re.IGNORECASE | re.MULTILINE)
+_MENTIONED = re.compile(rf"{BLOCK}|=|^[ \t]*FUNCTION\b", re.IGNORECASE | re.MULTILINE)
 _LIKENESS = 0.75  # of ELEMENTS: two letters changed
 
 
