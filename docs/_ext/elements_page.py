@@ -27,7 +27,9 @@ def _rows(word) -> list[str]:
         along, about = key.units
         unit = along if along == about else f"{along}; {about}"
         given = "needed" if key.needed else "" if key.default is None else _default(key.default)
-        rows.append(f"| `{key.name}=` | {key.meaning} | {_SHAPES[key.kind]} | {unit or '-'} | {given or 'optional'} |")
+        rows.append(
+            f"| `{key.name}=` | {key.meaning} | {_SHAPES[key.kind]} | {unit or '-'} | {given or 'optional'} |"
+        )
     return rows
 
 
@@ -42,7 +44,12 @@ def _tables() -> list[str]:
         name = "" if word.unnamed else " name"
         lines += [f"### `{word.word}{name}`{kinds}", "", f"{word.meaning[0].upper()}{word.meaning[1:]}.", ""]
         if word.keys:
-            lines += ["| key | meaning | what stands there | unit | default |", "|---|---|---|---|---|", *_rows(word), ""]
+            lines += [
+                "| key | meaning | what stands there | unit | default |",
+                "|---|---|---|---|---|",
+                *_rows(word),
+                "",
+            ]
         for groups in word.choices:
             ways = " or ".join(" and ".join(f"`{key}=`" for key in group) for group in groups)
             lines += [f"Of {ways}, one must be given.", ""]
@@ -57,7 +64,9 @@ def _old() -> list[str]:
     for dialect, words in LINES.items():
         for word in words:
             line = new_line(dialect, word, fields[dialect].split(), 1)
-            rows.append(f"| {dialect.upper()} `{word}` | {f'`{line}`' if line else 'nothing: results hold joint coordinates'} |")
+            rows.append(
+                f"| {dialect.upper()} `{word}` | {f'`{line}`' if line else 'nothing: results hold joint coordinates'} |"
+            )
     return ["| card | line of the block |", "|---|---|", *rows, ""]
 
 

@@ -117,7 +117,10 @@ class _Measures(Measures):
 
 def _free(hinge: Hinge, count: str) -> str:
     """Return which coordinates a hinge has, in words."""
-    found = [*(f"{count}.r{axis}" for axis in hinge.rotations), *(f"{count}.t{a}" for a in hinge.translations)]
+    found = [
+        *(f"{count}.r{axis}" for axis in hinge.rotations),
+        *(f"{count}.t{a}" for a in hinge.translations),
+    ]
     return f"free there: {', '.join(found)}" if found else "nothing is free there"
 
 

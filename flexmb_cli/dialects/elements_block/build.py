@@ -150,7 +150,9 @@ class BlockBuilder:
     def _note(self, line: ElementLine, element: Element) -> None:
         """Note and warn of what is probably meant otherwise."""
         if element.idle:
-            self.findings.note(line.subject, "does nothing: its coefficients are 0", line.place, id="ELEMENTS-030")
+            self.findings.note(
+                line.subject, "does nothing: its coefficients are 0", line.place, id="ELEMENTS-030"
+            )
         if element.law is SPRING:
             self._note_spring(line)
         if element.law is FRICTION and line["static"] < line["dynamic"]:

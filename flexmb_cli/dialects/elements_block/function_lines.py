@@ -96,5 +96,3 @@ def _number(word: str, where: str) -> float:
         return number.real(word)[0]
     except number.Misspelt as fault:
         raise number.Misspelt(f"{where} {fault}") from None
-
-

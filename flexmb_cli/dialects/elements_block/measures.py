@@ -55,7 +55,9 @@ class Measures(ABC):
         if i != j:
             return True
         what = f"body {i + 1}" if i >= 0 else "the ground, body 0"
-        self.error(line, line.at("to.body"), f"both ends are on {what}; two bodies are needed", id="ELEMENTS-034")
+        self.error(
+            line, line.at("to.body"), f"both ends are on {what}; two bodies are needed", id="ELEMENTS-034"
+        )
         return False
 
 

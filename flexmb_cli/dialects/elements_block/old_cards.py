@@ -36,7 +36,14 @@ def _of_joints(letters: dict[str, str], ends: str) -> dict[str, str]:
 
 
 _WHOLE = {word: word for word in ("MOTOR", "SPRING", "STOP", "CABLE", "BUSHING", "FRICTION")}
-_SHORT = {"MOTOR": "MOT", "SPRING": "SPR", "STOP": "STO", "CABLE": "CABL", "BUSHING": "BUSH", "FRICTION": "FRIC"}
+_SHORT = {
+    "MOTOR": "MOT",
+    "SPRING": "SPR",
+    "STOP": "STO",
+    "CABLE": "CABL",
+    "BUSHING": "BUSH",
+    "FRICTION": "FRIC",
+}
 LINES = {
     "young": {
         **{kind.upper(): f"FUNCTION {kind} *" for kind in _FUNCTIONS},
@@ -157,7 +164,11 @@ def _line(rest: list[str]) -> list[str]:
 def _hinge(rest: list[str]) -> str:
     body, axis = rest[:2]
     rest[:2] = []
-    return f"{body}.r{axis}" if axis in ("1", "2", "3") else f"{body}.t{int(axis) - 3 if axis.isdigit() else axis}"
+    return (
+        f"{body}.r{axis}"
+        if axis in ("1", "2", "3")
+        else f"{body}.t{int(axis) - 3 if axis.isdigit() else axis}"
+    )
 
 
 def _coordinate(rest: list[str]) -> str:

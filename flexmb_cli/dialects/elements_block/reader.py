@@ -201,7 +201,9 @@ class _Line:
             if not equals:
                 self._take_value(piece)
             elif not key or not text:
-                self.error(piece, f"no blank may stand beside '=', and a value follows it: {usage(self.word)}")
+                self.error(
+                    piece, f"no blank may stand beside '=', and a value follows it: {usage(self.word)}"
+                )
             else:
                 self._take_key(piece, key, text)
         self._check_complete()
@@ -224,7 +226,9 @@ class _Line:
         self.values += 1
         self._add("", piece, key, _MEANINGS[meaning], FUNCTION if meaning == "f" else NUMBER, piece.text)
 
-    def _add(self, group: str, piece: Word, key: str, label: Any, kind: str, text: str, offset: int = 0) -> None:
+    def _add(
+        self, group: str, piece: Word, key: str, label: Any, kind: str, text: str, offset: int = 0
+    ) -> None:
         try:
             value = self._value(kind, text)
         except (number.Misspelt, _Wrong) as fault:
@@ -242,7 +246,9 @@ class _Line:
         if kind == FUNCTION and not NAME.fullmatch(text):
             raise _Wrong(f"must be the name of a function; read {number.shown(text)}")
         if kind == COORDINATE and not COORDINATES.fullmatch(text):
-            raise _Wrong(f"must be a coordinate, such as 2.angle, 2.stroke, 3.r1 or 3.t2; read {number.shown(text)}")
+            raise _Wrong(
+                f"must be a coordinate, such as 2.angle, 2.stroke, 3.r1 or 3.t2; read {number.shown(text)}"
+            )
         return text.lower() if kind == COORDINATE else text
 
     def _take_key(self, piece: Word, name: str, text: str) -> None:
@@ -283,9 +289,13 @@ class _Line:
             self._part(piece, key, "node", found[2], offset + found.start(2), ("number of the node", ""))
         elif found := _END_AT_POINT.fullmatch(text):
             self._part(piece, key, "body", found[1], offset, ("number of the body, 0: the ground", ""))
-            self._take_components(piece, key, found[2], offset + found.start(2), ("its point in body axes", "m"))
+            self._take_components(
+                piece, key, found[2], offset + found.start(2), ("its point in body axes", "m")
+            )
         else:
-            self.error(piece, f"{key.name} must be body(x,y,z) or body:node; read {number.shown(text)}", offset)
+            self.error(
+                piece, f"{key.name} must be body(x,y,z) or body:node; read {number.shown(text)}", offset
+            )
             self.given[key.name] = []
 
     def _take_vector(self, piece: Word, key: Key, text: str, offset: int) -> None:

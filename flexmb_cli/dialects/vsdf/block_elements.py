@@ -30,7 +30,9 @@ def block_elements(
 class _Measures(JointMeasures):
     """Joints of the deck, and ends at nodes of its bodies."""
 
-    def __init__(self, bodies: Sequence[VsdfBody], ground: VsdfBody, joints: Sequence[Any], findings: Findings):
+    def __init__(
+        self, bodies: Sequence[VsdfBody], ground: VsdfBody, joints: Sequence[Any], findings: Findings
+    ):
         super().__init__(joints, findings)
         self.bodies, self.ground = bodies, ground
 
@@ -51,7 +53,9 @@ class _Measures(JointMeasures):
     def _end(self, line: ElementLine, key: str) -> End | None:
         body = line.at(f"{key}.body")
         if f"{key}.node" in line:
-            return find_end(self.bodies, self.ground, body, line.at(f"{key}.node"), line.subject, self.findings)
+            return find_end(
+                self.bodies, self.ground, body, line.at(f"{key}.node"), line.subject, self.findings
+            )
         if body.value == 0:
             return End(GROUND, 0, line.vector(key))
         message = f"points of bodies are their nodes; write {body.value}:node, cards NODE give some"

@@ -9,7 +9,14 @@ from ...deck import many_records
 from ...deck.many_records import ManyRecords, blocks_of
 from ...deck.record import Deck, DeckText, Number, Record
 from ...errors import DeckError, Place
-from ..elements_block.text import BLOCK, begins_block, is_like_block, refuse_behind, stray_lines, without_starred
+from ..elements_block.text import (
+    BLOCK,
+    begins_block,
+    is_like_block,
+    refuse_behind,
+    stray_lines,
+    without_starred,
+)
 from . import fields
 from .card import WIDTHS, Card
 from .cards import BY_WORD, DATA_WORDS, END, FINAL, KNOWN_WORDS, STAR, STOP
@@ -91,7 +98,9 @@ class _Reader(CardReader):
                 self.bare = None
                 self._read_record(card, line)
             elif not self.unknown:
-                behind = "behind END, where nothing is read" if ended else "behind a block, which ends before it"
+                behind = (
+                    "behind END, where nothing is read" if ended else "behind a block, which ends before it"
+                )
                 where = behind if ended or self.blocks else "before any keyword"
                 self.error("", f"a data card stands {where}", Place(self.at, 1), id="VSDF-154")
         self._check_end(ended)

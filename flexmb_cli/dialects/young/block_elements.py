@@ -66,7 +66,9 @@ def _support(builder: BlockBuilder, line: ElementLine) -> tuple[str, Any]:
         return "supports", None
     held, number = measures.mechanism.simplified, line.at("simplified")
     if not 1 <= number.value <= len(held):
-        measures.error(line, number, no_such("simplified constraint", number.value, len(held)), id="YOUNG-122")
+        measures.error(
+            line, number, no_such("simplified constraint", number.value, len(held)), id="YOUNG-122"
+        )
         return "supports", None
     if held[number.value - 1].direction > 3:
         message = (
@@ -83,7 +85,9 @@ def _composite(builder: BlockBuilder, line: ElementLine) -> tuple[str, Any]:
     given = {key: key if key == "length" else f"{key}.x" for key in ("axis_from", "axis_to", "length")}
     wrong = [key for key, first in given.items() if (first in line) != (key in keys)]
     if wrong:
-        message = f"{line.kind} takes {' and '.join(f'{key}=' for key in keys)}, and no other of {', '.join(given)}"
+        message = (
+            f"{line.kind} takes {' and '.join(f'{key}=' for key in keys)}, and no other of {', '.join(given)}"
+        )
         builder.findings.error(line.subject, message, line.place, id="YOUNG-183")
         return "composites", None
     axes = {key: line.vector(key) for key in keys if key != "length"}

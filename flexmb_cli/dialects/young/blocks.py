@@ -9,6 +9,7 @@ from ..elements_block.text import begins_block, element_follows, stray_lines, wi
 from .cards import CARDS
 from .sections import YOUNG_SECTIONS
 
+
 def block_reader(source: DeckText) -> BlockReader:
     """The reader of the blocks of a deck."""
     sections = [*(section.name for section in YOUNG_SECTIONS), *(card.section for card in CARDS)]

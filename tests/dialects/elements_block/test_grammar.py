@@ -45,7 +45,9 @@ def build(text, folder=Path()):
 def errors(text):
     with pytest.raises((DeckError, ModelError)) as caught:
         build(text)
-    return [f"{f.place.line}:{f.place.column}: {f.sentence}" for f in caught.value.faults if f.severity == "error"]
+    return [
+        f"{f.place.line}:{f.place.column}: {f.sentence}" for f in caught.value.faults if f.severity == "error"
+    ]
 
 
 USAGE = (
@@ -169,7 +171,9 @@ def test_lines_go_on_on_lines_that_are_indented_further():
 
 
 def test_a_block_ends_before_the_first_line_in_column_1_and_there_may_be_several():
-    model = build(young(f"\n  SPRING a at=2.angle\n\n  SPRING b at=2.angle\n{MASSES}ELEMENTS\n  SPRING c at=2.angle"))[0]
+    model = build(
+        young(f"\n  SPRING a at=2.angle\n\n  SPRING b at=2.angle\n{MASSES}ELEMENTS\n  SPRING c at=2.angle")
+    )[0]
     assert [item.name for item in model.elements.forces] == ["a", "b", "c"]
     assert len(model.masses) == 2
 
@@ -185,7 +189,9 @@ def test_numbers_are_set_and_echoed_by_the_names_of_elements():
 
 
 def test_units_are_those_of_the_coordinate():
-    text = echo(read(young("  SPRING a at=2.angle stiffness=3\n  SPRING b from=0(1,2,3) to=2(4,5,6) stiffness=3")))
+    text = echo(
+        read(young("  SPRING a at=2.angle stiffness=3\n  SPRING b from=0(1,2,3) to=2(4,5,6) stiffness=3"))
+    )
     units = {line.split()[1]: line for line in text.splitlines()[2:]}
     assert " N m/rad " in units["a.stiffness"]
     assert " N/m " in units["b.stiffness"]
@@ -207,7 +213,10 @@ def test_a_table_comes_from_a_file_beside_the_deck(tmp_path):
 
 def test_a_kinematic_deck_has_its_block_right_behind_the_last_number():
     """The coordinate follows 0.3 + 2 t: its function is given."""
-    text = BODIES.replace("3 0 0 1", "3 0 0 1", 1) + "ELEMENTS\n  FUNCTION f polynomial 0.3 2\n  DRIVE d at=2.angle value=f\nprose\n"
+    text = (
+        BODIES.replace("3 0 0 1", "3 0 0 1", 1)
+        + "ELEMENTS\n  FUNCTION f polynomial 0.3 2\n  DRIVE d at=2.angle value=f\nprose\n"
+    )
     model = build(text)[0]
     assert model.elements.drivers[0].function.at(0.5)[0] == pytest.approx(1.3)
 
