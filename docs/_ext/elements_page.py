@@ -1,4 +1,4 @@
-"""Write the tables of docs/reference/elements.md, the words of the block ELEMENTS, from the reader's own table.
+"""Write the tables of docs/reference/elements.md from the table of the words of the block ELEMENTS.
 
 python docs/_ext/elements_page.py
 """
@@ -27,9 +27,8 @@ def _rows(word) -> list[str]:
         along, about = key.units
         unit = along if along == about else f"{along}; {about}"
         given = "needed" if key.needed else "" if key.default is None else _default(key.default)
-        rows.append(
-            f"| `{key.name}=` | {key.meaning} | {_SHAPES[key.kind]} | {unit or '-'} | {given or 'optional'} |"
-        )
+        shape = _SHAPES[key.kind]
+        rows.append(f"| `{key.name}=` | {key.meaning} | {shape} | {unit or '-'} | {given or 'optional'} |")
     return rows
 
 
@@ -64,17 +63,17 @@ def _old() -> list[str]:
     for dialect, words in LINES.items():
         for word in words:
             line = new_line(dialect, word, fields[dialect].split(), 1)
-            rows.append(
-                f"| {dialect.upper()} `{word}` | {f'`{line}`' if line else 'nothing: results hold joint coordinates'} |"
-            )
+            what = f"`{line}`" if line else "nothing: results hold joint coordinates"
+            rows.append(f"| {dialect.upper()} `{word}` | {what} |")
     return ["| card | line of the block |", "|---|---|", *rows, ""]
 
 
 def text(page: str) -> str:
     """Return the page with its tables written anew."""
     head = page.partition(BEGIN)[0]
-    return "\n".join([f"{head}{BEGIN}", "", "## Words", "", *_tables(), "## Cards of earlier versions", "",
-                      "Letters and numbers stand for the fields of a card, in their order.", "", *_old()])  # fmt: skip
+    told = "Letters and numbers stand for the fields of a card, in their order."
+    old = ["## Cards of earlier versions", "", told, "", *_old()]
+    return "\n".join([f"{head}{BEGIN}", "", "## Words", "", *_tables(), *old])
 
 
 if __name__ == "__main__":

@@ -55,7 +55,7 @@ class _Measures(Measures):
         super().__init__(findings)
         self.bodies, self.hinges = tree.bodies, tree.hinges
 
-    def named(self, line: ElementLine, number: Number, text: str) -> tuple[int, str] | None:
+    def named(self, line: ElementLine, number: Number, text: str) -> Any:
         """Body whose hinge is meant, and its coordinate."""
         count, _, name = text.partition(".")
         hinge = self._hinge(line, number, int(count))
@@ -74,13 +74,13 @@ class _Measures(Measures):
             return self.error(line, number, message, id="DAFMS-079")
         return int(count) - 1, f"{motion} {axis}"
 
-    def _hinge(self, line: ElementLine, number: Number, count: int) -> Hinge | None:
+    def _hinge(self, line: ElementLine, number: Number, count: int) -> Any:
         if not 1 <= count <= len(self.hinges):
             message = f"there is no hinge of body {count}: there are bodies 1 to {len(self.hinges)}"
             return self.error(line, number, message, id="DAFMS-080")
         return self.hinges[count - 1]
 
-    def sliding(self, line: ElementLine) -> tuple[int, bool] | None:
+    def sliding(self, line: ElementLine) -> Any:
         """Body whose hinge turns about, or slides along, one axis, and whether it turns."""
         number = line.at("joint")
         hinge = self._hinge(line, number, number.value)
@@ -101,7 +101,7 @@ class _Measures(Measures):
         P_i, P_j = self._end(line, "from", i, "end a"), self._end(line, "to", j, "end b")
         return None if P_i is None or P_j is None else (i, j, P_i, P_j)
 
-    def _end(self, line: ElementLine, key: str, body: int, name: str) -> NodePoint | None:
+    def _end(self, line: ElementLine, key: str, body: int, name: str) -> Any:
         elastic = self.bodies[body].elastic if body != INERTIAL else None
         if f"{key}.node" not in line:
             shape = shape_of(elastic, None) if elastic else np.zeros((3, 0))

@@ -8,6 +8,7 @@ from contextlib import suppress
 from typing import Any
 
 from ...deck.fortran_records import Item, MissingRecord, Records, Unreadable
+from ...deck.lines import as_lines
 from ...deck.number_list import LongRecord, NumberList, record_of
 from ...deck.record import Deck, DeckText, Number, Record
 from ...deck.several_models import MOST_MODELS
@@ -261,7 +262,7 @@ def _read_macros(records: Records) -> Record:
         line = records.next_card()
         word = records.word()
         if word == "STOP":
-            for fault in refuse_behind(records.lines, uncommented, records.line, "STOP"):
+            for fault in refuse_behind(as_lines(records.lines), uncommented, records.line, "STOP"):
                 records.report(fault.severity, "", fault.message, fault.place, id=fault.id)
             break
         if word == "DFMB":

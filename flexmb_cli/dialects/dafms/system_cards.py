@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...deck.fortran_records import Item, MissingRecord, Records
+from ...deck.lines import as_lines
 from ...deck.number_list import record_of
 from ...deck.record import Number, Record
 from ...errors import Place
@@ -100,7 +101,7 @@ class _System:
         if self.blocks is None:
             names = [card.section for card in CARDS.values()]
             reserved = [*names, "counts", "heading", "time", "run", "echo", "speed", "coordinate", *OF_BODIES]
-            self.blocks = BlockReader(records.lines, uncommented, reserved)
+            self.blocks = BlockReader(as_lines(records.lines), uncommented, reserved)
         read, told = len(self.blocks.records), len(self.blocks.faults)
         records.line = min(self.blocks.read(records.line) - 1, len(records.lines))
         self.read += self.blocks.records[read:]

@@ -5,14 +5,25 @@ What an element acts on is found by the `Measures` of a dialect; its force law i
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, cast
 
 from ...deck.record import Deck, Number
 from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.joint_elements import Coupling, JointDriver, JointElements, JointRate
-from ...model.laws import FRICTION, FUNCTIONS, OF_TIME, SPRING, VECTOR, At, Element, Frames, Joint, Line
-from ...model.laws import friction_last
+from ...model.laws import (
+    FRICTION,
+    FUNCTIONS,
+    OF_TIME,
+    SPRING,
+    VECTOR,
+    At,
+    Element,
+    Frames,
+    Joint,
+    Line,
+    friction_last,
+)
 from ...quick_dataclass import fields
 from ..joint_elements.functions import Functions
 from .line import SECTION, ElementLine
@@ -30,8 +41,7 @@ _ONE_OF: dict[str, Callable[..., Any]] = {  # what there may be one of, and by w
 
 def lines_of(deck: Deck) -> Sequence[ElementLine]:
     """Return the lines of the blocks of a deck."""
-    found: Any = deck.section(SECTION)
-    return found
+    return cast("Sequence[ElementLine]", deck.section(SECTION))
 
 
 class BlockBuilder:
@@ -42,7 +52,7 @@ class BlockBuilder:
         self.findings: Findings = functions.findings
 
     def elements(self, lines: Iterable[ElementLine], more: Makers, **fields: Any) -> JointElements:
-        """The elements of all lines but functions; `more`: what makes those of the dialect, by field and word."""
+        """The elements of all lines but functions; `more`: makers of those of the dialect, by their words."""
         found: dict[str, list[Any]] = {}
         for line in lines:
             if line.word == "FUNCTION":
@@ -51,7 +61,7 @@ class BlockBuilder:
             if item is not None:
                 found.setdefault(field, []).append(item)
         self._refuse_twice(found)
-        groups = {name: tuple(items) for name, items in found.items()}
+        groups: dict[str, Any] = {name: tuple(items) for name, items in found.items()}
         groups["forces"] = friction_last(groups.get("forces", ()))
         return JointElements(**groups, **fields)
 
@@ -72,7 +82,7 @@ class BlockBuilder:
 
     def _refuse_twice(self, found: Mapping[str, Sequence[Any]]) -> None:
         frictions = [item for item in found.get("forces", ()) if item.law is FRICTION]
-        groups = [(frictions, lambda item: item.measure)]
+        groups: list[tuple[Sequence[Any], Callable[..., Any]]] = [(frictions, lambda item: item.measure)]
         groups += [(list(found.get(name, ())), key) for name, key in _ONE_OF.items()]
         for items, key in groups:
             first: dict[Any, Any] = {}
@@ -189,7 +199,7 @@ class BlockBuilder:
     # What is no force
 
     def motion(self, line: ElementLine, given: float = 0.0) -> Any:
-        """The function that a driver's coordinate follows: that of `value`, or the integral of that of `rate`."""
+        """The function that a coordinate follows: that of `value`, or the integral of that of `rate`."""
         if "rate" in line:
             return self.functions.integrated(line, self.start, given, "rate")
         return self.functions.motion(line, self.start, given, "value")

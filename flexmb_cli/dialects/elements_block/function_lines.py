@@ -32,7 +32,8 @@ def given_functions(
             if found is not None:
                 name = Number("name", line.subject, "name", "", line.place, line.subject)
                 also = line.at("number") if "number" in line else None
-                yield GivenFunction(line, name, line.kind, *found, also)
+                values, place = found
+                yield GivenFunction(line, name, line.kind, values, place, also)
 
 
 def _values(line: ElementLine, folder: Path, findings: Findings, tables: Any) -> Any:
@@ -41,13 +42,15 @@ def _values(line: ElementLine, folder: Path, findings: Findings, tables: Any) ->
     ways = [key for key in ("file", "points") if key in line]
     if len(ways) + bool(own) != 1:
         message = "takes numbers, or file=" + ("" if tables is None else ", or points=")
-        return findings.error(line.subject, f"{line.kind} {message}, one of them", line.place)
+        findings.error(line.subject, f"{line.kind} {message}, one of them", line.place)
+        return None
     if own:
         numbers = _in_order(line, own, findings)
         return numbers and ([one.value for one in numbers], lambda k: numbers[k].place or line.place)
     if line.kind not in _OF_POINTS:
         message = f"{line.kind} takes numbers; files and cards TABL give points of a table or spline"
-        return findings.error(line.subject, message, line.at(ways[0]).place)
+        findings.error(line.subject, message, line.at(ways[0]).place)
+        return None
     found = _of_file(line, folder, findings) if "file" in line else _of_table(line, tables, findings)
     return found and (found, lambda _: line.at(ways[0]).place)
 
@@ -60,7 +63,8 @@ def _in_order(line: ElementLine, own: list[Number], findings: Findings) -> list[
     missing = [key for key in keys if key not in line and key != _OPTIONAL]
     if missing:
         message = f"{line.kind} takes {' '.join(keys)}; {' and '.join(missing)} must be given"
-        return findings.error(line.subject, message, line.place)
+        findings.error(line.subject, message, line.place)
+        return None
     return [line.at(key) for key in keys if key in line]
 
 

@@ -1,7 +1,6 @@
 """A line of the block ELEMENTS as a record of the deck."""
 
 from collections.abc import Iterable
-from typing import Any
 
 from ...deck.record import Number, Record
 from ...errors import Place
@@ -39,7 +38,3 @@ class ElementLine(Record):
         return ElementLine(
             self.section, self.number, self.subject, tuple(numbers), self.word, self.kind, self.begins
         )
-
-    def given(self, key: str) -> Any:
-        """Return the value of a key, None where the line leaves it out."""
-        return self[key] if key in self else None

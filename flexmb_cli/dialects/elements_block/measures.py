@@ -92,8 +92,8 @@ class JointMeasures(Measures):
             return f"{name} turns by {_SEVERAL_ANGLES[kind]}, not by one; take {turning}"
         if not others:
             return (
-                f"{name} has neither an angle nor a stroke of its own; take a joint that turns about one axis, "
-                "or slides along one"
+                f"{name} has neither an angle nor a stroke of its own; take a joint that turns about one "
+                "axis, or slides along one"
             )
         return f"{name} has {_A[others[0]]}, not {_A[coordinate]}; take {joint + 1}.{others[0]}"
 

@@ -68,14 +68,15 @@ class BlockReader:
 
     def read(self, opening: int) -> int:
         """Read the block that line `opening` opens; return the number of the line that ends it."""
-        end = opening + 1
+        behind = opening + 1
         for words, end in statements(self.code(self.lines, opening), opening + 1):
+            behind = end
             if len(self.records) >= MOST_ELEMENTS or self.numbers > MOST_NUMBERS:
                 self._error(words[0] if words else Word(BLOCK, opening, 1), "", self._too_many())
                 return len(self.lines) + 1
             if words:
                 self._read_line(words)
-        return end
+        return behind
 
     def _too_many(self) -> str:
         if self.numbers > MOST_NUMBERS:
@@ -235,7 +236,8 @@ class _Line:
             self.error(piece, f"{key} {fault}", offset)
             value = "" if kind in (FUNCTION, FILE, COORDINATE) else 0
         place = Place(piece.line, piece.column + offset, len(text))
-        self.given.setdefault(group, []).append(Number(key, value, *label, place, text))
+        meaning, unit = label
+        self.given.setdefault(group, []).append(Number(key, value, meaning, unit, place, text))
 
     def _value(self, kind: str, text: str) -> Any:
         if kind in (NUMBER, WHOLE, VECTOR):

@@ -128,7 +128,7 @@ WORDS = (
         (
             *_ENDS,
             Key("axis_from", "axis of the revolute joint, axes of the first body", VECTOR, units=("m", "m")),
-            Key("axis_to", "axis of the cylindrical joint, axes of the second body", VECTOR, units=("m", "m")),
+            Key("axis_to", "axis of the cylindrical joint, axes of the second", VECTOR, units=("m", "m")),
             Key("length", "length of the link", units=("m", "m")),
         ),
         kinds=tuple(LINKS),

@@ -17,7 +17,8 @@ _NOT_OF_NAMES = re.compile(r"[^A-Za-z0-9_-]+")
 
 def spline_block(functions: Sequence[tuple[int, str, list[Any]]]) -> str:
     """Return a block of splines, each a number, a heading and points (time, value)."""
-    lines = (f"FUNCTION {number} spline {numbers(x for p in points for x in p)}" for number, _, points in functions)
+    splines = ((number, numbers(x for p in points for x in p)) for number, _, points in functions)
+    lines = (f"FUNCTION {number} spline {text}" for number, text in splines)
     return "".join(f"{line}\n" for line in block(lines))
 
 
@@ -114,15 +115,16 @@ class BlockWriter(ABC):
             acts = f"joint={self.joint(measure.joint)}"
         else:
             acts = f"from={self.end(measure.i, measure.P_i)} to={self.end(measure.j, measure.P_j)}"
-        return " ".join([item.law.word, self.name(item), acts, *self._parameters(item)])
+        return " ".join([item.law.word, self.name(item), acts, *self._law_keys(item)])
 
-    def _parameters(self, item: Element) -> Iterator[str]:
+    def _law_keys(self, item: Element) -> Iterator[str]:
         for p, value in zip(item.law.parameters, item.values, strict=True):
             if p.kind in FUNCTIONS:
                 if value is not None:
                     yield f"{key_of(p)}={self.function_number(value, item)}"
             elif value != p.default:
-                yield f"{key_of(p)}=({numbers(value, ',')})" if p.kind == VECTOR else f"{key_of(p)}={numbers([value])}"
+                text = f"({numbers(value, ',')})" if p.kind == VECTOR else numbers([value])
+                yield f"{key_of(p)}={text}"
 
     def _coupling(self, item: Coupling) -> str:
         terms = (f"{self.coordinate(joint, name)}={numbers([factor])}" for joint, name, factor in item.terms)

@@ -84,7 +84,8 @@ class _Reader(CardReader):
                 return
             if begins_block(line):
                 self._check_filled(card, BLOCK[:4])
-                card = self._read_block(ended)
+                self._read_block(ended)
+                card = None
             elif not DATA.match(line):
                 word = line[:4].strip().upper()
                 self._check_filled(card, word)

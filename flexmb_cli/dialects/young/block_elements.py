@@ -1,4 +1,4 @@
-"""Blocks ELEMENTS of a YOUNG deck: drivers, supports, composite joints and elements of its bodies and joints."""
+"""Blocks ELEMENTS of a YOUNG deck: drivers, supports, composite joints and force elements."""
 
 from collections.abc import Sequence
 from typing import Any

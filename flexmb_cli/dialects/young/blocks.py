@@ -1,6 +1,7 @@
 """Blocks ELEMENTS of a YOUNG deck: right behind dT, or among the cards of DYNAMICS."""
 
 import re
+
 from ...deck.lines import Lines
 from ...deck.record import DeckText
 from ...errors import Fault, Place

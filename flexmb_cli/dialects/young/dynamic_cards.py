@@ -84,7 +84,8 @@ def analysis_of(deck: Deck) -> 'Literal["inverse", "forward"] | None':
     """
     opened = deck.section(SECTION)
     if opened:
-        return opened[0]["analysis"]
+        analysis: Literal["inverse", "forward"] = opened[0]["analysis"]
+        return analysis
     return "inverse" if deck.section(ELEMENTS) else None
 
 
@@ -187,7 +188,7 @@ class _Cards:
             self.made.faults += self.blocks.faults
 
     def _read_cards(self, last: int) -> int | None:
-        """Read the cards behind a line up to a block, and that; return the last line read, None at the end."""
+        """Read the cards behind a line up to a block, and that; return the last line read, or None."""
         card: list[Any] = []
         for word in words(self.source.lines, last):
             if self.blocks and self._opens_block(word):

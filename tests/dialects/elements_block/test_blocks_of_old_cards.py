@@ -1,4 +1,4 @@
-"""Each card of elements of earlier versions and the line of the block that replaces it make the same model."""
+"""Each card of elements of earlier versions, and the line of the block for it, make the same model."""
 
 import dataclasses
 import importlib.machinery

@@ -65,11 +65,13 @@ USAGE = (
         ("  SPRING a at=2.angle to=2(0,0,0)", f"7:3: a: either at= or from= and to= must be given: {USAGE}"),
         ("  SPRING a at=2.angle stifness=4", "7:23: a: SPRING has no key 'stifness'; is stiffness meant?"),
         ("  SPRING a at=2.angle stiffness=4x", "7:33: a: stiffness must be a number; read '4x'"),
-        ("  SPRING a at=2.angle stiffness=", f"7:23: a: no blank may stand beside '=', and a value follows it: {USAGE}"),
+        ("  SPRING a at=2.angle stiffness=",
+         f"7:23: a: no blank may stand beside '=', and a value follows it: {USAGE}"),
         ("  SPRING a at=2.angle rest=1 rest=2", "7:30: a: rest is given twice; remove one"),
         ("  SPRING a at=2.angle 5", f"7:23: a: '5' belongs to no key: {USAGE}"),
         ("  SPRING a from=0(1,2) to=2(0,0,0)", "7:19: a: from takes three numbers (x,y,z); read '1,2'"),
-        ("  SPRING a from=0(1,2,3 to=2(0,0,0)", "7:18: each parenthesis is closed on the line where it opens"),
+        ("  SPRING a from=0(1,2,3 to=2(0,0,0)",
+         "7:18: each parenthesis is closed on the line where it opens"),
         ("  SPRING a from=0 to=2(0,0,0)", "7:17: a: from must be body(x,y,z) or body:node; read '0'"),
         ("  SPRING a from=0(1,2,3) to=2:4",
          "7:31: a: bodies have no nodes here; give the point in body axes, body(x,y,z)"),
@@ -98,7 +100,8 @@ USAGE = (
         ("  FUNCTION f table 0 1 0 2",
          "7:24: f: times must rise; 0 follows 0 (for a jump take two times a little apart)"),
         ("  FUNCTION f table 0 1 x 2", "7:24: f: t2 must be a number; read 'x'"),
-        ("  FUNCTION f sine mean=1", "7:3: f: sine takes mean amplitude omega phase; amplitude and omega must be given"),
+        ("  FUNCTION f sine mean=1",
+         "7:3: f: sine takes mean amplitude omega phase; amplitude and omega must be given"),
         ("  FUNCTION f sum g", "7:18: f: function g must be given in a card above"),
         ("  FUNCTION f table file=none.txt", "7:25: f: no such file"),
         ("  FUNCTION f table points=3", "7:27: f: there is no table 3; only VSDF decks have such tables"),
@@ -112,10 +115,12 @@ USAGE = (
         ("  START at=2.angle rate=x", "7:25: start-1: rate must be a number; read 'x'"),
         ("  JOINT l revsph from=0(1,0,0) to=2(0,0,0) length=1",
          "7:3: l: revsph takes axis_from= and length=, and no other of axis_from, axis_to, length"),
-        ("  SUPPORT s pin=1", "7:17: s: YOUNG decks have no pins; name a simplified constraint by simplified="),
+        ("  SUPPORT s pin=1",
+         "7:17: s: YOUNG decks have no pins; name a simplified constraint by simplified="),
         ("  SPRING a {", "7:12: a comment is opened here and never closed with }"),
         ("  DYNAMICS forward",
-         "7:3: there is no 'DYNAMICS' in ELEMENTS; a line begins with FUNCTION, DRIVE, SUPPORT, SPRING, CABLE, STOP, "
+         "7:3: there is no 'DYNAMICS' in ELEMENTS; a line begins with FUNCTION, DRIVE, "
+         "SUPPORT, SPRING, CABLE, STOP, "
          "BUSHING, MOTOR, FRICTION, COUPLING, JOINT or START"),
         ("SPRING a at=2.angle",
          "7:1: SPRING stands outside a block; a line ELEMENTS before it, in column 1, opens one"),
@@ -143,7 +148,8 @@ OUTSIDE = "stands outside a block; a line ELEMENTS before it, in column 1, opens
          "41:1: ELEMENTS stands behind STOP, where nothing is read; put the block before STOP"),
         (deck("ELEMENTS\n  SPRING a at=1.angle"),
          "38:15: a: hinges have the coordinates r1 to r3 and t1 to t3; free there: 1.r3"),
-        (deck("ELEMENTS\n  SPRING a at=2.r1"), "38:15: a: rotation 1 of this hinge is not free; free there: 2.r3"),
+        (deck("ELEMENTS\n  SPRING a at=2.r1"),
+         "38:15: a: rotation 1 of this hinge is not free; free there: 2.r3"),
         (deck("ELEMENTS\n  SPRING a from=0(0,0,0) to=1:4"),
          "38:31: a: body 1 has no nodes; read 4; give the point, body(x,y,z)"),
         (deck("ELEMENTS\n  JOINT j sphsph from=0(0,0,0) to=1(0,0,0) length=1"),
@@ -163,7 +169,10 @@ def test_nothing_of_a_block_is_lost_silently_in_any_dialect(text, wanted):
 
 
 def test_lines_go_on_on_lines_that_are_indented_further():
-    lines = "  SPRING a\n    at=2.angle\n      stiffness=3\n {c}   rest=4 { a\n comment }\n  STOP b at=2.angle lower=0 upper=1\n   stiffness=5"
+    lines = (
+        "  SPRING a\n    at=2.angle\n      stiffness=3\n {c}   rest=4 { a\n comment }\n"
+        "  STOP b at=2.angle lower=0 upper=1\n   stiffness=5"
+    )
     model = build(young(lines))[0]
     found = {item.name: (item["stiffness"], item.law.word) for item in model.elements.forces}
     assert found == {"a": (3.0, "SPRING"), "b": (5.0, "STOP")}

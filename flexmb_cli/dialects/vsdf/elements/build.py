@@ -11,10 +11,10 @@ from ....model.fe_model import NodeJoint, Pin, VsdfBody
 from ....model.joint_elements import JointElements
 from ....model.mechanism import GROUND
 from ....quick_dataclass import replace
-from ...joint_elements.build import JOINT_CARDS, sections_of
-from ...joint_elements.build import build_elements as elements_of
 from ...elements_block.build import joined
 from ...elements_block.function_lines import given_functions
+from ...joint_elements.build import JOINT_CARDS, sections_of
+from ...joint_elements.build import build_elements as elements_of
 from ...joint_elements.functions import Functions, GivenFunction
 from ...joint_elements.maker import JointMaker
 from ..block_elements import block_elements
