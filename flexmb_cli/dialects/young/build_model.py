@@ -21,7 +21,7 @@ def build_model(deck: Deck, folder: Path) -> tuple[object, list[Fault]]:
     # Kinematics need no arrays of masses.
     from .build_dynamics import build_young_dynamics
 
-    model, warnings = build_young_dynamics(deck)
+    model, warnings = build_young_dynamics(deck, folder)
     if _has_shapes(deck):
         model = replace(model, mechanism=_shaped(model.mechanism, deck, folder))
     return model, warnings
