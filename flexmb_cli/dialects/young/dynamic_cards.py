@@ -4,30 +4,96 @@ A line that is exactly `DYNAMICS inverse` or `DYNAMICS forward` opens the cards;
 dT and that line is prose, and a deck without it means what it always meant.  A card is a keyword and
 its numbers, in any case of letters, on one line or several; `END` closes the cards, else the end of
 the deck does.  `{...}` is a comment.
+
+Lines of a YOUNG deck that are not read but look as if they should be: slips of DYNAMICS, and cards.
+
+What stands behind the last number, or behind END, is prose.  A misspelt opening line there would turn a
+dynamic analysis into a kinematic one, and a card there would be lost.
 """
 
 import re
 from array import array
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from ...deck import many_records, number
+from ...deck.lines import Lines
 from ...deck.many_records import Block, ManyRecords, blocks_of
+from ...deck.number import shown
 from ...deck.record import Deck, DeckText, Number, Record
 from ...deck.words import UNCLOSED, Word, words
-from ...errors import DeckError, Place
+from ...errors import DeckError, Fault, Place
 from .card import MOST_NUMBERS
 from .cards import BY_KEYWORD
 from .elements.cards import JOINT_CARDS
 from .read_card import CardRecords, card_at, is_keyword
 from .reader import read_young
-from .shape_cards import SHAPE_CARDS
-from .unread_lines import cards_behind_end, unread_lines
+from .shapes import SHAPE_CARDS
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+_COMMENT = re.compile(r"\{[^}]*\}")
+_OPENING = "DYNAMICS"
+# One word, one more behind it, or anything where that is the name of an analysis.
+_LIKE_OPENING = re.compile(
+    r"^[ \t]*(([A-Z]{6,10})(?:[^\w\n]{1,9}(?:INVERSE|FORWARD)\b[^\n]*|[^\w\n]*|[^\w\n]{1,9}[A-Z]+[^\w\n]*))$",
+    re.IGNORECASE | re.MULTILINE,
+)
+_LEAST_LIKENESS = 0.75  # of DYNAMICS: two letters changed
+_NUMBER = r"[-+]?\.?\d[-+.\deEdD]*"
+
+
+def unread_lines(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator[Fault]:
+    """Warn of the lines behind line `behind` of a deck without dynamic cards that look like such cards."""
+    slips = list(_like_openings(lines, behind))
+    message = (
+        "is read as prose: a card needs the line DYNAMICS inverse, DYNAMICS forward or GEOMETRY before it"
+    )
+    # Cards behind a misspelt opening line have that one cause.
+    return iter(slips) if slips else _cards(lines, behind, keywords, message, id="YOUNG-156")
+
+
+def _like_openings(lines: Lines, behind: int) -> "Iterator[Any]":
+    text, start = _without_comments(lines, behind)
+    for found in _LIKE_OPENING.finditer(text):
+        if _is_like_opening(found[2]):
+            message = (
+                f"{shown(found[1].strip())} is read as prose; DYNAMICS inverse or DYNAMICS forward, alone on "
+                "its line, opens cards with masses and loads"
+            )
+            place = Place(*lines.place_of(start + found.start(1)), len(found[1].rstrip()))
+            yield Fault("warning", message, place, id="YOUNG-019")
+
+
+def cards_behind_end(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator[Fault]:
+    """Warn of cards behind line `behind`, which holds END."""
+    message = "stands behind END and is not read: put it before END"
+    yield from _cards(lines, behind, keywords, message, id="YOUNG-178")
+
+
+def _cards(lines: Lines, behind: int, keywords: Iterable[str], message: str, *, id: str) -> "Iterator[Any]":
+    text, start = _without_comments(lines, behind)
+    card = rf"^[ \t]*({'|'.join(keywords)})[ \t]+{_NUMBER}(?:[ \t]+{_NUMBER})*[ \t]*$"
+    for found in re.finditer(card, text, re.IGNORECASE | re.MULTILINE):
+        place = Place(*lines.place_of(start + found.start(1)), len(found[1]))
+        yield Fault("warning", f"{found[1].upper()} {message}", place, id=id)
+
+
+def _without_comments(lines: Lines, behind: int) -> tuple[Any, Any]:
+    """The text behind a line with blanks for comments and one type of line end, and where it starts."""
+    start = lines.start_of(behind)
+    text = lines.text[start:].replace("\r", "\n")
+    # A crowd of braces that nothing closes would be searched to the end of the text, each of them.
+    closed = text.rfind("}") + 1
+    return _COMMENT.sub(lambda comment: re.sub(r"[^\n]", " ", comment[0]), text[:closed]) + text[
+        closed:
+    ], start
+
+
+def _is_like_opening(word: str) -> bool:
+    from difflib import SequenceMatcher
+
+    return SequenceMatcher(None, word.upper(), _OPENING).ratio() >= _LEAST_LIKENESS
 
 
 MARKER = re.compile(

@@ -19,7 +19,7 @@ from flexmb_cli.kernels.integrators import generalised_alpha, radau5
 from flexmb_cli.kernels.integrators.generalised_alpha_step import _set_matrix
 from flexmb_cli.kernels.integrators.radau5_step import prepare, renew_matrices
 from flexmb_cli.kernels.linalg.cholesky import cholesky_solve
-from flexmb_cli.kernels.linalg.complex_ldl import solve_symmetric
+from flexmb_cli.kernels.linalg.profile_ldl import solve_symmetric
 from flexmb_cli.model.fe_model import JointSpring
 from flexmb_cli.model.flexible_mechanism import PointSpring
 from tests.dialects.vsdf.mechanisms import analysis_of, joint, moved, node, random_state, sample
