@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import COMPLETE, FAILED, AnalysisError, DeckError, Fault, FlexmbError, ModelError
-from .opened_deck import OpenDeck
-from .result import Result
+from .result import OpenDeck, Result
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .deck.record import Deck
 from .errors import COMPLETE, FAILED, Fault, sentences
 from .extras import needed
 
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from .opened_deck import OpenDeck
     from .results.hdf5.layout import Layout
     from .results.quantities.quantities import Quantity
 
@@ -139,3 +139,29 @@ class Result(Mapping[str, np.ndarray]):
                         raise KeyError(str(fault).removesuffix(SHOWS_ALL)) from None
             self.found[name] = [each for each in found if name not in paths or each.dataset == name]
         return self.found[name]
+
+
+@dataclass(frozen=True)
+class OpenDeck:
+    """A deck that was read; the finite-element files that it names are looked up beside its `path`.
+
+    `changes`: numbers that differ from the deck's, "NAME=VALUE" each.
+    """
+
+    deck: Deck
+    path: str
+    changes: tuple[str, ...] = ()
+    warnings: tuple[Fault, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"OpenDeck({self.path!r}, {self.dialect}, {len(self.deck.records)} records)"
+
+    @property
+    def dialect(self) -> str:
+        """The name of its dialect."""
+        return self.deck.dialect
+
+    @property
+    def numbers(self) -> dict[str, float | int | str]:
+        """Every number of the deck by the name that `changes` take, in SI units."""
+        return {name: number.value for name, number in self.deck.numbers()}

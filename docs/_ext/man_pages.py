@@ -11,7 +11,7 @@ import click
 
 from flexmb_cli import __version__
 from flexmb_cli.cli import cli
-from flexmb_cli.cli.options.exit_codes import exit_codes
+from flexmb_cli.cli.__init__ import exit_codes
 
 FOLDER = Path(__file__).resolve().parents[1] / "man"
 

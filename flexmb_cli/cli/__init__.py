@@ -26,12 +26,56 @@ from ..errors import (
 )
 from ..memory import LACK_OF_MEMORY, lack_of_memory_text, lacks_memory
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
-from .options.exit_codes import epilog
+from .terminal.screen import WrongCall
 from .terminal.stops import ignore_stops, pass_over_stops
-from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
     from types import FrameType
+
+
+DONE = {
+    "run": "every deck is solved",
+    "check": "every deck can be run",
+    "verify": "the formulations agree",
+    "diff": "no difference beyond tolerance",
+    "sweep": "every case is solved",
+    "flexmb": "done",
+}
+FAILED = {
+    "run": "an analysis failed; the rows so far are kept and marked",
+    "check": "the machine has too little memory",
+    "verify": "an analysis failed, or the motions differ",
+    "modes": "an analysis failed",
+    "diff": "the results differ, or one is missing",
+    "sweep": "some cases failed; the table is complete and says why",
+    "flexmb": "an analysis failed, results differ, or the disk is full",
+}
+OF_ALL = {
+    "2": "bad input: the call, a file that cannot be read, a deck with errors",
+    "3": "a fault of flexmb itself; please report it",
+    "130, 143": "interrupted by Ctrl-C; terminated",
+}
+READ_ON = [
+    "",
+    "\b",
+    "Read on:",
+    "  man flexmb               the manual (checkout: man -l docs/man/flexmb.1)",
+    "  flexmb examples --all    decks, and their formats (decks/DIALECT/FORMAT.md)",
+    "  docs/tutorial/index.md   lessons, in a checkout",
+]
+
+
+def exit_codes(command: str) -> dict[str, str]:
+    """Return the meaning of every exit code of a command, "flexmb" for the program."""
+    failed = FAILED.get(command, "a file cannot be written, for instance on a full disk")
+    return {"0": DONE.get(command, DONE["flexmb"]), "1": failed} | OF_ALL
+
+
+def epilog(command: str) -> str:
+    """Return the lines that end the help of a command."""
+    lines = [f"  {code:9} {meaning}" for code, meaning in exit_codes(command).items()]
+    return "\n".join(["\b", "Exit codes:", *lines, *(READ_ON if command == "flexmb" else ())])
+
 
 # Two threads add up in another order than one, and end in other digits; decks in parallel are processes.
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
@@ -168,7 +212,7 @@ def main() -> None:
 
 def _stream_fault(fault: OSError) -> str:
     """Return what is wrong with a standard stream."""
-    if fault.errno == EBADF and fault.strerror:  # of `terminal.closed_output`
+    if fault.errno == EBADF and fault.strerror:  # of `closed_output`
         return fault.strerror
     return f"standard input or output: {fault.strerror or fault}"
 
@@ -246,7 +290,7 @@ def _refuse_usage(fault: Any) -> None:
 
 
 def _print_json(exit_code: int, *faults: Any, file: Any = None) -> None:
-    from .terminal.json_faults import print_record, wants_json
+    from .terminal.notices import print_record, wants_json
 
     if wants_json(cli.commands, sys.argv[1:]):
         print_record(exit_code, faults, file)
@@ -279,7 +323,7 @@ def _open_closed_streams() -> None:
     if sys.stdin is None:
         sys.stdin = open(os.devnull, encoding="utf-8")  # noqa: SIM115
     if sys.stdout is None:
-        from .terminal.closed_output import closed_output
+        from .terminal.screen import closed_output
 
         sys.stdout = closed_output()
     if sys.stderr is None:

@@ -8,11 +8,9 @@ import click
 from ..dialects.recognise import every_dialect
 from ..errors import FlexmbError
 from .options.completion import files
-from .options.output_file import FORCE
+from .options.output_file import FORCE, WrittenPlace
 from .terminal.notices import Notices
-from .terminal.screen import notify
-from .terminal.written_place import WrittenPlace
-from .terminal.wrong_call import WrongCall
+from .terminal.screen import WrongCall, notify
 
 PROGRAMS = {"mjcf": ".xml", "exudyn": ".py"}
 DECKS = {each.name: each for each in every_dialect() if each.rigid_deck}

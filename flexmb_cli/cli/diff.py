@@ -3,20 +3,22 @@
 import json
 import os
 import sys
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree
 
 import click
 
-from ..errors import Fault, compiler_style, visible
+from ..errors import Fault, compiler_style, lines_visible, visible
+from ..results.diff.folders import Compared
 from .options.completion import files
 from .options.finite import Finite
-from .terminal.json_faults import faults_in_json
-from .terminal.screen import notify, show
-from .terminal.written_place import WrittenPlace
-from .terminal.wrong_call import WrongCall
+from .options.output_file import WrittenPlace
+from .terminal.notices import faults_in_json
+from .terminal.screen import WrongCall, notify, show
 
 if TYPE_CHECKING:
-    from ..results.diff.folders import Compared, Pair, Summary
+    from ..results.diff.folders import Pair, Summary
     from ..results.diff.report import Report
     from ..results.diff.tolerance_file import FileTolerances
 
@@ -141,7 +143,7 @@ def _compare_folders(
 ) -> None:
     from ..results.diff.compare import compare
     from ..results.diff.folders import compare_many
-    from ..results.diff.forms import LISTING, form_of
+    from ..results.diff.tolerances import LISTING, form_of
 
     def compare_pair(pair: "Pair") -> "Report":
         chosen = tolerances.of_file(pair.name)
@@ -160,7 +162,6 @@ def _compare_folders(
 
 
 def _write_junit(path: str, summary: "Summary") -> None:
-    from ..results.diff.junit import junit_bytes
     from ..results.files.replaced_file import write_whole
     from .options.output_file import STANDARD_OUTPUT, refuse_inputs
 
@@ -193,3 +194,31 @@ def _print_summary(summary: "Summary", as_json: bool, quiet: bool) -> None:
     elif not quiet:
         differing = [x for x in summary.compared if x.failure is None and not x.equal]
         show("".join(compared.sentence for compared in differing) + summary.verdict)
+
+
+def junit_bytes(title: str, compared: Sequence[Compared]) -> bytes:
+    """Return the file's bytes: a test for every pair of files, failed where they differ or one is missing."""
+    failed = sum(pair.failure is None and not pair.equal for pair in compared)
+    errors = sum(pair.failure is not None for pair in compared)
+    counts = {"tests": str(len(compared)), "failures": str(failed), "errors": str(errors)}
+    # The schema of Jenkins' xUnit plug-in allows no `skipped` here.
+    top = ElementTree.Element("testsuites", counts)
+    suite = ElementTree.SubElement(top, "testsuite", {"name": lines_visible(title), **counts, "skipped": "0"})
+    for pair in compared:
+        case = ElementTree.SubElement(
+            suite, "testcase", {"name": lines_visible(pair.pair.name), "classname": "flexmb.diff"}
+        )
+        if pair.failure is not None or not pair.equal:
+            _add_failure(case, pair)
+        elif pair.report is not None and pair.report.unreadable:
+            ElementTree.SubElement(case, "system-out").text = lines_visible(pair.sentence).rstrip("\n")
+    ElementTree.indent(top)
+    found: bytes = ElementTree.tostring(top, encoding="utf-8", xml_declaration=True) + b"\n"
+    return found
+
+
+def _add_failure(case: Any, pair: Compared) -> None:
+    reported = lines_visible(pair.sentence).rstrip("\n")
+    what = "error" if pair.failure is not None else "failure"
+    last = reported.splitlines()[0 if pair.failure is not None else -1] if reported else ""
+    ElementTree.SubElement(case, what, {"message": last, "type": what}).text = reported

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 import click
 
 from .options.completion import files
-from .options.output_file import FORCE
+from .options.output_file import FORCE, WrittenPlace
 from .terminal.notices import Notices
-from .terminal.written_place import WrittenPlace
-from .terminal.wrong_call import WrongCall
+from .terminal.screen import WrongCall
 
 if TYPE_CHECKING:
     from collections.abc import Callable

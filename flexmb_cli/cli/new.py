@@ -13,8 +13,8 @@ from ..dialects.recognise import dialect_named, every_dialect
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DeckError, Fault, Place, compiler_style
 from ..managed_files import refuse_unsafe
 from ..run.outcome import Terminated
+from .options.output_file import WrittenPlace
 from .terminal.screen import notify, standard_output
-from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
     from ..deck.dialogue import Form

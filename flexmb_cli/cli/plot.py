@@ -9,10 +9,9 @@ import click
 from ..errors import Fault
 from .options.completion import files, quantities
 from .options.finite import AnyFinite, Millimetres
-from .options.output_file import FORCE
+from .options.output_file import FORCE, WrittenPlace
 from .terminal.notices import Notices
-from .terminal.written_place import WrittenPlace
-from .terminal.wrong_call import WrongCall
+from .terminal.screen import WrongCall
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -1,5 +1,6 @@
 """`flexmb report`: a page on a result."""
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -7,15 +8,35 @@ import click
 from ..errors import Fault
 from .options.completion import files
 from .options.finite import AnyFinite
-from .options.interval import Interval
-from .options.output_file import FORCE
+from .options.output_file import FORCE, WrittenPlace
 from .terminal.notices import Notices
-from .terminal.written_place import WrittenPlace
-from .terminal.wrong_call import WrongCall
+from .terminal.screen import WrongCall
 
 if TYPE_CHECKING:
     from ..results.figures.body_look import BodyLook
     from ..results.figures.film import FilmLook
+
+
+# Generic in click's newer versions only, and 8.2 will do.
+class Interval(click.ParamType):  # type: ignore[type-arg]
+    """Two finite numbers, the first smaller than the second."""
+
+    name = "interval"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, float]:
+        """Return both numbers."""
+        if isinstance(value, tuple):
+            return value
+        parts = value.split(",")
+        try:
+            low, high = map(float, parts)
+        except ValueError:
+            self.fail(f"{value!r}: two numbers are wanted, such as 0,1e8", param, ctx)
+        if not (math.isfinite(low) and math.isfinite(high) and low < high):
+            self.fail(f"{value!r}: the first number must be smaller than the second", param, ctx)
+        return low, high
 
 
 @click.command()

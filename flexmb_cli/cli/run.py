@@ -11,11 +11,9 @@ from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT
 from ..model.integrators import METHOD_OPTIONS, TREE_METHODS
 from .options.deck_options import DECK, deck_options, refuse_strange_models, show_faults, with_models
 from .options.finite import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, Finite
-from .options.output_file import FORCE
-from .terminal.screen import notify, show, standard_output, wants_debug
+from .options.output_file import FORCE, WrittenPlace
+from .terminal.screen import WrongCall, notify, show, standard_output, wants_debug
 from .terminal.stops import stop_on_signals
-from .terminal.written_place import WrittenPlace
-from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -14,13 +14,11 @@ from ..results.files.own_files import refuse_foreign
 from ..run.outcome import INTERRUPTED, TERMINATED, Listener, Stop, Terminated
 from .options.completion import files
 from .options.deck_options import LOOP_TOLERANCE
-from .options.output_file import FORCE, refuse_inputs
-from .terminal.json_faults import faults_in_json
+from .options.output_file import FORCE, WrittenPlace, refuse_inputs
+from .terminal.notices import faults_in_json
 from .terminal.progress import Progress
-from .terminal.screen import notify
+from .terminal.screen import WrongCall, notify
 from .terminal.stops import stop_on_signals
-from .terminal.written_place import WrittenPlace
-from .terminal.wrong_call import WrongCall
 
 if TYPE_CHECKING:
     from ..study.sweep import Sweep
@@ -187,7 +185,7 @@ def _warn_of_another_user(made: "Sweep", notices: "_Notices") -> None:
 
 def _solve(made: "Sweep", notices: "_Notices", jobs: int, scheduler: str | None, verbose: bool) -> None:
     from .. import interface
-    from ..run.processes.parent_watch import outlive_workers
+    from ..run.processes.signal_mask import outlive_workers
 
     outlive_workers()
     blocks = made.pending()

@@ -10,8 +10,7 @@ from ..errors import Fault
 from .options.completion import files, quantities
 from .options.finite import AnyFinite
 from .terminal.notices import Notices
-from .terminal.screen import show, terminal_width
-from .terminal.wrong_call import WrongCall
+from .terminal.screen import WrongCall, show, terminal_width
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from ..errors import visible
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .options.finite import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE
 from .terminal.progress import Progress
@@ -49,7 +50,6 @@ def verify(
     Example:
         flexmb verify decks/dafms/two_link_n2.DAT
     """
-    from ..results.texts.verify_text import verify_text
     from ..run.outcome import Listener, RunOptions
     from ..run.verify.verify import verify_deck
 
@@ -69,3 +69,21 @@ def verify(
             show(verify_text(found), prose=True)
         codes.append(found.outcome.exit_code)
     sys.exit(max(codes))
+
+
+def verify_text(found: Any) -> str:
+    """A line for each quantity of a `run.verify.verify.Verification`, then the largest difference."""
+    outcome = found.outcome
+    lines = [f"{visible(outcome.deck)}: {found.formulations}, {outcome.rows} rows"]
+    lines.append(f"  {'quantity':<26}{'difference':>12}{'of':>12} {'unit':<6}{'share':>10}{'at':>12}")
+    for each in found.differences:
+        lines.append(
+            f"  {each.name:<26}{each.difference:>12.2e}{each.scale:>12.4g} {each.unit:<6}"
+            f"{each.relative:>10.1e}{each.time:>10.4g} s"
+        )
+    worst = found.largest
+    relation = "within" if worst.relative <= found.tolerance else "beyond"
+    lines.append(
+        f"  largest: {worst.name}, {worst.relative:.1e} of the largest value, {relation} {found.tolerance:g}"
+    )
+    return "\n".join(lines) + "\n"

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 import numpy as np
 
 from ..errors import DeckError, Fault
-from .bounded_file import first_bytes, size_of
 from .fortran_format import Edit
+from .other_files import first_bytes, size_of
 
 if TYPE_CHECKING:
     from pathlib import Path

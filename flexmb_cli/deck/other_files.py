@@ -1,7 +1,10 @@
 """Recognition of files that are no decks, by their first bytes."""
 
+import os
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
+from typing import BinaryIO
 
 MOST_NAMES = 2000  # of a folder that are looked at
 _TABLES = "open it in its program and save the deck as plain text"
@@ -44,3 +47,28 @@ def _nearest(name: str, names: Iterable[str]) -> str:
     by_letters = {other.lower(): other for other in names}
     found = get_close_matches(name.lower(), by_letters, n=1, cutoff=0.8)
     return by_letters[found[0]] if found else ""
+
+
+_PIECE = 2**20  # bytes
+
+
+def first_bytes(stream: BinaryIO, most: int) -> bytes:
+    """Return the first `most` bytes of a stream, or all of them.
+
+    A plain `stream.read(most)` would reserve `most` bytes even for a short stream.
+    """
+    expected = size_of(stream)
+    pieces = [stream.read(min(expected + 1, most))]
+    found = len(pieces[0])
+    # A pipe or a device has no size, and a file may have grown.
+    while expected < found < most and (piece := stream.read(min(_PIECE, most - found))):
+        pieces.append(piece)
+        found += len(piece)
+    return b"".join(pieces)
+
+
+def size_of(stream: BinaryIO) -> int:
+    """Return the bytes of a file; 0 of a pipe, a device and a stream in memory."""
+    with suppress(OSError, ValueError):  # a stream in memory has no descriptor
+        return os.fstat(stream.fileno()).st_size
+    return 0

@@ -10,8 +10,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from ..errors import DeckError, Fault
-from .bounded_file import first_bytes
 from .lines import Lines
+from .other_files import first_bytes
 from .record import DeckText
 from .text import LARGEST_DECK, STANDARD_INPUT
 

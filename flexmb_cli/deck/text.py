@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from ..errors import DeckError, Fault, Place
-from .bounded_file import first_bytes
+from .other_files import first_bytes
 from .record import DeckText
 
 LARGEST_DECK = 64 * 1024 * 1024

@@ -2,12 +2,17 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from ..deck.record import Deck
 from ..errors import Fault, ModelError
 from ..model.flexible_body import Dropped, FlexibleBody
 from ..model.unit_checks import unit_warnings
+from ..results.files.replaced_file import write_whole
+from ..results.files.state_space import arrays_of, json_bytes, npz_bytes
 from .context import Run
 from .exit_status import ending_recorded
 from .mechanism_modes import MechanismModes, Wish, dynamic_modes, flexible_modes, tree_modes
@@ -76,8 +81,6 @@ MODES: dict[str, Callable[[Any, Wish, Run], MechanismModes]] = {
 
 def _write(mechanism: MechanismModes, wish: Wish) -> None:
     if wish.out is not None:
-        from .state_space_output import write_state_space
-
         write_state_space(wish.out, mechanism.state_space)
 
 
@@ -104,3 +107,20 @@ def _as_record(dropped: Dropped) -> dict[str, Any]:
     following = dropped.next_frequency
     known = {"dependent": dropped.dependent, "next_frequency": following if following == following else None}
     return vars(dropped) | known
+
+
+def write_state_space(path: str, record: dict[str, Any]) -> None:
+    """Write the record of a state space to `path`; raises OutputError."""
+    forms = {".npz": npz_bytes, ".mat": _matlab_bytes, ".json": json_bytes}
+    write_whole(path, forms[Path(path).suffix.lower()](record))
+
+
+def _matlab_bytes(record: Any) -> Any:
+    from ..results.files.matlab import variable_bytes
+
+    # MATLAB has cells of texts where NumPy has arrays of them.
+    arrays = {
+        name: value.astype(object) if value.dtype.kind == "U" and value.ndim else value
+        for name, value in arrays_of(record).items()
+    }
+    return variable_bytes("state_space", {name: np.asarray(value) for name, value in arrays.items()})

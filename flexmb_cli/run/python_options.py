@@ -1,12 +1,21 @@
-"""The options of `solve`: what is refused, as the command line refuses it of `flexmb run`."""
+"""The options of `solve`: what is refused, as the command line refuses it of `flexmb run`.
+
+`--method`, `--rtol` and `--atol`: one meaning for the forward dynamics of every dialect.
+
+A method that a dialect does not have is refused with those that it has; where nothing is integrated, the
+warning names what sets the accuracy instead.
+"""
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Protocol
 
-from ..dialects.recognise import every_dialect
+from ..deck.record import Deck
+from ..dialects.recognise import dialect_named, every_dialect
+from ..errors import Fault, ModelError
 from ..model.time_checks import FINEST
 from .loop_tolerance import LARGEST_TOLERANCE
+from .outcome import Outcome, RunOptions
 
 FORMULATIONS = ("kane", "absolute")
 # Lowest and highest value, and whether they are allowed.
@@ -56,3 +65,33 @@ def _meant(name: str) -> str:
 
     close = get_close_matches(name, KNOWN, n=1)
     return f"; is {close[0]} meant?" if close else f"; it has {', '.join(KNOWN)}"
+
+
+class SteppedAnalysis(Protocol):
+    """An analysis that integrates: its integrator, and the record of its steps."""
+
+    integrator: Any
+    clock: Any
+
+
+def refuse_foreign_method(deck: Deck, options: RunOptions) -> None:
+    """Raise ModelError, with the dialect's methods, when `--method` names another."""
+    dialect, method = dialect_named(deck.dialect), options.integration.get("method")
+    if method not in (None, *dialect.methods) and dialect.takes_steps(deck):
+        known = dialect.methods
+        reported = f"method {method}: a {dialect.title} deck is integrated by {', '.join(known[:-1])}"
+        raise ModelError([Fault("error", f"{reported} or {known[-1]}", id="RUN-025")])
+
+
+def set_tolerances(analysis: SteppedAnalysis, options: RunOptions, outcome: Outcome) -> None:
+    """Set the tolerances of an analysis that chooses its steps; warn where the deck gives their length."""
+    given = {name: options.integration[name] for name in ("rtol", "atol") if name in options.integration}
+    if not given:
+        return
+    if not analysis.integrator.chosen:
+        # `interface.solve` has these options, too: no dashes.
+        names = " and ".join(given)
+        message = f"{names}: the deck gives the length of the steps; set it to 0, or take the method radau"
+        outcome.faults.append(Fault("warning", message, id="RUN-026"))
+    for name, value in given.items():
+        analysis.clock[name] = value

@@ -1,19 +1,25 @@
 """The files of one run: printed tables of its dialect and the HDF5 result; all appear whole or not at all."""
 
-from collections.abc import Mapping
+import os
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import h5py
+
+from ..deck.record import Deck
 from ..dialects.recognise import dialect_named
 from ..errors import OutputError
 from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
+from ..results.hdf5.layout import Layout
+from ..results.hdf5.result_file import ResultFile
+from ..results.quantities.quantities import resolve
 from .context import Run, TextStream
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from ..deck.record import Deck
-    from ..results.hdf5.result_file import ResultFile
     from .solution import Solution
 
 
@@ -68,8 +74,6 @@ class ResultFiles:
 
             layout = with_error_series(layout)
         if only:
-            from ..results.quantities.selection import selected
-
             layout = selected(layout, deck, only)
         assert self.paths.h5 is not None, "a result is wanted"
         self.result = ResultFile(self.paths.h5, deck, layout)
@@ -132,3 +136,24 @@ class ResultFiles:
 
     def _all(self) -> "list[Any]":
         return [*self.texts, *([self.result] if self.result else [])]
+
+
+def selected(layout: Layout, deck: Deck, patterns: Iterable[str]) -> Layout:
+    """Return `layout` with the datasets in which `patterns` name a quantity; all of them without any.
+
+    Raises ResultError, with near names, for a pattern that fits nothing.
+    """
+    patterns = tuple(patterns)
+    if not patterns:
+        return layout
+    import tempfile  # which takes its time, and few runs need it
+
+    with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
+        path = os.path.join(folder, "empty.h5")
+        ResultFile(path, deck, layout).close()
+        with h5py.File(path, "r") as result:
+            chosen = {quantity.dataset for quantity in resolve(result, patterns, where="--only ")}
+    # The global error of a quantity lies below another group by the same path.
+    ends = tuple(f"/{path}" for path in chosen)
+    series = tuple(item for item in layout.series if f"/{item.path}".endswith(ends))
+    return replace(layout, series=series)

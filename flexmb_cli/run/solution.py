@@ -17,9 +17,9 @@ from ..solvers.compilation import report_damage
 from .checkpoint import ResumeFile
 from .context import Run
 from .exit_status import reason_of
-from .integration_options import refuse_foreign_method
 from .model import model_of, module_for
 from .outcome import Stop, Terminated
+from .python_options import refuse_foreign_method
 from .result_files import ResultFiles
 
 if TYPE_CHECKING:

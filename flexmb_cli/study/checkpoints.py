@@ -17,8 +17,7 @@ import numpy as np
 from ..errors import Fault, ModelError, OutputError
 from ..managed_files import ManagedFolder, belongs_here, unbuffered
 from ..results.files.disk_failures import located
-from ..results.files.durable import GROWING, sync, sync_folder
-from ..results.files.framed import LargePayload, framed, whole_payloads
+from ..results.files.durable import GROWING, LargePayload, framed, sync, sync_folder, whole_payloads
 from .lock import LOCK, StudyLock
 from .solver import MESSAGE_LENGTH, CaseResult
 from .study import SERIES, Study

@@ -17,8 +17,7 @@ from ..run.context import Run
 from ..run.model import model_of
 from ..run.outcome import Listener, Outcome, RunOptions, Stop
 from ..run.solution import Solution, solution_of
-from .cases import Cases
-from .study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Kept, Study
+from .study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Cases, Kept, Study
 
 if TYPE_CHECKING:
     import h5py

@@ -194,7 +194,7 @@ def _attempt(name, folder):
 def _deck(name):
     from damaged_decks import DECKS, built
 
-    import_module("flexmb_cli.results.texts.echo")
+    import_module("flexmb_cli.cli.check")
     for dialect in ("young", "dafms", "vsdf"):
         import_module(f"flexmb_cli.dialects.{dialect}.reader")
         import_module(f"flexmb_cli.dialects.{dialect}.build")

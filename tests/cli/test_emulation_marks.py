@@ -11,8 +11,7 @@ from flexmb_cli.cli.export import export
 from flexmb_cli.cli.plot import plot
 from flexmb_cli.cli.report import report
 from flexmb_cli.cli.table import table
-from flexmb_cli.results.figures.film import FilmLook, film_frames
-from flexmb_cli.results.figures.film_texts import Texts
+from flexmb_cli.results.figures.film import FilmLook, Texts, film_frames
 from flexmb_cli.results.quantities.quantities import open_result
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions

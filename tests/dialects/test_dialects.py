@@ -68,7 +68,7 @@ def test_reading_and_building_a_young_deck_import_no_numerical_library():
     program = (
         "import sys; from flexmb_cli.deck.text import read_text; "
         "from flexmb_cli.dialects.recognise import read_deck; "
-        "from flexmb_cli.dialects.young.build import build_young; import flexmb_cli.results.texts.echo; "
+        "from flexmb_cli.dialects.young.build import build_young; import flexmb_cli.cli.check; "
         "import flexmb_cli.dialects.settings; build_young(read_deck(read_text(sys.argv[1]))); "
         "print(sorted({'numpy', 'scipy', 'numba', 'h5py'} & set(sys.modules)))"
     )

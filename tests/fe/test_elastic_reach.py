@@ -3,7 +3,7 @@
 import numpy as np
 
 from flexmb_cli.dialects.dafms.beam import Beam
-from flexmb_cli.model.arrays.bandwidth import NEGLIGIBLE, row_reach
+from flexmb_cli.model.arrays.tree import NEGLIGIBLE, row_reach
 
 
 def test_stiffness_of_a_beam_falls_by_the_ratio_of_cubic_splines_from_node_to_node():

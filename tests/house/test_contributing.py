@@ -290,7 +290,7 @@ def test_a_format_of_one_line_is_read_and_known_to_the_cards(copy):
     (copy / "K.txt").write_text("1 1 2.5\n2 1 -1\n2 2 4\n")
     program = (
         "from pathlib import Path\n"
-        "from flexmb_cli.dialects.vsdf.cards.columns import MATRIX_FORMS\n"
+        "from flexmb_cli.dialects.vsdf.card import MATRIX_FORMS\n"
         "from flexmb_cli.fe.formats.formats import read_matrix\n"
         "found = read_matrix(Path('K.txt'), 'TRI', 'K')\n"
         "print('TRI' in MATRIX_FORMS, found.size, *found.values.tolist())\n"

@@ -18,7 +18,7 @@ PACKAGE = Path(__file__).resolve().parents[2] / "flexmb_cli"
 DECKS = PACKAGE.parent / "decks"
 # From bottom to top: a module imports only from its own layer and from lower ones.
 LAYERS = (
-    "errors", "deck", "opened_deck", "model", "fe", "kernels", "solvers", "dialects", "results", "result",
+    "errors", "deck", "model", "fe", "kernels", "solvers", "dialects", "results", "result",
     "run", "study", "interface", "cli",
 )  # fmt: skip
 # Beside the layers, for all of them: modules of the top that import each other and errors only.

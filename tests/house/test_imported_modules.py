@@ -199,11 +199,9 @@ def test_what_commands_import(tmp_path, command):
     if command == "--help":
         assert {name for name in own(found) if name.startswith("cli.")} <= {
             "cli.options",
-            "cli.options.exit_codes",
             "cli.terminal",
             "cli.terminal.screen",
             "cli.terminal.stops",
-            "cli.terminal.wrong_call",
         }
 
 

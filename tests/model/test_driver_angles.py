@@ -6,7 +6,7 @@ import pytest
 
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.settings import apply_settings
-from flexmb_cli.dialects.vsdf.motion_angles import check_motion_functions
+from flexmb_cli.dialects.vsdf.joints import check_motion_functions
 from flexmb_cli.dialects.young.build import build_young
 from flexmb_cli.dialects.young.reader import read_young
 from flexmb_cli.errors import ModelError

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from flexmb_cli.cli import cli
 from flexmb_cli.errors import OutputError
-from flexmb_cli.results.files import pipes
+from flexmb_cli.results.files import replaced_file
 from flexmb_cli.results.files.replaced_file import ReplacedText
 from tests.run.test_prepared_folders import STUDY, impatient
 
@@ -53,7 +53,7 @@ def test_a_pipe_in_the_place_of_the_table_of_a_study_is_refused(tmp_path, monkey
 
 
 def test_a_named_pipe_that_nobody_reads_is_reported(tmp_path, monkeypatch):
-    monkeypatch.setattr(pipes, "LONGEST_WAIT", 0.05)
+    monkeypatch.setattr(replaced_file, "LONGEST_WAIT", 0.05)
     os.mkfifo(tmp_path / "pipe")
     command = ["run", str(DECKS / "young/IN1-3-1.dat"), "--no-h5", "-q", "--out", str(tmp_path / "pipe")]
     done = CliRunner().invoke(cli, command)

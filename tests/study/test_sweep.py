@@ -16,8 +16,8 @@ from flexmb_cli.kernels import _jit
 from flexmb_cli.run.outcome import Listener
 from flexmb_cli.solvers import compilation
 from flexmb_cli.study import workers as study_workers
-from flexmb_cli.study.cases import Cases
 from flexmb_cli.study.solver import CaseSolver
+from flexmb_cli.study.study import Cases
 from flexmb_cli.study.sweep import Sweep
 from tests.study.studies import RSSR, SAMPLED, SMALL, flexmb, written
 

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..terminal.wrong_call import WrongCall
+from ..terminal.screen import WrongCall
+from .completion import files
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,3 +41,17 @@ def _are_one(output: str, path: str) -> bool:
         return os.path.samefile(output, path)
     except OSError:
         return False
+
+
+class WrittenPlace(click.types.StringParamType):
+    """A path; the empty one is what a variable of the shell leaves that was never set."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The path, or a usage error that names the option."""
+        if value == "":
+            self.fail("an empty name; give a path", param, ctx)
+        return super().convert(value, param, ctx)
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> Any:
+        """Have the shell complete names of files."""
+        return files(ctx, param, incomplete)

@@ -1,5 +1,7 @@
 """Safe printing: texts of decks and file names control no terminal; tables reach pipes unchanged."""
 
+import errno
+import io
 import os
 import re
 import sys
@@ -14,6 +16,7 @@ from ...run.exit_status import StreamError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
 
 COLUMN_GAP = re.compile(r"\S {2,}\S")
 
@@ -121,3 +124,33 @@ def _fitted_line(line: str, width: int) -> str:
     if len(cell.split()) > 2:
         end = bare.rfind(" ", 0, width - 1)
     return f"{bare[:end].rstrip()} …{line[len(bare) :]}" if end > 0 and bare[:end].strip() else line
+
+
+class WrongCall(click.UsageError):
+    """Options or arguments that a command refuses; `id` is the fault's.
+
+    What click itself refuses, such as an unknown option, has the identifier of `_refuse_usage`.
+    """
+
+    def __init__(self, message: str, ctx: click.Context | None = None, *, id: str):
+        super().__init__(message, ctx)
+        self.id = id
+
+
+CLOSED = "standard output is closed, so nothing can be printed"
+
+
+class _ClosedFile(io.FileIO):
+    """A file that cannot be written, open on the null device so that no other file gets its number."""
+
+    def write(self, content: Any) -> int:
+        """Refuse whatever is to be written."""
+        if not len(content):  # click tries so what a stream takes
+            return 0
+        raise OSError(errno.EBADF, CLOSED)
+
+
+def closed_output() -> io.TextIOWrapper:
+    """Return a stream in the place of standard output; writing to it raises OSError at once."""
+    file: Any = _ClosedFile(os.devnull, "w")
+    return io.TextIOWrapper(file, encoding="utf-8", write_through=True)

@@ -7,8 +7,7 @@ import numpy as np
 from ...deck.fortran_fields import indexed, integer_list, real_list
 from ...deck.record import Deck, Number
 from ...errors import DeckError, Fault
-from .beam import Beam
-from .skyline import full_columns
+from .beam import Beam, full_columns
 
 # Skyline addresses stand in I5 fields.
 _LARGEST_ADDRESS = 99_999

@@ -12,7 +12,7 @@ from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.geometric_stiffness import beam_direction
 from ...model.tree import Body, Elasticity
-from .skyline import full_matrix
+from .beam import full_matrix
 
 AXES_BY_DOFS = {1: (3,), 2: (2, 3), 3: (1, 2, 3)}
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...deck.fortran_format import SAFE, E, Edit, F, I, Layout
 from ...deck.record import Deck, Record
-from .skyline import full_matrix
+from .beam import full_matrix
 
 if TYPE_CHECKING:
     from ...solvers.tree.analysis import TreeAnalysis

@@ -15,7 +15,18 @@ from ...deck.fortran_format import E, Edit, F, I
 from ...deck.fortran_words import is_unreadable, split_fields, split_list, unit_of, value_of
 from ...deck.listing import EchoLine, Listing, ListingForm, Section, TableError
 from ...errors import Fault, Place
-from .errata import SINGLE_PRECISION, single_precision
+
+SINGLE_PRECISION = "the program of 1992 read its deck in single precision"
+
+
+def single_precision(a: np.ndarray, b: np.ndarray, unit: np.ndarray) -> np.ndarray:
+    """Return whether a and b may be one number, printed by its nearest single and by its nearest double."""
+    size = np.maximum(np.abs(a), np.abs(b))
+    with np.errstate(invalid="ignore"):
+        # Each rounding to the printed digits takes half a unit.
+        found: np.ndarray = np.abs(a - b) <= np.finfo(np.float32).eps / 2 * size + (1 + 1e-9) * unit
+        return found
+
 
 ECHO = ListingForm(
     "echo of a DAFMS deck",

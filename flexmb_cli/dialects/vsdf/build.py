@@ -14,9 +14,8 @@ from ...model.time_checks import MOST_ROWS, unsteppable
 from .bodies import build_bodies, build_ground
 from .cards.analysis import WITHOUT_CARD
 from .elements.build import build_elements, build_functions, moved_pins
-from .joints import build_joints, build_pins
+from .joints import build_joints, build_pins, check_motion_functions
 from .loads import Factors, build_forces, build_joint_springs, build_outputs, build_springs, build_torques
-from .motion_angles import check_motion_functions
 from .motions import build_motions, build_tables
 from .stress_outputs import build_stresses
 from .unused_fields import refuse_unread, warn_of_tables

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from ...fe.formats.formats import MATRIX_FORMATS
+
 # A field's letter gives its width: I an integer, F a real, A a word, T text to the end of the line.
 WIDTHS = {"I": 5, "F": 10, "A": 4, "T": 0}
 
@@ -63,3 +65,23 @@ def word_column(key: str, meaning: str, words: tuple[str, ...], default: str | N
 def vector_columns(key: str, meaning: str, unit: str = "", default: float | None = 0.0) -> tuple[Column, ...]:
     """The fields of three components."""
     return tuple(Column(f"{key}.{axis}", f"{meaning}, {axis}", unit, default=default) for axis in "xyz")
+
+
+BODY = whole_column("body", "number of the body", None)
+NODE = whole_column("node", "node or node set", None)
+MATRIX_FORMS = tuple(MATRIX_FORMATS)
+
+
+def file_card(word: str, section: str, what: str, forms: tuple[str, ...]) -> Card:
+    """A card that names a file of a body."""
+    columns = (
+        BODY,
+        word_column("form", "format of the file", forms),
+        Column("file", f"file of the {what}", letter="T", skip=1, default=None),
+    )
+    return Card(word, section, f"{what} of body {{}}", "body", columns, bodies="FLEX")
+
+
+def node_list_card(word: str, section: str, what: str) -> Card:
+    """A card of nodes of a body."""
+    return Card(word, section, f"{what} {{}}", "list", (BODY,), NODE, bodies="FLEX")

@@ -4,25 +4,83 @@ Liang Yong, YOUNG dissertation (1996), chapters 4 and 5, Appendix B.  What follo
 never looked at, as in the historic program.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...deck import many_records, number
 from ...deck.many_records import Block, ManyRecords
-from ...deck.record import Deck, DeckText
+from ...deck.record import Deck, DeckText, Number, Record
 from ...deck.shifted_lines import slips, with_slip_named
 from ...deck.words import UNCLOSED, Word, Words, end_of
-from ...errors import DeckError, Fault, FaultList
+from ...errors import DeckError, Fault, FaultList, Place
 from .eleven_counts import EARLIER_SECTIONS, are_eleven_counts, completed, lines_begin_records
-from .read_record import ReadRecord, subject_of
 from .sections import BODIES, COUNTS, YOUNG_SECTIONS, Section
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+
+def relabelled(record: Record, key: str) -> Record:
+    """Return `record` after a change of the number `key`: a direction gives the values behind it units."""
+    return labelled(record) if key == "direction" else record
+
+
+def labelled(record: Record) -> Record:
+    """`record` with the meanings and units that its present direction gives the values behind it."""
+    section = next((section for section in YOUNG_SECTIONS if section.name == record.section), None)
+    if section is None:
+        return record
+    turning = any(n.key == "direction" and n.value in (4, 5, 6) for n in record.numbers)
+    return record.with_numbers(
+        replace(number, meaning=column.label(turning)[0], unit=column.label(turning)[1])
+        for column, number in zip(section.columns, record.numbers, strict=True)
+    )
+
+
+class ReadRecord(Record):
+    """A record of a deck; what is more of its numbers than their values is made when it is looked at."""
+
+    _section: Section
+    _words: Words
+    _first: int  # word
+
+    def __init__(self, section: Section, number: int, values: tuple[Any, ...], words: Words, first: int):
+        vars(self).update(
+            section=section.name, number=number, subject=subject_of(section, number), made={}, values=values,
+            positions=section.positions, _section=section, _words=words, _first=first,
+        )  # fmt: skip
+
+    @cached_property
+    def numbers(self) -> tuple[Number, ...]:
+        """The numbers with their places."""
+        return tuple(map(self._number, range(len(self.values))))
+
+    @property
+    def place(self) -> Place | None:
+        """Place of the first number."""
+        return self._words[self._first].place
+
+    def at(self, key: str) -> Number:
+        """The number called `key`."""
+        found: Number = self._number(self.positions[key])
+        return found
+
+    def _number(self, k: int) -> Number:
+        word, column = self._words[self._first + k], self._section.columns[k]
+        meaning, unit = column.label(is_rotation(self._section, self.values))
+        return Number(column.key, self.values[k], meaning, unit, word.place, word.text)
+
+
+def is_rotation(section: Section, values: Sequence[float]) -> bool:
+    """Return whether the record's direction is a rotation, so that its values are angles."""
+    where = section.direction
+    return where is not None and where < len(values) and values[where] in (4, 5, 6)
+
+
+def subject_of(section: Section, number_of_record: int) -> str:
+    """Name of a record in messages: "body 1"."""
+    return f"{section.subject} {number_of_record}" if number_of_record else section.subject
 
 
 DIALECT = "young"

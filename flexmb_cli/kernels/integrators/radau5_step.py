@@ -40,8 +40,8 @@ from ..constrained.speeds import coordinate_accelerations, coordinate_rates, nor
 from ..constrained.system import FORCES, GAMMA, PRODUCT, SOLVED, UNKNOWN, System, Work
 from ..constrained.tangent import add_stiff
 from ..linalg.cholesky import cholesky, cholesky_solve
-from ..linalg.complex_ldl import factorise_symmetric, solve_symmetric
 from ..linalg.copying import copy
+from ..linalg.profile_ldl import factorise_symmetric, solve_symmetric
 from ..linalg.rank_revealing_lu import row_times
 from .constrained_equations import works_between
 from .error_norm import CAUTION, displacement_tolerance, scaled_norm, tolerance

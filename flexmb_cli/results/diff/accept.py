@@ -10,8 +10,8 @@ from ...errors import Fault, FlexmbError
 from ..files.disk_failures import located
 from ..files.replaced_file import Replacement, make_folder
 from .folders import Compared, Pair
-from .forms import CSV, HDF5, MATLAB, form_of
 from .listings import read_listing
+from .tolerances import CSV, HDF5, MATLAB, form_of
 
 if TYPE_CHECKING:
     from pathlib import Path

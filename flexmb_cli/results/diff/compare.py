@@ -4,10 +4,9 @@ from typing import TYPE_CHECKING, Any
 
 from ...deck.listing import TableError
 from ...errors import Fault
-from .forms import CSV, HDF5, LISTING, MATLAB, UNREADABLE, form_of
 from .listings import compare_listings, read_listing
 from .report import Report
-from .tolerances import ToleranceError, Tolerances
+from .tolerances import CSV, HDF5, LISTING, MATLAB, UNREADABLE, ToleranceError, Tolerances, form_of
 
 if TYPE_CHECKING:
     from pathlib import Path

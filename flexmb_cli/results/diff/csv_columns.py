@@ -12,11 +12,10 @@ import numpy as np
 from ...deck.listing import TableError, plain_text, read_bytes
 from ...errors import Fault
 from ..quantities.quantities import names, read
-from .forms import CSV
 from .hdf5 import DEFAULT_ATOL, DEFAULT_RTOL, kind_of, open_sound
-from .matching_rows import are, counted
+from .listings import are, counted
 from .report import Found, Report
-from .tolerances import Tolerances
+from .tolerances import CSV, Tolerances
 
 TIME_HEAD = "time [s]"
 # Rows belong together when their times agree to this part of the longest time.

@@ -15,8 +15,8 @@ from ...deck.text import read_text
 from ...dialects.recognise import dialect_named, read_deck
 from ...errors import AnalysisError, DeckError, Fault
 from ...model.mechanism import Mechanism
-from ...solvers.as_printed.analysis import AsPrinted
 from ...solvers.as_printed.errors import ALL_ERRORS, AS_PRINTED
+from ...solvers.as_printed.program import AsPrinted
 from ...solvers.kinematics.rows import Rows
 
 ITERATION = "the program's iteration, which ends where no coordinate changes by more than 1e-4"

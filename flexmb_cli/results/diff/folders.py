@@ -10,9 +10,8 @@ from typing import Any
 
 from ...errors import BAD_INPUT, FlexmbError, compiler_style, visible
 from ..files.file_names import STALE
-from .counts import agreeing, counted
-from .forms import CSV, HDF5, LISTING, MATLAB, form_of
-from .report import Report
+from .report import Report, agreeing, counted
+from .tolerances import CSV, HDF5, LISTING, MATLAB, form_of
 
 WILD = re.compile(r"[*?[]")
 # A table for print is known by its name or by its content; these are the names that runs give.

@@ -11,9 +11,9 @@ import numpy as np
 
 from ...deck.listing import TableError
 from ...errors import Fault, visible
-from ..hdf5.stored_datasets import StoredDatasets
 from ..hdf5.stored_result import (
     Damaged,
+    StoredDatasets,
     attribute,
     check_shapes,
     check_structure,

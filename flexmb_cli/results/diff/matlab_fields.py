@@ -8,7 +8,6 @@ import numpy as np
 from ...deck.listing import TableError
 from ...errors import Fault
 from ..files.matlab import matlab_fields, read_matlab
-from .forms import MATLAB
 from .hdf5 import (
     COMPARED_ATTRIBUTES,
     DEFAULT_ATOL,
@@ -19,7 +18,7 @@ from .hdf5 import (
     quantity_places,
 )
 from .report import Found, Report
-from .tolerances import ToleranceError, Tolerances
+from .tolerances import MATLAB, ToleranceError, Tolerances
 from .words import WORDS_OF_RESULTS, compare_names
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ..hdf5.shapes import BODY, CORNERS, POSITION
+from ..hdf5.motion_series import BODY, CORNERS, POSITION
 from ..hdf5.stored_result import Damaged, check_shapes
 
 _SHAPES = {POSITION: "v3", BODY: "v", CORNERS: "k3"}

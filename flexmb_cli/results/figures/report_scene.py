@@ -13,8 +13,7 @@ import numpy as np
 from .body_look import DEFAULT_LOOK, BodyLook, check_look, largest_scale, shown_colours
 from .body_shapes import BodyShape
 from .contours import ENERGY, Ranges, contour_ranges, resting_row, unit_of
-from .element_bodies import ElementBody, element_bodies
-from .element_faces import face_edges, outer_faces_of_elements, triangles
+from .element_bodies import ElementBody, element_bodies, face_edges, outer_faces_of_elements, triangles
 from .look import COLOURS
 from .scene import DrawnBody, Scene, read_scene
 from .view import view_of

@@ -9,11 +9,17 @@ from ...model.joint_elements import element_names
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .joint_coordinates import coordinate_names, joint_values, with_elements
 from .layout import EULER_PARAMETER, XYZ, Axis, Constant, Layout, Series, Values, numbered_axis
-from .mesh import mesh_axes, mesh_constants
-from .motion_series import BODY_MOTION, JOINT_VECTOR, POINT_MOTION
+from .motion_series import BODY_MOTION, JOINT_VECTOR, POINT_MOTION, with_shapes
 from .result_geometry import SIDE, gravity, joint_geometry, point_bodies, shape_geometry
-from .shapes import with_shapes
-from .stress import element_axis, element_constants, stress_axes, stress_series, stress_values
+from .stress import (
+    element_axis,
+    element_constants,
+    mesh_axes,
+    mesh_constants,
+    stress_axes,
+    stress_series,
+    stress_values,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -5,9 +5,8 @@ from typing import Any
 from ...model.mechanism import Mechanism
 from ...solvers.kinematics.rows import Rows
 from .layout import EULER_PARAMETER, TIME, XYZ, Layout, Series, Values, numbered_axis
-from .motion_series import BODY_MOTION, POINT_MOTION
+from .motion_series import BODY_MOTION, POINT_MOTION, with_shapes
 from .result_geometry import SIDE, mechanism_geometry
-from .shapes import with_shapes
 
 # Fields of `Rows`, besides the time.
 SERIES = {

@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any
 import h5py
 
 from ...errors import visible
-from .chunk_bounds import bytes_of_records, fault_of_filters, fault_of_packed
-from .heap_bounds import fault_of_heaps
+from .chunk_bounds import bytes_of_records, fault_of_filters, fault_of_heaps, fault_of_packed
 from .text_sizes import UnknownSize, bytes_of_texts
 
 if TYPE_CHECKING:
@@ -291,3 +290,42 @@ def check_shapes(result: h5py.File, shapes: Mapping[str, str], sizes: dict[str, 
 def _reported(name: str | bytes) -> str:
     name = name.decode("utf-8", "backslashreplace") if isinstance(name, bytes) else name
     return visible(name if len(name) < 100 else f"{name[:80]}…")
+
+
+class StoredDatasets(Mapping[str, h5py.Dataset]):
+    """Every dataset of a file whose structure was checked; it is opened on access."""
+
+    def __init__(self, file: h5py.File):
+        self._file = file
+        # A dictionary, as an ordered set.
+        self._paths = dict.fromkeys(_paths_of_datasets(file))
+
+    def __getitem__(self, path: str) -> h5py.Dataset:
+        if path not in self._paths:
+            raise KeyError(path)
+        return self._file[path]
+
+    def __contains__(self, path: object) -> bool:
+        return path in self._paths
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._paths)
+
+    def __len__(self) -> int:
+        return len(self._paths)
+
+    def leave_out(self, path: str) -> None:
+        """Count a path no longer among the datasets, if it is one of them."""
+        self._paths.pop(path, None)
+
+
+def _paths_of_datasets(file: h5py.File) -> list[str]:
+    found: list[bytes] = []
+
+    # h5py cannot bear an exception in here.
+    def note(name: bytes, described: h5py.h5o.ObjInfo) -> None:
+        if described.type == h5py.h5o.TYPE_DATASET:
+            found.append(name)
+
+    h5py.h5o.visit(file.id, note, info=True)
+    return [name.decode("utf-8", "surrogateescape") for name in found]

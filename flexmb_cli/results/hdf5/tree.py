@@ -12,9 +12,8 @@ from ...model.tree import ELASTIC, ROTATION, Body, Tree
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .joint_coordinates import OF_ELEMENTS, joint_values, with_elements
 from .layout import EULER_PARAMETER, XYZ, Axis, Layout, Series, Values, numbered_axis
-from .motion_series import BODY_MOTION, JOINT_VECTOR, POINT_MOTION
+from .motion_series import BODY_MOTION, JOINT_VECTOR, POINT_MOTION, with_shapes
 from .result_geometry import SIDE, tree_geometry
-from .shapes import with_shapes
 
 if TYPE_CHECKING:
     from ...solvers.constrained.tree_element_rows import TreeElementRows

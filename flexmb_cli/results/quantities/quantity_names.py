@@ -7,8 +7,16 @@ from dataclasses import dataclass
 import h5py
 
 from ...errors import visible
-from ..hdf5.stored_datasets import StoredDatasets
-from ..hdf5.stored_result import Damaged, attribute, is_number, is_text, place_of, scale_of, texts
+from ..hdf5.stored_result import (
+    Damaged,
+    StoredDatasets,
+    attribute,
+    is_number,
+    is_text,
+    place_of,
+    scale_of,
+    texts,
+)
 
 TIME = "time"
 # Names of a dataset's elements, the shortest first; {0} and {1} are its axes behind time, {item} the body of

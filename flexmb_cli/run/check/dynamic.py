@@ -46,8 +46,7 @@ def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | No
 
 
 def _check_forward(report: CheckReport, model: DynamicModel, run: Run) -> None:
-    from ...solvers.constrained.driven_dynamics import DrivenDynamics
-    from ...solvers.constrained.young_dynamics import ForwardDynamics
+    from ...solvers.constrained.young_dynamics import DrivenDynamics, ForwardDynamics
 
     analysis = DrivenDynamics(model) if model.analysis == "inverse" else ForwardDynamics(model)
     arrays, speeds = analysis.arrays.kinematic, analysis.arrays.speeds

@@ -41,7 +41,7 @@ def _diagnose(report: CheckReport, mechanism: Mechanism, jacobian: str | None) -
 
 def _assemble(report: CheckReport, mechanism: Mechanism, jacobian: str | None, equations: int) -> None:
     from ...solvers.kinematics.analysis import KinematicAnalysis
-    from ...solvers.kinematics.settings import KinematicSettings
+    from ...solvers.kinematics.position import KinematicSettings
 
     # Points take no part in what is looked at, and there may be a million of them.
     analysis = KinematicAnalysis(replace(mechanism, points=()), KinematicSettings(most_ranked=RANK_LIMIT))

@@ -11,11 +11,10 @@ from ...model.unit_checks import unit_warnings
 from ...results.hdf5.dynamic import dynamic_layout, dynamic_values
 from ...solvers.compilation import announce_compiling
 from ..context import Run
-from ..energy_drift import ConstrainedDrift
+from ..energy_drift import ConstrainedDrift, StepCount
 from ..error_estimate import finer_motion, nothing_to_refine
-from ..integration_options import set_tolerances
+from ..python_options import set_tolerances
 from ..solution import Solution
-from ..step_count import StepCount
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -80,8 +79,7 @@ def _contents(model: DynamicModel) -> "tuple[Callable[..., Any], Callable[..., A
 
 def _stepped(model: DynamicModel, run: Run) -> "ForwardDynamics":
     """The analysis that takes time steps: forward, or prescribed by drivers beside elements at joints."""
-    from ...solvers.constrained.driven_dynamics import DrivenDynamics
-    from ...solvers.constrained.young_dynamics import ForwardDynamics
+    from ...solvers.constrained.young_dynamics import DrivenDynamics, ForwardDynamics
 
     forward = model.analysis == "forward"
     analysis = (ForwardDynamics if forward else DrivenDynamics)(model)
@@ -93,7 +91,7 @@ def _stepped(model: DynamicModel, run: Run) -> "ForwardDynamics":
 
 def _inverse(model: DynamicModel, run: Run) -> "InverseDynamics":
     from ...solvers.kinematics.inverse_dynamics import InverseDynamics
-    from ...solvers.kinematics.settings import KinematicSettings
+    from ...solvers.kinematics.position import KinematicSettings
 
     announce_compiling(run.listener, "constrained.report.observe_rows")
     return InverseDynamics(model, KinematicSettings(**run.options.solver))

@@ -13,11 +13,10 @@ from ...results.hdf5.flexible import flexible_layout, flexible_values
 from ...solvers.compilation import announce_compiling
 from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 from ..context import Run
-from ..energy_drift import ConstrainedDrift
+from ..energy_drift import ConstrainedDrift, StepCount
 from ..error_estimate import finer_motion
-from ..integration_options import set_tolerances
+from ..python_options import set_tolerances
 from ..solution import Solution
-from ..step_count import StepCount
 
 TOO_COARSE = (
     "too coarse a tolerance (card INTG), or steps of GALF that are too long (card TIME) or damp too much (a "

@@ -7,7 +7,7 @@ from ...model.mechanism import Mechanism
 from ...results.hdf5.kinematic import kinematic_layout, kinematic_values
 from ...solvers.compilation import announce_compiling
 from ...solvers.kinematics.analysis import KinematicAnalysis
-from ...solvers.kinematics.settings import KinematicSettings
+from ...solvers.kinematics.position import KinematicSettings
 from ..context import Run
 from ..error_estimate import nothing_to_refine
 from ..solution import NoCount, Solution
@@ -41,7 +41,7 @@ def _solution(mechanism: Mechanism, analysis: Any, run: Run, resumable: bool) ->
 
 def _as_printed(mechanism: Mechanism, run: Run) -> Solution:
     """The numbers of the program of 1996, errors included; each row takes moments."""
-    from ...solvers.as_printed.analysis import AsPrinted
+    from ...solvers.as_printed.program import AsPrinted
 
     run.outcome.as_printed = True
     return _solution(mechanism, AsPrinted(mechanism, run.options.solver), run, False)

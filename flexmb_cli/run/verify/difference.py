@@ -1,8 +1,16 @@
 """Difference between two motions of one deck, quantity by quantity."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from ...errors import Fault, ModelError
+from ..outcome import Stop
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 
 # Shares of a mechanism's length, or of a turn, below which a motion in the time of a run may be round-off.
 # In accelerations large forces cancel.
@@ -73,3 +81,19 @@ def largest_difference(
     row = int(np.argmax(apart))
     scale = float(np.max(np.abs(one), initial=0.0)) if scale is None else float(scale)
     return Difference(name, unit, float(apart[row]), max(scale, size.least(unit)), float(time[row]))
+
+
+def compared_rows(analysis: Any) -> "Iterator[Any]":
+    """Yield the blocks of rows; raises ModelError where an overconstrained loop closes only nearly.
+
+    Each formulation leaves such a gap in other equations, and their motions differ by as much.
+    """
+    for block in analysis.rows():
+        if note := getattr(analysis, "loop_note", None):
+            message = (
+                f"{note.message}: each formulation leaves it elsewhere, so their motions cannot be "
+                "compared; align the axes of the loop, or replace a joint by one with more freedom"
+            )
+            raise ModelError([Fault("error", message, note.place, note.subject, id="RUN-034")])
+        yield block
+        Stop.raise_if_asked()

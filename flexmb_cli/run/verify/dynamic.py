@@ -14,8 +14,7 @@ from ...model.integrators import METHODS, Integrator
 from ...model.loads import DynamicModel
 from ...model.mechanism import Mechanism
 from ..context import Run
-from .compared_rows import compared_rows
-from .difference import Difference, Size, largest_difference
+from .difference import Difference, Size, compared_rows, largest_difference
 
 if TYPE_CHECKING:
     from ...solvers.constrained.rows import DynamicRows

@@ -15,8 +15,7 @@ from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.integrators import METHODS, Integrator
 from ..context import Run
 from ..model import folder_of
-from .compared_rows import compared_rows
-from .difference import Difference, Size, largest_difference
+from .difference import Difference, Size, compared_rows, largest_difference
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -11,7 +11,7 @@ from .dynamic import compare
 def differences(mechanism: Mechanism, deck: Deck, run: Run) -> tuple[Difference, ...]:
     """Move `mechanism` both ways and return what the motions differ in.  Raises FlexmbError."""
     from ...solvers.kinematics.analysis import KinematicAnalysis
-    from ...solvers.kinematics.settings import KinematicSettings
+    from ...solvers.kinematics.position import KinematicSettings
 
     analysis = KinematicAnalysis(mechanism, KinematicSettings(**run.options.solver))
     return compare(analysis, mechanism, None, run)

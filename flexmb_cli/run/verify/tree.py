@@ -12,8 +12,7 @@ from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
 from ...solvers.tree.breakpoints import breakpoints
 from ..context import Run
 from ..solutions.tree import absolute_analysis, kane_analysis, values_of
-from .compared_rows import compared_rows
-from .difference import Difference, Size, largest_difference
+from .difference import Difference, Size, compared_rows, largest_difference
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

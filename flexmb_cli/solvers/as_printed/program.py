@@ -3,21 +3,93 @@
 Liang Yong (1996), Appendix A, unit YOUNG_2: each position begins at the one before, and Newton's method ends
 where no coordinate changes by more than FEPS.  Velocities and accelerations are solved with the Jacobian
 of that position, errors included.
+
+Equations of single coordinates: simplified, distance and ground constraints, drivers, normalisation.
+
+Liang Yong (1996), sections 4.2.7 and 4.2.8 and Appendix A, unit YOUNG_4.  No error of these shows in a
+listing.  The function of a driver is taken as C + B t + A t²/2, where the scan of the source reads A t/2.
 """
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...errors import AnalysisError, Fault
-from ...model.attitudes import Attitudes
+from ...errors import AnalysisError, Fault, ModelError
+from ...model.attitudes import Attitudes, held_coordinate
 from ...model.mechanism import Joint, Mechanism
-from .equations import Rows, State, along, coincident, orthogonal, parallel, stacked
-from .errors import ALL_ERRORS, WRONG_INDEX
+from ..kinematics.rows import Rows, rows_of
+from . import equations
+from .equations import MOST_BODIES, State, along, coincident, orthogonal, parallel, stacked
+from .errors import ALL_ERRORS, EMULATED, WRONG_INDEX
 from .screw import ScrewZero, screw_row, screw_zero
-from .single import driven, held, normalised
 from .vectors import product, solved, tilde
+
+if TYPE_CHECKING:
+    from ...model.mechanism import Distance
+
+
+@dataclass(frozen=True)
+class Single:
+    """One equation: coefficients by coordinate (7 body + k), residual, right-hand sides."""
+
+    coefficients: dict[int, float]
+    residual: float
+    nu: float = 0.0
+    gamma: float = 0.0
+
+
+def held(mechanism: Mechanism, q: np.ndarray) -> list[Single]:
+    """Simplified and distance constraints, then grounded bodies; q (bodies, 7)."""
+    found = [_value(q, item.body, item.direction, item.value) for item in mechanism.simplified]
+    found += [_difference(q, item) for item in mechanism.distances]
+    for ground in mechanism.grounds:
+        found += [_value(q, ground.body, k, value) for k, value in enumerate(ground.values, start=1)]
+    return found
+
+
+def _value(q: np.ndarray, body: int, direction: int, value: float) -> "Single":
+    coordinate, target = held_coordinate(direction, value)
+    return Single({7 * body + coordinate: 1.0}, q[body, coordinate] - target)
+
+
+def _difference(q: np.ndarray, item: "Distance") -> "Single":
+    coordinate = item.direction - 1 if item.direction <= 3 else item.direction
+    gap = q[item.i, coordinate] - q[item.j, coordinate] - item.value
+    return Single({7 * item.i + coordinate: 1.0, 7 * item.j + coordinate: -1.0}, gap)
+
+
+def driven(mechanism: Mechanism, q: np.ndarray, qd: np.ndarray, t: float) -> list[Single]:
+    """One equation of a translation, two of a rotation, (4.59) to (4.64); q, qd (bodies, 7)."""
+    found = []
+    for driver in mechanism.drivers:
+        function = driver.C + (driver.B + 0.5 * driver.A * t) * t
+        rate, second = driver.B + driver.A * t, driver.A
+        first, k = 7 * driver.body, driver.direction
+        if k <= 3:
+            found.append(Single({first + k - 1: 1.0}, q[driver.body, k - 1] - function, rate, second))
+            continue
+        e0, ek = q[driver.body, 3], q[driver.body, k]
+        e0d, ekd = qd[driver.body, 3], qd[driver.body, k]
+        turning = 0.5 * (rate * e0d + second * e0), -0.5 * (rate * ekd + second * ek)
+        found.append(Single({first + k: 1.0}, ek - math.sin(0.5 * function), 0.5 * rate * e0, turning[0]))
+        found.append(Single({first + 3: 1.0}, e0 - math.cos(0.5 * function), -0.5 * rate * ek, turning[1]))
+    return found
+
+
+def normalised(bodies: list[int], q: np.ndarray, qd: np.ndarray) -> list[Single]:
+    """|p|² = 1 of the `bodies`, numbers from 0; q, qd (bodies, 7)."""
+    found = []
+    for body in bodies:
+        p, pd = q[body, 3:], qd[body, 3:]
+        coefficients = {7 * body + 3 + k: 2.0 * p[k] for k in range(4)}
+        sizes = (float(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3]) for v in (p, pd))
+        size, rate = sizes
+        found.append(Single(coefficients, size - 1.0, 0.0, -2.0 * rate))
+    return found
+
 
 # NRMAX, FEPS, EPSLU by the names of `KinematicSettings`.
 LIMITS = {"most_iterations": 250, "tolerance": 1e-4, "smallest_pivot": 1e-5}
@@ -110,7 +182,7 @@ class Program:
             row += 1
         return Equations(jacobian, residual, nu, gamma)
 
-    def _joint(self, number: int, joint: Joint) -> Rows:
+    def _joint(self, number: int, joint: Joint) -> equations.Rows:
         state = self.state
         if joint.kind == "spherical":
             return coincident(state, joint)
@@ -153,3 +225,45 @@ def _failure(t: float, reported: Any) -> AnalysisError:
     return AnalysisError(
         Fault("error", f"at t = {t:.6g} s the program of 1996 fails: {reported}", id="SOLVE-033"), t
     )
+
+
+BLOCK = 64  # rows
+
+
+class AsPrinted:
+    """One run over the report times; `warnings` says that the numbers are not those of the mechanism.
+
+    The audit of the rows is that of the equations without errors: it shows what the errors do.
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        settings: dict[str, Any] | None = None,
+        errors: frozenset[str] = ALL_ERRORS,
+        block: int = BLOCK,
+    ):
+        if len(mechanism.bodies) > MOST_BODIES:
+            reported = f"the program of 1996 holds {MOST_BODIES} bodies, the deck has {len(mechanism.bodies)}"
+            raise ModelError([Fault("error", f"{reported}; run it without --as-printed", id="SOLVE-031")])
+        self.mechanism, self.block = mechanism, block
+        self.program = Program(mechanism, errors, settings)
+        self.reference = Program(mechanism, frozenset())
+        # Screws count slide and turn from the estimates.
+        self.reference.residuals(*self.program.state.motion, mechanism.time.time(0))
+        self.warnings = [Fault("note", EMULATED, id="SOLVE-032")]
+
+    def rows(self) -> Iterator[Rows]:
+        """Yield the report rows in blocks; raises AnalysisError where the program fails."""
+        grid = self.mechanism.time
+        for first in range(0, grid.rows, self.block):
+            times = [grid.time(k) for k in range(first, min(first + self.block, grid.rows))]
+            found = [self._row(t) for t in times]
+            states, audit = (np.array(part) for part in zip(*found, strict=True))
+            yield rows_of(self.mechanism, np.array(times), states, audit)
+
+    def _row(self, t: float) -> tuple[np.ndarray, tuple[float, float, int]]:
+        """States (3, 7 n), and residuals of positions and speeds with Newton's iterations."""
+        state, iterations = self.program.advance(t)
+        gap, rate = self.reference.residuals(state[0], state[1], t)
+        return state.reshape(3, -1), (gap, rate, iterations)

@@ -10,10 +10,12 @@ from ...kernels.laws import COORDINATE, EFFORT, ENERGY, POWER, SPEED
 from ...model.arrays.dynamic import DynamicArrays
 from ...model.arrays.element_table import coordinates_of_joints
 from ...model.arrays.system import SystemArrays
+from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.joint_elements import JointElements, names_of
 from ...model.laws import FRICTION, MOTOR, parts_in_arrays
 from ...model.loads import DynamicModel
 from ...model.vectors import cross_rows
+from .flexible_rows import FlexibleRows, flexible_rows
 from .rows import DynamicRows, dynamic_rows, global_axes
 
 
@@ -127,3 +129,34 @@ def _in_order_of_deck(model: DynamicModel, arrays: DynamicArrays, report: Report
         # The body of a function's equation is its body J, that of a driver or support its body I.
         found = np.insert(found, place, others[:, k, ::-1], axis=1)
     return found
+
+
+@dataclass(frozen=True)
+class FlexibleElementRows(FlexibleRows):
+    """Rows with joint coordinates, springs and elements, as those of `ElementRows`."""
+
+    joint_coordinate: np.ndarray  # (T, joint coordinates)
+    joint_rate: np.ndarray  # (T, joint coordinates)
+    element_coordinate: np.ndarray  # (T, elements)
+    element_rate: np.ndarray  # (T, elements)
+    element_effort: np.ndarray  # (T, elements)
+    element_power: np.ndarray  # (T, elements)
+    element_energy: np.ndarray  # (T, elements)
+    element_work: np.ndarray  # (T, elements)
+    dissipated: np.ndarray  # (T,)
+    coupling_effort: np.ndarray  # (T, couplings)
+
+
+def flexible_element_rows(
+    mechanism: FlexibleMechanism, arrays: SystemArrays, report: Report
+) -> FlexibleElementRows:
+    """The rows of a report in the terms of the model."""
+    rows = flexible_rows(mechanism, arrays, report)
+    kept = {field.name: getattr(rows, field.name) for field in fields(FlexibleRows)}
+    first = len(mechanism.forces) + len(mechanism.torques)
+    count = len(coordinates_of_joints(mechanism.joints))
+    return FlexibleElementRows(
+        **kept,
+        **element_answers(report, first, mechanism.elements, count),
+        coupling_effort=coupling_efforts(report, arrays, mechanism.elements),
+    )

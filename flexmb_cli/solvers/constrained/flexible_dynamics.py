@@ -16,9 +16,9 @@ from ..start_attitudes import refuse_half_turns, start_attitudes, turn_warnings,
 from .analysis import LinearisableMotion
 from .flexible_rows import FlexibleRows, flexible_rows
 from .initial_gaps import gap_warnings
-from .joint_rates import rate_equations
 from .position import PositionGaps
 from .rows import global_axes
+from .start import rate_equations
 from .start_speeds import given_speeds
 from .system import with_driven
 
@@ -102,7 +102,7 @@ class FlexibleDynamics(LinearisableMotion):
     def block(self, report: Report) -> FlexibleRows:
         """The rows of a report in the terms of the model."""
         if self.mechanism.elements:
-            from .flexible_element_rows import flexible_element_rows
+            from .element_rows import flexible_element_rows
 
             return flexible_element_rows(self.mechanism, self.arrays, report)
         return flexible_rows(self.mechanism, self.arrays, report)

@@ -26,8 +26,7 @@ from ...model.tree_as_mechanism.frames import Frames, hinge_frames
 from ...model.tree_as_mechanism.hinges import add_closures, add_hinges, add_prescribed
 from ...model.tree_as_mechanism.limits import refuse_foreign
 from ...model.tree_as_mechanism.loads import tree_loads
-from ...model.tree_as_mechanism.planar_tree import repeated_in_planar_tree
-from ...model.tree_as_mechanism.poses import elastic_start, first_poses
+from ...model.tree_as_mechanism.poses import elastic_start, first_poses, repeated_in_planar_tree
 from ..checkpoint import taken
 from ..projection import RESIDUAL_MET, largest
 from ..tree.loop_assembly import closed_tree

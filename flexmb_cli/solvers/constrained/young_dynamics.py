@@ -1,4 +1,10 @@
-"""Forward dynamics of a YOUNG deck's mechanism: its motion under loads and drivers."""
+"""Forward dynamics of a YOUNG deck's mechanism: its motion under loads and drivers.
+
+Inverse dynamics of a mechanism whose drivers at joints, couplings and supports prescribe its motion.
+
+The equations leave no speed free: every row is found by projection, and the steps only lead from one to the
+next.
+"""
 
 from typing import Any
 
@@ -12,12 +18,14 @@ from ...model.flexible_mechanism import NodePoint
 from ...model.joints import DRIVER
 from ...model.loads import DynamicModel
 from ...model.planar_loops import repeated_in_plane
+from ..kinematics.inverse_dynamics import undetermined
 from ..linearisation.terms import Terms, motors_of
+from ..singular.mobility import Mobility
 from .analysis import LinearisableMotion
 from .element_rows import element_rows
 from .initial_gaps import estimate_warnings
-from .joint_rates import rate_equations
 from .rows import DynamicRows, dynamic_rows
+from .start import rate_equations
 from .start_speeds import given_speeds
 
 
@@ -98,3 +106,14 @@ class ForwardDynamics(LinearisableMotion):
 
 def _point(body: int, place: tuple[float, float, float]) -> NodePoint:
     return NodePoint("", body, np.array(place), np.zeros((3, 0)))
+
+
+class DrivenDynamics(ForwardDynamics):
+    """One run over the report times of a model whose motion is prescribed."""
+
+    def start_position(self) -> Mobility:
+        """As `ForwardDynamics.start_position`; raises AnalysisError where something is free to move."""
+        found = super().start_position()
+        if found.free:
+            raise undetermined(self.model.mechanism.time.start)
+        return found

@@ -23,13 +23,12 @@ from .assembly import (
     assembly_failure,
     free_motion_error,
     redundancy_warning,
+    sized_equations,
     too_large_to_rank,
 )
 from .driver_axes import keeps_axis, refuse_contradicted_drive, refuse_off_axis_drive
-from .nearest_position import sized_equations
-from .position import Evaluator
+from .position import Evaluator, KinematicSettings
 from .rows import Rows, first_rows, joined_rows, rows_of
-from .settings import KinematicSettings
 from .system import kinematic_system, with_dependent_columns
 
 if TYPE_CHECKING:

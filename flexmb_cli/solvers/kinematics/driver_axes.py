@@ -24,7 +24,7 @@ from .system import kinematic_system
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from .settings import KinematicSettings
+    from .position import KinematicSettings
 
 
 UPRIGHT = 1e-9

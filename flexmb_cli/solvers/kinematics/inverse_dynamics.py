@@ -16,8 +16,8 @@ from ..constrained.coinciding_ends import refuse_coinciding_ends
 from ..constrained.rows import DynamicRows, body_axes, dynamic_rows
 from ..constrained.system import blank_report, constrained_system, new_work
 from .analysis import KinematicAnalysis
+from .position import KinematicSettings
 from .rows import Rows
-from .settings import KinematicSettings
 
 
 class InverseDynamics:

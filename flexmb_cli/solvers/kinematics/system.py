@@ -5,7 +5,7 @@ import numpy as np
 from ...kernels.kinematics.newton import COLUMN, RANK, System
 from ...model.arrays.kinematic import KinematicArrays
 from ...model.joints import DRIVER, SIMPLIFIED
-from .settings import KinematicSettings
+from .position import KinematicSettings
 
 
 def kinematic_system(arrays: KinematicArrays, settings: KinematicSettings) -> System:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import AnalysisError
-from ..kinematics.nearest_position import nearest_position
+from ..kinematics.assembly import nearest_position
 from ..projection import RESIDUAL_MET
 from .conditioning import conditioning, conditioning_text, weakest_joints
 from .mobility import about, gap_norms, worst_gaps

@@ -259,7 +259,7 @@ class TreeAnalysis:
                 self._warn_of_repetition(self.repeated)
 
     def _warn_of_repetition(self, repeated: np.ndarray) -> None:
-        from .redundancy import repetition
+        from .loop_assembly import repetition
 
         self.warnings += filter(None, [repetition(self.tree, repeated)])
 

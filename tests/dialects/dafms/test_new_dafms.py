@@ -7,12 +7,11 @@ import pytest
 
 from flexmb_cli.deck.dialogue import Dialogue, draft_text, from_draft
 from flexmb_cli.deck.text import decode, read_text
-from flexmb_cli.dialects.dafms.beam import Beam
+from flexmb_cli.dialects.dafms.beam import Beam, full_matrix
 from flexmb_cli.dialects.dafms.build import build_dafms
 from flexmb_cli.dialects.dafms.cards import CARDS
 from flexmb_cli.dialects.dafms.deck_writer import ADDED, OPTIONAL
 from flexmb_cli.dialects.dafms.form import DafmsForm
-from flexmb_cli.dialects.dafms.skyline import full_matrix
 from flexmb_cli.dialects.recognise import read_deck
 from tests.dialects.dafms.dafms_decks import read
 from tests.dialects.dafms.test_dafms_elements import deck

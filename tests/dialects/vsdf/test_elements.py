@@ -10,8 +10,8 @@ import pytest
 
 from flexmb_cli.dialects.vsdf.build import build_vsdf
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
+from flexmb_cli.solvers.constrained.element_rows import FlexibleElementRows
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
-from flexmb_cli.solvers.constrained.flexible_element_rows import FlexibleElementRows
 from tests.dialects.vsdf.vsdf_decks import read, reported
 from tests.solvers.constrained.element_decks import ARM
 from tests.solvers.constrained.element_decks import rows_of as young_rows

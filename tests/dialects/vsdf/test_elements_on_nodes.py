@@ -18,8 +18,8 @@ from flexmb_cli.run.context import Run
 from flexmb_cli.run.mechanism_modes import Wish, flexible_modes
 from flexmb_cli.run.outcome import Listener, Outcome, RunOptions
 from flexmb_cli.run.verify.verify import verify_deck
+from flexmb_cli.solvers.constrained.element_rows import FlexibleElementRows
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
-from flexmb_cli.solvers.constrained.flexible_element_rows import FlexibleElementRows
 from tests.dialects.vsdf.vsdf_decks import read
 from tests.fe.trusses import truss, write_matrix
 

@@ -12,7 +12,7 @@ from flexmb_cli.cli.run import run
 from flexmb_cli.fe.elements.element_stiffness import BodyElements, assembled, element_stiffness
 from flexmb_cli.fe.elements.solid_elements import FORMULATIONS, elasticity, solid_elements
 from flexmb_cli.fe.elements.stress_shapes import nodal_stresses
-from flexmb_cli.results.figures.element_faces import outer_faces_of_elements
+from flexmb_cli.results.figures.element_bodies import outer_faces_of_elements
 from scripts.brick_beam import Beam
 from scripts.plate_with_hole import Strap
 from tests.dialects.vsdf.vsdf_decks import DECKS

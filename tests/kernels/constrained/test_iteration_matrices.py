@@ -19,7 +19,7 @@ from flexmb_cli.kernels.integrators import generalised_alpha, radau5
 from flexmb_cli.kernels.integrators.generalised_alpha_step import _set_matrix
 from flexmb_cli.kernels.integrators.radau5_step import prepare, renew_matrices
 from flexmb_cli.kernels.linalg.cholesky import cholesky_solve
-from flexmb_cli.kernels.linalg.complex_ldl import solve_symmetric
+from flexmb_cli.kernels.linalg.profile_ldl import solve_symmetric
 from flexmb_cli.model.joints import ANGLE, STROKE
 from flexmb_cli.model.laws import At, Line, spring
 from flexmb_cli.solvers.constrained.system import dense_jacobian

@@ -9,7 +9,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOHDF import vtkHDFReader
 
 from flexmb_cli.cli.export import export
-from flexmb_cli.results.figures.element_faces import face_edges, outer_faces_of_elements, triangles
+from flexmb_cli.results.figures.element_bodies import face_edges, outer_faces_of_elements, triangles
 from flexmb_cli.results.figures.report_scene import with_centres
 from scripts.brick_beam import Beam
 from tests.fe.elements.test_stress_results import result  # noqa: F401

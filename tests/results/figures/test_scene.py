@@ -11,8 +11,7 @@ from flexmb_cli.deck.record import DeckText
 from flexmb_cli.dialects.dafms.build import build_dafms
 from flexmb_cli.dialects.dafms.reader import read_dafms
 from flexmb_cli.model.mechanism import Joint
-from flexmb_cli.results.figures.gabriel_graph import different, gabriel_edges
-from flexmb_cli.results.figures.scene import read_scene, rotations
+from flexmb_cli.results.figures.scene import different, gabriel_edges, read_scene, rotations
 from flexmb_cli.results.figures.view import view_of
 from flexmb_cli.results.hdf5.layout import EULER_PARAMETER, XYZ, Axis, Layout, Series, numbered_axis
 from flexmb_cli.results.hdf5.motion_series import BODY_MOTION

@@ -5,7 +5,7 @@ import zlib
 
 import pytest
 
-from flexmb_cli.results.files.framed import framed, whole_payloads
+from flexmb_cli.results.files.durable import framed, whole_payloads
 
 HEAD = struct.Struct("<QI")
 PAYLOADS = [b"first", b"", b"the third"]

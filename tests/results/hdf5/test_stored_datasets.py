@@ -6,7 +6,7 @@ import pytest
 from flexmb_cli.results.diff import hdf5 as diff_hdf5
 from flexmb_cli.results.diff.hdf5 import compare_hdf5
 from flexmb_cli.results.diff.tolerances import Tolerances
-from flexmb_cli.results.hdf5.stored_datasets import StoredDatasets
+from flexmb_cli.results.hdf5.stored_result import StoredDatasets
 from flexmb_cli.results.quantities import quantity_names
 from flexmb_cli.results.quantities.quantity_names import families
 from tests.results.results import write_result

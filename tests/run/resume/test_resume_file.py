@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 from flexmb_cli.errors import ModelError, OutputError
-from flexmb_cli.run.checkpoint import ResumeFile
+from flexmb_cli.run.checkpoint import ResumeFile, is_whole
 from flexmb_cli.run.outcome import Listener
-from flexmb_cli.run.packed_arrays import is_whole
 from tests.run.dafms_runs import run
 from tests.run.resume.test_resume import error_of
 

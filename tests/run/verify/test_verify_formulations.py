@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from flexmb_cli.cli.verify import verify_text
 from flexmb_cli.model import laws
 from flexmb_cli.model.loads import AppliedForce, AppliedTorque, DynamicModel, MassProperties
 from flexmb_cli.model.mechanism import Body, Joint, Mechanism, TimeGrid
-from flexmb_cli.results.texts.verify_text import verify_text
 from flexmb_cli.run.outcome import RunOptions
 from flexmb_cli.run.verify.difference import Size, largest_difference
 from flexmb_cli.run.verify.verify import verify_deck

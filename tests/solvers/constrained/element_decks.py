@@ -7,9 +7,8 @@ import numpy as np
 from flexmb_cli.deck.text import decode
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
-from flexmb_cli.solvers.constrained.driven_dynamics import DrivenDynamics
 from flexmb_cli.solvers.constrained.element_rows import ElementRows
-from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
+from flexmb_cli.solvers.constrained.young_dynamics import DrivenDynamics, ForwardDynamics
 
 # Body 1 is the ground; body 2 is free.
 FREE = "2 0 0 0 0 0 0 0 0 0 0 1\n0 0 0 1 0 0 0\n0 0 0 1 0 0 0\n1 0 0 0 0 0 0\n"

@@ -20,8 +20,8 @@ from flexmb_cli.errors import DeckError, ModelError
 from flexmb_cli.results.diff.compare import compare
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
-from flexmb_cli.solvers.as_printed.analysis import AsPrinted
 from flexmb_cli.solvers.as_printed.errors import ALL_ERRORS, OVERRUN, SCREW, TRANSPOSED, WRONG_INDEX
+from flexmb_cli.solvers.as_printed.program import AsPrinted
 from tests.dialects.young.published_cells import Cell, _computed, _lines_by_owner
 from tests.dialects.young.published_listing import PRINTED, listing_text, our_listing, published_cells
 from tests.solvers.kinematics.solved import REPOSITORY, coordinates, joined, mechanism_of, rows_of_deck

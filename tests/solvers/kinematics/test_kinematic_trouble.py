@@ -19,7 +19,7 @@ from flexmb_cli.dialects.young.reader import read_young
 from flexmb_cli.errors import AnalysisError
 from flexmb_cli.solvers.kinematics import analysis, position
 from flexmb_cli.solvers.kinematics.analysis import KinematicAnalysis
-from flexmb_cli.solvers.kinematics.settings import KinematicSettings
+from flexmb_cli.solvers.kinematics.position import KinematicSettings
 from tests.solvers.kinematics.young_linkages import four_bar, gear, outcome, reported, slider_crank
 
 ONE_RADIAN = math.cos(1.0) + math.sqrt(9.0 - math.sin(1.0) ** 2)

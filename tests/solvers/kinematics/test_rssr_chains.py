@@ -11,7 +11,7 @@ from flexmb_cli.dialects.young.build import build_young
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.solvers.kinematics import analysis, position
 from flexmb_cli.solvers.kinematics.analysis import KinematicAnalysis
-from flexmb_cli.solvers.kinematics.settings import KinematicSettings
+from flexmb_cli.solvers.kinematics.position import KinematicSettings
 from tests.solvers.kinematics.geometry import Gaps
 from tests.solvers.kinematics.rssr import carried
 from tests.solvers.kinematics.rssr_chain import chain, deck_text, rod_ends, stage

@@ -1,8 +1,7 @@
 """Cards of the analysis and its results: stiffening, times, integrator, output, materials, shapes."""
 
 from ....model.integrators import METHODS
-from ..card import Card, Column, vector_columns, whole_column, word_column
-from .columns import BODY, MATRIX_FORMS, NODE
+from ..card import BODY, MATRIX_FORMS, NODE, Card, Column, vector_columns, whole_column, word_column
 
 WITHOUT_CARD = "GALF"  # method of a deck without the card INTG, and what `flexmb new` proposes
 # The first word of a column is the one that the dialogue proposes.

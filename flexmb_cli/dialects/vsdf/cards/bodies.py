@@ -1,8 +1,17 @@
 """Cards of bodies: their type, matrices, nodes, masses, and where they are and move at the start."""
 
 from ....fe.formats.formats import MAPPING_FORMATS
-from ..card import Card, Column, vector_columns, whole_column, word_column
-from .columns import BODY, MATRIX_FORMS, file_card, node_list_card
+from ..card import (
+    BODY,
+    MATRIX_FORMS,
+    Card,
+    Column,
+    file_card,
+    node_list_card,
+    vector_columns,
+    whole_column,
+    word_column,
+)
 
 NODE_FORMS = ("TXT", "CDB", "INP", "BDF")
 MAPPING_FORMS = tuple(MAPPING_FORMATS)

@@ -2,8 +2,7 @@
 
 from ....model.time_functions import JOINT_STROKE, JOINT_TURN, ROTATIONS, TRANSLATIONS
 from .. import DIALECT
-from ..card import Card, Column, vector_columns, whole_column, word_column
-from .columns import BODY, NODE
+from ..card import BODY, NODE, Card, Column, vector_columns, whole_column, word_column
 
 JOINTS = tuple(DIALECT.joints)
 MOTIONS = (*TRANSLATIONS, *ROTATIONS, JOINT_TURN, JOINT_STROKE)
