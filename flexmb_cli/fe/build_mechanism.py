@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..deck.many_records import Made
 from ..errors import Fault, ModelError
-from ..model.fe_model import End, NodeJoint, NodeSpring, Pin, VsdfBody, VsdfModel
+from ..model.fe_model import End, NodeJoint, Pin, VsdfBody, VsdfModel
 from ..model.flexible_mechanism import (
     FlexibleMechanism,
     FloatingBody,
@@ -16,11 +17,10 @@ from ..model.flexible_mechanism import (
     PointForce,
     PointJoint,
     PointPin,
-    PointSpring,
 )
+from ..model.laws import Element, Frames, Line
 from ..model.mechanism import GROUND
 from ..model.vectors import euler_parameters
-from ..quick_dataclass import replace
 from .flexible_bodies import flexible_body
 
 if TYPE_CHECKING:
@@ -142,8 +142,7 @@ class _Points:
             model.motions,
             self._all(self._force, model.forces),
             model.torques,
-            self._all(self._spring, model.springs),
-            model.joint_springs,
+            tuple(map(self._spring, model.springs)),
             self._all(self.point, model.outputs),
             elements=self._elements(),
         )
@@ -180,11 +179,13 @@ class _Points:
         given = self.model.elements
         if not given:
             return given
-        between = {"lines": given.lines, "bushings": given.bushings}
-        return replace(given, **{name: tuple(map(self._attached, items)) for name, items in between.items()})
+        return replace(given, forces=tuple(map(self._attached, given.forces)))
 
-    def _attached(self, item: Any) -> Any:
-        return replace(item, P_i=self.point(item.P_i), P_j=self.point(item.P_j))
+    def _attached(self, item: Element) -> Element:
+        ends = item.measure
+        if not isinstance(ends, Line | Frames):
+            return item
+        return replace(item, measure=ends._replace(P_i=self.point(ends.P_i), P_j=self.point(ends.P_j)))
 
     def _joint(self, joint: NodeJoint) -> PointJoint:
         a, b = (tuple(self.point(end) for end in side) for side in (joint.a, joint.b))
@@ -199,8 +200,9 @@ class _Points:
             force.name, self.point(force.end), force.force, force.follows, force.factor, force.place
         )
 
-    def _spring(self, spring: NodeSpring) -> PointSpring:
-        gap = self.model.global_position(spring.b) - self.model.global_position(spring.a)
-        length = float(np.linalg.norm(gap)) if math.isnan(spring.length) else spring.length
-        a, b = self.point(spring.a), self.point(spring.b)
-        return PointSpring(spring.name, a, b, spring.k, spring.c, length, spring.place)
+    def _spring(self, spring: Element) -> Element:
+        """The spring between points; its length at rest may be that at t = 0."""
+        if math.isnan(spring["rest"]):
+            a, b = map(self.model.global_position, (spring.measure.P_i, spring.measure.P_j))
+            spring = spring.with_values(rest=float(np.linalg.norm(b - a)))
+        return self._attached(spring)

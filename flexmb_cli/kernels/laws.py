@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 # The codes of model.laws; a test compares them.
 SPRING, CABLE, MOTOR, STOP = 1, 2, 3, 4
+# Numbers of friction: coefficients, speeds in m/s, radius in m, normal force besides that of the joint in N.
+DYNAMIC, STATIC, STRIBECK, CREEP, RADIUS, NORMAL_PRELOAD = 0, 1, 2, 3, 4, 5
 # Columns of the answers.
 COORDINATE, SPEED, EFFORT, POWER, STIFFNESS, DAMPING, NORMAL, ENERGY = 0, 1, 2, 3, 4, 5, 6, 7
 ANSWER_COLUMNS = 8
@@ -49,9 +51,9 @@ def _effort(
     law: "np.void", functions: "np.ndarray", knots: "np.ndarray", t: float, answer: "np.ndarray"
 ) -> tuple[float, float]:
     """Effort along the coordinate, and the part of it that has a potential; fills slopes and energy."""
-    x, v = answer[COORDINATE], answer[SPEED]
+    x, v, c, f = answer[COORDINATE], answer[SPEED], law["c"], law["f"]
     if law["shape"] == STOP:
-        lower, upper, k, b = law["c"][0], law["c"][1], law["c"][2], law["c"][3]
+        lower, upper, k, b = c[0], c[1], c[2], c[3]
         if x > upper:
             return _pushed_back(k, b, x - upper, v, -1.0, answer)
         if x < lower:
@@ -59,20 +61,21 @@ def _effort(
         return _pushed_back(k, b, 0.0, 0.0, 1.0, answer)
     if law["shape"] == MOTOR:
         answer[STIFFNESS], answer[DAMPING], answer[ENERGY] = 0.0, 0.0, 0.0
-        return law["preload"] + function_values(functions, knots, law["function"], t)[0], 0.0
-    s = x - law["free_length"]
+        return c[0] + function_values(functions, knots, f[0], t)[0], 0.0
     if law["shape"] == CABLE:
-        return _pushed_back(law["stiffness"], law["damping"], max(s, 0.0), v, -1.0, answer)
-    kept, lost = law["preload"] + law["stiffness"] * s, law["damping"] * v
-    answer[STIFFNESS], answer[DAMPING] = law["stiffness"], law["damping"]
-    answer[ENERGY] = (law["preload"] + 0.5 * law["stiffness"] * s) * s
-    if law["curve"] >= 0:
-        force, slope, _ = function_values(functions, knots, law["curve"], s)
+        return _pushed_back(c[0], c[2], max(x - c[1], 0.0), v, -1.0, answer)
+    k, s, b, preload = c[0], x - c[1], c[2], c[3]
+    kept, lost = preload + k * s, b * v
+    answer[STIFFNESS], answer[DAMPING] = k, b
+    answer[ENERGY] = (preload + 0.5 * k * s) * s
+    curve, energy, damper = f[0], f[1], f[2]
+    if curve >= 0:
+        force, slope, _ = function_values(functions, knots, curve, s)
         kept += force
         answer[STIFFNESS] += slope
-        answer[ENERGY] += function_values(functions, knots, law["energy"], s)[0]
-    if law["damper"] >= 0:
-        force, slope, _ = function_values(functions, knots, law["damper"], v)
+        answer[ENERGY] += function_values(functions, knots, energy, s)[0]
+    if damper >= 0:
+        force, slope, _ = function_values(functions, knots, damper, v)
         lost += force
         answer[DAMPING] += slope
     return -kept - lost, -kept
@@ -104,9 +107,10 @@ def answer_unit_friction(
 @kernel
 def friction_share(law: "np.void", v: float):
     """μ(v)/v and dμ/dv at the sliding speed v >= 0."""
-    x, fade = v / law["creep"], math.exp(-((v / law["stribeck"]) ** 2))
-    mu = law["dynamic"] + (law["static"] - law["dynamic"]) * fade
+    c = law["c"]
+    x, fade = v / c[CREEP], math.exp(-((v / c[STRIBECK]) ** 2))
+    mu = c[DYNAMIC] + (c[STATIC] - c[DYNAMIC]) * fade
     rise = math.tanh(x)
-    bend = -2.0 * (law["static"] - law["dynamic"]) * fade * v / law["stribeck"] ** 2
-    slope = mu * (1.0 - rise * rise) / law["creep"] + bend * rise
-    return (mu * rise / v if x > SMALL else mu / law["creep"]), slope
+    bend = -2.0 * (c[STATIC] - c[DYNAMIC]) * fade * v / c[STRIBECK] ** 2
+    slope = mu * (1.0 - rise * rise) / c[CREEP] + bend * rise
+    return (mu * rise / v if x > SMALL else mu / c[CREEP]), slope

@@ -5,15 +5,16 @@ by that of a node set.  Positions of nodes are in the axes of their node table, 
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import Place
-from ..quick_dataclass import dataclass, field
 from .flexible_body import FlexibleInput
 from .integrators import Integrator
 from .joint_elements import JointElements
+from .laws import Element
 from .mechanism import GROUND, TimeGrid, Vector
 from .time_functions import Motion, MotionFunction
 
@@ -140,31 +141,6 @@ class BodyTorque:
 
 
 @dataclass(frozen=True)
-class NodeSpring:
-    """A spring, N/m, with a damper, N s/m, between two nodes; `length` at rest, m, nan: as at t = 0."""
-
-    name: str
-    a: End
-    b: End
-    k: float
-    c: float
-    length: float
-    place: Place | None = None
-
-
-@dataclass(frozen=True)
-class JointSpring:
-    """A spring with damper in the angle or stroke of joint number `joint`, counted from 0."""
-
-    name: str
-    joint: int
-    k: float
-    c: float
-    q0: float
-    place: Place | None = None
-
-
-@dataclass(frozen=True)
 class StressSelection:
     """Selection of a body's stresses to report: its nodes and elements by number, and its largest one.
 
@@ -192,8 +168,7 @@ class VsdfModel:
     motions: tuple[Motion, ...] = ()
     forces: tuple[NodeForce, ...] = ()
     torques: tuple[BodyTorque, ...] = ()
-    springs: tuple[NodeSpring, ...] = ()
-    joint_springs: tuple[JointSpring, ...] = ()
+    springs: tuple[Element, ...] = ()  # in line, whose rest nan is the length at t = 0, then in joints
     gravity: Vector = (0.0, 0.0, 0.0)
     outputs: tuple[End, ...] = ()
     stresses: tuple[StressSelection, ...] = ()

@@ -5,16 +5,17 @@ from 0, the ground is -1.  SI units; `A` turns body axes into global ones.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import Place
-from ..quick_dataclass import dataclass, field
-from .fe_model import BodyTorque, JointSpring
+from .fe_model import BodyTorque
 from .flexible_body import FlexibleBody
 from .integrators import Integrator
 from .joint_elements import JointElements
+from .laws import Element
 from .mechanism import TimeGrid, Vector
 from .time_functions import Motion, MotionFunction
 
@@ -102,19 +103,6 @@ class PointForce:
 
 
 @dataclass(frozen=True)
-class PointSpring:
-    """A spring, N/m, with damper, N s/m, between two points; `length` at rest, m."""
-
-    name: str
-    a: NodePoint
-    b: NodePoint
-    k: float
-    c: float
-    length: float
-    place: Place | None = None
-
-
-@dataclass(frozen=True)
 class StressOutput:
     """Stresses of body number `body` that are reported, Pa per unit of each mode, body axes.
 
@@ -143,8 +131,7 @@ class FlexibleMechanism:
     motions: tuple[Motion, ...] = ()
     forces: Sequence[PointForce] = ()
     torques: tuple[BodyTorque, ...] = ()
-    springs: Sequence[PointSpring] = ()
-    joint_springs: tuple[JointSpring, ...] = ()
+    springs: Sequence[Element] = ()  # in line, then in joints
     outputs: Sequence[NodePoint] = ()
     stresses: tuple[StressOutput, ...] = ()
     shapes: tuple["Shape", ...] = ()

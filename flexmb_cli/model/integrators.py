@@ -1,9 +1,9 @@
 """Integrators of mechanisms: their words on cards and for `--method`, and what a deck says of one."""
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..errors import Fault
-from ..quick_dataclass import dataclass
 
 if TYPE_CHECKING:
     import numpy as np

@@ -1,33 +1,58 @@
-"""Force laws of elements in a joint coordinate, a record each.
+"""Force laws and the elements that follow them: a record for each law, one class for all elements.
 
-Cards of all dialects, their units, names, checks and conversion, and the arrays of both formulations follow
-from these records.  A new law is one record here and one branch of `kernels.laws`, of the same code.
+An `Element` is a measure with a law: x, the rate of x and an effort that drives x to larger values.
+
+| measure | x |
+|---|---|
+| `At(joint, coordinate)` | a joint or hinge coordinate: angle, rad, or stroke, m |
+| `Line(i, j, P_i, P_j)` | the distance of two points, m |
+| `Frames(i, j, P_i, P_j)` | six: displacements of P_j and turns of its frame, in the axes of body i |
+| `Joint(joint)` | none: friction of a joint |
+
+A `Law` has a word, the code of its branch in `kernels.laws`, `parameters`, and the types of `measures` that
+it can have.  `Element.values` are those of its parameters in their order: a float, three floats of a VECTOR,
+or a `MotionFunction` (None: none) of a parameter of type OF_TIME, OF_COORDINATE or OF_RATE; `element[name]`
+is one of them.  `Parameter.unit`, `Element.since`, `Element.idle` and `Element.parts` say what units,
+conversion, notes and names of results need.  Cards of all dialects and the arrays of both formulations follow
+from these records: a new law is one record here and one branch of `kernels.laws`, of the same code.
 """
 
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import Place
-from ..quick_dataclass import dataclass
+from .joints import ANGLE
 
-# Codes of laws with fields of their own; those of LAWS follow.
-SPRING, CABLE, MOTOR = 1, 2, 3
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+REQUIRED: Any = ...  # default of a parameter that must be given
+# Types of parameters.
+NUMBER, VECTOR = "number", "vector"
+OF_TIME, OF_COORDINATE, OF_RATE = "function of time", "function of the coordinate", "function of its rate"
+FUNCTIONS = (OF_TIME, OF_COORDINATE, OF_RATE)
+LENGTH, TURN = "m", "rad"
+ZERO = (0.0, 0.0, 0.0)
 
 
 class Parameter(NamedTuple):
-    """A number of a law; its unit is effort^effort coordinate^length s^time."""
+    """A parameter of a law; its unit is effort^effort coordinate^length s^time."""
 
     name: str  # in decks and results
     meaning: str  # {coordinate} and {effort} stand for the words of a card
     effort: int = 0  # power of the unit of the effort
     length: int = 0  # power of the unit of the coordinate
     time: int = 0  # power of the second
-    default: float | None = None  # in its unit; None: it must be given
+    default: Any = REQUIRED  # in its unit
     signed: bool = False  # whether it may be negative
     counted: bool = False  # a value of the coordinate: it counts from another start after a conversion
-    above: str = ""  # parameter than which it must be larger
+    above: str | float | None = None  # a number, or the parameter, than which it must be larger
+    kind: str = NUMBER  # NUMBER, VECTOR (x, y, z) or one of FUNCTIONS, whose values have the unit
+    turning: bool | None = None  # whether the coordinate is an angle; None: as that of the element
 
     def unit(self, turning: bool) -> str:
         """Return the unit in an angle or a stroke, such as N m s2/rad2."""
+        turning = turning if self.turning is None else self.turning
         powers = {
             "N m" if turning else "N": self.effort,
             "s": self.time,
@@ -40,58 +65,242 @@ class Parameter(NamedTuple):
         return " ".join(up or ["1"]) + ("/" + " ".join(down) if down else "")
 
 
+class At(NamedTuple):
+    """The coordinate of a joint, or of a hinge of a tree; joints are numbered from 0."""
+
+    joint: int
+    coordinate: str
+
+
+class Line(NamedTuple):
+    """The distance of two points: in body axes or nodes; body -1 is the ground."""
+
+    i: int
+    j: int
+    P_i: Any
+    P_j: Any
+
+
+class Frames(NamedTuple):
+    """Frames at two points that coincide in attitude at the estimates of YOUNG, elsewhere at the start.
+
+    A turn about x is the angle from y of i to y of j in the plane y z, and so on in cyclic order.
+    """
+
+    i: int
+    j: int
+    P_i: Any
+    P_j: Any
+
+
+class Joint(NamedTuple):
+    """A joint whose parts slide on each other."""
+
+    joint: int
+
+
+def is_angle(coordinate: str) -> bool:
+    """Return whether a coordinate of a joint or hinge is an angle rather than a length."""
+    return coordinate == ANGLE or coordinate.startswith("rotation")
+
+
 class Law(NamedTuple):
     """A law by its word in decks, of at most six letters, and its code."""
 
-    word: str  # behind the letter of the coordinate: TSTOP, ASTOP, HSTO
+    word: str  # of cards behind the letter of the coordinate: TSTOP, ASTOP, HSTO
     code: int  # that of its branch in `kernels.laws`
     parameters: tuple[Parameter, ...]  # in the order of the card
+    measures: tuple[type, ...] = (At,)  # that it can have
+    acting: tuple[str, ...] = ()  # parameters without which it does nothing, which is noted
 
     @property
     def optional(self) -> int:
         """Return how many parameters at the end of a card have defaults."""
-        given = [k for k, p in enumerate(self.parameters, 1) if p.default is None]
+        given = [k for k, p in enumerate(self.parameters, 1) if p.default is REQUIRED]
         return len(self.parameters) - max(given, default=0)
 
+    def values(self, **given: Any) -> tuple[Any, ...]:
+        """Return the values of all parameters by name, defaults for those left out."""
+        return tuple(given.get(p.name, p.default) for p in self.parameters)
 
+
+# -(preload + stiffness s + curve(s) + damping v + damper(v)), s = x - rest.
+SPRING = Law(
+    "SPRING",
+    1,
+    (
+        Parameter("stiffness", "{effort} per {coordinate}", 1, -1, 0, 0.0, signed=True),
+        Parameter("rest", "{coordinate} without {effort}", 0, 1, 0, 0.0, signed=True, counted=True),
+        Parameter("damping", "{effort} per rate", 1, -1, 1, 0.0, signed=True),
+        Parameter("preload", "{effort} at rest, against a positive {coordinate}", 1, 0, 0, 0.0, signed=True),
+        Parameter("curve", "function of {coordinate} - rest that adds to the {effort}", 1, default=None,
+                  kind=OF_COORDINATE),
+        Parameter("damper", "function of the rate that adds to the {effort}", 1, default=None, kind=OF_RATE),
+    ),
+    (At, Line),
+)  # fmt: skip
+# A cable pulls while it is longer than `rest`: stiffness s (1 + damping v), never less than 0.
+CABLE = Law(
+    "CABLE",
+    2,
+    (
+        Parameter("stiffness", "{effort} per stretch", 1, -1),
+        Parameter("rest", "{coordinate} up to which it is slack", 0, 1),
+        Parameter("damping", "share of the {effort} that a rate of 1 adds", 0, -1, 1, 0.0),
+    ),
+    (Line,),
+    ("stiffness",),
+)
 # Hunt and Crossley's force at the depth s > 0 beyond a limit: stiffness s (1 + damping ds/dt), never below 0.
 STOP = Law(
     "STOP",
     4,
     (
-        Parameter("lower", "least {coordinate}", length=1, default=0.0, signed=True, counted=True),
-        Parameter(
-            "upper", "largest {coordinate}", length=1, default=0.0, signed=True, counted=True, above="lower"
-        ),
-        Parameter("stiffness", "{effort} per depth", effort=1, length=-1),
-        Parameter("damping", "share of the force that a rate of 1 adds", length=-1, time=1, default=0.0),
+        Parameter("lower", "least {coordinate}", 0, 1, 0, 0.0, signed=True, counted=True),
+        Parameter("upper", "largest {coordinate}", 0, 1, 0, 0.0, signed=True, counted=True, above="lower"),
+        Parameter("stiffness", "{effort} per depth", 1, -1),
+        Parameter("damping", "share of the force that a rate of 1 adds", 0, -1, 1, 0.0),
     ),
+    (At,),
+    ("stiffness",),
 )
-LAWS = (STOP,)
+# Springs and dampers along and about the axes of body i: six linear springs.
+BUSHING = Law(
+    "BUSHING",
+    SPRING.code,
+    tuple(
+        Parameter(name, f"{what}, axes of body i", 1, -1, time, ZERO, kind=VECTOR, turning=turning)
+        for name, what, time, turning in (
+            ("k", "stiffness", 0, False),
+            ("kr", "stiffness against turns", 0, True),
+            ("c", "damping", 1, False),
+            ("cr", "damping of turns", 1, True),
+        )
+    ),
+    (Frames,),
+    ("k", "kr", "c", "cr"),
+)
+# An effort by a function of time, opposite on body i, besides a constant one.
+MOTOR = Law(
+    "MOTOR",
+    3,
+    (Parameter("function", "function of time that the {effort} follows", 1, kind=OF_TIME),),
+)
+LEAST_SPEED = 1e-100  # m/s, of friction: squares of speeds over it are still doubles
+# From the part N of the joint's reaction force across its axis plus `preload`: at the sliding speed v (radius
+# times rate of the angle, rate of the stroke, or the root of the sum of their squares) the force mu N opposes
+# sliding, mu = (dynamic + (static - dynamic) exp(-(v/stribeck)^2)) tanh(v/creep).  In a screw the force on
+# the flanks of its square thread adds to N.
+FRICTION = Law(
+    "FRICTION",
+    5,
+    (
+        Parameter("dynamic", "coefficient of sliding friction"),
+        Parameter("static", "coefficient of static friction"),
+        Parameter("stribeck", "speed in which one fades into the other", 0, 1, -1, above=LEAST_SPEED),
+        Parameter("creep", "speed in which friction rises from 0", 0, 1, -1, above=LEAST_SPEED),
+        Parameter("radius", "radius of the bearing", 0, 1, 0, 0.0),
+        Parameter("preload", "force between the parts besides the reaction", 1, 0, 0, 0.0),
+    ),
+    (Joint,),
+    ("dynamic", "static"),
+)
+LAWS = (SPRING, CABLE, STOP, BUSHING, MOTOR, FRICTION)
+COORDINATE_LAWS = tuple(law for law in LAWS if law.measures == (At,) and law is not MOTOR)
+PARTS_OF_FRAMES = (
+    ("x", LENGTH),
+    ("y", LENGTH),
+    ("z", LENGTH),
+    ("about x", TURN),
+    ("about y", TURN),
+    ("about z", TURN),
+)
 
 
 @dataclass(frozen=True)
-class JointLaw:
-    """A law in a joint coordinate, with the `values` of its parameters."""
+class Element:
+    """A force element: a law with the `values` of its parameters, and what it measures."""
 
     name: str
-    joint: int
-    coordinate: str
     law: Law
-    values: tuple[float, ...]
+    measure: Any  # At, Line, Frames or Joint
+    values: tuple[Any, ...]
     place: Place | None = None
 
-    def __getitem__(self, parameter: str) -> float:
+    def __getitem__(self, parameter: str) -> Any:
         """Return the value of a parameter."""
-        return self.values[[p.name for p in self.law.parameters].index(parameter)]
+        for p, value in zip(self.law.parameters, self.values, strict=True):
+            if p.name == parameter:
+                return value
+        raise KeyError(parameter)
 
-    def since(self, start: float) -> tuple[float, ...]:
-        """Return the values where the coordinate counts from `start`."""
-        return self._changed(lambda p, value: value - start if p.counted else value)
+    def with_values(self, **changed: Any) -> "Element":
+        """Return the element with other values of some parameters."""
+        return replace(self, values=self.changed(lambda p, value: changed.get(p.name, value)))
 
-    def in_units(self, effort: float, length: float) -> tuple[float, ...]:
-        """Return the values where the units of effort and coordinate are so many of the new ones."""
-        return self._changed(lambda p, value: effort**p.effort * length**p.length * value)
+    @property
+    def turning(self) -> bool:
+        """Return whether its coordinate is an angle."""
+        return isinstance(self.measure, At) and is_angle(self.measure.coordinate)
 
-    def _changed(self, change: Any) -> tuple[float, ...]:
+    @property
+    def linear(self) -> bool:
+        """Return whether it is a spring and damper without preload and functions."""
+        return self.law is SPRING and not (self["preload"] or self["curve"] or self["damper"])
+
+    @property
+    def idle(self) -> bool:
+        """Return whether it can never act; a spring without stiffness still shows its coordinate."""
+        acting = [self[name] for name in self.law.acting]
+        return bool(acting) and not any(any(x) if isinstance(x, tuple) else x for x in acting)
+
+    @property
+    def parts(self) -> list[tuple[str, str]]:
+        """Return its names in results, and the unit of each coordinate, "m" or "rad"."""
+        if isinstance(self.measure, Frames):
+            return [(f"{self.name} {part}", unit) for part, unit in PARTS_OF_FRAMES]
+        return [(self.name, TURN if self.turning else LENGTH)]
+
+    def since(self, start: float) -> "Element":
+        """Return the element where the coordinate counts from `start`."""
+        return replace(self, values=self.changed(lambda p, value: value - start if p.counted else value))
+
+    def numbers(self, number: "Callable[[Any], int]") -> tuple[Any, ...]:
+        """Return the values one after the other, functions by their `number`, 0 for none."""
+        found: list[Any] = []
+        for p, value in zip(self.law.parameters, self.values, strict=True):
+            if p.kind in FUNCTIONS:
+                found.append(number(value) if value else 0)
+            else:
+                found += value if p.kind == VECTOR else [value]
+        return tuple(found)
+
+    def changed(self, change: "Callable[[Parameter, Any], Any]") -> tuple[Any, ...]:
+        """Return what `change` makes of each parameter and its value."""
         return tuple(change(p, value) for p, value in zip(self.law.parameters, self.values, strict=True))
+
+
+def spring(
+    name: str,
+    measure: At | Line,
+    stiffness: float = 0.0,
+    rest: float = 0.0,
+    damping: float = 0.0,
+    place: Place | None = None,
+) -> Element:
+    """Return a linear spring and damper."""
+    values = SPRING.values(stiffness=stiffness, rest=rest, damping=damping)
+    return Element(name, SPRING, measure, values, place)
+
+
+def motors_last(elements: "Iterable[Element]") -> tuple[Element, ...]:
+    """Return elements in their order, but motors after all others, as results have them."""
+    return tuple(sorted(elements, key=lambda item: item.law is MOTOR))
+
+
+def parts_in_arrays(elements: "Iterable[Element]") -> list[tuple[Element, int]]:
+    """Return the element of each part in results, and its place in arrays, which have friction last."""
+    parts = [item for item in elements for _ in item.parts]
+    in_arrays = sorted(range(len(parts)), key=lambda k: parts[k].law is FRICTION)
+    place = {k: n for n, k in enumerate(in_arrays)}
+    return [(item, place[k]) for k, item in enumerate(parts)]

@@ -5,12 +5,13 @@ body unless the text says global.  Every item keeps its readable name and its pl
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import Literal
 
 from ..errors import Place
-from ..quick_dataclass import dataclass, field
 from .integrators import Integrator
 from .joint_elements import JointElements
+from .laws import Element
 from .mechanism import Mechanism, Vector
 from .time_functions import MotionFunction
 
@@ -58,24 +59,6 @@ class AppliedTorque:
 
 
 @dataclass(frozen=True)
-class SpringDamper:
-    """A spring and damper in line between point `P_i` of body i and `P_j` of body j.
-
-    It pulls with stiffness (N/m) times (length - free_length) plus damping (N s/m) times the rate.
-    """
-
-    name: str
-    i: int
-    j: int
-    P_i: Vector
-    P_j: Vector
-    stiffness: float = 0.0
-    free_length: float = 0.0
-    damping: float = 0.0
-    place: Place | None = None
-
-
-@dataclass(frozen=True)
 class InitialVelocity:
     """Velocity (m/s) of a body's origin and angular velocity (rad/s) at the start, global axes."""
 
@@ -99,10 +82,10 @@ class DynamicModel:
     masses: Sequence[MassProperties] = ()
     forces: Sequence[AppliedForce] = ()
     torques: Sequence[AppliedTorque] = ()
-    springs: Sequence[SpringDamper] = ()
+    springs: Sequence[Element] = ()  # in line
     gravity: Vector = NOWHERE
     velocities: Sequence[InitialVelocity] = ()
-    integrator: Integrator = Integrator()
+    integrator: Integrator = field(default_factory=Integrator)
     elements: JointElements = field(default_factory=JointElements)
 
     @property

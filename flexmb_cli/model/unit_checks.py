@@ -7,12 +7,12 @@ tonnes with all else in SI units divide densities by a thousand.
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from ..errors import Fault, FaultList, Place
-from ..quick_dataclass import dataclass
 
 if TYPE_CHECKING:  # a run imports the models of its own dialect only
     from collections.abc import Callable, Iterator, Sequence

@@ -16,8 +16,9 @@ from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.dafms.build import build_dafms
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.interface import solve
+from flexmb_cli.model import laws
 from flexmb_cli.model.integrators import Integrator
-from flexmb_cli.model.loads import AppliedForce, DynamicModel, InitialVelocity, SpringDamper
+from flexmb_cli.model.loads import AppliedForce, DynamicModel, InitialVelocity
 from flexmb_cli.model.mechanism import Joint, Mechanism, TimeGrid
 from flexmb_cli.model.tree import Body, Hinge, Tree
 from flexmb_cli.results.hdf5.dynamic import dynamic_values
@@ -110,7 +111,7 @@ def spatial_chain():
     )  # fmt: skip
     mechanism = Mechanism(bodies, TimeGrid(0.0, 0.2, 0.05), joints, grounds=(AT_REST,))
     masses = tuple(mass for mass in uneven_masses(5) if mass.body)
-    springs = (SpringDamper("k", 4, 2, (0.1, 0, 0), (0, 0.2, 0), 60.0, 1.0, 2.0),)
+    springs = (laws.spring("k", laws.Line(4, 2, (0.1, 0, 0), (0, 0.2, 0)), 60.0, 1.0, 2.0),)
     forces = (
         AppliedForce("f", 3, (3.0, -2.0, 1.0), (0.1, 0.2, 0.3)),
         AppliedForce("g", 2, (1.0, 2.0, 0.5), (0.2, 0.0, 0.1), following=True),

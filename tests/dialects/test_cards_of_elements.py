@@ -81,7 +81,7 @@ WRONG_VSDF = {
     ),
     "FRIC": (
         "FRIC\n 1,0.2,0.2,0,0.01,0.1",
-        ":12: error: friction 1: stribeck is a speed above 1e-100; read 0",
+        ":12: error: friction 1: stribeck must be above 1e-100; read 0",
     ),
     "RATE": ("RATE\n 1,3,1", ":4: error: rate 1: must be 1 (angle) or 2 (stroke); read 3"),
     "OUTJ": ("OUTJ\n 2", ":2: error: joint output 1: on is 0 or 1; read 2"),

@@ -105,7 +105,7 @@ def test_lengths_at_rest_are_those_of_the_start_where_the_deck_is_silent():
     springs = "    1    0    1    2    3      10.0\n2,0,1,2,3,10.0,0.0,0.0\n"
     text = changed(("GRAV\n", f"SPRI\n{springs}GRAV\n"))
     first, second = mechanism(text).springs
-    assert (first.length, second.length) == (pytest.approx(1.5), 0.0)
+    assert (first["rest"], second["rest"]) == (pytest.approx(1.5), 0.0)
 
 
 def test_distances_are_those_of_the_start_where_the_deck_is_silent():

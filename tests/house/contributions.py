@@ -234,7 +234,7 @@ FORMAT = {
 LAW = {
     "flexmb_cli/model/laws.py": [
         (
-            ",)\n\n\n@dataclass(frozen=True)\nclass JointLaw",
+            ")\nCOORDINATE_LAWS",
             ',\n    Law("SQUARE", 11, (Parameter("drag", "{effort} per square of the rate", 1, -2, 2),)),\n'
             "    Law(\n"
             '        "CUBE",\n'
@@ -249,13 +249,13 @@ LAW = {
     "flexmb_cli/kernels/laws.py": [
         ("# Columns of the answers.", "SQUARE, CUBE = 11, 12\n"),
         (
-            '    s = x - law["free_length"]\n',
+            '    if law["shape"] == CABLE:\n',
             '    if law["shape"] == SQUARE:\n'
-            '        drag = law["c"][0]\n'
+            "        drag = c[0]\n"
             "        answer[STIFFNESS], answer[DAMPING], answer[ENERGY] = 0.0, 2.0 * drag * abs(v), 0.0\n"
             "        return -drag * abs(v) * v, 0.0\n"
             '    if law["shape"] == CUBE:\n'
-            '        k, s = law["c"][0], x - law["c"][1]\n'
+            "        k, s = c[0], x - c[1]\n"
             "        answer[STIFFNESS], answer[DAMPING] = 3.0 * k * s * s, 0.0\n"
             "        answer[ENERGY] = 0.25 * k * s**4\n"
             "        return -k * s**3, -k * s**3\n",

@@ -17,19 +17,18 @@ from flexmb_cli.kernels.laws import (
     friction_share,
 )
 from flexmb_cli.model.arrays.function_table import FunctionTable
-from flexmb_cli.model.arrays.laws import FRICTION_LAW, LAW, fill_friction, fill_law
-from flexmb_cli.model.joint_elements import JointFriction, JointSpring, LineSpring
-from flexmb_cli.model.laws import LAWS, STOP, JointLaw
+from flexmb_cli.model.arrays.laws import LAW, fill_law
+from flexmb_cli.model.laws import CABLE, COORDINATE_LAWS, FRICTION, SPRING, STOP, At, Element, Joint, Line
 from flexmb_cli.model.time_functions import POLYNOMIAL, MotionFunction
 from tests.naive.element_efforts import cable_effort, friction_per_speed, spring_effort, stop_effort
 
 H = 1e-5
 CURVE, DAMPER = (MotionFunction(POLYNOMIAL, c) for c in ((0.5, 2.0, 3.0, 0.4), (0.1, 1.5, 0.0, 0.3)))
 CASES = {
-    "spring": (JointSpring("", 0, "", 20.0, 0.3, 1.5, 2.0), spring_effort),
-    "curves": (JointSpring("", 0, "", 20.0, 0.3, 1.5, 2.0, CURVE, DAMPER), spring_effort),
-    "cable": (LineSpring("", 0, 0, (), (), 80.0, 0.2, 0.3, slack=True), cable_effort),
-    "stop": (JointLaw("", 0, "", STOP, (-0.1, 0.25, 90.0, 0.4)), stop_effort),
+    "spring": (Element("", SPRING, At(0, ""), (20.0, 0.3, 1.5, 2.0, None, None)), spring_effort),
+    "curves": (Element("", SPRING, At(0, ""), (20.0, 0.3, 1.5, 2.0, CURVE, DAMPER)), spring_effort),
+    "cable": (Element("", CABLE, Line(0, 0, (), ()), (80.0, 0.2, 0.3)), cable_effort),
+    "stop": (Element("", STOP, At(0, ""), (-0.1, 0.25, 90.0, 0.4)), stop_effort),
 }
 STATES = [(x, v) for x in (-0.7, 0.1, 0.9) for v in (-3.0, 0.2, 2.0)]
 
@@ -37,7 +36,7 @@ STATES = [(x, v) for x in (-0.7, 0.1, 0.9) for v in (-3.0, 0.2, 2.0)]
 def answered(item, x, v):
     """What a law answers at a coordinate and its rate, kernels interpreted."""
     table, record, answer = FunctionTable(), np.zeros(1, LAW)[0], np.zeros(ANSWER_COLUMNS)
-    fill_law(record, item, table)
+    fill_law(record, item.law, item.values, table)
     answer[COORDINATE], answer[SPEED] = x, v
     with interpreting():
         answer_law(record, *table.function_arrays().values(), 0.0, True, answer)
@@ -56,7 +55,10 @@ def test_a_law_answers_what_defines_it(item, defined):
 @pytest.mark.parametrize(
     "item",
     [item for item, _ in CASES.values()]
-    + [JointLaw("", 0, "", law, tuple(0.2 + 0.3 * np.arange(len(law.parameters)))) for law in LAWS],
+    + [
+        Element("", law, At(0, ""), tuple(0.2 + 0.3 * np.arange(len(law.parameters))))
+        for law in COORDINATE_LAWS
+    ],
 )
 def test_slopes_of_a_law_are_those_of_its_effort_and_its_energy_has_the_part_without_power(item):
     for x, v in STATES:
@@ -71,9 +73,9 @@ def test_slopes_of_a_law_are_those_of_its_effort_and_its_energy_has_the_part_wit
 
 
 def test_friction_slides_with_its_coefficient():
-    item = JointFriction("", 0, 0.2, 0.35, 0.4, 0.05)
-    record = np.zeros(1, np.dtype([*FRICTION_LAW.descr, ("preload", np.float64)]))[0]
-    fill_friction(record, item)
+    item = Element("", FRICTION, Joint(0), (0.2, 0.35, 0.4, 0.05, 0.0, 0.0))
+    record = np.zeros(1, LAW)[0]
+    fill_law(record, item.law, item.values)
     with interpreting():
         for v in (0.0, 1e-9, 0.03, 0.5, 4.0):
             share, slope = friction_share(record, v)

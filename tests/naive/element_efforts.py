@@ -1,4 +1,4 @@
-"""Efforts of springs, stops, cables, bushings and friction by their definitions (`model.joint_elements`).
+"""Efforts of springs, stops, cables, bushings and friction by their definitions (`model.laws`).
 
 Written apart from `kernels.laws`, which tests compare with them.
 """
@@ -6,8 +6,7 @@ Written apart from `kernels.laws`, which tests compare with them.
 import math
 from typing import NamedTuple
 
-from flexmb_cli.model.joint_elements import JointFriction, JointSpring, LineSpring
-from flexmb_cli.model.laws import JointLaw
+from flexmb_cli.model.laws import Element
 from flexmb_cli.model.time_functions import MotionFunction, integral_of
 
 SLOW = 1e-9  # of the creep speed: tanh(x) / x is 1 there
@@ -21,14 +20,15 @@ class Effort(NamedTuple):
     energy: float  # J, that potential
 
 
-def spring_effort(item: JointSpring | LineSpring, x: float, v: float) -> Effort:
+def spring_effort(item: Element, x: float, v: float) -> Effort:
     """Spring and damper, linear and by curves."""
-    s = x - item.rest
-    kept = -item.preload - item.stiffness * s - _value(item.curve, s)
-    lost = -item.damping * v - _value(item.damper, v)
-    energy = item.preload * s + 0.5 * item.stiffness * s * s
-    if item.curve is not None:
-        integral = integral_of(item.curve)
+    stiffness, rest, damping, preload, curve, damper = item.values
+    s = x - rest
+    kept = -preload - stiffness * s - _value(curve, s)
+    lost = -damping * v - _value(damper, v)
+    energy = preload * s + 0.5 * stiffness * s * s
+    if curve is not None:
+        integral = integral_of(curve)
         assert integral is not None, "a curve is no product"
         energy += integral.at(s)[0]
     return Effort(kept + lost, kept, energy)
@@ -38,12 +38,13 @@ def _value(function: MotionFunction | None, x: float) -> float:
     return 0.0 if function is None else function.at(x)[0]
 
 
-def cable_effort(item: LineSpring, x: float, v: float) -> Effort:
+def cable_effort(item: Element, x: float, v: float) -> Effort:
     """A cable: Hunt and Crossley's force beyond its length."""
-    return _pushed_back(item.stiffness, item.damping, max(x - item.rest, 0.0), v, -1.0)
+    stiffness, rest, damping = item.values
+    return _pushed_back(stiffness, damping, max(x - rest, 0.0), v, -1.0)
 
 
-def stop_effort(item: JointLaw, x: float, v: float) -> Effort:
+def stop_effort(item: Element, x: float, v: float) -> Effort:
     """Stops: Hunt and Crossley's force beyond either."""
     lower, upper, stiffness, damping = item.values
     if x > upper:
@@ -59,8 +60,9 @@ def _pushed_back(stiffness: float, damping: float, depth: float, approach: float
     )
 
 
-def friction_per_speed(item: JointFriction, v: float) -> float:
+def friction_per_speed(item: Element, v: float) -> float:
     """Return mu(v) / v at the sliding speed v >= 0, s/m."""
-    mu = item.dynamic + (item.static - item.dynamic) * math.exp(-((v / item.stribeck) ** 2))
-    x = v / item.creep
-    return mu / item.creep if x < SLOW else mu * math.tanh(x) / v
+    dynamic, static, stribeck, creep = item.values[:4]
+    mu = dynamic + (static - dynamic) * math.exp(-((v / stribeck) ** 2))
+    x = v / creep
+    return mu / creep if x < SLOW else mu * math.tanh(x) / v

@@ -168,8 +168,8 @@ def applied(tree, particles, q, y, J, turns):
             F[here] -= body.elastic.stiffness @ q[here]
             if body.elastic.damping is not None:
                 F[here] -= body.elastic.damping @ y[here]
-    for s in tree.elements.springs:
-        motion, axis = s.coordinate.split()
-        m = particles.index[s.joint, motion, int(axis), None]
-        F[m] -= s.stiffness * (q[m] - s.rest) + s.damping * y[m]
+    for s in tree.elements.forces:
+        motion, axis = s.measure.coordinate.split()
+        m = particles.index[s.measure.joint, motion, int(axis), None]
+        F[m] -= s["stiffness"] * (q[m] - s["rest"]) + s["damping"] * y[m]
     return F

@@ -2,7 +2,9 @@
 
 import numpy as np
 
-from flexmb_cli.model.joint_elements import JointElements, JointMotor, JointSpring
+from flexmb_cli.model.joint_elements import JointElements
+from flexmb_cli.model.laws import MOTOR, At, Element
+from flexmb_cli.model.laws import spring as spring_of
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.time_functions import HELD_TABLE, MotionFunction
 from flexmb_cli.model.tree import (
@@ -73,7 +75,7 @@ def random_tree(seed, bodies=5, flexible=0.5, tilted=False, **options):
         hinges.append(random_hinge(rng, parts, k, tilted))
     n = len(generalized_coordinates(parts, hinges))
     springs = random_springs(rng, hinges)
-    options.setdefault("elements", JointElements(springs=options.pop("springs", springs)))
+    options.setdefault("elements", JointElements(forces=options.pop("springs", springs)))
     options.setdefault("time", TimeGrid(0.0, 1.0, 0.1))
     return Tree(
         tuple(parts),
@@ -108,25 +110,25 @@ def random_hinge(rng, parts, k, tilted):
 
 def spring(body, motion, axis, stiffness=0.0, damping=0.0, rest=0.0):
     """A spring and damper in a hinge coordinate."""
-    return JointSpring("spring", body, f"{motion} {axis}", stiffness, rest, damping)
+    return spring_of("spring", At(body, f"{motion} {axis}"), stiffness, rest, damping)
 
 
 def sprung(*springs):
     """The elements of a tree that has such springs."""
-    return JointElements(springs=tuple(spring(*each) for each in springs))
+    return JointElements(forces=tuple(spring(*each) for each in springs))
 
 
 def motored(body, motion, axis, *points):
     """The elements of a tree that has one motor, whose effort is linear between points (t, effort)."""
     times, values = zip(*points, (points[-1][0] + 1.0, points[-1][1]), strict=True)
     held = MotionFunction(HELD_TABLE, times=times, values=values, curvature=(0.0,) * len(times))
-    return JointElements(motors=(JointMotor("motor", body, f"{motion} {axis}", held),))
+    return JointElements(forces=(Element("motor", MOTOR, At(body, f"{motion} {axis}"), (held,)),))
 
 
 def where(element):
     """Body, motion and axis of an element in a hinge coordinate."""
-    motion, axis = element.coordinate.split()
-    return element.joint, motion, int(axis)
+    motion, axis = element.measure.coordinate.split()
+    return element.measure.joint, motion, int(axis)
 
 
 def random_springs(rng, hinges):

@@ -1,13 +1,13 @@
 """DAFMS decks with elements: `verify`, `modes`, state space, `--resume`; the note on closed directions."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from flexmb_cli.errors import AnalysisError
 from flexmb_cli.model.arrays import tree_elements
-from flexmb_cli.quick_dataclass import replace
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.context import Run
 from flexmb_cli.run.deck import run_deck
@@ -152,8 +152,8 @@ def test_a_bushing_that_turns_too_far_ends_the_recursion(method):
 def test_an_error_in_one_formulation_shows(tmp_path, monkeypatch):
     right = tree_elements.fill_law
 
-    def slightly_wrong(record, item, table):
-        right(record, item, table)["damping"] *= 1.001
+    def slightly_wrong(record, *law):
+        right(record, *law)["c"][2] *= 1.001  # the damping
 
     monkeypatch.setattr(tree_elements, "fill_law", slightly_wrong)
     found = verified(tmp_path, f"{SHORT}{CASES['line'][1]}\nEND \nSTAR\nSTOP\n")

@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
-from ...model.joint_elements import JointElements, JointMotor, JointSpring
+from ...model.joint_elements import JointElements
+from ...model.laws import MOTOR, At, Element, spring
 from ...model.time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
 from ...model.tree import (
     INERTIAL,
@@ -31,17 +32,17 @@ def build_functions_of_time(
     """Keyword arguments of `Tree` for everything that drives or loads it over time."""
     hinged = _HingeCards(values, hinges, findings)
     springs = [
-        JointSpring(record.subject, *_coordinate(where), stiffness, rest, place=record.place)
+        spring(record.subject, _coordinate(where), stiffness, rest, place=record.place)
         for record, where in hinged.entries("spring")
         for stiffness, rest in [_behind_the_hinge(record)]
     ]
     springs += _dampers(hinged, findings)
     motors = [
-        JointMotor(record.subject, *_coordinate(where), _constant(*_behind_the_hinge(record)), record.place)
+        _motor(record, where, _constant(*_behind_the_hinge(record)))
         for record, where in hinged.entries("motor")
     ]
     motors += [
-        JointMotor(record.subject, *_coordinate(where), _held(_table(record, findings)), record.place)
+        _motor(record, where, _held(_table(record, findings)))
         for record, where in hinged.entries("motor_table")
     ]
     drives = [
@@ -53,25 +54,29 @@ def build_functions_of_time(
     _check_rotations(values, bodies, findings)
     return {
         "torques": tuple(_pulses(values, bodies, findings) + _torque_tables(values, bodies, findings)),
-        "elements": JointElements(springs=tuple(springs), motors=tuple(motors)),
+        "elements": JointElements(forces=(*springs, *motors)),
         "prescribed": tuple(drives),
     }
 
 
-def _dampers(hinged: "_HingeCards", findings: Findings) -> list[JointSpring]:
+def _dampers(hinged: "_HingeCards", findings: Findings) -> list[Element]:
     dampers = []
     for record, where in hinged.entries("damper"):
         (damping,) = _behind_the_hinge(record)
         if damping < 0:
             message = f"CS = {damping}: a negative damper feeds energy in"
             findings.warn(record.subject, message, record.at("CS").place, id="DAFMS-056")
-        dampers.append(JointSpring(record.subject, *_coordinate(where), damping=damping, place=record.place))
+        dampers.append(spring(record.subject, _coordinate(where), damping=damping, place=record.place))
     return dampers
 
 
-def _coordinate(where: tuple[int, str, int]) -> tuple[int, str]:
+def _coordinate(where: tuple[int, str, int]) -> At:
     body, motion, axis = where
-    return body, f"{motion} {axis}"
+    return At(body, f"{motion} {axis}")
+
+
+def _motor(record: "Record", where: tuple[int, str, int], function: MotionFunction) -> Element:
+    return Element(record.subject, MOTOR, _coordinate(where), (function,), record.place)
 
 
 def _constant(effort: float) -> MotionFunction:

@@ -10,20 +10,27 @@ from typing import Any
 
 from ...deck.record import Number, Record
 from ...deck.records import DeckValues
-from ...model.joint_elements import (
-    Bushing,
-    Coupling,
-    JointDriver,
-    JointElements,
-    JointFriction,
-    JointMotor,
-    JointRate,
-    JointSpring,
-    LineSpring,
-    is_angle,
-)
+from ...model.joint_elements import Coupling, JointDriver, JointElements, JointRate
 from ...model.joints import ANGLE, STROKE
-from ...model.laws import LAWS, JointLaw, Law
+from ...model.laws import (
+    BUSHING,
+    CABLE,
+    COORDINATE_LAWS,
+    FRICTION,
+    FUNCTIONS,
+    MOTOR,
+    NUMBER,
+    OF_TIME,
+    SPRING,
+    VECTOR,
+    At,
+    Element,
+    Frames,
+    Joint,
+    Law,
+    Line,
+    Parameter,
+)
 from .maker import ElementMaker
 
 Cards = Mapping[str, Sequence[tuple[str, Callable[..., Any]]]]  # fields of `JointElements`: sections, makers
@@ -32,11 +39,8 @@ _ONE_OF = {  # what there may be one of, and by what it is distinguished
     "supports": lambda item: item.item,
     "drivers": lambda item: (item.joint, item.coordinate),
     "rates": lambda item: (item.joint, item.coordinate),
-    "frictions": lambda item: item.joint,
 }
 MOST_ELEMENTS = 20_000  # of a deck; one takes up to 6 kB
-LEAST_SPEED = 1e-100  # m/s, of friction: squares of speeds over it are still doubles
-_FRICTION = ("dynamic", "static", "stribeck", "creep", "radius", "preload")
 
 
 def build_elements(
@@ -52,29 +56,17 @@ def build_elements(
         return JointElements(**more)
     found = {name: [make(maker, record) for section, make in makers for record in sections(section)]
              for name, makers in cards.items()}  # fmt: skip
-    for item in (item for items in found.values() for item in items):
-        if _is_idle(item):
-            maker.findings.note(
-                item.name, "does nothing: its coefficients are 0", item.place, id="ELEMENTS-030"
-            )
+    forces = [item for item in found["forces"] if item is not None]
+    for item in (item for item in forces if item.idle):
+        message = "does nothing: its coefficients are 0"
+        maker.findings.note(item.name, message, item.place, id="ELEMENTS-030")
     for name, key in _ONE_OF.items():
         maker.refuse_twice(found.get(name, ()), key)
+    maker.refuse_twice([item for item in forces if item.law is FRICTION], lambda item: item.measure.joint)
     kept: dict[str, Any] = {
         name: tuple(item for item in items if item is not None) for name, items in found.items()
     }
     return JointElements(**kept, **more)
-
-
-def _is_idle(item: Any) -> bool:
-    """Return whether an element can never act; a spring without stiffness still shows its length."""
-    if isinstance(item, Bushing):
-        return not any((*item.stiffness, *item.damping))
-    if isinstance(item, JointFriction):
-        return not (item.dynamic or item.static)
-    if isinstance(item, JointLaw):
-        # A law without effort by all its parameters that make one.
-        return not any(value for p, value in zip(item.law.parameters, item.values, strict=True) if p.effort)
-    return isinstance(item, LineSpring) and item.slack and not item.stiffness
 
 
 def _refuse_too_many(maker: ElementMaker, sections: Callable[..., Any], cards: Cards) -> bool:
@@ -102,87 +94,96 @@ def joint_driver(coordinate: str | None) -> Callable[..., Any]:
     return make
 
 
-def motor(coordinate: str | None) -> Callable[..., Any]:
-    """Return what makes motors in a coordinate."""
+def force(law: Law, measure: type = At, coordinate: str | None = None) -> Callable[..., Any]:
+    """Return what makes elements; `coordinate`: that of At, None: the card names it."""
 
-    def make(maker: ElementMaker, record: Record) -> JointMotor | None:
-        where, function = maker.where(record, coordinate), maker.functions.function(record)
-        return JointMotor(record.subject, *where, function, record.place) if where and function else None
+    def make(maker: ElementMaker, record: Record) -> Element | None:
+        _check(maker, record, law, measure)
+        values = tuple(_value(maker, record, p) for p in law.parameters)
+        found = _measure(maker, record, measure, coordinate)
+        if found is None or (law is MOTOR and values[0] is None):
+            return None
+        element = Element(record.subject, law, found, values, record.place)
+        if element.turning and law is not SPRING:
+            _note_degrees(maker, record, law)
+        return element
 
     return make
 
 
-def _spring_data(maker: Any, record: Record) -> dict[Any, Any]:
+def _measure(maker: ElementMaker, record: Record, measure: type, coordinate: str | None) -> Any:
+    """What an element measures; None if a fault was found."""
+    if measure is Joint:
+        return _sliding(maker, record)
+    if measure is At:
+        where = maker.where(record, coordinate)
+        return At(*where) if where else None
+    ends = maker.ends(record)
+    return measure(**ends) if ends else None
+
+
+def _sliding(maker: ElementMaker, record: Record) -> Joint | None:
+    found = maker.sliding(record)
+    if found is None:
+        return None
+    joint, revolutions = found
+    if revolutions and not record["radius"] > 0.0:
+        message = "a joint that turns needs the radius of its bearing"
+        maker.findings.error(record.subject, message, record.at("radius").place, id="ELEMENTS-011")
+        return None
+    return Joint(joint)
+
+
+def _value(maker: ElementMaker, record: Record, p: Parameter) -> Any:
+    if p.kind == OF_TIME:
+        return maker.functions.function(record)
+    if p.kind in FUNCTIONS:
+        return maker.functions.curve(record, p.name)
+    return record.vector(p.name) if p.kind == VECTOR else float(record[p.name])
+
+
+def _check(maker: ElementMaker, record: Record, law: Law, measure: type) -> None:
+    """Refuse values outside of their ranges, and note strange ones."""
+    for p in law.parameters:
+        if p.kind in (NUMBER, VECTOR) and not p.signed:
+            maker.not_negative(record, *([p.name] if p.kind == NUMBER else [f"{p.name}.{a}" for a in "xyz"]))
+        if isinstance(p.above, str) and not record[p.above] < record[p.name]:
+            message = f"{p.name} must be larger than {p.above}, {record[p.above]:g}; read {record[p.name]:g}"
+            maker.findings.error(record.subject, message, record.at(p.name).place, id="ELEMENTS-007")
+        elif isinstance(p.above, float) and not record[p.name] > p.above:
+            message = f"{p.name} must be above {p.above:g}; read {record[p.name]:g}"
+            maker.findings.error(record.subject, message, record.at(p.name).place, id="ELEMENTS-010")
+    if law is SPRING:
+        _check_spring(maker, record, measure)
+    if law is FRICTION and record["static"] < record["dynamic"]:
+        message = f"sticks with {record['static']:g}, less than it slides with: are the numbers exchanged?"
+        maker.findings.warn(record.subject, message, record.at("static").place, id="ELEMENTS-027")
+
+
+def _check_spring(maker: ElementMaker, record: Record, measure: type) -> None:
     for key in ("stiffness", "damping"):
         if record[key] < 0.0:
             message = f"{key} {record[key]:g} is negative, which drives a motion on"
             maker.findings.warn(record.subject, message, record.at(key).place, id="ELEMENTS-029")
-    return {
-        "stiffness": float(record["stiffness"]),
-        "rest": float(record["rest"]),
-        "damping": float(record["damping"]),
-        "preload": float(record["preload"]),
-        "curve": maker.functions.curve(record, "curve"),
-        "damper": maker.functions.curve(record, "damper"),
-        "place": record.place,
-    }
-
-
-def joint_spring(coordinate: str | None) -> Callable[..., Any]:
-    """Return what makes springs in a coordinate."""
-
-    def make(maker: ElementMaker, record: Record) -> JointSpring | None:
-        where, data = maker.where(record, coordinate), _spring_data(maker, record)
-        return JointSpring(record.subject, *where, **data) if where else None
-
-    return make
-
-
-def line_spring(maker: ElementMaker, record: Record) -> LineSpring | None:
-    """A spring between two bodies."""
-    ends, data = maker.ends(record), _spring_data(maker, record)
-    if data["rest"] < 0.0:
+    if measure is Line and record["rest"] < 0.0:
         message = (
-            f"rest {data['rest']:g} is negative, and lengths are not: its spring pulls at every length; "
+            f"rest {record['rest']:g} is negative, and lengths are not: its spring pulls at every length; "
             "a force at length 0 is a preload"
         )
         maker.findings.note(record.subject, message, record.at("rest").place, id="ELEMENTS-032")
-    return LineSpring(record.subject, **ends, **data) if ends else None
 
 
-def cable(maker: ElementMaker, record: Record) -> LineSpring | None:
-    """A cable between two bodies."""
-    maker.not_negative(record, "stiffness", "rest", "damping")
-    data: dict[str, Any] = {key: float(record[key]) for key in ("stiffness", "rest", "damping")}
-    ends = maker.ends(record)
-    return LineSpring(record.subject, **ends, **data, slack=True, place=record.place) if ends else None
+def force_sections(prefixes: dict[str, str | None]) -> list[tuple[str, Callable[..., Any]]]:
+    """Sections of force elements but motors: those in a coordinate by the beginnings of their names, a
+    coordinate for each, and those between bodies.
+    """
 
+    def at(law: Law) -> list[tuple[str, Callable[..., Any]]]:
+        return [(prefix + law.word.lower(), force(law, At, one)) for prefix, one in prefixes.items()]
 
-def joint_law(law: Law, coordinate: str | None) -> Callable[..., Any]:
-    """Return what makes elements of a law in a coordinate."""
-
-    def make(maker: ElementMaker, record: Record) -> JointLaw | None:
-        maker.not_negative(record, *(p.name for p in law.parameters if not p.signed))
-        for p in law.parameters:
-            if p.above and not record[p.above] < record[p.name]:
-                message = (
-                    f"{p.name} must be larger than {p.above}, {record[p.above]:g}; read {record[p.name]:g}"
-                )
-                maker.findings.error(record.subject, message, record.at(p.name).place, id="ELEMENTS-007")
-        where = maker.where(record, coordinate)
-        if where and is_angle(where[1]):
-            _note_degrees(maker, record, law)
-        values = tuple(float(record[p.name]) for p in law.parameters)
-        return JointLaw(record.subject, *where, law, values, record.place) if where else None
-
-    return make
-
-
-def law_sections(prefixes: dict[str, str | None]) -> list[tuple[str, Callable[..., Any]]]:
-    """Sections of all force laws by the beginnings of their names, a coordinate for each."""
-    return [
-        ((prefix + law.word).lower(), joint_law(law, at)) for law in LAWS for prefix, at in prefixes.items()
-    ]
+    between = [("lspring", force(SPRING, Line)), ("cable", force(CABLE, Line))]
+    others = [section for law in COORDINATE_LAWS for section in at(law)]
+    return [*at(SPRING), *between, *others, ("bushing", force(BUSHING, Frames))]
 
 
 def _note_degrees(maker: ElementMaker, record: Record, law: Law) -> None:
@@ -195,19 +196,6 @@ def _note_degrees(maker: ElementMaker, record: Record, law: Law) -> None:
             )
             maker.findings.note(record.subject, message, record.at(key).place, id="ELEMENTS-031")
             return
-
-
-def bushing(maker: ElementMaker, record: Record) -> Bushing | None:
-    """A bushing between two bodies."""
-    stiffness, damping = (
-        (*record.vector(along), *record.vector(about)) for along, about in (("k", "kr"), ("c", "cr"))
-    )
-    for key in ("k", "kr", "c", "cr"):
-        maker.not_negative(record, *(f"{key}.{axis}" for axis in "xyz"))
-    ends = maker.ends(record)
-    if ends is None:
-        return None
-    return Bushing(record.subject, **ends, stiffness=stiffness, damping=damping, place=record.place)
 
 
 def coupling(maker: ElementMaker, record: Record) -> Coupling | None:
@@ -254,28 +242,6 @@ def _couplings(values: DeckValues) -> Iterator[Record]:
         yield Record("coupling", number, f"coupling {number}", tuple(numbers))
 
 
-def friction(maker: ElementMaker, record: Record) -> JointFriction | None:
-    """Friction in a joint."""
-    maker.not_negative(record, "dynamic", "static", "radius", "preload")
-    for key in ("stribeck", "creep"):
-        if not record[key] > LEAST_SPEED:
-            message = f"{key} is a speed above {LEAST_SPEED:g}; read {record[key]:g}"
-            maker.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-010")
-    if record["static"] < record["dynamic"]:
-        message = f"sticks with {record['static']:g}, less than it slides with: are the numbers exchanged?"
-        maker.findings.warn(record.subject, message, record.at("static").place, id="ELEMENTS-027")
-    found = maker.sliding(record)
-    if found is None:
-        return None
-    joint, revolutions = found
-    if revolutions and not record["radius"] > 0.0:
-        message = "a joint that turns needs the radius of its bearing"
-        maker.findings.error(record.subject, message, record.at("radius").place, id="ELEMENTS-011")
-        return None
-    data: dict[str, Any] = {key: float(record[key]) for key in _FRICTION}
-    return JointFriction(record.subject, joint, **data, place=record.place)
-
-
 def rate(maker: ElementMaker, record: Record) -> JointRate | None:
     """The rate of a joint coordinate at the start."""
     where = maker.where(record, None)
@@ -284,12 +250,12 @@ def rate(maker: ElementMaker, record: Record) -> JointRate | None:
 
 # Sections of dialects whose cards name joints, the angle or the stroke.
 JOINT_CARDS: Cards = {
-    "motors": [("tmotor", motor(ANGLE)), ("amotor", motor(STROKE))],
-    "springs": [("tspring", joint_spring(ANGLE)), ("aspring", joint_spring(STROKE))],
-    "lines": [("lspring", line_spring), ("cable", cable)],
-    "laws": law_sections({"t": ANGLE, "a": STROKE}),
-    "bushings": [("bushing", bushing)],
+    "forces": [
+        *force_sections({"t": ANGLE, "a": STROKE}),
+        ("friction", force(FRICTION, Joint)),
+        ("tmotor", force(MOTOR, At, ANGLE)),
+        ("amotor", force(MOTOR, At, STROKE)),
+    ],
     "couplings": [("coupling", coupling)],
-    "frictions": [("friction", friction)],
     "rates": [("rate", rate)],
 }

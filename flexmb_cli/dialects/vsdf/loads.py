@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings, no_such
-from ...model.fe_model import BodyTorque, End, JointSpring, NodeForce, NodeJoint, NodeSpring, VsdfBody
+from ...model.fe_model import BodyTorque, End, NodeForce, NodeJoint, VsdfBody
+from ...model.joints import BY_NAME
+from ...model.laws import At, Element, Line, spring
 from ...model.mechanism import GROUND
 from ...model.time_functions import MotionFunction
 from ..joint_elements.build import MOST_ELEMENTS
@@ -19,14 +21,13 @@ from .motions import Tables, find_table
 class Factors:
     """Factors of loads by the numbers of their tables, or of their functions."""
 
-    def __init__(self, tables: Tables, functions: Functions, values: DeckValues, findings: Findings):
+    def __init__(self, tables: Tables, functions: Functions, findings: Findings):
         self.tables, self.functions, self.findings = tables, functions, findings
-        self.numbers = {record["number"] for record in values.section("function")}
 
     def of(self, record: Record) -> MotionFunction | None:
         """The factor of a load; None for 0, and where there is none."""
         number = record.at("table")
-        if number.value and number.value in self.numbers:
+        if number.value and (isinstance(number.value, str) or number.value in self.functions):
             return self.functions.function(record, "table")
         table = find_table(record, number, self.tables, self.findings) if number.value else None
         return table and table.of_factor
@@ -82,7 +83,7 @@ def build_torques(
 
 def build_springs(
     values: DeckValues, bodies: Sequence[VsdfBody], ground: VsdfBody, findings: Findings
-) -> tuple[NodeSpring, ...]:
+) -> tuple[Element, ...]:
     """The cards SPRI."""
     springs = []
     for record in _bounded(values.section("spring"), findings):
@@ -103,7 +104,8 @@ def build_springs(
         else:
             given = record.at("length")
             length = float(given.value) if given.text else math.nan
-            springs.append(NodeSpring(record.subject, a, b, record["k"], record["c"], length, record.place))
+            ends = Line(a.body, b.body, a, b)
+            springs.append(spring(record.subject, ends, record["k"], length, record["c"], record.place))
     return tuple(springs)
 
 
@@ -130,7 +132,7 @@ def _check_not_negative(record: Record, keys: tuple[str, ...], findings: Finding
 
 def build_joint_springs(
     values: DeckValues, joints: Sequence[NodeJoint], findings: Findings
-) -> tuple[JointSpring, ...]:
+) -> tuple[Element, ...]:
     """The cards JSPR."""
     springs = []
     records = _bounded(values.section("joint_spring"), findings)
@@ -148,11 +150,8 @@ def build_joint_springs(
             message = f"joint {number.value} is {kind} and has neither angle nor stroke"
             findings.error(record.subject, message, number.place, id="VSDF-071")
             continue
-        springs.append(
-            JointSpring(
-                record.subject, number.value - 1, record["k"], record["c"], record["q0"], record.place
-            )
-        )
+        where = At(number.value - 1, BY_NAME[kind].sprung)
+        springs.append(spring(record.subject, where, record["k"], record["q0"], record["c"], record.place))
     return tuple(springs)
 
 

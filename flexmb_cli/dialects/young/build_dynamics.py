@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,13 +12,13 @@ from ...deck.record import Deck, Record
 from ...errors import Fault, ModelError
 from ...model.arrays.dynamic import inertia_matrix
 from ...model.diagnostics import Findings, no_such
+from ...model.laws import Element, Line, spring
 from ...model.loads import (
     AppliedForce,
     AppliedTorque,
     DynamicModel,
     InitialVelocity,
     MassProperties,
-    SpringDamper,
 )
 from ...model.mechanism import GROUND
 from .build import build_young
@@ -34,17 +35,18 @@ _OF_BODIES = (
     *("mass", "force", "torque", "velocity", "spring", "damper", "lspring", "cable", "bushing"),
     *("revcyl", "revsph", "sphsph"),
 )
+HERE = Path()
 INERTIA_ROUND_OFF = 1e-9  # of the largest moment of inertia
 
 
-def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
-    """The dynamic model that `deck` describes, and the warnings about it.
+def build_young_dynamics(deck: Deck, folder: Path = HERE) -> tuple[DynamicModel, list[Fault]]:
+    """The dynamic model that `deck` describes, and the warnings about it; tables are files of `folder`.
 
     Raises ModelError with all faults found.
     """
     mechanism, warnings = build_young(deck)
     findings = Findings()
-    functions = build_functions(deck, findings)
+    functions = build_functions(deck, folder, findings)
     _check_bodies(deck, len(mechanism.bodies), findings)
     _check_once(deck, findings)
     check_method(deck, findings)
@@ -87,7 +89,7 @@ def _again(make: "Callable[..., Any]", record: Record) -> Any:
     return make(record, Findings())
 
 
-def _one_of(springs: Sequence[SpringDamper], dampers: Sequence[SpringDamper]) -> Sequence[SpringDamper]:
+def _one_of(springs: Sequence[Element], dampers: Sequence[Element]) -> Sequence[Element]:
     many = not isinstance(springs, tuple)
     return Chained([springs, dampers]) if many else (*springs, *dampers)
 
@@ -188,29 +190,21 @@ def _torque(record: Record, findings: Findings, functions: Any) -> AppliedTorque
     )
 
 
-def _spring(record: Record, findings: Findings) -> SpringDamper:
+def _spring(record: Record, findings: Findings) -> Element:
     for key in ("stiffness", "free_length", "damping"):
         _warn_of_negative(record, key, findings)
     return _line(record, record["stiffness"], record["free_length"])
 
 
-def _damper(record: Record, findings: Findings) -> SpringDamper:
+def _damper(record: Record, findings: Findings) -> Element:
     _warn_of_negative(record, "damping", findings)
     return _line(record, 0.0, 0.0)
 
 
-def _line(record: Record, stiffness: float, free_length: float) -> SpringDamper:
-    return SpringDamper(
-        record.subject,
-        record["I"] - 1,
-        record["J"] - 1,
-        record.vector("P_i"),
-        record.vector("P_j"),
-        float(stiffness),
-        float(free_length),
-        float(record["damping"]),
-        record.place,
-    )
+def _line(record: Record, stiffness: float, free_length: float) -> Element:
+    ends = Line(record["I"] - 1, record["J"] - 1, record.vector("P_i"), record.vector("P_j"))
+    law = float(stiffness), float(free_length), float(record["damping"])
+    return spring(record.subject, ends, *law, record.place)
 
 
 def _warn_of_negative(record: Record, key: str, findings: Findings) -> None:
@@ -236,13 +230,13 @@ def _warn_of_massless(model: DynamicModel, findings: Findings) -> None:
 
 def _loaded_bodies(
     model: DynamicModel,
-) -> "Iterator[tuple[AppliedForce | AppliedTorque | SpringDamper, tuple[int, ...]]]":
+) -> "Iterator[tuple[AppliedForce | AppliedTorque | Element, tuple[int, ...]]]":
     for force in model.forces:
         yield force, (force.body,)
     for torque in model.torques:
         yield torque, (torque.body,)
-    for spring in model.springs:
-        yield spring, (spring.i, spring.j)
+    for item in model.springs:
+        yield item, item.measure[:2]
 
 
 def _note_loads_at_rest(model: DynamicModel, findings: Findings) -> None:

@@ -1,11 +1,10 @@
 """Content of a matrix file, the choice among several matrices in it, and the exception of all readers."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-
-from ...quick_dataclass import dataclass
 
 # Names that Nastran gives square matrices end so; the first in a file are meant, of K and M in one set.
 SETS = ("AAX", "AA", "XX", "GG")

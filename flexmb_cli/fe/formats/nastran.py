@@ -3,13 +3,13 @@
 MSC Nastran Quick Reference Guide, DMIG.  pyNastran reads them too, but cannot stand beside numpy 2.
 """
 
+from dataclasses import replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
-from ...quick_dataclass import replace
 from .bulk_data import BulkCard, bulk_cards
 from .file_text import digits_in
 from .matrix_file import FEFileFault, MatrixFile, NamedMatrix, chosen, labelled, mirrored

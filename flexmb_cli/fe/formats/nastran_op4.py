@@ -38,7 +38,7 @@ class _Text(NamedTuple):
 
     name: str  # of the file
     lines: list[str]
-    numbers: list[int]
+    numbers: Sequence[int]
 
     def fault(self, at: int, message: str, *, id: str) -> FEFileFault:
         """Return the fault of line `at`, or behind the last one."""

@@ -17,6 +17,7 @@ from ..laws import (
     DAMPING,
     NO_LENGTH,
     POWER,
+    RADIUS,
     SPEED,
     STIFFNESS,
     answer_law,
@@ -95,7 +96,7 @@ def _is_upright(geometry: Geometry, load: "np.void") -> bool:
 def add_unit_friction(system: "System", work: "Work", k: int, f: "np.ndarray") -> None:
     """Add friction k by the normal force 1 N to f (n,), and answer for it."""
     load, geometry = system.loads[k], geometry_of(system, work)
-    r, turns, slides = load["radius"], load["primitive"] >= 0, load["stroke"] >= 0
+    r, turns, slides = load["c"][RADIUS], load["primitive"] >= 0, load["stroke"] >= 0
     turning = primitive_rates(geometry, load["primitive"])[0] * r if turns else 0.0
     sliding = primitive_rates(geometry, load["stroke"])[0] if slides else 0.0
     share = answer_unit_friction(load, turning, sliding, turns and slides, work.responses[k])
@@ -110,7 +111,7 @@ def add_element_slope(
     geometry: Any, work: "Work", load: "np.void", k: int, by_position: float, by_speed: float, y: "np.ndarray"
 ) -> None:
     """y += (by_position K + by_speed D) x of element k, where the body vectors have been moved by x."""
-    answer, r = work.responses[k], load["radius"]
+    answer, r = work.responses[k], load["c"][RADIUS]
     amount = by_position * answer[STIFFNESS] + by_speed * answer[DAMPING]
     if load["kind"] == FRICTION:
         if load["primitive"] >= 0:

@@ -6,7 +6,7 @@ import numpy as np
 
 from .._jit import allocating, kernel
 from ..constrained.dry_friction import fill_feedback
-from ..laws import DAMPING, STIFFNESS
+from ..laws import DAMPING, RADIUS, STIFFNESS
 from ..linalg.vec3 import cross, inward, minus, plus, scaled, triple
 from .composite_mass import add_generalised_forces
 from .elements import ABOUT, IN_COORDINATE, answer_elements
@@ -63,12 +63,12 @@ def _take_feedback(tree: "TreeArrays", slopes: np.ndarray) -> None:
 
 @kernel
 def _set_friction_row(f: np.void, y: np.ndarray, row: np.ndarray) -> None:
-    turning = y[f["turning"]] * f["radius"] if f["turning"] >= 0 else 0.0
+    turning = y[f["turning"]] * f["c"][RADIUS] if f["turning"] >= 0 else 0.0
     sliding = y[f["sliding"]] if f["sliding"] >= 0 else 0.0
     v = (turning * turning + sliding * sliding) ** 0.5
     both = f["turning"] >= 0 and f["sliding"] >= 0 and v > 0.0
     if f["turning"] >= 0:
-        row[f["turning"]] = f["radius"] * (turning / v if both else 1.0)
+        row[f["turning"]] = f["c"][RADIUS] * (turning / v if both else 1.0)
     if f["sliding"] >= 0:
         row[f["sliding"]] = sliding / v if both else 1.0
 

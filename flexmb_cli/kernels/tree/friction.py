@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from .._jit import kernel, part
 from ..constrained.dry_friction import PRELOAD, fill_normal_forces
-from ..laws import DAMPING, EFFORT, NORMAL, POWER, answer_unit_friction
+from ..laws import DAMPING, EFFORT, NORMAL, NORMAL_PRELOAD, POWER, RADIUS, answer_unit_friction
 from ..linalg.vec3 import dot, minus, scaled, triple
 from .hinge_forces import hinge_wrench
 from .loop_closures import add_row_forces, find_loop_responses
@@ -26,10 +26,10 @@ def answer_frictions(tree: "TreeArrays", y: "np.ndarray") -> None:
     for k in range(tree.frictions.shape[0]):
         f, answer = tree.frictions[k], tree.answers[tree.elements.shape[0] + k]
         turns, slides = f["turning"] >= 0, f["sliding"] >= 0
-        turning = y[f["turning"]] * f["radius"] if turns else 0.0
+        turning = y[f["turning"]] * f["c"][RADIUS] if turns else 0.0
         sliding = y[f["sliding"]] if slides else 0.0
         share = answer_unit_friction(f, turning, sliding, turns and slides, answer)
-        f["turning_effort"], f["sliding_effort"] = -share * turning * f["radius"], -share * sliding
+        f["turning_effort"], f["sliding_effort"] = -share * turning * f["c"][RADIUS], -share * sliding
 
 
 @kernel
@@ -56,7 +56,7 @@ def _set_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray
     """Fill the joint forces without friction: of the solution with open loops, and by the forces of rows."""
     tree.joint_forces.fill(0.0)
     for k in range(tree.frictions.shape[0]):
-        tree.joint_forces[0, k, PRELOAD] = tree.frictions[k]["preload"]
+        tree.joint_forces[0, k, PRELOAD] = tree.frictions[k]["c"][NORMAL_PRELOAD]
     _add_forces(tree, work, coordinates, 0, False)
     if tree.closures.shape[0] > 0:
         _keep_row_forces(tree, 0)

@@ -47,7 +47,9 @@ class PrimitiveTable(FunctionTable):
         self.body_vectors = BodyVectorTable()
         self.names: list[Equation] = []
         self.measured: list[np.ndarray] = []
-        self.springs: list[np.ndarray] = []
+        self.springs: list[np.ndarray] = []  # PRIMITIVE records, one or an array of several
+        self._sprung = 0  # how many
+        self._turned: dict[int, np.ndarray] = {}
         self.groups: list[tuple[int, int, int, int]] = []
         self.angles: list[float] = list(angles)
         self._known: dict[tuple[int, bytes, bytes | None], int] = {}
@@ -55,7 +57,9 @@ class PrimitiveTable(FunctionTable):
 
     def A(self, body: int) -> np.ndarray:
         """Rotation matrix of a body at t = 0; the ground's is 1."""
-        return np.eye(3) if body < 0 else rotation_matrix(self.bodies[body].p)
+        if body not in self._turned:
+            self._turned[body] = np.eye(3) if body < 0 else rotation_matrix(self.bodies[body].p)
+        return self._turned[body]
 
     def position(self, point: NodePoint) -> np.ndarray:
         """Return where a point is at t = 0, global axes."""
@@ -125,23 +129,23 @@ class PrimitiveTable(FunctionTable):
         self.groups.append((first, self.first_row + len(self.names), i, j))
 
     def spring(self, record: np.ndarray) -> int:
-        """Number of the primitive a spring acts in; all equations must have been added."""
+        """Number of the (first) primitive a spring acts in; all equations must have been added."""
         self.springs.append(record)
-        return len(self.measured) + len(self.springs) - 1
+        self._sprung += record.size
+        return len(self.measured) + self._sprung - record.size
 
     def chained(self, records: "Sequence[np.ndarray]") -> np.ndarray:
         """The first of the primitives `records`, to which an equation adds all others."""
         for record in reversed(records[1:]):
             record["next"] = self._next
-            self.springs.append(record)
-            self._next = len(self.springs) - 1
+            self._next = self.spring(record) - len(self.measured)
         records[0]["next"], self._next = self._next, NONE
         found: np.ndarray = records[0]
         return found
 
     def _primitives(self) -> np.ndarray:
         """All primitives; those that are added to others are counted behind the equations."""
-        found = np.array([*self.measured, *self.springs], dtype=PRIMITIVE).reshape(-1)
+        found = np.concatenate([np.zeros(0, PRIMITIVE), *map(np.atleast_1d, (*self.measured, *self.springs))])
         found["next"] += np.where(found["next"] >= 0, len(self.measured), 0)
         return found
 

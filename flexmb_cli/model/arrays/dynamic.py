@@ -6,17 +6,16 @@ constraint on speeds and is left out of the equations.
 """
 
 import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...quick_dataclass import dataclass, replace
 from ..joints import NORMALISATION
 from ..loads import AppliedForce, AppliedTorque, DynamicModel
 from .constraint_table import PrimitiveTable
-from .element_table import line_load
 from .kinematic import KinematicArrays, kinematic_arrays
-from .laws import NONE, fill_spring
-from .records import FLEXIBLE, FORCE, GROUP, LOAD, MASS, TORQUE, blank_load
+from .laws import NONE
+from .records import FLEXIBLE, FORCE, GROUP, MASS, TORQUE, blank_load
 from .system import SystemArrays
 from .young_elements import without_driven, young_elements
 
@@ -38,8 +37,8 @@ def dynamic_arrays(model: DynamicModel) -> DynamicArrays:
     table = PrimitiveTable(
         mechanism.bodies, kinematic.length, len(kinematic.equations), kinematic.screw_angles
     )
-    elements = young_elements(table, model) if model.elements else None
-    loads = _loads(table, model) + (elements.loads() if elements else [])
+    elements = young_elements(table, model)
+    loads = elements.loads(_loads(table, model), model.springs)
     collected = table.arrays()
     return DynamicArrays(
         body_names=kinematic.body_names,
@@ -54,7 +53,7 @@ def dynamic_arrays(model: DynamicModel) -> DynamicArrays:
         masses=_masses(model, bodies),
         flexible=np.zeros(0, FLEXIBLE),
         modal=np.zeros(0),
-        loads=np.array(loads, dtype=LOAD).reshape(-1),
+        loads=loads,
         gravity=np.array(model.gravity, dtype=float),
         kinematic=kinematic,
         **collected,
@@ -137,11 +136,7 @@ def _load(
 
 
 def _loads(table: PrimitiveTable, model: DynamicModel) -> list[np.ndarray]:
-    """LOAD records of forces, torques and springs."""
+    """LOAD records of forces and torques."""
     records = [_load(table, FORCE, force, force.force, force.point) for force in model.forces]
     records += [_load(table, TORQUE, torque, torque.torque, (0.0, 0.0, 0.0)) for torque in model.torques]
-    for spring in model.springs:
-        ends = table.body_vector(spring.j, spring.P_j), table.body_vector(spring.i, spring.P_i)
-        law = spring.stiffness, spring.free_length, spring.damping
-        records.append(fill_spring(line_load(table, *ends), *law))
     return records

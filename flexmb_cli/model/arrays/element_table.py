@@ -4,25 +4,21 @@ What a dialect calls a joint, and which coordinates it has, is left to the objec
 the hinges of a tree.
 """
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from ..flexible_mechanism import NodePoint, PointJoint
-from ..joint_elements import COORDINATES_OF, JointElements, is_angle
+from ..joint_elements import COORDINATES_OF, JointElements
 from ..joints import ANGLE, BY_NAME, PITCH, STROKE
+from ..laws import FRICTION, SPRING, At, Element, Frames, Line, is_angle
 from .constraint_table import PrimitiveTable
-from .laws import fill_friction, fill_law, fill_spring
+from .laws import NONE, fill_bushing, fill_law
 from .node_joints import JointVectors
-from .records import ELEMENT, FRICTION, blank_load, line_primitive
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from ..joint_elements import Bushing, JointFriction, JointMotor, JointSpring, LineSpring
-    from ..laws import JointLaw
+from .records import ELEMENT, LOAD, blank_load, blank_primitive, line_primitive
+from .records import FRICTION as FRICTION_LOAD
 
 
 @dataclass(frozen=True)
@@ -109,13 +105,6 @@ def coordinates_of_joints(joints: Sequence[Any]) -> list[JointCoordinateName]:
     ]
 
 
-def line_load(table: PrimitiveTable, head: int, tail: int) -> Any:
-    """Return the load in the length of the line from one body vector to another."""
-    record = blank_load(ELEMENT)
-    record["in_line"], record["primitive"] = 1, table.spring(line_primitive(head, tail))
-    return record
-
-
 class ElementTable:
     """Fills a table of primitives with elements, equations first."""
 
@@ -127,6 +116,7 @@ class ElementTable:
         reported: Sequence[JointCoordinateName],
     ):
         self.table, self.joints, self.elements, self.reported = table, joints, elements, reported
+        self._bushings = 0  # so far
 
     def add_couplings(self) -> None:
         """An equation for every coupling of joint coordinates."""
@@ -156,25 +146,32 @@ class ElementTable:
             part = item.coordinate, not is_angle(item.coordinate), record
             self.table.equations(item.name, item.place, *self.joints.bodies(item.joint), [part])
 
-    def loads(self) -> list[np.ndarray]:
-        """Springs, stops, bushings, joint coordinates, motors, friction; equations must have been added."""
-        found = [self._in_joint(item) for item in self.elements.springs]
-        found += [self._line(item) for item in self.elements.lines]
-        found += [self._in_joint(item) for item in self.elements.laws]
-        for number, bushing in enumerate(self.elements.bushings):
-            found += self._bushing(number, bushing)
-        for name in self.reported:
-            found.append(self._at(name.joint, name.coordinate))
-        found += [self._in_joint(item) for item in self.elements.motors]
-        return found + [self._friction(item) for item in self.elements.frictions]
+    def loads(self, others: Iterable[np.ndarray], springs: Iterable[Element] = ()) -> np.ndarray:
+        """LOAD records: `others`, springs of the deck, force elements, joint coordinates, friction.
 
-    def _at(self, joint: int, coordinate: str) -> Any:
+        All equations must have been added.
+        """
+        forces = self.elements.forces
+        forces = self.elements.forces
+        found = [*others, *(self._load(item) for item in springs)]
+        found += [self._load(item) for item in forces if item.law is not FRICTION]
+        found += [self._at(At(name.joint, name.coordinate)) for name in self.reported]
+        found += [self._friction(item) for item in forces if item.law is FRICTION]
+        return np.concatenate([np.zeros(0, LOAD), *map(np.atleast_1d, found)])
+
+    def _load(self, item: Element) -> Any:
+        """The LOAD record of an element, or its six."""
+        if isinstance(item.measure, Frames):
+            self._bushings += 1
+            return self._bushing(item, self._bushings - 1)
+        record = self._line(item.measure) if isinstance(item.measure, Line) else self._at(item.measure)
+        return fill_law(record, item.law, item.values, self.table)
+
+    def _at(self, measure: At) -> Any:
         record = blank_load(ELEMENT)
-        record["primitive"] = self.table.spring(self.joints.primitive(joint, coordinate))
-        return fill_spring(record, 0.0, 0.0, 0.0)
-
-    def _in_joint(self, item: "JointSpring | JointLaw | JointMotor") -> Any:
-        return fill_law(self._at(item.joint, item.coordinate), item, self.table)
+        record["shape"] = SPRING.code
+        record["primitive"] = self.table.spring(self.joints.primitive(measure.joint, measure.coordinate))
+        return record
 
     def _end(self, body: int, point: Any) -> Any:
         """The body vector of an end: a node, or a point of a rigid body."""
@@ -182,41 +179,40 @@ class ElementTable:
             self.table.point(point) if isinstance(point, NodePoint) else self.table.body_vector(body, point)
         )
 
-    def _line(self, item: "LineSpring") -> Any:
-        ends = self._end(item.j, item.P_j), self._end(item.i, item.P_i)
-        return fill_law(line_load(self.table, *ends), item, self.table)
+    def _line(self, ends: Line) -> Any:
+        head, tail = self._end(ends.j, ends.P_j), self._end(ends.i, ends.P_i)
+        record = blank_load(ELEMENT)
+        record["in_line"], record["primitive"] = 1, self.table.spring(line_primitive(head, tail))
+        return record
 
-    def _bushing(self, number: int, item: "Bushing") -> "Iterator[Any]":
+    def _bushing(self, item: Element, number: int) -> Any:
         """Six loads, along and about the axes of body i."""
-        table = self.table
-        head, tail = self._end(item.j, item.P_j), self._end(item.i, item.P_i)
-        turned = table.A(item.j).T @ table.A(item.i)
-        axes = [table.body_vector(item.i, np.eye(3)[k]) for k in range(3)]
-        records = [table.product((head, tail), axes[k]) for k in range(3)]
-        for k in range(3):
-            after, last = axes[(k + 1) % 3], axes[(k + 2) % 3]
-            records.append(table.angle(after, last, table.body_vector(item.j, turned[:, (k + 1) % 3])))
-        for k, (record, stiffness, damping) in enumerate(
-            zip(records, item.stiffness, item.damping, strict=True)
-        ):
-            load = blank_load(ELEMENT)
-            load["group"] = number
-            if k >= 3 and (stiffness or damping):
-                # The angle about an axis would jump where the other body's has turned through a right angle.
-                load["body_vector"] = axes[k - 3]
-                load["tilted"] = table.body_vector(item.j, turned[:, k - 3])
-            load["primitive"] = table.spring(record)
-            yield fill_spring(load, stiffness, 0.0, damping)
+        table, ends = self.table, item.measure
+        head, tail = self._end(ends.j, ends.P_j), self._end(ends.i, ends.P_i)
+        turned = table.A(ends.j).T @ table.A(ends.i)
+        axes = [table.body_vector(ends.i, np.eye(3)[k]) for k in range(3)]
+        records = np.repeat(blank_primitive(), 6)
+        records["alpha"][:3], records["beta"][3:] = 1.0, 1.0
+        records["ends"][:3, 0], records["ends"][:3, 1, 0] = (head, tail), axes
+        records["f"][3:], records["g"][3:] = np.roll(axes, -1), np.roll(axes, -2)
+        own = [table.body_vector(ends.j, turned[:, k]) for k in range(3)]
+        records["h"][3:], records["turn"][3:] = np.roll(own, -1), len(table.angles) + np.arange(3)
+        table.angles += [0.0, 0.0, 0.0]
+        loads = fill_bushing(np.repeat(blank_load(ELEMENT), 6), item)
+        loads["group"], loads["primitive"] = number, table.spring(records) + np.arange(6)
+        # The angle about an axis would jump where the other body's has turned through a right angle.
+        resists = loads["c"].any(axis=1) & (np.arange(6) >= 3)
+        loads["body_vector"], loads["tilted"] = np.where(resists, [2 * axes, 2 * own], NONE)
+        return loads
 
-    def _friction(self, item: "JointFriction") -> Any:
-        record = blank_load(FRICTION)
-        sliding = self.joints.sliding(item.joint)
-        for field, coordinate in zip(("primitive", "stroke"), sliding, strict=True):
+    def _friction(self, item: Element) -> Any:
+        record, joint = blank_load(FRICTION_LOAD), item.measure.joint
+        for field, coordinate in zip(("primitive", "stroke"), self.joints.sliding(joint), strict=True):
             if coordinate is not None:
-                record[field] = self.table.spring(self.joints.primitive(item.joint, coordinate))
-        record["body_vector"], record["group"] = self.joints.axis(item.joint), item.joint
-        fill_friction(record, item)
-        if pitch := self.joints.pitch(item.joint):
+                record[field] = self.table.spring(self.joints.primitive(joint, coordinate))
+        record["body_vector"], record["group"] = self.joints.axis(joint), joint
+        fill_law(record, item.law, item.values)
+        if pitch := self.joints.pitch(joint):
             # The flank of a thread stands across its helix: its force is the axial one over the cosine.
-            record["thread"] = np.hypot(item.radius, pitch) / item.radius
+            record["thread"] = np.hypot(item["radius"], pitch) / item["radius"]
         return record

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..flexible_mechanism import FlexibleMechanism, FloatingBody, PointForce, PointSpring
+from ..flexible_mechanism import FlexibleMechanism, FloatingBody, PointForce
 from .constraint_table import PrimitiveTable
-from .element_table import ElementTable, PointJoints, coordinates_of_joints, line_load
+from .element_table import ElementTable, PointJoints, coordinates_of_joints
 from .kinematic import CONSTRAINT
-from .laws import NONE, fill_spring
-from .node_joints import add_joints, add_motions, spring_primitive
-from .records import ELEMENT, FLEXIBLE, FORCE, LOAD, MASS, TORQUE, blank_load
+from .laws import NONE
+from .node_joints import add_joints, add_motions
+from .records import FLEXIBLE, FORCE, MASS, TORQUE, blank_load
 from .system import SystemArrays
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def flexible_arrays(mechanism: FlexibleMechanism) -> SystemArrays:
     add_joints(table, mechanism)
     add_motions(table, mechanism)
     elements = _elements(table, mechanism)
-    loads = np.array([*_loads(table, mechanism), *elements.loads()], dtype=LOAD).reshape(-1)
+    loads = elements.loads(_loads(table, mechanism), mechanism.springs)
     flexible, modal = _flexible(bodies)
     modes = np.concatenate([np.zeros(0), *(_mode_scale(body, length) for body in bodies)])
     return SystemArrays(
@@ -104,11 +104,6 @@ def _elements(table: PrimitiveTable, mechanism: FlexibleMechanism) -> Any:
 def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism) -> list[np.ndarray]:
     records = [_force(table, item) for item in mechanism.forces]
     records += [_torque(table, item) for item in mechanism.torques]
-    records += [_spring(table, item) for item in mechanism.springs]
-    for item in mechanism.joint_springs:
-        record = blank_load(ELEMENT)
-        record["primitive"] = table.spring(spring_primitive(table, mechanism.joints[item.joint]))
-        records.append(fill_spring(record, item.k, item.q0, item.c))
     return records
 
 
@@ -130,9 +125,3 @@ def _torque(table: PrimitiveTable, item: "BodyTorque") -> np.ndarray:
         table.function(item.factor) if item.factor else NONE,
     )
     return record
-
-
-def _spring(table: PrimitiveTable, item: PointSpring) -> np.ndarray:
-    record = line_load(table, table.point(item.b), table.point(item.a))
-    found: np.ndarray = fill_spring(record, item.k, item.length, item.c)
-    return found

@@ -11,7 +11,6 @@ import numpy as np
 
 from ...errors import Fault, ModelError
 from ..flexible_mechanism import FlexibleMechanism, FloatingBody, NodePoint, PointJoint
-from ..joints import BY_NAME, STROKE
 from ..time_functions import POLYNOMIAL, ROTATIONS, TRANSLATIONS, Motion, MotionFunction
 from .constraint_table import PrimitiveTable, tilde
 from .laws import NONE
@@ -266,14 +265,6 @@ def _refuse_two_rotations(motions: tuple[Motion, ...]) -> None:
             faults.append(Fault("error", message, motion.place, motion.name, id="MODEL-001"))
     if faults:
         raise ModelError(faults)
-
-
-def spring_primitive(table: PrimitiveTable, joint: PointJoint) -> np.ndarray:
-    """The joint coordinate in which a spring of the joint acts."""
-    body_vectors = JointVectors(table, joint)
-    if BY_NAME[joint.kind].sprung == STROKE:
-        return body_vectors.stroke()
-    return table.angle(*body_vectors.turning())
 
 
 def reaction_point(joint: PointJoint) -> NodePoint:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .laws import FRICTION_LAW, LAW, NONE
+from .laws import LAW, NONE
 
 FORCE, TORQUE, ELEMENT, FRICTION = 1, 2, 5, 6
 
@@ -77,7 +77,7 @@ LOAD = np.dtype(
         ("stroke", np.int64),  # FRICTION: primitive of the stroke, -1: none; `primitive` is the angle
         ("group", np.int64),  # FRICTION: number of the joint among the groups; of a bushing its own
         ("thread", np.float64),  # FRICTION: ratio of force on the flanks of a screw to that along its axis
-        *FRICTION_LAW.descr,
+        ("function", np.int64),  # FORCE, TORQUE: function of time that it is multiplied by, -1: none
         *LAW.descr,
     ]
 )
@@ -156,16 +156,6 @@ def blank_load(kind: int) -> np.ndarray:
     """A LOAD record of a type that refers to nothing."""
     record = np.zeros((), LOAD)
     record["kind"] = kind
-    for field in (
-        "body_vector",
-        "tilted",
-        "primitive",
-        "function",
-        "curve",
-        "energy",
-        "damper",
-        "stroke",
-        "group",
-    ):
+    for field in ("body_vector", "tilted", "primitive", "function", "f", "stroke", "group"):
         record[field] = NONE
     return record

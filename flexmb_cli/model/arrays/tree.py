@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..geometric_stiffness import across, beam_direction, geometric_stiffness
+from ..laws import FRICTION
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Prescribed, Tree
 from .bandwidth import row_reach
 from .node_frames import NodeFrames, empty_node_frames
@@ -136,7 +137,7 @@ def tree_arrays(tree: Tree) -> TreeArrays:
         closures=closures,
         closure_matrix=np.zeros((closures.size, closures.size)),
         couplings=couplings,
-        row_forces=np.zeros((1 + len(tree.elements.frictions), closures.size)),
+        row_forces=np.zeros((1 + len(tree.elements.of(FRICTION)), closures.size)),
         reactions=np.zeros((len(parts.frames), 6)),
         gravity=np.array(tree.gravity, float),
         elastic=np.array([c.motion == ELASTIC for c in tree.coordinates], bool),

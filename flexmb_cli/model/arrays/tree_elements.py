@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..laws import BUSHING, FRICTION, At, Element, Frames
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from ..tree_as_mechanism.frames import hinge_frames
 from ..tree_as_mechanism.poses import first_poses
 from .function_table import FunctionTable
-from .laws import FRICTION_LAW, LAW, fill_friction, fill_law, fill_spring
+from .laws import LAW, fill_bushing, fill_law
 
 if TYPE_CHECKING:
     from ..flexible_mechanism import NodePoint
-    from ..joint_elements import Bushing, JointDriver
+    from ..joint_elements import JointDriver
 
 # What an element measures.
 IN_COORDINATE, IN_LINE, ALONG, ABOUT = 0, 1, 2, 3
@@ -50,10 +51,9 @@ TREE_FRICTION = np.dtype(
         ("frame", np.int64),  # FRAME of the body whose hinge it is
         ("turning", np.int64),  # coordinate of its rotation, -1: none
         ("sliding", np.int64),  # coordinate of its translation, -1: none
-        ("preload", np.float64),  # normal force besides that of the hinge, N
         ("turning_effort", np.float64),  # by the normal force 1 N, N m
         ("sliding_effort", np.float64),  # by the normal force 1 N, N
-        *FRICTION_LAW.descr,
+        *LAW.descr,
     ]
 )
 
@@ -65,7 +65,7 @@ class TreeElements:
         self.tree, self.index, self.of_body = tree, index, of_body
         self.table = FunctionTable()
         self._axes = (
-            [pose.A for pose in first_poses(tree, hinge_frames(tree))] if tree.elements.bushings else []
+            [pose.A for pose in first_poses(tree, hinge_frames(tree))] if tree.elements.of(BUSHING) else []
         )
 
     def arrays(self) -> dict[str, np.ndarray]:
@@ -92,35 +92,31 @@ class TreeElements:
 
     def _elements(self) -> np.ndarray:
         """The TREE_ELEMENT records: those of `names_of` without friction."""
-        elements = self.tree.elements
-        lines, motors = len(elements.lines), len(elements.motors)
-        bushings, singles = len(elements.bushings), len(elements.springs) + len(elements.laws)
-        found = np.zeros(singles + lines + OF_BUSHING * bushings + motors, TREE_ELEMENT)
-        free = iter(found)
-        for spring in elements.springs:
-            self._in_coordinate(next(free), spring)
-        for line in elements.lines:
-            fill_law(self._between(next(free), line, IN_LINE), line, self.table)
-        for law in elements.laws:
-            self._in_coordinate(next(free), law)
-        for bushing in elements.bushings:
-            self._bushing([next(free) for _ in range(OF_BUSHING)], bushing)
-        for motor in elements.motors:
-            self._in_coordinate(next(free), motor)
+        forces = [item for item in self.tree.elements.forces if item.law is not FRICTION]
+        found, at = np.zeros(sum(len(item.parts) for item in forces), TREE_ELEMENT), 0
+        for item in forces:
+            if isinstance(item.measure, Frames):
+                self._bushing(found[at : at + OF_BUSHING], item)
+            else:
+                self._measure(found[at], item.measure)
+                fill_law(found[at], item.law, item.values, self.table)
+            at += len(item.parts)
         return found
 
     def _frictions(self) -> np.ndarray:
         """The TREE_FRICTION records."""
-        found = np.zeros(len(self.tree.elements.frictions), TREE_FRICTION)
-        for record, item in zip(found, self.tree.elements.frictions, strict=True):
-            hinge = self.tree.hinges[item.joint]
-            record["frame"] = self.of_body[item.joint]
+        frictions = self.tree.elements.of(FRICTION)
+        found = np.zeros(len(frictions), TREE_FRICTION)
+        for record, item in zip(found, frictions, strict=True):
+            joint = item.measure.joint
+            hinge = self.tree.hinges[joint]
+            record["frame"] = self.of_body[joint]
             for field, motion, axes in (
                 ("turning", ROTATION, hinge.rotations),
                 ("sliding", TRANSLATION, hinge.translations),
             ):
-                record[field] = self.index[item.joint, motion, axes[0], None] if axes else -1
-            fill_friction(record, item)
+                record[field] = self.index[joint, motion, axes[0], None] if axes else -1
+            fill_law(record, item.law, item.values)
         return found
 
     def driver(self, item: "JointDriver") -> tuple[int, float, float, float, int]:
@@ -137,17 +133,18 @@ class TreeElements:
         motion, axis = coordinate.split()
         return int(self.index[joint, motion, int(axis), None])
 
-    def _in_coordinate(self, record: Any, item: Any) -> None:
-        record["measure"], record["coordinate"] = IN_COORDINATE, self._coordinate(item.joint, item.coordinate)
-        fill_law(record, item, self.table)
+    def _measure(self, record: Any, measure: Any) -> None:
+        if isinstance(measure, At):
+            record["measure"], record["coordinate"] = IN_COORDINATE, self._coordinate(*measure)
+        else:
+            record["measure"] = IN_LINE
+            self._place(record, measure)
 
-    def _between(self, record: Any, item: Any, measure: int) -> Any:
-        record["measure"] = measure
-        for side, body, point in (("i", item.i, item.P_i), ("j", item.j, item.P_j)):
+    def _place(self, record: Any, ends: Any) -> None:
+        for side, body, point in (("i", ends.i, ends.P_i), ("j", ends.j, ends.P_j)):
             record[f"frame_{side}"] = 0 if body == INERTIAL else self.of_body[body]
             # Ends in a tree are points of bodies.
             record[f"point_{side}"], record[f"node_{side}"] = point.r0, self._node(point)
-        return record
 
     def _node(self, point: "NodePoint") -> list[int]:
         """Elastic coordinates that move a node along the axes of its body, -1 where none does."""
@@ -155,10 +152,12 @@ class TreeElements:
         rows = np.asarray(point.shape)
         return [own[int(np.argmax(row))] if row.size and np.any(row) else -1 for row in rows]
 
-    def _bushing(self, records: list[Any], item: "Bushing") -> None:
-        A_i, A_j = (np.eye(3) if body == INERTIAL else self._axes[body] for body in (item.i, item.j))
-        for k, record in enumerate(records):
-            self._between(record, item, ALONG if k < 3 else ABOUT)
-            record["axis"], record["turned"] = k % 3, (A_j.T @ A_i).ravel()
-            record["resists"] = bool(item.stiffness[k] or item.damping[k])
-            fill_spring(record, item.stiffness[k], 0.0, item.damping[k])
+    def _bushing(self, records: np.ndarray, item: Element) -> None:
+        """Six records, along and about the axes of body i."""
+        ends = item.measure
+        A_i, A_j = (np.eye(3) if body == INERTIAL else self._axes[body] for body in (ends.i, ends.j))
+        self._place(records, ends)
+        records["measure"], records["axis"] = 3 * [ALONG] + 3 * [ABOUT], 2 * [0, 1, 2]
+        records["turned"] = (A_j.T @ A_i).ravel()
+        fill_bushing(records, item)
+        records["resists"] = records["c"].any(axis=1)

@@ -2,11 +2,11 @@
 joints.
 """
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...quick_dataclass import replace
 from ..flexible_mechanism import NodePoint, PointJoint
 from ..joint_elements import CompositeJoint, JointElements
 from ..loads import DynamicModel
@@ -58,7 +58,7 @@ def young_elements(table: PrimitiveTable, model: DynamicModel) -> ElementTable:
         table,
         PointJoints(table, [point_joint(joint) for joint in joints]),
         model.elements,
-        coordinates_of_joints(joints),
+        coordinates_of_joints(joints) if model.elements else [],
     )
     _Equations(table, model).add()
     found.add_couplings()

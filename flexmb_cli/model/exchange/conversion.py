@@ -1,17 +1,18 @@
 """Conversion of a dialect's model into a rigid model: the parts that all dialects share."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ...errors import Place
-from ...quick_dataclass import replace
-from ..joint_elements import Bushing
 from ..joints import ANGLE
+from ..laws import OF_TIME, At, Element, Frames, Joint, Parameter
 from ..mechanism import GROUND, Vector
 from ..vectors import rotation_matrix
+from .functions import moved
 from .rigid_model import Refusals, RigidBody, RigidModel, vector
 from .shapes import RigidShape
 from .start import Pair, Start, angle_between, stroke_between
@@ -24,8 +25,11 @@ SAME_ATTITUDE = 1e-9  # rad
 class Conversion(ABC):
     """Collects the parts of a rigid model, at the `start` of a model, and the items it cannot carry over.
 
-    `now`: poses of the bodies at the start.
+    `now`: poses of the bodies at the start, `t_start`, s; `first`: those in which bushings have no torque.
     """
+
+    first: list[Pose]
+    t_start = 0.0
 
     def __init__(self, start: Start):
         self.start, self.refusals = start, Refusals()
@@ -41,27 +45,63 @@ class Conversion(ABC):
         self.refusals.raise_faults()
         return found
 
-    def bushing(self, item: Bushing, ends: tuple[End, End], first: list[Pose]) -> Bushing | None:
-        """Return a bushing between `ends` (new body, point), or None where other dialects have none like it.
+    @abstractmethod
+    def joint_coordinate(self, item: Any, joint: int, coordinate: str) -> tuple[int, str, float] | None:
+        """Number of the joint in the new model, the coordinate there and its value at the start, if any."""
+
+    def joint_of(self, joint: int) -> int | None:
+        """Return the number of a joint in the new model, None if it has none."""
+        return joint
+
+    def end(self, body: int, point: Any) -> End:
+        """Return a body of the new model and the point on it."""
+        return body, place_of(point)
+
+    def elements(self, items: Iterable[Element]) -> tuple[Element, ...]:
+        """Return force elements, whose functions of time begin at `t_start`, in terms of the new model."""
+        found = (self._element(item) for item in items)
+        return tuple(item for item in found if item)
+
+    def _element(self, item: Element) -> Element | None:
+        measure = item.measure
+        if isinstance(measure, Joint):
+            joint = self.joint_of(measure.joint)
+            return None if joint is None else replace(item, measure=Joint(joint))
+        if isinstance(measure, At):
+            where = self.joint_coordinate(item, *measure)
+            if where is None:
+                return None
+            values = item.since(where[2]).changed(self._from_start)
+            return replace(item, measure=At(*where[:2]), values=values)
+        i, j = self.end(measure.i, measure.P_i), self.end(measure.j, measure.P_j)
+        if i[0] == GROUND == j[0] or (isinstance(measure, Frames) and not self._is_like(item, i[0])):
+            return None
+        return replace(item, measure=type(measure)(i[0], j[0], i[1], j[1]))
+
+    def _from_start(self, p: Parameter, value: Any) -> Any:
+        return moved(value, self.t_start) if p.kind == OF_TIME else value
+
+    def _is_like(self, item: Element, i: int) -> bool:
+        """Return whether other dialects have a bushing like one whose body i becomes body `i`.
 
         `first`: poses in which its frames coincide in attitude, which in the new deck do so at the start.
         """
-        (i, P_i), (j, P_j) = ends
-        turned = _turn_since(first, self.now, item.i, item.j)
-        if any((*item.stiffness[3:], *item.damping[3:])) and turned > SAME_ATTITUDE:
+        ends = item.measure
+        turned = _turn_since(self.first, self.now, ends.i, ends.j)
+        if any((*item["kr"], *item["cr"])) and turned > SAME_ATTITUDE:
             message = f"the bodies of the bushing have turned by {turned:.3g} rad from where it has no torque"
             self.refusals.add(
                 item, f"{message} at the start; other dialects begin without torque", id="MODEL-018"
             )
-            return None
-        if i == GROUND != item.i and not np.allclose(self.now[item.i][1], np.eye(3), atol=SAME_ATTITUDE):
+            return False
+        if i == GROUND != ends.i and not np.allclose(self.now[ends.i][1], np.eye(3), atol=SAME_ATTITUDE):
             self.refusals.add(
                 item,
                 "the axes of a bushing are those of body I, which is grounded and turned",
                 id="MODEL-019",
             )
-            return None
-        return replace(item, i=i, j=j, P_i=P_i, P_j=P_j)
+            return False
+        return True
 
     def rigid_body(self, k: int, name: str, masses: tuple[float, Any, Any], place: Place | None) -> RigidBody:
         """Return body k at the start; `masses`: mass, its centre (3,), moments (3, 3) about it, body axes."""

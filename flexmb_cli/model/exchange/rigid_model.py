@@ -5,24 +5,16 @@ Bodies are numbered from 0; -1 is the ground, whose axes are global.  SI units; 
 of their body.
 """
 
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from ...errors import Fault, ModelError, Place
-from ...quick_dataclass import dataclass
 from ..integrators import Integrator
-from ..joint_elements import (
-    Bushing,
-    Coupling,
-    JointDriver,
-    JointFriction,
-    JointMotor,
-    JointSpring,
-    LineSpring,
-)
-from ..laws import JointLaw
-from ..loads import AppliedForce, AppliedTorque, SpringDamper
+from ..joint_elements import Coupling, JointDriver
+from ..laws import Element
+from ..loads import AppliedForce, AppliedTorque
 from ..mechanism import GROUND, Point, TimeGrid, Vector
 from ..time_functions import MotionFunction
 from ..vectors import rotation_matrix
@@ -90,19 +82,6 @@ class BodyDriver:
 
 
 @dataclass(frozen=True)
-class CoordinateSpring:
-    """Spring and damper in a joint coordinate q: -stiffness (q - rest) - damping q'."""
-
-    name: str
-    joint: int
-    coordinate: str
-    stiffness: float
-    rest: float
-    damping: float
-    place: Place | None = None
-
-
-@dataclass(frozen=True)
 class RigidModel:
     """A rigid mechanism in the order of the deck.  `notes`: remarks for the reader of the new deck."""
 
@@ -112,20 +91,13 @@ class RigidModel:
     joints: tuple[RigidJoint, ...] = ()
     drivers: tuple[BodyDriver, ...] = ()
     joint_drivers: tuple[JointDriver, ...] = ()
-    motors: tuple[JointMotor, ...] = ()
-    joint_springs: tuple[CoordinateSpring, ...] = ()
-    springs: tuple[SpringDamper, ...] = ()
     forces: tuple[AppliedForce, ...] = ()
     torques: tuple[AppliedTorque, ...] = ()
     points: tuple[Point, ...] = ()
-    integrator: Integrator = Integrator(tolerance=1e-12)
+    integrator: Integrator = field(default_factory=lambda: Integrator(tolerance=1e-12))
     notes: tuple[str, ...] = ()
     shapes: tuple[RigidShape, ...] = ()
-    laws: tuple[JointLaw, ...] = ()
-    frictions: tuple[JointFriction, ...] = ()
-    preloaded: tuple[JointSpring, ...] = ()  # with a preload, or with forces by functions
-    lines: tuple[LineSpring, ...] = ()  # cables, and springs in line with a preload or functions
-    bushings: tuple[Bushing, ...] = ()  # whose frames coincide in attitude at the start
+    elements: tuple[Element, ...] = ()  # bushings' frames coincide in attitude at the start
     couplings: tuple[Coupling, ...] = ()
 
     def axes(self, body: int) -> np.ndarray:

@@ -1,10 +1,11 @@
 """A rigid model in other units: numbers of a deck in millimetres, kilograms and seconds in SI, and back."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from ...quick_dataclass import dataclass, replace
 from ..joints import ANGLE
+from ..laws import FUNCTIONS, OF_TIME, VECTOR, Element, Frames, Line, Parameter
 from .functions import scaled, stretched
 from .rigid_model import RigidModel, vector
 from .shapes import scaled_shape
@@ -47,7 +48,7 @@ class _Scaling:
         self.L, self.M, self.force, self.torque = L, M, M * L, M * L * L
 
     def model(self, model: RigidModel) -> Any:
-        parts = {
+        parts: dict[str, Any] = {
             name: tuple(rescale(item) for item in getattr(model, name))
             for name, rescale in self._by_part().items()
         }
@@ -59,14 +60,7 @@ class _Scaling:
             "joints": self._joint,
             "drivers": self._driver,
             "joint_drivers": self._joint_driver,
-            "motors": self._motor,
-            "joint_springs": self._joint_spring,
-            "laws": self._law,
-            "frictions": self._friction,
-            "springs": self._spring,
-            "preloaded": self._preloaded,
-            "lines": self._line,
-            "bushings": self._bushing,
+            "elements": self._element,
             "couplings": self._coupling,
             "forces": self._force,
             "torques": self._torque,
@@ -79,10 +73,6 @@ class _Scaling:
 
     def _joint_driver(self, item: Any) -> Any:
         return replace(item, function=scaled(item.function, 1.0 if item.coordinate == ANGLE else self.L))
-
-    def _motor(self, item: Any) -> Any:
-        effort = self.torque if item.coordinate == ANGLE else self.force
-        return replace(item, function=scaled(item.function, effort))
 
     def _force(self, item: Any) -> Any:
         return replace(item, force=_times(self.force, item.force), point=_times(self.L, item.point))
@@ -111,43 +101,19 @@ class _Scaling:
         points = {name: _times(self.L, getattr(joint, name)) for name in ("P_i", "P_j")}
         return replace(joint, **points, size=self.L * joint.size)
 
-    def _joint_spring(self, item: Any) -> Any:
-        revolutions = item.coordinate == ANGLE
-        factor = self.torque if revolutions else self.M
-        rest = item.rest if revolutions else self.L * item.rest
-        return replace(item, stiffness=factor * item.stiffness, damping=factor * item.damping, rest=rest)
+    def _element(self, item: Element) -> Element:
+        def changed(p: Parameter, value: Any) -> Any:
+            turning = item.turning if p.turning is None else p.turning
+            effort, length = (self.torque, 1.0) if turning else (self.force, self.L)
+            factor = effort**p.effort * length**p.length
+            if p.kind in FUNCTIONS:
+                return value and stretched(scaled(value, factor), 1.0 if p.kind == OF_TIME else length)
+            return _times(factor, value) if p.kind == VECTOR else factor * value
 
-    def _preloaded(self, item: Any) -> Any:
-        if item.coordinate == ANGLE:
-            return self._with_characteristics(item, 1.0, self.torque)
-        return self._with_characteristics(item, self.L, self.force)
-
-    def _line(self, item: Any) -> Any:
-        ends = {name: _times(self.L, getattr(item, name)) for name in ("P_i", "P_j")}
-        if item.slack:
-            per_rate = {"damping": item.damping / self.L}
-            return replace(
-                item, **ends, **per_rate, stiffness=self.M * item.stiffness, rest=self.L * item.rest
-            )
-        return self._with_characteristics(replace(item, **ends), self.L, self.force)
-
-    def _with_characteristics(self, item: Any, length: float, force: float) -> Any:
-        """A spring and damper whose coordinate has the unit `length` and whose effort has `force`."""
-        functions = {
-            name: function and stretched(scaled(function, force), length)
-            for name, function in (("curve", item.curve), ("damper", item.damper))
-        }
-        per_length = {name: force / length * getattr(item, name) for name in ("stiffness", "damping")}
-        return replace(item, **functions, **per_length, rest=length * item.rest, preload=force * item.preload)
-
-    def _bushing(self, item: Any) -> Any:
-        factors = (self.M,) * 3 + (self.torque,) * 3
-        ends = {name: _times(self.L, getattr(item, name)) for name in ("P_i", "P_j")}
-        scaled_six = {
-            name: tuple(f * x for f, x in zip(factors, getattr(item, name), strict=True))
-            for name in ("stiffness", "damping")
-        }
-        return replace(item, **ends, **scaled_six)
+        ends = item.measure
+        if isinstance(ends, Line | Frames):
+            ends = ends._replace(P_i=_times(self.L, ends.P_i), P_j=_times(self.L, ends.P_j))
+        return replace(item, measure=ends, values=item.changed(changed))
 
     def _coupling(self, item: Any) -> Any:
         terms = tuple(
@@ -155,21 +121,6 @@ class _Scaling:
             for joint, coordinate, factor in item.terms
         )
         return replace(item, terms=terms)
-
-    def _law(self, item: Any) -> Any:
-        turning = item.coordinate == ANGLE
-        values = item.in_units(self.torque if turning else self.force, 1.0 if turning else self.L)
-        return replace(item, values=values)
-
-    def _friction(self, item: Any) -> Any:
-        scaled_lengths = {name: self.L * getattr(item, name) for name in ("stribeck", "creep", "radius")}
-        return replace(item, **scaled_lengths, preload=self.force * item.preload)
-
-    def _spring(self, item: Any) -> Any:
-        L, M = self.L, self.M
-        ends = {name: _times(L, getattr(item, name)) for name in ("P_i", "P_j")}
-        rest = L * item.free_length
-        return replace(item, **ends, stiffness=M * item.stiffness, damping=M * item.damping, free_length=rest)
 
 
 def _times(factor: float, values: tuple[float, float, float]) -> Any:

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault, ModelError
-from ..joint_elements import is_angle
+from ..laws import MOTOR
 from ..tree import Tree
 
 if TYPE_CHECKING:
@@ -42,11 +42,10 @@ def _weights(tree: Tree) -> "Iterator[Any]":
 
 def _balls(tree: Tree) -> "Iterator[Any]":
     """Yield a fault for what acts about one of three free rotations: none is a coordinate of a position."""
-    for items, kind in ((tree.elements.springs, "damper"), (tree.elements.motors, "motor")):
-        for item in items:
-            if is_angle(item.coordinate) and len(tree.hinges[item.joint].rotations) == 3:
-                message = (
-                    f"a {kind} in a hinge with three free rotations is not carried over to absolute "
-                    f"coordinates; {OTHERWISE}"
-                )
-                yield Fault("error", message, item.place, item.name, id="MODEL-008")
+    for item in tree.elements.forces:
+        if item.turning and len(tree.hinges[item.measure.joint].rotations) == 3:
+            message = (
+                f"a {'motor' if item.law is MOTOR else 'damper'} in a hinge with three free rotations is not "
+                f"carried over to absolute coordinates; {OTHERWISE}"
+            )
+            yield Fault("error", message, item.place, item.name, id="MODEL-008")

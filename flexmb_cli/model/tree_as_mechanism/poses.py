@@ -3,11 +3,11 @@
 DAFMS thesis (1992), sections 2.2-2.3, walked outward body by body.
 """
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from ..vectors import cross, rotation_matrix
 from .frames import Base, Frames, NodeFrame

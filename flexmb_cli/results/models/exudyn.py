@@ -239,14 +239,15 @@ class _Placed:
     def loads(self) -> "Iterator[Any]":
         """Yield a line for every spring, force and torque."""
         for item in self.model.springs:
+            i, j, P_i, P_j = item.measure
             ends = ", ".join(
                 f"localPosition{n}={_list(self._local(body, point))}"
-                for n, (body, point) in enumerate(((item.i, item.P_i), (item.j, item.P_j)))
+                for n, (body, point) in enumerate(((i, P_i), (j, P_j)))
             )
             yield (
-                f"mbs.CreateSpringDamper(itemNumbers=[{self._word(item.i)}, {self._word(item.j)}], {ends}, "
-                f"referenceLength={item.free_length!r}, stiffness={item.stiffness!r}, "
-                f"damping={item.damping!r})"
+                f"mbs.CreateSpringDamper(itemNumbers=[{self._word(i)}, {self._word(j)}], {ends}, "
+                f"referenceLength={item['rest']!r}, stiffness={item['stiffness']!r}, "
+                f"damping={item['damping']!r})"
             )
         for force in self.model.forces:
             if force.body not in self.still:

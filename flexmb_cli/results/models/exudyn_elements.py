@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from ...errors import Fault
-from ...model.joint_elements import JointElements, JointSpring, LineSpring, is_angle
-from ...model.laws import STOP
+from ...model.joint_elements import JointElements
+from ...model.laws import BUSHING, CABLE, FRICTION, MOTOR, SPRING, STOP, At, Element, is_angle
 from ...model.mechanism import Joint
 
 # Names of a script's bodies, and points of them: local ones, and global ones at the start.
@@ -45,15 +45,17 @@ def slide(bodies, places, axis, **law):
 '''
 _REFUSED = {
     "drivers": ("drivers of joints do not convert", "RESULT-067"),
-    "motors": ("motors by functions of time do not convert", "RESULT-068"),
     "driven": ("drivers by functions do not convert", "RESULT-069"),
     "supports": ("supports by functions do not convert", "RESULT-070"),
-    "bushings": (
+    "couplings": ("couplings of joint coordinates do not convert", "RESULT-072"),
+}
+_REFUSED_LAWS = {
+    MOTOR: ("motors by functions of time do not convert", "RESULT-068"),
+    BUSHING: (
         "bushings do not convert: Exudyn's have other angles where a body turns about several axes",
         "RESULT-071",
     ),
-    "couplings": ("couplings of joint coordinates do not convert", "RESULT-072"),
-    "frictions": ("friction does not convert: Exudyn's has no normal force of the joint", "RESULT-073"),
+    FRICTION: ("friction does not convert: Exudyn's has no normal force of the joint", "RESULT-073"),
 }
 LINK = "spherical-spherical"
 
@@ -63,19 +65,23 @@ def foreign_elements(elements: JointElements) -> Iterator[Fault]:
     for kind, (message, name) in _REFUSED.items():
         for item in getattr(elements, kind):
             yield Fault("error", message, item.place, item.name, id=name)
-    for law in elements.laws:
-        if law.law is not STOP:
-            message = f"the law {law.law.word} does not convert"
-            yield Fault("error", message, law.place, law.name, id="RESULT-031")
-    springs: tuple[JointSpring | LineSpring, ...] = (*elements.springs, *elements.lines)
-    for spring in springs:
-        if spring.curve or spring.damper:
-            message = "springs and dampers with functions do not convert"
-            yield Fault("error", message, spring.place, spring.name, id="RESULT-074")
+    for force in elements.forces:
+        if found := _refused(force):
+            message, name = found
+            yield Fault("error", message, force.place, force.name, id=name)
     for composite in elements.composites:
         if composite.kind != LINK:
             message = f"a {composite.kind} joint does not convert"
             yield Fault("error", message, composite.place, composite.name, id="RESULT-075")
+
+
+def _refused(item: Element) -> tuple[str, str] | None:
+    """Return why a force element does not convert, and the identifier of the fault."""
+    if item.law in (SPRING, CABLE, STOP):
+        if item.law is SPRING and (item["curve"] or item["damper"]):
+            return "springs and dampers with functions do not convert", "RESULT-074"
+        return None
+    return _REFUSED_LAWS.get(item.law, (f"the law {item.law.word} does not convert", "RESULT-031"))
 
 
 class ElementLines:
@@ -89,25 +95,27 @@ class ElementLines:
 
     def lines(self, elements: JointElements, kept: list[bool]) -> Iterator[str]:
         """Yield definitions and a line for every element; `kept`: whether a link repeats no equation."""
-        if not any((elements.springs, elements.lines, elements.laws, elements.composites)):
+        if not (elements.forces or elements.composites):
             return
         yield DEFINITIONS
-        for spring in elements.springs:
-            rest = spring.rest - self._since(spring)
-            law = f"stiffness={spring.stiffness!r}, damping={spring.damping!r}, offset={rest!r}"
-            effort = "torque" if is_angle(spring.coordinate) else "force"
-            yield self._at_joint(spring, f"{law}, {effort}={spring.preload!r}")
-        for stop in elements.laws:
-            limits = ", ".join(map(repr, stop.since(self._since(stop))))
-            effort = "Torque" if is_angle(stop.coordinate) else "Force"
-            yield self._at_joint(stop, f"spring{effort}UserFunction=stops({limits})")
-        for line in elements.lines:
-            law = f"referenceLength={line.rest!r}, stiffness={line.stiffness!r}, damping={line.damping!r}"
-            last = "springForceUserFunction=cable" if line.slack else f"force={line.preload!r}"
-            yield f"mbs.CreateSpringDamper({self._ends(line)}, {law}, {last})"
+        for item in elements.forces:
+            if isinstance(item.measure, At):
+                yield self._at_joint(item.measure, self._law(item.since(self._since(item.measure))))
+                continue
+            law = "referenceLength={1!r}, stiffness={0!r}, damping={2!r}".format(*item.values)
+            last = "springForceUserFunction=cable" if item.law is CABLE else f"force={item['preload']!r}"
+            yield f"mbs.CreateSpringDamper({self._ends(item.measure)}, {law}, {last})"
         for link, needed in zip(elements.composites, kept, strict=True):
             call = f"mbs.CreateDistanceConstraint({self._ends(link)}, distance={link.size!r})"
             yield call if needed else f"# {link.name} repeats equations of others"
+
+    def _law(self, item: Element) -> str:
+        """The law of a spring or of stops in a joint."""
+        effort = "torque" if item.turning else "force"
+        if item.law is STOP:
+            return f"spring{effort.capitalize()}UserFunction=stops({', '.join(map(repr, item.values))})"
+        stiffness, rest, damping, preload, *_ = item.values
+        return f"stiffness={stiffness!r}, damping={damping!r}, offset={rest!r}, {effort}={preload!r}"
 
     def _since(self, item: Any) -> float:
         """Joint coordinate at the start, less Exudyn's: of angles 0, of strokes the advance of P_j."""

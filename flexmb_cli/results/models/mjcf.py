@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ...errors import Fault, ModelError
-from ...model.joint_elements import JointSpring, is_angle
+from ...model.laws import At, Element
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Body, Tree
 from ...model.vectors import euler_parameters, rotation_matrix
 
@@ -73,10 +73,10 @@ def _foreign_loads(tree: Tree) -> Iterator[Fault]:
         message = "MuJoCo closes loops softly, which is another motion; only trees convert"
         yield Fault("error", message, closure.place, closure.name, id="RESULT-062")
     for element in chain(*tree.elements.groups()):
-        if not isinstance(element, JointSpring) or element.preload or element.curve or element.damper:
+        if not isinstance(element, Element) or not element.linear or not isinstance(element.measure, At):
             message = "of elements, MJCF holds springs in hinge coordinates without preload and functions"
             yield Fault("error", message, element.place, element.name, id="RESULT-032")
-        elif is_angle(element.coordinate) and len(tree.hinges[element.joint].rotations) == 3:
+        elif element.turning and len(tree.hinges[element.measure.joint].rotations) == 3:
             message = "a damper of three free rotations does not convert"
             yield Fault("error", message, element.place, element.name, id="RESULT-063")
 
@@ -119,10 +119,10 @@ def _add_joint(
 ) -> None:
     k, motion, axis = place
     about = {"name": f"{tree.bodies[k].name} {motion} {axis}", "type": kind, "axis": _numbers(direction)}
-    for spring in tree.elements.springs:
-        if (spring.joint, spring.coordinate) == (k, f"{motion} {axis}"):
-            about |= {"stiffness": repr(float(spring.stiffness)), "damping": repr(float(spring.damping))}
-            about["springref"] = repr(float(spring.rest))
+    for spring in tree.elements.forces:
+        if spring.measure == (k, f"{motion} {axis}"):
+            stiffness, rest, damping = map(float, spring.values[:3])
+            about |= {"stiffness": repr(stiffness), "damping": repr(damping), "springref": repr(rest)}
     ElementTree.SubElement(element, "joint", about)
 
 

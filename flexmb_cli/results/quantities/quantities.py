@@ -10,6 +10,7 @@ import fnmatch
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 
@@ -17,7 +18,6 @@ import h5py
 import numpy as np
 
 from ...errors import Fault, FlexmbError
-from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, newer_layout, understood
 from .quantity_names import TIME, Family, Slot, families, folded, time_family
 from .unknown_names import hint_for

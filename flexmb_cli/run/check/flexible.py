@@ -47,7 +47,7 @@ def _coordinates(mechanism: FlexibleMechanism) -> int:
 
 
 def _is_small(mechanism: FlexibleMechanism) -> bool:
-    loads = mechanism.forces, mechanism.torques, mechanism.springs, mechanism.joint_springs
+    loads = mechanism.forces, mechanism.torques, mechanism.springs
     constraints = mechanism.joints, mechanism.pins, mechanism.motions
     return is_small(_coordinates(mechanism), *loads, *constraints, *mechanism.elements.groups())
 
@@ -96,7 +96,7 @@ def _parts(mechanism: FlexibleMechanism) -> dict[str, dict[str, int] | int]:
         "pins": len(mechanism.pins),
         "motions": len(mechanism.motions),
         "loads": len(mechanism.forces) + len(mechanism.torques),
-        "springs": len(mechanism.springs) + len(mechanism.joint_springs),
+        "springs": len(mechanism.springs),
         "outputs": len(mechanism.outputs),
     }
 

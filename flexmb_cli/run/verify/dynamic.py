@@ -3,6 +3,7 @@
 Both begin at the position that flexmb assembles.
 """
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from ...errors import Fault, ModelError
 from ...model.integrators import METHODS, Integrator
 from ...model.loads import DynamicModel
 from ...model.mechanism import Mechanism
-from ...quick_dataclass import replace
 from ..context import Run
 from .compared_rows import compared_rows
 from .difference import Difference, Size, largest_difference
@@ -73,7 +73,7 @@ def _size(mechanism: Mechanism, model: DynamicModel | None) -> Size:
 def _refuse_elements(model: Any) -> None:
     """Natural coordinates know the joints and loads of the dissertation, and no functions."""
     factors = [item.name for item in (*model.forces, *model.torques) if item.factor is not None]
-    ends = [item.name for item in model.springs if -1 in (item.i, item.j)]
+    ends = [item.name for item in model.springs if -1 in item.measure[:2]]
     if model.elements or factors or ends:
         what = next(iter((*factors, *ends)), "elements at joints")
         message = (

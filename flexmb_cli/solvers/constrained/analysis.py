@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from ...model.arrays.system import SystemArrays
 from ...model.equations import DEPENDENT
 from ...model.integrators import Integrator
 from ...model.joint_elements import JointElements
+from ...model.laws import STOP, Element
 from ...model.mechanism import TimeGrid
 from ..assembly import TO_GAP
 from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of, taken, taken_clock
@@ -43,8 +45,7 @@ from .system import blank_report, constrained_system, new_work
 if TYPE_CHECKING:
     from ...kernels.constrained.report import Report
     from ...kernels.constrained.system import System
-    from ...model.flexible_mechanism import PointSpring
-    from ...model.loads import InitialVelocity, SpringDamper
+    from ...model.loads import InitialVelocity
     from ..linearisation.terms import Terms
 
 
@@ -59,12 +60,12 @@ class ConstrainedMotion(ABC):
     """One run over the times of `grid`; `integrator`: one of `integrators`, by default the explicit one.
 
     The subclass for a model gives what is abstract here, the `velocities` behind `given_speeds`, and
-    `springs` in line.  `warnings` fills while the run continues;
+    `springs` of the deck.  `warnings` fills while the run continues;
     `found` is what `start` found.
     """
 
     velocities: "Sequence[InitialVelocity]" = ()
-    springs: "Sequence[SpringDamper | PointSpring]" = ()
+    springs: Sequence[Element] = ()
     singularities: PassedDynamicSingularities  # see `rows`
     omega_in_body_axes = False
     usual_words = "planar mechanism of spatial joints", "3 a loop"  # of `usual_repetitions`
@@ -252,7 +253,8 @@ class ConstrainedMotion(ABC):
         self.clock["t"] = self.grid.start
         self.clock["stop"] = self.grid.time(self.grid.rows - 1)
         self._begin()
-        self.warnings += notes_of_pressed_stops(self.elements.laws, self.arrays.loads, self.work.responses)
+        stops = self.elements.of(STOP)
+        self.warnings += notes_of_pressed_stops(stops, self.arrays.loads, self.work.responses)
         return found
 
     def start_position(self) -> Mobility:
@@ -267,7 +269,7 @@ class ConstrainedMotion(ABC):
         integration.z[: q.size] = self._first = q
         # Rates that contradict others are refused here: what is left does repeat others.
         integration.z[q.size : q.size + self.arrays.speeds] = start_speeds(self, q, grid.start)
-        refuse_coinciding_ends(self.system, self.work, self.springs, self.elements.lines, grid.start)
+        refuse_coinciding_ends(self.system, self.work, chain(self.springs, self.elements.forces), grid.start)
         if found.redundant:
             self.warnings.append(repetition(found, self.usual_repetitions(q), *self.usual_words))
         warn_of_fine_tables(self)

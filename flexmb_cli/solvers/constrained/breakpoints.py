@@ -37,7 +37,7 @@ def _rows_of_work(motion: "ConstrainedMotion") -> list[float]:
     The motion has no error that would shorten the steps; the work of stops, cables and friction has.
     """
     loads = motion.arrays.loads
-    bends = (loads["kind"] == ELEMENT) & ~np.isin(loads["shape"], (SPRING, MOTOR))
+    bends = (loads["kind"] == ELEMENT) & ~np.isin(loads["shape"], (SPRING.code, MOTOR.code))
     if motion.found is None or motion.found.free or not np.any(bends | (loads["kind"] == FRICTION)):
         return []
     return [motion.grid.time(k) for k in range(motion.grid.rows)]

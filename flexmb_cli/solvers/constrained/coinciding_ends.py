@@ -6,75 +6,48 @@ import numpy as np
 
 from ...errors import Fault, ModelError
 from ...kernels.constrained.body_vectors import VECTOR
+from ...model.laws import SPRING, Line
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable
 
     from ...kernels.constrained.system import System, Work
-    from ...model.flexible_mechanism import PointSpring
-    from ...model.joint_elements import LineSpring
-    from ...model.loads import SpringDamper
-
+    from ...model.laws import Element
 
 # Of the free length, or m where it is 0: what assembly leaves between points that joints bring together.
 COINCIDING = 1e-9
 
 
-def refuse_coinciding_ends(
-    system: "System",
-    work: "Work",
-    springs: "Sequence[SpringDamper | PointSpring]",
-    lines: "Sequence[LineSpring]",
-    t: float,
-) -> None:
+def refuse_coinciding_ends(system: "System", work: "Work", elements: "Iterable[Element]", t: float) -> None:
     """Raise ModelError for stretched springs without a direction at the position at hand.
 
-    `springs` and `lines`: those in line of the model and of its elements, in the order of their loads.
+    `elements`: all force elements of the model, in the order of their loads.
     """
     loads = system.loads[system.loads["in_line"] == 1]
-    faults = []
-    for load, spring in zip(loads[: len(springs)], springs, strict=True):
-        free_length = load["free_length"]
-        if load["stiffness"] * free_length and _length(work, load) <= COINCIDING * abs(free_length):
-            faults.append(_fault(spring, free_length, t))
-    if faults:
-        raise ModelError(faults)
-    refuse_undirected_lines(lines, [_length(work, load) for load in loads[len(springs) :]], t)
+    lengths = [float(np.linalg.norm(work.relative_vectors[VECTOR, k, 0])) for k in loads["primitive"]]
+    refuse_undirected_lines(elements, lengths, t)
 
 
-def refuse_undirected_lines(lines: "Iterable[LineSpring]", lengths: "Iterable[float]", t: float) -> None:
-    """Raise ModelError for springs of such lengths, m, that push or pull where they have no direction."""
-    faults = []
+def refuse_undirected_lines(elements: "Iterable[Element]", lengths: "Iterable[float]", t: float) -> None:
+    """Raise ModelError for springs in line of such lengths, m, that push or pull without a direction."""
+    faults, lines = [], (item for item in elements if isinstance(item.measure, Line))
     for line, length in zip(lines, lengths, strict=True):
         force = _force_without_length(line)
-        if force and length <= COINCIDING * (abs(line.rest) or 1.0):
-            faults.append(_line_fault(line, force, t))
+        if force and length <= COINCIDING * (abs(line["rest"]) or 1.0):
+            faults.append(_fault(line, force, t))
     if faults:
         raise ModelError(faults)
 
 
-def _length(work: "Work", load: np.void) -> float:
-    """Distance of the ends, m."""
-    return float(np.linalg.norm(work.relative_vectors[VECTOR, load["primitive"], 0]))
-
-
-def _force_without_length(line: "LineSpring") -> float:
+def _force_without_length(line: "Element") -> float:
     """Return the force, N, that drives coinciding ends apart; a cable is slack there."""
-    if line.slack:
+    if line.law is not SPRING:
         return 0.0
-    curve = line.curve.at(-line.rest)[0] if line.curve is not None else 0.0
-    return line.stiffness * line.rest - line.preload - curve
+    stiffness, rest, _, preload, function, _ = line.values
+    return float(stiffness * rest - preload - (function.at(-rest)[0] if function else 0.0))
 
 
-def _fault(spring: "PointSpring | SpringDamper", free_length: float, t: float) -> Fault:
-    message = (
-        f"its ends coincide at t = {t:.6g} s, where its free length of {free_length:.6g} m gives it a force "
-        "without a direction; move an end, or give it the free length 0"
-    )
-    return Fault("error", message, spring.place, spring.name, id="SOLVE-004")
-
-
-def _line_fault(line: "LineSpring", force: float, t: float) -> Fault:
+def _fault(line: "Element", force: float, t: float) -> Fault:
     message = (
         f"its ends coincide at t = {t:.6g} s, where it {'pushes' if force > 0.0 else 'pulls'} with "
         f"{abs(force):.6g} N in no direction; move an end, or give it the rest length 0 and no preload"

@@ -1,5 +1,6 @@
 """Report rows of decks with elements at joints: joint coordinates, and what every element does and bears."""
 
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,10 @@ from ...kernels.laws import COORDINATE, EFFORT, ENERGY, POWER, SPEED
 from ...model.arrays.dynamic import DynamicArrays
 from ...model.arrays.element_table import coordinates_of_joints
 from ...model.arrays.system import SystemArrays
-from ...model.joint_elements import JointElements
+from ...model.joint_elements import JointElements, names_of
+from ...model.laws import FRICTION, MOTOR, parts_in_arrays
 from ...model.loads import DynamicModel
 from ...model.vectors import cross_rows
-from ...quick_dataclass import dataclass, fields
 from .rows import DynamicRows, dynamic_rows, global_axes
 
 
@@ -84,12 +85,12 @@ def element_answers(report: Report, first: int, elements: JointElements, coordin
     # A force of none is 0, not -0.
     answers = report.responses[:, first:] + 0.0
     works = report.states[:, report.states.shape[1] - answers.shape[1] :] + 0.0
-    ends = answers.shape[1] - len(elements.frictions)
-    last = ends - len(elements.motors)
-    begins = last - coordinates
-    probes = answers[:, begins:last]
-    motors, others = np.arange(last, ends), np.r_[:begins, ends : answers.shape[1]]
-    found = answers[:, np.concatenate([others, motors])]
+    end = answers.shape[1] - len(elements.of(FRICTION))
+    probes = np.arange(end - coordinates, end)
+    springs = answers.shape[1] - coordinates - len(list(names_of(elements)))
+    order, motors = order_of(elements, springs)
+    found, works = (np.delete(array, probes, axis=1)[:, order] for array in (answers, works))
+    probes = answers[:, probes]
     return {
         "joint_coordinate": probes[..., COORDINATE].copy(),
         "joint_rate": probes[..., SPEED].copy(),
@@ -98,10 +99,18 @@ def element_answers(report: Report, first: int, elements: JointElements, coordin
         "element_effort": found[..., EFFORT].copy(),
         "element_power": found[..., POWER].copy(),
         "element_energy": found[..., ENERGY].copy(),
-        "element_work": works[:, np.concatenate([others, motors])],
+        "element_work": works,
         # 0 - x, unlike -x, leaves no negative zeros.
-        "dissipated": 0.0 - np.sum(works[:, others], axis=1),
+        "dissipated": 0.0 - np.sum(works[:, ~motors], axis=1),
     }
+
+
+def order_of(elements: JointElements, springs: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Return the places in arrays of so many springs and of all parts of elements, and which are motors."""
+    parts = parts_in_arrays(elements.forces)
+    order = [*range(springs), *(springs + place for _, place in parts)]
+    motors = springs * [False] + [item.law is MOTOR for item, _ in parts]
+    return np.array(order, int), np.array(motors, bool)
 
 
 def _in_order_of_deck(model: DynamicModel, arrays: DynamicArrays, report: Report) -> Any:

@@ -8,7 +8,6 @@ from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
 from ...model.arrays.flexible import flexible_arrays
 from ...model.flexible_mechanism import FlexibleMechanism, PointJoint
-from ...model.joints import BY_NAME, STROKE
 from ...model.loads import InitialVelocity
 from ...model.mechanism import Joint
 from ...model.planar_loops import OUT_OF_PLANE, repeated_in_plane
@@ -67,17 +66,14 @@ class FlexibleDynamics(LinearisableMotion):
         loads = [
             *((force.name, True) for force in m.forces),
             *((torque.name, True) for torque in m.torques),
-            *((spring.name, True) for spring in m.springs),
-        ]
-        loads += [
-            (item.name, BY_NAME[m.joints[item.joint].kind].sprung == STROKE) for item in m.joint_springs
+            *((spring.name, not spring.turning) for spring in m.springs),
         ]
         return Terms(
             tuple(loads),
             tuple((motion.name, motion.is_length) for motion in m.motions),
             tuple((joint.name, joint.a[0], joint.b[0]) for joint in m.joints),
             tuple((point.name, point.body) for point in m.outputs),
-            motors=motors_of(m.elements, len(self.arrays.loads)),
+            motors=motors_of(m.elements, len(loads)),
         )
 
     def given_rates(self, q: np.ndarray) -> Any:

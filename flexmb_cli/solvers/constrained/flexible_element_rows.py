@@ -1,12 +1,13 @@
 """Report rows of a mechanism of rigid and flexible bodies with elements at its joints."""
 
+from dataclasses import dataclass, fields
+
 import numpy as np
 
 from ...kernels.constrained.report import Report
 from ...model.arrays.element_table import coordinates_of_joints
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism
-from ...quick_dataclass import dataclass, fields
 from .element_rows import coupling_efforts, element_answers
 from .flexible_rows import FlexibleRows, flexible_rows
 

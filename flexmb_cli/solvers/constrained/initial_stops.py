@@ -6,20 +6,18 @@ import numpy as np
 
 from ...errors import Fault
 from ...kernels.laws import COORDINATE, EFFORT
-from ...model.joint_elements import is_angle
-from ...model.laws import STOP, JointLaw
+from ...model.laws import STOP, Element
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
 def notes_of_pressed_stops(
-    laws: tuple[JointLaw, ...], loads: np.ndarray, responses: np.ndarray
+    stops: tuple[Element, ...], loads: np.ndarray, responses: np.ndarray
 ) -> "Iterator[Fault]":
     """Yield a note for each stop that pushes at the start; responses (loads, columns) belong to it."""
-    stops = [item for item in laws if item.law is STOP]
     for stop, k in zip(stops, np.flatnonzero(loads["shape"] == STOP.code), strict=True):
-        length, force = ("rad", "N m") if is_angle(stop.coordinate) else ("m", "N")
+        length, force = ("rad", "N m") if stop.turning else ("m", "N")
         effort, x = responses[k, EFFORT], responses[k, COORDINATE]
         if effort != 0.0:
             depth = max(x - stop["upper"], stop["lower"] - x)

@@ -5,6 +5,7 @@ Euler parameters and Lagrange multipliers.  Nothing of the recursion along the t
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,10 +16,10 @@ from ...kernels.laws import COORDINATE
 from ...model.arrays.constraint_table import PrimitiveTable
 from ...model.arrays.element_table import ElementTable, JointCoordinateName
 from ...model.arrays.flexible import flexible_arrays, length_scale
-from ...model.arrays.records import LOAD
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.integrators import IMPLICIT_TREE_METHODS, Integrator
+from ...model.laws import FRICTION
 from ...model.tree import ROTATION, Tree
 from ...model.tree_as_mechanism.elements import HingeJoints
 from ...model.tree_as_mechanism.frames import Frames, hinge_frames
@@ -27,7 +28,6 @@ from ...model.tree_as_mechanism.limits import refuse_foreign
 from ...model.tree_as_mechanism.loads import tree_loads
 from ...model.tree_as_mechanism.planar_tree import repeated_in_planar_tree
 from ...model.tree_as_mechanism.poses import elastic_start, first_poses
-from ...quick_dataclass import replace
 from ..checkpoint import taken
 from ..projection import RESIDUAL_MET, largest
 from ..tree.loop_assembly import closed_tree
@@ -65,7 +65,7 @@ class AbsoluteTree(ConstrainedMotion):
         self.clock["atol"] = tree.integration.atol
         self._speeds = np.concatenate([np.concatenate([body.velocity, body.omega]) for body in bodies])
         self._elastic = [elastic_start(tree, k) for k in range(len(tree.bodies))]
-        behind = len(tree.elements.motors) + len(tree.elements.frictions)
+        behind = len(tree.elements.of(FRICTION))
         self._probes = len(arrays.loads) - behind - len(turning_coordinates(tree)), len(arrays.loads) - behind
         self._attitude = unturned(len(tree.bodies))
 
@@ -133,5 +133,5 @@ def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple[Any, ...]) -> Syst
     elements.add_couplings()
     elements.add_drivers(tree.time.start)
     add_closures(table, tree)
-    loads = np.array([*tree_loads(table, tree), *elements.loads()], dtype=LOAD).reshape(-1)
+    loads = elements.loads(tree_loads(table, tree))
     return replace(flexible_arrays(free), loads=loads, **table.arrays())

@@ -1,5 +1,6 @@
 """Report rows of a tree with elements at its hinges."""
 
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -9,9 +10,8 @@ from ...kernels.laws import COORDINATE, EFFORT, ENERGY, POWER, SPEED
 from ...model.arrays.system import SystemArrays
 from ...model.joint_elements import names_of
 from ...model.tree import Tree
-from ...quick_dataclass import dataclass, fields
 from ..tree.rows import TreeRows
-from .element_rows import coupling_efforts, element_answers
+from .element_rows import coupling_efforts, element_answers, order_of
 
 
 @dataclass(frozen=True)
@@ -65,12 +65,9 @@ def with_answers(tree: Tree, rows: TreeRows, report: Any) -> TreeElementRows:
     # A force of none is 0, not -0.
     end = report.rows.shape[1] - 1
     count = report.answers.shape[1]
-    last = count - len(tree.elements.frictions)
-    first = last - len(tree.elements.motors)
-    others, motors = np.r_[:first, last:count], np.arange(first, last)
-    order = np.concatenate([others, motors])
+    order, motors = order_of(tree.elements)
     answers = report.answers[:, order] + 0.0
-    works = report.rows[:, end - count : end] + 0.0
+    works = report.rows[:, end - count : end][:, order] + 0.0
     scales = np.array([item.scale for item in tree.elements.couplings])
     return TreeElementRows(
         **kept,
@@ -79,8 +76,8 @@ def with_answers(tree: Tree, rows: TreeRows, report: Any) -> TreeElementRows:
         element_effort=answers[..., EFFORT],
         element_power=answers[..., POWER],
         element_energy=answers[..., ENERGY],
-        element_work=works[:, order],
-        dissipated=0.0 - works[:, others].sum(axis=1),
+        element_work=works,
+        dissipated=0.0 - works[:, ~motors].sum(axis=1),
         coupling_effort=report.closures["force"][:, len(report.closures[0]) - len(scales) :] / scales,
         driver_effort=report.drives,
     )

@@ -76,7 +76,7 @@ class ForwardDynamics(LinearisableMotion):
             tuple(joints),
             tuple((point.name, point.body) for point in mechanism.points),
             tuple(k for k, driver in enumerate(mechanism.drivers) if driver in drivers),
-            motors_of(model.elements, len(self.arrays.loads)),
+            motors_of(model.elements, len(loads)),
         )
 
     def driven_system(self, k: int, additions: list[float], t: float) -> System:

@@ -1,6 +1,8 @@
 """Inverse dynamics: reactions and driver efforts of the motion that the drivers prescribe."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import fields, replace
+from itertools import chain
 
 import numpy as np
 
@@ -9,7 +11,6 @@ from ...kernels.constrained.accelerations import choose_order, evaluate_jacobian
 from ...kernels.constrained.report import Report, observe_rows
 from ...model.arrays.dynamic import dynamic_arrays
 from ...model.loads import DynamicModel
-from ...quick_dataclass import fields, replace
 from ..checkpoint import arrays_in, fill_arrays
 from ..constrained.coinciding_ends import refuse_coinciding_ends
 from ..constrained.rows import DynamicRows, body_axes, dynamic_rows
@@ -77,7 +78,7 @@ class InverseDynamics:
         if choose_order(self.work, self.arrays.speeds) < self.arrays.speeds:
             raise undetermined(report.times[0])
         model, start = self.model, float(report.times[0])
-        refuse_coinciding_ends(self.system, self.work, model.springs, model.elements.lines, start)
+        refuse_coinciding_ends(self.system, self.work, chain(model.springs, model.elements.forces), start)
         self._ordered = True
 
 

@@ -9,9 +9,10 @@ from ...kernels.constrained.report import observe_rows
 from ...kernels.constrained.system import NO_INERTIA, SOLVED, System
 from ...kernels.laws import ANSWER_COLUMNS
 from ...model.arrays.constraint_table import tilde
-from ...model.arrays.laws import fill_spring
+from ...model.arrays.laws import fill_law
 from ...model.arrays.records import FORCE, FRICTION, TORQUE
 from ...model.flexible_mechanism import NodePoint
+from ...model.laws import SPRING
 from ...model.vectors import rotation_matrix
 from ..constrained.system import blank_report
 from .constrained import ConstrainedLinearised
@@ -226,8 +227,7 @@ def _constant_load(load: np.void) -> "Callable[..., Any]":
     def records(amount: float) -> np.ndarray:
         record = np.array([load])
         # A spring without stiffness has its preload only.
-        fill_spring(record, 0.0, 0.0, 0.0)
-        record["preload"] = -amount
+        fill_law(record, SPRING, SPRING.values(preload=-amount))
         return record
 
     return records

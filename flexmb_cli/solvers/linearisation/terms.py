@@ -1,8 +1,10 @@
 """Names of inputs and outputs of a linearised mechanism in the terms of its dialect."""
 
+from dataclasses import dataclass
+
 from ...model.flexible_mechanism import NodePoint
-from ...model.joint_elements import JointElements, is_angle
-from ...quick_dataclass import dataclass
+from ...model.joint_elements import JointElements
+from ...model.laws import MOTOR, parts_in_arrays
 
 
 @dataclass(frozen=True)
@@ -24,9 +26,10 @@ class Terms:
     motors: tuple[tuple[str, bool, int], ...] = ()
 
 
-def motors_of(elements: JointElements, loads: int) -> tuple[tuple[str, bool, int], ...]:
-    """The motors among so many loads: they stand before friction, which is the last."""
-    first = loads - len(elements.frictions) - len(elements.motors)
+def motors_of(elements: JointElements, first: int) -> tuple[tuple[str, bool, int], ...]:
+    """The motors among loads whose force elements begin with the number `first`."""
     return tuple(
-        (item.name, not is_angle(item.coordinate), first + k) for k, item in enumerate(elements.motors)
+        (item.name, not item.turning, first + place)
+        for item, place in parts_in_arrays(elements.forces)
+        if item.law is MOTOR
     )

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...model.arrays.tree import TreeArrays, body_frames
-from ...model.joint_elements import is_angle
+from ...model.laws import MOTOR, parts_in_arrays
 from ...model.tree import ELASTIC, INERTIAL, ROTATION, Coordinate
 from ..constrained.tree_element_rows import TreeElementRows
 from ..tree.points import point_motion, point_names, rotation_matrices
@@ -109,10 +109,10 @@ class TreeResponses(Responses):
         ]
         for k, signal in enumerate(signals):
             yield Input(signal, still, still, self._changed("functions", "c0", k), 1.0)
-        motors = self.tree.elements.motors
-        for k, item in enumerate(motors, len(self.arrays.elements) - len(motors)):
-            signal = Signal(f"{item.name} effort", "N m" if is_angle(item.coordinate) else "N")
-            yield Input(signal, still, still, self._changed("elements", "preload", k), 1.0)
+        for item, k in parts_in_arrays(self.tree.elements.forces):
+            if item.law is MOTOR:
+                signal = Signal(f"{item.name} effort", "N m" if item.turning else "N")
+                yield Input(signal, still, still, self._changed("elements", "c", (k, 0)), 1.0)
 
     def _body_inputs(self) -> "Iterator[Any]":
         """Constant forces and torques of bodies that have some, inertial axes."""

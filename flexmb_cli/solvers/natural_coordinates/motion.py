@@ -4,6 +4,7 @@ Kinematics: Newton steps on Φ(X, t), rates and accelerations by linear least sq
 mass matrix that is constant, M dV/dt = Q + Jᵀ λ, J dV/dt = γ, integrated by SciPy's DOP853 from row to row.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,6 @@ from ...model.arrays.dynamic import inertia_matrix
 from ...model.equations import DEPENDENT
 from ...model.loads import DynamicModel
 from ...model.mechanism import Mechanism
-from ...quick_dataclass import dataclass
 from .equations import SIZE, natural_equations, point, rotation_of, vector
 
 EQUATIONS_MET = 1e-13
@@ -159,11 +159,12 @@ class NaturalMotion:
             # T · ω with ω = Σ d_a × (dd_a/dt) / 2.
             Q[own] += 0.5 * np.cross(T, X[own].reshape(3, 3)).ravel()
         for spring in model.springs:
-            form = point(n, spring.j, spring.P_j) - point(n, spring.i, spring.P_i)
+            (i, j, P_i, P_j), (stiffness, rest, damping, *_) = spring.measure, spring.values
+            form = point(n, j, P_j) - point(n, i, P_i)
             d, rate = form @ X, form @ V
             length = np.linalg.norm(d)
             if length > 0.0:
-                pull = spring.stiffness * (length - spring.free_length) + spring.damping * (d @ rate) / length
+                pull = stiffness * (length - rest) + damping * (d @ rate) / length
                 Q -= pull * d / length @ form
         return Q
 

@@ -9,6 +9,7 @@ from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...kernels.laws import COORDINATE, NORMAL
 from ...model.arrays.tree_elements import IN_LINE, OF_BUSHING
+from ...model.laws import BUSHING, STOP, parts_in_arrays
 from ..constrained.coinciding_ends import refuse_undirected_lines
 from ..constrained.failures import bushing_failure, jam_failure
 from ..constrained.initial_stops import notes_of_pressed_stops
@@ -34,8 +35,8 @@ def attach_elements(analysis: "TreeAnalysis") -> None:
     elements["expected"] = 0.0
     _call(analysis, tree_dop853.CLOSE if coupled.any() else tree_dop853.GO_ON)
     t, lengths = analysis.tree.time.start, arrays.answers[: elements.size, COORDINATE]
-    refuse_undirected_lines(analysis.tree.elements.lines, lengths[elements["measure"] == IN_LINE], t)
-    analysis.warnings += notes_of_pressed_stops(analysis.tree.elements.laws, elements, arrays.answers)
+    refuse_undirected_lines(analysis.tree.elements.forces, lengths[elements["measure"] == IN_LINE], t)
+    analysis.warnings += notes_of_pressed_stops(analysis.tree.elements.of(STOP), elements, arrays.answers)
     if failure := lost_force(analysis.tree, arrays.answers, t):
         raise failure
 
@@ -47,10 +48,8 @@ def _call(analysis: "TreeAnalysis", task: int) -> None:
 
 def lost_force(tree: "Tree", answers: np.ndarray, t: float) -> AnalysisError | None:
     """Return why elements with such answers (E + m, 8) have no force at t: a bushing, or friction."""
-    elements = tree.elements
-    first = len(elements.springs) + len(elements.lines) + len(elements.laws)
-    angles = answers[first : first + OF_BUSHING * len(elements.bushings), COORDINATE]
-    turned = np.flatnonzero(np.isnan(angles))
+    bushings = [k for item, k in parts_in_arrays(tree.elements.forces) if item.law is BUSHING]
+    turned = np.flatnonzero(np.isnan(answers[bushings, COORDINATE]))
     if turned.size:
         return bushing_failure(int(turned[0]) // OF_BUSHING, t)
     return jam_failure(t) if np.isnan(answers[:, NORMAL]).any() else None

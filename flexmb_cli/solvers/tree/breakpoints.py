@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from ...errors import AnalysisError, Fault
+from ...model.laws import MOTOR
 from ...model.time_functions import corners
 from ...model.tree import Tree
 from ...model.unit_checks import uneven_masses
@@ -12,7 +13,8 @@ from ..table_times import jump_at, jump_within_no_time, times_between
 def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
     """Times inside (start, end) at which a function of the tree jumps or bends."""
     elements = tree.elements
-    functions = [*(m.function for m in elements.motors), *(d.function for d in elements.drivers)]
+    functions = [item["function"] for item in elements.of(MOTOR)]
+    functions += [item.function for item in elements.drivers]
     times = [t for torque in tree.torques for t in torque.function.times]
     return times_between(times + [t for function in functions for t in corners(function)], start, end)
 

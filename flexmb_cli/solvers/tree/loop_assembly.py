@@ -5,6 +5,7 @@ what is prescribed does.  A gap and its rate are (p_a - p_b) · d and d · (v_a 
 closed direction of body b; the rates at single unit speeds are the columns of the Jacobian.
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,6 @@ from ...model.tree import ASSEMBLED_GAP, ELASTIC, INERTIAL, ROTATION, TRANSLATIO
 from ...model.tree_as_mechanism.frames import Frames, shape_of
 from ...model.tree_as_mechanism.poses import STILL, Pose, elastic_start, first_poses
 from ...model.vectors import cross
-from ...quick_dataclass import replace
 from ..assembly import DAMPINGS, LOOSEST, NEAR, OTHER_STARTS, TO_GAP
 from ..levenberg_marquardt import least_squares
 

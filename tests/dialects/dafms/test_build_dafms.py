@@ -103,12 +103,12 @@ def test_springs_dampers_and_motors_sit_on_their_freedom():
         "MOTR\n    1\n    2    5       3.0\n",
         "TABM\n    1\n    1    1    2\n       0.0       1.0\n       2.0       4.0\n",
     )
-    spring, damper = built.elements.springs
-    assert (spring.joint, spring.coordinate, spring.stiffness, spring.rest) == (1, "translation 2", 100, 0.1)
-    assert (damper.joint, damper.coordinate, damper.damping) == (0, "rotation 1", 0.2)
-    constant, table = built.elements.motors
-    assert (constant.joint, constant.coordinate, constant.function.at(7.0)[0]) == (1, "translation 2", 3.0)
-    assert (table.joint, [table.function.at(t)[0] for t in (-1.0, 1.0, 3.0)]) == (0, [1.0, 2.5, 4.0])
+    spring, damper, constant, table = built.elements.forces
+    assert (spring.measure, *spring.values[:2]) == ((1, "translation 2"), 100, 0.1)
+    assert (damper.measure, damper["damping"]) == ((0, "rotation 1"), 0.2)
+    assert (constant.measure, constant["function"].at(7.0)[0]) == ((1, "translation 2"), 3.0)
+    assert table.measure.joint == 0
+    assert [table["function"].at(t)[0] for t in (-1.0, 1.0, 3.0)] == [1.0, 2.5, 4.0]
 
 
 def test_a_tabulated_torque_is_external():

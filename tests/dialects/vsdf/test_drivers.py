@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmb_cli.model.fe_model import JointSpring
 from flexmb_cli.model.flexible_mechanism import FlexibleMechanism, FloatingBody, NodePoint, PointJoint
+from flexmb_cli.model.joints import BY_NAME
+from flexmb_cli.model.laws import At, spring
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.time_functions import Motion, MotionFunction
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
@@ -91,7 +92,7 @@ def test_an_angle_begins_where_its_law_does():
 def test_a_joint_spring_swings_as_one_freedom_does(kind, inertia):
     """x'' + (c/m) x' + (k/m) (x - x0) = 0 from rest; the angle turns through more than one turn."""
     k, c, x0 = 12.0, 0.3, 9.0
-    rows = run(kind, joint_springs=(JointSpring("joint spring 1", 0, k, c, x0),))
+    rows = run(kind, springs=(spring("joint spring 1", At(0, BY_NAME[kind].sprung), k, x0, c),))
     decay, w = 0.5 * c / inertia, math.sqrt(k / inertia - (0.5 * c / inertia) ** 2)
     t = rows.time
     x = x0 - x0 * np.exp(-decay * t) * (np.cos(w * t) + decay / w * np.sin(w * t))

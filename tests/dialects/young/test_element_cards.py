@@ -74,10 +74,10 @@ def messages(cards):
          "add one, or remove this card"),
         ("COUPLING 2 1 1 2 1 3", "6:10: coupling 1: names one coordinate twice; add its factors"),
         ("COUPLING 2 3 1 2 1 3", "6:12: coupling 1: must be 1 (angle) or 2 (stroke); read 3"),
-        ("FRICTION 2 0.1 0.1 0 1e-4 0.1", "6:20: friction 1: stribeck is a speed above 1e-100; read 0"),
+        ("FRICTION 2 0.1 0.1 0 1e-4 0.1", "6:20: friction 1: stribeck must be above 1e-100; read 0"),
         (
             "FRICTION 2 0.1 0.1 1e-300 1e-4 0.1",
-            "6:20: friction 1: stribeck is a speed above 1e-100; read 1e-300",
+            "6:20: friction 1: stribeck must be above 1e-100; read 1e-300",
         ),
         (
             "FRICTION 2 0.1 0.1 0.1 1e-4",
@@ -173,7 +173,7 @@ def test_more_elements_or_functions_than_memory_allows_are_refused(monkeypatch):
     monkeypatch.setattr("flexmb_cli.dialects.joint_elements.build.MOST_ELEMENTS", 3)
     monkeypatch.setattr("flexmb_cli.dialects.joint_elements.functions.MOST_FUNCTIONS", 2)
     cards = "\n".join(f"SINE {k} 0 1 2\nTMOTOR 2 1\nTSPRING 2 1" for k in (1, 2))
-    assert messages(cards)[0].startswith("10:8: tmotor 2: the deck has 4 elements of drivers, springs")
+    assert messages(cards)[0].startswith("11:9: tspring 2: the deck has 4 elements of drivers, springs")
     assert messages("SINE 1 0 1 2\nSINE 2 0 1 2\nSINE 3 0 1 2") == [
         "8:6: sine 3: a deck has at most 2 functions, of 2000000 numbers together"
     ]

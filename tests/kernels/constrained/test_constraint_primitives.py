@@ -15,9 +15,12 @@ from flexmb_cli.kernels.constrained.mass_matrix import mass_matrices
 from flexmb_cli.kernels.constrained.projection import fill_nu
 from flexmb_cli.kernels.constrained.system import FORCES, GAMMA
 from flexmb_cli.model import time_functions as motion_law
-from flexmb_cli.model.fe_model import BodyTorque, JointSpring
-from flexmb_cli.model.flexible_mechanism import PointForce, PointSpring
+from flexmb_cli.model.fe_model import BodyTorque
+from flexmb_cli.model.flexible_mechanism import PointForce
+from flexmb_cli.model.joints import ANGLE, STROKE
+from flexmb_cli.model.laws import At, Line, spring
 from flexmb_cli.model.time_functions import Motion, MotionFunction, table_function
+from flexmb_cli.solvers.constrained.system import dense_jacobian
 from tests.dialects.vsdf.mechanisms import (
     KINDS,
     SINE,
@@ -58,7 +61,7 @@ def assert_rows_and_right_sides(analysis, moves_time=False):
     residual(analysis, q)
     analysis.arrays.angles[:] = analysis.screw_angles(q)
     evaluate_jacobian(analysis.system, analysis.work, q)
-    J = analysis.work.jacobian * analysis.arrays.row_scale[:, None] / analysis.arrays.speed_scale
+    J = dense_jacobian(analysis.work) * analysis.arrays.row_scale[:, None] / analysis.arrays.speed_scale
     nu = np.zeros(len(J))
     fill_nu(analysis.system, 0.7, nu)
     found = J @ u - (nu if moves_time else 0.0)
@@ -125,9 +128,12 @@ def test_forces_are_those_of_their_energy(tmp_path):
     mechanism = sample(tmp_path)
     bodies = mechanism.bodies
     joints = (joint(bodies, "cylindrical", 0, 2), joint(bodies, "translational", 1, 2, "joint 2"))
-    springs = (PointSpring("spring 1", node(bodies, 0, 13), node(bodies, 2, 17), 30.0, 0.0, 0.4),)
-    turned = (JointSpring("s", 0, 20.0, 0.0, 0.3), JointSpring("s", 1, 25.0, 0.0, 0.1))
-    analysis = analysis_of(replace(mechanism, joints=joints, springs=springs, joint_springs=turned))
+    springs = (
+        spring("spring 1", Line(0, 2, node(bodies, 0, 13), node(bodies, 2, 17)), 30.0, 0.4),
+        spring("s", At(0, ANGLE), 20.0, 0.3),
+        spring("s", At(1, STROKE), 25.0, 0.1),
+    )
+    analysis = analysis_of(replace(mechanism, joints=joints, springs=springs))
     q, _ = random_state(analysis)
     arrays = analysis.arrays
     analysis.work.angles[:] = analysis.screw_angles(q)

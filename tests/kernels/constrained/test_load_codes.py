@@ -18,9 +18,7 @@ def test_kernels_and_model_call_the_kinds_of_loads_by_the_same_codes():
 def test_kernels_and_model_call_what_elements_measure_and_their_laws_by_the_same_codes():
     for name in ("IN_COORDINATE", "IN_LINE", "ALONG", "ABOUT"):
         assert getattr(of_trees, name) == getattr(tree_elements, name)
-    for name in ("SPRING", "CABLE", "MOTOR"):
-        assert getattr(of_elements, name) == getattr(laws, name)
-    for law in laws.LAWS:
+    for law in (laws.SPRING, laws.CABLE, laws.MOTOR, *laws.COORDINATE_LAWS):
         assert getattr(of_elements, law.word) == law.code
 
 

@@ -60,10 +60,10 @@ def dense_parts(recursion):
             K[np.ix_(own, own)] = body.elastic.stiffness
             D[np.ix_(own, own)] = body.elastic.damping
     place = {(c.body, c.motion, c.axis): m for m, c in enumerate(tree.coordinates)}
-    for spring in tree.elements.springs:
+    for spring in tree.elements.forces:
         m = place[where(spring)]
-        K[m, m] += spring.stiffness
-        D[m, m] += spring.damping
+        K[m, m] += spring["stiffness"]
+        D[m, m] += spring["damping"]
     return mass, D, K
 
 

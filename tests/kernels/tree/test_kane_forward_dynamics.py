@@ -118,8 +118,10 @@ def test_motor_acts_on_its_coordinate_alone_and_body_torque_on_the_body_from_out
         i for i, c in enumerate(plain.coordinates) if (c.body, c.motion, c.axis) == (body, ROTATION, axis)
     )
     b, remainder, force = Recursion(plain).dense()
-    motor = motored(body, ROTATION, axis, (0.0, 7.0)).motors
-    driven = Recursion(replace(plain, elements=replace(plain.elements, motors=motor)))
+    motor = motored(body, ROTATION, axis, (0.0, 7.0)).forces
+    driven = Recursion(
+        replace(plain, elements=replace(plain.elements, forces=(*plain.elements.forces, *motor)))
+    )
     force[m] += 7.0
     close(driven.forward(), np.linalg.solve(b, force - remainder), 1e-11)
 

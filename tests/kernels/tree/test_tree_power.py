@@ -41,8 +41,8 @@ def power_of(recursion):
 def test_applied_power_is_that_of_all_forces_but_weight_and_elasticity(seed):
     """F · y of the particles without weight and springs, less that of elastic forces, -q · K y."""
     tree = random_tree(seed, gravity=(0.0, 0.0, 0.0))
-    damped = tuple(replace(spring, stiffness=0.0) for spring in tree.elements.springs)
-    tree = replace(tree, elements=JointElements(springs=damped))
+    damped = tuple(spring.with_values(stiffness=0.0) for spring in tree.elements.forces)
+    tree = replace(tree, elements=JointElements(forces=damped))
     recursion = Recursion(tree)
     assert isinstance(recursion.forward(), np.ndarray)
     _, _, force = recursion.dense()
@@ -59,7 +59,7 @@ def test_kinetic_and_stored_energies_are_those_of_the_matrices(seed):
     tree = recursion.tree
     recursion.forward()
     place = {(c.body, c.motion, c.axis): tree.q[m] for m, c in enumerate(tree.coordinates)}
-    in_springs = [s.stiffness * (place[where(s)] - s.rest) ** 2 / 2 for s in tree.elements.springs]
+    in_springs = [s["stiffness"] * (place[where(s)] - s["rest"]) ** 2 / 2 for s in tree.elements.forces]
     _, _, K = dense_parts(Recursion(replace(tree, elements=JointElements())))
     expected = tree.y @ recursion.dense()[0] @ tree.y / 2, sum(in_springs), tree.q @ K @ tree.q / 2
     found = energies(recursion.arrays, recursion.work, tree.q, tree.y)

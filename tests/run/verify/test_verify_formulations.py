@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmb_cli.model.loads import AppliedForce, AppliedTorque, DynamicModel, MassProperties, SpringDamper
+from flexmb_cli.model import laws
+from flexmb_cli.model.loads import AppliedForce, AppliedTorque, DynamicModel, MassProperties
 from flexmb_cli.model.mechanism import Body, Joint, Mechanism, TimeGrid
 from flexmb_cli.results.texts.verify_text import verify_text
 from flexmb_cli.run.outcome import RunOptions
@@ -148,7 +149,7 @@ def test_loads_in_natural_coordinates_do_the_work_of_forces_and_torques():
     assert power(forces=(AppliedForce("f", 1, tuple(F), tuple(P), True),)) == pytest.approx(D[1] @ F @ at_P)
     assert power(forces=(AppliedForce("f", 1, tuple(F), tuple(P)),)) == pytest.approx(F @ at_P)
     assert power(torques=(AppliedTorque("t", 1, tuple(T), True),)) == pytest.approx(D[1] @ T @ w[1])
-    spring = SpringDamper("s", 0, 1, tuple(R), tuple(P), 30.0, 0.4, 2.0)
+    spring = laws.spring("s", laws.Line(0, 1, tuple(R), tuple(P)), 30.0, 0.4, 2.0)
     d, rate = r[1] + D[1] @ P - r[0] - D[0] @ R, at_P - v[0] - np.cross(w[0], D[0] @ R)
     length = np.linalg.norm(d)
     pull = 30.0 * (length - 0.4) + 2.0 * (d @ rate) / length

@@ -72,13 +72,14 @@ class BodyBalances:
             self._add_spring(item)
 
     def _add_spring(self, item):
-        a, b = self.place(item.i, item.P_i), self.place(item.j, item.P_j)
+        (i, j, P_i, P_j), (stiffness, rest, damping, *_) = item.measure, item.values
+        a, b = self.place(i, P_i), self.place(j, P_j)
         length = np.linalg.norm(b - a)
         along = (b - a) / length
-        rate = along @ (self.velocity(item.j, item.P_j) - self.velocity(item.i, item.P_i))
-        pull = item.stiffness * (length - item.free_length) + item.damping * rate
-        self.add(item.i, pull * along, a)
-        self.add(item.j, -pull * along, b)
+        rate = along @ (self.velocity(j, P_j) - self.velocity(i, P_i))
+        pull = stiffness * (length - rest) + damping * rate
+        self.add(i, pull * along, a)
+        self.add(j, -pull * along, b)
 
     def missing(self):
         """What is left of force = mass × acceleration and moment = rate of spin, (bodies, 6)."""

@@ -9,7 +9,8 @@ import math
 
 import numpy as np
 
-from flexmb_cli.model.loads import AppliedTorque, DynamicModel, MassProperties, SpringDamper
+from flexmb_cli.model import laws
+from flexmb_cli.model.loads import AppliedTorque, DynamicModel, MassProperties
 from flexmb_cli.model.mechanism import Body, Joint, Mechanism, TimeGrid
 from tests.solvers.constrained.dynamic_runs import AT_REST, GROUND
 
@@ -62,7 +63,7 @@ def model(end, step) -> DynamicModel:
         p = (math.cos(0.5 * angle), 0.0, 0.0, math.sin(0.5 * angle))
         bodies.append(Body(f"body {number}", (float(x), float(y), 0.0), p))
     mechanism = Mechanism(tuple(bodies), TimeGrid(0.0, end, step), tuple(_joints()), grounds=(AT_REST,))
-    spring = SpringDamper("spring 1", 0, 3, (XC, YC, 0.0), (SD, -SC, 0.0), STIFFNESS, FREE_LENGTH)
+    spring = laws.spring("spring 1", laws.Line(0, 3, (XC, YC, 0.0), (SD, -SC, 0.0)), STIFFNESS, FREE_LENGTH)
     torque = AppliedTorque("torque 1", 1, (0.0, 0.0, MOMENT))
     return DynamicModel(mechanism, "forward", tuple(_masses()), torques=(torque,), springs=(spring,))
 

@@ -8,8 +8,9 @@ import pytest
 from scipy.special import ellipj, ellipk
 
 from flexmb_cli.kernels.integrators.generalised_alpha_step import parameters
+from flexmb_cli.model import laws
 from flexmb_cli.model.integrators import Integrator
-from flexmb_cli.model.loads import DynamicModel, InitialVelocity, MassProperties, SpringDamper
+from flexmb_cli.model.loads import DynamicModel, InitialVelocity, MassProperties
 from flexmb_cli.model.mechanism import Mechanism, TimeGrid
 from flexmb_cli.solvers.constrained import analysis as constrained_motion
 from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
@@ -107,7 +108,7 @@ def test_chosen_steps_keep_the_tolerance():
 def hanging_mass(stiffness):
     """1 kg at the end of a spring of 1 m, let go horizontally: a pendulum when the spring is stiff."""
     mass = MassProperties("mass 1", 1, 1.0, (0.0,) * 3, (0.01, 0.01, 0.01, 0.0, 0.0, 0.0))
-    spring = SpringDamper("spring 1", 0, 1, (0.0,) * 3, (0.0,) * 3, stiffness, 1.0)
+    spring = laws.spring("spring 1", laws.Line(0, 1, (0.0,) * 3, (0.0,) * 3), stiffness, 1.0)
     mechanism = Mechanism((GROUND, body(2, (1.0, 0.0, 0.0))), TimeGrid(0.0, 1.0, 0.1), grounds=(AT_REST,))
     return DynamicModel(mechanism, "forward", (mass,), springs=(spring,), gravity=(0.0, 0.0, -G))
 

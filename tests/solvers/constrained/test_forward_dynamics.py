@@ -8,12 +8,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexmb_cli.errors import FlexmbError
+from flexmb_cli.model import laws
 from flexmb_cli.model.loads import (
     AppliedTorque,
     DynamicModel,
     InitialVelocity,
     MassProperties,
-    SpringDamper,
 )
 from flexmb_cli.model.mechanism import Driver, Joint, Mechanism, TimeGrid
 from flexmb_cli.model.piecewise_polynomials import spline_table
@@ -84,7 +84,7 @@ def double_pendulum(damping=0.0):
         MassProperties(f"mass {k}", k, float(k), (0.5, 0.0, 0.0), (0.01, 0.1 * k, 0.1 * k, 0.0, 0.0, 0.0))
         for k in (1, 2)
     )
-    spring = SpringDamper("spring 1", 0, 2, (1.5, 0.0, 0.5), (1.0, 0.0, 0.0), 30.0, 0.4, damping)
+    spring = laws.spring("spring 1", laws.Line(0, 2, (1.5, 0.0, 0.5), (1.0, 0.0, 0.0)), 30.0, 0.4, damping)
     mechanism = Mechanism(
         (GROUND, body(2), body(3, (1.0, 0.0, 0.0))), TimeGrid(0.0, 1.0, 0.5), joints, grounds=(AT_REST,)
     )

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmb_cli.model.loads import AppliedForce, AppliedTorque, DynamicModel, MassProperties, SpringDamper
+from flexmb_cli.model import laws
+from flexmb_cli.model.loads import AppliedForce, AppliedTorque, DynamicModel, MassProperties
 from flexmb_cli.model.mechanism import Driver, Mechanism, Simplified, TimeGrid
 from tests.solvers.constrained.body_balances import worst_balance
 from tests.solvers.constrained.dynamic_runs import AT_REST, GROUND, body, mechanism_of, run, uneven_masses
@@ -27,7 +28,7 @@ def loaded(mechanism):
             AppliedTorque("torque 1", 1, (0.3, 0.2, -0.1)),
             AppliedTorque("torque 2", 2, (0.4, -0.6, 0.2), following=True),
         ),
-        (SpringDamper("spring 1", 1, 2, (0.0, 0.1, 0.2), (0.3, 0.1, -0.1), 40.0, 0.3, 2.0),),
+        (laws.spring("spring 1", laws.Line(1, 2, (0.0, 0.1, 0.2), (0.3, 0.1, -0.1)), 40.0, 0.3, 2.0),),
         GRAVITY,
     )
 

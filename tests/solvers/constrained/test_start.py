@@ -13,7 +13,8 @@ from flexmb_cli.deck.record import DeckText
 from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
 from flexmb_cli.dialects.young.dynamic_cards import read_young_deck
 from flexmb_cli.errors import ModelError
-from flexmb_cli.model.loads import DynamicModel, InitialVelocity, MassProperties, SpringDamper
+from flexmb_cli.model import laws
+from flexmb_cli.model.loads import DynamicModel, InitialVelocity, MassProperties
 from flexmb_cli.model.mechanism import Driver, Joint, Mechanism, TimeGrid
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.outcome import RunOptions
@@ -89,7 +90,7 @@ def test_a_massless_bar_leaves_the_others_what_they_are_given():
 def spring(free_length, analysis="forward"):
     """Return a driven or free bar with a spring between its upper end and the ground, where they meet."""
     model = hanging(1, [])
-    hold = SpringDamper("spring 1", 0, 1, (0.0,) * 3, UPPER, 100.0, free_length)
+    hold = laws.spring("spring 1", laws.Line(0, 1, (0.0,) * 3, UPPER), 100.0, free_length)
     driver = Driver("driver 1", 1, 5, 0.0, 1.0, 0.0)
     drivers = (driver,) if analysis == "inverse" else ()
     return replace(

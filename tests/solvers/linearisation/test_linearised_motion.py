@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmb_cli.model.loads import DynamicModel, InitialVelocity, MassProperties, SpringDamper
+from flexmb_cli.model import laws
+from flexmb_cli.model.loads import DynamicModel, InitialVelocity, MassProperties
 from flexmb_cli.model.mechanism import Joint, Mechanism, Simplified, TimeGrid
 from flexmb_cli.model.tree import INERTIAL, Hinge, Tree
 from flexmb_cli.model.tree import Body as Part
@@ -61,7 +62,7 @@ def oscillator(stiffness=80.0, damping=4.0):
         grounds=(AT_REST,),
     )
     mass = MassProperties("mass 1", 1, 2.0, inertia=(1.0, 1.0, 1.0, 0.0, 0.0, 0.0))
-    spring = SpringDamper("spring 1", 0, 1, (0.0,) * 3, (0.0,) * 3, stiffness, 1.0, damping)
+    spring = laws.spring("spring 1", laws.Line(0, 1, (0.0,) * 3, (0.0,) * 3), stiffness, 1.0, damping)
     return DynamicModel(mechanism, "forward", (mass,), springs=(spring,))
 
 
@@ -118,7 +119,8 @@ def chain(masses, free_ends=True):
     points = (0.0,) * 3
     first = 1 if free_ends else 0
     springs = tuple(
-        SpringDamper(f"spring {b}", b, b + 1, points, points, 50.0, 1.0) for b in range(first, count)
+        laws.spring(f"spring {b}", laws.Line(b, b + 1, points, points), 50.0, 1.0)
+        for b in range(first, count)
     )
     given = tuple(
         MassProperties(f"mass {b}", b, m, inertia=(1.0, 1.0, 1.0, 0.0, 0.0, 0.0))

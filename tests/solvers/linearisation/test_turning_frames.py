@@ -10,7 +10,8 @@ import pytest
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.dafms.build import build_dafms
 from flexmb_cli.dialects.recognise import read_deck
-from flexmb_cli.model.loads import DynamicModel, InitialVelocity, MassProperties, SpringDamper
+from flexmb_cli.model import laws
+from flexmb_cli.model.loads import DynamicModel, InitialVelocity, MassProperties
 from flexmb_cli.model.mechanism import Driver, Joint, Mechanism, Simplified, TimeGrid
 from flexmb_cli.model.tree import INERTIAL, ROTATION, TRANSLATION, Closure, Hinge, Prescribed, Tree
 from flexmb_cli.model.tree import Body as Part
@@ -36,7 +37,7 @@ def springs(axis, stiffness, gap=0.0):
     """Two springs of 1 m on both sides of the mass, the one at the negative side longer by `gap`."""
     ends = (np.multiply(-1.0, axis), axis)
     return tuple(
-        SpringDamper(f"spring {axis} {k}", 1, 2, tuple(end), O, stiffness, 1.0 + gap * (k == 0))
+        laws.spring(f"spring {axis} {k}", laws.Line(1, 2, tuple(end), O), stiffness, 1.0 + gap * (k == 0))
         for k, end in enumerate(ends)
     )
 

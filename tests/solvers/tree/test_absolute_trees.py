@@ -85,7 +85,7 @@ def random_motors(tree):
     kinds = {True: [], False: []}
     for n, c in enumerate(tree.coordinates):
         if c.motion != ELASTIC:
-            (motor,) = motored(c.body, c.motion, c.axis, (0.0, 3.0 + n)).motors
+            (motor,) = motored(c.body, c.motion, c.axis, (0.0, 3.0 + n)).forces
             kinds[carried(tree, c.body, c.motion)].append(motor)
     return kinds[True], kinds[False]
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from flexmb_cli.model.flexible_mechanism import NodePoint
-from flexmb_cli.model.joint_elements import Coupling, JointElements, JointFriction, LineSpring
+from flexmb_cli.model.joint_elements import Coupling, JointElements
+from flexmb_cli.model.laws import FRICTION, Element, Joint, Line, spring
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import ELASTIC, INERTIAL
 from flexmb_cli.solvers.constrained.tree import AbsoluteTree
@@ -17,14 +18,15 @@ from tests.solvers.tree.tree_runs import deck_tree
 TURN = "rotation 1"
 GROUND = NodePoint("end a", INERTIAL, np.array([0.0, 0.3, 0.4]), np.zeros((3, 0)))
 TIP = NodePoint("end b", 1, np.array([0.0, 0.9, 0.0]), np.zeros((3, 0)))
+RUBBING = (0.3, 0.4, 0.1, 0.01, 0.05, 2.0)
 ELEMENTS = {
-    "friction": JointElements(frictions=(JointFriction("f", 0, 0.3, 0.4, 0.1, 0.01, 0.05, 2.0),)),
+    "friction": JointElements(forces=(Element("f", FRICTION, Joint(0), RUBBING),)),
     "coupling": JointElements(couplings=(Coupling("c", ((0, TURN, 1.0), (1, TURN, 2.0))),)),
     "both": JointElements(
-        frictions=(JointFriction("f", 1, 0.3, 0.4, 0.1, 0.01, 0.05, 2.0),),
+        forces=(Element("f", FRICTION, Joint(1), RUBBING),),
         couplings=(Coupling("c", ((0, TURN, 1.0), (1, TURN, 2.0))),),
     ),
-    "line": JointElements(lines=(LineSpring("l", INERTIAL, 1, GROUND, TIP, 60.0, 0.5, 2.0),)),
+    "line": JointElements(forces=(spring("l", Line(INERTIAL, 1, GROUND, TIP), 60.0, 0.5, 2.0),)),
     "spring": sprung((1, "rotation", 1, 30.0, 0.2, 0.4)),
     "motor": motored(0, "rotation", 1, (0.0, 4.0)),
 }

@@ -26,7 +26,7 @@ def unloaded(body):
 def settled(seed, **options):
     """A random tree without losses, at moderate speeds."""
     tree = random_tree(seed, bodies=4, time=GRID, **options)
-    elements = JointElements(springs=tuple(replace(s, damping=0.0) for s in tree.elements.springs))
+    elements = JointElements(forces=tuple(s.with_values(damping=0.0) for s in tree.elements.forces))
     settings = replace(tree.integration, rtol=1e-11, atol=1e-11)
     return replace(tree, elements=elements, bodies=tuple(map(unloaded, tree.bodies)), integration=settings)
 
@@ -78,11 +78,11 @@ def test_energy_audit_counts_forces_dampers_motors_and_prescribed_motion():
     hinged = [(k, h.rotations[0]) for k, h in enumerate(tree.hinges) if len(h.rotations) in (1, 2)]
     (driven, axis), (moved, other) = hinged[0], hinged[1]
     points = (0.0, 0.0), (0.3, 2.0), (0.7, -1.0), (0.7, 3.0), (1.5, 0.5)
-    motor = motored(driven, ROTATION, axis, *points).motors
+    motor = motored(driven, ROTATION, axis, *points).forces
     tree = replace(
         tree,
         integration=settings,
-        elements=replace(tree.elements, motors=motor),
+        elements=replace(tree.elements, forces=(*tree.elements.forces, *motor)),
         prescribed=(Prescribed(moved, ROTATION, other, 0.1, 0.5, -0.4),),
     )
     rows = run(tree)

@@ -1,6 +1,7 @@
 """Functions of time, and elements at hinges and between bodies, of FMBD.DAT."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,20 +11,15 @@ from ....deck.records import DeckValues
 from ....model.diagnostics import Findings
 from ....model.flexible_mechanism import NodePoint
 from ....model.joint_elements import Coupling
+from ....model.laws import FRICTION, MOTOR, Joint, motors_last
 from ....model.tree import INERTIAL, ROTATION, TRANSLATION, Body, Hinge, Tree
 from ....model.tree_as_mechanism.frames import shape_of
-from ....quick_dataclass import replace
 from ...joint_elements.build import (
     Cards,
-    bushing,
-    cable,
     coupling,
-    friction,
+    force,
+    force_sections,
     joint_driver,
-    joint_spring,
-    law_sections,
-    line_spring,
-    motor,
     sections_of,
 )
 from ...joint_elements.build import build_elements as elements_of
@@ -38,13 +34,12 @@ if TYPE_CHECKING:
 COUPLED_RATE = 1e-6  # rate that speeds of Y(L), in ten columns, may leave of a coupling, of the largest
 _CARDS: Cards = {
     "drivers": [("function_drive", joint_driver(None))],
-    "motors": [("function_motor", motor(None))],
-    "springs": [("hinge_spring", joint_spring(None))],
-    "laws": law_sections({"hinge_": None}),
-    "lines": [("lspring", line_spring), ("cable", cable)],
-    "bushings": [("bushing", bushing)],
+    "forces": [
+        *force_sections({"hinge_": None}),
+        ("friction", force(FRICTION, Joint)),
+        ("function_motor", force(MOTOR)),
+    ],
     "couplings": [("coupling", coupling)],
-    "frictions": [("friction", friction)],
 }
 
 
@@ -57,9 +52,7 @@ def with_elements(tree: Tree, values: DeckValues, findings: Findings) -> Tree:
     if not elements:
         return tree
     _refuse_prescribed(tree, elements, findings)
-    older = tree.elements
-    springs, motors = (*older.springs, *elements.springs), (*older.motors, *elements.motors)
-    elements = replace(elements, springs=springs, motors=motors)
+    elements = replace(elements, forces=motors_last((*tree.elements.forces, *elements.forces)))
     tree = replace(tree, elements=elements, **_start(tree, elements))
     for item in elements.couplings:
         _check_speeds(tree, item, findings)

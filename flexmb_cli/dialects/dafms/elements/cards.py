@@ -3,7 +3,7 @@
 from typing import Any
 
 from ....deck.fortran_records import Item
-from ....model.laws import LAWS, Law
+from ....model.laws import COORDINATE_LAWS, Law
 from ..card import Card
 
 # By the code of the card FUNC.
@@ -92,7 +92,7 @@ ELEMENT_CARDS = (
             *_CHARACTERISTICS,
         ),
     ),
-    *map(_law, LAWS),
+    *map(_law, COORDINATE_LAWS),
     _card(
         "LSPR",
         "lspring",

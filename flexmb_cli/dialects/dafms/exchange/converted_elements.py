@@ -1,16 +1,14 @@
 """Elements at hinges and between bodies of a DAFMS deck in the terms of `model.exchange`."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
-from ....model.exchange.conversion import Conversion, place_of
+from ....model.exchange.conversion import Conversion
 from ....model.exchange.functions import moved
-from ....model.exchange.rigid_model import CoordinateSpring
-from ....model.joint_elements import Bushing, Coupling, JointDriver, JointMotor, JointSpring
+from ....model.joint_elements import Coupling, JointDriver
 from ....model.joints import ANGLE, STROKE
-from ....model.laws import JointLaw
 from ....model.tree import ROTATION, Tree
-from ....quick_dataclass import replace
 
 
 class ConvertedElements(Conversion):
@@ -20,35 +18,19 @@ class ConvertedElements(Conversion):
     number: dict[int, int]  # of the joint of a body's hinge
     q: dict[tuple[int, str, int], float]  # coordinates at the start, by body, motion and axis
 
-    def _elements(self) -> dict[str, tuple[Any, ...]]:
-        """Elements in one joint coordinate, which count from the start."""
-        found: dict[str, tuple[Any, ...]] = {}
-        counted = {"drivers": (), "motors": (), "springs": ("rest",), "laws": ()}
-        for kind, names in counted.items():
-            items = [self._in_joint(item, names) for item in getattr(self.tree.elements, kind)]
-            found[kind] = tuple(item for item in items if item)
-        return found
+    def joint_of(self, joint: int) -> int | None:
+        """Number of the joint of a body's hinge, None if it has none."""
+        return self.number.get(joint)
 
-    def _in_joint(self, item: Any, names: tuple[str, ...]) -> Any:
-        where = self._joint_coordinate(item, item.joint, item.coordinate)
-        if where is None:
-            return None
-        joint, coordinate, q = where
-        changed = {name: getattr(item, name) - q for name in names}
-        if isinstance(item, JointDriver):
-            # From 0 at the start, as joint coordinates here are.
-            start = self.tree.time.start
-            changed["function"] = moved(item.function, start, item.function.at(start)[0])
-        elif isinstance(item, JointMotor):
-            changed["function"] = moved(item.function, self.tree.time.start)
-        elif isinstance(item, JointLaw):
-            changed["values"] = item.since(q)
-        elif isinstance(item, JointSpring) and not (item.preload or item.curve or item.damper):
-            law = item.stiffness, item.rest - q, item.damping
-            return CoordinateSpring(item.name, joint, coordinate, *law, item.place)
-        return replace(item, joint=joint, coordinate=coordinate, **changed)
+    def _joint_drivers(self) -> "Iterator[JointDriver]":
+        """Drivers by functions, from 0 at the start, as joint coordinates there are."""
+        start = self.tree.time.start
+        for item in self.tree.elements.drivers:
+            if where := self.joint_coordinate(item, item.joint, item.coordinate):
+                function = moved(item.function, start, item.function.at(start)[0])
+                yield replace(item, joint=where[0], coordinate=where[1], function=function)
 
-    def _joint_coordinate(self, item: Any, body: int, coordinate: str) -> tuple[int, str, float] | None:
+    def joint_coordinate(self, item: Any, body: int, coordinate: str) -> tuple[int, str, float] | None:
         """Number of the joint of a body's hinge, the coordinate there, and its value at the start."""
         hinge, (motion, axis) = self.tree.hinges[body], coordinate.split()
         free = len(hinge.rotations), len(hinge.translations)
@@ -58,15 +40,9 @@ class ConvertedElements(Conversion):
             return None
         return self.number[body], ANGLE if motion == ROTATION else STROKE, self.q[body, motion, int(axis)]
 
-    def _bushings(self) -> Iterator[Bushing]:
-        for item in self.tree.elements.bushings:
-            ends = (item.i, place_of(item.P_i)), (item.j, place_of(item.P_j))
-            if found := self.bushing(item, ends, self.now):
-                yield found
-
     def _couplings(self) -> Iterator[Coupling]:
         for item in self.tree.elements.couplings:
-            places = [self._joint_coordinate(item, body, name) for body, name, _ in item.terms]
+            places = [self.joint_coordinate(item, body, name) for body, name, _ in item.terms]
             if None not in places:
                 terms = zip(places, item.terms, strict=True)
                 yield replace(item, terms=tuple((p[0], p[1], factor) for p, (_, _, factor) in terms if p))

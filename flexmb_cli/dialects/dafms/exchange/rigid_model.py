@@ -1,16 +1,16 @@
 """Rigid model of a DAFMS deck, in the terms of `model.exchange`."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ....deck.record import Deck
 from ....errors import Fault, ModelError
-from ....model.exchange.conversion import about_centre, place_of
+from ....model.exchange.conversion import about_centre
 from ....model.exchange.functions import constant
 from ....model.exchange.rigid_model import (
-    CoordinateSpring,
     RigidBody,
     RigidJoint,
     RigidModel,
@@ -18,13 +18,12 @@ from ....model.exchange.rigid_model import (
 )
 from ....model.exchange.start import Start
 from ....model.integrators import Integrator
-from ....model.joint_elements import JointDriver, JointSpring
+from ....model.joint_elements import JointDriver
 from ....model.joints import ANGLE, STROKE
 from ....model.loads import AppliedForce, AppliedTorque
 from ....model.time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
 from ....model.tree import INERTIAL, ROTATION, TRANSLATION, Tree
 from ....model.vectors import rotation_matrix
-from ....quick_dataclass import dataclass, replace
 from ..shapes import exchanged_shapes
 from .converted_elements import ConvertedElements
 
@@ -73,7 +72,7 @@ class _Conversion(ConvertedElements):
 
     def __init__(self, tree: Tree, start: Start):
         super().__init__(start)
-        self.tree = tree
+        self.tree, self.first, self.t_start = tree, self.now, tree.time.start
         self.A = [A for _, A in self.now]
         self.number: dict[int, int] = {}  # of the joint of a body's hinge
         self.q = {
@@ -86,7 +85,6 @@ class _Conversion(ConvertedElements):
         for k in range(len(tree.bodies)):
             self._add_hinge(joints, k)
         joints += self._closures()
-        elements = self._elements()
         explicit = tree.integration.method in ("dop853", "lsoda")
         integrator = Integrator("RK45" if explicit else "RAD5", tolerance=tree.integration.rtol)
         return RigidModel(
@@ -94,9 +92,7 @@ class _Conversion(ConvertedElements):
             replace(time, start=0.0, end=time.end - time.start),
             vector(tree.gravity),
             tuple(joints),
-            joint_drivers=(*self._prescribed(), *elements["drivers"]),
-            motors=elements["motors"],
-            joint_springs=tuple(item for item in elements["springs"] if isinstance(item, CoordinateSpring)),
+            joint_drivers=(*self._prescribed(), *self._joint_drivers()),
             forces=tuple(
                 AppliedForce(f"force of {body.name}", k, vector(body.force), place=body.place)
                 for k, body in enumerate(tree.bodies)
@@ -104,17 +100,7 @@ class _Conversion(ConvertedElements):
             ),
             torques=tuple(self._torques()),
             integrator=integrator,
-            laws=elements["laws"],
-            frictions=tuple(
-                replace(item, joint=self.number[item.joint])
-                for item in tree.elements.frictions
-                if item.joint in self.number
-            ),
-            preloaded=tuple(item for item in elements["springs"] if isinstance(item, JointSpring)),
-            lines=tuple(
-                replace(item, P_i=place_of(item.P_i), P_j=place_of(item.P_j)) for item in tree.elements.lines
-            ),
-            bushings=tuple(self._bushings()),
+            elements=self.elements(tree.elements.forces),
             couplings=tuple(self._couplings()),
         )
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ....model.laws import LAWS, Law
+from ....model.laws import COORDINATE_LAWS, Law
 from ..card import Card, Column, vector_columns, whole_column
 
 FUNCTION_KINDS = {
@@ -91,7 +91,7 @@ ELEMENT_CARDS = (
     Card("AMOT", "amotor", "amotor {}", "list", (_JOINT, _FUNCTION)),
     _spring("TSPR", "tspring", "angle", "N m", "rad"),
     _spring("ASPR", "aspring", "stroke", "N", "m"),
-    *(_law(law, letter) for law in LAWS for letter in "TA"),
+    *(_law(law, letter) for law in COORDINATE_LAWS for letter in "TA"),
     Card(
         "LSPR",
         "lspring",

@@ -1,18 +1,18 @@
 """Rigid model of a VSDF deck, in the terms of `model.exchange`."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ....deck.record import Deck
 from ....errors import Fault, ModelError
-from ....model.exchange.conversion import Conversion, about_centre, coordinate_since, place_of
+from ....model.exchange.conversion import Conversion, about_centre, coordinate_since
 from ....model.exchange.functions import constant, moved
 from ....model.exchange.rigid_model import (
     BodyDriver,
-    CoordinateSpring,
     RigidBody,
     RigidJoint,
     RigidModel,
@@ -21,12 +21,11 @@ from ....model.exchange.rigid_model import (
 from ....model.exchange.start import Start
 from ....model.flexible_mechanism import FlexibleMechanism
 from ....model.integrators import METHODS, Integrator
-from ....model.joint_elements import Bushing, JointDriver
-from ....model.joints import ANGLE, BY_NAME, STROKE
-from ....model.loads import AppliedForce, AppliedTorque, SpringDamper
+from ....model.joint_elements import JointDriver
+from ....model.joints import ANGLE, STROKE
+from ....model.loads import AppliedForce, AppliedTorque
 from ....model.mechanism import GROUND, Point
 from ....model.vectors import rotation_matrix
-from ....quick_dataclass import replace
 from ..shapes import exchanged_shapes
 
 if TYPE_CHECKING:
@@ -81,9 +80,6 @@ class _Conversion(Conversion):
                 for m in deck.motions
                 if m.kind in _COORDINATES
             ),
-            deck.elements.motors,
-            tuple(self._joint_spring(item) for item in deck.joint_springs),
-            self._springs(),
             self._forces(),
             tuple(
                 AppliedTorque(t.name, t.body, vector(t.torque), t.follows, t.factor, t.place)
@@ -91,15 +87,7 @@ class _Conversion(Conversion):
             ),
             tuple(Point(p.name, p.body, vector(p.r0)) for p in deck.outputs if p.body != GROUND),
             self._integrator(),
-            laws=tuple(replace(item, values=item.since(self._since(item))) for item in deck.elements.laws),
-            frictions=deck.elements.frictions,
-            preloaded=tuple(
-                replace(item, rest=item.rest - self._since(item)) for item in deck.elements.springs
-            ),
-            lines=tuple(
-                replace(item, P_i=place_of(item.P_i), P_j=place_of(item.P_j)) for item in deck.elements.lines
-            ),
-            bushings=tuple(self._bushings()),
+            elements=self.elements((*deck.springs, *deck.elements.forces)),
             couplings=deck.elements.couplings,
         )  # fmt: skip
 
@@ -110,28 +98,12 @@ class _Conversion(Conversion):
             return integrator
         return replace(integrator, tolerance=_TOLERANCE)
 
-    def _bushings(self) -> Iterator[Bushing]:
-        for item in self.deck.elements.bushings:
-            ends = (item.i, place_of(item.P_i)), (item.j, place_of(item.P_j))
-            if found := self.bushing(item, ends, self.first):
-                yield found
-
-    def _since(self, item: Any) -> float:
-        """Return the joint coordinate of an element at the start."""
-        return self._coordinate_since(self.deck.joints[item.joint], item.coordinate)
-
-    def _coordinate_since(self, joint: Any, coordinate: str) -> float:
-        bodies, s = (joint.a[0].body, joint.b[0].body), joint.a[1].r0 - joint.a[0].r0
-        axis = s, joint.a[0].r0, joint.b[0].r0
-        return coordinate_since(coordinate, axis, bodies, (self.first, self.now))
-
-    def _springs(self) -> tuple[SpringDamper, ...]:
-        return tuple(
-            SpringDamper(
-                s.name, s.a.body, s.b.body, vector(s.a.r0), vector(s.b.r0), s.k, s.length, s.c, s.place
-            )
-            for s in self.deck.springs
-        )
+    def joint_coordinate(self, item: Any, joint: int, coordinate: str) -> tuple[int, str, float]:
+        """Return the same joint and coordinate, and its value at the start."""
+        given = self.deck.joints[joint]
+        bodies, s = (given.a[0].body, given.b[0].body), given.a[1].r0 - given.a[0].r0
+        axis = s, given.a[0].r0, given.b[0].r0
+        return joint, coordinate, coordinate_since(coordinate, axis, bodies, (self.first, self.now))
 
     def _forces(self) -> tuple[AppliedForce, ...]:
         return tuple(
@@ -189,12 +161,6 @@ class _Conversion(Conversion):
                 self.refusals.add(
                     item, "several rotations of one body (ROTX, ROTY, ROTZ) are not converted", id="VSDF-181"
                 )
-
-    def _joint_spring(self, item: Any) -> CoordinateSpring:
-        joint = self.deck.joints[item.joint]
-        coordinate = BY_NAME[joint.kind].sprung
-        q = self._coordinate_since(joint, coordinate)
-        return CoordinateSpring(item.name, item.joint, coordinate, item.k, item.q0 - q, item.c, item.place)
 
 
 def _from_zero(function: "MotionFunction") -> Any:

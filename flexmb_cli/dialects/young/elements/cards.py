@@ -1,6 +1,6 @@
 """Cards of time functions, joint drivers, joint elements, composite joints and initial joint rates."""
 
-from ....model.laws import LAWS, Law
+from ....model.laws import COORDINATE_LAWS, Law
 from ..card import Card, vector, whole
 from ..sections import Column
 
@@ -86,7 +86,7 @@ JOINT_CARDS = (
     Card("AMOTOR", "amotor", (_JOINT, _FUNCTION)),
     _spring("TSPRING", "tspring", "angle", "N m", "rad"),
     _spring("ASPRING", "aspring", "stroke", "N", "m"),
-    *(_law(law, letter) for law in LAWS for letter in "TA"),
+    *(_law(law, letter) for law in COORDINATE_LAWS for letter in "TA"),
     Card(
         "LSPRING",
         "lspring",

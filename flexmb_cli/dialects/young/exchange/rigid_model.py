@@ -1,6 +1,7 @@
 """Rigid model of a YOUNG deck, in the terms of `model.exchange`: for conversion to other dialects."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,13 +28,12 @@ from ....model.loads import AppliedForce, AppliedTorque, DynamicModel
 from ....model.mechanism import GROUND, Driver, Point, Simplified, TimeGrid
 from ....model.time_functions import POLYNOMIAL, MotionFunction
 from ....model.vectors import rotation_matrix
-from ....quick_dataclass import replace
 from ..dynamic_cards import analysis_of
 from ..shapes import exchanged_shapes
 from .converted_elements import ConvertedElements
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    pass
 
 
 def rigid_model(
@@ -56,7 +56,7 @@ class _Conversion(ConvertedElements):
 
     def __init__(self, model: DynamicModel, start: Start):
         super().__init__(start)
-        self.deck, self.mechanism = model, model.mechanism
+        self.deck, self.mechanism, self.t_start = model, model.mechanism, model.mechanism.time.start
         held = {ground.body for ground in self.mechanism.grounds}
         moving = [k for k in range(len(self.mechanism.bodies)) if k not in held]
         self.number = dict.fromkeys((GROUND, *held), GROUND) | {k: n for n, k in enumerate(moving)}
@@ -69,7 +69,6 @@ class _Conversion(ConvertedElements):
         deck, time = self.deck, self.mechanism.time
         self._refuse_foreign()
         joints = self._joints()
-        springs, constant_motors = self._joint_springs()
         return RigidModel(
             tuple(self._body(k) for k in self.moving),
             TimeGrid(0.0, time.end - time.start, time.step, time.place),
@@ -77,9 +76,6 @@ class _Conversion(ConvertedElements):
             joints,
             self._drivers(),
             tuple(self._joint_driver(item) for item in deck.elements.drivers if item.joint in self.joints),
-            (*self._motors(), *constant_motors),
-            springs,
-            self._springs(),
             tuple(
                 AppliedForce(f.name, self.number[f.body], vector(f.force), vector(f.point), f.following,
                              self._function(f.factor), f.place)
@@ -96,18 +92,9 @@ class _Conversion(ConvertedElements):
             ),
             self.deck.integrator,
             self._notes(),
-            laws=tuple(self._law(item) for item in deck.elements.laws if item.joint in self.joints),
-            frictions=tuple(self._frictions()),
-            preloaded=tuple(self._preloaded()),
-            lines=tuple(self._lines()),
-            bushings=tuple(self._bushings()),
+            elements=self.elements((*deck.springs, *deck.elements.forces)),
             couplings=tuple(self._couplings()),
         )  # fmt: skip
-
-    def _frictions(self) -> "Iterator[Any]":
-        for item in self.deck.elements.frictions:
-            if item.joint in self.joints:
-                yield replace(item, joint=self.joints[item.joint])
 
     def shape(self, shape: RigidShape) -> RigidShape:
         """Return a shape on its new body; that of a grounded body lies on the ground."""
