@@ -1,6 +1,7 @@
 """CONTRIBUTING.md: a joint, a card, a quantity and an integrator are added to a copy by the page."""
 
 import csv
+import json
 import os
 import re
 import shutil
@@ -67,15 +68,43 @@ def copy(tmp_path_factory):
     return folder
 
 
-def flexmb(copy, *words, answers=None):
+# One process for all commands: each would import the copy anew.
+SERVER = """
+import io, json, sys
+from contextlib import redirect_stderr, redirect_stdout
+from flexmb_cli.cli import main
+for line in sys.stdin:
+    words, answers = json.loads(line)
+    given, said, failed = (io.TextIOWrapper(io.BytesIO(part)) for part in (answers.encode(), b"", b""))
+    sys.argv, sys.stdin, code = ["flexmb", *words], given, 0
+    with redirect_stdout(said), redirect_stderr(failed):
+        try:
+            main()
+        except SystemExit as ending:
+            code = ending.code or 0
+    for stream in (said, failed):
+        stream.seek(0)
+    print(json.dumps([code, said.read(), failed.read()]), flush=True)
+"""
+
+
+@pytest.fixture(scope="module")
+def flexmb(copy):
     """What the copy's flexmb answers, kernels interpreted."""
     given = os.environ | {"PYTHONPATH": str(copy), "NUMBA_DISABLE_JIT": "1", "FLEXMB_CACHE_DIR": str(copy)}
-    command = [sys.executable, "-m", "flexmb_cli", *words]
-    done = subprocess.run(
-        command, cwd=copy, env=given, input=answers, capture_output=True, text=True, timeout=120
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    command = [sys.executable, "-c", SERVER]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, cwd=copy, env=given, stdin=pipe, stdout=pipe, text=True) as server:
+
+        def answered(*words, answers=""):
+            server.stdin.write(json.dumps([words, answers]) + "\n")
+            server.stdin.flush()
+            code, said, failed = json.loads(server.stdout.readline())
+            assert code == 0, failed
+            return said
+
+        yield answered
+        server.stdin.close()
 
 
 def test_as_few_files_are_touched_as_the_page_says():
@@ -108,28 +137,28 @@ def test_quantities_of_the_page_have_types(copy):
     assert done.returncode == 0, done.stdout
 
 
-def test_a_joint_of_three_files_is_read_and_held(copy):
+def test_a_joint_of_three_files_is_read_and_held(copy, flexmb):
     """The plane bears g cos 45° across it: x = g t²/4 and z = -g t²/4."""
     (copy / "plane.vsdf").write_text(DECK.replace("TIME\n", PLANE))
-    flexmb(copy, "run", "-q", "plane.vsdf", "--no-out", "--h5", "plane.h5")
-    table = flexmb(copy, "table", "plane.h5", "body.1.x", "body.1.z")
+    flexmb("run", "-q", "plane.vsdf", "--no-out", "--h5", "plane.h5")
+    table = flexmb("table", "plane.h5", "body.1.x", "body.1.z")
     rows = [[float(x) for x in row] for row in list(csv.reader(table.splitlines()))[1:]]
     expected = [9.5 / 4.0 * t * t for t, _, _ in rows]
     assert [x for _, x, _ in rows] == pytest.approx(expected, abs=1e-9)
     assert [-z for _, _, z in rows] == pytest.approx(expected, abs=1e-9)
 
 
-def test_a_joint_that_another_dialect_has_not_is_not_converted(copy):
+def test_a_joint_that_another_dialect_has_not_is_not_converted(copy, flexmb):
     (copy / "plane.vsdf").write_text(DECK.replace("TIME\n", PLANE))
     with pytest.raises(AssertionError, match="joint 1: YOUNG has no point on plane joint"):
-        flexmb(copy, "convert", "plane.vsdf", "--to", "young")
+        flexmb("convert", "plane.vsdf", "--to", "young")
 
 
-def test_a_spring_acts_in_the_only_coordinate_of_a_joint(copy):
+def test_a_spring_acts_in_the_only_coordinate_of_a_joint(copy, flexmb):
     """m s̈ = m g / √2 - c ṡ along the wire: s = (w t - w (1 - exp(-k t)) / k) / k, w = g / √2, k = c / m."""
     (copy / "bead.vsdf").write_text(DECK.replace("TIME\n", BEAD))
-    flexmb(copy, "run", "-q", "bead.vsdf", "--no-out", "--h5", "bead.h5")
-    rows = list(csv.reader(flexmb(copy, "table", "bead.h5", "body.1.x").splitlines()))[1:]
+    flexmb("run", "-q", "bead.vsdf", "--no-out", "--h5", "bead.h5")
+    rows = list(csv.reader(flexmb("table", "bead.h5", "body.1.x").splitlines()))[1:]
     w, k = 9.5 / np.sqrt(2.0), 1.5 / 2.0
     t, x = np.array(rows, float).T
     assert x == pytest.approx((w * t - w * -np.expm1(-k * t) / k) / k / np.sqrt(2.0), abs=1e-7)
@@ -155,16 +184,16 @@ def test_a_joint_of_points_is_compared_with_differences_unasked(copy):
     assert int(done.stdout.split(" passed")[0].split()[-1]) > 20
 
 
-def test_a_card_for_rigid_bodies_acts_on_them(copy):
+def test_a_card_for_rigid_bodies_acts_on_them(copy, flexmb):
     """The centre of mass of the body is the joint: φ̈ = m g a / (m a² + Jyy) for the mass at a = 0.4 m."""
     (copy / "payload.vsdf").write_text(DECK.replace("TIME\n", PENDULUM))
-    flexmb(copy, "run", "-q", "payload.vsdf", "--no-out", "--h5", "payload.h5")
+    flexmb("run", "-q", "payload.vsdf", "--no-out", "--h5", "payload.h5")
     with h5py.File(copy / "payload.h5") as file:
         turning = file["body/angular_acceleration"][0, 0, 1]
     assert turning == pytest.approx(6.0 * 9.5 * 0.4 / (6.0 * 0.4**2 + 0.2), rel=1e-9)
 
 
-def test_a_card_for_rigid_bodies_is_refused_for_others_and_for_bodies_that_there_are_not(copy):
+def test_a_card_for_rigid_bodies_is_refused_for_others_and_for_bodies_that_there_are_not(copy, flexmb):
     (copy / "fe").mkdir()
     shutil.copy(ROOT / "decks/vsdf/fe/pendulum_nodes.txt", copy / "fe")
     text = (ROOT / "decks/vsdf/pendulum.vsdf").read_text()
@@ -172,21 +201,21 @@ def test_a_card_for_rigid_bodies_is_refused_for_others_and_for_bodies_that_there
         text.replace("GRAV", "PAYL\n    1   51       6.0\n    2   51       6.0\nGRAV")
     )
     with pytest.raises(AssertionError) as refused:
-        flexmb(copy, "check", "rod.vsdf")
+        flexmb("check", "rod.vsdf")
     assert "PAYL is for RIGD bodies; body 1 is FLEX" in str(refused.value)
     assert "payload 2: body number 2 is outside 1..1" in str(refused.value)
 
 
-def test_a_card_of_two_files_is_read_echoed_set_and_obeyed(copy):
+def test_a_card_of_two_files_is_read_echoed_set_and_obeyed(copy, flexmb):
     """z = -g t²/2."""
-    echo = [line.split() for line in flexmb(copy, "check", "fall.vsdf", "--echo").splitlines()]
+    echo = [line.split() for line in flexmb("check", "fall.vsdf", "--echo").splitlines()]
     assert ["8", "weight.g", "9.5", "m/s^2", "gravity", "along", "-z"] in echo
-    flexmb(copy, "run", "-q", "fall.vsdf", "--set", "weight.g=8", "--no-out", "--h5", "set.h5")
-    rows = list(csv.reader(flexmb(copy, "table", "set.h5", "body.1.z").splitlines()))[1:]
+    flexmb("run", "-q", "fall.vsdf", "--set", "weight.g=8", "--no-out", "--h5", "set.h5")
+    rows = list(csv.reader(flexmb("table", "set.h5", "body.1.z").splitlines()))[1:]
     assert [float(z) for _, z in rows] == pytest.approx([-4.0 * float(t) ** 2 for t, _ in rows], abs=1e-12)
 
 
-def test_answers_written_before_there_were_cards_still_give_a_deck(copy):
+def test_answers_written_before_there_were_cards_still_give_a_deck(copy, flexmb):
     """Those of docs/how-to/type-a-deck.md, and the same with the new cards, whose counts come last."""
     page = (ROOT / "docs/how-to/type-a-deck.md").read_text(encoding="utf-8")
     written = page.partition("The same gate as a VSDF deck")[2].partition("```console\n$ ")[2]
@@ -194,14 +223,14 @@ def test_answers_written_before_there_were_cards_still_give_a_deck(copy):
     answers = subprocess.run(script, shell=True, text=True, capture_output=True, timeout=120).stdout
     assert command == "flexmb new vsdf -o - < answers | flexmb check - -q"
     for more, words in (("", []), ("0 1 1 0 0 0 0 0\n1 3 6\n9.5\n", ["PAYL", "DOWN"])):
-        typed = flexmb(copy, "new", "vsdf", "-o", "-", answers=answers + more)
+        typed = flexmb("new", "vsdf", "-o", "-", answers=answers + more)
         assert [word for word in typed.split() if word in ("PAYL", "DOWN")] == words
         (copy / "typed.vsdf").write_text(typed)
-        flexmb(copy, "check", "-q", "typed.vsdf")
+        flexmb("check", "-q", "typed.vsdf")
 
 
 @pytest.fixture(scope="module")
-def results(copy):
+def results(copy, flexmb):
     """The results of a deck of each analysis, and of a tree by both formulations, as {name: HDF5 file}."""
     elements = deck(card("HSPR", integers(1, 3) + reals(20, 0.2, 0.3, 1)), TREE)
     decks = {
@@ -210,8 +239,8 @@ def results(copy):
     }  # fmt: skip
     for name, text in decks.items():
         (copy / name).write_text(text)
-    flexmb(copy, "run", "-q", "--no-out", *decks)
-    flexmb(copy, "run", "-q", "--formulation", "absolute", "--no-out", "--h5", "absolute.h5", "tree.DAT")
+    flexmb("run", "-q", "--no-out", *decks)
+    flexmb("run", "-q", "--formulation", "absolute", "--no-out", "--h5", "absolute.h5", "tree.DAT")
     names = [*(Path(name).stem for name in decks), "absolute"]
     return {name: h5py.File(copy / f"{name}.h5") for name in names}, list(decks)
 
@@ -243,42 +272,42 @@ def test_quantities_of_trees_take_two_files_for_both_formulations(results, name)
     assert file["system/impetus"][:] == pytest.approx(1.5 * v[:, 0] + 0.8 * v[:, 1], abs=1e-12)
 
 
-def test_quantities_of_flexible_mechanisms_are_stored_named_and_listed(copy, results):
+def test_quantities_of_flexible_mechanisms_are_stored_named_and_listed(copy, flexmb, results):
     """|v| = g t, p = m g t."""
-    head, *rows = csv.reader(flexmb(copy, "table", "fall.h5", "body.1.pace").splitlines())
+    head, *rows = csv.reader(flexmb("table", "fall.h5", "body.1.pace").splitlines())
     assert head == ["time [s]", "body.1.pace [m/s]"] and len(rows) == 6
     assert [float(v) for _, v in rows] == pytest.approx([9.5 * float(t) for t, _ in rows], abs=1e-12)
-    assert "magnitude of the velocity" in flexmb(copy, "table", "fall.h5", "--list")
+    assert "magnitude of the velocity" in flexmb("table", "fall.h5", "--list")
     file = results[0]["fall"]
     assert file["system/impetus"][:, 2] == pytest.approx(-2.0 * 9.5 * file["time"][:], abs=1e-12)
 
 
-def test_verify_compares_analyses_with_quantities_added(copy, results):
-    flexmb(copy, "verify", "-q", "--rtol", "1e-8", *results[1][:-1])
+def test_verify_compares_analyses_with_quantities_added(copy, flexmb, results):
+    flexmb("verify", "-q", "--rtol", "1e-8", *results[1][:-1])
 
 
-def test_an_integrator_of_three_files_is_named_by_its_card(copy):
+def test_an_integrator_of_three_files_is_named_by_its_card(copy, flexmb):
     """Its formula has no error in a parabola, and Hermite's cubic has none between two steps."""
     text = DECK.replace("RK45", "RK4 ")
     (copy / "kutta.vsdf").write_text(text)
-    flexmb(copy, "run", "-q", "kutta.vsdf", "--no-out", "--h5", "kutta.h5")
-    rows = list(csv.reader(flexmb(copy, "table", "kutta.h5", "body.1.z").splitlines()))[1:]
+    flexmb("run", "-q", "kutta.vsdf", "--no-out", "--h5", "kutta.h5")
+    rows = list(csv.reader(flexmb("table", "kutta.h5", "body.1.z").splitlines()))[1:]
     assert [float(z) for _, z in rows] == pytest.approx([-4.75 * float(t) ** 2 for t, _ in rows], abs=1e-12)
     unknown = DECK.replace("RK45", "RK5 ")
     (copy / "unknown.vsdf").write_text(unknown)
     with pytest.raises(AssertionError, match="RK4"):
-        flexmb(copy, "check", "unknown.vsdf")
+        flexmb("check", "unknown.vsdf")
 
 
-def test_a_new_integrator_takes_given_steps_and_is_an_option_of_two_dialects(copy):
+def test_a_new_integrator_takes_given_steps_and_is_an_option_of_two_dialects(copy, flexmb):
     """z = -g t²/2; `--strict` would refuse a step that is not used."""
     (copy / "steps.vsdf").write_text(
         DECK.replace("RK45", "RK4 ").replace("       0.1\n", "       0.1     0.025\n")
     )
-    flexmb(copy, "check", "--strict", "steps.vsdf")
+    flexmb("check", "--strict", "steps.vsdf")
     (copy / "falling.dat").write_text(FALLING)
     for name, place, g in (("fall.vsdf", 2, 9.5), ("falling.dat", 1, 8.0)):
-        flexmb(copy, "run", "-q", name, "--method", "rk4", "--no-out", "--h5", "option.h5")
+        flexmb("run", "-q", name, "--method", "rk4", "--no-out", "--h5", "option.h5")
         with h5py.File(copy / "option.h5") as file:
             assert file["options"].asstr()[()] if "options" in file else file.attrs["options"]
             expected = -0.5 * g * file["time"][:] ** 2
@@ -301,9 +330,9 @@ def test_a_format_of_one_line_is_read_and_known_to_the_cards(copy):
     assert done.stdout.split() == ["True", "2", "2.5", "-1.0", "4.0"], done.stderr
 
 
-def motion_of_wheel(copy, name):
+def motion_of_wheel(copy, flexmb, name):
     """Times, turns and rates of the wheel of a deck."""
-    flexmb(copy, "run", "-q", name, "--no-out", "--h5", "wheel.h5")
+    flexmb("run", "-q", name, "--no-out", "--h5", "wheel.h5")
     with h5py.File(copy / "wheel.h5") as result:
         omega = result["body/angular_velocity"][:, -1, 2]
         turn = 2.0 * np.arctan2(
@@ -313,24 +342,24 @@ def motion_of_wheel(copy, name):
 
 
 @pytest.mark.parametrize("dialect", ["young", "vsdf", "dafms"])
-def test_a_force_law_of_two_files_acts_in_every_dialect(copy, dialect):
+def test_a_force_law_of_two_files_acts_in_every_dialect(copy, flexmb, dialect):
     """J w' = -c w²: w = 5 / (1 + 0.6 5 t / 0.8).  J w²/2 + k s⁴/4 stays for J w' = -k s³, s = turn - 0.2."""
     ending = {"young": "dat", "vsdf": "vsdf", "dafms": "DAT"}[dialect]
     for word, law in (("square", "TSQUARE 1 0.6"), ("cube", "TCUBE 1 30 0.2")):
         (copy / f"{word}.dat").write_text(f"{WHEEL}{law}\nTOLERANCE 1e-11\nEND\n")
         if dialect != "young":
-            flexmb(copy, "convert", f"{word}.dat", "--to", dialect, "-o", f"{word}.{ending}")
-    t, _, omega = motion_of_wheel(copy, f"square.{ending}")
+            flexmb("convert", f"{word}.dat", "--to", dialect, "-o", f"{word}.{ending}")
+    t, _, omega = motion_of_wheel(copy, flexmb, f"square.{ending}")
     assert omega == pytest.approx(5.0 / (1.0 + 3.75 * t), rel=1e-8)
-    _, turn, omega = motion_of_wheel(copy, f"cube.{ending}")
+    _, turn, omega = motion_of_wheel(copy, flexmb, f"cube.{ending}")
     energy = 0.4 * omega**2 + 7.5 * (turn - 0.2) ** 4
     assert energy == pytest.approx(np.full(5, 10.0 + 7.5 * 0.2**4), rel=1e-7)
     assert np.ptp(omega) > 1.0
 
 
-def test_units_of_a_force_law_follow_from_its_record(copy):
+def test_units_of_a_force_law_follow_from_its_record(copy, flexmb):
     """0.6 N m s2/rad2 are 600 N mm s2/rad2."""
     (copy / "square.dat").write_text(f"{WHEEL}TSQUARE 1 0.6\nEND\n")
-    flexmb(copy, "convert", "square.dat", "--to", "young", "--to-unit", "mm", "-o", "mm.dat")
+    flexmb("convert", "square.dat", "--to", "young", "--to-unit", "mm", "-o", "mm.dat")
     (line,) = [line for line in (copy / "mm.dat").read_text().splitlines() if line.startswith("TSQUARE")]
     assert float(line.split()[2]) == pytest.approx(600.0)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 MOST_ITERATIONS = 40
-SETTLING = 2  # corrections of the limit of repeated equations by the gap that it leaves
+LIMIT_PASSES = 2  # corrections of the limit of repeated equations by the gap that it leaves
 
 
 def assemble_tree(analysis: "TreeAnalysis") -> None:
@@ -76,7 +76,7 @@ def _close_nearly(analysis: "TreeAnalysis", failure: AnalysisError) -> Fault:
         for kept in (_kept(tree, arrays), arrays.given):
             analysis.state[:] = start
             gap = tolerance * size
-            for _ in range(SETTLING):
+            for _ in range(LIMIT_PASSES):
                 # A wider limit than the gap needs would leave out equations that move bodies.
                 rows["repeated"] = max(REPEATED, (TO_GAP * min(gap / size, tolerance)) ** 2)
                 gap = _close(analysis, kept)
