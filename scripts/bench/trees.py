@@ -246,9 +246,8 @@ def sprung(links, count):
 def compare_elements(links=48, counts=(0, 1, 48)):
     """Table of the cost of springs: an evaluation, and a whole run of 51 rows."""
     trees = {count: sprung(links, count) for count in counts}
-    best = {
-        name: dict.fromkeys(counts, np.inf) for name in ("evaluation", "run", "per evaluation of the run")
-    }
+    names = "evaluation", "run", "per evaluation of the run"
+    best = {name: dict.fromkeys(counts, np.inf) for name in names}
     evaluators = {count: flexmb_evaluator(tree)[0] for count, tree in trees.items()}
     for _ in range(REPEATS):
         for count, evaluate in evaluators.items():

@@ -9,13 +9,13 @@ from ...errors import Fault
 from ...model.arrays.function_table import break_times
 from ...model.arrays.records import ELEMENT, FRICTION
 from ...model.laws import MOTOR, SPRING
+from ...model.time_checks import times_apart
 from ...model.time_functions import COMPOUND, PIECEWISE
 
 if TYPE_CHECKING:
     from ...kernels.constrained.system import System
     from .analysis import ConstrainedMotion
 
-SAME_TIME_IN_RUN = 1e-12  # of a run: times this near to each other are one
 JUMP_WITHIN = 1e-6  # of a time: points of a table nearer to each other may be too near for steps
 JUMP_OF_SECOND_RATE = 1e-6  # of the largest second rate of a function at its corners: more is no round-off
 
@@ -28,15 +28,8 @@ def breakpoints(motion: "ConstrainedMotion", end: float) -> list[float]:
     """
     if not motion.integrator.chosen:
         return []
-    start = motion.grid.start
-    found: list[float] = []
-    apart = SAME_TIME_IN_RUN * max(abs(start), abs(end))
     corners = {t for function in _tables(motion.system) for t in function.tolist()}
-    for t in sorted(corners | set(_rows_of_work(motion))):
-        # A step between two numbers for one time would be shorter than any can be.
-        if (found[-1] if found else start) + apart < t < end - apart:
-            found.append(t)
-    return found
+    return times_apart(corners | set(_rows_of_work(motion)), motion.grid.start, end)
 
 
 def _rows_of_work(motion: "ConstrainedMotion") -> list[float]:

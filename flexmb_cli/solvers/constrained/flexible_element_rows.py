@@ -1,30 +1,17 @@
 """Report rows of a mechanism of rigid and flexible bodies with elements at its joints."""
 
-import numpy as np
-
 from ...kernels.constrained.report import Report
 from ...model.arrays.element_table import coordinates_of_joints
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...quick_dataclass import dataclass, fields
-from .element_rows import coupling_efforts, element_answers
+from .element_rows import JointAnswers, coupling_efforts, element_answers
 from .flexible_rows import FlexibleRows, flexible_rows
 
 
 @dataclass(frozen=True)
-class FlexibleElementRows(FlexibleRows):
-    """Rows with joint coordinates, springs and elements, as those of `ElementRows`."""
-
-    joint_coordinate: np.ndarray  # (T, joint coordinates)
-    joint_rate: np.ndarray  # (T, joint coordinates)
-    element_coordinate: np.ndarray  # (T, elements)
-    element_rate: np.ndarray  # (T, elements)
-    element_effort: np.ndarray  # (T, elements)
-    element_power: np.ndarray  # (T, elements)
-    element_energy: np.ndarray  # (T, elements)
-    element_work: np.ndarray  # (T, elements)
-    dissipated: np.ndarray  # (T,)
-    coupling_effort: np.ndarray  # (T, couplings)
+class FlexibleElementRows(JointAnswers, FlexibleRows):
+    """Rows with joint coordinates, springs and elements."""
 
 
 def flexible_element_rows(

@@ -20,13 +20,13 @@ from ...model.inertia_checks import uneven_masses
 from ...model.integrators import steps_at_limit
 from ...model.joint_elements import names_of
 from ...model.laws import MOTOR
+from ...model.time_checks import times_apart
 from ...model.time_functions import corners
 from ...model.tree import Table, Tree
 from ..checkpoint import row_of, taken, taken_clock
 from .assembly import assemble_tree, pivot_shares, stray
 from .rows import TreeRows, motion_by_recursion, rows_of_tree
 
-SAME_TIME_OF_TREES = 1e-12  # of a run: times this near to each other are one
 # Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
 CALL_WORK = 2_000_000
 LARGEST_BLOCK = 1024  # rows, of trees of a few bodies
@@ -304,12 +304,7 @@ def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
     functions = [item["function"] for item in tree.elements.of(MOTOR)]
     functions += [item.function for item in tree.elements.drivers]
     times |= {t for function in functions for t in corners(function)}
-    # A step between two numbers for one time would be shorter than any can be.
-    apart, found = SAME_TIME_OF_TREES * max(abs(start), abs(end)), [start]
-    for t in sorted(times):
-        if found[-1] + apart < t < end - apart:
-            found.append(t)
-    return found[1:]
+    return times_apart(times, start, end)
 
 
 def set_functions(tree: Tree, arrays: TreeArrays, begin: float, end: float) -> None:
