@@ -5,10 +5,9 @@ Faults are collected, not thrown one at a time: a reader continues after a fault
 """
 
 from collections.abc import Iterable
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
-
-from .quick_dataclass import dataclass, field
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

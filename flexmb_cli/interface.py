@@ -7,13 +7,13 @@ The commands `check`, `run` and `sweep` call these functions.  Only `Result.save
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .errors import COMPLETE, FAILED, AnalysisError, DeckError, Fault, FlexmbError, ModelError
 from .opened_deck import OpenDeck
-from .quick_dataclass import replace
 from .result import Result
 
 if TYPE_CHECKING:

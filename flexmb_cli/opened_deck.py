@@ -1,8 +1,9 @@
 """A deck that the Python interface has read."""
 
+from dataclasses import dataclass
+
 from .deck.record import Deck
 from .errors import Fault
-from .quick_dataclass import dataclass
 
 
 @dataclass(frozen=True)

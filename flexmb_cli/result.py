@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,6 @@ import numpy as np
 
 from .errors import COMPLETE, FAILED, Fault, sentences
 from .extras import needed
-from .quick_dataclass import dataclass, field
 
 if TYPE_CHECKING:
     import pandas

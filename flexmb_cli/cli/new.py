@@ -4,6 +4,7 @@ import io
 import os
 import re
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -11,7 +12,6 @@ import click
 from ..dialects.recognise import dialect_named, every_dialect
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DeckError, Fault, Place, compiler_style
 from ..managed_files import refuse_unsafe
-from ..quick_dataclass import replace
 from ..run.outcome import Terminated
 from .terminal.screen import notify, standard_output
 from .terminal.written_place import WrittenPlace

@@ -6,11 +6,11 @@ one number, one question or the rest of a record, as Pascal's READ took them.
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import takewhile
 from typing import Any, Protocol
 
 from ..errors import DeckError, Fault, Place
-from ..quick_dataclass import replace
 from . import number
 from .questions import TEXT, Cell, Entry, Question, spelled
 from .record import Number, Record

@@ -6,9 +6,9 @@ sign, a short line is as if padded with blanks, a list longer than the FORMAT co
 """
 
 import re
+from dataclasses import dataclass
 from functools import lru_cache
 
-from ..quick_dataclass import dataclass
 from .number import unit_hint
 
 _EDIT = re.compile(r"(\d*)([IFE])(\d+)(?:\.(\d+))?")

@@ -7,13 +7,12 @@ prints stars.  The two give the same bytes wherever a field has room.
 """
 
 import math
+from dataclasses import dataclass
 from functools import cache
 from itertools import chain
 from typing import Any
 
 import numpy as np
-
-from ..quick_dataclass import dataclass
 
 SAFE, HISTORIC = "safe", "historic"
 LAYOUTS = (SAFE, HISTORIC)

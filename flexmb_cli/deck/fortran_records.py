@@ -1,11 +1,11 @@
 """The records of a fixed-format deck in sequence: READ statements with located, collected faults."""
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 from ..errors import Fault, FaultList, Place
-from ..quick_dataclass import dataclass
 from .fortran_card import Field, Format, cut, fortran_format, hint
 from .lines import Lines
 from .number_list import LONG, NumberList

@@ -7,8 +7,8 @@ A number of which a typist could not read every digit holds question marks in th
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 
-from ..quick_dataclass import replace
 from .fortran_format import Edit
 
 # Python makes no integer of thousands of digits; digits that only one part of a pattern can take are

@@ -2,12 +2,12 @@
 
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 import numpy as np
 
 from ..errors import DeckError, Fault
-from ..quick_dataclass import dataclass, field
 from .bounded_file import first_bytes, size_of
 from .fortran_format import Edit
 

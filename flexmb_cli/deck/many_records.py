@@ -1,11 +1,11 @@
 """The records of a large deck, each made when it is looked at: kept, they would take many times the deck."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import chain
 from typing import Any
 
-from ..quick_dataclass import dataclass, field, replace
 from .number_table import NumberTable
 from .record import Record
 

@@ -1,9 +1,9 @@
 """Questions of a dialogue: values, the records they belong to, and their wording."""
 
 import re
+from dataclasses import dataclass
 from itertools import groupby
 
-from ..quick_dataclass import dataclass
 from . import number
 from .record import Value
 

@@ -2,11 +2,11 @@
 
 import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 from ..errors import Fault, Place
-from ..quick_dataclass import dataclass, field, replace
 from .lines import Lines
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ Each is read by itself: what the cards of an earlier model gave is not kept, oth
 import os
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 
 from ..errors import DeckError, Fault
-from ..quick_dataclass import replace
 from .bounded_file import first_bytes
 from .lines import Lines
 from .record import DeckText

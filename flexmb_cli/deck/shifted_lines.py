@@ -6,10 +6,10 @@ almost everywhere, a line that holds neither its record nor a fair part of one i
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from ..errors import Fault, Place
-from ..quick_dataclass import replace
 from .words import LONGEST_CARET, Word
 
 KEPT_PER_SLIP = 2

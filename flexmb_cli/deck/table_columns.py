@@ -1,8 +1,8 @@
 """The sections of a YOUNG OUT table and their columns, as its reader and `diff` name them."""
 
+from dataclasses import dataclass
 from typing import Any
 
-from ..quick_dataclass import dataclass
 from .fortran_format import Edit, fixed
 
 

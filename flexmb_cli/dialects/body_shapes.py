@@ -1,6 +1,7 @@
 """Cards of shapes, the same in all dialects: primitives by their sizes, and STL files, on rigid bodies."""
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,6 @@ from ..fe.formats.stl import read_stl
 from ..model.diagnostics import Findings
 from ..model.exchange.shapes import RigidShape
 from ..model.shapes import LARGEST_LENGTH, Shape, fault_of_sizes, moved, primitive
-from ..quick_dataclass import dataclass
 
 OFFSET = tuple(f"offset.{axis}" for axis in "xyz")
 ANGLES = ("alpha", "beta", "gamma")

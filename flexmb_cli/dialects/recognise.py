@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from importlib import import_module
 from itertools import islice
 
@@ -9,7 +10,6 @@ from ..collector import without_collector
 from ..deck.record import Deck, DeckText
 from ..deck.words import UNCLOSED, Word, words
 from ..errors import DeckError, Fault
-from ..quick_dataclass import replace
 from . import DIALECTS
 from .dialect import Dialect
 

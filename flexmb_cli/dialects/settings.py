@@ -1,12 +1,12 @@
 """`--set NAME=VALUE`: numbers of a deck overridden by their readable names."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ..deck import number
 from ..deck.many_records import ManyRecords
 from ..deck.record import Deck, Number
 from ..errors import DeckError, Fault
-from ..quick_dataclass import replace
 from .recognise import dialect_named
 
 if TYPE_CHECKING:

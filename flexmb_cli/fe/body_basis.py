@@ -1,13 +1,13 @@
 """The basis that a deck asks for: eigenmodes, attachment modes or Craig-Bampton, with faults at the cards."""
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..model.diagnostics import Findings
 from ..model.flexible_body import FlexibleInput
-from ..quick_dataclass import dataclass
 from . import modes
 from .free_motion import FreeMotion, NegativeStrain
 from .independent_shapes import reduced_basis

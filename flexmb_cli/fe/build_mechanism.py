@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +21,6 @@ from ..model.flexible_mechanism import (
 from ..model.laws import Element, Frames, Line
 from ..model.mechanism import GROUND
 from ..model.vectors import euler_parameters
-from ..quick_dataclass import replace
 from .flexible_bodies import flexible_body
 
 if TYPE_CHECKING:

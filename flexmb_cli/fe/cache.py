@@ -9,6 +9,7 @@ import hashlib
 import io
 import json
 import os
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,6 @@ import numpy as np
 from ..errors import Fault
 from ..managed_files import UnsafePlace, is_own, make_own_folder, open_managed
 from ..model.flexible_body import BodyMesh, BodyStress, Dropped, ElementMaterial, FlexibleBody, FlexibleInput
-from ..quick_dataclass import fields
 from .formats.formats import content_of
 from .formats.matrix_file import FEFileFault
 

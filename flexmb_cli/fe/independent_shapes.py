@@ -4,11 +4,11 @@ K measures independence, not the mass matrix: static shapes of neighbouring node
 any mass, and that difference is the local deformation under a load at either.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..quick_dataclass import dataclass
 from .free_motion import NO_STRAIN
 from .massless_shapes import IndefiniteMass
 

@@ -3,12 +3,13 @@
 A failed test names its figure, the worst node and the likely causes.  The limits are relative.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..errors import Place
 from ..model.diagnostics import Findings
 from ..model.flexible_body import FlexibleInput
-from ..quick_dataclass import dataclass
 from .formats.matrix_file import MatrixFile
 from .linear_algebra import in_three_directions
 from .precision import rounding_force

@@ -4,6 +4,7 @@ Both types have `@`, `.T`, `.diagonal()`, `abs`, `.max()` and `A[rows][:, column
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from itertools import pairwise
 from typing import Any
 
@@ -18,6 +19,9 @@ LARGEST_BLOCK = 60
 COLUMNS_AT_ONCE = 256
 # Relative to the largest entry of a column; of a stiffness the diagonal is taken for a pivot.
 LEAST_PIVOT = 1e-3
+# Vectors of a block, residual at which it has converged, and length below which a vector depends on others,
+# both relative.
+BLOCK, CONVERGED, DEPENDENT = 8, 1e-12, 1e-13
 
 
 class Singular(Exception):
@@ -96,12 +100,20 @@ def turned(K: np.ndarray, axes: np.ndarray) -> Matrix:
     return sparse.bsr_matrix((data, blocks.indices, blocks.indptr), shape=K.shape).tocsc()
 
 
-def solver(A: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """The function b → x of A x = b, b (size,) or (size, k), A symmetric.  Raises Singular, then or now."""
+def solver(A: np.ndarray, places: np.ndarray | None = None) -> Callable[[np.ndarray], np.ndarray]:
+    """The function b → x of A x = b, b (size,) or (size, k), A symmetric.  Raises Singular, then or now.
+
+    `places` (size, 3): where its rows are, node by node.
+    """
     if isinstance(A, np.ndarray):
         return lambda b: _solved(A, b)
     from scipy.sparse.linalg import splu
 
+    from .multifrontal import solver_by_fronts
+
+    with suppress(np.linalg.LinAlgError):  # not positive definite: pivots are sought
+        if places is not None:
+            return solver_by_fronts(A, places)
     symmetric = {"diag_pivot_thresh": LEAST_PIVOT, "options": {"SymmetricMode": True}}
     try:
         return splu(A.tocsc(), permc_spec="MMD_AT_PLUS_A", **symmetric).solve
@@ -177,13 +189,46 @@ def pencil(A: np.ndarray, B: np.ndarray, count: int, largest: bool = False) -> t
     return values[chosen], np.linalg.solve(L.T, vectors[:, chosen])
 
 
-def lowest_by_iteration(
-    K: Any, S: Any, count: int, solve: Callable[..., Any], start: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Lowest eigenvalues and S-orthonormal vectors of large matrices; `solve` applies the inverse of K."""
-    from scipy.sparse.linalg import LinearOperator, eigsh
+def lowest_by_iteration(S: Any, count: int, solve: Callable[..., Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest eigenvalues, `count` or as many as S has, and S-orthonormal vectors of large matrices.
 
-    shape = K.shape
-    inverse = LinearOperator(shape, lambda x: solve(np.ascontiguousarray(x).ravel()), dtype=np.float64)
-    found: tuple[np.ndarray, np.ndarray] = eigsh(K, count, S, sigma=0.0, OPinv=inverse, v0=start)
-    return found
+    `solve` applies the inverse of K.  Block Lanczos with full reorthogonalisation (Grimes, Lewis and Simon,
+    SIAM J. Matrix Anal. Appl. 15 (1994), 228-272): the factors are read once for all vectors of a block.
+    """
+    vectors: list[np.ndarray] = []
+    forces: list[np.ndarray] = []
+    T = np.zeros((0, 0))
+    answer = solve(S @ np.random.default_rng(1).uniform(-1.0, 1.0, (S.shape[0], BLOCK)))
+    while True:
+        block, coupling = _orthonormal(S, answer, vectors, forces)
+        inverse, amplitudes = np.linalg.eigh(T)
+        chosen = np.argsort(-np.abs(inverse), kind="stable")[:count]
+        residual = (
+            np.linalg.norm(coupling @ amplitudes[-coupling.shape[1] :, chosen], axis=0) if len(T) else 1.0
+        )
+        if not block.size or (len(T) >= count and (residual < CONVERGED * np.abs(inverse[chosen])).all()):
+            chosen = chosen[np.argsort(1.0 / inverse[chosen])]
+            return 1.0 / inverse[chosen], np.hstack(vectors) @ amplitudes[:, chosen]
+        vectors.append(block)
+        forces.append(S @ block)
+        answer = solve(forces[-1])
+        T = np.pad(T, (0, block.shape[1]))
+        T[-block.shape[1] :] = np.vstack([part.T @ answer for part in forces]).T
+
+
+def _orthonormal(
+    S: Any, block: np.ndarray, vectors: list[np.ndarray], forces: list[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """S-orthonormal vectors X (size, k) that span what `block` has beside `vectors`, and its part B in X B.
+
+    `forces` are S times `vectors`; k is smaller where the columns of `block` depend on them.
+    """
+    coupling = np.eye(block.shape[1])
+    least = DEPENDENT**2 * float(np.max(np.einsum("ij,ij->j", block, S @ block)))
+    for _ in range(2):  # what the first time leaves of dependent vectors is not orthogonal
+        for part, force in zip(vectors, forces, strict=True):
+            block = block - part @ (force.T @ block)
+        squares, axes = np.linalg.eigh(block.T @ (S @ block))
+        axes, lengths = axes[:, squares > least], np.sqrt(squares[squares > least])
+        block, coupling, least = block @ (axes / lengths), lengths[:, None] * axes.T @ coupling, 0.01
+    return block, coupling

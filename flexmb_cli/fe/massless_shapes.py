@@ -7,11 +7,11 @@ A shape z that moves the nodes of the frame is, in this frame, a deformation d =
 But the body can move by d and R a at once: the Schur complement of Mff in the body's mass matrix is singular.
 """
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from ..quick_dataclass import dataclass
 from .free_motion import check_strain
 
 # Eigenvalues of the mass matrix below this share of the largest are those of shapes without mass.

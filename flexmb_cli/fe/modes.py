@@ -7,7 +7,7 @@ Journal 6 (1968), 1313-1319.  All shapes are (3 n, k), x y z node by node, body 
 import numpy as np
 
 from .free_motion import NEGATIVE, FreeMotion, check_strain
-from .linear_algebra import Singular, all_but, as_array, is_small, lowest_by_iteration, pencil, solver
+from .linear_algebra import all_but, as_array, is_small, lowest_by_iteration, pencil
 from .massless_shapes import quasi_static_shapes, split_by_mass
 from .reference_frame import Frame
 from .static_shapes import FreeBody, held_solver
@@ -33,7 +33,7 @@ def eigenmodes(K: np.ndarray, S: np.ndarray, frame: Frame, count: int) -> tuple[
     if frame.mean:
         return _mean_axis_modes(K, S, frame, count)
     free = all_but(K.shape[0], frame.held)
-    values, full = _modes_of(K, S, free, count)
+    values, full = _modes_of(K, S, frame, free, count)
     return values, signed(full)
 
 
@@ -49,15 +49,21 @@ def massless_modes(K: np.ndarray, S: np.ndarray, frame: Frame) -> np.ndarray:
     return signed(quasi_static_shapes(K, shapes))
 
 
-def _modes_of(K: np.ndarray, S: np.ndarray, free: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+def _modes_of(
+    K: np.ndarray, S: np.ndarray, frame: Frame, free: np.ndarray, count: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Modes of the degrees of freedom `free` with all others at rest, as shapes of the whole body."""
     count = min(count, len(free))
     if not count:
         return np.zeros(0), np.zeros((K.shape[0], 0))
-    try:
-        values, shapes = _lowest(K[free][:, free], S[free][:, free], count)
-    except FreeMotion as motion:
-        raise type(motion)(_placed(motion.shape, free, K.shape[0])) from None
+    inner, mass = K[free][:, free], S[free][:, free]
+    if is_small(len(free), count):
+        try:
+            values, shapes = _lowest(as_array(inner), as_array(mass), count)
+        except FreeMotion as motion:
+            raise type(motion)(_placed(motion.shape, free, K.shape[0])) from None
+    else:
+        values, shapes = lowest_by_iteration(mass, count, held_solver(K, free, frame.r0))
     full = _placed(shapes, free, K.shape[0])
     check_strain(K, full[:, 0])
     return values, full
@@ -71,21 +77,10 @@ def _placed(shapes: np.ndarray, free: np.ndarray, size: int) -> np.ndarray:
 
 
 def _lowest(K: np.ndarray, S: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Lowest eigenvalues and S-orthonormal vectors.
+    """Lowest eigenvalues and S-orthonormal vectors of small matrices.
 
     Slender bodies have frequencies far apart: the lowest are found as the largest of the inverse problem.
     """
-    size = K.shape[0]
-    if is_small(size, count):
-        return _lowest_at_once(as_array(K), as_array(S), count)
-    try:
-        solve = solver(K)
-    except Singular:
-        raise FreeMotion(np.zeros(size)) from None
-    return lowest_by_iteration(K, S, count, solve, np.ones(size))
-
-
-def _lowest_at_once(K: np.ndarray, S: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     split = split_by_mass(S)
     rank = len(split.masses)
     count = min(count, rank)
@@ -127,8 +122,7 @@ def _mean_axis_modes(K: np.ndarray, S: np.ndarray, frame: Frame, count: int) -> 
         values = 1.0 / inverse[last]
         shapes = body.shapes(factor @ vectors[:, last]) * values
     else:
-        start = body.shapes(np.arange(size, dtype=float))
-        values, shapes = lowest_by_iteration(K, S, count, body.shapes, start)
+        values, shapes = lowest_by_iteration(S, count, body.shapes)
     check_strain(K, shapes[:, 0])
     shapes = frame.shifted(shapes, S)
     return values, signed(shapes / np.sqrt(np.einsum("ij,ij->j", shapes, S @ shapes)))
@@ -155,9 +149,9 @@ def craig_bampton(
     inner = all_but(K.shape[0], np.concatenate([rows, _clamped(frame)]))
     shapes, forces = np.zeros((2, K.shape[0], len(rows)))
     shapes[rows, np.arange(len(rows))] = 1.0
-    shapes[inner] = -held_solver(K, inner)(as_array(K[inner][:, rows]))
+    shapes[inner] = -held_solver(K, inner, frame.r0)(as_array(K[inner][:, rows]))
     forces[rows] = _without_round_off(K[rows], shapes)
-    values, fixed = _modes_of(K, S, inner, count)
+    values, fixed = _modes_of(K, S, frame, inner, count)
     if len(values) < count:
         raise TooFewMasses(len(values))
     return frame.shifted(np.hstack([fixed, shapes]), S), np.hstack([K @ fixed, forces])

@@ -10,10 +10,10 @@ table lacks do, by the stiffness of what joins them to the nodes: these are refu
 """
 
 from collections.abc import Callable, Collection
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..quick_dataclass import dataclass
 from .formats.matrix_file import FEFileFault, MatrixFile, size_hint
 from .linear_algebra import Matrix, Singular, condensed_on, solver, stored, summed, without_diagonal
 

@@ -12,11 +12,11 @@ Entries that are written alike are rounded alike.  In a regular mesh such errors
 out, hence the sum over entries of one magnitude before the sum of squares over magnitudes.
 """
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..quick_dataclass import dataclass
 from .linear_algebra import distinct
 from .nodal_matrices import NodalMatrix
 

@@ -1,6 +1,7 @@
 """Files of a finite-element program to a flexible body: read, tested, reduced."""
 
 import math
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -8,7 +9,6 @@ import numpy as np
 
 from ..model.diagnostics import Findings
 from ..model.flexible_body import Dropped, FEFile, FlexibleBody, FlexibleInput
-from ..quick_dataclass import dataclass
 from .body_basis import Basis, basis_of
 from .centrifugal import centrifugal_stiffness
 from .elements.assembled_matrices import element_matrix

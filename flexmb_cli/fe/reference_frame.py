@@ -4,10 +4,11 @@ Vlasenko and Kasper (2008), section VIII.  The equations of motion hold for ever
 excludes rigid motion; x0 and A then mean the frame so defined.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..model.flexible_body import FlexibleInput
-from ..quick_dataclass import dataclass
 from .input_checks import rigid_motions
 
 

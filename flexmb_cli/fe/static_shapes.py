@@ -19,7 +19,7 @@ class FreeBody:
     def __init__(self, K: np.ndarray, S: np.ndarray, frame: Frame):
         self.S, self.frame = S, frame
         self._free = all_but(K.shape[0], _supports(frame.r0))
-        self._solve = held_solver(K, self._free)
+        self._solve = held_solver(K, self._free, frame.r0)
         self._rigid = rigid_motions(frame.r0)
         self._weighted = S @ self._rigid
         self._mass = self._rigid.T @ self._weighted
@@ -61,7 +61,7 @@ def static_shapes(K: np.ndarray, S: np.ndarray, frame: Frame, forces: np.ndarray
         return FreeBody(K, S, frame).shapes(forces)
     free = all_but(K.shape[0], frame.held)
     shapes = np.zeros(forces.shape)
-    shapes[free] = held_solver(K, free)(forces[free])
+    shapes[free] = held_solver(K, free, frame.r0)(forces[free])
     return shapes
 
 
@@ -85,9 +85,10 @@ def _supports(r0: np.ndarray) -> np.ndarray:
     return np.array(rows)
 
 
-def held_solver(K: np.ndarray, free: np.ndarray) -> "Callable[..., Any]":
+def held_solver(K: np.ndarray, free: np.ndarray, r0: np.ndarray) -> "Callable[..., Any]":
     """The solution of K x = b with all degrees of freedom but `free` at rest, as a function of b.
 
+    `r0` (n, 3): places of the nodes.
     Raises FreeMotion, then or at once: whether a pivot of exactly 0 is met depends on the processor.
     """
 
@@ -98,7 +99,7 @@ def held_solver(K: np.ndarray, free: np.ndarray) -> "Callable[..., Any]":
             raise FreeMotion(_weakest(K, free)) from None
 
     try:
-        solution = solver(K[free][:, free])
+        solution = solver(K[free][:, free], r0[free // 3])
     except Singular:
         raise FreeMotion(_weakest(K, free)) from None
     return solve

@@ -46,6 +46,9 @@ RECORDS = {
 }
 TUPLES = {
     "Mechanism": ("kernels.kinematics.newton:System", "CONSTRAINT1 i2 f2 f1"),
+    "SparseNewton": (
+        "kernels.kinematics.sparse_newton:SparseWork", "f4 f2 f2 f2 i2 i2 i1 f1 i1 i2 f1 f1",
+    ),
     "Newton": ("kernels.kinematics.newton:Work", "f4 f2 f2 f2 i1 i2"),
     "System": (
         "kernels.constrained.system:System",
@@ -53,7 +56,7 @@ TUPLES = {
     ),
     "Work": (
         "kernels.constrained.system:Work",
-        "f4 f2 f2 f2 f2 i1 f2 f2 f3 f1 f3 f4 f1 f2 i1 f1 f1 f2 i2 i2",
+        "f4 f2 f2 f2 f1 i1 f2 f2 f3 f1 f3 f4 f1 f2 i1 f1 f1 f2 i2 i1 i2 f1",
     ),
     "Report": ("kernels.constrained.report:Report", "f1 f2 f2 f4 f2 f1 f2 f3"),
     "Integration": ("kernels.integrators.constrained_dop853:Integration", "CLOCK1 f1 f1 f1 f2 f2 f1 f2"),
@@ -94,27 +97,15 @@ UNITS = {
     "kinematics": {
         "kinematics.continuation.follow": "Mechanism f2 f2 f1 f1 f3 f2",
         "kinematics.newton.evaluate_position": "Mechanism Newton f1 float f1",
-        "kinematics.newton.reach_of": "Mechanism f1",
-        "kinematics.newton.set_rest": "Mechanism Newton f1",
-        "kinematics.newton.add_correction": "Newton float f1",
-        "kinematics.newton.largest": "f1",
-        "kinematics.continuation.bounds_of_newton": "Mechanism f1",
-        "kinematics.continuation.copy": "f2 f2",
-        "kinematics.continuation.predict": "f2 float f1",
-        "kinematics.continuation.screws_expected": "f2 float f1",
-        "kinematics.continuation.defect": "Mechanism f2 f2 float",
-        "kinematics.continuation_clock.step_to": "f1 float",
-        "kinematics.continuation.angle_too_far": "CONSTRAINT1 float float",
-        "kinematics.continuation_clock.acceptable": "f1 float float int",
-        "kinematics.continuation.accept": "Mechanism Newton f2 f1 f2 f2",
-        "kinematics.continuation_clock.after_success": "f1 float float int",
-        "kinematics.continuation_clock.is_barred": "f1 float",
+    },
+    "large_kinematics": {
+        "kinematics.continuation.follow_sparse": "Mechanism SparseNewton f2 f2 f1 f1 f3 f2",
     },
     "constrained": {
         "constrained.accelerations.evaluate_jacobian": "System Work f1",
         "constrained.accelerations.choose_order": "Work int",
         "constrained.accelerations.factorise_order": "Work",
-        "linalg.pivot_order.choose_entries": "i1 i2 f2 i1 int",
+        "linalg.local_order.choose_local": "i1 i2 f2 i1 int",
         "constrained.accelerations.accelerations": "System Work f1 f1 float f1",
         "constrained.projection.evaluate_residual": "System Work f1 float f1",
         "constrained.projection.fill_nu": "System float f1",

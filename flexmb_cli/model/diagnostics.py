@@ -1,7 +1,8 @@
 """Faults collected while a model is built, each at the deck's number that causes it."""
 
+from dataclasses import dataclass, field
+
 from ..errors import Fault, FaultList, Place
-from ..quick_dataclass import dataclass, field
 
 LARGEST_NUMBER = 1e50  # of a deck: products of four such numbers are still doubles
 

@@ -1,9 +1,9 @@
 """The scalar equations of a mechanism: whose they are, in what unit, and where they stand in the deck."""
 
 import math
+from dataclasses import dataclass
 
 from ..errors import Place
-from ..quick_dataclass import dataclass
 from .joints import BY_NAME
 from .mechanism import Joint
 

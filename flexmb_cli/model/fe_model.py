@@ -5,12 +5,12 @@ by that of a node set.  Positions of nodes are in the axes of their node table, 
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import Place
-from ..quick_dataclass import dataclass, field
 from .flexible_body import FlexibleInput
 from .integrators import Integrator
 from .joint_elements import JointElements

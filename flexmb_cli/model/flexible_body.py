@@ -5,12 +5,12 @@ S is the mass matrix of the finite-element program; S^ij = m_ij E, so that the n
 is all that inertia needs.
 """
 
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import Place
-from ..quick_dataclass import dataclass, field
 
 
 @dataclass(frozen=True)

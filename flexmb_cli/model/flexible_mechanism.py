@@ -5,12 +5,12 @@ from 0, the ground is -1.  SI units; `A` turns body axes into global ones.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import Place
-from ..quick_dataclass import dataclass, field
 from .fe_model import BodyTorque
 from .flexible_body import FlexibleBody
 from .integrators import Integrator

@@ -6,7 +6,6 @@ that give rho L^3/3 with lumped masses leave less than nothing, and the coupled 
 thesis (Zhao, 1992, eq. 3.16) then have no positive definite mass matrix.
 """
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,6 @@ from .tree import INERTIAL, UNTURNED, Body, Tree
 
 # Share of a body's inertia below which what its nodes leave counts as rounding.
 _ROUNDING = 1e-11
-UNEVEN_MASSES = 1e9  # ratio of two masses that double precision does not bear
 
 
 def check_inertia(tree: Tree, values: DeckValues, findings: Findings) -> None:
@@ -158,15 +156,3 @@ def _matrix(attitude: tuple[float, float, float, float]) -> np.ndarray:
     """T of DAFMS (listing, SOK), with the scalar first: components in P_k = T x components in O_k."""
     e0, e = attitude[0], np.array(attitude[1:])
     return 2 * np.outer(e, e) + (2 * e0 * e0 - 1) * np.eye(3) + 2 * e0 * _cross(e)
-
-
-def uneven_masses(masses: Sequence[float]) -> str:
-    """Return that the masses of two bodies, kg, are too far apart to solve for both; "" where none are."""
-    given = [(mass, k) for k, mass in enumerate(masses, 1) if mass > 0.0]
-    if not given or max(given)[0] < UNEVEN_MASSES * min(given)[0]:
-        return ""
-    (least, light), (most, heavy) = min(given), max(given)
-    return (
-        f"the masses of body {heavy} and body {light} are {most:g} and {least:g} kg, in a ratio of "
-        f"{most / least:.0e}, at which round-off rules the lighter one; give it more mass, or leave it out"
-    )

@@ -1,9 +1,9 @@
 """Integrators of mechanisms: their words on cards and for `--method`, and what a deck says of one."""
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..errors import Fault
-from ..quick_dataclass import dataclass
 
 if TYPE_CHECKING:
     import numpy as np
@@ -38,6 +38,7 @@ METHODS = {
 METHOD_OPTIONS = tuple(method.option for method in METHODS.values())
 # Of trees by Kane's equations, in the order of their numbers on the card METH.
 TREE_METHODS = ("dop853", "radau", "lsoda", "sdirk4")
+LIBRARY_TREE_METHODS = ("radau", "lsoda")  # those of SciPy
 # Those that Radau's method stands for where a tree has elements.
 IMPLICIT_TREE_METHODS = ("radau", "sdirk4")
 

@@ -7,10 +7,10 @@ whose axes are global.
 """
 
 import math
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from ..errors import Place
-from ..quick_dataclass import dataclass, fields
 from .joints import JOINT_TYPES, NODE_JOINT_TYPES
 from .laws import Element, Law
 from .mechanism import Vector

@@ -5,9 +5,8 @@ files in `kernels/kinematics/joints/` and to the counts of `EQUATIONS` there.  T
 `DIALECT` of each dialect.
 """
 
+from dataclasses import dataclass
 from typing import Any
-
-from ..quick_dataclass import dataclass
 
 ANGLE, STROKE = "angle", "stroke"
 PITCH, DISTANCE_OF_POINTS = "pitch", "distance"

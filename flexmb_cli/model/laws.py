@@ -17,10 +17,10 @@ conversion, notes and names of results need.  Cards of all dialects and the arra
 from these records: a new law is one record here and one branch of `kernels.laws`, of the same code.
 """
 
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import Place
-from ..quick_dataclass import dataclass, replace
 from .joints import ANGLE
 
 if TYPE_CHECKING:

@@ -5,10 +5,10 @@ body unless the text says global.  Every item keeps its readable name and its pl
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import Literal
 
 from ..errors import Place
-from ..quick_dataclass import dataclass, field
 from .integrators import Integrator
 from .joint_elements import JointElements
 from .laws import Element
@@ -85,7 +85,7 @@ class DynamicModel:
     springs: Sequence[Element] = ()  # in line
     gravity: Vector = NOWHERE
     velocities: Sequence[InitialVelocity] = ()
-    integrator: Integrator = Integrator()
+    integrator: Integrator = field(default_factory=Integrator)
     elements: JointElements = field(default_factory=JointElements)
 
     @property

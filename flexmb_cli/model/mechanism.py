@@ -5,10 +5,10 @@ in s; local vectors are in the axes of their body.  Attitudes are Euler paramete
 Every item keeps its readable name and its place in the deck.
 """
 
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from ..errors import Place
-from ..quick_dataclass import dataclass, field
 
 if TYPE_CHECKING:  # few decks have any
     from .shapes import Shape

@@ -11,7 +11,7 @@ import numpy as np
 
 from .joint_elements import CompositeJoint
 from .mechanism import SINE_OF_PARALLELS, Joint, Vector
-from .vectors import rotation_matrix
+from .vectors import cross, length, rotation_matrix
 
 REPEATED_EQUATIONS = 3  # equations of a loop
 # Equations of composite joints that hold displacements and turns out of the plane.
@@ -36,7 +36,7 @@ def repeated_in_plane(
         return None
     normal = turning[0]
     for axis, joint in zip(axes, joints, strict=True):
-        off = abs(normal @ axis) if joint.kind == "translational" else np.linalg.norm(np.cross(normal, axis))
+        off = abs(normal @ axis) if joint.kind == "translational" else length(cross(normal, axis))
         if off > SINE_OF_PARALLELS:
             return None
     loops, parts = _loops(joints, grounds, len(attitudes))
@@ -50,7 +50,7 @@ def repeated_in_plane(
 
 def _lies_in_plane(item: CompositeJoint | Joint, attitudes: np.ndarray, normal: np.ndarray) -> bool:
     """Return whether the revolute of a composite joint turns about the normal, its cylindrical across it."""
-    if np.linalg.norm(np.cross(normal, _turned(item.s_i, item.i, attitudes))) > SINE_OF_PARALLELS:
+    if length(cross(normal, _turned(item.s_i, item.i, attitudes))) > SINE_OF_PARALLELS:
         return False
     slides = item.kind == "revolute-cylindrical"
     return not slides or bool(abs(normal @ _turned(item.s_j, item.j, attitudes)) <= SINE_OF_PARALLELS)

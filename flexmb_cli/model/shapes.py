@@ -5,12 +5,12 @@ axes x, y, z in this order (roll, pitch, yaw of URDF).  Shapes take no part in a
 """
 
 import math
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from ..quick_dataclass import dataclass
 from .mechanism import Vector
 
 BOX, CYLINDER, TUBE, CONE, SPHERE = "box", "cylinder", "tube", "cone", "sphere"

@@ -1,11 +1,5 @@
-"""Limits of double precision: times and tolerances of steps, the number of rows to compute."""
+"""Limits of double precision: times, and tolerances of a step; the number of rows to compute."""
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-SAME_TIME_IN_RUN = 1e-12  # of a run: times this near to each other are one
 LONGEST_TIME, SHORTEST_TIME = (
     1e9,
     1e-12,
@@ -30,15 +24,3 @@ def too_fine(rtol: float) -> str:
     if rtol >= FINEST:
         return ""
     return f"a relative tolerance of {rtol:g} is finer than round-off allows; {FINEST:g} is the finest"
-
-
-def times_apart(times: "Iterable[float]", start: float, end: float) -> list[float]:
-    """Return the times inside (start, end), ascending, those too near to others left out.
-
-    A step between two numbers for one time would be shorter than any can be.
-    """
-    apart, found = SAME_TIME_IN_RUN * max(abs(start), abs(end)), [start]
-    for t in sorted(times):
-        if found[-1] + apart < t < end - apart:
-            found.append(t)
-    return found[1:]

@@ -7,12 +7,12 @@ The spin-up is that of Kane, Ryan and Banerjee (1987): from rest to the rate w o
 import math
 from array import array
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..errors import Place
-from ..quick_dataclass import dataclass
 from .piecewise_polynomials import Pieces, continuous_rates, integral, value_and_rates
 
 POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND = 1, 2, 3, 4, 5, 6, 7

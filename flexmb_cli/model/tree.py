@@ -9,13 +9,13 @@ Bodies and nodes are numbered from 0 here (parent -1: inertial frame) and from 1
 axes are 1, 2, 3 everywhere.  SI units; attitudes are Euler parameters (e0, e1, e2, e3), scalar first.
 """
 
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import Place
-from ..quick_dataclass import dataclass, field
 from .joint_elements import JointElements
 from .mechanism import TimeGrid, Vector
 

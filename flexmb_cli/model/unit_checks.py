@@ -7,12 +7,12 @@ tonnes with all else in SI units divide densities by a thousand.
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from ..errors import Fault, FaultList, Place
-from ..quick_dataclass import dataclass
 
 if TYPE_CHECKING:  # a run imports the models of its own dialect only
     from collections.abc import Callable, Iterator, Sequence
@@ -50,6 +50,8 @@ HOLLOW = 1e-3
 # kg/m, above which the body is heavy enough for its size.  Steel wire of 1.3 mm has 0.01 kg/m.
 HEAVY = {3: 1.0, 2: 0.1, 1: 0.01}
 FLAT = 1e-6  # of the largest semi-axis: a body without extent in that direction
+
+UNEVEN_MASSES = 1e9  # ratio of two masses that double precision does not bear
 
 
 @dataclass(frozen=True)
@@ -98,15 +100,18 @@ def unit_warnings(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Faul
     if kind == "DynamicModel" and cast("DynamicModel", model).without_masses:
         return FaultList()
     gravity, longest = float(np.linalg.norm(model.gravity)), None
-    notes = FaultList()
+    notes, masses = FaultList(), []
     for body in _EXTENTS[kind](model):
         notes += _of_body(body)
+        masses.append((body.name, body.mass))
         if longest is None or body.size > longest.size:
             longest = body
     if kind == "FlexibleMechanism":
         bodies = cast("FlexibleMechanism", model).bodies
         flexible = [body for body in bodies if body.flexible is not None]
         notes += [*_of_frequencies(flexible), *_of_densities(flexible)]
+    if message := uneven_masses(masses):
+        notes.append(Fault("note", message, id="MODEL-022"))
     if IN_MILLIMETRES[0] <= gravity <= IN_MILLIMETRES[1]:
         notes.append(
             Fault(
@@ -117,6 +122,20 @@ def unit_warnings(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Faul
         message = f"a joint is {longest.size:.4g} m from the mass centre: are lengths in mm? Decks are in m"
         notes.append(Fault("note", message, longest.place, longest.name, id="MODEL-012"))
     return notes
+
+
+def uneven_masses(bodies: "Sequence[tuple[str, float]]") -> str:
+    """Return that masses, kg, of two bodies are too far apart to solve for both; "" where none are."""
+    given = [body for body in bodies if body[1] > 0.0]
+    if not given:
+        return ""
+    (light, least), (heavy, most) = (pick(given, key=lambda body: body[1]) for pick in (min, max))
+    if most < UNEVEN_MASSES * least:
+        return ""
+    return (
+        f"the masses of {heavy} and {light} are {most:g} and {least:g} kg, in a ratio of {most / least:.0e}, "
+        "at which round-off rules the lighter one; give it more mass, or leave it out"
+    )
 
 
 def _of_body(body: Extent) -> "Iterator[Fault]":

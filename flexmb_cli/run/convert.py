@@ -1,6 +1,7 @@
 """A deck's model for another program or dialect: the dialect that has the model, and who writes it."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -8,7 +9,6 @@ from ..deck.record import Deck, DeckText
 from ..dialects import DIALECTS
 from ..dialects.recognise import dialect_named, read_deck
 from ..errors import DeckError, Fault, FlexmbError, ModelError, visible
-from ..quick_dataclass import replace
 from .context import Run
 from .model import analysis_of, folder_of, model_of
 from .open_deck import open_deck

@@ -1,13 +1,13 @@
 """The global error of every quantity of a run: what a second run at a tighter tolerance gives otherwise."""
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import AnalysisError, Fault
 from ..model.time_checks import FINEST
-from ..quick_dataclass import replace
 from .context import Run
 
 if TYPE_CHECKING:

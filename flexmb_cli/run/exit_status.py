@@ -1,11 +1,11 @@
 """End of a deck that does not come to its last time: its reports, and its exit code."""
 
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..errors import ANALYSIS_FAILED, INTERNAL_FAULT, AnalysisError, Fault, FlexmbError, ModelError
 from ..memory import LACK_OF_MEMORY, lack_of_memory_text, lacks_memory
-from ..quick_dataclass import replace
 from .outcome import INTERRUPTED, TERMINATED, Outcome, RunOptions, Stop, Terminated
 
 if TYPE_CHECKING:

@@ -1,10 +1,10 @@
 """Tolerance of closed loops: as the digits of the deck allow, or as `--loop-tolerance` says."""
 
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ..deck.number import MOST_DIGITS
-from ..quick_dataclass import replace
 
 if TYPE_CHECKING:
     from ..deck.record import Deck

@@ -1,6 +1,7 @@
 """Linearised motion of the mechanism of a deck, about a time or an equilibrium."""
 
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +11,6 @@ from ..model.flexible_mechanism import FlexibleMechanism
 from ..model.loads import DynamicModel
 from ..model.mechanism import TimeGrid
 from ..model.tree import Tree
-from ..quick_dataclass import dataclass, replace
 from ..solvers.compilation import Notices, announce_compiling
 from .check.parts import FARTHEST_STEPS
 from .context import Run

@@ -1,5 +1,6 @@
 """The model that a deck describes, ready for an analysis: building ends here, before solving starts."""
 
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -7,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 from ..deck.record import Deck
 from ..deck.text import STANDARD_INPUT
 from ..dialects.recognise import dialect_named
-from ..quick_dataclass import replace
 from .context import Run
 from .loop_tolerance import with_loop_tolerance
 

@@ -1,13 +1,13 @@
 """Eigenfrequencies of a deck: of its flexible bodies, each in its frame, and of its mechanism."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Any
 
 from ..deck.record import Deck
 from ..errors import Fault, ModelError
 from ..model.flexible_body import Dropped, FlexibleBody
 from ..model.unit_checks import unit_warnings
-from ..quick_dataclass import dataclass, field
 from .context import Run
 from .exit_status import ending_recorded
 from .mechanism_modes import MechanismModes, Wish, dynamic_modes, flexible_modes, tree_modes

@@ -1,5 +1,6 @@
 """A deck from its file to records: with the changes of `--set`, and warnings about the options given."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ..deck.record import Deck
@@ -7,7 +8,6 @@ from ..deck.several_models import changes_of, named_model, only_model
 from ..deck.text import read_text
 from ..dialects.recognise import dialect_named, read_deck
 from ..errors import Fault
-from ..quick_dataclass import replace
 from ..solvers.as_printed.errors import AS_PRINTED
 from .loop_tolerance import LOOP_TOLERANCE
 from .outcome import SOLVER_OPTIONS, Outcome, RunOptions

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from ..deck.record import DeckText
 from ..errors import DONE, Fault, ModelError
-from ..quick_dataclass import dataclass, field, replace
 from .loop_tolerance import LOOP_TOLERANCE
 
 if TYPE_CHECKING:

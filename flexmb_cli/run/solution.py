@@ -6,12 +6,12 @@
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
 from .. import __version__
 from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
-from ..quick_dataclass import dataclass, field
 from ..results.files.file_names import ResultPaths
 from ..solvers.compilation import report_damage
 from .checkpoint import ResumeFile

@@ -10,11 +10,10 @@ with, natural coordinates and the poses of a tree, share nothing with the first,
 their own.
 """
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-
-from ..quick_dataclass import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable

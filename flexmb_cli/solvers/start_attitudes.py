@@ -6,6 +6,7 @@ rotation from one triad to the other, 0 in one attitude only, replaces the equat
 """
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +18,6 @@ from ..model.flexible_mechanism import FlexibleMechanism, NodePoint
 from ..model.mechanism import GROUND
 from ..model.time_functions import ROTATIONS
 from ..model.vectors import euler_parameters, rotation_matrix
-from ..quick_dataclass import dataclass
 from .constrained.large_start import is_large
 from .projection import Corrections, Instant, project, shortened
 

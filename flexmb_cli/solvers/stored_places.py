@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..kernels.constrained.system import Work
-from ..kernels.linalg.sparse_rows import FIRST_ENTRY
+from ..kernels.linalg.sparse_rows import BEHIND, LEFT
 
 # Fields of a clock that a run has from its deck and that no step changes.
 GIVEN = ("rtol", "atol", "counted")
@@ -42,7 +42,7 @@ def works_in(records: Mapping[str, Any]) -> dict[str, Work]:
 
 def misplaced(work: Work) -> str:
     """Return the first array of `work` with a number that leads out of an array, "" if all lead into one."""
-    m, n = work.jacobian.shape
+    m, n = len(work.jacobian), len(work.motions)
     rank = int(work.rank[0])
     if not 0 <= rank <= min(m, n):
         return "rank"
@@ -50,7 +50,9 @@ def misplaced(work: Work) -> str:
         return "order"
     if not _rows_fit(work.columns[:, 1:], work.columns[:, 0], n):
         return "columns"
-    return "" if _entries_fit(work.entries, rank, n) else "entries"
+    if np.any((work.entries < 0) | (work.entries >= n)):
+        return "entries"
+    return "" if _ends_fit(work.ends, work.entries, rank) else "ends"
 
 
 def _is_permutation(order: np.ndarray) -> bool:
@@ -65,14 +67,11 @@ def _rows_fit(places: np.ndarray, counts: np.ndarray, n: int) -> bool:
     return bool(np.all((places >= 0) & (places < n) | ~used))
 
 
-def _entries_fit(entries: np.ndarray, rank: int, n: int) -> bool:
-    """Return whether `entries` (m, n + 2) are those of `factorise`, or zeros.
+def _ends_fit(ends: np.ndarray, entries: np.ndarray, rank: int) -> bool:
+    """Return whether `ends` (m, 4) are those of `factorise`: the parts of rows follow each other.
 
-    Places up to the second number of a row are places of the leading block, (rank, rank).
+    Places in the first two parts are places of the leading block, (rank, rank).
     """
-    made = entries[np.any(entries[:, :FIRST_ENTRY] != 0, axis=1)]
-    below, leading, last = (made[:, k] - FIRST_ENTRY for k in range(FIRST_ENTRY))
-    if np.any(below < 0) or np.any(leading < below) or np.any(last < leading):
+    if np.any(ends < 0) or np.any(ends > entries.size) or np.any(np.diff(ends[:rank]) < 0):
         return False
-    places = made[:, FIRST_ENTRY:]
-    return _rows_fit(places, leading, rank) and _rows_fit(places, last, n)
+    return all(np.all(entries[first:last] < rank) for first, last in ends[:rank, [LEFT, BEHIND]])

@@ -1,11 +1,11 @@
 """The numbers of a study's table: parameters, results and which cases were solved."""
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import h5py
 import numpy as np
 
-from ..quick_dataclass import dataclass
 from ..results.quantities.quantities import ResultError
 from .text import EXIT_CODE, StudyColumn, chosen_columns, study_columns
 

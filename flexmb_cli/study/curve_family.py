@@ -1,12 +1,12 @@
 """Series of a study as a family of curves: each case over its times, coloured by a parameter."""
 
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
 
-from ..quick_dataclass import dataclass
 from ..results.quantities.quantities import ResultError
 from .cases_table import CasesTable, cases_table
 from .text import EXIT_CODE, StudyColumn, chosen_columns, study_columns

@@ -2,6 +2,7 @@
 
 import os
 import tempfile
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +11,6 @@ from ..deck.record import Deck
 from ..dialects.settings import SettableDeck
 from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, DeckError, Fault, FlexmbError
 from ..memory import LACK_OF_MEMORY, lacks_memory
-from ..quick_dataclass import dataclass, field
 from ..results.hdf5.result_file import ResultFile
 from ..results.quantities.quantities import SHOWS_ALL, Quantity, ResultError, resolve
 from ..run.context import Run

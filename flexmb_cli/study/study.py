@@ -1,9 +1,9 @@
 """A study: one deck, the numbers of it that vary, how they are combined, and what is kept of every case."""
 
+from dataclasses import dataclass
 from math import prod
 
 from ..errors import Place
-from ..quick_dataclass import dataclass
 
 GRID, TOGETHER, LATIN = "grid", "together", "latin-hypercube"
 SAMPLINGS = (GRID, TOGETHER, LATIN)

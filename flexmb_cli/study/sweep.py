@@ -4,6 +4,7 @@ import gc
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,6 @@ from ..deck.record import Deck, DeckText
 from ..deck.text import read_text
 from ..dialects.recognise import CHOOSES, read_deck
 from ..errors import INTERNAL_FAULT, DeckError, Fault
-from ..quick_dataclass import dataclass, field, replace
 from ..run.outcome import Listener, RunOptions, Stop
 from .checkpoints import Part, Parts, RecordForm
 from .lock import StudyLock

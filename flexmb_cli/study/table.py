@@ -4,6 +4,7 @@ Rows are written in blocks as they come: a study may be larger than the memory.
 """
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
@@ -12,12 +13,10 @@ import numpy as np
 
 from .. import __version__
 from ..extras import needed
-from ..quick_dataclass import dataclass
 from ..results.files.disk_failures import located
 from ..results.files.full_disk_guard import FullDiskGuard
 from ..results.files.replaced_file import Replacement
-from ..results.hdf5.quick_writing import TEXT
-from ..results.hdf5.result_file import FILE_FORMAT, printable_name
+from ..results.hdf5.result_file import FILE_FORMAT, TEXT, printable_name
 
 # 2: series have a dimension scale along their report rows, too.
 CONVENTIONS = "flexmb-study-2"

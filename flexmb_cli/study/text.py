@@ -7,6 +7,7 @@ import json
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
 
@@ -14,7 +15,6 @@ import h5py
 import numpy as np
 
 from ..errors import Fault, visible
-from ..quick_dataclass import dataclass
 from ..results.hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, understood
 from ..results.quantities.quantities import NOTHING, SHOWS_ALL, ResultError
 from ..results.quantities.quantity_names import folded

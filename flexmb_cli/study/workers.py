@@ -3,10 +3,10 @@
 import signal
 from collections import Counter, deque
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from ..errors import ANALYSIS_FAILED, Fault, FlexmbError
-from ..quick_dataclass import dataclass, field
 from ..run.outcome import Listener
 from ..run.processes.signal_mask import unblock_stops
 from ..run.processes.worker import Worker, end_all, having_answers, portable

@@ -9,12 +9,12 @@ import json
 import shutil
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from selenium import webdriver
 
-from flexmb_cli.quick_dataclass import replace
 from flexmb_cli.results.figures import report_page
 from flexmb_cli.results.figures.element_bodies import ElementBody
 from flexmb_cli.results.figures.report_scene import frame_rows, scene_data, stored_places

@@ -193,6 +193,15 @@ def test_a_slip_of_the_hand_is_answered_with_what_is_meant(flexmb, tmp_path):
         assert (code, answer in reported) == (2, True), (arguments, reported)
 
 
+def test_a_file_that_is_refused_is_not_suggested(flexmb, tmp_path):
+    """A text named like a result was suggested for itself, and for its deck."""
+    for name in ("IN4-BAR.dat", "OUT4-BAR.h5"):
+        (tmp_path / name).write_text(Path(FOUR_BAR).read_text())
+        code, _, reported = flexmb("table", name, "time")
+        assert code == 2
+        assert "is a text, not an HDF5 result; flexmb run writes" in reported
+
+
 def test_the_table_of_a_study_is_no_result_of_an_earlier_run(flexmb, tmp_path):
     """`flexmb sweep f.toml` writes f.h5, which a run of f.dat would write, too."""
     (tmp_path / "f.dat").write_text(Path(FOUR_BAR).read_text().replace("0 2.5 0.1", "0 2.5 x"))

@@ -108,12 +108,6 @@ def test_a_run_imports_its_own_dialect_and_analysis(tmp_path, how):
     assert "numpy.ma" not in found  # 15 ms, for which numpy's functions on sets ask
 
 
-def test_a_run_starts_no_program(tmp_path):
-    """h5py by itself calls `uname -p`: 6 ms of 110."""
-    found = imported(tmp_path, "run", "-q", DECKS / "young/IN1-1-1.dat", NUMBA_DISABLE_JIT="1")
-    assert "h5py" in found and not found & {"subprocess", "_posixsubprocess"}
-
-
 @pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
 @pytest.mark.parametrize("how", RUNS)
 def test_a_later_run_needs_neither_numba_nor_scipy(tmp_path, how):

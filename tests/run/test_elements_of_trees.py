@@ -1,13 +1,13 @@
 """DAFMS decks with elements: `verify`, `modes`, state space, `--resume`; the note on closed directions."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from flexmb_cli.errors import AnalysisError
 from flexmb_cli.model.arrays import tree_elements
-from flexmb_cli.quick_dataclass import replace
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.context import Run
 from flexmb_cli.run.deck import run_deck

@@ -4,11 +4,11 @@ import signal
 import sys
 from collections import deque
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from ...errors import ANALYSIS_FAILED, Fault
 from ...memory import lack_of_memory_text, lacks_memory
-from ...quick_dataclass import dataclass, field
 from ...run.earlier_results import EarlierResults
 from ...run.outcome import Listener, Outcome, RunOptions, Stop, Terminated
 from ...run.processes.signal_mask import unblock_stops

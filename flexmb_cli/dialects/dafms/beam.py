@@ -5,12 +5,12 @@ Euler–Bernoulli elements with Hermite (cubic) deflection; the nodal rotations 
 each of its ends.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...errors import DeckError, Fault
-from ...quick_dataclass import dataclass
 
 
 @dataclass(frozen=True)

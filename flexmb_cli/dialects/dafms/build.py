@@ -15,15 +15,16 @@ from .hinges import build_hinges
 from .start import build_integration, build_start, build_time
 from .time_functions import build_closures, build_functions_of_time
 
+HERE = Path()
 GRAVITY = (0.0, 9.8, 0.0)
 
 
 def build_model(deck: Deck, folder: Path) -> tuple[Tree, list[Fault]]:
-    """Return the tree, and the warnings about it; a deck names no files.  Raises ModelError."""
-    return build_dafms(deck)
+    """Return the tree, and the warnings about it; tables are files of `folder`.  Raises ModelError."""
+    return build_dafms(deck, folder)
 
 
-def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
+def build_dafms(deck: Deck, folder: Path = HERE) -> tuple[Tree, list[Fault]]:
     """The tree that `deck` describes, and what was doubtful.
 
     Raises `ModelError` with all faults found, the deck's own warnings among them.
@@ -56,7 +57,7 @@ def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
         shapes=shapes,
         **functions,
     )
-    tree = _with_elements(tree, values, findings)
+    tree = _with_elements(tree, values, folder, findings)
     _stop_at_errors(deck, findings)
     _check_dof(tree, values, findings)
     check_inertia(tree, values, findings)
@@ -64,7 +65,12 @@ def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
     return tree, findings.in_order
 
 
-def _with_elements(tree: Tree, values: DeckValues, findings: Findings) -> Tree:
+def _with_elements(tree: Tree, values: DeckValues, folder: Path, findings: Findings) -> Tree:
+    lines: Any = values.section("elements")
+    if lines:
+        from .block_elements import with_block
+
+        tree = with_block(tree, lines, folder, findings)
     if not any(values.section(card.section) for card in ELEMENT_CARDS):
         return tree
     # They need much of the models of other dialects.
@@ -89,7 +95,7 @@ def _stop_at_errors(deck: Deck, findings: Findings) -> None:
 
 def _check_magnitudes(deck: Deck, findings: Findings) -> None:
     for name, number in deck.numbers():
-        if not abs(number.value) <= LARGEST_NUMBER:
+        if not isinstance(number.value, str) and not abs(number.value) <= LARGEST_NUMBER:
             findings.error(
                 name,
                 f"{number.value:g} is too large: numbers end at {LARGEST_NUMBER:g}",

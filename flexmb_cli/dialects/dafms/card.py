@@ -1,7 +1,8 @@
 """Card of FMBD.DAT: its fields, formats and meanings."""
 
+from dataclasses import dataclass
+
 from ...deck.fortran_records import Item
-from ...quick_dataclass import dataclass
 
 
 @dataclass(frozen=True)

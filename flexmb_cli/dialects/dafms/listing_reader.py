@@ -6,6 +6,7 @@ program, blank lines) are passed over.
 
 import os
 import re
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,6 @@ from ...deck.fortran_format import E, Edit, F, I
 from ...deck.fortran_words import is_unreadable, split_fields, split_list, unit_of, value_of
 from ...deck.listing import EchoLine, Listing, ListingForm, Section, TableError
 from ...errors import Fault, Place
-from ...quick_dataclass import dataclass
 from .errata import SINGLE_PRECISION, single_precision
 
 ECHO = ListingForm(

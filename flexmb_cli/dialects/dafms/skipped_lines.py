@@ -3,7 +3,9 @@
 import re
 
 from ...deck.fortran_records import Records
+from ...deck.number import shown
 from ...errors import Place
+from ..elements_block.text import BLOCK, begins_block, is_like_block, mentions_block, stray_lines
 from .cards import resembling
 
 _DATA = re.compile(r"[ 0-9.+-]{4}")
@@ -24,8 +26,8 @@ class SkippedLines:
         self._count = 0
 
     def add(self, line: str) -> None:
-        """Take up one more skipped line."""
-        if not line.strip():
+        """Take up one more skipped line; blocks of elements, misspelt or misplaced, are never skipped."""
+        if not line.strip() or self._refuse_block(line):
             return
         word = line[:4].ljust(4)
         is_data = _DATA.fullmatch(word) is not None
@@ -35,6 +37,22 @@ class SkippedLines:
         if not self._count:
             self._first, self._text = self.records.line, line
         self._count += 1
+
+    def _refuse_block(self, line: str) -> bool:
+        """Refuse what opens a block, or belongs into one, where none is read."""
+        place = Place(self.records.line, 1, max(1, len(line.strip())))
+        if begins_block(line):
+            message = f"{BLOCK} stands {self.where}; a block stands among the cards between DFMB and END"
+            self.records.report("error", "", message, place, id="DAFMS-190")
+            return True
+        if is_like_block(line):
+            message = f"there is no card {shown(line.strip())}; is {BLOCK} meant?"
+            self.records.report("error", "", message, place, id="DAFMS-191")
+            return True
+        found = list(stray_lines([(self.records.line, line)])) if mentions_block(line) else []
+        for fault in found:
+            self.records.report(fault.severity, "", fault.message, fault.place, id=fault.id)
+        return bool(found)
 
     def flush(self) -> None:
         """Note the lines gathered so far."""

@@ -1,13 +1,15 @@
 """The cards of TSYSIN, in any order up to END: DAFMS thesis (Zhao, 1992), appendix C."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from ...deck.fortran_records import Item, MissingRecord, Records
+from ...deck.lines import as_lines
 from ...deck.number_list import record_of
 from ...deck.record import Number, Record
 from ...errors import Place
-from ...quick_dataclass import dataclass, field
+from ..elements_block.text import begins_block, uncommented
 from .card import Card
 from .cards import CARDS, END, MACROS, PRINT_OFF, PRINT_ON
 from .skipped_lines import SkippedLines
@@ -15,6 +17,9 @@ from .skipped_lines import SkippedLines
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from ..elements_block.reader import BlockReader
+
+OF_BODIES = ("node", "nodal_force", "equations", "id", "bkp", "bmi", "body")  # sections of numbers of bodies
 MOST_REPEATED = 1000  # each looks through all records
 
 
@@ -45,6 +50,9 @@ def read_system(records: Records, layout: Layout, read: list[Record]) -> None:
     while not records.exhausted:
         line = records.next_card()
         word = records.word()
+        if begins_block(line):
+            system.take_block()
+            continue
         if word == END:
             system.skipped.flush()
             return
@@ -81,6 +89,24 @@ class _System:
         self.lines: dict[str, int] = {}
         self.repeated = 0
         self.skipped = SkippedLines(records, "among the TSYSIN cards")
+        self.blocks: BlockReader | None = None
+
+    def take_block(self) -> None:
+        """Read a block ELEMENTS, which the line read last opens."""
+        # Few decks have any.
+        from ..elements_block.reader import BlockReader
+
+        self.skipped.flush()
+        records = self.records
+        if self.blocks is None:
+            names = [card.section for card in CARDS.values()]
+            reserved = [*names, "counts", "heading", "time", "run", "echo", "speed", "coordinate", *OF_BODIES]
+            self.blocks = BlockReader(as_lines(records.lines), uncommented, reserved)
+        read, told = len(self.blocks.records), len(self.blocks.faults)
+        records.line = min(self.blocks.read(records.line) - 1, len(records.lines))
+        self.read += self.blocks.records[read:]
+        for fault in self.blocks.faults[told:]:
+            records.report(fault.severity, fault.subject, fault.message, fault.place, id=fault.id)
 
     def take(self, word: str, line: str) -> None:
         """One line of the card level: a card with its records, a switch, or a line to skip."""

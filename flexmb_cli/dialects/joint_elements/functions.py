@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -18,7 +19,6 @@ from ...model.time_functions import (
     smoothness,
     sum_of,
 )
-from ...quick_dataclass import dataclass
 
 MOST_FUNCTIONS, LARGEST_TABLES = 20_000, 2_000_000  # of a deck
 MOST_FACTORS = 1000  # of a term, and terms, of what is multiplied out
@@ -27,26 +27,27 @@ SHORTEST = 1e-50  # of the distance of two points, s: slopes of larger numbers w
 
 @dataclass(frozen=True)
 class GivenFunction:
-    """A function as a deck gives it: its card, its number, what it is, and the numbers that define it.
+    """A function as a deck gives it: its card, its number or name, what it is, and what defines it.
 
-    `place(k)`: where the k-th value stands.
+    `place(k)`: where the k-th value stands; `also`: its number, where it has a name, too.
     """
 
     record: Record
     number: Number
     kind: str  # of `KINDS`
-    values: Sequence[float]
+    values: Sequence[Any]  # numbers, of sums and products names
     place: Callable[[int], Place | None]
+    also: Number | None = None
 
 
 class Functions:
-    """The functions of a deck by their numbers; faults go into `findings`."""
+    """The functions of a deck by their numbers or names, as texts; faults go into `findings`."""
 
     def __init__(self, given: Iterable[GivenFunction], findings: Findings):
         self.findings = findings
-        self._functions: dict[int, MotionFunction] = {}
-        self._used: set[int] = set()
-        self._records: dict[int, Record] = {}
+        self._functions: dict[str, MotionFunction] = {}
+        self._used: set[str] = set()
+        self._records: dict[str, Record] = {}
         self._values = 0
         for function in given:
             self._values += len(function.values)
@@ -59,15 +60,20 @@ class Functions:
             self._take(function)
 
     def _take(self, given: Any) -> None:
-        number, record = given.number, given.record
-        if number.value < 1 or number.value in self._records:
-            other = self._records.get(number.value)
-            why = f"is already {other.subject}" if other else "must be 1 or more"
-            self.findings.error(
-                record.subject, f"function number {number.value} {why}", number.place, id="ELEMENTS-012"
-            )
-            return
-        self._records[number.value] = record
+        record, names = given.record, []
+        for number in (given.number, given.also):
+            if number is None:
+                continue
+            name = name_of(number.value)
+            if (name.lstrip("-").isdigit() and int(name) < 1) or name in self._records:
+                other = self._records.get(name)
+                why = f"is already {other.subject}" if other else "must be 1 or more"
+                self.findings.error(
+                    record.subject, f"function number {name} {why}", number.place, id="ELEMENTS-012"
+                )
+                return
+            self._records[name] = record
+            names.append(name)
         kind = KINDS[given.kind]
         if not kind.fits(len(given.values)):
             message = f"{kind.name} takes {kind.wanted}; read {len(given.values)} numbers"
@@ -75,21 +81,25 @@ class Functions:
             return
         function = kind.make(self, given)
         if function is not None:
-            self._functions[number.value] = function
+            self._functions.update(dict.fromkeys(names, function))
+
+    def __contains__(self, value: object) -> bool:
+        """Return whether a name or number is that of a function."""
+        return name_of(value) in self._records
 
     def function(self, record: Record, key: str = "function") -> MotionFunction | None:
-        """The function that the number `key` of a record names; None for 0, and where there is none."""
+        """The function that `key` of a record names; None for 0, and where there is none."""
         number = record.at(key)
         if number.value == 0 and key != "function":
             return None
-        self._used.add(number.value)
-        if number.value not in self._records:
-            known = ", ".join(map(str, sorted(self._records))) or "none"
-            message = (
-                f"there is no function {number.value:g}; the deck has {known}; define it, or name another"
-            )
+        name = name_of(number.value)
+        if name not in self._records:
+            known = listed(self._records) or "none"
+            message = f"there is no function {name}; the deck has {known}; define it, or name another"
             self.findings.error(record.subject, message, number.place, id="ELEMENTS-014")
-        return self._functions.get(number.value)
+        else:
+            self._used.add(self._records[name].subject)
+        return self._functions.get(name)
 
     def motion(
         self, record: Record, start: float, given: float = 0.0, key: str = "function"
@@ -134,18 +144,29 @@ class Functions:
     def _refuse_rough(self, record: Record, function: MotionFunction, least: int, why: str, key: str) -> None:
         if smoothness(function) < least:
             remedy = "use SPLINE or STEP" if least else "move its points apart"
-            message = f"{why}, but that of function {record[key]:g} does; {remedy}"
+            message = f"{why}, but that of function {name_of(record[key])} does; {remedy}"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-018")
 
     def note_unused(self) -> None:
         """Note functions that nothing follows; what is refused might have."""
         if any(fault.severity == "error" for fault in self.findings.faults):
             return
-        for number, record in self._records.items():
-            if number not in self._used:
+        for name, record in self._records.items():
+            if record.subject not in self._used:
+                self._used.add(record.subject)
                 self.findings.note(
-                    record.subject, f"nothing uses function {number}", record.place, id="ELEMENTS-019"
+                    record.subject, f"nothing uses function {name}", record.place, id="ELEMENTS-019"
                 )
+
+
+def name_of(value: Any) -> str:
+    """Return the name of a function, which may be a number."""
+    return value if isinstance(value, str) else f"{value:g}"
+
+
+def listed(names: Iterable[str]) -> str:
+    """Return names in their order, numbers by their size."""
+    return ", ".join(sorted(names, key=lambda name: (not name.isdigit(), name.zfill(9))))
 
 
 def _points(functions: Functions, given: GivenFunction, make: Callable[..., Any]) -> MotionFunction | None:
@@ -188,11 +209,13 @@ def _ramp(t0: float, v0: float, t1: float, v1: float) -> Any:
 
 def _combined(known: Any, given: GivenFunction, combine: Callable[..., Any]) -> Any:
     parts = []
-    for k, value in enumerate(given.values):
-        known._used.add(value)
+    own = {name_of(number.value) for number in (given.number, given.also) if number}
+    for k, value in enumerate(map(name_of, given.values)):
         part = known._functions.get(value)
-        if (part is None and value not in known._records) or value == given.number.value:
-            message = f"function {value:g} must be given in a card above"
+        if value in known._records:
+            known._used.add(known._records[value].subject)
+        if (part is None and value not in known._records) or value in own:
+            message = f"function {value} must be given in a card above"
             known.findings.error(given.record.subject, message, given.place(k), id="ELEMENTS-022")
         parts.append(part)
     if None in parts:

@@ -42,12 +42,13 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     joints = build_joints(values, bodies, ground, findings)
     tables = build_tables(values, findings)
     warn_of_tables(values, tables, findings)
-    functions = build_functions(values, tables, findings)
-    factors = Factors(tables, functions, values, findings)
+    lines: Any = values.section("elements")
+    functions = build_functions(values, tables, lines, folder, findings)
+    factors = Factors(tables, functions, findings)
     pins = build_pins(values, bodies, ground, findings)
     parts = {
         "joints": joints,
-        "pins": moved_pins(values, pins, functions, findings),
+        "pins": moved_pins(values, pins, lines, functions, findings),
         "motions": build_motions(values, bodies, joints, tables, functions, findings),
         "forces": build_forces(values, bodies, ground, factors, findings),
         "torques": build_torques(values, bodies, factors, findings),
@@ -58,7 +59,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
         "outputs": build_outputs(values, bodies, ground, findings),
         "stresses": build_stresses(values, bodies, findings),
         "shapes": _shapes(values, bodies, folder, findings),
-        "elements": build_elements(values, bodies, ground, joints, functions, findings),
+        "elements": build_elements(values, bodies, ground, joints, lines, functions, findings),
     }
     functions.note_unused()
     if not bodies:

@@ -1,6 +1,6 @@
 """Card of a VSDF deck: a keyword, and the fields of its data cards."""
 
-from ...quick_dataclass import dataclass
+from dataclasses import dataclass
 
 # A field's letter gives its width: I an integer, F a real, A a word, T text to the end of the line.
 WIDTHS = {"I": 5, "F": 10, "A": 4, "T": 0}
@@ -10,7 +10,8 @@ WIDTHS = {"I": 5, "F": 10, "A": 4, "T": 0}
 class Column:
     """One field of a card: its key, meaning, SI unit, letter, and the blank columns before it.
 
-    `words`: what a word may be; `default`: the value of an empty field, None when it must be filled.
+    `words`: what a word may be; `default`: the value of an empty field, None when it must be filled;
+    `names`: whether the number may be the name of a function.
     """
 
     key: str
@@ -20,6 +21,7 @@ class Column:
     skip: int = 0
     words: tuple[str, ...] = ()
     default: float | int | str | None = 0
+    names: bool = False
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ of the origin strains nothing: the two models are one and the same.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,6 @@ from ...errors import Fault, ModelError
 from ...fe.build_mechanism import flexible_mechanism
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.vectors import rotation_matrix
-from ...quick_dataclass import replace
 from .build import build_vsdf
 
 # Joints without third nodes, whose angle is that of the frames, and the cards that act in it.

@@ -1,6 +1,7 @@
 """The fields of one data card: cut by columns, or by commas where the card has one."""
 
 import functools
+import re
 from collections import Counter
 from typing import NamedTuple
 
@@ -8,6 +9,7 @@ from ...deck import number
 from ...deck.record import Number
 from .card import WIDTHS, Column
 
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")  # of a function
 _NAMES = {"I": "an integer", "F": "a number", "A": "a word", "T": "a file name"}
 
 
@@ -81,6 +83,8 @@ def value(field: Field, column: Column) -> tuple[float | int | str, str]:
             message = f"{column.key} in {field.span} must be {_NAMES[column.letter]}; the field is empty"
             raise Unfit(message, id="VSDF-182")
         return column.default, ""
+    if column.names and NAME.fullmatch(field.text):
+        return field.text, ""
     if column.letter in "IF":
         return _numeral(field, column)
     if column.letter == "A":

@@ -1,6 +1,7 @@
 """Reader of the listing of a VSDF deck (`vsdf.py`): cards, bodies and frequencies, then the rows in time."""
 
 import re
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -8,7 +9,6 @@ from ...deck.fortran_format import Edit, I, P
 from ...deck.fortran_words import is_unreadable, split_fields, unit_of, value_of
 from ...deck.listing import EchoLine, Listing, ListingForm, Section, TableError
 from ...errors import Fault, Place
-from ...quick_dataclass import dataclass, field
 
 _RULE = "*" * 20
 _TIME, _ENERGY = re.compile(r"\s*TIME\s*="), re.compile(r"\s*ENERGY(?=[\s\d*+-])")

@@ -21,14 +21,13 @@ from .motions import Tables, find_table
 class Factors:
     """Factors of loads by the numbers of their tables, or of their functions."""
 
-    def __init__(self, tables: Tables, functions: Functions, values: DeckValues, findings: Findings):
+    def __init__(self, tables: Tables, functions: Functions, findings: Findings):
         self.tables, self.functions, self.findings = tables, functions, findings
-        self.numbers = {record["number"] for record in values.section("function")}
 
     def of(self, record: Record) -> MotionFunction | None:
         """The factor of a load; None for 0, and where there is none."""
         number = record.at("table")
-        if number.value and number.value in self.numbers:
+        if number.value and (isinstance(number.value, str) or number.value in self.functions):
             return self.functions.function(record, "table")
         table = find_table(record, number, self.tables, self.findings) if number.value else None
         return table and table.of_factor

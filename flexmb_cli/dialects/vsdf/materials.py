@@ -1,6 +1,7 @@
 """The material of a flexible body's elements: on GEOS for its stiffening, on MATL for its stresses."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 from ...deck.record import Record
@@ -8,7 +9,6 @@ from ...deck.records import DeckValues
 from ...fe.formats.formats import FORMS_WITH_ELEMENTS, OF_ELEMENTS
 from ...model.diagnostics import Findings
 from ...model.flexible_body import ElementMaterial, FEFile
-from ...quick_dataclass import replace
 
 
 def stiffening_material(

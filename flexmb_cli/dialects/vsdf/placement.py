@@ -1,6 +1,7 @@
 """The cards PLAC: a body is placed by one of its nodes at a point, and turned by two more nodes."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,7 +11,6 @@ from ...deck.records import DeckValues
 from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import VsdfBody
 from ...model.vectors import euler_parameters
-from ...quick_dataclass import replace
 
 # Of the distance between two nodes: a point farther beside the second one was meant for another node.
 FAR_FROM_NODE = 1e-3
@@ -53,8 +53,11 @@ def _placed(
     A = body.A if len(records) == 1 else _attitude(body, records, nodes, points, findings)
     if A is None:
         return body
-    turned = {} if len(records) == 1 else {"p": tuple(map(float, euler_parameters(A)))}
-    return replace(body, r=tuple(map(float, points[0] - A @ nodes[0])), **turned)
+    x, y, z = map(float, points[0] - A @ nodes[0])
+    if len(records) == 1:
+        return replace(body, r=(x, y, z))
+    e0, e1, e2, e3 = map(float, euler_parameters(A))
+    return replace(body, r=(x, y, z), p=(e0, e1, e2, e3))
 
 
 def _has_node(body: VsdfBody, record: Record, findings: Findings) -> bool:

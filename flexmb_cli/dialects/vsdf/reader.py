@@ -2,17 +2,30 @@
 
 import math
 from array import array
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from ...deck import many_records
-from ...deck.many_records import ManyRecords
+from ...deck.many_records import ManyRecords, blocks_of
 from ...deck.record import Deck, DeckText, Number, Record
 from ...errors import DeckError, Place
+from ..elements_block.text import (
+    BLOCK,
+    begins_block,
+    is_like_block,
+    refuse_behind,
+    stray_lines,
+    without_starred,
+)
 from . import fields
 from .card import WIDTHS, Card
 from .cards import BY_WORD, DATA_WORDS, END, FINAL, KNOWN_WORDS, STAR, STOP
 from .data_cards import many, plain
 from .data_cards.one_card import DATA, NUMBERS, CardReader
+
+if TYPE_CHECKING:
+    from ..elements_block.reader import BlockReader
+
 
 _TITLE_WIDTH = 75
 # Nobody reads more, and each costs a search for near words.
@@ -29,14 +42,16 @@ def read_vsdf(source: DeckText) -> Deck:
     reader.read()
     if any(fault.severity == "error" for fault in reader.faults):
         raise DeckError(reader.faults)
-    records = tuple(reader.records) if reader.kept else _many(source, reader)
+    lines = reader.blocks.records if reader.blocks else []
+    records = (*reader.records, *lines) if reader.kept else _many(source, reader, lines)
     return Deck("vsdf", source, records, tuple(reader.faults))
 
 
-def _many(source: DeckText, reader: "_Reader") -> ManyRecords:
+def _many(source: DeckText, reader: "_Reader", lines: Sequence[Record]) -> ManyRecords:
     title = _Reader(source)
     title._read_title()
-    return many.many_records(source, title.records[0], reader.starts, reader.rows)
+    found = many.many_records(source, title.records[0], reader.starts, reader.rows)
+    return ManyRecords([*found.blocks, *blocks_of(lines)])
 
 
 class _Reader(CardReader):
@@ -52,6 +67,7 @@ class _Reader(CardReader):
         self.seen: dict[tuple[str, int], int] = {}  # lines of numbers that are not their records' places
         self.strange: set[tuple[str, int]] = set()  # those places
         self.counts: dict[str, int] = {}
+        self.blocks: BlockReader | None = None  # None: the deck has none so far
         self.begun = self.unknown = False
         self.bare: Place | None = None  # of a keyword without data so far
 
@@ -66,19 +82,51 @@ class _Reader(CardReader):
                     "", f"{too_much}: the deck is not read from here on", Place(self.at, 1), id="VSDF-153"
                 )
                 return
-            if not DATA.match(line):
+            if begins_block(line):
+                self._check_filled(card, BLOCK[:4])
+                self._read_block(ended)
+                card = None
+            elif not DATA.match(line):
                 word = line[:4].strip().upper()
                 self._check_filled(card, word)
                 card = self._open(word, line, ended)
                 if word == STOP:
+                    self.faults += refuse_behind(self.lines, without_starred, self.at, STOP)
                     break
+            elif self._refuse_stray(line):
+                continue
             elif card is not None:
                 self.bare = None
                 self._read_record(card, line)
             elif not self.unknown:
-                where = "behind END, where nothing is read" if ended else "before any keyword"
+                behind = (
+                    "behind END, where nothing is read" if ended else "behind a block, which ends before it"
+                )
+                where = behind if ended or self.blocks else "before any keyword"
                 self.error("", f"a data card stands {where}", Place(self.at, 1), id="VSDF-154")
         self._check_end(ended)
+
+    def _read_block(self, ended: dict[str, Any]) -> None:
+        """Read a block ELEMENTS, which the line read last opens; no card is open behind it."""
+        # Few decks have any.
+        from ..elements_block.reader import BlockReader
+
+        if ended:
+            message = f"{BLOCK} stands behind END, where nothing is read; put the block before END"
+            self.error("", message, Place(self.at, 1, len(BLOCK)), id="VSDF-211")
+        if self.blocks is None:
+            sections = [card.section for card in BY_WORD.values()]
+            self.blocks = BlockReader(self.lines, without_starred, [*sections, "title"])
+        told = len(self.blocks.faults)
+        self.at = min(self.blocks.read(self.at) - 1, len(self.lines))
+        self.faults += self.blocks.faults[told:]
+        self.bare, self.unknown = None, False
+
+    def _refuse_stray(self, line: str) -> bool:
+        """Refuse a line of an element outside a block."""
+        found = list(stray_lines([(self.at, line)])) if "=" in line or "FUNCTION" in line else []
+        self.faults += found
+        return bool(found)
 
     def _too_much(self, card: Card | None) -> str:
         """Return what the deck, read up to the data of `card`, has too much of; "" for nothing."""
@@ -108,7 +156,8 @@ class _Reader(CardReader):
             return None
         if word not in BY_WORD:
             self.unknown = True
-            self.error("", f"there is no card '{line[:4].rstrip()}'{_hint(word)}", place, id="VSDF-156")
+            hint = f"; is {BLOCK} meant?" if is_like_block(line) else _hint(word)
+            self.error("", f"there is no card '{line[:4].rstrip()}'{hint}", place, id="VSDF-156")
             return None
         reported = self._check_alone(word, line)
         if END in ended:
@@ -192,7 +241,9 @@ class _Reader(CardReader):
             self.error(subject, message, head.place, id="VSDF-164")
         if plain.is_plain(card):
             head_numbers = numbers[: len(card.columns)]
-            given = (float(number.value) if number.text else math.nan for number in head_numbers)
+            # A name of a function is read again where it is looked at.
+            values = (number.value if number.text else math.nan for number in head_numbers)
+            given = (math.nan if isinstance(value, str) else float(value) for value in values)
             self.rows.setdefault(card.section, array("d")).extend(given)
         self.numbers += len(numbers)
         if self.numbers > many_records.MANY_NUMBERS:

@@ -111,12 +111,14 @@ def warn_of_tables(values: DeckValues, tables: dict[int, Any], findings: Finding
     """Warnings of `tables` without faults that neither a motion nor a load names."""
     used = {record["c0"] for record in values.section("motion") if record["law"] == TABLE}
     for section in ("force", "torque"):
-        used |= set(column(values.section(section), "table").tolist())
+        loads = values.section(section)
+        used |= set(column(loads, "table").tolist() if values.many else (load["table"] for load in loads))
     used |= {
         r.numbers[2].value
         for r in values.section("function")
         if r["kind"] in OF_TABLES and len(r.numbers) == 3
     }
+    used |= {line["points"] for line in values.section("elements") if "points" in line}
     idle = {number for number, function in tables.items() if function is not None} - used
     cards = values.section("table")
     first = {number: places[0] for number, places in places_by(cards, "table").items() if number in idle}

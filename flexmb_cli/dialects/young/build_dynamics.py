@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,17 +35,18 @@ _OF_BODIES = (
     *("mass", "force", "torque", "velocity", "spring", "damper", "lspring", "cable", "bushing"),
     *("revcyl", "revsph", "sphsph"),
 )
+HERE = Path()
 INERTIA_ROUND_OFF = 1e-9  # of the largest moment of inertia
 
 
-def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
-    """The dynamic model that `deck` describes, and the warnings about it.
+def build_young_dynamics(deck: Deck, folder: Path = HERE) -> tuple[DynamicModel, list[Fault]]:
+    """The dynamic model that `deck` describes, and the warnings about it; tables are files of `folder`.
 
     Raises ModelError with all faults found.
     """
     mechanism, warnings = build_young(deck)
     findings = Findings()
-    functions = build_functions(deck, findings)
+    functions = build_functions(deck, folder, findings)
     _check_bodies(deck, len(mechanism.bodies), findings)
     _check_once(deck, findings)
     check_method(deck, findings)

@@ -1,11 +1,11 @@
 """YOUNG deck to the model that it describes: a mechanism, or one with masses and loads."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Deck
 from ...errors import Fault, ModelError
-from ...quick_dataclass import replace
 from .build import build_young
 from .dynamic_cards import analysis_of
 
@@ -21,7 +21,7 @@ def build_model(deck: Deck, folder: Path) -> tuple[object, list[Fault]]:
     # Kinematics need no arrays of masses.
     from .build_dynamics import build_young_dynamics
 
-    model, warnings = build_young_dynamics(deck)
+    model, warnings = build_young_dynamics(deck, folder)
     if _has_shapes(deck):
         model = replace(model, mechanism=_shaped(model.mechanism, deck, folder))
     return model, warnings

@@ -2,9 +2,9 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
-from ...quick_dataclass import dataclass, replace
 from .sections import Column
 
 MOST_NUMBERS = 200_000  # of a card

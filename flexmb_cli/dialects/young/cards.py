@@ -7,7 +7,9 @@ from .shape_cards import SHAPE_CARDS
 
 _BODY = whole("body", "number of the body")
 _FOLLOWING = whole("following", "0: global axes, 1: the axes of the body, turning with it")
-_FACTOR = whole("factor", "number of the function that multiplies it, 0: none")
+_FACTOR = Column(
+    "factor", "name or number of the function that multiplies it, 0: none", is_integer=True, is_function=True
+)
 CARDS = (
     Card(
         "MASS",

@@ -3,12 +3,13 @@
 A line that is exactly `DYNAMICS inverse` or `DYNAMICS forward` opens the cards; what stands between
 dT and that line is prose, and a deck without it means what it always meant.  A card is a keyword and
 its numbers, in any case of letters, on one line or several; `END` closes the cards, else the end of
-the deck does.  `{...}` is a comment.
+the deck does.  `{...}` is a comment.  Blocks ELEMENTS stand among the cards, or right behind dT.
 """
 
 import re
 from array import array
 from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -17,11 +18,19 @@ from ...deck.many_records import Block, ManyRecords, blocks_of
 from ...deck.record import Deck, DeckText, Number, Record
 from ...deck.words import UNCLOSED, Word, words
 from ...errors import DeckError, Place
-from ...quick_dataclass import dataclass, field, replace
+from ..elements_block.line import SECTION as ELEMENTS
+from ..elements_block.text import (
+    BLOCK,
+    begins_block,
+    mentions_block,
+    refuse_behind,
+    stray_lines,
+    without_braces,
+)
 from .card import MOST_NUMBERS
 from .cards import BY_KEYWORD
 from .elements.cards import JOINT_CARDS
-from .read_card import CardRecords, card_at, is_keyword
+from .read_card import CardRecords, card_at, is_keyword, wants_text
 from .reader import read_young
 from .shape_cards import SHAPE_CARDS
 from .unread_lines import cards_behind_end, unread_lines
@@ -29,11 +38,14 @@ from .unread_lines import cards_behind_end, unread_lines
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from ..elements_block.reader import BlockReader
+
 
 MARKER = re.compile(
     r"\s*(?:DYNAMICS\s+(?P<analysis>INVERSE|FORWARD)|(?P<shapes>GEOMETRY))\s*(\{[^}]*\}\s*)?", re.IGNORECASE
 )
 NAME = re.compile("DYNAMICS|GEOM", re.IGNORECASE)
+_COMMENT = re.compile(r"\{[^}]*\}?")
 SECTION, GEOMETRY = "dynamics", "geometry"
 LAST_CARD = "END"
 INVERSE, FORWARD = "inverse", "forward"
@@ -48,13 +60,17 @@ def read_young_deck(source: DeckText) -> Deck:
     Raises DeckError with all faults of the cards.
     """
     deck = _read_numbers(source)
-    opening = _opening(deck)
+    step = deck.one("time").at("step").place
+    assert step is not None, "the step is read from the deck"
+    blocks, behind = _blocks_behind(source, step.line)
+    opening = _opening(deck, behind)
     if opening is None:
-        step = deck.one("time").at("step").place
-        assert step is not None, "the step is read from the deck"
-        last = step.line
-        return replace(deck, warnings=(*deck.warnings, *unread_lines(source.lines, last, BY_KEYWORD)))
-    cards = _Cards(source, opening)
+        if blocks and any(fault.severity == "error" for fault in blocks.faults):
+            raise DeckError((*deck.warnings, *blocks.faults))
+        unread = unread_lines(source.lines, behind, BY_KEYWORD)
+        records = _with_lines(deck.records, blocks.records) if blocks else deck.records
+        return replace(deck, records=records, warnings=(*deck.warnings, *unread))
+    cards = _Cards(source, opening, blocks)
     cards.read()
     if any(fault.severity == "error" for fault in cards.made.faults):
         raise DeckError((*deck.warnings, *cards.made.faults))
@@ -62,9 +78,15 @@ def read_young_deck(source: DeckText) -> Deck:
 
 
 def analysis_of(deck: Deck) -> 'Literal["inverse", "forward"] | None':
-    """ "inverse" or "forward" for a deck with dynamic cards, None without."""
+    """ "inverse" or "forward" for a deck with dynamic cards, None without.
+
+    Drivers and joints of a block in a kinematic deck move it as they do in inverse dynamics.
+    """
     opened = deck.section(SECTION)
-    return opened[0]["analysis"] if opened else None
+    if opened:
+        analysis: Literal["inverse", "forward"] = opened[0]["analysis"]
+        return analysis
+    return "inverse" if deck.section(ELEMENTS) else None
 
 
 def takes_steps(deck: Deck) -> bool:
@@ -93,15 +115,32 @@ def _read_numbers(source: DeckText) -> Deck:
         raise
 
 
-def _opening(deck: Deck) -> int | None:
-    """Number of the line that opens the cards, None without one."""
-    return next((n for n, line in _lines_behind(deck) if MARKER.fullmatch(line)), None)
+def _blocks_behind(source: DeckText, last: int) -> "tuple[BlockReader | None, int]":
+    """The reader of the deck's blocks, with those behind line `last`, that of dT, and the last line read."""
+    if not mentions_block(source.text, source.lines.start_of(last)):
+        return None, last
+    # Few decks have any.
+    from .blocks import block_reader, read_blocks_behind
+
+    blocks = block_reader(source)
+    return blocks, read_blocks_behind(blocks, last, MARKER)
 
 
-def _lines_behind(deck: Any) -> "Iterator[tuple[int, str]]":
-    """Number and text of every line behind that of dT that names the cards."""
+def _with_lines(records: Any, lines: Sequence[Record]) -> Any:
+    """The records of a deck and of the lines of its blocks."""
+    if isinstance(records, tuple) or not lines:
+        return (*records, *lines) if lines else records
+    return ManyRecords([*blocks_of(records), *blocks_of(lines)])
+
+
+def _opening(deck: Deck, behind: int) -> int | None:
+    """Number of the line behind another one that opens the cards, None without one."""
+    return next((n for n, line in _lines_behind(deck, behind) if MARKER.fullmatch(line)), None)
+
+
+def _lines_behind(deck: Any, last: int) -> "Iterator[tuple[int, str]]":
+    """Number and text of every line behind another one that names the cards."""
     lines = deck.source.lines
-    last = deck.one("time").at("step").place.line
     for found in NAME.finditer(lines.text, lines.start_of(last)):
         n, column = lines.place_of(found.start())
         line = lines[n - 1]
@@ -116,33 +155,53 @@ class _Cards:
 
     source: DeckText
     opening: int
+    blocks: "BlockReader | None"  # None: the deck has none
     records: list[Record] = field(default_factory=list)
     made: CardRecords = field(default_factory=CardRecords)
     starts: dict[str, "array[int]"] = field(default_factory=dict)  # of each section: where in the text
     numbers: int = 0
     loads: int = 0  # cards whose number that of the bodies does not bound
     shapes_alone: bool = False
+    stray: int = 0  # line of an element outside a block
 
-    def behind(self, records: Sequence[Record]) -> Sequence[Record]:
+    def behind(self, records: "tuple[Record, ...] | ManyRecords") -> "tuple[Record, ...] | ManyRecords":
         """Return the records of the cards behind those of kinematics; many ones are made when looked at."""
         if isinstance(records, tuple) and self.numbers <= many_records.MANY_NUMBERS:
-            return *records, *self.records
-        blocks = [*blocks_of(records), *blocks_of(self.records[:1])]
+            return *records, *self.records, *self.lines
+        blocks = [*blocks_of(records), *blocks_of([*self.records[:1], *self.lines])]
         for section, starts in self.starts.items():
             blocks.append(Block(section, len(starts), partial(card_at, self.source, section, starts)))
         return ManyRecords(blocks)
 
+    @property
+    def lines(self) -> Sequence[Record]:
+        """Return the lines of the blocks."""
+        return self.blocks.records if self.blocks else ()
+
     def read(self) -> None:
-        """Read all cards behind the opening line."""
+        """Read all cards and blocks behind the opening line."""
         self.records.append(self._opening_record())
+        last: int | None = self.opening
+        while last is not None:
+            last = self._read_cards(last)
+        if self.blocks:
+            self.made.faults += self.blocks.faults
+
+    def _read_cards(self, last: int) -> int | None:
+        """Read the cards behind a line up to a block, and that; return the last line read, or None."""
         card: list[Any] = []
-        for word in words(self.source.lines, self.opening):
+        for word in words(self.source.lines, last):
+            if self.blocks and self._opens_block(word):
+                self._finish(card)
+                return self.blocks.read(word.line) - 1
+            if self.blocks and self._is_stray(word):
+                continue
             if word.text == UNCLOSED:
                 self.made.error(
                     word.place, "", "a comment is opened here and never closed with }", id="YOUNG-169"
                 )
                 break
-            if is_keyword(word) and not _wants_text(card):
+            if is_keyword(word) and not wants_text(BY_KEYWORD, card, word):
                 self._finish(card)
                 if self.loads > MOST_LOADS:
                     message = (
@@ -151,11 +210,13 @@ class _Cards:
                     self.made.error(
                         word.place, "", f"{message}: the deck is not read from here on", id="YOUNG-170"
                     )
-                    return
+                    return None
                 card = [word]
                 if word.text.upper() == LAST_CARD:
                     self.made.faults += cards_behind_end(self.source.lines, word.line, BY_KEYWORD)
-                    return
+                    behind = refuse_behind(self.source.lines, without_braces, word.line, LAST_CARD)
+                    self.made.faults += behind
+                    return None
             elif card:
                 card.append(word)
             else:
@@ -163,6 +224,25 @@ class _Cards:
                 self.made.error(word.place, "", message, id="YOUNG-171")
                 card = [Word("", word.line, word.column)]
         self._finish(card)
+        return None
+
+    def _opens_block(self, word: Word) -> bool:
+        """Return whether a word opens a block, alone on its line; a fault where only shapes may stand."""
+        if word.column != 1 or word.text.upper() != BLOCK:
+            return False
+        opens = begins_block(_COMMENT.sub("", self.source.lines[word.line - 1]))
+        if opens and self.shapes_alone:
+            message = "a block stands right behind dT, before GEOMETRY"
+            self.made.error(word.place, "", message, id="YOUNG-179")
+        return opens
+
+    def _is_stray(self, word: Word) -> bool:
+        """Return whether a word stands on a line of an element, outside a block, which is a fault."""
+        if self.stray != word.line and "=" in self.source.lines[word.line - 1]:
+            found = list(stray_lines([(word.line, self.source.lines[word.line - 1])]))
+            self.made.faults += found
+            self.stray = word.line if found else self.stray
+        return self.stray == word.line
 
     def _opening_record(self) -> Record:
         found = MARKER.fullmatch(self.source.lines[self.opening - 1])
@@ -207,12 +287,6 @@ class _Cards:
         self.numbers += len(columns)
         if self.numbers <= many_records.MANY_NUMBERS:
             self.records.append(record)
-
-
-def _wants_text(card: Sequence[Word]) -> Any:
-    """Return whether a keyword alone has been read, behind which a word is no keyword."""
-    kind = BY_KEYWORD.get(card[0].text.upper()) if len(card) == 1 else None
-    return kind is not None and kind.begins_with_text
 
 
 def _hint(text: str) -> str:

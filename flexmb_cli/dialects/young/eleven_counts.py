@@ -5,6 +5,7 @@ IN1-4-3 of Appendix B (Liang Yong, YOUNG dissertation, 1996) is printed so.  Its
 """
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import chain, zip_longest
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,6 @@ from ...deck.number import Misspelt, integer
 from ...deck.record import Deck, Number, Record
 from ...deck.words import Word
 from ...errors import Fault
-from ...quick_dataclass import replace
 from .sections import BODIES, COUNTS, DISTANCES, YOUNG_SECTIONS, Section
 
 if TYPE_CHECKING:

@@ -7,6 +7,7 @@ YOUNG dissertation (1996), chapter 5: 6 NBODY = 3 NSPHER + 4 NUNIVE + 5 NREVOL +
 from array import array
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import chain, pairwise
 from typing import Any
@@ -15,7 +16,6 @@ from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.joints import BY_NAME
 from ...model.mechanism import Mechanism
-from ...quick_dataclass import dataclass, field
 from . import DIALECT
 
 SHOWN_GROUPS = 8

@@ -5,10 +5,10 @@ and everything not listed here is reproduced to the printed digit.
 """
 
 import os
+from dataclasses import dataclass
 
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from ...solvers.as_printed.errors import OVERRUN, SCREW, TRANSPOSED, WRONG_INDEX
 
 EARLIER = "listing of an earlier program: dde without the term of (4.64)"

@@ -7,6 +7,7 @@ do not matter.  Lines that are no part of the layout are passed over.
 
 import re
 import warnings
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +17,6 @@ from ...deck.listing import LARGEST_INDEX, EchoLine, Listing, ListingForm, Secti
 from ...deck.number import hint
 from ...deck.table_columns import HEADINGS, SECTIONS, Columns
 from ...errors import Fault, Place
-from ...quick_dataclass import dataclass, field
 from .errata import young_errors
 from .listing_rows import (
     echo_numbers,

@@ -7,13 +7,13 @@ coordinate held twice at the same value is redundant (warning), at different val
 import math
 from array import array
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import chain, groupby
 from typing import TYPE_CHECKING, Any
 
 from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.mechanism import Driver, Ground, Mechanism
-from ...quick_dataclass import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from itertools import islice, takewhile
+from itertools import islice
 from typing import Any
 
 from ...deck import number
@@ -57,6 +57,8 @@ class CardRecords:
     def number(self, subject: str, column: Column, word: Word) -> Number:
         """The number that a word spells; 0 where it is none."""
         if column.is_text:
+            return Number(column.key, word.text, column.meaning, column.unit, word.place, word.text)
+        if column.is_function and is_keyword(word):
             return Number(column.key, word.text, column.meaning, column.unit, word.place, word.text)
         value: float = 0
         try:
@@ -122,7 +124,10 @@ class ReadCard(Record):
         behind = words_from(self._source.lines, self._start)
         keyword = next(behind)
         found = [next(behind)] if self._kind.begins_with_text else []
-        found += takewhile(lambda word: not is_keyword(word), behind)
+        for word in behind:
+            if is_keyword(word) and not wants_text({self._kind.keyword: self._kind}, [keyword, *found], word):
+                break
+            found.append(word)
         columns = self._columns(len(found))
         return CardRecords().record(self._kind, columns, self.number, keyword, found).numbers
 
@@ -148,3 +153,18 @@ class ReadCard(Record):
 def is_keyword(word: Word) -> bool:
     """Return whether a word is no number, so that it begins a card."""
     return word.text[0].isalpha() and not NO_NUMBER.fullmatch(word.text)
+
+
+def wants_text(cards: Mapping[str, Card], card: Sequence[Word], word: Word) -> bool:
+    """Return whether a word that is no number belongs to the card that is being read.
+
+    That is a text that follows the keyword, or the name of a function on the line of the number before it.
+    """
+    kind = cards.get(card[0].text.upper()) if card else None
+    if kind is None:
+        return False
+    if len(card) == 1:
+        return kind.begins_with_text
+    count = len(card) - 1
+    named = count < len(kind.columns) and kind.columns[count].is_function
+    return named and card[-1].line == word.line and word.text.upper() not in cards

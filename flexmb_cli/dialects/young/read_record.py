@@ -1,13 +1,13 @@
 """Records of a YOUNG deck as they were read, with the units that a direction gives their values."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 from ...deck.record import Number, Record
 from ...deck.words import Words
 from ...errors import Place
-from ...quick_dataclass import replace
 from .sections import YOUNG_SECTIONS, Section
 
 

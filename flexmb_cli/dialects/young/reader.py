@@ -6,6 +6,7 @@ never looked at, as in the historic program.
 
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import dataclass, field
 from functools import partial
 from itertools import islice
 from typing import TYPE_CHECKING, Any
@@ -16,7 +17,6 @@ from ...deck.record import Deck, DeckText
 from ...deck.shifted_lines import slips, with_slip_named
 from ...deck.words import UNCLOSED, Word, Words, end_of
 from ...errors import DeckError, Fault, FaultList
-from ...quick_dataclass import dataclass, field
 from .eleven_counts import EARLIER_SECTIONS, are_eleven_counts, completed, lines_begin_records
 from .read_record import ReadRecord, subject_of
 from .sections import BODIES, COUNTS, YOUNG_SECTIONS, Section

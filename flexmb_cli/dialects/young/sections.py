@@ -5,12 +5,12 @@ in m, angles in rad, times in s; points in the axes of their body.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ...deck import number
 from ...model.joints import JOINT_TYPES, PITCH
-from ...quick_dataclass import dataclass
 from . import DIALECT
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ class Column:
     """One number of a record: what it is called, what it means, its unit.
 
     `turning_unit` and `turning_meaning` hold where the record's direction is 4 to 6.
-    `is_text`: it is a word, such as the name of a file.
+    `is_text`: it is a word, such as the name of a file; `is_function`: it may be the name of one.
     """
 
     key: str
@@ -37,6 +37,7 @@ class Column:
     turning_unit: str = ""
     turning_meaning: str = ""
     is_text: bool = False
+    is_function: bool = False
 
     def label(self, turning: bool) -> tuple[str, str]:
         """Meaning and unit, in a record whose direction is a rotation (`turning`) or not."""

@@ -1,10 +1,11 @@
 """The elements of a body: rows of their nodes in its node table, and faults of mesh and material."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ...model.diagnostics import Findings
 from ...model.flexible_body import BodyMesh, ElementMaterial, FEFile, FlexibleInput
-from ...quick_dataclass import dataclass
 from ..formats.connectivity import ElementTable, read_elements
 from ..formats.matrix_file import FEFileFault
 from .element_stiffness import BodyElements

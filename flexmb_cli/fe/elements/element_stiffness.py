@@ -1,10 +1,10 @@
 """From elements to matrices of the body: which formulation its stiffness is made of, stresses, K_G."""
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from ..linear_algebra import summed
 from .solid_elements import FORMULATIONS, SolidElements, elasticity, solid_elements
 

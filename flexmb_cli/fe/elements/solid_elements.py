@@ -6,9 +6,10 @@ Comp. Meth. Appl. Mech. Eng. 4 (1974), 153-177.  All elements at once: arrays be
 point of integration.  Tetrahedra have their shape functions in `tetrahedra`.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from . import tetrahedra
 
 _CORNERS = np.array(

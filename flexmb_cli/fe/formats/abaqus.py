@@ -17,11 +17,10 @@ import numpy as np
 from .abaqus_input import keyword_of
 from .abaqus_substructure import element_matrix, element_rows
 from .file_text import filled, line_fault, lines_of, table, whole
-from .matrix_choice import NamedMatrix, chosen
-from .matrix_file import FEFileFault, MatrixFile, has_both_triangles, labelled
+from .matrix_file import FEFileFault, MatrixFile, NamedMatrix, chosen, has_both_triangles, labelled
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
 # Abaqus puts 1e36 on the diagonal where a degree of freedom is held.
 LARGEST_STIFFNESS = 1e30
@@ -64,7 +63,7 @@ def _sections(name: str, lines: list[str]) -> "Iterator[tuple[str, Any, tuple[An
             yield values.get("NAME") or values.get("TYPE", ""), element, body
 
 
-def _read_one(name: str, rows: np.ndarray | None, body: list[str], numbers: list[int]) -> MatrixFile:
+def _read_one(name: str, rows: np.ndarray | None, body: list[str], numbers: "Sequence[int]") -> MatrixFile:
     if rows is not None:
         return element_matrix(name, rows, body, numbers)
     if _LABEL.match(body[0]):
@@ -87,7 +86,7 @@ def _read_one(name: str, rows: np.ndarray | None, body: list[str], numbers: list
     return (_by_rows if width == 3 else _by_nodes)(name, where, entries[:, -1])
 
 
-def _without_instance(name: str, body: list[str], numbers: list[int]) -> list[str]:
+def _without_instance(name: str, body: list[str], numbers: "Sequence[int]") -> list[str]:
     """Return lines with the numbers of nodes alone, all of them of one instance."""
     instance = _LABEL.findall(body[0])[0][1]
     for number, line in zip(numbers, body, strict=True):

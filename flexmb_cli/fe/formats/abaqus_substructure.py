@@ -5,6 +5,7 @@ many lines as it needs; the whole matrix if it is unsymmetric.  The nodes stand 
 """
 
 import re
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -33,7 +34,7 @@ def element_rows(name: str, line: int, count: str, body: list[str]) -> np.ndarra
     return rows
 
 
-def element_matrix(name: str, equations: np.ndarray, body: list[str], numbers: list[int]) -> MatrixFile:
+def element_matrix(name: str, equations: np.ndarray, body: list[str], numbers: Sequence[int]) -> MatrixFile:
     """The matrix whose lower triangle, or all of it, the lines `body` hold row by row."""
     values, size = [], len(equations)
     for text, number in zip(body, numbers, strict=True):

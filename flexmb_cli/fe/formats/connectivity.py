@@ -5,12 +5,12 @@ Tetrahedra have 4 or 10 nodes, hexahedra 8 or 20.
 
 import re
 from collections import Counter
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from .abaqus_input import blocks, integers_of, words_of
 from .ansys_cdb import commands
 from .bulk_data import bulk_cards

@@ -9,6 +9,7 @@ import os
 import re
 import stat
 from collections.abc import Sequence
+from itertools import compress
 from pathlib import Path
 from typing import Any
 
@@ -120,14 +121,20 @@ def table(
     if not lines:
         return np.empty((0, columns))
     delimiter = "," if comma else None
-    text = "\n".join(lines).replace("D", "E").replace("d", "e").split("\n")
-    try:
-        found = np.loadtxt(text, ndmin=2, comments=None, delimiter=delimiter)
-    except ValueError:
-        found = None
+    found = _loaded(lines, delimiter)
+    if found is None:
+        lines = "\n".join(lines).replace("D", "E").replace("d", "e").split("\n")
+        found = _loaded(lines, delimiter)
     if found is None or found.shape != (len(lines), columns) or not np.isfinite(found).all():
-        raise _fault_of_lines(name, text, numbers, columns, meaning, delimiter)
+        raise _fault_of_lines(name, lines, numbers, columns, meaning, delimiter)
     return found
+
+
+def _loaded(lines: list[str], delimiter: str | None) -> np.ndarray | None:
+    try:
+        return np.loadtxt(lines, ndmin=2, comments=None, delimiter=delimiter)
+    except ValueError:
+        return None
 
 
 def _fault_of_lines(
@@ -187,13 +194,12 @@ def check_range(name: str, entries: np.ndarray, numbers: Sequence[int], size: in
         raise line_fault(name, numbers[int(wrong[0])], message, id="FE-106")
 
 
-def filled(lines: list[str], comment: str = "", before: int = 0) -> tuple[list[str], list[int]]:
+def filled(lines: list[str], comment: str = "", before: int = 0) -> tuple[list[str], Sequence[int]]:
     """The lines that are neither blank nor begin with `comment`, and their numbers in a file where `before`
     others precede them.
     """
-    kept = [
-        (line, number)
-        for number, line in enumerate(lines, start=before + 1)
-        if line.strip() and not (comment and line.startswith(comment))
-    ]
-    return [line for line, _ in kept], [number for _, number in kept]
+    numbers: Sequence[int] = range(before + 1, before + len(lines) + 1)
+    if all(map(str.strip, lines)) and not (comment and any(line.startswith(comment) for line in lines)):
+        return lines, numbers
+    kept = [line.strip() != "" and not (comment and line.startswith(comment)) for line in lines]
+    return list(compress(lines, kept)), list(compress(numbers, kept))

@@ -2,11 +2,11 @@
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ...quick_dataclass import replace
 from .file_text import bytes_of, printed_digits
 from .matrix_file import FEFileFault, MatrixFile, size_hint
 

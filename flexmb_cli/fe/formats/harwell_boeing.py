@@ -16,7 +16,7 @@ from .matrix_file import FEFileFault, MatrixFile, check_labels, has_both_triangl
 from .matrix_market import BANNER, read_node_vector
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
 
 # Of (1P,4E20.12) or (8I10) only letter and width matter: cells are cut to the end of each line.
@@ -111,7 +111,7 @@ def _format(name: str, line: str, first: int, width: int) -> tuple[str, int]:
 
 
 def _numbers(
-    name: str, lines: list[str], numbers: list[int], count: int, form: tuple[str, int], wanted: int
+    name: str, lines: list[str], numbers: "Sequence[int]", count: int, form: tuple[str, int], wanted: int
 ) -> np.ndarray:
     """`wanted` numbers from `count` lines, separated by blanks or cut by the width of their format.
 
@@ -140,7 +140,12 @@ def _split(section: list[str], read: "Callable[..., Any]", wanted: int) -> np.nd
 
 
 def _cut(
-    name: str, section: list[str], numbers: list[int], width: int, read: "Callable[..., Any]", wanted: int
+    name: str,
+    section: list[str],
+    numbers: "Sequence[int]",
+    width: int,
+    read: "Callable[..., Any]",
+    wanted: int,
 ) -> np.ndarray:
     """The numbers in fields of `width` columns."""
     cells = [

@@ -3,6 +3,7 @@
 Boisvert, Pozo, Remington, NISTIR 5935 (1996).  Rows follow the node table: x y z of its first node first.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -75,7 +76,7 @@ def _size(name: str, line: str, number: int, count: int) -> list[int]:
 
 
 def _coordinate(
-    name: str, heading: tuple[str, int], body: list[str], numbers: list[int], symmetric: bool
+    name: str, heading: tuple[str, int], body: list[str], numbers: Sequence[int], symmetric: bool
 ) -> MatrixFile:
     size, _, count = _size(name, *heading, 3)
     _check_count(name, len(body), count)
@@ -91,7 +92,7 @@ def _coordinate(
 
 
 def _array(
-    name: str, heading: tuple[str, int], body: list[str], numbers: list[int], symmetric: bool
+    name: str, heading: tuple[str, int], body: list[str], numbers: Sequence[int], symmetric: bool
 ) -> MatrixFile:
     size = _size(name, *heading, 2)[0]
     count = size * (size + 1) // 2 if symmetric else size * size

@@ -3,17 +3,16 @@
 MSC Nastran Quick Reference Guide, DMIG.  pyNastran reads them too, but cannot stand beside numpy 2.
 """
 
+from dataclasses import replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
-from ...quick_dataclass import replace
 from .bulk_data import BulkCard, bulk_cards
 from .file_text import digits_in
-from .matrix_choice import NamedMatrix, chosen
-from .matrix_file import FEFileFault, MatrixFile, labelled, mirrored
+from .matrix_file import FEFileFault, MatrixFile, NamedMatrix, chosen, labelled, mirrored
 
 _SYMMETRIC, _SQUARE = 6, (1, 2)
 _REAL = (1, 2)

@@ -1,47 +1,74 @@
 """Nastran matrices as OP4 (module OUTPUT4): dense, sparse and BIGMAT; rows follow the node table.
 
-Binary files are read by `nastran_op4_binary`.  In text every line with a point holds
-values; a line of integers only heads a column, or a string of values in it.
+MSC Nastran DMAP Programmer's Guide, OUTPUT4.  A heading of columns, rows, form, type and name begins a
+matrix, a record for every column that is not zero follows, and one behind the last column closes it.  Binary
+files are Fortran records, of either byte order, with words of four or eight bytes.  In text every line with
+a point holds values; a line of integers only heads a column, or a string of values in it.
 """
 
+import struct
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from .file_text import bytes_of, integer, is_binary, line_fault, lines_of, real
-from .matrix_choice import NamedMatrix, chosen
-from .matrix_file import FEFileFault, MatrixFile, of_strings
-from .nastran_op4_binary import PACKED, REAL, binary_matrices
+from .file_text import bytes_of, filled, integer, is_binary, line_fault, lines_of, real
+from .matrix_file import FEFileFault, MatrixFile, NamedMatrix, chosen, of_strings
+
+_REAL, _COMPLEX = (1, 2), (3, 4)
+# The first row of a string is packed with its length: row + 65536 (length + 1).
+_PACKED = 65536
+# Four integers and a name of two words.
+_HEADING_WORDS = 6
 
 
 def read_op4(path: Path, letter: str, wanted: str = "") -> MatrixFile:
     """The matrix `wanted` at `path`, or the one that `letter` (M K G) means.  Raises FEFileFault."""
     raw = bytes_of(path)
-    found = binary_matrices(path.name, raw) if is_binary(raw) else _text_matrices(path)
+    found = _binary_matrices(path.name, raw) if is_binary(raw) else _text_matrices(path)
     if not found:
         raise FEFileFault(f"{path.name} is empty", id="FE-044")
     return chosen(path.name, found, letter, wanted)
 
 
+class _Text(NamedTuple):
+    """The lines of a text file that are not blank, with their numbers in it."""
+
+    name: str  # of the file
+    lines: list[str]
+    numbers: Sequence[int]
+
+    def fault(self, at: int, message: str, *, id: str) -> FEFileFault:
+        """Return the fault of line `at`, or behind the last one."""
+        number = self.numbers[at] if at < len(self.lines) else self.numbers[-1] + 1
+        return line_fault(self.name, number, message, id=id)
+
+    def holds_values(self, at: int) -> bool:
+        """Return whether line `at` is there and holds values."""
+        return at < len(self.lines) and "." in self.lines[at]
+
+    def integers(self, at: int, counts: tuple[int, ...], message: str, *, id: str) -> list[int]:
+        """Return the integers of line `at`, as many as one of `counts`.  Raises FEFileFault."""
+        try:
+            found = [integer(word) for word in self.lines[at].split()]
+        except (ValueError, IndexError):
+            found = []
+        if len(found) not in counts:
+            raise self.fault(at, message, id=id)
+        return found
+
+
 def _text_matrices(path: Path) -> list[NamedMatrix]:
     """The matrices by their headings; only what is chosen is read."""
-    lines, found = lines_of(path), []
-    at = _filled(lines, 0)
-    while at < len(lines):
-        columns, rows, kind, label, _ = _heading(path.name, lines, at)
-        usable = abs(rows) == columns and kind in REAL
-        found.append(NamedMatrix(label, usable, partial(_read_one, path.name, lines, at)))
-        at = _filled(lines, _end(lines, at, columns))
+    text, found, at = _Text(path.name, *filled(lines_of(path))), [], 0
+    while at < len(text.lines):
+        columns, rows, kind, label, _ = _heading(text, at)
+        usable = abs(rows) == columns and kind in _REAL
+        found.append(NamedMatrix(label, usable, partial(_read_text, text, at)))
+        at = _end(text.lines, at, columns)
     return found
-
-
-def _filled(lines: list[str], at: int) -> int:
-    """The number of the first line from `at` on that is not blank."""
-    while at < len(lines) and not lines[at].strip():
-        at += 1
-    return at
 
 
 def _end(lines: list[str], at: int, columns: int) -> int:
@@ -49,97 +76,182 @@ def _end(lines: list[str], at: int, columns: int) -> int:
     for number in range(at + 1, len(lines)):
         words = lines[number].split()
         if len(words) == 3 and words[0].isdecimal() and int(words[0][:16]) > columns:
-            return _filled(lines, number + 1) + 1
+            return number + 2
     return len(lines)
 
 
-def _read_one(name: str, lines: list[str], at: int) -> MatrixFile:
-    columns, rows, kind, _, width = _heading(name, lines, at)
-    if kind not in REAL:
-        raise line_fault(name, at + 1, "the matrix is complex; real wanted", id="FE-124")
+def _read_text(text: _Text, at: int) -> MatrixFile:
+    columns, rows, kind, _, width = _heading(text, at)
+    if kind not in _REAL:
+        raise text.fault(at, "the matrix is complex; real wanted", id="FE-124")
     if abs(rows) != columns:
         message = f"the matrix must be square; it has {abs(rows)} rows, {columns} columns"
-        raise line_fault(name, at + 1, message, id="FE-111")
-    parts: list[Any] = []
+        raise text.fault(at, message, id="FE-111")
+    strings: list[Any] = []
+    at += 1
     while True:
-        at = _filled(lines, at + 1)
-        column, row, words = _column(name, lines, at)
+        cut = "column, first row and words wanted; was the file cut off?"
+        head, (column, row, words) = at, text.integers(at, (3,), cut, id="FE-126")
         if column > columns:
-            return of_strings(name, columns, parts)
+            return of_strings(text.name, columns, strings)
+        at += 1
         if row:
-            first, at = at, _read_string(name, lines, at, (row, column, width), parts)
-            _check_words(name, first, words, len(parts[-1][2]))
+            values, at = _values(text, at, width)
+            strings.append((row - 1, column - 1, values))
+            if words not in (len(values), 2 * len(values)):  # one word each, or two (double precision)
+                held = f"{words} words and holds {len(values)} values"
+                message = f"the column announces {held}; was it cut off, or edited?"
+                raise text.fault(head, message, id="FE-125")
             continue
-        while (at_next := _filled(lines, at + 1)) < len(lines):
-            if len(lines[at_next].split()) > 2 or "." in lines[at_next]:
-                break
-            row = _string_row(name, lines, at_next)
-            at = _read_string(name, lines, at_next, (row, column, width), parts)
+        while at < len(text.lines) and len(text.lines[at].split()) <= 2 and not text.holds_values(at):
+            *length, row = text.integers(at, (1, 2), "the heading of a string of values wanted", id="FE-127")
+            values, at = _values(text, at + 1, width)
+            strings.append(((row if length else row % _PACKED) - 1, column - 1, values))
 
 
-def _heading(name: str, lines: list[str], at: int) -> tuple[int, int, int, str, int]:
-    """Columns, rows, type and name of a matrix, and the width of a value."""
-    head = lines[at]
+def _heading(text: _Text, at: int) -> tuple[int, int, int, str, int]:
+    """Columns, rows, type and name of a matrix, and the columns of a value in a format such as 1P,3E23.16."""
+    head = text.lines[at]
     try:
         columns, rows, _, kind = (integer(head[8 * i : 8 * i + 8]) for i in range(4))
-        return columns, rows, kind, head[32:40].strip().upper(), _width(head[40:])
+        width = integer(head[40:].upper().split("E")[-1].split(".")[0])
     except ValueError:
-        message = "columns, rows, form, type, name and format of an OP4 text matrix wanted"
-        raise line_fault(name, at + 1, message, id="FE-123") from None
-
-
-def _width(form: str) -> int:
-    """Columns of a value in a format such as 1P,3E23.16; ValueError when there is none."""
-    width = integer(form.upper().split("E")[-1].split(".")[0])
+        width = 0
     if not 1 <= width <= 999:
-        raise ValueError(form)
-    return width
+        message = "columns, rows, form, type, name and format of an OP4 text matrix wanted"
+        raise text.fault(at, message, id="FE-123")
+    return columns, rows, kind, head[32:40].strip().upper(), width
 
 
-def _check_words(name: str, head: int, words: int, found: int) -> None:
-    """Refuse a column of other values than its heading announces, each one word or two (double precision)."""
-    if words not in (found, 2 * found):
-        message = f"the column announces {words} words and holds {found} values; was it cut off, or edited?"
-        raise line_fault(name, head + 1, message, id="FE-125")
-
-
-def _column(name: str, lines: list[str], at: int) -> tuple[int, int, int]:
-    """Number of a column, its first row, 0 when strings follow, and how many words it announces."""
-    try:
-        column, row, words = map(integer, lines[at].split())
-    except (ValueError, IndexError):
-        message = "column, first row and words wanted; was the file cut off?"
-        raise line_fault(name, at + 1, message, id="FE-126") from None
-    return column, row, words
-
-
-def _string_row(name: str, lines: list[str], at: int) -> int:
-    try:
-        *length, row = map(integer, lines[at].split())
-    except ValueError:
-        raise line_fault(name, at + 1, "the heading of a string of values wanted", id="FE-127") from None
-    return row if length else row % PACKED
-
-
-def _read_string(
-    name: str,
-    lines: list[str],
-    at: int,
-    layout: tuple[int, int, int],
-    parts: list[tuple[int, int, np.ndarray]],
-) -> int:
-    """Values of one string; the number of its last line."""
-    row, column, width = layout
+def _values(text: _Text, at: int, width: int) -> tuple[np.ndarray, int]:
+    """Values of one string, which begins at line `at`, and the line behind it."""
     values = []
-    while (at_next := _filled(lines, at + 1)) < len(lines) and "." in lines[at_next]:
-        at = at_next
-        line = lines[at].rstrip()
+    while text.holds_values(at):
+        line = text.lines[at].rstrip()
         for first in range(0, len(line), width):
             cell = line[first : first + width]
             try:
                 values.append(real(cell))
             except ValueError:
-                message = f"a value wanted; read '{cell.strip()[:40]}'"
-                raise line_fault(name, at + 1, message, id="FE-128") from None
-    parts.append((row - 1, column - 1, np.array(values)))
-    return at
+                raise text.fault(at, f"a value wanted; read '{cell.strip()[:40]}'", id="FE-128") from None
+        at += 1
+    return np.array(values), at
+
+
+class _Layout(NamedTuple):
+    """How a binary file is written."""
+
+    file: str  # its name
+    order: str  # of bytes, "<" or ">"
+    word: int  # bytes
+
+    def integers(self, record: memoryview, first: int, count: int) -> tuple[int, ...]:
+        """`count` integers from word `first` on."""
+        kind = "i" if self.word == 4 else "q"
+        try:
+            return struct.unpack_from(f"{self.order}{count}{kind}", record, first * self.word)
+        except struct.error:
+            message = f"{self.file}: a record of {len(record)} bytes is too short"
+            raise FEFileFault(message, id="FE-045") from None
+
+    def value(self, kind: int) -> np.dtype:
+        """A real number of type 1 (single, which in words of eight bytes is double) or 2 (double)."""
+        return np.dtype(f"{self.order}f{self.word if kind == 1 else 8}")
+
+
+def _binary_matrices(file: str, raw: bytes) -> list[NamedMatrix]:
+    """The matrices of the file `file`; only what is chosen is read.  Raises FEFileFault."""
+    layout = _layout(file, raw)
+    records, found = _records(layout, memoryview(raw)), []
+    for heading in records:
+        columns, rows, _, kind = shape = layout.integers(heading, 0, 4)
+        name = bytes(heading[4 * layout.word : _HEADING_WORDS * layout.word]).decode("latin-1")
+        name = name.strip().upper()
+        strings = list(_columns(layout, columns, records))
+        usable = kind in _REAL and abs(rows) == columns
+        found.append(NamedMatrix(name, usable, partial(_read_binary, layout, name, shape, strings)))
+    return found
+
+
+def _layout(file: str, raw: bytes) -> _Layout:
+    """Recognised by the length of the first record."""
+    for order in "<>":
+        length = struct.unpack(f"{order}i", raw[:4])[0] if len(raw) >= 4 else 0
+        if length in (4 * _HEADING_WORDS, 8 * _HEADING_WORDS):
+            return _Layout(file, order, length // _HEADING_WORDS)
+    raise FEFileFault(
+        f"{file} is a binary file, but no OP4: its first record is not of 24 or 48 bytes (an OP2? write "
+        "OP4 by OUTPUT4, binary or as text)",
+        id="FE-046",
+    )
+
+
+def _records(layout: _Layout, raw: memoryview) -> Iterator[memoryview]:
+    """Records between their lengths, which stand before and behind."""
+    at = 0
+    while at < len(raw):
+        length = struct.unpack_from(f"{layout.order}i", raw, at)[0] if at + 4 <= len(raw) else -1
+        end = at + 4 + length
+        if length < 0 or raw[end : end + 4] != raw[at : at + 4]:
+            message = f"the record at byte {at} has no end where its length says; was the file cut off?"
+            raise FEFileFault(f"{layout.file}: {message}", id="FE-047")
+        yield raw[at + 4 : end]
+        at = end + 4
+
+
+def _columns(layout: _Layout, columns: int, records: Iterator[memoryview]) -> Iterator[memoryview]:
+    """The records of a matrix: of its columns, and the one of a column behind the last that closes it."""
+    for record in records:
+        yield record
+        if layout.integers(record, 0, 1)[0] > columns:
+            return
+
+
+def _read_binary(
+    layout: _Layout, name: str, shape: tuple[int, ...], records: Sequence[memoryview]
+) -> MatrixFile:
+    columns, rows, _, kind = shape
+    _check(layout, name, columns, rows, kind)
+    strings: list[Any] = []
+    for record in records:
+        column, row, words = layout.integers(record, 0, 3)
+        if column > columns:
+            return of_strings(f"{layout.file}, matrix {name}", columns, strings)
+        held = len(record) // layout.word - 3
+        if column < 1 or words > held:
+            message = f"matrix {name}, column {column}: the record claims {words} words and holds {held}"
+            raise FEFileFault(f"{layout.file}: {message}", id="FE-048")
+        strings += _column(layout, record, (column, row, words), rows < 0, layout.value(kind))
+    message = f"{layout.file}: matrix {name} of {columns} columns does not end; is the file cut off?"
+    raise FEFileFault(message, id="FE-049")
+
+
+def _check(layout: _Layout, name: str, columns: int, rows: int, kind: int) -> None:
+    if kind not in _REAL:
+        what = "is complex" if kind in _COMPLEX else f"has type {kind}"
+        raise FEFileFault(f"{layout.file}: matrix {name} {what}; a real one wanted, type 1 or 2", id="FE-050")
+    if abs(rows) != columns or columns < 1:
+        message = f"matrix {name} must be square; it has {abs(rows)} rows, {columns} columns"
+        raise FEFileFault(f"{layout.file}: {message}", id="FE-051")
+
+
+def _column(
+    layout: _Layout, record: memoryview, head: tuple[int, int, int], big: bool, value: np.dtype
+) -> Iterator[tuple[int, int, np.ndarray]]:
+    """The strings of a column: one when it has a first row, else each with its own."""
+    column, row, words = head
+    at, end = 3, 3 + words
+    while at < end:
+        if row:
+            first, length = row, words
+        elif big:
+            length, first = layout.integers(record, at, 2)
+            at, length = at + 2, length - 1
+        else:
+            (packed,) = layout.integers(record, at, 1)
+            at, length, first = at + 1, packed // _PACKED - 1, packed % _PACKED
+        if length < 1 or at + length > end:
+            raise FEFileFault(f"{layout.file}: column {column} has a string of {length} words", id="FE-052")
+        values = np.frombuffer(record, value, length * layout.word // value.itemsize, at * layout.word)
+        yield first - 1, column - 1, values
+        at += length

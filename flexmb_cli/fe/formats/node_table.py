@@ -1,13 +1,13 @@
 """Node tables: plain text, ANSYS NLIST and archives, Abaqus and CalculiX input, Nastran GRID cards."""
 
 import re
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from .file_text import integer, lines_of, real
 from .included_files import Line
 from .matrix_file import FEFileFault

@@ -19,6 +19,7 @@ from ..kinematics import constraints as equations
 from ..laws import DAMPING, EFFORT, NORMAL, POWER
 from ..linalg.cholesky import cholesky, cholesky_solve, cholesky_solve_rows
 from ..linalg.copying import copy
+from ..linalg.local_order import choose_local
 from ..linalg.pivot_order import choose
 from ..linalg.rank_revealing_lu import WORN, dependent_speeds, factorise, free_motions
 from ..linalg.rotation import RATE, REMAINDER, A, rotation_matrices, rotation_rates
@@ -50,9 +51,11 @@ from .system import (
     UNKNOWN,
     System,
     Work,
+    factors_of,
 )
 
 SMALLEST_INERTIA = 1e-13  # pivot of a reduced mass matrix, of its diagonal entry
+FEW_BODIES = 10  # up to them the zeros of one position decide on the order of elimination
 
 
 @kernel
@@ -64,23 +67,39 @@ def evaluate_jacobian(system: System, work: Work, q: np.ndarray) -> None:
     speed_jacobian(system.bodies, q, work.phi_q, work.jacobian)
     equation_rows(system, work, work.jacobian)
     for row in range(work.jacobian.shape[0]):
-        for p in range(1, 1 + work.columns[row, 0]):
-            k = work.columns[row, p]
-            work.jacobian[row, k] *= system.speed_scale[k] / system.row_scale[row]
+        for p in range(work.columns[row, 0]):
+            work.jacobian[row, p] *= system.speed_scale[work.columns[row, 1 + p]] / system.row_scale[row]
 
 
 @kernel
 def choose_order(work: Work, most: int) -> int:
     """Find which equations and speeds are independent from now on; returns the rank found."""
-    work.rank[0] = choose(work.jacobian, work.order, most)
+    work.rank[0] = _choose(work, most)
     work.quality[0] = factorise_order(work)
     return work.rank[0]
+
+
+@allocating
+def _choose(work: Work, most: int) -> int:
+    """Fill the order by the Jacobian at hand; returns the rank, at most `most`."""
+    m, c = work.jacobian.shape
+    counts, columns, values = np.empty(m, np.int64), np.empty((m, c), np.int64), np.empty((m, c))
+    many = work.mass.shape[0] > FEW_BODIES
+    for i in range(m):
+        counts[i] = 0
+        for p in range(work.columns[i, 0]):
+            if many or work.jacobian[i, p] != 0.0:
+                columns[i, counts[i]], values[i, counts[i]] = work.columns[i, 1 + p], work.jacobian[i, p]
+                counts[i] += 1
+    if many:
+        return choose_local(counts, columns, values, work.order, most)
+    return choose(counts, columns, values, work.order, most)
 
 
 @kernel
 def factorise_order(work: "Work"):
     """Factors of the Jacobian in the order at hand; returns their quality, 0 where a pivot vanishes."""
-    return factorise(work.jacobian, work.columns, work.order, work.rank[0], work.factors, work.entries)
+    return factorise(work.jacobian, work.columns, work.order, work.rank[0], factors_of(work))
 
 
 @kernel
@@ -97,25 +116,25 @@ def factorise_at(system: System, work: Work, q: np.ndarray) -> int:
 def factorise_constraints(system: System, work: Work, q: np.ndarray) -> int:
     """Factors at q of the constraints, and the motions they leave free: a code."""
     evaluate_jacobian(system, work, q)
-    rank, m = work.rank[0], work.jacobian.shape[0]
+    rank = work.rank[0]
     quality = factorise_order(work)
     if not quality > WORN * work.quality[0]:
-        if choose(work.jacobian, work.order, rank) < rank:
+        if _choose(work, rank) < rank:
             return SINGULAR
         quality = work.quality[0] = factorise_order(work)
         if not quality > 0.0:
             return SINGULAR
-    free_motions(work.factors, work.entries, work.order, rank, m, work.motions)
+    free_motions(factors_of(work), work.order, rank, work.motions)
     return SOLVED
 
 
 @part
 def reduce_mass(system: System, work: Work) -> int:
     """Zᵀ M Z and its Cholesky factor."""
-    free = work.jacobian.shape[1] - work.rank[0]
+    free = work.motions.shape[0] - work.rank[0]
     column, product = work.vectors[UNKNOWN], work.vectors[PRODUCT]
     for f in range(free):
-        for k in range(work.jacobian.shape[1]):
+        for k in range(work.motions.shape[0]):
             column[k] = work.motions[k, f] * system.speed_scale[k]
         mass_times(system, work, column, product)
         fill_column(system, work, product, f, work.reduced)
@@ -128,7 +147,7 @@ def fill_column(system: System, work: Work, product: np.ndarray, f: int, matrix:
 
     A free motion moves one free speed and dependent ones: only these are visited.  Overwrites FREE.
     """
-    rank, (m, n) = work.rank[0], work.jacobian.shape
+    rank, m, n = work.rank[0], work.jacobian.shape[0], work.motions.shape[0]
     order, Z, scale, total = work.order, work.motions, system.speed_scale, work.vectors[FREE]
     for g in range(f, n - rank):
         k = order[m + rank + g]
@@ -148,7 +167,7 @@ def solve(system: System, work: Work, forces: np.ndarray, gamma: np.ndarray, x: 
     """Fill x (n,) with J x = gamma and M x = forces + Jᵀ λ, by the factors at hand."""
     y = work.vectors[FREE]
     split(system, work, forces, gamma, x, y)
-    cholesky_solve(work.reduced, work.jacobian.shape[1] - work.rank[0], y)
+    cholesky_solve(work.reduced, work.motions.shape[0] - work.rank[0], y)
     add_free(system, work, work.motions, y, x)
 
 
@@ -160,7 +179,7 @@ def solve_rows(
 
     free (r, n) is work.
     """
-    count = work.jacobian.shape[1] - work.rank[0]
+    count = work.motions.shape[0] - work.rank[0]
     for k in range(x.shape[0]):
         split(system, work, forces[k], gamma[k], x[k], free[k])
     cholesky_solve_rows(work.reduced, count, free)
@@ -173,12 +192,12 @@ def split(
     system: System, work: Work, forces: np.ndarray, gamma: np.ndarray, x: np.ndarray, y: np.ndarray
 ) -> Any:
     """Fill x (n,) with x_p, by dependent speeds alone, and y (n - rank,) with Zᵀ (forces - M x_p)."""
-    rank, (m, n) = work.rank[0], work.jacobian.shape
+    rank, m, n = work.rank[0], work.jacobian.shape[0], work.motions.shape[0]
     right_side, scaled, product = work.rows[SCALED], work.vectors[UNKNOWN], work.vectors[PRODUCT]
     order, Z, scale = work.order, work.motions, system.speed_scale
     for row in range(m):
         right_side[row] = gamma[row] / system.row_scale[row]
-    dependent_speeds(work.factors, work.entries, order, rank, m, right_side, scaled)
+    dependent_speeds(factors_of(work), order, rank, right_side, scaled)
     for k in range(n):
         x[k] = scaled[k] * scale[k]
     mass_times(system, work, x, product)
@@ -198,7 +217,7 @@ def add_free(system: System, work: Work, Z: np.ndarray, y: np.ndarray, x: np.nda
 
     The order is that of the work.
     """
-    rank, (m, n) = work.rank[0], work.jacobian.shape
+    rank, m, n = work.rank[0], work.jacobian.shape[0], work.motions.shape[0]
     order, scale = work.order, system.speed_scale
     for f in range(n - rank):
         k = order[m + rank + f]
@@ -256,7 +275,7 @@ def fill_forces(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: flo
 @allocating
 def _add_friction(system: System, work: "Work") -> float:
     """Add the friction of all joints to FORCES, on which it depends, and on GAMMA; returns its power."""
-    (m, n), first = work.jacobian.shape, first_friction(system.loads)
+    m, n, first = work.jacobian.shape[0], work.motions.shape[0], first_friction(system.loads)
     count, applied = system.loads.shape[0] - first, work.vectors[FORCES]
     sides, gamma, ud = np.zeros((1 + count, n)), np.zeros((2, m)), np.empty(n)
     forces, normals = np.empty((1 + count, count, COMPONENTS)), np.empty(count)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from .._jit import kernel
 from ..linalg.rotation import TURN
 from .body_vectors import RATE, REMAINDER, VECTOR, Geometry, add_vector_row, geometry_of, vector
+from .system import PRODUCT
 from .time_functions import function_values
 
 if TYPE_CHECKING:
@@ -151,15 +152,17 @@ def equation_residuals(
 
 @kernel
 def equation_rows(system: "System", work: "Work", jacobian: "np.ndarray") -> None:
-    """Fill the last rows of jacobian (m, n), not scaled."""
-    first, geometry = system.bodies.shape[0], geometry_of(system, work)
+    """Fill the last rows of jacobian (m, c), not scaled."""
+    first, geometry, whole = system.bodies.shape[0], geometry_of(system, work), work.vectors[PRODUCT]
     for row in range(first, jacobian.shape[0]):
         for p in range(1, 1 + work.columns[row, 0]):
-            jacobian[row, work.columns[row, p]] = 0.0
+            whole[work.columns[row, p]] = 0.0
         k = row - first
         while k >= 0:
-            add_primitive_row(geometry, k, 1.0, jacobian[row])
+            add_primitive_row(geometry, k, 1.0, whole)
             k = system.primitives[k]["next"]
+        for p in range(work.columns[row, 0]):
+            jacobian[row, p] = whole[work.columns[row, 1 + p]]
 
 
 @kernel

@@ -53,7 +53,8 @@ def fill_doubtful_row(
     state (N,): an accepted one near by, away from the singular position; place (3,): the interpolated state
     (N,) of the row, units of its coordinates and speeds (N,), angles expected (angles,), rad.
     """
-    (m, n), z, expected, raw = work.jacobian.shape, place[0], place[2], place[0].copy()
+    m, n = work.jacobian.shape[0], work.motions.shape[0]
+    z, expected, raw = place[0], place[2], place[0].copy()
     speeds, rates, forces = np.zeros((2, n)), np.zeros((2, n)), np.zeros((2, m))
     solved, power = _ask_twice(system, work, raw, place, t, (speeds, rates, forces))
     if solved and _is_determined(system, rtol, report.rates[row], speeds, rates, forces):

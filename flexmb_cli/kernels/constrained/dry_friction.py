@@ -20,6 +20,7 @@ import numpy as np
 from .._jit import allocating, kernel
 from ..laws import NORMAL_PRELOAD
 from ..linalg.copying import copy
+from ..linalg.rank_revealing_lu import entry_of
 from .body_vectors import VECTOR, vector
 from .elements import ELEMENT, FRICTION
 
@@ -70,9 +71,8 @@ def fill_joint_forces(system: "System", work: "Work", first: int, lam: np.ndarra
         for i in range(3):
             column, total = 6 * body + i, 0.0
             for row in range(group["first_row"], group["end_row"]):
-                total += (
-                    lam[row] * system.row_scale[row] * work.jacobian[row, column] / system.speed_scale[column]
-                )
+                share = entry_of(work.jacobian, work.columns, row, column)
+                total += lam[row] * system.row_scale[row] * share / system.speed_scale[column]
             found[k, i] = total
             along += total * axis[i]
             square += axis[i] * axis[i]

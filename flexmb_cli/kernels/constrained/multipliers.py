@@ -13,15 +13,15 @@ import numpy as np
 
 from .._jit import allocating, kernel, part
 from ..linalg.profile_ldl import factorise_profile, substitute_profile
-from ..linalg.rank_revealing_lu import transposed_solution
+from ..linalg.rank_revealing_lu import entry_of, transposed_solution
 from .mass_matrix import mass_times
-from .system import FORCES, FREE, PRODUCT, System, Work
+from .system import FORCES, FREE, PRODUCT, System, Work, factors_of
 
 
 @part
 def fill_multipliers(system: System, work: Work, ud: np.ndarray, lam: np.ndarray) -> None:
     """Fill lam (m,) from the rates ud of the speeds, by the factors and forces at hand."""
-    rank, (m, n) = work.rank[0], work.jacobian.shape
+    rank, m, n = work.rank[0], work.jacobian.shape[0], work.motions.shape[0]
     forces, product, borne = work.vectors[FORCES], work.vectors[PRODUCT], work.vectors[FREE]
     mass_times(system, work, ud, product)
     for k in range(n):
@@ -31,7 +31,7 @@ def fill_multipliers(system: System, work: Work, ud: np.ndarray, lam: np.ndarray
     else:
         for i in range(rank):
             borne[i] = product[work.order[m + i]]
-        transposed_solution(work.factors, work.entries, rank, borne)
+        transposed_solution(factors_of(work), rank, borne)
         for i in range(rank):
             lam[work.order[i]] = borne[i]
     for row in range(m):
@@ -41,7 +41,7 @@ def fill_multipliers(system: System, work: Work, ud: np.ndarray, lam: np.ndarray
 @allocating
 def _fill_least_norm(work: Work, constraint_forces: np.ndarray, lam: np.ndarray) -> None:
     """Fill lam (m,) with the shortest λ for which Jᵀ λ are the constraint_forces (n,), all scaled."""
-    rank, (m, n) = work.rank[0], work.jacobian.shape
+    rank, m, n = work.rank[0], work.jacobian.shape[0], work.motions.shape[0]
     places, ends = np.full(n, -1, np.int64), np.zeros(rank, np.int64)
     gram, y = np.empty((rank, rank)), np.empty(rank)
     _number_in_order(work.order[m : m + rank], places)
@@ -63,20 +63,20 @@ def _fill_least_norm(work: Work, constraint_forces: np.ndarray, lam: np.ndarray)
 def _subtract_forces(work: Work, places: "np.ndarray", lam: np.ndarray, y: np.ndarray) -> None:
     """Subtract J_dᵀ lam from y (rank,)."""
     for row in range(lam.shape[0]):
-        for p in range(1, 1 + work.columns[row, 0]):
-            k = work.columns[row, p]
-            if places[k] >= 0:
-                y[places[k]] -= work.jacobian[row, k] * lam[row]
+        for p in range(work.columns[row, 0]):
+            place = places[work.columns[row, 1 + p]]
+            if place >= 0:
+                y[place] -= work.jacobian[row, p] * lam[row]
 
 
 @kernel
 def _add_multipliers(work: Work, places: "np.ndarray", y: np.ndarray, lam: np.ndarray) -> None:
     """Add J_d y to lam (m,)."""
     for row in range(lam.shape[0]):
-        for p in range(1, 1 + work.columns[row, 0]):
-            k = work.columns[row, p]
-            if places[k] >= 0:
-                lam[row] += work.jacobian[row, k] * y[places[k]]
+        for p in range(work.columns[row, 0]):
+            place = places[work.columns[row, 1 + p]]
+            if place >= 0:
+                lam[row] += work.jacobian[row, p] * y[place]
 
 
 @kernel
@@ -106,14 +106,13 @@ def _fill_gram(work: Work, places: "np.ndarray", gram: np.ndarray, ends: "np.nda
         for j in range(i, ends[i]):
             gram[i, j] = 0.0
     for row in range(work.jacobian.shape[0]):
-        for p in range(1, 1 + work.columns[row, 0]):
-            k = work.columns[row, p]
-            i = places[k]
+        for p in range(work.columns[row, 0]):
+            i = places[work.columns[row, 1 + p]]
             if i >= 0:
-                for other in range(1, 1 + work.columns[row, 0]):
-                    j = places[work.columns[row, other]]
+                for other in range(work.columns[row, 0]):
+                    j = places[work.columns[row, 1 + other]]
                     if j >= i:
-                        gram[i, j] += work.jacobian[row, k] * work.jacobian[row, work.columns[row, other]]
+                        gram[i, j] += work.jacobian[row, p] * work.jacobian[row, other]
 
 
 @part
@@ -128,6 +127,8 @@ def fill_wrenches(system: System, work: Work, lam: np.ndarray, wrenches: np.ndar
             for row in range(group["first_row"], group["end_row"]):
                 scale = lam[row] * system.row_scale[row]
                 if i >= 0:
-                    wrenches[c, 0, k] += scale * work.jacobian[row, 6 * i + k] / system.speed_scale[6 * i + k]
+                    share = entry_of(work.jacobian, work.columns, row, 6 * i + k)
+                    wrenches[c, 0, k] += scale * share / system.speed_scale[6 * i + k]
                 if j >= 0 and j != i:
-                    wrenches[c, 1, k] += scale * work.jacobian[row, 6 * j + k] / system.speed_scale[6 * j + k]
+                    share = entry_of(work.jacobian, work.columns, row, 6 * j + k)
+                    wrenches[c, 1, k] += scale * share / system.speed_scale[6 * j + k]

@@ -73,17 +73,16 @@ def speeds_of_rates(bodies: int, q: "np.ndarray", qd: "np.ndarray", u: "np.ndarr
 def speed_jacobian(
     bodies: "np.ndarray", q: "np.ndarray", phi_q: "np.ndarray", jacobian: "np.ndarray"
 ) -> None:
-    """Fill the first rows of jacobian (m, n) with phi_q (r, 14) turned from coordinates to speeds.
+    """Fill the first rows of jacobian (m, c) with phi_q (r, 14) turned from coordinates to speeds.
 
-    bodies (r, 2): bodies of the two halves of each row; only their columns are written.
+    bodies (r, 2): bodies of the two halves of each row, whose entries stand in the order of the bodies.
     """
     for row in range(phi_q.shape[0]):
-        for half in range(2):
-            for k in range(6 * bodies[row, half], 6 * bodies[row, half] + 6):
-                jacobian[row, k] = 0.0
+        for k in range(min(12, jacobian.shape[1])):
+            jacobian[row, k] = 0.0
         for half in range(2):
             at, k = 7 * half, 7 * bodies[row, half] + 3
-            s = 6 * bodies[row, half]
+            s = 6 if bodies[row, half] > bodies[row, 1 - half] else 0
             for i in range(3):
                 jacobian[row, s + i] += phi_q[row, at + i]
             a0, a1, a2, a3 = (phi_q[row, at + 3], phi_q[row, at + 4], phi_q[row, at + 5], phi_q[row, at + 6])

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...memory import paged_zeros
 from .._jit import plain
+from ..linalg.sparse_rows import Factors
 
 
 class System(NamedTuple):
@@ -39,8 +40,8 @@ class Work(NamedTuple):
     rotations: np.ndarray  # (3, b, 3, 3) A, dA/dt, 1/s, remainder of d²A/dt², 1/s²; rows A, RATE, REMAINDER
     rows: np.ndarray  # (3, m) in units of the equations; rows PHI, GAMMA, SCALED
     phi_q: np.ndarray  # (r, 14) derivatives by the coordinates of both bodies, in units of both
-    jacobian: np.ndarray  # (m, n) rows on speeds, in units of both
-    factors: np.ndarray  # (m, n) its elimination, scaled: the rows that remain
+    jacobian: np.ndarray  # (m, c) its entries at the places of `columns`, in units of both
+    factors: np.ndarray  # (m n,) its elimination, scaled: what remains of one row after the other
     order: np.ndarray  # (m + n,) numbers of the rows, then of the columns, in the order of elimination
     motions: np.ndarray  # (n, n) the free speeds, scaled, in its first n - rank columns
     reduced: np.ndarray  # (n, n) Cholesky factor of the mass matrix of the free speeds
@@ -55,7 +56,9 @@ class Work(NamedTuple):
     pivots: np.ndarray  # (m,) scaled, at the end of the last step, see `singular_ahead`
     responses: np.ndarray  # (loads, 8) of springs and elements, columns and SI units as in `elements`
     columns: np.ndarray  # (m, 1 + c) number of places of a row of the Jacobian not zero, and these
-    entries: np.ndarray  # (m, n + 2) the same of the factors
+    entries: np.ndarray  # (m n,) places of the factors, and
+    ends: np.ndarray  # (m, 4) where those of a row begin and end, see `rank_revealing_lu`
+    diagonal: np.ndarray  # (m,) pivots of the elimination, scaled
 
 
 PHI, GAMMA, SCALED = 0, 1, 2
@@ -68,7 +71,7 @@ SOLVED, SINGULAR, NO_INERTIA = 0, 1, 2
 def make_work(system: System, angles: int) -> Work:
     """Work for a mechanism with `angles` angles."""
     bodies, m, n = system.masses.shape[0], system.row_scale.shape[0], system.speed_scale.shape[0]
-    modal = 0
+    modal, columns = 0, columns_of(system)
     for k in range(system.flexible.shape[0]):
         N = system.flexible[k]["modes"]
         modal += 12 + 12 * N + (6 + N) * (6 + N) + 6 + N
@@ -77,8 +80,8 @@ def make_work(system: System, angles: int) -> Work:
         np.zeros((3, bodies, 3, 3)),
         np.zeros((3, m)),
         np.zeros((system.bodies.shape[0], 14)),
-        paged_zeros((m, n)),
-        paged_zeros((m, n)),
+        np.zeros((m, columns.shape[1] - 1)),
+        paged_zeros((m * n,)),
         np.zeros(m + n, np.int64),
         paged_zeros((n, n)),
         paged_zeros((n, n)),
@@ -92,16 +95,28 @@ def make_work(system: System, angles: int) -> Work:
         np.ones(1),
         np.zeros(m),
         np.zeros((system.loads.shape[0], 8)),
-        columns_of(system),
-        paged_zeros((m, n + 2), np.int64),
+        columns,
+        paged_zeros((m * n,), np.int64),
+        np.zeros((m, 4), np.int64),
+        np.zeros(m),
     )
+
+
+@plain
+def factors_of(work: Work) -> Factors:
+    """Return the elimination of the Jacobian: views, which follow the work."""
+    return Factors(work.factors, work.entries, work.ends, work.diagonal)
 
 
 @plain
 def columns_of(system: System):
     """Return columns (m, 1 + c): how many of each equation's Jacobian may be other than zero, then which."""
     first, bodies = system.bodies.shape[0], system.masses.shape[0]
-    found = [_speeds_of({(int(body), 0, 0) for body in pair}, bodies) for pair in system.bodies]
+    of_pairs = {
+        pair: _speeds_of({(body, 0, 0) for body in pair}, bodies)
+        for pair in set(map(tuple, system.bodies.tolist()))
+    }
+    found = [of_pairs[pair] for pair in map(tuple, system.bodies.tolist())]
     for row in range(first, system.row_scale.shape[0]):
         body_vectors: set[int] = set()
         k = row - first

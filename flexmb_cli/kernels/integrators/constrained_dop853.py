@@ -5,18 +5,22 @@ and speeds to round-off, so that nothing drifts, and judged anew if the projecti
 than the tolerance allows.  Report rows come from the dense output and are projected as well.
 
 Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), sections
-II.4-II.6; projection: Hairer and Wanner, volume II, section VII.2.
+II.4-II.6 and II.10 (of the errors only what the constraints allow counts); projection: Hairer and Wanner,
+volume II, section VII.2.
 """
 
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
+from ..constrained.accelerations import solve
 from ..constrained.angle_unwrapping import MOST_TURNED, expect_angles, unwrap_angles
 from ..constrained.report import coordinates_and_speeds
-from ..constrained.system import SOLVED
+from ..constrained.speeds import speeds_of_rates
+from ..constrained.system import CORRECTION, GAMMA, QD, SOLVED
 from ..linalg.copying import copy
+from ..linalg.rank_revealing_lu import row_times
 from .clock import BEGIN, READY, STEP_VANISHED, leads_over, new_clock
 from .constrained_equations import (
     IN_DOUBT,
@@ -27,16 +31,71 @@ from .constrained_equations import (
     report_trial,
     slope,
 )
-from .dop853 import SLOWEST, Equations, dop853, first_step, interpolate, interpolate_slopes, next_factor
-from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGES
-from .error_norm import MOST_MOVED, moved_by_time
-from .explicit_error import error_on_constraints
+from .dop853 import (
+    SLOWEST,
+    Equations,
+    combined,
+    dop853,
+    first_step,
+    interpolate,
+    interpolate_slopes,
+    next_factor,
+    weighted,
+)
+from .dop853_table import ALL_STAGES, DENSE_TERMS, ERROR_3, ERROR_5, STAGES
+from .error_norm import MOST_MOVED, displacement_tolerance, moved_by_time, tolerance
 from .singular_ahead import NOISE, look_ahead, round_off
 from .time_loop import SHORT
 
 if TYPE_CHECKING:
     from ..constrained.report import Report
     from ..constrained.system import System, Work
+
+
+@allocating
+def error_on_constraints(system: "System", work: "Work", integration: "Integration", h: float):
+    """Return the error of the step from z to the projected trial; the factors are those of the projection.
+
+    Only the part that the projection leaves counts.  Across a singular position, where the stages mix the
+    two motions, the projection removes most of the error.
+    """
+    clock, n = integration.clock[0], system.speed_scale.shape[0]
+    first = clock["counted"] - n
+    q, u = integration.trial[:first], integration.trial[first : first + n]
+    square_5 = square_3 = 0.0
+    for order in range(2):
+        change, square = np.empty(integration.z.shape[0]), 0.0
+        for i in range(change.shape[0]):
+            change[i] = weighted(ERROR_3 if order else ERROR_5, integration.slopes, i)
+        of_q, of_speeds = change[:first], change[first : first + n]
+        of_position = np.empty(n)
+        speeds_of_rates(system.masses.shape[0], q, of_q, of_position)
+        _keep_allowed(system, work, of_position)
+        _keep_allowed(system, work, of_speeds)
+        for k in range(n):
+            unit = integration.units[first + k]
+            square += (of_position[k] / displacement_tolerance(clock, unit)) ** 2
+            square += (of_speeds[k] / tolerance(clock, unit, abs(u[k]))) ** 2
+        if order:
+            square_3 = square
+        else:
+            square_5 = square
+    return combined(h, square_5, square_3, 2 * n)
+
+
+@kernel
+def _keep_allowed(system: "System", work: "Work", change: "np.ndarray"):
+    """Leave of a change (n,) of speeds what the constraints allow."""
+    zero, step, gamma = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
+    for row in range(gamma.shape[0]):
+        total = row_times(work.jacobian, work.columns, row, change, system.speed_scale)
+        gamma[row] = -total * system.row_scale[row]
+    for k in range(zero.shape[0]):
+        zero[k] = 0.0
+    solve(system, work, zero, gamma, step)
+    for k in range(change.shape[0]):
+        change[k] += step[k]
+
 
 MOST_BLURRED = 1e-5  # by how much the projection may move a step over a singular position, scaled
 
@@ -59,7 +118,7 @@ def new_integration(work: "Work", angles: int, works: int = 0):
 
     The works of the first `works` loads are kept.
     """
-    counted = 2 * work.jacobian.shape[1] + work.mass.shape[0]
+    counted = 2 * work.motions.shape[0] + work.mass.shape[0]
     n = counted + 1 + works
     return Integration(
         new_clock(counted),

@@ -127,7 +127,7 @@ def note_gap(
     """Note the largest gap, whose equations belong to the state, and the smallest pivot."""
     clock = integration.clock[0]
     clock["gap"], clock["equation"] = largest_gap(system, work)
-    clock["firmest"] = max(clock["firmest"], smallest_pivot(work.factors, work.rank[0]))
+    clock["firmest"] = max(clock["firmest"], smallest_pivot(work.diagonal, work.rank[0]))
 
 
 @kernel
@@ -208,7 +208,7 @@ def is_doubtful(clock: "np.void", work: "Work"):
     position that round-off may rule it.
     """
     # `not >` takes a nan for doubtful.
-    return clock["step_length"] > 0.0 and not smallest_pivot(work.factors, work.rank[0]) > firm_pivot(clock)
+    return clock["step_length"] > 0.0 and not smallest_pivot(work.diagonal, work.rank[0]) > firm_pivot(clock)
 
 
 @kernel

@@ -28,17 +28,24 @@ from .constrained_equations import (
     note_gap,
     works_between,
 )
-from .generalised_alpha_control import (
+from .generalised_alpha_step import (
+    BEFORE,
+    LAST,
+    MEAN,
+    NEW,
+    NEW_MEAN,
     SAME_TIME_IN_STEP,
     SLOWEST,
     advance,
     factor_of,
+    fastest_change,
+    iterate,
     look_ahead_of_given,
     next_length,
     retreat,
+    solve_step,
+    turn_exactly,
 )
-from .generalised_alpha_error import BEFORE, LAST, MEAN, NEW, NEW_MEAN, fastest_change
-from .generalised_alpha_step import iterate, solve_step, turn_exactly
 from .hermite import cubic, cubic_slope
 from .rotation_increments import FAR_TURN, LONGEST_TURN, largest_turn, set_slope, shift_between
 from .singular_ahead import look_ahead
@@ -76,7 +83,7 @@ class AlphaIntegration(NamedTuple):
     trial: np.ndarray  # (N,) state that is tried or reported, in the same units
     units: np.ndarray  # (N,) a state's unit, of which the absolute tolerance is
     angles: np.ndarray  # (3, angles) rad, see `angle_unwrapping`
-    rates: np.ndarray  # (5, n) accelerations, m/s² or 1/s², rows of `generalised_alpha_error`
+    rates: np.ndarray  # (5, n) accelerations, m/s² or 1/s², rows as in `generalised_alpha_step`
     missing: np.ndarray  # (3, n) forces missing in the equations of motion, scaled; zeros in rows 1, 2
     corrections: np.ndarray  # (3, n) of accelerations, speeds and positions, scaled
     free: np.ndarray  # (3, n) their parts along the free motions, scaled
@@ -90,7 +97,7 @@ def new_integration(work: Any, angles: Any, works: int = 0) -> AlphaIntegration:
 
     The works of the first `works` loads are kept.
     """
-    m, n = work.jacobian.shape
+    m, n = work.jacobian.shape[0], work.motions.shape[0]
     counted = 2 * n + work.mass.shape[0]
     size = counted + 1 + works
     return AlphaIntegration(

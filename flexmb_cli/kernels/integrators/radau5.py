@@ -4,6 +4,13 @@ Steps keep the error of a step within the tolerance; they do not depend on how t
 calls.  The end of every step is brought onto positions and speeds to round-off by the shortest way in the
 metric of the matrix of the step, so that stiff motions stay at rest.  Rows inside a step come from Hermite's
 quintic through coordinates, their rates and accelerations at both ends, and are brought there as well.
+
+At a singular position two motions of a mechanism cross.
+Accelerations are what the equations miss over a pivot that vanishes there.  Iterations of a step whose
+stages lie near do not converge, and shorter steps only come nearer: each ends a part of the way in front of
+it.  So a step ends as far behind as it begins in front, by accelerations that go on as before.  Whether
+they do, the equations say at its end, where they are as firm as at its beginning: a motion with a corner,
+or one that would come onto another branch, has other accelerations there.
 """
 
 from typing import Any, NamedTuple
@@ -16,8 +23,9 @@ from ..constrained.accelerations import factorise_constraints, fill_forces, redu
 from ..constrained.angle_unwrapping import EXPECTED, MOST_TURNED, NEW, expect_angles, unwrap_angles
 from ..constrained.dry_friction import has_elements, has_friction
 from ..constrained.mass_matrix import mass_matrices
-from ..constrained.report import NOW, Report, complete, coordinates_and_speeds, fill_load_powers
+from ..constrained.report import NOW, TRIED, Report, complete, coordinates_and_speeds, fill_load_powers
 from ..constrained.system import NO_INERTIA, SOLVED, System, Work
+from ..laws import POWER
 from ..linalg.copying import copy
 from ..linalg.rank_revealing_lu import BRANCHING, smallest_pivot
 from .clock import BEGIN, READY, STEP_VANISHED, laid_out, new_clock
@@ -29,14 +37,119 @@ from .constrained_equations import (
     is_doubtful,
     note_gap,
 )
-from .error_norm import MOST_MOVED, SLOWEST, moved_by_time
-from .radau5_error import FASTEST, SAFETY, next_factor, step_error, steps_within_rotation_limit, work_error
-from .radau5_projection import accelerations_between, close_trial, moved, place_row, project_state
-from .radau5_singular_step import singular_step
-from .radau5_step import LAST_STEP, START, place_trial, prepare, renew_matrices, solve_step
-from .radau5_table import QUADRATURE, STAGES, WEIGHTS
-from .singular_ahead import blur, look_ahead
+from .error_norm import MOST_MOVED, SLOWEST, moved_by_time, tolerance
+from .radau5_step import (
+    FASTEST,
+    LAST_STEP,
+    QUADRATURE,
+    SAFETY,
+    STAGES,
+    START,
+    TIMES,
+    WEIGHTS,
+    accelerations_between,
+    close_trial,
+    moved,
+    next_factor,
+    place_row,
+    place_stages,
+    place_trial,
+    predict,
+    prepare,
+    project_state,
+    renew_matrices,
+    solve_step,
+    step_error,
+    steps_within_rotation_limit,
+    work_error,
+    work_scale,
+)
+from .singular_ahead import blur, look_ahead, most_declined
 from .time_loop import Method, time_loop
+
+UNEVEN = 3.0  # how much larger one of the pivots in front and behind may be
+# How much of what is not as expected remains an error of the step: of the accelerations at its end in its
+# speeds, before they are bent and after; of the change of the power, which is taken as linear, in its work.
+BEFORE_BENDING, AFTER_BENDING, OF_POWER = 0.03, 0.2, 0.125
+
+
+@allocating
+def singular_step(system: System, work: Work, integration: "RadauIntegration", h: float) -> bool:
+    """Bring `trial` to the end of a step of length h from z as one made by stages; whether it may be made."""
+    clock, rates = integration.clock[0], integration.rates
+    if not prepare(integration, work.motions.shape[0] - work.rank[0], h):
+        return False
+    predict(system, integration, h)
+    clock["error"], power, found = 0.0, 0.0, integration.trial.copy()
+    expected = rates[START + STAGES].copy()
+    for again in range(2):
+        if again:
+            _bend(integration, expected, h)
+            for _ in range(2):
+                place_stages(system, integration, h)
+        place_trial(system, integration, STAGES - 1)
+        if not expect_angles(system, work, integration, h) < MOST_TURNED:
+            return False
+        for i in range(found.shape[0]):
+            found[i] = integration.trial[i]
+        for k in range(expected.shape[0]):
+            expected[k] = rates[START + STAGES, k]
+        clock["evaluations"] += 1
+        code, power = project_state(system, work, integration, clock["t"] + h, rates[START + STAGES])
+        if code != SOLVED or work.quality[0] != clock["pivot_order"]:
+            return False
+        clock["error"] = max(
+            clock["error"],
+            (AFTER_BENDING if again else BEFORE_BENDING) * h * _unexpected(integration, expected),
+        )
+    pivot = most_declined(work)
+    behind = -work.diagonal[pivot] / work.pivots[pivot]
+    if not 1.0 / UNEVEN < behind < UNEVEN:
+        return False
+    of_work = h * abs(_spread_power(integration, work, power)) / work_scale(integration)
+    clock["error"] = max(clock["error"], moved(integration, found), OF_POWER * of_work) / blur(
+        work, clock["rtol"]
+    )
+    return clock["error"] < 1.0
+
+
+@kernel
+def _bend(integration: "RadauIntegration", expected: "np.ndarray", h: float) -> None:
+    """Let the accelerations of the stages go through those found at the end."""
+    rates, ratio = integration.rates, h / integration.clock[0]["step_length"]
+    for stage in range(STAGES):
+        weight = 1.0
+        for node in range(STAGES + 1):
+            at = TIMES[node - 1] if node > 0 else 0.0
+            weight *= (1.0 + ratio * TIMES[stage] - at) / (1.0 + ratio - at)
+        if stage < STAGES - 1:
+            for k in range(expected.shape[0]):
+                rates[START + 1 + stage, k] += weight * (rates[START + STAGES, k] - expected[k])
+
+
+@kernel
+def _unexpected(integration: "RadauIntegration", expected: "np.ndarray") -> float:
+    """By how many tolerances of the speeds, a second, the accelerations at the end are not those expected."""
+    clock, n, total = integration.clock[0], expected.shape[0], 0.0
+    first = clock["counted"] - n
+    for k in range(n):
+        scale = tolerance(clock, integration.units[first + k], abs(integration.trial[first + k]))
+        total += ((integration.rates[START + STAGES, k] - expected[k]) / scale) ** 2
+    return (total / n) ** 0.5
+
+
+@kernel
+def _spread_power(integration: "RadauIntegration", work: Work, power: float) -> float:
+    """Powers of the stages between that at the start and that at the end; returns the change."""
+    before, of_loads = integration.memory[0]["power"], integration.load_powers
+    for stage in range(STAGES):
+        integration.powers[stage] = before + TIMES[stage] * (power - before)
+    for k in range(of_loads.shape[1]):
+        first, change = of_loads[NOW, k], work.responses[k, POWER] - of_loads[NOW, k]
+        for stage in range(STAGES):
+            of_loads[TRIED + stage, k] = first + TIMES[stage] * change
+    return power - before
+
 
 WORN_MATRICES = 0.01  # what an iteration may leave before the matrices are renewed
 BRANCHING_START = 0.1  # of the smallest pivot at the start, where that is tiny: smaller ones are singular
@@ -88,7 +201,7 @@ def new_integration(work: Any, angles: Any, works: int = 0) -> RadauIntegration:
 
     The works of the first `works` loads are kept.
     """
-    n = work.jacobian.shape[1]
+    n = work.motions.shape[0]
     size = (counted := 2 * n + work.mass.shape[0]) + 1 + works
     return RadauIntegration(
         new_clock(counted), np.zeros(1, MEMORY),
@@ -109,7 +222,7 @@ def _begin(integration: RadauIntegration, system: System, work: Work) -> int:
     copy(integration.z, integration.trial)
     copy(integration.angles[NEW], integration.angles[EXPECTED])
     code = _renew(system, work, integration)
-    if code == SOLVED and not prepare(integration, work.jacobian.shape[1] - work.rank[0], 0.0):
+    if code == SOLVED and not prepare(integration, work.motions.shape[0] - work.rank[0], 0.0):
         code = NO_INERTIA
     if code == SOLVED:
         code, memory["power"] = project_state(system, work, integration, clock["t"], rates[START])
@@ -119,7 +232,7 @@ def _begin(integration: RadauIntegration, system: System, work: Work) -> int:
     copy(integration.trial, integration.z)
     copy(integration.z, integration.old)
     fill_load_powers(work, integration.load_powers[NOW])
-    memory["branching"] = min(BRANCHING, BRANCHING_START * smallest_pivot(work.factors, work.rank[0]))
+    memory["branching"] = min(BRANCHING, BRANCHING_START * smallest_pivot(work.diagonal, work.rank[0]))
     for node in range(STAGES + 1):
         copy(rates[START], rates[LAST_STEP + node])
     clock["step"] = _first_step(system, integration)
@@ -187,7 +300,7 @@ def _attempt(integration: "RadauIntegration", h: float, system: System, work: "W
             if not _is_current(integration, system, work):
                 return -0.5
         factor = _try_step(system, work, integration, h)
-    if factor > 0.0 and smallest_pivot(work.factors, work.rank[0]) < memory["branching"]:
+    if factor > 0.0 and smallest_pivot(work.diagonal, work.rank[0]) < memory["branching"]:
         return 0.0 if _is_singular(work, clock, memory) else -0.5
     return factor
 

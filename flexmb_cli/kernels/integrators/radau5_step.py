@@ -11,15 +11,19 @@ Newton's matrix is that of the free motions at the start of the step, with ⊗ b
     1 ⊗ Zᵀ M Z + h A ⊗ Zᵀ D Z + h² A² ⊗ Zᵀ K Z,
 
 which the eigenvectors of A part into a real matrix and a complex one.  What else accelerations depend on
-is left to the iteration.
+is left to the iteration.  Projection onto positions and speeds takes the shortest way in the metric of the
+matrix of the step, so that stiff motions stay at rest.
 """
 
 import math
 from typing import TYPE_CHECKING
 
-from .._jit import kernel
+import numpy as np
+
+from .._jit import allocating, kernel
 from ..constrained.accelerations import (
     SMALLEST_INERTIA,
+    accelerations,
     add_free,
     factorise_constraints,
     fill_column,
@@ -27,34 +31,61 @@ from ..constrained.accelerations import (
     reduce_mass,
     split,
 )
+from ..constrained.angle_unwrapping import EXPECTED
 from ..constrained.dry_friction import has_friction
 from ..constrained.mass_matrix import mass_matrices, mass_times
+from ..constrained.projection import close_gaps, close_rates
 from ..constrained.report import TRIED, coordinates_and_speeds, fill_load_powers
+from ..constrained.speeds import coordinate_accelerations, coordinate_rates, normalise, speeds_of_rates
 from ..constrained.system import FORCES, GAMMA, PRODUCT, SOLVED, UNKNOWN, System, Work
 from ..constrained.tangent import add_stiff
 from ..linalg.cholesky import cholesky, cholesky_solve
 from ..linalg.complex_ldl import factorise_symmetric, solve_symmetric
+from ..linalg.copying import copy
 from ..linalg.rank_revealing_lu import row_times
-from .error_norm import CAUTION, displacement_tolerance, tolerance
+from .constrained_equations import works_between
+from .error_norm import CAUTION, displacement_tolerance, scaled_norm, tolerance
 from .generalised_alpha_step import turn_exactly
-from .radau5_table import (
-    COMPLEX,
-    COMPLEX_LEFT,
-    COMPLEX_RIGHT,
-    REAL,
-    REAL_LEFT,
-    REAL_RIGHT,
-    STAGES,
-    TIMES,
-    WEIGHTS,
-)
-from .rotation_increments import set_slope
+from .hermite import cubic, quintic
+from .rotation_increments import LONGEST_TURN, largest_turn, set_slope
 from .singular_ahead import blur
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from .radau5 import RadauIntegration
+
+
+STAGES = 3
+_R = 6.0**0.5
+TIMES = np.array([(4.0 - _R) / 10.0, (4.0 + _R) / 10.0, 1.0])
+WEIGHTS = np.array(
+    [
+        [(88.0 - 7.0 * _R) / 360.0, (296.0 - 169.0 * _R) / 1800.0, (-2.0 + 3.0 * _R) / 225.0],
+        [(296.0 + 169.0 * _R) / 1800.0, (88.0 + 7.0 * _R) / 360.0, (-2.0 - 3.0 * _R) / 225.0],
+        [(16.0 - _R) / 36.0, (16.0 + _R) / 36.0, 1.0 / 9.0],
+    ]
+)
+
+# Of the powers of loads, rows NOW, BEHIND and the stages, in the work of a step.
+QUADRATURE = np.array([0.0, 0.0, *WEIGHTS[STAGES - 1]])
+
+# Eigenvalues of WEIGHTS: one is real, the others are a complex one and its conjugate.
+_C = 9.0 ** (1.0 / 3.0)
+REAL = (6.0 + _C * (_C - 1.0)) / 30.0
+COMPLEX = complex(12.0 - _C * (_C - 1.0), _C * (_C + 1.0) * 3.0**0.5) / 60.0
+
+
+def _eigenvectors(value: complex) -> tuple[np.ndarray, np.ndarray]:
+    """Right and left eigenvector of WEIGHTS (3,) each, their product 1."""
+    left = WEIGHTS - value * np.eye(STAGES)
+    right, transposed = np.cross(left[0], left[1]), np.cross(left[:, 0], left[:, 1])
+    return right, transposed / np.sum(transposed * right)
+
+
+REAL_RIGHT, REAL_LEFT = _eigenvectors(REAL)
+COMPLEX_RIGHT, COMPLEX_LEFT = _eigenvectors(COMPLEX)
+
+# What the stages' increments contribute to the error, besides REAL h times the slope at the start.
+ERROR = REAL / 3.0 * np.array([-13.0 - 7.0 * _R, -13.0 + 7.0 * _R, -1.0])
 
 
 # Rows of the accelerations kept (8, n): of the start and the stages of a step, the one that is tried and
@@ -72,10 +103,10 @@ FLOOR = 1e-14  # of the speeds: round-off
 @kernel
 def renew_matrices(system: System, work: Work, matrices: "np.ndarray") -> None:
     """Fill matrices (3, n, n) with M, D and K of the free motions where everything stands."""
-    free = work.jacobian.shape[1] - work.rank[0]
+    free = work.motions.shape[0] - work.rank[0]
     column, product = work.vectors[UNKNOWN], work.vectors[PRODUCT]
     for f in range(free):
-        for k in range(work.jacobian.shape[1]):
+        for k in range(work.motions.shape[0]):
             column[k] = work.motions[k, f] * system.speed_scale[k]
         mass_times(system, work, column, product)
         fill_column(system, work, product, f, matrices[MASS_LAYER])
@@ -113,7 +144,7 @@ def solve_step(system: System, work: Work, integration: "RadauIntegration", h: f
     The matrices belong to z.
     """
     clock, quality = integration.clock[0], work.quality[0]
-    if not prepare(integration, work.jacobian.shape[1] - work.rank[0], h):
+    if not prepare(integration, work.motions.shape[0] - work.rank[0], h):
         return False
     predict(system, integration, h)
     left, before = integration.memory[0]["left"] ** CAUTION, 0.0
@@ -262,7 +293,7 @@ def _evaluate(system: System, work: Work, integration: "RadauIntegration", stage
 @kernel
 def _correct(system: System, work: Work, integration: "RadauIntegration") -> None:
     """Newton's correction of the accelerations of all stages."""
-    free = work.jacobian.shape[1] - work.rank[0]
+    free = work.motions.shape[0] - work.rank[0]
     rest, y, w = integration.rest, integration.real_part, integration.complex_part
     for f in range(free):
         y[f], w[f] = 0.0, 0.0
@@ -278,3 +309,189 @@ def _correct(system: System, work: Work, integration: "RadauIntegration") -> Non
         for k in range(integration.steps.shape[1]):
             integration.rates[1 + stage, k] += integration.steps[stage, k]
             integration.powers[stage] += integration.steps[stage, k] * integration.momenta[stage, k]
+
+
+SAFETY, FASTEST = 0.9, 6.0
+CALM = 1e-2  # error in tolerances below which it has not grown
+STEEPEST = 3.0 / (25.0 * 5.0**0.5)  # slope of x³ (1 - x)³
+
+
+@kernel
+def step_error(system: "System", work: "Work", integration: "RadauIntegration", h: float):
+    """Error of the step in tolerances, of order 3: stiff motions are taken out by the matrix."""
+    clock, n, rank, m = integration.clock[0], integration.rates.shape[1], work.rank[0], work.jacobian.shape[0]
+    u = coordinates_and_speeds(system, integration.z)[1]
+    of_speed, of_position, y = integration.rest[0], integration.rest[1], integration.real_part
+    for f in range(n - rank):
+        k = work.order[m + rank + f]
+        of_speed[f], of_position[f] = REAL * h * integration.rates[START, k], REAL * h * u[k]
+        for stage in range(STAGES):
+            of_speed[f] += ERROR[stage] * (integration.speeds[stage, k] - u[k])
+            of_position[f] += ERROR[stage] * integration.shifts[stage, k]
+        of_speed[f] /= system.speed_scale[k]
+        of_position[f] /= system.speed_scale[k]
+    for f in range(n - rank):
+        y[f] = 0.0
+        for g in range(n - rank):
+            i, j = max(f, g), min(f, g)
+            y[f] += integration.matrices[MASS_LAYER, i, j] * of_speed[g]
+            y[f] -= REAL * h * integration.matrices[STIFFNESS_LAYER, i, j] * of_position[g]
+    cholesky_solve(integration.newton.reduced, n - rank, y)
+    speeds, shifts = integration.steps[0], integration.steps[1]
+    speeds[:] = 0.0
+    shifts[:] = 0.0
+    for f in range(n - rank):
+        of_position[f] += REAL * h * y[f]
+    add_free(system, work, integration.motions[STAGES - 1], y, speeds)
+    add_free(system, work, integration.motions[STAGES - 1], of_position, shifts)
+    total, first = 0.0, clock["counted"] - n
+    for k in range(n):
+        scale = tolerance(
+            clock, integration.units[first + k], max(abs(u[k]), abs(integration.speeds[STAGES - 1, k]))
+        )
+        total += (speeds[k] / scale) ** 2
+        total += (shifts[k] / displacement_tolerance(clock, system.speed_scale[k])) ** 2
+    return (total / (2.0 * n)) ** 0.5
+
+
+@kernel
+def work_error(integration: "RadauIntegration", h: float):
+    """Error of the work in the step, of order 3, in tolerances: its own, and what those of speeds allow."""
+    error = REAL * h * integration.memory[0]["power"]
+    for stage in range(STAGES):
+        for j in range(STAGES):
+            error += h * ERROR[stage] * WEIGHTS[stage, j] * integration.powers[j]
+    return abs(error) / work_scale(integration)
+
+
+@kernel
+def work_scale(integration: "RadauIntegration"):
+    """The work that the tolerance allows to be wrong, J: its own, and what that of the speeds allows."""
+    clock, u = integration.clock[0], integration.speeds[STAGES - 1]
+    last = clock["counted"]
+    first = last - u.shape[0]
+    scale = tolerance(clock, integration.units[last], abs(integration.z[last]))
+    for k in range(u.shape[0]):
+        allowed = tolerance(clock, integration.units[first + k], abs(u[k]))
+        scale += abs(integration.momenta[STAGES - 1, k]) * allowed
+    return scale
+
+
+@kernel
+def next_factor(clock: np.void, memory: "np.void", h: float, error: float):
+    """Factor on the step length: by the error of this step, and by its growth since the last."""
+    if not error > 0.0:
+        return FASTEST
+    factor = SAFETY * error**-0.25
+    if memory["last_error"] > 0.0:
+        growth = max(memory["last_error"], CALM) / error
+        factor *= min(1.0, h / clock["step_length"] * growth**0.25)
+    return factor
+
+
+@kernel
+def steps_within_rotation_limit(system: "System", integration: "RadauIntegration"):
+    """Return how many steps like this one a body may turn in one, for rows between its ends.
+
+    A turn θ leaves (θ/2)⁵ max |d/dx x³ (1 - x)³| / 720 of its rate in Hermite's quintic.
+    """
+    turn = largest_turn(system.masses.shape[0], integration.shifts[STAGES - 1])
+    longest = min(LONGEST_TURN, 2.0 * (720.0 / STEEPEST * integration.clock[0]["rtol"]) ** 0.2)
+    return longest / turn if turn > 0.0 else np.inf
+
+
+@kernel
+def close_trial(system: System, work: Work, integration: "RadauIntegration", t: float) -> int:
+    """Bring `trial`, near to which factors and mass matrices are, onto positions and speeds at t; a code.
+
+    They then are those of the end.
+    """
+    newton, bodies = integration.newton, system.masses.shape[0]
+    q, u = coordinates_and_speeds(system, integration.trial)
+    normalise(bodies, q)
+    close_gaps(system, work, newton, q, t, integration.angles[EXPECTED])
+    code = factorise_constraints(system, work, q)
+    if code == SOLVED:
+        mass_matrices(system, work, q)
+        close_rates(system, work, newton, u, t)
+    return code
+
+
+@kernel
+def moved(integration: "RadauIntegration", found: np.ndarray) -> float:
+    """Return by how many tolerances `trial` was moved from found (N,), which becomes the difference."""
+    for i in range(found.shape[0]):
+        found[i] = integration.trial[i] - found[i]
+    return scaled_norm(integration, integration.trial, found)
+
+
+@kernel
+def project_state(
+    system: System, work: Work, integration: "RadauIntegration", t: float, ud: np.ndarray
+) -> tuple[int, float]:
+    """Bring `trial` onto everything at t and fill ud (n,); returns (code, power).
+
+    The matrix of the last step serves: where other speeds have become free it is one more metric.
+    """
+    for s in range(work.angles.shape[0]):
+        work.angles[s] = integration.angles[EXPECTED, s]
+    q, u = coordinates_and_speeds(system, integration.trial)
+    code = factorise_constraints(system, work, q)
+    if code == SOLVED:
+        mass_matrices(system, work, q)
+        code = close_trial(system, work, integration, t)
+    return accelerations(system, work, q, u, t, ud) if code == SOLVED else (code, 0.0)
+
+
+@kernel
+def place_row(system: System, integration: "RadauIntegration", t: float):
+    """Bring `trial` to a time up to the present one; return the fraction of the last step."""
+    clock, x = integration.clock[0], 1.0
+    copy(integration.z, integration.trial)
+    if t < clock["t"]:
+        x = (t - clock["step_start"]) / clock["step_length"]
+        between(system, integration, x, integration.trial)
+    return x
+
+
+@kernel
+def accelerations_between(integration: "RadauIntegration", x: float, ud: "np.ndarray") -> None:
+    """Fill ud (n,) at the fraction x of the last step, through those of its start and its stages."""
+    for k in range(ud.shape[0]):
+        ud[k] = 0.0
+    for node in range(STAGES + 1):
+        weight = 1.0
+        for other in range(STAGES + 1):
+            if other != node:
+                weight *= (x - _node_time(other)) / (_node_time(node) - _node_time(other))
+        for k in range(ud.shape[0]):
+            ud[k] += weight * integration.rates[LAST_STEP + node, k]
+
+
+@kernel
+def _node_time(node: int):
+    return TIMES[node - 1] if node > 0 else 0.0
+
+
+@allocating
+def between(system: System, integration: "RadauIntegration", x: float, point: "np.ndarray") -> None:
+    """Fill point with the state at the fraction x of the last step."""
+    clock, old, z, n = integration.clock[0], integration.old, integration.z, system.speed_scale.shape[0]
+    bodies, h = system.masses.shape[0], clock["step_length"]
+    nq = n + bodies
+    rates = np.empty((5, nq))
+    coordinate_rates(bodies, old[:nq], old[nq : nq + n], rates[0])
+    coordinate_accelerations(bodies, old[:nq], old[nq : nq + n], integration.rates[LAST_STEP], rates[1])
+    coordinate_rates(bodies, z[:nq], z[nq : nq + n], rates[2])
+    coordinate_accelerations(bodies, z[:nq], z[nq : nq + n], integration.rates[START], rates[3])
+    for i in range(nq):
+        point[i], rates[4, i] = quintic(
+            x, old[i], z[i], h * rates[0, i], h * rates[2, i], h * h * rates[1, i], h * h * rates[3, i]
+        )
+        rates[4, i] /= h
+    speeds_of_rates(bodies, point[:nq], rates[4], point[nq : nq + n])
+    last = nq + n
+    point[last] = cubic(
+        x, old[last], z[last], h * integration.memory[0]["old_power"], h * integration.memory[0]["power"]
+    )
+    works_between(integration, x, h, point)

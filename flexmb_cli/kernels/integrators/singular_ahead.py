@@ -38,7 +38,7 @@ def look_ahead(system: "System", work: "Work", integration: "Any", ud: "np.ndarr
     clock, rank = integration.clock[0], work.rank[0]
     way = _expected(clock, work)
     for k in range(rank):
-        work.pivots[k] = work.factors[k, k]
+        work.pivots[k] = work.diagonal[k]
     clock["pivot_order"], clock["pivot_time"] = work.quality[0], clock["t"]
     clock["singular"] = math.inf
     if rank > 0 and way < LOOK * h:
@@ -54,7 +54,7 @@ def _expected(clock: "np.void", work: "Work"):
     if clock["pivot_order"] != work.quality[0] or not since > 0.0:
         return 0.0
     for k in range(work.rank[0]):
-        least = min(least, work.factors[k, k] / work.pivots[k])
+        least = min(least, work.diagonal[k] / work.pivots[k])
     return since * max(least, 0.0) / (1.0 - least) if least < 1.0 else math.inf
 
 
@@ -66,7 +66,7 @@ def _way(system: "System", work: "Work", integration: "Any", ud: "np.ndarray", f
         _factorise_ahead(system, work, integration, ud, way)
         if pivot < 0:
             pivot = most_declined(work)
-        at_way = work.factors[pivot, pivot] / work.pivots[pivot]
+        at_way = work.diagonal[pivot] / work.pivots[pivot]
         if at_way == at_before:
             return math.inf
         found = way - at_way * (way - before) / (at_way - at_before)
@@ -83,7 +83,7 @@ def most_declined(work: "Work"):
     """The pivot that is least of what it was."""
     found, least = 0, math.inf
     for k in range(work.rank[0]):
-        share = work.factors[k, k] / work.pivots[k]
+        share = work.diagonal[k] / work.pivots[k]
         if share < least:
             found, least = k, share
     return found

@@ -4,7 +4,7 @@ Young (1996), section 5.2 (procedure KINEM).  Between report times the continuat
 needs: a step counts only if the positions, velocities and accelerations at its two ends belong to
 one smooth curve, so that a mechanism is never carried over to another way of assembling it.
 
-The factors of Φ_q are an argument: `follow` has dense ones, `solvers.kinematics.sparse` sparse ones.
+The factors of Φ_q are an argument: `follow` has dense ones, `follow_sparse` those of `sparse_newton`.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -38,6 +38,7 @@ from .newton import (
     newton_by,
     rates_by,
 )
+from .sparse_newton import SPARSE, SparseWork
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -121,10 +122,10 @@ def copy(source: np.ndarray, target: np.ndarray) -> Any:
             target[row, k] = source[row, k]
 
 
-def _attempt_by(linear: "LinearSolver", made: "Callable[..., Any]"):
-    newton, rates = newton_by(linear, made), rates_by(linear, made)
+def _attempt_by(linear: "LinearSolver"):
+    newton, rates = newton_by(linear), rates_by(linear)
 
-    @made
+    @kernel
     def attempt(
         system: System,
         work: Work,
@@ -163,15 +164,15 @@ def bounds_of_newton(system: System, clock: np.ndarray) -> tuple[float, int]:
     return NO_LIMIT, STEP_ITERATIONS
 
 
-def _advance_by(linear: "LinearSolver", made: "Callable[..., Any]"):
+def _advance_by(linear: "LinearSolver"):
     """Return `advance`, which carries `state` from clock[TIME] to `target`: (arrived, largest |dΦ/dt|).
 
     Not arrived with clock[BUDGET] left: the way is barred.  A clock[NEXT_LENGTH] of 0 says that `state`
     holds estimates: they are assembled at clock[TIME] = target, where no curve can be asked for.
     """
-    attempt = _attempt_by(linear, made)
+    attempt = _attempt_by(linear)
 
-    @made
+    @kernel
     def advance(
         system: System,
         work: Work,
@@ -207,11 +208,11 @@ def _advance_by(linear: "LinearSolver", made: "Callable[..., Any]"):
     return advance
 
 
-def continuation(linear: LinearSolver, made: "Callable[..., Any]" = kernel) -> "Callable[..., Any]":
-    """Return `fill_rows` with these factors; `made` compiles the functions or leaves them as they are."""
-    advance = _advance_by(linear, made)
+def continuation(linear: LinearSolver) -> "Callable[..., Any]":
+    """Return `fill_rows` with these factors."""
+    advance = _advance_by(linear)
 
-    @made
+    @kernel
     def fill_rows(
         system: System,
         work: Work,
@@ -240,6 +241,7 @@ def continuation(linear: LinearSolver, made: "Callable[..., Any]" = kernel) -> "
 
 
 _fill_rows = continuation(DENSE)
+_fill_rows_sparse = continuation(SPARSE)
 
 
 @allocating
@@ -263,3 +265,19 @@ def follow(
     new = np.empty((3, state.shape[1]))
     expected = np.empty(motion.shape[0])
     return _fill_rows(system, work, state, motion, clock, times, out, audit, new, expected)
+
+
+@allocating
+def follow_sparse(
+    system: System,
+    work: SparseWork,
+    state: np.ndarray,
+    motion: np.ndarray,
+    clock: np.ndarray,
+    times: np.ndarray,
+    out: np.ndarray,
+    audit: np.ndarray,
+) -> int:
+    """As `follow`, with the order of elimination kept in `work`."""
+    new, expected = np.empty((3, state.shape[1])), np.empty(motion.shape[0])
+    return _fill_rows_sparse(system, work, state, motion, clock, times, out, audit, new, expected)

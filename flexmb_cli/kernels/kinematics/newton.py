@@ -180,7 +180,7 @@ def add_correction(work: Work, factor: float, solution: np.ndarray) -> None:
 
 
 class LinearSolver(NamedTuple):
-    """Factors of Φ_q: kernels or functions of Python."""
+    """Factors of Φ_q."""
 
     # (system, work, q): make the factors at q, where A belongs to q; sign of det Φ_q, 0 where it is singular
     factorise: "Callable[..., Any]"
@@ -188,11 +188,11 @@ class LinearSolver(NamedTuple):
     solve: "Callable[..., Any]"
 
 
-def newton_by(linear: LinearSolver, made: "Callable[..., Any]" = kernel) -> "Callable[..., Any]":
-    """Return Newton's method with these factors; `made` compiles the function or leaves it as it is."""
+def newton_by(linear: LinearSolver) -> "Callable[..., Any]":
+    """Return Newton's method with these factors."""
     factorise, solve = linear
 
-    @made
+    @kernel
     def newton(
         system: System, work: Work, q: np.ndarray, t: float, expected: np.ndarray, limit: float, most: int
     ) -> tuple[int, int, int]:
@@ -227,10 +227,10 @@ def newton_by(linear: LinearSolver, made: "Callable[..., Any]" = kernel) -> "Cal
     return newton
 
 
-def _refinement_by(linear: "LinearSolver", made: "Callable[..., Any]"):
+def _refinement_by(linear: "LinearSolver"):
     solve = linear.solve
 
-    @made
+    @kernel
     def solve_refined(system: System, work: Work, solution: np.ndarray) -> None:
         """Solve Φ_q solution = RIGHT_SIDE by the factors at hand and the true phi_q; REST is what is left.
 
@@ -247,11 +247,11 @@ def _refinement_by(linear: "LinearSolver", made: "Callable[..., Any]"):
     return solve_refined
 
 
-def rates_by(linear: LinearSolver, made: "Callable[..., Any]" = kernel) -> "Callable[..., Any]":
-    """Return the solution of velocities and accelerations with these factors, `made` as in `newton_by`."""
-    solve_refined = _refinement_by(linear, made)
+def rates_by(linear: LinearSolver) -> "Callable[..., Any]":
+    """Return the solution of velocities and accelerations with these factors."""
+    solve_refined = _refinement_by(linear)
 
-    @made
+    @kernel
     def rates(system: System, work: Work, q: np.ndarray, t: float, qd: np.ndarray, qdd: np.ndarray) -> float:
         """Fill qd and qdd at a position found by `newton`; returns the largest |dΦ/dt|."""
         rotations, right_side = work.rotations, work.vectors[RIGHT_SIDE]

@@ -24,32 +24,11 @@ RANK_TOLERANCE = 1e-9  # of the largest entry: what is left below counts as zero
 
 
 @allocating
-def choose(jacobian: np.ndarray, order: np.ndarray, most: int) -> int:
-    """Fill order (m + n,) with rows, then columns, of jacobian (m, n) in the order of pivots, at most `most`.
+def choose(counts: np.ndarray, columns: np.ndarray, values: np.ndarray, order: np.ndarray, most: int) -> int:
+    """Fill order (m + n,) with rows, then columns, in the order of pivots, at most `most`; returns the rank.
 
-    Returns the rank.  Its first rows and columns are the independent ones.
+    For rows of so many entries (m,), none of them 0, at columns (m, c); overwrites them.
     """
-    m, n = jacobian.shape
-    counts, widest = np.zeros(m, np.int64), 1
-    for i in range(m):
-        for j in range(n):
-            counts[i] += jacobian[i, j] != 0.0
-        widest = max(widest, counts[i])
-    columns, values = np.empty((m, widest), np.int64), np.empty((m, widest))
-    for i in range(m):
-        count = 0
-        for j in range(n):
-            if jacobian[i, j] != 0.0:
-                columns[i, count], values[i, count] = j, jacobian[i, j]
-                count += 1
-    return choose_entries(counts, columns, values, order, most)
-
-
-@allocating
-def choose_entries(
-    counts: np.ndarray, columns: np.ndarray, values: np.ndarray, order: np.ndarray, most: int
-) -> int:
-    """As `choose`, for rows of so many entries (m,), none of them 0, at columns (m, c); overwrites them."""
     m, n = counts.shape[0], order.shape[0] - counts.shape[0]
     in_column, largest = np.zeros(n, np.int64), np.zeros(m)
     places, slots = np.empty(n, np.int64), np.zeros(n, np.int64)

@@ -5,10 +5,10 @@ Bricard's and Bennett's linkages.  Elimination with free choice of row and colum
 order found is kept from step to step, so that the same equations stay in charge and elimination
 needs no search, and is found anew when its pivots get small.
 
-Entries are scaled to pure numbers.  J: jacobian (m, n); order (m + n,): the rows in pivot order, then the
-columns; the first r of each are the independent equations and the dependent speeds.  A row holds the
-speeds of two bodies or few more: only entries that may be other than zero are visited.  factors (m, n) and
-entries (m, n + 2) are those of `factorise`, whose columns (m, 1 + c) are the places of the Jacobian.
+Entries are scaled to pure numbers.  J: jacobian (m, c), row by row its entries in `columns` (m, 1 + c): how
+many of a row may be other than zero, and their columns.  order (m + n,): the rows in pivot order, then the
+columns; the first r of each are the independent equations and the dependent speeds.  Of the factors, too,
+only entries other than zero are kept and visited.
 """
 
 import math
@@ -17,7 +17,7 @@ import numpy as np
 
 from .._jit import allocating, kernel
 from .row_products import subtract_multiple
-from .sparse_rows import FIRST_ENTRY, eliminate, take_row
+from .sparse_rows import BEHIND, END, LEFT, RIGHT, Factors, eliminate, take_row
 
 SMALLEST_FACTOR = 1e-12
 WORN = 0.1  # of the quality of the factors when the order was chosen: asks for another one
@@ -28,135 +28,135 @@ BRANCHING = 1e-6
 
 @allocating
 def factorise(
-    jacobian: np.ndarray,
-    columns: "np.ndarray",
-    order: np.ndarray,
-    rank: int,
-    factors: np.ndarray,
-    entries: "np.ndarray",
+    jacobian: np.ndarray, columns: "np.ndarray", order: np.ndarray, rank: int, factors: Factors
 ) -> float:
-    """Factors of the first `rank` rows in the order at hand: factors (m, n), columns in pivot order.
+    """Factors of the first `rank` rows in the order at hand, columns in pivot order.
 
     The leading block (rank, rank) becomes L with unit diagonal below, U above; the columns behind it
-    L⁻¹ times those of the free speeds.  columns (m, 1 + c): how many entries of a row of the Jacobian may
-    be other than zero, and their columns.  entries (m, n + 2) receives the nonzero places of every row:
-    where those left of the diagonal end, those right of it in the leading block, those behind it, then the
-    places.  factors and entries must come from the last call, or be zeros.  Returns the smallest pivot over
-    the largest multiplier, at least 1: small where the order is a bad one, 0 where a pivot vanishes.
+    L⁻¹ times those of the free speeds.  Returns the smallest pivot over the largest multiplier, at least 1:
+    small where the order is a bad one, 0 where a pivot vanishes.
     """
-    m, n = jacobian.shape
-    places, following = np.empty(n, np.int64), np.empty(n + 1, np.int64)
+    m = jacobian.shape[0]
+    n = order.shape[0] - m
+    places, following, whole = np.empty(n, np.int64), np.empty(n + 1, np.int64), np.zeros(n)
     for j in range(n):
         places[order[m + j]] = j
-    growth, smallest, end = 1.0, 1e300, rank
+    growth, smallest, end, count = 1.0, 1e300, rank, 0
     for i in range(rank):
-        take_row(jacobian, columns, order[i], places, factors, entries, i, following)
-        growth = max(growth, eliminate(factors, entries, i, min(i, end), rank, following))
+        take_row(jacobian, columns, order[i], places, whole, following)
+        largest, count = eliminate(factors, i, min(i, end), rank, whole, following, count)
+        growth = max(growth, largest)
         if i < end:
-            smallest = min(smallest, abs(factors[i, i]))
-            if not abs(factors[i, i]) > SMALLEST_FACTOR:
+            smallest = min(smallest, abs(factors.diagonal[i]))
+            if not abs(factors.diagonal[i]) > SMALLEST_FACTOR:
                 end = i
     return smallest / growth if end == rank else 0.0
 
 
 @kernel
-def smallest_pivot(factors: np.ndarray, rank: int) -> float:
-    """Return the smallest of the first `rank` pivots in factors (m, n), infinite where there are none."""
+def smallest_pivot(diagonal: np.ndarray, rank: int) -> float:
+    """Return the smallest of the first `rank` pivots in diagonal (m,), infinite where there are none."""
     smallest = math.inf
     for k in range(rank):
-        smallest = min(smallest, abs(factors[k, k]))
+        smallest = min(smallest, abs(diagonal[k]))
     return smallest
 
 
 @kernel
-def free_motions(
-    factors: np.ndarray, entries: "np.ndarray", order: np.ndarray, rank: int, m: int, motions: np.ndarray
-) -> None:
+def free_motions(factors: Factors, order: np.ndarray, rank: int, motions: np.ndarray) -> None:
     """Fill motions (n, n - rank): its columns span the speeds that the equations leave free."""
-    free = factors.shape[1] - rank
+    values, places, ends, diagonal = factors.values, factors.places, factors.ends, factors.diagonal
+    m, n = ends.shape[0], order.shape[0] - ends.shape[0]
+    free = n - rank
     for f in range(free):
         for g in range(free):
             motions[order[m + rank + f], g] = 0.0
         motions[order[m + rank + f], f] = 1.0
     for i in range(rank - 1, -1, -1):
-        row, pivot = motions[order[m + i], :free], factors[i, i]
+        row, pivot = motions[order[m + i], :free], diagonal[i]
         for f in range(free):
-            row[f] = -factors[i, rank + f]
-        for p in range(entries[i, 0], entries[i, 1]):
-            j = entries[i, p]
-            subtract_multiple(factors[i, j], motions[order[m + j], :free], row)
+            row[f] = -0.0
+        for p in range(ends[i, BEHIND], ends[i, END]):
+            row[places[p] - rank] = -values[p]
+        for p in range(ends[i, RIGHT], ends[i, BEHIND]):
+            subtract_multiple(values[p], motions[order[m + places[p]], :free], row)
         for f in range(free):
             row[f] /= pivot
 
 
 @kernel
 def dependent_speeds(
-    factors: np.ndarray,
-    entries: "np.ndarray",
-    order: np.ndarray,
-    rank: int,
-    m: int,
-    right_side: np.ndarray,
-    x: np.ndarray,
+    factors: Factors, order: np.ndarray, rank: int, right_side: np.ndarray, x: np.ndarray
 ) -> None:
-    """Fill x (n,) with a solution of the independent equations whose free speeds are zero.
+    """Fill x (n or more,) with a solution of the independent equations whose free speeds are zero.
 
     right_side (m,) in the order of the equations.
     """
-    n = factors.shape[1]
+    values, places, ends, diagonal = factors.values, factors.places, factors.ends, factors.diagonal
+    m, n = ends.shape[0], order.shape[0] - ends.shape[0]
     for j in range(rank, n):
         x[order[m + j]] = 0.0
     for i in range(rank):
         total = right_side[order[i]]
-        for p in range(FIRST_ENTRY, entries[i, 0]):
-            j = entries[i, p]
-            total -= factors[i, j] * x[order[m + j]]
+        for p in range(ends[i, LEFT], ends[i, RIGHT]):
+            total -= values[p] * x[order[m + places[p]]]
         x[order[m + i]] = total
     for i in range(rank - 1, -1, -1):
         total = x[order[m + i]]
-        for p in range(entries[i, 0], entries[i, 1]):
-            j = entries[i, p]
-            total -= factors[i, j] * x[order[m + j]]
-        x[order[m + i]] = total / factors[i, i]
+        for p in range(ends[i, RIGHT], ends[i, BEHIND]):
+            total -= values[p] * x[order[m + places[p]]]
+        x[order[m + i]] = total / diagonal[i]
 
 
 @allocating
-def transposed_solution(factors: np.ndarray, entries: "np.ndarray", rank: int, y: np.ndarray) -> None:
+def transposed_solution(factors: Factors, rank: int, y: np.ndarray) -> None:
     """Solve Bᵀ x = y in place, y (rank,) in pivot order, B the leading block."""
+    values, places, ends, diagonal = factors.values, factors.places, factors.ends, factors.diagonal
     for j in range(rank):
-        y[j] /= factors[j, j]
-        for p in range(entries[j, 0], entries[j, 1]):
-            i = entries[j, p]
-            y[i] -= factors[j, i] * y[j]
-    starts, rows = _rows_below(entries, rank)
+        y[j] /= diagonal[j]
+        for p in range(ends[j, RIGHT], ends[j, BEHIND]):
+            y[places[p]] -= values[p] * y[j]
+    starts, rows, below = _rows_below(factors, rank)
     for i in range(rank - 1, -1, -1):
         for p in range(starts[i], starts[i + 1]):
-            y[i] -= factors[rows[p], i] * y[rows[p]]
+            y[i] -= values[below[p]] * y[rows[p]]
 
 
 @allocating
-def _rows_below(entries: "np.ndarray", rank: int):
-    """The rows with an entry below the diagonal, column by column, and where each column begins and ends."""
+def _rows_below(factors: Factors, rank: int):
+    """The rows with an entry below the diagonal and where it stands, column by column, and where each column
+    begins and ends.
+    """
+    places, ends = factors.places, factors.ends
     starts = np.zeros(rank + 2, np.int64)
     for i in range(rank):
-        for p in range(FIRST_ENTRY, entries[i, 0]):
-            starts[entries[i, p] + 2] += 1
+        for p in range(ends[i, LEFT], ends[i, RIGHT]):
+            starts[places[p] + 2] += 1
     for k in range(2, rank + 2):
         starts[k] += starts[k - 1]
-    rows = np.empty(starts[rank + 1], np.int64)
+    rows, below = np.empty(starts[rank + 1], np.int64), np.empty(starts[rank + 1], np.int64)
     for i in range(rank):
-        for p in range(FIRST_ENTRY, entries[i, 0]):
-            k = entries[i, p] + 1
-            rows[starts[k]] = i
+        for p in range(ends[i, LEFT], ends[i, RIGHT]):
+            k = places[p] + 1
+            rows[starts[k]], below[starts[k]] = i, p
             starts[k] += 1
-    return starts, rows
+    return starts, rows, below
 
 
 @kernel
 def row_times(jacobian: np.ndarray, columns: np.ndarray, row: int, x: np.ndarray, scale: np.ndarray):
-    """Return the product of a row of jacobian (m, n) and x / scale, x (n,), scale (n,)."""
+    """Return the product of a row of jacobian (m, c) and x / scale, x (n,), scale (n,)."""
     total = 0.0
-    for p in range(1, 1 + columns[row, 0]):
-        k = columns[row, p]
-        total += jacobian[row, k] * x[k] / scale[k]
+    for p in range(columns[row, 0]):
+        k = columns[row, 1 + p]
+        total += jacobian[row, p] * x[k] / scale[k]
     return total
+
+
+@kernel
+def entry_of(jacobian: np.ndarray, columns: np.ndarray, row: int, column: int) -> float:
+    """Return one entry of jacobian (m, c)."""
+    for p in range(columns[row, 0]):
+        if columns[row, 1 + p] == column:
+            return jacobian[row, p]
+    return 0.0

@@ -1,14 +1,26 @@
 """Elimination of a row of sparse factors: its nonzero places form a chain in order.
 
-The arrays are those of `rank_revealing_lu`: jacobian (m, n), columns (m, 1 + c), factors (m, n) and
-entries (m, n + 2).
+jacobian (m, c), columns (m, 1 + c) and the factors are those of `rank_revealing_lu`.  whole (n,) is the row
+that is worked on, in the order of pivots; zeros between two rows.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
 from .._jit import kernel
 
-FIRST_ENTRY = 3  # column of `entries` where the places begin
+# Columns of `Factors.ends`.
+LEFT, RIGHT, BEHIND, END = 0, 1, 2, 3
+
+
+class Factors(NamedTuple):
+    """Rows of L and U, one after the other, without their zeros."""
+
+    values: np.ndarray  # (m n,) entries, scaled: left of the pivot, right of it, behind the leading block
+    places: np.ndarray  # (m n,) their places in the order of pivots
+    ends: np.ndarray  # (m, 4) where the parts LEFT, RIGHT and BEHIND of a row begin, and where it ends
+    diagonal: np.ndarray  # (m,) pivots, scaled
 
 
 @kernel
@@ -17,25 +29,20 @@ def take_row(
     columns: "np.ndarray",
     row: int,
     places: "np.ndarray",
-    factors: np.ndarray,
-    entries: "np.ndarray",
-    i: int,
+    whole: np.ndarray,
     following: "np.ndarray",
 ) -> None:
-    """Put a row of the Jacobian in row i of the factors.
+    """Spread a row of the Jacobian over `whole`.
 
     places (n,): place of each column in the order of pivots.  following (n + 1,) becomes the chain of the
     row's places in order: that after place j, n behind the last; the first one is following[n].
     """
-    n = factors.shape[1]
-    factors[i, i] = 0.0
-    for p in range(FIRST_ENTRY, entries[i, 2]):
-        factors[i, entries[i, p]] = 0.0
+    n = whole.shape[0]
     following[n] = n
-    for p in range(1, 1 + columns[row, 0]):
-        place = places[columns[row, p]]
-        factors[i, place] = jacobian[row, columns[row, p]]
-        if factors[i, place] != 0.0:
+    for p in range(columns[row, 0]):
+        place = places[columns[row, 1 + p]]
+        whole[place] = jacobian[row, p]
+        if whole[place] != 0.0:
             at = n
             while following[at] < place:
                 at = following[at]
@@ -45,38 +52,43 @@ def take_row(
 
 @kernel
 def eliminate(
-    factors: np.ndarray, entries: "np.ndarray", i: int, end: int, rank: int, following: "np.ndarray"
-):
-    """Take multiples of the rows before `end` from row i; they stay.  Returns the largest.
+    factors: Factors, i: int, end: int, rank: int, whole: np.ndarray, following: "np.ndarray", count: int
+) -> tuple[float, int]:
+    """Take multiples of the rows before `end` from `whole`, and store it as row i, from place `count` on.
 
-    following (n + 1,) is the chain of `take_row`; `rank` columns belong to the leading block.
+    following (n + 1,) is the chain of `take_row`; `rank` columns belong to the leading block.  Returns the
+    largest multiplier, and where the row ends.
     """
-    n, largest, count = factors.shape[1], 0.0, FIRST_ENTRY
+    values, places, ends, diagonal = factors.values, factors.places, factors.ends, factors.diagonal
+    n, largest = whole.shape[0], 0.0
+    ends[i, LEFT] = count
     k = following[n]
     while k < end:
-        if factors[i, k] != 0.0:
-            factor = factors[i, k] / factors[k, k]
-            factors[i, k] = factor
+        if whole[k] != 0.0:
+            factor = whole[k] / diagonal[k]
+            values[count], places[count] = factor, k
             largest = max(largest, abs(factor))
-            entries[i, count] = k
             count += 1
             at = k
-            for p in range(entries[k, 0], entries[k, 2]):
-                j = entries[k, p]
-                factors[i, j] -= factor * factors[k, j]
+            for p in range(ends[k, RIGHT], ends[k, END]):
+                j = places[p]
+                whole[j] -= factor * values[p]
                 while following[at] < j:
                     at = following[at]
                 if following[at] != j:
                     following[j] = following[at]
                     following[at] = j
+        whole[k] = 0.0
         k = following[k]
-    entries[i, 0] = entries[i, 1] = count
+    ends[i, RIGHT] = ends[i, BEHIND] = count
+    diagonal[i] = whole[i]
     while k < n:
-        if factors[i, k] != 0.0 and k != i:
-            entries[i, count] = k
+        if whole[k] != 0.0 and k != i:
+            values[count], places[count] = whole[k], k
             count += 1
             if k < rank:
-                entries[i, 1] = count
+                ends[i, BEHIND] = count
+        whole[k] = 0.0
         k = following[k]
-    entries[i, 2] = count
-    return largest
+    ends[i, END] = count
+    return largest, count

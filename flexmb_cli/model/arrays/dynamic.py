@@ -6,10 +6,10 @@ constraint on speeds and is left out of the equations.
 """
 
 import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...quick_dataclass import dataclass, replace
 from ..joints import NORMALISATION
 from ..loads import AppliedForce, AppliedTorque, DynamicModel
 from .constraint_table import PrimitiveTable

@@ -5,11 +5,11 @@ the hinges of a tree.
 """
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from ..flexible_mechanism import NodePoint, PointJoint
 from ..joint_elements import COORDINATES_OF, JointElements
 from ..joints import ANGLE, BY_NAME, PITCH, STROKE

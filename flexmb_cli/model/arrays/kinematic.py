@@ -5,11 +5,11 @@ ground, normalisation.  Coordinates are x, y, z, e0, e1, e2, e3 body by body.
 """
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from ..attitudes import Attitudes, held_coordinate
 from ..equations import Equation, joint_equations
 from ..joints import BY_NAME, DISTANCE, DRIVER, NORMALISATION, PITCH, SIMPLIFIED, JointType

@@ -1,8 +1,9 @@
 """Arrays of a mechanism for the kernels of constrained dynamics, and the names that go with them."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from ..equations import Equation
 
 SPEEDS_OF_BODY = ("vx", "vy", "vz", "ωx", "ωy", "ωz")

@@ -9,11 +9,11 @@ frame.  Hinges that turn with the slope of their node hang on *node frames* inst
 """
 
 import math
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from ...quick_dataclass import dataclass, field
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, UNTURNED, Body, Tree
 
 FRAME = np.dtype(

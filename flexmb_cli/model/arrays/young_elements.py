@@ -2,11 +2,11 @@
 joints.
 """
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...quick_dataclass import replace
 from ..flexible_mechanism import NodePoint, PointJoint
 from ..joint_elements import CompositeJoint, JointElements
 from ..loads import DynamicModel

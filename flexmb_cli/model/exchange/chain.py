@@ -1,8 +1,8 @@
 """Open chains: a rigid model ordered outward from the ground, a joint for each body."""
 
+from dataclasses import dataclass
 from typing import Any
 
-from ...quick_dataclass import dataclass
 from ..mechanism import GROUND
 from .rigid_model import Refusals, RigidJoint, RigidModel
 

@@ -2,12 +2,12 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ...errors import Place
-from ...quick_dataclass import replace
 from ..joints import ANGLE
 from ..laws import OF_TIME, At, Element, Frames, Joint, Parameter
 from ..mechanism import GROUND, Vector

@@ -3,12 +3,12 @@ ones.
 """
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from ...quick_dataclass import replace
 from ..time_functions import (
     COMPOUND,
     HELD_TABLE,
@@ -65,10 +65,10 @@ def scaled(function: MotionFunction, factor: float) -> MotionFunction:
         terms = tuple((scaled(factors[0], factor), *factors[1:]) for factors in function.terms)
         return MotionFunction(COMPOUND, terms=terms)
     if function.kind in (TABLE, HELD_TABLE):
-        columns = {
-            name: tuple(factor * v for v in getattr(function, name)) for name in ("values", "curvature")
-        }
-        return replace(function, **columns)
+        values, curvature = (
+            tuple(factor * v for v in column) for column in (function.values, function.curvature)
+        )
+        return replace(function, values=values, curvature=curvature)
     c0, c1, c2, c3 = function.c
     if function.kind == SINE:
         return MotionFunction(SINE, (factor * c0, factor * c1, c2, c3))

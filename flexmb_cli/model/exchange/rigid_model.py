@@ -5,12 +5,12 @@ Bodies are numbered from 0; -1 is the ground, whose axes are global.  SI units; 
 of their body.
 """
 
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from ...errors import Fault, ModelError, Place
-from ...quick_dataclass import dataclass
 from ..integrators import Integrator
 from ..joint_elements import Coupling, JointDriver
 from ..laws import Element
@@ -94,7 +94,7 @@ class RigidModel:
     forces: tuple[AppliedForce, ...] = ()
     torques: tuple[AppliedTorque, ...] = ()
     points: tuple[Point, ...] = ()
-    integrator: Integrator = Integrator(tolerance=1e-12)
+    integrator: Integrator = field(default_factory=lambda: Integrator(tolerance=1e-12))
     notes: tuple[str, ...] = ()
     shapes: tuple[RigidShape, ...] = ()
     elements: tuple[Element, ...] = ()  # bushings' frames coincide in attitude at the start

@@ -1,10 +1,10 @@
 """Shapes of rigid bodies, with the numbers of their cards, so that they can be written as other cards."""
 
 import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...quick_dataclass import dataclass, replace
 from ..mechanism import Vector
 from ..shapes import turning
 
@@ -30,9 +30,9 @@ class RigidShape:
 
 def shifted(shape: RigidShape, body: int, r: np.ndarray, A: np.ndarray) -> RigidShape:
     """Return the shape on `body`, in whose axes the old frame lies at `r` (3,), turned by `A` (3, 3)."""
-    offset = np.asarray(r) + A @ np.array(shape.offset)
+    x, y, z = map(float, np.asarray(r) + A @ np.array(shape.offset))
     turned = angles_of(A @ turning(shape.angles))
-    return replace(shape, body=body, offset=tuple(map(float, offset)), angles=turned)
+    return replace(shape, body=body, offset=(x, y, z), angles=turned)
 
 
 def angles_of(R: np.ndarray) -> Vector:

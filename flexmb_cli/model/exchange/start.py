@@ -1,11 +1,11 @@
 """The motion at which a conversion takes a model, and joint coordinates counted from a deck's positions."""
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from .rigid_model import across
 
 

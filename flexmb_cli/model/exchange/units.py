@@ -1,9 +1,9 @@
 """A rigid model in other units: numbers of a deck in millimetres, kilograms and seconds in SI, and back."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from ...quick_dataclass import dataclass, replace
 from ..joints import ANGLE
 from ..laws import FUNCTIONS, OF_TIME, VECTOR, Element, Frames, Line, Parameter
 from .functions import scaled, stretched
@@ -48,7 +48,7 @@ class _Scaling:
         self.L, self.M, self.force, self.torque = L, M, M * L, M * L * L
 
     def model(self, model: RigidModel) -> Any:
-        parts = {
+        parts: dict[str, Any] = {
             name: tuple(rescale(item) for item in getattr(model, name))
             for name, rescale in self._by_part().items()
         }

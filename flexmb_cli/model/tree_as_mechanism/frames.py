@@ -6,11 +6,11 @@ P_k.  Where P_k turns with the slope of its node (DAFMS thesis, 1992, eqs. 2.7 a
 as in the tree, node frames behind them; -1 is the inertial frame.
 """
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from ..tree import INERTIAL, Tree
 from ..vectors import rotation_matrix
 

@@ -3,13 +3,13 @@
 DAFMS thesis (1992), sections 2.2-2.3, walked outward body by body.
 """
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
-from ..vectors import rotation_matrix
+from ..vectors import cross, rotation_matrix
 from .frames import Base, Frames, NodeFrame
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class _Start:
         shape = base.shape
         body_vector = on.A @ (base.place + (shape @ eta if shape.size else 0.0))
         slide = on.A @ (shape @ rate) if shape.size else np.zeros(3)
-        return Pose(on.r + body_vector, on.A @ base.axes, on.v + np.cross(on.w, body_vector) + slide, on.w)
+        return Pose(on.r + body_vector, on.A @ base.axes, on.v + cross(on.w, body_vector) + slide, on.w)
 
     def _turned(self, node_frame: NodeFrame) -> Pose:
         at, (eta, rate) = self._at(node_frame.base), elastic_start(self.tree, node_frame.owner)
@@ -76,7 +76,7 @@ class _Start:
             q, y = self.state[k, TRANSLATION, axis]
             slide, rate = slide + q * at.A[:, axis - 1], rate + y * at.A[:, axis - 1]
         A, w = self._turn(k, hinge, at)
-        return Pose(at.r + slide, A, at.v + np.cross(at.w, slide) + rate, w)
+        return Pose(at.r + slide, A, at.v + cross(at.w, slide) + rate, w)
 
     def _turn(self, k: int, hinge: "Hinge", at: Pose) -> tuple[Any, Any]:
         A, w = at.A, at.w

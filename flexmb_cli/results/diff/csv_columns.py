@@ -4,13 +4,13 @@ import csv
 import io
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...deck.listing import TableError, plain_text, read_bytes
 from ...errors import Fault
-from ...quick_dataclass import dataclass
 from ..quantities.quantities import names, read
 from .forms import CSV
 from .hdf5 import DEFAULT_ATOL, DEFAULT_RTOL, kind_of, open_sound

@@ -3,12 +3,12 @@
 import os
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from fnmatch import fnmatch
 from pathlib import PurePath
 from typing import Any
 
 from ...errors import BAD_INPUT, FlexmbError, compiler_style, visible
-from ...quick_dataclass import dataclass, field
 from ..files.file_names import STALE
 from .counts import agreeing, counted
 from .forms import CSV, HDF5, LISTING, MATLAB, form_of

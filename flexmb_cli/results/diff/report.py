@@ -1,12 +1,12 @@
 """Result of a comparison: counts for every type of column, the worst place, missing entries."""
 
 import math
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...errors import visible
-from ...quick_dataclass import dataclass, field
 from .counts import agreeing, counted
 from .tolerances import KINDS, Tolerance
 

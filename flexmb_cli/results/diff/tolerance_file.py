@@ -9,13 +9,13 @@ acceleration = { atol = 1e-6 }             # a type of column; a number alone is
 last_digit = 1
 """
 
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
 from ...deck.text import read_text
 from ...deck.toml_table import TomlError, toml_table
 from ...errors import DeckError
-from ...quick_dataclass import dataclass, field, replace
 from .tolerances import KINDS, Tolerance, ToleranceError, Tolerances
 
 if TYPE_CHECKING:

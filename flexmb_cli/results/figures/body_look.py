@@ -1,6 +1,7 @@
 """Look of finite-element bodies: colours, the values between which these go, scale of the deformation."""
 
-from ...quick_dataclass import dataclass
+from dataclasses import dataclass
+
 from ..quantities.quantities import ResultError
 from .contours import CONTOURS, DEFORMATION, ENERGY, VON_MISES, Ranges
 

@@ -1,13 +1,13 @@
 """Shapes of rigid bodies in a result: their surfaces, and where their bodies carry them."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
 import h5py
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from ..hdf5.shapes import BODY, CORNERS, POSITION
 from ..hdf5.stored_result import Damaged, check_shapes
 

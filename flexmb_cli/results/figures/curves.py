@@ -1,6 +1,7 @@
 """Curves of a result that are drawn, and their panels: one for each unit."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import takewhile
 
 import h5py
@@ -8,7 +9,6 @@ import numpy as np
 
 from ...dialects import DIALECTS
 from ...dialects.recognise import dialect_named
-from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import attribute
 from ..quantities.quantities import Quantity, names, read
 from ..quantities.readable import Readable, readable

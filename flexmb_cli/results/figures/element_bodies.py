@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import h5py
 import numpy as np
 
-from ...quick_dataclass import dataclass, replace
 from ..hdf5.stored_result import Damaged, check_shapes
 from ..hdf5.stress import POISSON, YOUNG
 from .element_faces import FACES

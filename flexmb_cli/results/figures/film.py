@@ -5,6 +5,7 @@ Bodies are drawn with a depth buffer, texts by matplotlib; imageio writes the fr
 
 import tempfile
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,6 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import attribute
 from .body_look import DEFAULT_LOOK, BodyLook, check_look, shown_colours
 from .contours import ENERGY, Ranges, contour_ranges, nodal_values, unit_of

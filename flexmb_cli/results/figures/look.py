@@ -4,11 +4,11 @@ import logging
 import re
 import warnings
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...errors import lines_visible
-from ...quick_dataclass import dataclass
 from .label_fitting import Letters
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ everything else, network included; whatever comes from the file is escaped besid
 import base64
 import hashlib
 import json
+from dataclasses import replace
 from html import escape
 from importlib.resources import files
 from string import Template
@@ -20,7 +21,6 @@ from ...deck.record import DeckText
 from ...dialects.recognise import read_deck
 from ...dialects.settings import apply_settings
 from ...errors import DeckError, lines_visible
-from ...quick_dataclass import replace
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, is_number, is_text, settings_of, texts
 from ..quantities.quantities import ResultError, names, remarks, shortfall
 from ..texts.echo import echo

@@ -4,13 +4,13 @@ Everything comes from the result file alone: its motion, and where joints, point
 bodies (`result_geometry`).  Lengths in m, global axes; T rows of time.
 """
 
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 
-from ...quick_dataclass import dataclass, replace
 from ..hdf5.stored_result import Damaged, check_shapes, texts
 from ..quantities.quantities import ResultError
 from .body_shapes import BodyShape, body_shapes

@@ -1,10 +1,9 @@
 """From where a mechanism is looked at: which way is up, and whether it moves in a plane."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-
-from ...quick_dataclass import dataclass
 
 # A mechanism this much thinner than it is long counts as planar.
 PLANAR = 1e-6

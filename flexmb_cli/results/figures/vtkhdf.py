@@ -5,11 +5,11 @@ points of all steps stand one behind the other, the lines are given once and eve
 """
 
 import io
+from dataclasses import replace
 
 import h5py
 import numpy as np
 
-from ...quick_dataclass import replace
 from ..hdf5.stored_result import attribute
 from .element_bodies import ElementBody, element_bodies
 from .scene import Scene, read_scene

@@ -2,13 +2,13 @@
 
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ...dialects import DIALECTS
 from ...dialects.recognise import dialect_named
 from ...errors import OutputError
-from ...quick_dataclass import dataclass
 
 STANDARD_INPUT = STANDARD_OUTPUT = "-"
 STALE = ".stale"  # behind the name of a result that the latest run of its deck did not make

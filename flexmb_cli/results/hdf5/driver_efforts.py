@@ -1,8 +1,8 @@
 """Efforts of drivers in a result: a force along a coordinate, or a torque about an axis."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from ...quick_dataclass import replace
 from .layout import Axis, Series
 
 FORCE, TORQUE = "N", "N m"

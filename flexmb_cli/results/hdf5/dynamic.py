@@ -1,9 +1,9 @@
 """Content of the HDF5 result of a mechanism's dynamics beyond its kinematics."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ...model.loads import DynamicModel, holders
-from ...quick_dataclass import replace
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .kinematic import kinematic_layout, kinematic_values
 from .layout import Axis, Layout, Series, Values, numbered_axis

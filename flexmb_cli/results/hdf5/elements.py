@@ -1,11 +1,11 @@
 """Content of the HDF5 result of a YOUNG deck with elements at joints beyond its dynamics."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ...model.joint_elements import CompositeJoint, element_names
 from ...model.joints import ANGLE
 from ...model.loads import DynamicModel
-from ...quick_dataclass import replace
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, effort_series
 from .dynamic import FORCES, dynamic_layout, dynamic_values
 from .joint_coordinates import coordinate_names, joint_values, with_elements, with_units

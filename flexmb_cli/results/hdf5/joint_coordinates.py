@@ -1,12 +1,12 @@
 """Joint coordinates, elements at joints and couplings in results of every dialect."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from ...model.joint_elements import Coupling
 from ...model.joints import ANGLE
 from ...model.laws import is_angle
-from ...quick_dataclass import replace
 from .layout import Axis, Layout, Series, Values, numbered_axis
 
 COORDINATE, ELEMENT, COUPLING = "coordinate/coordinate", "element/element", "coupling/coupling"

@@ -1,11 +1,10 @@
 """Layout of an HDF5 result: axes, datasets along time, and datasets that stay."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
-from ...quick_dataclass import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -9,6 +9,7 @@ from contextlib import contextmanager, suppress
 from math import prod
 from typing import TYPE_CHECKING, Any
 
+import h5py
 import numpy as np
 
 from ... import __version__
@@ -19,8 +20,6 @@ from ..files.disk_failures import located
 from ..files.full_disk_guard import FullDiskGuard
 from ..files.replaced_file import Replacement, put_in_place
 from .layout import TIME, Axis, Constant, Layout, Series, Values
-from .quick_import import h5py
-from .quick_writing import TEXT, append_rows, attach_scales, growing_dataset, set_texts
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -36,6 +35,7 @@ CUT_SHORT = "the run was cut short"
 FILE_FORMAT = ("v108", "v108")
 CHUNK_ROWS = 1024
 CHUNK_BYTES = 2**20
+TEXT = h5py.string_dtype()
 
 
 class ResultFile:
@@ -140,8 +140,7 @@ class ResultFile:
         self._series = self._make_series(layout.series, scales)
 
     def _describe(self, deck: Deck, analysis: str) -> None:
-        set_texts(
-            self._file,
+        self._file.attrs.update(
             Conventions=CONVENTIONS,
             flexmb_version=__version__,
             dialect=deck.dialect,
@@ -153,26 +152,26 @@ class ResultFile:
         )
         for name, lines in (("settings", deck.settings), ("options", deck.options)):
             if lines:
-                set_texts(self._file, **{name: "\n".join(lines)})
+                self._file.attrs[name] = "\n".join(lines)
         if AS_PRINTED in deck.options:
-            set_texts(self._file, emulation=EMULATED)
+            self._file.attrs["emulation"] = EMULATED
         text = self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT)
-        set_texts(text, units="1", long_name="text of the deck")
+        text.attrs.update(units="1", long_name="text of the deck")
 
     def _make_axis(self, axis: Axis) -> h5py.Dataset:
         scale = self._file.create_dataset(axis.path, data=_plain(axis.values), dtype=_kind(axis.values))
         scale.make_scale(axis.path.rpartition("/")[2])
-        set_texts(scale, units="1", long_name=axis.long_name)
+        scale.attrs.update(units="1", long_name=axis.long_name)
         for path, texts, long_name in axis.labels:
             dataset = self._file.create_dataset(path, data=list(texts), dtype=TEXT)
-            attach_scales(dataset, [scale])
-            set_texts(dataset, units="1", long_name=long_name)
+            _attach_scales(dataset, [scale])
+            dataset.attrs.update(units="1", long_name=long_name)
         return scale
 
     def _make_constant(self, constant: Constant, scales: dict[str, h5py.Dataset]) -> None:
         dataset = self._file.create_dataset(constant.path, data=constant.values)
-        attach_scales(dataset, [self._scale_for(constant.path, path, scales) for path in constant.axes])
-        set_texts(dataset, units=constant.units, long_name=constant.long_name)
+        _attach_scales(dataset, [self._scale_for(constant.path, path, scales) for path in constant.axes])
+        dataset.attrs.update(units=constant.units, long_name=constant.long_name)
 
     def _scale_for(self, dataset: str, axis: str, scales: dict[str, h5py.Dataset]) -> h5py.Dataset:
         """The scale `axis` where netCDF looks for it: a copy, if it lies beside the dataset's group."""
@@ -183,7 +182,7 @@ class ResultFile:
         if path not in scales:
             scales[path] = self._file.create_dataset(path, data=scales[axis][:])
             scales[path].make_scale(name)
-            set_texts(scales[path], units="1", long_name=scales[axis].attrs["long_name"])
+            scales[path].attrs.update(units="1", long_name=scales[axis].attrs["long_name"])
         return scales[path]
 
     def _make_series(
@@ -195,14 +194,16 @@ class ResultFile:
         for item in series:
             axes = [self._scale_for(item.path, path, scales) for path in item.axes]
             datasets[item.path] = self._growing(item, axes)
-            attach_scales(datasets[item.path], [time, *axes])
+            _attach_scales(datasets[item.path], [time, *axes])
         return datasets
 
     def _growing(self, series: Series, axes: "Sequence[Any]") -> h5py.Dataset:
         """A dataset without rows that grows along time."""
         item = tuple(len(axis) for axis in axes)
-        dataset = growing_dataset(self._file, series.path, item, self._chunk)
-        set_texts(dataset, units=series.units, long_name=series.long_name)
+        dataset = self._file.create_dataset(
+            series.path, (0, *item), float, maxshape=(None, *item), chunks=(self._chunk, *item)
+        )
+        dataset.attrs.update(units=series.units, long_name=series.long_name)
         return dataset
 
     def _write(self, count: int) -> None:
@@ -210,7 +211,8 @@ class ResultFile:
         gathered = {path: _joined([block[path] for block in self._waiting]) for path in self._series}
         with self._on_disk():
             for path, dataset in self._series.items():
-                append_rows(dataset, self._written, gathered[path][:count])
+                dataset.resize(self._written + count, axis=0)
+                dataset[self._written :] = gathered[path][:count]
         self._written += count
         rest = {path: values[count:] for path, values in gathered.items()}
         self._waiting = [rest] if len(rest["time"]) else []
@@ -244,6 +246,11 @@ def _plain(values: "tuple[Any, ...]") -> list[str] | np.ndarray:
 
 def _kind(values: "tuple[Any, ...]") -> Any:
     return TEXT if isinstance(values[0], str) else None
+
+
+def _attach_scales(dataset: h5py.Dataset, scales: "Sequence[h5py.Dataset]") -> None:
+    for dimension, scale in zip(dataset.dims, scales, strict=True):
+        dimension.attach_scale(scale)
 
 
 def _joined(blocks: list[np.ndarray]) -> np.ndarray:

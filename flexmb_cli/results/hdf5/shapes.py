@@ -1,11 +1,11 @@
 """Shapes of rigid bodies in a result: the surfaces of all shapes of a model, one behind the other."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...quick_dataclass import replace
 from .layout import XYZ, Axis, Constant, Layout
 
 if TYPE_CHECKING:  # few decks have any

@@ -3,12 +3,12 @@
 Report rows come as values by the path of their dataset, so that a stopped run can keep them as they are.
 """
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, cast
 
 from ...model.joint_elements import names_of
 from ...model.laws import is_angle
 from ...model.tree import ELASTIC, ROTATION, Body, Tree
-from ...quick_dataclass import replace
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .joint_coordinates import OF_ELEMENTS, joint_values, with_elements
 from .layout import EULER_PARAMETER, XYZ, Axis, Layout, Series, Values, numbered_axis

@@ -10,6 +10,7 @@ import fnmatch
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 
@@ -17,7 +18,6 @@ import h5py
 import numpy as np
 
 from ...errors import Fault, FlexmbError
-from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, newer_layout, understood
 from .quantity_names import TIME, Family, Slot, families, folded, time_family
 from .unknown_names import hint_for
@@ -122,7 +122,7 @@ def _result_beside(path: Path | str) -> str:
         Path(path).with_suffix(".h5"),
         *(Path(path).with_name(name) for name in _names_of_results(path)),
     }
-    found = next((str(result) for result in sorted(beside) if result.is_file()), "")
+    found = next((str(result) for result in sorted(beside) if result.is_file() and h5py.is_hdf5(result)), "")
     return f"; is {found} meant?" if found else "; flexmb run writes a deck's result into an .h5 file"
 
 

@@ -2,11 +2,11 @@
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import h5py
 
 from ...errors import visible
-from ...quick_dataclass import dataclass
 from ..hdf5.stored_datasets import StoredDatasets
 from ..hdf5.stored_result import Damaged, attribute, is_number, is_text, place_of, scale_of, texts
 

@@ -1,6 +1,7 @@
 """Names of quantities as people write them: "velocity x of body 3", "kinetic energy"."""
 
-from ...quick_dataclass import dataclass
+from dataclasses import dataclass
+
 from .quantities import Quantity
 
 # The quantity of names that leave it out: body.3.z is a position.

@@ -2,11 +2,11 @@
 
 import os
 from collections.abc import Iterable
+from dataclasses import replace
 
 import h5py
 
 from ...deck.record import Deck
-from ...quick_dataclass import replace
 from ..hdf5.layout import Layout
 from ..hdf5.result_file import ResultFile
 from .quantities import resolve

@@ -1,13 +1,13 @@
 """Diagnose a deck without solving it through time: counts, rank, redundant and free coordinates, gaps."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...deck.record import Deck
 from ...errors import Fault
-from ...quick_dataclass import dataclass, field
 from ..context import Run
 from ..exit_status import ending_recorded
 from ..model import analysis_of, model_of, module_for

@@ -3,13 +3,13 @@
 Small mechanisms are assembled by the same kernels left uncompiled, so that `check` answers at once.
 """
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...errors import Fault, ModelError
 from ...model.mechanism import Mechanism, TimeGrid
-from ...quick_dataclass import replace
 from ..context import Run
 from .check import CheckReport, LabelledJacobian
 from .parts import FARTHEST_STEPS, before_and_after, gaps_of, is_too_large, note_moves, note_slips, parts_of

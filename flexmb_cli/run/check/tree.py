@@ -3,6 +3,7 @@
 Small trees are evaluated by the same kernels left uncompiled, so that `check` answers at once.
 """
 
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,6 @@ from ...errors import AnalysisError
 from ...model.mechanism import TimeGrid
 from ...model.tree import ELASTIC, Tree
 from ...model.unit_checks import unit_warnings
-from ...quick_dataclass import dataclass, replace
 from ...solvers.tree.redundancy import closed_rows
 from ..context import Run
 from .check import CheckReport
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MOST_COORDINATES_INTERPRETED = 400  # coordinates
 
 
-@dataclass(frozen=True)
+@dataclass
 class TreeFindings:
     """Findings of `check` about a tree; None where the start could not be evaluated.
 
@@ -63,11 +63,11 @@ def check(report: CheckReport, tree: Tree, run: Run, jacobian: str | None) -> No
     run.outcome.faults += unit_warnings(tree)
     report.counts = _counts(tree)
     elastic = [_spectrum(body) for body in tree.bodies if body.elastic is not None]
-    report.tree = TreeFindings(_start(tree, tree.q, tree.y), None, [], [], {}, elastic)
+    report.tree = findings = TreeFindings(_start(tree, tree.q, tree.y), None, [], [], {}, elastic)
     from ...solvers.compilation import interpreting
 
     with interpreting(len(tree.coordinates) <= MOST_COORDINATES_INTERPRETED):
-        _evaluate_start(report, tree)
+        _evaluate_start(report, findings, tree)
 
 
 def _counts(tree: Tree) -> dict[str, int]:
@@ -87,7 +87,7 @@ def _counts(tree: Tree) -> dict[str, int]:
     }
 
 
-def _evaluate_start(report: CheckReport, tree: Tree) -> None:
+def _evaluate_start(report: CheckReport, findings: TreeFindings, tree: Tree) -> None:
     from ...solvers.tree.analysis import GO_ON, TreeAnalysis
 
     start = tree.time.start
@@ -97,21 +97,17 @@ def _evaluate_start(report: CheckReport, tree: Tree) -> None:
     try:
         row = next(analysis.rows())
     except AnalysisError:
-        report.tree = replace(report.tree, gaps=[(name, gap, gap) for name, gap in given])
+        findings.gaps = [(name, gap, gap) for name, gap in given]
         raise
     if tree.elements.couplings:
         report.outcome.faults += analysis.warnings
     assembled = _gaps(tree, analysis.arrays.closures)
     gaps = [(*before, after[1]) for before, after in zip(given, assembled, strict=True)]
     redundant = _redundant(tree, analysis.arrays)
-    report.tree = replace(
-        report.tree,
-        coordinates=_start(tree, row.q[0], row.y[0]),
-        lightest=_lightest(tree, analysis),
-        gaps=gaps,
-        redundant=redundant,
-        energies={name: float(getattr(row, name)[0]) for name in ("kinetic", "potential", "strain")},
-    )
+    findings.coordinates = _start(tree, row.q[0], row.y[0])
+    findings.lightest = _lightest(tree, analysis)
+    findings.gaps, findings.redundant = gaps, redundant
+    findings.energies = {name: float(getattr(row, name)[0]) for name in ("kinetic", "potential", "strain")}
     closed = analysis.arrays.closures.size - len(redundant)
     report.counts["degrees_of_freedom"] = len(tree.coordinates) - report.counts["prescribed"] - closed
 

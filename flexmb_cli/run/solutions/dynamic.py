@@ -1,5 +1,6 @@
 """Dynamics of a mechanism with masses and loads: forward, or inverse where drivers move it."""
 
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -7,7 +8,6 @@ from ...errors import Fault, ModelError
 from ...model.integrators import word_of
 from ...model.loads import DynamicModel
 from ...model.unit_checks import unit_warnings
-from ...quick_dataclass import replace
 from ...results.hdf5.dynamic import dynamic_layout, dynamic_values
 from ...solvers.compilation import announce_compiling
 from ..context import Run

@@ -1,6 +1,7 @@
 """Dynamics of a mechanism of rigid and flexible bodies."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from hashlib import sha256
 from typing import Any
@@ -8,7 +9,6 @@ from typing import Any
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.integrators import METHODS, Integrator, word_of
 from ...model.unit_checks import unit_warnings
-from ...quick_dataclass import replace
 from ...results.hdf5.flexible import flexible_layout, flexible_values
 from ...solvers.compilation import announce_compiling
 from ...solvers.constrained.flexible_dynamics import FlexibleDynamics

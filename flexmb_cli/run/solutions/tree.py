@@ -1,6 +1,7 @@
 """Dynamics of a tree: by Kane's equations, or in absolute coordinates."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -8,7 +9,6 @@ from ...errors import Fault
 from ...model.integrators import IMPLICIT_TREE_METHODS
 from ...model.tree import Tree
 from ...model.unit_checks import unit_warnings
-from ...quick_dataclass import replace
 from ...results.hdf5.tree import tree_layout, tree_values
 from ...solvers.compilation import announce_compiling
 from ...solvers.tree.points import point_motion, point_names

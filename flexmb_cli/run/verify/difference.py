@@ -1,8 +1,8 @@
 """Difference between two motions of one deck, quantity by quantity."""
 
-import numpy as np
+from dataclasses import dataclass
 
-from ...quick_dataclass import dataclass
+import numpy as np
 
 # Shares of a mechanism's length, or of a turn, below which a motion in the time of a run may be round-off.
 # In accelerations large forces cancel.

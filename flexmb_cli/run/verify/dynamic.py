@@ -3,6 +3,7 @@
 Both begin at the position that flexmb assembles.
 """
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from ...errors import Fault, ModelError
 from ...model.integrators import METHODS, Integrator
 from ...model.loads import DynamicModel
 from ...model.mechanism import Mechanism
-from ...quick_dataclass import replace
 from ..context import Run
 from .compared_rows import compared_rows
 from .difference import Difference, Size, largest_difference

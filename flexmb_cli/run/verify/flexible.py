@@ -3,6 +3,7 @@
 With all modes both hold the same deformations: the two models are one and the same.
 """
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from ...dialects.recognise import dialect_named
 from ...errors import Fault, ModelError
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.integrators import METHODS, Integrator
-from ...quick_dataclass import replace
 from ..context import Run
 from ..model import folder_of
 from .compared_rows import compared_rows

@@ -1,5 +1,6 @@
 """A tree by two formulations: Kane's equations and absolute coordinates."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -8,8 +9,7 @@ from ...deck.record import Deck
 from ...model.integrators import IMPLICIT_TREE_METHODS
 from ...model.laws import MOTOR
 from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
-from ...quick_dataclass import replace
-from ...solvers.tree.analysis import breakpoints
+from ...solvers.tree.breakpoints import breakpoints
 from ..context import Run
 from ..solutions.tree import absolute_analysis, kane_analysis, values_of
 from .compared_rows import compared_rows
@@ -43,10 +43,9 @@ POINTS = {"position": "m", "velocity": "m/s"}
 def differences(tree: Tree, deck: Deck, run: Run) -> tuple[Difference, ...]:
     """Run `tree` both ways and return what the motions differ in.  Raises FlexmbError."""
     # Elastic bodies alone are slow, but not too slow, by explicit steps.
-    forces = tuple(item for item in tree.elements.forces if item.law is not MOTOR)
-    acting = replace(tree.elements, drivers=(), couplings=(), forces=forces)
+    acting = any(item.law is not MOTOR for item in tree.elements.forces)
     stiff = acting and tree.integration.method in IMPLICIT_TREE_METHODS
-    given = (IMPLICIT if stiff else EXPLICIT) | run.options.integration
+    given: dict[str, Any] = (IMPLICIT if stiff else EXPLICIT) | run.options.integration
     tree = replace(tree, integration=replace(tree.integration, **given))
     found = compare(tree, *_motions(tree, run))
     run.outcome.rows = tree.time.rows

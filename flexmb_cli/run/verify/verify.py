@@ -4,12 +4,12 @@ Trees: Kane's equations and absolute coordinates.  Mechanisms: Euler parameters 
 Flexible bodies: two floating frames.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...errors import ANALYSIS_FAILED
-from ...quick_dataclass import dataclass
 from ...results.texts.echo import echo
 from ..context import Run
 from ..exit_status import ending_recorded

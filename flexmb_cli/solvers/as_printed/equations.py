@@ -5,11 +5,11 @@ length that the deck gives them.  Without errors the equations are those of the 
 errata, and give the motion that the kernels give.
 """
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from .errors import OVERRUN, TRANSPOSED, WRONG_INDEX
 from .vectors import dot, g_matrix, product, tilde, turned, turned_slope
 

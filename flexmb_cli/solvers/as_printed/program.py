@@ -5,6 +5,7 @@ where no coordinate changes by more than FEPS.  Velocities and accelerations are
 of that position, errors included.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,6 @@ import numpy as np
 from ...errors import AnalysisError, Fault
 from ...model.attitudes import Attitudes
 from ...model.mechanism import Joint, Mechanism
-from ...quick_dataclass import dataclass
 from .equations import Rows, State, along, coincident, orthogonal, parallel, stacked
 from .errors import ALL_ERRORS, WRONG_INDEX
 from .screw import ScrewZero, screw_row, screw_zero

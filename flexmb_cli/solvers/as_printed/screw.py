@@ -6,12 +6,12 @@ second derivative from its accelerations.
 """
 
 import math
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...model.vectors import cross, unit
-from ...quick_dataclass import dataclass, replace
 from .equations import Rows, State, scalar_product, separation, separation_rate
 from .errors import SCREW
 from .vectors import dot, product

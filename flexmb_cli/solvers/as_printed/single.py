@@ -5,13 +5,13 @@ listing.  The function of a driver is taken as C + B t + A t²/2, where the scan
 """
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...model.attitudes import held_coordinate
 from ...model.mechanism import Mechanism
-from ...quick_dataclass import dataclass
 
 if TYPE_CHECKING:
     from ...model.mechanism import Distance

@@ -9,14 +9,13 @@ from ...errors import Fault
 from ...model.arrays.function_table import break_times
 from ...model.arrays.records import ELEMENT, FRICTION
 from ...model.laws import MOTOR, SPRING
-from ...model.time_checks import times_apart
 from ...model.time_functions import COMPOUND, PIECEWISE
+from ..table_times import jump_at, times_between
 
 if TYPE_CHECKING:
     from ...kernels.constrained.system import System
     from .analysis import ConstrainedMotion
 
-JUMP_WITHIN = 1e-6  # of a time: points of a table nearer to each other may be too near for steps
 JUMP_OF_SECOND_RATE = 1e-6  # of the largest second rate of a function at its corners: more is no round-off
 
 
@@ -29,7 +28,7 @@ def breakpoints(motion: "ConstrainedMotion", end: float) -> list[float]:
     if not motion.integrator.chosen:
         return []
     corners = {t for function in _tables(motion.system) for t in function.tolist()}
-    return times_apart(corners | set(_rows_of_work(motion)), motion.grid.start, end)
+    return times_between(corners | set(_rows_of_work(motion)), motion.grid.start, end)
 
 
 def _rows_of_work(motion: "ConstrainedMotion") -> list[float]:
@@ -44,18 +43,9 @@ def _rows_of_work(motion: "ConstrainedMotion") -> list[float]:
     return [motion.grid.time(k) for k in range(motion.grid.rows)]
 
 
-def jump_at(motion: "ConstrainedMotion", t: float) -> str:
-    """Return that a function changes near t, s, between two times as good as one; "" where none does."""
-    near = JUMP_WITHIN * max(abs(t), 1.0)
-    for times in _tables(motion.system):
-        for before, after in pairwise(times.tolist()):
-            if after - before < near and before - near <= t <= after + near:
-                return (
-                    f"a function changes between {before!r} and {after!r} s; of a driver's rate that "
-                    "is a jump, an impulse, which no steps resolve: move these two times apart, by "
-                    f"{near:.0e} s or more, or use STEP"
-                )
-    return ""
+def jump_of_table(motion: "ConstrainedMotion", t: float) -> str:
+    """Return what `jump_at` says of the tables of a motion."""
+    return jump_at((times.tolist() for times in _tables(motion.system)), t)
 
 
 def _tables(system: "System") -> list[np.ndarray]:

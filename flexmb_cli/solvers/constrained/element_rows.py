@@ -1,5 +1,6 @@
 """Report rows of decks with elements at joints: joint coordinates, and what every element does and bears."""
 
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,6 @@ from ...model.joint_elements import JointElements, names_of
 from ...model.laws import FRICTION, MOTOR, parts_in_arrays
 from ...model.loads import DynamicModel
 from ...model.vectors import cross_rows
-from ...quick_dataclass import dataclass, fields
 from .rows import DynamicRows, dynamic_rows, global_axes
 
 

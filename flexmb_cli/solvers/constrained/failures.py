@@ -14,6 +14,7 @@ from ...kernels.integrators.clock import CONTRADICTION
 from ...kernels.laws import COORDINATE
 from ...model.arrays.records import ELEMENT
 from ...model.integrators import METHODS
+from ...model.unit_checks import uneven_masses
 from ..singular.mobility import Gap, about
 from ..singular.rank_of_speeds import (
     SINGULAR_CONDITION,
@@ -22,7 +23,7 @@ from ..singular.rank_of_speeds import (
     weakest_of_speeds,
 )
 from ..singular.weakest import owners_text
-from .breakpoints import jump_at
+from .breakpoints import jump_of_table
 from .start import inertia_failure
 
 if TYPE_CHECKING:
@@ -152,11 +153,8 @@ def _why_steps_fall(analysis: "ForwardDynamics", norms: dict[str, float]) -> tup
             "others that they contradict beside it; begin elsewhere"
         )
         return reason, owners
-    # Asked for after a failure alone: it imports trees.
-    from ...model.inertia_checks import uneven_masses
-
-    masses = analysis.system.masses["mass"].tolist()
-    if reason := jump_at(analysis, norms["reached"]) or uneven_masses(masses):
+    bodies = list(zip(analysis.arrays.body_names, analysis.system.masses["mass"].tolist(), strict=True))
+    if reason := jump_of_table(analysis, norms["reached"]) or uneven_masses(bodies):
         return reason, []
     return (
         f"the joints are far from singular ({size}), so a load, stiffness or speed is too great; "

@@ -1,10 +1,11 @@
 """Report rows of a mechanism of rigid and flexible bodies with elements at its joints."""
 
+from dataclasses import dataclass, fields
+
 from ...kernels.constrained.report import Report
 from ...model.arrays.element_table import coordinates_of_joints
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism
-from ...quick_dataclass import dataclass, fields
 from .element_rows import JointAnswers, coupling_efforts, element_answers
 from .flexible_rows import FlexibleRows, flexible_rows
 

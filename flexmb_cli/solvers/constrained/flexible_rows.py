@@ -1,5 +1,6 @@
 """Report rows of a mechanism of rigid and flexible bodies."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,6 @@ from ...model.arrays.node_joints import reaction_point
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism, NodePoint, PointJoint
 from ...model.vectors import cross_rows
-from ...quick_dataclass import dataclass
 from .rows import coordinate_accelerations, coordinate_rates, global_axes
 
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...kernels.constrained.accelerations import evaluate_jacobian
+from ...kernels.constrained.accelerations import FEW_BODIES, evaluate_jacobian
 from ...kernels.constrained.mass_matrix import mass_matrices, mass_times
 from ..singular.mobility import MOST_DENSE
 from ..singular.sparse_rank import order_of_pivots, shortest_correction, sparse_mobility
@@ -18,15 +18,15 @@ if TYPE_CHECKING:
     from .analysis import ConstrainedMotion
 
 
-MOST_DENSE_START = 60  # speeds of bodies as if rigid
 # Weights of speeds that are not given, and of those given that no mass resists, of the smallest inertia:
 # what is given is kept, then what has no mass, then the others are small.
 OF_MASSLESS, OF_OTHERS = 1e-6, 1e-10
+CLOSED_RATE = 1e-15  # of the largest speed: round-off
 
 
 def starts_sparse(arrays: "SystemArrays") -> bool:
     """Return whether sparse matrices of the start take less time than dense ones."""
-    return 6 * arrays.bodies > MOST_DENSE_START or is_large(arrays)
+    return arrays.bodies > FEW_BODIES or is_large(arrays)
 
 
 def is_large(arrays: "SystemArrays") -> bool:
@@ -40,8 +40,8 @@ def sparse_jacobian(work: "Work") -> "csr_matrix":
 
     counts, columns = work.columns[:, 0], work.columns[:, 1:]
     rows, places = np.nonzero(np.arange(columns.shape[1]) < counts[:, None])
-    values = work.jacobian[rows, columns[rows, places]]
-    return csr_matrix((values, (rows, columns[rows, places])), work.jacobian.shape)
+    shape = len(counts), len(work.motions)
+    return csr_matrix((work.jacobian[rows, places], (rows, columns[rows, places])), shape)
 
 
 def order_of_many(analysis: "ConstrainedMotion", q: np.ndarray) -> "Mobility":
@@ -66,7 +66,7 @@ def speeds_of_many(
     given, wanted = analysis.given_speeds(q)
     wanted = np.where(given, wanted / scale, 0.0)
     rest = nu - J @ wanted
-    if not rest.any():
+    if np.max(np.abs(rest), initial=0.0) <= CLOSED_RATE * np.max(np.abs(wanted), initial=0.0):
         return wanted
     M = _mass_matrix(analysis, q)
     inertias = M.diagonal()

@@ -9,6 +9,7 @@ from ...kernels.constrained.projection import evaluate_residual
 from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import PHI, System, Work
 from .large_start import is_large, sparse_jacobian
+from .system import dense_jacobian
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -32,7 +33,7 @@ class PositionGaps:
     def jacobian(self, q: np.ndarray) -> "np.ndarray | csr_matrix":
         """Scaled Jacobian (m, n) on speeds, sparse where it is large."""
         evaluate_jacobian(self.system, self.work, q)
-        return sparse_jacobian(self.work) if self.sparse else self.work.jacobian.copy()
+        return sparse_jacobian(self.work) if self.sparse else dense_jacobian(self.work)
 
     def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
         """Return the coordinates after a scaled step (n,) of translations, rotations and deformation."""

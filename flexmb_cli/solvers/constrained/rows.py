@@ -1,5 +1,6 @@
 """Report rows of a dynamic analysis: the motion, and the forces and energies that go with it."""
 
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,6 @@ from ...kernels.constrained.report import Report
 from ...model.loads import DynamicModel, holders
 from ...model.mechanism import Mechanism
 from ...model.vectors import cross_rows
-from ...quick_dataclass import dataclass, fields
 from ..kinematics.rows import Rows, rotated, rows_of
 
 GROUND_ROWS = 6

@@ -14,6 +14,7 @@ from ...model.equations import DEPENDENT
 from ..singular.mobility import NAMED, Mobility, involved, sparse_basis
 from ..singular.overconstrained_loops import choose_far_apart
 from .large_start import order_of_many
+from .system import dense_jacobian
 
 if TYPE_CHECKING:
     from ...model.equations import Equation
@@ -29,7 +30,7 @@ def order_of_elimination(analysis: "ConstrainedMotion", q: np.ndarray, t: float)
         return order_of_many(analysis, q)
     system, work, arrays = analysis.system, analysis.work, analysis.arrays
     evaluate_jacobian(system, work, q)
-    left, values, right = np.linalg.svd(work.jacobian)
+    left, values, right = np.linalg.svd(dense_jacobian(work))
     rank = int(np.sum(values > analysis.dependent * values[0])) if values.size else 0
     found = (choose_far_apart if analysis.dependent > DEPENDENT else choose_order)(work, rank)
     if project_position(system, work, q, t, analysis.integration.angles[2]) == NO_INERTIA:
@@ -59,7 +60,7 @@ def _of_one_attitude(group: "tuple[Equation, ...]") -> bool:
 def inertia_failure(analysis: "ConstrainedMotion", t: float) -> AnalysisError:
     """Some motion that the constraints leave free has no mass or inertia to resist it."""
     work, scale = analysis.work, analysis.arrays.speed_scale
-    free = work.jacobian.shape[1] - int(work.rank[0])
+    free = work.motions.shape[0] - int(work.rank[0])
     Z = work.motions[:, :free] * scale[:, None]
     MZ = np.empty_like(Z)
     for k in range(free):

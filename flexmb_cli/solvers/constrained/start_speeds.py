@@ -14,6 +14,7 @@ from ..projection import RESIDUAL_MET
 from ..singular.mobility import about
 from .large_start import sparse_jacobian, speeds_of_many
 from .rows import body_axes, global_axes
+from .system import dense_jacobian
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -50,7 +51,7 @@ def start_speeds(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> np.n
         u = _of_many(analysis, q, rates * scale, nu, names, t)
         _warn_of_change(analysis, u, wanted, given)
         return u
-    J = np.concatenate([work.jacobian, rates * scale])
+    J = np.concatenate([dense_jacobian(work), rates * scale])
     if analysis.dependent > DEPENDENT:  # What the loops leave out is no part of the equations.
         kept = np.sort(work.order[: work.rank[0]])
         equations = tuple(equations[k] for k in kept)
@@ -146,10 +147,11 @@ def given_speeds(
     """Return which of the speeds (6 bodies,) `velocities` give, and their values."""
     given, wanted = np.zeros((bodies, 6), dtype=bool), np.zeros((bodies, 6))
     p = q[: 7 * bodies].reshape(bodies, 7)[:, 3:]
-    for item in velocities:
-        given[item.body] = True
-        wanted[item.body, :3] = item.velocity
-        wanted[item.body, 3:] = body_axes(p[item.body], np.array(item.angular))
+    if velocities:
+        moved = [item.body for item in velocities]
+        given[moved] = True
+        wanted[moved, :3] = [item.velocity for item in velocities]
+        wanted[moved, 3:] = body_axes(p[moved], np.array([item.angular for item in velocities]))
     return given.ravel(), wanted.ravel()
 
 

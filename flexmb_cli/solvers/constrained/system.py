@@ -52,6 +52,15 @@ def blank_report(arrays: SystemArrays, times: np.ndarray, works: int = 0) -> Rep
     )
 
 
+def dense_jacobian(work: Work) -> np.ndarray:
+    """Return the scaled Jacobian (m, n) on speeds that was evaluated last, as a matrix."""
+    counts, columns = work.columns[:, 0], work.columns[:, 1:]
+    rows, places = np.nonzero(np.arange(columns.shape[1]) < counts[:, None])
+    found = np.zeros((len(counts), len(work.motions)))
+    found[rows, columns[rows, places]] = work.jacobian[rows, places]
+    return found
+
+
 def with_driven(system: System, row: int, values: np.ndarray, t: float) -> System:
     """Return the system whose equation `row` follows another value and two rates, `values` (3,), at t.
 

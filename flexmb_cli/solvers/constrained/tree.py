@@ -5,6 +5,7 @@ Euler parameters and Lagrange multipliers.  Nothing of the recursion along the t
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,6 @@ from ...model.tree_as_mechanism.limits import refuse_foreign
 from ...model.tree_as_mechanism.loads import tree_loads
 from ...model.tree_as_mechanism.planar_tree import repeated_in_planar_tree
 from ...model.tree_as_mechanism.poses import elastic_start, first_poses
-from ...quick_dataclass import replace
 from ..checkpoint import taken
 from ..projection import RESIDUAL_MET, largest
 from ..tree.loop_assembly import closed_tree

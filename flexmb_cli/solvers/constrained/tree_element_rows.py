@@ -1,5 +1,6 @@
 """Report rows of a tree with elements at its hinges."""
 
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,6 @@ from ...kernels.constrained.report import Report
 from ...model.arrays.system import SystemArrays
 from ...model.joint_elements import names_of
 from ...model.tree import Tree
-from ...quick_dataclass import dataclass, fields
 from ..tree.rows import TreeRows
 from .element_rows import ElementAnswers, answers_of, coupling_efforts, element_answers
 

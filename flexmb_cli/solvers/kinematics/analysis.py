@@ -8,6 +8,7 @@ import numpy as np
 from ...errors import AnalysisError, Fault
 from ...kernels.kinematics import continuation
 from ...kernels.kinematics.continuation_clock import BUDGET, CLOCK_SIZE, TIME
+from ...kernels.kinematics.sparse_newton import make_sparse_work
 from ...model.arrays.kinematic import KinematicArrays, kinematic_arrays
 from ...model.mechanism import Mechanism
 from ..assembly import NEARER, is_closed
@@ -32,11 +33,12 @@ from .settings import KinematicSettings
 from .system import kinematic_system, with_dependent_columns
 
 if TYPE_CHECKING:
+    from ...kernels.kinematics.sparse_newton import SparseWork
     from ..assembly import Sized
     from ..singular.mobility import Mobility
-    from .sparse import SparseContinuation
 
 KINEMATIC_CALL_WORK = 2_000_000  # steps x equations² handed to the kernel at a time
+DENSE_ELIMINATION = 140  # equations: above, only entries other than zero are kept
 LARGEST_BLOCK = 1024  # rows
 MOST_STEPS_A_ROW = 5000
 START_ASIDE = 1e-3  # of the time between rows: a start that is singular is no longer so
@@ -55,7 +57,7 @@ class KinematicAnalysis:
         self.system = kinematic_system(self.arrays, self.settings)
         self.warnings: list[Fault] = []
         self.singularities = PassedKinematicSingularities(self)
-        self._sparse: SparseContinuation | None = None
+        self._sparse: SparseWork | None = None
         self._left_out: tuple[tuple[int, ...], tuple[int, ...]] = (), ()
         self.row = 0  # of the next block
         self._restart(self.arrays.q)
@@ -168,7 +170,8 @@ class KinematicAnalysis:
 
     def _at_once(self, most: int) -> int:
         """Return how many steps or rows the kernel is given at a time: an interrupt waits for them."""
-        return int(np.clip(KINEMATIC_CALL_WORK / self.arrays.q.size**2, 1, most))
+        n = self.arrays.q.size
+        return int(np.clip(KINEMATIC_CALL_WORK / (n * min(n, DENSE_ELIMINATION)), 1, most))
 
     @property
     def _budget(self) -> int:
@@ -177,13 +180,11 @@ class KinematicAnalysis:
 
     def follower(self) -> Callable[..., Any]:
         """The continuation of this mechanism, by dense or by sparse factors: see `continuation.follow`."""
-        if not self.evaluator.is_large:
+        if not self.arrays.q.size > DENSE_ELIMINATION:
             return lambda *arguments: continuation.follow(self.system, *arguments)
         if self._sparse is None:
-            from .sparse import SparseContinuation
-
-            self._sparse = SparseContinuation(self.evaluator, *self._left_out)
-        return self._sparse.follow
+            self._sparse = make_sparse_work(self.system, *self._left_out)
+        return lambda *arguments: continuation.follow_sparse(self.system, self._sparse, *arguments)
 
     def carry(
         self,

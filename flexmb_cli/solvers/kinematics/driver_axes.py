@@ -6,6 +6,7 @@ joints turn the body away from its driver's axis: |p| is not 1 or does not stay 
 position, or the rates are no motion.
 """
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +14,6 @@ import numpy as np
 from ...errors import AnalysisError, Fault, ModelError
 from ...model.arrays.kinematic import kinematic_arrays
 from ...model.mechanism import Driver, Mechanism
-from ...quick_dataclass import replace
 from ..projection import RESIDUAL_MET
 from ..singular.mobility import mobility
 from .assembly import assemble_by_search

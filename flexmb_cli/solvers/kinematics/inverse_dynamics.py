@@ -1,6 +1,7 @@
 """Inverse dynamics: reactions and driver efforts of the motion that the drivers prescribe."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import fields, replace
 from itertools import chain
 
 import numpy as np
@@ -10,7 +11,6 @@ from ...kernels.constrained.accelerations import choose_order, evaluate_jacobian
 from ...kernels.constrained.report import Report, observe_rows
 from ...model.arrays.dynamic import dynamic_arrays
 from ...model.loads import DynamicModel
-from ...quick_dataclass import fields, replace
 from ..checkpoint import arrays_in, fill_arrays
 from ..constrained.coinciding_ends import refuse_coinciding_ends
 from ..constrained.rows import DynamicRows, body_axes, dynamic_rows

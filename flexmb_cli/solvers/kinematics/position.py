@@ -1,5 +1,6 @@
 """One position of a mechanism: residuals and Jacobian as matrices, with the names of their rows."""
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -8,7 +9,6 @@ from ...kernels.kinematics import constraints as equations
 from ...kernels.kinematics.newton import System, Work, evaluate_position
 from ...kernels.linalg.rotation import A
 from ...model.arrays.kinematic import KinematicArrays
-from ...quick_dataclass import dataclass
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix

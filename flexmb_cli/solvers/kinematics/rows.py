@@ -1,9 +1,10 @@
 """Report rows: what an analysis of a mechanism delivers, block by block, to the writers."""
 
+from dataclasses import dataclass, fields
+
 import numpy as np
 
 from ...model.mechanism import Mechanism
-from ...quick_dataclass import dataclass, fields
 
 
 @dataclass(frozen=True)

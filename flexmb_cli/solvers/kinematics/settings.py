@@ -1,6 +1,6 @@
 """Solver settings of a kinematic analysis that a user may override."""
 
-from ...quick_dataclass import dataclass
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """Eigenfrequencies and damping of the linearised motion of a mechanism, and its absolute formulation."""
 
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,9 +11,9 @@ from ...kernels.constrained.angle_unwrapping import EXPECTED
 from ...kernels.constrained.projection import project_position, project_speeds, rate_gap
 from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import GAMMA, NO_INERTIA, SOLVED
-from ...quick_dataclass import dataclass, replace
 from ..constrained.analysis import LinearisableMotion
 from ..constrained.start import inertia_failure
+from ..constrained.system import dense_jacobian
 from .joint_coordinates import AXES, OWN, JointCoordinates
 from .motion import DIFFERENCE_STEP, LinearisedMotion, differentiated
 
@@ -74,7 +75,7 @@ class ConstrainedLinearised(LinearisedMotion):
         self.coordinates = JointCoordinates(arrays, axes)
         self.rate = self._rates(self.q, self.u, self.t)
         L, work = self.coordinates.functionals(self.q), analysis.work
-        jacobian = work.jacobian.copy()
+        jacobian = dense_jacobian(work)
         chosen = self.coordinates.independent(L, jacobian, int(work.rank[0])) if free is None else free
         self.free, self.L = chosen, L[chosen]
         self.Z = self._motions(self.L)

@@ -6,11 +6,11 @@ drivers and loads, the outputs those of points, joints and drivers.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ...quick_dataclass import dataclass
 from .motion import CONSTANT, DIFFERENCE_STEP, LinearisedMotion, differentiated
 
 ADMISSIBLE = 1e-6  # share of a prescribed rate that equations or loops may fail to follow

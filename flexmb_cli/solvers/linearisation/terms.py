@@ -1,9 +1,10 @@
 """Names of inputs and outputs of a linearised mechanism in the terms of its dialect."""
 
+from dataclasses import dataclass
+
 from ...model.flexible_mechanism import NodePoint
 from ...model.joint_elements import JointElements
 from ...model.laws import MOTOR, parts_in_arrays
-from ...quick_dataclass import dataclass
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,9 @@ from ...model.arrays.tree import REPEATED
 from ...model.arrays.tree_frames import rotation_matrix
 from ...model.equations import DEPENDENT
 from ...model.tree import ROTATION, Tree
-from ..tree.analysis import TreeAnalysis, breakpoints, set_functions
+from ..tree.analysis import TreeAnalysis, set_functions
 from ..tree.assembly import assemble_tree
+from ..tree.breakpoints import breakpoints
 from .joint_coordinates import OWN, PARENT, PREFERENCE, dependent_columns
 from .motion import DIFFERENCE_STEP, LinearisedMotion, differentiated
 

@@ -8,13 +8,13 @@ coordinates.  Points and vectors are linear in them, and all equations are linea
 The second formulation of `verify`: it shares no equation with the kernels.
 """
 
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...errors import Fault, ModelError
 from ...model.mechanism import Driver, Mechanism
-from ...quick_dataclass import dataclass, field
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -4,6 +4,7 @@ Kinematics: Newton steps on Φ(X, t), rates and accelerations by linear least sq
 mass matrix that is constant, M dV/dt = Q + Jᵀ λ, J dV/dt = γ, integrated by SciPy's DOP853 from row to row.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,6 @@ from ...model.arrays.dynamic import inertia_matrix
 from ...model.equations import DEPENDENT
 from ...model.loads import DynamicModel
 from ...model.mechanism import Mechanism
-from ...quick_dataclass import dataclass
 from .equations import SIZE, natural_equations, point, rotation_of, vector
 
 EQUATIONS_MET = 1e-13

@@ -6,7 +6,7 @@ value that counts, which are then sought between the rows.
 
 from bisect import insort
 from collections.abc import Iterator, Mapping
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -54,11 +54,16 @@ class PassedDynamicSingularities(PassedSingularities):
         small = 0 < work <= MOST_WORK and not is_large(arrays)
         super().__init__(analysis.warnings, arrays.equations, small)
         self.analysis = analysis
-        self.gaps = PositionGaps(arrays, analysis.system, new_work(arrays))
         self.stride = max(1, analysis.grid.rows // LOOKS)
         self.seen: list[Row] = []
         self.row = 0
         self.sorted: list[float] = []  # the values seen
+
+    @cached_property
+    def gaps(self) -> PositionGaps:
+        """Residuals and Jacobians between the rows, by a work of their own."""
+        arrays = self.analysis.arrays
+        return PositionGaps(arrays, self.analysis.system, new_work(arrays))
 
     @property
     def checkpoint(self) -> dict[str, np.ndarray]:

@@ -1,5 +1,6 @@
 """Reasons that a mechanism cannot be assembled or moved: gaps, redundant equations and free motions."""
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -7,7 +8,6 @@ import numpy as np
 from ...errors import Fault
 from ...model.by_size import by_size, first_of_largest
 from ...model.equations import DEPENDENT, Equation
-from ...quick_dataclass import dataclass
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g
 from ..projection import RESIDUAL_MET, Corrections, Instant, project

@@ -4,6 +4,7 @@ Equations that repeat others where the loop is exact contradict them by a little
 position and the motion; along what the small singular values stand for nothing is corrected.
 """
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,9 +13,9 @@ from ...errors import AnalysisError, Fault
 from ...kernels.constrained.accelerations import choose_order
 from ...model.by_size import first_of_largest
 from ...model.equations import DEPENDENT
-from ...quick_dataclass import dataclass
 from ..assembly import LOOSEST, TO_GAP, Sized, nearest_of
 from ..constrained.large_start import is_large
+from ..constrained.system import dense_jacobian
 from ..projection import RESIDUAL_MET, Corrections, Instant, Position, largest, project, shortened
 from .mobility import PROBE, Gap, about, gap_norms, worst_gaps
 
@@ -108,7 +109,7 @@ def choose_far_apart(work: "Work", rank: int) -> int:
 
     What is left of the gap in the others grows as those chosen come to depend.  Overwrites the Jacobian.
     """
-    left, kept = work.jacobian.copy(), []
+    left, kept = dense_jacobian(work), []
     for _ in range(rank):
         kept.append(first_of_largest(np.linalg.norm(left, axis=1)))
         direction = left[kept[-1]] / np.linalg.norm(left[kept[-1]])
@@ -119,7 +120,7 @@ def choose_far_apart(work: "Work", rank: int) -> int:
 
 def independence(work: "Work") -> float:
     """Return the least singular value of the equations chosen; its inverse amplifies the gap left."""
-    kept = work.jacobian[work.order[: work.rank[0]]]
+    kept = dense_jacobian(work)[work.order[: work.rank[0]]]
     return float(np.linalg.svd(kept, compute_uv=False)[-1])
 
 

@@ -12,13 +12,13 @@ cross; what differs is handed in by a subclass:
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...errors import Fault
 from ...model.equations import Equation
-from ...quick_dataclass import dataclass
 from .weakest import Conditioning, SingularityNotes, weakest_owners
 
 MOST_THIRDS = 40  # by which an interval with a minimum is narrowed

@@ -9,7 +9,7 @@ from ...kernels.constrained.speeds import move
 from ...model.equations import DEPENDENT
 from ..constrained.large_start import is_large, sparse_jacobian
 from ..constrained.position import PositionGaps
-from ..constrained.system import new_work
+from ..constrained.system import dense_jacobian, new_work
 from .sparse_rank import order_of_pivots, sparse_conditioning
 from .weakest import NEARLY_SINGULAR, Conditioning, conditioning_of, weakest_owners
 
@@ -50,7 +50,7 @@ def weakest_of_speeds(analysis: "ConstrainedMotion", state: np.ndarray) -> "tupl
         return 1.0, []
     large = is_large(analysis.arrays)
     weak = conditioning_of_speeds(
-        analysis, sparse_jacobian(analysis.work) if large else analysis.work.jacobian
+        analysis, sparse_jacobian(analysis.work) if large else dense_jacobian(analysis.work)
     )
     return weak.condition, weakest_owners(analysis.arrays.equations, weak.combination, MOST_REPORTED)
 
@@ -87,7 +87,7 @@ def has_gained_rank(analysis: "ConstrainedMotion") -> bool:
     rank = int(analysis.work.rank[0])
     if is_large(analysis.arrays):
         return order_of_pivots(sparse_jacobian(analysis.work))[1] > rank
-    values = np.linalg.svd(analysis.work.jacobian, compute_uv=False)
+    values = np.linalg.svd(dense_jacobian(analysis.work), compute_uv=False)
     return bool(len(values) > rank and values[rank] > values[0] / SINGULAR_CONDITION**2)
 
 
@@ -103,11 +103,11 @@ def repeating_here_only(analysis: "ConstrainedMotion") -> "list[Equation]":
     if not np.all(np.isfinite(q)) or not arrays.equations or is_large(arrays):
         return []
     evaluate_jacobian(analysis.system, work, q)
-    free = np.linalg.svd(work.jacobian)[2][rank:]
+    free = np.linalg.svd(dense_jacobian(work))[2][rank:]
     motion = np.random.default_rng(0).uniform(-1.0, 1.0, len(free)) @ free
     move(arrays.bodies, q, BESIDE * motion * arrays.speed_scale)
     evaluate_jacobian(analysis.system, work, q)
-    left, values, _ = np.linalg.svd(work.jacobian)
+    left, values, _ = np.linalg.svd(dense_jacobian(work))
     if len(values) > rank and values[rank] > values[0] / SINGULAR_CONDITION**2:
         return weakest_owners(arrays.equations, left[:, rank], MOST_REPORTED)
     return []

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...kernels.linalg.pivot_order import choose_entries
+from ...kernels.linalg.local_order import choose_local
 from ...model.by_size import by_size
 from .mobility import NAMED, Mobility
 from .weakest import Conditioning
@@ -33,7 +33,6 @@ def order_of_pivots(matrix: "csr_matrix") -> tuple[np.ndarray, int]:
     """Return rows, then columns (m + n,) of a sparse matrix in the order of pivots, and its rank."""
     matrix = matrix.tocsr(copy=True)
     matrix.sum_duplicates()
-    matrix.eliminate_zeros()
     m, n = matrix.shape
     counts = np.diff(matrix.indptr).astype(np.int64)
     rows = np.repeat(np.arange(m), counts)
@@ -41,7 +40,7 @@ def order_of_pivots(matrix: "csr_matrix") -> tuple[np.ndarray, int]:
     columns, values = (np.zeros((m, int(counts.max(initial=1))), kind) for kind in (np.int64, float))
     columns[rows, own], values[rows, own] = matrix.indices, matrix.data
     order = np.zeros(m + n, np.int64)
-    return order, choose_entries(counts, columns, values, order, min(m, n))
+    return order, choose_local(counts, columns, values, order, min(m, n))
 
 
 def sparse_mobility(

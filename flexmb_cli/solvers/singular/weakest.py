@@ -3,13 +3,13 @@
 The same for kinematics, whose Jacobian is that of coordinates, and for dynamics, whose Jacobian is of speeds.
 """
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...errors import Fault
 from ...model.by_size import by_size
-from ...quick_dataclass import dataclass
 from .mobility import about
 
 if TYPE_CHECKING:

@@ -16,15 +16,12 @@ from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.report import Report
 from ...kernels.tree.work import FRAME_WORK, tree_work
 from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
-from ...model.inertia_checks import uneven_masses
-from ...model.integrators import steps_at_limit
+from ...model.integrators import LIBRARY_TREE_METHODS, steps_at_limit
 from ...model.joint_elements import names_of
-from ...model.laws import MOTOR
-from ...model.time_checks import times_apart
-from ...model.time_functions import corners
 from ...model.tree import Table, Tree
 from ..checkpoint import row_of, taken, taken_clock
 from .assembly import assemble_tree, pivot_shares, stray
+from .breakpoints import breakpoints, refuse_jumps, why_no_step
 from .rows import TreeRows, motion_by_recursion, rows_of_tree
 
 # Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
@@ -74,7 +71,7 @@ class TreeAnalysis:
 
         The same steps follow.  The integrators of scipy keep a memory of steps: with them it is the last
         breakpoint.  `clock` is one record of CLOCK, `state` (n,) the state at that time,
-        with DOP853 in the axes of its steps, `attitude` (N, 4) the Euler parameters of the last row, whose
+        in the axes of the steps, `attitude` (N, 4) the Euler parameters of the last row, whose
         signs the next ones continue.
         """
         assert self.attitude is not None, "rows have been yielded"
@@ -128,23 +125,38 @@ class TreeAnalysis:
         """
         grid = self.tree.time
         end = grid.time(grid.rows - 1)
+        refuse_jumps(self.tree)
         for stop in [*breakpoints(self.tree, float(self.clock["t"][0]), end), end]:
             self._start_interval(stop)
-            method = self.tree.integration.method
-            if method == "dop853":
-                try:
-                    yield from self.rows_of_steps(self.integrate_rows)
-                finally:
+            try:
+                yield from self._rows_up_to(stop)
+            finally:
+                if self.in_body_axes:
                     self.call(tree_dop853.LEAVE_STEPS)
-            elif method == "sdirk4":
-                from .implicit import implicit_rows
-
-                yield from implicit_rows(self)
-            else:
-                from .scipy_integrators import library_rows
-
-                yield from library_rows(self, stop)
+            if self.tree.closures and self.tree.integration.method in LIBRARY_TREE_METHODS:
+                self.call(tree_dop853.CLOSE)
         self.warnings += steps_at_limit(self.clock[0], "--method sdirk4 or radau (METH 4, 2)")
+
+    @property
+    def in_body_axes(self) -> bool:
+        """Return whether steps hold speeds of three free rotations in axes of their body."""
+        return self.tree.integration.method != "sdirk4"
+
+    def _rows_up_to(self, stop: float) -> Iterator[TreeRows]:
+        method = self.tree.integration.method
+        if method == "dop853":
+            return self.rows_of_steps(self.integrate_rows)
+        if method == "sdirk4":
+            from .implicit import implicit_rows
+
+            return implicit_rows(self)
+        from .scipy_integrators import library_rows
+
+        return library_rows(self, stop)
+
+    def evaluate(self) -> int:
+        """Evaluate the equations at the state, as steps hold it; return the code of the kernel."""
+        return self.call(tree_dop853.GO_ON_STEPS if self.in_body_axes else GO_ON)
 
     def rows_of_steps(self, integrate_rows: Callable[..., Any]) -> Iterator[TreeRows]:
         """Yield report rows up to the next breakpoint by a compiled integrator, `integrate_rows(report)`."""
@@ -235,10 +247,8 @@ class TreeAnalysis:
         self.clock["stop"] = stop
         if self.row == 0 and not self.resumed:
             assemble_tree(self)
-        begin, go_on = codes.BEGIN, tree_dop853.GO_ON
-        if self.tree.integration.method == "dop853":
-            begin, go_on = tree_dop853.BEGIN_STEPS, tree_dop853.GO_ON_STEPS
-        code = self.call(go_on if self.resumed else begin)
+        begin = tree_dop853.BEGIN_STEPS if self.in_body_axes else codes.BEGIN
+        code = self.evaluate() if self.resumed else self.call(begin)
         self.resumed = False
         self.integration.old[:] = self.integration.z
         if code == codes.NO_INERTIA:
@@ -283,7 +293,7 @@ class TreeAnalysis:
             self.state[:] = z + share * ahead
             if not np.isfinite(self.state).all():
                 break
-            self.call(GO_ON)
+            self.evaluate()
             if failure := lost_force(self.tree, self.arrays.answers, t):
                 break
             if not ahead.any():
@@ -296,15 +306,6 @@ def initial_state(tree: Tree) -> np.ndarray:
     """State (n,) at the start: speeds, coordinates, Euler parameters, works of elements, applied work."""
     works = np.zeros(1 + len(list(names_of(tree.elements))))
     return np.concatenate([tree.y, tree.q, initial_attitudes(tree).ravel(), works])
-
-
-def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
-    """Times inside (start, end) at which a function of the tree jumps or bends."""
-    times = {t for torque in tree.torques for t in torque.function.times}
-    functions = [item["function"] for item in tree.elements.of(MOTOR)]
-    functions += [item.function for item in tree.elements.drivers]
-    times |= {t for function in functions for t in corners(function)}
-    return times_apart(times, start, end)
 
 
 def set_functions(tree: Tree, arrays: TreeArrays, begin: float, end: float) -> None:
@@ -347,10 +348,6 @@ def _step_vanished(tree: Tree, t: float, step: float, worst: int) -> Fault:
     kind = "speed" if worst < n else "coordinate"
     message = (
         f"at t = {t:.6g} s the step length fell to {step:.1e} s; the {kind} with the largest error is "
-        f"'{name}'; "
-        + (
-            uneven_masses([one.mass for one in tree.bodies])
-            or "the motion or a load grows without bound there, or the tolerance is finer than round-off"
-        )
+        f"'{name}'; {why_no_step(tree, t)}"
     )
     return Fault("error", message, place, tree.bodies[c.body].name if c else "", id="SOLVE-026")

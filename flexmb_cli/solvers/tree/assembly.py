@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 
 MOST_ITERATIONS = 40
+SETTLING = 2  # corrections of the limit of repeated equations by the gap that it leaves
 
 
 def assemble_tree(analysis: "TreeAnalysis") -> None:
@@ -72,10 +73,13 @@ def _close_nearly(analysis: "TreeAnalysis", failure: AnalysisError) -> Fault:
     size = loop_size(tree)
     start, allowed = analysis.state.copy(), tree.loop_tolerance * size
     for tolerance in (tree.loop_tolerance, LOOSEST):
-        rows["repeated"] = max(REPEATED, (TO_GAP * tolerance) ** 2)
         for kept in (_kept(tree, arrays), arrays.given):
             analysis.state[:] = start
-            gap = _close(analysis, kept)
+            gap = tolerance * size
+            for _ in range(SETTLING):
+                # A wider limit than the gap needs would leave out equations that move bodies.
+                rows["repeated"] = max(REPEATED, (TO_GAP * min(gap / size, tolerance)) ** 2)
+                gap = _close(analysis, kept)
             is_open = np.abs(rows["gap"]) > ASSEMBLED_GAP
             if gap > LOOSEST * size or pivot_shares(arrays)[is_open].any():
                 continue

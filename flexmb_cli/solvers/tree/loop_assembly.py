@@ -5,6 +5,7 @@ what is prescribed does.  A gap and its rate are (p_a - p_b) · d and d · (v_a 
 closed direction of body b; the rates at single unit speeds are the columns of the Jacobian.
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,11 +15,12 @@ from ...model.equations import DEPENDENT
 from ...model.tree import ASSEMBLED_GAP, ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from ...model.tree_as_mechanism.frames import Frames, shape_of
 from ...model.tree_as_mechanism.poses import STILL, Pose, elastic_start, first_poses
-from ...quick_dataclass import replace
+from ...model.vectors import cross
 from ..assembly import DAMPINGS, LOOSEST, NEAR, OTHER_STARTS, TO_GAP
 from ..levenberg_marquardt import least_squares
 
 MOST_STEPS = 40
+MOST_LEFT = 0.9  # of a gap by a step behind a search: more is left where a loop does not close
 LONGEST_MOVE = 0.5  # step of a coordinate, rad or m
 TREE_ASIDE = 0.5  # of the size, and rad: the largest distance of other starts
 
@@ -70,7 +72,9 @@ def nearest_closed(tree: Tree, frames: Frames, free: np.ndarray) -> tuple[Tree, 
         for _ in range(OTHER_STARTS)
     ]
     starts = [(tree, damping) for damping in DAMPINGS] + [(aside, DAMPINGS[0]) for aside in asides]
-    found = [_closed(_searched(start, frames, units, size, d), frames, free) for start, d in starts]
+    found = [
+        _closed(_searched(start, frames, units, size, d), frames, free, MOST_LEFT) for start, d in starts
+    ]
     closed = [one for one in found if _is_closed(one[1])]
     if not closed:
         return min(found, key=lambda one: float(np.max(np.abs(one[1]))))
@@ -113,8 +117,11 @@ def _searched(tree: Tree, frames: Frames, units: np.ndarray, size: float, dampin
     return made
 
 
-def _closed(tree: Tree, frames: Frames, free: np.ndarray) -> tuple[Any, Any]:
-    """Newton's steps with the free coordinates as long as they help; the tree and its gaps."""
+def _closed(tree: Tree, frames: Frames, free: np.ndarray, most_left: float = np.inf) -> tuple[Any, Any]:
+    """Newton's steps with the free coordinates as long as they help; the tree and its gaps.
+
+    `most_left`: part of the gaps that a step may leave.
+    """
     gaps, _ = _gaps_and_rates(tree, frames)
     for _ in range(MOST_STEPS):
         step = np.zeros(len(free))
@@ -122,7 +129,8 @@ def _closed(tree: Tree, frames: Frames, free: np.ndarray) -> tuple[Any, Any]:
         step *= min(1.0, LONGEST_MOVE / max(np.max(np.abs(step)), 1e-300))
         trial = _moved(tree, step)
         left, _ = _gaps_and_rates(trial, frames)
-        if np.max(np.abs(gaps)) <= ASSEMBLED_GAP and np.max(np.abs(left)) >= 0.5 * np.max(np.abs(gaps)):
+        before, after = (float(np.max(np.abs(x))) for x in (gaps, left))
+        if (before <= ASSEMBLED_GAP and after >= 0.5 * before) or after > most_left * before:
             break
         tree, gaps = trial, left
     return tree, gaps
@@ -157,7 +165,7 @@ def _turned(attitude: Any, turn: np.ndarray) -> tuple[Any, ...]:
     angle = np.linalg.norm(turn)
     c, s = np.cos(angle / 2), 0.5 * np.sinc(angle / (2 * np.pi)) * np.asarray(turn)
     e0, e = attitude[0], np.array(attitude[1:])
-    return (float(c * e0 - s @ e), *(c * e + e0 * s + np.cross(s, e)))
+    return (float(c * e0 - s @ e), *(c * e + e0 * s + cross(s, e)))
 
 
 def _gaps_and_rates(tree: Tree, frames: Frames) -> tuple[Any, Any]:
@@ -167,7 +175,7 @@ def _gaps_and_rates(tree: Tree, frames: Frames) -> tuple[Any, Any]:
         a = _point(tree, poses, closure.a, closure.a_point, closure.a_node)
         b = _point(tree, poses, closure.b, closure.b_point, closure.b_node)
         gap = a.r - b.r
-        rate = a.v - b.v - np.cross(b.w, gap)
+        rate = a.v - b.v - cross(b.w, gap)
         directions = b.A[:, [axis - 1 for axis in closure.directions]]
         gaps.append(gap @ directions)
         rates.append(rate @ directions)
@@ -185,7 +193,7 @@ def _point(tree: Tree, poses: list[Pose], body: Any, place: Any, node: Any) -> P
             shape_of(elastic, node) @ rate,
         )
     r = on.A @ body_vector
-    return Pose(on.r + r, on.A, on.v + np.cross(on.w, r) + on.A @ slide, on.w)
+    return Pose(on.r + r, on.A, on.v + cross(on.w, r) + on.A @ slide, on.w)
 
 
 def _failure(tree: Tree, gaps: np.ndarray) -> AnalysisError:

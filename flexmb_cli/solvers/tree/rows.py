@@ -1,5 +1,6 @@
 """Report rows of a tree: what a dynamic analysis delivers, block by block, to the writers."""
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -7,7 +8,6 @@ import numpy as np
 from ...kernels.tree.report import Report
 from ...model.arrays.tree import TreeArrays, body_frames
 from ...model.tree import ELASTIC, Tree
-from ...quick_dataclass import dataclass
 
 
 @dataclass(frozen=True, eq=False)

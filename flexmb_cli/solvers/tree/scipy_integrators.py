@@ -13,7 +13,7 @@ import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...kernels.integrators import clock as codes
-from ...kernels.integrators import tree_dop853
+from .breakpoints import why_no_step
 from .rows import TreeRows
 
 if TYPE_CHECKING:
@@ -55,17 +55,15 @@ def library_rows(analysis: "TreeAnalysis", stop: float) -> Iterator[TreeRows]:
         if steps % WATCHED == 0:
             # scipy continues with steps of any shortness where nothing can be resolved.
             if stop - solver.t > HOPELESS * (solver.t - mark):
-                raise _step_failure(solver.t, settings.method)
+                raise _step_failure(analysis, solver.t)
             mark = solver.t
         if solver.status == "failed":
             clock["t"], analysis.state[:] = solver.t, solver.y
-            raise analysis.force_failure() or _step_failure(solver.t, settings.method)
+            raise analysis.force_failure() or _step_failure(analysis, solver.t)
         times = analysis.due_times(solver.t)
         if times:
             yield analysis.observe(solver.dense_output(), times)
     clock["t"], analysis.state[:] = stop, solver.y
-    if analysis.tree.closures:
-        analysis.call(tree_dop853.CLOSE)
 
 
 def jacobian_of(slope: Callable[[float, np.ndarray], np.ndarray]) -> Callable[[float, np.ndarray], Any]:
@@ -85,18 +83,16 @@ def jacobian_of(slope: Callable[[float, np.ndarray], np.ndarray]) -> Callable[[f
 
 def _slope(analysis: "TreeAnalysis", t: float, z: np.ndarray) -> Any:
     analysis.clock["t"], analysis.state[:] = t, z
-    if analysis.call(tree_dop853.GO_ON) == codes.NO_INERTIA:
+    if analysis.evaluate() == codes.NO_INERTIA:
         raise analysis.failure()
     slope = analysis.integration.slopes[0].copy()
     # LSODA steps on where there is no slope.
     if analysis.tree.integration.method == "lsoda" and not np.isfinite(slope).all():
-        raise analysis.force_failure() or _step_failure(t, "lsoda")
+        raise analysis.force_failure() or _step_failure(analysis, t)
     return slope
 
 
-def _step_failure(t: float, method: Any) -> AnalysisError:
-    message = (
-        f"at t = {t:.6g} s {method} finds no step that meets the tolerance; the motion or a load grows "
-        "without bound there, or the tolerance is finer than round-off"
-    )
+def _step_failure(analysis: "TreeAnalysis", t: float) -> AnalysisError:
+    method, reason = analysis.tree.integration.method, why_no_step(analysis.tree, t)
+    message = f"at t = {t:.6g} s {method} finds no step that meets the tolerance; {reason}"
     return AnalysisError(Fault("error", message, id="SOLVE-030"), float(t))

@@ -1,11 +1,11 @@
 """Cards of functions and elements in FMBD.DAT: closed forms, and the same arm in a YOUNG deck."""
 
+from dataclasses import fields, replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from flexmb_cli.quick_dataclass import fields, replace
 from flexmb_cli.solvers.constrained.tree_element_rows import TreeElementRows
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from tests.dialects.dafms.dafms_decks import build, reported

@@ -4,6 +4,7 @@ The body is a truss of six nodes in all its modes.  Clamped at three nodes it ob
 solved here from the matrices alone.
 """
 
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,6 @@ from scipy.integrate import solve_ivp
 from flexmb_cli.dialects.vsdf.build import build_vsdf
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.model.vectors import rotation_matrix
-from flexmb_cli.quick_dataclass import fields
 from flexmb_cli.run.context import Run
 from flexmb_cli.run.mechanism_modes import Wish, flexible_modes
 from flexmb_cli.run.outcome import Listener, Outcome, RunOptions

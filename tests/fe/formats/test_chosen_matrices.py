@@ -3,10 +3,19 @@
 Expected: frequencies of scipy.linalg.eigh of the numbers in tests/fe/formats/bar.
 """
 
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from scipy.linalg import eigh
 
+from flexmb_cli.cli.check import check
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.vsdf.build import build_vsdf
+from flexmb_cli.dialects.vsdf.reader import read_vsdf
+from flexmb_cli.fe.formats.formats import read_matrix
 from tests.fe.formats.bar_files import (
     FREQUENCIES,
     MASS,
@@ -22,6 +31,7 @@ from tests.fe.formats.bar_files import (
     refused,
 )
 
+DECKS = Path(__file__).resolve().parents[3] / "decks"
 LOADS = np.arange(1.0, 97.0).reshape(48, 2)
 HALF = K[:24, :24]
 COMPANIONS = dmig("VAX", LOADS, 9) + dmig("MUG1T", LOADS, 9) + dmig("K4AAX", 0.02 * K)
@@ -150,3 +160,35 @@ def test_two_op4_matrices_of_one_name_are_refused(tmp_path):
 def test_a_format_without_names_refuses_one(tmp_path):
     said = refused(tmp_path, ("MM", market(M)), ("MM", market(K)), cards=NAMES)
     assert "matrices of format MM have no names; remove kmesh2 from card FEMX" in said
+
+
+def test_a_geometric_stiffness_is_the_one_named_or_the_one_of_kind_k(tmp_path):
+    text = op4_text("PA", 2 * K) + op4_text("DIFF", K) + op4_text("KDJJ", M)
+    (tmp_path / "g.op4").write_text(text)
+    for name, expected in (("diff", K), ("", M)):
+        found = read_matrix(tmp_path / "g.op4", "OP4", "G", name=name)
+        dense = np.zeros_like(K)
+        dense[found.rows, found.columns] = found.values
+        assert dense == pytest.approx(expected, rel=1e-15)
+
+
+def test_the_card_names_the_geometric_stiffness_of_unit_loads(tmp_path):
+    supplied = (DECKS / "vsdf/spinup.vsdf").read_text()
+    text = supplied.replace(" MM   fe/spinup_KG", " OP4  fe/spinup_KG").replace(
+        "NSET\n", "FEMX\n    1 KG   KDIFF\nNSET\n", 1
+    )
+    (tmp_path / "fe").mkdir()
+    shutil.copy(DECKS / "vsdf/fe/spinup_nodes.txt", tmp_path / "fe")
+    (tmp_path / "x.vsdf").write_text(text)
+    model, _ = build_vsdf(read_vsdf(read_text(tmp_path / "x.vsdf")), tmp_path)
+    loads = model.bodies[0].flexible.unit_loads
+    assert [load.file.matrix for load in loads] == ["KDIFF", "KDIFF"]
+
+
+def test_echo_shows_the_names_and_set_says_that_it_changes_numbers_only(tmp_path):
+    bar_of(tmp_path, ("DMIG", SEVERAL), ("DMIG", SEVERAL), cards=NAMES)
+    done = CliRunner().invoke(check, [str(tmp_path / "x.vsdf"), "--echo"])
+    assert "matrix_name.1.name       kmesh2  -     name of the matrix that is meant" in done.output
+    done = CliRunner().invoke(check, [str(tmp_path / "x.vsdf"), "--set", "matrix_name.1.name=KMESH1"])
+    assert done.exit_code == 2
+    assert "matrix_name.1.name must be a number; read 'KMESH1'" in done.output

@@ -20,6 +20,7 @@ from flexmb_cli.model.flexible_mechanism import PointForce
 from flexmb_cli.model.joints import ANGLE, STROKE
 from flexmb_cli.model.laws import At, Line, spring
 from flexmb_cli.model.time_functions import Motion, MotionFunction, table_function
+from flexmb_cli.solvers.constrained.system import dense_jacobian
 from tests.dialects.vsdf.mechanisms import (
     KINDS,
     SINE,
@@ -60,7 +61,7 @@ def assert_rows_and_right_sides(analysis, moves_time=False):
     residual(analysis, q)
     analysis.arrays.angles[:] = analysis.screw_angles(q)
     evaluate_jacobian(analysis.system, analysis.work, q)
-    J = analysis.work.jacobian * analysis.arrays.row_scale[:, None] / analysis.arrays.speed_scale
+    J = dense_jacobian(analysis.work) * analysis.arrays.row_scale[:, None] / analysis.arrays.speed_scale
     nu = np.zeros(len(J))
     fill_nu(analysis.system, 0.7, nu)
     found = J @ u - (nu if moves_time else 0.0)

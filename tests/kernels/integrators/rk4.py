@@ -35,7 +35,7 @@ def new_integration(work, angles, works):
 
     The works of the first `works` loads are kept, behind the work of all loads.
     """
-    counted = 2 * work.jacobian.shape[1] + work.mass.shape[0]
+    counted = 2 * work.motions.shape[0] + work.mass.shape[0]
     n = counted + 1 + works
     states = [np.zeros(n) for _ in range(3)]
     slopes, dense = np.zeros((END + 1, n)), np.zeros((2, n))

@@ -5,7 +5,7 @@ import numpy as np
 from flexmb_cli.kernels._jit import interpreting
 from flexmb_cli.kernels.integrators.clock import leads_over, new_clock
 from flexmb_cli.kernels.integrators.generalised_alpha import MEMORY
-from flexmb_cli.kernels.integrators.generalised_alpha_control import next_length, retreat
+from flexmb_cli.kernels.integrators.generalised_alpha_step import next_length, retreat
 
 
 def test_another_try_is_always_shorter():

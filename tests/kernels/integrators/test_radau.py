@@ -10,10 +10,8 @@ from flexmb_cli.kernels.constrained.report import NOW, TRIED, coordinates_and_sp
 from flexmb_cli.kernels.constrained.speeds import coordinate_accelerations, coordinate_rates, speeds_of_rates
 from flexmb_cli.kernels.constrained.system import SOLVED
 from flexmb_cli.kernels.integrators import radau5
-from flexmb_cli.kernels.integrators.radau5 import _attempt
-from flexmb_cli.kernels.integrators.radau5_singular_step import _bend, _spread_power
-from flexmb_cli.kernels.integrators.radau5_step import START, place_stages
-from flexmb_cli.kernels.integrators.radau5_table import COMPLEX, REAL, TIMES, WEIGHTS
+from flexmb_cli.kernels.integrators.radau5 import _attempt, _bend, _spread_power
+from flexmb_cli.kernels.integrators.radau5_step import COMPLEX, REAL, START, TIMES, WEIGHTS, place_stages
 from flexmb_cli.kernels.laws import ANSWER_COLUMNS, DAMPING, STIFFNESS
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
@@ -173,5 +171,5 @@ def test_a_step_that_ends_where_a_pivot_has_vanished_is_tried_again_with_half_it
         analysis.start()
         integration, system, work = analysis.integration, analysis.system, analysis.work
         assert _attempt(integration, 1e-3, system, work) > 0.0
-        integration.memory["branching"] = 2.0 * np.abs(np.diag(work.factors)[: work.rank[0]]).max()
+        integration.memory["branching"] = 2.0 * np.abs(work.diagonal[: work.rank[0]]).max()
         assert _attempt(integration, 1e-3, system, work) == -0.5

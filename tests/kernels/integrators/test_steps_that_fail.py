@@ -90,8 +90,8 @@ def test_a_pivot_that_has_declined_evenly_vanishes_when_the_line_through_it_does
     with interpreting():
         analysis = started(ROTOR, ONE)
         clock, work = analysis.integration.clock[0], analysis.work
-        work.pivots[:] = np.diag(work.factors)
+        work.pivots[:] = work.diagonal
         clock["pivot_order"], clock["pivot_time"], clock["t"] = work.quality[0], 0.5, 0.7
         assert _expected(clock, work) == math.inf
-        work.factors[2, 2] *= 0.6
+        work.diagonal[2] *= 0.6
         assert _expected(clock, work) == pytest.approx(0.3, rel=1e-12)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from flexmb_cli.kernels.linalg.local_order import choose_local
 from flexmb_cli.kernels.linalg.lu import GOOD_ENOUGH
 from flexmb_cli.kernels.linalg.pivot_order import RANK_TOLERANCE, choose
 
@@ -41,6 +42,12 @@ def chained_rows(random, bodies, per_body=6):
     return J
 
 
+def entries_of(J):
+    """Numbers of entries of each row, their columns and values."""
+    order = np.argsort(J == 0.0, axis=1, kind="stable")
+    return np.count_nonzero(J, axis=1), order, np.take_along_axis(J, order, axis=1)
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_the_order_is_that_of_dense_elimination(seed):
     """Small integers cancel to zeros, and many costs are equal: every rule for ties is used."""
@@ -48,6 +55,28 @@ def test_the_order_is_that_of_dense_elimination(seed):
     order = np.zeros(sum(J.shape), np.int64)
     for most in (len(J), 9):
         wanted, rank = dense_order(J, most)
-        assert choose(J, order, most) == rank
+        assert choose(*entries_of(J), order, most) == rank
         assert order.tolist() == wanted
     assert rank == 9 and np.linalg.matrix_rank(J) == dense_order(J, len(J))[1]
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("most", [99, 20])
+def test_the_local_order_finds_the_rank_and_independent_rows(seed, most):
+    """Zeros among the entries count, and the leading block has an inverse that numpy finds."""
+    random = np.random.default_rng(seed)
+    J = chained_rows(random, 9) + 0.0
+    J[-2] = J[1] - 2.0 * J[5]
+    columns = np.array(
+        [[k for k in range(J.shape[1]) if 6 * (i // 5) <= k < 6 * (i // 5) + 12] for i in range(43)]
+    )
+    columns = np.vstack([columns, [range(12), range(12)]])[: len(J)]
+    J[-2], J[-1] = J[1] - 2.0 * J[3], J[0]
+    m, n = J.shape
+    order = np.zeros(m + n, np.int64)
+    values = np.take_along_axis(J, columns, axis=1)
+    assert np.count_nonzero(values) == np.count_nonzero(J)
+    rank = choose_local(np.full(m, 12), columns.copy(), values, order, most)
+    assert rank == min(most, np.linalg.matrix_rank(J, 1e-9))
+    assert sorted(order[:m]) == list(range(m)) and sorted(order[m:]) == list(range(n))
+    assert np.linalg.cond(J[np.ix_(order[:rank], order[m : m + rank])]) < 1e5

@@ -9,12 +9,32 @@ from flexmb_cli.kernels.linalg.cholesky import cholesky, cholesky_solve, cholesk
 from flexmb_cli.kernels.linalg.complex_ldl import factorise_symmetric, solve_symmetric
 from flexmb_cli.kernels.linalg.pivot_order import choose
 from flexmb_cli.kernels.linalg.row_products import product, subtract_multiple
+from flexmb_cli.kernels.linalg.sparse_rows import Factors
 
 N = 7
 
 
 def random_matrices(seed, count=1):
     return np.random.default_rng(seed).normal(size=(count, N, N))
+
+
+def entries_of(J):
+    """Numbers of entries of each row of J (m, n), their columns and values: arguments of `choose`."""
+    order = np.argsort(J == 0.0, axis=1, kind="stable")
+    return np.count_nonzero(J, axis=1), order, np.take_along_axis(J, order, axis=1)
+
+
+def blank_factors(m, n):
+    return Factors(np.zeros(m * n), np.zeros(m * n, np.int64), np.zeros((m, 4), np.int64), np.zeros(m))
+
+
+def matrix_of(factors, rank, n):
+    """L below the diagonal, U and what stands behind it, of the first `rank` rows."""
+    found = np.zeros((rank, n))
+    for i, (first, _, _, end) in enumerate(factors.ends[:rank]):
+        found[i, factors.places[first:end]] = factors.values[first:end]
+        found[i, i] = factors.diagonal[i]
+    return found
 
 
 def definite(matrix):
@@ -55,25 +75,25 @@ def test_independent_rows_are_found_and_solved(seed):
     J = random_matrices(seed)[0][:5]
     J[4] = J[0] + 2.0 * J[3]
     m, n, rank = *J.shape, 4
-    order, factors, motions = np.zeros(m + n, np.int64), np.zeros((m, n)), np.zeros((n, n))
-    assert choose(J, order, m) == rank
-    columns, entries = np.tile([n, *range(n)], (m, 1)), np.zeros((m, n + 2), np.int64)
-    assert rows.factorise(J, columns, order, rank, factors, entries) > 0.0
-    rows.free_motions(factors, entries, order, rank, m, motions)
+    order, factors, motions = np.zeros(m + n, np.int64), blank_factors(m, n), np.zeros((n, n))
+    assert choose(*entries_of(J), order, m) == rank
+    columns = np.tile([n, *range(n)], (m, 1))
+    assert rows.factorise(J, columns, order, rank, factors) > 0.0
+    rows.free_motions(factors, order, rank, motions)
     Z = motions[:, : n - rank]
     np.testing.assert_allclose(J @ Z, 0.0, atol=1e-12)
     np.testing.assert_allclose(Z[order[m + rank :]], np.eye(n - rank))
     x = np.full(n, np.nan)
     right_side = J @ np.arange(1.0, n + 1)
-    rows.dependent_speeds(factors, entries, order, rank, m, right_side, x)
+    rows.dependent_speeds(factors, order, rank, right_side, x)
     np.testing.assert_allclose(J @ x, right_side, rtol=1e-10)
     assert not x[order[m + rank :]].any()
     B = J[np.ix_(order[:rank], order[m : m + rank])]
     y = np.arange(1.0, rank + 1)
-    rows.transposed_solution(factors, entries, rank, y)
+    rows.transposed_solution(factors, rank, y)
     np.testing.assert_allclose(B.T @ y, np.arange(1.0, rank + 1), rtol=1e-10)
     pivots = np.abs(np.diag(np.linalg.qr(B)[1]))
-    assert np.prod(np.abs(np.diag(factors[:rank]))) == pytest.approx(np.prod(pivots), rel=1e-10)
+    assert np.prod(np.abs(factors.diagonal[:rank])) == pytest.approx(np.prod(pivots), rel=1e-10)
 
 
 def sparse_rows(random, columns, n):
@@ -95,37 +115,37 @@ def test_factors_of_sparse_rows_hold_nothing_of_other_rows_and_orders(seed):
     """Arrays serve again and again: what an earlier Jacobian and its order left must not be seen."""
     random, m, n = np.random.default_rng(seed), 12, 15
     columns = np.array([[5, *sorted(random.choice(n, 5, replace=False))] for _ in range(m)])
-    factors, entries, order = np.zeros((m, n)), np.zeros((m, n + 2), np.int64), np.zeros(m + n, np.int64)
+    factors, order = blank_factors(m, n), np.zeros(m + n, np.int64)
     for _ in range(4):
         J = sparse_rows(random, columns, n)
-        rank = choose(J, order, m)
+        rank = choose(*entries_of(J), order, m)
         assert rank == np.linalg.matrix_rank(J)
-        assert rows.factorise(J, columns, order, rank, factors, entries) > 0.0
+        compact = np.take_along_axis(J, columns[:, 1:], axis=1)
+        assert rows.factorise(compact, columns, order, rank, factors) > 0.0
         wanted = J[np.ix_(order[:rank], order[m:])]
-        np.testing.assert_allclose(product_of(factors, rank), wanted, atol=1e-13)
+        np.testing.assert_allclose(product_of(matrix_of(factors, rank, n), rank), wanted, atol=1e-13)
         for i in range(rank):
-            places = [*entries[i, 3 : entries[i, 2]], i]
-            assert sorted(places) == list(np.flatnonzero(factors[i]))
-            assert all(entries[i, 3 : entries[i, 0]] < i) and all(
-                entries[i, entries[i, 1] : entries[i, 2]] >= rank
-            )
+            first, right, behind, end = factors.ends[i]
+            assert np.all(factors.values[first:end] != 0.0)
+            assert all(factors.places[first:right] < i) and all(factors.places[behind:end] >= rank)
+            assert all((i < factors.places[right:behind]) & (factors.places[right:behind] < rank))
         y, x = random.uniform(-1.0, 1.0, rank), np.zeros(n)
         borne = y.copy()
-        rows.transposed_solution(factors, entries, rank, borne)
+        rows.transposed_solution(factors, rank, borne)
         np.testing.assert_allclose(wanted[:, :rank].T @ borne, y, atol=1e-12)
-        rows.dependent_speeds(factors, entries, order, rank, m, J @ np.ones(n), x)
+        rows.dependent_speeds(factors, order, rank, J @ np.ones(n), x)
         np.testing.assert_allclose(J @ x, J @ np.ones(n), atol=1e-12)
 
 
 def test_a_vanishing_pivot_is_told_and_those_before_it_are_right():
     J = np.array([[2.0, 1.0, 0.0], [4.0, 2.0, 3.0], [0.0, 5.0, 1.0]])
-    columns, order, factors = np.tile([3, 0, 1, 2], (3, 1)), np.array([0, 1, 2, 0, 1, 2]), np.zeros((3, 3))
-    entries = np.zeros((3, 5), np.int64)
-    assert rows.factorise(J, columns, order, 3, factors, entries) == 0.0
-    assert (factors[0, 0], factors[1, 1], factors[1, 0]) == (2.0, 0.0, 2.0)
+    columns, order, factors = np.tile([3, 0, 1, 2], (3, 1)), np.array([0, 1, 2, 0, 1, 2]), blank_factors(3, 3)
+    assert rows.factorise(J, columns, order, 3, factors) == 0.0
+    found = matrix_of(factors, 3, 3)
+    assert (found[0, 0], found[1, 1], found[1, 0]) == (2.0, 0.0, 2.0)
     J[1, 1] = 3.0
-    assert rows.factorise(J, columns, order, 3, factors, entries) > 0.0
-    np.testing.assert_allclose(product_of(factors, 3), J, atol=1e-14)
+    assert rows.factorise(J, columns, order, 3, factors) > 0.0
+    np.testing.assert_allclose(product_of(matrix_of(factors, 3, 3), 3), J, atol=1e-14)
 
 
 @pytest.mark.parametrize("count", [1, 4, 9])

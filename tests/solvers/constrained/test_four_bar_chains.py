@@ -79,7 +79,7 @@ def time_of_accelerations(count, tmp_path):
     system, work, q = analysis.system, analysis.work, turned(count, 1.3)
     evaluate_jacobian(system, work, q)
     choose_order(work, len(analysis.arrays.equations))
-    u, found = np.zeros((2, work.jacobian.shape[1])), []
+    u, found = np.zeros((2, work.motions.shape[0])), []
     for _ in range(30):
         begin = time.perf_counter()
         accelerations(system, work, q, u[0], 0.0, u[1])

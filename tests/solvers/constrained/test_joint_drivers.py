@@ -1,6 +1,7 @@
 """Drivers at joints and functions of time: a serial arm in closed form, power, inverse against forward."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,6 @@ from flexmb_cli.dialects.settings import apply_settings
 from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
 from flexmb_cli.errors import AnalysisError
 from flexmb_cli.model.joint_elements import JointElements
-from flexmb_cli.quick_dataclass import replace
 from flexmb_cli.solvers.constrained.driven_dynamics import DrivenDynamics
 from tests.solvers.constrained.dynamic_runs import run
 from tests.solvers.constrained.element_decks import ARM, ROTOR, SLIDER, TWO_ROTORS, model_of, rows_of

@@ -42,6 +42,7 @@ def factors(request, monkeypatch):
     if not getattr(request.node, "callspec", None) or request.node.callspec.params.get("dense", True):
         return
     monkeypatch.setattr(position, "DENSE_LIMIT", 0)
+    monkeypatch.setattr(analysis, "DENSE_ELIMINATION", 1)
 
 
 @SMALL_AND_LARGE

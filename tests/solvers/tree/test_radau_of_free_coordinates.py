@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import flexmb_cli
+from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.verify.verify import verify_deck
 from flexmb_cli.solvers.tree.scipy_integrators import jacobian_of
 
 CART = Path(__file__).parent / "radau.DAT"
@@ -30,6 +32,16 @@ def test_forces_of_a_cart_with_a_pendulum_keep_its_centre_of_mass(tmp_path):
         (tmp_path / name).write_text(deck)
         angle, place = flexmb_cli.solve(tmp_path / name)["coordinate/q"].T
         assert 3.0 * place + 0.5 * np.cos(angle) == pytest.approx(np.full(7, 0.5), abs=1e-3)
+
+
+def test_verify_of_a_cart_ends_by_the_steps_of_both_formulations(tmp_path):
+    """A spring in the hinge makes `verify` take Radau's method; the cart's place acts on nothing."""
+    spring = "HSPR\n    1\n    2    3       2.0       0.0       0.1       0.0    0    0\nMETH\n"
+    text = CART.read_text().replace("   80\n      20.0", "    3\n       1.0").replace("METH\n", spring)
+    (tmp_path / "radau.DAT").write_text(text)
+    found = verify_deck(str(tmp_path / "radau.DAT"), RunOptions(), 1e-9)
+    assert found.outcome.exit_code == 0, found.largest
+    assert {row.name for row in found.differences} >= {"translation coordinates", "element effort"}
 
 
 @pytest.mark.campaign

@@ -1,6 +1,7 @@
 """Functions of time, and elements at hinges and between bodies, of FMBD.DAT."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +14,6 @@ from ....model.joint_elements import Coupling
 from ....model.laws import FRICTION, MOTOR, Joint, motors_last
 from ....model.tree import INERTIAL, ROTATION, TRANSLATION, Body, Hinge, Tree
 from ....model.tree_as_mechanism.frames import shape_of
-from ....quick_dataclass import replace
 from ...joint_elements.build import (
     Cards,
     coupling,

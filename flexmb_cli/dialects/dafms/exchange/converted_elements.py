@@ -1,6 +1,7 @@
 """Elements at hinges and between bodies of a DAFMS deck in the terms of `model.exchange`."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from ....model.exchange.conversion import Conversion
@@ -8,7 +9,6 @@ from ....model.exchange.functions import moved
 from ....model.joint_elements import Coupling, JointDriver
 from ....model.joints import ANGLE, STROKE
 from ....model.tree import ROTATION, Tree
-from ....quick_dataclass import replace
 
 
 class ConvertedElements(Conversion):

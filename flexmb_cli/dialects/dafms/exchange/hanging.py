@@ -1,12 +1,12 @@
 """Suspension of a body in a tree that is written as a DAFMS deck: its hinge, and the frames O_k and P_k."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ....model.exchange.chain import Link
 from ....model.exchange.rigid_model import across
-from ....quick_dataclass import dataclass
 
 # Free rotations and translations of a hinge of each type; 0 is its axis, one of P_k.
 FREE = {

@@ -17,7 +17,7 @@ from ....model.exchange.shapes import shifted
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS
 from ....model.vectors import euler_parameters
-from .element_cards import ElementCards, integers
+from .element_lines import ElementLines, integers
 from .hanging import FREE, Hanging, hinge_frame
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     return "\n".join([*lines, "END ", "STAR", "STOP", *notes, ""]).replace("DFMB", f"DFMB {title}", 1)
 
 
-class _Deck(ElementCards):
+class _Deck(ElementLines):
     """Frames of the tree while its cards are made."""
 
     def __init__(self, model: RigidModel):

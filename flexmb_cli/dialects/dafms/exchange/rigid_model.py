@@ -1,6 +1,7 @@
 """Rigid model of a DAFMS deck, in the terms of `model.exchange`."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,7 +24,6 @@ from ....model.loads import AppliedForce, AppliedTorque
 from ....model.time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
 from ....model.tree import INERTIAL, ROTATION, TRANSLATION, Tree
 from ....model.vectors import rotation_matrix
-from ....quick_dataclass import dataclass, replace
 from ..shapes import exchanged_shapes
 from .converted_elements import ConvertedElements
 

@@ -7,6 +7,7 @@ from .columns import BODY, NODE
 
 JOINTS = tuple(DIALECT.joints)
 MOTIONS = (*TRANSLATIONS, *ROTATIONS, JOINT_TURN, JOINT_STROKE)
+_FACTOR = Column("table", "table or function of its factor, 0: constant", letter="I", names=True)
 
 JOINT_AND_LOAD_CARDS = (
     Card(
@@ -52,7 +53,7 @@ JOINT_AND_LOAD_CARDS = (
             whole_column(
                 "law", "1 polynomial, 2 spin-up, 3 sine, 4 table, 5 function, 6 rate by function", None
             ),
-            *(Column(f"c{k}", f"constant {k} of the law", "SI", default=0.0) for k in range(4)),
+            *(Column(f"c{k}", f"constant {k} of the law", "SI", default=0.0, names=k == 0) for k in range(4)),
         ),
     ),
     Card(
@@ -76,7 +77,7 @@ JOINT_AND_LOAD_CARDS = (
             NODE,
             *vector_columns("F", "force", "N"),
             whole_column("follows", "1: in axes of the body frame (FLEX: e1 from n1 to n2), else global"),
-            whole_column("table", "table or function of its factor, 0: constant"),
+            _FACTOR,
         ),
     ),
     Card(
@@ -88,7 +89,7 @@ JOINT_AND_LOAD_CARDS = (
             BODY,
             *vector_columns("M", "torque", "N m"),
             whole_column("follows", "1: in body axes, else global"),
-            whole_column("table", "table or function of its factor, 0: constant"),
+            _FACTOR,
         ),
     ),
     Card(

@@ -1,6 +1,8 @@
 """Functions of time, and elements at joints and between nodes, of a VSDF deck."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ....deck.record import Record
@@ -9,11 +11,14 @@ from ....model.diagnostics import Findings
 from ....model.fe_model import NodeJoint, Pin, VsdfBody
 from ....model.joint_elements import JointElements
 from ....model.mechanism import GROUND
-from ....quick_dataclass import replace
+from ...elements_block.build import joined
+from ...elements_block.function_lines import given_functions
 from ...joint_elements.build import JOINT_CARDS, sections_of
 from ...joint_elements.build import build_elements as elements_of
 from ...joint_elements.functions import Functions, GivenFunction
 from ...joint_elements.maker import JointMaker
+from ..block_elements import block_elements
+from ..block_elements import moved_pins as pins_of_blocks
 from ..joints import find_end
 from .cards import FUNCTION_KINDS, OF_TABLES
 
@@ -28,9 +33,12 @@ if TYPE_CHECKING:
 RUN_START = 0.0  # s, of every run
 
 
-def build_functions(values: DeckValues, tables: dict[int, Any], findings: Findings) -> Functions:
-    """The functions of the cards FUNC; `tables`: functions of the tables by their numbers."""
-    return Functions(_given(values, tables, findings), findings)
+def build_functions(
+    values: DeckValues, tables: dict[int, Any], lines: Sequence[Any], folder: Path, findings: Findings
+) -> Functions:
+    """The functions of the cards FUNC and of blocks; `tables`: functions of the tables by their numbers."""
+    given = [*_given(values, tables, findings), *given_functions(lines, folder, findings, tables)]
+    return Functions(given, findings)
 
 
 def _given(
@@ -71,6 +79,7 @@ def build_elements(
     bodies: Sequence[VsdfBody],
     ground: VsdfBody,
     joints: Sequence[NodeJoint],
+    lines: Sequence[Any],
     functions: Functions,
     findings: Findings,
 ) -> JointElements:
@@ -83,7 +92,8 @@ def build_elements(
         message = f"on is 0 or 1; read {output.at('on').text}"
         findings.error(output.subject, message, output.at("on").place, id="VSDF-102")
     reported = any(output["on"] == 1 for output in outputs)
-    return elements_of(maker, sections_of(values), JOINT_CARDS, reported=reported)
+    older = elements_of(maker, sections_of(values), JOINT_CARDS, reported=reported)
+    return joined(older, block_elements(lines, (bodies, ground, joints), functions, findings))
 
 
 class _Maker(JointMaker):
@@ -132,10 +142,10 @@ class _Maker(JointMaker):
 
 
 def moved_pins(
-    values: DeckValues, pins: tuple[Pin, ...], functions: Functions, findings: Findings
+    values: DeckValues, pins: tuple[Pin, ...], lines: Sequence[Any], functions: Functions, findings: Findings
 ) -> tuple[Pin, ...]:
-    """The pins, some of which the cards SUPP move."""
-    found = list(pins)
+    """The pins, some of which the cards SUPP and lines SUPPORT move."""
+    found = list(pins_of_blocks(lines, pins, len(values.section("pin")), functions, findings))
     seen: dict[int, str] = {}
     for record in values.section("support"):
         number = record.at("pin")

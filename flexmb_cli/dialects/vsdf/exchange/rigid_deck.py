@@ -12,10 +12,11 @@ from ....model.integrators import METHODS
 from ....model.joints import ANGLE
 from ....model.shapes import KINDS
 from ....model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE
+from ...elements_block.writer import block
 from ..cards import FINAL, SHAPES
 from ..joints import BY_WORD
 from ..motions import BY_FUNCTION, RATE_BY_FUNCTION
-from .element_cards import ElementCards, record
+from .element_lines import ElementLines, record
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,6 +36,7 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     """Return the deck's text; raises ModelError with all that VSDF does not know."""
     made = _Deck(model)
     cards = made.cards()
+    elements = made.element_lines()
     made.refusals.raise_faults()
     lines = [
         f"VSDF {title}",
@@ -44,10 +46,11 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     for word, records in cards:
         if records:
             lines += [word, *records]
+    lines += block([*made.function_lines(), *elements])
     return "\n".join([*lines, *(word.strip() for word in FINAL), ""])
 
 
-class _Deck(ElementCards):
+class _Deck(ElementLines):
     """Collects nodes and tables while the cards are made."""
 
     def __init__(self, model: RigidModel):
@@ -69,7 +72,6 @@ class _Deck(ElementCards):
             ("MOTN", self._motions()),
             ("FORC", self._forces()),
             ("TORQ", self._torques()),
-            *self.elements(),
             ("GRAV", [record(*model.gravity)]),
             ("TIME", [record(model.time.end, model.time.step, integrator.step)]),
             ("INTG", [record(integrator.method, *self._parameters())]),
@@ -83,7 +85,6 @@ class _Deck(ElementCards):
             *((word, [body[word] for body in bodies if body[word]]) for word in ("POSI", "EULP", "VELO")),
             ("NODE", nodes),
             ("TABL", self.tables),
-            ("FUNC", self.function_records()),
             *others,
             ("GEOM", [_shape(shape) for shape in model.shapes if not shape.file]),
             ("GSTL", [line for shape in model.shapes if shape.file for line in _file(shape)]),
@@ -197,7 +198,9 @@ class _Deck(ElementCards):
         if value is not None:
             return value, 0
         points = points_of(function)
-        return 1.0, self.number(function, item) if points is None else self._table(without_jumps(points))
+        if points is None:
+            return 1.0, self.function_number(function, item)
+        return 1.0, self._table(without_jumps(points))
 
     def _forces(self) -> Any:
         found = []

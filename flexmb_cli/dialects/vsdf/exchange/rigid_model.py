@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,7 +26,6 @@ from ....model.joints import ANGLE, STROKE
 from ....model.loads import AppliedForce, AppliedTorque
 from ....model.mechanism import GROUND, Point
 from ....model.vectors import rotation_matrix
-from ....quick_dataclass import replace
 from ..shapes import exchanged_shapes
 
 if TYPE_CHECKING:

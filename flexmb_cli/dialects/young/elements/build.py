@@ -1,6 +1,7 @@
 """The cards of functions, drivers, supports, composite joints and elements of a YOUNG deck."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 from ....deck.record import Deck, Record
@@ -8,19 +9,22 @@ from ....model.diagnostics import Findings, no_such
 from ....model.joint_elements import CompositeJoint, DrivenItem, JointElements
 from ....model.joints import ANGLE, STROKE
 from ....model.mechanism import Mechanism
+from ...elements_block.build import joined, lines_of
+from ...elements_block.function_lines import given_functions
 from ...joint_elements.build import JOINT_CARDS, Cards, joint_driver
 from ...joint_elements.build import build_elements as elements_of
 from ...joint_elements.functions import Functions, GivenFunction
 from ...joint_elements.maker import JointMaker
+from ..block_elements import block_elements
 from .cards import FUNCTION_CARDS
 
 _SECTIONS = tuple(card.section for card in FUNCTION_CARDS)
 _LINKS = {"revcyl": "revolute-cylindrical", "revsph": "revolute-spherical", "sphsph": "spherical-spherical"}
 
 
-def build_functions(deck: Deck, findings: Findings) -> Functions:
-    """The functions of the deck; faults go into `findings`."""
-    return Functions(_given(deck), findings)
+def build_functions(deck: Deck, folder: Path, findings: Findings) -> Functions:
+    """The functions of the deck, files being relative to `folder`; faults go into `findings`."""
+    return Functions([*_given(deck), *given_functions(lines_of(deck), folder, findings)], findings)
 
 
 def _given(deck: Deck) -> Iterator[GivenFunction]:
@@ -39,7 +43,8 @@ def build_elements(
 ) -> JointElements:
     """All elements of the deck; faults go into `findings`."""
     maker = _Maker(mechanism, functions, findings)
-    return elements_of(maker, deck.section, _CARDS, reported=bool(deck.section("joints")))
+    older = elements_of(maker, deck.section, _CARDS, reported=bool(deck.section("joints")))
+    return joined(older, block_elements(lines_of(deck), mechanism, functions, findings))
 
 
 class _Maker(JointMaker):

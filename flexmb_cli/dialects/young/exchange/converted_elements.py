@@ -2,13 +2,13 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from ....model.exchange.conversion import Conversion, End, Pose, coordinate_since, place_of
 from ....model.joint_elements import Coupling
 from ....model.loads import DynamicModel
 from ....model.mechanism import Mechanism
-from ....quick_dataclass import replace
 
 
 class ConvertedElements(Conversion):

@@ -1,11 +1,11 @@
 """A kinematic YOUNG deck in other units of length: its own text, with every length in it written anew."""
 
 from collections import defaultdict
+from dataclasses import dataclass
 from decimal import Decimal
 
 from ....deck.record import Deck, Number
 from ....model.exchange.units import Units
-from ....quick_dataclass import dataclass
 from .. import DIALECT
 from ..dynamic_cards import analysis_of
 

@@ -4,25 +4,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....model.exchange.function_cards import FunctionCards, without_card
+from ....model.exchange.function_cards import FunctionCards
 from ....model.exchange.functions import constant, polynomial_of, value_of
 from ....model.exchange.rigid_model import Refusals, RigidModel, across
 from ....model.exchange.shapes import RigidShape, notes_of
-from ....model.joints import ANGLE
-from ....model.laws import SPRING, At, Element, Joint
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS
+from ...elements_block.writer import BlockWriter, block, numbers
+from ..cards import CARDS
 from ..integration_cards import LEAST_TOLERANCE, MOST_TOLERANCE
-from ..sections import COUNT_OF, COUNTS, YOUNG_JOINTS
+from ..sections import COUNT_OF, COUNTS, YOUNG_JOINTS, YOUNG_SECTIONS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from ....model.exchange.rigid_model import RigidJoint
-    from ....model.time_functions import MotionFunction
 
 
-_LINKS = {"revolute-spherical": "REVSPH", "spherical-spherical": "SPHSPH"}
+_LINKS = {"revolute-spherical": "revsph", "spherical-spherical": "sphsph"}
 _KIND = {"fixed": "revolute"}  # whose angle a driver holds
 
 
@@ -36,8 +35,10 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     return "\n".join([*head, *lines, ""])
 
 
-class _Deck:
+class _Deck(BlockWriter):
     """Numbers joints and functions while the sections are made; the ground is the last body."""
+
+    dialect, function_id = "YOUNG", "YOUNG-165"
 
     def __init__(self, model: Any):
         self.model, self.refusals = model, Refusals()
@@ -59,6 +60,7 @@ class _Deck:
         model, time = self.model, self.model.time
         drives = [self._driver(n, item) for n, item in enumerate(model.drivers, start=1)]
         loads = self._loads()
+        elements = [*(line for _, line in drives if line), *self._joint_lines(), *self.element_lines()]
         return [
             _line(*self._counts()),
             *(_line(*body.r, *body.p) for body in model.bodies),
@@ -72,9 +74,8 @@ class _Deck:
             "DYNAMICS forward",
             *self._masses(),
             f"GRAVITY {_line(*model.gravity)}",
-            *(f"{kind.upper()} {n} {_line(*numbers)}" for n, kind, numbers in self.functions.cards),
-            *(card for _, card in drives if card),
             *loads,
+            *block([*self.function_lines(), *elements]),
             *self._method(),
             *map(_shape, model.shapes),
             "END",
@@ -124,22 +125,8 @@ class _Deck:
         if c is not None and len(c) <= 3:
             C, B, half = (*c, 0.0, 0.0)[:3]
             return _line(item.body + 1, item.direction, C, B, 2.0 * half), ""
-        driven = self._followed(item)
-        return _line(item.body + 1, item.direction, item.function.at(0.0)[0], 0, 0), f"DRIVE {n} {driven}"
-
-    def _function(self, function: "MotionFunction", item: Any) -> Any:
-        """Number of a function card; 1 stands in where there is none."""
-        number = self.functions.number(function)
-        if not number:
-            self.refusals.add(item, without_card(function, "YOUNG"), id="YOUNG-165")
-        return number or 1
-
-    def _followed(self, item: Any) -> str:
-        """Number of the function card of a driver, and 1 if its rate follows the function."""
-        number, rate = self.functions.driver(item.function)
-        if not number:
-            self.refusals.add(item, without_card(item.function, "YOUNG"), id="YOUNG-165")
-        return f"{number or 1} 1" if rate else str(number or 1)
+        driven = self.driver_line(item, f"driver={n}")
+        return _line(item.body + 1, item.direction, item.function.at(0.0)[0], 0, 0), driven
 
     def _masses(self) -> "Iterator[Any]":
         for k, body in enumerate(self.model.bodies, start=1):
@@ -149,19 +136,8 @@ class _Deck:
                 yield f"VELOCITY {_line(k, *body.velocity, *body.omega)}"
 
     def _loads(self) -> Any:
-        """The cards of loads, springs and drivers at joints."""
+        """The cards of loads."""
         model, cards = self.model, []
-        for item in model.joints:
-            if item.kind in _LINKS:
-                axis = item.s_i if item.kind == "revolute-spherical" else ()
-                ends = item.i + 1, item.j + 1, *item.P_i, *item.P_j
-                cards.append(f"{_LINKS[item.kind]} {_line(*ends, *axis, item.size)}")
-            elif item.kind == "fixed":
-                cards.append(f"ANGLE {self.joint_number[id(item)]} {self._function(constant(0.0), item)}")
-        for item in model.joint_drivers:
-            word = "ANGLE" if item.coordinate == ANGLE else "STROKE"
-            cards.append(f"{word} {self._number(item.joint)} {self._followed(item)}")
-        cards += self._elements()
         for item in model.forces:
             force, factor = self._factor(item.force, item)
             numbers = _line(item.body + 1, *item.point, *force, int(item.following), factor)
@@ -171,40 +147,42 @@ class _Deck:
             cards.append(f"TORQUE {_line(item.body + 1, *torque, int(item.following), factor)}")
         return cards
 
-    def _elements(self) -> "Iterator[str]":
-        """The cards of force elements and couplings."""
-        for item in self.model.elements:
-            if isinstance(item.measure, At):
-                word = f"{'T' if item.turning else 'A'}{item.law.word} {self._number(item.measure.joint)}"
-            elif isinstance(item.measure, Joint):
-                word = f"FRICTION {self._number(item.measure.joint)}"
-            else:
-                i, j, P_i, P_j = item.measure
-                word = item.law.word if item.law is not SPRING or item.linear else "LSPRING"
-                word = f"{word} {_line(i + 1, j + 1, *P_i, *P_j)}"
-            yield f"{word} {_line(*self._values(item))}"
-        for coupling in self.model.couplings:
-            terms = [
-                (self._number(joint), 1 if coordinate == ANGLE else 2, factor)
-                for joint, coordinate, factor in coupling.terms
-            ]
-            yield f"COUPLING {_line(*(x for term in terms for x in term))}"
+    def _joint_lines(self) -> "Iterator[str]":
+        """Lines of links, of welds, whose angle a driver holds, and of drivers at joints."""
+        for item in self.model.joints:
+            if item.kind in _LINKS:
+                axis = f"axis_from=({numbers(item.s_i, ',')}) " if item.kind == "revolute-spherical" else ""
+                ends = f"from={self.end(item.i, item.P_i)} to={self.end(item.j, item.P_j)}"
+                size = f"length={numbers([item.size])}"
+                yield f"JOINT {self.name(item)} {_LINKS[item.kind]} {ends} {axis}{size}"
+            elif item.kind == "fixed":
+                function = self.function_number(constant(0.0), item)
+                yield f"DRIVE {self.name(item)} at={self.joint_number[id(item)]}.angle value={function}"
+        for item in self.model.joint_drivers:
+            yield self.driver_line(item, f"at={self.coordinate(item.joint, item.coordinate)}")
 
-    def _values(self, item: Element) -> tuple[Any, ...]:
-        """The numbers of a law; functions are numbers of cards."""
-        return (
-            item.values[:3] if item.linear else item.numbers(lambda function: self._function(function, item))
-        )
+    def coordinate(self, joint: int, coordinate: str) -> str:
+        """Return the spelling of a coordinate."""
+        return f"{self.joint(joint)}.{coordinate}"
 
-    def _number(self, joint: int) -> int:
-        """Number of a joint of the model in the deck."""
+    def joint(self, joint: int) -> int:
+        """Return the number of a joint of the model in the deck."""
         return self.joint_number[id(self.model.joints[joint])]
+
+    def end(self, body: int, point: Any) -> str:
+        """Return the spelling of an end."""
+        return f"{body + 1}({numbers(point, ',')})"
+
+    @property
+    def reserved(self) -> frozenset[str]:
+        """Return names of sections of the deck."""
+        return frozenset([*(section.name for section in YOUNG_SECTIONS), *(card.section for card in CARDS)])
 
     def _factor(self, load: Any, item: Any) -> tuple[Any, Any]:
         value = value_of(item.factor)
         if value is not None:
             return [value * x for x in load], 0
-        return load, self._function(item.factor, item)
+        return load, self.function_number(item.factor, item)
 
     def _method(self) -> "Iterator[Any]":
         integrator = self.model.integrator

@@ -1,6 +1,7 @@
 """Rigid model of a YOUNG deck, in the terms of `model.exchange`: for conversion to other dialects."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,7 +28,6 @@ from ....model.loads import AppliedForce, AppliedTorque, DynamicModel
 from ....model.mechanism import GROUND, Driver, Point, Simplified, TimeGrid
 from ....model.time_functions import POLYNOMIAL, MotionFunction
 from ....model.vectors import rotation_matrix
-from ....quick_dataclass import replace
 from ..dynamic_cards import analysis_of
 from ..shapes import exchanged_shapes
 from .converted_elements import ConvertedElements

@@ -6,6 +6,8 @@ import pytest
 
 import flexmb_cli
 from flexmb_cli.errors import AnalysisError
+from flexmb_cli.run.check.check import check_deck
+from flexmb_cli.run.outcome import RunOptions
 
 HERE = Path(__file__).parent
 JUMP = "1.500000005"
@@ -41,3 +43,10 @@ def test_jump_that_no_time_resolves_is_refused_with_its_two_times(tmp_path):
 def test_run_that_a_ratio_of_masses_stops_names_the_two_bodies_and_it():
     with pytest.raises(AnalysisError, match=r"body 2 and body 1 are 2 and 1e-11 kg, in a ratio of 2e\+11"):
         flexmb_cli.solve(HERE / "masses.dat")
+
+
+def test_check_names_the_two_bodies_before_a_run_does():
+    report = check_deck(str(HERE / "masses.dat"), RunOptions())
+    notes = [fault for fault in report.outcome.faults if "ratio" in fault.message]
+    assert [fault.severity for fault in notes] == ["note"]
+    assert "masses of body 2 and body 1 are 2 and 1e-11 kg" in notes[0].message

@@ -1,0 +1,80 @@
+"""Write the tables of docs/reference/elements.md from the table of the words of the block ELEMENTS.
+
+python docs/_ext/elements_page.py
+"""
+
+from pathlib import Path
+
+from flexmb_cli.dialects.elements_block.old_cards import LINES, new_line
+from flexmb_cli.dialects.elements_block.words import WORDS
+
+FILE = Path(__file__).resolve().parents[2] / "docs/reference/elements.md"
+BEGIN = "<!-- written by docs/_ext/elements_page.py -->"
+_SHAPES = {
+    "coordinate": "2.angle",
+    "end": "1(x,y,z) or 1:4",
+    "vector": "(x,y,z)",
+    "function": "name of a function",
+    "file": "file name",
+    "whole number": "integer",
+    "number": "number",
+}
+
+
+def _rows(word) -> list[str]:
+    rows = []
+    for key in word.keys:
+        along, about = key.units
+        unit = along if along == about else f"{along}; {about}"
+        given = "needed" if key.needed else "" if key.default is None else _default(key.default)
+        shape = _SHAPES[key.kind]
+        rows.append(f"| `{key.name}=` | {key.meaning} | {shape} | {unit or '-'} | {given or 'optional'} |")
+    return rows
+
+
+def _default(value) -> str:
+    return "(" + ",".join(f"{x:g}" for x in value) + ")" if isinstance(value, tuple) else f"{value:g}"
+
+
+def _tables() -> list[str]:
+    lines: list[str] = []
+    for word in WORDS:
+        kinds = f" `{'` or `'.join(word.kinds)}`" if word.kinds else ""
+        name = "" if word.unnamed else " name"
+        lines += [f"### `{word.word}{name}`{kinds}", "", f"{word.meaning[0].upper()}{word.meaning[1:]}.", ""]
+        if word.keys:
+            lines += [
+                "| key | meaning | what stands there | unit | default |",
+                "|---|---|---|---|---|",
+                *_rows(word),
+                "",
+            ]
+        for groups in word.choices:
+            ways = " or ".join(" and ".join(f"`{key}=`" for key in group) for group in groups)
+            lines += [f"Of {ways}, one must be given.", ""]
+    return lines
+
+
+def _old() -> list[str]:
+    """Rows of the cards that the block replaces, each with the line for fields named by letters."""
+    fields = {"young": "1 a b c d e f g h i j k l m n o p q r s t", "vsdf": "1 2 3 4 d e f g h i j k l m n o"}
+    fields["dafms"] = "1 2 3 4 5 6 g h i j k l m n o p q r"
+    rows = []
+    for dialect, words in LINES.items():
+        for word in words:
+            line = new_line(dialect, word, fields[dialect].split(), 1)
+            what = f"`{line}`" if line else "nothing: results hold joint coordinates"
+            rows.append(f"| {dialect.upper()} `{word}` | {what} |")
+    return ["| card | line of the block |", "|---|---|", *rows, ""]
+
+
+def text(page: str) -> str:
+    """Return the page with its tables written anew."""
+    head = page.partition(BEGIN)[0]
+    told = "Letters and numbers stand for the fields of a card, in their order."
+    old = ["## Cards of earlier versions", "", told, "", *_old()]
+    return "\n".join([f"{head}{BEGIN}", "", "## Words", "", *_tables(), *old])
+
+
+if __name__ == "__main__":
+    FILE.write_text(text(FILE.read_text(encoding="utf-8")), encoding="utf-8")

@@ -1,0 +1,148 @@
+"""Blocks ELEMENTS of FMBD.DAT: elements at hinges, between points and between nodes."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...deck.record import Number
+from ...model.diagnostics import Findings
+from ...model.flexible_mechanism import NodePoint
+from ...model.joint_elements import Coupling, JointElements
+from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Hinge, Tree
+from ...model.tree_as_mechanism.frames import shape_of
+from ..elements_block.build import BlockBuilder
+from ..elements_block.function_lines import given_functions
+from ..elements_block.line import ElementLine
+from ..elements_block.measures import Measures
+from ..joint_elements.functions import Functions
+
+COUPLED_RATE = 1e-6  # rate that speeds of Y(L), in ten columns, may leave of a coupling, of the largest
+
+
+def with_block(tree: Tree, lines: Sequence[ElementLine], folder: Path, findings: Findings) -> Tree:
+    """The tree with the elements of the blocks, its driven coordinates as their functions begin."""
+    functions = Functions(given_functions(lines, folder, findings), findings)
+    builder = BlockBuilder(_Measures(tree, findings), functions, tree.time.start)
+    elements = builder.elements(lines, {})
+    functions.note_unused()
+    _refuse_prescribed(tree, elements, findings)
+    older = tree.elements
+    forces = (*older.forces, *elements.forces)
+    tree = replace(tree, elements=replace(elements, forces=forces, rates=()), **_start(tree, elements))
+    for item in elements.couplings:
+        _check_speeds(tree, item, findings)
+    return tree
+
+
+def _refuse_prescribed(tree: Tree, elements: JointElements, findings: Findings) -> None:
+    """Refuse drivers by functions of coordinates that the card PRES drives."""
+    driven = {(each.body, f"{each.motion} {each.axis}") for each in tree.prescribed}
+    for item in elements.drivers:
+        if (item.joint, item.coordinate) in driven:
+            message = (
+                f"PRES already drives {item.coordinate} of the hinge of body {item.joint + 1}; remove one"
+            )
+            findings.error(item.name, message, item.place, id="DAFMS-152")
+
+
+class _Measures(Measures):
+    """Hinges of the tree, numbered as their bodies, and ends at points and nodes of these."""
+
+    def __init__(self, tree: Tree, findings: Findings):
+        super().__init__(findings)
+        self.bodies, self.hinges = tree.bodies, tree.hinges
+
+    def named(self, line: ElementLine, number: Number, text: str) -> Any:
+        """Body whose hinge is meant, and its coordinate."""
+        count, _, name = text.partition(".")
+        hinge = self._hinge(line, number, int(count))
+        if hinge is None:
+            return None
+        if name in ("angle", "stroke"):
+            message = f"hinges have the coordinates r1 to r3 and t1 to t3; {_free(hinge, count)}"
+            return self.error(line, number, message, id="DAFMS-077")
+        motion, axis = ROTATION if name[0] == "r" else TRANSLATION, int(name[1])
+        free = hinge.rotations if motion == ROTATION else hinge.translations
+        if axis not in free:
+            message = f"{motion} {axis} of this hinge is not free; {_free(hinge, count)}"
+            return self.error(line, number, message, id="DAFMS-078")
+        if motion == ROTATION and len(free) == 3:
+            message = "the hinge has three free rotations: none of them is an angle"
+            return self.error(line, number, message, id="DAFMS-079")
+        return int(count) - 1, f"{motion} {axis}"
+
+    def _hinge(self, line: ElementLine, number: Number, count: int) -> Any:
+        if not 1 <= count <= len(self.hinges):
+            message = f"there is no hinge of body {count}: there are bodies 1 to {len(self.hinges)}"
+            return self.error(line, number, message, id="DAFMS-080")
+        return self.hinges[count - 1]
+
+    def sliding(self, line: ElementLine) -> Any:
+        """Body whose hinge turns about, or slides along, one axis, and whether it turns."""
+        number = line.at("joint")
+        hinge = self._hinge(line, number, number.value)
+        if hinge is None:
+            return None
+        free = hinge.rotations + hinge.translations
+        if not free or len(set(free)) > 1:
+            message = "friction wants a hinge that turns about, or slides along, one axis"
+            return self.error(line, number, message, id="DAFMS-081")
+        return number.value - 1, bool(hinge.rotations)
+
+    def ends(self, line: ElementLine) -> tuple[int, int, Any, Any] | None:
+        """Bodies (-1: inertial frame) and points or nodes."""
+        bodies = [self.body(line, key, len(self.bodies)) for key in ("from", "to")]
+        i, j = bodies
+        if i is None or j is None or not self.two_bodies(line, i, j):
+            return None
+        P_i, P_j = self._end(line, "from", i, "end a"), self._end(line, "to", j, "end b")
+        return None if P_i is None or P_j is None else (i, j, P_i, P_j)
+
+    def _end(self, line: ElementLine, key: str, body: int, name: str) -> Any:
+        elastic = self.bodies[body].elastic if body != INERTIAL else None
+        if f"{key}.node" not in line:
+            shape = shape_of(elastic, None) if elastic else np.zeros((3, 0))
+            return NodePoint(name, body, np.array(line.vector(key)), shape)
+        node, nodes = line.at(f"{key}.node"), len(elastic.masses) if elastic else 0
+        if elastic is None or not 1 <= node.value <= nodes:
+            what = f"body {body + 1}" if body != INERTIAL else "the inertial frame"
+            message = f"{what} has {nodes or 'no'} nodes; read {node.value}; give the point, body(x,y,z)"
+            return self.error(line, node, message, id="DAFMS-084")
+        k = node.value - 1
+        return NodePoint(name, body, elastic.positions[k], shape_of(elastic, k))
+
+
+def _free(hinge: Hinge, count: str) -> str:
+    """Return which coordinates a hinge has, in words."""
+    found = [
+        *(f"{count}.r{axis}" for axis in hinge.rotations),
+        *(f"{count}.t{a}" for a in hinge.translations),
+    ]
+    return f"free there: {', '.join(found)}" if found else "nothing is free there"
+
+
+def _start(tree: Tree, elements: JointElements) -> Any:
+    """Coordinates and speeds: driven ones begin as their functions do, others with the rates of START."""
+    q, y = np.array(tree.q, float), np.array(tree.y, float)
+    for rate in elements.rates:
+        y[_number(tree, rate.joint, rate.coordinate)] = rate.rate
+    for item in elements.drivers:
+        m = _number(tree, item.joint, item.coordinate)
+        q[m], y[m] = item.function.at(tree.time.start)[:2]
+    return {"q": q, "y": y}
+
+
+def _number(tree: Tree, body: int, coordinate: str) -> int:
+    wanted = body, coordinate
+    return next(m for m, c in enumerate(tree.coordinates) if (c.body, f"{c.motion} {c.axis}") == wanted)
+
+
+def _check_speeds(tree: Tree, item: Coupling, findings: Findings) -> None:
+    """The speeds of Y(L) must fit a coupling."""
+    rates = [factor * tree.y[_number(tree, body, name)] for body, name, factor in item.terms]
+    if abs(sum(rates)) > COUPLED_RATE * max(map(abs, rates), default=0.0):
+        message = f"the speeds of Y(L) leave the rate {sum(rates):.3g} of a sum that must stay; change one"
+        findings.error(item.name, message, item.place, id="DAFMS-085")

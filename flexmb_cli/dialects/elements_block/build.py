@@ -1,0 +1,241 @@
+"""Lines of the block ELEMENTS to elements of the model.
+
+What an element acts on is found by the `Measures` of a dialect; its force law is a record of `model.laws`.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import fields
+from typing import Any, cast
+
+from ...deck.record import Deck, Number
+from ...errors import Place
+from ...model.diagnostics import Findings
+from ...model.joint_elements import Coupling, JointDriver, JointElements, JointRate
+from ...model.laws import (
+    FRICTION,
+    FUNCTIONS,
+    OF_TIME,
+    SPRING,
+    VECTOR,
+    At,
+    Element,
+    Frames,
+    Joint,
+    Line,
+    motors_last,
+)
+from ..joint_elements.functions import Functions
+from .line import SECTION, ElementLine
+from .measures import Measures
+from .words import BY_WORD, key_of
+
+Makers = Mapping[str, Callable[["BlockBuilder", ElementLine], Any]]
+_ONE_OF: dict[str, Callable[..., Any]] = {  # what there may be one of, and by what it is distinguished
+    "driven": lambda item: item.item,
+    "supports": lambda item: item.item,
+    "drivers": lambda item: (item.joint, item.coordinate),
+    "rates": lambda item: (item.joint, item.coordinate),
+}
+
+
+def lines_of(deck: Deck) -> Sequence[ElementLine]:
+    """Return the lines of the blocks of a deck."""
+    return cast("Sequence[ElementLine]", deck.section(SECTION))
+
+
+class BlockBuilder:
+    """Makes elements of lines; faults go into the findings of `functions`."""
+
+    def __init__(self, measures: Measures, functions: Functions, start: float):
+        self.measures, self.functions, self.start = measures, functions, start
+        self.findings: Findings = functions.findings
+
+    def elements(self, lines: Iterable[ElementLine], more: Makers, **fields: Any) -> JointElements:
+        """The elements of all lines but functions; `more`: makers of those of the dialect, by their words."""
+        found: dict[str, list[Any]] = {}
+        for line in lines:
+            if line.word == "FUNCTION":
+                continue
+            field, item = self._element(line, more)
+            if item is not None:
+                found.setdefault(field, []).append(item)
+        self._refuse_twice(found)
+        groups: dict[str, Any] = {name: tuple(items) for name, items in found.items()}
+        groups["forces"] = motors_last(groups.get("forces", ()))
+        return JointElements(**groups, **fields)
+
+    def _element(self, line: ElementLine, more: Makers) -> tuple[str, Any]:
+        """Field of `JointElements`, and an element; None where there is a fault."""
+        if line.word in more:
+            return more[line.word](self, line) or ("", None)
+        if BY_WORD[line.word].law is not None:
+            return "forces", self._force(line)
+        makers = {"DRIVE": ("drivers", self.driver), "COUPLING": ("couplings", self._coupling),
+                  "START": ("rates", self._rate)}  # fmt: skip
+        if line.word not in makers:
+            message = f"decks of this dialect have no {line.word}; remove the line"
+            self.findings.error(line.subject, message, line.place)
+            return "", None
+        field, make = makers[line.word]
+        return field, make(line)
+
+    def _refuse_twice(self, found: Mapping[str, Sequence[Any]]) -> None:
+        frictions = [item for item in found.get("forces", ()) if item.law is FRICTION]
+        groups: list[tuple[Sequence[Any], Callable[..., Any]]] = [(frictions, lambda item: item.measure)]
+        groups += [(list(found.get(name, ())), key) for name, key in _ONE_OF.items()]
+        for items, key in groups:
+            first: dict[Any, Any] = {}
+            for item in items:
+                other = first.setdefault(key(item), item)
+                if other is not item:
+                    message = f"{other.name} already gives this; remove one of them"
+                    self.findings.error(item.name, message, item.place, id="ELEMENTS-001")
+
+    # Force elements
+
+    def _force(self, line: ElementLine) -> Element | None:
+        law = BY_WORD[line.word].law
+        assert law is not None, "the word has a law"
+        before = len(self.findings.faults)
+        self._check(line, law)
+        measure = self._measure(line, law)
+        values = {p.name: self._parameter(line, p) for p in law.parameters if not self._is_missing(line, p)}
+        if measure is None or any(f.severity == "error" for f in self.findings.faults[before:]):
+            return None
+        element = Element(line.subject, law, measure, law.values(**values), line.place)
+        self._note(line, element)
+        return element
+
+    def _is_missing(self, line: ElementLine, parameter: Any) -> bool:
+        key = key_of(parameter)
+        return (f"{key}.x" if parameter.kind == VECTOR else key) not in line
+
+    def _parameter(self, line: ElementLine, parameter: Any) -> Any:
+        key = key_of(parameter)
+        if parameter.kind == VECTOR:
+            return line.vector(key)
+        if parameter.kind == OF_TIME:
+            return self.functions.function(line, key)
+        return self.functions.curve(line, key) if parameter.kind in FUNCTIONS else float(line[key])
+
+    def _measure(self, line: ElementLine, law: Any) -> Any:
+        if "joint" in line:
+            found = self.measures.sliding(line)
+            if found and found[1] and not line["radius"] > 0.0:
+                message = "a joint that turns needs the radius of its bearing"
+                self.findings.error(line.subject, message, line.at("radius").place, id="ELEMENTS-011")
+            return found and Joint(found[0])
+        if "at" in line:
+            at = self.measures.at(line)
+            return at and At(*at)
+        ends = self.measures.ends(line)
+        return ends and (Frames if Frames in law.measures else Line)(*ends)
+
+    def _check(self, line: ElementLine, law: Any) -> None:
+        """Check numbers against what the record of the law says."""
+        for p in law.parameters:
+            if p.kind in FUNCTIONS or self._is_missing(line, p):
+                continue
+            key = key_of(p)
+            for one in [f"{key}.{axis}" for axis in "xyz"] if p.kind == VECTOR else [key]:
+                if not p.signed and line[one] < 0.0:
+                    message = f"{one} must not be negative; read {line[one]:g}"
+                    self.findings.error(line.subject, message, self._place(line, one), id="ELEMENTS-002")
+            self._check_above(line, p)
+
+    def _check_above(self, line: ElementLine, p: Any) -> None:
+        if p.above is None or p.above == "":
+            return
+        least = line[p.above] if isinstance(p.above, str) else p.above
+        if least < line[p.name]:
+            return
+        than = f"{p.above}, {least:g}" if isinstance(p.above, str) else f"{least:g}"
+        message = f"{p.name} must be larger than {than}; read {line[p.name]:g}"
+        self.findings.error(line.subject, message, self._place(line, p.name), id="ELEMENTS-007")
+
+    def _place(self, line: ElementLine, key: str) -> Place | None:
+        return line.at(key).place or line.place
+
+    def _note(self, line: ElementLine, element: Element) -> None:
+        """Note and warn of what is probably meant otherwise."""
+        if element.idle:
+            self.findings.note(
+                line.subject, "does nothing: its coefficients are 0", line.place, id="ELEMENTS-030"
+            )
+        if element.law is SPRING:
+            self._note_spring(line)
+        if element.law is FRICTION and line["static"] < line["dynamic"]:
+            message = f"sticks with {line['static']:g}, less than it slides with: are the numbers exchanged?"
+            self.findings.warn(line.subject, message, self._place(line, "static"), id="ELEMENTS-027")
+        if element.turning:
+            self._note_degrees(line, element)
+
+    def _note_spring(self, line: ElementLine) -> None:
+        for key in ("stiffness", "damping"):
+            if line[key] < 0.0:
+                message = f"{key} {line[key]:g} is negative, which drives a motion on"
+                self.findings.warn(line.subject, message, self._place(line, key), id="ELEMENTS-029")
+        if "at" not in line and line["rest"] < 0.0:
+            message = (
+                f"rest {line['rest']:g} is negative, and lengths are not: its spring pulls at every length; "
+                "a force at length 0 is a preload"
+            )
+            self.findings.note(line.subject, message, self._place(line, "rest"), id="ELEMENTS-032")
+
+    def _note_degrees(self, line: ElementLine, element: Element) -> None:
+        """Note the first angle beyond a turn, which may have been meant in degrees."""
+        if element.law is SPRING:
+            return
+        for key in (p.name for p in element.law.parameters if p.counted):
+            if abs(line[key]) > math.tau:
+                message = (
+                    f"{key} of {line[key]:g} rad is {abs(line[key]) / math.tau:.3g} turns; "
+                    f"{line[key]:g} degrees would be {math.radians(line[key]):.6g} rad"
+                )
+                self.findings.note(line.subject, message, self._place(line, key), id="ELEMENTS-031")
+                return
+
+    # What is no force
+
+    def motion(self, line: ElementLine, given: float = 0.0) -> Any:
+        """The function that a coordinate follows: that of `value`, or the integral of that of `rate`."""
+        if "rate" in line:
+            return self.functions.integrated(line, self.start, given, "rate")
+        return self.functions.motion(line, self.start, given, "value")
+
+    def driver(self, line: ElementLine) -> JointDriver | None:
+        """The driver of a joint or hinge coordinate."""
+        if "at" not in line:
+            message = "driver= numbers drivers of YOUNG decks; name a coordinate by at="
+            self.findings.error(line.subject, message, line.place)
+            return None
+        at, function = self.measures.at(line), self.motion(line)
+        return JointDriver(line.subject, *at, function, line.place) if at and function else None
+
+    def _coupling(self, line: ElementLine) -> Coupling | None:
+        terms = [self._term(line, number) for number in line.numbers]
+        if len(terms) < 2:
+            message = f"couples two coordinates or more, 2.angle=1 3.angle=-2; read {len(terms)}"
+            self.findings.error(line.subject, message, line.place, id="ELEMENTS-028")
+        if None in terms:
+            return None
+        return Coupling(line.subject, tuple(term for term in terms if term), line.place)
+
+    def _term(self, line: ElementLine, number: Number) -> tuple[int, str, float] | None:
+        if number.value == 0.0:
+            place = number.place or line.place
+            self.findings.error(line.subject, "a factor of 0 couples nothing", place, id="ELEMENTS-008")
+        at = self.measures.named(line, number, number.key)
+        return at and (*at, float(number.value))
+
+    def _rate(self, line: ElementLine) -> JointRate | None:
+        at = self.measures.at(line)
+        return JointRate(line.subject, *at, float(line["rate"]), line.place) if at else None
+
+
+def joined(one: JointElements, other: JointElements) -> JointElements:
+    """Return the elements of both."""
+    groups = {field.name: (*getattr(one, field.name), *getattr(other, field.name)) for field in fields(one)
+              if isinstance(getattr(one, field.name), tuple)}  # fmt: skip
+    return JointElements(**groups | {"forces": motors_last(groups["forces"])}, reported=one.reported)

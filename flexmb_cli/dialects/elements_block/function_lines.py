@@ -1,0 +1,102 @@
+"""Lines FUNCTION of the block ELEMENTS: what defines each function."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from ...deck import number
+from ...deck.record import Number
+from ...deck.text import read_text
+from ...errors import DeckError, Fault
+from ...model.diagnostics import Findings
+from ..joint_elements.functions import GivenFunction
+from .line import ElementLine
+
+_OF_POINTS = ("table", "spline")
+_KEYED = {"sine": ("mean", "amplitude", "omega", "phase")}
+_KEYED |= dict.fromkeys(("ramp", "step"), ("start", "from", "end", "to"))
+_OPTIONAL = "phase"
+_OTHER_KEYS = ("file", "number", "points")
+
+
+def given_functions(
+    lines: Iterable[ElementLine], folder: Path, findings: Findings, tables: Mapping[int, Any] | None = None
+) -> Iterator[GivenFunction]:
+    """The functions of a deck's lines, files being relative to `folder`.
+
+    `tables`: functions of the cards TABL by their numbers, in dialects that have such, None for faulty ones.
+    """
+    for line in lines:
+        if line.word == "FUNCTION":
+            found = _values(line, folder, findings, tables)
+            if found is not None:
+                name = Number("name", line.subject, "name", "", line.place, line.subject)
+                also = line.at("number") if "number" in line else None
+                values, place = found
+                yield GivenFunction(line, name, line.kind, values, place, also)
+
+
+def _values(line: ElementLine, folder: Path, findings: Findings, tables: Any) -> Any:
+    """What defines a function, and where each part of it stands; None behind a fault."""
+    own = [one for one in line.numbers if one.key not in _OTHER_KEYS]
+    ways = [key for key in ("file", "points") if key in line]
+    if len(ways) + bool(own) != 1:
+        message = "takes numbers, or file=" + ("" if tables is None else ", or points=")
+        findings.error(line.subject, f"{line.kind} {message}, one of them", line.place)
+        return None
+    if own:
+        numbers = _in_order(line, own, findings)
+        return numbers and ([one.value for one in numbers], lambda k: numbers[k].place or line.place)
+    if line.kind not in _OF_POINTS:
+        message = f"{line.kind} takes numbers; files and cards TABL give points of a table or spline"
+        findings.error(line.subject, message, line.at(ways[0]).place)
+        return None
+    found = _of_file(line, folder, findings) if "file" in line else _of_table(line, tables, findings)
+    return found and (found, lambda _: line.at(ways[0]).place)
+
+
+def _in_order(line: ElementLine, own: list[Number], findings: Findings) -> list[Number] | None:
+    """Numbers with keys in the order of a function's definition."""
+    keys = _KEYED.get(line.kind)
+    if keys is None:
+        return own
+    missing = [key for key in keys if key not in line and key != _OPTIONAL]
+    if missing:
+        message = f"{line.kind} takes {' '.join(keys)}; {' and '.join(missing)} must be given"
+        findings.error(line.subject, message, line.place)
+        return None
+    return [line.at(key) for key in keys if key in line]
+
+
+def _of_table(line: ElementLine, tables: Any, findings: Findings) -> list[float] | None:
+    place, count = line.at("points").place, line["points"]
+    if not tables or count not in tables:
+        why = "only VSDF decks have such tables" if tables is None else "cards TABL give some"
+        findings.error(line.subject, f"there is no table {count}; {why}", place, id="VSDF-101")
+        return None
+    function = tables[count]  # None: it has a fault of its own
+    return function and [x for point in zip(function.times, function.values, strict=True) for x in point]
+
+
+def _of_file(line: ElementLine, folder: Path, findings: Findings) -> list[float] | None:
+    """The numbers of a text file, blanks, commas and line ends between them; # begins a comment."""
+    place, values = line.at("file").place, []
+    try:
+        text = read_text(folder / line["file"], "table")
+        for n, content in enumerate(text.lines, 1):
+            for word in content.partition("#")[0].replace(",", " ").split():
+                values.append(_number(word, f"line {n} of {line['file']}"))
+    except DeckError as failed:
+        findings.faults += [Fault(f.severity, f.message, place, line.subject, id=f.id) for f in failed.faults]
+        return None
+    except number.Misspelt as fault:
+        findings.error(line.subject, str(fault), place)
+        return None
+    return values
+
+
+def _number(word: str, where: str) -> float:
+    try:
+        return number.real(word)[0]
+    except number.Misspelt as fault:
+        raise number.Misspelt(f"{where} {fault}") from None

@@ -1,0 +1,40 @@
+"""A line of the block ELEMENTS as a record of the deck."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from ...deck.record import Number, Record
+from ...errors import Place
+
+SECTION = "elements"
+# Words that bring in equations, or take those of the deck away.
+CONSTRAINING = ("DRIVE", "SUPPORT", "COUPLING", "JOINT")
+
+
+@dataclass(frozen=True)
+class ElementLine(Record):
+    """A line `WORD name key=value ...`: its numbers under their keys, its name in `subject` and in `--set`.
+
+    `kind`: what FUNCTION and JOINT say behind the name; keys that are not given and have no default are not
+    there.
+    """
+
+    word: str = ""
+    kind: str = ""
+    begins: Place | None = None
+
+    @property
+    def prefix(self) -> str:
+        """Name in `--set` and in echoes: that of the element."""
+        return self.subject
+
+    @property
+    def place(self) -> Place | None:
+        """Place of its word."""
+        return self.begins
+
+    def with_numbers(self, numbers: Iterable[Number]) -> "ElementLine":
+        """Return the line with other numbers."""
+        return ElementLine(
+            self.section, self.number, self.subject, tuple(numbers), self.word, self.kind, self.begins
+        )

@@ -1,0 +1,201 @@
+"""Cards of elements that the block ELEMENTS replaces: the line of the block that says the same as a card.
+
+Numbers stay as they are spelt.  A card of elements is named as in results of earlier versions, with a hyphen:
+the first card TSPRING becomes `tspring-1`; functions keep their numbers as names.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+
+# Parts of a line in the order of the card's fields; what they take is in `_PARTS`.
+_CURVES = "curve damper"
+_LAWS = {
+    "SPRING": f"stiffness rest damping preload {_CURVES}",
+    "STOP": "lower upper stiffness damping",
+    "CABLE": "stiffness rest damping",
+    "BUSHING": "k() kr() c() cr()",
+    "FRICTION": "joint dynamic static stribeck creep radius preload",
+}
+_FUNCTIONS = ("table", "spline", "polynomial", "sine", "ramp", "step", "sum", "product")
+_LINKS = {"REVCYL": "axis_from() axis_to()", "REVSPH": "axis_from() length", "SPHSPH": "length"}
+_NOTHING = ""  # results hold joint coordinates without asking
+
+
+def _of_joints(letters: dict[str, str], ends: str) -> dict[str, str]:
+    """Lines of cards of joints by the words of the cards, given by the first letters and the law."""
+    found = {}
+    for coordinate, letter in (("angle", "T"), ("stroke", "A")):
+        found[letter + letters["MOTOR"]] = f"MOTOR at.{coordinate} effort"
+        found[letter + letters["SPRING"]] = f"SPRING at.{coordinate} {_LAWS['SPRING']}"
+        found[letter + letters["STOP"]] = f"STOP at.{coordinate} {_LAWS['STOP']}"
+    found["L" + letters["SPRING"]] = f"SPRING {ends} {_LAWS['SPRING']}"
+    for word in ("CABLE", "BUSHING"):
+        found[letters[word]] = f"{word} {ends} {_LAWS[word]}"
+    found[letters["FRICTION"]] = f"FRICTION {_LAWS['FRICTION']}"
+    found["RATE"] = "START joint.coordinate rate"
+    return found
+
+
+_WHOLE = {word: word for word in ("MOTOR", "SPRING", "STOP", "CABLE", "BUSHING", "FRICTION")}
+_SHORT = {
+    "MOTOR": "MOT",
+    "SPRING": "SPR",
+    "STOP": "STO",
+    "CABLE": "CABL",
+    "BUSHING": "BUSH",
+    "FRICTION": "FRIC",
+}
+LINES = {
+    "young": {
+        **{kind.upper(): f"FUNCTION {kind} *" for kind in _FUNCTIONS},
+        "DRIVE": "DRIVE driver follows",
+        "SUPPORT": "SUPPORT simplified value",
+        "ANGLE": "DRIVE at.angle follows",
+        "STROKE": "DRIVE at.stroke follows",
+        **_of_joints(_WHOLE, "ends"),
+        "COUPLING": "COUPLING terms",
+        **{word: f"JOINT {word.lower()} ends {parts}" for word, parts in _LINKS.items()},
+        "JOINTS": _NOTHING,
+    },
+    "vsdf": {
+        "FUNC": "FUNCTION kind *",
+        "SUPP": "SUPPORT pin x y z",
+        **_of_joints(_SHORT, "nodes"),
+        "COUP": "COUPLING terms",
+        "OUTJ": _NOTHING,
+    },
+    "dafms": {
+        "FUNC": "FUNCTION kind *",
+        "MOTF": "MOTOR hinge effort",
+        "PREF": "DRIVE hinge follows",
+        "HSPR": f"SPRING hinge {_LAWS['SPRING']}",
+        "HSTO": f"STOP hinge {_LAWS['STOP']}",
+        "LSPR": "SPRING line stiffness rest damping preload",
+        "CABL": f"CABLE points {_LAWS['CABLE']}",
+        "BUSH": f"BUSHING points {_LAWS['BUSHING']}",
+        "COUP": "COUPLING hinges",
+        "FRIC": f"FRICTION {_LAWS['FRICTION']}",
+    },
+}
+_KINDS = {
+    **{kind[:4].upper(): kind for kind in _FUNCTIONS},
+    **{str(k): kind for k, kind in enumerate(_FUNCTIONS, 1)},
+}  # of cards FUNC
+_OPTIONAL = ("rest", "damping", "preload", "curve", "damper", "radius", "x", "y", "z")  # 0 where left out
+_COORDINATES = {"1": "angle", "2": "stroke"}
+_ZEROS = ("", "0", "0.", "0.0", "+0", "-0")
+
+
+def new_line(dialect: str, word: str, fields: Sequence[str], number: int) -> str | None:
+    """Return the line for a card, the `number`-th of its word, "" where none is needed, None for other words.
+
+    Cards COUP must be given all terms of one coupling: joint, coordinate and factor of each.
+    """
+    form = LINES[dialect].get(word)
+    if not form:
+        return form
+    first, *parts = form.split()
+    rest = [field.strip() for field in fields]
+    if first == "FUNCTION":
+        return _function(parts[0], rest)
+    name = f" {word.lower()}-{number}" if first != "START" else ""
+    kind = f" {parts.pop(0)}" if first == "JOINT" else ""
+    return f"{first}{name}{kind} {' '.join(_keys(parts, rest))}".rstrip()
+
+
+def _function(kind: str, fields: list[str]) -> str:
+    name, *values = fields
+    if kind == "kind":
+        kind, *values = values
+        kind = _KINDS.get(kind.upper(), kind)
+        if kind in ("table", "spline") and len(values) == 1:
+            return f"FUNCTION {name} {kind} points={values[0]}"
+    return f"FUNCTION {name} {kind} {' '.join(values)}"
+
+
+def _keys(parts: Iterable[str], rest: list[str]) -> Iterable[str]:
+    for part in parts:
+        if not rest:
+            return
+        if part in _PARTS:
+            yield from _PARTS[part](rest)
+        elif part.startswith("at."):
+            yield f"at={rest.pop(0)}.{part[3:]}"
+        elif part.endswith("()"):
+            values, rest[:3] = [value or "0" for value in rest[:3]], []
+            yield f"{part[:-2]}=({','.join(values)})"
+        elif (text := rest.pop(0)) and not (part in _OPTIONAL and text in _ZEROS):
+            yield f"{part}={text}"
+
+
+def _follows(rest: list[str]) -> list[str]:
+    function, *by_rate = rest[:2]
+    rest[:2] = []
+    return [f"{'rate' if by_rate == ['1'] else 'value'}={function}"]
+
+
+def _ends(rest: list[str]) -> list[str]:
+    i, j, *points = rest[:8]
+    rest[:8] = []
+    return [f"from={i}({','.join(points[:3])})", f"to={j}({','.join(points[3:])})"]
+
+
+def _nodes(rest: list[str]) -> list[str]:
+    a, na, b, nb = (text or "0" for text in rest[:4])
+    rest[:4] = []
+    return [f"from={a}:{na}", f"to={b}:{nb}"]
+
+
+def _points(rest: list[str]) -> list[str]:
+    ka, na, kb, nb, *points = (text or "0" for text in rest[:10])
+    rest[:10] = []
+    ends = ((ka, na, points[:3]), (kb, nb, points[3:]))
+    shown = [f"{k}({','.join(p)})" if n in _ZEROS else f"{k}:{n}" for k, n, p in ends]
+    return [f"from={shown[0]}", f"to={shown[1]}"]
+
+
+def _line(rest: list[str]) -> list[str]:
+    """Ends of the card LSPR of DAFMS, whose curve and damper stand before the points."""
+    curves = [f"{key}={text}" for key, text in zip(("curve", "damper"), rest[4:6], strict=True)
+              if text not in _ZEROS]  # fmt: skip
+    rest[4:6] = []
+    return [*_points(rest), *curves]
+
+
+def _hinge(rest: list[str]) -> str:
+    body, axis = rest[:2]
+    rest[:2] = []
+    return (
+        f"{body}.r{axis}"
+        if axis in ("1", "2", "3")
+        else f"{body}.t{int(axis) - 3 if axis.isdigit() else axis}"
+    )
+
+
+def _coordinate(rest: list[str]) -> str:
+    joint, code = rest[:2]
+    rest[:2] = []
+    return f"{joint}.{_COORDINATES.get(code, code)}"
+
+
+def _terms(named: Callable[[list[str]], str]) -> Callable[[list[str]], list[str]]:
+    def terms(rest: list[str]) -> list[str]:
+        found = []
+        while len(rest) > 2:
+            coordinate = named(rest)
+            found.append(f"{coordinate}={rest.pop(0)}")
+        return found
+
+    return terms
+
+
+_PARTS: dict[str, Callable[[list[str]], list[str]]] = {
+    "follows": _follows,
+    "ends": _ends,
+    "nodes": _nodes,
+    "points": _points,
+    "line": _line,
+    "hinge": lambda rest: [f"at={_hinge(rest)}"],
+    "joint.coordinate": lambda rest: [f"at={_coordinate(rest)}"],
+    "terms": _terms(_coordinate),
+    "hinges": _terms(_hinge),
+}

@@ -1,0 +1,366 @@
+"""Reader of the block ELEMENTS: lines `WORD name key=value ...` to records, with all faults placed.
+
+A fault names the line's element, and what stands there; unknown words and keys are told with the nearest.
+"""
+
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from ...deck import number
+from ...deck.lines import Lines
+from ...deck.record import Number
+from ...deck.words import Word
+from ...errors import Fault, FaultList, Place
+from ...model.laws import VECTOR
+from .line import SECTION, ElementLine
+from .text import BLOCK, statements
+from .words import BY_WORD, COORDINATE, END, FILE, FUNCTION, NUMBER, WHOLE, BlockWord, Key
+
+MOST_ELEMENTS = 20_000  # of a deck; one takes up to 6 kB
+MOST_NUMBERS = 200_000  # of the blocks of a deck; longer tables stand in files
+NAME = re.compile(r"[A-Za-z0-9_-]+")
+COORDINATES = re.compile(r"([0-9]{1,9})\.(angle|stroke|[rt][1-3])", re.IGNORECASE)
+_END_AT_POINT = re.compile(r"([0-9]{1,9})\(([^()]*)\)")
+_END_AT_NODE = re.compile(r"([0-9]{1,9}):([0-9]{1,9})")
+# Keys of the numbers behind the name of a function.
+_POSITIONS = {
+    "sine": ("mean", "amplitude", "omega", "phase"),
+    "ramp": ("start", "from", "end", "to"),
+    "step": ("start", "from", "end", "to"),
+}
+_MEANINGS = {
+    "mean": ("mean value", ""),
+    "amplitude": ("amplitude", ""),
+    "omega": ("angular frequency", "rad/s"),
+    "phase": ("phase at t = 0", "rad"),
+    "start": ("time up to which the first value holds", "s"),
+    "from": ("first value", ""),
+    "end": ("time from which the last value holds", "s"),
+    "to": ("last value", ""),
+    "t": ("time of a point", "s"),
+    "v": ("value there", ""),
+    "c": ("coefficient of the next power of time", ""),
+    "f": ("name of a function above", ""),
+}
+_OF_VALUES = {"table": "tv", "spline": "tv", "polynomial": "c", "sum": "f", "product": "f"}
+
+
+class _Wrong(ValueError):
+    """The text is not what is wanted there."""
+
+
+@dataclass
+class BlockReader:
+    """Reads the blocks of a deck; `code` gives lines without comments, `reserved` names are no elements'."""
+
+    lines: Lines
+    code: Callable[[Lines, int], Iterator[str]]
+    reserved: Iterable[str] = ()
+    records: list[ElementLine] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=FaultList)
+    numbers: int = 0
+
+    def __post_init__(self) -> None:
+        self._first: dict[str, ElementLine] = {}  # by their names in small letters
+        self._reserved = frozenset(name.partition(".")[0].lower() for name in self.reserved)
+
+    def read(self, opening: int) -> int:
+        """Read the block that line `opening` opens; return the number of the line that ends it."""
+        behind = opening + 1
+        for words, end in statements(self.code(self.lines, opening), opening + 1):
+            behind = end
+            if len(self.records) >= MOST_ELEMENTS or self.numbers > MOST_NUMBERS:
+                self._error(words[0] if words else Word(BLOCK, opening, 1), "", self._too_many())
+                return len(self.lines) + 1
+            if words:
+                self._read_line(words)
+        return behind
+
+    def _too_many(self) -> str:
+        if self.numbers > MOST_NUMBERS:
+            return f"the deck has more than {MOST_NUMBERS} numbers in blocks; long tables stand in file="
+        return f"a deck has at most {MOST_ELEMENTS} functions and elements"
+
+    def _error(self, word: Word, subject: str, message: str, column: int = 0, width: int = 0) -> None:
+        place = Place(word.line, column or word.column, width or len(word.text))
+        self.faults.append(Fault("error", message, place, subject))
+
+    def _read_line(self, words: list[Word]) -> None:
+        first, *rest = words
+        word = BY_WORD.get(first.text.upper())
+        if word is None:
+            hint = nearest(first.text.upper(), BY_WORD, "a line begins with")
+            self._error(first, "", f"there is no {number.shown(first.text)} in {BLOCK}{hint}")
+            return
+        lone = next((piece for piece in words if piece.text in "()"), None)
+        if lone is not None:
+            self._error(lone, "", "each parenthesis is closed on the line where it opens")
+            return
+        name, rest = self._name(word, first, rest)
+        kind, rest = self._kind(word, first, name, rest)
+        if name and (kind or not word.kinds):
+            line = _Line(self, word, first, name, kind)
+            line.read(rest)
+            self._keep(line)
+
+    def _name(self, word: BlockWord, first: Word, rest: list[Word]) -> tuple[str, list[Word]]:
+        """The name of an element and the pieces behind it; "" behind a fault."""
+        if word.kinds and len(rest) > 1 and rest[0].text.lower() in word.kinds and "=" not in rest[1].text:
+            rest = [rest[1], rest[0], *rest[2:]]  # JOINT revcyl name, as well as JOINT name revcyl
+        if not rest or "=" in rest[0].text:
+            if word.unnamed:
+                count = sum(record.word == word.word for record in self.records)
+                return f"{word.word.lower()}-{count + 1}", rest
+            self._error(first, "", f"{word.word} wants a name: {usage(word)}")
+            return "", rest
+        name = rest[0].text
+        if not self._is_name(word, rest[0]):
+            return "", rest[1:]
+        return name, rest[1:]
+
+    def _is_name(self, word: BlockWord, piece: Word) -> bool:
+        name = piece.text
+        if not NAME.fullmatch(name):
+            message = f"a name is of letters, digits, _ and -; read {number.shown(name)}"
+        elif name.isdigit() and word.word != "FUNCTION":
+            message = f"{name} is a number, which names functions only; begin the name with a letter"
+        elif name.lower() in self._reserved:
+            message = f"{name} names numbers of the deck; take another name"
+        elif name.lower() in self._first:
+            other = self._first[name.lower()]
+            line = other.begins.line if other.begins else 0
+            message = f"{other.subject} on line {line} has this name; take another"
+        else:
+            return True
+        self._error(piece, word.word, message)
+        return False
+
+    def _kind(self, word: BlockWord, first: Word, name: str, rest: list[Word]) -> tuple[str, list[Word]]:
+        if not word.kinds or not name:
+            return "", rest
+        if rest and rest[0].text.lower() in word.kinds:
+            return rest[0].text.lower(), rest[1:]
+        piece = rest[0] if rest else first
+        found = f"; read {number.shown(piece.text)}" if rest else ""
+        self._error(piece, name, f"{word.word} name is followed by {_listed(word.kinds)}{found}")
+        return "", rest
+
+    def _keep(self, line: "_Line") -> None:
+        record = line.record(len(self.records) + 1)
+        self.numbers += len(record.numbers)
+        self._first[record.subject.lower()] = record
+        self.records.append(record)
+
+
+class _Line:
+    """One element as it is read."""
+
+    def __init__(self, reader: BlockReader, word: BlockWord, first: Word, name: str, kind: str):
+        self.reader, self.word, self.first, self.name, self.kind = reader, word, first, name, kind
+        self.given: dict[str, list[Number]] = {}
+        self.turning = False
+        self.values = 0
+
+    def record(self, count: int) -> ElementLine:
+        """Return the record of all that was read, with defaults for what was not."""
+        place, numbers = self.first.place, [*self.given.pop("", ())]
+        for key in self.word.keys:
+            numbers += self.given.pop(key.name, self._default(key))
+        numbers += [number for group in self.given.values() for number in group]
+        found = SECTION, count, self.name, tuple(self._in_units(numbers))
+        return ElementLine(*found, self.word.word, self.kind, place)
+
+    def _in_units(self, numbers: list[Number]) -> Iterator[Number]:
+        """Give numbers the units of an angle where the element acts on one."""
+        units = {key.name: key.units[self.turning] for key in self.word.keys}
+        for one in numbers:
+            unit = units.get(one.key, one.unit)
+            yield Number(one.key, one.value, one.meaning, unit, one.place, one.text)
+
+    def _default(self, key: Key) -> list[Number]:
+        if key.default is None:
+            return []
+        if key.kind != VECTOR:
+            return [Number(key.name, key.default, key.meaning, "", self.first.place)]
+        parts = zip("xyz", key.default, strict=True)
+        return [
+            Number(f"{key.name}.{axis}", x, f"{key.meaning}, {axis}", key.units[0], self.first.place)
+            for axis, x in parts
+        ]
+
+    def error(self, piece: Word, message: str, offset: int = 0) -> None:
+        """Report what is wrong in a piece, from a character on."""
+        width = max(1, len(piece.text) - offset)
+        self.reader._error(piece, self.name, message, piece.column + offset, width)
+
+    def read(self, pieces: list[Word]) -> None:
+        """Take the pieces behind name and kind."""
+        for piece in pieces:
+            key, equals, text = piece.text.partition("=")
+            if not equals:
+                self._take_value(piece)
+            elif not key or not text:
+                self.error(
+                    piece, f"no blank may stand beside '=', and a value follows it: {usage(self.word)}"
+                )
+            else:
+                self._take_key(piece, key, text)
+        self._check_complete()
+
+    def _take_value(self, piece: Word) -> None:
+        """Take a number of a function, or a name of those that it combines."""
+        if not self.kind or self.word.word != "FUNCTION":
+            self.error(piece, f"{number.shown(piece.text)} belongs to no key: {usage(self.word)}")
+            return
+        positions = _POSITIONS.get(self.kind)
+        keys = _OF_VALUES.get(self.kind, "")
+        if positions:
+            if self.values >= len(positions):
+                self.error(piece, f"{self.kind} takes {' '.join(positions)}; this is a number more")
+                return
+            key = meaning = positions[self.values]
+        else:
+            meaning = keys[self.values % len(keys)]
+            key = f"{meaning}{self.values // len(keys) + 1}"
+        self.values += 1
+        self._add("", piece, key, _MEANINGS[meaning], FUNCTION if meaning == "f" else NUMBER, piece.text)
+
+    def _add(
+        self, group: str, piece: Word, key: str, label: Any, kind: str, text: str, offset: int = 0
+    ) -> None:
+        try:
+            value = self._value(kind, text)
+        except (number.Misspelt, _Wrong) as fault:
+            self.error(piece, f"{key} {fault}", offset)
+            value = "" if kind in (FUNCTION, FILE, COORDINATE) else 0
+        place = Place(piece.line, piece.column + offset, len(text))
+        meaning, unit = label
+        self.given.setdefault(group, []).append(Number(key, value, meaning, unit, place, text))
+
+    def _value(self, kind: str, text: str) -> Any:
+        if kind in (NUMBER, WHOLE, VECTOR):
+            value, warning = number.integer(text) if kind == WHOLE else number.real(text)
+            if warning:
+                raise _Wrong(warning)
+            return value
+        if kind == FUNCTION and not NAME.fullmatch(text):
+            raise _Wrong(f"must be the name of a function; read {number.shown(text)}")
+        if kind == COORDINATE and not COORDINATES.fullmatch(text):
+            raise _Wrong(
+                f"must be a coordinate, such as 2.angle, 2.stroke, 3.r1 or 3.t2; read {number.shown(text)}"
+            )
+        return text.lower() if kind == COORDINATE else text
+
+    def _take_key(self, piece: Word, name: str, text: str) -> None:
+        offset = len(name) + 1
+        if self.word.word == "COUPLING" and COORDINATES.fullmatch(name):
+            name = name.lower()
+            key: Key | None = Key(name, "factor of this coordinate in the sum")
+        else:
+            name = name.lower()
+            key = self.word.key(name) or self._of_position(name)
+        if key is None:
+            keys = [*(one.name for one in self.word.keys), *_POSITIONS.get(self.kind, ())]
+            message = f"{self.word.word} has no key {number.shown(name)}{nearest(name, keys, 'it has')}"
+            self.error(piece, message)
+            return
+        if name in self.given:
+            self.error(piece, f"{name} is given twice; remove one")
+            return
+        if key.kind == END:
+            self._take_end(piece, key, text, offset)
+        elif key.kind == VECTOR:
+            self._take_vector(piece, key, text, offset)
+        else:
+            self._add(name, piece, name, (key.meaning, key.units[0]), key.kind, text, offset)
+            if key.kind == COORDINATE:
+                self.turning = is_turning(text)
+
+    def _of_position(self, name: str) -> Key | None:
+        """Return the key of a number of a function that may stand by its place, too."""
+        if name not in _POSITIONS.get(self.kind, ()):
+            return None
+        meaning, unit = _MEANINGS[name]
+        return Key(name, meaning, units=(unit, unit))
+
+    def _take_end(self, piece: Word, key: Key, text: str, offset: int) -> None:
+        if found := _END_AT_NODE.fullmatch(text):
+            self._part(piece, key, "body", found[1], offset, ("number of the body, 0: the ground", ""))
+            self._part(piece, key, "node", found[2], offset + found.start(2), ("number of the node", ""))
+        elif found := _END_AT_POINT.fullmatch(text):
+            self._part(piece, key, "body", found[1], offset, ("number of the body, 0: the ground", ""))
+            self._take_components(
+                piece, key, found[2], offset + found.start(2), ("its point in body axes", "m")
+            )
+        else:
+            self.error(
+                piece, f"{key.name} must be body(x,y,z) or body:node; read {number.shown(text)}", offset
+            )
+            self.given[key.name] = []
+
+    def _take_vector(self, piece: Word, key: Key, text: str, offset: int) -> None:
+        if not (text.startswith("(") and text.endswith(")")):
+            self.error(piece, f"{key.name} must be (x,y,z); read {number.shown(text)}", offset)
+            self.given[key.name] = []
+            return
+        self._take_components(piece, key, text[1:-1], offset + 1, (key.meaning, key.units[0]))
+
+    def _take_components(self, piece: Word, key: Key, text: str, offset: int, label: tuple[str, str]) -> None:
+        found = list(re.finditer(r"[^\s,]+", text))
+        if len(found) != 3 or text.count(",") not in (0, 2):
+            self.error(piece, f"{key.name} takes three numbers (x,y,z); read {number.shown(text)}", offset)
+            self.given[key.name] = []
+            return
+        for axis, part in zip("xyz", found, strict=True):
+            self._part(piece, key, axis, part[0], offset + part.start(), (f"{label[0]}, {axis}", label[1]))
+
+    def _part(self, piece: Word, key: Key, name: str, text: str, offset: int, label: tuple[str, str]) -> None:
+        kind = WHOLE if name in ("body", "node") else NUMBER
+        self._add(key.name, piece, f"{key.name}.{name}", label, kind, text, offset)
+
+    def _check_complete(self) -> None:
+        missing = [key.name for key in self.word.keys if key.needed and key.name not in self.given]
+        if missing:
+            self.error(self.first, f"{' and '.join(missing)} must be given: {usage(self.word)}")
+        for groups in self.word.choices:
+            complete = [group for group in groups if all(key in self.given for key in group)]
+            some = [group for group in groups if any(key in self.given for key in group)]
+            if len(complete) != 1 or len(some) != 1:
+                ways = " or ".join(" and ".join(f"{key}=" for key in group) for group in groups)
+                self.error(self.first, f"either {ways} must be given: {usage(self.word)}")
+
+
+def is_turning(coordinate: str) -> bool:
+    """Return whether the spelling of a coordinate names an angle."""
+    kind = coordinate.rpartition(".")[2].lower()
+    return kind == "angle" or kind.startswith("r")
+
+
+def usage(word: BlockWord) -> str:
+    """Return how a line of a word is written."""
+    parts = [word.word, "name" if not word.unnamed else "", "|".join(word.kinds)]
+    for key in word.keys:
+        shape = {COORDINATE: "2.angle", END: "1(x,y,z)", VECTOR: "(x,y,z)", FUNCTION: "function"}
+        text = f"{key.name}={shape.get(key.kind, '…')}"
+        parts.append(text if key.needed else f"[{text}]")
+    if word.word == "COUPLING":
+        parts.append("2.angle=factor 3.stroke=factor …")
+    return " ".join(part for part in parts if part)
+
+
+def nearest(word: str, known: Iterable[str], all_of_them: str) -> str:
+    """Return what may have been meant, or what there is."""
+    from difflib import get_close_matches
+
+    names = list(known)
+    close = get_close_matches(word, names, n=1, cutoff=0.5)
+    if close:
+        return f"; is {close[0]} meant?"
+    return f"; {all_of_them} {_listed(names)}" if names else ""
+
+
+def _listed(words: Iterable[str]) -> str:
+    *others, last = words
+    return f"{', '.join(others)} or {last}" if others else last

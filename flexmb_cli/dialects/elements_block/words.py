@@ -1,0 +1,143 @@
+"""The words of the block ELEMENTS: what their lines say, the keys, units and defaults.
+
+Lines of force laws follow from their records in `model.laws`.  Reader, writer, echo, reference page and the
+grammar of editors follow from this table.
+"""
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from ...model.laws import FUNCTIONS, LAWS, REQUIRED, VECTOR, At, Joint, Law, Parameter
+
+# What the text behind `key=` is; numbers and vectors as in `model.laws`.
+NUMBER, WHOLE, FUNCTION, COORDINATE, END, FILE = (
+    "number",
+    "whole number",
+    "function",
+    "coordinate",
+    "end",
+    "file",
+)
+FUNCTION_KINDS = ("table", "spline", "polynomial", "sine", "ramp", "step", "sum", "product")
+LINKS = {"revcyl": ("axis_from", "axis_to"), "revsph": ("axis_from", "length"), "sphsph": ("length",)}
+
+
+class Key(NamedTuple):
+    """A key of a line; without a default, the record of a line that leaves it out does not have it."""
+
+    name: str
+    meaning: str
+    kind: str = NUMBER
+    default: Any = None
+    units: tuple[str, str] = ("", "")  # along a stroke or a line, and about an axis
+    needed: bool = False  # on every line of its word
+
+
+class BlockWord(NamedTuple):
+    """A word that begins lines."""
+
+    word: str
+    meaning: str
+    keys: tuple[Key, ...]
+    choices: tuple[tuple[tuple[str, ...], ...], ...] = ()  # of each, one group of keys must be given
+    kinds: tuple[str, ...] = ()  # words of which one follows the name
+    unnamed: bool = False  # whether it may go without a name
+    law: Law | None = None
+
+    def key(self, name: str) -> Key | None:
+        """Return a key by its name."""
+        return next((key for key in self.keys if key.name == name), None)
+
+
+AT = Key("at", "coordinate: joint.angle or joint.stroke, of trees hinge.r1 to hinge.t3", COORDINATE)
+FROM = Key("from", "first end: body(x,y,z) or body:node, body 0 being the ground", END)
+TO = Key("to", "second end: body(x,y,z) or body:node", END)
+JOINT = Key("joint", "number of the joint or hinge", WHOLE, needed=True)
+_ENDS = (FROM._replace(needed=True), TO._replace(needed=True))
+_NAMES = {"function": "effort"}  # of parameters whose keys are called otherwise
+
+
+def key_of(parameter: Parameter) -> str:
+    """Return the key of a parameter of a force law."""
+    return _NAMES.get(parameter.name, parameter.name)
+
+
+def _of_law(law: Law) -> BlockWord:
+    """Return the word of a force law: what it measures, and its parameters."""
+    at, line, joint = At in law.measures, set(law.measures) - {At, Joint}, Joint in law.measures
+    measures = (JOINT,) if joint else (AT, FROM, TO) if at and line else (AT,) if at else (FROM, TO)
+    both = at and bool(line)
+    keys = [key._replace(needed=not both) for key in measures]
+    choices = ((("at",), ("from", "to")),) if both else ()
+    return BlockWord(law.word, f"force law {law.word}", (*keys, *_parameters(law)), choices, law=law)
+
+
+def _parameters(law: Law) -> Iterator[Key]:
+    words = {"coordinate": "coordinate", "effort": "effort"}
+    for p in law.parameters:
+        needed = p.default is REQUIRED
+        kind = FUNCTION if p.kind in FUNCTIONS else p.kind
+        units = ("", "") if kind == FUNCTION else (_unit(p, False), _unit(p, True))
+        default = None if needed else p.default
+        yield Key(key_of(p), p.meaning.format_map(words), kind, default, units, needed)
+
+
+def _unit(parameter: Parameter, turning: bool) -> str:
+    unit = parameter.unit(turning)
+    return "" if unit == "1" else unit
+
+
+WORDS = (
+    BlockWord(
+        "FUNCTION",
+        "function of time, of a stretch or of a rate",
+        (
+            Key("file", "text file of its numbers", FILE),
+            Key("number", "number under which cards name it", WHOLE),
+            Key("points", "number of the table of cards TABL that it goes through", WHOLE),
+        ),
+        kinds=FUNCTION_KINDS,
+    ),
+    BlockWord(
+        "DRIVE",
+        "coordinate, or driver of the deck, that follows a function",
+        (
+            AT,
+            Key("driver", "number of the driver of the deck", WHOLE),
+            Key("value", "function that the coordinate follows", FUNCTION),
+            Key("rate", "function that its rate follows", FUNCTION),
+        ),
+        ((("at",), ("driver",)), (("value",), ("rate",))),
+    ),
+    BlockWord(
+        "SUPPORT",
+        "held point that moves by functions",
+        (
+            Key("simplified", "number of the simplified constraint of the deck", WHOLE),
+            Key("value", "function that its coordinate follows", FUNCTION),
+            Key("pin", "number of the pin of the deck", WHOLE),
+            *(Key(axis, f"function added to {axis}", FUNCTION) for axis in "xyz"),
+        ),
+        ((("simplified", "value"), ("pin",)),),
+    ),
+    *map(_of_law, LAWS),
+    BlockWord("COUPLING", "sum of factors times coordinates, which keeps its first value", ()),
+    BlockWord(
+        "JOINT",
+        "joint with a massless link",
+        (
+            *_ENDS,
+            Key("axis_from", "axis of the revolute joint, axes of the first body", VECTOR, units=("m", "m")),
+            Key("axis_to", "axis of the cylindrical joint, axes of the second", VECTOR, units=("m", "m")),
+            Key("length", "length of the link", units=("m", "m")),
+        ),
+        kinds=tuple(LINKS),
+    ),
+    BlockWord(
+        "START",
+        "rate of a coordinate at the start",
+        (AT._replace(needed=True), Key("rate", "rate at the start", units=("m/s", "rad/s"), needed=True)),
+        unnamed=True,
+    ),
+)  # fmt: skip
+BY_WORD = {word.word: word for word in WORDS}

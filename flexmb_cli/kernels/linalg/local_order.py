@@ -1,0 +1,229 @@
+"""Order of pivots of a large sparse matrix of any rank, in time and memory of its number of entries.
+
+Markowitz's cost as in `pivot_order`, looked for in the few shortest rows (Zlatev, SIAM Journal on Numerical
+Analysis 17 (1980), pages 18-30), and pivots good enough for their row.  Entries count as they stand in the
+rows, those that are 0 at this position among them: the order serves all positions.
+
+Arrays for J (m, n), in which entries have no unit:
+
+- counts (m,), columns (m, c), values (m, c): entries of each row, as in `pivot_order`
+- largest (m,): magnitude of the largest entry of each row, -1 of rows that have had their pivot
+- in_column (n,): entries of each column in rows without pivot; rows (n, h): all rows that have or had one,
+  as many as held (n,) says
+- first (n + 1,), following (m,), before (m,): chains of the rows of so many entries, -1 at the ends
+- slots (n,): work, 1 + the place in its row of the entry of each column; zeros outside `_subtract`
+"""
+
+import numpy as np
+
+from .._jit import allocating, kernel
+from .lu import GOOD_ENOUGH
+from .pivot_order import RANK_TOLERANCE, wider_columns, wider_values
+
+SEARCHED = 4  # rows that are looked at for a pivot
+NO_CHAIN = -2  # `before` of a row that is in none
+
+
+@allocating
+def choose_local(
+    counts: np.ndarray, columns: np.ndarray, values: np.ndarray, order: np.ndarray, most: int
+) -> int:
+    """Fill order (m + n,) with rows, then columns, in the order of pivots, at most `most`; returns the rank.
+
+    For rows of so many entries (m,) at columns (m, c); overwrites them.
+    """
+    m, n = counts.shape[0], order.shape[0] - counts.shape[0]
+    largest, in_column, held = np.empty(m), np.zeros(n, np.int64), np.zeros(n, np.int64)
+    first, slots = np.full(n + 1, -1, np.int64), np.zeros(n, np.int64)
+    following, before = np.full(m, -1, np.int64), np.full(m, NO_CHAIN, np.int64)
+    for i in range(m):
+        largest[i] = _largest(values, counts, i)
+        for p in range(counts[i]):
+            in_column[columns[i, p]] += 1
+    rows = np.empty((n, max(1, _most(in_column))), np.int64)
+    for i in range(m):
+        for p in range(counts[i]):
+            j = columns[i, p]
+            rows[j, held[j]] = i
+            held[j] += 1
+    smallest, level, rank = RANK_TOLERANCE * _greatest(largest), np.inf, 0
+    while rank < min(m, n, most):
+        i, p = _search(first, following, counts, in_column, largest, columns, values, level)
+        if i < 0:
+            greatest = _greatest(largest)
+            if not greatest > smallest:
+                break
+            level = GOOD_ENOUGH * greatest
+            for row in range(m):
+                if before[row] == NO_CHAIN and largest[row] >= level:
+                    _link(row, counts[row], first, following, before)
+            continue
+        j = columns[i, p]
+        order[rank], order[m + rank] = i, j
+        need, room = _need(i, j, counts, columns, largest, held, rows)
+        if need > columns.shape[1]:
+            columns, values = wider_columns(columns, counts, need), wider_values(values, counts, need)
+        if room > rows.shape[1]:
+            rows = wider_columns(rows, held, room)
+        _unlink(i, counts[i], first, following, before)
+        largest[i] = -1.0
+        for k in range(counts[i]):
+            in_column[columns[i, k]] -= 1
+        for k in range(held[j]):
+            row = rows[j, k]
+            if largest[row] >= 0.0:
+                _unlink(row, counts[row], first, following, before)
+                _subtract(i, p, row, counts, in_column, columns, values, held, rows, slots)
+                largest[row] = _largest(values, counts, row)
+                if largest[row] >= level:
+                    _link(row, counts[row], first, following, before)
+        in_column[j] = -1
+        rank += 1
+    _append_others(order, rank, largest, in_column)
+    return rank
+
+
+@kernel
+def _largest(values: np.ndarray, counts: np.ndarray, row: int) -> float:
+    found = 0.0
+    for p in range(counts[row]):
+        found = max(found, abs(values[row, p]))
+    return found
+
+
+@kernel
+def _greatest(largest: np.ndarray) -> float:
+    found = 0.0
+    for i in range(largest.shape[0]):
+        found = max(found, largest[i])
+    return found
+
+
+@kernel
+def _most(counts: np.ndarray) -> int:
+    found = 0
+    for i in range(counts.shape[0]):
+        found = max(found, counts[i])
+    return found
+
+
+@kernel
+def _link(row: int, count: int, first: np.ndarray, following: np.ndarray, before: np.ndarray) -> None:
+    """Put a row at the head of the chain of rows of so many entries."""
+    following[row], before[row] = first[count], -1
+    if first[count] >= 0:
+        before[first[count]] = row
+    first[count] = row
+
+
+@kernel
+def _unlink(row: int, count: int, first: np.ndarray, following: np.ndarray, before: np.ndarray) -> None:
+    """Take a row out of its chain, if it is in one."""
+    if before[row] == NO_CHAIN:
+        return
+    if before[row] >= 0:
+        following[before[row]] = following[row]
+    else:
+        first[count] = following[row]
+    if following[row] >= 0:
+        before[following[row]] = before[row]
+    before[row] = NO_CHAIN
+
+
+@kernel
+def _search(
+    first: np.ndarray,
+    following: np.ndarray,
+    counts: np.ndarray,
+    in_column: np.ndarray,
+    largest: np.ndarray,
+    columns: np.ndarray,
+    values: np.ndarray,
+    level: float,
+) -> tuple[int, int]:
+    """Row of the next pivot and its place in the row, -1 where no entry is as large as `level`."""
+    found, place, cost, size, looked = -1, -1, counts.shape[0] * in_column.shape[0], 0.0, 0
+    for count in range(1, first.shape[0]):
+        row = first[count]
+        while row >= 0:
+            least = max(level, GOOD_ENOUGH * largest[row])
+            for p in range(count):
+                value, fill = abs(values[row, p]), (count - 1) * (in_column[columns[row, p]] - 1)
+                if value >= least and (fill < cost or (fill == cost and value > size)):
+                    found, place, cost, size = row, p, fill, value
+            looked += 1
+            if looked == SEARCHED or cost == 0:
+                return found, place
+            row = following[row]
+    return found, place
+
+
+@kernel
+def _need(
+    pivot: int,
+    column: int,
+    counts: np.ndarray,
+    columns: np.ndarray,
+    largest: np.ndarray,
+    held: np.ndarray,
+    rows: np.ndarray,
+) -> tuple[int, int]:
+    """Return how many entries a row, and how many rows a column may have after this pivot."""
+    widest = most = changed = 0
+    for k in range(held[column]):
+        if largest[rows[column, k]] >= 0.0:
+            widest = max(widest, counts[rows[column, k]])
+            changed += 1
+    for p in range(counts[pivot]):
+        most = max(most, held[columns[pivot, p]])
+    return widest + counts[pivot], most + changed
+
+
+@kernel
+def _subtract(
+    pivot: int,
+    at: int,
+    row: int,
+    counts: np.ndarray,
+    in_column: np.ndarray,
+    columns: np.ndarray,
+    values: np.ndarray,
+    held: np.ndarray,
+    rows: np.ndarray,
+    slots: np.ndarray,
+) -> None:
+    """Take so much of the pivot's row, whose pivot is at place `at`, from `row` that its entry vanishes."""
+    column = columns[pivot, at]
+    for p in range(counts[row]):
+        slots[columns[row, p]] = 1 + p
+    own = slots[column] - 1
+    factor = values[row, own] / values[pivot, at]
+    for p in range(counts[pivot]):
+        j = columns[pivot, p]
+        if slots[j] == 0:
+            columns[row, counts[row]], values[row, counts[row]] = j, 0.0
+            counts[row] += 1
+            slots[j] = counts[row]
+            in_column[j] += 1
+            rows[j, held[j]] = row
+            held[j] += 1
+        values[row, slots[j] - 1] -= factor * values[pivot, p]
+    for p in range(counts[row]):
+        slots[columns[row, p]] = 0
+    last = counts[row] - 1
+    columns[row, own], values[row, own] = columns[row, last], values[row, last]
+    counts[row] = last
+
+
+@kernel
+def _append_others(order: np.ndarray, rank: int, largest: np.ndarray, in_column: np.ndarray) -> None:
+    """Put rows and columns without a pivot behind those that have one, as they stand."""
+    m, row, column = largest.shape[0], rank, rank
+    for i in range(m):
+        if largest[i] >= 0.0:
+            order[row] = i
+            row += 1
+    for j in range(in_column.shape[0]):
+        if in_column[j] >= 0:
+            order[m + column] = j
+            column += 1
