@@ -68,17 +68,17 @@ class Parameter(NamedTuple):
 class At(NamedTuple):
     """The coordinate of a joint, or of a hinge of a tree; joints are numbered from 0."""
 
-    joint: int
-    coordinate: str
+    joint: int  # number, from 0; of a tree that of the body whose hinge it is
+    coordinate: str  # "angle" or "stroke", or "rotation 1" to "translation 3" of a hinge
 
 
 class Line(NamedTuple):
     """The distance of two points: in body axes or nodes; body -1 is the ground."""
 
-    i: int
-    j: int
-    P_i: Any
-    P_j: Any
+    i: int  # first body, -1: ground
+    j: int  # second body, -1: ground
+    P_i: Any  # point of the first: (3,) body axes, m, or a node
+    P_j: Any  # point of the second
 
 
 class Frames(NamedTuple):
@@ -87,16 +87,16 @@ class Frames(NamedTuple):
     A turn about x is the angle from y of i to y of j in the plane y z, and so on in cyclic order.
     """
 
-    i: int
-    j: int
-    P_i: Any
-    P_j: Any
+    i: int  # first body, -1: ground
+    j: int  # second body, -1: ground
+    P_i: Any  # point of the first: (3,) body axes, m, or a node
+    P_j: Any  # point of the second
 
 
 class Joint(NamedTuple):
     """A joint whose parts slide on each other."""
 
-    joint: int
+    joint: int  # number, from 0
 
 
 def is_angle(coordinate: str) -> bool:

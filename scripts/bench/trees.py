@@ -8,7 +8,9 @@ runs.  Each time is the best of several repeats, the three taken in turn; the ex
 of log(time) over log(links).  MuJoCo's time is that of mj_forward, contacts switched off.
 
 Then the shaft and beam of the thesis, section 4.3: processor seconds per simulated second, by method
-and number of nodes, the same stretch of time for all.  Parts can be named: `trees.py chains beams`.
+and number of nodes, the same stretch of time for all.  Then a chain of 48 with springs in its hinges against
+the same without: an evaluation, and a whole run in a warm process, processor time, the runs in turn.  Parts
+can be named: `trees.py chains beams elements`.
 """
 
 import sys
@@ -22,6 +24,8 @@ from flexmb_cli.kernels._jit import kernel
 from flexmb_cli.kernels.tree import kane
 from flexmb_cli.kernels.tree.work import tree_work
 from flexmb_cli.model.arrays.tree import initial_attitudes, tree_arrays
+from flexmb_cli.model.joint_elements import JointElements
+from flexmb_cli.model.laws import At, spring
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import Body, BodyTorque, Elasticity, Hinge, Integration, Tree, pulse
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
@@ -230,7 +234,39 @@ def integration(tree):
     return time.process_time() - begin, int(analysis.clock["evaluations"][0]), tip
 
 
-PARTS = {"chains": compare_chains, "beams": compare_methods}
+def sprung(links, count):
+    """A chain of links with springs and dampers in so many of its hinges."""
+    tree = chain(links)
+    forces = tuple(
+        spring(f"spring {k}", At(k, f"rotation {k % 3 + 1}"), 20.0, 0.1, 0.2) for k in range(count)
+    )
+    return replace(tree, elements=JointElements(forces=forces), time=TimeGrid(0.0, 0.5, 0.01))
+
+
+def compare_elements(links=48, counts=(0, 1, 48)):
+    """Table of the cost of springs: an evaluation, and a whole run of 51 rows."""
+    trees = {count: sprung(links, count) for count in counts}
+    names = "evaluation", "run", "per evaluation of the run"
+    best = {name: dict.fromkeys(counts, np.inf) for name in names}
+    evaluators = {count: flexmb_evaluator(tree)[0] for count, tree in trees.items()}
+    for _ in range(REPEATS):
+        for count, evaluate in evaluators.items():
+            begin = time.process_time()
+            evaluate(2000)
+            spent = (time.process_time() - begin) / 2000
+            best["evaluation"][count] = min(best["evaluation"][count], spent)
+    for _ in range(5):
+        for count, tree in trees.items():
+            spent, evaluations, _tip = integration(tree)
+            best["run"][count] = min(best["run"][count], spent)
+            best[names[2]][count] = min(best[names[2]][count], spent / evaluations)
+    print(f"chain of {links}: springs, processor time in µs, against none")
+    for name, values in best.items():
+        row = "   ".join(f"{n:2d}: {1e6 * t:10.2f} {t / values[0]:5.2f}" for n, t in values.items())
+        print(f"{name:26} {row}")
+
+
+PARTS = {"elements": compare_elements, "chains": compare_chains, "beams": compare_methods}
 
 if __name__ == "__main__":
     for part in sys.argv[1:] or PARTS:

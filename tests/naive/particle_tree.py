@@ -10,6 +10,7 @@ with the recursion: no spatial algebra, no angular velocities, no mass matrix of
 import numpy as np
 
 from flexmb_cli.model.arrays.tree_frames import rotation_matrix
+from flexmb_cli.model.laws import SPRING
 from flexmb_cli.model.tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION
 
 CIRCLE = 32
@@ -168,7 +169,7 @@ def applied(tree, particles, q, y, J, turns):
             F[here] -= body.elastic.stiffness @ q[here]
             if body.elastic.damping is not None:
                 F[here] -= body.elastic.damping @ y[here]
-    for s in tree.elements.forces:
+    for s in tree.elements.of(SPRING):
         motion, axis = s.measure.coordinate.split()
         m = particles.index[s.measure.joint, motion, int(axis), None]
         F[m] -= s["stiffness"] * (q[m] - s["rest"]) + s["damping"] * y[m]

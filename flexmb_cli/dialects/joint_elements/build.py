@@ -112,7 +112,7 @@ def force(law: Law, measure: type = At, coordinate: str | None = None) -> Callab
 
 
 def _measure(maker: ElementMaker, record: Record, measure: type, coordinate: str | None) -> Any:
-    """What an element measures; None if a fault was found."""
+    """Return what an element measures; None if a fault was found."""
     if measure is Joint:
         return _sliding(maker, record)
     if measure is At:

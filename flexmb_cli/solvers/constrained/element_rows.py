@@ -20,11 +20,9 @@ from .rows import DynamicRows, dynamic_rows, global_axes
 
 
 @dataclass(frozen=True)
-class ElementRows(DynamicRows):
-    """Rows with joint coordinates and elements; those in angles in rad, rad/s and N m."""
+class ElementAnswers:
+    """What elements do, in rows of all analyses; those in angles in rad, rad/s and N m."""
 
-    joint_coordinate: np.ndarray  # (T, joint coordinates)
-    joint_rate: np.ndarray  # (T, joint coordinates)
     element_coordinate: np.ndarray  # (T, elements) length, stroke or angle; 0 of friction
     element_rate: np.ndarray  # (T, elements)
     element_effort: np.ndarray  # (T, elements) drives the coordinate to larger values
@@ -33,6 +31,20 @@ class ElementRows(DynamicRows):
     element_work: np.ndarray  # (T, elements) J, integral of its power since the start
     dissipated: np.ndarray  # (T,) J, what all elements but motors have dissipated since the start
     coupling_effort: np.ndarray  # (T, couplings) times its factor: what acts in a coordinate, N or N m
+
+
+@dataclass(frozen=True)
+class JointAnswers(ElementAnswers):
+    """The same with all joint coordinates, in rad, m and their rates."""
+
+    joint_coordinate: np.ndarray  # (T, joint coordinates)
+    joint_rate: np.ndarray  # (T, joint coordinates)
+
+
+@dataclass(frozen=True)
+class ElementRows(JointAnswers, DynamicRows):
+    """Rows of a YOUNG deck with joint coordinates and elements."""
+
     composite_force: np.ndarray  # (T, composite joints, 3) on body J, global axes, N
     composite_torque: np.ndarray  # (T, composite joints, 3) on body J about P_j, global axes, N m
 
@@ -84,35 +96,33 @@ def _composite_forces(model: DynamicModel, arrays: DynamicArrays, report: Report
 
 def element_answers(report: Report, first: int, elements: JointElements, coordinates: int) -> dict[str, Any]:
     """Fields of `ElementRows` that the loads from `first` on answer, `coordinates` of joints among them."""
-    # A force of none is 0, not -0.
-    answers = report.responses[:, first:] + 0.0
-    works = report.states[:, report.states.shape[1] - answers.shape[1] :] + 0.0
+    answers = report.responses[:, first:]
+    works = report.states[:, report.states.shape[1] - answers.shape[1] :]
     end = answers.shape[1] - len(elements.of(FRICTION))
     probes = np.arange(end - coordinates, end)
     springs = answers.shape[1] - coordinates - len(list(names_of(elements)))
-    order, motors = order_of(elements, springs)
-    found, works = (np.delete(array, probes, axis=1)[:, order] for array in (answers, works))
-    probes = answers[:, probes]
+    found = np.delete(answers, probes, axis=1), np.delete(works, probes, axis=1)
     return {
-        "joint_coordinate": probes[..., COORDINATE].copy(),
-        "joint_rate": probes[..., SPEED].copy(),
-        "element_coordinate": found[..., COORDINATE].copy(),
-        "element_rate": found[..., SPEED].copy(),
-        "element_effort": found[..., EFFORT].copy(),
-        "element_power": found[..., POWER].copy(),
-        "element_energy": found[..., ENERGY].copy(),
+        "joint_coordinate": answers[:, probes, COORDINATE] + 0.0,
+        "joint_rate": answers[:, probes, SPEED] + 0.0,
+        **answers_of(elements, *found, springs),
+    }
+
+
+def answers_of(elements: JointElements, answers: np.ndarray, works: np.ndarray, springs: int = 0) -> Any:
+    """Fields of `ElementAnswers`: `answers` (T, E, columns) and `works` (T, E) begin with so many springs."""
+    parts = parts_in_arrays(elements.forces)
+    order = [*range(springs), *(springs + place for _, place in parts)]
+    motors = np.array(springs * [False] + [item.law is MOTOR for item, _ in parts], bool)
+    # A force of none is 0, not -0.
+    found, works = answers[:, order] + 0.0, works[:, order] + 0.0
+    columns = {"coordinate": COORDINATE, "rate": SPEED, "effort": EFFORT, "power": POWER, "energy": ENERGY}
+    return {
+        **{f"element_{name}": found[..., column].copy() for name, column in columns.items()},
         "element_work": works,
         # 0 - x, unlike -x, leaves no negative zeros.
         "dissipated": 0.0 - np.sum(works[:, ~motors], axis=1),
     }
-
-
-def order_of(elements: JointElements, springs: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """Return the places in arrays of so many springs and of all parts of elements, and which are motors."""
-    parts = parts_in_arrays(elements.forces)
-    order = [*range(springs), *(springs + place for _, place in parts)]
-    motors = springs * [False] + [item.law is MOTOR for item, _ in parts]
-    return np.array(order, int), np.array(motors, bool)
 
 
 def _in_order_of_deck(model: DynamicModel, arrays: DynamicArrays, report: Report) -> Any:
@@ -132,19 +142,8 @@ def _in_order_of_deck(model: DynamicModel, arrays: DynamicArrays, report: Report
 
 
 @dataclass(frozen=True)
-class FlexibleElementRows(FlexibleRows):
-    """Rows with joint coordinates, springs and elements, as those of `ElementRows`."""
-
-    joint_coordinate: np.ndarray  # (T, joint coordinates)
-    joint_rate: np.ndarray  # (T, joint coordinates)
-    element_coordinate: np.ndarray  # (T, elements)
-    element_rate: np.ndarray  # (T, elements)
-    element_effort: np.ndarray  # (T, elements)
-    element_power: np.ndarray  # (T, elements)
-    element_energy: np.ndarray  # (T, elements)
-    element_work: np.ndarray  # (T, elements)
-    dissipated: np.ndarray  # (T,)
-    coupling_effort: np.ndarray  # (T, couplings)
+class FlexibleElementRows(JointAnswers, FlexibleRows):
+    """Rows with joint coordinates, springs and elements."""
 
 
 def flexible_element_rows(

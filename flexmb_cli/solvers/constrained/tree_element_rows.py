@@ -6,26 +6,17 @@ from typing import Any
 import numpy as np
 
 from ...kernels.constrained.report import Report
-from ...kernels.laws import COORDINATE, EFFORT, ENERGY, POWER, SPEED
 from ...model.arrays.system import SystemArrays
 from ...model.joint_elements import names_of
 from ...model.tree import Tree
 from ..tree.rows import TreeRows
-from .element_rows import coupling_efforts, element_answers, order_of
+from .element_rows import ElementAnswers, answers_of, coupling_efforts, element_answers
 
 
 @dataclass(frozen=True)
-class TreeElementRows(TreeRows):
-    """Rows with what every element does, as those of `ElementRows`."""
+class TreeElementRows(ElementAnswers, TreeRows):
+    """Rows with what every element does."""
 
-    element_coordinate: np.ndarray  # (T, elements)
-    element_rate: np.ndarray  # (T, elements)
-    element_effort: np.ndarray  # (T, elements)
-    element_power: np.ndarray  # (T, elements)
-    element_energy: np.ndarray  # (T, elements)
-    element_work: np.ndarray  # (T, elements)
-    dissipated: np.ndarray  # (T,)
-    coupling_effort: np.ndarray  # (T, couplings)
     driver_effort: np.ndarray  # (T, drivers) along the prescribed coordinates
 
 
@@ -62,22 +53,12 @@ def rows_of_drivers(tree: Tree, arrays: SystemArrays) -> np.ndarray:
 def with_answers(tree: Tree, rows: TreeRows, report: Any) -> TreeElementRows:
     """The rows by Kane's equations with what the elements answered; energy of elements is no work."""
     kept = {field.name: getattr(rows, field.name) for field in fields(TreeRows)}
-    # A force of none is 0, not -0.
-    end = report.rows.shape[1] - 1
-    count = report.answers.shape[1]
-    order, motors = order_of(tree.elements)
-    answers = report.answers[:, order] + 0.0
-    works = report.rows[:, end - count : end][:, order] + 0.0
+    end, count = report.rows.shape[1] - 1, report.answers.shape[1]
+    works = report.rows[:, end - count : end]
     scales = np.array([item.scale for item in tree.elements.couplings])
     return TreeElementRows(
         **kept,
-        element_coordinate=answers[..., COORDINATE],
-        element_rate=answers[..., SPEED],
-        element_effort=answers[..., EFFORT],
-        element_power=answers[..., POWER],
-        element_energy=answers[..., ENERGY],
-        element_work=works,
-        dissipated=0.0 - works[:, ~motors].sum(axis=1),
+        **answers_of(tree.elements, report.answers, works),
         coupling_effort=report.closures["force"][:, len(report.closures[0]) - len(scales) :] / scales,
         driver_effort=report.drives,
     )

@@ -10,6 +10,7 @@ from flexmb_cli.kernels.integrators.sdirk4 import implicit_work
 from flexmb_cli.kernels.integrators.sdirk4_step import DIAGONAL, _correct
 from flexmb_cli.kernels.linalg.profile_ldl import factorise_profile, set_profile_times, substitute_profile
 from flexmb_cli.kernels.tree.implicit_matrix import factorise, renew, set_mass_times, solve_stiff, stiff_work
+from flexmb_cli.model.laws import SPRING
 from flexmb_cli.model.tree import ELASTIC, ROTATION, Prescribed
 from flexmb_cli.solvers.tree.analysis import initial_state
 from tests.kernels.tree.test_elastic_rotation import turning_tree
@@ -60,7 +61,7 @@ def dense_parts(recursion):
             K[np.ix_(own, own)] = body.elastic.stiffness
             D[np.ix_(own, own)] = body.elastic.damping
     place = {(c.body, c.motion, c.axis): m for m, c in enumerate(tree.coordinates)}
-    for spring in tree.elements.forces:
+    for spring in tree.elements.of(SPRING):
         m = place[where(spring)]
         K[m, m] += spring["stiffness"]
         D[m, m] += spring["damping"]

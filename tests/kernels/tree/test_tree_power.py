@@ -10,6 +10,7 @@ from flexmb_cli.kernels.tree.energy import applied_power, energies
 from flexmb_cli.kernels.tree.kinematics import place_frames
 from flexmb_cli.kernels.tree.loads import coordinate_efforts
 from flexmb_cli.model.joint_elements import JointElements
+from flexmb_cli.model.laws import SPRING
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import (
     INERTIAL,
@@ -41,7 +42,7 @@ def power_of(recursion):
 def test_applied_power_is_that_of_all_forces_but_weight_and_elasticity(seed):
     """F · y of the particles without weight and springs, less that of elastic forces, -q · K y."""
     tree = random_tree(seed, gravity=(0.0, 0.0, 0.0))
-    damped = tuple(spring.with_values(stiffness=0.0) for spring in tree.elements.forces)
+    damped = tuple(spring.with_values(stiffness=0.0) for spring in tree.elements.of(SPRING))
     tree = replace(tree, elements=JointElements(forces=damped))
     recursion = Recursion(tree)
     assert isinstance(recursion.forward(), np.ndarray)
@@ -59,7 +60,7 @@ def test_kinetic_and_stored_energies_are_those_of_the_matrices(seed):
     tree = recursion.tree
     recursion.forward()
     place = {(c.body, c.motion, c.axis): tree.q[m] for m, c in enumerate(tree.coordinates)}
-    in_springs = [s["stiffness"] * (place[where(s)] - s["rest"]) ** 2 / 2 for s in tree.elements.forces]
+    in_springs = [s["stiffness"] * (place[where(s)] - s["rest"]) ** 2 / 2 for s in tree.elements.of(SPRING)]
     _, _, K = dense_parts(Recursion(replace(tree, elements=JointElements())))
     expected = tree.y @ recursion.dense()[0] @ tree.y / 2, sum(in_springs), tree.q @ K @ tree.q / 2
     found = energies(recursion.arrays, recursion.work, tree.q, tree.y)
