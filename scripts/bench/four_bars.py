@@ -3,8 +3,8 @@
 Example: scripts/bench/run four_bars --count 1 2 5 --method DOP853 RAD5 --tolerance 1e-6 1e-9
 Example: scripts/bench/run four_bars --size --count 1 10 40 100 200 500
 
-With --size: processor time of an evaluation of the accelerations, of a report row, of a start, and of 0.4 s at
-1e-6 with two rows, warm; the error of the evaluation, against the closed form of the cranks, and of the energy.
+With --size: processor time of an evaluation of the accelerations, of a report row, of a start, and of 0.4 s
+at 1e-6 with two rows, warm; errors of the evaluation, against the closed form of cranks, and of the energy.
 
 The N-four-bar mechanism of the IFToMM library of computational benchmark problems (A08; González, Kövecses
 and others, Multibody System Dynamics 36 (2016)): bars of 1 m and 1 kg, gravity 9.81 m/s², the first pin moves
@@ -126,14 +126,13 @@ def show_sizes(counts: list[int]) -> None:
     before: tuple[int, float] | None = None
     for count in counts:
         found = cost_of(count)
-        power = (
-            "" if before is None else math.log(found["evaluation"] / before[1]) / math.log(count / before[0])
-        )
+        ratio = found["evaluation"] / before[1] if before else 1.0
+        power = f"{math.log(ratio) / math.log(count / before[0]):.2f}" if before else ""
         before = count, found["evaluation"]
         print(
             f"{count:4d} {2 * count + 1:5d} {found['evaluation'] * 1e6:12.1f} {found['row'] * 1e6:7.1f} "
             f"{found['start'] * 1e3:8.1f} {found['whole'] * 1e3:8.1f} {found['error']:6.0e} "
-            f"{found['energy']:7.1e}  {power if power == '' else format(power, '.2f')}",
+            f"{found['energy']:7.1e}  {power}",
             flush=True,
         )
 

@@ -59,7 +59,7 @@ def set_profile_times(A: "np.ndarray", ends: "np.ndarray", x: "np.ndarray", out:
 
 @kernel
 def factorise_rows(flat: "np.ndarray", starts: "np.ndarray", ends: "np.ndarray") -> None:
-    """As `factorise_profile`, of a definite matrix with its entry i, j at flat[starts[i] + j]; starts (n,)."""
+    """As `factorise_profile`, of a definite matrix with entry i, j at flat[starts[i] + j]; starts (n,)."""
     for i in range(ends.shape[0] - 1, -1, -1):
         row = starts[i]
         for j in range(ends[i] - 1, i, -1):

@@ -3,8 +3,8 @@
     [ M  Jᵀ ] [ u̇ ]   [ f ]
     [ J  0  ] [ -λ ] = [ γ ]
 
-of independent equations, and the shortest λ with Jᵀ λ = M u̇ - f.  M, f, J and γ are those of the bodies and joints
-one by one, which `tests/kernels/constrained` compares with differences.
+of independent equations, and the shortest λ with Jᵀ λ = M u̇ - f.  M, f, J and γ are those of the bodies and
+joints one by one, which `tests/kernels/constrained` compares with differences.
 """
 
 import math
@@ -64,7 +64,7 @@ def state_aside(analysis):
 
 
 def dense_solution(analysis, ud):
-    """u̇ and scaled λ by one matrix of everything, where `accelerations` has left forces and right-hand side."""
+    """u̇ and scaled λ by one matrix, where `accelerations` has left forces and right-hand side."""
     system, work = analysis.system, analysis.work
     scale, rows = analysis.arrays.speed_scale, analysis.arrays.row_scale
     M, column = np.empty((ud.size, ud.size)), np.empty(ud.size)
@@ -88,8 +88,8 @@ DECKS = {
 
 @pytest.mark.parametrize(
     ("kind", "count"),
-    [("four-bars", 1), ("four-bars", 6), ("four-bars", 20), ("branched pendulums", 1), ("branched pendulums", 12),
-     ("branched pendulums", 40),
+    [("four-bars", 1), ("four-bars", 6), ("four-bars", 15), ("branched pendulums", 1),
+     ("branched pendulums", 12), ("branched pendulums", 20),
      pytest.param("branched pendulums", 150, marks=pytest.mark.campaign)],
 )  # fmt: skip
 def test_accelerations_and_reactions_are_those_of_one_dense_matrix(kind, count, tmp_path):
@@ -106,7 +106,7 @@ def test_accelerations_and_reactions_are_those_of_one_dense_matrix(kind, count, 
 
 @pytest.mark.parametrize("count", [11, 40, 150])
 def test_all_cranks_of_a_long_chain_turn_like_its_pendulum(count, tmp_path):
-    """(J₀ + …) θ̈ = -g (…) cos θ of equal bars: cranks of 1/3 kg m² about their pins, couplers that only shift."""
+    """(J₀ + …) θ̈ = -g (…) cos θ of equal bars: cranks of 1/3 kg m², couplers that only shift."""
     analysis, angle = analysis_of(deck_of(count, "DOP853", 1e-6), tmp_path), 1.2
     q, (u, ud) = analysis.arrays.q.copy().reshape(-1, 7), np.zeros((2, analysis.arrays.speeds))
     q[1::2, 3], q[1::2, 6] = math.cos(0.5 * angle), math.sin(0.5 * angle)
