@@ -1,6 +1,10 @@
 """Chains of N four-bars through singular positions: steps, time and energy error by method and tolerance.
 
 Example: scripts/bench/run four_bars --count 1 2 5 --method DOP853 RAD5 --tolerance 1e-6 1e-9
+Example: scripts/bench/run four_bars --size --count 1 10 40 100 200 500
+
+With --size: processor time of an evaluation of the accelerations, of a report row, of a start, and of 0.4 s
+at 1e-6 with two rows, warm; errors of the evaluation, against the closed form of cranks, and of the energy.
 
 The N-four-bar mechanism of the IFToMM library of computational benchmark problems (A08; González, Kövecses
 and others, Multibody System Dynamics 36 (2016)): bars of 1 m and 1 kg, gravity 9.81 m/s², the first pin moves
@@ -14,10 +18,15 @@ import tempfile
 import time
 from pathlib import Path
 
+import numpy as np
+
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
 from flexmb_cli.dialects.young.dynamic_cards import read_young_deck
 from flexmb_cli.errors import AnalysisError
+from flexmb_cli.kernels.constrained.accelerations import accelerations
+from flexmb_cli.kernels.constrained.report import observe_rows
+from flexmb_cli.solvers.constrained.system import blank_report
 from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 
 BAR = "1 0.5 0 0 0 0.08333333333333333 0.08333333333333333"
@@ -66,6 +75,68 @@ def energy_error(blocks) -> float:
     return strayed / max(block.kinetic.max() for block in blocks)
 
 
+def least(call, count: int) -> float:
+    """Least processor time of a call, s, of five measurements of `count` calls."""
+    found = math.inf
+    for _ in range(5):
+        begin = time.process_time()
+        for _ in range(count):
+            call()
+        found = min(found, (time.process_time() - begin) / count)
+    return found
+
+
+def cost_of(count: int) -> dict[str, float]:
+    """Times, s, and errors of a chain of `count` four-bars, see `--size`."""
+    text, angle = deck_of(count, "DOP853", 1e-6, 0.4, 0.4), 1.2
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "IN.dat"
+        path.write_text(text)
+        model = build_young_dynamics(read_young_deck(read_text(str(path))))[0]
+    analysis = ForwardDynamics(model)
+    analysis.start()
+    system, work, calls = analysis.system, analysis.work, max(2, 400 // count)
+    q, (u, ud) = analysis.arrays.q.copy().reshape(-1, 7), np.zeros((2, analysis.arrays.speeds))
+    q[1::2, 3], q[1::2, 6] = math.cos(0.5 * angle), math.sin(0.5 * angle)
+    q[2::2, 0], q[2::2, 1] = np.arange(count) + math.cos(angle), math.sin(angle)
+    evaluation = least(lambda: accelerations(system, work, q.ravel(), u, 0.0, ud), calls)
+    inertia, arm = (count + 1) / 3.0 + count, (count + 1) / 2.0 + count
+    wanted = -9.81 * arm * math.cos(angle) / inertia
+    report = blank_report(analysis.arrays, np.zeros(calls), analysis.works)
+    report.states[:, : q.size] = q.ravel()
+    expected = np.zeros((calls, analysis.arrays.angles.size))
+    blocks: list = []
+
+    def whole():
+        blocks[:] = ForwardDynamics(model).rows()
+
+    return {
+        "evaluation": evaluation,
+        "row": least(lambda: observe_rows(system, work, expected, report), 1) / calls,
+        "start": least(lambda: ForwardDynamics(model).start(), 1),
+        "whole": least(whole, 1),
+        "error": float(np.abs(ud.reshape(-1, 6)[1::2, 5] / wanted - 1.0).max()),
+        "energy": energy_error(blocks),
+    }
+
+
+def show_sizes(counts: list[int]) -> None:
+    """Print a row for every chain, and by which power of its number of bodies an evaluation grows."""
+    print("  N bodies evaluation/us row/us start/ms 0.4 s/ms  error  energy  power")
+    before: tuple[int, float] | None = None
+    for count in counts:
+        found = cost_of(count)
+        ratio = found["evaluation"] / before[1] if before else 1.0
+        power = f"{math.log(ratio) / math.log(count / before[0]):.2f}" if before else ""
+        before = count, found["evaluation"]
+        print(
+            f"{count:4d} {2 * count + 1:5d} {found['evaluation'] * 1e6:12.1f} {found['row'] * 1e6:7.1f} "
+            f"{found['start'] * 1e3:8.1f} {found['whole'] * 1e3:8.1f} {found['error']:6.0e} "
+            f"{found['energy']:7.1e}  {power}",
+            flush=True,
+        )
+
+
 def main():
     """Print a row for every chain, method and tolerance."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
@@ -73,7 +144,11 @@ def main():
     parser.add_argument("--method", nargs="+", choices=CARDS, default=list(CARDS))
     parser.add_argument("--tolerance", nargs="+", type=float, default=[10.0**-k for k in range(6, 12)])
     parser.add_argument("--end", type=float, default=10.0)
+    parser.add_argument("--size", action="store_true", help="cost over size, of the explicit method")
     given = parser.parse_args()
+    if given.size:
+        show_sizes(given.count)
+        return
     run(deck_of(1, given.method[0], 1e-4, 0.1))
     print("  N method tolerance   steps rejected        s energy/tol  stop")
     for count in given.count:

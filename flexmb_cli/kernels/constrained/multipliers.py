@@ -12,7 +12,7 @@ dependent speeds:
 import numpy as np
 
 from .._jit import allocating, kernel, part
-from ..linalg.profile_ldl import factorise_profile, substitute_profile
+from ..linalg.profile_ldl import factorise_rows, substitute_rows
 from ..linalg.rank_revealing_lu import entry_of, transposed_solution
 from .mass_matrix import mass_times
 from .system import FORCES, FREE, PRODUCT, System, Work, factors_of
@@ -43,10 +43,11 @@ def _fill_least_norm(work: Work, constraint_forces: np.ndarray, lam: np.ndarray)
     """Fill lam (m,) with the shortest λ for which Jᵀ λ are the constraint_forces (n,), all scaled."""
     rank, m, n = work.rank[0], work.jacobian.shape[0], work.motions.shape[0]
     places, ends = np.full(n, -1, np.int64), np.zeros(rank, np.int64)
-    gram, y = np.empty((rank, rank)), np.empty(rank)
+    starts, y = np.empty(rank, np.int64), np.empty(rank)
     _number_in_order(work.order[m : m + rank], places)
-    _fill_gram(work, places, gram, ends)
-    factorise_profile(gram, ends)
+    gram = np.zeros(_lay_out(work, places, starts, ends))
+    _fill_gram(work, places, gram, starts)
+    factorise_rows(gram, starts, ends)
     for row in range(m):
         lam[row] = 0.0
     # The second pass refines: the condition number of the Gram matrix is the square of that of J.
@@ -55,7 +56,7 @@ def _fill_least_norm(work: Work, constraint_forces: np.ndarray, lam: np.ndarray)
             if places[k] >= 0:
                 y[places[k]] = constraint_forces[k]
         _subtract_forces(work, places, lam, y)
-        substitute_profile(gram, ends, y)
+        substitute_rows(gram, starts, ends, y)
         _add_multipliers(work, places, y, lam)
 
 
@@ -92,19 +93,29 @@ def _number_in_order(speeds: "np.ndarray", places: "np.ndarray") -> None:
 
 
 @kernel
-def _fill_gram(work: Work, places: "np.ndarray", gram: np.ndarray, ends: "np.ndarray") -> None:
-    """Fill gram with J_dᵀ J_d (rank, rank), each row from its diagonal to `ends` (rank,)."""
+def _lay_out(work: Work, places: "np.ndarray", starts: "np.ndarray", ends: "np.ndarray") -> int:
+    """Fill where the rows of J_dᵀ J_d start and end, each from its diagonal on: starts, ends (rank,).
+
+    See `factorise_rows`.  Returns the number of entries.
+    """
     for row in range(work.jacobian.shape[0]):
         last = -1
-        for p in range(1, 1 + work.columns[row, 0]):
-            last = max(last, places[work.columns[row, p]])
-        for p in range(1, 1 + work.columns[row, 0]):
-            i = places[work.columns[row, p]]
+        for p in range(work.columns[row, 0]):
+            last = max(last, places[work.columns[row, 1 + p]])
+        for p in range(work.columns[row, 0]):
+            i = places[work.columns[row, 1 + p]]
             if i >= 0:
                 ends[i] = max(ends[i], last + 1)
+    count = 0
     for i in range(ends.shape[0]):
-        for j in range(i, ends[i]):
-            gram[i, j] = 0.0
+        starts[i] = count - i
+        count += ends[i] - i
+    return count
+
+
+@kernel
+def _fill_gram(work: Work, places: "np.ndarray", gram: np.ndarray, starts: "np.ndarray") -> None:
+    """Fill gram, zeros, with J_dᵀ J_d as `_lay_out` has it."""
     for row in range(work.jacobian.shape[0]):
         for p in range(work.columns[row, 0]):
             i = places[work.columns[row, 1 + p]]
@@ -112,7 +123,7 @@ def _fill_gram(work: Work, places: "np.ndarray", gram: np.ndarray, ends: "np.nda
                 for other in range(work.columns[row, 0]):
                     j = places[work.columns[row, 1 + other]]
                     if j >= i:
-                        gram[i, j] += work.jacobian[row, p] * work.jacobian[row, other]
+                        gram[starts[i] + j] += work.jacobian[row, p] * work.jacobian[row, other]
 
 
 @part

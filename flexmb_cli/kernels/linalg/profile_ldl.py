@@ -89,3 +89,29 @@ def solve_symmetric(matrix: "np.ndarray", size: int, y: "np.ndarray") -> None:
     for i in range(size - 1, -1, -1):
         for k in range(i + 1, size):
             y[i] -= matrix[k, i] * y[k]
+
+
+@kernel
+def factorise_rows(flat: "np.ndarray", starts: "np.ndarray", ends: "np.ndarray") -> None:
+    """As `factorise_profile`, of a definite matrix with entry i, j at flat[starts[i] + j]; starts (n,)."""
+    for i in range(ends.shape[0] - 1, -1, -1):
+        row = starts[i]
+        for j in range(ends[i] - 1, i, -1):
+            end = min(ends[i], ends[j])
+            flat[row + j] -= product(flat[row + j + 1 : row + end], flat[starts[j] + j + 1 : starts[j] + end])
+        for j in range(i + 1, ends[i]):
+            share = flat[row + j] / flat[starts[j] + j]
+            flat[row + i] -= share * flat[row + j]
+            flat[row + j] = share
+
+
+@kernel
+def substitute_rows(flat: "np.ndarray", starts: "np.ndarray", ends: "np.ndarray", x: "np.ndarray") -> None:
+    """Replace a right-hand side x (n,) by the solution, by the factors of `factorise_rows`."""
+    n = x.shape[0]
+    for i in range(n - 1, -1, -1):
+        x[i] -= product(flat[starts[i] + i + 1 : starts[i] + ends[i]], x[i + 1 : ends[i]])
+    for i in range(n):
+        x[i] /= flat[starts[i] + i]
+    for i in range(n):
+        subtract_multiple(x[i], flat[starts[i] + i + 1 : starts[i] + ends[i]], x[i + 1 : ends[i]])
