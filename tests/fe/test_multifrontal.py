@@ -76,7 +76,7 @@ def test_what_is_not_positive_definite_is_solved_with_pivots():
 @pytest.mark.parametrize("block", [2, 8])
 def test_modes_by_blocks_are_those_of_scipy_where_many_coincide(monkeypatch, block):
     """A cube has threefold frequencies, more at once than a block of two has vectors."""
-    monkeypatch.setattr(linear_algebra, "BLOCK", block)
+    monkeypatch.setattr(linear_algebra, "VECTORS_AT_ONCE", block)
     K, places = grid(5, 5, 5)
     S = (K @ K / 1000 + eye_array(len(places))).tocsc()
     values, vectors = lowest_by_iteration(S, 12, solver_by_fronts(K.tocsc(), places))
@@ -89,7 +89,7 @@ def test_modes_by_blocks_are_those_of_scipy_where_many_coincide(monkeypatch, blo
 @pytest.mark.parametrize("block", [2, 8])
 def test_shapes_without_mass_end_the_search(monkeypatch, block):
     """Of five masses there are five modes, though eight are asked for."""
-    monkeypatch.setattr(linear_algebra, "BLOCK", block)
+    monkeypatch.setattr(linear_algebra, "VECTORS_AT_ONCE", block)
     K, places = grid(12, 10)
     masses = np.zeros(len(places))
     masses[[3, 40, 41, 77, 110]] = 1.0, 2.0, 2.0, 1e-3, 5.0
