@@ -21,7 +21,7 @@ COLUMNS_AT_ONCE = 256
 LEAST_PIVOT = 1e-3
 # Vectors of a block, residual at which it has converged, and length below which a vector depends on others,
 # both relative.
-BLOCK, CONVERGED, DEPENDENT = 8, 1e-12, 1e-13
+VECTORS_AT_ONCE, LEAST_RESIDUAL, LEAST_LENGTH = 8, 1e-12, 1e-13
 
 
 class Singular(Exception):
@@ -198,7 +198,7 @@ def lowest_by_iteration(S: Any, count: int, solve: Callable[..., Any]) -> tuple[
     vectors: list[np.ndarray] = []
     forces: list[np.ndarray] = []
     T = np.zeros((0, 0))
-    answer = solve(S @ np.random.default_rng(1).uniform(-1.0, 1.0, (S.shape[0], BLOCK)))
+    answer = solve(S @ np.random.default_rng(1).uniform(-1.0, 1.0, (S.shape[0], VECTORS_AT_ONCE)))
     while True:
         block, coupling = _orthonormal(S, answer, vectors, forces)
         inverse, amplitudes = np.linalg.eigh(T)
@@ -206,7 +206,9 @@ def lowest_by_iteration(S: Any, count: int, solve: Callable[..., Any]) -> tuple[
         residual = (
             np.linalg.norm(coupling @ amplitudes[-coupling.shape[1] :, chosen], axis=0) if len(T) else 1.0
         )
-        if not block.size or (len(T) >= count and (residual < CONVERGED * np.abs(inverse[chosen])).all()):
+        if not block.size or (
+            len(T) >= count and (residual < LEAST_RESIDUAL * np.abs(inverse[chosen])).all()
+        ):
             chosen = chosen[np.argsort(1.0 / inverse[chosen])]
             return 1.0 / inverse[chosen], np.hstack(vectors) @ amplitudes[:, chosen]
         vectors.append(block)
@@ -224,7 +226,7 @@ def _orthonormal(
     `forces` are S times `vectors`; k is smaller where the columns of `block` depend on them.
     """
     coupling = np.eye(block.shape[1])
-    least = DEPENDENT**2 * float(np.max(np.einsum("ij,ij->j", block, S @ block)))
+    least = LEAST_LENGTH**2 * float(np.max(np.einsum("ij,ij->j", block, S @ block)))
     for _ in range(2):  # what the first time leaves of dependent vectors is not orthogonal
         for part, force in zip(vectors, forces, strict=True):
             block = block - part @ (force.T @ block)

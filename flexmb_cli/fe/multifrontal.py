@@ -6,6 +6,7 @@ of its rows and of those behind it that they reach.  Dense products make it as f
 """
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -36,7 +37,7 @@ def solver_by_fronts(A: Any, places: np.ndarray) -> Callable[[np.ndarray], np.nd
     bounds = np.searchsorted(rank[order], np.cumsum([0, *map(len, parts)])).tolist()
     lower = sparse.tril(A.tocsc()[:, order][order]).tocsc()
     fronts = list(_fronts(lower, bounds, counts))
-    return lambda b: _solution(fronts, order, b)
+    return partial(_solution, fronts, order)
 
 
 def _dissected(graph: Any, places: np.ndarray, nodes: np.ndarray) -> Iterator[tuple[np.ndarray, int]]:

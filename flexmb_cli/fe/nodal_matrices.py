@@ -151,18 +151,16 @@ def _symmetric(name: str, file: MatrixFile) -> np.ndarray:
 
 
 def _rows_of_nodes(name: str, equations: np.ndarray, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    place = {int(node): i for i, node in enumerate(numbers)}
+    order = np.argsort(numbers)
+    place = order[np.searchsorted(numbers, equations[:, 0], sorter=order).clip(max=len(order) - 1)]
+    known = numbers[place] == equations[:, 0]
     rows = np.full(3 * len(numbers), -1, dtype=np.int64)
-    internal = []
-    for equation, (node, direction) in enumerate(equations):
-        if int(node) in place:
-            rows[3 * place[int(node)] + direction - 1] = equation
-        else:
-            internal.append(equation)
+    rows[3 * place[known] + equations[known, 1] - 1] = np.flatnonzero(known)
+    internal = np.flatnonzero(~known)
     missing = np.flatnonzero(rows < 0)
     if missing.size:
         _refuse_missing(name, missing, numbers, len(internal))
-    return rows, np.array(internal, dtype=np.int64)
+    return rows, internal
 
 
 def _refuse_missing(name: str, missing: np.ndarray, numbers: np.ndarray, internal: int) -> None:
