@@ -26,7 +26,7 @@ class Figures(NamedTuple):
     """Numbers (rows, fields) without their signs as whole numbers, in units of the last decimal."""
 
     number: np.ndarray
-    power: np.ndarray | None  # of the first figure, in exponent form; meaningless for 0
+    power: np.ndarray  # of the first figure, in exponent form; meaningless for 0
     unknown: np.ndarray  # bool: these have no figures here
 
 
@@ -42,7 +42,7 @@ def fixed_point(values: np.ndarray, decimals: int) -> Figures:
         ties, places = np.unique(size.flat[near], return_inverse=True)
         exact = [float(f"{value:.{decimals}f}".replace(".", "")) for value in ties.tolist()]
         number.flat[near] = np.array(exact)[places]
-    return Figures(number, None, unknown)
+    return Figures(number, np.zeros(()), unknown)
 
 
 def exponent_form(values: np.ndarray, digits: int) -> Figures:
@@ -70,7 +70,7 @@ class Run(NamedTuple):
 
     field: "Edit"
     separated: bool  # a blank must stand before each number
-    count: int
+    fields: int
 
 
 def runs_of(parts: "Iterable[Any]", separated: list[bool]) -> list[bytes | Run]:
@@ -84,7 +84,7 @@ def runs_of(parts: "Iterable[Any]", separated: list[bool]) -> list[bytes | Run]:
             continue
         run = Run(part, next(apart), 1)
         if isinstance(last, Run) and (last.field, last.separated) == (run.field, run.separated):
-            found[-1] = last._replace(count=last.count + 1)
+            found[-1] = last._replace(fields=last.fields + 1)
         else:
             found.append(run)
     return found
@@ -98,9 +98,9 @@ def picture(runs: list[bytes | Run], values: np.ndarray) -> tuple[bytearray, np.
     row = b""
     for run in runs:
         if isinstance(run, Run):
-            cells.append(_pieces(run, values[:, column : column + run.count], unknown))
-            column += run.count
-            row += bytes(run.count * sum(piece.itemsize for piece in cells[-1]))
+            cells.append(_pieces(run, values[:, column : column + run.fields], unknown))
+            column += run.fields
+            row += bytes(run.fields * sum(piece.itemsize for piece in cells[-1]))
         else:
             row += run
     text = bytearray(row * rows)
@@ -116,7 +116,7 @@ def _fill(text: bytearray, start: int, length: int, pieces: list[np.ndarray]) ->
     for piece in pieces:
         np.ndarray(piece.shape, piece.dtype, text, place, (length, cell))[:] = piece
         place += piece.itemsize
-    return cell * pieces[0].shape[1]
+    return cell * int(pieces[0].shape[1])
 
 
 def _pieces(run: Run, values: np.ndarray, unknown: np.ndarray) -> list[np.ndarray]:
@@ -140,7 +140,7 @@ def _divided(field: "Edit", values: np.ndarray) -> tuple[Figures, np.ndarray, li
         figures = exponent_form(values, decimals + (field.kind == "E"))
         power = np.where(figures.number == 0.0, 0.0, figures.power + (field.kind == "e"))
         raised = [_exponents()[(power + _LARGEST_POWER + 1).astype(np.intp)]]
-    rest = figures.number.astype(np.uint32 if decimals + _MOST_WHOLE <= 9 else np.uint64)
+    rest: Any = figures.number.astype(np.uint32 if decimals + _MOST_WHOLE <= 9 else np.uint64)
     while decimals:
         count = min(decimals, _AT_ONCE)
         unit = rest.dtype.type(10**count)

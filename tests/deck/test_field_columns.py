@@ -1,4 +1,4 @@
-"""Columns of fields from tables of numerals against Python's `%`, which rounds exact values, field by field."""
+"""Fields of many rows against Python's formats of each number, which round the exact value."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ EDITS = {
 
 
 def hard_numbers(count: int, seed: int) -> np.ndarray:
-    """Ties and their neighbours, powers of ten and theirs, zeros of both signs, numbers too long for a field."""
+    """Ties, powers of ten and neighbours of both, zeros of both signs, numbers too long for a field."""
     rng = np.random.default_rng(seed)
     ties = (rng.integers(0, 10**7, count) + 0.5) / 10.0 ** rng.integers(0, 9, count)
     powers = 10.0 ** rng.integers(-100, 101, count)

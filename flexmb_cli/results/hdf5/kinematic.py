@@ -53,23 +53,24 @@ def kinematic_values(rows: Rows) -> Values:
     return _ValuesOf(rows)
 
 
+_FIELDS = {series.path: field for field, series in ({"time": TIME} | SERIES).items()}
+
+
 class _ValuesOf(Mapping[str, np.ndarray]):
     """The fields of rows by the paths of their datasets; each is looked up when it is requested."""
-
-    fields = {series.path: field for field, series in ({"time": TIME} | SERIES).items()}
 
     def __init__(self, rows: Rows):
         self.rows = rows
 
     def __getitem__(self, path: str) -> np.ndarray:
-        found: np.ndarray = getattr(self.rows, self.fields[path])
+        found: np.ndarray = getattr(self.rows, _FIELDS[path])
         return found
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self.fields)
+        return iter(_FIELDS)
 
     def __len__(self) -> int:
-        return len(self.fields)
+        return len(_FIELDS)
 
 
 def readable_names(kind: str, items: "tuple[Any, ...]") -> list[str]:

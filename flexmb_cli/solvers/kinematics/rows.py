@@ -41,7 +41,11 @@ class _RowsOfMotion(Rows):
 
     def __getattr__(self, name: str) -> Any:
         if name in ("angular_velocity", "angular_acceleration"):
-            rates = self.euler_parameter_rates if name == "angular_velocity" else self.euler_parameter_accelerations
+            rates = (
+                self.euler_parameter_rates
+                if name == "angular_velocity"
+                else self.euler_parameter_accelerations
+            )
             self.__dict__[name] = twice_g(self.euler_parameters, rates)
         elif name in _POINT_FIELDS:
             self.__dict__.update(zip(_POINT_FIELDS, point_motion(*self._motion), strict=True))
