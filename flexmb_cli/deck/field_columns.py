@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 BLANK, MINUS, POINT, ZERO = b" -.0"
 MOST_DECIMALS = 9  # these and the longest whole part are exact in a double
 _MOST_WHOLE = 5  # digits of a whole part that has a numeral
-_AT_ONCE = 4  # decimals that a table gives at once
+_DECIMALS_AT_ONCE = 4  # decimals that a table gives at once
 _LARGEST_POWER = 98  # of ten, either way: rounding may raise it, and it shall keep two figures
 _ROUND_OFF = 2.0**-50  # of a product with a power of ten, relative
 _UNITS = 10 ** np.arange(_MOST_WHOLE + 1, dtype=np.uint32)
@@ -142,10 +142,10 @@ def _divided(field: "Edit", values: np.ndarray) -> tuple[Figures, np.ndarray, li
         raised = [_exponents()[(power + _LARGEST_POWER + 1).astype(np.intp)]]
     rest: Any = figures.number.astype(np.uint32 if decimals + _MOST_WHOLE <= 9 else np.uint64)
     while decimals:
-        count = min(decimals, _AT_ONCE)
+        count = min(decimals, _DECIMALS_AT_ONCE)
         unit = rest.dtype.type(10**count)
         high = rest // unit
-        raised.insert(0, _decimals(count, decimals <= _AT_ONCE)[rest - high * unit])
+        raised.insert(0, _decimals(count, decimals <= _DECIMALS_AT_ONCE)[rest - high * unit])
         rest, decimals = high, decimals - count
     return figures, rest.astype(np.uint32), raised
 

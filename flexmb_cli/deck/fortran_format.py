@@ -18,7 +18,7 @@ from .field_columns import MOST_DECIMALS, picture, runs_of
 
 SAFE, HISTORIC = "safe", "historic"
 LAYOUTS = (SAFE, HISTORIC)
-NUMBERS_AT_ONCE = 2**17  # of which a picture is made
+NUMBERS_A_PICTURE = 2**17  # of which a picture is made
 NUMBERS_A_RUN = 400  # for fewer in a run of fields, a picture does not repay
 
 
@@ -137,7 +137,7 @@ class Layout:
         values = np.atleast_2d(np.asarray(values, dtype=float))
         if values.shape[1] != len(self.fields):
             raise ValueError(f"{len(self.fields)} fields, {values.shape[1]} values in a row")
-        rows = max(1, NUMBERS_AT_ONCE // max(1, len(self.fields)))
+        rows = max(1, NUMBERS_A_PICTURE // max(1, len(self.fields)))
         return "".join(self._page(values[k : k + rows]) for k in range(0, len(values), rows))
 
     def _page(self, values: np.ndarray) -> str:
