@@ -14,8 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from .field_columns import MOST_DECIMALS, picture, runs_of
+
 SAFE, HISTORIC = "safe", "historic"
 LAYOUTS = (SAFE, HISTORIC)
+NUMBERS_A_PICTURE = 2**17  # of which a picture is made
+NUMBERS_A_RUN = 400  # for fewer in a run of fields, a picture does not repay
 
 
 @dataclass(frozen=True)
@@ -108,31 +112,6 @@ def _raised(power: int) -> str:
     return f"E{power:+03d}" if abs(power) < 100 else f"{power:+04d}"
 
 
-@cache
-def _all_raised() -> np.ndarray:
-    """Characters (199, 4) of the powers from -98 to 100."""
-    return np.array([list(_raised(power).encode()) for power in range(-98, 101)], np.uint8)
-
-
-def _aligned_exponent_forms(values: np.ndarray, digits: int, width: int, room: int) -> list[str] | None:
-    """Return 0.ddddE+ee of an array, each at the right of its field; None where one of them may not fit.
-
-    C prints all of them, +d.ddde+ee, and their characters are moved at once.
-    """
-    text = f"%+.{digits - 1}e" * len(values) % tuple(values.tolist())
-    if digits < 2 or room < digits + 7 or len(text) != len(values) * (digits + 6):
-        return None  # an exponent of three figures, or a field that widens
-    c = np.frombuffer(text.encode(), np.uint8).reshape(len(values), digits + 6).astype(np.int16)
-    power = (44 - c[:, -3]) * (10 * c[:, -2] + c[:, -1] - 11 * 48)  # 43 is "+", 45 "-", 48 "0"
-    fields = np.full((len(values), width), ord(" "), np.uint8)
-    own = fields[:, width - digits - 7 :]
-    own[:, 0][c[:, 0] == ord("-")] = ord("-")
-    own[:, 1:3] = tuple(b"0.")
-    own[:, 3], own[:, 4 : digits + 3] = c[:, 1], c[:, 3 : digits + 2]
-    own[:, -4:] = _all_raised()[np.where(values == 0.0, 98, power + 99)]
-    return fields.view(f"S{width}").ravel().astype(f"U{width}").tolist()
-
-
 class Layout:
     """A piece of a listing: literal text and fields in the order of the page.
 
@@ -146,15 +125,39 @@ class Layout:
         self.layout = layout
         self.fields = tuple(part for part in parts if isinstance(part, Edit))
         self._separated = _separated(parts)
+        self._runs = runs_of(parts, self._separated)
         self._as_text = [self._needs_text(field) for field in self.fields]
         self._template = self._percent_template(parts)
         self._limits = np.array([field.zero_limit for field in self.fields])
+        decimals = max((field.decimals for field in self.fields), default=0)
+        self._has_pictures = layout == SAFE and decimals < MOST_DECIMALS
 
     def lines(self, values: "list[Any] | np.ndarray") -> str:
         """Text of the piece for `values`, shape (rows, fields) or (fields,)."""
         values = np.atleast_2d(np.asarray(values, dtype=float))
         if values.shape[1] != len(self.fields):
             raise ValueError(f"{len(self.fields)} fields, {values.shape[1]} values in a row")
+        rows = max(1, NUMBERS_A_PICTURE // max(1, len(self.fields)))
+        return "".join(self._page(values[k : k + rows]) for k in range(0, len(values), rows))
+
+    def _page(self, values: np.ndarray) -> str:
+        """Text of the rows, of many from a picture; rows that it does not know are printed one by one."""
+        if not self._has_pictures or values.size < NUMBERS_A_RUN * len(self._runs):
+            return self._printed(values)
+        text, unknown = picture(self._runs, values)
+        if not unknown.any():
+            return _without_nul(text)
+        length = len(text) // len(values)
+        pieces, start = [], 0
+        for row in [*np.flatnonzero(unknown).tolist(), len(values)]:
+            pieces += [
+                _without_nul(text[start * length : row * length]),
+                self._printed(values[row : row + 1]),
+            ]
+            start = row + 1
+        return "".join(pieces)
+
+    def _printed(self, values: np.ndarray) -> str:
         if self.layout == SAFE:
             values = np.where(np.abs(values) <= self._limits, 0.0, values)
         if any(self._as_text):
@@ -173,12 +176,6 @@ class Layout:
         if not self._as_text[k]:
             return list(values.tolist())
         field, separated = self.fields[k], self._separated[k]
-        # Most of a long run's time would go into field after field.
-        if field.kind == "e" and self.layout == SAFE and np.isfinite(values).all():
-            room = field.width - separated
-            forms = _aligned_exponent_forms(values, field.decimals, field.width, room)
-            if forms is not None:
-                return forms
         return [field.text(value, self.layout, separated) for value in values.tolist()]
 
     def _percent_template(self, parts: tuple[Edit | str, ...]) -> str:
@@ -198,6 +195,10 @@ class Layout:
         if self.layout == SAFE and self._separated[column]:
             return f" %{max(field.width - 1, 0)}{decimals}{field.kind}"
         return f"%{field.width}{decimals}{field.kind}"
+
+
+def _without_nul(text: bytearray) -> str:
+    return text.translate(None, b"\0").decode()
 
 
 def _separated(parts: tuple[Edit | str, ...]) -> list[bool]:

@@ -42,6 +42,7 @@ class SettableDeck:
         self.deck = deck
         self._many = not isinstance(deck.records, tuple)
         self._index: dict[str, int] = {}
+        self._places: dict[str, Any] = {}
         if not self._many:
             self._index = {record.prefix: index for index, record in enumerate(deck.records)}
 
@@ -59,6 +60,11 @@ class SettableDeck:
         """Return where the record of a number stands among the deck's, and the number's key; None without
         one.
         """
+        if name not in self._places:
+            self._places[name] = self._looked_up(name)
+        return self._places[name]
+
+    def _looked_up(self, name: str) -> Any:
         for dot in (k for k, letter in enumerate(name) if letter == "."):
             index, key = self._find(name[:dot]), name[dot + 1 :]
             if index is not None and key in self.deck.records[index]:

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from ..deck.number import MOST_DIGITS
@@ -20,7 +21,12 @@ UNITS_OFF = 5.0  # of the last digit: the roundings of a loop add up
 
 def typed_precision(deck: "Deck") -> float:
     """Return how well loops of a deck can close, by the number with the fewest digits that looks rounded."""
-    texts = NUMBER.finditer(deck.source.text[:CHARACTERS_LOOKED_AT])
+    return _precision_of(deck.source.text[:CHARACTERS_LOOKED_AT])
+
+
+@lru_cache(maxsize=1)  # all variants of a study have the text of one deck
+def _precision_of(text: str) -> float:
+    texts = NUMBER.finditer(text)
     counts = {len((match[1] + match[2]).lstrip("0")) for match in texts}
     digits = min((n for n in counts if n >= FEWEST_DIGITS), default=USUAL_DIGITS)
     return UNITS_OFF * 10.0 ** -min(digits, MOST_DIGITS)

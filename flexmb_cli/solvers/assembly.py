@@ -152,5 +152,7 @@ def displacements(before: np.ndarray, after: np.ndarray, bodies: int) -> tuple[n
     way = np.linalg.norm(b[:, :3] - a[:, :3], axis=1)
     p, r = a[:, 3:], b[:, 3:]
     # Of p⁻¹ r: an angle below 1e-8 is lost in its cosine.
-    sine = p[:, :1] * r[:, 1:] - r[:, :1] * p[:, 1:] - np.cross(p[:, 1:], r[:, 1:])
+    (_, x, y, z), (_, u, v, w) = p.T, r.T
+    product = np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
+    sine = p[:, :1] * r[:, 1:] - r[:, :1] * p[:, 1:] - product
     return way, 2.0 * np.arctan2(np.linalg.norm(sine, axis=1), np.abs(np.sum(p * r, axis=1)))

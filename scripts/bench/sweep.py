@@ -55,6 +55,7 @@ def overhead(count=20_000):
         whole += spent_on(lambda: write_study_table(str(Path(folder) / "table.h5"), sweep))
     ratio = f"{whole / alone:.3f} times"
     print(f"{count} cases in one process: {whole:.1f} s, their solver alone {alone:.1f} s: {ratio}")
+    print(f"a case: {1e3 * whole / count:.2f} ms, its solver alone {1e3 * alone / count:.2f} ms")
 
 
 def spent_on(work):

@@ -5,7 +5,8 @@ ground, normalisation.  Coordinates are x, y, z, e0, e1, e2, e3 body by body.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from operator import is_
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -64,6 +65,8 @@ class KinematicArrays:
     length: float  # length scale, a power of two, m
     screw_angles: np.ndarray  # (screws,) theta0, rad
     body_names: tuple[str, ...]
+    # What follows from all but the functions of the drivers, for variants that differ in these only.
+    of_variants: dict[str, Any] = field(default_factory=dict[str, Any], repr=False, compare=False)
 
     def coordinate_name(self, column: int) -> str:
         """Readable name of a coordinate, such as "body 2 e1"."""
@@ -72,6 +75,36 @@ class KinematicArrays:
 
 def kinematic_arrays(mechanism: Mechanism) -> KinematicArrays:
     """Arrays of a mechanism whose data have been checked (`build_young`)."""
+    global _last
+    if not isinstance(mechanism.joints, tuple):  # of a large deck
+        return _arrays_of(mechanism)
+    parts, drivers = _all_but_functions(mechanism)
+    known, known_drivers, arrays = _last
+    # Zeros of different signs are equal, but may give different digits: the parts must be the same objects.
+    same = arrays is not None and drivers == known_drivers and len(parts) == len(known)
+    if arrays is None or not same or not all(map(is_, parts, known)):
+        arrays = _arrays_of(mechanism)
+        _last = parts, drivers, arrays
+    constraints = arrays.constraints.copy()
+    driven = constraints["kind"] == DRIVER.code
+    functions = [(driver.C, driver.B, driver.A) for driver in mechanism.drivers]
+    for name, values in zip("CBA", zip(*functions, strict=True), strict=False):
+        constraints[name][driven] = values
+    return replace(arrays, constraints=constraints)
+
+
+def _all_but_functions(mechanism: Mechanism) -> "tuple[list[Any], list[Any]]":
+    """Return the parts of a mechanism without points and times, and the drivers without their functions."""
+    drivers = [(driver.name, driver.body, driver.direction, driver.place) for driver in mechanism.drivers]
+    holders = *mechanism.simplified, *mechanism.distances, *mechanism.grounds
+    return [*mechanism.bodies, *mechanism.joints, *holders], drivers
+
+
+# A study makes thousands of mechanisms, most of which differ in a function or a point from the last.
+_last: "tuple[list[Any], list[Any], KinematicArrays | None]" = [], [], None
+
+
+def _arrays_of(mechanism: Mechanism) -> KinematicArrays:
     length = length_scale(mechanism)
     rows = _Rows(length)
     attitudes = Attitudes(mechanism)

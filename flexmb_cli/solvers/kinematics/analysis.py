@@ -170,7 +170,7 @@ class KinematicAnalysis:
     def _at_once(self, most: int) -> int:
         """Return how many steps or rows the kernel is given at a time: an interrupt waits for them."""
         n = self.arrays.q.size
-        return int(np.clip(KINEMATIC_CALL_WORK / (n * min(n, DENSE_ELIMINATION)), 1, most))
+        return int(min(max(KINEMATIC_CALL_WORK / (n * min(n, DENSE_ELIMINATION)), 1), most))
 
     @property
     def _budget(self) -> int:
@@ -226,8 +226,13 @@ class KinematicAnalysis:
 
     @property
     def _search(self) -> "Sized":
-        start = self.arrays.q, self.mechanism.time.time(0), self.arrays.screw_angles
-        return sized_equations(self.evaluator, *start)
+        """Sizes and distances, which the functions of the drivers do not change."""
+        kept, arrays = self.arrays.of_variants, self.arrays
+        if "sized" not in kept:
+            start = arrays.q, self.mechanism.time.time(0), arrays.screw_angles
+            kept["sized"] = sized_equations(self.evaluator, *start)
+        sized: Sized = kept["sized"]
+        return sized
 
     def _nearer_row(self, first: Rows) -> Rows:
         """The first row on the assembly nearest to the estimates; Newton's method went far to `first`."""

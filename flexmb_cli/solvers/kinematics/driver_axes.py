@@ -90,16 +90,21 @@ def _turning(mechanism: Mechanism) -> list[Driver]:
 
 
 def _axis_deviations(mechanism: Mechanism, rows: Rows) -> "Iterator[tuple[Driver, np.ndarray, np.ndarray]]":
-    """Every rotational driver, the parts of p, ṗ, p̈ of its body off the axis (T, 3), whether too large.
+    """Rotational drivers, the parts of p, ṗ, p̈ of their bodies off the axis (T, 3), whether too large.
+
+    Drivers whose parts are small whatever they are compared with are left out.
 
     The rates are compared with the fastest Euler parameter of the row: so far goes their round-off.
     """
     orders = rows.euler_parameters, rows.euler_parameter_rates, rows.euler_parameter_accelerations
-    _, rate, second = (np.max(np.abs(order), axis=(1, 2)) for order in orders)
-    sizes = 1.0 + np.stack([0.0 * rate, rate, second + rate**2], axis=-1)
     for driver in _turning(mechanism):
-        others = [k for k in (1, 2, 3) if k != driver.direction - 3]
-        off = np.stack([np.linalg.norm(order[:, driver.body, others], axis=-1) for order in orders], axis=-1)
+        a, b = (k for k in (1, 2, 3) if k != driver.direction - 3)
+        parts = np.array([order[:, driver.body, k] for k in (a, b) for order in orders])
+        if np.abs(parts).max() <= 0.5 * OFF_AXIS:
+            continue
+        rate, second = (np.abs(order).max(axis=(1, 2)) for order in orders[1:])
+        sizes = 1.0 + np.stack([0.0 * rate, rate, second + rate**2], axis=-1)
+        off = np.hypot(parts[:3], parts[3:]).T
         yield driver, off, off > OFF_AXIS * sizes
 
 

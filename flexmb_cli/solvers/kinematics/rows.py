@@ -1,6 +1,7 @@
 """Report rows: what an analysis of a mechanism delivers, block by block, to the writers."""
 
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -32,24 +33,45 @@ class Rows:
     newton_iterations: np.ndarray  # (T,) int64
 
 
+class _RowsOfMotion(Rows):
+    """Rows that calculate angular and point motion when it is requested first: a sweep needs little of it."""
+
+    def __init__(self, mechanism: Mechanism, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, **fields: Any):
+        self.__dict__.update(fields, _motion=(mechanism, q, qd, qdd))
+
+    def __getattr__(self, name: str) -> Any:
+        if name in ("angular_velocity", "angular_acceleration"):
+            rates = (
+                self.euler_parameter_rates
+                if name == "angular_velocity"
+                else self.euler_parameter_accelerations
+            )
+            self.__dict__[name] = twice_g(self.euler_parameters, rates)
+        elif name in _POINT_FIELDS:
+            self.__dict__.update(zip(_POINT_FIELDS, point_motion(*self._motion), strict=True))
+        else:
+            raise AttributeError(name)
+        return self.__dict__[name]
+
+
+_POINT_FIELDS = "point_position", "point_velocity", "point_acceleration"
+
+
 def rows_of(mechanism: Mechanism, times: np.ndarray, states: np.ndarray, audit: np.ndarray) -> Rows:
     """Report rows from states (T, 3, 7 n): positions, velocities and accelerations of all coordinates."""
     q, qd, qdd = (states[:, k].reshape(len(times), -1, 7) for k in range(3))
-    p, pd, pdd = q[:, :, 3:], qd[:, :, 3:], qdd[:, :, 3:]
-    points = point_motion(mechanism, q, qd, qdd)
-    return Rows(
+    return _RowsOfMotion(
+        mechanism,
+        q,
+        qd,
+        qdd,
         time=np.asarray(times),
         position=q[:, :, :3],
-        euler_parameters=p,
+        euler_parameters=q[:, :, 3:],
         velocity=qd[:, :, :3],
-        euler_parameter_rates=pd,
+        euler_parameter_rates=qd[:, :, 3:],
         acceleration=qdd[:, :, :3],
-        euler_parameter_accelerations=pdd,
-        angular_velocity=twice_g(p, pd),
-        angular_acceleration=twice_g(p, pdd),
-        point_position=points[0],
-        point_velocity=points[1],
-        point_acceleration=points[2],
+        euler_parameter_accelerations=qdd[:, :, 3:],
         constraint_residual=audit[:, 0].copy(),
         velocity_residual=audit[:, 1].copy(),
         newton_iterations=audit[:, 2].astype(np.int64),
@@ -58,6 +80,8 @@ def rows_of(mechanism: Mechanism, times: np.ndarray, states: np.ndarray, audit: 
 
 def first_rows(rows: Rows, count: int) -> Rows:
     """The first `count` of the rows."""
+    if count == rows.time.size:
+        return rows
     return Rows(**{field.name: getattr(rows, field.name)[:count] for field in fields(Rows)})
 
 
@@ -71,8 +95,8 @@ def joined_rows(first: Rows | None, others: Rows) -> Rows:
 
 def twice_g(p: np.ndarray, rate: np.ndarray) -> np.ndarray:
     """2 G(p) rate (…, 3): angular velocity of ṗ (3.35), angular acceleration of p̈ (3.37), global axes."""
-    e0, e1, e2, e3 = np.moveaxis(p, -1, 0)
-    r0, r1, r2, r3 = np.moveaxis(rate, -1, 0)
+    e0, e1, e2, e3 = (p[..., k] for k in range(4))
+    r0, r1, r2, r3 = (rate[..., k] for k in range(4))
     return 2.0 * np.stack(
         [
             e0 * r1 - e1 * r0 + e2 * r3 - e3 * r2,
@@ -104,8 +128,8 @@ def rotated(p: np.ndarray, r: np.ndarray, s: np.ndarray) -> np.ndarray:
 
     A s for p = r, half of dA/dt s for r = ṗ.
     """
-    p0, p1, p2, p3 = np.moveaxis(p, -1, 0)
-    r0, r1, r2, r3 = np.moveaxis(r, -1, 0)
+    p0, p1, p2, p3 = (p[..., k] for k in range(4))
+    r0, r1, r2, r3 = (r[..., k] for k in range(4))
     x, y, z = s.T
     rs, ps = r1 * x + r2 * y + r3 * z, p1 * x + p2 * y + p3 * z
     scalar = p0 * r0 - p1 * r1 - p2 * r2 - p3 * r3

@@ -14,6 +14,18 @@ def kinematic_system(arrays: KinematicArrays, settings: KinematicSettings) -> Sy
     Bodies at rest come first among the columns, and held or driven coordinates first among the
     rows: elimination then finds them as pivots and leaves zeros behind.
     """
+    if "places" not in arrays.of_variants:
+        arrays.of_variants["places"] = _places_and_units(arrays)
+    places, units = arrays.of_variants["places"]
+    return System(
+        arrays.constraints,
+        places,
+        units,
+        np.array([settings.tolerance, settings.smallest_pivot, settings.most_iterations, arrays.q.size]),
+    )
+
+
+def _places_and_units(arrays: KinematicArrays) -> tuple[np.ndarray, np.ndarray]:
     constraints = arrays.constraints
     simple = np.isin(constraints["kind"], (SIMPLIFIED.code, DRIVER.code))
     of_row = np.searchsorted(constraints["first_row"], np.arange(len(arrays.equations)), side="right") - 1
@@ -26,12 +38,7 @@ def kinematic_system(arrays: KinematicArrays, settings: KinematicSettings) -> Sy
     places, units = np.zeros((arrays.q.size, 4), dtype=np.int64), np.ones((2, arrays.q.size))
     places[: len(order), :2], places[: len(order), 2], places[:, COLUMN] = arrays.bodies_of, order, column
     units[0, : len(order)], units[1] = 1.0 / arrays.row_scale, arrays.column_scale
-    return System(
-        constraints,
-        places,
-        units,
-        np.array([settings.tolerance, settings.smallest_pivot, settings.most_iterations, arrays.q.size]),
-    )
+    return places, units
 
 
 def with_dependent_columns(system: System, dependent: tuple[int, ...]) -> System:

@@ -120,8 +120,8 @@ class PassedKinematicSingularities(PassedSingularities):
 def _busy_runs(iterations: np.ndarray, changed: bool) -> list[tuple[int, int]]:
     """First and last of consecutive rows whose way took many iterations; all rows, where none did and yet
     the sign changed."""
-    usual = float(np.median(iterations))
-    busy = np.flatnonzero(iterations > min(MANY, max(FEW, 3.0 * usual)))
+    many = FEW if iterations.max() <= FEW else min(MANY, max(FEW, 3.0 * float(np.median(iterations))))
+    busy = np.flatnonzero(iterations > many)
     if not busy.size:
         return [(0, len(iterations) - 1)] if changed else []
     return [(run[0], run[-1]) for run in np.split(busy, np.flatnonzero(np.diff(busy) > 1) + 1)]

@@ -1,0 +1,45 @@
+"""Processor time of a report row: solved only, with the OUT table, with the HDF5 result, and with both.
+
+Usage: scripts/bench/run report_rows [ROWS]   (100000 without it)
+"""
+
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from flexmb_cli.run.deck import run_deck
+from flexmb_cli.run.outcome import RunOptions
+
+DECK = Path(__file__).resolve().parents[2] / "decks/young/IN-RSSR.dat"
+TIMES = "0.000000119 0.04 0.0035717333"
+REPEATS = 5
+OUTPUTS = {
+    "solved only": {"no_out": True, "no_h5": True},
+    "OUT": {"no_h5": True},
+    "HDF5": {"no_out": True},
+    "OUT and HDF5": {},
+}
+
+
+def spent(deck: str, folder: str, outputs: dict[str, bool]) -> float:
+    """Processor time of a run, s."""
+    start = time.process_time()
+    outcome = run_deck(deck, RunOptions(folder=folder, **outputs))
+    if outcome.exit_code:
+        raise SystemExit(str(outcome.faults[-1]))
+    return time.process_time() - start
+
+
+def main(rows: int = 100_000) -> None:
+    """Print the best of some runs, the outputs in turn within each."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / DECK.name
+        path.write_text(DECK.read_text().replace(TIMES, f"0.000000119 0.04 {0.04 / rows!r}"))
+        times = [[spent(str(path), folder, outputs) for outputs in OUTPUTS.values()] for _ in range(REPEATS)]
+    for name, found in zip(OUTPUTS, zip(*times, strict=True), strict=True):
+        print(f"RSSR, {rows} rows, {name:12}: {1e6 * min(found) / rows:5.1f} us a row")
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))
