@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 @click.option("-f", "--format", "style", type=click.Choice(["csv", "tsv", "jsonl", "text"]),
               help="csv (default), tsv, jsonl: JSON Lines, text: aligned (default of --list).")  # fmt: skip
 @click.option("--as-table", "number", type=click.IntRange(1), metavar="N",
-              help="Print splines as cards of the deck's dialect: functions N, N + 1 and on.")  # fmt: skip
+              help="Print splines as a block ELEMENTS of a deck: functions N, N + 1 and on.")  # fmt: skip
 @click.option("--json", "as_json", is_flag=True,
               help="One JSON object on standard output; its rows are those of --format jsonl.")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Print no notes on the result.")
@@ -150,10 +150,9 @@ def _print_result(
         rows = chosen_rows(file, *part)
         notices.add(_notes(file, rows))
         if number:
-            from ..dialects.recognise import dialect_named
+            from ..dialects.elements_block.writer import spline_block
 
-            dialect = dialect_named(str(file.attrs["dialect"]))
-            show(dialect.part(dialect.spline_cards)(function_points(file, quantities, rows, number)))
+            show(spline_block(function_points(file, quantities, rows, number)))
             return
         for k, group in enumerate(_groups(file, quantities, printed.style)):
             show("\n" * bool(k))

@@ -44,8 +44,6 @@ class Dialect(NamedTuple):
     form_with_cards: str = ""  # the same where a deck may have further cards, for `--cards`
     new_name: str = ""  # of the deck that it writes
     relabel: str = ""  # function of a Record and the key of a number that `--set` has changed: the Record
-    # Function of (number, heading, points): cards of splines through the points (time, value), one a number.
-    spline_cards: str = ""
     # For `convert`, of `model.exchange`: function of a Deck, a function that builds its model, and one that
     # gives the Start of a model: the RigidModel; raises ModelError for what it does not know.
     rigid_model: str = ""

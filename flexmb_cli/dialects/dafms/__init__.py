@@ -24,7 +24,6 @@ DIALECT = Dialect(
     curves=("coordinate/q",),
     form="form:DafmsForm",
     new_name="NEW.DAT",
-    spline_cards="elements.splines:spline_cards",
     rigid_model="exchange.rigid_model:rigid_model",
     rigid_deck="exchange.rigid_deck:rigid_deck",
 )

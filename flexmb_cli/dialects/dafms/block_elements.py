@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,6 @@ from ...model.joint_elements import Coupling, JointElements
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Hinge, Tree
 from ...model.tree_as_mechanism.frames import shape_of
 from ..elements_block.build import BlockBuilder
-from ..elements_block.function_lines import given_functions
 from ..elements_block.line import ElementLine
 from ..elements_block.measures import Measures
 from ..joint_elements.functions import Functions
@@ -22,12 +20,10 @@ from ..joint_elements.functions import Functions
 COUPLED_RATE = 1e-6  # rate that speeds of Y(L), in ten columns, may leave of a coupling, of the largest
 
 
-def with_block(tree: Tree, lines: Sequence[ElementLine], folder: Path, findings: Findings) -> Tree:
+def with_block(tree: Tree, lines: Sequence[ElementLine], functions: Functions, findings: Findings) -> Tree:
     """The tree with the elements of the blocks, its driven coordinates as their functions begin."""
-    functions = Functions(given_functions(lines, folder, findings), findings)
     builder = BlockBuilder(_Measures(tree, findings), functions, tree.time.start)
     elements = builder.elements(lines, {})
-    functions.note_unused()
     _refuse_prescribed(tree, elements, findings)
     older = tree.elements
     forces = (*older.forces, *elements.forces)

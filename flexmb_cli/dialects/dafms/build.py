@@ -66,17 +66,14 @@ def build_dafms(deck: Deck, folder: Path = HERE) -> tuple[Tree, list[Fault]]:
 
 
 def _with_elements(tree: Tree, values: DeckValues, folder: Path, findings: Findings) -> Tree:
-    lines: Any = values.section("elements")
-    if lines:
-        from .block_elements import with_block
-
-        tree = with_block(tree, lines, folder, findings)
-    if not any(values.section(card.section) for card in ELEMENT_CARDS):
+    if not any(
+        values.section(section) for section in ("elements", *(card.section for card in ELEMENT_CARDS))
+    ):
         return tree
     # They need much of the models of other dialects.
     from .elements.build import with_elements
 
-    return with_elements(tree, values, findings)
+    return with_elements(tree, values, folder, findings)
 
 
 def _shapes(values: DeckValues, findings: Findings) -> Any:

@@ -34,7 +34,6 @@ DIALECT = Dialect(
     form_with_cards="dialogue.form:YoungFormWithCards",
     new_name="IN-NEW.dat",
     relabel="reader:relabelled",
-    spline_cards="elements.splines:spline_cards",
     rigid_model="exchange.rigid_model:rigid_model",
     rigid_deck="exchange.rigid_deck:rigid_deck",
     other_units="exchange.other_units:in_other_units",

@@ -12,7 +12,7 @@ import pytest
 
 from flexmb_cli.dialects.dafms.cards import EXTENSIONS
 from flexmb_cli.dialects.dafms.elements.cards import ELEMENT_CARDS
-from flexmb_cli.dialects.dafms.elements.splines import spline_cards
+from flexmb_cli.dialects.elements_block.writer import spline_block
 from tests.dialects.dafms.test_dafms_elements import (
     ENDS,
     HELD,
@@ -177,7 +177,7 @@ def test_the_card_acts_on_the_driver(word):
 def test_the_effort_of_a_driven_run_gives_the_motion_back(word, method):
     case, given = ALL[word], driven(word)
     points = list(zip(given.time.tolist(), given.driver_effort[:, -1].tolist(), strict=True))
-    motor = [spline_cards([(99, "effort", points)]), card("MOTF", integers(1, case.freedom, 99))]
+    motor = [spline_block([(99, "effort", points)]), card("MOTF", integers(1, case.freedom, 99))]
     found = run(word, SPARSE, case.cards, motor, method=method)
     same = np.searchsorted(given.time, found.time - 1e-9)
     angle, rate = motion(found.time, case.powers)

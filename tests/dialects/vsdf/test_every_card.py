@@ -8,9 +8,9 @@ import functools
 import numpy as np
 import pytest
 
+from flexmb_cli.dialects.elements_block.writer import spline_block
 from flexmb_cli.dialects.vsdf.cards.joints_and_loads import JOINT_AND_LOAD_CARDS
 from flexmb_cli.dialects.vsdf.elements.cards import ELEMENT_CARDS
-from flexmb_cli.dialects.vsdf.elements.splines import spline_cards
 from tests.dialects.vsdf.element_cases import CASES, CASES_OF_COUPLINGS, CASES_OF_FRICTION, POWERS, without
 from tests.dialects.vsdf.test_elements import rows_of
 
@@ -59,7 +59,7 @@ def test_the_card_acts_on_the_driver(word):
 def test_the_effort_of_a_driven_run_gives_the_motion_back(word, method):
     case, given = ALL[word], driven(word)
     points = list(zip(given.time.tolist(), given.driver_effort[:, 0].tolist(), strict=True))
-    cards = f"{case.cards}{spline_cards([(99, 'effort', points)])}{case.motor}OUTJ\n 1"
+    cards = f"{case.cards}{spline_block([(99, 'effort', points)])}{case.motor}OUTJ\n 1"
     steps = f",{GIVEN.get(word, 2e-5)}" if method == "GALF" else ""
     found = rows_of(case.mechanism, END, f"{END / 4}{steps}", cards, method)
     same = np.searchsorted(given.time, found.time - 1e-9)

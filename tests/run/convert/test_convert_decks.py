@@ -190,7 +190,8 @@ def test_a_deck_in_millimetres_becomes_one_in_si_units_and_back(tmp_path):
     metres = convert(tmp_path / "mm.dat", "vsdf", tmp_path, unit="mm")
     text = metres.read_text()
     assert "1,500.0,1.0,0.0,0.0\n    200.0,200.0,200.0" in text
-    assert re.search(r"JSPR\n    1,3000.0,20.0,0.1\n", text) and re.search(r",2000.0,100.0,0.5\n", text)
+    assert re.search(r"at=1.angle stiffness=3000.0 rest=0.1 damping=20.0\n", text)
+    assert re.search(r" stiffness=2000.0 rest=0.5 damping=100.0\n", text)
     for other, scale in ((metres, 1.0), (convert(metres, "young", tmp_path, "cm", to_unit="cm"), 0.01)):
         found, turning = motion(other, scale)
         centres, omega = motion(tmp_path / "mm.dat", 1e-3)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,9 +12,11 @@ from ....deck.records import DeckValues
 from ....model.diagnostics import Findings
 from ....model.flexible_mechanism import NodePoint
 from ....model.joint_elements import Coupling
-from ....model.laws import FRICTION, MOTOR, Joint, motors_last
+from ....model.laws import FRICTION, MOTOR, Joint
 from ....model.tree import INERTIAL, ROTATION, TRANSLATION, Body, Hinge, Tree
 from ....model.tree_as_mechanism.frames import shape_of
+from ...elements_block.build import joined
+from ...elements_block.function_lines import given_functions
 from ...joint_elements.build import (
     Cards,
     coupling,
@@ -25,6 +28,7 @@ from ...joint_elements.build import (
 from ...joint_elements.build import build_elements as elements_of
 from ...joint_elements.functions import Functions, GivenFunction
 from ...joint_elements.maker import ElementMaker
+from ..block_elements import with_block
 from .cards import FUNCTION_KINDS
 
 if TYPE_CHECKING:
@@ -43,17 +47,20 @@ _CARDS: Cards = {
 }
 
 
-def with_elements(tree: Tree, values: DeckValues, findings: Findings) -> Tree:
+def with_elements(tree: Tree, values: DeckValues, folder: Path, findings: Findings) -> Tree:
     """The tree with the elements of the deck, its driven coordinates as their functions begin."""
-    functions = Functions(_given(values, findings), findings)
+    lines: Any = values.section("elements")
+    given = [*_given(values, findings), *given_functions(lines, folder, findings)]
+    functions = Functions(given, findings)
+    if lines:
+        tree = with_block(tree, lines, functions, findings)
     maker = _Maker(tree.bodies, tree.hinges, functions, findings, tree.time.start)
     elements = elements_of(maker, sections_of(values), _CARDS)
     functions.note_unused()
     if not elements:
         return tree
     _refuse_prescribed(tree, elements, findings)
-    elements = replace(elements, forces=motors_last((*tree.elements.forces, *elements.forces)))
-    tree = replace(tree, elements=elements, **_start(tree, elements))
+    tree = replace(tree, elements=joined(tree.elements, elements), **_start(tree, elements))
     for item in elements.couplings:
         _check_speeds(tree, item, findings)
     return tree

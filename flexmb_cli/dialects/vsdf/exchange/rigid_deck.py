@@ -35,8 +35,8 @@ _BEYOND = 1e-9  # of the largest moment of inertia
 def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     """Return the deck's text; raises ModelError with all that VSDF does not know."""
     made = _Deck(model)
+    elements = made.element_lines()  # nodes of their ends are cards
     cards = made.cards()
-    elements = made.element_lines()
     made.refusals.raise_faults()
     lines = [
         f"VSDF {title}",
