@@ -1,7 +1,8 @@
 """Conversion of Python values into the words that compiled code takes, and back.
 
 A parameter is described by what JSON can hold: "i", "f", "b" for numbers, ["a", dimensions, type] for an
-array and ["t", class, parameters] for a tuple.  An array is handed over as address and shape.
+array and ["t", class, parameters, names of fields] for a tuple.  An array is handed over as address and
+shape.
 """
 
 import ctypes
@@ -31,10 +32,15 @@ def describe(value: object) -> "str | list":
     if type(value) is np.ndarray and value.flags.carray:
         return ["a", value.ndim, _described_type(value.dtype)]
     if isinstance(value, tuple):
-        return ["t", class_name(type(value)), [describe(one) for one in value]]
+        return tuple_parameter(type(value), [describe(one) for one in value])
     if type(value) not in _NUMBERS:
         raise NotDescribedError(type(value).__name__)
     return _NUMBERS[type(value)]
+
+
+def tuple_parameter(kind: type, parameters: list) -> list:
+    """Return the parameter of a tuple of a class; plain tuples have no names."""
+    return ["t", class_name(kind), parameters, list(getattr(kind, "_fields", ()))]
 
 
 def class_name(kind: type) -> str:
@@ -157,11 +163,13 @@ def _number_packer(words: Any, place: int, accepted: frozenset[type]) -> "Callab
 
 
 class Results:
-    """Words that compiled code leaves, and the value they are: nothing, a number, or a tuple of these."""
+    """Words that compiled code leaves, and the value they are: nothing, a number, or a tuple of numbers.
 
-    def __init__(self, result: "str | list"):
-        self._kinds = [] if result == "n" else flat(result)
-        self._is_tuple = result[0] == "t"
+    A tuple is described by "(" before the letters of its numbers.
+    """
+
+    def __init__(self, result: str):
+        self._is_tuple, self._kinds = result.startswith("("), result.removeprefix("(")
         count = max(1, len(self._kinds))
         words = (ctypes.c_int64 * count)()
         self._room = {"i": words, "b": words, "f": (ctypes.c_double * count).from_buffer(words)}

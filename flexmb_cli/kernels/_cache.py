@@ -5,19 +5,27 @@ write to it; anything else is as if it were not there, and is named once (`refus
 """
 
 import contextlib
+import functools
+import hashlib
 import os
 import stat
 from collections.abc import Iterator
 from pathlib import Path
 
 from ..managed_files import is_own, make_own_folder
-from ._objects import ENDING, kernel_digest
+from ._library import CHECKED, note_unusable
 
+ENDING = ".object"
 KEPT_VERSIONS = 3  # of the kernels' text; older folders are deleted
 _PREFIX = "objects-"
 _OLD_PREFIX = "kernels-"  # of versions that kept numba's own files
+_LOADING = ("_cache.py", "_entry.py", "_library.py")  # which have no part in what is compiled
 
 refused: list[str] = []  # why folders and files were not used, a sentence each
+
+
+class DamagedError(ValueError):
+    """A kept file that is no whole object."""
 
 
 def _bases() -> Iterator[Path]:
@@ -71,38 +79,56 @@ def _is_safe(base: Path, folder: Path) -> bool:
     return True
 
 
-def _version_folder(base: Path) -> Path:
-    return base / "flexmb" / f"{_PREFIX}{kernel_digest()}"
+@functools.cache
+def kernel_digest() -> str:
+    """Return a name for the text of all kernels: each depends on what it calls and on others' constants."""
+    digest = hashlib.sha256(b"checked" if CHECKED else b"")
+    top = Path(__file__).parent
+    for path in sorted(path for path in top.rglob("*.py") if path.name not in _LOADING):
+        digest.update(path.relative_to(top).as_posix().encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def folders() -> Iterator[Path]:
     """Yield the folders of this version that can be trusted, there or not, best first."""
     for base in _bases():
-        folder = _version_folder(base)
+        folder = base / "flexmb" / f"{_PREFIX}{kernel_digest()}"
         with contextlib.suppress(OSError):
             if _is_safe(base, folder):
                 yield folder
 
 
-def content(name: str) -> tuple[Path, bytes] | None:
-    """Return file and content that the first of the folders keeps by this name, None where it is nowhere."""
+def content(name: str, last: Path | None = None) -> bytes | None:
+    """Return the object of this name in the first of the folders, up to the `last`, that has one."""
     for folder in folders():
         path = folder / f"{name}{ENDING}"
-        with contextlib.suppress(OSError):
-            found = read_own(path)
-            if found is not None:
-                return path, found
+        try:
+            return read_object(path)
+        except DamagedError:
+            note_unusable(f"{path} is damaged: it is compiled again")
+        except (OSError, ValueError):
+            pass
+        if folder == last:
+            break
     return None
 
 
-def read_own(path: Path) -> bytes | None:
-    """Return a kept object, None where others may have written it; raises OSError where it is no file."""
+def read_object(path: Path) -> bytes:
+    """Return a kept object; raises ValueError where it is not used, OSError where it is no file."""
     with open(path, "rb", opener=_open_unlinked) as file:
         found = os.fstat(file.fileno())
-        if is_own(found):
-            return file.read()
-        _refuse(path, found)
-        return None
+        if not is_own(found):
+            _refuse(path, found)
+            raise ValueError("others may have written it")
+        checksum, _, code = file.read().partition(b"\n")
+    if _checksum(path.name, code) != checksum:
+        raise DamagedError("it is damaged")
+    return code
+
+
+def _checksum(name: str, code: bytes) -> bytes:
+    """Return what an object begins with; who may copy it does not make it another kernel."""
+    return hashlib.sha256(name.encode() + code).hexdigest().encode()
 
 
 def _open_unlinked(path: str, flags: int) -> int:
@@ -127,19 +153,7 @@ def folder_to_write() -> Path | None:
     return None
 
 
-def is_kept_behind(name: str) -> bool:
-    """Return whether an object is kept only behind the folder that new ones go to.
-
-    This process finds it there; one with another home, such as a node of a cluster, does not.
-    """
-    found, folder = content(name), folder_to_write()
-    if found is None or folder is None:
-        return False
-    order = list(folders())
-    return order.index(found[0].parent) > order.index(folder)
-
-
-def keep(folder: Path | None, name: str, data: bytes) -> None:
+def keep(folder: Path | None, name: str, code: bytes) -> None:
     """Keep an object, whole or not at all; the cache only saves time, so that no failure matters."""
     if folder is None:
         return
@@ -149,7 +163,7 @@ def keep(folder: Path | None, name: str, data: bytes) -> None:
         number, temporary = tempfile.mkstemp(prefix=f".{name[:40]}-", dir=folder)  # mode 0600
         try:
             with open(number, "wb") as file:
-                file.write(data)
+                file.write(_checksum(f"{name}{ENDING}", code) + b"\n" + code)
             os.replace(temporary, folder / f"{name}{ENDING}")
         except BaseException:
             Path(temporary).unlink(missing_ok=True)

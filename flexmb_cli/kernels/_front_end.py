@@ -1,8 +1,8 @@
 """numba's way from a function's text to LLVM's language, without what kernels do not need.
 
 Two thirds of a first run are numba's own work in Python.  Half of it went into passes that find nothing to do
-in kernels (closures, `with` blocks, array expressions), into events that nobody listens to, and into
-questions asked before: the type of a sum of two floats was sought thousands of times.
+in kernels (closures, `with` blocks, array expressions) and into questions asked before: the type of a sum of
+two floats was sought thousands of times.
 
 No index of a kernel counts from the end: without the test of its sign, which numba adds to every access,
 steps of the generalised-α method take a fifth less time.
@@ -11,9 +11,7 @@ steps of the generalised-α method take a fifth less time.
 import contextlib
 from typing import TYPE_CHECKING, Any
 
-from llvmlite.ir import Type
-
-from ._numba import PASSES, PassManager, arrayobj, ir, pass_of, types, without_lock_events
+from ._numba import PASSES, PassManager, arrayobj, pass_of, types
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -41,18 +39,12 @@ class ShortPipeline(PassManager):
 @contextlib.contextmanager
 def quick() -> "Iterator[None]":
     """Spare numba what kernels do not need, while they are compiled within the block."""
-    with contextlib.ExitStack() as replaced:
-        replaced.enter_context(without_lock_events())
-        for kind, name, made in (
-            (types.Function, "get_call_type", _call_types),
-            (Type, "get_abi_size", _sizes),
-            (ir.Inst, "_rec_list_vars", _variables),
-            (arrayobj, "fix_integer_index", _indices),
-        ):
-            own = getattr(kind, name)
-            replaced.callback(setattr, kind, name, own)
-            setattr(kind, name, made(own))
+    own = types.Function.get_call_type, arrayobj.fix_integer_index
+    types.Function.get_call_type, arrayobj.fix_integer_index = _call_types(own[0]), _index  # type: ignore[method-assign]
+    try:
         yield
+    finally:
+        types.Function.get_call_type, arrayobj.fix_integer_index = own  # type: ignore[method-assign]
 
 
 def _call_types(own: "Callable[..., Any]") -> "Callable[..., Any]":
@@ -70,43 +62,6 @@ def _call_types(own: "Callable[..., Any]") -> "Callable[..., Any]":
     return call_type
 
 
-def _sizes(own: "Callable[..., Any]") -> "Callable[..., Any]":
-    """The size of a type: llvmlite writes and reads a module for each answer."""
-    known: dict[str, int] = {}
-
-    def size(self: Type, target: Any, context: Any = None) -> int:
-        key = str(self)
-        if key not in known:
-            known[key] = own(self, target, context)
-        return known[key]
-
-    return size
-
-
-def _indices(own: "Callable[..., Any]") -> "Callable[..., Any]":
+def _index(context: Any, builder: Any, kind: Any, value: Any, size: Any) -> Any:
     """The word of an index as it stands; where bounds are checked, one below 0 is out of them."""
-
-    def index(context: Any, builder: Any, kind: Any, value: Any, size: Any) -> Any:
-        return context.cast(builder, value, kind, types.intp if kind.signed else types.uintp)
-
-    return index
-
-
-def _variables(own: "Callable[..., Any]") -> "Callable[..., Any]":
-    """The variables in the parts of a statement; most parts are names and places, which have none."""
-
-    def variables(self: ir.Inst, part: Any) -> list:
-        if isinstance(part, dict):
-            part = part.values()
-        elif not isinstance(part, list | tuple):
-            return own(self, part)
-        found: list = []
-        for one in part:
-            kind = type(one)
-            if kind is ir.Var:
-                found.append(one)
-            elif kind is not str and kind is not ir.Loc:
-                found += variables(self, one)
-        return found
-
-    return variables
+    return context.cast(builder, value, kind, types.intp if kind.signed else types.uintp)

@@ -1,8 +1,8 @@
-"""Compilation of kernels: whole where Python calls one, else as parts that are linked into their callers.
+"""Compilation of kernels as parts that are linked into their callers.
 
 numba by itself optimises each function that a kernel calls, makes machine code of it, and optimises it once
-more within every caller: half of the time of a first run.  Here a function that a kernel calls is brought
-into LLVM's intermediate code only; what Python calls is linked with all its parts and optimised once.
+more within every caller: half of the time of a first run.  Here a kernel is brought into LLVM's intermediate
+code only; what Python calls is linked with all its parts and optimised once (`_object_code`).
 Kernels must not call one another in a circle.
 """
 
@@ -14,15 +14,11 @@ from ._numba import (
     CPUDispatcher,
     JITCodeLibrary,
     RuntimeLinker,
-    lookup_environment,
     types,
 )
-from ._values import built_in_type
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-__all__ = ["Kernel", "Part", "built_in_type"]
 
 _MADE_BY_NUMBA = "_Z"  # the names of all functions that come from Python begin so
 _LATE = RuntimeLinker.PREFIX  # of what is called before it is compiled: by itself, or in a circle
@@ -33,30 +29,9 @@ class PartLibrary(JITCodeLibrary):
     """The code of a part, which nothing calls before it is linked."""
 
     def finalize(self) -> None:
-        """Leave it as it is; what is linked into it is linked into its callers, see `WholeLibrary`."""
+        """Leave it as it is; what is linked into it is linked into its callers, see `with_parts_of_parts`."""
         self._raise_if_finalized()
         self._finalized = True
-
-
-class WholeLibrary(JITCodeLibrary):
-    """Machine code of a kernel with all its parts."""
-
-    def _optimize_final_module(self) -> None:
-        """Give linked parts internal linkage: LLVM may then change how they are called, or drop them."""
-        for function in self._final_module.functions:
-            if not function.is_declaration and function.linkage.name == "linkonce_odr":
-                function.linkage = "internal"
-        super()._optimize_final_module()
-
-    def finalize(self) -> None:
-        """Link the parts, those of parts too, each once, and optimise the whole."""
-        self._linking_libraries = list(with_parts_of_parts(self._linking_libraries))
-        super().finalize()
-        refuse_missing(self._final_module)
-        for variable in self._final_module.global_variables:
-            constants = lookup_environment(variable.name) if variable.name.startswith(ENVIRONMENT) else None
-            if constants is not None:
-                self._codegen.set_env(variable.name, constants)  # type: ignore[attr-defined]
 
 
 def with_parts_of_parts(libraries: Any):
@@ -91,24 +66,6 @@ def refuse_missing(module: Any) -> None:
     missing = (called - there) | {name.removeprefix(_LATE) for name in late}
     if missing:
         raise AssertionError(f"{min(missing)} was not linked: do kernels call one another in a circle?")
-
-
-class WholeCompiler(Compiler):
-    """numba's compiler for what Python calls."""
-
-    def define_pipelines(self):
-        """Return the only way from text to LLVM's language."""
-        return [ShortPipeline()]
-
-    def compile_extra(self, func: Any):
-        """Compile into a `WholeLibrary`, which can be kept on the disk."""
-        self.state.library = WholeLibrary(self.state.targetctx.codegen(), func.__qualname__)
-        self.state.library.enable_object_caching()
-        result = super().compile_extra(func)
-        _refuse_uncounted(func, self.state.flags, result)
-        if not self.state.flags.nrt and _holds_arrays(result.signature.return_type):
-            raise TypeError(f"{func.__qualname__} returns arrays to Python: mark it as `plain`")
-        return result
 
 
 class PartCompiler(Compiler):
@@ -156,25 +113,12 @@ def _holds_arrays(kind: Any):
 class Part(CPUDispatcher):
     """A function as kernels call it."""
 
+    def __init__(self, function: "Callable[..., Any]", options: dict):
+        # Without a word of its own a part would be forced inline where its first caller is.
+        common = {"nopython": True, "boundscheck": None, "forceinline": False, "no_cpython_wrapper": True}
+        # Earlier versions of numba take no None for the types of locals.
+        super().__init__(function, {}, common | options, pipeline_class=PartCompiler)
+
     def add_overload(self, cres: Any) -> None:
         """Keep what was compiled for kernels; there is nothing that Python could call."""
         self.overloads[tuple(cres.signature.args)] = cres
-
-
-class Kernel(CPUDispatcher):
-    """A function that is compiled whole when Python calls it, and as a part when another kernel does."""
-
-    def __init__(self, function: "Callable[..., Any]", locals: Any = None, targetoptions: dict | None = None):
-        # Without a word of its own a part would be forced inline where its first caller is.
-        options = {"nopython": True, "boundscheck": None, "forceinline": False, "_nrt": True}
-        options |= targetoptions or {}
-        # Earlier versions of numba take no None for them.
-        locals = locals or {}
-        super().__init__(function, locals, options, pipeline_class=WholeCompiler)
-        options = options | {"no_cpython_wrapper": True}
-        self.part = Part(function, locals, options, pipeline_class=PartCompiler)
-
-    @property
-    def _numba_type_(self):
-        """Return what the function is to numba, where a kernel names it."""
-        return self.part._numba_type_

@@ -1,4 +1,4 @@
-"""Objects of machine code that a process loads without numba: the entries of a unit, each behind a wrapper.
+"""Objects of machine code that need no numba any more: the entries of a unit, each behind a wrapper.
 
 A wrapper takes the numbers, addresses and lengths of the arguments as 64-bit words.
 """
@@ -7,62 +7,65 @@ from typing import Any, NamedTuple
 
 import llvmlite.binding as llvm
 
+from ..collector import without_collector
 from ._allocator import add_allocator
 from ._front_end import quick
 from ._linking import ENVIRONMENT, refuse_missing, with_parts_of_parts
 from ._numba import cpu_target, create_nrt_module, global_compiler_lock
-from ._objects import OF_C
-from ._values import add_wrapper, numba_type, result_of
+from ._values import add_wrapper, numba_type
+from .signatures import PROCESSORS
+
+# What objects may call; LLVM replaces some of it, as sin and cos together by sincos.
+OF_C = frozenset(
+    ("malloc", "free", "memset", "memcpy", "memmove", "sin", "cos", "tan", "asin", "acos", "atan", "atan2")
+    + ("sinh", "cosh", "tanh", "exp", "log", "log10", "pow", "sqrt", "fmod", "floor", "ceil", "rint")
+    + ("hypot",)
+)
 
 
 class Entry(NamedTuple):
     """A kernel that Python calls."""
 
-    name: str  # "module.function"
-    kernel: Any  # the Python function, a Kernel
+    symbol: str  # its name in the library
+    kernel: Any  # an Entry of `_entry`
     parameters: list  # as `_arguments` describes them
 
 
-def this_machine() -> tuple[str, str]:
-    """Return LLVM's name of this process's system, and that of the oldest processor of its type."""
-    return llvm.get_process_triple(), "generic"
-
-
-def emit_object(unit: str, entries: list[Entry], machines: dict) -> dict:
-    """Return (description of the entries for the object's head, object) for each target of `machines`.
+def emit_objects(unit: str, entries: list[Entry], targets: list[str]) -> dict[str, bytes]:
+    """Return the object of the entries for each target.
 
     The parts of all entries are linked once, and only the entries can be seen from outside.
     """
-    with global_compiler_lock, quick():
-        module, reported = _linked(unit, entries)
-        return {target: (reported, _machine_code(module, *machine)) for target, machine in machines.items()}
+    # numba makes cycles by the million, and a tenth of the time went into them.
+    with global_compiler_lock, quick(), without_collector():
+        bitcode = _linked(unit, entries)
+        return {target: _machine_code(bitcode, *_machine(target)) for target in targets}
 
 
-def _linked(unit: str, entries: list[Entry]):
-    """Return LLVM's code of all entries with their parts, and a description of each entry."""
+def _machine(target: str) -> tuple[str, str]:
+    """Return LLVM's name of a system, and that of the oldest processor of its type."""
+    return PROCESSORS.get(target) or (llvm.get_process_triple(), "generic")
+
+
+def _linked(unit: str, entries: list[Entry]) -> bytes:
+    """Return LLVM's code of all entries with their parts."""
     context = cpu_target.target_context
     library = context.codegen().create_library(unit)
-    wrappers = library.create_ir_module(unit)
-    reported, called = [], []
-    for number, entry in enumerate(entries):
+    wrappers, called = library.create_ir_module(unit), []
+    for entry in entries:
         types_ = tuple(map(numba_type, entry.parameters))
         entry.kernel.part.compile(types_)
         compiled = entry.kernel.part.overloads[types_]
-        symbol = f"flexmb_{number}_{entry.name.replace('.', '_')}"
-        add_wrapper(context, wrappers, symbol, compiled)
-        result = result_of(compiled.signature.return_type)
-        reported.append(
-            {"name": entry.name, "symbol": symbol, "parameters": entry.parameters, "result": result}
-        )
+        add_wrapper(context, wrappers, entry.symbol, compiled)
         called.append(compiled.library)
     add_allocator(wrappers)
     module = llvm.parse_assembly(str(wrappers))
     for part in with_parts_of_parts(called):
         module.link_in(part._get_module_for_linking(), preserve=True)
     module.link_in(llvm.parse_assembly(str(create_nrt_module(context)[0])))
-    _hide_all_but(module, {one["symbol"] for one in reported})
+    _hide_all_but(module, {entry.symbol for entry in entries})
     refuse_missing(module)
-    return module.as_bitcode(), reported
+    return module.as_bitcode()
 
 
 def _hide_all_but(module: Any, symbols: Any) -> None:

@@ -1,27 +1,68 @@
-"""Parameters as types of numba's, and words of `_arguments` as their values in LLVM's language."""
+"""Parameters as types of numba's, and words of `_arguments` as their values in LLVM's language.
 
-import importlib
-from typing import TYPE_CHECKING, Any
+Named tuples that Python hands to kernels are a type of their own, the address of their words.  numba's own
+type is handed on value by value: a mechanism and its work are 300 of them, at every call of a kernel, and two
+thirds of what numba wrote for LLVM were such lists.  Tuples that kernels make themselves stay what they are.
+"""
+
+import hashlib
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from llvmlite import ir
 
 from ._allocator import WORD
-from ._arguments import NotDescribedError, described_dtype, size_of
+from ._arguments import described_dtype, key_of, size_of
 from ._numba import (
+    AttributeTemplate,
     cgutils,
     cpu_target,
     from_dtype,
     impl_ret_borrowed,
+    infer_getattr,
     intrinsic,
     lower_getattr_generic,
     make_array,
+    models,
     populate_array,
+    register_model,
     types,
 )
-from ._tuple_references import Field, TupleReference
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+
+class Field(NamedTuple):
+    """A field of a tuple."""
+
+    first: int  # place of its first word
+    kind: types.Type  # numba's type of it
+
+
+class TupleReference(types.Type):
+    """The address of the words of a named tuple, which nothing changes while kernels run."""
+
+    def __init__(self, parameter: list, fields: dict[str, Field]):
+        self.fields = fields
+        name = parameter[1].rpartition(":")[2]
+        # Fields of other types are another type, and other functions for LLVM.
+        super().__init__(f"{name}_{hashlib.sha256(key_of(parameter).encode()).hexdigest()[:8]}")
+
+
+@register_model(TupleReference)
+class _Address(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: TupleReference):
+        super().__init__(manager, kind, ir.IntType(64).as_pointer())
+
+
+@infer_getattr
+class _FieldTypes(AttributeTemplate):
+    key = TupleReference
+
+    def generic_resolve(self, reference: Any, name: str):  # type: ignore[override]
+        """Return the type of a field, None where there is no such field."""
+        field = reference.fields.get(name)
+        return field and field.kind
 
 
 def numba_type(parameter: Any):
@@ -36,28 +77,30 @@ def numba_type(parameter: Any):
 
 def _named(parameter: list[Any], kinds: Any):
     """The type of a named tuple; its fields follow one another."""
-    module, _, name = parameter[1].partition(":")
-    names = getattr(importlib.import_module(module), name)._fields
     sizes = [size_of(part) for part in parameter[2]]
     places = [sum(sizes[:k]) for k in range(len(sizes))]
-    return TupleReference(parameter, dict(zip(names, map(Field, places, kinds), strict=True)))
+    return TupleReference(parameter, dict(zip(parameter[3], map(Field, places, kinds), strict=True)))
 
 
-def result_of(kind: types.Type) -> "str | list":
-    """Return how `_arguments` describes what a kernel returns; raises NotDescribedError for arrays."""
+def result_of(kind: types.Type) -> str:
+    """Return how `Results` describes what a kernel returns; raises TypeError for arrays."""
     if isinstance(kind, types.BaseTuple):
-        return ["t", "", [result_of(part) for part in kind]]  # type: ignore[attr-defined]
+        return "(" + "".join(result_of(part).removeprefix("(") for part in kind)  # type: ignore[attr-defined]
     for number, letter in ((types.Boolean, "b"), (types.Integer, "i"), (types.Float, "f")):
         if isinstance(kind, number):
             return letter
     if kind is types.none:
-        return "n"
-    raise NotDescribedError(str(kind))
+        return ""
+    raise TypeError(f"a kernel returns {kind} to Python: mark it as `plain`")
 
 
 def add_wrapper(context: Any, module: ir.Module, symbol: str, compiled: Any) -> None:
     """Define int symbol(int64 *words, int64 *results), which calls a part; not 0 where that failed."""
-    result_of(compiled.signature.return_type)
+    cgutils.global_constant(
+        module,
+        f"{symbol}_result",
+        cgutils.make_bytearray(result_of(compiled.signature.return_type).encode() + b"\0"),
+    ).linkage = ""
     code = ir.IntType(32)
     function = ir.Function(module, ir.FunctionType(code, [WORD.as_pointer()] * 2), symbol)
     builder = ir.IRBuilder(function.append_basic_block())

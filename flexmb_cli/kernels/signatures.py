@@ -9,6 +9,8 @@ import functools
 import importlib
 from typing import Any
 
+from ._arguments import tuple_parameter
+
 # Processor and system → what LLVM calls it, and the oldest processor of that type: no fused multiply-add.
 PROCESSORS = {
     "x86_64-linux": ("x86_64-unknown-linux-gnu", "x86-64"),
@@ -169,12 +171,12 @@ def parameter(word: str) -> "str | list":
         return _NUMBERS[word]
     if word in TUPLES:
         place, words = TUPLES[word]
-        return ["t", f"flexmb_cli.{place}", [parameter(part) for part in words.split()]]
+        return tuple_parameter(_defined(place), [parameter(part) for part in words.split()])
     kind, dimensions = word[:-1], int(word[-1])
-    return ["a", dimensions, _KINDS[kind] if kind in _KINDS else _record(kind)]
+    return ["a", dimensions, _KINDS[kind] if kind in _KINDS else _defined(RECORDS[kind]).descr]
 
 
-def _record(name: str) -> "list[Any]":
-    """The fields of a record; its module may import kernels, so that it is found when it is needed."""
-    module, _, constant = RECORDS[name].partition(":")
-    return getattr(importlib.import_module(f"flexmb_cli.{module}"), constant).descr
+def _defined(place: str) -> Any:
+    """What is defined at a place; its module may import kernels, so that it is imported late."""
+    module, _, name = place.partition(":")
+    return getattr(importlib.import_module(f"flexmb_cli.{module}"), name)
