@@ -9,7 +9,7 @@ from typing import Any
 
 from ..memory import TO_COMPILE, require_executable_memory, require_memory
 from . import _cache
-from ._arguments import NotDescribedError, Words, describe, key_of
+from ._arguments import Words, describe, key_of
 from ._interpreted import is_interpreting, twin
 from ._library import AddressOf, Compiled, in_memory, packaged, target
 from .signatures import unit_of, unit_parameters
@@ -25,23 +25,27 @@ class Unit:
         self._unit, self._kernel = unit, kernel
         self._parameters = parameters or unit_parameters(unit)
 
+    @property
+    def _mark(self) -> str:
+        return self.name if self._kernel else self._unit
+
     @functools.cached_property
     def name(self) -> str:
         """Name of the object: another one for other parameters, or another text of a kernel elsewhere."""
-        key = key_of(list(self._parameters.items())) + (self._kernel.own_text if self._kernel else "")
+        key = "".join(f"{name} {list(map(key_of, kinds))}" for name, kinds in self._parameters.items())
+        key += self._kernel.own_text if self._kernel else ""
         return f"{self._unit}-{hashlib.sha256(key.encode()).hexdigest()[:12]}"
 
     def load(self) -> AddressOf | None:
         """Return what finds the functions, in the package's library or an object that was kept."""
-        mark = self.name if self._kernel else self._unit
-        if mark not in _loaded:
+        if self._mark not in _loaded:
             found = None if self._kernel else packaged()
             if found is None and (code := _cache.content(self.name)) is not None:
                 found = in_memory(code)
             if found is None:
                 return None
-            _loaded[mark] = found
-        return _loaded[mark]
+            _loaded[self._mark] = found
+        return _loaded[self._mark]
 
     def compile(self) -> AddressOf:
         """Compile, keep the object in the user's cache, and return what finds the functions."""
@@ -51,19 +55,20 @@ class Unit:
             found = self.load()  # another process was quicker
             if found is None:
                 code = self.emit([target()])[target()]
+                found = _loaded[self._mark] = in_memory(code)
                 _cache.keep(folder, self.name, code)
-                found = in_memory(code)
         return found
 
     def emit(self, targets: list[str]) -> dict[str, bytes]:
         """Return the object for each target."""
         _compiler()
-        from ._object_code import Entry, emit_objects
+        from ._object_code import emit_objects
 
-        entries = [
-            Entry(symbol_of(name), self._kernel or _kernel_of(name), kinds)
-            for name, kinds in self._parameters.items()
-        ]
+        entries = {}
+        for name, kinds in self._parameters.items():
+            module, _, function = name.rpartition(".")
+            kernel = self._kernel or getattr(importlib.import_module(_PACKAGE + module), function)
+            entries[symbol_of(name)] = kernel.part, kinds
         return emit_objects(self._unit, entries, targets)
 
 
@@ -76,11 +81,6 @@ def is_ready(name: str) -> bool:
 def symbol_of(name: str) -> str:
     """Return the name in the library of an entry."""
     return f"flexmb_{name.replace('.', '_')}"
-
-
-def _kernel_of(name: str) -> "Entry":
-    module, _, function = name.rpartition(".")
-    return getattr(importlib.import_module(_PACKAGE + module), function)
 
 
 class Entry:
@@ -113,7 +113,7 @@ class Entry:
         else:
             try:
                 parameters = [describe(value) for value in values]
-            except NotDescribedError:
+            except TypeError:
                 return None
             made = Unit(self._name, {self._name: parameters}, self)
         compiled = Compiled(made.load() or made.compile(), symbol_of(self._name), parameters)
@@ -123,13 +123,11 @@ class Entry:
     @property
     def own_text(self) -> str:
         """The text of a kernel that is none of the package's; theirs is in the name of the cache's folder."""
-        code = self.py_func.__code__
         if self.py_func.__module__.startswith(_PACKAGE):
             return ""
-        try:
-            return Path(code.co_filename).read_text(encoding="utf-8")
-        except OSError:  # typed at a prompt
-            return f"{code.co_code!r}{code.co_consts!r}"
+        code = self.py_func.__code__
+        path = Path(code.co_filename)  # not there where it was typed at a prompt
+        return path.read_text(encoding="utf-8") if path.exists() else f"{code.co_code!r}{code.co_consts!r}"
 
     @functools.cached_property
     def interpreted(self) -> Callable:

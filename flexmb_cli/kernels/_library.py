@@ -11,7 +11,6 @@ import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from ..memory import TO_LOAD, require_executable_memory, require_memory
 from ._arguments import Results, Words
@@ -26,13 +25,12 @@ _ENDINGS = {"linux": "so", "macos": "dylib", "windows": "dll"}
 AddressOf = Callable[[str], int]  # of a symbol; ValueError where there is none
 
 unusable: list[str] = []  # why libraries and objects were not used, and what becomes of it
-_engines: list[Any] = []  # machine code lives as long as they do
 
 
-def note_unusable(sentence: str) -> None:
-    """Keep a sentence, once."""
-    if sentence not in unusable:
-        unusable.append(sentence)
+def note_once(sentences: list[str], sentence: str) -> None:
+    """Add a sentence to those that are shown."""
+    if sentence not in sentences:
+        sentences.append(sentence)
 
 
 def target() -> str:
@@ -53,13 +51,13 @@ def packaged() -> AddressOf | None:
         return None
     path = PACKAGED / library_name(target())
     if not path.exists():
-        note_unusable(f"the package has no kernels for {target()}: numba compiles them, once per version")
+        note_once(unusable, f"the package has no kernels for {target()}: they are compiled, once per version")
         return None
     try:
         # The interpreter stays locked, as in a call of numba's.
         library = ctypes.PyDLL(str(path))
     except OSError as fault:
-        note_unusable(f"{path} cannot be loaded ({fault}): kernels are compiled instead; install flexmb anew")
+        note_once(unusable, f"{path} cannot be loaded ({fault}): kernels are compiled; install flexmb anew")
         return None
     return lambda symbol: ctypes.addressof(ctypes.c_char.in_dll(library, symbol))
 
@@ -83,7 +81,7 @@ def in_memory(code: bytes) -> AddressOf:
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
-    _engines.append(engine)
+    # Machine code lives as long as the engine does, which this method holds.
     return engine.get_global_value_address
 
 

@@ -4,8 +4,6 @@ A test names it too, and shows what has changed in a new version of numba.
 """
 # ruff: noqa: F401
 
-from typing import Any
-
 from numba import from_dtype
 from numba.core import cgutils, types
 from numba.core import typed_passes as typed
@@ -13,7 +11,7 @@ from numba.core import untyped_passes as untyped
 from numba.core.codegen import JITCodeLibrary, RuntimeLinker
 from numba.core.compiler import Compiler
 from numba.core.compiler_lock import global_compiler_lock
-from numba.core.compiler_machinery import PassManager, _pass_registry
+from numba.core.compiler_machinery import PassManager
 from numba.core.imputils import impl_ret_borrowed
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.runtime.nrtdynmod import create_nrt_module
@@ -38,8 +36,3 @@ PASSES = (
     typed.NativeLowering,
     typed.NoPythonBackend,
 )
-
-
-def pass_of(kind: type) -> Any:
-    """Return numba's instance of a class of PASSES."""
-    return _pass_registry.get(kind).pass_inst

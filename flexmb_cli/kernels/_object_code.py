@@ -3,69 +3,86 @@
 A wrapper takes the numbers, addresses and lengths of the arguments as 64-bit words.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import llvmlite.binding as llvm
+from llvmlite import ir
 
 from ..collector import without_collector
-from ._allocator import add_allocator
-from ._front_end import quick
-from ._linking import ENVIRONMENT, refuse_missing, with_parts_of_parts
+from ._linking import ENVIRONMENT, quick, refuse_missing, with_parts_of_parts
 from ._numba import cpu_target, create_nrt_module, global_compiler_lock
-from ._values import add_wrapper, numba_type
+from ._values import WORD, add_wrapper, numba_type
 from .signatures import PROCESSORS
 
-# What objects may call; LLVM replaces some of it, as sin and cos together by sincos.
-OF_C = frozenset(
-    ("malloc", "free", "memset", "memcpy", "memmove", "sin", "cos", "tan", "asin", "acos", "atan", "atan2")
-    + ("sinh", "cosh", "tanh", "exp", "log", "log10", "pow", "sqrt", "fmod", "floor", "ceil", "rint")
-    + ("hypot",)
-)
+_ADDRESS = ir.IntType(8).as_pointer()
+# Count of references, destructor and its argument, data, size, allocator: six words, data aligned behind.
+_HEAD, _DATA, _SIZE = 6 * 8, 3, 4
+_ALLOCATING = ("NRT_MemInfo_alloc_aligned", "NRT_MemInfo_alloc_safe_aligned")
 
 
-class Entry(NamedTuple):
-    """A kernel that Python calls."""
-
-    symbol: str  # its name in the library
-    kernel: Any  # an Entry of `_entry`
-    parameters: list  # as `_arguments` describes them
-
-
-def emit_objects(unit: str, entries: list[Entry], targets: list[str]) -> dict[str, bytes]:
-    """Return the object of the entries for each target.
+def emit_objects(unit: str, entries: dict[str, tuple[Any, list]], targets: list[str]) -> dict[str, bytes]:
+    """Return the object of the entries for each target: part and parameters by the name in the library.
 
     The parts of all entries are linked once, and only the entries can be seen from outside.
     """
     # numba makes cycles by the million, and a tenth of the time went into them.
     with global_compiler_lock, quick(), without_collector():
         bitcode = _linked(unit, entries)
-        return {target: _machine_code(bitcode, *_machine(target)) for target in targets}
+        # Elsewhere it is this process's system.
+        here = llvm.get_process_triple(), "generic"
+        return {target: _machine_code(bitcode, *PROCESSORS.get(target, here)) for target in targets}
 
 
-def _machine(target: str) -> tuple[str, str]:
-    """Return LLVM's name of a system, and that of the oldest processor of its type."""
-    return PROCESSORS.get(target) or (llvm.get_process_triple(), "generic")
-
-
-def _linked(unit: str, entries: list[Entry]) -> bytes:
+def _linked(unit: str, entries: dict[str, tuple[Any, list]]) -> bytes:
     """Return LLVM's code of all entries with their parts."""
     context = cpu_target.target_context
     library = context.codegen().create_library(unit)
     wrappers, called = library.create_ir_module(unit), []
-    for entry in entries:
-        types_ = tuple(map(numba_type, entry.parameters))
-        entry.kernel.part.compile(types_)
-        compiled = entry.kernel.part.overloads[types_]
-        add_wrapper(context, wrappers, entry.symbol, compiled)
-        called.append(compiled.library)
-    add_allocator(wrappers)
+    for symbol, (part, parameters) in entries.items():
+        kinds = tuple(map(numba_type, parameters))
+        part.compile(kinds)
+        add_wrapper(context, wrappers, symbol, part.overloads[kinds])
+        called.append(part.overloads[kinds].library)
+    _add_allocator(wrappers)
     module = llvm.parse_assembly(str(wrappers))
     for part in with_parts_of_parts(called):
         module.link_in(part._get_module_for_linking(), preserve=True)
     module.link_in(llvm.parse_assembly(str(create_nrt_module(context)[0])))
-    _hide_all_but(module, {entry.symbol for entry in entries})
+    _hide_all_but(module, entries)
     refuse_missing(module)
     return module.as_bitcode()
+
+
+def _add_allocator(module: ir.Module) -> None:
+    """Define memory functions that numba's code calls: arrays of a kernel live on C's heap.
+
+    The names and the layout of a block are numba's (numba/core/runtime/nrt.cpp).
+    """
+    malloc = ir.Function(module, ir.FunctionType(_ADDRESS, [WORD]), "malloc")
+    free = ir.Function(module, ir.FunctionType(ir.VoidType(), [_ADDRESS]), "free")
+    for name in _ALLOCATING:
+        _add_alloc(module, malloc, name)
+    destructor = ir.Function(module, ir.FunctionType(ir.VoidType(), [_ADDRESS]), "NRT_MemInfo_call_dtor")
+    builder = ir.IRBuilder(destructor.append_basic_block())
+    builder.call(free, [destructor.args[0]])
+    builder.ret_void()
+
+
+def _add_alloc(module: Any, malloc: Any, name: str) -> None:
+    """void *name(size, alignment): a block with one reference, null where there is no memory."""
+    function = ir.Function(module, ir.FunctionType(_ADDRESS, [WORD, ir.IntType(32)]), name)
+    builder = ir.IRBuilder(function.append_basic_block())
+    size, align = function.args[0], builder.zext(function.args[1], WORD)
+    block = builder.call(malloc, [builder.add(builder.add(size, align), WORD(_HEAD))])
+    with builder.if_then(builder.icmp_unsigned("==", block, _ADDRESS(None)), likely=False):
+        builder.ret(block)
+    data = builder.ptrtoint(builder.gep(block, [WORD(_HEAD)]), WORD)
+    data = builder.sub(builder.add(data, align), WORD(1))
+    words = builder.bitcast(block, WORD.as_pointer())
+    filled = {0: WORD(1), _DATA: builder.sub(data, builder.urem(data, align)), _SIZE: size}
+    for k in range(_HEAD // 8):
+        builder.store(filled.get(k, WORD(0)), builder.gep(words, [WORD(k)]))
+    builder.ret(block)
 
 
 def _hide_all_but(module: Any, symbols: Any) -> None:
@@ -101,13 +118,4 @@ def _machine_code(bitcode: bytes, triple: str, processor: str):
             passes.add_jump_threading_pass()
         passes.add_refprune_pass()
         passes.run(module, builder)
-    _refuse_foreign(module)
     return machine.emit_object(module)
-
-
-def _refuse_foreign(module: Any) -> None:
-    """Return what neither the object nor the C library has would be called at address 0."""
-    called = {function.name for function in module.functions if function.is_declaration}
-    foreign = {name for name in called if not name.startswith("llvm.")} - OF_C
-    if foreign:
-        raise AssertionError(f"compiled kernels call {sorted(foreign)}")

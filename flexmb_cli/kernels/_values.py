@@ -6,12 +6,11 @@ thirds of what numba wrote for LLVM were such lists.  Tuples that kernels make t
 """
 
 import hashlib
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from llvmlite import ir
 
-from ._allocator import WORD
-from ._arguments import described_dtype, key_of, size_of
+from ._arguments import Array, Fields, key_of, size_of
 from ._numba import (
     AttributeTemplate,
     cgutils,
@@ -32,21 +31,21 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
-class Field(NamedTuple):
-    """A field of a tuple."""
-
-    first: int  # place of its first word
-    kind: types.Type  # numba's type of it
+WORD = ir.IntType(64)
 
 
 class TupleReference(types.Type):
     """The address of the words of a named tuple, which nothing changes while kernels run."""
 
-    def __init__(self, parameter: list, fields: dict[str, Field]):
-        self.fields = fields
-        name = parameter[1].rpartition(":")[2]
+    def __init__(self, parameter: Fields):
+        self.fields = {}  # place of the first word and numba's type of each
+        first = 0
+        for name, part in zip(parameter.kind._fields, parameter.parts, strict=True):  # type: ignore[attr-defined]
+            self.fields[name] = first, numba_type(part)
+            first += size_of(part)
         # Fields of other types are another type, and other functions for LLVM.
-        super().__init__(f"{name}_{hashlib.sha256(key_of(parameter).encode()).hexdigest()[:8]}")
+        key = hashlib.sha256(key_of(parameter).encode()).hexdigest()[:8]
+        super().__init__(f"{parameter.kind.__name__}_{key}")
 
 
 @register_model(TupleReference)
@@ -61,25 +60,18 @@ class _FieldTypes(AttributeTemplate):
 
     def generic_resolve(self, reference: Any, name: str):  # type: ignore[override]
         """Return the type of a field, None where there is no such field."""
-        field = reference.fields.get(name)
-        return field and field.kind
+        return reference.fields[name][1] if name in reference.fields else None
 
 
 def numba_type(parameter: Any):
     """numba's type of a parameter."""
-    if parameter[0] == "a":
-        return types.Array(from_dtype(described_dtype(parameter[2])), parameter[1], "C")
-    if parameter[0] == "t":
-        kinds = [numba_type(part) for part in parameter[2]]
-        return _named(parameter, kinds) if parameter[1] else types.BaseTuple.from_types(kinds, tuple)
+    if isinstance(parameter, Array):
+        return types.Array(from_dtype(parameter.dtype), parameter.dimensions, "C")
+    if isinstance(parameter, Fields):
+        if parameter.kind is not tuple:
+            return TupleReference(parameter)
+        return types.BaseTuple.from_types(list(map(numba_type, parameter.parts)), tuple)
     return {"i": types.int64, "f": types.float64, "b": types.boolean}[parameter]
-
-
-def _named(parameter: list[Any], kinds: Any):
-    """The type of a named tuple; its fields follow one another."""
-    sizes = [size_of(part) for part in parameter[2]]
-    places = [sum(sizes[:k]) for k in range(len(sizes))]
-    return TupleReference(parameter, dict(zip(parameter[3], map(Field, places, kinds), strict=True)))
 
 
 def result_of(kind: types.Type) -> str:
@@ -125,7 +117,7 @@ def _values(context: Any, builder: Any, words: Any, kinds: Any, first: int = 0) 
 def _size(kind: Any) -> int:
     """Return how many words a value of a type takes."""
     if isinstance(kind, TupleReference):
-        return sum(_size(field.kind) for field in kind.fields.values())
+        return sum(_size(field) for _, field in kind.fields.values())
     if isinstance(kind, types.BaseTuple):
         return sum(map(_size, kind))  # type: ignore[call-overload]
     return 1 + kind.ndim if isinstance(kind, types.Array) else 1
@@ -158,8 +150,7 @@ def _read(builder: Any, words: Any, place: int, kind: Any):
 @lower_getattr_generic(TupleReference)
 def _field_value(context: Any, builder: Any, reference: Any, words: Any, name: str):
     """The value of a field of a tuple."""
-    field = reference.fields[name]
-    return _value(context, builder, words, field.first, field.kind)
+    return _value(context, builder, words, *reference.fields[name])
 
 
 def _contiguous(context: Any, builder: Any, kind: Any, data: Any, shape: Any, owner: Any):

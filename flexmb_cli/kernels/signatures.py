@@ -9,7 +9,9 @@ import functools
 import importlib
 from typing import Any
 
-from ._arguments import tuple_parameter
+import numpy as np
+
+from ._arguments import Array, Fields
 
 # Processor and system → what LLVM calls it, and the oldest processor of that type: no fused multiply-add.
 PROCESSORS = {
@@ -149,7 +151,9 @@ UNITS = {
         "integrators.sdirk4.integrate_rows": "Tree FRAME_WORK1 COORDINATE_WORK1 Implicit TreeReport int",
     },
 }
-_KINDS = {"f": "<f8", "i": "<i8", "c": "<c16", "b": "|b1"}
+_KINDS = {
+    letter: np.dtype(kind) for letter, kind in zip("ficb", (float, np.int64, complex, bool), strict=True)
+}
 _NUMBERS = {"int": "i", "float": "f", "bool": "b"}
 _UNIT_OF = {name: unit for unit, entries in UNITS.items() for name in entries}
 
@@ -165,15 +169,15 @@ def unit_parameters(unit: str) -> dict[str, list]:
 
 
 @functools.cache
-def parameter(word: str) -> "str | list":
+def parameter(word: str) -> Any:
     """Return the parameter for a word of this page."""
     if word in _NUMBERS:
         return _NUMBERS[word]
     if word in TUPLES:
         place, words = TUPLES[word]
-        return tuple_parameter(_defined(place), [parameter(part) for part in words.split()])
+        return Fields(_defined(place), [parameter(part) for part in words.split()])
     kind, dimensions = word[:-1], int(word[-1])
-    return ["a", dimensions, _KINDS[kind] if kind in _KINDS else _defined(RECORDS[kind]).descr]
+    return Array(dimensions, _KINDS[kind] if kind in _KINDS else _defined(RECORDS[kind]))
 
 
 def _defined(place: str) -> Any:

@@ -111,15 +111,13 @@ def list_compiled() -> Iterator[tuple[str, int, str]]:
     """Yield path, bytes, and why it is not used, of what the user's cache keeps."""
     from ..kernels import _cache
 
-    for path, size in _cache.kept():
+    for path in _cache.kept():
         why = ""
         try:
             _cache.read_object(path)
-        except OSError as fault:
-            why = f"not used: {fault.strerror or 'it is no regular file'}"
-        except ValueError as fault:
-            why = f"not used: {fault}"
-        yield str(path), size, why
+        except (OSError, ValueError, OutputError) as fault:
+            why = f"not used: {str(fault).removeprefix(f'{path}: ')}"
+        yield str(path), path.lstat().st_size, why
 
 
 def clear_compiled() -> tuple[int, list[str]]:
