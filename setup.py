@@ -1,7 +1,7 @@
 """Puts decks and commit into a wheel, and compiled kernels where FLEXMB_REQUIRE_AOT=1 asks for them.
 
 The libraries are those of all processors and systems of `kernels/signatures.py`: one wheel serves them all.
-numba emits the objects here for every target, and Zig, which brings what each system's linker needs, links them.
+numba emits the objects here for every target; Zig, which brings what each system's linker needs, links them.
 """
 
 import os

@@ -107,7 +107,7 @@ def test_the_list_says_what_is_not_used(version):
     _cache.keep(version, "d_public", b"code")
     (version / "d_public.object").chmod(0o666)
     *shown, last, _ = [line.removeprefix(f"{version}/") for line in listed()]
-    assert shown[0] == "a_pipe.object  not used: it is no regular file, but a folder, a pipe or a device; remove it"
+    assert shown[0].startswith("a_pipe.object  not used: it is no regular file, but a folder, a pipe")
     assert shown[1].startswith("b_link.object  not used: ")
     assert shown[2:] == [
         "c_damaged.object  not used: it is damaged",
@@ -129,7 +129,7 @@ def test_what_a_read_only_folder_has_is_not_copied_behind_it(version, tmp_path, 
     """An image of a container: kernels lie in a folder of root's, and the user's home is empty."""
     home = tmp_path / "home/.cache/flexmb" / version.name
     home.mkdir(parents=True, mode=0o700)
-    assert list(_cache.folders())[0] == version and home in _cache.folders()
+    assert next(_cache.folders()) == version and home in _cache.folders()
     assert _cache.content("good", home) == b"code"
     _cache.keep(home, "other", b"more")
     assert _cache.content("other") == b"more" and _cache.content("other", version) is None

@@ -1,56 +1,52 @@
-"""What the inspection of a wheel's objects finds in them."""
+"""What the inspection of a wheel's libraries finds in them."""
 
 import importlib.machinery
 import importlib.util
-import math
+import runpy
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from flexmb_cli.kernels import _entry, _jit, _objects
-from flexmb_cli.kernels._jit import kernel
-from flexmb_cli.kernels.signatures import PROCESSORS
+from flexmb_cli.kernels import _entry, _jit
+from flexmb_cli.kernels._library import library_name
+from flexmb_cli.kernels.signatures import PROCESSORS, UNITS
 
-SCRIPT = str(Path(__file__).resolve().parents[2] / "scripts" / "inspect_objects")
+TOP = Path(__file__).resolve().parents[2]
+HERE = "x86_64-linux"
 
 
 @pytest.fixture(scope="module")
 def script():
-    loader = importlib.machinery.SourceFileLoader("inspect_objects", SCRIPT)
+    loader = importlib.machinery.SourceFileLoader("inspect_libraries", str(TOP / "scripts/inspect_libraries"))
     module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
     loader.exec_module(module)
     return module
 
 
-def calling(a, b):
-    """What calls the C library."""
-    return math.atan2(a, b) + math.tan(a) ** b
-
-
 @pytest.fixture(scope="module")
-def codes():
-    if _jit.interpreted():
-        pytest.skip("nothing is compiled")
-    made = _entry.emit("calling", [(kernel(calling), "calling", ["f", "f"])], "0" * 16, list(PROCESSORS))
-    return {target: _objects.read(content)[1] for target, content in made.items()}
+def library(tmp_path_factory):
+    """A library of this machine, linked by its own compiler: a function that calls two of C's."""
+    if not shutil.which("cc") or not sys.platform.startswith("linux"):
+        pytest.skip("no C compiler")
+    folder = tmp_path_factory.mktemp("library")
+    (folder / "x.c").write_text(
+        "#include <math.h>\ndouble one(double a, double b) { return atan2(a, b) + tan(a); }\n"
+    )
+    subprocess.run(
+        ["cc", "-shared", "-fPIC", "-nostartfiles", "-o", "x.so", "x.c", "-lm"], cwd=folder, check=True
+    )
+    return folder / "x.so"
 
 
-@pytest.mark.parametrize("target", PROCESSORS)
-def test_foreign_functions_are_found_in_the_objects_of_every_system(script, codes, target):
-    marks = {"_fltused"} if target.endswith("windows") else set()
-    assert script.foreign_names(codes[target]) - marks == {"atan2", "tan", "pow"}
-
-
-@pytest.mark.skipif(not shutil.which("nm"), reason="no nm to compare with")
-def test_foreign_functions_are_those_that_nm_finds(script, codes, tmp_path):
-    (tmp_path / "x.o").write_bytes(codes["x86_64-linux"])
-    reported = subprocess.run(
-        ["nm", "-u", tmp_path / "x.o"], capture_output=True, text=True, check=True
-    ).stdout
-    assert script.foreign_names(codes["x86_64-linux"]) == {line.split()[-1] for line in reported.splitlines()}
+def test_names_of_a_library_are_those_that_nm_finds(script, library):
+    own, foreign = script.names(library.read_bytes())
+    assert (own, foreign) == ({"one"}, {"atan2", "tan"})
+    said = subprocess.run(["nm", "-D", library], capture_output=True, text=True, check=True).stdout
+    assert {line.split()[-1].partition("@")[0] for line in said.splitlines()} == own | foreign
 
 
 def test_what_multiplies_and_adds_at_once_is_recognised(script):
@@ -62,12 +58,27 @@ def test_what_multiplies_and_adds_at_once_is_recognised(script):
     assert not script.is_fused(np.array(apart, np.uint32)).any()
 
 
-def test_a_wheel_is_inspected_as_a_whole(script, codes, tmp_path, monkeypatch, capsys):
-    for target, code in codes.items():
-        (tmp_path / target).mkdir()
-        (tmp_path / target / "x.object").write_bytes(_objects.write({"target": target}, code))
-    monkeypatch.setattr("sys.argv", ["inspect_objects", str(tmp_path)])
-    assert script.main() == 0
-    monkeypatch.setattr(_objects, "OF_C", _objects.OF_C - {"tan"})
+def test_a_library_without_kernels_is_refused(script, library, monkeypatch, capsys):
+    shutil.copy(library, library.with_name(library_name(HERE)))
+    monkeypatch.setattr("sys.argv", ["inspect_libraries", str(library.parent)])
     assert script.main() == 1
-    assert capsys.readouterr().out.count("not of the C library: tan") == len(PROCESSORS)
+    said = capsys.readouterr().out
+    assert "lacks: flexmb_constrained_accelerations_accelerations " in said and "not of" not in said
+
+
+@pytest.mark.campaign
+@pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
+def test_libraries_of_all_systems_have_all_kernels_and_call_c_alone(script, tmp_path, monkeypatch, capsys):
+    """One unit stands for all, which take minutes; Zig links for each system."""
+    pytest.importorskip("ziglang")
+    setup = runpy.run_path(str(TOP / "setup.py"), run_name="setup")
+    made = _entry.Unit("equations").emit(list(PROCESSORS))
+    for target, name in setup["ZIG"].items():
+        zig = [sys.executable, "-m", "ziglang", "cc", "-target", name]
+        setup["link"](zig, {"equations": made[target]}, tmp_path / library_name(target))
+    monkeypatch.setattr(script, "UNITS", {"equations": UNITS["equations"]})
+    monkeypatch.setattr("sys.argv", ["inspect_libraries", str(tmp_path)])
+    assert script.main() == 0
+    said = capsys.readouterr().out
+    assert said.count(" names; it calls ") == len(PROCESSORS)
+    assert said.count("  0 instructions multiply and add at once") == 3
