@@ -81,7 +81,6 @@ def in_memory(code: bytes) -> AddressOf:
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
-    # Machine code lives as long as the engine does, which this method holds.
     return engine.get_global_value_address
 
 
@@ -89,6 +88,7 @@ class Compiled:
     """One compiled function."""
 
     def __init__(self, address_of: AddressOf, symbol: str, parameters: list):
+        self._code = address_of  # machine code lives as long as its engine does, which this holds
         self._words = Words(parameters)
         self._results = Results(ctypes.string_at(address_of(f"{symbol}_result")).decode())
         self._call = ctypes.PYFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(address_of(symbol))

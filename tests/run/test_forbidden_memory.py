@@ -68,12 +68,13 @@ main()
 @pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
 def test_a_library_needs_no_such_memory(tmp_path):
     """As in a wheel, linked by the machine's own compiler: the system itself makes its code executable."""
-    code = _entry._cache.content(_entry.Unit("kinematics").name)
-    if code is None:
-        (code,) = _entry.Unit("kinematics").emit([_library.target()]).values()
+    units = {unit: _entry.Unit(unit) for unit in ("equations", "kinematics")}
+    objects = {unit: _entry._cache.content(made.name) for unit, made in units.items()}
+    for unit in objects:
+        objects[unit] = objects[unit] or units[unit].emit([_library.target()])[_library.target()]
     link = runpy.run_path(str(TOP / "setup.py"), run_name="setup")["link"]
     library = tmp_path / "wheel" / _library.library_name(_library.target())
-    link(["cc"], {"kinematics": code}, library)
+    link(["cc"], objects, library)
     (tmp_path / "run.py").write_text(WHEEL.format(folder=str(library.parent)))
     filtered = [sys.executable, str(Path(__file__).with_name("seccomp.py")), sys.executable]
     done = subprocess.run(
