@@ -75,9 +75,12 @@ class WithDecksAndLibraries(build_py):
         if not self.editable_mode:
             shutil.copytree(TOP / "decks", Path(self.build_lib) / "flexmb_cli" / "decks", dirs_exist_ok=True)
             write_commit(self.build_lib)
-        if WANTED and not self.editable_mode:
-            sys.path.insert(0, str(TOP))
-            write_libraries(Path(self.build_lib) / "flexmb_cli" / "kernels" / "libraries")
+            libraries = Path(self.build_lib) / "flexmb_cli" / "kernels" / "libraries"
+            # Those of an earlier build would be loaded, whatever the kernels are now.
+            shutil.rmtree(libraries, ignore_errors=True)
+            if WANTED:
+                sys.path.insert(0, str(TOP))
+                write_libraries(libraries)
 
 
 if __name__ == "__main__":
