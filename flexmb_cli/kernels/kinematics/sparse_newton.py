@@ -28,13 +28,13 @@ class SparseWork(NamedTuple):
     phi_q: np.ndarray  # (n, 14) derivatives by the coordinates of both bodies, in units of both
     jacobian: np.ndarray  # (n, 14) its entries at the places of `columns`, in units of both
     columns: np.ndarray  # (n, 15) number of places of a row that may be other than zero, and these
-    sources: np.ndarray  # (n, 14) where they stand in the row of phi_q
-    order: np.ndarray  # (2 n,) rows, then columns, in the order of elimination
-    factors: np.ndarray  # (n n,) `Factors.values`
-    entries: np.ndarray  # (n n,) `Factors.places`
-    ends: np.ndarray  # (n, 4) `Factors.ends`
+    sources: np.ndarray  # (n, 14) their places in the row of phi_q
+    order: np.ndarray  # (2 n,) numbers of rows, then columns, in the order of elimination
+    factors: np.ndarray  # (n n,) scaled, `Factors.values`
+    entries: np.ndarray  # (n n,) places, `Factors.places`
+    ends: np.ndarray  # (n, 4) places, `Factors.ends`
     diagonal: np.ndarray  # (n,) `Factors.diagonal`, scaled
-    chosen: np.ndarray  # (2,) ORDER_QUALITY, 0 where no order is chosen, and PARITY of the order
+    chosen: np.ndarray  # (2,) no unit: ORDER_QUALITY, 0 where no order is chosen, and PARITY
 
 
 @plain

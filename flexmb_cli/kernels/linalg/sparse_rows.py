@@ -19,7 +19,7 @@ class Factors(NamedTuple):
 
     values: np.ndarray  # (m n,) entries, scaled: left of the pivot, right of it, behind the leading block
     places: np.ndarray  # (m n,) their places in the order of pivots
-    ends: np.ndarray  # (m, 4) where the parts of a row begin, and ROW_END
+    ends: np.ndarray  # (m, 4) places where the parts of a row begin, and ROW_END
     diagonal: np.ndarray  # (m,) pivots, scaled
 
 
