@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..kernels.constrained.system import Work
-from ..kernels.linalg.sparse_rows import BEHIND, LEFT
+from ..kernels.linalg.sparse_rows import BEHIND_BLOCK, BELOW_PIVOT
 
 # Fields of a clock that a run has from its deck and that no step changes.
 GIVEN = ("rtol", "atol", "counted")
@@ -74,4 +74,4 @@ def _ends_fit(ends: np.ndarray, entries: np.ndarray, rank: int) -> bool:
     """
     if np.any(ends < 0) or np.any(ends > entries.size) or np.any(np.diff(ends[:rank]) < 0):
         return False
-    return all(np.all(entries[first:last] < rank) for first, last in ends[:rank, [LEFT, BEHIND]])
+    return all(np.all(entries[first:last] < rank) for first, last in ends[:rank, [BELOW_PIVOT, BEHIND_BLOCK]])

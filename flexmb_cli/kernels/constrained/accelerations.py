@@ -55,7 +55,7 @@ from .system import (
 )
 
 SMALLEST_INERTIA = 1e-13  # pivot of a reduced mass matrix, of its diagonal entry
-FEW_BODIES = 10  # up to them the zeros of one position decide on the order of elimination
+DENSE_START = 10  # up to them the zeros of one position decide on the order of elimination
 
 
 @kernel
@@ -84,7 +84,7 @@ def _choose(work: Work, most: int) -> int:
     """Fill the order by the Jacobian at hand; returns the rank, at most `most`."""
     m, c = work.jacobian.shape
     counts, columns, values = np.empty(m, np.int64), np.empty((m, c), np.int64), np.empty((m, c))
-    many = work.mass.shape[0] > FEW_BODIES
+    many = work.mass.shape[0] > DENSE_START
     for i in range(m):
         counts[i] = 0
         for p in range(work.columns[i, 0]):

@@ -57,7 +57,7 @@ class Work(NamedTuple):
     responses: np.ndarray  # (loads, 8) of springs and elements, columns and SI units as in `elements`
     columns: np.ndarray  # (m, 1 + c) number of places of a row of the Jacobian not zero, and these
     entries: np.ndarray  # (m n,) places of the factors, and
-    ends: np.ndarray  # (m, 4) where those of a row begin and end, see `rank_revealing_lu`
+    ends: np.ndarray  # (m, 4) places where a row of them begins and ends, see `sparse_rows`
     diagonal: np.ndarray  # (m,) pivots of the elimination, scaled
 
 

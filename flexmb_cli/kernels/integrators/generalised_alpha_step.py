@@ -272,7 +272,9 @@ STILL_ITERATIONS = 3  # of a state: positions, speeds, and accelerations that be
 FLOOR = 1e-13  # of the speeds: round-off
 LEAST = 1e-2  # contraction that is trusted: the first of a step is better than those that follow
 CLOSED_BY_ONE_MORE = 1e-10  # scaled gap that one more correction brings to round-off
-CLOSED = 0.03  # of the root of the share of the tolerance: one more correction leaves a thousandth of it
+GAP_OF_SHARE = (
+    0.03  # of the root of the share of the tolerance: one more correction leaves a thousandth of it
+)
 
 
 @kernel
@@ -354,7 +356,7 @@ def _closed(clock: "np.void", memory: "np.void", share: float) -> float:
     """
     if memory["fixed"] > 0.0:
         return CLOSED_BY_ONE_MORE
-    return max(CLOSED_BY_ONE_MORE, CLOSED * (share * clock["rtol"]) ** 0.5)
+    return max(CLOSED_BY_ONE_MORE, GAP_OF_SHARE * (share * clock["rtol"]) ** 0.5)
 
 
 @part

@@ -278,6 +278,9 @@ def follow_sparse(
     out: np.ndarray,
     audit: np.ndarray,
 ) -> int:
-    """As `follow`, with the order of elimination kept in `work`."""
+    """As `follow`, with the order of elimination kept in `work`.
+
+    state (3, n), motion (screws, 3), times (rows,), out (rows, 3, n), audit (rows, 3).
+    """
     new, expected = np.empty((3, state.shape[1])), np.empty(motion.shape[0])
     return _fill_rows_sparse(system, work, state, motion, clock, times, out, audit, new, expected)

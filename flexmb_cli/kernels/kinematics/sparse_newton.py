@@ -17,7 +17,7 @@ from ..linalg.sparse_rows import Factors
 from . import constraints as equations
 from .newton import BODY_I, BODY_J, OF_COORDINATE, PER_ROW, PIVOT, RANK, SCALED, UNKNOWN, LinearSolver, System
 
-QUALITY, SIGN = 0, 1
+ORDER_QUALITY, PARITY = 0, 1
 
 
 class SparseWork(NamedTuple):
@@ -28,13 +28,13 @@ class SparseWork(NamedTuple):
     phi_q: np.ndarray  # (n, 14) derivatives by the coordinates of both bodies, in units of both
     jacobian: np.ndarray  # (n, 14) its entries at the places of `columns`, in units of both
     columns: np.ndarray  # (n, 15) number of places of a row that may be other than zero, and these
-    sources: np.ndarray  # (n, 14) where they stand in the row of phi_q
-    order: np.ndarray  # (2 n,) rows, then columns, in the order of elimination
-    factors: np.ndarray  # (n n,) `Factors.values`
-    entries: np.ndarray  # (n n,) `Factors.places`
-    ends: np.ndarray  # (n, 4) `Factors.ends`
+    sources: np.ndarray  # (n, 14) their places in the row of phi_q
+    order: np.ndarray  # (2 n,) numbers of rows, then columns, in the order of elimination
+    factors: np.ndarray  # (n n,) scaled, `Factors.values`
+    entries: np.ndarray  # (n n,) places, `Factors.places`
+    ends: np.ndarray  # (n, 4) places, `Factors.ends`
     diagonal: np.ndarray  # (n,) `Factors.diagonal`, scaled
-    chosen: np.ndarray  # (2,) of the order: QUALITY of its factors, 0 where there is none, and its SIGN
+    chosen: np.ndarray  # (2,) no unit: ORDER_QUALITY, 0 where no order is chosen, and PARITY
 
 
 @plain
@@ -89,7 +89,7 @@ def _choose(work: SparseWork, rank: int) -> int:
         for p in range(counts[i]):
             columns[i, p], values[i, p] = work.columns[i, 1 + p], work.jacobian[i, p]
     found = choose_local(counts, columns, values, work.order, rank)
-    work.chosen[SIGN] = _sign(work.order[:n]) * _sign(work.order[n:])
+    work.chosen[PARITY] = _sign(work.order[:n]) * _sign(work.order[n:])
     return found
 
 
@@ -114,16 +114,16 @@ def factorise_sparse(system: System, work: SparseWork, q: np.ndarray) -> int:
     _fill_jacobian(system, work)
     rank, quality = int(system.limits[RANK]), 0.0
     factors = Factors(work.factors, work.entries, work.ends, work.diagonal)
-    if work.chosen[QUALITY] > 0.0:
+    if work.chosen[ORDER_QUALITY] > 0.0:
         quality = factorise(work.jacobian, work.columns, work.order, rank, factors)
-    if not quality > WORN * work.chosen[QUALITY]:
+    if not quality > WORN * work.chosen[ORDER_QUALITY]:
         if _choose(work, rank) == rank:
             quality = factorise(work.jacobian, work.columns, work.order, rank, factors)
-        work.chosen[QUALITY] = quality
+        work.chosen[ORDER_QUALITY] = quality
     if not (quality > 0.0 and smallest_pivot(work.diagonal, rank) > system.limits[PIVOT]):
-        work.chosen[QUALITY] = 0.0
+        work.chosen[ORDER_QUALITY] = 0.0
         return 0
-    sign = int(work.chosen[SIGN])
+    sign = int(work.chosen[PARITY])
     for k in range(rank):
         if work.diagonal[k] < 0.0:
             sign = -sign

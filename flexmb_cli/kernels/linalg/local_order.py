@@ -20,7 +20,7 @@ from .._jit import allocating, kernel
 from .lu import GOOD_ENOUGH
 from .pivot_order import RANK_TOLERANCE, wider_columns, wider_values
 
-SEARCHED = 4  # rows that are looked at for a pivot
+ROWS_LOOKED_AT = 4  # rows that are looked at for a pivot
 NO_CHAIN = -2  # `before` of a row that is in none
 
 
@@ -36,16 +36,9 @@ def choose_local(
     largest, in_column, held = np.empty(m), np.zeros(n, np.int64), np.zeros(n, np.int64)
     first, slots = np.full(n + 1, -1, np.int64), np.zeros(n, np.int64)
     following, before = np.full(m, -1, np.int64), np.full(m, NO_CHAIN, np.int64)
-    for i in range(m):
-        largest[i] = _largest(values, counts, i)
-        for p in range(counts[i]):
-            in_column[columns[i, p]] += 1
+    _measure(counts, columns, values, largest, in_column)
     rows = np.empty((n, max(1, _most(in_column))), np.int64)
-    for i in range(m):
-        for p in range(counts[i]):
-            j = columns[i, p]
-            rows[j, held[j]] = i
-            held[j] += 1
+    _hold_rows(counts, columns, held, rows)
     smallest, level, rank = RANK_TOLERANCE * _greatest(largest), np.inf, 0
     while rank < min(m, n, most):
         i, p = _search(first, following, counts, in_column, largest, columns, values, level)
@@ -54,9 +47,7 @@ def choose_local(
             if not greatest > smallest:
                 break
             level = GOOD_ENOUGH * greatest
-            for row in range(m):
-                if before[row] == NO_CHAIN and largest[row] >= level:
-                    _link(row, counts[row], first, following, before)
+            _link_good(level, largest, counts, first, following, before)
             continue
         j = columns[i, p]
         order[rank], order[m + rank] = i, j
@@ -67,16 +58,14 @@ def choose_local(
             rows = wider_columns(rows, held, room)
         _unlink(i, counts[i], first, following, before)
         largest[i] = -1.0
-        for k in range(counts[i]):
-            in_column[columns[i, k]] -= 1
         for k in range(held[j]):
             row = rows[j, k]
             if largest[row] >= 0.0:
                 _unlink(row, counts[row], first, following, before)
                 _subtract(i, p, row, counts, in_column, columns, values, held, rows, slots)
                 largest[row] = _largest(values, counts, row)
-                if largest[row] >= level:
-                    _link(row, counts[row], first, following, before)
+        _release(i, counts, columns, in_column)
+        _link_changed(j, level, held, rows, largest, counts, first, following, before)
         in_column[j] = -1
         rank += 1
     _append_others(order, rank, largest, in_column)
@@ -117,6 +106,67 @@ def _link(row: int, count: int, first: np.ndarray, following: np.ndarray, before
 
 
 @kernel
+def _measure(
+    counts: np.ndarray, columns: np.ndarray, values: np.ndarray, largest: np.ndarray, in_column: np.ndarray
+) -> None:
+    """Fill largest (m,), and count the entries of the columns in zeros in_column (n,)."""
+    for i in range(counts.shape[0]):
+        largest[i] = _largest(values, counts, i)
+        for p in range(counts[i]):
+            in_column[columns[i, p]] += 1
+
+
+@kernel
+def _release(row: int, counts: np.ndarray, columns: np.ndarray, in_column: np.ndarray) -> None:
+    """Count the entries of a row no longer."""
+    for p in range(counts[row]):
+        in_column[columns[row, p]] -= 1
+
+
+@kernel
+def _hold_rows(counts: np.ndarray, columns: np.ndarray, held: np.ndarray, rows: np.ndarray) -> None:
+    """Fill rows (n, h) with the rows of each column, `held` (n,) of them."""
+    for i in range(counts.shape[0]):
+        for p in range(counts[i]):
+            j = columns[i, p]
+            rows[j, held[j]] = i
+            held[j] += 1
+
+
+@kernel
+def _link_good(
+    level: float,
+    largest: np.ndarray,
+    counts: np.ndarray,
+    first: np.ndarray,
+    following: np.ndarray,
+    before: np.ndarray,
+) -> None:
+    """Put the rows with an entry as large as `level` into chains."""
+    for row in range(counts.shape[0]):
+        if before[row] == NO_CHAIN and largest[row] >= level:
+            _link(row, counts[row], first, following, before)
+
+
+@kernel
+def _link_changed(
+    column: int,
+    level: float,
+    held: np.ndarray,
+    rows: np.ndarray,
+    largest: np.ndarray,
+    counts: np.ndarray,
+    first: np.ndarray,
+    following: np.ndarray,
+    before: np.ndarray,
+) -> None:
+    """As `_link_good`, of the rows that had an entry in a column."""
+    for k in range(held[column]):
+        if before[rows[column, k]] == NO_CHAIN and largest[rows[column, k]] >= level:
+            _link(rows[column, k], counts[rows[column, k]], first, following, before)
+
+
+@kernel
 def _unlink(row: int, count: int, first: np.ndarray, following: np.ndarray, before: np.ndarray) -> None:
     """Take a row out of its chain, if it is in one."""
     if before[row] == NO_CHAIN:
@@ -152,7 +202,7 @@ def _search(
                 if value >= least and (fill < cost or (fill == cost and value > size)):
                     found, place, cost, size = row, p, fill, value
             looked += 1
-            if looked == SEARCHED or cost == 0:
+            if looked == ROWS_LOOKED_AT or cost == 0:
                 return found, place
             row = following[row]
     return found, place

@@ -93,7 +93,10 @@ def solve_symmetric(matrix: "np.ndarray", size: int, y: "np.ndarray") -> None:
 
 @kernel
 def factorise_rows(flat: "np.ndarray", starts: "np.ndarray", ends: "np.ndarray") -> None:
-    """As `factorise_profile`, of a definite matrix with entry i, j at flat[starts[i] + j]; starts (n,)."""
+    """As `factorise_profile`, of a definite matrix with entry i, j at flat[starts[i] + j].
+
+    flat (k,), starts (n,), ends (n,).
+    """
     for i in range(ends.shape[0] - 1, -1, -1):
         row = starts[i]
         for j in range(ends[i] - 1, i, -1):
@@ -107,7 +110,10 @@ def factorise_rows(flat: "np.ndarray", starts: "np.ndarray", ends: "np.ndarray")
 
 @kernel
 def substitute_rows(flat: "np.ndarray", starts: "np.ndarray", ends: "np.ndarray", x: "np.ndarray") -> None:
-    """Replace a right-hand side x (n,) by the solution, by the factors of `factorise_rows`."""
+    """Replace a right-hand side x (n,) by the solution, by the factors of `factorise_rows`.
+
+    flat (k,), starts (n,), ends (n,).
+    """
     n = x.shape[0]
     for i in range(n - 1, -1, -1):
         x[i] -= product(flat[starts[i] + i + 1 : starts[i] + ends[i]], x[i + 1 : ends[i]])

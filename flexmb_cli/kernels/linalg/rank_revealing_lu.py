@@ -17,7 +17,7 @@ import numpy as np
 
 from .._jit import allocating, kernel
 from .row_products import subtract_multiple
-from .sparse_rows import BEHIND, END, LEFT, RIGHT, Factors, eliminate, take_row
+from .sparse_rows import ABOVE_PIVOT, BEHIND_BLOCK, BELOW_PIVOT, ROW_END, Factors, eliminate, take_row
 
 SMALLEST_FACTOR = 1e-12
 WORN = 0.1  # of the quality of the factors when the order was chosen: asks for another one
@@ -76,9 +76,9 @@ def free_motions(factors: Factors, order: np.ndarray, rank: int, motions: np.nda
         row, pivot = motions[order[m + i], :free], diagonal[i]
         for f in range(free):
             row[f] = -0.0
-        for p in range(ends[i, BEHIND], ends[i, END]):
+        for p in range(ends[i, BEHIND_BLOCK], ends[i, ROW_END]):
             row[places[p] - rank] = -values[p]
-        for p in range(ends[i, RIGHT], ends[i, BEHIND]):
+        for p in range(ends[i, ABOVE_PIVOT], ends[i, BEHIND_BLOCK]):
             subtract_multiple(values[p], motions[order[m + places[p]], :free], row)
         for f in range(free):
             row[f] /= pivot
@@ -98,12 +98,12 @@ def dependent_speeds(
         x[order[m + j]] = 0.0
     for i in range(rank):
         total = right_side[order[i]]
-        for p in range(ends[i, LEFT], ends[i, RIGHT]):
+        for p in range(ends[i, BELOW_PIVOT], ends[i, ABOVE_PIVOT]):
             total -= values[p] * x[order[m + places[p]]]
         x[order[m + i]] = total
     for i in range(rank - 1, -1, -1):
         total = x[order[m + i]]
-        for p in range(ends[i, RIGHT], ends[i, BEHIND]):
+        for p in range(ends[i, ABOVE_PIVOT], ends[i, BEHIND_BLOCK]):
             total -= values[p] * x[order[m + places[p]]]
         x[order[m + i]] = total / diagonal[i]
 
@@ -114,7 +114,7 @@ def transposed_solution(factors: Factors, rank: int, y: np.ndarray) -> None:
     values, places, ends, diagonal = factors.values, factors.places, factors.ends, factors.diagonal
     for j in range(rank):
         y[j] /= diagonal[j]
-        for p in range(ends[j, RIGHT], ends[j, BEHIND]):
+        for p in range(ends[j, ABOVE_PIVOT], ends[j, BEHIND_BLOCK]):
             y[places[p]] -= values[p] * y[j]
     starts, rows, below = _rows_below(factors, rank)
     for i in range(rank - 1, -1, -1):
@@ -130,13 +130,13 @@ def _rows_below(factors: Factors, rank: int):
     places, ends = factors.places, factors.ends
     starts = np.zeros(rank + 2, np.int64)
     for i in range(rank):
-        for p in range(ends[i, LEFT], ends[i, RIGHT]):
+        for p in range(ends[i, BELOW_PIVOT], ends[i, ABOVE_PIVOT]):
             starts[places[p] + 2] += 1
     for k in range(2, rank + 2):
         starts[k] += starts[k - 1]
     rows, below = np.empty(starts[rank + 1], np.int64), np.empty(starts[rank + 1], np.int64)
     for i in range(rank):
-        for p in range(ends[i, LEFT], ends[i, RIGHT]):
+        for p in range(ends[i, BELOW_PIVOT], ends[i, ABOVE_PIVOT]):
             k = places[p] + 1
             rows[starts[k]], below[starts[k]] = i, p
             starts[k] += 1

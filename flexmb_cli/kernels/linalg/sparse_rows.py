@@ -11,7 +11,7 @@ import numpy as np
 from .._jit import kernel
 
 # Columns of `Factors.ends`.
-LEFT, RIGHT, BEHIND, END = 0, 1, 2, 3
+BELOW_PIVOT, ABOVE_PIVOT, BEHIND_BLOCK, ROW_END = 0, 1, 2, 3
 
 
 class Factors(NamedTuple):
@@ -19,7 +19,7 @@ class Factors(NamedTuple):
 
     values: np.ndarray  # (m n,) entries, scaled: left of the pivot, right of it, behind the leading block
     places: np.ndarray  # (m n,) their places in the order of pivots
-    ends: np.ndarray  # (m, 4) where the parts LEFT, RIGHT and BEHIND of a row begin, and where it ends
+    ends: np.ndarray  # (m, 4) places where the parts of a row begin, and ROW_END
     diagonal: np.ndarray  # (m,) pivots, scaled
 
 
@@ -61,7 +61,7 @@ def eliminate(
     """
     values, places, ends, diagonal = factors.values, factors.places, factors.ends, factors.diagonal
     n, largest = whole.shape[0], 0.0
-    ends[i, LEFT] = count
+    ends[i, BELOW_PIVOT] = count
     k = following[n]
     while k < end:
         if whole[k] != 0.0:
@@ -70,7 +70,7 @@ def eliminate(
             largest = max(largest, abs(factor))
             count += 1
             at = k
-            for p in range(ends[k, RIGHT], ends[k, END]):
+            for p in range(ends[k, ABOVE_PIVOT], ends[k, ROW_END]):
                 j = places[p]
                 whole[j] -= factor * values[p]
                 while following[at] < j:
@@ -80,15 +80,15 @@ def eliminate(
                     following[at] = j
         whole[k] = 0.0
         k = following[k]
-    ends[i, RIGHT] = ends[i, BEHIND] = count
+    ends[i, ABOVE_PIVOT] = ends[i, BEHIND_BLOCK] = count
     diagonal[i] = whole[i]
     while k < n:
         if whole[k] != 0.0 and k != i:
             values[count], places[count] = whole[k], k
             count += 1
             if k < rank:
-                ends[i, BEHIND] = count
+                ends[i, BEHIND_BLOCK] = count
         whole[k] = 0.0
         k = following[k]
-    ends[i, END] = count
+    ends[i, ROW_END] = count
     return largest, count

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...kernels.constrained.accelerations import FEW_BODIES, evaluate_jacobian
+from ...kernels.constrained.accelerations import DENSE_START, evaluate_jacobian
 from ...kernels.constrained.mass_matrix import mass_matrices, mass_times
 from ..singular.mobility import MOST_DENSE
 from ..singular.sparse_rank import order_of_pivots, shortest_correction, sparse_mobility
@@ -26,7 +26,7 @@ CLOSED_RATE = 1e-15  # of the largest speed: round-off
 
 def starts_sparse(arrays: "SystemArrays") -> bool:
     """Return whether sparse matrices of the start take less time than dense ones."""
-    return arrays.bodies > FEW_BODIES or is_large(arrays)
+    return arrays.bodies > DENSE_START or is_large(arrays)
 
 
 def is_large(arrays: "SystemArrays") -> bool:
