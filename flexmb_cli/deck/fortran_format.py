@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from .field_columns import MOST_DECIMALS, picture, runs_of
+from .pictures.field_columns import MOST_DECIMALS, picture, runs_of
 
 SAFE, HISTORIC = "safe", "historic"
 LAYOUTS = (SAFE, HISTORIC)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from flexmb_cli.deck.field_columns import MOST_DECIMALS
 from flexmb_cli.deck.fortran_format import E, F, I, Layout, P, fixed, integer
+from flexmb_cli.deck.pictures.field_columns import MOST_DECIMALS
 
 EDITS = {
     "d": (I(5), integer(3), I(10)),

@@ -33,30 +33,6 @@ class Rows:
     newton_iterations: np.ndarray  # (T,) int64
 
 
-class _RowsOfMotion(Rows):
-    """Rows that calculate angular and point motion when it is requested first: a sweep needs little of it."""
-
-    def __init__(self, mechanism: Mechanism, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, **fields: Any):
-        self.__dict__.update(fields, _motion=(mechanism, q, qd, qdd))
-
-    def __getattr__(self, name: str) -> Any:
-        if name in ("angular_velocity", "angular_acceleration"):
-            rates = (
-                self.euler_parameter_rates
-                if name == "angular_velocity"
-                else self.euler_parameter_accelerations
-            )
-            self.__dict__[name] = twice_g(self.euler_parameters, rates)
-        elif name in _POINT_FIELDS:
-            self.__dict__.update(zip(_POINT_FIELDS, point_motion(*self._motion), strict=True))
-        else:
-            raise AttributeError(name)
-        return self.__dict__[name]
-
-
-_POINT_FIELDS = "point_position", "point_velocity", "point_acceleration"
-
-
 def rows_of(mechanism: Mechanism, times: np.ndarray, states: np.ndarray, audit: np.ndarray) -> Rows:
     """Report rows from states (T, 3, 7 n): positions, velocities and accelerations of all coordinates."""
     q, qd, qdd = (states[:, k].reshape(len(times), -1, 7) for k in range(3))
@@ -76,6 +52,29 @@ def rows_of(mechanism: Mechanism, times: np.ndarray, states: np.ndarray, audit: 
         velocity_residual=audit[:, 1].copy(),
         newton_iterations=audit[:, 2].astype(np.int64),
     )
+
+
+_POINT_FIELDS = "point_position", "point_velocity", "point_acceleration"
+_RATES = {
+    "angular_velocity": "euler_parameter_rates",
+    "angular_acceleration": "euler_parameter_accelerations",
+}
+
+
+class _RowsOfMotion(Rows):
+    """Rows that calculate angular and point motion when it is requested first: a sweep needs little of it."""
+
+    def __init__(self, mechanism: Mechanism, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, **fields: Any):
+        self.__dict__.update(fields, _motion=(mechanism, q, qd, qdd))
+
+    def __getattr__(self, name: str) -> Any:
+        if name in _RATES:
+            self.__dict__[name] = twice_g(self.euler_parameters, getattr(self, _RATES[name]))
+        elif name in _POINT_FIELDS:
+            self.__dict__.update(zip(_POINT_FIELDS, point_motion(*self._motion), strict=True))
+        else:
+            raise AttributeError(name)
+        return self.__dict__[name]
 
 
 def first_rows(rows: Rows, count: int) -> Rows:

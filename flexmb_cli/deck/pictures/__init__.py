@@ -1,0 +1,1 @@
+"""Text of many rows at once."""
