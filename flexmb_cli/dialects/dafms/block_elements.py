@@ -59,12 +59,12 @@ class _Measures(Measures):
             return None
         if name in ("angle", "stroke"):
             message = f"hinges have the coordinates r1 to r3 and t1 to t3; {_free(hinge, count)}"
-            return self.error(line, number, message, id="DAFMS-077")
+            return self.error(line, number, message, id="DAFMS-195")
         motion, axis = ROTATION if name[0] == "r" else TRANSLATION, int(name[1])
         free = hinge.rotations if motion == ROTATION else hinge.translations
         if axis not in free:
             message = f"{motion} {axis} of this hinge is not free; {_free(hinge, count)}"
-            return self.error(line, number, message, id="DAFMS-078")
+            return self.error(line, number, message, id="DAFMS-194")
         if motion == ROTATION and len(free) == 3:
             message = "the hinge has three free rotations: none of them is an angle"
             return self.error(line, number, message, id="DAFMS-079")
@@ -73,7 +73,7 @@ class _Measures(Measures):
     def _hinge(self, line: ElementLine, number: Number, count: int) -> Any:
         if not 1 <= count <= len(self.hinges):
             message = f"there is no hinge of body {count}: there are bodies 1 to {len(self.hinges)}"
-            return self.error(line, number, message, id="DAFMS-080")
+            return self.error(line, number, message, id="DAFMS-193")
         return self.hinges[count - 1]
 
     def sliding(self, line: ElementLine) -> Any:
@@ -106,7 +106,7 @@ class _Measures(Measures):
         if elastic is None or not 1 <= node.value <= nodes:
             what = f"body {body + 1}" if body != INERTIAL else "the inertial frame"
             message = f"{what} has {nodes or 'no'} nodes; read {node.value}; give the point, body(x,y,z)"
-            return self.error(line, node, message, id="DAFMS-084")
+            return self.error(line, node, message, id="DAFMS-192")
         k = node.value - 1
         return NodePoint(name, body, elastic.positions[k], shape_of(elastic, k))
 

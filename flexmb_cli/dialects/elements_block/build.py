@@ -75,7 +75,7 @@ class BlockBuilder:
                   "START": ("rates", self._rate)}  # fmt: skip
         if line.word not in makers:
             message = f"decks of this dialect have no {line.word}; remove the line"
-            self.findings.error(line.subject, message, line.place)
+            self.findings.error(line.subject, message, line.place, id="ELEMENTS-040")
             return "", None
         field, make = makers[line.word]
         return field, make(line)
@@ -152,7 +152,7 @@ class BlockBuilder:
             return
         than = f"{p.above}, {least:g}" if isinstance(p.above, str) else f"{least:g}"
         message = f"{p.name} must be larger than {than}; read {line[p.name]:g}"
-        self.findings.error(line.subject, message, self._place(line, p.name), id="ELEMENTS-007")
+        self.findings.error(line.subject, message, self._place(line, p.name), id="ELEMENTS-039")
 
     def _place(self, line: ElementLine, key: str) -> Place | None:
         return line.at(key).place or line.place
@@ -208,7 +208,7 @@ class BlockBuilder:
         """The driver of a joint or hinge coordinate."""
         if "at" not in line:
             message = "driver= numbers drivers of YOUNG decks; name a coordinate by at="
-            self.findings.error(line.subject, message, line.place)
+            self.findings.error(line.subject, message, line.place, id="ELEMENTS-038")
             return None
         at, function = self.measures.at(line), self.motion(line)
         return JointDriver(line.subject, *at, function, line.place) if at and function else None
@@ -217,7 +217,7 @@ class BlockBuilder:
         terms = [self._term(line, number) for number in line.numbers]
         if len(terms) < 2:
             message = f"couples two coordinates or more, 2.angle=1 3.angle=-2; read {len(terms)}"
-            self.findings.error(line.subject, message, line.place, id="ELEMENTS-028")
+            self.findings.error(line.subject, message, line.place, id="ELEMENTS-037")
         if None in terms:
             return None
         return Coupling(line.subject, tuple(term for term in terms if term), line.place)

@@ -42,14 +42,14 @@ def _values(line: ElementLine, folder: Path, findings: Findings, tables: Any) ->
     ways = [key for key in ("file", "points") if key in line]
     if len(ways) + bool(own) != 1:
         message = "takes numbers, or file=" + ("" if tables is None else ", or points=")
-        findings.error(line.subject, f"{line.kind} {message}, one of them", line.place)
+        findings.error(line.subject, f"{line.kind} {message}, one of them", line.place, id="ELEMENTS-044")
         return None
     if own:
         numbers = _in_order(line, own, findings)
         return numbers and ([one.value for one in numbers], lambda k: numbers[k].place or line.place)
     if line.kind not in _OF_POINTS:
         message = f"{line.kind} takes numbers; files and cards TABL give points of a table or spline"
-        findings.error(line.subject, message, line.at(ways[0]).place)
+        findings.error(line.subject, message, line.at(ways[0]).place, id="ELEMENTS-043")
         return None
     found = _of_file(line, folder, findings) if "file" in line else _of_table(line, tables, findings)
     return found and (found, lambda _: line.at(ways[0]).place)
@@ -63,7 +63,7 @@ def _in_order(line: ElementLine, own: list[Number], findings: Findings) -> list[
     missing = [key for key in keys if key not in line and key != _OPTIONAL]
     if missing:
         message = f"{line.kind} takes {' '.join(keys)}; {' and '.join(missing)} must be given"
-        findings.error(line.subject, message, line.place)
+        findings.error(line.subject, message, line.place, id="ELEMENTS-042")
         return None
     return [line.at(key) for key in keys if key in line]
 
@@ -72,7 +72,7 @@ def _of_table(line: ElementLine, tables: Any, findings: Findings) -> list[float]
     place, count = line.at("points").place, line["points"]
     if not tables or count not in tables:
         why = "only VSDF decks have such tables" if tables is None else "cards TABL give some"
-        findings.error(line.subject, f"there is no table {count}; {why}", place, id="VSDF-101")
+        findings.error(line.subject, f"there is no table {count}; {why}", place, id="VSDF-214")
         return None
     function = tables[count]  # None: it has a fault of its own
     return function and [x for point in zip(function.times, function.values, strict=True) for x in point]
@@ -90,7 +90,7 @@ def _of_file(line: ElementLine, folder: Path, findings: Findings) -> list[float]
         findings.faults += [Fault(f.severity, f.message, place, line.subject, id=f.id) for f in failed.faults]
         return None
     except number.Misspelt as fault:
-        findings.error(line.subject, str(fault), place)
+        findings.error(line.subject, str(fault), place, id="ELEMENTS-041")
         return None
     return values
 

@@ -74,14 +74,14 @@ class JointMeasures(Measures):
         count, _, coordinate = text.partition(".")
         if coordinate not in _A:
             message = f"a joint has the coordinates angle and stroke, such as {count}.angle; read {text}"
-            self.error(line, number, message, id="ELEMENTS-005")
+            self.error(line, number, message, id="ELEMENTS-046")
             return None
         joint = self._joint(line, number, int(count))
         if joint is None:
             return None
         kind = self.joints[joint].kind
         if coordinate not in COORDINATES_OF[kind]:
-            self.error(line, number, self._lacks(joint, kind, coordinate), id="ELEMENTS-004")
+            self.error(line, number, self._lacks(joint, kind, coordinate), id="ELEMENTS-045")
             return None
         return joint, coordinate
 

@@ -72,7 +72,9 @@ class BlockReader:
         for words, end in statements(self.code(self.lines, opening), opening + 1):
             behind = end
             if len(self.records) >= MOST_ELEMENTS or self.numbers > MOST_NUMBERS:
-                self._error(words[0] if words else Word(BLOCK, opening, 1), "", self._too_many())
+                self._error(
+                    words[0] if words else Word(BLOCK, opening, 1), "", self._too_many(), id="ELEMENTS-047"
+                )
                 return len(self.lines) + 1
             if words:
                 self._read_line(words)
@@ -83,20 +85,24 @@ class BlockReader:
             return f"the deck has more than {MOST_NUMBERS} numbers in blocks; long tables stand in file="
         return f"a deck has at most {MOST_ELEMENTS} functions and elements"
 
-    def _error(self, word: Word, subject: str, message: str, column: int = 0, width: int = 0) -> None:
+    def _error(
+        self, word: Word, subject: str, message: str, column: int = 0, width: int = 0, *, id: str
+    ) -> None:
         place = Place(word.line, column or word.column, width or len(word.text))
-        self.faults.append(Fault("error", message, place, subject))
+        self.faults.append(Fault("error", message, place, subject, id=id))
 
     def _read_line(self, words: list[Word]) -> None:
         first, *rest = words
         word = BY_WORD.get(first.text.upper())
         if word is None:
             hint = nearest(first.text.upper(), BY_WORD, "a line begins with")
-            self._error(first, "", f"there is no {number.shown(first.text)} in {BLOCK}{hint}")
+            self._error(
+                first, "", f"there is no {number.shown(first.text)} in {BLOCK}{hint}", id="ELEMENTS-048"
+            )
             return
         lone = next((piece for piece in words if piece.text in "()"), None)
         if lone is not None:
-            self._error(lone, "", "each parenthesis is closed on the line where it opens")
+            self._error(lone, "", "each parenthesis is closed on the line where it opens", id="ELEMENTS-049")
             return
         name, rest = self._name(word, first, rest)
         kind, rest = self._kind(word, first, name, rest)
@@ -113,7 +119,7 @@ class BlockReader:
             if word.unnamed:
                 count = sum(record.word == word.word for record in self.records)
                 return f"{word.word.lower()}-{count + 1}", rest
-            self._error(first, "", f"{word.word} wants a name: {usage(word)}")
+            self._error(first, "", f"{word.word} wants a name: {usage(word)}", id="ELEMENTS-050")
             return "", rest
         name = rest[0].text
         if not self._is_name(word, rest[0]):
@@ -134,7 +140,7 @@ class BlockReader:
             message = f"{other.subject} on line {line} has this name; take another"
         else:
             return True
-        self._error(piece, word.word, message)
+        self._error(piece, word.word, message, id="ELEMENTS-051")
         return False
 
     def _kind(self, word: BlockWord, first: Word, name: str, rest: list[Word]) -> tuple[str, list[Word]]:
@@ -144,7 +150,9 @@ class BlockReader:
             return rest[0].text.lower(), rest[1:]
         piece = rest[0] if rest else first
         found = f"; read {number.shown(piece.text)}" if rest else ""
-        self._error(piece, name, f"{word.word} name is followed by {_listed(word.kinds)}{found}")
+        self._error(
+            piece, name, f"{word.word} name is followed by {_listed(word.kinds)}{found}", id="ELEMENTS-052"
+        )
         return "", rest
 
     def _keep(self, line: "_Line") -> None:
@@ -190,10 +198,10 @@ class _Line:
             for axis, x in parts
         ]
 
-    def error(self, piece: Word, message: str, offset: int = 0) -> None:
+    def error(self, piece: Word, message: str, offset: int = 0, *, id: str) -> None:
         """Report what is wrong in a piece, from a character on."""
         width = max(1, len(piece.text) - offset)
-        self.reader._error(piece, self.name, message, piece.column + offset, width)
+        self.reader._error(piece, self.name, message, piece.column + offset, width, id=id)
 
     def read(self, pieces: list[Word]) -> None:
         """Take the pieces behind name and kind."""
@@ -203,7 +211,9 @@ class _Line:
                 self._take_value(piece)
             elif not key or not text:
                 self.error(
-                    piece, f"no blank may stand beside '=', and a value follows it: {usage(self.word)}"
+                    piece,
+                    f"no blank may stand beside '=', and a value follows it: {usage(self.word)}",
+                    id="ELEMENTS-053",
                 )
             else:
                 self._take_key(piece, key, text)
@@ -212,13 +222,19 @@ class _Line:
     def _take_value(self, piece: Word) -> None:
         """Take a number of a function, or a name of those that it combines."""
         if not self.kind or self.word.word != "FUNCTION":
-            self.error(piece, f"{number.shown(piece.text)} belongs to no key: {usage(self.word)}")
+            self.error(
+                piece, f"{number.shown(piece.text)} belongs to no key: {usage(self.word)}", id="ELEMENTS-054"
+            )
             return
         positions = _POSITIONS.get(self.kind)
         keys = _OF_VALUES.get(self.kind, "")
         if positions:
             if self.values >= len(positions):
-                self.error(piece, f"{self.kind} takes {' '.join(positions)}; this is a number more")
+                self.error(
+                    piece,
+                    f"{self.kind} takes {' '.join(positions)}; this is a number more",
+                    id="ELEMENTS-055",
+                )
                 return
             key = meaning = positions[self.values]
         else:
@@ -233,7 +249,7 @@ class _Line:
         try:
             value = self._value(kind, text)
         except (number.Misspelt, _Wrong) as fault:
-            self.error(piece, f"{key} {fault}", offset)
+            self.error(piece, f"{key} {fault}", offset, id="ELEMENTS-056")
             value = "" if kind in (FUNCTION, FILE, COORDINATE) else 0
         place = Place(piece.line, piece.column + offset, len(text))
         meaning, unit = label
@@ -264,10 +280,10 @@ class _Line:
         if key is None:
             keys = [*(one.name for one in self.word.keys), *_POSITIONS.get(self.kind, ())]
             message = f"{self.word.word} has no key {number.shown(name)}{nearest(name, keys, 'it has')}"
-            self.error(piece, message)
+            self.error(piece, message, id="ELEMENTS-057")
             return
         if name in self.given:
-            self.error(piece, f"{name} is given twice; remove one")
+            self.error(piece, f"{name} is given twice; remove one", id="ELEMENTS-058")
             return
         if key.kind == END:
             self._take_end(piece, key, text, offset)
@@ -296,13 +312,18 @@ class _Line:
             )
         else:
             self.error(
-                piece, f"{key.name} must be body(x,y,z) or body:node; read {number.shown(text)}", offset
+                piece,
+                f"{key.name} must be body(x,y,z) or body:node; read {number.shown(text)}",
+                offset,
+                id="ELEMENTS-059",
             )
             self.given[key.name] = []
 
     def _take_vector(self, piece: Word, key: Key, text: str, offset: int) -> None:
         if not (text.startswith("(") and text.endswith(")")):
-            self.error(piece, f"{key.name} must be (x,y,z); read {number.shown(text)}", offset)
+            self.error(
+                piece, f"{key.name} must be (x,y,z); read {number.shown(text)}", offset, id="ELEMENTS-060"
+            )
             self.given[key.name] = []
             return
         self._take_components(piece, key, text[1:-1], offset + 1, (key.meaning, key.units[0]))
@@ -310,7 +331,12 @@ class _Line:
     def _take_components(self, piece: Word, key: Key, text: str, offset: int, label: tuple[str, str]) -> None:
         found = list(re.finditer(r"[^\s,]+", text))
         if len(found) != 3 or text.count(",") not in (0, 2):
-            self.error(piece, f"{key.name} takes three numbers (x,y,z); read {number.shown(text)}", offset)
+            self.error(
+                piece,
+                f"{key.name} takes three numbers (x,y,z); read {number.shown(text)}",
+                offset,
+                id="ELEMENTS-061",
+            )
             self.given[key.name] = []
             return
         for axis, part in zip("xyz", found, strict=True):
@@ -323,13 +349,15 @@ class _Line:
     def _check_complete(self) -> None:
         missing = [key.name for key in self.word.keys if key.needed and key.name not in self.given]
         if missing:
-            self.error(self.first, f"{' and '.join(missing)} must be given: {usage(self.word)}")
+            self.error(
+                self.first, f"{' and '.join(missing)} must be given: {usage(self.word)}", id="ELEMENTS-062"
+            )
         for groups in self.word.choices:
             complete = [group for group in groups if all(key in self.given for key in group)]
             some = [group for group in groups if any(key in self.given for key in group)]
             if len(complete) != 1 or len(some) != 1:
                 ways = " or ".join(" and ".join(f"{key}=" for key in group) for group in groups)
-                self.error(self.first, f"either {ways} must be given: {usage(self.word)}")
+                self.error(self.first, f"either {ways} must be given: {usage(self.word)}", id="ELEMENTS-063")
 
 
 def is_turning(coordinate: str) -> bool:

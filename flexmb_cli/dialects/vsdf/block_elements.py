@@ -59,7 +59,7 @@ class _Measures(JointMeasures):
         if body.value == 0:
             return End(GROUND, 0, line.vector(key))
         message = f"points of bodies are their nodes; write {body.value}:node, cards NODE give some"
-        self.error(line, body, message, id="VSDF-212")
+        self.error(line, body, message, id="VSDF-217")
         return None
 
     def _refuse_rotations(self, line: ElementLine, a: End, b: End) -> None:
@@ -92,13 +92,13 @@ def _pin_of(line: ElementLine, count: int, seen: dict[int, str], findings: Findi
     """The number of the pin that a line moves; None where a fault is found."""
     if "pin" not in line:
         message = "VSDF decks have no simplified constraints; name a pin by pin="
-        findings.error(line.subject, message, line.at("simplified").place, id="VSDF-213")
+        findings.error(line.subject, message, line.at("simplified").place, id="VSDF-216")
         return None
     number = line.at("pin")
     if not 1 <= number.value <= count:
         message = f"pin number {number.value} is outside 1..{count}"
         message = message if count else "there are no pins; a card PINN holds a node, which SUPPORT can move"
-        findings.error(line.subject, message, number.place, id="VSDF-105")
+        findings.error(line.subject, message, number.place, id="VSDF-215")
     elif number.value in seen:
         message = f"{seen[number.value]} already moves this pin; remove one of them"
         findings.error(line.subject, message, number.place, id="VSDF-106")

@@ -113,7 +113,7 @@ class _Reader(CardReader):
 
         if ended:
             message = f"{BLOCK} stands behind END, where nothing is read; put the block before END"
-            self.error("", message, Place(self.at, 1, len(BLOCK)), id="VSDF-211")
+            self.error("", message, Place(self.at, 1, len(BLOCK)), id="VSDF-218")
         if self.blocks is None:
             sections = [card.section for card in BY_WORD.values()]
             self.blocks = BlockReader(self.lines, without_starred, [*sections, "title"])
