@@ -14,8 +14,8 @@ from .terminal.screen import notify
 def compile_(listing: bool, clear: Any, quiet: bool) -> None:
     """Compile all kernels now, so that no first run waits for them.
 
-    A wheel built with FLEXMB_REQUIRE_AOT=1 contains them; other installations compile what a run
-    needs, once per version.
+    A wheel built with FLEXMB_REQUIRE_AOT=1 contains them, and nothing is to be done; other installations
+    compile what a run needs, once per version.
 
     \b
     Example:
@@ -25,12 +25,12 @@ def compile_(listing: bool, clear: Any, quiet: bool) -> None:
         raise click.UsageError("--list and --clear exclude each other: give one")
     from ..solvers.compilation import (
         clear_compiled,
-        compile_unit,
-        copy_units,
+        has_library,
         list_compiled,
+        missing_units,
         nothing_to_compile,
+        provide_unit,
         refused_places,
-        units_to_compile,
     )
 
     if listing:
@@ -43,35 +43,31 @@ def compile_(listing: bool, clear: Any, quiet: bool) -> None:
             notify(f"flexmb: warning: {path} cannot be deleted")
     elif nothing_to_compile():
         raise click.UsageError("NUMBA_DISABLE_JIT is set: kernels are interpreted, and none can be compiled")
+    elif has_library():
+        notify("flexmb: nothing is to be done: this installation has compiled kernels")
     else:
-        _say_copied(*copy_units(), quiet)
-        _compile(units_to_compile(), compile_unit, quiet)
+        _provide(list(missing_units()), provide_unit, quiet)
     for sentence in refused_places():
         notify(f"flexmb: warning: {sentence}")
 
 
-def _say_copied(count: int, folder: Any, quiet: bool) -> None:
-    if count and not quiet:
-        notify(f"flexmb: {count} unit{'' if count == 1 else 's'} of compiled kernels copied to {folder}")
-
-
-def _compile(units: Any, compile_unit: Any, quiet: bool) -> None:
+def _provide(units: list[tuple[str, bool]], provide_unit: Any, quiet: bool) -> None:
     import sys
 
     if not quiet and not units:
         notify("flexmb: all kernels are compiled")
     shown = not quiet and sys.stderr.isatty()
     with click.progressbar(units, label="compiling", file=sys.stderr, hidden=not shown) as bar:
-        for unit in bar:
+        for unit, elsewhere in bar:
             if not quiet and not shown:
-                notify(f"flexmb: compiling {unit}")
-            compile_unit(unit)
+                notify(f"flexmb: {'copying' if elsewhere else 'compiling'} {unit}")
+            provide_unit(unit)
 
 
 def _show(files: Any) -> None:
     """A line for each file, and their sum."""
     total = 0
-    for path, size, compiler in files:
-        click.echo(f"{size / 1024:8.0f} kB  {path}  {compiler}")
+    for path, size, why in files:
+        click.echo(f"{size / 1024:8.0f} kB  {path}{why and '  ' + why}")
         total += size
     click.echo(f"{total / 1024:8.0f} kB  in all")

@@ -1,12 +1,11 @@
 """Conversion of Python values into the words that compiled code takes, and back.
 
-A parameter is described by what JSON can hold: "i", "f", "b" for numbers, ["a", dimensions, type] for an
-array and ["t", class, parameters] for a tuple.  An array is handed over as address and shape.
+A parameter is "i", "f" or "b" for a number, an Array or a Fields.  An array is handed over as address and
+shape.
 """
 
 import ctypes
-import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -22,53 +21,47 @@ _ACCEPTED = {
 }
 
 
-class NotDescribedError(Exception):
-    """A value that no object takes: numba has to see it itself."""
+class Array(NamedTuple):
+    """An array in C's order."""
+
+    dimensions: int
+    dtype: np.dtype
 
 
-def describe(value: object) -> "str | list":
-    """Return the parameter that takes `value`; raises NotDescribedError."""
+class Fields(NamedTuple):
+    """A tuple."""
+
+    kind: type  # its class: `tuple`, or one of named tuples
+    parts: list  # parameters, one for each field
+
+
+def describe(value: object) -> Any:
+    """Return the parameter that takes `value`; raises TypeError where none does."""
     if type(value) is np.ndarray and value.flags.carray:
-        return ["a", value.ndim, _described_type(value.dtype)]
+        return Array(value.ndim, value.dtype)
     if isinstance(value, tuple):
-        return ["t", class_name(type(value)), [describe(one) for one in value]]
+        return Fields(type(value), [describe(one) for one in value])
     if type(value) not in _NUMBERS:
-        raise NotDescribedError(type(value).__name__)
+        raise TypeError(type(value).__name__)
     return _NUMBERS[type(value)]
 
 
-def class_name(kind: type) -> str:
-    """Return the place and name of a class of named tuples, nothing for plain tuples."""
-    return "" if kind is tuple else f"{kind.__module__}:{kind.__qualname__}"
+def key_of(parameter: Any) -> str:
+    """Return a text that equal parameters have in common, and no others."""
+    if isinstance(parameter, Array):
+        return f"{parameter.dimensions} {parameter.dtype.descr}"
+    if isinstance(parameter, Fields):
+        kind = parameter.kind
+        names = getattr(kind, "_fields", ())
+        return f"{kind.__module__}.{kind.__qualname__}{names}[{', '.join(map(key_of, parameter.parts))}]"
+    return str(parameter)
 
 
-def key_of(parameters: list) -> str:
-    """Return a text that equal lists of parameters have in common, and no others."""
-    return json.dumps(parameters, separators=(",", ":"))
-
-
-def _described_type(dtype: np.dtype) -> Any:
-    return dtype.descr if dtype.names else dtype.str
-
-
-def described_dtype(text: "str | list") -> np.dtype:
-    """Return the type of an array's numbers from its description."""
-    if isinstance(text, str):
-        return np.dtype(text)
-    fields = [(name, described_dtype(kind), *map(tuple, shape)) for name, kind, *shape in text]
-    return np.dtype(fields)
-
-
-def flat(parameter: "str | list") -> list:
-    """Return the numbers and arrays of which a parameter consists."""
-    if parameter[0] != "t":
-        return [parameter]
-    return [one for part in parameter[2] for one in flat(part)]
-
-
-def size_of(parameter: "list[Any] | str") -> int:
+def size_of(parameter: Any) -> int:
     """Return how many words a parameter takes."""
-    return sum(1 + one[1] if one[0] == "a" else 1 for one in flat(parameter))
+    if isinstance(parameter, Fields):
+        return sum(map(size_of, parameter.parts))
+    return 1 + parameter.dimensions if isinstance(parameter, Array) else 1
 
 
 class Words:
@@ -95,14 +88,14 @@ class Words:
 
     def _packer(self, parameter: Any, first: Any) -> "Callable[..., Any]":
         """Return the function that fills the words of a parameter from `first` on."""
-        if parameter[0] == "a":
-            return _array_packer(self._room[0], first, parameter[1], described_dtype(parameter[2]))
-        if parameter[0] == "t":
+        if isinstance(parameter, Array):
+            return _array_packer(self._room[0], first, *parameter)
+        if isinstance(parameter, Fields):
             parts = []
-            for part in parameter[2]:
+            for part in parameter.parts:
                 parts.append(self._packer(part, first))
                 first += size_of(part)
-            return _tuple_packer(parts, parameter[1])
+            return _tuple_packer(parts, parameter.kind)
         room = self._room[parameter == "f"]
         return _number_packer(room, first, _ACCEPTED[parameter])
 
@@ -125,18 +118,16 @@ def _array_packer(words: Any, first: int, dimensions: Any, dtype: np.dtype) -> "
     return put
 
 
-def _tuple_packer(parts: "list[Callable[..., Any]]", name: str) -> "Callable[..., Any]":
-    kept, known = None, None
+def _tuple_packer(parts: "list[Callable[..., Any]]", kind: type) -> "Callable[..., Any]":
+    kept = None
 
     def put(values: tuple[int | np.ndarray, ...]) -> bool:
-        nonlocal kept, known
+        nonlocal kept
         if values is kept:
             return True
         kept = None
-        if type(values) is not known:
-            if not isinstance(values, tuple) or class_name(type(values)) != name or len(values) != len(parts):
-                return False
-            known = type(values)
+        if type(values) is not kind or len(values) != len(parts):
+            return False
         if not all(put_part(value) for put_part, value in zip(parts, values, strict=True)):
             return False
         # A list inside could change; arrays and tuples hold on to what was packed.
@@ -157,20 +148,20 @@ def _number_packer(words: Any, place: int, accepted: frozenset[type]) -> "Callab
 
 
 class Results:
-    """Words that compiled code leaves, and the value they are: nothing, a number, or a tuple of these."""
+    """Words that compiled code leaves: nothing, a number, or a tuple, "(" before its numbers' letters."""
 
-    def __init__(self, result: "str | list"):
-        self._kinds = [] if result == "n" else flat(result)
-        self._is_tuple = result[0] == "t"
-        count = max(1, len(self._kinds))
-        words = (ctypes.c_int64 * count)()
-        self._room = {"i": words, "b": words, "f": (ctypes.c_double * count).from_buffer(words)}
-        self.address = ctypes.addressof(words)
+    def __init__(self, result: str):
+        self._is_tuple, self._kinds = result.startswith("("), result.removeprefix("(")
+        self._words = (ctypes.c_int64 * max(1, len(self._kinds)))()
+        self._floats = (ctypes.c_double * len(self._words)).from_buffer(self._words)
+        self.address = ctypes.addressof(self._words)
 
     def value(self) -> object:
         """Return the value that was left."""
-        found = [self._room[kind][k] for k, kind in enumerate(self._kinds)]  # type: ignore[index]
-        found = [bool(x) if kind == "b" else x for kind, x in zip(self._kinds, found, strict=True)]
+        found = [
+            self._floats[k] if kind == "f" else bool(self._words[k]) if kind == "b" else self._words[k]
+            for k, kind in enumerate(self._kinds)
+        ]
         if self._is_tuple:
             return tuple(found)
         return found[0] if found else None

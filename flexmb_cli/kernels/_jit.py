@@ -8,23 +8,12 @@ import os
 from typing import TYPE_CHECKING, Any
 
 from ._entry import BuiltIn, Entry, PlainEntry, is_ready
-from ._interpreted import interpreting, is_interpreting
+from ._interpreted import interpreting as interpreting
+from ._interpreted import is_interpreting
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-
-__all__ = [
-    "allocating",
-    "built_in",
-    "interpreted",
-    "interpreting",
-    "kernel",
-    "must_compile",
-    "part",
-    "plain",
-    "plain_allocating",
-]
 # Kernels borrow the arrays that they are given: no references are counted, which was a sixth of the time of
 # a step by the generalised-α method, and a tenth of that of compiling it.
 OPTIONS = {"error_model": "numpy", "no_cfunc_wrapper": True, "_nrt": False}
@@ -71,5 +60,5 @@ def plain_allocating(function: "Callable[..., Any]") -> "Callable[..., Any]":
 
 
 def built_in(function: "Callable[..., Any]") -> "Callable[..., Any]":
-    """A function that `_linking` makes code of itself; Python runs it as it is."""
+    """A function that `_values` makes code of itself; Python runs it as it is."""
     return function if _never_compiled else BuiltIn(function, OPTIONS)

@@ -2,19 +2,16 @@
 
 A test names it too, and shows what has changed in a new version of numba.
 """
+# ruff: noqa: F401
 
-import contextlib
-from typing import TYPE_CHECKING, Any
-
-import llvmlite.binding as llvm
 from numba import from_dtype
-from numba.core import cgutils, ir, types
+from numba.core import cgutils, types
 from numba.core import typed_passes as typed
 from numba.core import untyped_passes as untyped
 from numba.core.codegen import JITCodeLibrary, RuntimeLinker
-from numba.core.compiler import Compiler, lookup_environment
+from numba.core.compiler import Compiler
 from numba.core.compiler_lock import global_compiler_lock
-from numba.core.compiler_machinery import PassManager, _pass_registry
+from numba.core.compiler_machinery import PassManager
 from numba.core.imputils import impl_ret_borrowed
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.runtime.nrtdynmod import create_nrt_module
@@ -22,38 +19,6 @@ from numba.core.typing.templates import AttributeTemplate
 from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, models, register_model
 from numba.np import arrayobj
 from numba.np.arrayobj import make_array, populate_array
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-__all__ = [
-    "PASSES",
-    "AttributeTemplate",
-    "CPUDispatcher",
-    "Compiler",
-    "JITCodeLibrary",
-    "PassManager",
-    "RuntimeLinker",
-    "arrayobj",
-    "cgutils",
-    "cpu_target",
-    "create_nrt_module",
-    "from_dtype",
-    "global_compiler_lock",
-    "impl_ret_borrowed",
-    "infer_getattr",
-    "intrinsic",
-    "ir",
-    "lookup_environment",
-    "lower_getattr_generic",
-    "make_array",
-    "models",
-    "pass_of",
-    "populate_array",
-    "register_model",
-    "types",
-    "without_lock_events",
-]
 
 # Those of numba's way to machine code that find something to do in kernels.
 PASSES = (
@@ -71,20 +36,3 @@ PASSES = (
     typed.NativeLowering,
     typed.NoPythonBackend,
 )
-
-
-def pass_of(kind: type) -> Any:
-    """Return numba's instance of a class of PASSES."""
-    return _pass_registry.get(kind).pass_inst
-
-
-@contextlib.contextmanager
-def without_lock_events() -> "Iterator[None]":
-    """Notify no listener of calls of LLVM within the block: numba times them all."""
-    listeners = llvm.ffi.lib._lock._cblist
-    kept = list(listeners)
-    listeners.clear()
-    try:
-        yield
-    finally:
-        listeners.extend(kept)

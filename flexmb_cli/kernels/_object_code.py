@@ -1,68 +1,88 @@
-"""Objects of machine code that a process loads without numba: the entries of a unit, each behind a wrapper.
+"""Objects of machine code that need no numba any more: the entries of a unit, each behind a wrapper.
 
 A wrapper takes the numbers, addresses and lengths of the arguments as 64-bit words.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import llvmlite.binding as llvm
+from llvmlite import ir
 
-from ._allocator import add_allocator
-from ._front_end import quick
-from ._linking import ENVIRONMENT, refuse_missing, with_parts_of_parts
+from ..collector import without_collector
+from ._linking import ENVIRONMENT, quick, refuse_missing, with_parts_of_parts
 from ._numba import cpu_target, create_nrt_module, global_compiler_lock
-from ._objects import OF_C
-from ._values import add_wrapper, numba_type, result_of
+from ._values import WORD, add_wrapper, numba_type
+from .signatures import PROCESSORS
+
+_ADDRESS = ir.IntType(8).as_pointer()
+# Count of references, destructor and its argument, data, size, allocator: six words, data aligned behind.
+_HEAD, _DATA, _SIZE = 6 * 8, 3, 4
+_ALLOCATING = ("NRT_MemInfo_alloc_aligned", "NRT_MemInfo_alloc_safe_aligned")
 
 
-class Entry(NamedTuple):
-    """A kernel that Python calls."""
-
-    name: str  # "module.function"
-    kernel: Any  # the Python function, a Kernel
-    parameters: list  # as `_arguments` describes them
-
-
-def this_machine() -> tuple[str, str]:
-    """Return LLVM's name of this process's system, and that of the oldest processor of its type."""
-    return llvm.get_process_triple(), "generic"
-
-
-def emit_object(unit: str, entries: list[Entry], machines: dict) -> dict:
-    """Return (description of the entries for the object's head, object) for each target of `machines`.
+def emit_objects(unit: str, entries: dict[str, tuple[Any, list]], targets: list[str]) -> dict[str, bytes]:
+    """Return the object of the entries for each target: part and parameters by the name in the library.
 
     The parts of all entries are linked once, and only the entries can be seen from outside.
     """
-    with global_compiler_lock, quick():
-        module, reported = _linked(unit, entries)
-        return {target: (reported, _machine_code(module, *machine)) for target, machine in machines.items()}
+    # numba makes cycles by the million, and a tenth of the time went into them.
+    with global_compiler_lock, quick(), without_collector():
+        bitcode = _linked(unit, entries)
+        # Elsewhere it is this process's system.
+        here = llvm.get_process_triple(), "generic"
+        return {target: _machine_code(bitcode, *PROCESSORS.get(target, here)) for target in targets}
 
 
-def _linked(unit: str, entries: list[Entry]):
-    """Return LLVM's code of all entries with their parts, and a description of each entry."""
+def _linked(unit: str, entries: dict[str, tuple[Any, list]]) -> bytes:
+    """Return LLVM's code of all entries with their parts."""
     context = cpu_target.target_context
     library = context.codegen().create_library(unit)
-    wrappers = library.create_ir_module(unit)
-    reported, called = [], []
-    for number, entry in enumerate(entries):
-        types_ = tuple(map(numba_type, entry.parameters))
-        entry.kernel.part.compile(types_)
-        compiled = entry.kernel.part.overloads[types_]
-        symbol = f"flexmb_{number}_{entry.name.replace('.', '_')}"
-        add_wrapper(context, wrappers, symbol, compiled)
-        result = result_of(compiled.signature.return_type)
-        reported.append(
-            {"name": entry.name, "symbol": symbol, "parameters": entry.parameters, "result": result}
-        )
-        called.append(compiled.library)
-    add_allocator(wrappers)
+    wrappers, called = library.create_ir_module(unit), []
+    for symbol, (part, parameters) in entries.items():
+        kinds = tuple(map(numba_type, parameters))
+        part.compile(kinds)
+        add_wrapper(context, wrappers, symbol, part.overloads[kinds])
+        called.append(part.overloads[kinds].library)
+    _add_allocator(wrappers)
     module = llvm.parse_assembly(str(wrappers))
     for part in with_parts_of_parts(called):
         module.link_in(part._get_module_for_linking(), preserve=True)
     module.link_in(llvm.parse_assembly(str(create_nrt_module(context)[0])))
-    _hide_all_but(module, {one["symbol"] for one in reported})
+    _hide_all_but(module, entries)
     refuse_missing(module)
-    return module.as_bitcode(), reported
+    return module.as_bitcode()
+
+
+def _add_allocator(module: ir.Module) -> None:
+    """Define memory functions that numba's code calls: arrays of a kernel live on C's heap.
+
+    The names and the layout of a block are numba's (numba/core/runtime/nrt.cpp).
+    """
+    malloc = ir.Function(module, ir.FunctionType(_ADDRESS, [WORD]), "malloc")
+    free = ir.Function(module, ir.FunctionType(ir.VoidType(), [_ADDRESS]), "free")
+    for name in _ALLOCATING:
+        _add_alloc(module, malloc, name)
+    destructor = ir.Function(module, ir.FunctionType(ir.VoidType(), [_ADDRESS]), "NRT_MemInfo_call_dtor")
+    builder = ir.IRBuilder(destructor.append_basic_block())
+    builder.call(free, [destructor.args[0]])
+    builder.ret_void()
+
+
+def _add_alloc(module: Any, malloc: Any, name: str) -> None:
+    """void *name(size, alignment): a block with one reference, null where there is no memory."""
+    function = ir.Function(module, ir.FunctionType(_ADDRESS, [WORD, ir.IntType(32)]), name)
+    builder = ir.IRBuilder(function.append_basic_block())
+    size, align = function.args[0], builder.zext(function.args[1], WORD)
+    block = builder.call(malloc, [builder.add(builder.add(size, align), WORD(_HEAD))])
+    with builder.if_then(builder.icmp_unsigned("==", block, _ADDRESS(None)), likely=False):
+        builder.ret(block)
+    data = builder.ptrtoint(builder.gep(block, [WORD(_HEAD)]), WORD)
+    data = builder.sub(builder.add(data, align), WORD(1))
+    words = builder.bitcast(block, WORD.as_pointer())
+    filled = {0: WORD(1), _DATA: builder.sub(data, builder.urem(data, align)), _SIZE: size}
+    for k in range(_HEAD // 8):
+        builder.store(filled.get(k, WORD(0)), builder.gep(words, [WORD(k)]))
+    builder.ret(block)
 
 
 def _hide_all_but(module: Any, symbols: Any) -> None:
@@ -98,13 +118,4 @@ def _machine_code(bitcode: bytes, triple: str, processor: str):
             passes.add_jump_threading_pass()
         passes.add_refprune_pass()
         passes.run(module, builder)
-    _refuse_foreign(module)
     return machine.emit_object(module)
-
-
-def _refuse_foreign(module: Any) -> None:
-    """Return what neither the object nor the C library has would be called at address 0."""
-    called = {function.name for function in module.functions if function.is_declaration}
-    foreign = {name for name in called if not name.startswith("llvm.")} - OF_C
-    if foreign:
-        raise AssertionError(f"compiled kernels call {sorted(foreign)}")

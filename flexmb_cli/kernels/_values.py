@@ -1,63 +1,98 @@
-"""Parameters as types of numba's, and words of `_arguments` as their values in LLVM's language."""
+"""Parameters as types of numba's, and words of `_arguments` as their values in LLVM's language.
 
-import importlib
+Named tuples that Python hands to kernels are a type of their own, the address of their words.  numba's own
+type is handed on value by value: a mechanism and its work are 300 of them, at every call of a kernel, and two
+thirds of what numba wrote for LLVM were such lists.  Tuples that kernels make themselves stay what they are.
+"""
+
+import hashlib
 from typing import TYPE_CHECKING, Any
 
 from llvmlite import ir
 
-from ._allocator import WORD
-from ._arguments import NotDescribedError, described_dtype, size_of
+from ._arguments import Array, Fields, key_of, size_of
 from ._numba import (
+    AttributeTemplate,
     cgutils,
     cpu_target,
     from_dtype,
     impl_ret_borrowed,
+    infer_getattr,
     intrinsic,
     lower_getattr_generic,
     make_array,
+    models,
     populate_array,
+    register_model,
     types,
 )
-from ._tuple_references import Field, TupleReference
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
+WORD = ir.IntType(64)
+
+
+class TupleReference(types.Type):
+    """The address of the words of a named tuple, which nothing changes while kernels run."""
+
+    def __init__(self, parameter: Fields):
+        self.fields = {}  # place of the first word and numba's type of each
+        first = 0
+        for name, part in zip(parameter.kind._fields, parameter.parts, strict=True):  # type: ignore[attr-defined]
+            self.fields[name] = first, numba_type(part)
+            first += size_of(part)
+        # Fields of other types are another type, and other functions for LLVM.
+        key = hashlib.sha256(key_of(parameter).encode()).hexdigest()[:8]
+        super().__init__(f"{parameter.kind.__name__}_{key}")
+
+
+@register_model(TupleReference)
+class _Address(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: TupleReference):
+        super().__init__(manager, kind, ir.IntType(64).as_pointer())
+
+
+@infer_getattr
+class _FieldTypes(AttributeTemplate):
+    key = TupleReference
+
+    def generic_resolve(self, reference: Any, name: str):  # type: ignore[override]
+        """Return the type of a field, None where there is no such field."""
+        return reference.fields[name][1] if name in reference.fields else None
+
+
 def numba_type(parameter: Any):
     """numba's type of a parameter."""
-    if parameter[0] == "a":
-        return types.Array(from_dtype(described_dtype(parameter[2])), parameter[1], "C")
-    if parameter[0] == "t":
-        kinds = [numba_type(part) for part in parameter[2]]
-        return _named(parameter, kinds) if parameter[1] else types.BaseTuple.from_types(kinds, tuple)
+    if isinstance(parameter, Array):
+        return types.Array(from_dtype(parameter.dtype), parameter.dimensions, "C")
+    if isinstance(parameter, Fields):
+        if parameter.kind is not tuple:
+            return TupleReference(parameter)
+        return types.BaseTuple.from_types(list(map(numba_type, parameter.parts)), tuple)
     return {"i": types.int64, "f": types.float64, "b": types.boolean}[parameter]
 
 
-def _named(parameter: list[Any], kinds: Any):
-    """The type of a named tuple; its fields follow one another."""
-    module, _, name = parameter[1].partition(":")
-    names = getattr(importlib.import_module(module), name)._fields
-    sizes = [size_of(part) for part in parameter[2]]
-    places = [sum(sizes[:k]) for k in range(len(sizes))]
-    return TupleReference(parameter, dict(zip(names, map(Field, places, kinds), strict=True)))
-
-
-def result_of(kind: types.Type) -> "str | list":
-    """Return how `_arguments` describes what a kernel returns; raises NotDescribedError for arrays."""
+def result_of(kind: types.Type) -> str:
+    """Return how `Results` describes what a kernel returns; raises TypeError for arrays."""
     if isinstance(kind, types.BaseTuple):
-        return ["t", "", [result_of(part) for part in kind]]  # type: ignore[attr-defined]
+        return "(" + "".join(result_of(part).removeprefix("(") for part in kind)  # type: ignore[attr-defined]
     for number, letter in ((types.Boolean, "b"), (types.Integer, "i"), (types.Float, "f")):
         if isinstance(kind, number):
             return letter
     if kind is types.none:
-        return "n"
-    raise NotDescribedError(str(kind))
+        return ""
+    raise TypeError(f"a kernel returns {kind} to Python: mark it as `plain`")
 
 
 def add_wrapper(context: Any, module: ir.Module, symbol: str, compiled: Any) -> None:
     """Define int symbol(int64 *words, int64 *results), which calls a part; not 0 where that failed."""
-    result_of(compiled.signature.return_type)
+    cgutils.global_constant(
+        module,
+        f"{symbol}_result",
+        cgutils.make_bytearray(result_of(compiled.signature.return_type).encode() + b"\0"),
+    ).linkage = ""
     code = ir.IntType(32)
     function = ir.Function(module, ir.FunctionType(code, [WORD.as_pointer()] * 2), symbol)
     builder = ir.IRBuilder(function.append_basic_block())
@@ -82,7 +117,7 @@ def _values(context: Any, builder: Any, words: Any, kinds: Any, first: int = 0) 
 def _size(kind: Any) -> int:
     """Return how many words a value of a type takes."""
     if isinstance(kind, TupleReference):
-        return sum(_size(field.kind) for field in kind.fields.values())
+        return sum(_size(field) for _, field in kind.fields.values())
     if isinstance(kind, types.BaseTuple):
         return sum(map(_size, kind))  # type: ignore[call-overload]
     return 1 + kind.ndim if isinstance(kind, types.Array) else 1
@@ -115,8 +150,7 @@ def _read(builder: Any, words: Any, place: int, kind: Any):
 @lower_getattr_generic(TupleReference)
 def _field_value(context: Any, builder: Any, reference: Any, words: Any, name: str):
     """The value of a field of a tuple."""
-    field = reference.fields[name]
-    return _value(context, builder, words, field.first, field.kind)
+    return _value(context, builder, words, *reference.fields[name])
 
 
 def _contiguous(context: Any, builder: Any, kind: Any, data: Any, shape: Any, owner: Any):

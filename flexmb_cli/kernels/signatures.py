@@ -9,6 +9,10 @@ import functools
 import importlib
 from typing import Any
 
+import numpy as np
+
+from ._arguments import Array, Fields
+
 # Processor and system → what LLVM calls it, and the oldest processor of that type: no fused multiply-add.
 PROCESSORS = {
     "x86_64-linux": ("x86_64-unknown-linux-gnu", "x86-64"),
@@ -147,7 +151,9 @@ UNITS = {
         "integrators.sdirk4.integrate_rows": "Tree FRAME_WORK1 COORDINATE_WORK1 Implicit TreeReport int",
     },
 }
-_KINDS = {"f": "<f8", "i": "<i8", "c": "<c16", "b": "|b1"}
+_KINDS = {
+    letter: np.dtype(kind) for letter, kind in zip("ficb", (float, np.int64, complex, bool), strict=True)
+}
 _NUMBERS = {"int": "i", "float": "f", "bool": "b"}
 _UNIT_OF = {name: unit for unit, entries in UNITS.items() for name in entries}
 
@@ -163,18 +169,18 @@ def unit_parameters(unit: str) -> dict[str, list]:
 
 
 @functools.cache
-def parameter(word: str) -> "str | list":
+def parameter(word: str) -> Any:
     """Return the parameter for a word of this page."""
     if word in _NUMBERS:
         return _NUMBERS[word]
     if word in TUPLES:
         place, words = TUPLES[word]
-        return ["t", f"flexmb_cli.{place}", [parameter(part) for part in words.split()]]
+        return Fields(_defined(place), [parameter(part) for part in words.split()])
     kind, dimensions = word[:-1], int(word[-1])
-    return ["a", dimensions, _KINDS[kind] if kind in _KINDS else _record(kind)]
+    return Array(dimensions, _KINDS[kind] if kind in _KINDS else _defined(RECORDS[kind]))
 
 
-def _record(name: str) -> "list[Any]":
-    """The fields of a record; its module may import kernels, so that it is found when it is needed."""
-    module, _, constant = RECORDS[name].partition(":")
-    return getattr(importlib.import_module(f"flexmb_cli.{module}"), constant).descr
+def _defined(place: str) -> Any:
+    """What is defined at a place; its module may import kernels, so that it is imported late."""
+    module, _, name = place.partition(":")
+    return getattr(importlib.import_module(f"flexmb_cli.{module}"), name)

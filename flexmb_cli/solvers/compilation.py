@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
-from pathlib import Path
-from typing import Protocol, cast
+from typing import Protocol
 
 from ..errors import Fault, OutputError
 
@@ -62,89 +61,63 @@ def announce_compiling(listener: Notices, entry: str) -> None:
 
 def report_damage(listener: Notices) -> None:
     """Notices for the user, one a file, when compiled kernels were damaged or could not be read."""
-    from ..kernels import _entry
+    from ..kernels import _library
 
-    for sentence in _entry.damaged:
+    for sentence in _library.unusable:
         if sentence not in _shown:
             _shown.add(sentence)
             listener.notice(Fault("warning", sentence, id="SOLVE-045"))
 
 
-def units_to_compile() -> list[str]:
-    """Return the units of kernels that neither the package nor the user's cache has."""
-    from ..kernels import _entry
-    from ..kernels.signatures import UNITS
+def has_library() -> bool:
+    """Return whether the package has compiled kernels for this system, as wheels have."""
+    from ..kernels import _library
 
-    return [unit for unit, entries in UNITS.items() if not all(map(_entry.is_ready, entries))]
+    return _library.packaged() is not None
 
 
-def copy_units() -> tuple[int, Path | None]:
-    """Copy units to the folder that new ones go to where it lacks them; return how many, and the folder.
+def missing_units() -> Iterator[tuple[str, bool]]:
+    """Yield the units that the folder for new ones, and those before it, lack; and whether another has them.
 
     NUMBA_CACHE_DIR may name a folder for others, who do not see what lies in this user's home.
     """
-    from ..kernels import _cache, _entry
-    from ..kernels.signatures import UNITS
-
-    ready = (unit for unit, entries in UNITS.items() if all(map(_entry.is_ready, entries)))
-    behind = [unit for unit in ready if not _entry.is_packaged(unit) and _cache.is_kept_behind(unit)]
-    folder = _cache.folder_to_write() if behind else None
-    for unit in behind:
-        found = _cache.content(unit)
-        assert found is not None
-        _cache.keep(folder, unit, found[1])
-        if _cache.is_kept_behind(unit):
-            raise _unwritten(folder)
-    return len(behind), folder
-
-
-def compile_unit(unit: str) -> None:
-    """Compile a unit of kernels into the user's cache; raises OutputError where it cannot be kept."""
-    from ..kernels import _cache, _entry, _objects
+    from ..kernels import _cache
+    from ..kernels._entry import Unit
     from ..kernels.signatures import UNITS
 
     folder = _cache.folder_to_write()
+    for unit in UNITS:
+        if _cache.content(Unit(unit).name, folder) is None:
+            yield unit, _cache.content(Unit(unit).name) is not None
+
+
+def provide_unit(unit: str) -> None:
+    """Compile a unit into the user's cache, or copy it; raises OutputError where it cannot be kept."""
+    from ..kernels import _cache
+    from ..kernels._entry import Unit
+    from ..kernels._library import target
+
+    folder, made = _cache.folder_to_write(), Unit(unit)
     if folder is None:
         raise OutputError(NO_FOLDER, id="SOLVE-001")
-    # None, a processor without a name, is one more target.
-    target, digest = cast("str", _objects.target()), _objects.kernel_digest()
-    with _cache.alone(folder, unit):
-        if not all(map(_entry.is_ready, UNITS[unit])):  # another process was not quicker
-            made = _entry.emit(unit, _entry.unit_entries(unit), digest, [target])
-            _cache.keep(folder, unit, made[target])
-    if _cache.content(unit) is None:
-        raise _unwritten(folder)
-
-
-def _unwritten(folder: Path | None) -> OutputError:
-    return OutputError(f"{folder}: compiled kernels cannot be written", id="SOLVE-002")
+    with _cache.alone(folder, made.name):
+        if _cache.content(made.name, folder) is None:  # another process was not quicker
+            _cache.keep(folder, made.name, _cache.content(made.name) or made.emit([target()])[target()])
+    if _cache.content(made.name, folder) is None:
+        raise OutputError(f"{folder}: compiled kernels cannot be written", id="SOLVE-002")
 
 
 def list_compiled() -> Iterator[tuple[str, int, str]]:
-    """Yield path, bytes and compiler of what the user's cache keeps; what is not used says so."""
+    """Yield path, bytes, and why it is not used, of what the user's cache keeps."""
     from ..kernels import _cache
 
-    for path, size in _cache.kept():
-        yield str(path), size, _compiler_of(path)
-
-
-def _compiler_of(path: Path) -> str:
-    """Return what compiled a kept object, or why it is not used."""
-    from ..kernels import _cache, _objects
-
-    try:
-        content = _cache.read_own(path)
-        if content is None:
-            return "not used: others may have written it"
-        header, _ = _objects.read(content)
-        if header["unit"] != path.name.removesuffix(_cache.ENDING):
-            return f"not used: it is the unit {header['unit']}"
-        compiler: str = header["compiler"]
-    except OSError as fault:
-        return f"not used: {fault.strerror or 'it is no regular file'}"
-    except (ValueError, KeyError, _objects.DamagedError):
-        return "not used: it is damaged"
-    return compiler
+    for path in _cache.kept():
+        why = ""
+        try:
+            _cache.read_object(path)
+        except (OSError, ValueError, OutputError) as fault:
+            why = f"not used: {str(fault).removeprefix(f'{path}: ')}"
+        yield str(path), path.lstat().st_size, why
 
 
 def clear_compiled() -> tuple[int, list[str]]:
@@ -157,6 +130,6 @@ def clear_compiled() -> tuple[int, list[str]]:
 
 def refused_places() -> list[str]:
     """Return why folders and files were not used, a sentence each."""
-    from ..kernels import _cache, _entry
+    from ..kernels import _cache, _library
 
-    return [*_cache.refused, *_entry.damaged]
+    return [*_cache.refused, *_library.unusable]

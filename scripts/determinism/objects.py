@@ -18,17 +18,26 @@ from shipped import DECKS, KINDS, shipped, written
 
 CHILD = """
 import json, os, sys
-from flexmb_cli.kernels import _entry, _objects
+import numba
+from flexmb_cli.kernels import _entry
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
 
 asked = json.loads(sys.argv[1])
 if asked["numba"]:
-    _objects.target = lambda: None  # as on a processor that no object is for
+    class Dispatchers(dict):
+        def __missing__(self, entry):
+            self[entry] = numba.njit(error_model="numpy")(entry.py_func)
+            return self[entry]
+
+    made = Dispatchers()
+    _entry.Entry.__call__ = lambda entry, *values: made[entry](*values)
+    for kind in (_entry.Entry, _entry.PlainEntry):
+        kind._numba_type_ = property(lambda entry: made[entry]._numba_type_)
 for kind, deck, changes in asked["decks"]:
     outcome = run_deck(deck, RunOptions(folder=os.path.join(asked["folder"], kind), changes=tuple(changes)))
     assert outcome.exit_code == 0, (deck, outcome.faults)
-    assert ("numba" in sys.modules, bool(_entry._functions)) == (asked["numba"], not asked["numba"]), deck
+    assert bool(_entry._loaded) != asked["numba"], deck
 """
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from flexmb_cli.kernels import _jit, _objects
+from flexmb_cli.kernels import _jit
 from tests.results.results import write_result
 
 pytestmark = pytest.mark.processes
@@ -35,11 +35,9 @@ HEAVY = {
     "random", "secrets", "shutil", "socket", "ssl", "statistics", "subprocess", "tempfile",
     "tokenize", "tomllib", "unittest", "urllib", "xml", "zipfile",
 }  # fmt: skip
-# Beyond those that numpy and h5py import.  llvmlite, which x86-64 Linux does without, needs the second line.
+# Beyond those that numpy and h5py import.  llvmlite, which wheels do without, needs the second line.
 OF_RUNS = {"difflib", "hashlib", "json"}
 OF_LLVM = {"bz2", "lzma", "platform", "random", "shutil", "tempfile", "zipfile"}
-
-ALONE = _objects.target() == "x86_64-linux"
 
 
 def imported(tmp_path, *arguments, before="", **environment):
@@ -121,8 +119,8 @@ def test_a_later_run_needs_neither_numba_nor_scipy(tmp_path, how):
     options = [word for change in changes for word in ("--set", change)]
     for _ in ("compiled, perhaps", "loaded"):
         found = imported(tmp_path, "run", "-q", *options, DECKS / deck, before="import numpy, h5py, click")
-    assert strangers(found) - {"h5py", "numpy"} == (set() if ALONE else {"llvmlite"})
-    assert heavy(found) <= (OF_RUNS if ALONE else OF_RUNS | OF_LLVM)
+    assert strangers(found) - {"h5py", "numpy"} == {"llvmlite"}
+    assert heavy(found) <= OF_RUNS | OF_LLVM
     assert "flexmb_cli.fe.reduction" not in found
     # The body is kept: no element, and no reader but that of the nodes.
     readers = {"file_text", "formats", "included_files", "matrix_file", "node_table"}

@@ -6,18 +6,18 @@ Expected values are those of numpy's own slices and reshapes, worked out by Pyth
 import numpy as np
 import pytest
 
-from flexmb_cli.kernels import _entry, _jit, _objects
+from flexmb_cli.kernels import _arguments, _entry, _jit
 from flexmb_cli.kernels._jit import allocating, kernel
 from flexmb_cli.kernels.linalg.blocks import block
 
 pytestmark = pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
-ROW = ["a", 1, "<f8"]
+ROW = _arguments.Array(1, np.dtype(float))
 
 
 def compiled(function, *parameters):
-    """The content of the file of a function that is compiled by itself."""
-    target = _objects.target()
-    return _entry.emit("one", [(function, "one", list(parameters))], "0" * 16, [target])[target]
+    """The object of a function that is compiled by itself."""
+    (code,) = _entry.Unit("one", {"one": list(parameters)}, function).emit(["x86_64-linux"]).values()
+    return code
 
 
 @kernel
@@ -38,8 +38,7 @@ def change_halves(row):
 
 def test_no_references_are_counted():
     """A counter of references is a call at every view: 268 in one evaluation of a flexible pendulum."""
-    _, code = _objects.read(compiled(change_halves, ROW))
-    assert b"NRT_" not in code
+    assert b"NRT_" not in compiled(change_halves, ROW)
     row = np.arange(6.0)
     assert change_halves(row) == 3.0 and row.tolist() == [3.0, 5.0, 7.0, 3.0, 4.0, 5.0]
 

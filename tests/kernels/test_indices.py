@@ -7,9 +7,10 @@ method took a fifth longer.  With NUMBA_BOUNDSCHECK=1 it is refused (`test_kerne
 import ast
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from flexmb_cli.kernels import _front_end, _jit, _values
+from flexmb_cli.kernels import _arguments, _jit, _linking, _values
 from flexmb_cli.kernels._jit import kernel
 
 KERNELS = Path(_jit.__file__).parent
@@ -23,8 +24,8 @@ def taken(rows, i, j):
 
 @pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
 def test_an_index_is_not_tested_for_its_sign():
-    kinds = tuple(map(_values.numba_type, (["a", 2, "<f8"], "i", "i")))
-    with _front_end.quick():
+    kinds = tuple(map(_values.numba_type, (_arguments.Array(2, np.dtype(float)), "i", "i")))
+    with _linking.quick():
         taken.part.compile(kinds)
     text = taken.part.overloads[kinds].library.get_llvm_str()
     assert "getelementptr" in text

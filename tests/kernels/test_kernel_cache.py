@@ -11,15 +11,15 @@ from pathlib import Path
 import pytest
 
 from flexmb_cli.fe import cache as bodies
-from flexmb_cli.kernels import _cache, _jit, _objects
+from flexmb_cli.kernels import _cache, _jit
 
 pytestmark = pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
 
 NOBODY = 65534
 KERNEL = """
-import os, pathlib, shutil, sys
+import os, shutil, sys
 from flexmb_cli.fe import cache as bodies
-from flexmb_cli.kernels import _cache, _entry, _objects
+from flexmb_cli.kernels import _cache, _library
 from flexmb_cli.kernels._jit import kernel
 
 @kernel
@@ -30,12 +30,10 @@ def below(x):
 def twice(x):
     return 2.0 * below(x)
 
-if "PACKAGED" in os.environ:
-    _objects.PACKAGED = pathlib.Path(os.environ["PACKAGED"])
 if sys.argv[1:]:
     shutil.rmtree(sys.argv[1])
     open(sys.argv[1], "w").close()
-print(twice(7.0), "compiled" if "numba" in sys.modules else "loaded", *_cache.refused, *_entry.damaged)
+print(twice(7.0), "compiled" if "numba" in sys.modules else "loaded", *_cache.refused, *_library.unusable)
 """
 
 
@@ -78,12 +76,18 @@ def garbled(content):
     return bytes(changed)
 
 
+def of_another_kernel(content):
+    """A whole object under the name of another one."""
+    code = content.partition(b"\n")[2]
+    return _cache._checksum("other.object", code) + b"\n" + code
+
+
 DAMAGES = {
     "cut": lambda content: content[:40],
     "empty": lambda content: b"",
     "zeroed": lambda content: bytes(len(content)),
     "garbled": garbled,
-    "of another version": lambda content: content.replace(b"object 1", b"object 0"),
+    "that of another kernel": lambda content: of_another_kernel(content),
 }
 
 
@@ -94,45 +98,6 @@ def test_a_damaged_kernel_is_compiled_anew_and_kept(cache, script, damage):
     kept.write_bytes(DAMAGES[damage](kept.read_bytes()))
     assert twice(script, cache) == f"42.0 compiled {kept} is damaged: it is compiled again"
     assert twice(script, cache) == "42.0 loaded"
-
-
-@pytest.fixture
-def packaged(tmp_path, cache):
-    """Path of the object in the package, of which there is a copy with no more than its folder."""
-    path = tmp_path / "objects" / str(_objects.target()) / kept_file(cache).name
-    path.parent.mkdir(parents=True)
-    return path
-
-
-@pytest.mark.processes
-def test_a_damaged_object_of_the_package_is_named_in_each_run(tmp_path, cache, script, packaged):
-    """The user's cache helps, but only another installation mends it."""
-    packaged.write_bytes(garbled(kept_file(cache).read_bytes()))
-    for _ in range(2):
-        said = twice(script, cache, PACKAGED=str(tmp_path / "objects"))
-        assert said.startswith(f"42.0 loaded {packaged} is damaged: ") and said.count("is damaged") == 1
-        assert said.endswith("install flexmb anew")
-
-
-@pytest.mark.processes
-@pytest.mark.skipif(
-    not Path("/proc/self/mem").exists(), reason="no file that cannot be read at its beginning"
-)
-def test_an_object_of_the_package_that_cannot_be_read_stops_nothing(tmp_path, script, packaged):
-    packaged.symlink_to("/proc/self/mem")
-    empty = tmp_path / "empty"
-    for how in ("compiled", "loaded"):
-        said = twice(script, empty, PACKAGED=str(tmp_path / "objects"))
-        assert said.startswith(f"42.0 {how} {packaged} cannot be read (Input/output error): kernels are ")
-        assert said.count("cannot be read") == 1
-
-
-@pytest.mark.processes
-def test_objects_of_the_package_are_used_whoever_owns_them(tmp_path, cache, script, packaged):
-    """Whoever can write there can change the Python files, too."""
-    shutil.copy(kept_file(cache), packaged)
-    packaged.chmod(0o666)
-    assert twice(script, tmp_path / "empty", PACKAGED=str(tmp_path / "objects")) == "42.0 loaded"
 
 
 @pytest.mark.processes
@@ -254,9 +219,9 @@ def test_a_cache_that_is_lost_on_the_way_stops_nothing(cache, script):
 
 @pytest.mark.processes
 def test_old_versions_are_deleted(cache, script):
-    """The latest three are kept, and nothing of the versions that kept numba's files."""
+    """The latest three are kept."""
     place = cache / "flexmb"
-    for name in ("kernels-0123456789ab", *(f"objects-{k}" for k in range(5))):
+    for name in (f"objects-{k}" for k in range(5)):
         (place / name).mkdir()
         (place / name / "old.object").write_text("old")
         os.utime(place / name, (0, 0))

@@ -1,6 +1,9 @@
 """Where the system forbids executable memory, a run says so; it died by SIGSEGV without a word."""
 
+import hashlib
 import os
+import runpy
+import shutil
 import signal
 import subprocess
 import sys
@@ -9,15 +12,16 @@ from pathlib import Path
 import h5py
 import pytest
 
-from flexmb_cli.kernels import _jit, _objects
+from flexmb_cli.kernels import _entry, _jit, _library
 
-DECK = Path(__file__).resolve().parents[2] / "decks/young/IN1-1-1.dat"
+TOP = Path(__file__).resolve().parents[2]
+DECK = TOP / "decks/young/IN1-1-1.dat"
 NO_FILTERS = 77
 
 pytestmark = [
     pytest.mark.processes,
     pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled"),
-    pytest.mark.skipif(_objects.target() != "x86_64-linux", reason="the filter is made of x86-64's numbers"),
+    pytest.mark.skipif(_library.target() != "x86_64-linux", reason="the filter is made of x86-64's numbers"),
 ]
 
 
@@ -49,6 +53,40 @@ def test_the_remedy_of_the_message_helps(tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     with h5py.File(tmp_path / "OUT1-1-1.h5") as result:
         assert result.attrs["status"] == "complete"
+
+
+WHEEL = """
+import pathlib, sys
+from flexmb_cli.kernels import _library
+_library.PACKAGED = pathlib.Path({folder!r})
+sys.modules["numba"] = sys.modules["llvmlite"] = None
+from flexmb_cli.__main__ import main
+main()
+"""
+
+
+@pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
+def test_a_library_needs_no_such_memory(tmp_path):
+    """As in a wheel, linked by the machine's own compiler: the system itself makes its code executable."""
+    units = {unit: _entry.Unit(unit) for unit in ("equations", "kinematics")}
+    objects = {unit: _entry._cache.content(made.name) for unit, made in units.items()}
+    for unit in objects:
+        objects[unit] = objects[unit] or units[unit].emit([_library.target()])[_library.target()]
+    link = runpy.run_path(str(TOP / "setup.py"), run_name="setup")["link"]
+    library = tmp_path / "wheel" / _library.library_name(_library.target())
+    link(["cc"], objects, library)
+    (tmp_path / "run.py").write_text(WHEEL.format(folder=str(library.parent)))
+    filtered = [sys.executable, str(Path(__file__).with_name("seccomp.py")), sys.executable]
+    done = subprocess.run(
+        [*filtered, tmp_path / "run.py", "run", "-q", DECK], cwd=tmp_path, capture_output=True, text=True,
+        env=os.environ | {"PYTHONPATH": str(TOP)}, timeout=300,
+    )  # fmt: skip
+    if done.returncode == NO_FILTERS:
+        pytest.skip("this system takes no filters of system calls")
+    assert (done.returncode, done.stderr) == (0, "")
+    pinned = dict(line.split()[::-1] for line in (TOP / "tests/run/digests.txt").read_text().splitlines())
+    table = hashlib.sha256((tmp_path / "OUT1-1-1.dat").read_bytes()).hexdigest()
+    assert table == pinned["young/OUT1-1-1.dat"]
 
 
 @pytest.mark.campaign

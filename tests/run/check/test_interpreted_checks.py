@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from flexmb_cli import check, solve
-from flexmb_cli.kernels import _jit, _objects
+from flexmb_cli.kernels import _jit, _library
 
 DECKS = Path(__file__).resolve().parents[3] / "decks"
 
@@ -15,13 +15,13 @@ pytestmark = pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled"
 @pytest.fixture
 def compiled_calls(monkeypatch):
     """The arguments of all calls of compiled code."""
-    calls, call = [], _objects.Compiled.call
+    calls, call = [], _library.Compiled.call
 
     def counted(self, values):
         calls.append(values)
         return call(self, values)
 
-    monkeypatch.setattr(_objects.Compiled, "call", counted)
+    monkeypatch.setattr(_library.Compiled, "call", counted)
     return calls
 
 
