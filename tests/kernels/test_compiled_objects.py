@@ -170,7 +170,7 @@ def test_a_tuple_that_comes_again_is_not_packed_anew():
 
 @compiled
 @pytest.mark.parametrize("place", [np.zeros(14)[::2], np.zeros(7, np.float32)])
-def test_what_no_object_takes_is_interpreted_or_compiled_for_it(place):
+def test_what_no_object_takes_is_interpreted_or_compiled_apart(place):
     place[3] = 2.0
     speeds.normalise(1, place)
     assert place[3] == 1.0
