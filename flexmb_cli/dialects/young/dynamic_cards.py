@@ -30,7 +30,7 @@ from .cards import BY_KEYWORD
 from .elements.cards import JOINT_CARDS
 from .read_card import CardRecords, card_at, is_keyword
 from .reader import read_young
-from .shapes import SHAPE_CARDS
+from .shape_cards import SHAPE_CARDS
 
 _COMMENT = re.compile(r"\{[^}]*\}")
 _OPENING = "DYNAMICS"
