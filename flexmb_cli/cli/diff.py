@@ -5,7 +5,6 @@ import os
 import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
-from xml.etree import ElementTree
 
 import click
 
@@ -198,6 +197,8 @@ def _print_summary(summary: "Summary", as_json: bool, quiet: bool) -> None:
 
 def junit_bytes(title: str, compared: Sequence[Compared]) -> bytes:
     """Return the file's bytes: a test for every pair of files, failed where they differ or one is missing."""
+    from xml.etree import ElementTree
+
     failed = sum(pair.failure is None and not pair.equal for pair in compared)
     errors = sum(pair.failure is not None for pair in compared)
     counts = {"tests": str(len(compared)), "failures": str(failed), "errors": str(errors)}
@@ -218,6 +219,8 @@ def junit_bytes(title: str, compared: Sequence[Compared]) -> bytes:
 
 
 def _add_failure(case: Any, pair: Compared) -> None:
+    from xml.etree import ElementTree
+
     reported = lines_visible(pair.sentence).rstrip("\n")
     what = "error" if pair.failure is not None else "failure"
     last = reported.splitlines()[0 if pair.failure is not None else -1] if reported else ""

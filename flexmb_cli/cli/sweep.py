@@ -185,7 +185,7 @@ def _warn_of_another_user(made: "Sweep", notices: "_Notices") -> None:
 
 def _solve(made: "Sweep", notices: "_Notices", jobs: int, scheduler: str | None, verbose: bool) -> None:
     from .. import interface
-    from ..run.processes.signal_mask import outlive_workers
+    from ..run.processes.parent_watch import outlive_workers
 
     outlive_workers()
     blocks = made.pending()

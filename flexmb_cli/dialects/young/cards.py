@@ -3,7 +3,7 @@
 from .card import Card, vector, whole
 from .elements.cards import FUNCTION_CARDS, JOINT_CARDS
 from .sections import Column
-from .shapes import SHAPE_CARDS
+from .shape_cards import SHAPE_CARDS
 
 _BODY = whole("body", "number of the body")
 _FOLLOWING = whole("following", "0: global axes, 1: the axes of the body, turning with it")

@@ -13,7 +13,8 @@ from ....errors import Fault
 from ..build import faults_of_last
 from ..equation_count import imbalance
 from ..sections import COUNTS, YOUNG_SECTIONS, Column, Section
-from ..shapes import SHAPE_CARDS, faults_of_shape
+from ..shape_cards import SHAPE_CARDS
+from ..shapes import faults_of_shape
 from .form_cards import OPENING, OPENING_ENTRY, card_entries, card_lines, faults_of_card, is_card
 
 GEOM = SHAPE_CARDS[0]

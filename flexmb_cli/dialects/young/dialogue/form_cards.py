@@ -10,7 +10,7 @@ from ..card import Card
 from ..cards import BY_KEYWORD, CARDS
 from ..dynamic_cards import FORWARD, INVERSE, LAST_CARD
 from ..sections import Column
-from ..shapes import SHAPE_CARDS
+from ..shape_cards import SHAPE_CARDS
 
 OPENING, NEXT_CARD, SHAPES = "opening", "card", "GEOMETRY"
 _ANALYSES = (FORWARD.upper(), INVERSE.upper(), SHAPES)
