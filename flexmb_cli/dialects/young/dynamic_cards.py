@@ -32,7 +32,7 @@ from .cards import BY_KEYWORD
 from .elements.cards import JOINT_CARDS
 from .read_card import CardRecords, card_at, is_keyword, wants_text
 from .reader import read_young
-from .shapes import SHAPE_CARDS
+from .shape_cards import SHAPE_CARDS
 from .unread_lines import cards_behind_end, unread_lines
 
 if TYPE_CHECKING:
