@@ -64,6 +64,7 @@ WORDS = {
     "DECK-059": "--set …: a count cannot be set: the deck's layout hangs on it",
     "DIFF-016": "line …: could not convert string to float: …",
     "DIFF-030": "written by flexmb … in the layout …; this flexmb reads layouts up to …",
+    "ELEMENTS-041": f"file …: … {NUMERAL}",
     "FE-023": "…: no such file in …",
     "RESULT-021": "…: the result has no such quantity; …; flexmb table RESULT.h5 --list shows all",
     "RESULT-022": "/… cannot be read: …",
@@ -77,6 +78,8 @@ WORDS = {
     "SOLVE-059": "at t = … s the motion passes a singular position… / close to a singular position… / "
     "near t = … s the motion passes a singular position of … (…), where it could branch; "
     "it continues smoothly",
+    "SOLVE-061": "a function changes between … and … s; of a driver's rate that is a jump, an impulse, which "
+    "no steps resolve: move these two times apart, by … s or more, or use STEP",
     "STUDY-011": "not TOML: …",
     "STUDY-014": "the deck has no number …; …",
     "STUDY-016": "…: the result has no such quantity; …",

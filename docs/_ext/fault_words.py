@@ -1,6 +1,7 @@
 """The words of the messages of faults, with … for what depends on the input."""
 
 import ast
+import os
 import re
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -66,10 +67,18 @@ def _said(site: Site, deep: bool) -> str:
 def _message(call: ast.Call, scope: Scope) -> str:
     """Return the message of a call, by way of the function that it calls if that hands it on."""
     name = name_of(call)
-    handing = _handing_on(name, scope.path, is_maker(call))
-    if handing is None:
+    found = () if is_maker(call) else _all_handing_on().get(name, ())
+    if not found:
         place = MAKERS.get(name, 0)
         return text_of(call.args[place], scope) if len(call.args) > place else VARIES
+    # Of several functions of the name that which shares most folders with the call, if it takes such a call.
+    nearest = sorted(found, key=lambda each: -len(os.path.commonpath((each[0], scope.path))))
+    texts = (_message_by(handing, call, scope) for handing in nearest)
+    return next((text for text in texts if text != VARIES), VARIES)
+
+
+def _message_by(handing: Handing, call: ast.Call, scope: Scope) -> str:
+    """Return the message of a call that a function hands on."""
     path, function, inner = handing
     known = {name: text for name, text in _arguments(call, function, scope).items() if text != VARIES}
     inside = Scope(path, function, inner.lineno if inner else 0, known, scope.deep)
@@ -98,14 +107,6 @@ def _arguments(call: ast.Call, function: ast.FunctionDef, scope: Scope) -> dict[
     given = positional | {word.arg: word.value for word in call.keywords if word.arg in names}
     wanted = MESSAGE_NAMES if not scope.deep else tuple(names)
     return {name: text_of(node, scope) for name, node in given.items() if name in wanted}
-
-
-def _handing_on(name: str, path: Path, is_known: bool) -> "Handing | None":
-    """Return the function of a name that hands `id` and a message on, the nearest of several."""
-    found = () if is_known else _all_handing_on().get(name, ())
-    here = [each for each in found if each[0] == path]
-    beside = [each for each in found if each[0].parent == path.parent]
-    return next(iter((*here, *beside, *found)), None)
 
 
 @cache

@@ -24,8 +24,8 @@ _ACCEPTED = {
 class Array(NamedTuple):
     """An array in C's order."""
 
-    dimensions: int
-    dtype: np.dtype
+    dimensions: int  # count of axes
+    dtype: np.dtype  # of its entries
 
 
 class Fields(NamedTuple):

@@ -172,6 +172,6 @@ def parameter(word: str) -> Any:
 
 
 def _defined(place: str) -> Any:
-    """What is defined at a place; its module may import kernels, so that it is imported late."""
+    """Return the object defined at a place; its module may import kernels, so that it is imported late."""
     module, _, name = place.partition(":")
     return getattr(importlib.import_module(f"flexmb_cli.{module}"), name)

@@ -18,16 +18,16 @@ MOST_DECIMALS = 9  # these and the longest whole part are exact in a double
 _MOST_WHOLE = 5  # digits of a whole part that has a numeral
 _DECIMALS_AT_ONCE = 4  # decimals that a table gives at once
 _LARGEST_POWER = 98  # of ten, either way: rounding may raise it, and it shall keep two figures
-_ROUND_OFF = 2.0**-50  # of a product with a power of ten, relative
+_PRODUCT_ROUND_OFF = 2.0**-50  # of a product with a power of ten, relative
 _UNITS = 10 ** np.arange(_MOST_WHOLE + 1, dtype=np.uint32)
 
 
 class Figures(NamedTuple):
     """Numbers (rows, fields) without their signs as whole numbers, in units of the last decimal."""
 
-    number: np.ndarray
-    power: np.ndarray  # of the first figure, in exponent form; meaningless for 0
-    unknown: np.ndarray  # bool: these have no figures here
+    number: np.ndarray  # (rows, fields) in units of the last decimal
+    power: np.ndarray  # (rows, fields) 1; of the first figure in exponent form, meaningless for 0
+    unknown: np.ndarray  # (rows, fields) bool: these have no figures here
 
 
 def fixed_point(values: np.ndarray, decimals: int) -> Figures:
@@ -37,7 +37,7 @@ def fixed_point(values: np.ndarray, decimals: int) -> Figures:
     size[unknown] = 0.0
     scaled = size * 10.0**decimals
     number = np.rint(scaled)
-    near = np.flatnonzero(np.abs(np.abs(scaled - number) - 0.5) <= _ROUND_OFF * scaled)
+    near = np.flatnonzero(np.abs(np.abs(scaled - number) - 0.5) <= _PRODUCT_ROUND_OFF * scaled)
     if near.size:
         ties, places = np.unique(size.flat[near], return_inverse=True)
         exact = [float(f"{value:.{decimals}f}".replace(".", "")) for value in ties.tolist()]
@@ -53,7 +53,7 @@ def exponent_form(values: np.ndarray, digits: int) -> Figures:
     power = np.floor(np.log10(np.where(size == 0.0, 1.0, size)))
     scaled = size * _powers_of_ten()[(digits + _LARGEST_POWER - power).astype(np.intp)]
     number = np.rint(scaled)
-    unknown |= np.abs(np.abs(scaled - number) - 0.5) <= _ROUND_OFF * scaled
+    unknown |= np.abs(np.abs(scaled - number) - 0.5) <= _PRODUCT_ROUND_OFF * scaled
     raised = number >= 10.0**digits  # 9.9996 to four figures, and logarithms that are rounded down
     number[raised] = 10.0 ** (digits - 1)
     return Figures(number, power + raised, unknown)
@@ -68,9 +68,9 @@ def _powers_of_ten() -> np.ndarray:
 class Run(NamedTuple):
     """Fields of one kind that stand side by side."""
 
-    field: "Edit"
+    field: "Edit"  # of each number
     separated: bool  # a blank must stand before each number
-    fields: int
+    fields: int  # count
 
 
 def runs_of(parts: "Iterable[Any]", separated: list[bool]) -> list[bytes | Run]:

@@ -37,7 +37,7 @@ def given_functions(
 
 
 def _values(line: ElementLine, folder: Path, findings: Findings, tables: Any) -> Any:
-    """What defines a function, and where each part of it stands; None behind a fault."""
+    """Values that define a function, and where each part of it stands; None behind a fault."""
     own = [one for one in line.numbers if one.key not in _OTHER_KEYS]
     ways = [key for key in ("file", "points") if key in line]
     if len(ways) + bool(own) != 1:

@@ -7,6 +7,7 @@ from ...deck.record import Number, Record
 from ...errors import Place
 
 SECTION = "elements"
+MOST_ELEMENTS = 20_000  # of a deck; one takes up to 6 kB
 # Words that bring in equations, or take those of the deck away.
 CONSTRAINING = ("DRIVE", "SUPPORT", "COUPLING", "JOINT")
 

@@ -1,4 +1,4 @@
-"""What the elements of a block act on: coordinates of joints and hinges, and ends on bodies."""
+"""Measures of the elements of a block: coordinates of joints and hinges, and ends on bodies."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence

@@ -14,12 +14,11 @@ from ...deck.record import Number
 from ...deck.words import Word
 from ...errors import Fault, FaultList, Place
 from ...model.laws import VECTOR
-from .line import SECTION, ElementLine
+from .line import MOST_ELEMENTS, SECTION, ElementLine
 from .text import BLOCK, statements
 from .words import BY_WORD, COORDINATE, END, FILE, FUNCTION, NUMBER, WHOLE, BlockWord, Key
 
-MOST_ELEMENTS = 20_000  # of a deck; one takes up to 6 kB
-MOST_NUMBERS = 200_000  # of the blocks of a deck; longer tables stand in files
+MOST_NUMBERS_OF_BLOCKS = 200_000  # of the blocks of a deck; longer tables stand in files
 NAME = re.compile(r"[A-Za-z0-9_-]+")
 COORDINATES = re.compile(r"([0-9]{1,9})\.(angle|stroke|[rt][1-3])", re.IGNORECASE)
 _END_AT_POINT = re.compile(r"([0-9]{1,9})\(([^()]*)\)")
@@ -71,7 +70,7 @@ class BlockReader:
         behind = opening + 1
         for words, end in statements(self.code(self.lines, opening), opening + 1):
             behind = end
-            if len(self.records) >= MOST_ELEMENTS or self.numbers > MOST_NUMBERS:
+            if len(self.records) >= MOST_ELEMENTS or self.numbers > MOST_NUMBERS_OF_BLOCKS:
                 self._error(
                     words[0] if words else Word(BLOCK, opening, 1), "", self._too_many(), id="ELEMENTS-047"
                 )
@@ -81,8 +80,9 @@ class BlockReader:
         return behind
 
     def _too_many(self) -> str:
-        if self.numbers > MOST_NUMBERS:
-            return f"the deck has more than {MOST_NUMBERS} numbers in blocks; long tables stand in file="
+        if self.numbers > MOST_NUMBERS_OF_BLOCKS:
+            most = MOST_NUMBERS_OF_BLOCKS
+            return f"the deck has more than {most} numbers in blocks; long tables stand in file="
         return f"a deck has at most {MOST_ELEMENTS} functions and elements"
 
     def _error(

@@ -25,10 +25,10 @@ LINKS = {"revcyl": ("axis_from", "axis_to"), "revsph": ("axis_from", "length"), 
 class Key(NamedTuple):
     """A key of a line; without a default, the record of a line that leaves it out does not have it."""
 
-    name: str
-    meaning: str
-    kind: str = NUMBER
-    default: Any = None
+    name: str  # before the sign =
+    meaning: str  # for pages and messages
+    kind: str = NUMBER  # of its value
+    default: Any = None  # of its value
     units: tuple[str, str] = ("", "")  # along a stroke or a line, and about an axis
     needed: bool = False  # on every line of its word
 
@@ -36,13 +36,13 @@ class Key(NamedTuple):
 class BlockWord(NamedTuple):
     """A word that begins lines."""
 
-    word: str
-    meaning: str
-    keys: tuple[Key, ...]
+    word: str  # in capitals
+    meaning: str  # for pages
+    keys: tuple[Key, ...]  # that its lines may have
     choices: tuple[tuple[tuple[str, ...], ...], ...] = ()  # of each, one group of keys must be given
     kinds: tuple[str, ...] = ()  # words of which one follows the name
     unnamed: bool = False  # whether it may go without a name
-    law: Law | None = None
+    law: Law | None = None  # of force elements
 
     def key(self, name: str) -> Key | None:
         """Return a key by its name."""

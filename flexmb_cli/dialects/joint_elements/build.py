@@ -31,6 +31,7 @@ from ...model.laws import (
     Line,
     Parameter,
 )
+from ..elements_block.line import MOST_ELEMENTS
 from .maker import ElementMaker
 
 Cards = Mapping[str, Sequence[tuple[str, Callable[..., Any]]]]  # fields of `JointElements`: sections, makers
@@ -40,7 +41,6 @@ _ONE_OF = {  # what there may be one of, and by what it is distinguished
     "drivers": lambda item: (item.joint, item.coordinate),
     "rates": lambda item: (item.joint, item.coordinate),
 }
-MOST_ELEMENTS = 20_000  # of a deck; one takes up to 6 kB
 
 
 def build_elements(

@@ -11,7 +11,7 @@ from ...model.joints import BY_NAME
 from ...model.laws import At, Element, Line, spring
 from ...model.mechanism import GROUND
 from ...model.time_functions import MotionFunction
-from ..joint_elements.build import MOST_ELEMENTS
+from ..elements_block.line import MOST_ELEMENTS
 from ..joint_elements.functions import Functions
 from .bodies import end_of_body
 from .joints import SLIDING, TURNING, find_end

@@ -37,8 +37,8 @@ class _Text(NamedTuple):
     """The lines of a text file that are not blank, with their numbers in it."""
 
     name: str  # of the file
-    lines: list[str]
-    numbers: Sequence[int]
+    lines: list[str]  # that are not blank
+    numbers: Sequence[int]  # of these lines in the file
 
     def fault(self, at: int, message: str, *, id: str) -> FEFileFault:
         """Return the fault of line `at`, or behind the last one."""
@@ -139,7 +139,7 @@ def _values(text: _Text, at: int, width: int) -> tuple[np.ndarray, int]:
 
 
 class _Layout(NamedTuple):
-    """How a binary file is written."""
+    """Order of bytes and widths of words of a binary file."""
 
     file: str  # its name
     order: str  # of bytes, "<" or ">"

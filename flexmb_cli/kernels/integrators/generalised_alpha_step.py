@@ -272,9 +272,6 @@ STILL_ITERATIONS = 3  # of a state: positions, speeds, and accelerations that be
 FLOOR = 1e-13  # of the speeds: round-off
 LEAST = 1e-2  # contraction that is trusted: the first of a step is better than those that follow
 CLOSED_BY_ONE_MORE = 1e-10  # scaled gap that one more correction brings to round-off
-GAP_OF_SHARE = (
-    0.03  # of the root of the share of the tolerance: one more correction leaves a thousandth of it
-)
 
 
 @kernel
@@ -342,21 +339,10 @@ def iterate(
         share = memory["share"] = share_of(clock, memory, work, h, fastest)
         clock["error"] = step_error(system, integration, h) / share
         enough = max(left_over(clock, memory, work, share), FLOOR / clock["rtol"])
-        if left * size < enough and gap < _closed(clock, memory, share):
+        if left * size < enough and gap < CLOSED_BY_ONE_MORE:
             return True
         before = size
     return False
-
-
-@kernel
-def _closed(clock: "np.void", memory: "np.void", share: float) -> float:
-    """Return the scaled gap, before a correction, of which nothing is left that counts: it squares.
-
-    A step of given length has no tolerance, and leaves round-off.
-    """
-    if memory["fixed"] > 0.0:
-        return CLOSED_BY_ONE_MORE
-    return max(CLOSED_BY_ONE_MORE, GAP_OF_SHARE * (share * clock["rtol"]) ** 0.5)
 
 
 @part

@@ -21,7 +21,7 @@ from .rows import DynamicRows, dynamic_rows, global_axes
 
 @dataclass(frozen=True)
 class ElementAnswers:
-    """What elements do, in rows of all analyses; those in angles in rad, rad/s and N m."""
+    """Answers of elements in rows of all analyses; those in angles in rad, rad/s and N m."""
 
     element_coordinate: np.ndarray  # (T, elements) length, stroke or angle; 0 of friction
     element_rate: np.ndarray  # (T, elements)

@@ -14,6 +14,24 @@ from scipy.linalg import expm
 from tests.run.dafms_runs import loaded, run
 
 
+def test_the_driven_arm_of_a_block_needs_the_torques_of_lagrange(tmp_path):
+    """Planar arm of two links (Craig, Introduction to Robotics, section 6.7), inertias about its hinges."""
+    assert run("arm_elements", tmp_path, no_out=True).exit_code == 0
+    values, w = loaded(tmp_path, "arm_elements"), 3.0
+    t = values["time"]
+    p, v, a = (np.array([0.6 * np.sin(w * t), 0.6 - 0.6 * np.cos(w * t)]),
+               0.6 * w * np.array([np.cos(w * t), np.sin(w * t)]),
+               0.6 * w**2 * np.array([-np.sin(w * t), np.cos(w * t)]))  # fmt: skip
+    J_1, J_2, g = 0.44 + 0.8 * 1.0**2, 0.172, 9.81
+    mass_arm, weight = 0.8 * 1.0 * 0.3, 0.8 * 0.3 * g * np.cos(p[0] + p[1])
+    forearm = J_2 * (a[0] + a[1]) + mass_arm * (np.cos(p[1]) * a[0] + np.sin(p[1]) * v[0] ** 2) + weight
+    turned = np.cos(p[1]) * (2 * a[0] + a[1]) - np.sin(p[1]) * (2 * v[0] + v[1]) * v[1]
+    arm = J_1 * a[0] + J_2 * (a[0] + a[1]) + mass_arm * turned + weight
+    arm += (1.5 * 0.4 + 0.8 * 1.0) * g * np.cos(p[0])
+    assert_same(values["coordinate/q"], p.T)
+    assert_same(values["driver/effort"], np.column_stack([arm, forearm + 3 * (p[1] - 1) + 0.05 * v[1]]))
+
+
 @pytest.fixture
 def moved(tmp_path):
     """Times, coordinates and speeds of a deck's result."""

@@ -133,8 +133,8 @@ def test_the_effort_of_an_inverse_run_as_a_table_gives_the_motion_back(tmp_path:
     run = CliRunner()
     assert run.invoke(cli, ["run", "-q", "inverse.dat"]).exit_code == 0
     cards = run.invoke(cli, ["table", "-q", "inverse.h5", "driver.1.effort", "--as-table", "4"]).stdout
-    assert cards.startswith("{ driver.1.effort [N m] }\nSPLINE 4\n0.0 ")
-    rows = rows_of(ROTOR, "0 1 0.05", f"{mass}{cards}TORQUE 2 0 0 1 0 4\nRATE 1 1 0.8\nTOLERANCE 1e-12\n")
+    assert cards.startswith("ELEMENTS\n  FUNCTION 4 spline 0.0 ")
+    rows = rows_of(ROTOR, "0 1 0.05", f"{mass}TORQUE 2 0 0 1 0 4\n{cards}RATE 1 1 0.8\nTOLERANCE 1e-12\n")
     assert rows.joint_coordinate[:, 0] == pytest.approx(0.4 * np.sin(2 * rows.time), abs=1e-8)
     assert rows.joint_rate[:, 0] == pytest.approx(0.8 * np.cos(2 * rows.time), abs=1e-8)
 

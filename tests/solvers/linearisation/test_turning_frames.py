@@ -196,7 +196,9 @@ def test_a_spinning_disc_on_unequal_springs_is_seen_from_axes_at_rest():
     held = tuple(Simplified(f"simplified {k}", 1, k, 0.0) for k in (3, 4, 5))
     mechanism = Mechanism((GROUND, body(2)), TimeGrid(0.0, 1.0, 0.5), simplified=held, grounds=(AT_REST,))
     mass = MassProperties("mass 1", 1, MASS, O, (0.1, 0.1, 0.2, 0.0, 0.0, 0.0))
-    loads = tuple(replace(s, i=0, j=1) for s in springs(X, 100.0) + springs(Y, 36.0))
+    loads = tuple(
+        replace(s, measure=s.measure._replace(i=0, j=1)) for s in springs(X, 100.0) + springs(Y, 36.0)
+    )
     first = InitialVelocity("velocity 1", 1, O, (0.0, 0.0, 50.0))
     model = DynamicModel(mechanism, "forward", (mass,), springs=loads, velocities=(first,))
     modes = found(model)

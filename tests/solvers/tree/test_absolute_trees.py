@@ -95,12 +95,13 @@ def test_motors_act_along_their_coordinates(seed):
     tree = random_tree(seed, bodies=5)
     motors, _ = random_motors(tree)
     assert motors
-    rows = first_row(replace(tree, elements=replace(tree.elements, motors=tuple(motors))))
+    forces = (*tree.elements.forces, *motors)
+    rows = first_row(replace(tree, elements=replace(tree.elements, forces=forces)))
     attitudes = [hinge.attitude for hinge in tree.hinges if len(hinge.rotations) == 3]
     b, remainder, F = equations(tree, tree.q, tree.y, attitudes)
     index = {(c.body, c.motion, c.axis): m for m, c in enumerate(tree.coordinates)}
     for motor in motors:
-        F[index[where(motor)]] += motor.function.values[0]
+        F[index[where(motor)]] += motor["function"].values[0]
     expected = np.linalg.solve(b, F - remainder)
     assert np.max(np.abs(rows.y_rate[0] - expected)) < 1e-11 * np.max(np.abs(expected))
 
@@ -109,7 +110,9 @@ def test_motors_in_three_rotations_are_refused():
     """Their angular velocities are no rates of coordinates."""
     trees = (random_tree(seed, bodies=5) for seed in range(20, 60))
     tree, foreign = next((tree, found) for tree in trees if (found := random_motors(tree)[1]))
-    sentences = refused(replace(tree, elements=replace(tree.elements, motors=tuple(foreign))))
+    sentences = refused(
+        replace(tree, elements=replace(tree.elements, forces=(*tree.elements.forces, *foreign)))
+    )
     assert len(sentences) == len(foreign)
     assert all("a motor in a hinge with three free rotations" in each for each in sentences)
 

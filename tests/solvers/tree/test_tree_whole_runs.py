@@ -33,7 +33,7 @@ PLANAR = (
 )
 SPATIAL = ("spatial_rigid", "spatial_flex")
 # Each with equations of its own in tests/dialects/dafms/test_dafms_cards.py.
-OF_CARDS = ("arm_nrot", "motor_gear", "spinning_beams", "stiff_arm")
+OF_CARDS = ("arm_elements", "arm_nrot", "motor_gear", "spinning_beams", "stiff_arm")
 
 
 def test_every_deck_has_equations_to_be_compared_with():

@@ -28,14 +28,13 @@ from ...joint_elements.build import (
 from ...joint_elements.build import build_elements as elements_of
 from ...joint_elements.functions import Functions, GivenFunction
 from ...joint_elements.maker import ElementMaker
-from ..block_elements import with_block
+from ..block_elements import COUPLED_RATE, with_block
 from .cards import FUNCTION_KINDS
 
 if TYPE_CHECKING:
     from ....model.joint_elements import JointElements
 
 
-COUPLED_RATE = 1e-6  # rate that speeds of Y(L), in ten columns, may leave of a coupling, of the largest
 _CARDS: Cards = {
     "drivers": [("function_drive", joint_driver(None))],
     "forces": [

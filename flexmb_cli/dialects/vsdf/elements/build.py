@@ -17,7 +17,7 @@ from ...joint_elements.build import JOINT_CARDS, sections_of
 from ...joint_elements.build import build_elements as elements_of
 from ...joint_elements.functions import Functions, GivenFunction
 from ...joint_elements.maker import JointMaker
-from ..block_elements import block_elements
+from ..block_elements import RUN_START, block_elements
 from ..block_elements import moved_pins as pins_of_blocks
 from ..joints import find_end
 from .cards import FUNCTION_KINDS, OF_TABLES
@@ -28,9 +28,6 @@ if TYPE_CHECKING:
     from ....deck.record import Number
     from ....model.fe_model import End
     from ....model.time_functions import MotionFunction
-
-
-RUN_START = 0.0  # s, of every run
 
 
 def build_functions(
