@@ -44,6 +44,11 @@ NUMERAL = (
     "read … / must be 0 or at least 5e-324 in size; read … / must be an integer of at most 15 digits; read …"
 )
 TAKEN_FOR = "…: … is taken for …; write the exponent with e / … should be an integer; … is taken for …"
+# Identifiers of classes that write decks of the three dialects.
+NOT_CONVERTED = (
+    "its function of time is not converted: … has no card of …; give it as a table, a spline, a "
+    "polynomial or a sine"
+)
 # Messages whose words come from elsewhere: an exception, a library, the file at fault.
 WORDS = {
     "CLI-002": "a fault of flexmb itself: …: …",
@@ -55,6 +60,7 @@ WORDS = {
     "smaller letters or fewer curves",
     "CLI-035": "--style …: text.usetex starts LaTeX, another program: give --latex, too / "
     "--style …: no such file, and no style of matplotlib, such as …, has this name",
+    "DAFMS-174": NOT_CONVERTED,
     "DECK-001": "… must be …; read … / … must be …; Enter gives none here",
     "DECK-002": TAKEN_FOR,
     "DECK-016": f"--set …: … {NUMERAL}",
@@ -87,6 +93,7 @@ WORDS = {
     "VSDF-040": f"each number / of the nodes {NUMERAL}",
     "VSDF-081": f"… in columns … / in field … {NUMERAL}",
     "VSDF-082": TAKEN_FOR,
+    "VSDF-170": NOT_CONVERTED,
     "YOUNG-020": f"… {NUMERAL}",
     "YOUNG-021": TAKEN_FOR,
     "YOUNG-025": "…: … coordinates, … equations, … too many / too few",
@@ -94,6 +101,7 @@ WORDS = {
     "… numbers are expected (… … …), … are there…",
     "YOUNG-056": f"… {NUMERAL}",
     "YOUNG-057": TAKEN_FOR,
+    "YOUNG-165": NOT_CONVERTED,
     "YOUNG-162": f"… {NUMERAL}",
 }
 HEAD = """# Messages

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..deck.body_text import body_lines
 from ..errors import visible
-from ..model.diagnostics import by_size
+from ..model.by_size import by_size
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .options.finite import AnyFinite
 from .options.output_file import WrittenPlace

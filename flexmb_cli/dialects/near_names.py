@@ -19,9 +19,9 @@ def hint(name: str, deck: Deck) -> str:
     """Return what leads from the unknown `name` to the deck's names: clauses with "; " between them."""
     records = list(islice(deck.records, COMPARED))
     section, number, field = _parts(name)
-    sections = dict.fromkeys(record.section.lower() for record in records)
+    sections = dict.fromkeys(_card_name(record) for record in records)
     close = get_close_matches(section, sections, n=1, cutoff=SAME_CARD)
-    cards = [record for record in records if close and record.section.lower() == close[0]]
+    cards = [record for record in records if close and _card_name(record) == close[0]]
     same = [card for card in cards if str(card.number) == number]
     clauses, spelled = [], _spelled(field, same or cards)
     if cards:
@@ -34,6 +34,11 @@ def hint(name: str, deck: Deck) -> str:
         found = _spelled(field or section, records)
         clauses += _near(sorted(found, key=lambda known: f".{number}." not in known))
     return "; ".join([*clauses, ALL])
+
+
+def _card_name(record: Record) -> str:
+    """Return its section, or the name of an element of a block."""
+    return (record.section if record.prefix.startswith(record.section) else record.prefix).lower()
 
 
 def _parts(name: str) -> tuple[str, str, str]:

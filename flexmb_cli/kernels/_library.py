@@ -71,7 +71,7 @@ def in_memory(code: bytes) -> AddressOf:
     try:
         llvm.initialize_native_target()
         llvm.initialize_native_asmprinter()
-    except RuntimeError:  # llvmlite knows already
+    except RuntimeError:  # llvmlite has already
         pass
     if sys.platform == "win32":
         for library in ("ucrtbase", "ntdll"):

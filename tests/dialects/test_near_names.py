@@ -18,7 +18,7 @@ ARM = "young/dynamics/IN-ARM.dat"
 TREE, SLIDER_CRANK = "dafms/spatial_rigid.DAT", "vsdf/slider_crank_flex.vsdf"
 DRIVER = "driver.1 holds body, direction, C, B, A"
 RIGID = "rigid.1 holds body, mass, c.x, c.y, c.z, Jxx, Jyy, Jzz, Jxy, Jyz, Jzx"
-SPRING = "tspring.1 holds joint, stiffness, rest, damping, preload, curve, damper"
+SPRING = "elbow holds at, stiffness, rest, damping, preload"
 STEPS = "time holds IT (number of integration steps), H (length of a step)"
 
 
@@ -56,9 +56,9 @@ def said(deck, name):
         (TREE, "attitude.1.e0", "attitude.1 holds e1, e2, e3, e4"),
         # A symbol of textbooks: the field that it stands for, and all fields of a card with few.
         (SLIDER_CRANK, "rigid.1.m", f"near it is rigid.1.mass; {RIGID}"),
-        (ARM, "tspring.1.k", f"near it is tspring.1.stiffness; {SPRING}"),
-        (ARM, "tspring.1.c", f"near it is tspring.1.damping; {SPRING}"),
-        (ARM, "tspring.1.q", SPRING),
+        (ARM, "elbow.k", f"near it is elbow.stiffness; {SPRING}"),
+        (ARM, "elbow.c", f"near it is elbow.damping; {SPRING}"),
+        (ARM, "elbow.q", SPRING),
         (FOUR_BAR, "driver", DRIVER),
         # Neither the card nor its number is there.
         (FOUR_BAR, "driver.2.w", f"the deck has driver.1; {DRIVER}"),
@@ -81,7 +81,7 @@ def test_a_slip_leads_to_its_card_or_nowhere(deck, name, expected):
 @pytest.mark.parametrize("card", ["FRICTION 1 0.1 0.12 0.02 0.01 0.02", "FRICTION 1 0.1 0.12 0.02 0.01"])
 def test_the_symbol_of_friction_leads_to_both_coefficients(card):
     """The field is called neither mu nor friction; its meanings are coefficients."""
-    text = (DECKS / ARM).read_text("latin-1").replace("SINE 1", f"{card}\nSINE 1", 1)
+    text = (DECKS / ARM).read_text("latin-1").replace("GRAVITY", f"{card}\nGRAVITY", 1)
     message = SettableDeck(read_deck(DeckText("IN-ARM.dat", text, ""))).unknown("friction.1.mu")
     fields = "joint, dynamic, static, stribeck, creep, radius, preload"
     assert f"near it are friction.1.dynamic, friction.1.static; friction.1 holds {fields}; " in message

@@ -12,7 +12,7 @@ import pytest
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
-from flexmb_cli.model.diagnostics import by_size, first_of_largest
+from flexmb_cli.model.by_size import by_size, first_of_largest
 from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 from flexmb_cli.solvers.singular.mobility import involved, sparse_basis
 

@@ -26,8 +26,8 @@ def outcomes(tmp_path_factory):
     return {name: run(name, folder) for name in NAMES}, folder
 
 
-def test_nineteen_decks_are_supplied():
-    assert len(NAMES) == 19
+def test_twenty_decks_are_supplied():
+    assert len(NAMES) == 20
 
 
 @pytest.mark.parametrize("name", NAMES)

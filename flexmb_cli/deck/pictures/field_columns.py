@@ -66,7 +66,7 @@ def _powers_of_ten() -> np.ndarray:
 
 
 class Run(NamedTuple):
-    """Fields of one kind that stand side by side."""
+    """Equal fields that stand side by side."""
 
     field: "Edit"  # of each number
     separated: bool  # a blank must stand before each number

@@ -1,6 +1,6 @@
 """Reader of the block ELEMENTS: lines `WORD name key=value ...` to records, with all faults placed.
 
-A fault names the line's element, and what stands there; unknown words and keys are told with the nearest.
+A fault names the line's element, and what stands there; messages of unknown words and keys name the nearest.
 """
 
 import re
@@ -204,7 +204,7 @@ class _Line:
         self.reader._error(piece, self.name, message, piece.column + offset, width, id=id)
 
     def read(self, pieces: list[Word]) -> None:
-        """Take the pieces behind name and kind."""
+        """Take the pieces behind name and type."""
         for piece in pieces:
             key, equals, text = piece.text.partition("=")
             if not equals:

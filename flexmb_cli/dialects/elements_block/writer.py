@@ -23,7 +23,7 @@ def spline_block(functions: Sequence[tuple[int, str, list[Any]]]) -> str:
 
 
 def block(lines: Iterable[str]) -> list[str]:
-    """Return a block of lines, nothing without any; long ones go on on lines that are indented further."""
+    """Return a block of lines, nothing without any; long ones continue on lines that are indented further."""
     pieces = [piece for line in lines for piece in _pieces(line)]
     return [BLOCK, *pieces] if pieces else []
 

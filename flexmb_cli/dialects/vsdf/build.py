@@ -1,5 +1,6 @@
 """VSDF deck → VsdfModel: what its cards mean, all faults collected."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,7 @@ from .cards.analysis import WITHOUT_CARD
 from .elements.build import build_elements, build_functions, moved_pins
 from .joints import build_joints, build_pins, check_motion_functions
 from .loads import Factors, build_forces, build_joint_springs, build_outputs, build_springs, build_torques
-from .motions import build_motions, build_tables
+from .motions import build_motions, build_tables, motions_of
 from .stress_outputs import build_stresses
 from .unused_fields import refuse_unread, warn_of_tables
 
@@ -43,12 +44,16 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     warn_of_tables(values, tables, findings)
     lines: Any = values.section("elements")
     functions = build_functions(values, tables, lines, folder, findings)
+    elements = build_elements(values, bodies, ground, joints, lines, functions, findings)
     factors = Factors(tables, functions, findings)
     pins = build_pins(values, bodies, ground, findings)
     parts = {
         "joints": joints,
         "pins": moved_pins(values, pins, lines, functions, findings),
-        "motions": build_motions(values, bodies, joints, tables, functions, findings),
+        "motions": (
+            *build_motions(values, bodies, joints, tables, functions, findings),
+            *motions_of(elements.drivers),
+        ),
         "forces": build_forces(values, bodies, ground, factors, findings),
         "torques": build_torques(values, bodies, factors, findings),
         "springs": (
@@ -58,7 +63,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
         "outputs": build_outputs(values, bodies, ground, findings),
         "stresses": build_stresses(values, bodies, findings),
         "shapes": _shapes(values, bodies, folder, findings),
-        "elements": build_elements(values, bodies, ground, joints, lines, functions, findings),
+        "elements": replace(elements, drivers=()),
     }
     functions.note_unused()
     if not bodies:

@@ -9,6 +9,8 @@ from ...deck.record import Number, Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import NodeJoint, VsdfBody
+from ...model.joint_elements import JointDriver
+from ...model.laws import is_angle
 from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionFunction, table_function
 from ..joint_elements.functions import Functions
 from .joints import SLIDING, TURNING
@@ -86,6 +88,15 @@ def build_motions(
                 Motion(record.subject, record["kind"], record["object"] - 1, function, record.place)
             )
     return tuple(motions)
+
+
+def motions_of(drivers: Sequence[JointDriver]) -> tuple[Motion, ...]:
+    """The motions of lines DRIVE, which follow those of cards MOTN."""
+    kinds = {True: "ANGL", False: "STRK"}
+    return tuple(
+        Motion(item.name, kinds[is_angle(item.coordinate)], item.joint, item.function, item.place)
+        for item in drivers
+    )
 
 
 def _target_exists(

@@ -16,7 +16,7 @@ from .sections import Column
 
 # Words that stand for no number, where one is wanted, and are no keyword.
 NO_NUMBER = re.compile(r"nan|inf(inity)?", re.IGNORECASE)
-# A card without comments: its keyword and its numbers.
+# A card without comments: its keyword and its numbers, without the name of a function behind them.
 _PLAIN_CARD = re.compile(r"[A-Za-z]\w*\s+([^\s{A-Za-z][^\s{]*(?:\s+[^\s{A-Za-z][^\s{]*)*)\s*({)?")
 
 
@@ -147,7 +147,18 @@ class ReadCard(Record):
         if self._kind.begins_with_text:
             return None
         found = _PLAIN_CARD.match(self._source.text, self._start)
-        return found if found and not found[2] else None
+        if not found or found[2] or (self._takes_function and self._names_one(found)):
+            return None
+        return found
+
+    @property
+    def _takes_function(self) -> bool:
+        return any(column.is_function for column in self._kind.columns)
+
+    def _names_one(self, found: "re.Match[str]") -> bool:
+        """Return whether the name of a function follows on the line of the last number."""
+        text, end = self._source.text, found.end()
+        return text[end : end + 1].isalpha() and not text[found.end(1) : end].strip(" \t")
 
 
 def is_keyword(word: Word) -> bool:

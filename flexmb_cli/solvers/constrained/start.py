@@ -10,7 +10,7 @@ from ...kernels.constrained.accelerations import choose_order, evaluate_jacobian
 from ...kernels.constrained.mass_matrix import mass_times
 from ...kernels.constrained.projection import project_position
 from ...kernels.constrained.system import NO_INERTIA
-from ...model.diagnostics import by_size
+from ...model.by_size import by_size
 from ...model.equations import DEPENDENT, Equation
 from ...model.joint_elements import JointRate
 from ...model.joints import ANGLE

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...model.diagnostics import by_size
+from ...model.by_size import by_size
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g
 from .weakest import (

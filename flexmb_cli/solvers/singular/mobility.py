@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import Fault
-from ...model.diagnostics import by_size, first_of_largest
+from ...model.by_size import by_size, first_of_largest
 from ...model.equations import DEPENDENT, Equation
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g

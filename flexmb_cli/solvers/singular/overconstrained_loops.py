@@ -11,7 +11,7 @@ import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...kernels.constrained.accelerations import choose_order
-from ...model.diagnostics import first_of_largest
+from ...model.by_size import first_of_largest
 from ...model.equations import DEPENDENT
 from ..assembly import LOOSEST, TO_GAP, Sized, nearest_of
 from ..constrained.large_start import is_large

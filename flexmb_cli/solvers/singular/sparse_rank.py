@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...kernels.linalg.local_order import choose_local
-from ...model.diagnostics import by_size
+from ...model.by_size import by_size
 from .mobility import NAMED, Mobility
 from .weakest import Conditioning
 

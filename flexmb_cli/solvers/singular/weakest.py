@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import Fault
-from ...model.diagnostics import by_size
+from ...model.by_size import by_size
 from .mobility import about
 
 if TYPE_CHECKING:

@@ -141,14 +141,16 @@ def motion(t, powers):
 def joined(*lists):
     """Cards as one text, entries of functions and of equal words in one block each."""
     blocks: dict[str, list[str]] = {}
-    for text in (each for cards in lists for each in cards):
+    texts = [each for cards in lists for each in cards]
+    elements = [text for text in texts if text.startswith("ELEMENTS")]
+    for text in (text for text in texts if text not in elements):
         word, count, *lines = text.rstrip("\n").split("\n")
         entry = blocks.setdefault(word, [])
         entry.append((int(count), lines))  # type: ignore[arg-type]
     return "\n".join(
         "\n".join([word, integers(sum(n for n, _ in found)), *(line for _, lines in found for line in lines)])
         for word, found in blocks.items()
-    )
+    ) + "".join(f"\n{text.rstrip()}" for text in elements)
 
 
 def run(word, steps, *cards, method="dop853"):

@@ -18,7 +18,8 @@ from tests.dialects.dafms.test_dafms_elements import deck
 from tests.dialects.dafms.test_every_card import CASES, Case, joined
 
 DECKS = Path(__file__).parents[3] / "decks" / "dafms"
-TYPED = sorted(DECKS.glob("*.DAT"))
+# The dialogue does not ask for blocks ELEMENTS.
+TYPED = sorted(path for path in DECKS.glob("*.DAT") if path.stem != "arm_elements")
 TABLES = ("motor_table", "torque_table", "nodal_rotation", "function")
 # Cards that do nothing are not asked for (X(L)), and the run is always to be integrated.
 LEFT = ("first_coordinate", "counts.jdi", "id", "equations", "heading", "run", "echo", "one_way")

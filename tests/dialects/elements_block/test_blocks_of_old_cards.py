@@ -3,11 +3,11 @@
 import dataclasses
 import importlib.machinery
 import importlib.util
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
 import pytest
-from flexmb_cli.quick_dataclass import fields
 
 from flexmb_cli.deck.text import decode
 from flexmb_cli.dialects.elements_block.old_cards import LINES

@@ -182,6 +182,14 @@ def test_every_dynamic_deck_stands_in_the_readme():
     text = README.read_text(encoding="utf-8")
     assert {path.stem for path in DECKS.glob("*.dat")} == {
         stem
-        for stem in ("IN4-BAR-MASS", "IN-RSSR-MASS", "IN-BRICARD", "IN-ANDREWS", "IN-ARM")
+        for stem in (
+            "IN4-BAR-MASS",
+            "IN-RSSR-MASS",
+            "IN-BRICARD",
+            "IN-ANDREWS",
+            "IN-ARM",
+            "IN-ELEMENTS",
+            "IN-LINK",
+        )
         if f"`{stem}`" in text
     }

@@ -32,10 +32,13 @@ EXACT, COLUMNS = 1e-9, 1e-6
 CONVERTED = {
     ("young/dynamics/IN-ANDREWS.dat", "vsdf"): EXACT,
     ("young/dynamics/IN-ARM.dat", "vsdf"): EXACT,
+    ("young/dynamics/IN-ELEMENTS.dat", "vsdf"): 2e-7,  # both methods at 1e-9, through friction and a stop
     ("young/dynamics/IN4-BAR-MASS.dat", "vsdf"): EXACT,
     ("young/dynamics/IN-ARM.dat", "dafms"): COLUMNS,
     ("young/dynamics/IN-BRICARD.dat", "vsdf"): COLUMNS,  # its motion amplifies errors a thousand times in 5 s
     ("dafms/sliding_mass.DAT", "vsdf"): EXACT,
+    ("dafms/arm_elements.DAT", "vsdf"): EXACT,
+    ("dafms/arm_elements.DAT", "young"): EXACT,
     ("dafms/fourbar_rigid.DAT", "vsdf"): EXACT,
     ("dafms/spatial_rigid.DAT", "vsdf"): EXACT,
     ("dafms/spatial_rigid.DAT", "young"): EXACT,
@@ -51,6 +54,9 @@ REFUSED = {
     ("young/dynamics/IN-RSSR-MASS.dat", "vsdf"): "simplified constraint 1: a held Euler parameter",
     ("young/dynamics/IN-RSSR-MASS.dat", "dafms"): "simplified constraint 1: a held Euler parameter",
     ("young/dynamics/IN4-BAR-MASS.dat", "dafms"): "closes a loop",
+    ("young/dynamics/IN-ELEMENTS.dat", "dafms"): "forces in DAFMS are constant",
+    ("young/dynamics/IN-LINK.dat", "dafms"): "a held Euler parameter",
+    ("young/dynamics/IN-LINK.dat", "vsdf"): "a held Euler parameter",
 }
 WHY = {"young": "kinematics only", "dafms": "the body is flexible", "vsdf": "the body is flexible (FLEX)"}
 

@@ -31,7 +31,9 @@ def test_kane_and_absolute_coordinates_give_one_motion(name):
     """Over the whole run, to 1e-7 of the largest value of each kind; 6e-9 were measured."""
     found = verified(name)
     assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-7]
-    assert {each.name for each in found.differences} >= COMPARED
+    # The drivers of arm_elements do work: its energy is not kept, and its parts are compared.
+    kept = COMPARED - ({"total energy"} if name == "arm_elements" else set())
+    assert {each.name for each in found.differences} >= kept
     # Nothing is compared that stands still.
     assert all(each.scale > 0 for each in found.differences if "speeds" in each.name)
 
