@@ -63,7 +63,7 @@ def _old() -> list[str]:
     for dialect, words in LINES.items():
         for word in words:
             line = new_line(dialect, word, fields[dialect].split(), 1)
-            what = f"`{line}`" if line else "nothing: results hold joint coordinates"
+            what = f"`{line}`" if line else "nothing: results of decks with elements hold joint coordinates"
             rows.append(f"| {dialect.upper()} `{word}` | {what} |")
     return ["| card | line of the block |", "|---|---|", *rows, ""]
 

@@ -17,7 +17,7 @@ _LAWS = {
 }
 _FUNCTIONS = ("table", "spline", "polynomial", "sine", "ramp", "step", "sum", "product")
 _LINKS = {"REVCYL": "axis_from() axis_to()", "REVSPH": "axis_from() length", "SPHSPH": "length"}
-_NOTHING = ""  # results hold joint coordinates without asking
+_NOTHING = ""  # results of decks with elements hold joint coordinates
 
 
 def _of_joints(letters: dict[str, str], ends: str) -> dict[str, str]:
