@@ -10,7 +10,7 @@ from ...errors import Fault, ModelError
 from ...model.diagnostics import Findings
 from ...model.fe_model import VsdfModel
 from ...model.integrators import METHODS, Integrator
-from ...model.mechanism import TimeGrid, Vector
+from ...model.mechanism import TimeGrid
 from ...model.time_checks import MOST_ROWS, unsteppable
 from .bodies import build_bodies, build_ground
 from .cards.analysis import WITHOUT_CARD
@@ -67,12 +67,9 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     check_motion_functions(parts["motions"], time, findings)
     if any(fault.severity == "error" for fault in findings.faults):
         raise ModelError((*deck.warnings, *findings.in_order))
-    return VsdfModel(bodies, time, integrator, ground, gravity=_gravity(values), **parts), findings.in_order
-
-
-def _gravity(values: DeckValues) -> Vector:
-    record = values.record("gravity")
-    return record.vector("g") if record else (0.0, 0.0, 0.0)
+    gravity = values.record("gravity")
+    g = gravity.vector("g") if gravity else (0.0, 0.0, 0.0)
+    return VsdfModel(bodies, time, integrator, ground, gravity=g, **parts), findings.in_order
 
 
 def _shapes(values: DeckValues, bodies: "Sequence[VsdfBody]", folder: Path, findings: Findings) -> Any:
