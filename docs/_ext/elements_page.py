@@ -4,6 +4,7 @@ python docs/_ext/elements_page.py
 """
 
 from pathlib import Path
+from string import ascii_lowercase
 
 from flexmb_cli.dialects.elements_block.old_cards import LINES, new_line
 from flexmb_cli.dialects.elements_block.words import WORDS
@@ -57,12 +58,15 @@ def _tables() -> list[str]:
 
 def _old() -> list[str]:
     """Rows of the cards that the block replaces, each with the line for fields named by letters."""
-    fields = {"young": "1 a b c d e f g h i j k l m n o p q r s t", "vsdf": "1 2 3 4 d e f g h i j k l m n o"}
-    fields["dafms"] = "1 2 3 4 5 6 g h i j k l m n o p q r"
+    fields = {"young": ["1"], "vsdf": ["1", "2", "3", "4"], "dafms": ["1", "2", "3", "4", "5", "6"]}
     rows = []
     for dialect, words in LINES.items():
         for word in words:
-            line = new_line(dialect, word, fields[dialect].split(), 1)
+            # Of functions and couplings, which take any count, the first ones.
+            letters = ascii_lowercase[len(fields[dialect]) - 1 :]
+            few = 3 if LINES[dialect][word].startswith(("FUNCTION", "COUPLING")) else None
+            line = new_line(dialect, word, [*fields[dialect], *letters[:few]], 1)
+            line = f"{line} …" if few and line else line
             what = f"`{line}`" if line else "nothing: results of decks with elements hold joint coordinates"
             rows.append(f"| {dialect.upper()} `{word}` | {what} |")
     return ["| card | line of the block |", "|---|---|", *rows, ""]

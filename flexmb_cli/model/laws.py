@@ -112,6 +112,7 @@ class Law(NamedTuple):
     parameters: tuple[Parameter, ...]  # in the order of the card
     measures: tuple[type, ...] = (At,)  # that it can have
     acting: tuple[str, ...] = ()  # parameters without which it does nothing, which is noted
+    meaning: str = ""  # for pages
 
     @property
     def optional(self) -> int:
@@ -138,6 +139,7 @@ SPRING = Law(
         Parameter("damper", "function of the rate that adds to the {effort}", 1, default=None, kind=OF_RATE),
     ),
     (At, Line),
+    meaning="spring and damper in a coordinate, or between two points",
 )  # fmt: skip
 # A cable pulls while it is longer than `rest`: stiffness s (1 + damping v), never less than 0.
 CABLE = Law(
@@ -150,6 +152,7 @@ CABLE = Law(
     ),
     (Line,),
     ("stiffness",),
+    "cable between two points, which pulls while it is longer than `rest`",
 )
 # Hunt and Crossley's force at the depth s > 0 beyond a limit: stiffness s (1 + damping ds/dt), never below 0.
 STOP = Law(
@@ -163,6 +166,7 @@ STOP = Law(
     ),
     (At,),
     ("stiffness",),
+    "end stops of a coordinate, which push it back beyond `lower` and `upper`",
 )
 # Springs and dampers along and about the axes of body i: six linear springs.
 BUSHING = Law(
@@ -179,12 +183,14 @@ BUSHING = Law(
     ),
     (Frames,),
     ("k", "kr", "c", "cr"),
+    "bushing: springs and dampers along and about the three axes of body i",
 )
 # An effort by a function of time, opposite on body i, besides a constant one.
 MOTOR = Law(
     "MOTOR",
     3,
     (Parameter("function", "function of time that the {effort} follows", 1, kind=OF_TIME),),
+    meaning="force or torque in a coordinate that follows a function of time",
 )
 LEAST_SPEED = 1e-100  # m/s, of friction: squares of speeds over it are still doubles
 # From the part N of the joint's reaction force across its axis plus `preload`: at the sliding speed v (radius
@@ -204,6 +210,7 @@ FRICTION = Law(
     ),
     (Joint,),
     ("dynamic", "static"),
+    "dry friction in a joint, from its reaction force",
 )
 LAWS = (SPRING, CABLE, STOP, BUSHING, MOTOR, FRICTION)
 COORDINATE_LAWS = tuple(law for law in LAWS if law.measures == (At,) and law is not MOTOR)
@@ -217,7 +224,7 @@ PARTS_OF_FRAMES = (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)  # a deck may have thousands
 class Element:
     """A force element: a law with the `values` of its parameters, and what it measures."""
 

@@ -18,7 +18,7 @@ from .piecewise_polynomials import Pieces, continuous_rates, integral, value_and
 POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND = 1, 2, 3, 4, 5, 6, 7
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)  # a deck may have thousands
 class MotionFunction:
     """A function of `kind` with constants `c` (4,); SI units.
 

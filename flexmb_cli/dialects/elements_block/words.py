@@ -69,7 +69,9 @@ def _of_law(law: Law) -> BlockWord:
     both = at and bool(line)
     keys = [key._replace(needed=not both) for key in measures]
     choices = ((("at",), ("from", "to")),) if both else ()
-    return BlockWord(law.word, f"force law {law.word}", (*keys, *_parameters(law)), choices, law=law)
+    return BlockWord(
+        law.word, law.meaning or f"force law {law.word}", (*keys, *_parameters(law)), choices, law=law
+    )
 
 
 def _parameters(law: Law) -> Iterator[Key]:
@@ -77,7 +79,7 @@ def _parameters(law: Law) -> Iterator[Key]:
     for p in law.parameters:
         needed = p.default is REQUIRED
         kind = FUNCTION if p.kind in FUNCTIONS else p.kind
-        units = ("", "") if kind == FUNCTION else (_unit(p, False), _unit(p, True))
+        units = ("", "") if kind == FUNCTION else (_unit(p, False), _unit(p, At in law.measures))
         default = None if needed else p.default
         yield Key(key_of(p), p.meaning.format_map(words), kind, default, units, needed)
 
