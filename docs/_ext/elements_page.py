@@ -75,8 +75,8 @@ def _old() -> list[str]:
 def text(page: str) -> str:
     """Return the page with its tables written anew."""
     head = page.partition(BEGIN)[0]
-    told = "Letters and numbers stand for the fields of a card, in their order."
-    old = ["## Cards of earlier versions", "", told, "", *_old()]
+    introduction = "Letters and numbers stand for the fields of a card, in their order."
+    old = ["## Cards of earlier versions", "", introduction, "", *_old()]
     return "\n".join([f"{head}{BEGIN}", "", "## Words", "", *_tables(), *old])
 
 

@@ -13,7 +13,7 @@ from ...deck.number_list import LongRecord, NumberList, record_of
 from ...deck.record import Deck, DeckText, Number, Record
 from ...deck.several_models import MOST_MODELS
 from ...errors import DeckError, Place
-from ..elements_block.text import refuse_behind, uncommented
+from ..elements_block.text import refuse_after, uncommented
 from .cards import CARDS, KNOWN_WORDS, MACROS, SWITCHES
 from .skipped_lines import SkippedLines
 from .system_cards import Layout, read_system
@@ -262,7 +262,7 @@ def _read_macros(records: Records) -> Record:
         line = records.next_card()
         word = records.word()
         if word == "STOP":
-            for fault in refuse_behind(as_lines(records.lines), uncommented, records.line, "STOP"):
+            for fault in refuse_after(as_lines(records.lines), uncommented, records.line, "STOP"):
                 records.report(fault.severity, "", fault.message, fault.place, id=fault.id)
             break
         if word == "DFMB":

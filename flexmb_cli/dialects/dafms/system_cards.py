@@ -102,10 +102,10 @@ class _System:
             names = [card.section for card in CARDS.values()]
             reserved = [*names, "counts", "heading", "time", "run", "echo", "speed", "coordinate", *OF_BODIES]
             self.blocks = BlockReader(as_lines(records.lines), uncommented, reserved)
-        read, told = len(self.blocks.records), len(self.blocks.faults)
+        n_records, n_faults = len(self.blocks.records), len(self.blocks.faults)
         records.line = min(self.blocks.read(records.line) - 1, len(records.lines))
-        self.read += self.blocks.records[read:]
-        for fault in self.blocks.faults[told:]:
+        self.read += self.blocks.records[n_records:]
+        for fault in self.blocks.faults[n_faults:]:
             records.report(fault.severity, fault.subject, fault.message, fault.place, id=fault.id)
 
     def take(self, word: str, line: str) -> None:

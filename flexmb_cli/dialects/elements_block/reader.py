@@ -67,9 +67,9 @@ class BlockReader:
 
     def read(self, opening: int) -> int:
         """Read the block that line `opening` opens; return the number of the line that ends it."""
-        behind = opening + 1
+        end_line = opening + 1
         for words, end in statements(self.code(self.lines, opening), opening + 1):
-            behind = end
+            end_line = end
             if len(self.records) >= MOST_ELEMENTS or self.numbers > MOST_NUMBERS_OF_BLOCKS:
                 self._error(
                     words[0] if words else Word(BLOCK, opening, 1), "", self._too_many(), id="ELEMENTS-047"
@@ -77,7 +77,7 @@ class BlockReader:
                 return len(self.lines) + 1
             if words:
                 self._read_line(words)
-        return behind
+        return end_line
 
     def _too_many(self) -> str:
         if self.numbers > MOST_NUMBERS_OF_BLOCKS:

@@ -124,7 +124,7 @@ def element_follows(lines: Lines, code: Callable[[Lines, int], Iterator[str]], o
     return line[:1].isspace() and is_element_line(line)
 
 
-def refuse_behind(
+def refuse_after(
     lines: Lines, code: Callable[[Lines, int], Iterator[str]], last: int, word: str
 ) -> Iterator[Fault]:
     """Refuse blocks and lines of elements behind line `last`, behind whose `word` nothing is read."""

@@ -13,7 +13,7 @@ from ..elements_block.text import (
     BLOCK,
     begins_block,
     is_like_block,
-    refuse_behind,
+    refuse_after,
     stray_lines,
     without_starred,
 )
@@ -91,7 +91,7 @@ class _Reader(CardReader):
                 self._check_filled(card, word)
                 card = self._open(word, line, ended)
                 if word == STOP:
-                    self.faults += refuse_behind(self.lines, without_starred, self.at, STOP)
+                    self.faults += refuse_after(self.lines, without_starred, self.at, STOP)
                     break
             elif self._refuse_stray(line):
                 continue
@@ -117,9 +117,9 @@ class _Reader(CardReader):
         if self.blocks is None:
             sections = [card.section for card in BY_WORD.values()]
             self.blocks = BlockReader(self.lines, without_starred, [*sections, "title"])
-        told = len(self.blocks.faults)
+        n_faults = len(self.blocks.faults)
         self.at = min(self.blocks.read(self.at) - 1, len(self.lines))
-        self.faults += self.blocks.faults[told:]
+        self.faults += self.blocks.faults[n_faults:]
         self.bare, self.unknown = None, False
 
     def _refuse_stray(self, line: str) -> bool:

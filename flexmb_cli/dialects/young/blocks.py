@@ -17,7 +17,7 @@ def block_reader(source: DeckText) -> BlockReader:
     return BlockReader(source.lines, without_braces, [*sections, "dynamics", "geometry"])
 
 
-def read_blocks_behind(reader: BlockReader, last: int, marker: re.Pattern[str]) -> int:
+def read_blocks_after(reader: BlockReader, last: int, marker: re.Pattern[str]) -> int:
     """Read the blocks behind line `last`, that of dT, up to the line that opens cards.
 
     Return the last line that is read.  What stands there besides is prose, in which the word alone opens no

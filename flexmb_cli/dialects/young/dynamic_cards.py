@@ -23,7 +23,7 @@ from ..elements_block.text import (
     BLOCK,
     begins_block,
     mentions_block,
-    refuse_behind,
+    refuse_after,
     stray_lines,
     without_braces,
 )
@@ -62,7 +62,7 @@ def read_young_deck(source: DeckText) -> Deck:
     deck = _read_numbers(source)
     step = deck.one("time").at("step").place
     assert step is not None, "the step is read from the deck"
-    blocks, behind = _blocks_behind(source, step.line)
+    blocks, behind = _blocks_after(source, step.line)
     opening = _opening(deck, behind)
     if opening is None:
         if blocks and any(fault.severity == "error" for fault in blocks.faults):
@@ -115,15 +115,15 @@ def _read_numbers(source: DeckText) -> Deck:
         raise
 
 
-def _blocks_behind(source: DeckText, last: int) -> "tuple[BlockReader | None, int]":
+def _blocks_after(source: DeckText, last: int) -> "tuple[BlockReader | None, int]":
     """The reader of the deck's blocks, with those behind line `last`, that of dT, and the last line read."""
     if not mentions_block(source.text, source.lines.start_of(last)):
         return None, last
     # Few decks have any.
-    from .blocks import block_reader, read_blocks_behind
+    from .blocks import block_reader, read_blocks_after
 
     blocks = block_reader(source)
-    return blocks, read_blocks_behind(blocks, last, MARKER)
+    return blocks, read_blocks_after(blocks, last, MARKER)
 
 
 def _with_lines(records: Any, lines: Sequence[Record]) -> Any:
@@ -214,7 +214,7 @@ class _Cards:
                 card = [word]
                 if word.text.upper() == LAST_CARD:
                     self.made.faults += cards_behind_end(self.source.lines, word.line, BY_KEYWORD)
-                    behind = refuse_behind(self.source.lines, without_braces, word.line, LAST_CARD)
+                    behind = refuse_after(self.source.lines, without_braces, word.line, LAST_CARD)
                     self.made.faults += behind
                     return None
             elif card:

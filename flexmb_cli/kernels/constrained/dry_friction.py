@@ -123,9 +123,9 @@ def fill_feedback(forces: np.ndarray, normals: np.ndarray, feedback: np.ndarray)
         equations[k, m] = 0.0
     for k in range(m):
         equations[k, m + k] = 1.0
-    told = _eliminate(equations)
+    solvable = _eliminate(equations)
     for k in range(m):
-        feedback[k] = max(equations[k, m + k], 0.0) if told else 1.0
+        feedback[k] = max(equations[k, m + k], 0.0) if solvable else 1.0
 
 
 @kernel
