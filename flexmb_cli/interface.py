@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from .run.check.check import CheckReport
-    from .run.context import TextStream
-    from .run.outcome import Listener, Outcome, RunOptions
+    from .run.outcome import Listener, Outcome, RunOptions, TextStream
     from .run.solution import Solution
     from .study.sweep import Sweep
 
@@ -91,8 +90,7 @@ def solve(deck: OpenDeck | str | os.PathLike[str], **options: float | str) -> "R
     cannot be solved.  A run that fails on its way raises AnalysisError,
     whose attribute `result` holds the rows so far.
     """
-    from .run.context import Run
-    from .run.outcome import Outcome
+    from .run.outcome import Outcome, Run
     from .run.solution import prepared
 
     opened = deck if isinstance(deck, OpenDeck) else read_deck(deck)
@@ -212,7 +210,7 @@ def solve_study(
 
 def write_study(path: str, study: "Sweep") -> None:
     """Write the table of a solved study and remove its parts; raises OutputError."""
-    from .study.table_writer import write_study_table
+    from .study.sweep import write_study_table
 
     write_study_table(path, study)
 

@@ -68,15 +68,12 @@ def _check_jacobian_option(jacobian: str | None) -> None:
 
 
 def _print_check(report: "CheckReport", with_echo: bool) -> None:
-    from ..results.texts.check_flexible_text import check_flexible_text
     from ..results.texts.check_text import check_text, jacobian_text
-    from ..results.texts.check_tree_text import check_tree_text
 
     if with_echo:
         _print_echo(report)
     if report.counts:
-        texts = {"tree": check_tree_text, "flexible": check_flexible_text}
-        show(texts.get(report.analysis, check_text)(report), prose=True)
+        show(check_text(report), prose=True)
     if report.jacobian:
         show(jacobian_text(report.jacobian))
 

@@ -7,8 +7,7 @@ import click
 
 from ..dialects.recognise import every_dialect
 from ..errors import FlexmbError
-from .options.completion import files
-from .options.output_file import FORCE, WrittenPlace
+from .options.output_file import FORCE, WrittenPlace, files
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall, notify
 

@@ -10,9 +10,8 @@ import click
 
 from ..errors import Fault, compiler_style, lines_visible, visible
 from ..results.diff.folders import Compared
-from .options.completion import files
 from .options.finite import Finite
-from .options.output_file import WrittenPlace
+from .options.output_file import WrittenPlace, files
 from .terminal.notices import faults_in_json
 from .terminal.screen import WrongCall, notify, show
 

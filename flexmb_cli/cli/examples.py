@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from ..dialects.recognise import every_dialect
-from .options.completion import example_names
+from .options.output_file import example_names
 
 PACKAGE = Path(__file__).resolve().parents[1]
 # In a wheel the decks lie in the package, in a checkout beside it.

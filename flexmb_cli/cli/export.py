@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .options.completion import files
-from .options.output_file import FORCE, WrittenPlace
+from .options.output_file import FORCE, WrittenPlace, files
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall
 

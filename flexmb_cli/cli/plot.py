@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import Fault
-from .options.completion import files, quantities
 from .options.finite import AnyFinite, Millimetres
-from .options.output_file import FORCE, WrittenPlace
+from .options.output_file import FORCE, WrittenPlace, files, quantities
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall
 
@@ -162,10 +161,15 @@ def _plot_study(
     print_options: "dict[str, Any]",
 ) -> None:
     from ..results.files.replaced_file import write_whole
-    from ..study.cases_table import cases_table
-    from ..study.curve_family import curve_family, family_picture, names_series
-    from ..study.figures import UnsuitedStudy, kind_for, study_picture
-    from ..study.text import open_study
+    from ..study.figures import (
+        UnsuitedStudy,
+        curve_family,
+        family_picture,
+        kind_for,
+        names_series,
+        study_picture,
+    )
+    from ..study.text import cases_table, open_study
 
     form, path = Path(output).suffix[1:].lower(), notices.file
     with open_study(path) as file:

@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import Fault
-from .options.completion import files
 from .options.finite import AnyFinite
-from .options.output_file import FORCE, WrittenPlace
+from .options.output_file import FORCE, WrittenPlace, files
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall
 
 if TYPE_CHECKING:
-    from ..results.figures.body_look import BodyLook
+    from ..results.figures.contours import BodyLook
     from ..results.figures.film import FilmLook
 
 
@@ -123,7 +122,7 @@ def _refuse_options(names: tuple[str, ...], why: str) -> None:
 
 
 def _body_look(looks: dict[str, Any]) -> "BodyLook":
-    from ..results.figures.body_look import COLOURS, OWN_COLOURS, BodyLook
+    from ..results.figures.contours import COLOURS, OWN_COLOURS, BodyLook
 
     colours, ends = looks["colours"], looks["ends"]
     if colours not in COLOURS:
@@ -208,9 +207,8 @@ def _result_page(path: str, bodies: "BodyLook") -> tuple[bytes, list[Fault]]:
 
 def _study_page(path: str) -> bytes:
     from ..extras import needed
-    from ..study.cases_table import cases_table
     from ..study.page import study_page
-    from ..study.text import open_study
+    from ..study.text import cases_table, open_study
 
     library = needed("plotly.offline", "plotly", "report", "flexmb report of a study").get_plotlyjs()
     with open_study(path) as file:

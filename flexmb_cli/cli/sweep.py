@@ -12,9 +12,8 @@ from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, Fault, compile
 from ..memory import TO_LOAD, require_memory
 from ..results.files.own_files import refuse_foreign
 from ..run.outcome import INTERRUPTED, TERMINATED, Listener, Stop, Terminated
-from .options.completion import files
 from .options.deck_options import LOOP_TOLERANCE
-from .options.output_file import FORCE, WrittenPlace, refuse_inputs
+from .options.output_file import FORCE, WrittenPlace, files, refuse_inputs
 from .terminal.notices import faults_in_json
 from .terminal.progress import Progress
 from .terminal.screen import WrongCall, notify
@@ -185,7 +184,7 @@ def _warn_of_another_user(made: "Sweep", notices: "_Notices") -> None:
 
 def _solve(made: "Sweep", notices: "_Notices", jobs: int, scheduler: str | None, verbose: bool) -> None:
     from .. import interface
-    from ..run.processes.parent_watch import outlive_workers
+    from ..run.processes.signal_mask import outlive_workers
 
     outlive_workers()
     blocks = made.pending()

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import Fault
-from .options.completion import files, quantities
 from .options.finite import AnyFinite
+from .options.output_file import files, quantities
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall, show, terminal_width
 

@@ -9,10 +9,9 @@ from ..deck.record import Deck, DeckText
 from ..dialects import DIALECTS
 from ..dialects.recognise import dialect_named, read_deck
 from ..errors import DeckError, Fault, FlexmbError, ModelError, visible
-from .context import Run
 from .model import analysis_of, folder_of, model_of
 from .open_deck import open_deck
-from .outcome import Outcome, RunOptions
+from .outcome import Outcome, Run, RunOptions
 from .solution import solution_of
 
 if TYPE_CHECKING:

@@ -3,11 +3,10 @@
 from ..deck.record import Deck
 from ..results.files.file_names import ResultPaths, result_paths
 from ..results.files.own_files import refuse_foreign
-from .context import Run, TextStream
 from .earlier_results import EarlierResults
 from .exit_status import ending_recorded
 from .open_deck import open_deck, own_options, warn_of_foreign_options
-from .outcome import Listener, Outcome, RunOptions, Stop
+from .outcome import Listener, Outcome, Run, RunOptions, Stop, TextStream
 from .solution import solve_deck
 
 

@@ -13,7 +13,7 @@ from ..model.mechanism import TimeGrid
 from ..model.tree import Tree
 from ..solvers.compilation import Notices, announce_compiling
 from .check.parts import FARTHEST_STEPS
-from .context import Run
+from .outcome import Run
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -13,12 +13,11 @@ from ..model.flexible_body import Dropped, FlexibleBody
 from ..model.unit_checks import unit_warnings
 from ..results.files.replaced_file import write_whole
 from ..results.files.state_space import arrays_of, json_bytes, npz_bytes
-from .context import Run
 from .exit_status import ending_recorded
 from .mechanism_modes import MechanismModes, Wish, dynamic_modes, flexible_modes, tree_modes
 from .model import analysis_of, model_of
 from .open_deck import open_deck
-from .outcome import Listener, Outcome, RunOptions, Stop
+from .outcome import Listener, Outcome, Run, RunOptions, Stop
 
 
 @dataclass

@@ -9,8 +9,7 @@ from ..deck.text import read_text
 from ..dialects.recognise import dialect_named, read_deck
 from ..errors import Fault
 from ..solvers.as_printed.errors import AS_PRINTED
-from .loop_tolerance import LOOP_TOLERANCE
-from .outcome import SOLVER_OPTIONS, Outcome, RunOptions
+from .outcome import LOOP_TOLERANCE, SOLVER_OPTIONS, Outcome, RunOptions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -3,11 +3,10 @@
 from collections.abc import Callable
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from ..deck.record import DeckText
 from ..errors import DONE, Fault, ModelError
-from .loop_tolerance import LOOP_TOLERANCE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -16,6 +15,7 @@ if TYPE_CHECKING:
 INTERRUPTED, TERMINATED = 130, 143
 
 KANE, ABSOLUTE = "kane", "absolute"
+LOOP_TOLERANCE = "loop-tolerance"
 
 
 class Terminated(BaseException):
@@ -200,3 +200,32 @@ def refuse_warnings(outcome: Outcome, options: RunOptions) -> None:
             replace(f, severity="error") if f.severity == "warning" else f for f in outcome.faults
         ]
         raise ModelError(outcome.faults)
+
+
+class TextStream(Protocol):
+    """Destination of a listing that is not written to a file."""
+
+    def write(self, text: str, /) -> int:
+        """Write `text`."""
+
+    def flush(self) -> None:
+        """Pass buffered text on."""
+
+
+class Run(NamedTuple):
+    """The context of one deck."""
+
+    outcome: Outcome  # fills while the deck is run
+    options: RunOptions  # those of the command
+    listener: Listener = Listener()  # receives its progress
+    stdout: TextStream | None = None  # receives the listing of `--out -`
+
+    def warn(self, faults: "list[Fault] | tuple[Fault, ...]") -> None:
+        """Record warnings; under `--strict` they end the run as errors.  Raises ModelError."""
+        self.outcome.faults += faults
+        refuse_warnings(self.outcome, self.options)
+
+    @property
+    def with_new_outcome(self) -> "Run":
+        """The same run with an empty outcome, for a second solution that reports nothing to the user."""
+        return self._replace(outcome=Outcome(self.outcome.deck))

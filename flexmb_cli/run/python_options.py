@@ -14,7 +14,7 @@ from ..deck.record import Deck
 from ..dialects.recognise import dialect_named, every_dialect
 from ..errors import Fault, ModelError
 from ..model.time_checks import FINEST
-from .loop_tolerance import LARGEST_TOLERANCE
+from .model import LARGEST_TOLERANCE
 from .outcome import Outcome, RunOptions
 
 FORMULATIONS = ("kane", "absolute")

@@ -15,7 +15,7 @@ from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
 from ..results.hdf5.layout import Layout
 from ..results.hdf5.result_file import ResultFile
 from ..results.quantities.quantities import resolve
-from .context import Run, TextStream
+from .outcome import Run, TextStream
 
 if TYPE_CHECKING:
     import numpy as np

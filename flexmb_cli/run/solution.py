@@ -15,10 +15,9 @@ from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
 from ..results.files.file_names import ResultPaths
 from ..solvers.compilation import report_damage
 from .checkpoint import ResumeFile
-from .context import Run
 from .exit_status import reason_of
 from .model import model_of, module_for
-from .outcome import Stop, Terminated
+from .outcome import Run, Stop, Terminated
 from .python_options import refuse_foreign_method
 from .result_files import ResultFiles
 

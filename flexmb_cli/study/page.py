@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import lines_visible
-from .cases_table import CasesTable
+from .text import CasesTable
 
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8">

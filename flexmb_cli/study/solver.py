@@ -13,9 +13,8 @@ from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, DeckError, Fault, Fl
 from ..memory import LACK_OF_MEMORY, lacks_memory
 from ..results.hdf5.result_file import ResultFile
 from ..results.quantities.quantities import SHOWS_ALL, Quantity, ResultError, resolve
-from ..run.context import Run
 from ..run.model import model_of
-from ..run.outcome import Listener, Outcome, RunOptions, Stop
+from ..run.outcome import Listener, Outcome, Run, RunOptions, Stop
 from ..run.solution import Solution, solution_of
 from .study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Cases, Kept, Study
 

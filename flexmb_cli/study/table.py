@@ -13,8 +13,7 @@ import numpy as np
 
 from .. import __version__
 from ..extras import needed
-from ..results.files.disk_failures import located
-from ..results.files.full_disk_guard import FullDiskGuard
+from ..results.files.disk_failures import FullDiskGuard, located
 from ..results.files.replaced_file import Replacement
 from ..results.hdf5.result_file import FILE_FORMAT, TEXT, printable_name
 

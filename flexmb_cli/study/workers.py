@@ -177,7 +177,7 @@ def _serve(line: Any, job: Job) -> None:
 
 def _begin_process() -> RuntimeError | None:
     """Ctrl-C reaches every process of the terminal; a worker ends with its driver, however that ends."""
-    from ..run.processes.parent_watch import end_with_parent
+    from ..run.processes.signal_mask import end_with_parent
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     unblock_stops()

@@ -8,8 +8,8 @@ from ...dialects import DIALECTS
 from ...errors import FlexmbError, compiler_style
 from ..terminal.screen import notify
 from ..terminal.stops import stop_on_signals
-from .completion import files
 from .finite import Finite
+from .output_file import files
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -29,7 +29,7 @@ def outcomes_in_parallel(
     decks: "Sequence[str]", options: RunOptions, jobs: int, progress: Progress
 ) -> Iterator[Outcome]:
     """Return what became of every deck, in order; after a stop, of those that had been begun."""
-    from ...run.processes.parent_watch import outlive_workers
+    from ...run.processes.signal_mask import outlive_workers
 
     outlive_workers()
     work = _Work(options, jobs, progress, deque(enumerate(decks)))
@@ -177,7 +177,7 @@ def _serve(line: Any, options: RunOptions) -> None:
 
 
 def _begin_process() -> Any:
-    from ...run.processes.parent_watch import end_with_parent
+    from ...run.processes.signal_mask import end_with_parent
 
     sys.unraisablehook = pass_over_stops
     stop_on_signals()

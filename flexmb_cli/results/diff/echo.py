@@ -7,9 +7,8 @@ import numpy as np
 
 from ...deck.fortran_words import overflows
 from ...deck.listing import EchoLine, Listing, ListingForm
-from .report import Found, Report
+from .report import Found, Report, compare_words
 from .tolerances import Tolerances
-from .words import compare_words
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

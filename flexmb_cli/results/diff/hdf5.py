@@ -24,9 +24,8 @@ from ..hdf5.stored_result import (
     understood,
 )
 from ..quantities.quantities import ResultError, resolve
-from .report import Found, Report
+from .report import WORDS_OF_RESULTS, Found, Report, compare_names
 from .tolerances import Tolerance, Tolerances
-from .words import WORDS_OF_RESULTS, compare_names
 
 DEFAULT_ATOL, DEFAULT_RTOL = 1e-12, 1e-9
 # So many numbers are compared at once: results may be larger than the memory.

@@ -17,9 +17,8 @@ from .hdf5 import (
     open_sound,
     quantity_places,
 )
-from .report import Found, Report
+from .report import WORDS_OF_RESULTS, Found, Report, compare_names
 from .tolerances import MATLAB, ToleranceError, Tolerances
-from .words import WORDS_OF_RESULTS, compare_names
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

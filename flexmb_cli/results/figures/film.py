@@ -14,13 +14,21 @@ import h5py
 import numpy as np
 
 from ..hdf5.stored_result import attribute
-from .body_look import DEFAULT_LOOK, BodyLook, check_look, shown_colours
-from .contours import ENERGY, Ranges, contour_ranges, nodal_values, unit_of
+from .contours import (
+    DEFAULT_LOOK,
+    ENERGY,
+    BodyLook,
+    Ranges,
+    check_look,
+    contour_ranges,
+    nodal_values,
+    shown_colours,
+    unit_of,
+)
 from .depth_buffer import DepthBuffer
 from .element_bodies import ElementBody, element_bodies, outer_faces_of_elements, triangles
 from .report_scene import GREY, LONGEST_ANIMATION, MOST_TRACES, SHORTEST_ANIMATION, TRACE, colour_of, rounded
-from .scene import Scene, read_scene
-from .view import view_of
+from .scene import Scene, read_scene, view_of
 
 DOTS = 72  # an inch, so that a point is a pixel
 # Height of letters: their usual share of the picture's height, and least and largest, pixels.

@@ -24,7 +24,7 @@ from ...errors import DeckError, lines_visible
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, is_number, is_text, settings_of, texts
 from ..quantities.quantities import ResultError, names, remarks, shortfall
 from ..texts.echo import echo
-from .body_look import DEFAULT_LOOK, BodyLook
+from .contours import DEFAULT_LOOK, BodyLook
 from .curves import Panel, Source, default_curves, panels, still_energies
 from .report_curves import curve_figure
 from .report_scene import report_scene

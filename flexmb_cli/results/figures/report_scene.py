@@ -10,13 +10,21 @@ from typing import Any
 import h5py
 import numpy as np
 
-from .body_look import DEFAULT_LOOK, BodyLook, check_look, largest_scale, shown_colours
-from .body_shapes import BodyShape
-from .contours import ENERGY, Ranges, contour_ranges, resting_row, unit_of
+from .contours import (
+    DEFAULT_LOOK,
+    ENERGY,
+    BodyLook,
+    Ranges,
+    check_look,
+    contour_ranges,
+    largest_scale,
+    resting_row,
+    shown_colours,
+    unit_of,
+)
 from .element_bodies import ElementBody, element_bodies, face_edges, outer_faces_of_elements, triangles
 from .look import COLOURS
-from .scene import DrawnBody, Scene, read_scene
-from .view import view_of
+from .scene import BodyShape, DrawnBody, Scene, read_scene, view_of
 
 GREY, TRACE = "#808080", "#B06060"
 MOST_SCENE_FRAMES, FEWEST_FRAMES = 500, 20

@@ -6,10 +6,27 @@ import numpy as np
 
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from ...model.joint_elements import element_names
-from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .joint_coordinates import coordinate_names, joint_values, with_elements
-from .layout import EULER_PARAMETER, XYZ, Axis, Constant, Layout, Series, Values, numbered_axis
-from .motion_series import BODY_MOTION, JOINT_VECTOR, POINT_MOTION, with_shapes
+from .layout import (
+    BODY_MOTION,
+    DRIVER,
+    EULER_PARAMETER,
+    FORCE,
+    JOINT_VECTOR,
+    PATH,
+    POINT_MOTION,
+    TORQUE,
+    XYZ,
+    Axis,
+    Constant,
+    Layout,
+    Series,
+    Values,
+    driver_axis_with_units,
+    effort_series,
+    numbered_axis,
+    with_shapes,
+)
 from .result_geometry import SIDE, gravity, joint_geometry, point_bodies, shape_geometry
 from .stress import (
     element_axis,

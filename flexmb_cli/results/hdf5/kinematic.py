@@ -7,8 +7,18 @@ import numpy as np
 
 from ...model.mechanism import Mechanism
 from ...solvers.kinematics.rows import Rows
-from .layout import EULER_PARAMETER, TIME, XYZ, Layout, Series, Values, numbered_axis
-from .motion_series import BODY_MOTION, POINT_MOTION, with_shapes
+from .layout import (
+    BODY_MOTION,
+    EULER_PARAMETER,
+    POINT_MOTION,
+    TIME,
+    XYZ,
+    Layout,
+    Series,
+    Values,
+    numbered_axis,
+    with_shapes,
+)
 from .result_geometry import SIDE, mechanism_geometry
 
 # Fields of `Rows`, besides the time.

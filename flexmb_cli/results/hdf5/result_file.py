@@ -16,8 +16,7 @@ from ... import __version__
 from ...deck.record import Deck
 from ...errors import COMPLETE, FAILED, OutputError
 from ...solvers.as_printed.errors import AS_PRINTED, EMULATED
-from ..files.disk_failures import located
-from ..files.full_disk_guard import FullDiskGuard
+from ..files.disk_failures import FullDiskGuard, located
 from ..files.replaced_file import Replacement, put_in_place
 from .layout import TIME, Axis, Constant, Layout, Series, Values
 

@@ -15,8 +15,14 @@ from typing import TYPE_CHECKING, Any
 import h5py
 
 from ...errors import visible
-from .chunk_bounds import bytes_of_records, fault_of_filters, fault_of_heaps, fault_of_packed
-from .text_sizes import UnknownSize, bytes_of_texts
+from .chunk_bounds import (
+    UnknownSize,
+    bytes_of_records,
+    bytes_of_texts,
+    fault_of_filters,
+    fault_of_heaps,
+    fault_of_packed,
+)
 
 if TYPE_CHECKING:
     import numpy as np

@@ -9,10 +9,26 @@ from typing import TYPE_CHECKING, cast
 from ...model.joint_elements import names_of
 from ...model.laws import is_angle
 from ...model.tree import ELASTIC, ROTATION, Body, Tree
-from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .joint_coordinates import OF_ELEMENTS, joint_values, with_elements
-from .layout import EULER_PARAMETER, XYZ, Axis, Layout, Series, Values, numbered_axis
-from .motion_series import BODY_MOTION, JOINT_VECTOR, POINT_MOTION, with_shapes
+from .layout import (
+    BODY_MOTION,
+    DRIVER,
+    EULER_PARAMETER,
+    FORCE,
+    JOINT_VECTOR,
+    PATH,
+    POINT_MOTION,
+    TORQUE,
+    XYZ,
+    Axis,
+    Layout,
+    Series,
+    Values,
+    driver_axis_with_units,
+    effort_series,
+    numbered_axis,
+    with_shapes,
+)
 from .result_geometry import SIDE, tree_geometry
 
 if TYPE_CHECKING:

@@ -8,11 +8,10 @@ import numpy as np
 
 from ...deck.record import Deck
 from ...errors import Fault
-from ..context import Run
 from ..exit_status import ending_recorded
 from ..model import analysis_of, model_of, module_for
 from ..open_deck import open_deck
-from ..outcome import Outcome, RunOptions, Stop
+from ..outcome import Outcome, Run, RunOptions, Stop
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...model.loads import DynamicModel
 from ...model.unit_checks import unit_warnings
-from ..context import Run
+from ..outcome import Run
 from .check import CheckReport
 from .parts import (
     before_and_after,

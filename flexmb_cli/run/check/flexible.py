@@ -8,7 +8,7 @@ from ...deck.many_records import Made
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from ...model.joints import BY_NAME
 from ...model.unit_checks import unit_warnings
-from ..context import Run
+from ..outcome import Run
 from .check import CheckReport
 from .parts import (
     before_and_after,

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import Fault, ModelError
 from ...model.mechanism import Mechanism, TimeGrid
-from ..context import Run
+from ..outcome import Run
 from .check import CheckReport, LabelledJacobian
 from .parts import FARTHEST_STEPS, before_and_after, gaps_of, is_too_large, note_moves, note_slips, parts_of
 

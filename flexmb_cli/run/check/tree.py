@@ -13,7 +13,7 @@ from ...model.mechanism import TimeGrid
 from ...model.tree import ELASTIC, Tree
 from ...model.unit_checks import unit_warnings
 from ...solvers.tree.loop_assembly import closed_rows
-from ..context import Run
+from ..outcome import Run
 from .check import CheckReport
 from .parts import refuse_jacobian
 

@@ -1,8 +1,10 @@
-"""Signals that stop a command, kept from processes that are only beginning."""
+"""Signals that stop a command, kept from processes that are only beginning; processes that end with it."""
 
+import os
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 # SIGHUP, which not every system has: the terminal is closed, or the connection to it.
 STOPS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
@@ -31,3 +33,31 @@ def unblock_stops() -> None:
     """Have this process notified of signals again."""
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)
+
+
+def end_with_parent() -> None:
+    """Have this worker killed when its parent is gone.
+
+    It would otherwise wait for work for ever, or go on writing files that the next call of the same
+    command writes, too.
+    """
+    from multiprocessing import parent_process
+    from threading import Thread
+
+    parent = parent_process()
+    if parent is not None:
+        Thread(target=_kill_after, args=(parent,), daemon=True).start()
+
+
+def outlive_workers() -> None:
+    """Have a worker, or a scheduler, that dies raise an error here.
+
+    The system would end this process as well, silently, for writing into a pipe that nobody reads.
+    """
+    if hasattr(signal, "SIGPIPE"):
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+
+
+def _kill_after(parent: Any) -> None:
+    parent.join()
+    os.kill(os.getpid(), signal.SIGTERM if os.name == "nt" else signal.SIGKILL)

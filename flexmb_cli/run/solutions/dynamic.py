@@ -10,9 +10,9 @@ from ...model.loads import DynamicModel
 from ...model.unit_checks import unit_warnings
 from ...results.hdf5.dynamic import dynamic_layout, dynamic_values
 from ...solvers.compilation import announce_compiling
-from ..context import Run
 from ..energy_drift import ConstrainedDrift, StepCount
 from ..error_estimate import finer_motion, nothing_to_refine
+from ..outcome import Run
 from ..python_options import set_tolerances
 from ..solution import Solution
 
@@ -72,7 +72,7 @@ def _contents(model: DynamicModel) -> "tuple[Callable[..., Any], Callable[..., A
     """Functions of the layout of the HDF5 file and of its values from report rows."""
     if not model.elements:
         return partial(dynamic_layout, model), partial(dynamic_values, model)
-    from ...results.hdf5.elements import element_layout, element_values
+    from ...results.hdf5.dynamic import element_layout, element_values
 
     return partial(element_layout, model), partial(element_values, model)
 

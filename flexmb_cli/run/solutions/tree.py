@@ -12,10 +12,9 @@ from ...model.unit_checks import unit_warnings
 from ...results.hdf5.tree import tree_layout, tree_values
 from ...solvers.compilation import announce_compiling
 from ...solvers.tree.points import point_motion, point_names
-from ..context import Run
 from ..energy_drift import EnergyDrift
 from ..error_estimate import FINER, finer, why_no_estimate
-from ..outcome import ABSOLUTE
+from ..outcome import ABSOLUTE, Run
 from ..solution import NoCount, Solution
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from ...errors import Fault, ModelError
 from ...model.integrators import METHODS, Integrator
 from ...model.loads import DynamicModel
 from ...model.mechanism import Mechanism
-from ..context import Run
+from ..outcome import Run
 from .difference import Difference, Size, compared_rows, largest_difference
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from ...dialects.recognise import dialect_named
 from ...errors import Fault, ModelError
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.integrators import METHODS, Integrator
-from ..context import Run
 from ..model import folder_of
+from ..outcome import Run
 from .difference import Difference, Size, compared_rows, largest_difference
 
 if TYPE_CHECKING:

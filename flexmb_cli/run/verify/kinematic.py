@@ -2,7 +2,7 @@
 
 from ...deck.record import Deck
 from ...model.mechanism import Mechanism
-from ..context import Run
+from ..outcome import Run
 from .difference import Difference
 from .dynamic import FORMULATIONS as FORMULATIONS
 from .dynamic import compare

@@ -10,7 +10,7 @@ from ...model.integrators import IMPLICIT_TREE_METHODS
 from ...model.laws import MOTOR
 from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
 from ...solvers.tree.breakpoints import breakpoints
-from ..context import Run
+from ..outcome import Run
 from ..solutions.tree import absolute_analysis, kane_analysis, values_of
 from .difference import Difference, Size, compared_rows, largest_difference
 

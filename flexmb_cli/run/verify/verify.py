@@ -11,11 +11,10 @@ import numpy as np
 
 from ...errors import ANALYSIS_FAILED
 from ...results.texts.echo import echo
-from ..context import Run
 from ..exit_status import ending_recorded
 from ..model import model_of, module_for
 from ..open_deck import open_deck
-from ..outcome import Listener, Outcome, RunOptions, Stop
+from ..outcome import Listener, Outcome, Run, RunOptions, Stop
 from .difference import Difference
 
 

@@ -26,7 +26,7 @@ PARENT = """
 import sys, time
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
-from flexmb_cli.run.processes.parent_watch import end_with_parent
+from flexmb_cli.run.processes.signal_mask import end_with_parent
 
 if __name__ == "__main__":
     pool = ProcessPoolExecutor(1, get_context("spawn"), initializer=end_with_parent)
@@ -266,7 +266,7 @@ def test_a_dead_worker_does_not_end_its_parent(tmp_path):
     """`flexmb … | head` needs SIGPIPE as it is; writing to a dead worker must be an error instead."""
     code = (
         "import os, signal\n"
-        "from flexmb_cli.run.processes.parent_watch import outlive_workers\n"
+        "from flexmb_cli.run.processes.signal_mask import outlive_workers\n"
         "signal.signal(signal.SIGPIPE, signal.SIG_DFL)\n"
         "outlive_workers()\n"
         "read, write = os.pipe()\n"
