@@ -37,7 +37,7 @@ def convert(
     deck: str,
     form: str,
     output: str,
-    changes: "tuple[Any, ...]",
+    changes: tuple[Any, ...],
     unit: str,
     to_unit: str,
     force: bool,

@@ -115,7 +115,7 @@ def _tolerances(options: dict[Any, Any]) -> Any:
     return read_tolerances(path, general) if path else FileTolerances(general=general)
 
 
-def _compare_files(a: Any, b: Any, tolerances: Any, update: bool, as_json: bool, options: Any) -> "Compared":
+def _compare_files(a: Any, b: Any, tolerances: Any, update: bool, as_json: bool, options: Any) -> Compared:
     from ..deck.listing import TableError
     from ..results.diff.compare import compare
     from ..results.diff.folders import Compared, Pair

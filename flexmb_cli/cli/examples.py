@@ -125,7 +125,7 @@ def _descriptions(folder: Path) -> Iterator[tuple[tuple[str, str], str]]:
                 yield from (((suffix, name), cells[1]) for suffix in suffixes)
 
 
-def _whole_names(names: tuple[str, ...] | list[Any]) -> "Iterator[Any]":
+def _whole_names(names: tuple[str, ...] | list[Any]) -> Iterator[Any]:
     """Complete names such as `_n5` behind `shaft_beam_n2`."""
     for name in names:
         yield names[0].rpartition("_")[0] + name if name.startswith("_") else name

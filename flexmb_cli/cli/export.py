@@ -1,6 +1,8 @@
 """`flexmb export`: a result for other programs."""
 
+from collections.abc import Callable
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,8 +13,6 @@ from .terminal.notices import Notices
 from .terminal.screen import WrongCall
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     import h5py
 
     from ..errors import Fault
@@ -58,8 +58,11 @@ def export(result: str, form: str, output: str | None, force: bool, as_json: boo
     notices.end(file=output)
 
 
-def _export_run(path: str, form: str, output: str, check: "Callable[..., None]") -> "list[Fault]":
+def _export_run(path: str, form: str, output: str, check: Callable[..., None]) -> "list[Fault]":
     """Write the result of a run; return what its reader should know."""
+    from ..results.figures.vtkhdf import vtkhdf_bytes
+    from ..results.files.matlab import matlab_bytes
+    from ..results.files.replaced_file import write_whole
     from ..results.quantities.quantities import open_result, refuse_uneven, remarks
 
     with open_result(path) as file:
@@ -68,11 +71,11 @@ def _export_run(path: str, form: str, output: str, check: "Callable[..., None]")
         if form == "csv":
             _write_csv(file, output, check)
         else:
-            WRITERS[form](file, output)
+            write_whole(output, matlab_bytes(file) if form == "mat" else vtkhdf_bytes(file))
     return notes
 
 
-def _export_study(path: str, form: str, output: str, check: "Callable[..., None]") -> "list[Fault]":
+def _export_study(path: str, form: str, output: str, check: Callable[..., None]) -> "list[Fault]":
     """Write the table of a study; return what its reader should know."""
     from ..results.files.matlab import matlab_bytes
     from ..results.files.replaced_file import write_whole
@@ -97,22 +100,8 @@ def _export_study(path: str, form: str, output: str, check: "Callable[..., None]
     return notes
 
 
-def _write_vtkhdf(file: "h5py.File", output: str) -> None:
-    from ..results.figures.vtkhdf import vtkhdf_bytes
-    from ..results.files.replaced_file import write_whole
-
-    write_whole(output, vtkhdf_bytes(file))
-
-
-def _write_mat(file: "h5py.File", output: str) -> None:
-    from ..results.files.matlab import matlab_bytes
-    from ..results.files.replaced_file import write_whole
-
-    write_whole(output, matlab_bytes(file))
-
-
-def _write_csv(file: "h5py.File", output: str, check: "Callable[..., None]") -> None:
-    from ..results.files.replaced_file import ReplacedText
+def _write_csv(file: "h5py.File", output: str, check: Callable[..., None]) -> None:
+    from ..results.files.replaced_file import replaced
     from ..results.quantities.quantities import names
     from ..results.quantities.table import chosen_rows, table_text
     from .options.output_file import STANDARD_OUTPUT
@@ -124,15 +113,6 @@ def _write_csv(file: "h5py.File", output: str, check: "Callable[..., None]") -> 
         return
     heads = next(pieces)
     check(alike=heads)
-    text = ReplacedText(output)
-    try:
-        text.write(heads)
-        for piece in pieces:
-            text.write(piece)
-    except BaseException:
-        text.discard()
-        raise
-    text.commit()
-
-
-WRITERS = {"vtkhdf": _write_vtkhdf, "mat": _write_mat}
+    with replaced(output) as stream:
+        for piece in chain([heads], pieces):
+            stream.write(piece.encode())

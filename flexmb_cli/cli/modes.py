@@ -2,6 +2,7 @@
 
 import json
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,8 +19,6 @@ from .terminal.progress import Progress
 from .terminal.screen import WrongCall, notify, show, wants_debug
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from ..run.outcome import Outcome
 
 
@@ -137,7 +136,7 @@ def modes_text(report: Any) -> str:
     return "".join(f"{line.rstrip()}\n" for line in lines)
 
 
-def _mechanism_lines(found: Any) -> "Iterator[Any]":
+def _mechanism_lines(found: Any) -> Iterator[Any]:
     modes = found.modes
     where = "about the equilibrium" if found.equilibrium else "of the mechanism"
     yield f"  linearised motion {where} at t = {found.time:.6g} s: DOF {len(modes.eigenvalues) // 2}"
@@ -159,7 +158,7 @@ def _mechanism_lines(found: Any) -> "Iterator[Any]":
         yield f"    eigenvalues of motions that nothing holds: {modes.unheld}"
 
 
-def _position_lines(position: Any) -> "Iterator[Any]":
+def _position_lines(position: Any) -> Iterator[Any]:
     for name, values in position:
         yield f"    {name}: " + " ".join(f"{value:.6g}" for value in np.array(values) + 0.0)
 

@@ -1,6 +1,7 @@
 """`flexmb plot`: curves of results as pictures."""
 
 import contextlib
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,8 +14,6 @@ from .terminal.notices import Notices
 from .terminal.screen import WrongCall
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from ..results.figures.curves import Source
     from ..results.figures.look import Look
 
@@ -158,7 +157,7 @@ def _plot_study(
     kind: str,
     title: str | None,
     width: float | None,
-    print_options: "dict[str, Any]",
+    print_options: dict[str, Any],
 ) -> None:
     from ..results.files.replaced_file import write_whole
     from ..study.figures import (
@@ -195,10 +194,10 @@ def _plot_study(
 
 
 def _drawn(
-    draw: "Callable[..., bytes]",
-    arguments: "tuple[Any, ...]",
+    draw: Callable[..., bytes],
+    arguments: tuple[Any, ...],
     width: float | None,
-    options: "dict[str, Any]",
+    options: dict[str, Any],
     notices: Notices,
 ) -> bytes:
     """The bytes of the picture that `draw` makes of its arguments and a look; print options need a width."""

@@ -3,6 +3,7 @@
 import json
 import os
 import sys
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -16,8 +17,6 @@ from .terminal.screen import WrongCall, notify, show, standard_output, wants_deb
 from .terminal.stops import stop_on_signals
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
     from ..run.outcome import Outcome, RunOptions
 
 
@@ -101,7 +100,7 @@ def run(
     sys.exit(max(codes))
 
 
-def _refuse_mixed_output(as_json: bool, options: "dict[Any, Any]") -> None:
+def _refuse_mixed_output(as_json: bool, options: dict[Any, Any]) -> None:
     if options["out"] == "-" and as_json:
         raise WrongCall("--out - and --json both take standard output; give --out a file", id="CLI-045")
     # In the place of a closed stream (`>&-`) stands an open file, see `cli._open_closed_streams`.
@@ -116,7 +115,7 @@ def _refuse_mixed_output(as_json: bool, options: "dict[Any, Any]") -> None:
             )
 
 
-def _note_names_behind_only(decks: "Sequence[str]", options: "dict[Any, Any]", quiet: bool) -> None:
+def _note_names_behind_only(decks: Sequence[str], options: dict[Any, Any], quiet: bool) -> None:
     """`--only point energy` takes the second name for a deck."""
     from ..deck.several_models import named_model
 
@@ -125,28 +124,28 @@ def _note_names_behind_only(decks: "Sequence[str]", options: "dict[Any, Any]", q
         notify("flexmb: --only takes one quantity: give it once for each, as in --only point --only energy")
 
 
-def _refuse_parallel_input(decks: "Sequence[str]", jobs: int) -> None:
+def _refuse_parallel_input(decks: Sequence[str], jobs: int) -> None:
     if jobs > 1 and len(decks) > 1 and "-" in decks:
         raise WrongCall(
             "standard input goes to one process only: with -j give every deck by its name", id="CLI-049"
         )
 
 
-def _refuse_foreign_resume(options: "dict[Any, Any]") -> None:
+def _refuse_foreign_resume(options: dict[Any, Any]) -> None:
     if options["resume"] and options["formulation"] == "absolute":
         raise WrongCall(
             "--resume goes with --formulation kane: the other one leaves nothing to resume", id="CLI-050"
         )
 
 
-def _refuse_foreign_estimate(options: "dict[Any, Any]") -> None:
+def _refuse_foreign_estimate(options: dict[Any, Any]) -> None:
     if options["estimate_error"] and options["formulation"] == "absolute":
         raise WrongCall("--estimate-error goes with --formulation kane", id="CLI-051")
     if options["estimate_error"] and options["as_printed"]:
         raise WrongCall("--estimate-error and --as-printed exclude each other: give one", id="CLI-052")
 
 
-def _given(options: "dict[Any, Any]", **names: Any) -> "dict[Any, Any]":
+def _given(options: dict[Any, Any], **names: Any) -> dict[Any, Any]:
     """Takes the options called as the values of `names` out of `options`; those given, by the keys."""
     values = {key: options.pop(name) for key, name in names.items()}
     return {key: value for key, value in values.items() if value is not None}
@@ -154,7 +153,7 @@ def _given(options: "dict[Any, Any]", **names: Any) -> "dict[Any, Any]":
 
 def _all_outcomes(
     decks: list[str], options: "RunOptions", jobs: int, quiet: bool, verbose: bool
-) -> "Iterator[Any]":
+) -> Iterator[Any]:
     """Return what became of every deck; one that was not begun before a stop is as if stopped at its first
     row.
     """
@@ -199,7 +198,7 @@ def _outcomes(
         yield outcome
 
 
-def _refuse_shared_files(decks: "Sequence[str]", options: "RunOptions") -> None:
+def _refuse_shared_files(decks: Sequence[str], options: "RunOptions") -> None:
     """Two decks that would write the same file are refused before anything is solved."""
     from pathlib import PurePath
 

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -13,8 +14,6 @@ from .terminal.notices import Notices
 from .terminal.screen import WrongCall, show, terminal_width
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     import h5py
 
     from ..results.quantities.quantities import Quantity
@@ -113,7 +112,7 @@ class _Printed:
         else:
             show(text)
 
-    def table(self, pieces: "Iterable[str]") -> None:
+    def table(self, pieces: Iterable[str]) -> None:
         """Take the pieces of a table."""
         if self._as_json:
             self._kept += pieces
@@ -187,7 +186,7 @@ def _print_study(
             printed.table(study_text(file, columns, every, printed.style or "csv", heads))
 
 
-def _study_blocks(columns: "list[StudyColumn]", style: str | None) -> "list[list[int]] | list[None]":
+def _study_blocks(columns: "list[StudyColumn]", style: str | None) -> list[list[int]] | list[None]:
     """Return the places of the heads in blocks that fit a terminal; None, which means all, for a pipe."""
     from ..study.text import fitting_heads
 

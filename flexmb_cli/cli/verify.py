@@ -31,7 +31,7 @@ from .terminal.screen import show, wants_debug
 )
 def verify(
     decks: tuple[str, ...],
-    changes: "tuple[Any, ...]",
+    changes: tuple[Any, ...],
     echo: bool,
     as_json: bool,
     quiet: bool,

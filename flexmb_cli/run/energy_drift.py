@@ -77,7 +77,7 @@ class ConstrainedDrift(EnergyDrift):
 class StepCount(NoCount):
     """Steps, residuals and drift of energy so far; an inverse run takes no steps of its own."""
 
-    def __init__(self, clock: "np.ndarray | None" = None, drift: ConstrainedDrift | None = None):
+    def __init__(self, clock: np.ndarray | None = None, drift: ConstrainedDrift | None = None):
         self.clock, self.drift = clock, drift
         self.residual = 0.0
 

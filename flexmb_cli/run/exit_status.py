@@ -1,16 +1,12 @@
 """End of a deck that does not come to its last time: its reports, and its exit code."""
 
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from ..errors import ANALYSIS_FAILED, INTERNAL_FAULT, AnalysisError, Fault, FlexmbError, ModelError
 from ..memory import LACK_OF_MEMORY, lack_of_memory_text, lacks_memory
 from .outcome import INTERRUPTED, TERMINATED, Outcome, RunOptions, Stop, Terminated
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 _REPORT = "please report it with the deck: `flexmb --debug …` shows where it happened"
 
@@ -20,7 +16,7 @@ class StreamError(OSError):
 
 
 @contextmanager
-def ending_recorded(outcome: Outcome, options: RunOptions) -> "Iterator[None]":
+def ending_recorded(outcome: Outcome, options: RunOptions) -> Iterator[None]:
     """Whatever ends a deck in here goes into its `outcome`, so that the next one is tried.
 
     Raised on are a StreamError, and with `options.debug` faults of flexmb itself.

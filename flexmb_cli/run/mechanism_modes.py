@@ -1,5 +1,6 @@
 """Linearised motion of the mechanism of a deck, about a time or an equilibrium."""
 
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -12,12 +13,10 @@ from ..model.loads import DynamicModel
 from ..model.mechanism import TimeGrid
 from ..model.tree import Tree
 from ..solvers.compilation import Notices, announce_compiling
-from .check.parts import FARTHEST_STEPS
+from .check.check import FARTHEST_STEPS
 from .outcome import Run
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from ..solvers.constrained.analysis import LinearisableMotion
     from ..solvers.linearisation.motion import LinearisedMotion
     from ..solvers.linearisation.state_space import StateSpace
@@ -168,7 +167,7 @@ def _of_mechanism(analysis: "LinearisableMotion", wish: Wish, run: Run) -> Mecha
 
 
 def _space(
-    wish: Wish, responses: type, motion: "LinearisedMotion", A: np.ndarray, signals: "Callable[..., Any]"
+    wish: Wish, responses: type, motion: "LinearisedMotion", A: np.ndarray, signals: Callable[..., Any]
 ) -> "StateSpace | None":
     """The state space of a linearised motion, where it is requested."""
     from ..solvers.linearisation.state_space import state_space

@@ -78,7 +78,7 @@ FEWEST_DIGITS, USUAL_DIGITS = 6, 8  # fewer may be exact; where no number has so
 UNITS_OFF = 5.0  # of the last digit: the roundings of a loop add up
 
 
-def typed_precision(deck: "Deck") -> float:
+def typed_precision(deck: Deck) -> float:
     """Return how well loops of a deck can close, by the number with the fewest digits that looks rounded."""
     return _precision_of(deck.source.text[:CHARACTERS_LOOKED_AT])
 
@@ -91,7 +91,7 @@ def _precision_of(text: str) -> float:
     return UNITS_OFF * 10.0 ** -min(digits, MOST_DIGITS)
 
 
-def with_loop_tolerance(model: Any, deck: "Deck", given: float | None) -> Any:
+def with_loop_tolerance(model: Any, deck: Deck, given: float | None) -> Any:
     """Return the model with the tolerance of its loops: the one given, or that of the digits typed."""
     tolerance = typed_precision(deck) if given is None else given
     if hasattr(model, "mechanism"):

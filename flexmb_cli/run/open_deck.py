@@ -1,7 +1,8 @@
 """A deck from its file to records: with the changes of `--set`, and warnings about the options given."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..deck.record import Deck
 from ..deck.several_models import changes_of, named_model, only_model
@@ -10,10 +11,6 @@ from ..dialects.recognise import dialect_named, read_deck
 from ..errors import Fault
 from ..solvers.as_printed.errors import AS_PRINTED
 from .outcome import LOOP_TOLERANCE, SOLVER_OPTIONS, Outcome, RunOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
 
 INTEGRATION = ("method", "rtol", "atol")
 # What takes the place of an option where it means nothing.
@@ -48,7 +45,7 @@ def open_deck(path: str, options: RunOptions, outcome: Outcome) -> Deck:
     return replace(deck, options=_counting_options(deck, options), model=model)
 
 
-def take_open_deck(deck: Deck, faults: "Sequence[Fault]", options: RunOptions, outcome: Outcome) -> Deck:
+def take_open_deck(deck: Deck, faults: Sequence[Fault], options: RunOptions, outcome: Outcome) -> Deck:
     """Return a deck that was read before, with `faults`; its text and these go into `outcome`."""
     outcome.source, outcome.settings = deck.source, deck.settings
     outcome.faults += faults
@@ -89,7 +86,7 @@ def own_options(deck: Deck, options: RunOptions) -> RunOptions:
     return replace(options, as_printed=as_printed)
 
 
-def _doubly_set(changes: "Sequence[str]") -> "Iterator[Fault]":
+def _doubly_set(changes: Sequence[str]) -> Iterator[Fault]:
     """Notes on numbers that `--set` names more than once."""
     words: dict[Any, Any] = {}
     for change in changes:

@@ -1,16 +1,12 @@
 """Options of a run, and its outcome."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from ..deck.record import DeckText
 from ..errors import DONE, Fault, ModelError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 INTERRUPTED, TERMINATED = 130, 143
 
@@ -36,7 +32,7 @@ class Stop:
 
     @classmethod
     @contextmanager
-    def later(cls) -> "Iterator[None]":
+    def later(cls) -> Iterator[None]:
         """Have a signal wait for `raise_if_asked`."""
         cls.held += 1
         try:
@@ -46,7 +42,7 @@ class Stop:
 
     @classmethod
     @contextmanager
-    def released(cls) -> "Iterator[None]":
+    def released(cls) -> Iterator[None]:
         """Have a signal raised at once, also one that has come already."""
         before = cls.held
         try:
@@ -220,7 +216,7 @@ class Run(NamedTuple):
     listener: Listener = Listener()  # receives its progress
     stdout: TextStream | None = None  # receives the listing of `--out -`
 
-    def warn(self, faults: "list[Fault] | tuple[Fault, ...]") -> None:
+    def warn(self, faults: list[Fault] | tuple[Fault, ...]) -> None:
         """Record warnings; under `--strict` they end the run as errors.  Raises ModelError."""
         self.outcome.faults += faults
         refuse_warnings(self.outcome, self.options)

@@ -76,7 +76,7 @@ def solve_share(job: Job, blocks: list[int]) -> tuple[list[BlockDone], float]:
     return done, time.perf_counter() - start
 
 
-def _handed_on(job: "Job") -> "Job":
+def _handed_on(job: Job) -> Job:
     return job
 
 
@@ -87,7 +87,7 @@ class _Cluster:
     it before anything else is handed out.
     """
 
-    def __init__(self, client: Any, sweep: "Sweep", advance: "Callable[[int], None]", address: str):
+    def __init__(self, client: Any, sweep: Sweep, advance: Callable[[int], None], address: str):
         from distributed import as_completed
 
         self.client, self.sweep, self.advance, self.address = client, sweep, advance, address

@@ -277,7 +277,7 @@ def family_picture(
     family: CurveFamily,
     form: str,
     title: str,
-    look: "Look | None" = None,
+    look: Look | None = None,
     report_missing: Callable[[str], object] = str,
 ) -> bytes:
     """Return the picture as a file of `form`; `look`, `report_missing`: as of `plots.picture`."""
@@ -296,7 +296,7 @@ def family_picture(
 
 
 def _draw_cases(
-    figure: "Figure", axis: "Axes", family: CurveFamily, values: np.ndarray, look: "Look | None"
+    figure: "Figure", axis: "Axes", family: CurveFamily, values: np.ndarray, look: Look | None
 ) -> None:
     from matplotlib import rcParams
 

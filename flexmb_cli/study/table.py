@@ -68,14 +68,14 @@ def write_table(path: str, head: TableHead, rows: Iterable[Row]) -> None:
     place.commit()
 
 
-def _blocks(head: TableHead, rows: "Iterable[Any]") -> Iterator[list[Row]]:
+def _blocks(head: TableHead, rows: Iterable[Any]) -> Iterator[list[Row]]:
     size = max(1, NUMBERS_WRITTEN // (4 + sum(max(1, column.length) for column in head.columns)))
     rows = iter(rows)
     while block := list(islice(rows, size)):
         yield block
 
 
-def _write_hdf5(place: Replacement, head: TableHead, rows: "Iterable[Any]") -> None:
+def _write_hdf5(place: Replacement, head: TableHead, rows: Iterable[Any]) -> None:
     with (
         FullDiskGuard(place.duplicate()) as disk,
         disk.blamed(),
@@ -84,7 +84,7 @@ def _write_hdf5(place: Replacement, head: TableHead, rows: "Iterable[Any]") -> N
         _fill(file, head, rows, disk)
 
 
-def _fill(file: h5py.File, head: TableHead, rows: "Iterable[Any]", disk: FullDiskGuard) -> None:
+def _fill(file: h5py.File, head: TableHead, rows: Iterable[Any], disk: FullDiskGuard) -> None:
     datasets = _datasets(file, head)
     start = 0
     for block in _blocks(head, rows):

@@ -156,7 +156,7 @@ def _messages(dataset: h5py.Dataset, cases: slice) -> list[str]:
     return [visible(text) for text in dataset.asstr(errors="replace")[cases].tolist()]
 
 
-def _rows(table: h5py.File, columns: Sequence[StudyColumn], cases: slice) -> "list[Any]":
+def _rows(table: h5py.File, columns: Sequence[StudyColumn], cases: slice) -> list[Any]:
     """Cells of the cases, row by row: whole numbers, numbers and text."""
     cells = []
     for column in columns:
@@ -166,7 +166,7 @@ def _rows(table: h5py.File, columns: Sequence[StudyColumn], cases: slice) -> "li
     return list(zip(*cells, strict=True))
 
 
-def _lines(heads: list[str], rows: "list[Any]", style: str) -> str:
+def _lines(heads: list[str], rows: list[Any], style: str) -> str:
     if style == "jsonl":
         records = (dict(zip(heads, map(_json, row), strict=True)) for row in rows)
         return "".join(json.dumps(record, allow_nan=False) + "\n" for record in records)
@@ -179,7 +179,7 @@ def _lines(heads: list[str], rows: "list[Any]", style: str) -> str:
     return page.getvalue()
 
 
-def _aligned(row: "Sequence[Any]", widths: list[int]) -> str:
+def _aligned(row: Sequence[Any], widths: list[int]) -> str:
     cells = (TEXT_NUMBER.format(cell) if isinstance(cell, float) else str(cell) for cell in row)
     return "  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True)).rstrip() + "\n"
 

@@ -77,7 +77,7 @@ class _Work:
     begun: set[Worker] = field(default_factory=set)
     deaths: Counter[tuple[int, int]] = field(default_factory=Counter)
     barren: int = 0
-    reported: "set[Fault | str]" = field(default_factory=set)
+    reported: set[Fault | str] = field(default_factory=set)
 
     def proceed(self) -> bool:
         """Give blocks to processes and hear what they have to say; False when all are solved."""

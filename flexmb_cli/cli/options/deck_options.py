@@ -1,5 +1,6 @@
 """Options and fault printing of all commands that take decks."""
 
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -12,8 +13,6 @@ from .finite import Finite
 from .output_file import files
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
     from ...run.check.check import CheckReport
     from ...run.modes import ModesReport
     from ...run.outcome import Outcome
@@ -36,7 +35,7 @@ LOOP_TOLERANCE = click.option(
 )  # fmt: skip
 
 
-def deck_options(command: "Callable[..., Any]") -> "Callable[..., Any]":
+def deck_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Options that `run` and `check` share."""
     options = [
         click.option("--dialect", type=click.Choice(["auto", *reversed(DIALECTS)]), default="auto",

@@ -1,21 +1,18 @@
 """Output of commands that read results: to a file of its own, or to standard output."""
 
 import os
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import click
 
 from ..terminal.screen import WrongCall
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-
 STANDARD_OUTPUT = "-"
 FORCE = click.option("--force", is_flag=True, help="Replace files that flexmb did not make, too.")
 
 
-def refuse_inputs(output: str, inputs: "Sequence[Any]", option: str = "-o") -> None:
+def refuse_inputs(output: str, inputs: Sequence[Any], option: str = "-o") -> None:
     """Raise UsageError when `output`, given with `option`, is one of the files that the command reads."""
     for path in inputs:
         if _are_one(output, path):

@@ -3,9 +3,9 @@
 import signal
 import sys
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...errors import ANALYSIS_FAILED, Fault
 from ...memory import lack_of_memory_text, lacks_memory
@@ -16,9 +16,6 @@ from ...run.processes.worker import Worker, end_all, having_answers, portable
 from .progress import Progress
 from .stops import pass_over_stops, stop_on_signals
 
-if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
-
 KILLED = (
     "the process that solved this deck was killed from outside, or out of memory: give it again; "
     "--resume continues the run"
@@ -26,7 +23,7 @@ KILLED = (
 
 
 def outcomes_in_parallel(
-    decks: "Sequence[str]", options: RunOptions, jobs: int, progress: Progress
+    decks: Sequence[str], options: RunOptions, jobs: int, progress: Progress
 ) -> Iterator[Outcome]:
     """Return what became of every deck, in order; after a stop, of those that had been begun."""
     from ...run.processes.signal_mask import outlive_workers
@@ -125,7 +122,7 @@ class _Work:
         while self.running:
             self._hear(having_answers(self.running))
 
-    def _hear(self, workers: "Collection[Worker]") -> None:
+    def _hear(self, workers: Collection[Worker]) -> None:
         for worker in workers:
             answer = worker.answer()
             if isinstance(answer, (_Doing, Fault)):

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...deck.listing import TableError
 from ...errors import Fault, FlexmbError
-from ..files.disk_failures import located
-from ..files.replaced_file import Replacement, make_folder
+from ..files.replaced_file import make_folder, replaced
 from .folders import Compared, Pair
 from .listings import read_listing
 from .tolerances import CSV, HDF5, MATLAB, form_of
@@ -40,15 +39,8 @@ def accept(reference: "Path | str", result: "Path | str") -> None:
         raise TableError(
             str(result), [Fault("error", f"cannot be read: {error.strerror}", id="DIFF-001")]
         ) from error
-    with source:
-        place = Replacement(reference)
-        try:
-            with located(place.path), place.open("wb") as copy:
-                shutil.copyfileobj(source, copy)
-        except BaseException:
-            place.discard()
-            raise
-        place.commit()
+    with source, replaced(reference) as copy:
+        shutil.copyfileobj(source, copy)
 
 
 def accept_pair(compared: Compared, folder: str) -> None:

@@ -1,5 +1,6 @@
 """Compare the echoes of the input in two listings."""
 
+from collections.abc import Callable, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +12,6 @@ from .report import Found, Report, compare_words
 from .tolerances import Tolerances
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
     from .tolerances import Tolerance
 
 
@@ -28,7 +27,7 @@ def compare_echo(report: Report, a: Listing, b: Listing, tolerances: Tolerances)
                 _compare_head(report, kind, a, b, tolerances)
 
 
-def as_stars(a: np.ndarray, b: np.ndarray, edit_of: "Callable[..., Any]") -> tuple[np.ndarray, np.ndarray]:
+def as_stars(a: np.ndarray, b: np.ndarray, edit_of: Callable[..., Any]) -> tuple[np.ndarray, np.ndarray]:
     """Both with inf wherever one is stars (inf) and the other would be stars too; `edit_of(position)`."""
     a, b = a.copy(), b.copy()
     for one, other in ((a, b), (b, a)):
@@ -96,7 +95,7 @@ def _flattened(lines: list[EchoLine]) -> list[tuple[EchoLine, int]]:
 def _compare_kind(
     report: Report,
     kind: str,
-    chosen: "Sequence[int]",
+    chosen: Sequence[int],
     flat: Any,
     tolerance: "Tolerance",
     form: ListingForm,

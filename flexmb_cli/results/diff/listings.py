@@ -1,5 +1,6 @@
 """Compare two OUT tables number by number."""
 
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +14,6 @@ from .report import Found, Report
 from .tolerances import Tolerances
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
     from pathlib import Path
 
     from .emulated import Emulation
@@ -46,7 +46,7 @@ def _occurrences(time: np.ndarray) -> list[tuple[float, int]]:
     return pairs
 
 
-def common_places(keys_a: "list[Any]", keys_b: "list[Any]") -> tuple[Any, ...]:
+def common_places(keys_a: list[Any], keys_b: list[Any]) -> tuple[Any, ...]:
     """Positions of the keys that both lists have, in the order of the first."""
     place = {key: row for row, key in enumerate(keys_b)}
     rows = [(row, place[key]) for row, key in enumerate(keys_a) if key in place]
@@ -169,7 +169,7 @@ def _compare_section(
 
 def _quantity_places(
     name: str, section: Section, pick: np.ndarray, heads: list[str], tolerances: Tolerances
-) -> "Iterator[Any]":
+) -> Iterator[Any]:
     """Pairs (index of lines and column, tolerance) of quantities such as `velocity.body 3.dX`."""
     if not tolerances.quantities:
         return
@@ -230,7 +230,7 @@ def _describer(
     columns: np.ndarray,
     shared: list[str],
     values: tuple[np.ndarray, np.ndarray],
-) -> "Callable[..., Any]":
+) -> Callable[..., Any]:
     section: Section = listing.sections[name]
 
     def describe(position: tuple[int, int], distance: float) -> Found:

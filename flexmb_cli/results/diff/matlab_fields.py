@@ -1,6 +1,6 @@
 """Compare MATLAB files of results with each other and with HDF5 results, field by field."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,8 +21,6 @@ from .report import WORDS_OF_RESULTS, Found, Report, compare_names
 from .tolerances import MATLAB, ToleranceError, Tolerances
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from .tolerances import Tolerance
 
 

@@ -2,18 +2,15 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...deck.listing import Listing
 from ...errors import visible
 from .tolerances import KINDS, Tolerance
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
 
 
 def counted(number: int, stem: str, one: str = "", many: str = "s") -> str:
@@ -84,7 +81,7 @@ class Tally:
         distance: np.ndarray,
         known: np.ndarray,
         unreadable: int,
-        describe: "Callable[..., Any]",
+        describe: Callable[..., Any],
     ) -> None:
         """Count a block; `describe(position)` gives the `Found` at an index of the block."""
         self.compared += distance.size - unreadable
@@ -171,10 +168,10 @@ class Report:
         a: Any,
         b: np.ndarray,
         tolerance: Tolerance,
-        describe: "Callable[..., Any]",
+        describe: Callable[..., Any],
         unit: float | np.ndarray | None = None,
         slack: float | np.ndarray = 0.0,
-        known: "Sequence[Any]" = (),
+        known: Sequence[Any] = (),
     ) -> None:
         """Compare two blocks of one type; `describe(position, distance)` gives the `Found` there.
 
@@ -198,13 +195,13 @@ class Report:
             differs, distance, marked, count, lambda position: describe(position, float(distance[position]))
         )
 
-    def _list(self, here: np.ndarray, describe: "Callable[..., Any]") -> None:
+    def _list(self, here: np.ndarray, describe: Callable[..., Any]) -> None:
         room = self.most_listed - len(self.listed)
         if room > 0:
             places = np.argwhere(here)[:room]
             self.listed += [describe(tuple(place)) for place in places.tolist()]
 
-    def _explain(self, cause: str, here: np.ndarray, describe: "Callable[..., Any]") -> None:
+    def _explain(self, cause: str, here: np.ndarray, describe: Callable[..., Any]) -> None:
         places = list(zip(*np.nonzero(here), strict=True))
         if places:
             self.causes[cause] = self.causes.get(cause, 0) + len(places)
@@ -293,7 +290,7 @@ def _aligned(row: tuple[str, ...], widths: list[int]) -> str:
     return "  ".join([row[0].ljust(widths[0]), *figures, row[-1]]).rstrip()
 
 
-def _tally_record(tally: Tally) -> "dict[Any, Any]":
+def _tally_record(tally: Tally) -> dict[Any, Any]:
     return {
         "compared": tally.compared,
         "unreadable": tally.unreadable,
@@ -330,7 +327,7 @@ def _only_in(a: Listing, b: Listing) -> Iterator[str]:
             yield f"line {line}: {text!r} is only in {a.name}"
 
 
-def compare_names(name: str, first: "np.ndarray", second: "np.ndarray") -> list[str]:
+def compare_names(name: str, first: np.ndarray, second: np.ndarray) -> list[str]:
     """Return a sentence for every text that differs in two datasets `name` of equal shape."""
     pairs = enumerate(zip(first.ravel().tolist(), second.ravel().tolist(), strict=True), 1)
     return [f"/{name}, row {row}: {_plain(a)!r} against {_plain(b)!r}" for row, (a, b) in pairs if a != b]

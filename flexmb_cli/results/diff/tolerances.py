@@ -2,18 +2,15 @@
 
 import math
 import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...errors import Fault, FlexmbError
 from ..files.own_files import HDF5_SIGNATURE
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
 
 KINDS = (
     "time",
@@ -130,7 +127,7 @@ class Tolerances:
         """Tolerance of one type of column."""
         return self.kinds.get(kind) or Tolerance(self.atol or 0.0, self.rtol or 0.0, self.last_digit)
 
-    def of_places(self, kind: str, shape: tuple[int, ...], overrules: "Iterable[Any]") -> Tolerance:
+    def of_places(self, kind: str, shape: tuple[int, ...], overrules: Iterable[Any]) -> Tolerance:
         """Tolerance of a block of `shape`; `overrules` are pairs (index of the block, tolerance there)."""
         general = self.of(kind)
         overrules = list(overrules)
@@ -149,7 +146,7 @@ class Tolerances:
         return self.quantities[fitting[-1]] if fitting else None
 
 
-def parse_kinds(settings: "Sequence[Any]") -> dict[str, Tolerance]:
+def parse_kinds(settings: Sequence[Any]) -> dict[str, Tolerance]:
     """Tolerances of single types from `KIND=ATOL` or `KIND=ATOL,RTOL`; "inf" leaves the type out.
 
     Raises `ToleranceError` with one fault for every setting that cannot be understood.

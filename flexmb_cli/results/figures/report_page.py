@@ -185,7 +185,7 @@ def _table(pairs: list[tuple[str, str]]) -> str:
     return f"<table>{''.join(cells)}</table>"
 
 
-def _json(figures: "dict[Any, Any]") -> str:
+def _json(figures: dict[Any, Any]) -> str:
     """JSON that no HTML reader can take for markup."""
     text = json.dumps(figures, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
     return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")

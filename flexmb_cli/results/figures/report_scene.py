@@ -128,7 +128,7 @@ def rounded(times: np.ndarray) -> list[str]:
     ]
 
 
-def _lines(body: DrawnBody) -> "dict[str, Any]":
+def _lines(body: DrawnBody) -> dict[str, Any]:
     marks = body.marks[:1] if body.still else body.marks
     colour = GREY if body.still else colour_of(body)
     data = {"name": body.name, "colour": colour, "still": body.still, "places": body.marks.shape[1]}

@@ -345,7 +345,7 @@ def _nodes(
     names: tuple[str, ...],
     rows: slice,
     ends: tuple[np.ndarray, np.ndarray] | None,
-) -> "Iterator[tuple[int, tuple[np.ndarray, np.ndarray]]]":
+) -> Iterator[tuple[int, tuple[np.ndarray, np.ndarray]]]:
     """Number of a flexible body, its undeformed nodes (n, 3) and their places in body axes (T, n, 3).
 
     Given the `ends` of joints, their bodies (j, 2) and points (j, 2, 3), nodes of elements are thinned.

@@ -14,7 +14,7 @@ FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 @contextmanager
-def located(path: str) -> "Iterator[None]":
+def located(path: str) -> Iterator[None]:
     """Turn an `OSError` while writing `path` into an `OutputError` with a clear sentence, or MemoryError."""
     try:
         yield

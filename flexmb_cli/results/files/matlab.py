@@ -2,7 +2,8 @@
 
 import io
 import re
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import h5py
 import numpy as np
@@ -11,10 +12,6 @@ from ...deck.listing import read_bytes
 from ..hdf5.stored_result import attribute
 from ..quantities.quantities import ResultError
 from .matlab_reader import read_variable
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 # Bytes of the header's text, of a variable, and of a name.
 HEADER, LARGEST_VARIABLE, LONGEST_NAME = 116, 2**31 - 1, 63
@@ -46,7 +43,7 @@ def read_matlab(path: str) -> dict[str, np.ndarray]:
     return dict(_flat(read_variable(read_bytes(path), "flexmb")))
 
 
-def _flat(content: "dict[Any, Any]", prefix: str = "") -> "Iterator[Any]":
+def _flat(content: dict[Any, Any], prefix: str = "") -> Iterator[Any]:
     for name, value in content.items():
         if isinstance(value, dict):
             yield from _flat(value, f"{prefix}{name}/")
@@ -54,13 +51,13 @@ def _flat(content: "dict[Any, Any]", prefix: str = "") -> "Iterator[Any]":
             yield f"{prefix}{name}", np.asarray(value)
 
 
-def _content(result: h5py.File) -> "dict[Any, Any]":
+def _content(result: h5py.File) -> dict[Any, Any]:
     return _struct(result) | {
         "info": {name: attribute(result, name) for name in result.attrs if name[:1] != "_"}
     }
 
 
-def variable_bytes(name: str, content: "dict[Any, Any]") -> bytes:
+def variable_bytes(name: str, content: dict[Any, Any]) -> bytes:
     """Return the bytes of a file with one variable; a dictionary is a struct."""
     from scipy.io import savemat
 
@@ -71,14 +68,14 @@ def variable_bytes(name: str, content: "dict[Any, Any]") -> bytes:
     return text.ljust(HEADER) + stream.getvalue()[HEADER:]
 
 
-def _struct(group: h5py.File | h5py.Group) -> "dict[Any, Any]":
+def _struct(group: h5py.File | h5py.Group) -> dict[Any, Any]:
     fields: dict[Any, Any] = {}
     for name, item in group.items():
         fields[_field(name, fields)] = _struct(item) if isinstance(item, h5py.Group) else _values(item)
     return fields
 
 
-def _field(name: str, taken: "dict[Any, Any]") -> str:
+def _field(name: str, taken: dict[Any, Any]) -> str:
     field = re.sub(r"\W", "_", name, flags=re.ASCII)
     field = (field if field[:1].isalpha() else f"x{field}")[:LONGEST_NAME]
     count = 1
@@ -96,7 +93,7 @@ def _values(dataset: h5py.Dataset) -> np.ndarray | str:
     return texts if isinstance(texts, str) else np.array(texts, dtype=object)
 
 
-def _size(content: "dict[Any, Any]") -> int:
+def _size(content: dict[Any, Any]) -> int:
     return sum(
         _size(item) if isinstance(item, dict) else getattr(item, "nbytes", 0) for item in content.values()
     )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from ...model.joint_elements import CompositeJoint, element_names
 from ...model.joints import ANGLE
 from ...model.loads import DynamicModel, holders
-from .joint_coordinates import coordinate_names, joint_values, with_elements, with_units
+from .joint_coordinates import coordinate_names, joint_values, with_elements
 from .kinematic import kinematic_layout, kinematic_values, readable_names
 from .layout import (
     DRIVER,
@@ -18,9 +18,9 @@ from .layout import (
     Layout,
     Series,
     Values,
-    driver_axis_with_units,
     effort_series,
     numbered_axis,
+    with_units,
 )
 from .result_geometry import gravity
 
@@ -61,7 +61,8 @@ def dynamic_layout(model: DynamicModel) -> Layout:
     """Axes and series of a forward run, or of an inverse one, which does not know the work done."""
     motion = kinematic_layout(model.mechanism)
     units = [FORCE if driver.direction <= 3 else TORQUE for driver in model.mechanism.drivers]
-    axes = (*(driver_axis_with_units(axis, units) for axis in motion.axes), *_held_axis(model))
+    of_motion = (with_units(axis, "driver", units) if axis.path == DRIVER else axis for axis in motion.axes)
+    axes = (*of_motion, *_held_axis(model))
     present = {axis.path for axis in axes}
     forces = tuple(
         effort_series(item, units) if item.path == PATH else item

@@ -7,7 +7,7 @@ from typing import Any
 from ...model.joint_elements import Coupling
 from ...model.joints import ANGLE
 from ...model.laws import is_angle
-from .layout import Axis, Layout, Series, Values, numbered_axis
+from .layout import Layout, Series, Values, numbered_axis, with_units
 
 COORDINATE, ELEMENT, COUPLING = "coordinate/coordinate", "element/element", "coupling/coupling"
 JOINT_SERIES = {
@@ -86,12 +86,6 @@ def _coupling_unit(item: Coupling) -> str:
 def joint_values(rows: Any, series: dict[str, Series] = SERIES) -> Values:
     """Fields of report rows by the paths of their datasets."""
     return {item.path: getattr(rows, field) for field, item in series.items()}
-
-
-def with_units(axis: Axis, kind: str, units: Sequence[str]) -> Axis:
-    """An axis with the unit of each along it."""
-    meaning = f"unit of the {kind}'s effort" if kind in ("driver", "coupling") else f"unit of the {kind}"
-    return replace(axis, labels=(*axis.labels, (f"{kind}/unit", tuple(units), meaning)))
 
 
 def coordinate_names(joints: Sequence[Any], names: Sequence[str]) -> list[tuple[str, str]]:

@@ -64,7 +64,7 @@ XYZ = Axis("xyz", tuple("xyz"), "component along the axis")
 EULER_PARAMETER = Axis("euler_parameter", ("e0", "e1", "e2", "e3"), "Euler parameter")
 
 
-def numbered_axis(kind: str, names: "Sequence[Any]") -> Axis:
+def numbered_axis(kind: str, names: Sequence[Any]) -> Axis:
     """The scale `/<kind>/<kind>`, numbers as in the deck, and `/<kind>/name` along it."""
     numbers = tuple(range(1, len(names) + 1))
     label = (f"{kind}/name", tuple(names), f"name of the {kind}")
@@ -73,7 +73,6 @@ def numbered_axis(kind: str, names: "Sequence[Any]") -> Axis:
 
 FORCE, TORQUE = "N", "N m"
 DRIVER, PATH = "driver/driver", "driver/effort"
-_UNIT = "unit of the driver's effort"
 
 
 def effort_series(series: Series, units: Sequence[str]) -> Series:
@@ -81,11 +80,10 @@ def effort_series(series: Series, units: Sequence[str]) -> Series:
     return replace(series, units=" or ".join(unit for unit in (FORCE, TORQUE) if unit in units))
 
 
-def driver_axis_with_units(axis: Axis, units: Sequence[str]) -> Axis:
-    """The axis of drivers with the unit of each along it, `/driver/unit`; another axis as it is."""
-    if axis.path != DRIVER:
-        return axis
-    return replace(axis, labels=(*axis.labels, ("driver/unit", tuple(units), _UNIT)))
+def with_units(axis: Axis, kind: str, units: Sequence[str]) -> Axis:
+    """Return the axis with the unit of each along it, such as `/driver/unit`."""
+    meaning = f"unit of the {kind}'s effort" if kind in ("driver", "coupling") else f"unit of the {kind}"
+    return replace(axis, labels=(*axis.labels, (f"{kind}/unit", tuple(units), meaning)))
 
 
 BODY_VECTOR = ("body/body", "xyz")

@@ -14,32 +14,6 @@ from ...model.flexible_body import BodyStress
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody, StressOutput
 from .layout import Axis, Constant, Series, Values
 
-
-def mesh_axes(body: FloatingBody) -> list[Axis]:
-    """The elements of a body of no known material, and their nodes."""
-    mesh = body.reduced.mesh
-    return [] if mesh is None else cell_axes(body.name, mesh.rows, mesh.numbers)
-
-
-def cell_axes(name: str, rows: np.ndarray, numbers: np.ndarray) -> list[Axis]:
-    """The elements of the body `name` by their `numbers` (m,), and the nodes of `rows` (m, k)."""
-    group, corners = f"elastic/{name}", tuple(range(1, rows.shape[1] + 1))
-    return [
-        Axis(f"{group}/element", tuple(map(int, numbers)), f"element of {name}, its number"),
-        Axis(f"{group}/corner", corners, "node of an element, as Abaqus counts them"),
-    ]
-
-
-def mesh_constants(body: FloatingBody) -> Iterator[Constant]:
-    """Nodes of the elements."""
-    mesh, group = body.reduced.mesh, f"elastic/{body.name}"
-    if mesh is None:
-        return
-    axes, numbers = (f"{group}/element", f"{group}/corner"), body.reduced.numbers[mesh.rows]
-    meaning = f"numbers of the nodes of every element of {body.name}"
-    yield Constant(f"{group}/cell", axes, numbers, "1", meaning)
-
-
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 YOUNG, POISSON = "young_modulus", "poisson_ratio"
 # Rows at a time: the stresses of all nodes of a large body are many numbers.
@@ -64,23 +38,30 @@ class Elastic(Protocol):
         """Poisson's ratio."""
 
 
-def element_axis(body: FloatingBody) -> list[Axis]:
-    """The elements of a body of known material, their nodes, and components of stress."""
-    stress = body.reduced.stress
-    if stress is None:
+def element_axes(body: FloatingBody) -> list[Axis]:
+    """The elements of a body by their numbers, and their nodes; of known material, components of stress."""
+    cells, group = body.reduced.stress or body.reduced.mesh, f"elastic/{body.name}"
+    if cells is None:
         return []
-    component = Axis(f"elastic/{body.name}/component", COMPONENTS, "component of stress")
-    return [*cell_axes(body.name, stress.rows, stress.numbers), component]
+    corners = tuple(range(1, cells.rows.shape[1] + 1))
+    component = Axis(f"{group}/component", COMPONENTS, "component of stress")
+    return [
+        Axis(f"{group}/element", tuple(map(int, cells.numbers)), f"element of {body.name}, its number"),
+        Axis(f"{group}/corner", corners, "node of an element, as Abaqus counts them"),
+        *([component] if body.reduced.stress else []),
+    ]
 
 
 def element_constants(body: FloatingBody) -> Iterator[Constant]:
-    """Nodes of the elements, and the stresses of the modes."""
+    """Nodes of the elements, and the stresses of the modes where the material is known."""
     stress, group = body.reduced.stress, f"elastic/{body.name}"
+    if cells := stress or body.reduced.mesh:
+        meaning = f"numbers of the nodes of every element of {body.name}"
+        meaning += f"; {stress.formulation}" if stress else ""
+        numbers = body.reduced.numbers[cells.rows]
+        yield Constant(f"{group}/cell", (f"{group}/element", f"{group}/corner"), numbers, "1", meaning)
     if stress is None:
         return
-    numbers = body.reduced.numbers[stress.rows]
-    meaning = f"numbers of the nodes of every element of {body.name}; {stress.formulation}"
-    yield Constant(f"{group}/cell", (f"{group}/element", f"{group}/corner"), numbers, "1", meaning)
     axes = (f"{group}/node", f"{group}/component", f"modal/{body.name}/mode")
     meaning = f"stress at the nodes of {body.name} per unit of each mode, axes of the body"
     yield Constant(f"{group}/stress_shape", axes, stress.nodal, "Pa or Pa/m", meaning)

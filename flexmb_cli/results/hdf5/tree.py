@@ -24,10 +24,10 @@ from .layout import (
     Layout,
     Series,
     Values,
-    driver_axis_with_units,
     effort_series,
     numbered_axis,
     with_shapes,
+    with_units,
 )
 from .result_geometry import SIDE, tree_geometry
 
@@ -111,7 +111,7 @@ def _with_drivers(layout: Layout, tree: Tree) -> Layout:
     if not names:
         return layout
     units = [TORQUE if is_angle(coordinate) else FORCE for _, coordinate in coordinates]
-    axis = driver_axis_with_units(numbered_axis("driver", names), units)
+    axis = with_units(numbered_axis("driver", names), "driver", units)
     series = effort_series(
         Series(PATH, (DRIVER,), "N or N m", "effort along the prescribed coordinate"), units
     )

@@ -201,7 +201,7 @@ class _Labels:
     def _path(self, scale: h5py.Dataset) -> str:
         return self._paths.get(place_of(scale), "")
 
-    def _spellings(self, scale: h5py.Dataset, path: str) -> "list[tuple[str, ...]]":
+    def _spellings(self, scale: h5py.Dataset, path: str) -> list[tuple[str, ...]]:
         if not is_number(scale):
             return [(text,) for text in texts(scale)]
         numbers = [_number(value) for value in scale[:]]

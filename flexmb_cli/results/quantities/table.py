@@ -155,7 +155,7 @@ def _lines(heads: list[str], values: list[list[float]], style: str) -> str:
     return "".join(SEPARATOR[style].join(map(repr, row)) + "\n" for row in values)
 
 
-def _record(heads: list[str], row: list[float]) -> "dict[Any, Any]":
+def _record(heads: list[str], row: list[float]) -> dict[Any, Any]:
     """Return the row by heads; JSON has no nan and no infinity, so they become null."""
     return {head: value if math.isfinite(value) else None for head, value in zip(heads, row, strict=True)}
 

@@ -1,6 +1,6 @@
 """Dynamics of a tree: by Kane's equations, or in absolute coordinates."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -18,8 +18,6 @@ from ..outcome import ABSOLUTE, Run
 from ..solution import NoCount, Solution
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     import numpy as np
 
     from ...solvers.tree.analysis import TreeAnalysis
@@ -68,7 +66,7 @@ def absolute_analysis(tree: Tree, run: Run) -> Any:
     return AbsoluteTree(tree)
 
 
-def _unused_method(tree: Tree) -> "Iterator[Any]":
+def _unused_method(tree: Tree) -> Iterator[Any]:
     """The choice of an integrator is one of Kane's equations."""
     if tree.integration.method not in ("dop853", *(IMPLICIT_TREE_METHODS if tree.elements else ())):
         message = f"absolute coordinates are stepped by DOP853: {tree.integration.method} is not used"

@@ -3,8 +3,9 @@
 With all modes both hold the same deformations: the two models are one and the same.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,16 +13,9 @@ from ...deck.record import Deck
 from ...dialects.recognise import dialect_named
 from ...errors import Fault, ModelError
 from ...model.flexible_mechanism import FlexibleMechanism
-from ...model.integrators import METHODS, Integrator
 from ..model import folder_of
 from ..outcome import Run
-from .difference import Difference, Size, compared_rows, largest_difference
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from ..outcome import RunOptions
-
+from .verify import Difference, Size, compared_rows, finely_stepped, joined, largest_difference
 
 FORMULATIONS = "two floating frames, nodes n1 and n2 exchanged, all modes"
 FRAMES_TOLERANCE = 1e-9
@@ -56,18 +50,10 @@ def differences(mechanism: FlexibleMechanism, deck: Deck, run: Run) -> tuple[Dif
         message = f"decks of dialect {dialect.name} have no second model to compare with"
         raise ModelError([Fault("error", message, id="RUN-041")])
     second = dialect.part(dialect.second_model)(deck, folder_of(run), mechanism)
-    (one, unique), (other, _) = (_rows(_finely(model, run.options)) for model in (mechanism, second))
+    finer = finely_stepped(mechanism.integrator, run.options, "RAD5", FRAMES_TOLERANCE)
+    (one, unique), (other, _) = (_rows(replace(model, integrator=finer)) for model in (mechanism, second))
     run.outcome.rows = one["time"].size
     return tuple(_differences(mechanism, one, other, unique))
-
-
-def _finely(mechanism: FlexibleMechanism, options: "RunOptions") -> Any:
-    """Return the mechanism with steps finer than it is compared."""
-    given = mechanism.integrator
-    # Steps of a given length have no tolerance.
-    method = "RAD5" if METHODS[given.method].given_step else given.method
-    tolerance = options.integration.get("rtol", FRAMES_TOLERANCE)
-    return replace(mechanism, integrator=Integrator(method, tolerance=tolerance))
 
 
 def _rows(mechanism: FlexibleMechanism) -> tuple[Any, Any]:
@@ -77,8 +63,7 @@ def _rows(mechanism: FlexibleMechanism) -> tuple[Any, Any]:
     analysis = FlexibleDynamics(mechanism)
     blocks = list(compared_rows(analysis))
     named = [key for _, _, key in (*SERIES, *FORCES, *ELEMENTS)]
-    names = ["time", "position", "velocity", *ENERGIES, *(key for key in named if hasattr(blocks[0], key))]
-    rows = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
+    rows = joined(blocks, ("time", "position", "velocity", *ENERGIES, *named))
     return rows, analysis.found is not None and not analysis.found.redundant
 
 
@@ -91,7 +76,7 @@ def _size(mechanism: FlexibleMechanism) -> Size:
 
 def _differences(
     mechanism: FlexibleMechanism, one: np.ndarray, other: np.ndarray, unique: Any
-) -> "Iterator[Any]":
+) -> Iterator[Any]:
     time, size = one["time"], _size(mechanism)
     for name, unit, key in SERIES + ELEMENTS + (FORCES if unique else ()):
         if key in one and one[key].size:

@@ -3,9 +3,9 @@
 from ...deck.record import Deck
 from ...model.mechanism import Mechanism
 from ..outcome import Run
-from .difference import Difference
 from .dynamic import FORMULATIONS as FORMULATIONS
 from .dynamic import compare
+from .verify import Difference
 
 
 def differences(mechanism: Mechanism, deck: Deck, run: Run) -> tuple[Difference, ...]:

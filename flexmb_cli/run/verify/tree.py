@@ -1,5 +1,6 @@
 """A tree by two formulations: Kane's equations and absolute coordinates."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,11 +13,9 @@ from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
 from ...solvers.tree.breakpoints import breakpoints
 from ..outcome import Run
 from ..solutions.tree import absolute_analysis, kane_analysis, values_of
-from .difference import Difference, Size, compared_rows, largest_difference
+from .verify import Difference, Size, compared_rows, largest_difference
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from ..outcome import Listener
 
 
@@ -62,7 +61,7 @@ def _motions(tree: Tree, run: Run) -> Any:
     return kane, absolute
 
 
-def _heard(blocks: Any, listener: "Listener") -> "Iterator[Any]":
+def _heard(blocks: Any, listener: "Listener") -> Iterator[Any]:
     for block in blocks:
         yield block
         listener.advance(len(block.time))
@@ -135,7 +134,7 @@ def _moves_freely(tree: Tree) -> bool:
     return held + sum(len(c.directions) for c in tree.closures) < len(tree.coordinates)
 
 
-def _coordinates(tree: Tree, size: Size, kane: dict[str, np.ndarray], absolute: Any) -> "Iterator[Any]":
+def _coordinates(tree: Tree, size: Size, kane: dict[str, np.ndarray], absolute: Any) -> Iterator[Any]:
     """Coordinates and speeds by type; integrals of angular velocities are no coordinates of a position."""
     kinds = np.array([c.motion for c in tree.coordinates])
     ball = [c.motion == ROTATION and len(tree.hinges[c.body].rotations) == 3 for c in tree.coordinates]

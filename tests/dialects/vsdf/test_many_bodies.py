@@ -20,7 +20,8 @@ from flexmb_cli.dialects.vsdf.nodes import ManyNodes
 from flexmb_cli.fe import build_mechanism
 from flexmb_cli.model.arrays.flexible import flexible_arrays
 from flexmb_cli.results.texts.check_text import check_text
-from flexmb_cli.run.check import flexible, parts
+from flexmb_cli.run.check import check as parts
+from flexmb_cli.run.check import flexible
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.outcome import RunOptions
 from tests.dialects.vsdf.vsdf_decks import DECKS, RIGID, changed
