@@ -18,13 +18,7 @@ if TYPE_CHECKING:
 @deck_options
 @click.option("--jacobian", metavar="TIME|estimate", help="Print the Jacobian, rows and columns labelled.")
 def check(
-    decks: tuple[str, ...],
-    changes: tuple[str, ...],
-    echo: bool,
-    as_json: bool,
-    quiet: bool,
-    jacobian: str | None,
-    **options: Any,
+    decks: tuple[str, ...], echo: bool, as_json: bool, quiet: bool, jacobian: str | None, **options: Any
 ) -> None:
     """Read every DECK, assemble it and report what is doubtful, without solving; writes nothing.
 
@@ -37,8 +31,8 @@ def check(
 
     _check_jacobian_option(jacobian)
     codes = []
-    choices = RunOptions(changes=changes, debug=wants_debug(), **options)
-    for report in every_deck(decks, changes, lambda deck: interface.check(deck, choices, jacobian)):
+    choices = RunOptions(debug=wants_debug(), **options)
+    for report in every_deck(decks, choices, lambda deck: interface.check(deck, choices, jacobian)):
         show_faults(report.outcome, quiet)
         if as_json:
             if echo and report.deck and not quiet:

@@ -7,7 +7,7 @@ import click
 
 from ..dialects.recognise import every_dialect
 from ..errors import FlexmbError
-from .options.output_file import FORCE, WrittenPlace, files
+from .options.output_file import AS_JSON, FORCE, WrittenPlace, files
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall, notify
 
@@ -31,7 +31,7 @@ UNITS = ("m", "mm", "mm-kg", "cm", "in")
 @click.option("--to-unit", type=click.Choice(UNITS), default="m",
               help="Units of the new deck, where its dialect prescribes none.  [default: m]")  # fmt: skip
 @FORCE
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+@AS_JSON
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 def convert(
     deck: str,

@@ -11,7 +11,7 @@ import click
 from ..errors import Fault, compiler_style, lines_visible, visible
 from ..results.diff.folders import Compared
 from .options.finite import Finite
-from .options.output_file import WrittenPlace, files
+from .options.output_file import AS_JSON, STANDARD_OUTPUT, WrittenPlace, files, refuse_inputs
 from .terminal.notices import faults_in_json
 from .terminal.screen import WrongCall, notify, show
 
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 @click.option(
     "--junit", type=WrittenPlace(), metavar="FILE", help="Write a JUnit file, a test for each file."
 )
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+@AS_JSON
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing; only the exit code reports.")
 def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: bool, **options: Any) -> None:
     """Compare results number by number: OUT tables, DAFMS echoes or series, HDF5, CSV or MATLAB files.
@@ -161,7 +161,6 @@ def _compare_folders(
 
 def _write_junit(path: str, summary: "Summary") -> None:
     from ..results.files.replaced_file import write_whole
-    from .options.output_file import STANDARD_OUTPUT, refuse_inputs
 
     content = junit_bytes(f"flexmb diff {summary.a} {summary.b}", summary.compared)
     if path == STANDARD_OUTPUT:

@@ -8,7 +8,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .options.output_file import FORCE, WrittenPlace, files
+from .options.output_file import (
+    AS_JSON,
+    FORCE,
+    QUIET,
+    RESULT,
+    STANDARD_OUTPUT,
+    WrittenPlace,
+    refuse_inputs,
+    refuse_standard_output,
+    reported,
+)
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall
 
@@ -22,13 +32,13 @@ SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
 
 
 @click.command()
-@click.argument("result", metavar="RESULT.h5", shell_complete=files)
+@RESULT
 @click.option("--to", "form", required=True, type=click.Choice(list(SUFFIX)), help="What to write.")
 @click.option("-o", "--output", type=WrittenPlace(), metavar="FILE",
               help="The file; - is standard output, for csv [default: NAME.FORM].")  # fmt: skip
 @FORCE
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-@click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+@AS_JSON
+@QUIET
 def export(result: str, form: str, output: str | None, force: bool, as_json: bool, quiet: bool) -> None:
     """Write RESULT.h5 for ParaView (vtkhdf), spreadsheets (csv) or MATLAB and Octave (mat).
 
@@ -41,7 +51,6 @@ def export(result: str, form: str, output: str | None, force: bool, as_json: boo
     """
     from ..results.files.own_files import refuse_foreign
     from ..results.hdf5.stored_result import is_study
-    from .options.output_file import refuse_inputs, refuse_standard_output, reported
 
     force, output = force or bool(output), output or f"{Path(result).stem}{SUFFIX[form]}"
     refuse_inputs(output, [result])
@@ -80,7 +89,6 @@ def _export_study(path: str, form: str, output: str, check: Callable[..., None])
     from ..results.files.matlab import matlab_bytes
     from ..results.files.replaced_file import write_whole
     from ..study.text import failed_notes, open_study, study_columns, study_text
-    from .options.output_file import STANDARD_OUTPUT
 
     if form == "vtkhdf":
         raise WrongCall(
@@ -104,7 +112,6 @@ def _write_csv(file: "h5py.File", output: str, check: Callable[..., None]) -> No
     from ..results.files.replaced_file import replaced
     from ..results.quantities.quantities import names
     from ..results.quantities.table import chosen_rows, table_text
-    from .options.output_file import STANDARD_OUTPUT
 
     pieces = table_text(file, names(file), chosen_rows(file, None, None, 1), "csv")
     if output == STANDARD_OUTPUT:

@@ -14,7 +14,7 @@ from ..errors import visible
 from ..model.by_size import by_size
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .options.finite import AnyFinite
-from .options.output_file import WrittenPlace
+from .options.output_file import VERBOSE, WrittenPlace, refuse_inputs
 from .terminal.progress import Progress
 from .terminal.screen import WrongCall, notify, show, wants_debug
 
@@ -43,20 +43,9 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="Write the state space A, B, C, D: FILE.npz (NumPy), FILE.mat (MATLAB) or FILE.json.",
 )
-@click.option(
-    "-v", "--verbose", is_flag=True, help="Without a terminal, print the progress every ten seconds."
-)
+@VERBOSE
 def modes(
-    decks: tuple[str, ...],
-    changes: tuple[str, ...],
-    echo: bool,
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
-    time: float | None,
-    equilibrium: bool,
-    out: Any,
-    **options: Any,
+    decks: tuple[str, ...], echo: bool, as_json: bool, quiet: bool, verbose: bool, out: Any, **options: Any
 ) -> None:
     """List eigenfrequencies and damping of the mechanism of every DECK, and of its flexible bodies.
 
@@ -75,9 +64,9 @@ def modes(
     progress = Progress("modes", "decks", quiet, verbose)
     listener = Listener(notice=progress.notice, status=progress.status)
     codes = []
-    choices = RunOptions(changes=changes, debug=wants_debug(), **options)
-    wish = Wish(time, equilibrium, state_space=as_json, out=out)
-    for report in every_deck(decks, changes, lambda deck: modes_of_deck(deck, wish, choices, listener)):
+    wish = Wish(options.pop("time"), options.pop("equilibrium"), state_space=as_json, out=out)
+    choices = RunOptions(debug=wants_debug(), **options)
+    for report in every_deck(decks, choices, lambda deck: modes_of_deck(deck, wish, choices, listener)):
         progress.clear()
         show_faults(report.outcome, quiet)
         if as_json:
@@ -91,7 +80,6 @@ def modes(
 
 def _refuse_output(out: None, decks: tuple[str, ...]) -> None:
     from ..results.files.state_space import FORMS
-    from .options.output_file import refuse_inputs
 
     if out is None:
         return

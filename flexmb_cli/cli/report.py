@@ -1,13 +1,25 @@
 """`flexmb report`: a page on a result."""
 
 import math
+import re
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..errors import Fault
 from .options.finite import AnyFinite
-from .options.output_file import FORCE, WrittenPlace, files
+from .options.output_file import (
+    AS_JSON,
+    FORCE,
+    QUIET,
+    RESULT,
+    STANDARD_OUTPUT,
+    WrittenPlace,
+    refuse_inputs,
+    refuse_standard_output,
+    reported,
+)
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall
 
@@ -39,7 +51,7 @@ class Interval(click.ParamType):  # type: ignore[type-arg]
 
 
 @click.command()
-@click.argument("result", metavar="RESULT.h5", shell_complete=files)
+@RESULT
 @click.option("-o", "--output", type=WrittenPlace(), metavar="PAGE.html",
               help="The page; - is standard output [default: the result's name with .html].")  # fmt: skip
 @click.option("--movie", type=WrittenPlace(), metavar="FILE",
@@ -59,8 +71,8 @@ class Interval(click.ParamType):  # type: ignore[type-arg]
 @click.option("--scale", type=AnyFinite(), default=1.0, metavar="X",
               help="Show deformations of finite-element bodies X times as large [default: 1].")  # fmt: skip
 @FORCE
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-@click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+@AS_JSON
+@QUIET
 def report(
     result: str, output: str | None, force: bool, as_json: bool, quiet: bool, movie: str | None, **looks: Any
 ) -> None:
@@ -76,12 +88,9 @@ def report(
         flexmb report OUT4-BAR.h5 -o four-bar.html
         flexmb report OUT4-BAR.h5 --movie four-bar.mp4
     """
-    from pathlib import Path
-
     from ..results.files.own_files import refuse_foreign
     from ..results.files.replaced_file import write_whole
     from ..results.hdf5.stored_result import is_study
-    from .options.output_file import STANDARD_OUTPUT, refuse_inputs, reported
 
     bodies = _body_look(looks)
     notices = Notices("result", result, quiet, as_json)
@@ -94,13 +103,11 @@ def report(
     refuse_foreign([output], force)
     notices.refuse_standard_output(output)
     with notices.failures():
-        if is_study(result):
+        if study := is_study(result):
             _refuse_options(
                 ("colours", "range", "scale"), "for results of a run; this is the table of a study"
             )
-            page, notes = _study_page(result), list[Fault]()
-        else:
-            page, notes = _result_page(result, bodies)
+        page, notes = (_study_page(result), list[Fault]()) if study else _result_page(result, bodies)
         if output == STANDARD_OUTPUT:
             click.echo(page, nl=False)
         else:
@@ -137,13 +144,10 @@ def _size(count: int) -> str:
 
 
 def _write_film(notices: Notices, target: Any, page: Any, looks: Any, bodies: "BodyLook") -> None:
-    from pathlib import Path
-
     from ..results.figures.film import FORMATS, film_bytes
     from ..results.files.replaced_file import write_whole
     from ..results.hdf5.stored_result import is_study
     from ..results.quantities.quantities import open_result, refuse_uneven, remarks
-    from .options.output_file import refuse_inputs, refuse_standard_output
 
     path = notices.file
     refuse_standard_output(target, "a film", "--movie")
@@ -171,8 +175,6 @@ def _write_film(notices: Notices, target: Any, page: Any, looks: Any, bodies: "B
 
 
 def _film_look(looks: dict[str, Any], bodies: "BodyLook", form: str) -> "FilmLook":
-    import re
-
     from ..results.figures.film import MOST_OF_GIFS, FilmLook
 
     found = re.fullmatch(r"([0-9]{2,4})x([0-9]{2,4})", looks["size"])

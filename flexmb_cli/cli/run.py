@@ -58,16 +58,7 @@ if TYPE_CHECKING:
               help="YOUNG: with the errors of the program of 1996, to explain old listings.")  # fmt: skip
 @click.option("--estimate-error", is_flag=True,
               help="Run a second time with finer steps: the global error of every quantity.")  # fmt: skip
-def run(
-    decks: Any,
-    changes: tuple[str, ...],
-    echo: bool,
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
-    jobs: int,
-    **options: Any,
-) -> None:
+def run(decks: Any, as_json: bool, quiet: bool, verbose: bool, jobs: int, **options: Any) -> None:
     """Solve every DECK and write its OUT table and HDF5 result.
 
     \b
@@ -78,15 +69,15 @@ def run(
 
     decks = with_models(decks)
     _refuse_mixed_output(as_json, options)
-    _refuse_foreign_resume(options)
-    _refuse_foreign_estimate(options)
-    _refuse_parallel_input(decks, jobs)
+    _refuse_mixed_options(options)
+    if jobs > 1 and len(decks) > 1 and "-" in decks:
+        message = "standard input goes to one process only: with -j give every deck by its name"
+        raise WrongCall(message, id="CLI-049")
     _note_names_behind_only(decks, options, quiet)
     solver = _given(options, **SOLVER_OPTIONS)
     integration = _given(options, rtol="rtol", atol="atol", method="method")
-    options |= {"echo": echo, "debug": wants_debug()}
-    choices = RunOptions(changes=changes, solver=solver, integration=integration, **options)
-    refuse_strange_models(decks, changes)
+    choices = RunOptions(solver=solver, integration=integration, debug=wants_debug(), **options)
+    refuse_strange_models(decks, choices.changes)
     _refuse_shared_files(decks, choices)
     stop_on_signals()
     codes = []
@@ -124,24 +115,14 @@ def _note_names_behind_only(decks: Sequence[str], options: dict[Any, Any], quiet
         notify("flexmb: --only takes one quantity: give it once for each, as in --only point --only energy")
 
 
-def _refuse_parallel_input(decks: Sequence[str], jobs: int) -> None:
-    if jobs > 1 and len(decks) > 1 and "-" in decks:
-        raise WrongCall(
-            "standard input goes to one process only: with -j give every deck by its name", id="CLI-049"
-        )
-
-
-def _refuse_foreign_resume(options: dict[Any, Any]) -> None:
-    if options["resume"] and options["formulation"] == "absolute":
-        raise WrongCall(
-            "--resume goes with --formulation kane: the other one leaves nothing to resume", id="CLI-050"
-        )
-
-
-def _refuse_foreign_estimate(options: dict[Any, Any]) -> None:
-    if options["estimate_error"] and options["formulation"] == "absolute":
+def _refuse_mixed_options(options: dict[str, Any]) -> None:
+    absolute, estimate = options["formulation"] == "absolute", options["estimate_error"]
+    if options["resume"] and absolute:
+        message = "--resume goes with --formulation kane: the other one leaves nothing to resume"
+        raise WrongCall(message, id="CLI-050")
+    if estimate and absolute:
         raise WrongCall("--estimate-error goes with --formulation kane", id="CLI-051")
-    if options["estimate_error"] and options["as_printed"]:
+    if estimate and options["as_printed"]:
         raise WrongCall("--estimate-error and --as-printed exclude each other: give one", id="CLI-052")
 
 
@@ -221,7 +202,8 @@ def _report_outcome(outcome: "Outcome", options: "RunOptions", quiet: bool, verb
     if outcome.exit_code > 128:
         notify(f"{outcome.deck}: interrupted; {_kept(outcome)}")
     elif outcome.exit_code == DONE and not quiet:
-        notify(f"{outcome.deck}: {_rows(outcome)} → {', '.join(outcome.files) or _no_file(options)}")
+        elsewhere = "standard output" if options.out == "-" else "no file"
+        notify(f"{outcome.deck}: {_rows(outcome)} → {', '.join(outcome.files) or elsewhere}")
     elif (outcome.exit_code in (ANALYSIS_FAILED, INTERNAL_FAULT) or outcome.files) and not quiet:
         notify(f"{outcome.deck}: {_kept(outcome)}")
     if outcome.errors and not quiet:
@@ -230,10 +212,6 @@ def _report_outcome(outcome: "Outcome", options: "RunOptions", quiet: bool, verb
         click.echo(estimate_text(outcome.errors), err=True)
     if verbose and not quiet and outcome.statistics:
         click.echo(f"  {outcome.statistics}", err=True)
-
-
-def _no_file(options: "RunOptions") -> str:
-    return "standard output" if options.out == "-" else "no file"
 
 
 def _rows(outcome: "Outcome") -> str:

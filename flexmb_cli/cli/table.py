@@ -9,19 +9,16 @@ import click
 
 from ..errors import Fault
 from .options.finite import AnyFinite
-from .options.output_file import files, quantities
+from .options.output_file import RESULT, quantities
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall, show, terminal_width
 
 if TYPE_CHECKING:
     import h5py
 
-    from ..results.quantities.quantities import Quantity
-    from ..study.text import StudyColumn
-
 
 @click.command()
-@click.argument("result", metavar="RESULT.h5", shell_complete=files)
+@RESULT
 @click.argument("names", metavar="NAME...", nargs=-1, shell_complete=quantities)
 @click.option("--list", "listing", is_flag=True,
               help="Show the names (of NAME, or all) with unit and meaning instead of numbers.")  # fmt: skip
@@ -36,17 +33,8 @@ if TYPE_CHECKING:
               help="One JSON object on standard output; its rows are those of --format jsonl.")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Print no notes on the result.")
 def table(
-    result: str,
-    names: tuple[str, ...],
-    listing: bool,
-    start: None,
-    stop: None,
-    every: int,
-    style: str | None,
-    number: None,
-    as_json: bool,
-    quiet: bool,
-) -> Any:
+    result: str, names: tuple[str, ...], style: str | None, as_json: bool, quiet: bool, **options: Any
+) -> None:
     """Print quantities of RESULT.h5 over time, on a terminal and in a pipe alike.
 
     A NAME has the form entity.index.quantity.component; leave out the last part to get all components:
@@ -66,31 +54,24 @@ def table(
     """
     from ..results.hdf5.stored_result import is_study
 
-    if number and (listing or style or is_study(result)):
-        raise WrongCall(
-            "--as-table prints cards of a run: it goes with neither --list, --format nor a study",
-            id="CLI-055",
-        )
+    study, timed = is_study(result), options["start"] is not None or options["stop"] is not None
+    number, listing = options["number"], options["listing"]
+    if number and (listing or style or study):
+        message = "--as-table prints cards of a run: it goes with neither --list, --format nor a study"
+        raise WrongCall(message, id="CLI-055")
     if as_json and (style or number):
-        raise WrongCall(
-            "--json has rows of its own: it goes with neither --format nor --as-table", id="CLI-056"
-        )
+        message = "--json has rows of its own: it goes with neither --format nor --as-table"
+        raise WrongCall(message, id="CLI-056")
+    if study and timed:
+        message = f"{result} is the table of a study, a row a case: it has no times for --from and --to"
+        raise WrongCall(message, id="CLI-057")
+    if not study and listing and (timed or options["every"] > 1):
+        message = "--list shows names, not rows: --from, --to and --every do not go with it"
+        raise WrongCall(message, id="CLI-058")
     notices = Notices("result", result, quiet, as_json)
     printed = _Printed("jsonl" if as_json else style, as_json)
-    if is_study(result):
-        if start is not None or stop is not None:
-            message = f"{result} is the table of a study, a row a case: it has no times for --from and --to"
-            raise WrongCall(message, id="CLI-057")
-        with notices.failures():
-            _print_study(result, names, listing, every, printed, notices)
-        notices.end(rows=printed.rows)
-        return
-    if listing and (start is not None or stop is not None or every > 1):
-        raise WrongCall(
-            "--list shows names, not rows: --from, --to and --every do not go with it", id="CLI-058"
-        )
     with notices.failures():
-        _print_result(result, names, listing, (start, stop, every), number, printed, notices)
+        (_print_study if study else _print_result)(names, options, printed, notices)
     notices.end(rows=printed.rows)
 
 
@@ -99,6 +80,11 @@ class _Printed:
 
     def __init__(self, style: str | None, as_json: bool):
         self.style, self._as_json, self._kept = style, as_json, list[str]()
+
+    @property
+    def is_fitted(self) -> bool:
+        """Return whether the columns are to fit a terminal."""
+        return self.style == "text" and sys.stdout.isatty()
 
     @property
     def rows(self) -> list[dict[str, Any]]:
@@ -122,20 +108,15 @@ class _Printed:
 
 
 def _print_result(
-    result: str,
-    names: tuple[str, ...],
-    listing: bool,
-    part: Any,
-    number: Any,
-    printed: _Printed,
-    notices: Notices,
+    names: tuple[str, ...], options: dict[str, Any], printed: _Printed, notices: Notices
 ) -> None:
-    """Print quantities of a run; `part`: begin, end and stride of the rows."""
+    """Print quantities of a run."""
     from ..results.hdf5.stored_result import settings_of
     from ..results.quantities.quantities import names as all_names
     from ..results.quantities.quantities import open_result, resolve
-    from ..results.quantities.table import chosen_rows, function_points, list_text, table_text
+    from ..results.quantities.table import chosen_rows, fitting_groups, function_points, list_text, table_text
 
+    result, listing = notices.file, options["listing"]
     with open_result(result) as file:
         if not names and not listing:
             raise WrongCall(
@@ -146,33 +127,28 @@ def _print_result(
             notices.add(_settings_notes(settings_of(file)))
             printed.list(list_text(quantities, printed.style or "text"))
             return
-        rows = chosen_rows(file, *part)
+        rows = chosen_rows(file, options["start"], options["stop"], options["every"])
         notices.add(_notes(file, rows))
-        if number:
+        if number := options["number"]:
             from ..dialects.elements_block.writer import spline_block
 
             show(spline_block(function_points(file, quantities, rows, number)))
             return
-        for k, group in enumerate(_groups(file, quantities, printed.style)):
+        # Blocks of columns that fit a terminal; all in one for a pipe.
+        room = terminal_width(sys.stdout) if printed.is_fitted else None
+        groups = [quantities] if room is None else fitting_groups(file, quantities, room)
+        for k, group in enumerate(groups):
             show("\n" * bool(k))
             printed.table(table_text(file, group, rows, printed.style or "csv"))
 
 
-def _groups(file: "h5py.File", quantities: "list[Quantity]", style: str | None) -> "list[list[Quantity]]":
-    """Return the quantities in blocks of columns that fit a terminal; all in one for a pipe."""
-    from ..results.quantities.table import fitting_groups
-
-    if style != "text" or not sys.stdout.isatty():
-        return [quantities]
-    return fitting_groups(file, quantities, terminal_width(sys.stdout))
-
-
 def _print_study(
-    path: str, names: tuple[str, ...], listing: bool, every: int, printed: _Printed, notices: Notices
+    names: tuple[str, ...], options: dict[str, Any], printed: _Printed, notices: Notices
 ) -> None:
     from ..results.quantities.table import list_text
-    from ..study.text import chosen_columns, open_study, study_columns, study_notes, study_text
+    from ..study.text import chosen_columns, fitting_heads, open_study, study_columns, study_notes, study_text
 
+    path, listing = notices.file, options["listing"]
     with open_study(path) as file:
         columns = study_columns(file)
         if names or not listing:
@@ -181,18 +157,11 @@ def _print_study(
             printed.list(list_text(columns, printed.style or "text"))
             return
         notices.add(study_notes(file, columns, bool(names)))
-        for k, heads in enumerate(_study_blocks(columns, printed.style)):
+        # Places of the heads in blocks that fit a terminal; None, which means all, for a pipe.
+        room = terminal_width(sys.stdout) if printed.is_fitted else None
+        for k, heads in enumerate([None] if room is None else fitting_heads(columns, room)):
             show("\n" * bool(k))
-            printed.table(study_text(file, columns, every, printed.style or "csv", heads))
-
-
-def _study_blocks(columns: "list[StudyColumn]", style: str | None) -> list[list[int]] | list[None]:
-    """Return the places of the heads in blocks that fit a terminal; None, which means all, for a pipe."""
-    from ..study.text import fitting_heads
-
-    if style != "text" or not sys.stdout.isatty():
-        return [None]
-    return fitting_heads(columns, terminal_width(sys.stdout))
+            printed.table(study_text(file, columns, options["every"], printed.style or "csv", heads))
 
 
 def _settings_notes(settings: list[str]) -> list[Fault]:

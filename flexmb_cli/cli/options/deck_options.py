@@ -15,7 +15,7 @@ from .output_file import files
 if TYPE_CHECKING:
     from ...run.check.check import CheckReport
     from ...run.modes import ModesReport
-    from ...run.outcome import Outcome
+    from ...run.outcome import Outcome, RunOptions
     from ...run.verify.verify import Verification
 
 
@@ -54,15 +54,15 @@ def deck_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def every_deck(
-    decks: tuple[str, ...], changes: tuple[str, ...], examine: "Callable[[str], Report]"
+    decks: tuple[str, ...], options: "RunOptions", examine: "Callable[[str], Report]"
 ) -> "Iterator[Report]":
     """Yield the report of `examine` on each deck; decks after a stop are named as interrupted.
 
-    Raises DeckError for settings among the `changes` of a model that a deck lacks.
+    Raises DeckError for settings of a model that a deck lacks.
     """
     stop_on_signals()
     named = with_models(decks)
-    refuse_strange_models(named, changes)
+    refuse_strange_models(named, options.changes)
     for deck in named:
         report = examine(deck)
         code = report.outcome.exit_code

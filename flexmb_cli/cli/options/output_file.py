@@ -1,4 +1,4 @@
-"""Output of commands that read results: to a file of its own, or to standard output."""
+"""Options and arguments that several commands share, their completion, and where output may go."""
 
 import os
 from collections.abc import Sequence
@@ -8,7 +8,21 @@ import click
 
 from ..terminal.screen import WrongCall
 
+
+def files(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[Any]:
+    """Have the shell complete names of files."""
+    from click.shell_completion import CompletionItem
+
+    return [CompletionItem(incomplete, type="file")]
+
+
 STANDARD_OUTPUT = "-"
+RESULT = click.argument("result", metavar="RESULT.h5", shell_complete=files)
+AS_JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+QUIET = click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+VERBOSE = click.option(
+    "-v", "--verbose", is_flag=True, help="Without a terminal, print the progress every ten seconds."
+)
 FORCE = click.option("--force", is_flag=True, help="Replace files that flexmb did not make, too.")
 
 
@@ -51,13 +65,6 @@ class WrittenPlace(click.types.StringParamType):
     def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> Any:
         """Have the shell complete names of files."""
         return files(ctx, param, incomplete)
-
-
-def files(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[Any]:
-    """Have the shell complete names of files."""
-    from click.shell_completion import CompletionItem
-
-    return [CompletionItem(incomplete, type="file")]
 
 
 def quantities(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[str]:

@@ -93,9 +93,9 @@ class Notices:
         if not self.quiet:
             notify(sentence)
 
-    def end(self, **more: Any) -> None:
-        """Print the object of a command that is done; `more`: what it has besides the faults."""
+    def end(self, status: str = "complete", exit_code: int = DONE, **more: Any) -> None:
+        """Print the object of a command that has ended; `more`: what it has besides the faults."""
         if self.as_json:
             faults = [{"file": file} | fault.as_dict() for file, fault in self.faults]
-            record = self.about | {"status": "complete", "exit_code": DONE, "faults": faults} | more
+            record = self.about | {"status": status, "exit_code": exit_code, "faults": faults} | more
             click.echo(json.dumps(record))
