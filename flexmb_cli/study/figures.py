@@ -1,6 +1,5 @@
 """Pictures of a study by matplotlib: curves, maps, scatter plots, parallel coordinates."""
 
-import io
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
@@ -11,7 +10,7 @@ import numpy as np
 
 from ..results.figures.label_fitting import Letters
 from ..results.figures.look import COLOURS, NARROWEST, PANEL, TICKS, Look
-from ..results.figures.plots import HEIGHT, METADATA, PRINTED, RESOLUTION, WIDTH, fit_figure, shown
+from ..results.figures.plots import HEIGHT, WIDTH, figure_bytes, fit_figure, shown
 from ..results.quantities.quantities import ResultError
 from .text import EXIT_CODE, CasesTable, StudyColumn, cases_table, chosen_columns, study_columns
 
@@ -63,24 +62,19 @@ def drawn(
     report_missing: Callable[[str], object] = str,
 ) -> bytes:
     """Return what `draw` puts on a figure, as a file of `form`."""
-    import matplotlib
-    from matplotlib.figure import Figure
 
-    with matplotlib.rc_context():
-        matplotlib.rcdefaults()
-        matplotlib.rcParams["svg.hashsalt"] = "flexmb"
-        if look:
-            for family in look.apply():
-                report_missing(family)
+    def make() -> "Figure":
+        from matplotlib.figure import Figure
+
         figure = Figure(layout="constrained")
         draw(figure)
         if title or not look:
             figure.suptitle(shown(title, look))
         if look:
             fit_figure(figure, look)
-        stream = io.BytesIO()
-        figure.savefig(stream, format=form, dpi=PRINTED if look else RESOLUTION, metadata=METADATA[form])
-    return stream.getvalue()
+        return figure
+
+    return figure_bytes(make, form, look, report_missing)
 
 
 def set_size(
@@ -269,7 +263,7 @@ def curve_family(table: h5py.File, patterns: Iterable[str], file: str) -> CurveF
     chosen = np.unique(np.linspace(0, len(solved) - 1, min(MOST_CASE_CURVES, len(solved))).astype(int))
     kept = {name: values[chosen] for name, values in cases.parameters.items()}
     cases = CasesTable(cases.deck_name, kept, {}, cases.failed)
-    series = {_head(column): table[column.path][solved[chosen]] for column in named}
+    series = {column.label: table[column.path][solved[chosen]] for column in named}
     return CurveFamily(cases, table[TIMES][solved[chosen]], series)
 
 
@@ -281,7 +275,6 @@ def family_picture(
     report_missing: Callable[[str], object] = str,
 ) -> bytes:
     """Return the picture as a file of `form`; `look`, `report_missing`: as of `plots.picture`."""
-    from .figures import drawn, label_axis, set_size
 
     def draw(figure: "Figure") -> None:
         set_size(figure, look, len(family.series))
@@ -300,8 +293,6 @@ def _draw_cases(
 ) -> None:
     from matplotlib import rcParams
 
-    from .figures import add_key, colours_of
-
     name, parameter = next(iter((family.cases.varied or family.cases.parameters).items()))
     colours = colours_of(parameter)
     for times, curve, colour in zip(family.times, values, colours.to_rgba(parameter), strict=True):
@@ -312,7 +303,3 @@ def _draw_cases(
 def _named(table: h5py.File, patterns: Iterable[str], file: str) -> list[StudyColumn]:
     named = chosen_columns(study_columns(table), patterns, file)
     return [column for column in named if column.path.startswith("result/")]
-
-
-def _head(column: StudyColumn) -> str:
-    return f"{column.path.partition('/')[2]} [{column.unit}]"

@@ -1,10 +1,6 @@
 """The table of a study as text: a row a case; its parameters, results and exit code side by side."""
 
-import csv
 import fnmatch
-import io
-import json
-import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -18,7 +14,7 @@ from ..errors import Fault, visible
 from ..results.hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, understood
 from ..results.quantities.quantities import NOTHING, SHOWS_ALL, ResultError
 from ..results.quantities.quantity_names import folded
-from ..results.quantities.table import SEPARATOR, TEXT_NUMBER, TEXT_WIDTH, grouped
+from ..results.quantities.table import grouped, table_lines, widths_of
 from .table import NUMBERS_WRITTEN
 
 CASE, EXIT_CODE, MESSAGE = "case", "exit_code", "message"
@@ -38,6 +34,11 @@ class StudyColumn:
     def name(self) -> str:
         """The name, as the column of a Parquet table: `parameter.driver.1.B`, `result.top`."""
         return self.path.replace("/", ".", 1)
+
+    @property
+    def label(self) -> str:
+        """The name without its group, with the unit, as pictures have it."""
+        return f"{self.path.partition('/')[2]} [{self.unit}]"
 
     @property
     def heads(self) -> list[str]:
@@ -122,14 +123,14 @@ def study_text(
     shown = range(len(heads)) if shown is None else shown
     heads = [heads[k] for k in shown]
     if style != "jsonl":
-        yield _lines(heads, [heads], style)
+        yield table_lines(heads, [heads], style)
     count = len(table[CASE])
     cases = range(0, count, min(every, max(count, 1)))  # HDF5 counts strides in 64 bits
     length = max(1, NUMBERS_WRITTEN // sum(max(column.length, 1) for column in columns))
     for first in range(0, len(cases), length):
         block = cases[first : first + length]
         rows = _rows(table, columns, slice(block.start, block.stop, block.step))
-        yield _lines(heads, [[row[k] for k in shown] for row in rows], style)
+        yield table_lines(heads, [[row[k] for k in shown] for row in rows], style)
 
 
 def fitting_heads(columns: Sequence[StudyColumn], width: int) -> list[list[int]]:
@@ -138,7 +139,7 @@ def fitting_heads(columns: Sequence[StudyColumn], width: int) -> list[list[int]]
     Each group begins with the case.  Messages, which are prose of any length, have a group of their own.
     """
     heads = _heads(columns)
-    widths = _widths(heads)
+    widths = widths_of(heads)
     room = width - widths[0]
     needed = [room if head == MESSAGE else size for head, size in zip(heads, widths, strict=True)]
     return [[0, *group] for group in grouped(range(1, len(heads)), needed[1:], room)] or [[0]]
@@ -146,10 +147,6 @@ def fitting_heads(columns: Sequence[StudyColumn], width: int) -> list[list[int]]
 
 def _heads(columns: Sequence[StudyColumn]) -> list[str]:
     return [head for column in columns for head in column.heads]
-
-
-def _widths(heads: Sequence[str]) -> list[int]:
-    return [max(len(head), TEXT_WIDTH if " [" in head else 0) for head in heads]
 
 
 def _messages(dataset: h5py.Dataset, cases: slice) -> list[str]:
@@ -164,29 +161,6 @@ def _rows(table: h5py.File, columns: Sequence[StudyColumn], cases: slice) -> lis
         values = dataset[cases] if column.path != MESSAGE else _messages(dataset, cases)
         cells += np.reshape(values, (len(values), -1)).T.tolist()
     return list(zip(*cells, strict=True))
-
-
-def _lines(heads: list[str], rows: list[Any], style: str) -> str:
-    if style == "jsonl":
-        records = (dict(zip(heads, map(_json, row), strict=True)) for row in rows)
-        return "".join(json.dumps(record, allow_nan=False) + "\n" for record in records)
-    if style == "text":
-        widths = _widths(heads)
-        return "".join(_aligned(row, widths) for row in rows)
-    page = io.StringIO()
-    # The csv module writes the shortest digits that read back to the same double.
-    csv.writer(page, delimiter=SEPARATOR[style], lineterminator="\n").writerows(rows)
-    return page.getvalue()
-
-
-def _aligned(row: Sequence[Any], widths: list[int]) -> str:
-    cells = (TEXT_NUMBER.format(cell) if isinstance(cell, float) else str(cell) for cell in row)
-    return "  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True)).rstrip() + "\n"
-
-
-def _json(cell: float) -> float | None:
-    """Return the cell; JSON has no nan and no infinity, so they become None."""
-    return None if isinstance(cell, float) and not math.isfinite(cell) else cell
 
 
 def study_notes(table: h5py.File, columns: Sequence[StudyColumn], named: bool) -> list[Fault]:
@@ -254,15 +228,11 @@ def cases_table(
     parameters = [column for column in columns if _is(column, "parameter")]
     return CasesTable(
         table.attrs["deck_name"],
-        {_head(column): table[column.path][:][solved] for column in parameters},
-        {_head(column): table[column.path][:][solved] for column in wanted if with_results},
+        {column.label: table[column.path][:][solved] for column in parameters},
+        {column.label: table[column.path][:][solved] for column in wanted if with_results},
         int((~solved).sum()),
     )
 
 
 def _is(column: StudyColumn, group: str) -> bool:
     return column.path.startswith(f"{group}/")
-
-
-def _head(column: StudyColumn) -> str:
-    return f"{column.path.partition('/')[2]} [{column.unit}]"

@@ -27,6 +27,7 @@ from .contours import (
 )
 from .depth_buffer import DepthBuffer
 from .element_bodies import ElementBody, element_bodies, outer_faces_of_elements, triangles
+from .label_fitting import Letters
 from .report_scene import GREY, LONGEST_ANIMATION, MOST_TRACES, SHORTEST_ANIMATION, TRACE, colour_of, rounded
 from .scene import Scene, read_scene, view_of
 
@@ -46,6 +47,7 @@ class Texts:
 
     def __init__(self, width: int, height: int, legend: str, colours: np.ndarray, letters: float = LETTERS):
         self.letters = float(np.clip(letters * height, LEAST, LARGEST))
+        self.measured = Letters(str(self.letters))
         self.margin = round(min(self.letters, MOST_MARGIN * width))
         self.room = width - 2 * self.margin
         self.legend, self.colours = self._fitting(legend), colours
@@ -67,19 +69,7 @@ class Texts:
 
     def _fitting(self, text: str) -> list[str]:
         """Return `text` in lines at most as wide as the room, broken between words."""
-        lines: list[str] = []
-        for word in text.split():
-            longer = f"{lines[-1]} {word}" if lines else word
-            if lines and self._width(longer) <= self.room:
-                lines[-1] = longer
-            else:
-                lines.append(word)
-        return lines
-
-    def _width(self, text: str) -> float:
-        from matplotlib.textpath import TextPath
-
-        return float(TextPath((0, 0), text, size=self.letters).get_extents().x1)
+        return self.measured.wrapped(text, self.room / DOTS).splitlines()
 
     def _write(self, picture: np.ndarray, lines: list[str], top: int) -> None:
         """Write `lines` into `picture`, the first from row `top` on."""

@@ -181,23 +181,19 @@ def _energies(body: ElementBody, elements: np.ndarray, ranges: Ranges) -> dict[s
 
 def _rigid_surface(shape: BodyShape) -> dict[Any, Any]:
     """A surface without modes; triangles of files may face either way, and their edges are not drawn."""
+    missing = dict.fromkeys(("shape", "stress", "amplitude", "edges", "energy", "shown"), "")
     return {
+        **missing,
         "name": shape.name,
         "colour": colour_of(shape),
         "modes": 0,
         "numbers": [],
         "nodes": _numbers(shape.vertices),
-        "shape": "",
-        "stress": "",
-        "amplitude": "",
         "origin": _numbers(shape.origin),
         "turn": _numbers(shape.turn),
         "triangles": _integers(shape.triangles),
-        "edges": "",
         "material": None,
-        "energy": "",
         "elements": [],
-        "shown": "",
     }
 
 
