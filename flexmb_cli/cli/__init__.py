@@ -26,8 +26,8 @@ from ..errors import (
 )
 from ..memory import LACK_OF_MEMORY, lack_of_memory_text, lacks_memory
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
+from ..run.processes.signal_mask import ignore_stops, pass_over_stops
 from .terminal.screen import WrongCall
-from .terminal.stops import ignore_stops, pass_over_stops
 
 if TYPE_CHECKING:
     from types import FrameType

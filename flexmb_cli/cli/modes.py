@@ -79,7 +79,7 @@ def modes(
 
 
 def _refuse_output(out: None, decks: tuple[str, ...]) -> None:
-    from ..results.files.state_space import FORMS
+    from ..run.modes import FORMS
 
     if out is None:
         return

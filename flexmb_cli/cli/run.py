@@ -10,11 +10,11 @@ import click
 
 from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT
 from ..model.integrators import METHOD_OPTIONS, TREE_METHODS
+from ..run.processes.signal_mask import stop_on_signals
 from .options.deck_options import DECK, deck_options, refuse_strange_models, show_faults, with_models
 from .options.finite import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, Finite
 from .options.output_file import FORCE, WrittenPlace
 from .terminal.screen import WrongCall, notify, show, standard_output, wants_debug
-from .terminal.stops import stop_on_signals
 
 if TYPE_CHECKING:
     from ..run.outcome import Outcome, RunOptions
@@ -184,16 +184,15 @@ def _refuse_shared_files(decks: Sequence[str], options: "RunOptions") -> None:
     from pathlib import PurePath
 
     from ..deck.several_models import named_model
-    from ..results.files.file_names import refuse_shared, result_paths
-    from ..run.earlier_results import dialect_of
+    from ..results.files.file_names import refuse_shared
+    from ..run.earlier_results import dialect_of, paths_of
 
     if len(decks) > 1 and (options.h5 or options.out not in (None, "-")):
         raise WrongCall("--out and --h5 name one file: give one deck, or use --output-dir", id="CLI-053")
-    places = options.folder, options.out, options.h5, options.no_out, options.no_h5
     results = []
     for path, model in map(named_model, decks):
         name = path if path == "-" else PurePath(path).name
-        results.append((path, result_paths(name, dialect_of(path, options), *places, model)))
+        results.append((path, paths_of(name, dialect_of(path, options), options, model)))
     refuse_shared(results, decks)
 
 

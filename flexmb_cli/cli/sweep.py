@@ -11,12 +11,12 @@ from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, Fault, compile
 from ..memory import TO_LOAD, require_memory
 from ..results.files.own_files import refuse_foreign
 from ..run.outcome import INTERRUPTED, TERMINATED, Listener, Stop, Terminated
+from ..run.processes.signal_mask import stop_on_signals
 from .options.deck_options import LOOP_TOLERANCE
 from .options.output_file import AS_JSON, FORCE, VERBOSE, WrittenPlace, files, refuse_inputs
 from .terminal.notices import Notices
 from .terminal.progress import Progress
 from .terminal.screen import WrongCall, notify
-from .terminal.stops import stop_on_signals
 
 if TYPE_CHECKING:
     from ..study.sweep import Sweep
@@ -68,7 +68,7 @@ def sweep(
             interface.write_study(output, made)
     except (KeyboardInterrupt, Terminated) as stop:
         exit_code = INTERRUPTED if isinstance(stop, KeyboardInterrupt) else TERMINATED
-        _report_stop(notices, output, made, bool(options["scheduler"]), exit_code)
+        _report_stop(notices, output, made, parts, bool(options["scheduler"]), exit_code)
         # Workers that are still solving end with this process; whole cases are kept.
         os._exit(exit_code)
     _report(notices, output, made, failures)
@@ -89,8 +89,10 @@ def _require_libraries(output: str, scheduler: str | None) -> None:
         require_dask()
 
 
-def _report_stop(notices: Notices, output: str, made: "Sweep", on_cluster: bool, exit_code: int) -> None:
-    parts, cases, failed = made.job.parts_folder, made.job.study.cases, made.failed
+def _report_stop(
+    notices: Notices, output: str, made: "Sweep", parts: str, on_cluster: bool, exit_code: int
+) -> None:
+    cases, failed = made.job.study.cases, made.failed
     table: str | None = output
     reported = f"{output} is complete"
     if os.path.isdir(parts):

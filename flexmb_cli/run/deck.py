@@ -1,9 +1,7 @@
 """Run one deck of any dialect; every failure becomes an outcome with its exit code."""
 
-from ..deck.record import Deck
-from ..results.files.file_names import ResultPaths, result_paths
 from ..results.files.own_files import refuse_foreign
-from .earlier_results import EarlierResults
+from .earlier_results import EarlierResults, paths_of
 from .exit_status import ending_recorded
 from .open_deck import open_deck, own_options, warn_of_foreign_options
 from .outcome import Listener, Outcome, Run, RunOptions, Stop, TextStream
@@ -26,7 +24,7 @@ def run_deck(
         run = Run(
             outcome, own_options(deck, options), (listener or Listener()).kept_in(outcome.notices), stdout
         )
-        paths = paths_of(deck, options)
+        paths = paths_of(deck.source.name, deck.dialect, options, deck.model)
         try:
             refuse_foreign((file for file in paths.files if file not in paths.named), options.force)
             solve_deck(deck, paths, run)
@@ -38,17 +36,3 @@ def run_deck(
                 outcome.echo = echo(deck)
     earlier.set_aside(outcome)
     return outcome
-
-
-def paths_of(deck: Deck, options: RunOptions) -> ResultPaths:
-    """Return where the results of `deck` go."""
-    return result_paths(
-        deck.source.name,
-        deck.dialect,
-        options.folder,
-        options.out,
-        options.h5,
-        options.no_out,
-        options.no_h5,
-        deck.model,
-    )

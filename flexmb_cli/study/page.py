@@ -1,14 +1,10 @@
 """An HTML page on a study: its table of results as pictures that can be turned over, by plotly."""
 
-import html
-import json
-from base64 import b64encode
-from hashlib import sha256
 from typing import Any
 
 import numpy as np
 
-from ..errors import lines_visible
+from ..results.figures.report_page import json_text, script_hash, shown_html
 from .text import CasesTable
 
 PAGE = """<!doctype html>
@@ -45,33 +41,18 @@ def study_page(cases: CasesTable, study: str, library: str) -> str:
     places = "".join(f'<div class="plot" id="{name}"></div>' for name in figures if name != "parallel")
     solved = len(next(iter(cases.results.values())))
     counts = f"{solved} cases solved, {cases.failed} failed"
-    drawing = DRAWING.format(figures=_json(figures))
+    drawing = DRAWING.format(figures=json_text(figures))
     return PAGE.format(
-        policy=POLICY.format(scripts=f"{_digest(library)} {_digest(drawing)}"), library=library,
-        title=_shown(f"Study of {cases.deck_name}"), counts=counts, places=places,
-        study=_shown(study), drawing=drawing,
+        policy=POLICY.format(scripts=f"{script_hash(library)} {script_hash(drawing)}"), library=library,
+        title=shown_html(f"Study of {cases.deck_name}"), counts=counts, places=places,
+        study=shown_html(study), drawing=drawing,
     )  # fmt: skip
-
-
-def _digest(script: str) -> str:
-    """Return the source expression of a script (Content Security Policy level 3, section 2.3.1)."""
-    return f"'sha256-{b64encode(sha256(script.encode('utf-8')).digest()).decode('ascii')}'"
-
-
-def _shown(text: str) -> str:
-    """Return HTML that shows `text`, with marks for what turns the writing or cannot be printed."""
-    return html.escape(lines_visible(text.replace("\r\n", "\n")))
-
-
-def _json(figures: dict[str, Any]) -> str:
-    """Return JSON without markup for readers of HTML: `<!--<script>` would hide the end of the script."""
-    return json.dumps(figures).replace("<", "\\u003c")
 
 
 def _parallel(cases: CasesTable) -> dict[str, Any]:
     columns = {**(cases.varied or cases.parameters), **cases.results}
     last = next(reversed(cases.results))
-    dimensions = [{"label": _shown(name), "values": _list(values)} for name, values in columns.items()]
+    dimensions = [{"label": shown_html(name), "values": _list(values)} for name, values in columns.items()]
     line = {"color": _list(cases.results[last]), "colorscale": "Viridis"}
     return {"data": [{"type": "parcoords", "dimensions": dimensions, "line": line}], "layout": {}}
 
@@ -80,8 +61,8 @@ def _result(cases: CasesTable, name: str) -> dict[str, Any]:
     """A curve over one parameter, else points over the first two, coloured by the result."""
     across = list((cases.varied or cases.parameters).items())
     values = _list(cases.results[name])
-    layout: dict[str, Any] = {"title": {"text": _shown(name)}}
-    layout["xaxis"] = {"title": {"text": _shown(across[0][0])}}
+    layout: dict[str, Any] = {"title": {"text": shown_html(name)}}
+    layout["xaxis"] = {"title": {"text": shown_html(across[0][0])}}
     trace: dict[str, Any] = {"type": "scatter", "mode": "markers", "x": _list(across[0][1]), "y": values}
     if len(across) == 1:
         order = np.argsort(across[0][1], kind="stable")
@@ -91,7 +72,7 @@ def _result(cases: CasesTable, name: str) -> dict[str, Any]:
         marker = {"color": values, "colorscale": "Viridis", "showscale": True}
         trace |= {"y": _list(across[1][1]), "text": [f"{value:.6g}" for value in cases.results[name]]}
         trace |= {"marker": marker}
-        layout["yaxis"] = {"title": {"text": _shown(across[1][0])}}
+        layout["yaxis"] = {"title": {"text": shown_html(across[1][0])}}
     return {"data": [trace], "layout": layout}
 
 

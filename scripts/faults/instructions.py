@@ -17,7 +17,7 @@ from pathlib import Path
 
 import h5py
 
-from flexmb_cli.cli.terminal.stops import stop_on_signals
+from flexmb_cli.run.processes.signal_mask import stop_on_signals
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import TERMINATED, RunOptions, Stop
 

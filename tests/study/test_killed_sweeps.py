@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from flexmb_cli.cli.terminal.stops import stop_on_signals
 from flexmb_cli.run.outcome import Stop, Terminated
+from flexmb_cli.run.processes.signal_mask import stop_on_signals
 from flexmb_cli.study import sweep as study_sweep
 from flexmb_cli.study import workers as study_workers
 from flexmb_cli.study.checkpoints import Parts, RecordForm

@@ -7,8 +7,8 @@ import click
 
 from ...dialects import DIALECTS
 from ...errors import FlexmbError, compiler_style
+from ...run.processes.signal_mask import stop_on_signals
 from ..terminal.screen import notify
-from ..terminal.stops import stop_on_signals
 from .finite import Finite
 from .output_file import files
 

@@ -1,15 +1,23 @@
 """Compare two results, whatever their form: listings, HDF5 results, and what was exported from these."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ...deck.listing import TableError
+from ...deck.listing import Listing, TableError
 from ...errors import Fault
 from .listings import compare_listings, read_listing
 from .report import Report
-from .tolerances import CSV, HDF5, LISTING, MATLAB, UNREADABLE, ToleranceError, Tolerances, form_of
-
-if TYPE_CHECKING:
-    from pathlib import Path
+from .tolerances import (
+    CSV,
+    DEFAULT_ATOL,
+    DEFAULT_RTOL,
+    HDF5,
+    LISTING,
+    MATLAB,
+    UNREADABLE,
+    ToleranceError,
+    Tolerances,
+    form_of,
+)
 
 
 def compare(
@@ -33,61 +41,54 @@ def compare(
     tolerances = tolerances or Tolerances()
     forms = form_of(path_a), form_of(path_b)
     if UNREADABLE in forms or set(forms) == {LISTING}:
-        report = _compare_tables(path_a, path_b, forms, tolerances, same_attitude, explain, deck, listed)
+        a, b = _listings(path_a, path_b, forms)
+        emulation = None
+        if deck is not None and a.form.emulated:
+            from .emulated import Emulation
+
+            emulation = Emulation(deck)
+        report = compare_listings(a, b, tolerances, same_attitude, explain, emulation, listed)
     elif tolerances.last_digit:
         message = "--last-digit: HDF5 results have no printed digits; --atol and --rtol are for them"
         raise ToleranceError(message, id="DIFF-007")
     else:
-        report = _compare_stored(path_a, path_b, forms, tolerances, same_attitude, listed)
+        report = Report(str(path_a), str(path_b), most_listed=listed)
+        tolerances = tolerances.with_defaults(DEFAULT_ATOL, DEFAULT_RTOL)
+        _compare_stored(report, forms, tolerances, same_attitude)
     report.words_count = words
     return report
 
 
-def _compare_tables(
-    path_a: "Path | str",
-    path_b: "Path | str",
-    forms: tuple[str, str],
-    tolerances: Tolerances,
-    same_attitude: bool,
-    explain: bool,
-    deck: str | None,
-    listed: int,
-) -> Report:
+def _listings(path_a: Any, path_b: Any, forms: tuple[str, str]) -> tuple[Listing, Listing]:
     if set(forms) - {LISTING, UNREADABLE}:
         read_listing(path_a if forms[0] == UNREADABLE else path_b)  # it words why the file cannot be opened
     a, b = (read_listing(path) for path in (path_a, path_b))
     if a.form.name != b.form.name:
         message = f"it is of another type ({b.form.name}) than {a.name} ({a.form.name})"
         raise TableError(b.name, [Fault("error", message, id="DIFF-009")])
-    emulation = None
-    if deck is not None and a.form.emulated:
-        from .emulated import Emulation
-
-        emulation = Emulation(deck)
-    return compare_listings(a, b, tolerances, same_attitude, explain, emulation, listed)
+    return a, b
 
 
 def _compare_stored(
-    path_a: "Path | str",
-    path_b: "Path | str",
-    forms: tuple[str, str],
-    tolerances: Tolerances,
-    same_attitude: bool,
-    listed: int,
-) -> Report:
+    report: Report, forms: tuple[str, str], tolerances: Tolerances, same_attitude: bool
+) -> None:
+    """Compare HDF5 results, or what was exported from them; these modules need the HDF5 library."""
     if set(forms) == {HDF5}:
         from .hdf5 import compare_hdf5
 
-        return compare_hdf5(str(path_a), str(path_b), tolerances, same_attitude, listed)
-    if CSV in forms and set(forms) <= {HDF5, CSV}:
+        compare_hdf5(report, tolerances, same_attitude)
+    elif CSV in forms and set(forms) <= {HDF5, CSV}:
         from .csv_columns import compare_csv
 
-        return compare_csv(str(path_a), str(path_b), forms, tolerances, listed)
-    if MATLAB in forms and set(forms) <= {HDF5, MATLAB}:
+        compare_csv(report, forms, tolerances)
+    elif MATLAB in forms and set(forms) <= {HDF5, MATLAB}:
         from .matlab_fields import compare_matlab
 
-        return compare_matlab(str(path_a), str(path_b), forms, tolerances, listed)
-    other = path_b if forms[0] == HDF5 else path_a
-    form = "this is no HDF5 result, the other file is" if HDF5 in forms else "the two are of different forms"
-    message = f"{form}; compare two tables, two HDF5 results, or an export with its HDF5 result"
-    raise TableError(str(other), [Fault("error", message, id="DIFF-008")])
+        compare_matlab(report, forms, tolerances)
+    else:
+        other = report.b if forms[0] == HDF5 else report.a
+        form = (
+            "this is no HDF5 result, the other file is" if HDF5 in forms else "the two are of different forms"
+        )
+        message = f"{form}; compare two tables, two HDF5 results, or an export with its HDF5 result"
+        raise TableError(other, [Fault("error", message, id="DIFF-008")])

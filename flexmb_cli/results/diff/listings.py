@@ -10,7 +10,7 @@ from ...deck.table_columns import SECTIONS
 from ...dialects.recognise import every_dialect
 from ...errors import Fault
 from .echo import as_stars, compare_echo
-from .report import Found, Report
+from .report import Found, Report, are, counted
 from .tolerances import Tolerances
 
 if TYPE_CHECKING:
@@ -53,16 +53,6 @@ def common_places(keys_a: list[Any], keys_b: list[Any]) -> tuple[Any, ...]:
     return tuple(
         np.array(column, dtype=np.int64) for column in (zip(*rows, strict=True) if rows else ((), ()))
     )
-
-
-def counted(number: int, thing: str) -> str:
-    """Return "1 row", "2 rows"."""
-    return f"{number} {thing}{'s' * (number != 1)}"
-
-
-def are(number: int) -> str:
-    """Return the verb for a number of things."""
-    return "is" if number == 1 else "are"
 
 
 def few(words: list[str], most: int = 3) -> str:

@@ -18,6 +18,11 @@ def counted(number: int, stem: str, one: str = "", many: str = "s") -> str:
     return f"{number} {stem}{one if number == 1 else many}"
 
 
+def are(number: int) -> str:
+    """Return the verb for a number of things."""
+    return "is" if number == 1 else "are"
+
+
 def agreeing(number: int, verb: str) -> str:
     """Return the verb of a number of things: 1 differs, 2 differ."""
     return f"{verb}s" if number == 1 else verb
@@ -49,15 +54,7 @@ class Found:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain record for `--json`; numbers that JSON does not know are given as text."""
-        return {
-            "section": self.section,
-            "item": self.item,
-            "column": self.column,
-            "time": _json_number(self.time),
-            "a": _json_number(self.a),
-            "b": _json_number(self.b),
-            "distance": _json_number(self.distance),
-        }
+        return {key: _json_number(value) for key, value in vars(self).items() if key != "line"}
 
 
 @dataclass
@@ -74,6 +71,11 @@ class Tally:
     explained: int = 0
     largest: float = 0.0
     worst: Found | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain record for `--json`."""
+        numbers = {"largest": _json_number(self.largest), "worst": self.worst and self.worst.as_dict()}
+        return vars(self) | numbers
 
     def add(
         self,
@@ -240,7 +242,7 @@ class Report:
             "words": self.words,
             "listed": [cell.as_dict() | {"line": cell.line} for cell in self.listed],
             "worst": self.worst and self.worst.as_dict(),
-            "kinds": {kind: _tally_record(self.tallies[kind]) for kind in self._kinds()},
+            "kinds": {kind: self.tallies[kind].as_dict() for kind in self._kinds()},
         }
 
     @property
@@ -290,19 +292,8 @@ def _aligned(row: tuple[str, ...], widths: list[int]) -> str:
     return "  ".join([row[0].ljust(widths[0]), *figures, row[-1]]).rstrip()
 
 
-def _tally_record(tally: Tally) -> dict[Any, Any]:
-    return {
-        "compared": tally.compared,
-        "unreadable": tally.unreadable,
-        "differing": tally.differing,
-        "explained": tally.explained,
-        "largest": _json_number(tally.largest),
-        "worst": tally.worst and tally.worst.as_dict(),
-    }
-
-
-def _json_number(value: float | None) -> Any:
-    return value if value is None or math.isfinite(value) else str(value)
+def _json_number(value: Any) -> Any:
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
 # Attributes of HDF5 results that hold words; `status` and `analysis` count without `--words`.

@@ -13,36 +13,12 @@ from ...errors import Fault, FlexmbError
 from ..files.own_files import HDF5_SIGNATURE
 
 KINDS = (
-    "time",
-    "position",
-    "euler",
-    "velocity",
-    "euler_rate",
-    "omega",
-    "acceleration",
-    "euler_acceleration",
-    "alpha",
-    "point_position",
-    "point_velocity",
-    "point_acceleration",
-    "speed",
-    "coordinate",
-    "state",
-    "count",
-    "length",
-    "mass",
-    "inertia",
-    "stiffness",
-    "force",
-    "torque",
-    "effort",
-    "energy",
-    "elastic",
-    "modal",
-    "echo",
-    "audit",
-    "other",
-)
+    "time", "position", "euler", "velocity", "euler_rate", "omega", "acceleration", "euler_acceleration",
+    "alpha", "point_position", "point_velocity", "point_acceleration", "speed", "coordinate", "state",
+    "count", "length", "mass", "inertia", "stiffness", "force", "torque", "effort", "energy", "elastic",
+    "modal", "echo", "audit", "other",
+)  # fmt: skip
+DEFAULT_ATOL, DEFAULT_RTOL = 1e-12, 1e-9  # of results that were not printed
 
 
 class ToleranceError(FlexmbError):

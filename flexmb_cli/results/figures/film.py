@@ -1,6 +1,6 @@
 """A film of a result: the report's picture of the motion, frame by frame, as MP4 or GIF.
 
-Bodies are drawn with a depth buffer, texts by matplotlib; imageio writes the frames.
+Bodies are drawn with a depth buffer, texts by Pillow; imageio writes the frames.
 """
 
 import tempfile
@@ -46,8 +46,12 @@ class Texts:
     """
 
     def __init__(self, width: int, height: int, legend: str, colours: np.ndarray, letters: float = LETTERS):
+        from matplotlib import font_manager
+        from PIL import ImageFont
+
         self.letters = float(np.clip(letters * height, LEAST, LARGEST))
         self.measured = Letters(str(self.letters))
+        self.font = ImageFont.truetype(font_manager.findfont("DejaVu Sans"), self.letters)
         self.margin = round(min(self.letters, MOST_MARGIN * width))
         self.room = width - 2 * self.margin
         self.legend, self.colours = self._fitting(legend), colours
@@ -73,18 +77,13 @@ class Texts:
 
     def _write(self, picture: np.ndarray, lines: list[str], top: int) -> None:
         """Write `lines` into `picture`, the first from row `top` on."""
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
+        from PIL import Image, ImageDraw
 
-        room = picture[top : top + round(LINE_PITCH * self.letters * len(lines)) + 1, self.margin :]
-        high, wide = room.shape[:2]
-        figure = Figure(figsize=(wide / DOTS, high / DOTS), dpi=DOTS)
+        image = Image.fromarray(picture)
         for k, line in enumerate(lines):
-            base = 1 - (k + 1) * LINE_PITCH * self.letters / high
-            figure.text(0, base, line, fontsize=self.letters, color="black", va="bottom")
-        canvas: Any = FigureCanvasAgg(figure)
-        canvas.draw()
-        room[:] = room * (np.array(canvas.buffer_rgba())[..., :1] / 255)
+            place = self.margin, top + k * LINE_PITCH * self.letters
+            ImageDraw.Draw(image).text(place, line, "black", self.font)
+        picture[:] = np.asarray(image)
 
 
 # Behind the time of every frame with numbers of `run --as-printed`.
@@ -212,11 +211,6 @@ class _Surface:
         else:
             self.triangles = body.triangles
 
-    def places(self, row: int) -> np.ndarray:
-        """Positions (n, 3) in a row, global axes."""
-        found: np.ndarray = self.body.places(row, self.scale) if self.of_elements else self.body.places(row)
-        return found
-
     def values(self, row: int) -> np.ndarray | None:
         """Values (m, 3) of the corners of the triangles, 0: the first colour, 1: the last one.
 
@@ -253,8 +247,7 @@ class _Canvas:
         contour = shown_colours(bodies_look, ranges)
         reached = ranges.get(contour)
         ends = reached and (bodies_look.ends or reached)
-        shown = {*(one.number for one in bodies), *(shape.number for shape in scene.shapes)}
-        self.lines = [body for body in scene.bodies if body.number not in shown]
+        self.lines = scene.lined(bodies)
         self.surfaces = [
             _Surface(body, contour, bodies_look.scale, ends) for body in (*bodies, *scene.shapes)
         ]
@@ -282,7 +275,7 @@ class _Canvas:
         return self.texts.written(self.buffer.picture(), self.labels[row])
 
     def _surface(self, surface: _Surface, row: int) -> None:
-        corners = self.camera.seen(surface.places(row))[surface.triangles]
+        corners = self.camera.seen(surface.body.places(row, surface.scale))[surface.triangles]
         values, own = surface.values(row), _rgb(colour_of(surface.body))[None]
         known = np.zeros(len(corners), bool) if values is None else np.isfinite(values).all(axis=1)
         # Elements face outwards; files of shapes may not.

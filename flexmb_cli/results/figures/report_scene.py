@@ -67,7 +67,7 @@ def report_scene(result: h5py.File, look: BodyLook = DEFAULT_LOOK) -> dict[str, 
 
 def stored_places(scene: Scene, surfaces: list[ElementBody]) -> int:
     """Return how many places a frame stores: those of bodies drawn as lines, of joints and of traces."""
-    marks = sum(body.marks.shape[1] for body in _lined(scene, surfaces))
+    marks = sum(body.marks.shape[1] for body in scene.lined(surfaces))
     return int(marks + len(scene.joint_names) + min(len(scene.point_names), MOST_TRACES))
 
 
@@ -94,7 +94,7 @@ def scene_data(
         "seconds": min(max(seconds, SHORTEST_ANIMATION), LONGEST_ANIMATION),
         "box": {"low": every.min(axis=0).tolist(), "high": every.max(axis=0).tolist()},
         "view": {"eye": list(view.eye), "up": list(view.up)},
-        "bodies": [_lines(body) for body in _lined(scene, surfaces)],
+        "bodies": [_lines(body) for body in scene.lined(surfaces)],
         "surfaces": [
             *(_surface(body, ranges) for body in shown),
             *map(_rigid_surface, scene.shapes),
@@ -111,12 +111,6 @@ def scene_data(
         "joints": {"marks": _numbers(scene.joints), "names": list(scene.joint_names)},
         "traces": _traces(scene),
     }
-
-
-def _lined(scene: Scene, surfaces: list[ElementBody]) -> list[DrawnBody]:
-    """Return the bodies that have neither elements nor shapes to be drawn by."""
-    shown = {*(one.number for one in surfaces), *(shape.number for shape in scene.shapes)}
-    return [body for body in scene.bodies if body.number not in shown]
 
 
 def rounded(times: np.ndarray) -> list[str]:

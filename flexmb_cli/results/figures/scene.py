@@ -10,7 +10,7 @@ line between them holds no third one.  Points in a row become a chain, three poi
 or an angle, and the nodes of a regular finite-element mesh its edges.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -39,8 +39,8 @@ class BodyShape:
     origin: np.ndarray
     turn: np.ndarray
 
-    def places(self, row: int) -> np.ndarray:
-        """Positions (n, 3) of the vertices in a row, global axes."""
+    def places(self, row: int, scale: float = 1.0) -> np.ndarray:
+        """Positions (n, 3) of the vertices in a row, global axes; no deformation could be scaled."""
         found: np.ndarray = self.origin[row] + self.vertices @ self.turn[row].T
         return found
 
@@ -172,6 +172,11 @@ class Scene:
         parts = [*(body.marks for body in self.bodies), self.joints, self.points]
         parts += [shape.corners for shape in self.shapes]
         return np.concatenate([part.reshape(-1, 3) for part in parts])
+
+    def lined(self, surfaces: Iterable[Any]) -> list[DrawnBody]:
+        """Return the bodies that have neither elements, as those of `surfaces`, nor shapes to be drawn by."""
+        shown = {one.number for one in (*surfaces, *self.shapes)}
+        return [body for body in self.bodies if body.number not in shown]
 
     @property
     def size(self) -> float:

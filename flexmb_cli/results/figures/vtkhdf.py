@@ -41,9 +41,7 @@ def vtkhdf_bytes(result: h5py.File, rows: slice = slice(None)) -> bytes:
     """
     scene = read_scene(result, rows)
     elements = list(element_bodies(result, scene.body_names, rows))
-    shown = {*(one.number for one in elements), *(shape.number for shape in scene.shapes)}
-    lined = (body for body in scene.bodies if body.number not in shown)
-    bodies: list[Drawn] = [*elements, *lined, *scene.shapes]
+    bodies: list[Drawn] = [*elements, *scene.lined(elements), *scene.shapes]
     kind = b"UnstructuredGrid" if elements else b"PolyData"
     stream = io.BytesIO()
     with h5py.File(stream, "w", libver=("v108", "v108")) as file:

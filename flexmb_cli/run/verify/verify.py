@@ -126,15 +126,9 @@ class Verification:
 
     def as_dict(self) -> dict[str, Any]:
         """The record that `--json` prints."""
+        names = ("unit", "difference", "scale", "relative", "time")
         rows = [
-            {
-                "quantity": found.name,
-                "unit": found.unit,
-                "difference": found.difference,
-                "scale": found.scale,
-                "relative": found.relative,
-                "time": found.time,
-            }
+            {"quantity": found.name} | {name: getattr(found, name) for name in names}
             for found in self.differences
         ]
         agree = bool(rows) and self.outcome.exit_code == 0
