@@ -21,24 +21,16 @@ TIME_HEAD = "time [s]"
 SAME_TIME = 1e-9
 SHOWN_HEADS = 5  # of columns that a table lacks
 KIND_OF_NAME = (
-    (r"body\..*\.e\d", "euler"),
-    (r"body\..*\.de\d", "euler_rate"),
+    (r"body\..*\.e\d", "euler"), (r"body\..*\.de\d", "euler_rate"),
     (r"body\..*\.dde\d", "euler_acceleration"),
-    (r"body\..*\.velocity\.\w", "velocity"),
-    (r"body\..*\.omega\.\w", "omega"),
-    (r"body\..*\.acceleration\.\w", "acceleration"),
-    (r"body\..*\.alpha\.\w", "alpha"),
-    (r"body\..*\.[xyz]", "position"),
-    (r"point\..*\.velocity\.\w", "point_velocity"),
-    (r"point\..*\.acceleration\.\w", "point_acceleration"),
-    (r"point\..*", "point_position"),
-    (r"coordinate\..*\.u", "speed"),
-    (r"coordinate\..*", "coordinate"),
-    (r"(reaction|held)\..*\.force\.\w", "force"),
-    (r"(reaction|held)\..*\.torque\.\w", "torque"),
-    (r"driver\..*\.effort", "effort"),
-    (r"(energy|audit|elastic|modal)\..*", r"\1"),
-)
+    (r"body\..*\.velocity\.\w", "velocity"), (r"body\..*\.omega\.\w", "omega"),
+    (r"body\..*\.acceleration\.\w", "acceleration"), (r"body\..*\.alpha\.\w", "alpha"),
+    (r"body\..*\.[xyz]", "position"), (r"point\..*\.velocity\.\w", "point_velocity"),
+    (r"point\..*\.acceleration\.\w", "point_acceleration"), (r"point\..*", "point_position"),
+    (r"coordinate\..*\.u", "speed"), (r"coordinate\..*", "coordinate"),
+    (r"(reaction|held)\..*\.force\.\w", "force"), (r"(reaction|held)\..*\.torque\.\w", "torque"),
+    (r"driver\..*\.effort", "effort"), (r"(energy|audit|elastic|modal)\..*", r"\1"),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -17,32 +17,22 @@ JOINT_SERIES = {
     "joint_rate": Series("coordinate/u", (COORDINATE,), "rad/s or m/s", "rate of the joint coordinate"),
 }
 ELEMENT_SERIES = {
-    "element_coordinate": Series(
-        "element/coordinate",
-        (ELEMENT,),
-        "rad or m",
-        "length, stroke or angle; 0 of friction, see the coordinate of its joint",
-    ),
-    "element_rate": Series(
-        "element/rate", (ELEMENT,), "rad/s or m/s", "its rate; of friction the sliding speed"
-    ),
-    "element_effort": Series(
-        "element/effort", (ELEMENT,), "N m or N", "force or torque towards larger coordinates"
-    ),
-    "element_power": Series(
-        "element/power", (ELEMENT,), "W", "power of what the element dissipates (negative) or drives"
-    ),
-    "element_energy": Series("element/energy", (ELEMENT,), "J", "energy that the element stores"),
-    "element_work": Series(
-        "element/work", (ELEMENT,), "J", "work of its power since the start: negative, what it has dissipated"
-    ),
-    "dissipated": Series(
-        "energy/dissipated",
-        (),
-        "J",
-        "what springs' dampers, stops, cables, bushings and friction have dissipated since the start",
-    ),
+    f"element_{name}": Series(f"element/{name}", (ELEMENT,), units, long_name)
+    for name, units, long_name in (
+        ("coordinate", "rad or m", "length, stroke or angle; 0 of friction, see the coordinate of its joint"),
+        ("rate", "rad/s or m/s", "its rate; of friction the sliding speed"),
+        ("effort", "N m or N", "force or torque towards larger coordinates"),
+        ("power", "W", "power of what the element dissipates (negative) or drives"),
+        ("energy", "J", "energy that the element stores"),
+        ("work", "J", "work of its power since the start: negative, what it has dissipated"),
+    )
 }
+ELEMENT_SERIES["dissipated"] = Series(
+    "energy/dissipated",
+    (),
+    "J",
+    "what springs' dampers, stops, cables, bushings and friction have dissipated since the start",
+)
 COUPLING_SERIES = {
     "coupling_effort": Series(
         "coupling/effort",

@@ -15,7 +15,7 @@ from ...errors import Fault, ModelError
 from ...model.flexible_mechanism import FlexibleMechanism
 from ..model import folder_of
 from ..outcome import Run
-from .verify import Difference, Size, compared_rows, finely_stepped, joined, largest_difference
+from .verify import ELEMENTS, Difference, Size, compared_rows, finely_stepped, joined, largest_difference
 
 FORMULATIONS = "two floating frames, nodes n1 and n2 exchanged, all modes"
 FRAMES_TOLERANCE = 1e-9
@@ -31,14 +31,9 @@ FORCES = (
     ("driver effort", "N, N m", "driver_effort"),
 )
 # Of decks with elements: joint coordinates are of no use here, they may be angles of the frames.
-ELEMENTS = (
-    ("element coordinate", "m, rad", "element_coordinate"),
-    ("element rate", "m/s, rad/s", "element_rate"),
-    ("element effort", "N, N m", "element_effort"),
-    ("element power", "W", "element_power"),
-    ("element energy", "J", "element_energy"),
+OF_ELEMENTS = (
+    *((name, unit, path.replace("/", "_")) for path, (name, unit) in ELEMENTS.items()),
     ("element work", "J", "element_work"),
-    ("coupling effort", "N, N m", "coupling_effort"),
 )
 ENERGIES = ("kinetic", "potential", "strain")
 
@@ -62,7 +57,7 @@ def _rows(mechanism: FlexibleMechanism) -> tuple[Any, Any]:
 
     analysis = FlexibleDynamics(mechanism)
     blocks = list(compared_rows(analysis))
-    named = [key for _, _, key in (*SERIES, *FORCES, *ELEMENTS)]
+    named = [key for _, _, key in (*SERIES, *FORCES, *OF_ELEMENTS)]
     rows = joined(blocks, ("time", "position", "velocity", *ENERGIES, *named))
     return rows, analysis.found is not None and not analysis.found.redundant
 
@@ -78,7 +73,7 @@ def _differences(
     mechanism: FlexibleMechanism, one: np.ndarray, other: np.ndarray, unique: Any
 ) -> Iterator[Any]:
     time, size = one["time"], _size(mechanism)
-    for name, unit, key in SERIES + ELEMENTS + (FORCES if unique else ()):
+    for name, unit, key in SERIES + OF_ELEMENTS + (FORCES if unique else ()):
         if key in one and one[key].size:
             yield largest_difference(name, unit, time, one[key], other[key], size)
     rigid = [k for k, body in enumerate(mechanism.bodies) if body.flexible is None]

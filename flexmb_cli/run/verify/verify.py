@@ -160,6 +160,17 @@ def verify_deck(
     return found
 
 
+# Name and units of what elements have, by the paths of their datasets.
+ELEMENTS = {
+    "element/coordinate": ("element coordinate", "m, rad"),
+    "element/rate": ("element rate", "m/s, rad/s"),
+    "element/effort": ("element effort", "N, N m"),
+    "element/power": ("element power", "W"),
+    "element/energy": ("element energy", "J"),
+    "coupling/effort": ("coupling effort", "N, N m"),
+}
+
+
 def joined(blocks: Sequence[Any], names: Iterable[str]) -> dict[str, np.ndarray]:
     """Return the fields of blocks of rows that are called `names`, whole runs of those that there are."""
     known = [name for name in names if hasattr(blocks[0], name)]
