@@ -13,7 +13,7 @@ from ..deck.body_text import body_lines
 from ..errors import visible
 from ..model.by_size import by_size
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
-from .options.finite import AnyFinite
+from .options.finite import Finite
 from .options.output_file import VERBOSE, WrittenPlace, refuse_inputs
 from .terminal.progress import Progress
 from .terminal.screen import WrongCall, notify, show, wants_debug
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 @click.option(
     "--at",
     "time",
-    type=AnyFinite(),
+    type=Finite(),
     metavar="TIME",
     help="Linearise the mechanism about its motion at TIME, s (default: its start).",
 )

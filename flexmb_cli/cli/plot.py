@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import Fault
-from .options.finite import AnyFinite, Millimetres
+from .options.finite import Finite, Millimetres
 from .options.output_file import (
     AS_JSON,
     FORCE,
@@ -38,8 +38,8 @@ EMULATION = ("With the known errors of", "the program of 1996 (--as-printed)")
 @click.option("--with", "others", multiple=True, metavar="OTHER.h5",
               help="Draw the same of another result, with other dashes; can be given again.")  # fmt: skip
 @click.option("--x", "across", default="time", metavar="NAME", help="Draw over this instead of the time.")
-@click.option("--from", "start", type=AnyFinite(), metavar="T", help="Begin with the row at T seconds.")
-@click.option("--to", "stop", type=AnyFinite(), metavar="T", help="End with the row at T seconds.")
+@click.option("--from", "start", type=Finite(), metavar="T", help="Begin with the row at T seconds.")
+@click.option("--to", "stop", type=Finite(), metavar="T", help="End with the row at T seconds.")
 @click.option("--every", type=click.IntRange(1), default=1, metavar="N", help="Every N-th row of these.")
 @click.option("--kind", type=click.Choice(["auto", "curve", "map", "scatter", "parallel"]), default="auto",
               help="Type of the picture of a study: curve over one parameter, map over two, scatter, "

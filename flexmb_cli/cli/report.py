@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import Fault
-from .options.finite import AnyFinite
+from .options.finite import Finite
 from .options.output_file import (
     AS_JSON,
     FORCE,
@@ -68,7 +68,7 @@ class Interval(click.ParamType):  # type: ignore[type-arg]
               "'body'; an unknown name lists all [default: von Mises stress].")  # fmt: skip
 @click.option("--range", "ends", type=Interval(), metavar="LOW,HIGH",
               help="Values of the first and the last colour [default: smallest and largest].")  # fmt: skip
-@click.option("--scale", type=AnyFinite(), default=1.0, metavar="X",
+@click.option("--scale", type=Finite(), default=1.0, metavar="X",
               help="Show deformations of finite-element bodies X times as large [default: 1].")  # fmt: skip
 @FORCE
 @AS_JSON

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import Fault
-from .options.finite import AnyFinite
+from .options.finite import Finite
 from .options.output_file import RESULT, quantities
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall, show, terminal_width
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 @click.argument("names", metavar="NAME...", nargs=-1, shell_complete=quantities)
 @click.option("--list", "listing", is_flag=True,
               help="Show the names (of NAME, or all) with unit and meaning instead of numbers.")  # fmt: skip
-@click.option("--from", "start", type=AnyFinite(), metavar="T", help="Begin with the row at T seconds.")
-@click.option("--to", "stop", type=AnyFinite(), metavar="T", help="End with the row at T seconds.")
+@click.option("--from", "start", type=Finite(), metavar="T", help="Begin with the row at T seconds.")
+@click.option("--to", "stop", type=Finite(), metavar="T", help="End with the row at T seconds.")
 @click.option("--every", type=click.IntRange(1), default=1, metavar="N", help="Every N-th row of these.")
 @click.option("-f", "--format", "style", type=click.Choice(["csv", "tsv", "jsonl", "text"]),
               help="csv (default), tsv, jsonl: JSON Lines, text: aligned (default of --list).")  # fmt: skip

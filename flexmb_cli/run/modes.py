@@ -69,7 +69,8 @@ def _fill(report: ModesReport, wish: Wish, run: Run) -> None:
         report.bodies = [body.flexible for body in model.bodies if body.flexible is not None]
     if wish.of_mechanism or not report.bodies:
         report.mechanism = MODES[analysis](model, wish, run)
-        _write(report.mechanism, wish)
+        if wish.out is not None:
+            write_state_space(wish.out, report.mechanism.state_space)
 
 
 MODES: dict[str, Callable[[Any, Wish, Run], MechanismModes]] = {
@@ -77,11 +78,6 @@ MODES: dict[str, Callable[[Any, Wish, Run], MechanismModes]] = {
     "flexible": flexible_modes,
     "tree": tree_modes,
 }
-
-
-def _write(mechanism: MechanismModes, wish: Wish) -> None:
-    if wish.out is not None:
-        write_state_space(wish.out, mechanism.state_space)
 
 
 def _as_dict(body: FlexibleBody) -> dict[str, Any]:

@@ -117,7 +117,8 @@ def solve_deck(deck: Deck, paths: ResultPaths, run: Run) -> None:
         estimate = _estimate(solution, run)
     with Stop.later():
         try:
-            _RowWriter(deck, solution, paths, run, resume_file, estimate, model_warnings).write()
+            files = ResultFiles(deck, solution, paths, run, estimate is not None)
+            _RowWriter(solution, run, resume_file, estimate, model_warnings, files).write()
         finally:
             report_damage(run.listener)
 
@@ -170,22 +171,16 @@ def _estimate(solution: Solution, run: Run) -> "ErrorEstimate | None":
     return None if finer is None else ErrorEstimate(finer)
 
 
+@dataclass
 class _RowWriter:
     """Writes the rows of one run: resume file first, then tables and result."""
 
-    def __init__(
-        self,
-        deck: Deck,
-        solution: Solution,
-        paths: ResultPaths,
-        run: Run,
-        resume_file: ResumeFile,
-        estimate: "ErrorEstimate | None",
-        model_warnings: list[Fault],
-    ):
-        self.solution, self.run, self.resume_file, self.estimate = solution, run, resume_file, estimate
-        self.model_warnings = model_warnings
-        self.files = ResultFiles(deck, solution, paths, run, estimate is not None)
+    solution: Solution
+    run: Run
+    resume_file: ResumeFile
+    estimate: "ErrorEstimate | None"
+    model_warnings: list[Fault]
+    files: ResultFiles
 
     def write(self) -> None:
         """Write the rows as they come, and put the files in their places; raises as `solve_deck`."""

@@ -12,21 +12,19 @@ _MILLIMETRES = {"mm": 1.0, "cm": 10.0, "in": 25.4}
 
 
 class Finite(click.FloatRange):
-    """`click.FloatRange` for finite numbers."""
+    """`click.FloatRange` for finite numbers; without limits any of them."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The number, or a usage error that names the option."""
-        _refuse_comma(self, value, param, ctx)
-        return _finite(self, super().convert(value, param, ctx), value, param, ctx)
+        if isinstance(value, str) and _DECIMAL_COMMA.fullmatch(value.strip()):
+            self.fail(f"{value} has a decimal comma; write {value.strip().replace(',', '.')}", param, ctx)
+        number = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value} is no finite number", param, ctx)
+        return number
 
-
-class AnyFinite(click.types.FloatParamType):
-    """`click.FLOAT` for finite numbers; the help of a `FloatRange` without limits shows an empty range."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The number, or a usage error that names the option."""
-        _refuse_comma(self, value, param, ctx)
-        return _finite(self, super().convert(value, param, ctx), value, param, ctx)
+    def _describe_range(self) -> str:
+        return "" if self.min is self.max is None else super()._describe_range()
 
 
 class Millimetres(Finite):
@@ -36,30 +34,12 @@ class Millimetres(Finite):
         """The width in mm, or a usage error."""
         if not isinstance(value, str):
             return super().convert(value, param, ctx)
-        _refuse_comma(self, value, param, ctx)
         match = _WIDTH.fullmatch(value.strip())
+        if _DECIMAL_COMMA.fullmatch(value.strip()):
+            return super().convert(value, param, ctx)
         if match is None:
             self.fail(f"{value} is no width: give millimetres, such as 85, or 8.5cm, 3.5in", param, ctx)
         return super().convert(float(match[1]) * _MILLIMETRES[(match[2] or "mm").lower()], param, ctx)
-
-
-def _refuse_comma(
-    kind: "AnyFinite | Finite", value: Any, param: click.Parameter | None, ctx: click.Context | None
-) -> None:
-    if isinstance(value, str) and _DECIMAL_COMMA.fullmatch(value.strip()):
-        kind.fail(f"{value} has a decimal comma; write {value.strip().replace(',', '.')}", param, ctx)
-
-
-def _finite(
-    kind: AnyFinite | Finite,
-    number: float,
-    value: float | str,
-    param: click.Parameter | None,
-    ctx: click.Context | None,
-) -> Any:
-    if not math.isfinite(number):
-        kind.fail(f"{value} is no finite number", param, ctx)
-    return number
 
 
 ABSOLUTE_TOLERANCE = Finite(0, 1, min_open=True, max_open=True)

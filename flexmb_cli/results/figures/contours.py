@@ -44,8 +44,8 @@ def _stresses_and_strains(body: ElementBody, amplitude: np.ndarray) -> dict[str,
     found |= {f"principal stress {k}": principal[..., k - 1] for k in ORDER}
     found |= {f"stress {c}": stress[..., k] for k, c in enumerate(COMPONENTS)}
     if body.material:
-        strain = strains(stress, body.material)
-        stretched = strains(np.concatenate([principal, np.zeros_like(principal)], axis=-1), body.material)
+        strain = strains(stress, *body.material)
+        stretched = strains(np.concatenate([principal, np.zeros_like(principal)], axis=-1), *body.material)
         found |= {f"principal strain {k}": stretched[..., k - 1] for k in ORDER}
         found |= {f"strain {c}": strain[..., k] for k, c in enumerate(COMPONENTS)}
     return found

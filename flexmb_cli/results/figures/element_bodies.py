@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import h5py
 import numpy as np
@@ -83,12 +84,11 @@ ELEMENT_SERIES = {
 _SERIES = ("amplitude", "rate", "origin", "turn", "velocity", "spin")
 
 
-@dataclass(frozen=True)
-class HookesLaw:
-    """Young's modulus, Pa, and Poisson's ratio."""
+class HookesLaw(NamedTuple):
+    """A material."""
 
-    young: float
-    poisson: float
+    young: float  # Young's modulus, Pa
+    poisson: float  # Poisson's ratio
 
 
 @dataclass(frozen=True, eq=False)

@@ -136,7 +136,7 @@ def _principal(tensor: np.ndarray) -> np.ndarray:
 
 def _strain(body: ElementBody, row: int) -> np.ndarray:
     stress = body.stress(row)
-    return strains(stress, body.material) if body.material else np.full_like(stress, np.nan)
+    return strains(stress, *body.material) if body.material else np.full_like(stress, np.nan)
 
 
 def _rigid_velocities(scene: Scene, body: Drawn, row: int) -> np.ndarray:

@@ -6,7 +6,6 @@ the mean over its volume; von Mises and principal stresses are those of the aver
 
 import math
 from collections.abc import Iterator
-from typing import Protocol
 
 import numpy as np
 
@@ -26,16 +25,8 @@ def _stress(body: FloatingBody) -> BodyStress:
     return stress
 
 
-class Elastic(Protocol):
-    """Material of Hooke's law."""
-
-    @property
-    def young(self) -> float:
-        """Young's modulus, Pa."""
-
-    @property
-    def poisson(self) -> float:
-        """Poisson's ratio."""
+def _strains(stress: np.ndarray, body: FloatingBody) -> np.ndarray:
+    return strains(stress, _stress(body).young, _stress(body).poisson)
 
 
 def element_axes(body: FloatingBody) -> list[Axis]:
@@ -137,7 +128,7 @@ def stress_values(mechanism: FlexibleMechanism, values: Values) -> dict[str, np.
                 found[f"{group}/{kind}_tensor"] = tensor
                 found[f"{group}/{kind}_von_mises"] = von_mises(tensor)
                 found[f"{group}/{kind}_principal"] = principal_stresses(tensor)
-                strained = strains(tensor, _stress(body))
+                strained = _strains(tensor, body)
                 found[f"{strain}/{kind}_tensor"] = strained
                 found[f"{strain}/{kind}_principal"] = principal_stresses(strained)
         if len(output.elements):
@@ -162,9 +153,8 @@ def principal_stresses(stress: np.ndarray) -> np.ndarray:
     return np.linalg.eigvalsh(full)[..., ::-1]
 
 
-def strains(stress: np.ndarray, material: "Elastic") -> np.ndarray:
-    """Strain tensors (..., 6) of stresses by Hooke's law; xy yz zx are halves of angles."""
-    young, poisson = material.young, material.poisson
+def strains(stress: np.ndarray, young: float, poisson: float) -> np.ndarray:
+    """Strain tensors (..., 6) of stresses by Hooke's law, E in Pa; xy yz zx are halves of angles."""
     strain = stress * ((1 + poisson) / young)
     strain[..., :3] -= poisson / young * stress[..., :3].sum(axis=-1, keepdims=True)
     return strain
@@ -173,7 +163,7 @@ def strains(stress: np.ndarray, material: "Elastic") -> np.ndarray:
 def element_energies(output: StressOutput, body: FloatingBody, eta: np.ndarray) -> np.ndarray:
     """Strain energies (T, e), J, of the reported elements: the integral of sigma : epsilon / 2."""
     shapes, volumes = output.points, output.volumes
-    strain = strains(np.moveaxis(shapes, 2, -1).copy(), _stress(body))
+    strain = _strains(np.moveaxis(shapes, 2, -1).copy(), body)
     doubled = np.moveaxis(strain, -1, 2) * np.array([1, 1, 1, 2, 2, 2])[:, None]
     energies = np.einsum("egam,egan,eg->emn", shapes, doubled, volumes, optimize=True) / 2
     found: np.ndarray = np.einsum("emn,tm,tn->te", energies, eta, eta, optimize=True)

@@ -12,10 +12,10 @@ from ...model.unit_checks import unit_warnings
 from ...results.hdf5.tree import tree_layout, tree_values
 from ...solvers.compilation import announce_compiling
 from ...solvers.tree.points import point_motion, point_names
-from ..energy_drift import EnergyDrift
+from ..energy_drift import EnergyDrift, StepCount
 from ..error_estimate import FINER, finer, why_no_estimate
 from ..outcome import ABSOLUTE, Run
-from ..solution import NoCount, Solution
+from ..solution import Solution
 
 if TYPE_CHECKING:
     import numpy as np
@@ -82,24 +82,15 @@ def _finer_blocks(tree: Tree, run: Run) -> Any:
     return (values_of(second, rows) for rows in kane_analysis(second, run).rows())
 
 
-class TreeCount(NoCount):
+class TreeCount(StepCount):
     """Evaluations, and how far the energy drifts; that of a one-way tree is not constant."""
 
     def __init__(self, clock: "np.ndarray", tree: Tree, absolute: bool):
-        self.clock, self.one_way, self.absolute = clock, tree.one_way, absolute
-        self.drift = EnergyDrift()
-
-    def add(self, values: Mapping[str, "np.ndarray"]) -> None:
-        """Count a block of values."""
-        self.drift.add(values)
-
-    @property
-    def warnings(self) -> tuple[Fault, ...]:
-        """Return what the energy of the rows makes doubtful."""
-        return () if self.one_way else self.drift.warnings
+        super().__init__(clock, None if tree.one_way else EnergyDrift())
+        self.absolute = absolute
 
     def __str__(self) -> str:
-        clock = self.clock[0]
-        counts = f"{clock['evaluations']} evaluations, {clock['rejections']} rejected steps"
-        lead = "absolute coordinates: " if self.absolute else ""
-        return f"{lead}{counts}" if self.one_way else f"{lead}{counts}; {self.drift}"
+        assert self.clock is not None, "a tree is integrated"
+        clock, lead = self.clock[0], "absolute coordinates: " * self.absolute
+        counts = f"{lead}{clock['evaluations']} evaluations, {clock['rejections']} rejected steps"
+        return f"{counts}; {self.drift}" if self.drift else counts
