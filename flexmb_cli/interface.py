@@ -31,7 +31,7 @@ def read_deck(
 
     Raises FlexmbError, whose `faults` have place, subject and remedy, for a deck that cannot be read.
     """
-    from .run.open_deck import open_deck
+    from .run.model import open_deck
     from .run.outcome import Outcome, RunOptions
 
     words = tuple(f"{name}={value}" for name, value in (changes or {}).items())
@@ -49,7 +49,7 @@ def check(
     `jacobian`: a time, s, or "estimate": the report then has the constraint Jacobian there.
     """
     from .run.check.check import check_deck
-    from .run.open_deck import take_open_deck
+    from .run.model import take_open_deck
     from .run.outcome import RunOptions
 
     if isinstance(deck, OpenDeck):

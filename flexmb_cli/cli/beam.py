@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from .options.finite import Finite
+from .options.output_file import Finite
 from .terminal.screen import standard_output
 
 # Powers and quotients of these are still numbers.

@@ -55,7 +55,7 @@ def convert(
         flexmb convert decks/dafms/spatial_rigid.DAT --to vsdf
         flexmb convert IN4-BAR.dat --to young --to-unit mm -o IN4-MM.dat
     """
-    from ..results.files.own_files import refuse_foreign
+    from ..results.files.file_names import refuse_foreign
     from ..results.files.replaced_file import write_whole
     from ..run.convert import converted
     from ..run.earlier_results import set_conversion_aside

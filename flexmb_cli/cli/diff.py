@@ -10,8 +10,7 @@ import click
 
 from ..errors import Fault, compiler_style, lines_visible, visible
 from ..results.diff.folders import Compared
-from .options.finite import Finite
-from .options.output_file import AS_JSON, STANDARD_OUTPUT, WrittenPlace, files, refuse_inputs
+from .options.output_file import AS_JSON, STANDARD_OUTPUT, Finite, WrittenPlace, files, refuse_inputs
 from .terminal.notices import faults_in_json
 from .terminal.screen import WrongCall, notify, show
 
@@ -121,7 +120,7 @@ def _compare_files(a: Any, b: Any, tolerances: Any, update: bool, as_json: bool,
     from ..results.diff.folders import Compared, Pair
 
     if update:
-        from ..results.diff.accept import accept, is_missing
+        from ..results.diff.compare import accept, is_missing
     new = update and is_missing(a)
     try:
         with faults_in_json(as_json, {"a": a, "b": b, "updated": False}, b):
@@ -153,7 +152,7 @@ def _compare_folders(
     with faults_in_json(as_json, {"a": summary.a, "b": summary.b}, summary.b):
         compare_many(summary, compare_pair)
         if update:
-            from ..results.diff.accept import accept_pair
+            from ..results.diff.compare import accept_pair
 
             for compared in summary.compared:
                 accept_pair(compared, summary.a)

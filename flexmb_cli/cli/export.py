@@ -49,7 +49,7 @@ def export(result: str, form: str, output: str | None, force: bool, as_json: boo
     Example:
         flexmb export OUT4-BAR.h5 --to vtkhdf -o four-bar.vtkhdf
     """
-    from ..results.files.own_files import refuse_foreign
+    from ..results.files.file_names import refuse_foreign
     from ..results.hdf5.stored_result import is_study
 
     force, output = force or bool(output), output or f"{Path(result).stem}{SUFFIX[form]}"

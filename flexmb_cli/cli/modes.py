@@ -13,13 +13,12 @@ from ..deck.body_text import body_lines
 from ..errors import visible
 from ..model.by_size import by_size
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
-from .options.finite import Finite
-from .options.output_file import VERBOSE, WrittenPlace, refuse_inputs
+from .options.output_file import VERBOSE, Finite, WrittenPlace, refuse_inputs
 from .terminal.progress import Progress
 from .terminal.screen import WrongCall, notify, show, wants_debug
 
 if TYPE_CHECKING:
-    from ..run.outcome import Outcome
+    pass
 
 
 @click.command()
@@ -73,7 +72,8 @@ def modes(
             click.echo(json.dumps(report.as_dict()))
         elif report.deck:
             _print_modes(report, echo, quiet)
-            _tell_output(report.outcome, out, quiet)
+            if out is not None and not quiet and report.outcome.exit_code == 0:
+                notify(f"{report.outcome.deck} → {out}, state space")
         codes.append(report.outcome.exit_code)
     sys.exit(max(codes))
 
@@ -101,12 +101,6 @@ def _print_modes(report: Any, with_echo: bool, quiet: bool) -> None:
         show(modes_text(report), prose=True)
 
 
-def _tell_output(outcome: "Outcome", out: str | None, quiet: bool) -> None:
-    """Name the file of the state space, which a deck that fails does not write."""
-    if out is not None and not quiet and outcome.exit_code == 0:
-        notify(f"{outcome.deck} → {out}, state space")
-
-
 SHOWN_PARTS = 3
 NAMED_PART = 0.1  # of the largest part
 
@@ -131,7 +125,8 @@ def _mechanism_lines(found: Any) -> Iterator[Any]:
     if not modes.constant:
         yield f"    frozen at t = {found.time:.6g} s: the coefficients change along the motion"
     if found.equilibrium:
-        yield from _position_lines(found.position)
+        for name, values in found.position:
+            yield f"    {name}: " + " ".join(f"{value:.6g}" for value in np.array(values) + 0.0)
     if len(modes.frequency):
         yield f"    {'mode':>4} {'Hz':>13} {'damping ratio':>14}  moves most"
     for number, (frequency, damping, shape) in enumerate(
@@ -144,11 +139,6 @@ def _mechanism_lines(found: Any) -> Iterator[Any]:
             yield f"    {what} without oscillating: {abs(value):.6g} 1/s"
     if modes.unheld:
         yield f"    eigenvalues of motions that nothing holds: {modes.unheld}"
-
-
-def _position_lines(position: Any) -> Iterator[Any]:
-    for name, values in position:
-        yield f"    {name}: " + " ".join(f"{value:.6g}" for value in np.array(values) + 0.0)
 
 
 def _parts(names: Any, shape: Any) -> str:

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import Fault
-from .options.finite import Finite, Millimetres
 from .options.output_file import (
     AS_JSON,
     FORCE,
     QUIET,
     RESULT,
+    Finite,
+    Millimetres,
     WrittenPlace,
     quantities,
     refuse_inputs,
@@ -83,7 +84,7 @@ def plot(
     """
     from ..extras import needed
     from ..results.figures.plots import FORMATS
-    from ..results.files.own_files import refuse_foreign
+    from ..results.files.file_names import refuse_foreign
     from ..results.files.replaced_file import write_whole
     from ..results.hdf5.stored_result import is_study
 

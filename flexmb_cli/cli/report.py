@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import Fault
-from .options.finite import Finite
 from .options.output_file import (
     AS_JSON,
     FORCE,
     QUIET,
     RESULT,
     STANDARD_OUTPUT,
+    Finite,
     WrittenPlace,
     refuse_inputs,
     refuse_standard_output,
@@ -88,7 +88,7 @@ def report(
         flexmb report OUT4-BAR.h5 -o four-bar.html
         flexmb report OUT4-BAR.h5 --movie four-bar.mp4
     """
-    from ..results.files.own_files import refuse_foreign
+    from ..results.files.file_names import refuse_foreign
     from ..results.files.replaced_file import write_whole
     from ..results.hdf5.stored_result import is_study
 

@@ -12,8 +12,7 @@ from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT
 from ..model.integrators import METHOD_OPTIONS, TREE_METHODS
 from ..run.processes.signal_mask import stop_on_signals
 from .options.deck_options import DECK, deck_options, refuse_strange_models, show_faults, with_models
-from .options.finite import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, Finite
-from .options.output_file import FORCE, WrittenPlace
+from .options.output_file import ABSOLUTE_TOLERANCE, FORCE, RELATIVE_TOLERANCE, Finite, WrittenPlace
 from .terminal.screen import WrongCall, notify, show, standard_output, wants_debug
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, Fault, compiler_style
 from ..memory import TO_LOAD, require_memory
-from ..results.files.own_files import refuse_foreign
+from ..results.files.file_names import refuse_foreign
 from ..run.outcome import INTERRUPTED, TERMINATED, Listener, Stop, Terminated
 from ..run.processes.signal_mask import stop_on_signals
 from .options.deck_options import LOOP_TOLERANCE
@@ -147,13 +147,6 @@ def _warn_of_result(notices: Notices, output: str) -> None:
         notices.add([Fault("warning", reported, id="STUDY-029")])
 
 
-def _warn_of_another_user(made: "Sweep", notices: Notices) -> None:
-    """Warn where rows of the table may be anything that another user wrote into the prepared folder."""
-    if made.job.parts.is_of_another_user():
-        reported = f"{made.job.parts_folder} is of another user, whose cases are taken; with --fresh none are"
-        notices.add([Fault("warning", reported, id="STUDY-030")])
-
-
 def _solve(made: "Sweep", notices: Notices, options: dict[str, Any]) -> None:
     from .. import interface
     from ..run.processes.signal_mask import outlive_workers
@@ -163,7 +156,11 @@ def _solve(made: "Sweep", notices: Notices, options: dict[str, Any]) -> None:
     cases, left = made.job.study.cases, made.left
     if left < cases:
         notices.say(f"continuing a stopped study: {cases - left} of {cases} cases are complete")
-        _warn_of_another_user(made, notices)
+        # Its rows may be anything that another user wrote into the prepared folder.
+        if made.job.parts.is_of_another_user():
+            folder = made.job.parts_folder
+            message = f"{folder} is of another user, whose cases are taken; with --fresh none are"
+            notices.add([Fault("warning", message, id="STUDY-030")])
     try:
         with Progress(notices.file, "cases", notices.quiet, options["verbose"]) as progress:
             progress.begin(left)

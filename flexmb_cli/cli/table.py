@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import Fault
-from .options.finite import Finite
-from .options.output_file import RESULT, quantities
+from .options.output_file import RESULT, Finite, quantities
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall, show, terminal_width
 
 if TYPE_CHECKING:
-    import h5py
+    pass
 
 
 @click.command()
@@ -113,7 +112,7 @@ def _print_result(
     """Print quantities of a run."""
     from ..results.hdf5.stored_result import settings_of
     from ..results.quantities.quantities import names as all_names
-    from ..results.quantities.quantities import open_result, resolve
+    from ..results.quantities.quantities import open_result, remarks, resolve
     from ..results.quantities.table import chosen_rows, fitting_groups, function_points, list_text, table_text
 
     result, listing = notices.file, options["listing"]
@@ -124,11 +123,16 @@ def _print_result(
             )
         quantities = resolve(file, names, result) if names else all_names(file)
         if listing:
-            notices.add(_settings_notes(settings_of(file)))
+            if changes := ", ".join(settings_of(file)):
+                message = f"the run changed the deck by --set: {changes}"
+                notices.add([Fault("note", message, id="RESULT-079")])
             printed.list(list_text(quantities, printed.style or "text"))
             return
         rows = chosen_rows(file, options["start"], options["stop"], options["every"])
-        notices.add(_notes(file, rows))
+        notices.add(remarks(file))
+        if not rows and len(file["time"]):
+            message = "it has no rows in this window of time"
+            notices.add([Fault("note", message, id="RESULT-080")])
         if number := options["number"]:
             from ..dialects.elements_block.writer import spline_block
 
@@ -162,18 +166,3 @@ def _print_study(
         for k, heads in enumerate([None] if room is None else fitting_heads(columns, room)):
             show("\n" * bool(k))
             printed.table(study_text(file, columns, options["every"], printed.style or "csv", heads))
-
-
-def _settings_notes(settings: list[str]) -> list[Fault]:
-    message = f"the run changed the deck by --set: {', '.join(settings)}"
-    return [Fault("note", message, id="RESULT-079")] if settings else []
-
-
-def _notes(file: "h5py.File", rows: range) -> list[Fault]:
-    """Return what the numbers do not show."""
-    from ..results.quantities.quantities import remarks
-
-    notes = remarks(file)
-    if not rows and len(file["time"]):
-        notes.append(Fault("note", "it has no rows in this window of time", id="RESULT-080"))
-    return notes

@@ -8,8 +8,7 @@ import click
 
 from ..errors import visible
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
-from .options.finite import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE
-from .options.output_file import VERBOSE
+from .options.output_file import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, VERBOSE
 from .terminal.progress import Progress
 from .terminal.screen import show, wants_debug
 

@@ -9,8 +9,7 @@ from ..deck.record import Deck, DeckText
 from ..dialects import DIALECTS
 from ..dialects.recognise import dialect_named, read_deck
 from ..errors import DeckError, Fault, FlexmbError, ModelError, visible
-from .model import analysis_of, folder_of, model_of
-from .open_deck import open_deck
+from .model import analysis_of, folder_of, model_of, open_deck
 from .outcome import Outcome, Run, RunOptions
 from .solution import solution_of
 

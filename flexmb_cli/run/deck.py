@@ -1,9 +1,9 @@
 """Run one deck of any dialect; every failure becomes an outcome with its exit code."""
 
-from ..results.files.own_files import refuse_foreign
+from ..results.files.file_names import refuse_foreign
 from .earlier_results import EarlierResults, paths_of
 from .exit_status import ending_recorded
-from .open_deck import open_deck, own_options, warn_of_foreign_options
+from .model import open_deck, own_options, warn_of_foreign_options
 from .outcome import Listener, Outcome, Run, RunOptions, Stop, TextStream
 from .solution import solve_deck
 

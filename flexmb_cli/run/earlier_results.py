@@ -9,8 +9,7 @@ from ..deck.several_models import named_model
 from ..dialects import DIALECTS
 from ..dialects.recognise import recognise
 from ..errors import DONE, Fault, FlexmbError
-from ..results.files.file_names import STALE, STANDARD_INPUT, ResultPaths, result_paths
-from ..results.files.own_files import is_own
+from ..results.files.file_names import STALE, STANDARD_INPUT, ResultPaths, is_own, result_paths
 from .outcome import Outcome, RunOptions
 
 _BEGINNING = 10_000  # characters of a deck by which its dialect is recognised

@@ -1,4 +1,4 @@
-"""Options of a run, and its outcome."""
+"""Options of a run, its outcome, and the context of both that goes from the command to the analysis."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

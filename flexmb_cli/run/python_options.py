@@ -39,17 +39,14 @@ def refuse_wrong(options: Mapping[str, object]) -> None:
     for name, value in options.items():
         if name not in KNOWN:
             raise TypeError(f"solve has no option {name!r}{_meant(name)}")
-        if name == "method" and value not in (methods := _methods()):
+        # Integrators of all dialects; which of them a deck's has is tested with the deck.
+        methods = dict.fromkeys(method for dialect in every_dialect() for method in dialect.methods)
+        if name == "method" and value not in methods:
             raise ValueError(f"method is one of {', '.join(methods)}; read {value!r}")
         if name == "formulation" and value not in FORMULATIONS:
             raise ValueError(f"formulation is one of {', '.join(FORMULATIONS)}; read {value!r}")
         if name in RANGES:
             _refuse_out_of_range(name, value)
-
-
-def _methods() -> tuple[str, ...]:
-    """Integrators of all dialects; which of them a deck's has is tested with the deck."""
-    return tuple(dict.fromkeys(method for dialect in every_dialect() for method in dialect.methods))
 
 
 def _refuse_out_of_range(name: str, value: Any) -> None:

@@ -2,7 +2,8 @@
 
 A case is kept the moment it is solved, with its length and checksum: a kill tears at most the case being
 written, which then does not count.  Whoever works on a block holds a lock on its file, so that no case is
-kept twice.  The folder may be on a disk that many machines share.
+kept twice.  The folder may be on a disk that many machines share.  One sweep at a time works in it: the lock
+is the system's, on a file in the folder, and free again however its process ends.
 """
 
 import contextlib

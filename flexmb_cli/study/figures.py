@@ -1,4 +1,4 @@
-"""Pictures of a study by matplotlib: curves, maps, scatter plots, parallel coordinates."""
+"""Pictures of a study by matplotlib: curves, families, maps, scatter plots, parallel coordinates."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass

@@ -293,13 +293,10 @@ def _parameter_columns(sweep: Sweep) -> Iterator[Column]:
 def _result_columns(sweep: Sweep) -> Iterator[Column]:
     for item, quantity in zip(sweep.job.study.results, sweep.solver.quantities, strict=True):
         length = sweep.solver.rows if item.take == SERIES else 0
-        yield Column(f"result/{item.name}", quantity.unit, _meaning(item.take, quantity.name), length)
-
-
-def _meaning(take: str, name: str) -> str:
-    """Return in words what is taken; a peak between two report rows is none of the rows."""
-    over = " over the report rows" if take in (LARGEST, SMALLEST, MEAN) else ""
-    return f"{take} of {name}{over}"
+        # A peak between two report rows is none of the rows.
+        over = " over the report rows" if item.take in (LARGEST, SMALLEST, MEAN) else ""
+        meaning = f"{item.take} of {quantity.name}{over}"
+        yield Column(f"result/{item.name}", quantity.unit, meaning, length)
 
 
 def _rows(sweep: Sweep) -> Iterator[Row]:

@@ -1,4 +1,4 @@
-"""The table of a study as text: a row a case; its parameters, results and exit code side by side."""
+"""The table of a study: a row a case, as text; and its numbers, parameters and results of solved cases."""
 
 import fnmatch
 from collections.abc import Iterable, Iterator, Sequence
@@ -149,16 +149,15 @@ def _heads(columns: Sequence[StudyColumn]) -> list[str]:
     return [head for column in columns for head in column.heads]
 
 
-def _messages(dataset: h5py.Dataset, cases: slice) -> list[str]:
-    return [visible(text) for text in dataset.asstr(errors="replace")[cases].tolist()]
-
-
 def _rows(table: h5py.File, columns: Sequence[StudyColumn], cases: slice) -> list[Any]:
     """Cells of the cases, row by row: whole numbers, numbers and text."""
     cells = []
     for column in columns:
         dataset = table[column.path]
-        values = dataset[cases] if column.path != MESSAGE else _messages(dataset, cases)
+        if column.path == MESSAGE:
+            values = [visible(text) for text in dataset.asstr(errors="replace")[cases].tolist()]
+        else:
+            values = dataset[cases]
         cells += np.reshape(values, (len(values), -1)).T.tolist()
     return list(zip(*cells, strict=True))
 

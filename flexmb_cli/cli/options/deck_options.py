@@ -9,8 +9,7 @@ from ...dialects import DIALECTS
 from ...errors import FlexmbError, compiler_style
 from ...run.processes.signal_mask import stop_on_signals
 from ..terminal.screen import notify
-from .finite import Finite
-from .output_file import files
+from .output_file import Finite, files
 
 if TYPE_CHECKING:
     from ...run.check.check import CheckReport

@@ -216,7 +216,8 @@ def _compare_part(
 
     def describe(position: tuple[int, int, int], distance: float) -> Found:
         row = part.start + int(position[0])
-        timed = _has_time(dataset, name)
+        scale = scale_of(dataset, 0) if dataset.ndim and name != "time" else None
+        timed = scale is not None and scale == dataset.file.get("time") and is_number(scale)
         time = float(dataset.file["time"][row]) if timed else None
         item, column = _labels(dataset, (row, *position[1:]), timed)
         return Found(
@@ -224,11 +225,6 @@ def _compare_part(
         )
 
     report.compare(kind_of(name), first, second, tolerance, describe)
-
-
-def _has_time(dataset: h5py.Dataset, name: str) -> bool:
-    scale = scale_of(dataset, 0) if dataset.ndim else None
-    return scale is not None and scale == dataset.file.get("time") and is_number(scale) and name != "time"
 
 
 def _labels(dataset: h5py.Dataset, position: tuple[int, int, int], timed: bool) -> tuple[str, str]:

@@ -1,4 +1,4 @@
-"""Result of a comparison: counts for every type of column, the worst place, missing entries."""
+"""Result of a comparison: counts for every type of column, the worst place, missing entries, and words."""
 
 import math
 from collections import Counter

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import Fault, FlexmbError
-from ..files.own_files import HDF5_SIGNATURE
+from ..files.file_names import HDF5_SIGNATURE
 
 KINDS = (
     "time", "position", "euler", "velocity", "euler_rate", "omega", "acceleration", "euler_acceleration",

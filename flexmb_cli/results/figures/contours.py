@@ -1,4 +1,4 @@
-"""Colours of the surfaces of finite-element bodies, and their range over all rows.
+"""Colours of the surfaces of finite-element bodies, their range over all rows, and how bodies are shown.
 
 Stresses and strains are superposed from those of the modes; the report's scene does the same (`scene.js`).
 """

@@ -242,7 +242,10 @@ class _Canvas:
 
         self.scene, bodies_look = scene, look.bodies
         self.contours = colormaps["viridis"](np.linspace(CONTOURS_BEGIN, 1, 256))[:, :3]
-        self.camera = _Camera(_all_places(scene, bodies, bodies_look.scale), scene.gravity, look)
+        # Everything at all times; of finite-element bodies at some.
+        rows = np.unique(np.linspace(0, len(scene.time) - 1, 20).astype(int))
+        of_bodies = (body.places(row, bodies_look.scale) for body in bodies for row in rows)
+        self.camera = _Camera(np.concatenate([scene.places, *of_bodies]), scene.gravity, look)
         self.buffer = DepthBuffer(look.width, look.height)
         contour = shown_colours(bodies_look, ranges)
         reached = ranges.get(contour)
@@ -293,9 +296,3 @@ def _legend(contour: str, ends: tuple[float, float], reached: tuple[float, float
 
 def _rgb(text: str) -> np.ndarray:
     return np.array([int(text[k : k + 2], 16) for k in (1, 3, 5)]) / 255
-
-
-def _all_places(scene: Scene, bodies: list[ElementBody], scale: float) -> np.ndarray:
-    """Everything at all times; of finite-element bodies at some."""
-    rows = np.unique(np.linspace(0, len(scene.time) - 1, 20).astype(int))
-    return np.concatenate([scene.places, *(body.places(row, scale) for body in bodies for row in rows)])

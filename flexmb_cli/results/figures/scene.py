@@ -215,7 +215,8 @@ def read_scene(result: h5py.File, rows: slice = slice(None), every_node: bool = 
         shapes=tuple(body_shapes(result, motion.names, motion.position, motion.turn)),
     )
     numbered = [(number, motion.marks(number)) for number in range(len(motion.names) + 1)]
-    extent = _extent([scene.places, *(marks.reshape(-1, 3) for _, marks in numbered)])
+    every = np.concatenate([scene.places, *(marks.reshape(-1, 3) for _, marks in numbered)])
+    extent = float(np.ptp(every, axis=0).max()) or 1.0
     drawn = [_drawn(motion, number, marks, extent) for number, marks in numbered if marks.shape[1]]
     scene = replace(scene, bodies=tuple(drawn))
     if not np.all(np.isfinite(scene.places)):
@@ -330,11 +331,6 @@ def _drawn(motion: _Motion, number: int, marks: np.ndarray, extent: float) -> Dr
     name = motion.names[number - 1] if number else "ground"
     still = float(np.ptp(marks, axis=0).max()) <= ONE_MARK * extent
     return DrawnBody(number, name, marks, edges, still, flexible)
-
-
-def _extent(parts: list[np.ndarray]) -> float:
-    places = np.concatenate(parts)
-    return float(np.ptp(places, axis=0).max()) or 1.0
 
 
 def _series(result: h5py.File, path: str, rows: slice) -> Any:

@@ -1,4 +1,4 @@
-"""Failures of the disk in sentences."""
+"""Failures of the disk in sentences; and the file below HDF5, which must not learn of them."""
 
 import errno
 import io

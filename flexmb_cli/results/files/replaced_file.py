@@ -38,7 +38,7 @@ def open_special(path: str) -> int:
         try:
             number = os.open(path, os.O_WRONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
         except OSError as error:
-            if error.errno != errno.ENXIO or not _is_pipe(path):
+            if error.errno != errno.ENXIO or not stat.S_ISFIFO(os.stat(path).st_mode):
                 raise
         else:
             break
@@ -51,10 +51,6 @@ def open_special(path: str) -> int:
     if hasattr(os, "set_blocking"):
         os.set_blocking(number, True)
     return number
-
-
-def _is_pipe(path: str) -> bool:
-    return stat.S_ISFIFO(os.stat(path).st_mode)
 
 
 class Replacement:

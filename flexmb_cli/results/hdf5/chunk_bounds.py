@@ -7,6 +7,10 @@ The global heaps of an HDF5 file, where its texts and references lie, looked at 
 
 HDF5 File Format Specification 3.0, section III.E.  libhdf5 (1.14) goes round for ever, beyond the reach of
 signals, where a part of a heap has no size; so an untrusted file could stop `table` and `diff`.
+
+A text of variable length is stored as a reference of 16 bytes: its length (4), then the place of the text.
+Thousands of them may lead to the same megabyte, so the lengths are summed up (sections III.E, global heap,
+and VIII, variable-length datatypes).
 """
 
 import mmap

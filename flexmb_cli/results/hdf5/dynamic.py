@@ -1,4 +1,4 @@
-"""Content of the HDF5 result of a mechanism's dynamics beyond its kinematics."""
+"""Content of the HDF5 result of a mechanism's dynamics beyond its kinematics, and of elements at joints."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 from ...model.joint_elements import CompositeJoint, element_names
 from ...model.joints import ANGLE
 from ...model.loads import DynamicModel, holders
-from .joint_coordinates import coordinate_names, joint_values, with_elements
 from .kinematic import kinematic_layout, kinematic_values, readable_names
 from .layout import (
     DRIVER,
@@ -14,12 +13,14 @@ from .layout import (
     JOINT_VECTOR,
     PATH,
     TORQUE,
-    Axis,
     Layout,
     Series,
     Values,
+    coordinate_names,
     effort_series,
+    joint_values,
     numbered_axis,
+    with_elements,
     with_units,
 )
 from .result_geometry import gravity
@@ -62,7 +63,8 @@ def dynamic_layout(model: DynamicModel) -> Layout:
     motion = kinematic_layout(model.mechanism)
     units = [FORCE if driver.direction <= 3 else TORQUE for driver in model.mechanism.drivers]
     of_motion = (with_units(axis, "driver", units) if axis.path == DRIVER else axis for axis in motion.axes)
-    axes = (*of_motion, *_held_axis(model))
+    held = [name for name, _ in holders(model.mechanism)]
+    axes = (*of_motion, *([numbered_axis("held", held)] if held else []))
     present = {axis.path for axis in axes}
     forces = tuple(
         effort_series(item, units) if item.path == PATH else item
@@ -81,11 +83,6 @@ def dynamic_values(model: DynamicModel, rows: "DynamicRows") -> Values:
 
 def _series(model: DynamicModel) -> dict[str, Series]:
     return FORCES | OF_MOTION if model.analysis == "forward" else FORCES
-
-
-def _held_axis(model: DynamicModel) -> list[Axis]:
-    names = [name for name, _ in holders(model.mechanism)]
-    return [numbered_axis("held", names)] if names else []
 
 
 COMPOSITE_VECTOR = ("composite/composite", "xyz")

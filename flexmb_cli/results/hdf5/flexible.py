@@ -7,7 +7,6 @@ import numpy as np
 
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from ...model.joint_elements import element_names
-from .joint_coordinates import coordinate_names, joint_values, with_elements
 from .layout import (
     BODY_MOTION,
     DRIVER,
@@ -23,8 +22,11 @@ from .layout import (
     Layout,
     Series,
     Values,
+    coordinate_names,
     effort_series,
+    joint_values,
     numbered_axis,
+    with_elements,
     with_shapes,
     with_units,
 )

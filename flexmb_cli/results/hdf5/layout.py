@@ -1,10 +1,18 @@
-"""Layout of an HDF5 result: axes, datasets along time, and datasets that stay."""
+"""Layout of an HDF5 result: axes, datasets along time, and datasets that stay.
+
+Datasets of the motion of bodies and points have the names that analyses give these quantities; joint
+coordinates, elements and couplings are those of every dialect.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from ...model.joint_elements import Coupling
+from ...model.joints import ANGLE
+from ...model.laws import is_angle
 
 if TYPE_CHECKING:
     from ...model.shapes import Shape
@@ -138,3 +146,79 @@ def with_shapes(layout: Layout, shapes: Sequence["Shape"]) -> Layout:
         Constant(CORNERS, (TRIANGLE, CORNER), corners, "1", "vertices of the triangles of the shapes"),
     )
     return replace(layout, axes=(*layout.axes, *axes), constants=(*layout.constants, *constants))
+
+
+COORDINATE, ELEMENT, COUPLING = "coordinate/coordinate", "element/element", "coupling/coupling"
+JOINT_SERIES = {
+    "joint_coordinate": Series(
+        "coordinate/q", (COORDINATE,), "rad or m", "joint coordinate, 0 at the deck's estimates"
+    ),
+    "joint_rate": Series("coordinate/u", (COORDINATE,), "rad/s or m/s", "rate of the joint coordinate"),
+}
+ELEMENT_SERIES = {
+    f"element_{name}": Series(f"element/{name}", (ELEMENT,), units, long_name)
+    for name, units, long_name in (
+        ("coordinate", "rad or m", "length, stroke or angle; 0 of friction, see the coordinate of its joint"),
+        ("rate", "rad/s or m/s", "its rate; of friction the sliding speed"),
+        ("effort", "N m or N", "force or torque towards larger coordinates"),
+        ("power", "W", "power of what the element dissipates (negative) or drives"),
+        ("energy", "J", "energy that the element stores"),
+        ("work", "J", "work of its power since the start: negative, what it has dissipated"),
+    )
+}
+ELEMENT_SERIES["dissipated"] = Series(
+    "energy/dissipated",
+    (),
+    "J",
+    "what springs' dampers, stops, cables, bushings and friction have dissipated since the start",
+)
+COUPLING_SERIES = {
+    "coupling_effort": Series(
+        "coupling/effort",
+        (COUPLING,),
+        "N m or N",
+        "effort, which acts times its factor in each coordinate, towards larger values",
+    )
+}
+OF_ELEMENTS = ELEMENT_SERIES | COUPLING_SERIES
+SERIES = JOINT_SERIES | OF_ELEMENTS
+
+
+def with_elements(
+    layout: Layout,
+    coordinates: Sequence[tuple[str, str]],
+    elements: Sequence[tuple[str, str]],
+    couplings: Sequence[Coupling],
+) -> Layout:
+    """The layout with axes and series of joint coordinates and elements, pairs of name and unit, and
+    couplings.
+    """
+    axes = list(layout.axes)
+    # The effort at a factor of 1: a coupling of a stroke is an equation of lengths.
+    angular = {item.name: all(is_angle(coordinate) for _, coordinate, _ in item.terms) for item in couplings}
+    of_couplings = [(name, "N m" if of_angles else "N") for name, of_angles in angular.items()]
+    for kind, names in (("coordinate", coordinates), ("element", elements), ("coupling", of_couplings)):
+        if names:
+            texts, units = zip(*names, strict=True)
+            axes.append(with_units(numbered_axis(kind, texts), kind, units))
+    present = {axis.path for axis in axes}
+    # A tree has series of its coordinates already.
+    wanted = SERIES if coordinates else OF_ELEMENTS
+    # What all elements together dissipate has no axis, but belongs to theirs.
+    series = [item for item in wanted.values() if present.issuperset(item.axes or (ELEMENT,))]
+    return replace(layout, axes=tuple(axes), series=(*layout.series, *series))
+
+
+def joint_values(rows: Any, series: dict[str, Series] = SERIES) -> Values:
+    """Fields of report rows by the paths of their datasets."""
+    return {item.path: getattr(rows, field) for field, item in series.items()}
+
+
+def coordinate_names(joints: Sequence[Any], names: Sequence[str]) -> list[tuple[str, str]]:
+    """Names and units of all joint coordinates; `names` of the joints."""
+    from ...model.arrays.element_table import coordinates_of_joints  # much that trees do without
+
+    return [
+        (f"{names[item.joint]} {item.coordinate}", "rad" if item.coordinate == ANGLE else "m")
+        for item in coordinates_of_joints(joints)
+    ]

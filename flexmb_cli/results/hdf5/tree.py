@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, cast
 from ...model.joint_elements import names_of
 from ...model.laws import is_angle
 from ...model.tree import ELASTIC, ROTATION, Body, Tree
-from .joint_coordinates import OF_ELEMENTS, joint_values, with_elements
 from .layout import (
     BODY_MOTION,
     DRIVER,
     EULER_PARAMETER,
     FORCE,
     JOINT_VECTOR,
+    OF_ELEMENTS,
     PATH,
     POINT_MOTION,
     TORQUE,
@@ -25,7 +25,9 @@ from .layout import (
     Series,
     Values,
     effort_series,
+    joint_values,
     numbered_axis,
+    with_elements,
     with_shapes,
     with_units,
 )

@@ -10,8 +10,7 @@ import numpy as np
 from ...deck.record import Deck
 from ...errors import Fault, ModelError
 from ..exit_status import ending_recorded
-from ..model import analysis_of, model_of, module_for
-from ..open_deck import open_deck
+from ..model import analysis_of, model_of, module_for, open_deck
 from ..outcome import Outcome, Run, RunOptions, Stop
 
 if TYPE_CHECKING:

@@ -52,6 +52,7 @@ def _diagnose(report: CheckReport, mechanism: Mechanism, jacobian: str | None) -
 def _assemble(report: CheckReport, mechanism: Mechanism, jacobian: str | None, equations: int) -> None:
     from ...solvers.kinematics.analysis import KinematicAnalysis
     from ...solvers.kinematics.position import KinematicSettings
+    from ...solvers.singular.mobility import mobility
 
     # Points take no part in what is looked at, and there may be a million of them.
     analysis = KinematicAnalysis(replace(mechanism, points=()), KinematicSettings(most_ranked=RANK_LIMIT))
@@ -69,7 +70,9 @@ def _assemble(report: CheckReport, mechanism: Mechanism, jacobian: str | None, e
     note_slips(report, analysis.evaluator, *start)
     note_moves(report, arrays, arrays.q, analysis.state[0])
     if equations <= RANK_LIMIT:
-        _look_at_rank(report, analysis, mechanism.time.start)
+        record_mobility(
+            report, mobility(analysis.evaluator, analysis.state[0], report.time, analysis.motion[:, 0])
+        )
     if jacobian not in (None, "estimate"):
         report.jacobian = _jacobian_at(mechanism, float(jacobian))
 
@@ -86,12 +89,6 @@ def _counts(mechanism: Mechanism, analysis: "KinematicAnalysis") -> dict[str, di
         "coordinates": coordinates,
         "degrees_of_freedom": coordinates - equations + len(mechanism.drivers),
     }
-
-
-def _look_at_rank(report: CheckReport, analysis: "KinematicAnalysis", t: float) -> None:
-    from ...solvers.singular.mobility import mobility
-
-    record_mobility(report, mobility(analysis.evaluator, analysis.state[0], t, analysis.motion[:, 0]))
 
 
 def _jacobian_at(mechanism: Mechanism, time: float) -> LabelledJacobian:

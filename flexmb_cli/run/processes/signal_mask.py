@@ -53,7 +53,12 @@ def end_with_parent() -> None:
 
     parent = parent_process()
     if parent is not None:
-        Thread(target=_kill_after, args=(parent,), daemon=True).start()
+
+        def kill_after() -> None:
+            parent.join()
+            os.kill(os.getpid(), signal.SIGTERM if os.name == "nt" else signal.SIGKILL)
+
+        Thread(target=kill_after, daemon=True).start()
 
 
 def outlive_workers() -> None:
@@ -63,11 +68,6 @@ def outlive_workers() -> None:
     """
     if hasattr(signal, "SIGPIPE"):
         signal.signal(signal.SIGPIPE, signal.SIG_IGN)
-
-
-def _kill_after(parent: Any) -> None:
-    parent.join()
-    os.kill(os.getpid(), signal.SIGTERM if os.name == "nt" else signal.SIGKILL)
 
 
 def stop_on_signals() -> None:

@@ -1,6 +1,6 @@
 """Dynamics of a tree: by Kane's equations, or in absolute coordinates."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -27,8 +27,11 @@ if TYPE_CHECKING:
 def solution(tree: Tree, run: Run) -> Solution:
     """Return the motion of `tree` by the formulation of the options, ready to be solved."""
     absolute = run.options.formulation == ABSOLUTE
-    if absolute:
-        run.warn(list(_unused_method(tree)))
+    # The choice of an integrator is one of Kane's equations.
+    stepped = "dop853", *(IMPLICIT_TREE_METHODS if tree.elements else ())
+    if absolute and tree.integration.method not in stepped:
+        message = f"absolute coordinates are stepped by DOP853: {tree.integration.method} is not used"
+        run.warn([Fault("warning", message, id="RUN-010")])
     analysis = (absolute_analysis if absolute else kane_analysis)(tree, run)
     given = tree.integration
     formulation = {"formulation": ABSOLUTE} if absolute else {}
@@ -64,13 +67,6 @@ def absolute_analysis(tree: Tree, run: Run) -> Any:
 
     announce_compiling(run.listener, "integrators.constrained_dop853.integrate_rows")
     return AbsoluteTree(tree)
-
-
-def _unused_method(tree: Tree) -> Iterator[Any]:
-    """The choice of an integrator is one of Kane's equations."""
-    if tree.integration.method not in ("dop853", *(IMPLICIT_TREE_METHODS if tree.elements else ())):
-        message = f"absolute coordinates are stepped by DOP853: {tree.integration.method} is not used"
-        yield Fault("warning", message, id="RUN-010")
 
 
 def _finer_blocks(tree: Tree, run: Run) -> Any:
