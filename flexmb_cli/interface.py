@@ -74,8 +74,8 @@ def solve_to_files(
     `listener` receives the progress of the run, `stdout` the listing where `options.out` is "-".  Nothing
     is raised: the outcome has exit code, faults and the files written.
     """
-    from .run.deck import run_deck
     from .run.outcome import RunOptions
+    from .run.solution import run_deck
 
     return run_deck(os.fspath(deck), options or RunOptions(), listener, stdout)
 

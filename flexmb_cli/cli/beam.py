@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from ..errors import FlexmbError, compiler_style
 from .options.output_file import Finite
 from .terminal.screen import standard_output
 
@@ -81,7 +82,6 @@ def _deck_with(made: Any, path: str, body: Any) -> str:
     from ..deck.text import read_text
     from ..dialects.dafms import DIALECT
     from ..dialects.dafms.beam_cards import with_beam
-    from ..errors import FlexmbError, compiler_style
 
     lines: Sequence[str] = ()
     try:

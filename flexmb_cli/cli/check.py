@@ -2,10 +2,12 @@
 
 import json
 import sys
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..run.outcome import RunOptions
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .terminal.screen import show, wants_debug
 
@@ -27,7 +29,6 @@ def check(
         flexmb check decks/young/IN4-BAR.dat --echo
     """
     from .. import interface
-    from ..run.outcome import RunOptions
 
     _check_jacobian_option(jacobian)
     codes = []
@@ -46,7 +47,6 @@ def check(
 
 
 def _check_jacobian_option(jacobian: str | None) -> None:
-    from math import isfinite
 
     if jacobian in (None, "estimate"):
         return

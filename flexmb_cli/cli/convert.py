@@ -7,6 +7,9 @@ import click
 
 from ..dialects.recognise import every_dialect
 from ..errors import FlexmbError
+from ..results.files.file_names import refuse_foreign
+from ..results.files.replaced_file import write_whole
+from ..run.outcome import Outcome
 from .options.output_file import AS_JSON, FORCE, WrittenPlace, files
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall, notify
@@ -55,11 +58,8 @@ def convert(
         flexmb convert decks/dafms/spatial_rigid.DAT --to vsdf
         flexmb convert IN4-BAR.dat --to young --to-unit mm -o IN4-MM.dat
     """
-    from ..results.files.file_names import refuse_foreign
-    from ..results.files.replaced_file import write_whole
     from ..run.convert import converted
     from ..run.earlier_results import set_conversion_aside
-    from ..run.outcome import Outcome
     from .options.output_file import STANDARD_OUTPUT, refuse_inputs, reported
 
     stem = "flexmb" if deck == "-" else PurePath(deck).stem

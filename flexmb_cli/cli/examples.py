@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from ..dialects.recognise import every_dialect
+from ..results.files.replaced_file import make_folder, write_together
 from .options.output_file import example_names
 
 PACKAGE = Path(__file__).resolve().parents[1]
@@ -86,7 +87,6 @@ def _copy_all(output_dir: Any, force: bool) -> Any:
 
 def _write(contents: dict[Path, bytes]) -> None:
     """Write all files or none: a full disk leaves what was there."""
-    from ..results.files.replaced_file import make_folder, write_together
 
     for folder in {path.parent for path in contents}:
         make_folder(folder)

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..errors import Fault
+from ..results.files.file_names import refuse_foreign
+from ..results.files.replaced_file import replaced, write_whole
 from .options.output_file import (
     AS_JSON,
     FORCE,
@@ -24,8 +27,6 @@ from .terminal.screen import WrongCall
 
 if TYPE_CHECKING:
     import h5py
-
-    from ..errors import Fault
 
 
 SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
@@ -49,7 +50,6 @@ def export(result: str, form: str, output: str | None, force: bool, as_json: boo
     Example:
         flexmb export OUT4-BAR.h5 --to vtkhdf -o four-bar.vtkhdf
     """
-    from ..results.files.file_names import refuse_foreign
     from ..results.hdf5.stored_result import is_study
 
     force, output = force or bool(output), output or f"{Path(result).stem}{SUFFIX[form]}"
@@ -67,11 +67,10 @@ def export(result: str, form: str, output: str | None, force: bool, as_json: boo
     notices.end(file=output)
 
 
-def _export_run(path: str, form: str, output: str, check: Callable[..., None]) -> "list[Fault]":
+def _export_run(path: str, form: str, output: str, check: Callable[..., None]) -> list[Fault]:
     """Write the result of a run; return what its reader should know."""
     from ..results.figures.vtkhdf import vtkhdf_bytes
     from ..results.files.matlab import matlab_bytes
-    from ..results.files.replaced_file import write_whole
     from ..results.quantities.quantities import open_result, refuse_uneven, remarks
 
     with open_result(path) as file:
@@ -84,10 +83,9 @@ def _export_run(path: str, form: str, output: str, check: Callable[..., None]) -
     return notes
 
 
-def _export_study(path: str, form: str, output: str, check: Callable[..., None]) -> "list[Fault]":
+def _export_study(path: str, form: str, output: str, check: Callable[..., None]) -> list[Fault]:
     """Write the table of a study; return what its reader should know."""
     from ..results.files.matlab import matlab_bytes
-    from ..results.files.replaced_file import write_whole
     from ..study.text import failed_notes, open_study, study_columns, study_text
 
     if form == "vtkhdf":
@@ -109,7 +107,6 @@ def _export_study(path: str, form: str, output: str, check: Callable[..., None])
 
 
 def _write_csv(file: "h5py.File", output: str, check: Callable[..., None]) -> None:
-    from ..results.files.replaced_file import replaced
     from ..results.quantities.quantities import names
     from ..results.quantities.table import chosen_rows, table_text
 

@@ -12,6 +12,7 @@ import numpy as np
 from ..deck.body_text import body_lines
 from ..errors import visible
 from ..model.by_size import by_size
+from ..run.outcome import Listener, RunOptions
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .options.output_file import VERBOSE, Finite, WrittenPlace, refuse_inputs
 from .terminal.progress import Progress
@@ -57,7 +58,6 @@ def modes(
     """  # fmt: skip
     from ..run.mechanism_modes import Wish
     from ..run.modes import modes_of_deck
-    from ..run.outcome import Listener, RunOptions
 
     _refuse_output(out, decks)
     progress = Progress("modes", "decks", quiet, verbose)

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import Fault
+from ..extras import needed
+from ..results.files.file_names import refuse_foreign
+from ..results.files.replaced_file import write_whole
 from .options.output_file import (
     AS_JSON,
     FORCE,
@@ -82,10 +85,7 @@ def plot(
         flexmb plot OUT4-BAR.h5 point.1.z --x point.1.y -o path.png
         flexmb plot OUT4-BAR.h5 point.1.z --width 85 --font serif -o column.pdf
     """
-    from ..extras import needed
     from ..results.figures.plots import FORMATS
-    from ..results.files.file_names import refuse_foreign
-    from ..results.files.replaced_file import write_whole
     from ..results.hdf5.stored_result import is_study
 
     force, output = force or bool(output), output or f"{Path(result).stem}.png"
@@ -172,7 +172,7 @@ def _study_plot(
 
 
 def _drawn(
-    draw: "Callable[..., bytes]", arguments: tuple[Any, ...], options: dict[str, Any], notices: Notices
+    draw: Callable[..., bytes], arguments: tuple[Any, ...], options: dict[str, Any], notices: Notices
 ) -> bytes:
     """The bytes of the picture that `draw` makes of its arguments and a look; print options need a width."""
     from ..results.figures.look import Look

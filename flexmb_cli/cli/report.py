@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import Fault
+from ..extras import needed
+from ..results.files.file_names import refuse_foreign
+from ..results.files.replaced_file import write_whole
 from .options.output_file import (
     AS_JSON,
     FORCE,
@@ -88,8 +91,6 @@ def report(
         flexmb report OUT4-BAR.h5 -o four-bar.html
         flexmb report OUT4-BAR.h5 --movie four-bar.mp4
     """
-    from ..results.files.file_names import refuse_foreign
-    from ..results.files.replaced_file import write_whole
     from ..results.hdf5.stored_result import is_study
 
     bodies = _body_look(looks)
@@ -145,7 +146,6 @@ def _size(count: int) -> str:
 
 def _write_film(notices: Notices, target: Any, page: Any, looks: Any, bodies: "BodyLook") -> None:
     from ..results.figures.film import FORMATS, film_bytes
-    from ..results.files.replaced_file import write_whole
     from ..results.hdf5.stored_result import is_study
     from ..results.quantities.quantities import open_result, refuse_uneven, remarks
 
@@ -189,7 +189,6 @@ def _film_look(looks: dict[str, Any], bodies: "BodyLook", form: str) -> "FilmLoo
 
 
 def _need_film_libraries(form: str) -> None:
-    from ..extras import needed
 
     what = "flexmb report --movie"
     needed("matplotlib", "matplotlib", "movie", what)
@@ -208,8 +207,7 @@ def _result_page(path: str, bodies: "BodyLook") -> tuple[bytes, list[Fault]]:
 
 
 def _study_page(path: str) -> bytes:
-    from ..extras import needed
-    from ..study.page import study_page
+    from ..study.figures import study_page
     from ..study.text import cases_table, open_study
 
     library = needed("plotly.offline", "plotly", "report", "flexmb report of a study").get_plotlyjs()

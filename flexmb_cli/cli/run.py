@@ -4,19 +4,20 @@ import json
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from pathlib import PurePath
+from typing import Any
 
 import click
 
+from ..deck.several_models import named_model
 from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT
 from ..model.integrators import METHOD_OPTIONS, TREE_METHODS
+from ..results.files.file_names import refuse_shared
+from ..run.outcome import SOLVER_OPTIONS, Listener, Outcome, RunOptions, Stop
 from ..run.processes.signal_mask import stop_on_signals
 from .options.deck_options import DECK, deck_options, refuse_strange_models, show_faults, with_models
 from .options.output_file import ABSOLUTE_TOLERANCE, FORCE, RELATIVE_TOLERANCE, Finite, WrittenPlace
 from .terminal.screen import WrongCall, notify, show, standard_output, wants_debug
-
-if TYPE_CHECKING:
-    from ..run.outcome import Outcome, RunOptions
 
 
 @click.command()
@@ -64,7 +65,6 @@ def run(decks: Any, as_json: bool, quiet: bool, verbose: bool, jobs: int, **opti
     Example:
         flexmb run decks/young/IN4-BAR.dat -o results
     """
-    from ..run.outcome import SOLVER_OPTIONS, RunOptions
 
     decks = with_models(decks)
     _refuse_mixed_output(as_json, options)
@@ -107,7 +107,6 @@ def _refuse_mixed_output(as_json: bool, options: dict[Any, Any]) -> None:
 
 def _note_names_behind_only(decks: Sequence[str], options: dict[Any, Any], quiet: bool) -> None:
     """`--only point energy` takes the second name for a deck."""
-    from ..deck.several_models import named_model
 
     known = all(deck == "-" or os.path.exists(named_model(deck)[0]) for deck in decks)
     if options["only"] and not quiet and not known:
@@ -132,13 +131,12 @@ def _given(options: dict[Any, Any], **names: Any) -> dict[Any, Any]:
 
 
 def _all_outcomes(
-    decks: list[str], options: "RunOptions", jobs: int, quiet: bool, verbose: bool
+    decks: list[str], options: RunOptions, jobs: int, quiet: bool, verbose: bool
 ) -> Iterator[Any]:
     """Return what became of every deck; one that was not begun before a stop is as if stopped at its first
     row.
     """
     from ..run.earlier_results import EarlierResults
-    from ..run.outcome import Outcome, Stop
 
     left = list(decks)
     for outcome in _outcomes(decks, options, jobs, quiet, verbose):
@@ -151,8 +149,8 @@ def _all_outcomes(
 
 
 def _outcomes(
-    decks: list[str], options: "RunOptions", jobs: int, quiet: bool, verbose: bool
-) -> "Iterator[Outcome]":
+    decks: list[str], options: RunOptions, jobs: int, quiet: bool, verbose: bool
+) -> Iterator[Outcome]:
     from .terminal.progress import Progress
 
     if jobs > 1 and len(decks) > 1:
@@ -166,7 +164,6 @@ def _outcomes(
                 yield outcome
         return
     from .. import interface
-    from ..run.outcome import Listener, Stop
 
     for deck in decks:
         if Stop.asked is not None:
@@ -178,12 +175,9 @@ def _outcomes(
         yield outcome
 
 
-def _refuse_shared_files(decks: Sequence[str], options: "RunOptions") -> None:
+def _refuse_shared_files(decks: Sequence[str], options: RunOptions) -> None:
     """Two decks that would write the same file are refused before anything is solved."""
-    from pathlib import PurePath
 
-    from ..deck.several_models import named_model
-    from ..results.files.file_names import refuse_shared
     from ..run.earlier_results import dialect_of, paths_of
 
     if len(decks) > 1 and (options.h5 or options.out not in (None, "-")):
@@ -195,7 +189,7 @@ def _refuse_shared_files(decks: Sequence[str], options: "RunOptions") -> None:
     refuse_shared(results, decks)
 
 
-def _report_outcome(outcome: "Outcome", options: "RunOptions", quiet: bool, verbose: bool) -> None:
+def _report_outcome(outcome: Outcome, options: RunOptions, quiet: bool, verbose: bool) -> None:
     show_faults(outcome, quiet)
     if outcome.exit_code > 128:
         notify(f"{outcome.deck}: interrupted; {_kept(outcome)}")
@@ -212,11 +206,11 @@ def _report_outcome(outcome: "Outcome", options: "RunOptions", quiet: bool, verb
         click.echo(f"  {outcome.statistics}", err=True)
 
 
-def _rows(outcome: "Outcome") -> str:
+def _rows(outcome: Outcome) -> str:
     return f"{outcome.rows} row{'' if outcome.rows == 1 else 's'}"
 
 
-def _kept(outcome: "Outcome") -> str:
+def _kept(outcome: Outcome) -> str:
     hint = "; --resume continues it" if outcome.resumable else ""
     if not outcome.files:
         return f"nothing was written{hint}"

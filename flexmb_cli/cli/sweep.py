@@ -2,6 +2,7 @@
 
 import os
 import sys
+from itertools import islice
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,7 @@ import click
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, Fault, compiler_style
 from ..memory import TO_LOAD, require_memory
 from ..results.files.file_names import refuse_foreign
+from ..results.files.replaced_file import refuse_unwritable
 from ..run.outcome import INTERRUPTED, TERMINATED, Listener, Stop, Terminated
 from ..run.processes.signal_mask import stop_on_signals
 from .options.deck_options import LOOP_TOLERANCE
@@ -20,6 +22,9 @@ from .terminal.screen import WrongCall, notify
 
 if TYPE_CHECKING:
     from ..study.sweep import Sweep
+
+
+MOST_FAILURES = 3  # that are named
 
 
 @click.command()
@@ -64,7 +69,8 @@ def sweep(
     try:
         with notices.failures(), Stop.released():
             _solve(made, notices, options)
-            failures = _first_failures(made)
+            failed = (case for case in made.results() if case.exit_code) if made.failed else iter(())
+            failures = [(case.case + 1, case.message) for case in islice(failed, MOST_FAILURES)]
             interface.write_study(output, made)
     except (KeyboardInterrupt, Terminated) as stop:
         exit_code = INTERRUPTED if isinstance(stop, KeyboardInterrupt) else TERMINATED
@@ -75,18 +81,6 @@ def sweep(
     status, exit_code = ("failed", ANALYSIS_FAILED) if made.failed else ("complete", DONE)
     notices.end(status, exit_code, cases=made.job.study.cases, failed=made.failed, file=output)
     sys.exit(exit_code)
-
-
-def _require_libraries(output: str, scheduler: str | None) -> None:
-    """Refuse what is missing before hours of work."""
-    if output.endswith(".parquet"):
-        from ..study.table import require_library
-
-        require_library(output)
-    if scheduler:
-        from ..study.cluster import require_dask
-
-        require_dask()
 
 
 def _report_stop(
@@ -110,12 +104,16 @@ def _report_stop(
 
 def _begun(notices: Notices, output: str, parts: str, options: dict[str, Any]) -> "Sweep":
     from .. import interface
-    from ..results.files.replaced_file import refuse_unwritable
+    from ..study.cluster import require_dask
     from ..study.sweep import StudyError
+    from ..study.table import require_library
 
     if PurePath(output).suffix not in (".h5", ".parquet"):
         raise WrongCall("-o needs a name that ends in .h5 or .parquet", id="CLI-054")
-    _require_libraries(output, options["scheduler"])
+    # What is missing is refused before hours of work.
+    require_library(output)
+    if options["scheduler"]:
+        require_dask()
     try:
         with notices.failures():
             # The cases are kept beside the table: without this their folder would be made with all its
@@ -169,15 +167,6 @@ def _solve(made: "Sweep", notices: Notices, options: dict[str, Any]) -> None:
             interface.solve_study(made, blocks, progress.advance, jobs, scheduler, listener)
     finally:
         notices.faults += [(notices.file, fault) for fault in kept]
-
-
-def _first_failures(made: "Sweep", most: int = 3) -> list[Any]:
-    if not made.failed:
-        return []
-    from itertools import islice
-
-    failed = ((result.case + 1, result.message) for result in made.results() if result.exit_code)
-    return list(islice(failed, most))
 
 
 def _report(notices: Notices, output: str, made: "Sweep", failures: Any) -> None:

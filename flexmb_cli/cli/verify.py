@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from ..errors import visible
+from ..run.outcome import Listener, RunOptions
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .options.output_file import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, VERBOSE
 from .terminal.progress import Progress
@@ -39,7 +40,6 @@ def verify(
     Example:
         flexmb verify decks/dafms/two_link_n2.DAT
     """
-    from ..run.outcome import Listener, RunOptions
     from ..run.verify.verify import verify_deck
 
     given = {name: options.pop(name) for name in ("rtol", "atol")}

@@ -14,10 +14,9 @@ from ..errors import Fault, ModelError
 from ..model.flexible_body import Dropped, FlexibleBody
 from ..model.unit_checks import unit_warnings
 from ..results.files.replaced_file import write_whole
-from .exit_status import ending_recorded
 from .mechanism_modes import MechanismModes, Wish, dynamic_modes, flexible_modes, tree_modes
 from .model import analysis_of, model_of, open_deck
-from .outcome import Listener, Outcome, Run, RunOptions, Stop
+from .outcome import Listener, Outcome, Run, RunOptions, Stop, ending_recorded
 
 
 @dataclass

@@ -15,7 +15,8 @@ from click.testing import CliRunner
 from flexmb_cli import cli as commands
 from flexmb_cli.errors import Fault
 from flexmb_cli.results.diff.compare import compare
-from flexmb_cli.run import deck, modes
+from flexmb_cli.run import modes
+from flexmb_cli.run import solution as deck
 from flexmb_cli.run.check import check
 from flexmb_cli.run.outcome import INTERRUPTED, TERMINATED, Listener, RunOptions, Stop, Terminated
 from flexmb_cli.run.processes.signal_mask import stop_on_signals

@@ -5,8 +5,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from ...deck.several_models import models_of, named_model, refuse_strange
 from ...dialects import DIALECTS
 from ...errors import FlexmbError, compiler_style
+from ...run.outcome import Outcome, RunOptions
 from ...run.processes.signal_mask import stop_on_signals
 from ..terminal.screen import notify
 from .output_file import Finite, files
@@ -14,7 +16,6 @@ from .output_file import Finite, files
 if TYPE_CHECKING:
     from ...run.check.check import CheckReport
     from ...run.modes import ModesReport
-    from ...run.outcome import Outcome, RunOptions
     from ...run.verify.verify import Verification
 
 
@@ -53,7 +54,7 @@ def deck_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def every_deck(
-    decks: tuple[str, ...], options: "RunOptions", examine: "Callable[[str], Report]"
+    decks: tuple[str, ...], options: RunOptions, examine: "Callable[[str], Report]"
 ) -> "Iterator[Report]":
     """Yield the report of `examine` on each deck; decks after a stop are named as interrupted.
 
@@ -73,14 +74,12 @@ def every_deck(
 
 def with_models(decks: tuple[str, ...]) -> list[str]:
     """Return the decks, `1:DECK`, `2:DECK` … in the place of one with several models."""
-    from ...deck.several_models import models_of
 
     return [name for deck in decks for name in models_of(deck)]
 
 
 def refuse_strange_models(decks: list[str], changes: tuple[str, ...]) -> None:
     """Raise DeckError, once a deck, for a setting of a model that a deck with several of them lacks."""
-    from ...deck.several_models import models_of, named_model, refuse_strange
 
     for path in dict.fromkeys(path for path, model in map(named_model, decks) if model):
         try:
@@ -90,7 +89,7 @@ def refuse_strange_models(decks: list[str], changes: tuple[str, ...]) -> None:
             raise
 
 
-def show_faults(outcome: "Outcome", quiet: bool) -> None:
+def show_faults(outcome: Outcome, quiet: bool) -> None:
     """Faults of an outcome on standard error, as compilers do; with `quiet` errors, and old results."""
     faults = [
         fault

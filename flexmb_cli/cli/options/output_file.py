@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from ...errors import FlexmbError
 from ..terminal.screen import WrongCall
 
 
@@ -71,7 +72,6 @@ class WrittenPlace(click.types.StringParamType):
 
 def quantities(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[str]:
     """Return the names in the result that the command line names; none where it cannot be read."""
-    from ...errors import FlexmbError
     from ...results.quantities.quantities import names, open_result
 
     try:

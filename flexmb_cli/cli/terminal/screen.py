@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 from ...errors import lines_visible, visible
-from ...run.exit_status import StreamError
+from ...run.outcome import StreamError
 
 COLUMN_GAP = re.compile(r"\S {2,}\S")
 

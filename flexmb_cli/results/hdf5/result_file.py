@@ -188,7 +188,7 @@ class ResultFile(Replacement):
 
     def _write(self, count: int) -> None:
         """Write the first `count` waiting rows; the others go on waiting."""
-        gathered = {path: _joined([block[path] for block in self._waiting]) for path in self._series}
+        gathered = {path: np.concatenate([block[path] for block in self._waiting]) for path in self._series}
         with self._on_disk():
             for path, dataset in self._series.items():
                 dataset.resize(self._written + count, axis=0)
@@ -231,10 +231,6 @@ def _kind(values: tuple[Any, ...]) -> Any:
 def _attach_scales(dataset: h5py.Dataset, scales: Sequence[h5py.Dataset]) -> None:
     for dimension, scale in zip(dataset.dims, scales, strict=True):
         dimension.attach_scale(scale)
-
-
-def _joined(blocks: list[np.ndarray]) -> np.ndarray:
-    return blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from functools import partial
 from math import prod
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import h5py
 import numpy as np
@@ -134,24 +134,8 @@ def function_points(
     ]
 
 
-class Named(Protocol):
-    """A quantity of a result or a column of a study."""
-
-    @property
-    def name(self) -> str:
-        """The name that commands take."""
-
-    @property
-    def unit(self) -> str:
-        """The unit, SI."""
-
-    @property
-    def long_name(self) -> str:
-        """The meaning in words."""
-
-
-def list_text(quantities: Sequence[Named], style: str = "text") -> str:
-    """Name, unit and meaning of quantities, a line each."""
+def list_text(quantities: Sequence[Any], style: str = "text") -> str:
+    """Name, unit (SI) and meaning of quantities of a result, or of columns of a study, a line each."""
     heads = ("name", "unit", "meaning")
     rows = [(quantity.name, quantity.unit, quantity.long_name) for quantity in quantities]
     if style != "text":

@@ -9,9 +9,8 @@ import numpy as np
 
 from ...deck.record import Deck
 from ...errors import Fault, ModelError
-from ..exit_status import ending_recorded
 from ..model import analysis_of, model_of, module_for, open_deck
-from ..outcome import Outcome, Run, RunOptions, Stop
+from ..outcome import Outcome, Run, RunOptions, Stop, ending_recorded
 
 if TYPE_CHECKING:
     from ...model.arrays.kinematic import KinematicArrays

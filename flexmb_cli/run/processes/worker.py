@@ -128,14 +128,14 @@ def portable(fault: BaseException) -> BaseException:
 
 
 class Remark(NamedTuple):
-    """A report of a process to the user: a "notice" (Fault), or the "status" until the first row (str)."""
+    """A report of a process to the user."""
 
-    kind: str
-    said: Any
+    kind: str  # "notice", or "status" until the first row: the method of `Listener` that takes it
+    said: Any  # a Fault, or what is done
 
 
 def remarking(line: Any) -> Listener:
-    """Return a listener that sends what it hears through the line of a process."""
+    """Return a listener that sends reports through the line of a process."""
     return Listener(
         notice=lambda fault: line.send(Remark("notice", fault)),
         status=lambda doing: line.send(Remark("status", doing)),

@@ -13,9 +13,8 @@ import numpy as np
 from ...errors import ANALYSIS_FAILED, Fault, ModelError
 from ...model.integrators import METHODS, Integrator
 from ...results.texts.echo import echo
-from ..exit_status import ending_recorded
 from ..model import model_of, module_for, open_deck
-from ..outcome import Listener, Outcome, Run, RunOptions, Stop
+from ..outcome import Listener, Outcome, Run, RunOptions, Stop, ending_recorded
 
 # Shares of a mechanism's length, or of a turn, below which a motion in the time of a run may be round-off.
 # In accelerations large forces cancel.
