@@ -152,7 +152,7 @@ def test_a_process_that_was_stopped_amid_an_import_solves_no_other_deck(tmp_path
     script.write_text(
         "import os, signal, sys\n"
         "from flexmb_cli.cli import main\n"
-        "from flexmb_cli.run import deck\n"
+        "from flexmb_cli.run import solution as deck\n"
         "class Finder:\n"
         "    def find_spec(self, name, path, target=None):\n"
         "        if name == 'flexmb_cli.kernels' and 'pendulum' in deck.asked:\n"
@@ -177,7 +177,7 @@ def test_a_process_that_was_stopped_amid_an_import_solves_no_other_deck(tmp_path
 FAULTY = """
 import sys, time
 from flexmb_cli.cli import main
-from flexmb_cli.run import deck
+from flexmb_cli.run import solution as deck
 
 class Odd(Exception):
     def __init__(self, first, second):
