@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from .run.check.check import CheckReport
-    from .run.context import TextStream
-    from .run.outcome import Listener, Outcome, RunOptions
+    from .run.outcome import Listener, Outcome, RunOptions, TextStream
     from .run.solution import Solution
     from .study.sweep import Sweep
 
@@ -32,7 +31,7 @@ def read_deck(
 
     Raises FlexmbError, whose `faults` have place, subject and remedy, for a deck that cannot be read.
     """
-    from .run.open_deck import open_deck
+    from .run.model import open_deck
     from .run.outcome import Outcome, RunOptions
 
     words = tuple(f"{name}={value}" for name, value in (changes or {}).items())
@@ -50,7 +49,7 @@ def check(
     `jacobian`: a time, s, or "estimate": the report then has the constraint Jacobian there.
     """
     from .run.check.check import check_deck
-    from .run.open_deck import take_open_deck
+    from .run.model import take_open_deck
     from .run.outcome import RunOptions
 
     if isinstance(deck, OpenDeck):
@@ -75,8 +74,8 @@ def solve_to_files(
     `listener` receives the progress of the run, `stdout` the listing where `options.out` is "-".  Nothing
     is raised: the outcome has exit code, faults and the files written.
     """
-    from .run.deck import run_deck
     from .run.outcome import RunOptions
+    from .run.solution import run_deck
 
     return run_deck(os.fspath(deck), options or RunOptions(), listener, stdout)
 
@@ -91,8 +90,7 @@ def solve(deck: OpenDeck | str | os.PathLike[str], **options: float | str) -> "R
     cannot be solved.  A run that fails on its way raises AnalysisError,
     whose attribute `result` holds the rows so far.
     """
-    from .run.context import Run
-    from .run.outcome import Outcome
+    from .run.outcome import Outcome, Run
     from .run.solution import prepared
 
     opened = deck if isinstance(deck, OpenDeck) else read_deck(deck)
@@ -212,7 +210,7 @@ def solve_study(
 
 def write_study(path: str, study: "Sweep") -> None:
     """Write the table of a solved study and remove its parts; raises OutputError."""
-    from .study.table_writer import write_study_table
+    from .study.sweep import write_study_table
 
     write_study_table(path, study)
 

@@ -122,21 +122,15 @@ class Result(Mapping[str, np.ndarray]):
         """Return the quantities that a name selects, found in a temporary HDF5 file without rows."""
         if name not in self.found:
             paths = {item.path for item in self.layout.series}
-            import tempfile
 
-            import h5py
-
-            from .results.hdf5.result_file import ResultFile
+            from .results.hdf5.result_file import empty_result
             from .results.quantities.quantities import SHOWS_ALL, ResultError, resolve
 
-            with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
-                path = os.path.join(folder, "empty.h5")
-                ResultFile(path, self.deck.deck, self.layout).close()
-                with h5py.File(path, "r") as file:
-                    try:
-                        found = resolve(file, ["*" if name in paths else name])
-                    except ResultError as fault:
-                        raise KeyError(str(fault).removesuffix(SHOWS_ALL)) from None
+            with empty_result(self.deck.deck, self.layout) as file:
+                try:
+                    found = resolve(file, ["*" if name in paths else name])
+                except ResultError as fault:
+                    raise KeyError(str(fault).removesuffix(SHOWS_ALL)) from None
             self.found[name] = [each for each in found if name not in paths or each.dataset == name]
         return self.found[name]
 

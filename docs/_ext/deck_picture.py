@@ -6,7 +6,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from flexmb_cli.results.figures.body_look import BodyLook
+from flexmb_cli.results.figures.contours import BodyLook
 from flexmb_cli.results.figures.film import FilmLook
 
 INSTANTS = 7  # of the mechanism

@@ -26,8 +26,8 @@ from ..errors import (
 )
 from ..memory import LACK_OF_MEMORY, lack_of_memory_text, lacks_memory
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
+from ..run.processes.signal_mask import ignore_stops, pass_over_stops
 from .terminal.screen import WrongCall
-from .terminal.stops import ignore_stops, pass_over_stops
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -192,7 +192,10 @@ def main() -> None:
     if hasattr(signal, "SIGPIPE"):
         # `flexmb diff a b | head` would otherwise end in a BrokenPipeError.
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)
-    _end_in_order()
+    # SIGTERM and a closed terminal end the program by an exception, so that it clears up.
+    signal.signal(signal.SIGTERM, _terminate)
+    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
+        signal.signal(signal.SIGHUP, _terminate)
     sys.unraisablehook = pass_over_stops
     os.environ.update(dict.fromkeys(THREADS, "1"))  # read when numpy is imported, by a command
     _open_closed_streams()
@@ -203,18 +206,12 @@ def main() -> None:
             _refuse_lack(fault)
         _refuse_lost_folder()
         # Files are guarded where they are written: what is left are the standard streams.
-        _notify(f"flexmb: error: {_stream_fault(fault)}")
+        of_closed = fault.strerror if fault.errno == EBADF else ""  # of `closed_output`
+        _notify(f"flexmb: error: {of_closed or f'standard input or output: {fault.strerror or fault}'}")
         os._exit(ANALYSIS_FAILED)  # what waits in the broken stream would fail once more at exit
     finally:
         if Stop.asked is not None:
             ignore_stops()
-
-
-def _stream_fault(fault: OSError) -> str:
-    """Return what is wrong with a standard stream."""
-    if fault.errno == EBADF and fault.strerror:  # of `closed_output`
-        return fault.strerror
-    return f"standard input or output: {fault.strerror or fault}"
 
 
 def _run_command() -> None:
@@ -236,7 +233,10 @@ def _run_command() -> None:
         _refuse_usage(fault)
         sys.exit(BAD_INPUT)
     except FlexmbError as failure:
-        _report_failure(failure)
+        # After the name of the file in which the faults are, else that of the program.
+        click.echo(compiler_style(failure.file or "flexmb", failure.faults), err=True)
+        if not failure.printed:
+            _print_json(failure.exit_code, *failure.faults, file=failure.file or None)
         sys.exit(failure.exit_code)
     except Exception as fault:
         if lacks_memory(fault) or isinstance(fault, ImportError):
@@ -304,13 +304,6 @@ def _refuse_lost_folder() -> None:
         sys.exit(BAD_INPUT)
 
 
-def _end_in_order() -> None:
-    """SIGTERM and a closed terminal end the program by an exception, so that it clears up."""
-    signal.signal(signal.SIGTERM, _terminate)
-    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
-        signal.signal(signal.SIGHUP, _terminate)
-
-
 def _terminate(number: int, frame: "FrameType | None") -> None:
     raise Terminated
 
@@ -333,10 +326,3 @@ def _open_closed_streams() -> None:
 def _notify(sentence: str) -> None:
     with contextlib.suppress(OSError):
         click.echo(lines_visible(sentence), err=True)
-
-
-def _report_failure(failure: FlexmbError) -> None:
-    """Faults on standard error, after the name of the file in which they are, else that of the program."""
-    click.echo(compiler_style(failure.file or "flexmb", failure.faults), err=True)
-    if not failure.printed:
-        _print_json(failure.exit_code, *failure.faults, file=failure.file or None)

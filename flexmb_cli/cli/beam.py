@@ -6,7 +6,8 @@ from typing import Any
 
 import click
 
-from .options.finite import Finite
+from ..errors import FlexmbError, compiler_style
+from .options.output_file import Finite
 from .terminal.screen import standard_output
 
 # Powers and quotients of these are still numbers.
@@ -19,7 +20,7 @@ ABOVE_ZERO = Finite(1e-50, 1e50)
     "--nodes", type=click.IntRange(1, 1000), required=True, help="Elements, each with a node at its end."
 )
 @click.option(
-    "--ei", type=ABOVE_ZERO, required=True, help="Bending stiffness for deflection along axis 3, N m^2."
+    "--ei", "EI", type=ABOVE_ZERO, required=True, help="Bending stiffness for deflection along axis 3, N m^2."
 )
 @click.option("--rho", type=ABOVE_ZERO, required=True, help="Mass per length, kg/m.")
 @click.option(
@@ -29,9 +30,9 @@ ABOVE_ZERO = Finite(1e-50, 1e50)
     show_default=True,
     help="Clamped end from O_k along axis 2, m.",
 )
-@click.option("--ea", type=ABOVE_ZERO, help="Axial stiffness, N; adds displacement along axis 2.")
+@click.option("--ea", "EA", type=ABOVE_ZERO, help="Axial stiffness, N; adds displacement along axis 2.")
 @click.option(
-    "--ei1", type=ABOVE_ZERO, help="Bending stiffness for deflection along axis 1, N m^2; needs --ea."
+    "--ei1", "EI_1", type=ABOVE_ZERO, help="Bending stiffness for deflection along axis 1, N m^2; needs --ea."
 )
 @click.option("--tip-mass", type=Finite(0, 1e50), default=0.0, help="Mass added to the last node, kg.")
 @click.option("--ndm", type=click.Choice(["2", "3"]), help="NDM of the deck; by default as the axes need.")
@@ -41,21 +42,7 @@ ABOVE_ZERO = Finite(1e-50, 1e50)
 @click.option("--title", default="uniform beam", help="Heading of the whole deck.")
 @click.option("--into", metavar="DECK", help="Write DECK with the beam as the block of body --body.")
 @click.option("--body", type=click.IntRange(1), help="Body of --into that becomes the beam.")
-def beam(
-    length: float,
-    nodes: int,
-    ei: float,
-    rho: float,
-    offset: float,
-    ea: None,
-    ei1: None,
-    tip_mass: float,
-    ndm: None,
-    whole: bool,
-    title: str,
-    into: str | None,
-    body: int | None,
-) -> None:
+def beam(ndm: str | None, whole: bool, title: str, into: str | None, body: int | None, **sizes: Any) -> None:
     """Write the finite-element block of a beam to standard output.
 
     The beam lies along axis 2 of its body, clamped at its first end: Hermite elements, rotations
@@ -68,7 +55,7 @@ def beam(
     from ..dialects.dafms.beam import Beam
 
     _check_choice(whole, into, body)
-    made = Beam(length, nodes, ei, rho, offset, ea, ei1, tip_mass)
+    made = Beam(**sizes)
     standard_output().write(_text(made, ndm, whole, title, into, body))
     click.echo(f"beam: its share of MASS {made.mass:.9g} kg, of INER {made.inertia:.9g} kg m^2", err=True)
 
@@ -95,7 +82,6 @@ def _deck_with(made: Any, path: str, body: Any) -> str:
     from ..deck.text import read_text
     from ..dialects.dafms import DIALECT
     from ..dialects.dafms.beam_cards import with_beam
-    from ..errors import FlexmbError, compiler_style
 
     lines: Sequence[str] = ()
     try:

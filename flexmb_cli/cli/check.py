@@ -2,10 +2,12 @@
 
 import json
 import sys
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..run.outcome import RunOptions
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .terminal.screen import show, wants_debug
 
@@ -18,13 +20,7 @@ if TYPE_CHECKING:
 @deck_options
 @click.option("--jacobian", metavar="TIME|estimate", help="Print the Jacobian, rows and columns labelled.")
 def check(
-    decks: tuple[str, ...],
-    changes: tuple[str, ...],
-    echo: bool,
-    as_json: bool,
-    quiet: bool,
-    jacobian: str | None,
-    **options: Any,
+    decks: tuple[str, ...], echo: bool, as_json: bool, quiet: bool, jacobian: str | None, **options: Any
 ) -> None:
     """Read every DECK, assemble it and report what is doubtful, without solving; writes nothing.
 
@@ -33,12 +29,11 @@ def check(
         flexmb check decks/young/IN4-BAR.dat --echo
     """
     from .. import interface
-    from ..run.outcome import RunOptions
 
     _check_jacobian_option(jacobian)
     codes = []
-    choices = RunOptions(changes=changes, debug=wants_debug(), **options)
-    for report in every_deck(decks, changes, lambda deck: interface.check(deck, choices, jacobian)):
+    choices = RunOptions(debug=wants_debug(), **options)
+    for report in every_deck(decks, choices, lambda deck: interface.check(deck, choices, jacobian)):
         show_faults(report.outcome, quiet)
         if as_json:
             if echo and report.deck and not quiet:
@@ -52,7 +47,6 @@ def check(
 
 
 def _check_jacobian_option(jacobian: str | None) -> None:
-    from math import isfinite
 
     if jacobian in (None, "estimate"):
         return
@@ -68,15 +62,12 @@ def _check_jacobian_option(jacobian: str | None) -> None:
 
 
 def _print_check(report: "CheckReport", with_echo: bool) -> None:
-    from ..results.texts.check_flexible_text import check_flexible_text
     from ..results.texts.check_text import check_text, jacobian_text
-    from ..results.texts.check_tree_text import check_tree_text
 
     if with_echo:
         _print_echo(report)
     if report.counts:
-        texts = {"tree": check_tree_text, "flexible": check_flexible_text}
-        show(texts.get(report.analysis, check_text)(report), prose=True)
+        show(check_text(report), prose=True)
     if report.jacobian:
         show(jacobian_text(report.jacobian))
 

@@ -7,8 +7,10 @@ import click
 
 from ..dialects.recognise import every_dialect
 from ..errors import FlexmbError
-from .options.completion import files
-from .options.output_file import FORCE, WrittenPlace
+from ..results.files.file_names import refuse_foreign
+from ..results.files.replaced_file import write_whole
+from ..run.outcome import Outcome
+from .options.output_file import AS_JSON, FORCE, WrittenPlace, files
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall, notify
 
@@ -32,13 +34,13 @@ UNITS = ("m", "mm", "mm-kg", "cm", "in")
 @click.option("--to-unit", type=click.Choice(UNITS), default="m",
               help="Units of the new deck, where its dialect prescribes none.  [default: m]")  # fmt: skip
 @FORCE
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+@AS_JSON
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 def convert(
     deck: str,
     form: str,
     output: str,
-    changes: "tuple[Any, ...]",
+    changes: tuple[Any, ...],
     unit: str,
     to_unit: str,
     force: bool,
@@ -56,11 +58,8 @@ def convert(
         flexmb convert decks/dafms/spatial_rigid.DAT --to vsdf
         flexmb convert IN4-BAR.dat --to young --to-unit mm -o IN4-MM.dat
     """
-    from ..results.files.own_files import refuse_foreign
-    from ..results.files.replaced_file import write_whole
     from ..run.convert import converted
     from ..run.earlier_results import set_conversion_aside
-    from ..run.outcome import Outcome
     from .options.output_file import STANDARD_OUTPUT, refuse_inputs, reported
 
     stem = "flexmb" if deck == "-" else PurePath(deck).stem

@@ -4,22 +4,21 @@ import json
 import os
 import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+from ..deck.listing import TableError
 from ..errors import Fault, compiler_style, lines_visible, visible
-from ..results.diff.folders import Compared
-from .options.completion import files
-from .options.finite import Finite
-from .options.output_file import WrittenPlace
+from ..results.diff.compare import accept, accept_pair, compare, is_missing
+from ..results.diff.folders import Compared, Pair, Summary, are_same, compare_many, is_many, matched
+from ..results.diff.report import Report
+from ..results.diff.tolerance_file import FileTolerances, read_tolerances
+from ..results.diff.tolerances import LISTING, Tolerances, form_of, parse_kinds
+from ..results.files.replaced_file import write_whole
+from .options.output_file import AS_JSON, STANDARD_OUTPUT, Finite, WrittenPlace, files, refuse_inputs
 from .terminal.notices import faults_in_json
 from .terminal.screen import WrongCall, notify, show
-
-if TYPE_CHECKING:
-    from ..results.diff.folders import Pair, Summary
-    from ..results.diff.report import Report
-    from ..results.diff.tolerance_file import FileTolerances
 
 
 @click.command()
@@ -47,7 +46,7 @@ if TYPE_CHECKING:
 @click.option(
     "--junit", type=WrittenPlace(), metavar="FILE", help="Write a JUnit file, a test for each file."
 )
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+@AS_JSON
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing; only the exit code reports.")
 def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: bool, **options: Any) -> None:
     """Compare results number by number: OUT tables, DAFMS echoes or series, HDF5, CSV or MATLAB files.
@@ -61,7 +60,6 @@ def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: 
         flexmb diff reference/OUT4-BAR.dat OUT4-BAR.dat --last-digit 1
         flexmb diff reference results --junit diff.xml
     """
-    from ..results.diff.folders import Pair, Summary, are_same, is_many, matched
 
     if options["deck"] and not options["explain"]:
         raise WrongCall("--deck goes with --explain", id="CLI-018")
@@ -107,8 +105,6 @@ def _refuse_unlike(a: str, b: str, many: tuple[bool, bool]) -> None:
 
 def _tolerances(options: dict[Any, Any]) -> Any:
     """Take what counts as a difference out of the options."""
-    from ..results.diff.tolerance_file import FileTolerances, read_tolerances
-    from ..results.diff.tolerances import Tolerances, parse_kinds
 
     kinds = parse_kinds(options.pop("kinds"))
     general = Tolerances(options.pop("atol"), options.pop("rtol"), options.pop("last_digit"), kinds)
@@ -116,13 +112,8 @@ def _tolerances(options: dict[Any, Any]) -> Any:
     return read_tolerances(path, general) if path else FileTolerances(general=general)
 
 
-def _compare_files(a: Any, b: Any, tolerances: Any, update: bool, as_json: bool, options: Any) -> "Compared":
-    from ..deck.listing import TableError
-    from ..results.diff.compare import compare
-    from ..results.diff.folders import Compared, Pair
+def _compare_files(a: Any, b: Any, tolerances: Any, update: bool, as_json: bool, options: Any) -> Compared:
 
-    if update:
-        from ..results.diff.accept import accept, is_missing
     new = update and is_missing(a)
     try:
         with faults_in_json(as_json, {"a": a, "b": b, "updated": False}, b):
@@ -138,13 +129,10 @@ def _compare_files(a: Any, b: Any, tolerances: Any, update: bool, as_json: bool,
 
 
 def _compare_folders(
-    summary: "Summary", tolerances: "FileTolerances", update: bool, as_json: bool, options: dict[str, Any]
+    summary: Summary, tolerances: FileTolerances, update: bool, as_json: bool, options: dict[str, Any]
 ) -> None:
-    from ..results.diff.compare import compare
-    from ..results.diff.folders import compare_many
-    from ..results.diff.tolerances import LISTING, form_of
 
-    def compare_pair(pair: "Pair") -> "Report":
+    def compare_pair(pair: Pair) -> Report:
         chosen = tolerances.of_file(pair.name)
         if form_of(pair.a) != LISTING:
             # Results in full precision have no last printed digit: other files of the folder have.
@@ -154,15 +142,11 @@ def _compare_folders(
     with faults_in_json(as_json, {"a": summary.a, "b": summary.b}, summary.b):
         compare_many(summary, compare_pair)
         if update:
-            from ..results.diff.accept import accept_pair
-
             for compared in summary.compared:
                 accept_pair(compared, summary.a)
 
 
-def _write_junit(path: str, summary: "Summary") -> None:
-    from ..results.files.replaced_file import write_whole
-    from .options.output_file import STANDARD_OUTPUT, refuse_inputs
+def _write_junit(path: str, summary: Summary) -> None:
 
     content = junit_bytes(f"flexmb diff {summary.a} {summary.b}", summary.compared)
     if path == STANDARD_OUTPUT:
@@ -183,7 +167,7 @@ def _print_report(compared: Any, update: bool, as_json: bool, quiet: bool, notes
             show(f"{visible(a)}: {'new reference, ' if compared.new else ''}{done}\n")
 
 
-def _print_summary(summary: "Summary", as_json: bool, quiet: bool) -> None:
+def _print_summary(summary: Summary, as_json: bool, quiet: bool) -> None:
     failed = [compared for compared in summary.compared if compared.failure is not None]
     show("".join(compared.sentence for compared in failed), err=True)
     if as_json:

@@ -8,7 +8,8 @@ from typing import Any
 import click
 
 from ..dialects.recognise import every_dialect
-from .options.completion import example_names
+from ..results.files.replaced_file import make_folder, write_together
+from .options.output_file import example_names
 
 PACKAGE = Path(__file__).resolve().parents[1]
 # In a wheel the decks lie in the package, in a checkout beside it.
@@ -86,7 +87,6 @@ def _copy_all(output_dir: Any, force: bool) -> Any:
 
 def _write(contents: dict[Path, bytes]) -> None:
     """Write all files or none: a full disk leaves what was there."""
-    from ..results.files.replaced_file import make_folder, write_together
 
     for folder in {path.parent for path in contents}:
         make_folder(folder)
@@ -125,7 +125,7 @@ def _descriptions(folder: Path) -> Iterator[tuple[tuple[str, str], str]]:
                 yield from (((suffix, name), cells[1]) for suffix in suffixes)
 
 
-def _whole_names(names: tuple[str, ...] | list[Any]) -> "Iterator[Any]":
+def _whole_names(names: tuple[str, ...] | list[Any]) -> Iterator[Any]:
     """Complete names such as `_n5` behind `shaft_beam_n2`."""
     for name in names:
         yield names[0].rpartition("_")[0] + name if name.startswith("_") else name

@@ -1,35 +1,45 @@
 """`flexmb export`: a result for other programs."""
 
+from collections.abc import Callable
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from .options.completion import files
-from .options.output_file import FORCE, WrittenPlace
+from ..errors import Fault
+from ..results.files.file_names import refuse_foreign
+from ..results.files.replaced_file import replaced, write_whole
+from .options.output_file import (
+    AS_JSON,
+    FORCE,
+    QUIET,
+    RESULT,
+    STANDARD_OUTPUT,
+    WrittenPlace,
+    refuse_inputs,
+    refuse_standard_output,
+    reported,
+)
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     import h5py
-
-    from ..errors import Fault
 
 
 SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
 
 
 @click.command()
-@click.argument("result", metavar="RESULT.h5", shell_complete=files)
+@RESULT
 @click.option("--to", "form", required=True, type=click.Choice(list(SUFFIX)), help="What to write.")
 @click.option("-o", "--output", type=WrittenPlace(), metavar="FILE",
               help="The file; - is standard output, for csv [default: NAME.FORM].")  # fmt: skip
 @FORCE
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-@click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+@AS_JSON
+@QUIET
 def export(result: str, form: str, output: str | None, force: bool, as_json: bool, quiet: bool) -> None:
     """Write RESULT.h5 for ParaView (vtkhdf), spreadsheets (csv) or MATLAB and Octave (mat).
 
@@ -40,9 +50,7 @@ def export(result: str, form: str, output: str | None, force: bool, as_json: boo
     Example:
         flexmb export OUT4-BAR.h5 --to vtkhdf -o four-bar.vtkhdf
     """
-    from ..results.files.own_files import refuse_foreign
     from ..results.hdf5.stored_result import is_study
-    from .options.output_file import refuse_inputs, refuse_standard_output, reported
 
     force, output = force or bool(output), output or f"{Path(result).stem}{SUFFIX[form]}"
     refuse_inputs(output, [result])
@@ -59,8 +67,10 @@ def export(result: str, form: str, output: str | None, force: bool, as_json: boo
     notices.end(file=output)
 
 
-def _export_run(path: str, form: str, output: str, check: "Callable[..., None]") -> "list[Fault]":
+def _export_run(path: str, form: str, output: str, check: Callable[..., None]) -> list[Fault]:
     """Write the result of a run; return what its reader should know."""
+    from ..results.figures.vtkhdf import vtkhdf_bytes
+    from ..results.files.matlab import matlab_bytes
     from ..results.quantities.quantities import open_result, refuse_uneven, remarks
 
     with open_result(path) as file:
@@ -69,16 +79,14 @@ def _export_run(path: str, form: str, output: str, check: "Callable[..., None]")
         if form == "csv":
             _write_csv(file, output, check)
         else:
-            WRITERS[form](file, output)
+            write_whole(output, matlab_bytes(file) if form == "mat" else vtkhdf_bytes(file))
     return notes
 
 
-def _export_study(path: str, form: str, output: str, check: "Callable[..., None]") -> "list[Fault]":
+def _export_study(path: str, form: str, output: str, check: Callable[..., None]) -> list[Fault]:
     """Write the table of a study; return what its reader should know."""
     from ..results.files.matlab import matlab_bytes
-    from ..results.files.replaced_file import write_whole
     from ..study.text import failed_notes, open_study, study_columns, study_text
-    from .options.output_file import STANDARD_OUTPUT
 
     if form == "vtkhdf":
         raise WrongCall(
@@ -98,25 +106,9 @@ def _export_study(path: str, form: str, output: str, check: "Callable[..., None]
     return notes
 
 
-def _write_vtkhdf(file: "h5py.File", output: str) -> None:
-    from ..results.figures.vtkhdf import vtkhdf_bytes
-    from ..results.files.replaced_file import write_whole
-
-    write_whole(output, vtkhdf_bytes(file))
-
-
-def _write_mat(file: "h5py.File", output: str) -> None:
-    from ..results.files.matlab import matlab_bytes
-    from ..results.files.replaced_file import write_whole
-
-    write_whole(output, matlab_bytes(file))
-
-
-def _write_csv(file: "h5py.File", output: str, check: "Callable[..., None]") -> None:
-    from ..results.files.replaced_file import ReplacedText
+def _write_csv(file: "h5py.File", output: str, check: Callable[..., None]) -> None:
     from ..results.quantities.quantities import names
     from ..results.quantities.table import chosen_rows, table_text
-    from .options.output_file import STANDARD_OUTPUT
 
     pieces = table_text(file, names(file), chosen_rows(file, None, None, 1), "csv")
     if output == STANDARD_OUTPUT:
@@ -125,15 +117,6 @@ def _write_csv(file: "h5py.File", output: str, check: "Callable[..., None]") -> 
         return
     heads = next(pieces)
     check(alike=heads)
-    text = ReplacedText(output)
-    try:
-        text.write(heads)
-        for piece in pieces:
-            text.write(piece)
-    except BaseException:
-        text.discard()
-        raise
-    text.commit()
-
-
-WRITERS = {"vtkhdf": _write_vtkhdf, "mat": _write_mat}
+    with replaced(output) as stream:
+        for piece in chain([heads], pieces):
+            stream.write(piece.encode())

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,16 +12,14 @@ import numpy as np
 from ..deck.body_text import body_lines
 from ..errors import visible
 from ..model.by_size import by_size
+from ..run.outcome import Listener, RunOptions
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
-from .options.finite import AnyFinite
-from .options.output_file import WrittenPlace
+from .options.output_file import VERBOSE, Finite, WrittenPlace, refuse_inputs
 from .terminal.progress import Progress
 from .terminal.screen import WrongCall, notify, show, wants_debug
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from ..run.outcome import Outcome
+    pass
 
 
 @click.command()
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
 @click.option(
     "--at",
     "time",
-    type=AnyFinite(),
+    type=Finite(),
     metavar="TIME",
     help="Linearise the mechanism about its motion at TIME, s (default: its start).",
 )
@@ -44,20 +43,9 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="Write the state space A, B, C, D: FILE.npz (NumPy), FILE.mat (MATLAB) or FILE.json.",
 )
-@click.option(
-    "-v", "--verbose", is_flag=True, help="Without a terminal, print the progress every ten seconds."
-)
+@VERBOSE
 def modes(
-    decks: tuple[str, ...],
-    changes: tuple[str, ...],
-    echo: bool,
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
-    time: float | None,
-    equilibrium: bool,
-    out: Any,
-    **options: Any,
+    decks: tuple[str, ...], echo: bool, as_json: bool, quiet: bool, verbose: bool, out: Any, **options: Any
 ) -> None:
     """List eigenfrequencies and damping of the mechanism of every DECK, and of its flexible bodies.
 
@@ -70,29 +58,28 @@ def modes(
     """  # fmt: skip
     from ..run.mechanism_modes import Wish
     from ..run.modes import modes_of_deck
-    from ..run.outcome import Listener, RunOptions
 
     _refuse_output(out, decks)
     progress = Progress("modes", "decks", quiet, verbose)
     listener = Listener(notice=progress.notice, status=progress.status)
     codes = []
-    choices = RunOptions(changes=changes, debug=wants_debug(), **options)
-    wish = Wish(time, equilibrium, state_space=as_json, out=out)
-    for report in every_deck(decks, changes, lambda deck: modes_of_deck(deck, wish, choices, listener)):
+    wish = Wish(options.pop("time"), options.pop("equilibrium"), state_space=as_json, out=out)
+    choices = RunOptions(debug=wants_debug(), **options)
+    for report in every_deck(decks, choices, lambda deck: modes_of_deck(deck, wish, choices, listener)):
         progress.clear()
         show_faults(report.outcome, quiet)
         if as_json:
             click.echo(json.dumps(report.as_dict()))
         elif report.deck:
             _print_modes(report, echo, quiet)
-            _tell_output(report.outcome, out, quiet)
+            if out is not None and not quiet and report.outcome.exit_code == 0:
+                notify(f"{report.outcome.deck} → {out}, state space")
         codes.append(report.outcome.exit_code)
     sys.exit(max(codes))
 
 
 def _refuse_output(out: None, decks: tuple[str, ...]) -> None:
-    from ..results.files.state_space import FORMS
-    from .options.output_file import refuse_inputs
+    from ..run.modes import FORMS
 
     if out is None:
         return
@@ -114,12 +101,6 @@ def _print_modes(report: Any, with_echo: bool, quiet: bool) -> None:
         show(modes_text(report), prose=True)
 
 
-def _tell_output(outcome: "Outcome", out: str | None, quiet: bool) -> None:
-    """Name the file of the state space, which a deck that fails does not write."""
-    if out is not None and not quiet and outcome.exit_code == 0:
-        notify(f"{outcome.deck} → {out}, state space")
-
-
 SHOWN_PARTS = 3
 NAMED_PART = 0.1  # of the largest part
 
@@ -137,14 +118,15 @@ def modes_text(report: Any) -> str:
     return "".join(f"{line.rstrip()}\n" for line in lines)
 
 
-def _mechanism_lines(found: Any) -> "Iterator[Any]":
+def _mechanism_lines(found: Any) -> Iterator[Any]:
     modes = found.modes
     where = "about the equilibrium" if found.equilibrium else "of the mechanism"
     yield f"  linearised motion {where} at t = {found.time:.6g} s: DOF {len(modes.eigenvalues) // 2}"
     if not modes.constant:
         yield f"    frozen at t = {found.time:.6g} s: the coefficients change along the motion"
     if found.equilibrium:
-        yield from _position_lines(found.position)
+        for name, values in found.position:
+            yield f"    {name}: " + " ".join(f"{value:.6g}" for value in np.array(values) + 0.0)
     if len(modes.frequency):
         yield f"    {'mode':>4} {'Hz':>13} {'damping ratio':>14}  moves most"
     for number, (frequency, damping, shape) in enumerate(
@@ -157,11 +139,6 @@ def _mechanism_lines(found: Any) -> "Iterator[Any]":
             yield f"    {what} without oscillating: {abs(value):.6g} 1/s"
     if modes.unheld:
         yield f"    eigenvalues of motions that nothing holds: {modes.unheld}"
-
-
-def _position_lines(position: Any) -> "Iterator[Any]":
-    for name, values in position:
-        yield f"    {name}: " + " ".join(f"{value:.6g}" for value in np.array(values) + 0.0)
 
 
 def _parts(names: Any, shape: Any) -> str:

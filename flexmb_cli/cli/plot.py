@@ -1,21 +1,32 @@
 """`flexmb plot`: curves of results as pictures."""
 
 import contextlib
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..errors import Fault
-from .options.completion import files, quantities
-from .options.finite import AnyFinite, Millimetres
-from .options.output_file import FORCE, WrittenPlace
+from ..extras import needed
+from ..results.files.file_names import refuse_foreign
+from ..results.files.replaced_file import write_whole
+from .options.output_file import (
+    AS_JSON,
+    FORCE,
+    QUIET,
+    RESULT,
+    Finite,
+    Millimetres,
+    WrittenPlace,
+    quantities,
+    refuse_inputs,
+    refuse_standard_output,
+)
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from ..results.figures.curves import Source
     from ..results.figures.look import Look
 
@@ -24,15 +35,15 @@ EMULATION = ("With the known errors of", "the program of 1996 (--as-printed)")
 
 
 @click.command()
-@click.argument("result", metavar="RESULT.h5", shell_complete=files)
+@RESULT
 @click.argument("names", metavar="[NAME]...", nargs=-1, shell_complete=quantities)
 @click.option("-o", "--output", type=WrittenPlace(), metavar="FILE",
               help="A .png, .svg or .pdf file [default: the result's name with .png].")  # fmt: skip
 @click.option("--with", "others", multiple=True, metavar="OTHER.h5",
               help="Draw the same of another result, with other dashes; can be given again.")  # fmt: skip
 @click.option("--x", "across", default="time", metavar="NAME", help="Draw over this instead of the time.")
-@click.option("--from", "start", type=AnyFinite(), metavar="T", help="Begin with the row at T seconds.")
-@click.option("--to", "stop", type=AnyFinite(), metavar="T", help="End with the row at T seconds.")
+@click.option("--from", "start", type=Finite(), metavar="T", help="Begin with the row at T seconds.")
+@click.option("--to", "stop", type=Finite(), metavar="T", help="End with the row at T seconds.")
 @click.option("--every", type=click.IntRange(1), default=1, metavar="N", help="Every N-th row of these.")
 @click.option("--kind", type=click.Choice(["auto", "curve", "map", "scatter", "parallel"]), default="auto",
               help="Type of the picture of a study: curve over one parameter, map over two, scatter, "
@@ -50,24 +61,16 @@ EMULATION = ("With the known errors of", "the program of 1996 (--as-printed)")
 )
 @click.option("--latex", is_flag=True, help="Set texts by LaTeX, which must be installed.")
 @FORCE
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-@click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+@AS_JSON
+@QUIET
 def plot(
     result: str,
     names: tuple[str, ...],
     output: str | None,
-    others: tuple[str, ...],
-    across: str,
-    start: None,
-    stop: None,
-    every: int,
-    title: str | None,
-    kind: str,
-    width: None,
     force: bool,
     as_json: bool,
     quiet: bool,
-    **print_options: Any,
+    **options: Any,
 ) -> None:
     """Draw quantities of RESULT.h5 over time, a panel for each unit.
 
@@ -82,124 +85,99 @@ def plot(
         flexmb plot OUT4-BAR.h5 point.1.z --x point.1.y -o path.png
         flexmb plot OUT4-BAR.h5 point.1.z --width 85 --font serif -o column.pdf
     """
-    from ..extras import needed
     from ..results.figures.plots import FORMATS
-    from ..results.files.own_files import refuse_foreign
     from ..results.hdf5.stored_result import is_study
-    from .options.output_file import refuse_inputs, refuse_standard_output
 
     force, output = force or bool(output), output or f"{Path(result).stem}.png"
     refuse_standard_output(output, "a picture")
-    form = Path(output).suffix[1:].lower()
+    form, study = Path(output).suffix[1:].lower(), is_study(result)
     if form not in FORMATS:
         raise WrongCall(f"{output}: pictures are written as .png, .svg or .pdf files", id="CLI-028")
     refuse_foreign([output], force)
     needed("matplotlib", "matplotlib", "plot", "flexmb plot")
-    notices = Notices("result", result, quiet, as_json)
-    if is_study(result):
-        if others or across != "time" or start is not None or stop is not None or every > 1:
-            raise WrongCall(
-                "the table of a study has no times: --with, --x, --from, --to and --every", id="CLI-029"
-            )
-        refuse_inputs(output, [result])
-        with notices.failures():
-            _plot_study(notices, names, output, kind, title, width, print_options)
-        notices.end(file=output)
-        return
-    if kind != "auto":
-        raise WrongCall(f"--kind {kind} is for tables of studies, and {result} is none", id="CLI-030")
-    paths = (result, *others)
-    refuse_inputs(output, paths)
-    with notices.failures():
-        _plot_results(
-            paths, names, output, across, (start, stop, every), title, width, notices, print_options
+    if study and {key: options[key] for key in _OF_TIMES} != _OF_TIMES:
+        raise WrongCall(
+            "the table of a study has no times: --with, --x, --from, --to and --every", id="CLI-029"
         )
+    if not study and options["kind"] != "auto":
+        message = f"--kind {options['kind']} is for tables of studies, and {result} is none"
+        raise WrongCall(message, id="CLI-030")
+    refuse_inputs(output, [result, *options["others"]])
+    notices = Notices("result", result, quiet, as_json)
+    with notices.failures():
+        content, what = (_study_plot if study else _plot)(names, form, options, notices)
+        write_whole(output, content)
+        notices.say(f"{result} → {output}, {what}")
     notices.end(file=output)
 
 
-def _plot_results(
-    paths: tuple[str, ...],
-    names: tuple[str, ...],
-    output: str,
-    across: str,
-    part: Any,
-    title: str | None,
-    width: float | None,
-    notices: Notices,
-    print_options: dict[str, float | str],
-) -> None:
-    """Draw quantities of results over time, or across another; `part`: begin, end and stride of the rows."""
+# What the options of times are where they are not given.
+_OF_TIMES = {"others": (), "across": "time", "start": None, "stop": None, "every": 1}
+
+
+def _plot(names: tuple[str, ...], form: str, options: dict[str, Any], notices: Notices) -> tuple[bytes, str]:
+    """Return the picture of quantities of results over time, or across another, and what it shows."""
     from ..results.figures.curves import panels
     from ..results.figures.plots import picture
-    from ..results.files.replaced_file import write_whole
     from ..results.hdf5.stored_result import attribute
 
+    paths, title = (notices.file, *options["others"]), options["title"]
     with contextlib.ExitStack() as open_files:
         sources = [
-            _source(open_files, path, label, names, across, part, notices)
+            _source(open_files, path, label, names, options, notices)
             for path, label in zip(paths, _labels(paths), strict=True)
         ]
         drawn = panels(sources)
-        if title is None and width:
-            title = ""
         if title is None:
-            title = ", ".join(dict.fromkeys(attribute(one.result, "deck_name") for one in sources))
+            decks = dict.fromkeys(attribute(one.result, "deck_name") for one in sources)
+            title = "" if options["width"] else ", ".join(decks)
         if any(attribute(one.result, "emulation") for one in sources):
             title = "\n".join(filter(None, [title, *EMULATION]))
-    form = Path(output).suffix[1:].lower()
-    write_whole(output, _drawn(picture, (drawn, form, title), width, print_options, notices))
     curves = sum(len(panel.curves) for panel in drawn)
-    notices.say(f"{paths[0]} → {output}, {curves} curve{'s' * (curves != 1)}")
+    content = _drawn(picture, (drawn, form, title), options, notices)
+    return content, f"{curves} curve{'s' * (curves != 1)}"
 
 
-def _plot_study(
-    notices: Notices,
-    names: tuple[str, ...],
-    output: str,
-    kind: str,
-    title: str | None,
-    width: float | None,
-    print_options: "dict[str, Any]",
-) -> None:
-    from ..results.files.replaced_file import write_whole
-    from ..study.cases_table import cases_table
-    from ..study.curve_family import curve_family, family_picture, names_series
-    from ..study.figures import UnsuitedStudy, kind_for, study_picture
-    from ..study.text import open_study
+def _study_plot(
+    names: tuple[str, ...], form: str, options: dict[str, Any], notices: Notices
+) -> tuple[bytes, str]:
+    """Return the picture of results of a study over its parameters, and what it shows."""
+    from ..study.figures import (
+        UnsuitedStudy,
+        curve_family,
+        family_picture,
+        kind_for,
+        names_series,
+        study_picture,
+    )
+    from ..study.text import cases_table, open_study
 
-    form, path = Path(output).suffix[1:].lower(), notices.file
+    path, kind, title = notices.file, options["kind"], options["title"]
     with open_study(path) as file:
-        family = (
-            curve_family(file, names, path) if kind == "auto" and names_series(file, names, path) else None
-        )
+        of_series = kind == "auto" and names_series(file, names, path)
+        family = curve_family(file, names, path) if of_series else None
         cases = family.cases if family else cases_table(file, names, path)
     if title is None:
-        title = "" if width else cases.deck_name
-    if family:
-        content = _drawn(family_picture, (family, form, title), width, print_options, notices)
-        what = f"{len(family.times)} cases of {', '.join(family.series)}"
-    else:
-        kind = kind_for(cases) if kind == "auto" else kind
-        try:
-            content = _drawn(study_picture, (cases, kind, form, title), width, print_options, notices)
-        except UnsuitedStudy as fault:
-            raise WrongCall(f"{path}: {fault}", id="CLI-031") from fault
-        what = f"{kind} of {', '.join(cases.results)}"
-    write_whole(output, content)
+        title = "" if options["width"] else cases.deck_name
     left_out = f"; {cases.failed} failed cases are left out" if cases.failed else ""
-    notices.say(f"{path} → {output}, {what}{left_out}")
+    if family:
+        content = _drawn(family_picture, (family, form, title), options, notices)
+        return content, f"{len(family.times)} cases of {', '.join(family.series)}{left_out}"
+    kind = kind_for(cases) if kind == "auto" else kind
+    try:
+        content = _drawn(study_picture, (cases, kind, form, title), options, notices)
+    except UnsuitedStudy as fault:
+        raise WrongCall(f"{path}: {fault}", id="CLI-031") from fault
+    return content, f"{kind} of {', '.join(cases.results)}{left_out}"
 
 
 def _drawn(
-    draw: "Callable[..., bytes]",
-    arguments: "tuple[Any, ...]",
-    width: float | None,
-    options: "dict[str, Any]",
-    notices: Notices,
+    draw: Callable[..., bytes], arguments: tuple[Any, ...], options: dict[str, Any], notices: Notices
 ) -> bytes:
     """The bytes of the picture that `draw` makes of its arguments and a look; print options need a width."""
     from ..results.figures.look import Look
 
+    width = options["width"]
     given = [f"--{name.replace('_', '-')}" for name in ("font", "style", "latex") if options[name]]
     if given and not width:
         raise WrongCall(f"{', '.join(given)}: for pictures of print; give --width, too", id="CLI-032")
@@ -227,19 +205,14 @@ def _unknown_font(look: "Look | None", family: str) -> Fault:
 
 
 def _source(
-    open_files: Any,
-    path: str,
-    label: str,
-    names: tuple[str, ...],
-    across: str,
-    window: Any,
-    notices: Notices,
+    open_files: Any, path: str, label: str, names: tuple[str, ...], options: dict[str, Any], notices: Notices
 ) -> "Source":
     from ..results.figures.curves import DefaultCurves, Source, default_curves, still_energies
     from ..results.quantities.quantities import ResultError, open_result, remarks, resolve, shortfall
     from ..results.quantities.table import chosen_rows
 
     file = open_files.enter_context(open_result(path))
+    across = options["across"]
     abscissa = resolve(file, [across], path, "--x ")
     if len(abscissa) != 1:
         few = ", ".join(quantity.name for quantity in abscissa[:4])
@@ -248,7 +221,7 @@ def _source(
         )
     chosen = DefaultCurves(resolve(file, names, path), []) if names else default_curves(file)
     quantities = [quantity for quantity in chosen.quantities if quantity.name != abscissa[0].name]
-    rows = chosen_rows(file, *window)
+    rows = chosen_rows(file, options["start"], options["stop"], options["every"])
     if not rows:
         reason = (
             "no rows in this window of time" if len(file["time"]) else shortfall(file) or "it has no rows"

@@ -1,19 +1,33 @@
 """`flexmb report`: a page on a result."""
 
 import math
+import re
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..errors import Fault
-from .options.completion import files
-from .options.finite import AnyFinite
-from .options.output_file import FORCE, WrittenPlace
+from ..extras import needed
+from ..results.files.file_names import refuse_foreign
+from ..results.files.replaced_file import write_whole
+from .options.output_file import (
+    AS_JSON,
+    FORCE,
+    QUIET,
+    RESULT,
+    STANDARD_OUTPUT,
+    Finite,
+    WrittenPlace,
+    refuse_inputs,
+    refuse_standard_output,
+    reported,
+)
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall
 
 if TYPE_CHECKING:
-    from ..results.figures.body_look import BodyLook
+    from ..results.figures.contours import BodyLook
     from ..results.figures.film import FilmLook
 
 
@@ -40,7 +54,7 @@ class Interval(click.ParamType):  # type: ignore[type-arg]
 
 
 @click.command()
-@click.argument("result", metavar="RESULT.h5", shell_complete=files)
+@RESULT
 @click.option("-o", "--output", type=WrittenPlace(), metavar="PAGE.html",
               help="The page; - is standard output [default: the result's name with .html].")  # fmt: skip
 @click.option("--movie", type=WrittenPlace(), metavar="FILE",
@@ -57,11 +71,11 @@ class Interval(click.ParamType):  # type: ignore[type-arg]
               "'body'; an unknown name lists all [default: von Mises stress].")  # fmt: skip
 @click.option("--range", "ends", type=Interval(), metavar="LOW,HIGH",
               help="Values of the first and the last colour [default: smallest and largest].")  # fmt: skip
-@click.option("--scale", type=AnyFinite(), default=1.0, metavar="X",
+@click.option("--scale", type=Finite(), default=1.0, metavar="X",
               help="Show deformations of finite-element bodies X times as large [default: 1].")  # fmt: skip
 @FORCE
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-@click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+@AS_JSON
+@QUIET
 def report(
     result: str, output: str | None, force: bool, as_json: bool, quiet: bool, movie: str | None, **looks: Any
 ) -> None:
@@ -77,12 +91,7 @@ def report(
         flexmb report OUT4-BAR.h5 -o four-bar.html
         flexmb report OUT4-BAR.h5 --movie four-bar.mp4
     """
-    from pathlib import Path
-
-    from ..results.files.own_files import refuse_foreign
-    from ..results.files.replaced_file import write_whole
     from ..results.hdf5.stored_result import is_study
-    from .options.output_file import STANDARD_OUTPUT, refuse_inputs, reported
 
     bodies = _body_look(looks)
     notices = Notices("result", result, quiet, as_json)
@@ -95,13 +104,11 @@ def report(
     refuse_foreign([output], force)
     notices.refuse_standard_output(output)
     with notices.failures():
-        if is_study(result):
+        if study := is_study(result):
             _refuse_options(
                 ("colours", "range", "scale"), "for results of a run; this is the table of a study"
             )
-            page, notes = _study_page(result), list[Fault]()
-        else:
-            page, notes = _result_page(result, bodies)
+        page, notes = (_study_page(result), list[Fault]()) if study else _result_page(result, bodies)
         if output == STANDARD_OUTPUT:
             click.echo(page, nl=False)
         else:
@@ -123,7 +130,7 @@ def _refuse_options(names: tuple[str, ...], why: str) -> None:
 
 
 def _body_look(looks: dict[str, Any]) -> "BodyLook":
-    from ..results.figures.body_look import COLOURS, OWN_COLOURS, BodyLook
+    from ..results.figures.contours import COLOURS, OWN_COLOURS, BodyLook
 
     colours, ends = looks["colours"], looks["ends"]
     if colours not in COLOURS:
@@ -138,13 +145,9 @@ def _size(count: int) -> str:
 
 
 def _write_film(notices: Notices, target: Any, page: Any, looks: Any, bodies: "BodyLook") -> None:
-    from pathlib import Path
-
     from ..results.figures.film import FORMATS, film_bytes
-    from ..results.files.replaced_file import write_whole
     from ..results.hdf5.stored_result import is_study
     from ..results.quantities.quantities import open_result, refuse_uneven, remarks
-    from .options.output_file import refuse_inputs, refuse_standard_output
 
     path = notices.file
     refuse_standard_output(target, "a film", "--movie")
@@ -172,8 +175,6 @@ def _write_film(notices: Notices, target: Any, page: Any, looks: Any, bodies: "B
 
 
 def _film_look(looks: dict[str, Any], bodies: "BodyLook", form: str) -> "FilmLook":
-    import re
-
     from ..results.figures.film import MOST_OF_GIFS, FilmLook
 
     found = re.fullmatch(r"([0-9]{2,4})x([0-9]{2,4})", looks["size"])
@@ -188,7 +189,6 @@ def _film_look(looks: dict[str, Any], bodies: "BodyLook", form: str) -> "FilmLoo
 
 
 def _need_film_libraries(form: str) -> None:
-    from ..extras import needed
 
     what = "flexmb report --movie"
     needed("matplotlib", "matplotlib", "movie", what)
@@ -207,10 +207,8 @@ def _result_page(path: str, bodies: "BodyLook") -> tuple[bytes, list[Fault]]:
 
 
 def _study_page(path: str) -> bytes:
-    from ..extras import needed
-    from ..study.cases_table import cases_table
-    from ..study.page import study_page
-    from ..study.text import open_study
+    from ..study.figures import study_page
+    from ..study.text import cases_table, open_study
 
     library = needed("plotly.offline", "plotly", "report", "flexmb report of a study").get_plotlyjs()
     with open_study(path) as file:

@@ -3,22 +3,21 @@
 import json
 import os
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from pathlib import PurePath
+from typing import Any
 
 import click
 
+from ..deck.several_models import named_model
 from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT
 from ..model.integrators import METHOD_OPTIONS, TREE_METHODS
+from ..results.files.file_names import refuse_shared
+from ..run.outcome import SOLVER_OPTIONS, Listener, Outcome, RunOptions, Stop
+from ..run.processes.signal_mask import stop_on_signals
 from .options.deck_options import DECK, deck_options, refuse_strange_models, show_faults, with_models
-from .options.finite import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, Finite
-from .options.output_file import FORCE, WrittenPlace
+from .options.output_file import ABSOLUTE_TOLERANCE, FORCE, RELATIVE_TOLERANCE, Finite, WrittenPlace
 from .terminal.screen import WrongCall, notify, show, standard_output, wants_debug
-from .terminal.stops import stop_on_signals
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from ..run.outcome import Outcome, RunOptions
 
 
 @click.command()
@@ -59,35 +58,25 @@ if TYPE_CHECKING:
               help="YOUNG: with the errors of the program of 1996, to explain old listings.")  # fmt: skip
 @click.option("--estimate-error", is_flag=True,
               help="Run a second time with finer steps: the global error of every quantity.")  # fmt: skip
-def run(
-    decks: Any,
-    changes: tuple[str, ...],
-    echo: bool,
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
-    jobs: int,
-    **options: Any,
-) -> None:
+def run(decks: Any, as_json: bool, quiet: bool, verbose: bool, jobs: int, **options: Any) -> None:
     """Solve every DECK and write its OUT table and HDF5 result.
 
     \b
     Example:
         flexmb run decks/young/IN4-BAR.dat -o results
     """
-    from ..run.outcome import SOLVER_OPTIONS, RunOptions
 
     decks = with_models(decks)
     _refuse_mixed_output(as_json, options)
-    _refuse_foreign_resume(options)
-    _refuse_foreign_estimate(options)
-    _refuse_parallel_input(decks, jobs)
+    _refuse_mixed_options(options)
+    if jobs > 1 and len(decks) > 1 and "-" in decks:
+        message = "standard input goes to one process only: with -j give every deck by its name"
+        raise WrongCall(message, id="CLI-049")
     _note_names_behind_only(decks, options, quiet)
     solver = _given(options, **SOLVER_OPTIONS)
     integration = _given(options, rtol="rtol", atol="atol", method="method")
-    options |= {"echo": echo, "debug": wants_debug()}
-    choices = RunOptions(changes=changes, solver=solver, integration=integration, **options)
-    refuse_strange_models(decks, changes)
+    choices = RunOptions(solver=solver, integration=integration, debug=wants_debug(), **options)
+    refuse_strange_models(decks, choices.changes)
     _refuse_shared_files(decks, choices)
     stop_on_signals()
     codes = []
@@ -101,7 +90,7 @@ def run(
     sys.exit(max(codes))
 
 
-def _refuse_mixed_output(as_json: bool, options: "dict[Any, Any]") -> None:
+def _refuse_mixed_output(as_json: bool, options: dict[Any, Any]) -> None:
     if options["out"] == "-" and as_json:
         raise WrongCall("--out - and --json both take standard output; give --out a file", id="CLI-045")
     # In the place of a closed stream (`>&-`) stands an open file, see `cli._open_closed_streams`.
@@ -116,50 +105,38 @@ def _refuse_mixed_output(as_json: bool, options: "dict[Any, Any]") -> None:
             )
 
 
-def _note_names_behind_only(decks: "Sequence[str]", options: "dict[Any, Any]", quiet: bool) -> None:
+def _note_names_behind_only(decks: Sequence[str], options: dict[Any, Any], quiet: bool) -> None:
     """`--only point energy` takes the second name for a deck."""
-    from ..deck.several_models import named_model
 
     known = all(deck == "-" or os.path.exists(named_model(deck)[0]) for deck in decks)
     if options["only"] and not quiet and not known:
         notify("flexmb: --only takes one quantity: give it once for each, as in --only point --only energy")
 
 
-def _refuse_parallel_input(decks: "Sequence[str]", jobs: int) -> None:
-    if jobs > 1 and len(decks) > 1 and "-" in decks:
-        raise WrongCall(
-            "standard input goes to one process only: with -j give every deck by its name", id="CLI-049"
-        )
-
-
-def _refuse_foreign_resume(options: "dict[Any, Any]") -> None:
-    if options["resume"] and options["formulation"] == "absolute":
-        raise WrongCall(
-            "--resume goes with --formulation kane: the other one leaves nothing to resume", id="CLI-050"
-        )
-
-
-def _refuse_foreign_estimate(options: "dict[Any, Any]") -> None:
-    if options["estimate_error"] and options["formulation"] == "absolute":
+def _refuse_mixed_options(options: dict[str, Any]) -> None:
+    absolute, estimate = options["formulation"] == "absolute", options["estimate_error"]
+    if options["resume"] and absolute:
+        message = "--resume goes with --formulation kane: the other one leaves nothing to resume"
+        raise WrongCall(message, id="CLI-050")
+    if estimate and absolute:
         raise WrongCall("--estimate-error goes with --formulation kane", id="CLI-051")
-    if options["estimate_error"] and options["as_printed"]:
+    if estimate and options["as_printed"]:
         raise WrongCall("--estimate-error and --as-printed exclude each other: give one", id="CLI-052")
 
 
-def _given(options: "dict[Any, Any]", **names: Any) -> "dict[Any, Any]":
+def _given(options: dict[Any, Any], **names: Any) -> dict[Any, Any]:
     """Takes the options called as the values of `names` out of `options`; those given, by the keys."""
     values = {key: options.pop(name) for key, name in names.items()}
     return {key: value for key, value in values.items() if value is not None}
 
 
 def _all_outcomes(
-    decks: list[str], options: "RunOptions", jobs: int, quiet: bool, verbose: bool
-) -> "Iterator[Any]":
+    decks: list[str], options: RunOptions, jobs: int, quiet: bool, verbose: bool
+) -> Iterator[Any]:
     """Return what became of every deck; one that was not begun before a stop is as if stopped at its first
     row.
     """
     from ..run.earlier_results import EarlierResults
-    from ..run.outcome import Outcome, Stop
 
     left = list(decks)
     for outcome in _outcomes(decks, options, jobs, quiet, verbose):
@@ -172,8 +149,8 @@ def _all_outcomes(
 
 
 def _outcomes(
-    decks: list[str], options: "RunOptions", jobs: int, quiet: bool, verbose: bool
-) -> "Iterator[Outcome]":
+    decks: list[str], options: RunOptions, jobs: int, quiet: bool, verbose: bool
+) -> Iterator[Outcome]:
     from .terminal.progress import Progress
 
     if jobs > 1 and len(decks) > 1:
@@ -187,7 +164,6 @@ def _outcomes(
                 yield outcome
         return
     from .. import interface
-    from ..run.outcome import Listener, Stop
 
     for deck in decks:
         if Stop.asked is not None:
@@ -199,30 +175,27 @@ def _outcomes(
         yield outcome
 
 
-def _refuse_shared_files(decks: "Sequence[str]", options: "RunOptions") -> None:
+def _refuse_shared_files(decks: Sequence[str], options: RunOptions) -> None:
     """Two decks that would write the same file are refused before anything is solved."""
-    from pathlib import PurePath
 
-    from ..deck.several_models import named_model
-    from ..results.files.file_names import refuse_shared, result_paths
-    from ..run.earlier_results import dialect_of
+    from ..run.earlier_results import dialect_of, paths_of
 
     if len(decks) > 1 and (options.h5 or options.out not in (None, "-")):
         raise WrongCall("--out and --h5 name one file: give one deck, or use --output-dir", id="CLI-053")
-    places = options.folder, options.out, options.h5, options.no_out, options.no_h5
     results = []
     for path, model in map(named_model, decks):
         name = path if path == "-" else PurePath(path).name
-        results.append((path, result_paths(name, dialect_of(path, options), *places, model)))
+        results.append((path, paths_of(name, dialect_of(path, options), options, model)))
     refuse_shared(results, decks)
 
 
-def _report_outcome(outcome: "Outcome", options: "RunOptions", quiet: bool, verbose: bool) -> None:
+def _report_outcome(outcome: Outcome, options: RunOptions, quiet: bool, verbose: bool) -> None:
     show_faults(outcome, quiet)
     if outcome.exit_code > 128:
         notify(f"{outcome.deck}: interrupted; {_kept(outcome)}")
     elif outcome.exit_code == DONE and not quiet:
-        notify(f"{outcome.deck}: {_rows(outcome)} → {', '.join(outcome.files) or _no_file(options)}")
+        elsewhere = "standard output" if options.out == "-" else "no file"
+        notify(f"{outcome.deck}: {_rows(outcome)} → {', '.join(outcome.files) or elsewhere}")
     elif (outcome.exit_code in (ANALYSIS_FAILED, INTERNAL_FAULT) or outcome.files) and not quiet:
         notify(f"{outcome.deck}: {_kept(outcome)}")
     if outcome.errors and not quiet:
@@ -233,15 +206,11 @@ def _report_outcome(outcome: "Outcome", options: "RunOptions", quiet: bool, verb
         click.echo(f"  {outcome.statistics}", err=True)
 
 
-def _no_file(options: "RunOptions") -> str:
-    return "standard output" if options.out == "-" else "no file"
-
-
-def _rows(outcome: "Outcome") -> str:
+def _rows(outcome: Outcome) -> str:
     return f"{outcome.rows} row{'' if outcome.rows == 1 else 's'}"
 
 
-def _kept(outcome: "Outcome") -> str:
+def _kept(outcome: Outcome) -> str:
     hint = "; --resume continues it" if outcome.resumable else ""
     if not outcome.files:
         return f"nothing was written{hint}"

@@ -1,8 +1,8 @@
 """`flexmb sweep`: many variants of one deck."""
 
-import json
 import os
 import sys
+from itertools import islice
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -10,18 +10,21 @@ import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, Fault, compiler_style
 from ..memory import TO_LOAD, require_memory
-from ..results.files.own_files import refuse_foreign
+from ..results.files.file_names import refuse_foreign
+from ..results.files.replaced_file import refuse_unwritable
 from ..run.outcome import INTERRUPTED, TERMINATED, Listener, Stop, Terminated
-from .options.completion import files
+from ..run.processes.signal_mask import stop_on_signals
 from .options.deck_options import LOOP_TOLERANCE
-from .options.output_file import FORCE, WrittenPlace, refuse_inputs
-from .terminal.notices import faults_in_json
+from .options.output_file import AS_JSON, FORCE, VERBOSE, WrittenPlace, files, refuse_inputs
+from .terminal.notices import Notices
 from .terminal.progress import Progress
 from .terminal.screen import WrongCall, notify
-from .terminal.stops import stop_on_signals
 
 if TYPE_CHECKING:
     from ..study.sweep import Sweep
+
+
+MOST_FAILURES = 3  # that are named
 
 
 @click.command()
@@ -36,23 +39,11 @@ if TYPE_CHECKING:
 @click.option("--fresh", is_flag=True, help="Throw away what a stopped study left, and start anew.")
 @FORCE
 @LOOP_TOLERANCE
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-@click.option(
-    "-v", "--verbose", is_flag=True, help="Without a terminal, print the progress every ten seconds."
-)
+@AS_JSON
+@VERBOSE
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 def sweep(
-    study: str,
-    output: str | None,
-    jobs: int,
-    scheduler: str | None,
-    parts: str | None,
-    fresh: bool,
-    force: bool,
-    loop_tolerance: float | None,
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
+    study: str, output: str | None, parts: str | None, force: bool, as_json: bool, quiet: bool, **options: Any
 ) -> None:
     """Solve the variants of a deck that STUDY (TOML) describes, and write a table with a row for each.
 
@@ -63,98 +54,76 @@ def sweep(
     Example:
         flexmb sweep study.toml -j 4
     """
+    require_memory(TO_LOAD)  # of numpy, below
+    from .. import interface
+
     stem = "" if study == "-" else PurePath(study).stem
     force, output = force or bool(output), output or f"{stem or 'flexmb'}.h5"
     parts = parts or f"{output}.parts"
     refuse_inputs(output, [study])
     refuse_foreign([output], force)
-    made = _begun(study, output, parts, scheduler, fresh, as_json, loop_tolerance)
-    notices = _Notices(study, quiet)
+    notices = Notices("study", study, quiet, as_json)
+    made = _begun(notices, output, parts, options)
     _warn_of_result(notices, output)
     stop_on_signals()
     try:
-        with faults_in_json(as_json, {"study": study}, study), Stop.released():
-            _solve(made, notices, jobs, scheduler, verbose)
-            failures = _first_failures(made)
-            _write(made, output)
+        with notices.failures(), Stop.released():
+            _solve(made, notices, options)
+            failed = (case for case in made.results() if case.exit_code) if made.failed else iter(())
+            failures = [(case.case + 1, case.message) for case in islice(failed, MOST_FAILURES)]
+            interface.write_study(output, made)
     except (KeyboardInterrupt, Terminated) as stop:
         exit_code = INTERRUPTED if isinstance(stop, KeyboardInterrupt) else TERMINATED
-        _report_stop(notices, output, made, parts, bool(scheduler), as_json, exit_code)
+        _report_stop(notices, output, made, parts, bool(options["scheduler"]), exit_code)
         # Workers that are still solving end with this process; whole cases are kept.
         os._exit(exit_code)
     _report(notices, output, made, failures)
-    exit_code = ANALYSIS_FAILED if made.failed else DONE
-    if as_json:
-        _print_record(notices, "failed" if made.failed else "complete", exit_code, made, made.failed, output)
+    status, exit_code = ("failed", ANALYSIS_FAILED) if made.failed else ("complete", DONE)
+    notices.end(status, exit_code, cases=made.job.study.cases, failed=made.failed, file=output)
     sys.exit(exit_code)
 
 
-def _require_libraries(output: str, scheduler: str | None) -> None:
-    """Refuse what is missing before hours of work."""
-    if output.endswith(".parquet"):
-        from ..study.table import require_library
-
-        require_library(output)
-    if scheduler:
-        from ..study.cluster import require_dask
-
-        require_dask()
-
-
 def _report_stop(
-    notices: "_Notices",
-    output: str,
-    made: "Sweep",
-    parts: str,
-    on_cluster: bool,
-    as_json: bool,
-    exit_code: int,
+    notices: Notices, output: str, made: "Sweep", parts: str, on_cluster: bool, exit_code: int
 ) -> None:
-    study = notices.study
     cases, failed = made.job.study.cases, made.failed
     table: str | None = output
     reported = f"{output} is complete"
     if os.path.isdir(parts):
-        with faults_in_json(as_json, {"study": study}, study):
+        with notices.failures():
             made.job.parts.sync_all()
         codes = [result.exit_code for result in made.results()]
         more = " so far; its workers end what they have begun" if on_cluster else ""
         reported = f"{len(codes)} of {cases} cases are kept in {parts}{more}; the same command continues it"
         failed, table = sum(map(bool, codes)), None
         _set_aside(output)
-    notify(f"{study}: interrupted; {reported}")
-    if as_json:
-        _print_record(notices, "interrupted", exit_code, made, failed, table)
-        sys.stdout.flush()
+    notify(f"{notices.file}: interrupted; {reported}")
+    notices.end("interrupted", exit_code, cases=cases, failed=failed, file=table)
+    sys.stdout.flush()
 
 
-def _begun(
-    study: str,
-    output: str,
-    parts: str,
-    scheduler: str | None,
-    fresh: bool,
-    as_json: bool,
-    loop_tolerance: float | None,
-) -> "Sweep":
-    require_memory(TO_LOAD)  # of numpy, below
+def _begun(notices: Notices, output: str, parts: str, options: dict[str, Any]) -> "Sweep":
     from .. import interface
-    from ..results.files.replaced_file import refuse_unwritable
+    from ..study.cluster import require_dask
     from ..study.sweep import StudyError
+    from ..study.table import require_library
 
     if PurePath(output).suffix not in (".h5", ".parquet"):
         raise WrongCall("-o needs a name that ends in .h5 or .parquet", id="CLI-054")
-    _require_libraries(output, scheduler)
+    # What is missing is refused before hours of work.
+    require_library(output)
+    if options["scheduler"]:
+        require_dask()
     try:
-        with faults_in_json(as_json, {"study": study}, study):
+        with notices.failures():
             # The cases are kept beside the table: without this their folder would be made with all its
             # parents.
             refuse_unwritable(output, special=False)
-            return interface.open_study(study, parts, fresh, loop_tolerance)
+            return interface.open_study(notices.file, parts, options["fresh"], options["loop_tolerance"])
     except StudyError as failure:
         click.echo(compiler_style(failure.file, failure.faults, failure.lines), err=True)
     except DeckError as failure:
-        click.echo(compiler_style(study, failure.faults), err=True)
+        click.echo(compiler_style(notices.file, failure.faults), err=True)
     _set_aside(output)
     sys.exit(BAD_INPUT)
 
@@ -167,89 +136,47 @@ def _set_aside(output: str) -> None:
         notify(f"{output}: of an earlier call, now {stale}")
 
 
-def _warn_of_result(notices: "_Notices", output: str) -> None:
+def _warn_of_result(notices: Notices, output: str) -> None:
     """Warn before anything is solved: arm.toml and a run of arm.vsdf both write arm.h5."""
     from ..results.hdf5.stored_result import is_run
 
     if is_run(output):
         reported = f"{output} is the result of a run, which the table will replace; -o gives the table a name"
-        notices.fault(Fault("warning", reported, id="STUDY-029"))
+        notices.add([Fault("warning", reported, id="STUDY-029")])
 
 
-def _warn_of_another_user(made: "Sweep", notices: "_Notices") -> None:
-    """Warn where rows of the table may be anything that another user wrote into the prepared folder."""
-    if made.job.parts.is_of_another_user():
-        reported = f"{made.job.parts_folder} is of another user, whose cases are taken; with --fresh none are"
-        notices.fault(Fault("warning", reported, id="STUDY-030"))
-
-
-def _solve(made: "Sweep", notices: "_Notices", jobs: int, scheduler: str | None, verbose: bool) -> None:
+def _solve(made: "Sweep", notices: Notices, options: dict[str, Any]) -> None:
     from .. import interface
-    from ..run.processes.parent_watch import outlive_workers
+    from ..run.processes.signal_mask import outlive_workers
 
     outlive_workers()
-    blocks = made.pending()
+    blocks, kept = made.pending(), list[Fault]()
     cases, left = made.job.study.cases, made.left
     if left < cases:
         notices.say(f"continuing a stopped study: {cases - left} of {cases} cases are complete")
-        _warn_of_another_user(made, notices)
-    with Progress(notices.study, "cases", notices.quiet, verbose) as progress:
-        progress.begin(left)
-        listener = Listener(notice=progress.notice, status=progress.status).kept_in(notices.faults)
-        interface.solve_study(made, blocks, progress.advance, jobs, scheduler, listener)
+        # Its rows may be anything that another user wrote into the prepared folder.
+        if made.job.parts.is_of_another_user():
+            folder = made.job.parts_folder
+            message = f"{folder} is of another user, whose cases are taken; with --fresh none are"
+            notices.add([Fault("warning", message, id="STUDY-030")])
+    try:
+        with Progress(notices.file, "cases", notices.quiet, options["verbose"]) as progress:
+            progress.begin(left)
+            listener = Listener(notice=progress.notice, status=progress.status).kept_in(kept)
+            jobs, scheduler = options["jobs"], options["scheduler"]
+            interface.solve_study(made, blocks, progress.advance, jobs, scheduler, listener)
+    finally:
+        notices.faults += [(notices.file, fault) for fault in kept]
 
 
-def _first_failures(made: "Sweep", most: int = 3) -> list[Any]:
-    if not made.failed:
-        return []
-    from itertools import islice
-
-    failed = ((result.case + 1, result.message) for result in made.results() if result.exit_code)
-    return list(islice(failed, most))
-
-
-def _write(made: "Sweep", output: str) -> None:
-    from .. import interface
-
-    interface.write_study(output, made)
-
-
-def _report(notices: "_Notices", output: str, made: "Sweep", failures: Any) -> None:
-    cases, study = made.job.study.cases, notices.study
+def _report(notices: Notices, output: str, made: "Sweep", failures: Any) -> None:
+    cases, study = made.job.study.cases, notices.file
     for case, message in failures:
         notices.say(f"{study}: case {case}: {message}")
-        notices.faults.append(Fault("error", f"case {case}: {message}", id="STUDY-031"))
+        notices.faults.append((study, Fault("error", f"case {case}: {message}", id="STUDY-031")))
     if made.failed > len(failures):
         more = f"{made.failed - len(failures)} more cases failed; flexmb table {output} message"
         notices.say(f"{study}: {more}")
-        notices.faults.append(Fault("error", more, id="STUDY-032"))
+        notices.faults.append((study, Fault("error", more, id="STUDY-032")))
     reported = f", {made.failed} failed" if made.failed else ""
     notices.say(f"{study}: {cases} cases{reported} → {output}")
-
-
-def _print_record(
-    notices: "_Notices", status: str, exit_code: int, made: "Sweep", failed: Any, table: Any
-) -> None:
-    """`table` is None while there is none yet."""
-    faults = [{"file": notices.study} | fault.as_dict() for fault in notices.faults]
-    record = {"study": notices.study, "status": status, "exit_code": exit_code, "faults": faults}
-    record |= {"cases": made.job.study.cases, "failed": failed, "file": table}
-    click.echo(json.dumps(record))
-
-
-class _Notices:
-    """Warnings about a study: words on standard error unless `quiet`, `faults` for `--json`."""
-
-    def __init__(self, study: str, quiet: bool):
-        self.study, self.quiet = study, quiet
-        self.faults: list[Fault] = []
-
-    def say(self, sentence: str) -> None:
-        """Print a sentence."""
-        if not self.quiet:
-            notify(sentence)
-
-    def fault(self, fault: Fault) -> None:
-        """Print a warning, and keep it."""
-        self.faults.append(fault)
-        self.say(f"{self.study}: {fault.severity}: {fault.sentence}")

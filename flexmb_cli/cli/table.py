@@ -2,32 +2,27 @@
 
 import json
 import sys
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..errors import Fault
-from .options.completion import files, quantities
-from .options.finite import AnyFinite
+from .options.output_file import RESULT, Finite, quantities
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall, show, terminal_width
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    import h5py
-
-    from ..results.quantities.quantities import Quantity
-    from ..study.text import StudyColumn
+    pass
 
 
 @click.command()
-@click.argument("result", metavar="RESULT.h5", shell_complete=files)
+@RESULT
 @click.argument("names", metavar="NAME...", nargs=-1, shell_complete=quantities)
 @click.option("--list", "listing", is_flag=True,
               help="Show the names (of NAME, or all) with unit and meaning instead of numbers.")  # fmt: skip
-@click.option("--from", "start", type=AnyFinite(), metavar="T", help="Begin with the row at T seconds.")
-@click.option("--to", "stop", type=AnyFinite(), metavar="T", help="End with the row at T seconds.")
+@click.option("--from", "start", type=Finite(), metavar="T", help="Begin with the row at T seconds.")
+@click.option("--to", "stop", type=Finite(), metavar="T", help="End with the row at T seconds.")
 @click.option("--every", type=click.IntRange(1), default=1, metavar="N", help="Every N-th row of these.")
 @click.option("-f", "--format", "style", type=click.Choice(["csv", "tsv", "jsonl", "text"]),
               help="csv (default), tsv, jsonl: JSON Lines, text: aligned (default of --list).")  # fmt: skip
@@ -37,17 +32,8 @@ if TYPE_CHECKING:
               help="One JSON object on standard output; its rows are those of --format jsonl.")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Print no notes on the result.")
 def table(
-    result: str,
-    names: tuple[str, ...],
-    listing: bool,
-    start: None,
-    stop: None,
-    every: int,
-    style: str | None,
-    number: None,
-    as_json: bool,
-    quiet: bool,
-) -> Any:
+    result: str, names: tuple[str, ...], style: str | None, as_json: bool, quiet: bool, **options: Any
+) -> None:
     """Print quantities of RESULT.h5 over time, on a terminal and in a pipe alike.
 
     A NAME has the form entity.index.quantity.component; leave out the last part to get all components:
@@ -67,31 +53,24 @@ def table(
     """
     from ..results.hdf5.stored_result import is_study
 
-    if number and (listing or style or is_study(result)):
-        raise WrongCall(
-            "--as-table prints cards of a run: it goes with neither --list, --format nor a study",
-            id="CLI-055",
-        )
+    study, timed = is_study(result), options["start"] is not None or options["stop"] is not None
+    number, listing = options["number"], options["listing"]
+    if number and (listing or style or study):
+        message = "--as-table prints cards of a run: it goes with neither --list, --format nor a study"
+        raise WrongCall(message, id="CLI-055")
     if as_json and (style or number):
-        raise WrongCall(
-            "--json has rows of its own: it goes with neither --format nor --as-table", id="CLI-056"
-        )
+        message = "--json has rows of its own: it goes with neither --format nor --as-table"
+        raise WrongCall(message, id="CLI-056")
+    if study and timed:
+        message = f"{result} is the table of a study, a row a case: it has no times for --from and --to"
+        raise WrongCall(message, id="CLI-057")
+    if not study and listing and (timed or options["every"] > 1):
+        message = "--list shows names, not rows: --from, --to and --every do not go with it"
+        raise WrongCall(message, id="CLI-058")
     notices = Notices("result", result, quiet, as_json)
     printed = _Printed("jsonl" if as_json else style, as_json)
-    if is_study(result):
-        if start is not None or stop is not None:
-            message = f"{result} is the table of a study, a row a case: it has no times for --from and --to"
-            raise WrongCall(message, id="CLI-057")
-        with notices.failures():
-            _print_study(result, names, listing, every, printed, notices)
-        notices.end(rows=printed.rows)
-        return
-    if listing and (start is not None or stop is not None or every > 1):
-        raise WrongCall(
-            "--list shows names, not rows: --from, --to and --every do not go with it", id="CLI-058"
-        )
     with notices.failures():
-        _print_result(result, names, listing, (start, stop, every), number, printed, notices)
+        (_print_study if study else _print_result)(names, options, printed, notices)
     notices.end(rows=printed.rows)
 
 
@@ -100,6 +79,11 @@ class _Printed:
 
     def __init__(self, style: str | None, as_json: bool):
         self.style, self._as_json, self._kept = style, as_json, list[str]()
+
+    @property
+    def is_fitted(self) -> bool:
+        """Return whether the columns are to fit a terminal."""
+        return self.style == "text" and sys.stdout.isatty()
 
     @property
     def rows(self) -> list[dict[str, Any]]:
@@ -113,7 +97,7 @@ class _Printed:
         else:
             show(text)
 
-    def table(self, pieces: "Iterable[str]") -> None:
+    def table(self, pieces: Iterable[str]) -> None:
         """Take the pieces of a table."""
         if self._as_json:
             self._kept += pieces
@@ -123,20 +107,15 @@ class _Printed:
 
 
 def _print_result(
-    result: str,
-    names: tuple[str, ...],
-    listing: bool,
-    part: Any,
-    number: Any,
-    printed: _Printed,
-    notices: Notices,
+    names: tuple[str, ...], options: dict[str, Any], printed: _Printed, notices: Notices
 ) -> None:
-    """Print quantities of a run; `part`: begin, end and stride of the rows."""
+    """Print quantities of a run."""
     from ..results.hdf5.stored_result import settings_of
     from ..results.quantities.quantities import names as all_names
-    from ..results.quantities.quantities import open_result, resolve
-    from ..results.quantities.table import chosen_rows, function_points, list_text, table_text
+    from ..results.quantities.quantities import open_result, remarks, resolve
+    from ..results.quantities.table import chosen_rows, fitting_groups, function_points, list_text, table_text
 
+    result, listing = notices.file, options["listing"]
     with open_result(result) as file:
         if not names and not listing:
             raise WrongCall(
@@ -144,36 +123,36 @@ def _print_result(
             )
         quantities = resolve(file, names, result) if names else all_names(file)
         if listing:
-            notices.add(_settings_notes(settings_of(file)))
+            if changes := ", ".join(settings_of(file)):
+                message = f"the run changed the deck by --set: {changes}"
+                notices.add([Fault("note", message, id="RESULT-079")])
             printed.list(list_text(quantities, printed.style or "text"))
             return
-        rows = chosen_rows(file, *part)
-        notices.add(_notes(file, rows))
-        if number:
+        rows = chosen_rows(file, options["start"], options["stop"], options["every"])
+        notices.add(remarks(file))
+        if not rows and len(file["time"]):
+            message = "it has no rows in this window of time"
+            notices.add([Fault("note", message, id="RESULT-080")])
+        if number := options["number"]:
             from ..dialects.elements_block.writer import spline_block
 
             show(spline_block(function_points(file, quantities, rows, number)))
             return
-        for k, group in enumerate(_groups(file, quantities, printed.style)):
+        # Blocks of columns that fit a terminal; all in one for a pipe.
+        room = terminal_width(sys.stdout) if printed.is_fitted else None
+        groups = [quantities] if room is None else fitting_groups(file, quantities, room)
+        for k, group in enumerate(groups):
             show("\n" * bool(k))
             printed.table(table_text(file, group, rows, printed.style or "csv"))
 
 
-def _groups(file: "h5py.File", quantities: "list[Quantity]", style: str | None) -> "list[list[Quantity]]":
-    """Return the quantities in blocks of columns that fit a terminal; all in one for a pipe."""
-    from ..results.quantities.table import fitting_groups
-
-    if style != "text" or not sys.stdout.isatty():
-        return [quantities]
-    return fitting_groups(file, quantities, terminal_width(sys.stdout))
-
-
 def _print_study(
-    path: str, names: tuple[str, ...], listing: bool, every: int, printed: _Printed, notices: Notices
+    names: tuple[str, ...], options: dict[str, Any], printed: _Printed, notices: Notices
 ) -> None:
     from ..results.quantities.table import list_text
-    from ..study.text import chosen_columns, open_study, study_columns, study_notes, study_text
+    from ..study.text import chosen_columns, fitting_heads, open_study, study_columns, study_notes, study_text
 
+    path, listing = notices.file, options["listing"]
     with open_study(path) as file:
         columns = study_columns(file)
         if names or not listing:
@@ -182,30 +161,8 @@ def _print_study(
             printed.list(list_text(columns, printed.style or "text"))
             return
         notices.add(study_notes(file, columns, bool(names)))
-        for k, heads in enumerate(_study_blocks(columns, printed.style)):
+        # Places of the heads in blocks that fit a terminal; None, which means all, for a pipe.
+        room = terminal_width(sys.stdout) if printed.is_fitted else None
+        for k, heads in enumerate([None] if room is None else fitting_heads(columns, room)):
             show("\n" * bool(k))
-            printed.table(study_text(file, columns, every, printed.style or "csv", heads))
-
-
-def _study_blocks(columns: "list[StudyColumn]", style: str | None) -> "list[list[int]] | list[None]":
-    """Return the places of the heads in blocks that fit a terminal; None, which means all, for a pipe."""
-    from ..study.text import fitting_heads
-
-    if style != "text" or not sys.stdout.isatty():
-        return [None]
-    return fitting_heads(columns, terminal_width(sys.stdout))
-
-
-def _settings_notes(settings: list[str]) -> list[Fault]:
-    message = f"the run changed the deck by --set: {', '.join(settings)}"
-    return [Fault("note", message, id="RESULT-079")] if settings else []
-
-
-def _notes(file: "h5py.File", rows: range) -> list[Fault]:
-    """Return what the numbers do not show."""
-    from ..results.quantities.quantities import remarks
-
-    notes = remarks(file)
-    if not rows and len(file["time"]):
-        notes.append(Fault("note", "it has no rows in this window of time", id="RESULT-080"))
-    return notes
+            printed.table(study_text(file, columns, options["every"], printed.style or "csv", heads))

@@ -7,8 +7,9 @@ from typing import Any
 import click
 
 from ..errors import visible
+from ..run.outcome import Listener, RunOptions
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
-from .options.finite import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE
+from .options.output_file import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, VERBOSE
 from .terminal.progress import Progress
 from .terminal.screen import show, wants_debug
 
@@ -26,20 +27,9 @@ from .terminal.screen import show, wants_debug
 @click.option(
     "--atol", type=ABSOLUTE_TOLERANCE, help="Absolute tolerance of a step (1e-13; METH 2 and 4 1e-12)."
 )
-@click.option(
-    "-v", "--verbose", is_flag=True, help="Without a terminal, print the progress every ten seconds."
-)
+@VERBOSE
 def verify(
-    decks: tuple[str, ...],
-    changes: "tuple[Any, ...]",
-    echo: bool,
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
-    tolerance: float,
-    rtol: None,
-    atol: None,
-    **options: Any,
+    decks: tuple[str, ...], as_json: bool, quiet: bool, verbose: bool, tolerance: float, **options: Any
 ) -> None:
     """Run every DECK by two formulations and compare the motions; writes nothing.
 
@@ -50,15 +40,15 @@ def verify(
     Example:
         flexmb verify decks/dafms/two_link_n2.DAT
     """
-    from ..run.outcome import Listener, RunOptions
     from ..run.verify.verify import verify_deck
 
-    steps = {name: value for name, value in (("rtol", rtol), ("atol", atol)) if value is not None}
-    choices = RunOptions(changes=changes, integration=steps, echo=echo, debug=wants_debug(), **options)
+    given = {name: options.pop(name) for name in ("rtol", "atol")}
+    steps = {name: value for name, value in given.items() if value is not None}
+    choices = RunOptions(integration=steps, debug=wants_debug(), **options)
     progress = Progress("verify", "decks", quiet, verbose)
     listener = Listener(notice=progress.notice, status=progress.status)
     codes = []
-    for found in every_deck(decks, changes, lambda deck: verify_deck(deck, choices, tolerance, listener)):
+    for found in every_deck(decks, choices, lambda deck: verify_deck(deck, choices, tolerance, listener)):
         progress.clear()
         if found.outcome.echo:
             show(found.outcome.echo, err=True)

@@ -246,8 +246,10 @@ class ResumeFile:
         if found and not self._stands():
             message = f"{self.path}: it was exchanged or removed since it was read; run again"
             fault = OutputError(message, id="RUN-070")
-        elif obstacle := _obstacle(self._file.read(_LONGEST_HEAD)):
-            fault = OutputError(f"{self.path}: {obstacle}", id="RUN-071")
+        head = self._file.read(_LONGEST_HEAD)
+        if not fault and not (_is_blank(head) or _BEGINNING.startswith(head[: len(_BEGINNING)])):
+            message = "it is not the file of a stopped run, whose place it has; remove or rename it"
+            fault = OutputError(f"{self.path}: {message}", id="RUN-071")
         if fault:
             self._file.close()
             self._file = None
@@ -322,13 +324,6 @@ class ResumeFile:
             f"{name} was {_shown(found.get(name))}, is {_shown(self.identity[name])}" for name in names
         )
         return f"--resume: {self.path} is of another run: {changes}; run without --resume to start anew"
-
-
-def _obstacle(head: bytes) -> str:
-    """Return why a file that begins so may not be written as a resume file; "" where it may."""
-    if not (_is_blank(head) or _BEGINNING.startswith(head[: len(_BEGINNING)])):
-        return "it is not the file of a stopped run, whose place it has; remove or rename it"
-    return ""
 
 
 def _is_blank(head: bytes) -> bool:

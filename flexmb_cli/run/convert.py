@@ -9,10 +9,8 @@ from ..deck.record import Deck, DeckText
 from ..dialects import DIALECTS
 from ..dialects.recognise import dialect_named, read_deck
 from ..errors import DeckError, Fault, FlexmbError, ModelError, visible
-from .context import Run
-from .model import analysis_of, folder_of, model_of
-from .open_deck import open_deck
-from .outcome import Outcome, RunOptions
+from .model import analysis_of, folder_of, model_of, open_deck
+from .outcome import Outcome, Run, RunOptions
 from .solution import solution_of
 
 if TYPE_CHECKING:
@@ -190,7 +188,7 @@ def _degrees_of_freedom(model: "DynamicModel", motion: list[dict[str, Any]]) -> 
     from ..solvers.compilation import interpreting
     from ..solvers.constrained.young_dynamics import ForwardDynamics
     from ..solvers.singular.rank_of_speeds import rank_at
-    from .check.parts import is_small
+    from .check.check import is_small
 
     with interpreting(is_small(6 * len(model.mechanism.bodies))):
         analysis = ForwardDynamics(model)

@@ -9,8 +9,7 @@ from ..deck.several_models import named_model
 from ..dialects import DIALECTS
 from ..dialects.recognise import recognise
 from ..errors import DONE, Fault, FlexmbError
-from ..results.files.file_names import STALE, STANDARD_INPUT, result_paths
-from ..results.files.own_files import is_own
+from ..results.files.file_names import STALE, STANDARD_INPUT, ResultPaths, is_own, result_paths
 from .outcome import Outcome, RunOptions
 
 _BEGINNING = 10_000  # characters of a deck by which its dialect is recognised
@@ -32,6 +31,12 @@ def dialect_of(path: str, options: RunOptions) -> str:
         return options.dialect
 
 
+def paths_of(name: str, dialect: str, options: RunOptions, model: int) -> ResultPaths:
+    """Return where the results of the deck `name`, without its folder, go."""
+    places = options.folder, options.out, options.h5, options.no_out, options.no_h5
+    return result_paths(name, dialect, *places, model)
+
+
 class EarlierResults:
     """The files that stand in the places of the results of the deck at `path`; make it before the run.
 
@@ -41,12 +46,11 @@ class EarlierResults:
     def __init__(self, path: str, options: RunOptions):
         name, model = named_model(path)
         self.deck = name if name == STANDARD_INPUT else Path(name).name
-        places = options.folder, options.out, options.h5, options.no_out, options.no_h5
         dialect = dialect_of(name, options)
         self._standing = {
             file: state
             for known in ([dialect] if dialect in DIALECTS else DIALECTS)
-            for file in result_paths(self.deck, known, *places, model).files
+            for file in paths_of(self.deck, known, options, model).files
             if (state := _state(file)) and state != _state(name)  # not the deck itself
         }
 

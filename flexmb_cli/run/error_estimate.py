@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import AnalysisError, Fault
 from ..model.time_checks import FINEST
-from .context import Run
+from .outcome import Run
 
 if TYPE_CHECKING:
     from ..results.hdf5.layout import Layout

@@ -1,5 +1,6 @@
 """Linearised motion of the mechanism of a deck, about a time or an equilibrium."""
 
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -12,14 +13,11 @@ from ..model.loads import DynamicModel
 from ..model.mechanism import TimeGrid
 from ..model.tree import Tree
 from ..solvers.compilation import Notices, announce_compiling
-from .check.parts import FARTHEST_STEPS
-from .context import Run
+from .check.check import FARTHEST_STEPS
+from .outcome import Run
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from ..solvers.constrained.analysis import LinearisableMotion
-    from ..solvers.linearisation.motion import LinearisedMotion
     from ..solvers.linearisation.state_space import StateSpace
 
 
@@ -141,23 +139,39 @@ def _kernels(
     return nullcontext()
 
 
-def _of_mechanism(analysis: "LinearisableMotion", wish: Wish, run: Run) -> MechanismModes:
-    from ..solvers.linearisation.constrained import ConstrainedLinearised, bring_to, linearised, modes_of
-    from ..solvers.linearisation.constrained_responses import ConstrainedResponses, constrained_signals
+def _linearised(
+    analysis: Any, wish: Wish, run: Run, begin: "Callable[[], object]", motion_type: type, responses: type,
+    signals: "Callable[..., Any]",
+) -> tuple[Any, Any, "StateSpace | None"]:  # fmt: skip
+    """Return the linearised motion where `begin` leads or at the equilibrium, its modes and state space."""
+    from ..solvers.linearisation.constrained import linearised, modes_of
     from ..solvers.linearisation.equilibrium import find_equilibrium
+    from ..solvers.linearisation.state_space import state_space
 
     try:
-        bring_to(analysis, analysis.grid.start if wish.time is None else wish.time)
+        begin()
     finally:
         run.outcome.faults += analysis.warnings
     run.warn(())
     if wish.equilibrium:
-        find_equilibrium(analysis, ConstrainedLinearised)
-    motion, A, constant = linearised(analysis)
-    space = _space(wish, ConstrainedResponses, motion, A, constrained_signals)
-    found, arrays = modes_of(motion, A, constant), analysis.arrays
+        find_equilibrium(analysis, motion_type)
+    motion, A, constant = linearised(analysis, motion_type)
+    space = None
+    if wish.state_space or wish.out is not None:
+        space = state_space(responses(motion), responses(motion.soon(A)), signals(motion))
+    return motion, modes_of(motion, A, constant), space
+
+
+def _of_mechanism(analysis: "LinearisableMotion", wish: Wish, run: Run) -> MechanismModes:
+    from ..solvers.linearisation.constrained import ConstrainedLinearised, bring_to
+    from ..solvers.linearisation.constrained_responses import ConstrainedResponses, constrained_signals
+
+    time, arrays = analysis.grid.start if wish.time is None else wish.time, analysis.arrays
+    motion, found, space = _linearised(
+        analysis, wish, run, lambda: bring_to(analysis, time), ConstrainedLinearised, ConstrainedResponses,
+        constrained_signals,
+    )  # fmt: skip
     names = tuple(arrays.speed_name(k) for k in range(arrays.speeds))
-    assert isinstance(motion, ConstrainedLinearised)
     z = motion.q
     position = [(name, tuple(z[7 * b : 7 * b + 7].tolist())) for b, name in enumerate(arrays.body_names)]
     first = 7 * arrays.bodies
@@ -165,17 +179,6 @@ def _of_mechanism(analysis: "LinearisableMotion", wish: Wish, run: Run) -> Mecha
         eta = z[first + f["first"] : first + f["first"] + f["modes"]]
         position.append((f"{arrays.body_names[f['body']]} modal", tuple(eta.tolist())))
     return MechanismModes(motion.t, wish.equilibrium, found, names, tuple(position), space)
-
-
-def _space(
-    wish: Wish, responses: type, motion: "LinearisedMotion", A: np.ndarray, signals: "Callable[..., Any]"
-) -> "StateSpace | None":
-    """The state space of a linearised motion, where it is requested."""
-    from ..solvers.linearisation.state_space import state_space
-
-    if not wish.state_space and wish.out is None:
-        return None
-    return state_space(responses(motion), responses(motion.soon(A)), signals(motion))
 
 
 def tree_modes(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
@@ -186,8 +189,6 @@ def tree_modes(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
 
 
 def _of_tree(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
-    from ..solvers.linearisation.constrained import linearised, modes_of
-    from ..solvers.linearisation.equilibrium import find_equilibrium
     from ..solvers.linearisation.tree import TreeLinearised, start_tree
     from ..solvers.linearisation.tree_responses import TreeResponses, tree_signals
     from ..solvers.tree.analysis import TreeAnalysis
@@ -197,19 +198,10 @@ def _of_tree(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
     if time > grid.start:
         tree = replace(tree, time=replace(grid, end=time, step=time - grid.start))
     analysis = TreeAnalysis(tree)
-    try:
-        start_tree(analysis, time)
-    finally:
-        run.outcome.faults += analysis.warnings
-    run.warn(())
-    if wish.equilibrium:
-        find_equilibrium(analysis, TreeLinearised)
-    motion, A, constant = linearised(analysis, TreeLinearised)
-    space = _space(wish, TreeResponses, motion, A, tree_signals)
-    found = modes_of(motion, A, constant)
+    motion, found, space = _linearised(
+        analysis, wish, run, lambda: start_tree(analysis, time), TreeLinearised, TreeResponses, tree_signals
+    )
     names = tuple(coordinate.name for coordinate in tree.coordinates)
-    n = len(names)
-    assert isinstance(motion, TreeLinearised)
-    q = np.asarray(motion.z[n : 2 * n]).tolist()
+    q = np.asarray(motion.z[len(names) : 2 * len(names)]).tolist()
     position = tuple((name, (value,)) for name, value in zip(names, q, strict=True))
     return MechanismModes(motion.t, wish.equilibrium, found, names, position, space)

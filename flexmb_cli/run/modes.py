@@ -1,5 +1,7 @@
 """Eigenfrequencies of a deck: of its flexible bodies, each in its frame, and of its mechanism."""
 
+import io
+import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,13 +14,9 @@ from ..errors import Fault, ModelError
 from ..model.flexible_body import Dropped, FlexibleBody
 from ..model.unit_checks import unit_warnings
 from ..results.files.replaced_file import write_whole
-from ..results.files.state_space import arrays_of, json_bytes, npz_bytes
-from .context import Run
-from .exit_status import ending_recorded
 from .mechanism_modes import MechanismModes, Wish, dynamic_modes, flexible_modes, tree_modes
-from .model import analysis_of, model_of
-from .open_deck import open_deck
-from .outcome import Listener, Outcome, RunOptions, Stop
+from .model import analysis_of, model_of, open_deck
+from .outcome import Listener, Outcome, Run, RunOptions, Stop, ending_recorded
 
 
 @dataclass
@@ -69,7 +67,8 @@ def _fill(report: ModesReport, wish: Wish, run: Run) -> None:
         report.bodies = [body.flexible for body in model.bodies if body.flexible is not None]
     if wish.of_mechanism or not report.bodies:
         report.mechanism = MODES[analysis](model, wish, run)
-        _write(report.mechanism, wish)
+        if wish.out is not None:
+            write_state_space(wish.out, report.mechanism.state_space)
 
 
 MODES: dict[str, Callable[[Any, Wish, Run], MechanismModes]] = {
@@ -77,11 +76,6 @@ MODES: dict[str, Callable[[Any, Wish, Run], MechanismModes]] = {
     "flexible": flexible_modes,
     "tree": tree_modes,
 }
-
-
-def _write(mechanism: MechanismModes, wish: Wish) -> None:
-    if wish.out is not None:
-        write_state_space(wish.out, mechanism.state_space)
 
 
 def _as_dict(body: FlexibleBody) -> dict[str, Any]:
@@ -124,3 +118,39 @@ def _matlab_bytes(record: Any) -> Any:
         for name, value in arrays_of(record).items()
     }
     return variable_bytes("state_space", {name: np.asarray(value) for name, value in arrays.items()})
+
+
+SHAPES = (("states", "states"), ("states", "inputs"), ("outputs", "states"), ("outputs", "inputs"))
+FORMS = (".npz", ".mat", ".json")
+
+
+def arrays_of(record: dict[str, Any]) -> dict[str, np.ndarray]:
+    """Return matrices, names and units of a state space's record as arrays.
+
+    `states`, `inputs`, `outputs`: names; `state_units` and so on: their units.
+    """
+    sizes = {what: len(record[what]) for what in ("states", "inputs", "outputs")}
+    shapes = zip("ABCD", SHAPES, strict=True)
+    found = {
+        name: np.array(record[name], float).reshape([sizes[what] for what in shape]) for name, shape in shapes
+    }
+    for what in ("state", "input", "output"):
+        for suffix, key in (("s", "name"), ("_units", "unit")):
+            found[what + suffix] = np.array([signal[key] for signal in record[f"{what}s"]], dtype=str)
+    found["state_relative_to"] = np.array([signal["relative_to"] for signal in record["states"]], dtype=str)
+    found["constant"] = np.array([record["constant"][name] for name in "ABCD"])
+    found["time"], found["axes"] = np.array(record["time"]), np.array(record["axes"])
+    return found
+
+
+def npz_bytes(record: dict[str, Any]) -> bytes:
+    """Return a NumPy archive of the arrays of a state space."""
+    stream = io.BytesIO()
+    # numpy's type takes an array for its own option `allow_pickle`.
+    np.savez(stream, **arrays_of(record))  # type: ignore[arg-type]
+    return stream.getvalue()
+
+
+def json_bytes(record: dict[str, Any]) -> bytes:
+    """Return the record of a state space as JSON."""
+    return (json.dumps(record) + "\n").encode()

@@ -8,14 +8,18 @@ warning names what sets the accuracy instead.
 
 import math
 from collections.abc import Mapping
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from ..deck.record import Deck
 from ..dialects.recognise import dialect_named, every_dialect
 from ..errors import Fault, ModelError
 from ..model.time_checks import FINEST
-from .loop_tolerance import LARGEST_TOLERANCE
+from .model import LARGEST_TOLERANCE
 from .outcome import Outcome, RunOptions
+
+if TYPE_CHECKING:
+    from ..solvers.constrained.analysis import ConstrainedMotion
+
 
 FORMULATIONS = ("kane", "absolute")
 # Lowest and highest value, and whether they are allowed.
@@ -35,17 +39,14 @@ def refuse_wrong(options: Mapping[str, object]) -> None:
     for name, value in options.items():
         if name not in KNOWN:
             raise TypeError(f"solve has no option {name!r}{_meant(name)}")
-        if name == "method" and value not in (methods := _methods()):
+        # Integrators of all dialects; which of them a deck's has is tested with the deck.
+        methods = dict.fromkeys(method for dialect in every_dialect() for method in dialect.methods)
+        if name == "method" and value not in methods:
             raise ValueError(f"method is one of {', '.join(methods)}; read {value!r}")
         if name == "formulation" and value not in FORMULATIONS:
             raise ValueError(f"formulation is one of {', '.join(FORMULATIONS)}; read {value!r}")
         if name in RANGES:
             _refuse_out_of_range(name, value)
-
-
-def _methods() -> tuple[str, ...]:
-    """Integrators of all dialects; which of them a deck's has is tested with the deck."""
-    return tuple(dict.fromkeys(method for dialect in every_dialect() for method in dialect.methods))
 
 
 def _refuse_out_of_range(name: str, value: Any) -> None:
@@ -67,13 +68,6 @@ def _meant(name: str) -> str:
     return f"; is {close[0]} meant?" if close else f"; it has {', '.join(KNOWN)}"
 
 
-class SteppedAnalysis(Protocol):
-    """An analysis that integrates: its integrator, and the record of its steps."""
-
-    integrator: Any
-    clock: Any
-
-
 def refuse_foreign_method(deck: Deck, options: RunOptions) -> None:
     """Raise ModelError, with the dialect's methods, when `--method` names another."""
     dialect, method = dialect_named(deck.dialect), options.integration.get("method")
@@ -83,7 +77,7 @@ def refuse_foreign_method(deck: Deck, options: RunOptions) -> None:
         raise ModelError([Fault("error", f"{reported} or {known[-1]}", id="RUN-025")])
 
 
-def set_tolerances(analysis: SteppedAnalysis, options: RunOptions, outcome: Outcome) -> None:
+def set_tolerances(analysis: "ConstrainedMotion", options: RunOptions, outcome: Outcome) -> None:
     """Set the tolerances of an analysis that chooses its steps; warn where the deck gives their length."""
     given = {name: options.integration[name] for name in ("rtol", "atol") if name in options.integration}
     if not given:

@@ -1,21 +1,19 @@
 """The files of one run: printed tables of its dialect and the HDF5 result; all appear whole or not at all."""
 
-import os
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import h5py
-
 from ..deck.record import Deck
 from ..dialects.recognise import dialect_named
 from ..errors import OutputError
 from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
+from ..results.files.replaced_file import ReplacedText, make_folder, put_in_place
 from ..results.hdf5.layout import Layout
-from ..results.hdf5.result_file import ResultFile
+from ..results.hdf5.result_file import ResultFile, empty_result
 from ..results.quantities.quantities import resolve
-from .context import Run, TextStream
+from .outcome import Run, TextStream
 
 if TYPE_CHECKING:
     import numpy as np
@@ -27,10 +25,8 @@ class ResultFiles:
     """The files at `paths`; `with_errors`: the result also holds estimated errors."""
 
     def __init__(
-        self, deck: "Deck", solution: "Solution", paths: ResultPaths, run: Run, with_errors: bool = False
+        self, deck: Deck, solution: "Solution", paths: ResultPaths, run: Run, with_errors: bool = False
     ):
-        from ..results.files.replaced_file import make_folder
-
         self.paths = paths
         self.texts: list[Any] = []
         self.table: Any = None
@@ -46,9 +42,7 @@ class ResultFiles:
             self.discard()
             raise
 
-    def _open_table(self, deck: "Deck", solution: "Solution", run: Run) -> None:
-        from ..results.files.replaced_file import ReplacedText
-
+    def _open_table(self, deck: Deck, solution: "Solution", run: Run) -> None:
         out: TextStream | None = None
         if self.paths.out is not None and self.paths.out != STANDARD_OUTPUT:
             # Somebody else may have put a pipe in the place of a name that the deck gives.
@@ -64,10 +58,8 @@ class ResultFiles:
             self.table = dialect.table(streams, deck, run.options.layout, solution.analysis)
 
     def _open_result(
-        self, deck: "Deck", solution: "Solution", only: "tuple[Any, ...]", with_errors: bool
+        self, deck: Deck, solution: "Solution", only: tuple[Any, ...], with_errors: bool
     ) -> None:
-        from ..results.hdf5.result_file import ResultFile
-
         layout = solution.layout()
         if with_errors:
             from .error_estimate import with_errors as with_error_series
@@ -100,8 +92,6 @@ class ResultFiles:
 
     def close(self, notes: tuple[str, ...] = ()) -> tuple[str, ...]:
         """Put the finished files in their places; their names."""
-        from ..results.files.replaced_file import put_in_place
-
         if self.result:
             self.result.note(notes)
         put_in_place(self._all())
@@ -134,7 +124,7 @@ class ResultFiles:
         for file in self._all():
             file.discard()
 
-    def _all(self) -> "list[Any]":
+    def _all(self) -> list[Any]:
         return [*self.texts, *([self.result] if self.result else [])]
 
 
@@ -146,13 +136,8 @@ def selected(layout: Layout, deck: Deck, patterns: Iterable[str]) -> Layout:
     patterns = tuple(patterns)
     if not patterns:
         return layout
-    import tempfile  # which takes its time, and few runs need it
-
-    with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
-        path = os.path.join(folder, "empty.h5")
-        ResultFile(path, deck, layout).close()
-        with h5py.File(path, "r") as result:
-            chosen = {quantity.dataset for quantity in resolve(result, patterns, where="--only ")}
+    with empty_result(deck, layout) as result:
+        chosen = {quantity.dataset for quantity in resolve(result, patterns, where="--only ")}
     # The global error of a quantity lies below another group by the same path.
     ends = tuple(f"/{path}" for path in chosen)
     series = tuple(item for item in layout.series if f"/{item.path}".endswith(ends))

@@ -12,13 +12,22 @@ from typing import TYPE_CHECKING, Any, Protocol
 from .. import __version__
 from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
-from ..results.files.file_names import ResultPaths
+from ..results.files.file_names import ResultPaths, refuse_foreign
 from ..solvers.compilation import report_damage
 from .checkpoint import ResumeFile
-from .context import Run
-from .exit_status import reason_of
-from .model import model_of, module_for
-from .outcome import Stop, Terminated
+from .earlier_results import EarlierResults, paths_of
+from .model import model_of, module_for, open_deck, own_options, warn_of_foreign_options
+from .outcome import (
+    Listener,
+    Outcome,
+    Run,
+    RunOptions,
+    Stop,
+    Terminated,
+    TextStream,
+    ending_recorded,
+    reason_of,
+)
 from .python_options import refuse_foreign_method
 from .result_files import ResultFiles
 
@@ -118,7 +127,8 @@ def solve_deck(deck: Deck, paths: ResultPaths, run: Run) -> None:
         estimate = _estimate(solution, run)
     with Stop.later():
         try:
-            _RowWriter(deck, solution, paths, run, resume_file, estimate, model_warnings).write()
+            files = ResultFiles(deck, solution, paths, run, estimate is not None)
+            _RowWriter(solution, run, resume_file, estimate, model_warnings, files).write()
         finally:
             report_damage(run.listener)
 
@@ -171,22 +181,16 @@ def _estimate(solution: Solution, run: Run) -> "ErrorEstimate | None":
     return None if finer is None else ErrorEstimate(finer)
 
 
+@dataclass
 class _RowWriter:
     """Writes the rows of one run: resume file first, then tables and result."""
 
-    def __init__(
-        self,
-        deck: Deck,
-        solution: Solution,
-        paths: ResultPaths,
-        run: Run,
-        resume_file: ResumeFile,
-        estimate: "ErrorEstimate | None",
-        model_warnings: list[Fault],
-    ):
-        self.solution, self.run, self.resume_file, self.estimate = solution, run, resume_file, estimate
-        self.model_warnings = model_warnings
-        self.files = ResultFiles(deck, solution, paths, run, estimate is not None)
+    solution: Solution
+    run: Run
+    resume_file: ResumeFile
+    estimate: "ErrorEstimate | None"
+    model_warnings: list[Fault]
+    files: ResultFiles
 
     def write(self) -> None:
         """Write the rows as they come, and put the files in their places; raises as `solve_deck`."""
@@ -287,3 +291,33 @@ class _RowWriter:
             self._leave_resume_file()
             raise
         self.resume_file.remove()
+
+
+def run_deck(
+    path: str, options: RunOptions, listener: Listener | None = None, stdout: TextStream | None = None
+) -> Outcome:
+    """Read, solve and write the deck at `path` ("-": standard input).
+
+    `stdout` receives the OUT table of `--out -`.  Faults of the deck, a full disk and stops by signals are in
+    the outcome; they raise nothing.
+    """
+    outcome, earlier = Outcome(path), EarlierResults(path, options)
+    with ending_recorded(outcome, options):
+        with Stop.released():
+            deck = open_deck(path, options, outcome)
+        warn_of_foreign_options(deck, options, outcome)
+        run = Run(
+            outcome, own_options(deck, options), (listener or Listener()).kept_in(outcome.notices), stdout
+        )
+        paths = paths_of(deck.source.name, deck.dialect, options, deck.model)
+        try:
+            refuse_foreign((file for file in paths.files if file not in paths.named), options.force)
+            solve_deck(deck, paths, run)
+        finally:
+            if options.echo:
+                from ..results.texts.echo import echo
+
+                # Building the model has filled in the defaults of empty fields.
+                outcome.echo = echo(deck)
+    earlier.set_aside(outcome)
+    return outcome

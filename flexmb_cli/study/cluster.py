@@ -1,8 +1,4 @@
-"""A study on the workers of a Dask cluster.
-
-What is handed out at a time is large at first and small at the end: a message costs the scheduler some
-milliseconds of a processor that may be a worker's too, and at the end no worker shall wait for another.
-"""
+"""A study on the workers of a Dask cluster, a task for each block of cases."""
 
 import time
 from collections import Counter, deque
@@ -16,8 +12,6 @@ from ..extras import needed
 from .sweep import BlockDone, Job, Sweep, solve_block
 from .workers import IN_FLIGHT, keep, note_deaths
 
-SHARES = 3  # so many as one that is handed out shall still be there for every thread
-LONGEST_SHARE = 1.0  # s; who looks on, and who stops the study, shall not wait for much more
 PATIENCE = 20  # s for a scheduler that does not answer, also on the way
 MUSTER = 60  # s for a first worker
 CENSUS = 1.0  # s between two looks for new workers, each a message
@@ -61,22 +55,17 @@ def solve_on_cluster(sweep: Sweep, blocks: list[int], advance: Callable[[int], N
             raise ClusterError(message, ANALYSIS_FAILED, id="STUDY-006") from fault
 
 
-def solve_share(job: Job, blocks: list[int]) -> tuple[list[BlockDone], float]:
-    """Solve some blocks of a study; what became of them, and the seconds it took.
-
-    Raises ClusterError in a worker of another version.
-    """
+def solve_share(job: Job, blocks: list[int]) -> list[BlockDone]:
+    """Solve some blocks of a study; raises ClusterError in a worker of another version."""
     version = dict(job.identity)["version"]
     if version != __version__:
         raise ClusterError(
             f"a worker has flexmb {__version__}, this study is solved by {version}", id="STUDY-007"
         )
-    start = time.perf_counter()
-    done = [solve_block(job, block) for block in blocks]
-    return done, time.perf_counter() - start
+    return [solve_block(job, block) for block in blocks]
 
 
-def _handed_on(job: "Job") -> "Job":
+def _handed_on(job: Job) -> Job:
     return job
 
 
@@ -87,7 +76,7 @@ class _Cluster:
     it before anything else is handed out.
     """
 
-    def __init__(self, client: Any, sweep: "Sweep", advance: "Callable[[int], None]", address: str):
+    def __init__(self, client: Any, sweep: Sweep, advance: Callable[[int], None], address: str):
         from distributed import as_completed
 
         self.client, self.sweep, self.advance, self.address = client, sweep, advance, address
@@ -96,8 +85,7 @@ class _Cluster:
         self.rest: deque[int] = deque()
         self.struck: deque[int] = deque()
         self.deaths: Counter[tuple[int, int]] = Counter()
-        self.shares: dict[str, list[int]] = {}  # blocks by the key of their future
-        self.seconds: float | None = None  # of a block, as reported last
+        self.given: dict[str, int] = {}  # blocks by the key of their future
         self.threads, self.counted = 1, -CENSUS
         self.arriving = as_completed(loop=client.loop)
 
@@ -119,60 +107,44 @@ class _Cluster:
 
     def _hand_out(self) -> None:
         if self.struck:
-            if not self.shares:
-                self._submit([self.struck.popleft()])
+            if not self.given:
+                self._submit(self.struck.popleft())
             return
-        self._count_threads()
-        while self.rest and len(self.shares) < self.threads * IN_FLIGHT:
-            self._submit([self.rest.popleft() for _ in range(self._size())])
+        if time.monotonic() - self.counted >= CENSUS:
+            self.threads, self.counted = max(1, sum(self.client.nthreads().values())), time.monotonic()
+        while self.rest and len(self.given) < self.threads * IN_FLIGHT:
+            self._submit(self.rest.popleft())
 
-    def _submit(self, share: list[int]) -> None:
+    def _submit(self, block: int) -> None:
         # Impure: blocks that are given once more have cases that the first attempt lacked.
-        future = self.client.submit(solve_share, self.shared, share, pure=False)
-        self.shares[future.key] = share
+        future = self.client.submit(solve_share, self.shared, [block], pure=False)
+        self.given[future.key] = block
         self.arriving.add(future)
-
-    def _count_threads(self) -> None:
-        now = time.monotonic()
-        if now - self.counted >= CENSUS:
-            self.threads, self.counted = max(1, sum(self.client.nthreads().values())), now
-
-    def _size(self) -> int:
-        """Blocks of the next share."""
-        if self.seconds is None:
-            return 1
-        fair = len(self.rest) // (SHARES * self.threads)
-        return max(1, min(fair, int(LONGEST_SHARE / self.seconds)))
 
     def _finish(self, future: Any) -> None:
         """Keep what a future brings; what its workers died of is given once more."""
         from distributed import KilledWorker
 
-        share = self.shares.pop(future.key)
+        block = self.given.pop(future.key)
         try:
-            done, seconds = future.result()
+            for done in future.result():
+                keep(self.sweep, done, self.advance)
         except KilledWorker:
-            self._give_again(share)
+            self._give_again(block)
         except ImportError as fault:
             raise ClusterError(
                 f"the workers of {self.address} need flexmb installed: {fault}", id="STUDY-009"
             ) from fault
-        else:
-            self.seconds = max(seconds, 1e-6) / len(share)
-            for block in done:
-                keep(self.sweep, block, self.advance)
 
-    def _give_again(self, share: list[int]) -> None:
-        """Hand out again the blocks that a share lacks; stored cases were solved, though their worker died.
+    def _give_again(self, block: int) -> None:
+        """Hand out a block again that lacks cases; those stored were solved, though their worker died.
 
         A complete block is not handed out again: if it ended its worker, no death would be counted.
         """
         job = self.sweep.job
-        kept = {block: [case.exit_code for case in job.stored(block)] for block in share}
-        lacking = [block for block in share if len(kept[block]) < len(job.cases(block))]
-        for block in share:
-            if block not in lacking:
-                keep(self.sweep, BlockDone(block, 0, sum(code != 0 for code in kept[block])), self.advance)
-        note_deaths(job, lacking[:1], self.deaths)
-        self.struck.extend(lacking[:1])
-        self.rest.extendleft(reversed(lacking[1:]))
+        codes = [case.exit_code for case in job.stored(block)]
+        if len(codes) == len(job.cases(block)):
+            keep(self.sweep, BlockDone(block, 0, sum(code != 0 for code in codes)), self.advance)
+        else:
+            note_deaths(job, [block], self.deaths)
+            self.struck.append(block)

@@ -1,20 +1,24 @@
-"""Pictures of a study by matplotlib: curves, maps, scatter plots, parallel coordinates."""
+"""Pictures of a study by matplotlib: curves, families, maps, scatter plots, parallel coordinates."""
 
-import io
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
+import h5py
 import numpy as np
 
 from ..results.figures.label_fitting import Letters
 from ..results.figures.look import COLOURS, NARROWEST, PANEL, TICKS, Look
-from ..results.figures.plots import HEIGHT, METADATA, PRINTED, RESOLUTION, WIDTH, fit_figure, shown
-from .cases_table import CasesTable
+from ..results.figures.plots import HEIGHT, WIDTH, figure_bytes, fit_figure, shown
+from ..results.figures.report_page import json_text, script_hash, shown_html
+from ..results.quantities.quantities import ResultError
+from .text import EXIT_CODE, CasesTable, StudyColumn, cases_table, chosen_columns, study_columns
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
 
 ONLY_ROUND_OFF = "varies by round-off only"
 KINDS = ("auto", "curve", "map", "scatter", "parallel")
@@ -59,24 +63,19 @@ def drawn(
     report_missing: Callable[[str], object] = str,
 ) -> bytes:
     """Return what `draw` puts on a figure, as a file of `form`."""
-    import matplotlib
-    from matplotlib.figure import Figure
 
-    with matplotlib.rc_context():
-        matplotlib.rcdefaults()
-        matplotlib.rcParams["svg.hashsalt"] = "flexmb"
-        if look:
-            for family in look.apply():
-                report_missing(family)
+    def make() -> "Figure":
+        from matplotlib.figure import Figure
+
         figure = Figure(layout="constrained")
         draw(figure)
         if title or not look:
             figure.suptitle(shown(title, look))
         if look:
             fit_figure(figure, look)
-        stream = io.BytesIO()
-        figure.savefig(stream, format=form, dpi=PRINTED if look else RESOLUTION, metadata=METADATA[form])
-    return stream.getvalue()
+        return figure
+
+    return figure_bytes(make, form, look, report_missing)
 
 
 def set_size(
@@ -233,3 +232,148 @@ def _axis_label(name: str, values: np.ndarray, axes: int, look: Look | None) -> 
 def _scaled(values: np.ndarray) -> np.ndarray:
     low, high = np.nanmin(values), np.nanmax(values)
     return (values - low) / (high - low) if high > low else np.full(values.shape, 0.5)
+
+
+TIMES = "result/time"
+MOST_CASE_CURVES = 500  # evenly chosen of more cases: further ones hide each other
+
+
+@dataclass(frozen=True)
+class CurveFamily:
+    """Series by their headings, arrays (cases, rows), over `times` (cases, rows), and the solved cases."""
+
+    cases: CasesTable
+    times: np.ndarray
+    series: dict[str, np.ndarray]
+
+
+def names_series(table: h5py.File, patterns: Iterable[str], file: str) -> bool:
+    """Return whether `patterns` name series of cases only."""
+    patterns = list(patterns)
+    named = _named(table, patterns, file) if patterns else []
+    return bool(named) and all(column.length for column in named)
+
+
+def curve_family(table: h5py.File, patterns: Iterable[str], file: str) -> CurveFamily:
+    """Return the series that `patterns` name; raises ResultError where times or solved cases are missing."""
+    if TIMES not in table:
+        raise ResultError(file, "its series have no times: solve the study again", id="STUDY-027")
+    named = _named(table, patterns, file)
+    solved = np.flatnonzero(table[EXIT_CODE][:] == 0)
+    cases = cases_table(table, (), file, with_results=False)
+    chosen = np.unique(np.linspace(0, len(solved) - 1, min(MOST_CASE_CURVES, len(solved))).astype(int))
+    kept = {name: values[chosen] for name, values in cases.parameters.items()}
+    cases = CasesTable(cases.deck_name, kept, {}, cases.failed)
+    series = {column.label: table[column.path][solved[chosen]] for column in named}
+    return CurveFamily(cases, table[TIMES][solved[chosen]], series)
+
+
+def family_picture(
+    family: CurveFamily,
+    form: str,
+    title: str,
+    look: Look | None = None,
+    report_missing: Callable[[str], object] = str,
+) -> bytes:
+    """Return the picture as a file of `form`; `look`, `report_missing`: as of `plots.picture`."""
+
+    def draw(figure: "Figure") -> None:
+        set_size(figure, look, len(family.series))
+        axes = figure.subplots(len(family.series), squeeze=False, sharex=True)[:, 0]
+        for axis, (label, values) in zip(axes, family.series.items(), strict=True):
+            label_axis(axis, "y", label, look)
+            axis.grid(True, linewidth=0.4, color="#cccccc")
+            _draw_cases(figure, axis, family, values, look)
+        label_axis(axes[-1], "x", "time [s]", look)
+
+    return drawn(draw, form, title, look, report_missing)
+
+
+def _draw_cases(
+    figure: "Figure", axis: "Axes", family: CurveFamily, values: np.ndarray, look: Look | None
+) -> None:
+    from matplotlib import rcParams
+
+    name, parameter = next(iter((family.cases.varied or family.cases.parameters).items()))
+    colours = colours_of(parameter)
+    for times, curve, colour in zip(family.times, values, colours.to_rgba(parameter), strict=True):
+        axis.plot(times, curve, color=colour, linewidth=rcParams["lines.linewidth"] if look else 1.0)
+    add_key(figure, colours, axis, name, look)
+
+
+def _named(table: h5py.File, patterns: Iterable[str], file: str) -> list[StudyColumn]:
+    named = chosen_columns(study_columns(table), patterns, file)
+    return [column for column in named if column.path.startswith("result/")]
+
+
+PAGE = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy}">
+<meta name="viewport" content="width=device-width">
+<title>{title}</title>
+<style>body {{ font-family: sans-serif; margin: 1em auto; max-width: 75em; padding: 0 1em }}
+.plot {{ width: 100%; height: 30em }} pre {{ overflow-x: auto; background: #f4f4f4; padding: 1em }}</style>
+<script>{library}</script></head><body>
+<h1>{title}</h1><p>{counts}</p>
+<h2>Parallel coordinates</h2><div class="plot" id="parallel"></div>
+<h2>Results</h2>{places}
+<h2>Study</h2><pre>{study}</pre>
+<script>{drawing}</script></body></html>
+"""
+DRAWING = """const figures = {figures};
+for (const [place, figure] of Object.entries(figures))
+  Plotly.newPlot(place, figure.data, figure.layout, {{responsive: true, displaylogo: false}});
+"""
+# Plotly sets styles of elements, draws parallel coordinates with functions that it composes of its own text
+# ('unsafe-eval'), and hands the picture that a reader saves to the browser as data: or blob:.  It needs no
+# network; a form, which default-src leaves free, could send the numbers to its makers.
+POLICY = (
+    "default-src 'none'; script-src {scripts} 'unsafe-eval'; style-src 'unsafe-inline'; "
+    "img-src data: blob:; form-action 'none'; base-uri 'none'"
+)
+
+
+def study_page(cases: CasesTable, study: str, library: str) -> str:
+    """Return the page; `study` is the text of the study, `library` that of plotly.js."""
+    figures = {"parallel": _parallel_data(cases)}
+    figures |= {f"result{n}": _result(cases, name) for n, name in enumerate(cases.results)}
+    places = "".join(f'<div class="plot" id="{name}"></div>' for name in figures if name != "parallel")
+    solved = len(next(iter(cases.results.values())))
+    counts = f"{solved} cases solved, {cases.failed} failed"
+    drawing = DRAWING.format(figures=json_text(figures))
+    return PAGE.format(
+        policy=POLICY.format(scripts=f"{script_hash(library)} {script_hash(drawing)}"), library=library,
+        title=shown_html(f"Study of {cases.deck_name}"), counts=counts, places=places,
+        study=shown_html(study), drawing=drawing,
+    )  # fmt: skip
+
+
+def _parallel_data(cases: CasesTable) -> dict[str, Any]:
+    columns = {**(cases.varied or cases.parameters), **cases.results}
+    last = next(reversed(cases.results))
+    dimensions = [{"label": shown_html(name), "values": _list(values)} for name, values in columns.items()]
+    line = {"color": _list(cases.results[last]), "colorscale": "Viridis"}
+    return {"data": [{"type": "parcoords", "dimensions": dimensions, "line": line}], "layout": {}}
+
+
+def _result(cases: CasesTable, name: str) -> dict[str, Any]:
+    """A curve over one parameter, else points over the first two, coloured by the result."""
+    across = list((cases.varied or cases.parameters).items())
+    values = _list(cases.results[name])
+    layout: dict[str, Any] = {"title": {"text": shown_html(name)}}
+    layout["xaxis"] = {"title": {"text": shown_html(across[0][0])}}
+    trace: dict[str, Any] = {"type": "scatter", "mode": "markers", "x": _list(across[0][1]), "y": values}
+    if len(across) == 1:
+        order = np.argsort(across[0][1], kind="stable")
+        trace |= {"mode": "lines+markers", "x": _list(across[0][1][order])}
+        trace["y"] = _list(cases.results[name][order])
+    else:
+        marker = {"color": values, "colorscale": "Viridis", "showscale": True}
+        trace |= {"y": _list(across[1][1]), "text": [f"{value:.6g}" for value in cases.results[name]]}
+        trace |= {"marker": marker}
+        layout["yaxis"] = {"title": {"text": shown_html(across[1][0])}}
+    return {"data": [trace], "layout": layout}
+
+
+def _list(values: np.ndarray) -> list[float | None]:
+    return [value if np.isfinite(value) else None for value in values.tolist()]

@@ -5,9 +5,9 @@ A study is data: names are looked up and numbers taken, nothing is evaluated.
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeGuard
+from typing import Any, TypeGuard
 
 from ..deck.record import DeckText
 from ..deck.toml_table import DeepNameError, TomlError, toml_table
@@ -15,10 +15,6 @@ from ..dialects import DIALECTS
 from ..dialects.recognise import AUTO
 from ..errors import DeckError, Fault, Place
 from .study import GRID, LATIN, SAMPLINGS, SERIES, TAKES, TOGETHER, Kept, Study, Varied
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
 
 TABLES = ("parameters", "results")
 _HEAD = re.compile(r"\s*\[\s*[\"']?([^][\"']*?)[\"']?\s*\]")
@@ -82,7 +78,7 @@ def read_study(source: DeckText) -> Study:
     return study
 
 
-def _table(source: DeckText) -> "dict[Any, Any]":
+def _table(source: DeckText) -> dict[Any, Any]:
     try:
         return toml_table(source)
     except DeepNameError as fault:
@@ -116,7 +112,7 @@ def _refuse_deck(source: DeckText) -> None:
 class _Reader:
     """Walks the tables of a study and collects faults."""
 
-    def __init__(self, source: DeckText, table: "dict[Any, Any]"):
+    def __init__(self, source: DeckText, table: dict[Any, Any]):
         self.source, self.table = source, table
         self.faults: list[Fault] = []
         self.within = ""  # the table whose entries are being read
@@ -184,7 +180,7 @@ class _Reader:
         return list(table.items())
 
     def _varied(
-        self, name: str, given: "Mapping[Any, Any] | int | Sequence[Any] | str", sampled: bool
+        self, name: str, given: Mapping[Any, Any] | int | Sequence[Any] | str, sampled: bool
     ) -> Varied | None:
         if isinstance(given, dict):
             return self._range(name, given, sampled)
@@ -201,7 +197,7 @@ class _Reader:
             return None
         return Varied(name, tuple(given), place=self._place(name))
 
-    def _range(self, name: str, given: "dict[Any, Any]", sampled: bool) -> Varied | None:
+    def _range(self, name: str, given: dict[Any, Any], sampled: bool) -> Varied | None:
         if name_in_full := _dotted(name, given):
             message = f'a name with points stands in quotes: "{name_in_full}" = …'
             self._fault(name, message, self._place(name_in_full), id="STUDY-042")
@@ -261,7 +257,7 @@ class _Reader:
             return self._fault(key, f"is an integer from {low} to {high}", id="STUDY-052")
         return given
 
-    def _refuse_unknown(self, table: "dict[Any, Any]", known: tuple[str, ...], owner: str) -> None:
+    def _refuse_unknown(self, table: dict[Any, Any], known: tuple[str, ...], owner: str) -> None:
         for key in table:
             if key not in known:
                 self._fault(key, f"unknown in {owner}; known are {', '.join(known)}", id="STUDY-053")

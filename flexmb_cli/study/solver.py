@@ -1,7 +1,6 @@
 """One case of a study: the deck with other numbers, solved in memory; what is kept of it."""
 
 import os
-import tempfile
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -11,11 +10,10 @@ from ..deck.record import Deck
 from ..dialects.settings import SettableDeck
 from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, DeckError, Fault, FlexmbError
 from ..memory import LACK_OF_MEMORY, lacks_memory
-from ..results.hdf5.result_file import ResultFile
+from ..results.hdf5.result_file import empty_result
 from ..results.quantities.quantities import SHOWS_ALL, Quantity, ResultError, resolve
-from ..run.context import Run
 from ..run.model import model_of
-from ..run.outcome import Listener, Outcome, RunOptions, Stop
+from ..run.outcome import Listener, Outcome, Run, RunOptions, Stop
 from ..run.solution import Solution, solution_of
 from .study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Cases, Kept, Study
 
@@ -150,14 +148,9 @@ def _reported(fault: Exception) -> tuple[int, str]:
 
 def _quantities(study: Study, deck: Deck, solution: Solution) -> list[Quantity]:
     """Return what the study keeps, looked up in a result without rows.  Raises DeckError."""
-    import h5py
-
     faults: list[Fault] = []
-    with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
-        path = os.path.join(folder, "empty.h5")
-        ResultFile(path, deck, solution.layout()).close()
-        with h5py.File(path, "r") as result:
-            found = [_one(result, item, faults) for item in study.results]
+    with empty_result(deck, solution.layout()) as result:
+        found = [_one(result, item, faults) for item in study.results]
     if faults:
         raise DeckError(faults)
     return [quantity for quantity in found if quantity is not None]

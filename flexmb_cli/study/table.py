@@ -13,8 +13,7 @@ import numpy as np
 
 from .. import __version__
 from ..extras import needed
-from ..results.files.disk_failures import located
-from ..results.files.full_disk_guard import FullDiskGuard
+from ..results.files.disk_failures import FullDiskGuard, located
 from ..results.files.replaced_file import Replacement
 from ..results.hdf5.result_file import FILE_FORMAT, TEXT, printable_name
 
@@ -69,14 +68,14 @@ def write_table(path: str, head: TableHead, rows: Iterable[Row]) -> None:
     place.commit()
 
 
-def _blocks(head: TableHead, rows: "Iterable[Any]") -> Iterator[list[Row]]:
+def _blocks(head: TableHead, rows: Iterable[Any]) -> Iterator[list[Row]]:
     size = max(1, NUMBERS_WRITTEN // (4 + sum(max(1, column.length) for column in head.columns)))
     rows = iter(rows)
     while block := list(islice(rows, size)):
         yield block
 
 
-def _write_hdf5(place: Replacement, head: TableHead, rows: "Iterable[Any]") -> None:
+def _write_hdf5(place: Replacement, head: TableHead, rows: Iterable[Any]) -> None:
     with (
         FullDiskGuard(place.duplicate()) as disk,
         disk.blamed(),
@@ -85,7 +84,7 @@ def _write_hdf5(place: Replacement, head: TableHead, rows: "Iterable[Any]") -> N
         _fill(file, head, rows, disk)
 
 
-def _fill(file: h5py.File, head: TableHead, rows: "Iterable[Any]", disk: FullDiskGuard) -> None:
+def _fill(file: h5py.File, head: TableHead, rows: Iterable[Any], disk: FullDiskGuard) -> None:
     datasets = _datasets(file, head)
     start = 0
     for block in _blocks(head, rows):

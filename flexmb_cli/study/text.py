@@ -1,10 +1,6 @@
-"""The table of a study as text: a row a case; its parameters, results and exit code side by side."""
+"""The table of a study: a row a case, as text; and its numbers, parameters and results of solved cases."""
 
-import csv
 import fnmatch
-import io
-import json
-import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -18,7 +14,7 @@ from ..errors import Fault, visible
 from ..results.hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, understood
 from ..results.quantities.quantities import NOTHING, SHOWS_ALL, ResultError
 from ..results.quantities.quantity_names import folded
-from ..results.quantities.table import SEPARATOR, TEXT_NUMBER, TEXT_WIDTH, grouped
+from ..results.quantities.table import grouped, table_lines, widths_of
 from .table import NUMBERS_WRITTEN
 
 CASE, EXIT_CODE, MESSAGE = "case", "exit_code", "message"
@@ -38,6 +34,11 @@ class StudyColumn:
     def name(self) -> str:
         """The name, as the column of a Parquet table: `parameter.driver.1.B`, `result.top`."""
         return self.path.replace("/", ".", 1)
+
+    @property
+    def label(self) -> str:
+        """The name without its group, with the unit, as pictures have it."""
+        return f"{self.path.partition('/')[2]} [{self.unit}]"
 
     @property
     def heads(self) -> list[str]:
@@ -122,14 +123,14 @@ def study_text(
     shown = range(len(heads)) if shown is None else shown
     heads = [heads[k] for k in shown]
     if style != "jsonl":
-        yield _lines(heads, [heads], style)
+        yield table_lines(heads, [heads], style)
     count = len(table[CASE])
     cases = range(0, count, min(every, max(count, 1)))  # HDF5 counts strides in 64 bits
     length = max(1, NUMBERS_WRITTEN // sum(max(column.length, 1) for column in columns))
     for first in range(0, len(cases), length):
         block = cases[first : first + length]
         rows = _rows(table, columns, slice(block.start, block.stop, block.step))
-        yield _lines(heads, [[row[k] for k in shown] for row in rows], style)
+        yield table_lines(heads, [[row[k] for k in shown] for row in rows], style)
 
 
 def fitting_heads(columns: Sequence[StudyColumn], width: int) -> list[list[int]]:
@@ -138,7 +139,7 @@ def fitting_heads(columns: Sequence[StudyColumn], width: int) -> list[list[int]]
     Each group begins with the case.  Messages, which are prose of any length, have a group of their own.
     """
     heads = _heads(columns)
-    widths = _widths(heads)
+    widths = widths_of(heads)
     room = width - widths[0]
     needed = [room if head == MESSAGE else size for head, size in zip(heads, widths, strict=True)]
     return [[0, *group] for group in grouped(range(1, len(heads)), needed[1:], room)] or [[0]]
@@ -148,45 +149,17 @@ def _heads(columns: Sequence[StudyColumn]) -> list[str]:
     return [head for column in columns for head in column.heads]
 
 
-def _widths(heads: Sequence[str]) -> list[int]:
-    return [max(len(head), TEXT_WIDTH if " [" in head else 0) for head in heads]
-
-
-def _messages(dataset: h5py.Dataset, cases: slice) -> list[str]:
-    return [visible(text) for text in dataset.asstr(errors="replace")[cases].tolist()]
-
-
-def _rows(table: h5py.File, columns: Sequence[StudyColumn], cases: slice) -> "list[Any]":
+def _rows(table: h5py.File, columns: Sequence[StudyColumn], cases: slice) -> list[Any]:
     """Cells of the cases, row by row: whole numbers, numbers and text."""
     cells = []
     for column in columns:
         dataset = table[column.path]
-        values = dataset[cases] if column.path != MESSAGE else _messages(dataset, cases)
+        if column.path == MESSAGE:
+            values = [visible(text) for text in dataset.asstr(errors="replace")[cases].tolist()]
+        else:
+            values = dataset[cases]
         cells += np.reshape(values, (len(values), -1)).T.tolist()
     return list(zip(*cells, strict=True))
-
-
-def _lines(heads: list[str], rows: "list[Any]", style: str) -> str:
-    if style == "jsonl":
-        records = (dict(zip(heads, map(_json, row), strict=True)) for row in rows)
-        return "".join(json.dumps(record, allow_nan=False) + "\n" for record in records)
-    if style == "text":
-        widths = _widths(heads)
-        return "".join(_aligned(row, widths) for row in rows)
-    page = io.StringIO()
-    # The csv module writes the shortest digits that read back to the same double.
-    csv.writer(page, delimiter=SEPARATOR[style], lineterminator="\n").writerows(rows)
-    return page.getvalue()
-
-
-def _aligned(row: "Sequence[Any]", widths: list[int]) -> str:
-    cells = (TEXT_NUMBER.format(cell) if isinstance(cell, float) else str(cell) for cell in row)
-    return "  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True)).rstrip() + "\n"
-
-
-def _json(cell: float) -> float | None:
-    """Return the cell; JSON has no nan and no infinity, so they become None."""
-    return None if isinstance(cell, float) and not math.isfinite(cell) else cell
 
 
 def study_notes(table: h5py.File, columns: Sequence[StudyColumn], named: bool) -> list[Fault]:
@@ -204,3 +177,61 @@ def failed_notes(table: h5py.File) -> list[Fault]:
         f"{failed} of {len(table[CASE])} cases failed and have nan for results; the column message says why"
     )
     return [Fault("note", message, id="STUDY-056")] if failed else []
+
+
+@dataclass(frozen=True)
+class CasesTable:
+    """Solved cases by columns, which are arrays (cases,): `parameters` and `results` by their headings."""
+
+    deck_name: str
+    parameters: dict[str, np.ndarray]
+    results: dict[str, np.ndarray]
+    failed: int
+
+    @property
+    def varied(self) -> dict[str, np.ndarray]:
+        """The parameters with more than one value."""
+        return {name: values for name, values in self.parameters.items() if np.unique(values).size > 1}
+
+    @property
+    def is_grid(self) -> bool:
+        """Return whether two parameters vary and every pair of their values was solved once."""
+        axes = list(self.varied.values())
+        if len(axes) != 2:
+            return False
+        pairs = np.unique(np.column_stack(axes), axis=0)
+        sizes = [np.unique(axis).size for axis in axes]
+        return len(pairs) == len(axes[0]) == sizes[0] * sizes[1]
+
+
+def cases_table(
+    table: h5py.File, patterns: Iterable[str], file: str, with_results: bool = True
+) -> CasesTable:
+    """Return the solved cases of an open study; `patterns` choose results, without any all single numbers.
+
+    Raises ResultError for a pattern that names none, a series, and a study without a solved case.
+    """
+    columns = study_columns(table)
+    wanted = [column for column in chosen_columns(columns, patterns, file) if _is(column, "result")]
+    series = [column.name for column in wanted if column.length]
+    if with_results and (series or not wanted):
+        message = (
+            f"{series[0]} is a series of each case: draw it alone"
+            if series
+            else "no result with one number is named"
+        )
+        raise ResultError(file, f"{message}; name results that are one number a case", id="STUDY-004")
+    solved = table[EXIT_CODE][:] == 0
+    if not solved.any():
+        raise ResultError(file, "nothing to draw: no case was solved", id="STUDY-019")
+    parameters = [column for column in columns if _is(column, "parameter")]
+    return CasesTable(
+        table.attrs["deck_name"],
+        {column.label: table[column.path][:][solved] for column in parameters},
+        {column.label: table[column.path][:][solved] for column in wanted if with_results},
+        int((~solved).sum()),
+    )
+
+
+def _is(column: StudyColumn, group: str) -> bool:
+    return column.path.startswith(f"{group}/")

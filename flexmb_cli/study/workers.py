@@ -4,12 +4,11 @@ import signal
 from collections import Counter, deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
-from ..errors import ANALYSIS_FAILED, Fault, FlexmbError
+from ..errors import ANALYSIS_FAILED, FlexmbError
 from ..run.outcome import Listener
-from ..run.processes.signal_mask import unblock_stops
-from ..run.processes.worker import Worker, end_all, having_answers, portable
+from ..run.processes.worker import Remark, Worker, end_all, having_answers, portable, remarking, why_unable
 from .sweep import MOST_DEATHS, SILENT, BlockDone, Job, Sweep, give_up_case, next_case, solve_block
 
 IN_FLIGHT = 2  # blocks that a worker, or a thread of one, is given: one that it solves and the next
@@ -20,12 +19,6 @@ class WorkersError(FlexmbError):
     """The processes of a study end before they solve anything (exit 1)."""
 
     exit_code = ANALYSIS_FAILED
-
-
-class Remark(NamedTuple):
-    """A report of a process to the user."""
-
-    said: Fault | str  # a warning or note, or what is done until the first row
 
 
 def solve_here(
@@ -77,7 +70,7 @@ class _Work:
     begun: set[Worker] = field(default_factory=set)
     deaths: Counter[tuple[int, int]] = field(default_factory=Counter)
     barren: int = 0
-    reported: "set[Fault | str]" = field(default_factory=set)
+    reported: set[Remark] = field(default_factory=set)
 
     def proceed(self) -> bool:
         """Give blocks to processes and hear what they have to say; False when all are solved."""
@@ -122,7 +115,10 @@ class _Work:
             self.given[worker].remove(answer.block)
             keep(self.sweep, answer, self.advance)
         elif isinstance(answer, Remark):
-            self._report(answer)
+            # Processes say the same: they compile the same kernels.
+            if answer not in self.reported:
+                getattr(self.listener, answer.kind)(answer.said)
+            self.reported.add(answer)
         elif answer == BEGUN:
             self.begun.add(worker)
             self.barren = 0
@@ -132,17 +128,6 @@ class _Work:
             worker.kill()
             self._take_back(worker)
             self._do_with_fewer(str(answer))
-
-    def _report(self, remark: Remark) -> None:
-        """Pass on what the processes say, each of it once: they compile the same kernels."""
-        said = remark.said
-        if said in self.reported:
-            return
-        self.reported.add(said)
-        if isinstance(said, Fault):
-            self.listener.notice(said)
-        else:
-            self.listener.status(said)
 
     def _replace(self, worker: Worker) -> None:
         """A process has died: whatever it was at is counted."""
@@ -167,25 +152,12 @@ class _Work:
 
 def _serve(line: Any, job: Job) -> None:
     """Solve the blocks that come through `line`."""
-    line.send(_begin_process() or BEGUN)
-    listener = Listener(
-        notice=lambda fault: line.send(Remark(fault)), status=lambda doing: line.send(Remark(doing))
-    )
+    # Ctrl-C reaches every process of the terminal.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    reason, listener = why_unable(), remarking(line)
+    line.send(RuntimeError(reason) if reason else BEGUN)
     while True:
         line.send(_solve(job, line.recv(), listener))
-
-
-def _begin_process() -> RuntimeError | None:
-    """Ctrl-C reaches every process of the terminal; a worker ends with its driver, however that ends."""
-    from ..run.processes.parent_watch import end_with_parent
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    unblock_stops()
-    try:
-        end_with_parent()
-    except RuntimeError as fault:  # no thread can be started
-        return fault
-    return None
 
 
 def _solve(job: Job, block: int, listener: Listener = SILENT) -> BlockDone | BaseException:

@@ -24,8 +24,8 @@ from flexmb_cli.dialects.dafms.reader import read_dafms
 from flexmb_cli.results.diff.compare import compare
 from flexmb_cli.results.diff.listings import read_listing
 from flexmb_cli.results.diff.tolerances import Tolerance, Tolerances
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.solution import run_deck
 
 DECKS = Path(__file__).parents[2] / "decks"
 REFERENCE, BEFORE = 1e-13, 1e-9

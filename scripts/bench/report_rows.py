@@ -8,8 +8,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.solution import run_deck
 
 DECK = Path(__file__).resolve().parents[2] / "decks/young/IN-RSSR.dat"
 TIMES = "0.000000119 0.04 0.0035717333"

@@ -12,8 +12,7 @@ from flexmb_cli.dialects.settings import apply_settings
 from flexmb_cli.dialects.young.build import build_young
 from flexmb_cli.solvers.kinematics.analysis import KinematicAnalysis
 from flexmb_cli.study.cluster import solve_on_cluster
-from flexmb_cli.study.sweep import Sweep
-from flexmb_cli.study.table_writer import write_study_table
+from flexmb_cli.study.sweep import Sweep, write_study_table
 from flexmb_cli.study.workers import solve_here
 
 DECK = Path(__file__).resolve().parents[2] / "decks/young/IN-RSSR.dat"

@@ -20,7 +20,7 @@ CHILD = """
 import json, os, sys
 import numba
 from flexmb_cli.kernels import _entry
-from flexmb_cli.run.deck import run_deck
+from flexmb_cli.run.solution import run_deck
 from flexmb_cli.run.outcome import RunOptions
 
 asked = json.loads(sys.argv[1])

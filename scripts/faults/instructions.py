@@ -17,9 +17,9 @@ from pathlib import Path
 
 import h5py
 
-from flexmb_cli.cli.terminal.stops import stop_on_signals
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import TERMINATED, RunOptions, Stop
+from flexmb_cli.run.processes.signal_mask import stop_on_signals
+from flexmb_cli.run.solution import run_deck
 
 PACKAGE = str(Path(sys.modules[run_deck.__module__].__file__).parents[1])
 TRACED = (

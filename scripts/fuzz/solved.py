@@ -129,8 +129,8 @@ def _solved(chance, work, options) -> dict:
     from judged.decks import damaged
 
     from flexmb_cli.run.check.check import check_deck
-    from flexmb_cli.run.deck import run_deck
     from flexmb_cli.run.outcome import RunOptions
+    from flexmb_cli.run.solution import run_deck
 
     deck = damaged(chance, options.dialect, options.elements)
     # Files that a deck names are found beside it.

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 import pytest
 
 from flexmb_cli.results.texts import check_text
+from flexmb_cli.run.check import check as parts
 from flexmb_cli.run.check import check as run_check
-from flexmb_cli.run.check import parts
 from flexmb_cli.run.outcome import Outcome, RunOptions
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"

@@ -13,8 +13,8 @@ from flexmb_cli.cli.report import report
 from flexmb_cli.cli.table import table
 from flexmb_cli.results.figures.film import FilmLook, Texts, film_frames
 from flexmb_cli.results.quantities.quantities import open_result
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.solution import run_deck
 
 DECK = Path(__file__).resolve().parents[2] / "decks/young/IN4-BAR.dat"
 

@@ -9,7 +9,7 @@ from flexmb_cli.cli.check import check
 from flexmb_cli.cli.run import run
 from flexmb_cli.deck.text import decode
 from flexmb_cli.dialects.recognise import read_deck
-from flexmb_cli.run.open_deck import warn_of_foreign_options
+from flexmb_cli.run.model import warn_of_foreign_options
 from flexmb_cli.run.outcome import Outcome, RunOptions
 from tests.dialects.vsdf.vsdf_decks import RIGID
 

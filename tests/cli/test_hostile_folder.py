@@ -106,4 +106,4 @@ def test_workers_are_the_only_processes_that_the_package_starts():
             line for line in path.read_text(encoding="utf-8").splitlines() if "import " in line or "(" in line
         ]
         found |= {path.relative_to(PACKAGE).as_posix() for line in code if starting.search(line)}
-    assert found == {f"run/processes/{name}.py" for name in ("parent_watch", "signal_mask", "worker")}
+    assert found == {f"run/processes/{name}.py" for name in ("signal_mask", "worker")}

@@ -131,7 +131,7 @@ def test_too_little_memory_is_no_fault_of_flexmb(tmp_path, lack):
     script = f"""
 import sys
 from flexmb_cli import __main__
-from flexmb_cli.run import deck
+from flexmb_cli.run import solution as deck
 def fails(*arguments): raise {lack}
 deck.run_deck = fails
 sys.argv = ["flexmb", "run", "x.dat", "--json"]

@@ -10,7 +10,7 @@ import pytest
 
 from flexmb_cli import cli as package
 from flexmb_cli.cli import cli, main
-from flexmb_cli.cli.options.finite import Millimetres
+from flexmb_cli.cli.options.output_file import Millimetres
 from flexmb_cli.study.table import Column, TableHead, write_table
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"

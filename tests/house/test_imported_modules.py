@@ -199,7 +199,6 @@ def test_what_commands_import(tmp_path, command):
             "cli.options",
             "cli.terminal",
             "cli.terminal.screen",
-            "cli.terminal.stops",
         }
 
 

@@ -14,8 +14,8 @@ import pytest
 from flexmb_cli.kernels import _arguments, _entry, _jit, signatures
 from flexmb_cli.kernels.constrained import speeds
 from flexmb_cli.kernels.linalg import lu
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.solution import run_deck
 
 PACKAGE = Path(_jit.__file__).parents[1]
 compiled = pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")

@@ -14,10 +14,10 @@ from flexmb_cli.model.loads import DynamicModel, MassProperties
 from flexmb_cli.model.mechanism import Body, Joint, Mechanism, TimeGrid
 from flexmb_cli.model.unit_checks import unit_warnings
 from flexmb_cli.run.check.check import check_deck
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.mechanism_modes import Wish
 from flexmb_cli.run.modes import modes_of_deck
 from flexmb_cli.run.outcome import Listener, RunOptions
+from flexmb_cli.run.solution import run_deck
 from tests.dialects.vsdf.vsdf_decks import RIGID
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import h5py
 
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import Listener, RunOptions
+from flexmb_cli.run.solution import run_deck
 
 DECKS = Path(__file__).parents[2] / "decks" / "dafms"
 NAMES = sorted(path.stem for path in DECKS.glob("*.DAT"))

@@ -6,8 +6,8 @@ import pytest
 
 from flexmb_cli.results.figures.curves import default_curves
 from flexmb_cli.results.quantities.quantities import names
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.solution import run_deck
 from tests.dialects.dafms.test_dafms_elements import HELD, TWO_LINKS, card, deck, function, integers, reals
 from tests.dialects.dafms.test_every_card import joined
 from tests.dialects.vsdf.test_elements import TWO_LINKS as VSDF_LINKS

@@ -9,10 +9,9 @@ import pytest
 from flexmb_cli.errors import AnalysisError
 from flexmb_cli.model.arrays import tree_elements
 from flexmb_cli.run.check.check import check_deck
-from flexmb_cli.run.context import Run
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.mechanism_modes import Wish, tree_modes
-from flexmb_cli.run.outcome import Listener, Outcome, RunOptions
+from flexmb_cli.run.outcome import Listener, Outcome, Run, RunOptions
+from flexmb_cli.run.solution import run_deck
 from flexmb_cli.run.verify.verify import verify_deck
 from flexmb_cli.solvers.constrained.tree import AbsoluteTree
 from flexmb_cli.solvers.tree import analysis as tree_analysis

@@ -8,9 +8,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexmb_cli.errors import AnalysisError, Fault
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.error_estimate import ErrorEstimate
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.solution import run_deck
 from tests.dialects.vsdf.test_rigid_links import young_rows
 from tests.dialects.vsdf.vsdf_decks import changed
 from tests.run.dafms_runs import altered, loaded, run

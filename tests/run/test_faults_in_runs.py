@@ -22,10 +22,10 @@ from flexmb_cli.errors import OutputError
 from flexmb_cli.memory import LACK_OF_MEMORY
 from flexmb_cli.results.files.replaced_file import located
 from flexmb_cli.results.hdf5.result_file import ResultFile
-from flexmb_cli.run import deck, modes
+from flexmb_cli.run import modes
+from flexmb_cli.run import solution as deck
 from flexmb_cli.run.check import check
-from flexmb_cli.run.exit_status import StreamError
-from flexmb_cli.run.outcome import Listener, RunOptions
+from flexmb_cli.run.outcome import Listener, RunOptions, StreamError
 from flexmb_cli.run.verify import verify
 from tests.run.dafms_runs import ENDINGS, run
 from tests.run.test_stopping import DECK, DECKS, OTHER, raised, raising, swallowing

@@ -14,7 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli.cli import cli
-from flexmb_cli.results.files.own_files import is_own, refuse_foreign
+from flexmb_cli.results.files.file_names import is_own, refuse_foreign
 
 TOP = Path(__file__).resolve().parents[2]
 DECKS = TOP / "decks"

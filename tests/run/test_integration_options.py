@@ -11,8 +11,8 @@ from flexmb_cli.cli.report import report
 from flexmb_cli.cli.run import run
 from flexmb_cli.cli.table import table
 from flexmb_cli.errors import FlexmbError
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.solution import run_deck
 from tests.dialects.vsdf.vsdf_decks import RIGID
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"

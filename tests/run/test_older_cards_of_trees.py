@@ -4,8 +4,8 @@ import h5py
 import numpy as np
 import pytest
 
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.solution import run_deck
 from flexmb_cli.run.verify.verify import verify_deck
 from tests.dialects.dafms.dafms_decks import deck_text
 from tests.dialects.dafms.test_dafms_elements import TWO_LINKS, card, deck, integers, reals

@@ -13,8 +13,8 @@ from flexmb_cli.deck import several_models
 from flexmb_cli.deck.record import DeckText
 from flexmb_cli.deck.several_models import models_of, only_model
 from flexmb_cli.errors import DeckError
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.solution import run_deck
 from flexmb_cli.solvers.tree import analysis
 from tests.run.dafms_runs import DECKS, stop_after
 

@@ -15,9 +15,9 @@ from flexmb_cli.cli import cli
 from flexmb_cli.cli.run import run as run_command
 from flexmb_cli.cli.terminal import deck_processes
 from flexmb_cli.errors import OutputError
-from flexmb_cli.run import deck as run_deck_module
-from flexmb_cli.run.deck import run_deck
+from flexmb_cli.run import solution as run_deck_module
 from flexmb_cli.run.outcome import Listener, RunOptions
+from flexmb_cli.run.solution import run_deck
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 FOUR_BAR = (DECKS / "young/IN4-BAR.dat").read_text()

@@ -13,12 +13,13 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli import cli as commands
-from flexmb_cli.cli.terminal.stops import stop_on_signals
 from flexmb_cli.errors import Fault
 from flexmb_cli.results.diff.compare import compare
-from flexmb_cli.run import deck, modes
+from flexmb_cli.run import modes
+from flexmb_cli.run import solution as deck
 from flexmb_cli.run.check import check
 from flexmb_cli.run.outcome import INTERRUPTED, TERMINATED, Listener, RunOptions, Stop, Terminated
+from flexmb_cli.run.processes.signal_mask import stop_on_signals
 from flexmb_cli.run.solutions import kinematic
 from flexmb_cli.run.verify import verify
 from tests.run.dafms_runs import run

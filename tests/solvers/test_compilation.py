@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from flexmb_cli.kernels import _entry, _jit, _library
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import Listener, RunOptions
+from flexmb_cli.run.solution import run_deck
 from flexmb_cli.solvers import compilation
 
 DECK = Path(__file__).resolve().parents[2] / "decks" / "young" / "IN1-1-1.dat"

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from flexmb_cli.cli.terminal.stops import stop_on_signals
 from flexmb_cli.run.outcome import Stop, Terminated
-from flexmb_cli.study import table_writer
+from flexmb_cli.run.processes.signal_mask import stop_on_signals
+from flexmb_cli.study import sweep as study_sweep
 from flexmb_cli.study import workers as study_workers
 from flexmb_cli.study.checkpoints import Parts, RecordForm
 from flexmb_cli.study.sweep import Sweep, give_up_case, next_case, solve_block
@@ -218,10 +218,10 @@ def test_a_stop_while_the_table_is_written_waits_until_it_is_whole(tmp_path, mon
         signal.raise_signal(signal.SIGTERM)
         write_table(path, head, rows)
 
-    monkeypatch.setattr(table_writer, "write_table", stopped)
+    monkeypatch.setattr(study_sweep, "write_table", stopped)
     stop_on_signals()
     with pytest.raises(Terminated), Stop.released():
-        table_writer.write_study_table(str(tmp_path / "s.h5"), sweep)
+        study_sweep.write_study_table(str(tmp_path / "s.h5"), sweep)
     assert len(table(tmp_path / "s.h5")["case"]) == 5
     assert (tmp_path / "parts").is_dir()
 

@@ -13,12 +13,9 @@ from click.testing import CliRunner
 from flexmb_cli.cli.export import export
 from flexmb_cli.cli.plot import plot
 from flexmb_cli.cli.report import report
-from flexmb_cli.study.cases_table import cases_table
-from flexmb_cli.study.curve_family import curve_family
-from flexmb_cli.study.figures import kind_for
-from flexmb_cli.study.page import study_page
+from flexmb_cli.study.figures import curve_family, kind_for, study_page
 from flexmb_cli.study.table import Column, TableHead, write_table
-from flexmb_cli.study.text import open_study
+from flexmb_cli.study.text import cases_table, open_study
 from tests.results.figures.test_content_policy import Loaded
 
 LENGTH, RATE = Column("parameter/length", "m", "length"), Column("parameter/rate", "rad/s", "rate")

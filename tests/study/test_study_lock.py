@@ -10,9 +10,8 @@ from click.testing import CliRunner
 
 from flexmb_cli.cli import cli
 from flexmb_cli.errors import DeckError, OutputError
-from flexmb_cli.study.lock import StudyLock
-from flexmb_cli.study.sweep import Sweep, solve_block
-from flexmb_cli.study.table_writer import write_study_table
+from flexmb_cli.study.checkpoints import StudyLock
+from flexmb_cli.study.sweep import Sweep, solve_block, write_study_table
 from flexmb_cli.study.workers import solve_here
 
 DECK = Path(__file__).resolve().parents[2] / "decks/young/IN1-3-1.dat"
@@ -87,7 +86,7 @@ def test_parts_that_cannot_be_removed_make_no_wrong_command_of_a_written_table(s
 
 def test_a_sweep_that_found_the_lock_of_one_just_ended_takes_a_new_one(study, monkeypatch):
     """Between its look for the folder and its lock the other removed both: the lock it holds is nowhere."""
-    import flexmb_cli.study.lock as study_lock
+    import flexmb_cli.study.checkpoints as study_lock
 
     held = []
 

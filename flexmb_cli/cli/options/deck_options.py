@@ -1,22 +1,21 @@
 """Options and fault printing of all commands that take decks."""
 
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from ...deck.several_models import models_of, named_model, refuse_strange
 from ...dialects import DIALECTS
 from ...errors import FlexmbError, compiler_style
+from ...run.outcome import Outcome, RunOptions
+from ...run.processes.signal_mask import stop_on_signals
 from ..terminal.screen import notify
-from ..terminal.stops import stop_on_signals
-from .completion import files
-from .finite import Finite
+from .output_file import Finite, files
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
     from ...run.check.check import CheckReport
     from ...run.modes import ModesReport
-    from ...run.outcome import Outcome
     from ...run.verify.verify import Verification
 
 
@@ -36,7 +35,7 @@ LOOP_TOLERANCE = click.option(
 )  # fmt: skip
 
 
-def deck_options(command: "Callable[..., Any]") -> "Callable[..., Any]":
+def deck_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Options that `run` and `check` share."""
     options = [
         click.option("--dialect", type=click.Choice(["auto", *reversed(DIALECTS)]), default="auto",
@@ -55,15 +54,15 @@ def deck_options(command: "Callable[..., Any]") -> "Callable[..., Any]":
 
 
 def every_deck(
-    decks: tuple[str, ...], changes: tuple[str, ...], examine: "Callable[[str], Report]"
+    decks: tuple[str, ...], options: RunOptions, examine: "Callable[[str], Report]"
 ) -> "Iterator[Report]":
     """Yield the report of `examine` on each deck; decks after a stop are named as interrupted.
 
-    Raises DeckError for settings among the `changes` of a model that a deck lacks.
+    Raises DeckError for settings of a model that a deck lacks.
     """
     stop_on_signals()
     named = with_models(decks)
-    refuse_strange_models(named, changes)
+    refuse_strange_models(named, options.changes)
     for deck in named:
         report = examine(deck)
         code = report.outcome.exit_code
@@ -75,14 +74,12 @@ def every_deck(
 
 def with_models(decks: tuple[str, ...]) -> list[str]:
     """Return the decks, `1:DECK`, `2:DECK` … in the place of one with several models."""
-    from ...deck.several_models import models_of
 
     return [name for deck in decks for name in models_of(deck)]
 
 
 def refuse_strange_models(decks: list[str], changes: tuple[str, ...]) -> None:
     """Raise DeckError, once a deck, for a setting of a model that a deck with several of them lacks."""
-    from ...deck.several_models import models_of, named_model, refuse_strange
 
     for path in dict.fromkeys(path for path, model in map(named_model, decks) if model):
         try:
@@ -92,7 +89,7 @@ def refuse_strange_models(decks: list[str], changes: tuple[str, ...]) -> None:
             raise
 
 
-def show_faults(outcome: "Outcome", quiet: bool) -> None:
+def show_faults(outcome: Outcome, quiet: bool) -> None:
     """Faults of an outcome on standard error, as compilers do; with `quiet` errors, and old results."""
     faults = [
         fault

@@ -1,22 +1,35 @@
-"""Output of commands that read results: to a file of its own, or to standard output."""
+"""Options, arguments and types that several commands share, their completion, and where output may go."""
 
+import math
 import os
-from typing import TYPE_CHECKING, Any
+import re
+from collections.abc import Sequence
+from typing import Any
 
 import click
 
+from ...errors import FlexmbError
 from ..terminal.screen import WrongCall
-from .completion import files
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+
+def files(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[Any]:
+    """Have the shell complete names of files."""
+    from click.shell_completion import CompletionItem
+
+    return [CompletionItem(incomplete, type="file")]
 
 
 STANDARD_OUTPUT = "-"
+RESULT = click.argument("result", metavar="RESULT.h5", shell_complete=files)
+AS_JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+QUIET = click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+VERBOSE = click.option(
+    "-v", "--verbose", is_flag=True, help="Without a terminal, print the progress every ten seconds."
+)
 FORCE = click.option("--force", is_flag=True, help="Replace files that flexmb did not make, too.")
 
 
-def refuse_inputs(output: str, inputs: "Sequence[Any]", option: str = "-o") -> None:
+def refuse_inputs(output: str, inputs: Sequence[Any], option: str = "-o") -> None:
     """Raise UsageError when `output`, given with `option`, is one of the files that the command reads."""
     for path in inputs:
         if _are_one(output, path):
@@ -55,3 +68,62 @@ class WrittenPlace(click.types.StringParamType):
     def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> Any:
         """Have the shell complete names of files."""
         return files(ctx, param, incomplete)
+
+
+def quantities(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[str]:
+    """Return the names in the result that the command line names; none where it cannot be read."""
+    from ...results.quantities.quantities import names, open_result
+
+    try:
+        with open_result(context.params.get("result") or "") as file:
+            known = [quantity.name for quantity in names(file)]
+    except FlexmbError:
+        return []
+    return [name for name in known if name.startswith(incomplete)]
+
+
+def example_names(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[str]:
+    """Return the names of the supplied decks."""
+    from ..examples import supplied
+
+    return [name for name in supplied() if name.startswith(incomplete)]
+
+
+_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(e[-+]?\d+)?", re.IGNORECASE)
+_WIDTH = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))\s*(mm|cm|in)?", re.IGNORECASE | re.ASCII)
+_MILLIMETRES = {"mm": 1.0, "cm": 10.0, "in": 25.4}
+
+
+class Finite(click.FloatRange):
+    """`click.FloatRange` for finite numbers; without limits any of them."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The number, or a usage error that names the option."""
+        if isinstance(value, str) and _DECIMAL_COMMA.fullmatch(value.strip()):
+            self.fail(f"{value} has a decimal comma; write {value.strip().replace(',', '.')}", param, ctx)
+        number = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value} is no finite number", param, ctx)
+        return number
+
+    def _describe_range(self) -> str:
+        return "" if self.min is self.max is None else super()._describe_range()
+
+
+class Millimetres(Finite):
+    """A width on paper: mm, or with `cm` or `in` behind the number."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The width in mm, or a usage error."""
+        if not isinstance(value, str):
+            return super().convert(value, param, ctx)
+        match = _WIDTH.fullmatch(value.strip())
+        if _DECIMAL_COMMA.fullmatch(value.strip()):
+            return super().convert(value, param, ctx)
+        if match is None:
+            self.fail(f"{value} is no width: give millimetres, such as 85, or 8.5cm, 3.5in", param, ctx)
+        return super().convert(float(match[1]) * _MILLIMETRES[(match[2] or "mm").lower()], param, ctx)
+
+
+ABSOLUTE_TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
+RELATIVE_TOLERANCE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`

@@ -3,21 +3,17 @@
 import signal
 import sys
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...errors import ANALYSIS_FAILED, Fault
 from ...memory import lack_of_memory_text, lacks_memory
 from ...run.earlier_results import EarlierResults
 from ...run.outcome import Listener, Outcome, RunOptions, Stop, Terminated
-from ...run.processes.signal_mask import unblock_stops
-from ...run.processes.worker import Worker, end_all, having_answers, portable
+from ...run.processes.signal_mask import pass_over_stops, stop_on_signals
+from ...run.processes.worker import Remark, Worker, end_all, having_answers, portable, remarking, why_unable
 from .progress import Progress
-from .stops import pass_over_stops, stop_on_signals
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
 
 KILLED = (
     "the process that solved this deck was killed from outside, or out of memory: give it again; "
@@ -26,10 +22,10 @@ KILLED = (
 
 
 def outcomes_in_parallel(
-    decks: "Sequence[str]", options: RunOptions, jobs: int, progress: Progress
+    decks: Sequence[str], options: RunOptions, jobs: int, progress: Progress
 ) -> Iterator[Outcome]:
     """Return what became of every deck, in order; after a stop, of those that had been begun."""
-    from ...run.processes.parent_watch import outlive_workers
+    from ...run.processes.signal_mask import outlive_workers
 
     outlive_workers()
     work = _Work(options, jobs, progress, deque(enumerate(decks)))
@@ -55,10 +51,6 @@ class _Unable:
     reason: str
 
 
-class _Doing(str):
-    """Message of a process about its present activity."""
-
-
 @dataclass
 class _Work:
     """`waiting` (index, deck), `running` (index, deck) by worker, `ended` outcomes by index.
@@ -76,7 +68,7 @@ class _Work:
     idle: list[Worker] = field(default_factory=list)
     ended: dict[int, Outcome] = field(default_factory=dict)
     earlier: dict[int, EarlierResults] = field(default_factory=dict)
-    reported: "set[_Doing | Fault]" = field(default_factory=set)
+    reported: set[Remark] = field(default_factory=set)
     fault: BaseException | None = None
 
     def proceed(self) -> None:
@@ -125,21 +117,16 @@ class _Work:
         while self.running:
             self._hear(having_answers(self.running))
 
-    def _hear(self, workers: "Collection[Worker]") -> None:
+    def _hear(self, workers: Collection[Worker]) -> None:
         for worker in workers:
             answer = worker.answer()
-            if isinstance(answer, (_Doing, Fault)):
-                self._notify(answer)
+            if isinstance(answer, Remark):
+                # Processes say the same.
+                if answer not in self.reported:
+                    getattr(self.progress, answer.kind)(answer.said)
+                self.reported.add(answer)
             else:
                 self._take(worker, *self.running.pop(worker), answer)
-
-    def _notify(self, reported: "_Doing | Fault") -> None:
-        if reported not in self.reported:
-            self.reported.add(reported)
-            if isinstance(reported, Fault):
-                self.progress.notice(reported)
-            else:
-                self.progress.status(reported)
 
     def _take(self, worker: Worker, index: int, deck: str, answer: Any) -> None:
         """Return what became of a deck; `answer` None: its process was killed."""
@@ -166,27 +153,16 @@ def _serve(line: Any, options: RunOptions) -> None:
     Sends notices while a deck is solved, then (outcome, whether this process takes further decks).  After a
     stop it takes none: a module whose import was interrupted stays half imported.
     """
-    unable = _begin_process()
-    listener = Listener(notice=line.send, status=lambda doing: line.send(_Doing(doing)))
+    sys.unraisablehook = pass_over_stops
+    stop_on_signals()
+    reason, listener = why_unable(), remarking(line)
+    unable = _Unable(reason) if reason else None
     takes_more = True
     while takes_more:
         deck = line.recv()
         outcome = unable or _solve(deck, options, listener)
         takes_more = Stop.asked is None and isinstance(outcome, Outcome)
         line.send((outcome, takes_more))
-
-
-def _begin_process() -> Any:
-    from ...run.processes.parent_watch import end_with_parent
-
-    sys.unraisablehook = pass_over_stops
-    stop_on_signals()
-    unblock_stops()
-    try:
-        end_with_parent()
-    except RuntimeError as fault:  # no thread can be started
-        return _Unable(str(fault))
-    return None
 
 
 def _solve(deck: str, options: RunOptions, listener: Listener) -> Any:

@@ -1,9 +1,9 @@
 """Notes of a command on the one file that it reads: words on standard error, and an object of `--json`."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -11,16 +11,12 @@ from ...errors import BAD_INPUT, DONE, INTERNAL_FAULT, Fault, FlexmbError, compi
 from ...run.outcome import INTERRUPTED, TERMINATED
 from .screen import WrongCall, notify
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-
 STATUS = {BAD_INPUT: "bad input", INTERNAL_FAULT: "internal fault"}
 STATUS |= dict.fromkeys((INTERRUPTED, TERMINATED), "interrupted")
 
 
 @contextmanager
-def faults_in_json(wanted: bool, about: dict[str, Any], file: str) -> "Iterator[None]":
+def faults_in_json(wanted: bool, about: dict[str, Any], file: str) -> Iterator[None]:
     """Failures in here are printed as one JSON object if `wanted`, and go on.
 
     `about` begins the record; `file` is named to blame where a failure names none.
@@ -46,7 +42,7 @@ def print_record(
     exit_code: int,
     faults: tuple[Fault, ...],
     file: str | None = None,
-    about: "dict[Any, Any] | tuple[Any, ...]" = (),
+    about: dict[Any, Any] | tuple[Any, ...] = (),
 ) -> None:
     """One JSON object on standard output: `about`, the status in a word, and the faults of `file`."""
     record = {
@@ -69,7 +65,7 @@ class Notices:
         self.faults: list[tuple[str, Fault]] = []  # with the file that each is about
 
     @contextmanager
-    def failures(self) -> "Iterator[None]":
+    def failures(self) -> Iterator[None]:
         """Failures in here are printed as JSON if wanted, and go on."""
         with faults_in_json(self.as_json, self.about, self.file):
             yield
@@ -79,14 +75,14 @@ class Notices:
         if self.as_json and output == "-":
             raise WrongCall("-o - and --json both take standard output; give -o a file", id="CLI-060")
 
-    def add(self, faults: "Iterable[Fault]", file: str = "") -> None:
+    def add(self, faults: Iterable[Fault], file: str = "") -> None:
         """Print notes, of the file that is read if no other is named, and keep them for the object."""
         about = file or self.file
         for fault in faults:
             self.faults.append((about, fault))
             self.say(f"{about}: {fault.severity}: {fault.message}")
 
-    def add_of_deck(self, faults: "Sequence[Fault]", lines: "Sequence[str]") -> None:
+    def add_of_deck(self, faults: Sequence[Fault], lines: Sequence[str]) -> None:
         """Print notes on a deck with their places in its `lines`, and keep them for the object."""
         self.faults += [(self.file, fault) for fault in faults]
         if faults and not self.quiet:
@@ -97,9 +93,9 @@ class Notices:
         if not self.quiet:
             notify(sentence)
 
-    def end(self, **more: Any) -> None:
-        """Print the object of a command that is done; `more`: what it has besides the faults."""
+    def end(self, status: str = "complete", exit_code: int = DONE, **more: Any) -> None:
+        """Print the object of a command that has ended; `more`: what it has besides the faults."""
         if self.as_json:
             faults = [{"file": file} | fault.as_dict() for file, fault in self.faults]
-            record = self.about | {"status": "complete", "exit_code": DONE, "faults": faults} | more
+            record = self.about | {"status": status, "exit_code": exit_code, "faults": faults} | more
             click.echo(json.dumps(record))

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from threading import Event, Thread
 from typing import Any
 
-from ...errors import Fault
+from ...errors import Fault, visible
 from .screen import notify, terminal_width
 
 REDRAWN_AFTER = 0.1  # s
@@ -103,7 +103,6 @@ class Progress:
             self.waiting = None
 
     def _draw(self, text: str) -> None:
-        from ...errors import visible
 
         # The last column stays free: some terminals wrap as soon as it is filled.
         line = _fitted(visible(text), len(visible(self.title)), terminal_width(self.stream) - 1)

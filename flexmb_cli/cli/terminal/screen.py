@@ -6,17 +6,14 @@ import os
 import re
 import sys
 import textwrap
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from ...errors import lines_visible, visible
-from ...run.exit_status import StreamError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
+from ...run.outcome import StreamError
 
 COLUMN_GAP = re.compile(r"\S {2,}\S")
 
@@ -44,7 +41,7 @@ class OutputText:
 
 
 @contextmanager
-def _as_stream_error() -> "Iterator[None]":
+def _as_stream_error() -> Iterator[None]:
     try:
         yield
     except OSError as fault:

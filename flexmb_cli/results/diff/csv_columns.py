@@ -12,9 +12,8 @@ import numpy as np
 from ...deck.listing import TableError, plain_text, read_bytes
 from ...errors import Fault
 from ..quantities.quantities import names, read
-from .hdf5 import DEFAULT_ATOL, DEFAULT_RTOL, kind_of, open_sound
-from .listings import are, counted
-from .report import Found, Report
+from .hdf5 import kind_of, open_sound
+from .report import Found, Report, are, counted
 from .tolerances import CSV, Tolerances
 
 TIME_HEAD = "time [s]"
@@ -22,24 +21,16 @@ TIME_HEAD = "time [s]"
 SAME_TIME = 1e-9
 SHOWN_HEADS = 5  # of columns that a table lacks
 KIND_OF_NAME = (
-    (r"body\..*\.e\d", "euler"),
-    (r"body\..*\.de\d", "euler_rate"),
+    (r"body\..*\.e\d", "euler"), (r"body\..*\.de\d", "euler_rate"),
     (r"body\..*\.dde\d", "euler_acceleration"),
-    (r"body\..*\.velocity\.\w", "velocity"),
-    (r"body\..*\.omega\.\w", "omega"),
-    (r"body\..*\.acceleration\.\w", "acceleration"),
-    (r"body\..*\.alpha\.\w", "alpha"),
-    (r"body\..*\.[xyz]", "position"),
-    (r"point\..*\.velocity\.\w", "point_velocity"),
-    (r"point\..*\.acceleration\.\w", "point_acceleration"),
-    (r"point\..*", "point_position"),
-    (r"coordinate\..*\.u", "speed"),
-    (r"coordinate\..*", "coordinate"),
-    (r"(reaction|held)\..*\.force\.\w", "force"),
-    (r"(reaction|held)\..*\.torque\.\w", "torque"),
-    (r"driver\..*\.effort", "effort"),
-    (r"(energy|audit|elastic|modal)\..*", r"\1"),
-)
+    (r"body\..*\.velocity\.\w", "velocity"), (r"body\..*\.omega\.\w", "omega"),
+    (r"body\..*\.acceleration\.\w", "acceleration"), (r"body\..*\.alpha\.\w", "alpha"),
+    (r"body\..*\.[xyz]", "position"), (r"point\..*\.velocity\.\w", "point_velocity"),
+    (r"point\..*\.acceleration\.\w", "point_acceleration"), (r"point\..*", "point_position"),
+    (r"coordinate\..*\.u", "speed"), (r"coordinate\..*", "coordinate"),
+    (r"(reaction|held)\..*\.force\.\w", "force"), (r"(reaction|held)\..*\.torque\.\w", "torque"),
+    (r"driver\..*\.effort", "effort"), (r"(energy|audit|elastic|modal)\..*", r"\1"),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -58,15 +49,11 @@ class Columns:
         return self.values[:, 0]
 
 
-def compare_csv(
-    path_a: str, path_b: str, forms: Sequence[str], tolerances: Tolerances, listed: int = 0
-) -> Report:
+def compare_csv(report: Report, forms: Sequence[str], tolerances: Tolerances) -> None:
     """Compare two tables, or a table with an HDF5 result, of which the table may hold a selection."""
-    tolerances = tolerances.with_defaults(DEFAULT_ATOL, DEFAULT_RTOL)
-    report = Report(path_a, path_b, most_listed=listed)
     a, b = (
         read_csv(path) if form == CSV else _read_result(path)
-        for path, form in zip((path_a, path_b), forms, strict=True)
+        for path, form in zip((report.a, report.b), forms, strict=True)
     )
     rows = _common_rows(report, a, b)
     for head in a.heads:
@@ -74,7 +61,6 @@ def compare_csv(
             _compare_column(report, head, (a, b), rows, tolerances)
     _report_missing(report, a, b, tolerances)
     _report_missing(report, b, a, tolerances)
-    return report
 
 
 def read_csv(path: str) -> Columns:

@@ -1,5 +1,6 @@
 """Compare the echoes of the input in two listings."""
 
+from collections.abc import Callable, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
@@ -7,29 +8,40 @@ import numpy as np
 
 from ...deck.fortran_words import overflows
 from ...deck.listing import EchoLine, Listing, ListingForm
-from .report import Found, Report
+from .report import Found, Report, compare_words
 from .tolerances import Tolerances
-from .words import compare_words
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
     from .tolerances import Tolerance
 
 
 def compare_echo(report: Report, a: Listing, b: Listing, tolerances: Tolerances) -> None:
-    """Compare what two listings of the same form print of their decks."""
+    """Compare what two listings of the same form print of their decks, by titles or by types of lines.
+
+    What has a title may be spread over its lines in another way.
+    """
     if not tolerances.of("echo").ignores:
         report.words += compare_words(a, b)
-    if a.form.by_titles:
-        _compare_tags(report, a, b, tolerances)
-    else:
-        for kind in dict.fromkeys(line.kind for line in (*a.echo, *b.echo)):
-            if not tolerances.of(kind).ignores:
-                _compare_head(report, kind, a, b, tolerances)
+    by_titles = a.form.by_titles
+    parts: dict[str, tuple[list[EchoLine], list[EchoLine]]] = {}
+    for side, listing in enumerate((a, b)):
+        for line in listing.echo:
+            parts.setdefault(line.title if by_titles else line.kind, ([], []))[side].append(line)
+    for key, lines in parts.items():
+        if tolerances.of((lines[0] or lines[1])[0].kind).ignores:
+            continue
+        counts = [[len(line.values) for line in part] for part in lines]
+        sums = [sum(part) for part in counts]
+        title = "echo of the input" if key == "echo" else key
+        if counts[0] == counts[1] or (by_titles and sums[0] == sums[1]):
+            _compare_lines(report, *lines, tolerances, a.form)
+        elif sums[0] != sums[1]:
+            report.missing.append(f"{title}: {sums[0]} numbers in {a.name}, {sums[1]} in {b.name}")
+        else:
+            report.missing.append(f"{title}: the numbers of {a.name} and {b.name} stand on different lines")
 
 
-def as_stars(a: np.ndarray, b: np.ndarray, edit_of: "Callable[..., Any]") -> tuple[np.ndarray, np.ndarray]:
+def as_stars(a: np.ndarray, b: np.ndarray, edit_of: Callable[..., Any]) -> tuple[np.ndarray, np.ndarray]:
     """Both with inf wherever one is stars (inf) and the other would be stars too; `edit_of(position)`."""
     a, b = a.copy(), b.copy()
     for one, other in ((a, b), (b, a)):
@@ -37,42 +49,6 @@ def as_stars(a: np.ndarray, b: np.ndarray, edit_of: "Callable[..., Any]") -> tup
             if overflows(float(other[place]), edit_of(place)):
                 other[place] = one[place]
     return a, b
-
-
-def _compare_head(report: Report, kind: str, a: Listing, b: Listing, tolerances: Tolerances) -> None:
-    """Number by number, when both have as many on every line."""
-    lines = [[line for line in x.echo if line.kind == kind] for x in (a, b)]
-    counts = [[len(line.values) for line in part] for part in lines]
-    if counts[0] == counts[1]:
-        _compare_lines(report, lines[0], lines[1], tolerances, a.form)
-        return
-    title = "echo of the input" if kind == "echo" else kind
-    sums = [sum(part) for part in counts]
-    if sums[0] != sums[1]:
-        report.missing.append(f"{title}: {sums[0]} numbers in {a.name}, {sums[1]} in {b.name}")
-    else:
-        report.missing.append(f"{title}: the numbers of {a.name} and {b.name} stand on different lines")
-
-
-def _compare_tags(report: Report, a: Listing, b: Listing, tolerances: Tolerances) -> None:
-    """Tag by tag, since each of them may be spread over its lines in another way."""
-    tags_a, tags_b = _by_title(a.echo), _by_title(b.echo)
-    for title in dict.fromkeys([*tags_a, *tags_b]):
-        lines = tags_a.get(title, []), tags_b.get(title, [])
-        if tolerances.of((lines[0] or lines[1])[0].kind).ignores:
-            continue
-        counts = [sum(len(line.values) for line in part) for part in lines]
-        if counts[0] == counts[1]:
-            _compare_lines(report, *lines, tolerances, a.form)
-        else:
-            report.missing.append(f"{title}: {counts[0]} numbers in {a.name}, {counts[1]} in {b.name}")
-
-
-def _by_title(echo: tuple[EchoLine, ...]) -> dict[str, list[EchoLine]]:
-    tags: dict[str, list[EchoLine]] = {}
-    for line in echo:
-        tags.setdefault(line.title, []).append(line)
-    return tags
 
 
 def _compare_lines(
@@ -97,7 +73,7 @@ def _flattened(lines: list[EchoLine]) -> list[tuple[EchoLine, int]]:
 def _compare_kind(
     report: Report,
     kind: str,
-    chosen: "Sequence[int]",
+    chosen: Sequence[int],
     flat: Any,
     tolerance: "Tolerance",
     form: ListingForm,

@@ -67,7 +67,8 @@ class Emulation:
         blocks: list[Rows], section: str, step: np.ndarray, index: np.ndarray, columns: np.ndarray
     ) -> np.ndarray:
         """Numbers of the lines; nan beyond the last row that could be computed."""
-        table = np.concatenate([_gathered(blocks, name) for name in DATASETS[section]], axis=2)
+        parts = [[getattr(block, name) for block in blocks] for name in DATASETS[section]]
+        table = np.concatenate([np.concatenate(part) for part in parts], axis=2)
         known = (step < len(table)) & (index < table.shape[1])
         found = table[np.where(known, step, 0), np.where(known, index, 0)]
         return np.where(known[:, None], found, np.nan)[:, columns]
@@ -79,10 +80,6 @@ def _rows(mechanism: Mechanism, errors: frozenset[str]) -> list[Rows]:
     with suppress(AnalysisError):
         blocks.extend(AsPrinted(mechanism, errors=errors, block=1).rows())
     return blocks
-
-
-def _gathered(blocks: list[Rows], name: str) -> np.ndarray:
-    return np.concatenate([getattr(block, name) for block in blocks])
 
 
 def _agrees(values: np.ndarray, printed: np.ndarray, unit: np.ndarray) -> np.ndarray:

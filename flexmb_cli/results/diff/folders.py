@@ -214,7 +214,7 @@ def compare_many(summary: Summary, compare_pair: Callable[[Pair], Report]) -> No
             summary.passed_over.append(pair.name)
 
 
-def _compared(pair: Pair, compare_pair: "Callable[..., Any]", summary: Summary) -> Compared:
+def _compared(pair: Pair, compare_pair: Callable[..., Any], summary: Summary) -> Compared:
     if pair.a is None or pair.b is None:
         lacking = summary.a if pair.a is None else summary.b
         stale = f"{pair.name}{STALE}"

@@ -24,35 +24,22 @@ from ..hdf5.stored_result import (
     understood,
 )
 from ..quantities.quantities import ResultError, resolve
-from .report import Found, Report
+from .report import WORDS_OF_RESULTS, Found, Report, compare_names
 from .tolerances import Tolerance, Tolerances
-from .words import WORDS_OF_RESULTS, compare_names
 
-DEFAULT_ATOL, DEFAULT_RTOL = 1e-12, 1e-9
 # So many numbers are compared at once: results may be larger than the memory.
 NUMBERS_AT_ONCE = 2**21
 
 KIND_OF = {
-    "time": "time",
-    "body/position": "position",
-    "body/euler_parameters": "euler",
+    "time": "time", "body/position": "position", "body/euler_parameters": "euler",
     "body/velocity": "velocity",
-    "body/euler_parameter_rates": "euler_rate",
-    "body/angular_velocity": "omega",
-    "body/acceleration": "acceleration",
-    "body/euler_parameter_accelerations": "euler_acceleration",
-    "body/angular_acceleration": "alpha",
-    "point/position": "point_position",
-    "point/velocity": "point_velocity",
-    "point/acceleration": "point_acceleration",
-    "coordinate/q": "coordinate",
-    "coordinate/u": "speed",
-    "reaction/force": "force",
-    "reaction/torque": "torque",
-    "held/force": "force",
-    "held/torque": "torque",
-    "driver/effort": "effort",
-}
+    "body/euler_parameter_rates": "euler_rate", "body/angular_velocity": "omega",
+    "body/acceleration": "acceleration", "body/euler_parameter_accelerations": "euler_acceleration",
+    "body/angular_acceleration": "alpha", "point/position": "point_position",
+    "point/velocity": "point_velocity", "point/acceleration": "point_acceleration",
+    "coordinate/q": "coordinate", "coordinate/u": "speed", "reaction/force": "force",
+    "reaction/torque": "torque", "held/force": "force", "held/torque": "torque", "driver/effort": "effort",
+}  # fmt: skip
 KIND_OF_GROUP = {"audit": "audit", "energy": "energy", "elastic": "elastic", "modal": "modal"}
 SIGNED = ("body/euler_parameters", "body/euler_parameter_rates", "body/euler_parameter_accelerations")
 # The text of decks and studies may differ where the results do not: a comment, the order of the spaces.
@@ -63,20 +50,15 @@ KIND_OF_FILE = {"flexmb-study": "the table of a study", "flexmb": "a result"}
 REPORTED_BY = {"flexmb-study": "case", "flexmb": "time"}
 
 
-def compare_hdf5(
-    path_a: str, path_b: str, tolerances: Tolerances, same_attitude: bool = False, listed: int = 0
-) -> Report:
-    """Compare two HDF5 results; see `diff.compare`."""
-    tolerances = tolerances.with_defaults(DEFAULT_ATOL, DEFAULT_RTOL)
-    report = Report(path_a, path_b, most_listed=listed)
-    with open_sound(path_a) as a, open_sound(path_b) as b:
-        kinds = [_kind_of_file(path, file) for path, file in ((path_a, a), (path_b, b))]
+def compare_hdf5(report: Report, tolerances: Tolerances, same_attitude: bool = False) -> None:
+    """Compare the two HDF5 results that a report is about; see `diff.compare`."""
+    with open_sound(report.a) as a, open_sound(report.b) as b:
+        kinds = [_kind_of_file(path, file) for path, file in ((report.a, a), (report.b, b))]
         if kinds[0] != kinds[1]:
-            message = f"it is {kinds[1]}, {path_a} is {kinds[0]}; compare two of the same type"
-            raise TableError(path_b, [Fault("error", message, id="DIFF-003")])
-        with _understood_in(f"{path_a} or {path_b}"):
+            message = f"it is {kinds[1]}, {report.a} is {kinds[0]}; compare two of the same type"
+            raise TableError(report.b, [Fault("error", message, id="DIFF-003")])
+        with _understood_in(f"{report.a} or {report.b}"):
             _compare_files(report, a, b, tolerances, same_attitude)
-    return report
 
 
 @contextmanager
@@ -234,7 +216,8 @@ def _compare_part(
 
     def describe(position: tuple[int, int, int], distance: float) -> Found:
         row = part.start + int(position[0])
-        timed = _has_time(dataset, name)
+        scale = scale_of(dataset, 0) if dataset.ndim and name != "time" else None
+        timed = scale is not None and scale == dataset.file.get("time") and is_number(scale)
         time = float(dataset.file["time"][row]) if timed else None
         item, column = _labels(dataset, (row, *position[1:]), timed)
         return Found(
@@ -242,11 +225,6 @@ def _compare_part(
         )
 
     report.compare(kind_of(name), first, second, tolerance, describe)
-
-
-def _has_time(dataset: h5py.Dataset, name: str) -> bool:
-    scale = scale_of(dataset, 0) if dataset.ndim else None
-    return scale is not None and scale == dataset.file.get("time") and is_number(scale) and name != "time"
 
 
 def _labels(dataset: h5py.Dataset, position: tuple[int, int, int], timed: bool) -> tuple[str, str]:

@@ -1,5 +1,6 @@
 """Compare two OUT tables number by number."""
 
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,11 +10,10 @@ from ...deck.table_columns import SECTIONS
 from ...dialects.recognise import every_dialect
 from ...errors import Fault
 from .echo import as_stars, compare_echo
-from .report import Found, Report
+from .report import Found, Report, are, counted
 from .tolerances import Tolerances
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
     from pathlib import Path
 
     from .emulated import Emulation
@@ -46,23 +46,13 @@ def _occurrences(time: np.ndarray) -> list[tuple[float, int]]:
     return pairs
 
 
-def common_places(keys_a: "list[Any]", keys_b: "list[Any]") -> tuple[Any, ...]:
+def common_places(keys_a: list[Any], keys_b: list[Any]) -> tuple[Any, ...]:
     """Positions of the keys that both lists have, in the order of the first."""
     place = {key: row for row, key in enumerate(keys_b)}
     rows = [(row, place[key]) for row, key in enumerate(keys_a) if key in place]
     return tuple(
         np.array(column, dtype=np.int64) for column in (zip(*rows, strict=True) if rows else ((), ()))
     )
-
-
-def counted(number: int, thing: str) -> str:
-    """Return "1 row", "2 rows"."""
-    return f"{number} {thing}{'s' * (number != 1)}"
-
-
-def are(number: int) -> str:
-    """Return the verb for a number of things."""
-    return "is" if number == 1 else "are"
 
 
 def few(words: list[str], most: int = 3) -> str:
@@ -169,7 +159,7 @@ def _compare_section(
 
 def _quantity_places(
     name: str, section: Section, pick: np.ndarray, heads: list[str], tolerances: Tolerances
-) -> "Iterator[Any]":
+) -> Iterator[Any]:
     """Pairs (index of lines and column, tolerance) of quantities such as `velocity.body 3.dX`."""
     if not tolerances.quantities:
         return
@@ -230,7 +220,7 @@ def _describer(
     columns: np.ndarray,
     shared: list[str],
     values: tuple[np.ndarray, np.ndarray],
-) -> "Callable[..., Any]":
+) -> Callable[..., Any]:
     section: Section = listing.sections[name]
 
     def describe(position: tuple[int, int], distance: float) -> Found:

@@ -1,6 +1,6 @@
 """Compare MATLAB files of results with each other and with HDF5 results, field by field."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,32 +10,23 @@ from ...errors import Fault
 from ..files.matlab import matlab_fields, read_matlab
 from .hdf5 import (
     COMPARED_ATTRIBUTES,
-    DEFAULT_ATOL,
-    DEFAULT_RTOL,
     NOT_COMPARED,
     kind_of,
     open_sound,
     quantity_places,
 )
-from .report import Found, Report
+from .report import WORDS_OF_RESULTS, Found, Report, compare_names
 from .tolerances import MATLAB, ToleranceError, Tolerances
-from .words import WORDS_OF_RESULTS, compare_names
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from .tolerances import Tolerance
 
 
-def compare_matlab(
-    path_a: str, path_b: str, forms: Sequence[str], tolerances: Tolerances, listed: int = 0
-) -> Report:
+def compare_matlab(report: Report, forms: Sequence[str], tolerances: Tolerances) -> None:
     """Compare two MATLAB files, or one with an HDF5 result.  Raises TableError when one cannot be read."""
-    tolerances = tolerances.with_defaults(DEFAULT_ATOL, DEFAULT_RTOL)
-    report = Report(path_a, path_b, most_listed=listed)
     special: dict[str, list[Any]] = {}
     pairs = []
-    for path, form in zip((path_a, path_b), forms, strict=True):
+    for path, form in zip((report.a, report.b), forms, strict=True):
         if form == MATLAB:
             pairs.append(_read(path))
             continue
@@ -49,7 +40,6 @@ def compare_matlab(
     for name in dict.fromkeys((*pairs[0], *pairs[1])):
         if not name.startswith("info/") and name not in NOT_COMPARED:
             _compare_field(report, name, pairs, tolerances, special)
-    return report
 
 
 def _read(path: str) -> dict[str, np.ndarray]:

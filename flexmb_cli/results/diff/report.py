@@ -1,21 +1,26 @@
-"""Result of a comparison: counts for every type of column, the worst place, missing entries."""
+"""Result of a comparison: counts for every type of column, the worst place, missing entries, and words."""
 
 import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ...deck.listing import Listing
 from ...errors import visible
 from .tolerances import KINDS, Tolerance
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
 
 
 def counted(number: int, stem: str, one: str = "", many: str = "s") -> str:
     """Return a number and what is counted: 1 file, 2 files."""
     return f"{number} {stem}{one if number == 1 else many}"
+
+
+def are(number: int) -> str:
+    """Return the verb for a number of things."""
+    return "is" if number == 1 else "are"
 
 
 def agreeing(number: int, verb: str) -> str:
@@ -49,15 +54,7 @@ class Found:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain record for `--json`; numbers that JSON does not know are given as text."""
-        return {
-            "section": self.section,
-            "item": self.item,
-            "column": self.column,
-            "time": _json_number(self.time),
-            "a": _json_number(self.a),
-            "b": _json_number(self.b),
-            "distance": _json_number(self.distance),
-        }
+        return {key: _json_number(value) for key, value in vars(self).items() if key != "line"}
 
 
 @dataclass
@@ -75,13 +72,18 @@ class Tally:
     largest: float = 0.0
     worst: Found | None = None
 
+    def as_dict(self) -> dict[str, Any]:
+        """Plain record for `--json`."""
+        numbers = {"largest": _json_number(self.largest), "worst": self.worst and self.worst.as_dict()}
+        return vars(self) | numbers
+
     def add(
         self,
         differs: np.ndarray,
         distance: np.ndarray,
         known: np.ndarray,
         unreadable: int,
-        describe: "Callable[..., Any]",
+        describe: Callable[..., Any],
     ) -> None:
         """Count a block; `describe(position)` gives the `Found` at an index of the block."""
         self.compared += distance.size - unreadable
@@ -168,10 +170,10 @@ class Report:
         a: Any,
         b: np.ndarray,
         tolerance: Tolerance,
-        describe: "Callable[..., Any]",
+        describe: Callable[..., Any],
         unit: float | np.ndarray | None = None,
         slack: float | np.ndarray = 0.0,
-        known: "Sequence[Any]" = (),
+        known: Sequence[Any] = (),
     ) -> None:
         """Compare two blocks of one type; `describe(position, distance)` gives the `Found` there.
 
@@ -195,13 +197,13 @@ class Report:
             differs, distance, marked, count, lambda position: describe(position, float(distance[position]))
         )
 
-    def _list(self, here: np.ndarray, describe: "Callable[..., Any]") -> None:
+    def _list(self, here: np.ndarray, describe: Callable[..., Any]) -> None:
         room = self.most_listed - len(self.listed)
         if room > 0:
             places = np.argwhere(here)[:room]
             self.listed += [describe(tuple(place)) for place in places.tolist()]
 
-    def _explain(self, cause: str, here: np.ndarray, describe: "Callable[..., Any]") -> None:
+    def _explain(self, cause: str, here: np.ndarray, describe: Callable[..., Any]) -> None:
         places = list(zip(*np.nonzero(here), strict=True))
         if places:
             self.causes[cause] = self.causes.get(cause, 0) + len(places)
@@ -240,7 +242,7 @@ class Report:
             "words": self.words,
             "listed": [cell.as_dict() | {"line": cell.line} for cell in self.listed],
             "worst": self.worst and self.worst.as_dict(),
-            "kinds": {kind: _tally_record(self.tallies[kind]) for kind in self._kinds()},
+            "kinds": {kind: self.tallies[kind].as_dict() for kind in self._kinds()},
         }
 
     @property
@@ -290,16 +292,37 @@ def _aligned(row: tuple[str, ...], widths: list[int]) -> str:
     return "  ".join([row[0].ljust(widths[0]), *figures, row[-1]]).rstrip()
 
 
-def _tally_record(tally: Tally) -> "dict[Any, Any]":
-    return {
-        "compared": tally.compared,
-        "unreadable": tally.unreadable,
-        "differing": tally.differing,
-        "explained": tally.explained,
-        "largest": _json_number(tally.largest),
-        "worst": tally.worst and tally.worst.as_dict(),
-    }
+def _json_number(value: Any) -> Any:
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _json_number(value: float | None) -> Any:
-    return value if value is None or math.isfinite(value) else str(value)
+# Attributes of HDF5 results that hold words; `status` and `analysis` count without `--words`.
+WORDS_OF_RESULTS = ("notes", "settings", "options", "message")
+
+
+def compare_words(a: Listing, b: Listing) -> list[str]:
+    """Return a sentence for every line of words that only one of the listings has in its place."""
+    if len(a.words) == len(b.words):
+        pairs = zip(a.words, b.words, strict=True)
+        return [f"line {line}: {one!r} against {two!r}" for (line, one), (_, two) in pairs if one != two]
+    return [*_only_in(a, b), *_only_in(b, a)]
+
+
+def _only_in(a: Listing, b: Listing) -> Iterator[str]:
+    """Yield the lines that `a` has more often than `b`: where lines are missing, places do not match."""
+    left = Counter(text for _, text in b.words)
+    for line, text in a.words:
+        if left[text]:
+            left[text] -= 1
+        else:
+            yield f"line {line}: {text!r} is only in {a.name}"
+
+
+def compare_names(name: str, first: np.ndarray, second: np.ndarray) -> list[str]:
+    """Return a sentence for every text that differs in two datasets `name` of equal shape."""
+    pairs = enumerate(zip(first.ravel().tolist(), second.ravel().tolist(), strict=True), 1)
+    return [f"/{name}, row {row}: {_plain(a)!r} against {_plain(b)!r}" for row, (a, b) in pairs if a != b]
+
+
+def _plain(text: bytes) -> str:
+    return text.decode("utf-8", errors="replace") if isinstance(text, bytes) else str(text)

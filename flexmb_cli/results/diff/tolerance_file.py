@@ -9,18 +9,15 @@ acceleration = { atol = 1e-6 }             # a type of column; a number alone is
 last_digit = 1
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...deck.text import read_text
 from ...deck.toml_table import TomlError, toml_table
 from ...errors import DeckError
 from .tolerances import KINDS, Tolerance, ToleranceError, Tolerances
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
 
 FIGURES = ("atol", "rtol", "last_digit")
 TABLES = ("types", "quantities")
@@ -103,7 +100,7 @@ def _overruled(general: Tolerances, special: Tolerances) -> Tolerances:
     )
 
 
-def _tolerances(path: str, where: str, table: "Mapping[Any, Any]") -> Tolerances:
+def _tolerances(path: str, where: str, table: Mapping[Any, Any]) -> Tolerances:
     if FORMER_NAME in table and "types" not in table:
         table = {"types" if name == FORMER_NAME else name: value for name, value in table.items()}
     unknown = [name for name in table if name not in (*FIGURES, *TABLES)]

@@ -2,50 +2,23 @@
 
 import math
 import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...errors import Fault, FlexmbError
-from ..files.own_files import HDF5_SIGNATURE
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
+from ..files.file_names import HDF5_SIGNATURE
 
 KINDS = (
-    "time",
-    "position",
-    "euler",
-    "velocity",
-    "euler_rate",
-    "omega",
-    "acceleration",
-    "euler_acceleration",
-    "alpha",
-    "point_position",
-    "point_velocity",
-    "point_acceleration",
-    "speed",
-    "coordinate",
-    "state",
-    "count",
-    "length",
-    "mass",
-    "inertia",
-    "stiffness",
-    "force",
-    "torque",
-    "effort",
-    "energy",
-    "elastic",
-    "modal",
-    "echo",
-    "audit",
-    "other",
-)
+    "time", "position", "euler", "velocity", "euler_rate", "omega", "acceleration", "euler_acceleration",
+    "alpha", "point_position", "point_velocity", "point_acceleration", "speed", "coordinate", "state",
+    "count", "length", "mass", "inertia", "stiffness", "force", "torque", "effort", "energy", "elastic",
+    "modal", "echo", "audit", "other",
+)  # fmt: skip
+DEFAULT_ATOL, DEFAULT_RTOL = 1e-12, 1e-9  # of results that were not printed
 
 
 class ToleranceError(FlexmbError):
@@ -130,7 +103,7 @@ class Tolerances:
         """Tolerance of one type of column."""
         return self.kinds.get(kind) or Tolerance(self.atol or 0.0, self.rtol or 0.0, self.last_digit)
 
-    def of_places(self, kind: str, shape: tuple[int, ...], overrules: "Iterable[Any]") -> Tolerance:
+    def of_places(self, kind: str, shape: tuple[int, ...], overrules: Iterable[Any]) -> Tolerance:
         """Tolerance of a block of `shape`; `overrules` are pairs (index of the block, tolerance there)."""
         general = self.of(kind)
         overrules = list(overrules)
@@ -149,7 +122,7 @@ class Tolerances:
         return self.quantities[fitting[-1]] if fitting else None
 
 
-def parse_kinds(settings: "Sequence[Any]") -> dict[str, Tolerance]:
+def parse_kinds(settings: Sequence[Any]) -> dict[str, Tolerance]:
     """Tolerances of single types from `KIND=ATOL` or `KIND=ATOL,RTOL`; "inf" leaves the type out.
 
     Raises `ToleranceError` with one fault for every setting that cannot be understood.

@@ -121,7 +121,8 @@ def default_curves(result: h5py.File) -> DefaultCurves:
     known = names(result)
     chosen: list[Quantity] = []
     cut: list[str] = []
-    datasets = list(_datasets(attribute(result, "dialect")))
+    dialect = attribute(result, "dialect")
+    datasets = list(dialect_named(dialect).curves if dialect in DIALECTS else OF_ANY)
     if any(quantity.dataset == "element/effort" for quantity in known):
         datasets += [dataset for dataset in OF_ELEMENTS if dataset not in datasets]
     for dataset in datasets:
@@ -134,10 +135,6 @@ def default_curves(result: h5py.File) -> DefaultCurves:
     chosen += _few_of_each_unit(result, _moving(result, stresses), cut)
     totals = [quantity for quantity in known if quantity.dataset == TOTAL]
     return DefaultCurves(chosen + _energies(result) + totals, cut)
-
-
-def _datasets(dialect: str) -> tuple[str, ...]:
-    return dialect_named(dialect).curves if dialect in DIALECTS else OF_ANY
 
 
 def still_energies(result: h5py.File) -> list[str]:

@@ -31,11 +31,9 @@ class DepthBuffer:
 
     def picture(self) -> np.ndarray:
         """Return the picture (height, width, 3) as bytes."""
-        whole = self.pixels.reshape(self.height, self.width)
-        if self.fine == 2:
-            whole = _mean(whole[::2], whole[1::2])
-            whole = _mean(whole[:, ::2], whole[:, 1::2])
-        return np.ascontiguousarray(whole).view(np.uint8).reshape(*whole.shape, 4)[..., :3].copy()
+        fine = self.pixels.view(np.uint8).reshape(self.height, self.width, 4)[..., :3].astype(np.uint16)
+        parts = [fine[i :: self.fine, j :: self.fine] for i in range(self.fine) for j in range(self.fine)]
+        return np.asarray(sum(parts) // len(parts), np.uint8)
 
     def triangles(
         self, corners: np.ndarray, colours: np.ndarray, values: np.ndarray | None = None, closed: bool = False
@@ -112,13 +110,6 @@ class DepthBuffer:
         # The first of equals is drawn last.
         found: np.ndarray = above[depth == self.depth[places]][::-1]
         return found
-
-
-def _mean(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Return the means, rounded down, of the four bytes of packed colours (Dietz, "Aggregate Magic")."""
-    # One pass over words takes a third of the time that bytes take.
-    found: np.ndarray = (one & other) + (((one ^ other) & np.uint32(0xFEFEFEFE)) >> np.uint32(1))
-    return found
 
 
 def _palette(colours: np.ndarray) -> np.ndarray:

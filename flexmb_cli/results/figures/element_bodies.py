@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import h5py
 import numpy as np
@@ -14,19 +15,8 @@ from .scene import rotations
 # Corners of the faces, anticlockwise from outside, and the edges with their middles, nodes from 0.
 _HEXAHEDRON = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 _HEXAHEDRON_EDGES = (
-    (0, 1),
-    (1, 2),
-    (2, 3),
-    (3, 0),
-    (4, 5),
-    (5, 6),
-    (6, 7),
-    (7, 4),
-    (0, 4),
-    (1, 5),
-    (2, 6),
-    (3, 7),
-)
+    (0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7),
+)  # fmt: skip
 _TETRAHEDRON = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
 _TETRAHEDRON_EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
 FACES = {4: _TETRAHEDRON, 8: _HEXAHEDRON, 10: _TETRAHEDRON, 20: _HEXAHEDRON}
@@ -81,13 +71,7 @@ def face_edges(faces: np.ndarray) -> np.ndarray:
     return np.unique(np.sort(pairs, axis=1), axis=0)
 
 
-_SHAPES = {
-    "node_position": "n3",
-    "shape": "n3m",
-    "node": "n",
-    "cell": "ek",
-    "element": "e",
-}
+_SHAPES = {"node_position": "n3", "shape": "n3m", "node": "n", "cell": "ek", "element": "e"}
 _CONSTANTS = (YOUNG, POISSON)
 # Of the elements that `OUTS` selects: names of VTK's cell data, and axes behind those of time and element.
 ELEMENT_SERIES = {
@@ -100,12 +84,11 @@ ELEMENT_SERIES = {
 _SERIES = ("amplitude", "rate", "origin", "turn", "velocity", "spin")
 
 
-@dataclass(frozen=True)
-class HookesLaw:
-    """Young's modulus, Pa, and Poisson's ratio."""
+class HookesLaw(NamedTuple):
+    """A material."""
 
-    young: float
-    poisson: float
+    young: float  # Young's modulus, Pa
+    poisson: float  # Poisson's ratio
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,6 @@
 """A film of a result: the report's picture of the motion, frame by frame, as MP4 or GIF.
 
-Bodies are drawn with a depth buffer, texts by matplotlib; imageio writes the frames.
+Bodies are drawn with a depth buffer, texts by Pillow; imageio writes the frames.
 """
 
 import tempfile
@@ -14,13 +14,22 @@ import h5py
 import numpy as np
 
 from ..hdf5.stored_result import attribute
-from .body_look import DEFAULT_LOOK, BodyLook, check_look, shown_colours
-from .contours import ENERGY, Ranges, contour_ranges, nodal_values, unit_of
+from .contours import (
+    DEFAULT_LOOK,
+    ENERGY,
+    BodyLook,
+    Ranges,
+    check_look,
+    contour_ranges,
+    nodal_values,
+    shown_colours,
+    unit_of,
+)
 from .depth_buffer import DepthBuffer
 from .element_bodies import ElementBody, element_bodies, outer_faces_of_elements, triangles
+from .label_fitting import Letters
 from .report_scene import GREY, LONGEST_ANIMATION, MOST_TRACES, SHORTEST_ANIMATION, TRACE, colour_of, rounded
-from .scene import Scene, read_scene
-from .view import view_of
+from .scene import Scene, read_scene, view_of
 
 DOTS = 72  # an inch, so that a point is a pixel
 # Height of letters: their usual share of the picture's height, and least and largest, pixels.
@@ -37,7 +46,12 @@ class Texts:
     """
 
     def __init__(self, width: int, height: int, legend: str, colours: np.ndarray, letters: float = LETTERS):
+        from matplotlib import font_manager
+        from PIL import ImageFont
+
         self.letters = float(np.clip(letters * height, LEAST, LARGEST))
+        self.measured = Letters(str(self.letters))
+        self.font = ImageFont.truetype(font_manager.findfont("DejaVu Sans"), self.letters)
         self.margin = round(min(self.letters, MOST_MARGIN * width))
         self.room = width - 2 * self.margin
         self.legend, self.colours = self._fitting(legend), colours
@@ -59,34 +73,17 @@ class Texts:
 
     def _fitting(self, text: str) -> list[str]:
         """Return `text` in lines at most as wide as the room, broken between words."""
-        lines: list[str] = []
-        for word in text.split():
-            longer = f"{lines[-1]} {word}" if lines else word
-            if lines and self._width(longer) <= self.room:
-                lines[-1] = longer
-            else:
-                lines.append(word)
-        return lines
-
-    def _width(self, text: str) -> float:
-        from matplotlib.textpath import TextPath
-
-        return float(TextPath((0, 0), text, size=self.letters).get_extents().x1)
+        return self.measured.wrapped(text, self.room / DOTS).splitlines()
 
     def _write(self, picture: np.ndarray, lines: list[str], top: int) -> None:
         """Write `lines` into `picture`, the first from row `top` on."""
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
+        from PIL import Image, ImageDraw
 
-        room = picture[top : top + round(LINE_PITCH * self.letters * len(lines)) + 1, self.margin :]
-        high, wide = room.shape[:2]
-        figure = Figure(figsize=(wide / DOTS, high / DOTS), dpi=DOTS)
+        image = Image.fromarray(picture)
         for k, line in enumerate(lines):
-            base = 1 - (k + 1) * LINE_PITCH * self.letters / high
-            figure.text(0, base, line, fontsize=self.letters, color="black", va="bottom")
-        canvas: Any = FigureCanvasAgg(figure)
-        canvas.draw()
-        room[:] = room * (np.array(canvas.buffer_rgba())[..., :1] / 255)
+            place = self.margin, top + k * LINE_PITCH * self.letters
+            ImageDraw.Draw(image).text(place, line, "black", self.font)
+        picture[:] = np.asarray(image)
 
 
 # Behind the time of every frame with numbers of `run --as-printed`.
@@ -214,11 +211,6 @@ class _Surface:
         else:
             self.triangles = body.triangles
 
-    def places(self, row: int) -> np.ndarray:
-        """Positions (n, 3) in a row, global axes."""
-        found: np.ndarray = self.body.places(row, self.scale) if self.of_elements else self.body.places(row)
-        return found
-
     def values(self, row: int) -> np.ndarray | None:
         """Values (m, 3) of the corners of the triangles, 0: the first colour, 1: the last one.
 
@@ -250,13 +242,15 @@ class _Canvas:
 
         self.scene, bodies_look = scene, look.bodies
         self.contours = colormaps["viridis"](np.linspace(CONTOURS_BEGIN, 1, 256))[:, :3]
-        self.camera = _Camera(_all_places(scene, bodies, bodies_look.scale), scene.gravity, look)
+        # Everything at all times; of finite-element bodies at some.
+        rows = np.unique(np.linspace(0, len(scene.time) - 1, 20).astype(int))
+        of_bodies = (body.places(row, bodies_look.scale) for body in bodies for row in rows)
+        self.camera = _Camera(np.concatenate([scene.places, *of_bodies]), scene.gravity, look)
         self.buffer = DepthBuffer(look.width, look.height)
         contour = shown_colours(bodies_look, ranges)
         reached = ranges.get(contour)
         ends = reached and (bodies_look.ends or reached)
-        shown = {*(one.number for one in bodies), *(shape.number for shape in scene.shapes)}
-        self.lines = [body for body in scene.bodies if body.number not in shown]
+        self.lines = scene.lined(bodies)
         self.surfaces = [
             _Surface(body, contour, bodies_look.scale, ends) for body in (*bodies, *scene.shapes)
         ]
@@ -284,7 +278,7 @@ class _Canvas:
         return self.texts.written(self.buffer.picture(), self.labels[row])
 
     def _surface(self, surface: _Surface, row: int) -> None:
-        corners = self.camera.seen(surface.places(row))[surface.triangles]
+        corners = self.camera.seen(surface.body.places(row, surface.scale))[surface.triangles]
         values, own = surface.values(row), _rgb(colour_of(surface.body))[None]
         known = np.zeros(len(corners), bool) if values is None else np.isfinite(values).all(axis=1)
         # Elements face outwards; files of shapes may not.
@@ -302,9 +296,3 @@ def _legend(contour: str, ends: tuple[float, float], reached: tuple[float, float
 
 def _rgb(text: str) -> np.ndarray:
     return np.array([int(text[k : k + 2], 16) for k in (1, 3, 5)]) / 255
-
-
-def _all_places(scene: Scene, bodies: list[ElementBody], scale: float) -> np.ndarray:
-    """Everything at all times; of finite-element bodies at some."""
-    rows = np.unique(np.linspace(0, len(scene.time) - 1, 20).astype(int))
-    return np.concatenate([scene.places, *(body.places(row, scale) for body in bodies for row in rows)])

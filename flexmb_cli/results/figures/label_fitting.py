@@ -98,20 +98,17 @@ def fit_labels(figure: "Figure") -> bool:
     for axes in figure.axes:
         across, up = axes.bbox.width, axes.bbox.height
         beside, half = axes.yaxis.label, figure.bbox.width / 2
-        shrunk = _height_at(beside, least)
+        # Its height when its letters have the least size, or are smaller.
+        height = beside.get_window_extent().height
+        shrunk = SPARE * height * min(1.0, least / float(beside.get_fontsize()))
         if shrunk > 2 * half:
             raise ValueError("no room for a label")
         part = max(part, shrunk / up)
-        changed |= _shrink(beside, beside.get_window_extent().height, max(up, shrunk), least)
+        changed |= _shrink(beside, height, max(up, shrunk), least)
         box, middle = axes.xaxis.label.get_window_extent(), (axes.bbox.x0 + axes.bbox.x1) / 2
         changed |= _shrink(axes.xaxis.label, box.width, 2 * (half - abs(half - middle)), least)
         changed |= _thin_out(axes.xaxis, across, 0) | _thin_out(axes.yaxis, up, 1)
     return _heighten(figure, part) or changed
-
-
-def _height_at(label: "Text", least: float) -> float:
-    """Return the height of a label beside a panel when its letters have `least` points, or are smaller."""
-    return SPARE * label.get_window_extent().height * min(1.0, least / float(label.get_fontsize()))
 
 
 def _heighten(figure: "Figure", part: float) -> bool:

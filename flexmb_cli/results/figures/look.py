@@ -3,6 +3,7 @@
 import logging
 import re
 import warnings
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,8 +13,6 @@ from ...errors import lines_visible
 from .label_fitting import Letters
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from matplotlib.typing import RcKeyType
 
 # Okabe and Ito's colours, distinguished by everyone.
@@ -151,7 +150,7 @@ def _use_style(name: str) -> None:
 
 
 @contextmanager
-def _held_back(messages: list[str]) -> "Iterator[None]":
+def _held_back(messages: list[str]) -> Iterator[None]:
     """Append what matplotlib logs to `messages`; it would reach the screen."""
     logger = logging.getLogger("matplotlib")
 

@@ -13,6 +13,7 @@ from .look import COLOURS, HANDLE, NARROWEST, PANEL, ROOMY, SQUARE_PART, THICKNE
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.typing import RcKeyType
 
 CYCLE: tuple[dict[str, Any], ...] = tuple({"color": colour} for colour in COLOURS)
 FORMATS = ("png", "svg", "pdf")
@@ -54,18 +55,27 @@ def picture(
     `report_missing` is called with each of its font families that is not installed.
     Imports matplotlib; raises OSError for a style that there is not.
     """
+    return figure_bytes(lambda: fitted_figure(panels, title, look), form, look, report_missing, settings())
+
+
+def figure_bytes(
+    make: "Callable[[], Figure]",
+    form: str,
+    look: Look | None,
+    report_missing: Callable[[str], object],
+    on_screens: "dict[RcKeyType, Any] | None" = None,
+) -> bytes:
+    """Return the figure that `make` gives, as a file, drawn with settings of `look` or `on_screens`."""
     import matplotlib
 
     # A user's matplotlibrc shall not decide what flexmb draws.
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams["svg.hashsalt"] = "flexmb"
-        if look:
-            for family in look.apply():
-                report_missing(family)
-        else:
-            matplotlib.rcParams.update(settings())
-        figure = fitted_figure(panels, title, look)
+        matplotlib.rcParams.update(on_screens or {} if look is None else {})
+        for family in look.apply() if look else ():
+            report_missing(family)
+        figure = make()
         stream = io.BytesIO()
         figure.savefig(stream, format=form, dpi=PRINTED if look else RESOLUTION, metadata=METADATA[form])
     return stream.getvalue()

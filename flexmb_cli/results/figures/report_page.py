@@ -24,7 +24,7 @@ from ...errors import DeckError, lines_visible
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, is_number, is_text, settings_of, texts
 from ..quantities.quantities import ResultError, names, remarks, shortfall
 from ..texts.echo import echo
-from .body_look import DEFAULT_LOOK, BodyLook
+from .contours import DEFAULT_LOOK, BodyLook
 from .curves import Panel, Source, default_curves, panels, still_energies
 from .report_curves import curve_figure
 from .report_scene import report_scene
@@ -42,17 +42,17 @@ def report_page(result: h5py.File, look: BodyLook = DEFAULT_LOOK) -> str:
     check_shapes(result, AUDITED, {})
     script = viewer_script()
     return Template(_viewer("page.html")).substitute(
-        hashes=_hash(script),
-        title=_shown(_title(result)),
+        hashes=script_hash(script),
+        title=shown_html(_title(result)),
         status=_status(result),
         motion=_viewer("motion.html") if scene else "<p>There are no rows to draw.</p>",
         curves=curves_html(result) + _left_out(result),
         audit=_table(_audit(result)),
         run=_table(_run(result)),
         changes=_changes(result),
-        deck=_shown(_deck(result)),
+        deck=shown_html(_deck(result)),
         echo=_echo(result),
-        figures=_json({"scene": scene}),
+        figures=json_text({"scene": scene}),
         script=script,
     )
 
@@ -91,7 +91,7 @@ def curves_html(result: h5py.File) -> str:
         curve_figure(_visible(panel), lines_visible(panel.y_label), k) for k, panel in enumerate(drawn)
     ]
     cut = (
-        f"<p>{_shown(each[0].upper() + each[1:])}; flexmb plot with NAMEs draws others.</p>"
+        f"<p>{shown_html(each[0].upper() + each[1:])}; flexmb plot with NAMEs draws others.</p>"
         for each in chosen.cut
     )
     return "<h2>Curves</h2>" + "".join((*figures, *cut))
@@ -105,11 +105,11 @@ def _visible(panel: Panel) -> Panel:
 
 def _left_out(result: h5py.File) -> str:
     still = still_energies(result)
-    return f"<p>Not drawn, for they do not change: {_shown(', '.join(still))}.</p>" if still else ""
+    return f"<p>Not drawn, for they do not change: {shown_html(', '.join(still))}.</p>" if still else ""
 
 
 def _status(result: h5py.File) -> str:
-    notes = "".join(f'<p class="failed">{_shown(note.message)}</p>' for note in remarks(result))
+    notes = "".join(f'<p class="failed">{shown_html(note.message)}</p>' for note in remarks(result))
     if shortfall(result):
         return notes
     time = result["time"][:]
@@ -157,7 +157,7 @@ def _changes(result: h5py.File) -> str:
     settings = settings_of(result)
     if not settings:
         return ""
-    return f"<p>Numbers changed for this run by --set: <b>{_shown(', '.join(settings))}</b></p>"
+    return f"<p>Numbers changed for this run by --set: <b>{shown_html(', '.join(settings))}</b></p>"
 
 
 def _echo(result: h5py.File) -> str:
@@ -168,29 +168,30 @@ def _echo(result: h5py.File) -> str:
     try:
         reported = echo(apply_settings(read_deck(text, dialect), settings))
     except DeckError as failure:
-        return f"<p>This deck cannot be read: {_shown(str(failure))}</p>"
-    return ECHO.format(AS_CHANGED if settings else AS_TYPED, _shown(reported))
+        return f"<p>This deck cannot be read: {shown_html(str(failure))}</p>"
+    return ECHO.format(AS_CHANGED if settings else AS_TYPED, shown_html(reported))
 
 
-def _shown(text: str) -> str:
+def shown_html(text: str) -> str:
     """HTML that shows `text`, with a mark for what turns the direction of writing or cannot be printed."""
     return escape(lines_visible(text.replace("\r\n", "\n")))
 
 
 def _table(pairs: list[tuple[str, str]]) -> str:
     cells = (
-        f'<tr><th>{_shown(what)}</th><td class="number">{_shown(reported)}</td></tr>'
+        f'<tr><th>{shown_html(what)}</th><td class="number">{shown_html(reported)}</td></tr>'
         for what, reported in pairs
     )
     return f"<table>{''.join(cells)}</table>"
 
 
-def _json(figures: "dict[Any, Any]") -> str:
+def json_text(figures: dict[Any, Any]) -> str:
     """JSON that no HTML reader can take for markup."""
     text = json.dumps(figures, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
     return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
 
 
-def _hash(script: str) -> str:
+def script_hash(script: str) -> str:
+    """Return the source expression of a script (Content Security Policy level 3, section 2.3.1)."""
     digest = hashlib.sha256(script.encode("utf-8")).digest()
     return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"

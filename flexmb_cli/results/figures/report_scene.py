@@ -10,13 +10,21 @@ from typing import Any
 import h5py
 import numpy as np
 
-from .body_look import DEFAULT_LOOK, BodyLook, check_look, largest_scale, shown_colours
-from .body_shapes import BodyShape
-from .contours import ENERGY, Ranges, contour_ranges, resting_row, unit_of
+from .contours import (
+    DEFAULT_LOOK,
+    ENERGY,
+    BodyLook,
+    Ranges,
+    check_look,
+    contour_ranges,
+    largest_scale,
+    resting_row,
+    shown_colours,
+    unit_of,
+)
 from .element_bodies import ElementBody, element_bodies, face_edges, outer_faces_of_elements, triangles
 from .look import COLOURS
-from .scene import DrawnBody, Scene, read_scene
-from .view import view_of
+from .scene import BodyShape, DrawnBody, Scene, read_scene, view_of
 
 GREY, TRACE = "#808080", "#B06060"
 MOST_SCENE_FRAMES, FEWEST_FRAMES = 500, 20
@@ -59,7 +67,7 @@ def report_scene(result: h5py.File, look: BodyLook = DEFAULT_LOOK) -> dict[str, 
 
 def stored_places(scene: Scene, surfaces: list[ElementBody]) -> int:
     """Return how many places a frame stores: those of bodies drawn as lines, of joints and of traces."""
-    marks = sum(body.marks.shape[1] for body in _lined(scene, surfaces))
+    marks = sum(body.marks.shape[1] for body in scene.lined(surfaces))
     return int(marks + len(scene.joint_names) + min(len(scene.point_names), MOST_TRACES))
 
 
@@ -86,7 +94,7 @@ def scene_data(
         "seconds": min(max(seconds, SHORTEST_ANIMATION), LONGEST_ANIMATION),
         "box": {"low": every.min(axis=0).tolist(), "high": every.max(axis=0).tolist()},
         "view": {"eye": list(view.eye), "up": list(view.up)},
-        "bodies": [_lines(body) for body in _lined(scene, surfaces)],
+        "bodies": [_lines(body) for body in scene.lined(surfaces)],
         "surfaces": [
             *(_surface(body, ranges) for body in shown),
             *map(_rigid_surface, scene.shapes),
@@ -105,12 +113,6 @@ def scene_data(
     }
 
 
-def _lined(scene: Scene, surfaces: list[ElementBody]) -> list[DrawnBody]:
-    """Return the bodies that have neither elements nor shapes to be drawn by."""
-    shown = {*(one.number for one in surfaces), *(shape.number for shape in scene.shapes)}
-    return [body for body in scene.bodies if body.number not in shown]
-
-
 def rounded(times: np.ndarray) -> list[str]:
     """Return times with enough digits to distinguish frames."""
     step = float(np.min(np.diff(times))) if len(times) > 1 else 0.0
@@ -120,7 +122,7 @@ def rounded(times: np.ndarray) -> list[str]:
     ]
 
 
-def _lines(body: DrawnBody) -> "dict[str, Any]":
+def _lines(body: DrawnBody) -> dict[str, Any]:
     marks = body.marks[:1] if body.still else body.marks
     colour = GREY if body.still else colour_of(body)
     data = {"name": body.name, "colour": colour, "still": body.still, "places": body.marks.shape[1]}
@@ -173,23 +175,19 @@ def _energies(body: ElementBody, elements: np.ndarray, ranges: Ranges) -> dict[s
 
 def _rigid_surface(shape: BodyShape) -> dict[Any, Any]:
     """A surface without modes; triangles of files may face either way, and their edges are not drawn."""
+    missing = dict.fromkeys(("shape", "stress", "amplitude", "edges", "energy", "shown"), "")
     return {
+        **missing,
         "name": shape.name,
         "colour": colour_of(shape),
         "modes": 0,
         "numbers": [],
         "nodes": _numbers(shape.vertices),
-        "shape": "",
-        "stress": "",
-        "amplitude": "",
         "origin": _numbers(shape.origin),
         "turn": _numbers(shape.turn),
         "triangles": _integers(shape.triangles),
-        "edges": "",
         "material": None,
-        "energy": "",
         "elements": [],
-        "shown": "",
     }
 
 

@@ -10,19 +10,80 @@ line between them holds no third one.  Points in a row become a chain, three poi
 or an angle, and the nodes of a regular finite-element mesh its edges.
 """
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 import numpy as np
 
+from ..hdf5.layout import BODY, CORNERS, POSITION
 from ..hdf5.stored_result import Damaged, check_shapes, texts
 from ..quantities.quantities import ResultError
-from .body_shapes import BodyShape, body_shapes
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+_SHAPES = {POSITION: "v3", BODY: "v", CORNERS: "k3"}
+
+
+@dataclass(frozen=True, eq=False)
+class BodyShape:
+    """All shapes of a body, 0 the ground: `vertices` (n, 3), m, body axes; `triangles` (m, 3) of their rows.
+
+    `origin` (T, 3), `turn` (T, 3, 3): body to global axes.
+    """
+
+    number: int
+    name: str
+    vertices: np.ndarray
+    triangles: np.ndarray
+    origin: np.ndarray
+    turn: np.ndarray
+
+    def places(self, row: int, scale: float = 1.0) -> np.ndarray:
+        """Positions (n, 3) of the vertices in a row, global axes; no deformation could be scaled."""
+        found: np.ndarray = self.origin[row] + self.vertices @ self.turn[row].T
+        return found
+
+    @property
+    def corners(self) -> np.ndarray:
+        """Positions (T, 8, 3) of the corners of the box around the shapes, along the axes of the body."""
+        ends = np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
+        box = np.array([[ends[k, i] for i, k in enumerate(corner)] for corner in product((0, 1), repeat=3)])
+        found: np.ndarray = self.origin[:, None] + np.matmul(box, np.swapaxes(self.turn, -1, -2))
+        return found
+
+
+def body_shapes(
+    result: h5py.File, names: tuple[str, ...], origin: np.ndarray, turn: np.ndarray
+) -> Iterator[BodyShape]:
+    """The shapes of `result`, body by body, the ground first.
+
+    `origin` (T, b, 3) and `turn` (T, b, 3, 3) of all bodies.  Raises `Damaged`.
+    """
+    if POSITION not in result:
+        return
+    check_shapes(result, _SHAPES, {})
+    places, owner, triangles = (result[path][:] for path in _SHAPES)
+    triangles = _checked(triangles, owner, len(names)) - 1
+    still = np.zeros((len(origin), 3)), np.tile(np.eye(3), (len(origin), 1, 1))
+    for number in np.unique(owner).tolist():
+        own = owner == number
+        row = np.cumsum(own) - 1
+        faces = row[triangles[own[triangles[:, 0]]]]
+        motion = (origin[:, number - 1], turn[:, number - 1]) if number else still
+        yield BodyShape(number, names[number - 1] if number else "ground", places[own], faces, *motion)
+
+
+def _checked(triangles: np.ndarray, owner: np.ndarray, bodies: int) -> Any:
+    if triangles.dtype.kind not in "iu" or owner.dtype.kind not in "iu":
+        raise Damaged(f"/{CORNERS} or /{BODY} holds no whole numbers")
+    if not len(triangles) or triangles.min() < 1 or triangles.max() > len(owner):
+        raise Damaged(f"/{CORNERS} names a vertex outside 1..{len(owner)}")
+    if owner.min() < 0 or owner.max() > bodies:
+        raise Damaged(f"/{BODY} names a body outside 0..{bodies}")
+    if (owner[triangles - 1] != owner[triangles[:, :1] - 1]).any():
+        raise Damaged(f"a triangle of /{CORNERS} joins two bodies")
+    return triangles
 
 
 # The sphere of an edge of a rectangle passes through no other corner, that of its diagonal through two,
@@ -112,6 +173,11 @@ class Scene:
         parts += [shape.corners for shape in self.shapes]
         return np.concatenate([part.reshape(-1, 3) for part in parts])
 
+    def lined(self, surfaces: Iterable[Any]) -> list[DrawnBody]:
+        """Return the bodies that have neither elements, as those of `surfaces`, nor shapes to be drawn by."""
+        shown = {one.number for one in (*surfaces, *self.shapes)}
+        return [body for body in self.bodies if body.number not in shown]
+
     @property
     def size(self) -> float:
         """Diagonal, m, of the box around all places."""
@@ -149,7 +215,8 @@ def read_scene(result: h5py.File, rows: slice = slice(None), every_node: bool = 
         shapes=tuple(body_shapes(result, motion.names, motion.position, motion.turn)),
     )
     numbered = [(number, motion.marks(number)) for number in range(len(motion.names) + 1)]
-    extent = _extent([scene.places, *(marks.reshape(-1, 3) for _, marks in numbered)])
+    every = np.concatenate([scene.places, *(marks.reshape(-1, 3) for _, marks in numbered)])
+    extent = float(np.ptp(every, axis=0).max()) or 1.0
     drawn = [_drawn(motion, number, marks, extent) for number, marks in numbered if marks.shape[1]]
     scene = replace(scene, bodies=tuple(drawn))
     if not np.all(np.isfinite(scene.places)):
@@ -266,11 +333,6 @@ def _drawn(motion: _Motion, number: int, marks: np.ndarray, extent: float) -> Dr
     return DrawnBody(number, name, marks, edges, still, flexible)
 
 
-def _extent(parts: list[np.ndarray]) -> float:
-    places = np.concatenate(parts)
-    return float(np.ptp(places, axis=0).max()) or 1.0
-
-
 def _series(result: h5py.File, path: str, rows: slice) -> Any:
     return result[path][rows] if path in result else None
 
@@ -284,7 +346,7 @@ def _nodes(
     names: tuple[str, ...],
     rows: slice,
     ends: tuple[np.ndarray, np.ndarray] | None,
-) -> "Iterator[tuple[int, tuple[np.ndarray, np.ndarray]]]":
+) -> Iterator[tuple[int, tuple[np.ndarray, np.ndarray]]]:
     """Number of a flexible body, its undeformed nodes (n, 3) and their places in body axes (T, n, 3).
 
     Given the `ends` of joints, their bodies (j, 2) and points (j, 2, 3), nodes of elements are thinned.
@@ -309,3 +371,59 @@ def _outermost(nodes: np.ndarray, ends: np.ndarray) -> Any:
     along = nodes @ np.array(list(product((-1, 0, 1), repeat=3)), float).T
     at_ends = np.all(nodes[:, None] == ends, axis=-1).any(axis=1)
     return np.union1d(along.argmax(axis=0), np.flatnonzero(at_ends))
+
+
+# A mechanism this much thinner than it is long counts as planar.
+PLANAR = 1e-6
+
+
+@dataclass(frozen=True)
+class View:
+    """`up` and the direction `eye` from the mechanism to the viewer, unit vectors."""
+
+    up: tuple[float, float, float]
+    eye: tuple[float, float, float]
+
+
+def view_of(places: np.ndarray, gravity: np.ndarray) -> View:
+    """The view of `places` (N, 3), everything at all times; up is against `gravity` (3,), else z.
+
+    A planar mechanism is looked at along its normal, so that positive angles about it turn
+    counter-clockwise; with no gravity in its plane, y is up where it can be.
+    """
+    up = -gravity / np.linalg.norm(gravity) if np.any(gravity) else np.array([0.0, 0.0, 1.0])
+    normal = _normal(places)
+    if normal is None:
+        return View(_plain(up), _plain(_aside(up)))
+    in_plane = up - (up @ normal) * normal
+    if np.linalg.norm(in_plane) < 0.5:
+        y = np.array([0.0, 1.0, 0.0])
+        in_plane = y - (y @ normal) * normal
+    if np.linalg.norm(in_plane) < 0.5:
+        in_plane = np.array([1.0, 0.0, 0.0])
+    return View(_plain(in_plane), _plain(normal))
+
+
+def _normal(places: np.ndarray) -> np.ndarray | None:
+    """Normal (3,) of the plane of all places; None when they fill space or only a line."""
+    centred = places - places.mean(axis=0)
+    if len(places) <= 2:
+        return None
+    _, size, axes = np.linalg.svd(centred, full_matrices=False)
+    if size[2] > PLANAR * size[0] or size[1] <= PLANAR * size[0]:
+        return None
+    normal = axes[2]
+    found: np.ndarray | None = normal * np.sign(normal[np.argmax(np.abs(normal))])
+    return found
+
+
+def _aside(up: np.ndarray) -> np.ndarray:
+    """The direction to a viewer who stands to the side and a little above."""
+    across = np.roll(np.abs(up).round(), 1) if np.count_nonzero(np.abs(up).round()) == 1 else np.eye(3)[0]
+    side = np.cross(up, across)
+    found: np.ndarray = 0.75 * side + 1.0 * across + 0.55 * up
+    return found
+
+
+def _plain(vector: np.ndarray) -> tuple[Any, ...]:
+    return tuple(float(round(x, 9)) + 0.0 for x in vector / np.linalg.norm(vector))

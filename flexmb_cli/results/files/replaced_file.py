@@ -9,6 +9,7 @@ would destroy it.  Opening a pipe without a reader would block for ever, signals
 import errno
 import os
 import stat
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
@@ -19,7 +20,6 @@ from .durable import sync, sync_folder
 from .temporary_file import refuse_place, remove_leftovers, reserve
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
 
@@ -38,7 +38,7 @@ def open_special(path: str) -> int:
         try:
             number = os.open(path, os.O_WRONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
         except OSError as error:
-            if error.errno != errno.ENXIO or not _is_pipe(path):
+            if error.errno != errno.ENXIO or not stat.S_ISFIFO(os.stat(path).st_mode):
                 raise
         else:
             break
@@ -51,10 +51,6 @@ def open_special(path: str) -> int:
     if hasattr(os, "set_blocking"):
         os.set_blocking(number, True)
     return number
-
-
-def _is_pipe(path: str) -> bool:
-    return stat.S_ISFIFO(os.stat(path).st_mode)
 
 
 class Replacement:
@@ -114,9 +110,7 @@ class Replacement:
 
     def commit(self) -> None:
         """Finish the file, put it in its place, and wait until its name is on the disk."""
-        self.finish()
-        self.move()
-        sync_folders([self])
+        put_in_place([self])
 
     @property
     def folder(self) -> str:
@@ -132,11 +126,11 @@ class Replacement:
         self._let_go()
 
     @contextmanager
-    def _discarding(self) -> "Iterator[None]":
+    def _discarding(self) -> Iterator[None]:
         try:
             with located(self.path):
                 yield
-        except BaseException:
+        except (OutputError, MemoryError):
             self.discard()
             raise
 
@@ -146,24 +140,19 @@ class Replacement:
             self._hold = None
 
 
-class ReplacedText:
-    """A text stream (UTF-8, LF line ends) to a `Replacement`; failures of the disk are `OutputError`s."""
+class ReplacedText(Replacement):
+    """A text stream (UTF-8, LF line ends) to a place; failures of the disk are `OutputError`s."""
 
     def __init__(self, path: "Path | str", special: bool = True):
-        self._replacement = Replacement(path, special)
-        self.path = self._replacement.path
+        self._stream: Any = None
+        super().__init__(path, special)
         with self._discarding():
-            self._stream = self._replacement.open("w", encoding="utf-8", newline="\n")
+            self._stream = self.open("w", encoding="utf-8", newline="\n")
 
     def write(self, text: str) -> int:
         """Write `text`."""
         with self._discarding():
             return int(self._stream.write(text))
-
-    @property
-    def temporary(self) -> str:
-        """Return where the text is until `commit`."""
-        return self._replacement.temporary
 
     def flush(self) -> None:
         """Hand what is buffered to the system."""
@@ -174,36 +163,14 @@ class ReplacedText:
         """Hand everything to the disk, which may refuse it; nothing can be written any more."""
         with self._discarding():
             self._stream.close()
-        self._replacement.finish()
-
-    def move(self) -> None:
-        """Put the finished file in its place."""
-        self._replacement.move()
-
-    def commit(self) -> None:
-        """Close the stream and put the file in its place."""
-        self.finish()
-        self.move()
-        sync_folders([self])
-
-    @property
-    def folder(self) -> str:
-        """The folder whose names `move` changes."""
-        return self._replacement.folder
+        super().finish()
 
     def discard(self) -> None:
         """Close the stream and leave the old file as it was."""
-        _close_quietly(self._stream)
-        self._replacement.discard()
-
-    @contextmanager
-    def _discarding(self) -> "Iterator[None]":
-        try:
-            with located(self.path):
-                yield
-        except (OutputError, MemoryError):
-            self._replacement.discard()
-            raise
+        # It may never have been opened, and that its last buffer does not fit on the disk no longer matters.
+        with suppress(OSError, AttributeError):
+            self._stream.close()
+        super().discard()
 
 
 def refuse_unwritable(path: str, special: bool = True) -> None:
@@ -211,12 +178,25 @@ def refuse_unwritable(path: str, special: bool = True) -> None:
     Replacement(path, special).discard()
 
 
+@contextmanager
+def replaced(path: "Path | str") -> Iterator[Any]:
+    """Give a stream of bytes that stand at `path` once the block has ended, if nothing fails in it."""
+    place = Replacement(path)
+    try:
+        with located(place.path), place.open("wb") as stream:
+            yield stream
+    except BaseException:
+        place.discard()
+        raise
+    place.commit()
+
+
 def write_whole(path: str, data: bytes) -> None:
     """Put `data` at `path`, whole or not at all.  Raises `OutputError`."""
     write_together({path: data}, special=True)
 
 
-def write_together(contents: "Mapping[Any, bytes]", special: bool = False) -> None:
+def write_together(contents: Mapping[Any, bytes], special: bool = False) -> None:
     """Put the contents at their paths, all or none, into what is no regular file only where `special`."""
     places: list[Replacement] = []
     try:
@@ -231,7 +211,7 @@ def write_together(contents: "Mapping[Any, bytes]", special: bool = False) -> No
     put_in_place(places)
 
 
-def put_in_place(files: "list[Any]") -> None:
+def put_in_place(files: list[Any]) -> None:
     """Commit `files` that have `finish`, `move`, `folder` and `discard`: none before all are on the disk."""
     try:
         for file in files:
@@ -244,7 +224,7 @@ def put_in_place(files: "list[Any]") -> None:
         raise
 
 
-def _move(files: "Sequence[Any]") -> None:
+def _move(files: Sequence[Any]) -> None:
     """Move all; once one is in its place, another that cannot be moved is no wrong command: exit 1."""
     moved: list[Any] = []
     for file in files:
@@ -259,7 +239,7 @@ def _move(files: "Sequence[Any]") -> None:
         moved.append(file.path)
 
 
-def sync_folders(files: "list[Any]") -> None:
+def sync_folders(files: list[Any]) -> None:
     """Wait until the names of the moved `files` are on the disk, each folder once.  Raises `OutputError`."""
     for folder, path in {file.folder: file.path for file in files if file.folder}.items():
         try:
@@ -288,11 +268,3 @@ def _keep_mode(target: str, held: Any, temporary: str) -> None:
     if os.path.exists(target):
         place = held if os.chmod in os.supports_fd else temporary
         os.chmod(place, stat.S_IMODE(os.stat(target).st_mode))
-
-
-def _close_quietly(stream: Any) -> None:
-    try:
-        stream.close()
-    except OSError:
-        # The text is thrown away: that its last buffer does not fit on the disk no longer matters.
-        return

@@ -1,16 +1,32 @@
-"""Content of the HDF5 result of a mechanism's dynamics beyond its kinematics."""
+"""Content of the HDF5 result of a mechanism's dynamics beyond its kinematics, and of elements at joints."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from ...model.joint_elements import CompositeJoint, element_names
+from ...model.joints import ANGLE
 from ...model.loads import DynamicModel, holders
-from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
-from .kinematic import kinematic_layout, kinematic_values
-from .layout import Axis, Layout, Series, Values, numbered_axis
-from .motion_series import JOINT_VECTOR
+from .kinematic import kinematic_layout, kinematic_values, readable_names
+from .layout import (
+    DRIVER,
+    FORCE,
+    JOINT_VECTOR,
+    PATH,
+    TORQUE,
+    Layout,
+    Series,
+    Values,
+    coordinate_names,
+    effort_series,
+    joint_values,
+    numbered_axis,
+    with_elements,
+    with_units,
+)
 from .result_geometry import gravity
 
 if TYPE_CHECKING:
+    from ...solvers.constrained.element_rows import ElementRows
     from ...solvers.constrained.rows import DynamicRows
 
 
@@ -46,7 +62,9 @@ def dynamic_layout(model: DynamicModel) -> Layout:
     """Axes and series of a forward run, or of an inverse one, which does not know the work done."""
     motion = kinematic_layout(model.mechanism)
     units = [FORCE if driver.direction <= 3 else TORQUE for driver in model.mechanism.drivers]
-    axes = (*(driver_axis_with_units(axis, units) for axis in motion.axes), *_held_axis(model))
+    of_motion = (with_units(axis, "driver", units) if axis.path == DRIVER else axis for axis in motion.axes)
+    held = [name for name, _ in holders(model.mechanism)]
+    axes = (*of_motion, *([numbered_axis("held", held)] if held else []))
     present = {axis.path for axis in axes}
     forces = tuple(
         effort_series(item, units) if item.path == PATH else item
@@ -67,6 +85,52 @@ def _series(model: DynamicModel) -> dict[str, Series]:
     return FORCES | OF_MOTION if model.analysis == "forward" else FORCES
 
 
-def _held_axis(model: DynamicModel) -> list[Axis]:
-    names = [name for name, _ in holders(model.mechanism)]
-    return [numbered_axis("held", names)] if names else []
+COMPOSITE_VECTOR = ("composite/composite", "xyz")
+COMPOSITE_SERIES = {
+    "composite_force": Series(
+        "composite/force", COMPOSITE_VECTOR, "N", "force on body J of the composite joint, global axes"
+    ),
+    "composite_torque": Series(
+        "composite/torque", COMPOSITE_VECTOR, "N m", "torque on body J about its point P_j, global axes"
+    ),
+}
+
+
+def element_layout(model: DynamicModel) -> Layout:
+    """Axes and series of a run with elements."""
+    found = dynamic_layout(model)
+    drivers = _driver_names(model)
+    axes = [axis for axis in found.axes if axis.path != DRIVER]
+    series = [item for item in found.series if item.path != PATH]
+    if drivers:
+        names, units = zip(*drivers, strict=True)
+        axes.append(with_units(numbered_axis("driver", names), "driver", units))
+        series.append(effort_series(FORCES["driver_effort"], units))
+    joints = model.mechanism.joints
+    coordinates = coordinate_names(joints, readable_names("joint", joints))
+    layout = replace(found, axes=tuple(axes), series=tuple(series))
+    found = with_elements(layout, coordinates, element_names(model), model.elements.couplings)
+    return _with_composites(found, model.elements.composites)
+
+
+def element_values(model: DynamicModel, rows: "ElementRows") -> Values:
+    """The fields of report rows (`ElementRows`) by the paths of their datasets."""
+    return {**dynamic_values(model, rows), **joint_values(rows), **joint_values(rows, COMPOSITE_SERIES)}
+
+
+def _with_composites(layout: Layout, composites: tuple[CompositeJoint, ...]) -> Layout:
+    """The layout with the forces of composite joints, if there are any."""
+    if not composites:
+        return layout
+    axis = numbered_axis("composite", [item.name for item in composites])
+    series = (*layout.series, *COMPOSITE_SERIES.values())
+    return replace(layout, axes=(*layout.axes, axis), series=series)
+
+
+def _driver_names(model: DynamicModel) -> list[tuple[str, str]]:
+    mechanism = model.mechanism
+    units = [FORCE if driver.direction <= 3 else TORQUE for driver in mechanism.drivers]
+    own = list(zip(readable_names("driver", mechanism.drivers), units, strict=True))
+    return own + [
+        (item.name, TORQUE if item.coordinate == ANGLE else FORCE) for item in model.elements.drivers
+    ]

@@ -1,29 +1,45 @@
 """Content of the HDF5 result of a mechanism of rigid and flexible bodies."""
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from ...model.joint_elements import element_names
-from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
-from .joint_coordinates import coordinate_names, joint_values, with_elements
-from .layout import EULER_PARAMETER, XYZ, Axis, Constant, Layout, Series, Values, numbered_axis
-from .motion_series import BODY_MOTION, JOINT_VECTOR, POINT_MOTION, with_shapes
+from .layout import (
+    BODY_MOTION,
+    DRIVER,
+    EULER_PARAMETER,
+    FORCE,
+    JOINT_VECTOR,
+    PATH,
+    POINT_MOTION,
+    TORQUE,
+    XYZ,
+    Axis,
+    Constant,
+    Layout,
+    Series,
+    Values,
+    coordinate_names,
+    effort_series,
+    joint_values,
+    numbered_axis,
+    with_elements,
+    with_shapes,
+    with_units,
+)
 from .result_geometry import SIDE, gravity, joint_geometry, point_bodies, shape_geometry
 from .stress import (
-    element_axis,
+    element_axes,
     element_constants,
-    mesh_axes,
-    mesh_constants,
     stress_axes,
     stress_series,
     stress_values,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from ...solvers.constrained.flexible_rows import FlexibleRows
 
 
@@ -67,9 +83,10 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
         ("driver", mechanism.motions),
     ):
         if items:
-            axes.append(driver_axis_with_units(numbered_axis(kind, [item.name for item in items]), units))
+            numbered = numbered_axis(kind, [item.name for item in items])
+            axes.append(with_units(numbered, kind, units) if kind == "driver" else numbered)
     for body in _flexible(mechanism):
-        axes += [_mode_axis(body), _node_axis(body), *element_axis(body), *mesh_axes(body)]
+        axes += [_mode_axis(body), _node_axis(body), *element_axes(body)]
     axes += stress_axes(mechanism)
     present = {axis.path for axis in axes}
     series = [
@@ -127,7 +144,7 @@ def _node_axis(body: FloatingBody) -> Axis:
     return Axis(f"elastic/{body.name}/node", numbers, f"node of {body.name}, its number in the node table")
 
 
-def _constants(mechanism: FlexibleMechanism) -> "Iterator[Any]":
+def _constants(mechanism: FlexibleMechanism) -> Iterator[Any]:
     yield from gravity(mechanism.gravity)
     for body in _flexible(mechanism):
         meaning = f"frequencies of the modes of {body.name}, held in its frame"
@@ -135,7 +152,6 @@ def _constants(mechanism: FlexibleMechanism) -> "Iterator[Any]":
         yield Constant(f"modal/{body.name}/frequency", (_mode_axis(body).path,), frequencies, "Hz", meaning)
         yield from shape_geometry(body.name, body.reduced.r0, body.reduced.Phi)
         yield from element_constants(body)
-        yield from mesh_constants(body)
     if mechanism.outputs:
         yield point_bodies([point.body for point in mechanism.outputs])
     if mechanism.joints:

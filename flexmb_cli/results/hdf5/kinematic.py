@@ -1,14 +1,21 @@
 """Content of the HDF5 result of a mechanism's kinematics."""
 
-from collections.abc import Iterator, Mapping
 from typing import Any
-
-import numpy as np
 
 from ...model.mechanism import Mechanism
 from ...solvers.kinematics.rows import Rows
-from .layout import EULER_PARAMETER, TIME, XYZ, Layout, Series, Values, numbered_axis
-from .motion_series import BODY_MOTION, POINT_MOTION, with_shapes
+from .layout import (
+    BODY_MOTION,
+    EULER_PARAMETER,
+    POINT_MOTION,
+    TIME,
+    XYZ,
+    Layout,
+    Series,
+    Values,
+    numbered_axis,
+    with_shapes,
+)
 from .result_geometry import SIDE, mechanism_geometry
 
 # Fields of `Rows`, besides the time.
@@ -49,30 +56,10 @@ def kinematic_layout(mechanism: Mechanism) -> Layout:
 
 def kinematic_values(rows: Rows) -> Values:
     """The fields of report rows by the paths of their datasets."""
-    return _ValuesOf(rows)
+    return {series.path: getattr(rows, field) for field, series in ({"time": TIME} | SERIES).items()}
 
 
-_FIELDS = {series.path: field for field, series in ({"time": TIME} | SERIES).items()}
-
-
-class _ValuesOf(Mapping[str, np.ndarray]):
-    """The fields of rows by the paths of their datasets; each is looked up when it is requested."""
-
-    def __init__(self, rows: Rows):
-        self.rows = rows
-
-    def __getitem__(self, path: str) -> np.ndarray:
-        found: np.ndarray = getattr(self.rows, _FIELDS[path])
-        return found
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(_FIELDS)
-
-    def __len__(self) -> int:
-        return len(_FIELDS)
-
-
-def readable_names(kind: str, items: "tuple[Any, ...]") -> list[str]:
+def readable_names(kind: str, items: tuple[Any, ...]) -> list[str]:
     """Names as in the settings of the deck: "body 1", "point 2"; joints count by their type: "spherical 1".
 
     Messages name the same items in words ("spherical joint 1"); scripts rely on the names here.

@@ -5,6 +5,7 @@ the file do not depend on the blocks in which the analysis delivers them.
 """
 
 import os
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from math import prod
 from typing import TYPE_CHECKING, Any
@@ -16,13 +17,11 @@ from ... import __version__
 from ...deck.record import Deck
 from ...errors import COMPLETE, FAILED, OutputError
 from ...solvers.as_printed.errors import AS_PRINTED, EMULATED
-from ..files.disk_failures import located
-from ..files.full_disk_guard import FullDiskGuard
+from ..files.disk_failures import FullDiskGuard, located
 from ..files.replaced_file import Replacement, put_in_place
 from .layout import TIME, Axis, Constant, Layout, Series, Values
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
 
@@ -38,15 +37,15 @@ CHUNK_BYTES = 2**20
 TEXT = h5py.string_dtype()
 
 
-class ResultFile:
+class ResultFile(Replacement):
     """The HDF5 file of one run, complete at `path` only after `close`.
 
     Raises `OutputError` when the place cannot be written or the disk is full.
     """
 
     def __init__(self, path: "Path | str", deck: Deck, layout: Layout):
-        self._place = Replacement(path)
-        if self._place.direct:
+        super().__init__(path)
+        if self.direct:
             raise OutputError(
                 f"{path}: an HDF5 file can only be a regular file; --no-h5 writes none", id="RESULT-014"
             )
@@ -57,19 +56,14 @@ class ResultFile:
         self._chunk = chunk_rows(layout)
         self._file: h5py.File = None  # until the file is open
         try:
-            with located(self._place.path):
-                self._disk = FullDiskGuard(self._place.duplicate())
+            with located(self.path):
+                self._disk = FullDiskGuard(self.duplicate())
         except BaseException:
-            self._place.discard()
+            super().discard()
             raise
         with self._on_disk():
             self._file = h5py.File(self._disk, "w", libver=FILE_FORMAT)
             self._begin(deck, layout)
-
-    @property
-    def temporary(self) -> str:
-        """Return where the file is until it is complete."""
-        return self._place.temporary
 
     def rows(self, values: Values) -> None:
         """Add report rows, every series by its path; whole chunks are written at once."""
@@ -96,21 +90,7 @@ class ResultFile:
                 self._file.attrs["notes"] = "\n".join(self._notes)
             self._file.close()
             self._disk.close()
-        self._place.finish()
-
-    def move(self) -> None:
-        """Put the finished file in its place."""
-        self._place.move()
-
-    @property
-    def path(self) -> str:
-        """Return where the file will be."""
-        return self._place.path
-
-    @property
-    def folder(self) -> str:
-        """The folder whose names `move` changes."""
-        return self._place.folder
+        super().finish()
 
     def close(self, status: str = COMPLETE, message: str = "", notes: tuple[str, ...] = ()) -> None:
         """Mark the file, finish it and put it in its place."""
@@ -126,7 +106,7 @@ class ResultFile:
                 self._file.close()
         with suppress(OSError):
             self._disk.close()
-        self._place.discard()
+        super().discard()
 
     @property
     def _rows_waiting(self) -> int:
@@ -197,7 +177,7 @@ class ResultFile:
             _attach_scales(datasets[item.path], [time, *axes])
         return datasets
 
-    def _growing(self, series: Series, axes: "Sequence[Any]") -> h5py.Dataset:
+    def _growing(self, series: Series, axes: Sequence[Any]) -> h5py.Dataset:
         """A dataset without rows that grows along time."""
         item = tuple(len(axis) for axis in axes)
         dataset = self._file.create_dataset(
@@ -208,7 +188,7 @@ class ResultFile:
 
     def _write(self, count: int) -> None:
         """Write the first `count` waiting rows; the others go on waiting."""
-        gathered = {path: _joined([block[path] for block in self._waiting]) for path in self._series}
+        gathered = {path: np.concatenate([block[path] for block in self._waiting]) for path in self._series}
         with self._on_disk():
             for path, dataset in self._series.items():
                 dataset.resize(self._written + count, axis=0)
@@ -218,10 +198,10 @@ class ResultFile:
         self._waiting = [rest] if len(rest["time"]) else []
 
     @contextmanager
-    def _on_disk(self) -> "Iterator[None]":
+    def _on_disk(self) -> Iterator[None]:
         """Leave no file when the disk, or anything else, ends the writing."""
         try:
-            with located(self._place.path), self._disk.blamed():
+            with located(self.path), self._disk.blamed():
                 yield
         except BaseException:
             self.discard()
@@ -240,18 +220,26 @@ def chunk_rows(layout: Layout) -> int:
     return max(1, min(layout.rows, CHUNK_ROWS, CHUNK_BYTES // widest))
 
 
-def _plain(values: "tuple[Any, ...]") -> list[str] | np.ndarray:
+def _plain(values: tuple[Any, ...]) -> list[str] | np.ndarray:
     return list(values) if isinstance(values[0], str) else np.array(values, np.int32)
 
 
-def _kind(values: "tuple[Any, ...]") -> Any:
+def _kind(values: tuple[Any, ...]) -> Any:
     return TEXT if isinstance(values[0], str) else None
 
 
-def _attach_scales(dataset: h5py.Dataset, scales: "Sequence[h5py.Dataset]") -> None:
+def _attach_scales(dataset: h5py.Dataset, scales: Sequence[h5py.Dataset]) -> None:
     for dimension, scale in zip(dataset.dims, scales, strict=True):
         dimension.attach_scale(scale)
 
 
-def _joined(blocks: list[np.ndarray]) -> np.ndarray:
-    return blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
+@contextmanager
+def empty_result(deck: Deck, layout: Layout) -> Iterator[h5py.File]:
+    """Give the result of a run without rows, in which names of quantities are looked up."""
+    import tempfile  # which takes its time, and few runs need it
+
+    with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
+        path = os.path.join(folder, "empty.h5")
+        ResultFile(path, deck, layout).close()
+        with h5py.File(path, "r") as result:
+            yield result

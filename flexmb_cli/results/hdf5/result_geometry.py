@@ -58,7 +58,7 @@ def tree_geometry(tree: "Tree") -> tuple[Constant, ...]:
     return tuple(found)
 
 
-def joint_geometry(pairs: list[tuple[int, int]], points: "list[Any]") -> list[Constant]:
+def joint_geometry(pairs: list[tuple[int, int]], points: list[Any]) -> list[Constant]:
     """Bodies `pairs` (joint, 2), -1 for the ground, and `points` (joint, 2, 3) of joints, body axes."""
     return [
         Constant(

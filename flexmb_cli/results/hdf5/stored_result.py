@@ -15,8 +15,14 @@ from typing import TYPE_CHECKING, Any
 import h5py
 
 from ...errors import visible
-from .chunk_bounds import bytes_of_records, fault_of_filters, fault_of_heaps, fault_of_packed
-from .text_sizes import UnknownSize, bytes_of_texts
+from .chunk_bounds import (
+    UnknownSize,
+    bytes_of_records,
+    bytes_of_texts,
+    fault_of_filters,
+    fault_of_heaps,
+    fault_of_packed,
+)
 
 if TYPE_CHECKING:
     import numpy as np
@@ -205,7 +211,7 @@ def scale_of(dataset: h5py.Dataset, axis: int) -> h5py.Dataset | None:
         scale = dataset.file[listed[axis][0]]
     except (ValueError, TypeError) as error:
         raise Damaged(f"{where} is missing") from error
-    good = isinstance(scale, h5py.Dataset) and _is_linked(scale) and scale.ndim == 1
+    good = isinstance(scale, h5py.Dataset) and h5py.h5o.get_info(scale.id).rc > 0 and scale.ndim == 1
     # The time (axis 0) may be shorter than the dataset: `rows` are those that both have.
     if not good or (axis and len(scale) != dataset.shape[axis]):
         raise Damaged(f"{where} has another length")
@@ -232,10 +238,6 @@ def _references(dataset: h5py.Dataset, axis: int) -> "np.ndarray | None":
 def place_of(dataset: h5py.Dataset) -> int:
     """Return where in its file a dataset begins."""
     return int(h5py.h5o.get_info(dataset.id).addr)
-
-
-def _is_linked(dataset: h5py.Dataset) -> bool:
-    return bool(h5py.h5o.get_info(dataset.id).rc > 0)
 
 
 def texts(dataset: h5py.Dataset) -> list[str]:

@@ -6,39 +6,12 @@ the mean over its volume; von Mises and principal stresses are those of the aver
 
 import math
 from collections.abc import Iterator
-from typing import Protocol
 
 import numpy as np
 
 from ...model.flexible_body import BodyStress
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody, StressOutput
 from .layout import Axis, Constant, Series, Values
-
-
-def mesh_axes(body: FloatingBody) -> list[Axis]:
-    """The elements of a body of no known material, and their nodes."""
-    mesh = body.reduced.mesh
-    return [] if mesh is None else cell_axes(body.name, mesh.rows, mesh.numbers)
-
-
-def cell_axes(name: str, rows: np.ndarray, numbers: np.ndarray) -> list[Axis]:
-    """The elements of the body `name` by their `numbers` (m,), and the nodes of `rows` (m, k)."""
-    group, corners = f"elastic/{name}", tuple(range(1, rows.shape[1] + 1))
-    return [
-        Axis(f"{group}/element", tuple(map(int, numbers)), f"element of {name}, its number"),
-        Axis(f"{group}/corner", corners, "node of an element, as Abaqus counts them"),
-    ]
-
-
-def mesh_constants(body: FloatingBody) -> Iterator[Constant]:
-    """Nodes of the elements."""
-    mesh, group = body.reduced.mesh, f"elastic/{body.name}"
-    if mesh is None:
-        return
-    axes, numbers = (f"{group}/element", f"{group}/corner"), body.reduced.numbers[mesh.rows]
-    meaning = f"numbers of the nodes of every element of {body.name}"
-    yield Constant(f"{group}/cell", axes, numbers, "1", meaning)
-
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 YOUNG, POISSON = "young_modulus", "poisson_ratio"
@@ -52,35 +25,34 @@ def _stress(body: FloatingBody) -> BodyStress:
     return stress
 
 
-class Elastic(Protocol):
-    """Material of Hooke's law."""
-
-    @property
-    def young(self) -> float:
-        """Young's modulus, Pa."""
-
-    @property
-    def poisson(self) -> float:
-        """Poisson's ratio."""
+def _strains(stress: np.ndarray, body: FloatingBody) -> np.ndarray:
+    return strains(stress, _stress(body).young, _stress(body).poisson)
 
 
-def element_axis(body: FloatingBody) -> list[Axis]:
-    """The elements of a body of known material, their nodes, and components of stress."""
-    stress = body.reduced.stress
-    if stress is None:
+def element_axes(body: FloatingBody) -> list[Axis]:
+    """The elements of a body by their numbers, and their nodes; of known material, components of stress."""
+    cells, group = body.reduced.stress or body.reduced.mesh, f"elastic/{body.name}"
+    if cells is None:
         return []
-    component = Axis(f"elastic/{body.name}/component", COMPONENTS, "component of stress")
-    return [*cell_axes(body.name, stress.rows, stress.numbers), component]
+    corners = tuple(range(1, cells.rows.shape[1] + 1))
+    component = Axis(f"{group}/component", COMPONENTS, "component of stress")
+    return [
+        Axis(f"{group}/element", tuple(map(int, cells.numbers)), f"element of {body.name}, its number"),
+        Axis(f"{group}/corner", corners, "node of an element, as Abaqus counts them"),
+        *([component] if body.reduced.stress else []),
+    ]
 
 
 def element_constants(body: FloatingBody) -> Iterator[Constant]:
-    """Nodes of the elements, and the stresses of the modes."""
+    """Nodes of the elements, and the stresses of the modes where the material is known."""
     stress, group = body.reduced.stress, f"elastic/{body.name}"
+    if cells := stress or body.reduced.mesh:
+        meaning = f"numbers of the nodes of every element of {body.name}"
+        meaning += f"; {stress.formulation}" if stress else ""
+        numbers = body.reduced.numbers[cells.rows]
+        yield Constant(f"{group}/cell", (f"{group}/element", f"{group}/corner"), numbers, "1", meaning)
     if stress is None:
         return
-    numbers = body.reduced.numbers[stress.rows]
-    meaning = f"numbers of the nodes of every element of {body.name}; {stress.formulation}"
-    yield Constant(f"{group}/cell", (f"{group}/element", f"{group}/corner"), numbers, "1", meaning)
     axes = (f"{group}/node", f"{group}/component", f"modal/{body.name}/mode")
     meaning = f"stress at the nodes of {body.name} per unit of each mode, axes of the body"
     yield Constant(f"{group}/stress_shape", axes, stress.nodal, "Pa or Pa/m", meaning)
@@ -156,7 +128,7 @@ def stress_values(mechanism: FlexibleMechanism, values: Values) -> dict[str, np.
                 found[f"{group}/{kind}_tensor"] = tensor
                 found[f"{group}/{kind}_von_mises"] = von_mises(tensor)
                 found[f"{group}/{kind}_principal"] = principal_stresses(tensor)
-                strained = strains(tensor, _stress(body))
+                strained = _strains(tensor, body)
                 found[f"{strain}/{kind}_tensor"] = strained
                 found[f"{strain}/{kind}_principal"] = principal_stresses(strained)
         if len(output.elements):
@@ -181,9 +153,8 @@ def principal_stresses(stress: np.ndarray) -> np.ndarray:
     return np.linalg.eigvalsh(full)[..., ::-1]
 
 
-def strains(stress: np.ndarray, material: "Elastic") -> np.ndarray:
-    """Strain tensors (..., 6) of stresses by Hooke's law; xy yz zx are halves of angles."""
-    young, poisson = material.young, material.poisson
+def strains(stress: np.ndarray, young: float, poisson: float) -> np.ndarray:
+    """Strain tensors (..., 6) of stresses by Hooke's law, E in Pa; xy yz zx are halves of angles."""
     strain = stress * ((1 + poisson) / young)
     strain[..., :3] -= poisson / young * stress[..., :3].sum(axis=-1, keepdims=True)
     return strain
@@ -192,7 +163,7 @@ def strains(stress: np.ndarray, material: "Elastic") -> np.ndarray:
 def element_energies(output: StressOutput, body: FloatingBody, eta: np.ndarray) -> np.ndarray:
     """Strain energies (T, e), J, of the reported elements: the integral of sigma : epsilon / 2."""
     shapes, volumes = output.points, output.volumes
-    strain = strains(np.moveaxis(shapes, 2, -1).copy(), _stress(body))
+    strain = _strains(np.moveaxis(shapes, 2, -1).copy(), body)
     doubled = np.moveaxis(strain, -1, 2) * np.array([1, 1, 1, 2, 2, 2])[:, None]
     energies = np.einsum("egam,egan,eg->emn", shapes, doubled, volumes, optimize=True) / 2
     found: np.ndarray = np.einsum("emn,tm,tn->te", energies, eta, eta, optimize=True)

@@ -9,10 +9,28 @@ from typing import TYPE_CHECKING, cast
 from ...model.joint_elements import names_of
 from ...model.laws import is_angle
 from ...model.tree import ELASTIC, ROTATION, Body, Tree
-from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
-from .joint_coordinates import OF_ELEMENTS, joint_values, with_elements
-from .layout import EULER_PARAMETER, XYZ, Axis, Layout, Series, Values, numbered_axis
-from .motion_series import BODY_MOTION, JOINT_VECTOR, POINT_MOTION, with_shapes
+from .layout import (
+    BODY_MOTION,
+    DRIVER,
+    EULER_PARAMETER,
+    FORCE,
+    JOINT_VECTOR,
+    OF_ELEMENTS,
+    PATH,
+    POINT_MOTION,
+    TORQUE,
+    XYZ,
+    Axis,
+    Layout,
+    Series,
+    Values,
+    effort_series,
+    joint_values,
+    numbered_axis,
+    with_elements,
+    with_shapes,
+    with_units,
+)
 from .result_geometry import SIDE, tree_geometry
 
 if TYPE_CHECKING:
@@ -95,7 +113,7 @@ def _with_drivers(layout: Layout, tree: Tree) -> Layout:
     if not names:
         return layout
     units = [TORQUE if is_angle(coordinate) else FORCE for _, coordinate in coordinates]
-    axis = driver_axis_with_units(numbered_axis("driver", names), units)
+    axis = with_units(numbered_axis("driver", names), "driver", units)
     series = effort_series(
         Series(PATH, (DRIVER,), "N or N m", "effort along the prescribed coordinate"), units
     )

@@ -236,7 +236,7 @@ class _Placed:
             else:
                 yield _generic(pair, frame, axes)
 
-    def loads(self) -> "Iterator[Any]":
+    def loads(self) -> Iterator[Any]:
         """Yield a line for every spring, force and torque."""
         for item in self.model.springs:
             i, j, P_i, P_j = item.measure

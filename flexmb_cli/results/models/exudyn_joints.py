@@ -5,6 +5,7 @@ the axes of body I's frame, rotations about those of body J's.  All equations mu
 that ignores a singular Jacobian solves some closed loops only.
 """
 
+from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -14,8 +15,6 @@ from ...model.mechanism import GROUND
 from ...model.vectors import rotation_matrix
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from ...model.joint_elements import CompositeJoint
     from ...model.mechanism import Joint, Mechanism
 

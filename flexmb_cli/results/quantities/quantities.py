@@ -157,7 +157,9 @@ def resolve(result: h5py.File, patterns: Iterable[str], file: str = "", where: s
         matched = _matched(known, pattern)
         found.update(dict.fromkeys(matched))
         if not matched:
-            unknown.append(f"{where}{_unknown(known, pattern)}")
+            hint = hint_for(pattern, known)
+            lacking = f"the result has no such quantity{'; ' * bool(hint)}{hint}{SHOWS_ALL}"
+            unknown.append(f"{where}{pattern or NOTHING}: {lacking}")
     if unknown:
         raise ResultError(file, *unknown, id="RESULT-021")
     return list(found)
@@ -267,8 +269,3 @@ def _matched_form(family: Family, form: tuple[Slot, ...], words: Sequence[re.Pat
         if slot.axis is not None:
             along[slot.axis] = positions
     return [_quantity(family, index) for index in product(*along)]
-
-
-def _unknown(known: Sequence[Family], pattern: str) -> str:
-    hint = hint_for(pattern, known)
-    return f"{pattern or NOTHING}: the result has no such quantity{'; ' * bool(hint)}{hint}{SHOWS_ALL}"

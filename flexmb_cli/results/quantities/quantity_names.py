@@ -45,14 +45,10 @@ FORMS = {
 }  # fmt: skip
 # Unit of the effort along a coordinate in a unit.
 OF_EFFORT = {"m": "N", "rad": "N m"}
-MOTION: tuple[str, ...] = (
-    "position",
-    "euler_parameters",
-    "velocity",
-    "euler_parameter_rates",
-    "angular_velocity",
-)
-MOTION += ("acceleration", "euler_parameter_accelerations", "angular_acceleration")
+MOTION = (
+    "position", "euler_parameters", "velocity", "euler_parameter_rates", "angular_velocity", "acceleration",
+    "euler_parameter_accelerations", "angular_acceleration",
+)  # fmt: skip
 # Groups with a subgroup for every body that has such datasets; modes stand behind the quantity, nodes before.
 BY_BODY = ("elastic", "modal", "stress", "strain")
 
@@ -201,7 +197,7 @@ class _Labels:
     def _path(self, scale: h5py.Dataset) -> str:
         return self._paths.get(place_of(scale), "")
 
-    def _spellings(self, scale: h5py.Dataset, path: str) -> "list[tuple[str, ...]]":
+    def _spellings(self, scale: h5py.Dataset, path: str) -> list[tuple[str, ...]]:
         if not is_number(scale):
             return [(text,) for text in texts(scale)]
         numbers = [_number(value) for value in scale[:]]

@@ -8,7 +8,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from functools import partial
 from math import prod
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import h5py
 import numpy as np
@@ -52,12 +52,12 @@ def table_text(
     columns = [time_quantity(result), *(quantity for quantity in quantities if quantity.dataset != TIME)]
     heads = [column.header for column in columns]
     if style != "jsonl":
-        yield _text_line(heads, heads) if style == "text" else _separated_lines([heads], style)
+        yield table_lines(heads, [heads], style)
     length = _block_length(result, columns)
     for first in range(0, len(rows), length):
         block = rows[first : first + length]
         values = read(result, columns, slice(block.start, block.stop, block.step)).tolist()
-        yield _lines(heads, values, style)
+        yield table_lines(heads, values, style)
 
 
 def fitting_groups(result: h5py.File, quantities: Sequence[Quantity], width: int) -> list[list[Quantity]]:
@@ -65,8 +65,7 @@ def fitting_groups(result: h5py.File, quantities: Sequence[Quantity], width: int
 
     A group has one quantity at least.
     """
-    time = _column_width(time_quantity(result).header)
-    widths = [_column_width(quantity.header) for quantity in quantities]
+    time, *widths = widths_of([time_quantity(result).header, *(each.header for each in quantities)])
     return grouped(quantities, widths, width - time)
 
 
@@ -86,8 +85,33 @@ def grouped(columns: Sequence[Column], widths: Sequence[int], room: int) -> list
     return groups
 
 
-def _column_width(head: str) -> int:
-    return max(len(head), TEXT_WIDTH)
+def widths_of(heads: Sequence[str]) -> list[int]:
+    """Return the widths of aligned columns; those of numbers have a unit in their heads."""
+    return [max(len(head), TEXT_WIDTH if " [" in head else 0) for head in heads]
+
+
+def table_lines(heads: Sequence[str], rows: Sequence[Sequence[Any]], style: str) -> str:
+    """Return rows of cells as lines of text in one of `FORMATS`."""
+    if style == "jsonl":
+        records = (dict(zip(heads, map(_json, row), strict=True)) for row in rows)
+        return "".join(json.dumps(record, allow_nan=False) + "\n" for record in records)
+    if style == "text":
+        widths = widths_of(heads)
+        return "".join(_aligned(row, widths) for row in rows)
+    page = io.StringIO()
+    # The csv module writes the shortest digits that read back to the same double.
+    csv.writer(page, delimiter=SEPARATOR[style], lineterminator="\n").writerows(rows)
+    return page.getvalue()
+
+
+def _aligned(row: Sequence[Any], widths: list[int]) -> str:
+    cells = (TEXT_NUMBER.format(cell) if isinstance(cell, float) else str(cell) for cell in row)
+    return "  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True)).rstrip() + "\n"
+
+
+def _json(cell: Any) -> Any:
+    """Return the cell; JSON has no nan and no infinity, so they become None."""
+    return None if isinstance(cell, float) and not math.isfinite(cell) else cell
 
 
 def function_points(
@@ -110,30 +134,12 @@ def function_points(
     ]
 
 
-class Named(Protocol):
-    """A quantity of a result or a column of a study."""
-
-    @property
-    def name(self) -> str:
-        """The name that commands take."""
-
-    @property
-    def unit(self) -> str:
-        """The unit, SI."""
-
-    @property
-    def long_name(self) -> str:
-        """The meaning in words."""
-
-
-def list_text(quantities: Sequence[Named], style: str = "text") -> str:
-    """Name, unit and meaning of quantities, a line each."""
+def list_text(quantities: Sequence[Any], style: str = "text") -> str:
+    """Name, unit (SI) and meaning of quantities of a result, or of columns of a study, a line each."""
     heads = ("name", "unit", "meaning")
     rows = [(quantity.name, quantity.unit, quantity.long_name) for quantity in quantities]
-    if style == "jsonl":
-        return "".join(json.dumps(dict(zip(heads, row, strict=True))) + "\n" for row in rows)
     if style != "text":
-        return _separated_lines([list(heads), *map(list, rows)], style)
+        return table_lines(heads, rows if style == "jsonl" else [heads, *rows], style)
     widths = [max(len(row[k]) for row in rows) for k in (0, 1)]
     return "".join(
         f"{name.ljust(widths[0])}  {unit.ljust(widths[1])}  {reported}\n" for name, unit, reported in rows
@@ -144,28 +150,3 @@ def _block_length(result: h5py.File, columns: list[Quantity]) -> int:
     paths = {column.dataset for column in columns}
     width = sum(prod(result[path].shape[1:]) for path in paths)
     return int(max(1, min(BLOCK_ROWS, BLOCK_NUMBERS // width)))
-
-
-def _lines(heads: list[str], values: list[list[float]], style: str) -> str:
-    if style == "text":
-        return "".join(_text_line([TEXT_NUMBER.format(value) for value in row], heads) for row in values)
-    if style == "jsonl":
-        return "".join(json.dumps(_record(heads, row), allow_nan=False) + "\n" for row in values)
-    # repr gives the shortest digits that read back to the same double.
-    return "".join(SEPARATOR[style].join(map(repr, row)) + "\n" for row in values)
-
-
-def _record(heads: list[str], row: list[float]) -> "dict[Any, Any]":
-    """Return the row by heads; JSON has no nan and no infinity, so they become null."""
-    return {head: value if math.isfinite(value) else None for head, value in zip(heads, row, strict=True)}
-
-
-def _text_line(cells: list[str], heads: list[str]) -> str:
-    pairs = zip(cells, heads, strict=True)
-    return "  ".join(cell.rjust(_column_width(head)) for cell, head in pairs) + "\n"
-
-
-def _separated_lines(rows: list[list[str]], style: str) -> str:
-    page = io.StringIO()
-    csv.writer(page, delimiter=SEPARATOR[style], lineterminator="\n").writerows(rows)
-    return page.getvalue()

@@ -1,22 +1,23 @@
 """Diagnose a deck without solving it through time: counts, rank, redundant and free coordinates, gaps."""
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Callable, Sequence, Sized
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...deck.record import Deck
-from ...errors import Fault
-from ..context import Run
-from ..exit_status import ending_recorded
-from ..model import analysis_of, model_of, module_for
-from ..open_deck import open_deck
-from ..outcome import Outcome, RunOptions, Stop
+from ...errors import Fault, ModelError
+from ..model import analysis_of, model_of, module_for, open_deck
+from ..outcome import Outcome, Run, RunOptions, Stop, ending_recorded
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
+    from ...model.arrays.kinematic import KinematicArrays
+    from ...model.arrays.system import SystemArrays
+    from ...model.mechanism import Mechanism, TimeGrid
+    from ...solvers.constrained.analysis import ConstrainedMotion
+    from ...solvers.singular.mobility import Mobility
     from .tree import TreeFindings
 
 
@@ -97,7 +98,7 @@ def check_deck(
     path: str,
     options: RunOptions,
     jacobian: str | None = None,
-    read: "Callable[[str, RunOptions, Outcome], Deck] | None" = None,
+    read: Callable[[str, RunOptions, Outcome], Deck] | None = None,
 ) -> CheckReport:
     """Read the deck at `path`, assemble it at its first time and analyse what it can be solved for.
 
@@ -112,3 +113,135 @@ def check_deck(
         report.analysis = analysis_of(model)
         module_for(model, "check").check(report, model, run, jacobian)
     return report
+
+
+# Report steps up to the time at which a Jacobian or modes are requested: seconds for a four-bar, without any
+# progress shown.
+FARTHEST_STEPS = 100_000
+# What kernels left uncompiled look at in about a second: coordinates, whose matrix is factorised, and loads.
+INTERPRETED_COORDINATES, INTERPRETED_LOADS = 200, 300
+
+
+MOST_MOVES = 3  # bodies named
+# Of the size, or rad, that a note names: attitudes printed in 1996 are off by 0.75 rad.
+FAR_MOVE = 1.0
+MOST_ASSEMBLED = 20_000  # coordinates, which take some seconds
+MOST_DENSE_EQUATIONS = 2000  # equations, most of which repeat others: their dense matrix takes 32 MB
+
+
+def is_too_large(report: "CheckReport", counts: dict[str, Any], coordinates: int, equations: int = 0) -> bool:
+    """Return whether a model is too large to be assembled here; the report then has its counts and a note."""
+    most, size, what = MOST_ASSEMBLED, coordinates, "coordinates"
+    if equations > max(MOST_DENSE_EQUATIONS, 4 * coordinates):
+        most, size, what = MOST_DENSE_EQUATIONS, equations, f"equations of {coordinates} coordinates"
+    if size <= most:
+        return False
+    report.counts = counts | {"coordinates": coordinates}
+    message = f"{size} {what} are more than the {most} that check assembles; run does"
+    report.outcome.faults.append(Fault("note", message, id="RUN-002"))
+    return True
+
+
+def note_left_out(report: "CheckReport", speeds: int) -> None:
+    """Note that the accelerations of a large mechanism, whose matrices are dense, were not looked at."""
+    message = (
+        f"with {speeds} speeds check looks at the first position and speeds only; run finds accelerations"
+    )
+    report.outcome.faults.append(Fault("note", message, id="RUN-063"))
+
+
+def start_of(analysis: "ConstrainedMotion", report: "CheckReport") -> "Mobility":
+    """Start an analysis as far as `check` looks at it: all of a small one, positions and speeds of others."""
+    from ...solvers.constrained.large_start import is_large
+
+    if not is_large(analysis.arrays):
+        return analysis.start()
+    note_left_out(report, analysis.arrays.speeds)
+    return analysis.start_position()
+
+
+def is_small(coordinates: int, *loads: Sized) -> bool:
+    """Return whether a model is looked at sooner than its kernels are compiled."""
+    return coordinates <= INTERPRETED_COORDINATES and sum(map(len, loads)) <= INTERPRETED_LOADS
+
+
+Gaps = dict[tuple[str, str], float]  # by owner and unit, m or 1
+
+
+def parts_of(mechanism: "Mechanism") -> dict[str, Any]:
+    """Return how many of each thing a mechanism has."""
+    return {
+        "bodies": len(mechanism.bodies),
+        "joints": dict(Counter(joint.kind for joint in mechanism.joints)),
+        "simplified": len(mechanism.simplified),
+        "distance": len(mechanism.distances),
+        "drivers": len(mechanism.drivers),
+        "grounds": len(mechanism.grounds),
+        "points": len(mechanism.points),
+        **report_times(mechanism.time),
+    }
+
+
+def report_times(grid: "TimeGrid") -> dict[str, Any]:
+    """Return how many report times there are, and the last where it is not the end that the deck gives."""
+    return {"report_times": grid.rows} | ({"last_time": grid.last} if grid.left_out else {})
+
+
+def gaps_of(
+    evaluator: Any,
+    arrays: "KinematicArrays | SystemArrays",
+    q: np.ndarray,
+    t: float,
+    angles: np.ndarray,
+) -> Gaps:
+    """Return the largest residual of each owner's equations at positions q and the expected `angles`."""
+    gaps: Gaps = {}
+    scaled = evaluator.residual(q, t, angles)
+    for equation, value in zip(arrays.equations, abs(scaled * arrays.row_scale).tolist(), strict=True):
+        key = (equation.owner, equation.unit)
+        gaps[key] = max(gaps.get(key, 0.0), value)
+    return gaps
+
+
+def record_mobility(report: "CheckReport", found: "Mobility") -> None:
+    """Record the rank, the smallest singular value, repeated equations and what is free to move."""
+    report.rank, report.smallest = int(found.rank), float(found.smallest)
+    report.redundant = [[equation.name for equation in group] for group in found.redundant]
+    report.free = [list(names) for names in found.free]
+
+
+def note_slips(report: "CheckReport", evaluator: Any, q: np.ndarray, t: float, angles: np.ndarray) -> None:
+    """Note joints that the estimates q leave open far wider than the others."""
+    from ...solvers.kinematics.estimate_gaps import open_estimates, slip_note
+
+    opened, others, far = open_estimates(evaluator, q, t, angles)
+    if opened:
+        report.outcome.faults.append(slip_note(opened, others, far=far))
+
+
+def record_assembly(report: "CheckReport", before: Gaps, after: Gaps) -> None:
+    """Record each owner's gaps: owner, gap of the estimates, of the assembled position, unit."""
+    report.gaps = [(owner, before[owner, unit], after[owner, unit], unit) for owner, unit in before]
+
+
+def note_moves(
+    report: "CheckReport", arrays: "KinematicArrays | SystemArrays", before: np.ndarray, after: np.ndarray
+) -> None:
+    """Record how far assembly moved each body, and note it where one is moved far."""
+    from ...solvers.assembly import displacements
+
+    names = arrays.body_names
+    scale = max((e.scale for e in arrays.equations if e.is_length), default=1.0)
+    moves = zip(names, *(x.tolist() for x in displacements(before, after, len(names))), strict=True)
+    report.moved = sorted(moves, key=lambda move: -(move[1] / scale + move[2]))
+    far = [move for move in report.moved if max(move[1] / scale, move[2]) > FAR_MOVE]
+    if far:
+        named = "; ".join(f"{name} by {way:.3g} m and {turn:.3g} rad" for name, way, turn in far[:MOST_MOVES])
+        message = f"assembly moves bodies from their estimates: {named}"
+        report.outcome.faults.append(Fault("note", message, id="RUN-081"))
+
+
+def refuse_jacobian(jacobian: str | None, reason: str) -> None:
+    """Raise ModelError where a Jacobian is requested that the model does not have."""
+    if jacobian is not None:
+        raise ModelError([Fault("error", f"--jacobian: {reason}", id="RUN-001")])

@@ -3,26 +3,22 @@
 Where drivers move it (inverse dynamics), it is diagnosed as in kinematics.
 """
 
-from typing import TYPE_CHECKING
-
 from ...model.loads import DynamicModel
 from ...model.unit_checks import unit_warnings
-from ..context import Run
-from .check import CheckReport
-from .parts import (
-    before_and_after,
+from ..outcome import Run
+from .check import (
+    CheckReport,
     gaps_of,
     is_small,
     is_too_large,
     note_moves,
     note_slips,
     parts_of,
+    record_assembly,
+    record_mobility,
     refuse_jacobian,
     start_of,
 )
-
-if TYPE_CHECKING:
-    from ...solvers.constrained.young_dynamics import ForwardDynamics
 
 
 def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | None) -> None:
@@ -46,38 +42,27 @@ def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | No
 
 
 def _check_forward(report: CheckReport, model: DynamicModel, run: Run) -> None:
+    from ...solvers.constrained.position import PositionGaps
     from ...solvers.constrained.young_dynamics import DrivenDynamics, ForwardDynamics
 
     analysis = DrivenDynamics(model) if model.analysis == "inverse" else ForwardDynamics(model)
-    arrays, speeds = analysis.arrays.kinematic, analysis.arrays.speeds
-    gaps = _Gaps(analysis)
-    before = gaps_of(gaps, analysis.arrays, arrays.q, analysis.arrays.angles)
+    arrays, speeds = analysis.arrays, analysis.arrays.speeds
+    report.time, q = model.mechanism.time.start, arrays.kinematic.q
+    evaluator = PositionGaps(arrays, analysis.system, analysis.work)
+    before = gaps_of(evaluator, arrays, q, report.time, arrays.angles)
     try:
         found = start_of(analysis, report)
     finally:
         report.outcome.faults += analysis.warnings
     drivers = len(model.mechanism.drivers) + len(model.elements.drivers)
     report.counts = parts_of(model.mechanism) | {
-        "equations": len(analysis.arrays.equations),
+        "equations": len(arrays.equations),
         "coordinates": speeds,
         "degrees_of_freedom": int(speeds - found.rank) + drivers,
     }
-    report.time = model.mechanism.time.start
-    q = analysis.integration.z[: arrays.q.size]
-    report.gaps = before_and_after(before, gaps_of(gaps, analysis.arrays, q, analysis.arrays.angles))
-    note_slips(report, gaps.evaluator, arrays.q, report.time, analysis.arrays.angles)
-    note_moves(report, analysis.arrays, arrays.q, q)
-    report.rank, report.smallest = int(found.rank), float(found.smallest)
-    report.redundant = [[equation.name for equation in group] for group in found.redundant]
-    report.free = [list(names) for names in found.free]
+    assembled = analysis.integration.z[: q.size]
+    record_assembly(report, before, gaps_of(evaluator, arrays, assembled, report.time, arrays.angles))
+    note_slips(report, evaluator, q, report.time, arrays.angles)
+    note_moves(report, arrays, q, assembled)
+    record_mobility(report, found)
     run.warn(())
-
-
-class _Gaps:
-    """An analysis as `gaps_of` looks at it: the gaps of all its equations."""
-
-    def __init__(self, analysis: "ForwardDynamics"):
-        from ...solvers.constrained.position import PositionGaps
-
-        self.mechanism = analysis.mechanism
-        self.evaluator = PositionGaps(analysis.arrays, analysis.system, analysis.work)

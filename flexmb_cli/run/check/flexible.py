@@ -1,6 +1,7 @@
 """Diagnose a mechanism of flexible bodies: assembly, rank, repeated equations, what is free to move."""
 
-from typing import TYPE_CHECKING, Any
+from collections import Counter
+from typing import Any
 
 import numpy as np
 
@@ -8,21 +9,19 @@ from ...deck.many_records import Made
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from ...model.joints import BY_NAME
 from ...model.unit_checks import unit_warnings
-from ..context import Run
-from .check import CheckReport
-from .parts import (
-    before_and_after,
+from ..outcome import Run
+from .check import (
+    CheckReport,
+    gaps_of,
     is_small,
     is_too_large,
     note_moves,
+    record_assembly,
+    record_mobility,
     refuse_jacobian,
     report_times,
     start_of,
 )
-
-if TYPE_CHECKING:
-    from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
-
 
 CENTRE_ROUND_OFF = 1e-12
 
@@ -52,7 +51,7 @@ def _is_small(mechanism: FlexibleMechanism) -> bool:
     return is_small(_coordinates(mechanism), *loads, *constraints, *mechanism.elements.groups())
 
 
-def _equations(mechanism: FlexibleMechanism, counts: "dict[str, Any]") -> int:
+def _equations(mechanism: FlexibleMechanism, counts: dict[str, Any]) -> int:
     """Return the equations of joints, pins and motions: some may repeat others, and be any number."""
     of_joints: int = sum(number * BY_NAME[kind].equations for kind, number in counts["joints"].items())
     return of_joints + sum(sum(pin.directions) for pin in mechanism.pins) + len(mechanism.motions)
@@ -65,7 +64,7 @@ def _diagnose(report: CheckReport, mechanism: FlexibleMechanism) -> None:
     arrays = analysis.arrays
     report.bodies = [_body(body) for body in mechanism.bodies]
     report.time = mechanism.time.start
-    before = _gaps(analysis, arrays.q)
+    before = gaps_of(analysis.evaluator, arrays, arrays.q, report.time, arrays.angles)
     try:
         found = start_of(analysis, report)
     finally:
@@ -76,23 +75,20 @@ def _diagnose(report: CheckReport, mechanism: FlexibleMechanism) -> None:
         "degrees_of_freedom": int(found.coordinates - found.rank) + len(mechanism.motions),
         **report_times(mechanism.time),
     }
-    report.gaps = before_and_after(before, _gaps(analysis, analysis.integration.z[: arrays.q.size]))
-    note_moves(report, arrays, arrays.q, analysis.integration.z[: arrays.q.size])
-    report.rank, report.smallest = int(found.rank), float(found.smallest)
-    report.redundant = [[equation.name for equation in group] for group in found.redundant]
-    report.free = [list(names) for names in found.free]
+    assembled = analysis.integration.z[: arrays.q.size]
+    after = gaps_of(analysis.evaluator, arrays, assembled, report.time, arrays.angles)
+    record_assembly(report, before, after)
+    note_moves(report, arrays, arrays.q, assembled)
+    record_mobility(report, found)
 
 
 def _parts(mechanism: FlexibleMechanism) -> dict[str, dict[str, int] | int]:
     modes = [body.modes for body in mechanism.bodies]
-    kinds: dict[str, int] = {}
-    for joint in mechanism.joints:
-        kinds[joint.kind] = kinds.get(joint.kind, 0) + 1
     return {
         "bodies": len(mechanism.bodies),
         "flexible": sum(count > 0 for count in modes),
         "modes": sum(modes),
-        "joints": kinds,
+        "joints": dict(Counter(joint.kind for joint in mechanism.joints)),
         "pins": len(mechanism.pins),
         "motions": len(mechanism.motions),
         "loads": len(mechanism.forces) + len(mechanism.torques),
@@ -101,7 +97,7 @@ def _parts(mechanism: FlexibleMechanism) -> dict[str, dict[str, int] | int]:
     }
 
 
-def _body(body: FloatingBody) -> "dict[str, Any]":
+def _body(body: FloatingBody) -> dict[str, Any]:
     """Return what is reported of a body; frequencies in Hz."""
     record = {"name": body.name, "mass": body.m, "centre": _centre(body), "modes": body.modes}
     if body.flexible is None:
@@ -123,14 +119,3 @@ def _centre(body: FloatingBody) -> list[float]:
     centre = body.s0 / body.m
     size = max(np.abs(centre).max(), np.sqrt(np.trace(body.J0) / body.m))
     return list(np.where(np.abs(centre) > CENTRE_ROUND_OFF * size, centre, 0.0).tolist())
-
-
-def _gaps(analysis: "FlexibleDynamics", q: np.ndarray) -> dict[tuple[str, str], float]:
-    """Largest residual of each owner's equations, as {(owner, unit): m or 1}."""
-    arrays = analysis.arrays
-    gaps: dict[tuple[str, str], float] = {}
-    scaled = analysis.evaluator.residual(q, analysis.grid.start, arrays.angles)
-    for equation, value in zip(arrays.equations, np.abs(scaled * arrays.row_scale), strict=True):
-        key = equation.owner, equation.unit
-        gaps[key] = max(gaps.get(key, 0.0), float(value))
-    return gaps

@@ -10,9 +10,19 @@ import numpy as np
 
 from ...errors import Fault, ModelError
 from ...model.mechanism import Mechanism, TimeGrid
-from ..context import Run
-from .check import CheckReport, LabelledJacobian
-from .parts import FARTHEST_STEPS, before_and_after, gaps_of, is_too_large, note_moves, note_slips, parts_of
+from ..outcome import Run
+from .check import (
+    FARTHEST_STEPS,
+    CheckReport,
+    LabelledJacobian,
+    gaps_of,
+    is_too_large,
+    note_moves,
+    note_slips,
+    parts_of,
+    record_assembly,
+    record_mobility,
+)
 
 if TYPE_CHECKING:
     from ...solvers.kinematics.analysis import KinematicAnalysis
@@ -42,25 +52,27 @@ def _diagnose(report: CheckReport, mechanism: Mechanism, jacobian: str | None) -
 def _assemble(report: CheckReport, mechanism: Mechanism, jacobian: str | None, equations: int) -> None:
     from ...solvers.kinematics.analysis import KinematicAnalysis
     from ...solvers.kinematics.position import KinematicSettings
+    from ...solvers.singular.mobility import mobility
 
     # Points take no part in what is looked at, and there may be a million of them.
     analysis = KinematicAnalysis(replace(mechanism, points=()), KinematicSettings(most_ranked=RANK_LIMIT))
     report.counts = _counts(mechanism, analysis)
-    before = gaps_of(analysis, analysis.arrays, analysis.arrays.q, analysis.arrays.screw_angles)
+    arrays, report.time = analysis.arrays, mechanism.time.start
+    start = arrays.q, report.time, arrays.screw_angles
+    before = gaps_of(analysis.evaluator, arrays, *start)
     if jacobian == "estimate":
-        report.jacobian = _labelled(analysis, analysis.arrays.q, None)
+        report.jacobian = _labelled(analysis, arrays.q, None)
     try:
         next(analysis.rows())
     finally:
         report.outcome.faults += analysis.warnings
-    report.time = mechanism.time.start
-    after = gaps_of(analysis, analysis.arrays, analysis.state[0], analysis.arrays.screw_angles)
-    report.gaps = before_and_after(before, after)
-    start = analysis.arrays.q, report.time, analysis.arrays.screw_angles
+    record_assembly(report, before, gaps_of(analysis.evaluator, arrays, analysis.state[0], *start[1:]))
     note_slips(report, analysis.evaluator, *start)
-    note_moves(report, analysis.arrays, analysis.arrays.q, analysis.state[0])
+    note_moves(report, arrays, arrays.q, analysis.state[0])
     if equations <= RANK_LIMIT:
-        _look_at_rank(report, analysis, mechanism.time.start)
+        record_mobility(
+            report, mobility(analysis.evaluator, analysis.state[0], report.time, analysis.motion[:, 0])
+        )
     if jacobian not in (None, "estimate"):
         report.jacobian = _jacobian_at(mechanism, float(jacobian))
 
@@ -77,16 +89,6 @@ def _counts(mechanism: Mechanism, analysis: "KinematicAnalysis") -> dict[str, di
         "coordinates": coordinates,
         "degrees_of_freedom": coordinates - equations + len(mechanism.drivers),
     }
-
-
-def _look_at_rank(report: CheckReport, analysis: "KinematicAnalysis", t: float) -> None:
-    from ...solvers.singular.mobility import mobility
-
-    found = mobility(analysis.evaluator, analysis.state[0], t, analysis.motion[:, 0])
-    report.rank = found.rank
-    report.smallest = found.smallest
-    report.redundant = [[equation.name for equation in group] for group in found.redundant]
-    report.free = [list(names) for names in found.free]
 
 
 def _jacobian_at(mechanism: Mechanism, time: float) -> LabelledJacobian:

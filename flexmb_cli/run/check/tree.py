@@ -13,9 +13,8 @@ from ...model.mechanism import TimeGrid
 from ...model.tree import ELASTIC, Tree
 from ...model.unit_checks import unit_warnings
 from ...solvers.tree.loop_assembly import closed_rows
-from ..context import Run
-from .check import CheckReport
-from .parts import refuse_jacobian
+from ..outcome import Run
+from .check import CheckReport, refuse_jacobian
 
 if TYPE_CHECKING:
     from ...model.arrays.tree import TreeArrays
@@ -149,5 +148,5 @@ def _spectrum(body: Any) -> tuple[str, int, int, float, float]:
     return body.name, len(elastic.masses), elastic.coordinates, lowest, highest
 
 
-def _named(keys: tuple[str, ...], rows: "list[Any]") -> "list[dict[str, Any]]":
+def _named(keys: tuple[str, ...], rows: list[Any]) -> list[dict[str, Any]]:
     return [dict(zip(keys, row, strict=True)) for row in rows]

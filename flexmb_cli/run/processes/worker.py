@@ -12,9 +12,10 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, nullcontext, suppress
 from multiprocessing import connection, get_context, util
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
-from .signal_mask import signals_masked
+from ..outcome import Listener
+from .signal_mask import end_with_parent, signals_masked, unblock_stops
 
 
 class Worker:
@@ -124,3 +125,28 @@ def portable(fault: BaseException) -> BaseException:
         pickle.loads(pickle.dumps(fault))
         return fault
     return RuntimeError(place)
+
+
+class Remark(NamedTuple):
+    """A report of a process to the user."""
+
+    kind: str  # "notice", or "status" until the first row: the method of `Listener` that takes it
+    said: Any  # a Fault, or what is done
+
+
+def remarking(line: Any) -> Listener:
+    """Return a listener that sends reports through the line of a process."""
+    return Listener(
+        notice=lambda fault: line.send(Remark("notice", fault)),
+        status=lambda doing: line.send(Remark("status", doing)),
+    )
+
+
+def why_unable() -> str:
+    """Let a process that begins have its signals, and end with its parent; return why it cannot, or ""."""
+    unblock_stops()
+    try:
+        end_with_parent()
+    except RuntimeError as fault:  # no thread can be started
+        return str(fault)
+    return ""

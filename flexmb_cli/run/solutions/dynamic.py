@@ -1,5 +1,6 @@
 """Dynamics of a mechanism with masses and loads: forward, or inverse where drivers move it."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -10,15 +11,13 @@ from ...model.loads import DynamicModel
 from ...model.unit_checks import unit_warnings
 from ...results.hdf5.dynamic import dynamic_layout, dynamic_values
 from ...solvers.compilation import announce_compiling
-from ..context import Run
 from ..energy_drift import ConstrainedDrift, StepCount
 from ..error_estimate import finer_motion, nothing_to_refine
+from ..outcome import Run
 from ..python_options import set_tolerances
 from ..solution import Solution
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from ...solvers.constrained.young_dynamics import ForwardDynamics
     from ...solvers.kinematics.inverse_dynamics import InverseDynamics
     from ..outcome import RunOptions
@@ -68,11 +67,11 @@ def _as_asked(model: DynamicModel, options: "RunOptions") -> DynamicModel:
     return replace(model, integrator=integrator)
 
 
-def _contents(model: DynamicModel) -> "tuple[Callable[..., Any], Callable[..., Any]]":
+def _contents(model: DynamicModel) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Functions of the layout of the HDF5 file and of its values from report rows."""
     if not model.elements:
         return partial(dynamic_layout, model), partial(dynamic_values, model)
-    from ...results.hdf5.elements import element_layout, element_values
+    from ...results.hdf5.dynamic import element_layout, element_values
 
     return partial(element_layout, model), partial(element_values, model)
 

@@ -12,9 +12,9 @@ from ...model.unit_checks import unit_warnings
 from ...results.hdf5.flexible import flexible_layout, flexible_values
 from ...solvers.compilation import announce_compiling
 from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
-from ..context import Run
 from ..energy_drift import ConstrainedDrift, StepCount
 from ..error_estimate import finer_motion
+from ..outcome import Run
 from ..python_options import set_tolerances
 from ..solution import Solution
 

@@ -8,8 +8,8 @@ from ...results.hdf5.kinematic import kinematic_layout, kinematic_values
 from ...solvers.compilation import announce_compiling
 from ...solvers.kinematics.analysis import KinematicAnalysis
 from ...solvers.kinematics.position import KinematicSettings
-from ..context import Run
 from ..error_estimate import nothing_to_refine
+from ..outcome import Run
 from ..solution import NoCount, Solution
 
 if TYPE_CHECKING:

@@ -12,15 +12,12 @@ from ...model.unit_checks import unit_warnings
 from ...results.hdf5.tree import tree_layout, tree_values
 from ...solvers.compilation import announce_compiling
 from ...solvers.tree.points import point_motion, point_names
-from ..context import Run
-from ..energy_drift import EnergyDrift
+from ..energy_drift import EnergyDrift, StepCount
 from ..error_estimate import FINER, finer, why_no_estimate
-from ..outcome import ABSOLUTE
-from ..solution import NoCount, Solution
+from ..outcome import ABSOLUTE, Run
+from ..solution import Solution
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     import numpy as np
 
     from ...solvers.tree.analysis import TreeAnalysis
@@ -30,8 +27,11 @@ if TYPE_CHECKING:
 def solution(tree: Tree, run: Run) -> Solution:
     """Return the motion of `tree` by the formulation of the options, ready to be solved."""
     absolute = run.options.formulation == ABSOLUTE
-    if absolute:
-        run.warn(list(_unused_method(tree)))
+    # The choice of an integrator is one of Kane's equations.
+    stepped = "dop853", *(IMPLICIT_TREE_METHODS if tree.elements else ())
+    if absolute and tree.integration.method not in stepped:
+        message = f"absolute coordinates are stepped by DOP853: {tree.integration.method} is not used"
+        run.warn([Fault("warning", message, id="RUN-010")])
     analysis = (absolute_analysis if absolute else kane_analysis)(tree, run)
     given = tree.integration
     formulation = {"formulation": ABSOLUTE} if absolute else {}
@@ -69,13 +69,6 @@ def absolute_analysis(tree: Tree, run: Run) -> Any:
     return AbsoluteTree(tree)
 
 
-def _unused_method(tree: Tree) -> "Iterator[Any]":
-    """The choice of an integrator is one of Kane's equations."""
-    if tree.integration.method not in ("dop853", *(IMPLICIT_TREE_METHODS if tree.elements else ())):
-        message = f"absolute coordinates are stepped by DOP853: {tree.integration.method} is not used"
-        yield Fault("warning", message, id="RUN-010")
-
-
 def _finer_blocks(tree: Tree, run: Run) -> Any:
     """Blocks of values of a second run at a tighter tolerance."""
     given = tree.integration
@@ -85,24 +78,15 @@ def _finer_blocks(tree: Tree, run: Run) -> Any:
     return (values_of(second, rows) for rows in kane_analysis(second, run).rows())
 
 
-class TreeCount(NoCount):
+class TreeCount(StepCount):
     """Evaluations, and how far the energy drifts; that of a one-way tree is not constant."""
 
     def __init__(self, clock: "np.ndarray", tree: Tree, absolute: bool):
-        self.clock, self.one_way, self.absolute = clock, tree.one_way, absolute
-        self.drift = EnergyDrift()
-
-    def add(self, values: Mapping[str, "np.ndarray"]) -> None:
-        """Count a block of values."""
-        self.drift.add(values)
-
-    @property
-    def warnings(self) -> tuple[Fault, ...]:
-        """Return what the energy of the rows makes doubtful."""
-        return () if self.one_way else self.drift.warnings
+        super().__init__(clock, None if tree.one_way else EnergyDrift())
+        self.absolute = absolute
 
     def __str__(self) -> str:
-        clock = self.clock[0]
-        counts = f"{clock['evaluations']} evaluations, {clock['rejections']} rejected steps"
-        lead = "absolute coordinates: " if self.absolute else ""
-        return f"{lead}{counts}" if self.one_way else f"{lead}{counts}; {self.drift}"
+        assert self.clock is not None, "a tree is integrated"
+        clock, lead = self.clock[0], "absolute coordinates: " * self.absolute
+        counts = f"{lead}{clock['evaluations']} evaluations, {clock['rejections']} rejected steps"
+        return f"{counts}; {self.drift}" if self.drift else counts

@@ -4,21 +4,16 @@ Both begin at the position that flexmb assembles.
 """
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...deck.record import Deck
 from ...errors import Fault, ModelError
-from ...model.integrators import METHODS, Integrator
 from ...model.loads import DynamicModel
 from ...model.mechanism import Mechanism
-from ..context import Run
-from .difference import Difference, Size, compared_rows, largest_difference
-
-if TYPE_CHECKING:
-    from ...solvers.constrained.rows import DynamicRows
-
+from ..outcome import Run
+from .verify import Difference, Size, compared_rows, finely_stepped, joined, largest_difference
 
 FORMULATIONS = "Euler parameters and natural coordinates"
 EXPLICIT_TOLERANCE = 1e-11  # of the explicit steps
@@ -36,10 +31,8 @@ def differences(model: DynamicModel, deck: Deck, run: Run) -> tuple[Difference, 
     _refuse_elements(model)
     if model.analysis != "forward":
         return compare(InverseDynamics(model), model.mechanism, model, run)
-    tolerance = run.options.integration.get("rtol", EXPLICIT_TOLERANCE)
-    # Steps of a given length have no tolerance.
-    method = "RK45" if METHODS[model.integrator.method].given_step else model.integrator.method
-    model = replace(model, integrator=Integrator(method, tolerance=tolerance))
+    finer = finely_stepped(model.integrator, run.options, "RK45", EXPLICIT_TOLERANCE)
+    model = replace(model, integrator=finer)
     return compare(ForwardDynamics(model), model.mechanism, model, run)
 
 
@@ -58,7 +51,7 @@ def compare(
         rows = motion.kinematic(X)
     else:
         rows = motion.forward(X, speeds_of(X, start.velocity[0], start.angular_velocity[0]))
-    return _differences(_joined(blocks), rows, motion, _size(mechanism, model))
+    return _differences(joined(blocks, COMPARED), rows, motion, _size(mechanism, model))
 
 
 def _size(mechanism: Mechanism, model: DynamicModel | None) -> Size:
@@ -79,11 +72,6 @@ def _refuse_elements(model: Any) -> None:
             f"natural coordinates have neither functions nor elements at joints, which this deck has ({what})"
         )
         raise ModelError([Fault("error", message, id="RUN-030")])
-
-
-def _joined(blocks: "list[DynamicRows]") -> dict[str, np.ndarray]:
-    names = [name for name in COMPARED if hasattr(blocks[0], name)]
-    return {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
 
 
 def _differences(found: dict[str, np.ndarray], rows: Any, motion: Any, size: Size) -> tuple[Difference, ...]:
@@ -111,21 +99,11 @@ def _differences(found: dict[str, np.ndarray], rows: Any, motion: Any, size: Siz
         pairs.append(
             ("driver effort", "N, N m", np.where(known, efforts, 0.0), np.where(known, rows.effort, 0.0))
         )
-    return tuple(_difference(rows.time, size, *pair) for pair in pairs)
-
-
-def _difference(
-    time: np.ndarray,
-    size: Size,
-    name: str,
-    unit: str,
-    one: np.ndarray,
-    other: np.ndarray,
-    least: float = 0.0,
-) -> Any:
-    """Return a difference; what should be zero is measured by `least`, the size of what it is made of."""
-    scale = max(least, float(np.max(np.abs(one))))
-    return largest_difference(name, unit, time, one, other, size, scale)
+    # What should be zero is measured by the size of what it is made of.
+    return tuple(
+        largest_difference(name, unit, rows.time, one, other, size, max([*least, float(np.max(np.abs(one)))]))
+        for name, unit, one, other, *least in pairs
+    )
 
 
 def _omega(X: np.ndarray, rates: np.ndarray) -> np.ndarray:

@@ -3,8 +3,9 @@
 With all modes both hold the same deformations: the two models are one and the same.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,16 +13,9 @@ from ...deck.record import Deck
 from ...dialects.recognise import dialect_named
 from ...errors import Fault, ModelError
 from ...model.flexible_mechanism import FlexibleMechanism
-from ...model.integrators import METHODS, Integrator
-from ..context import Run
 from ..model import folder_of
-from .difference import Difference, Size, compared_rows, largest_difference
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from ..outcome import RunOptions
-
+from ..outcome import Run
+from .verify import ELEMENTS, Difference, Size, compared_rows, finely_stepped, joined, largest_difference
 
 FORMULATIONS = "two floating frames, nodes n1 and n2 exchanged, all modes"
 FRAMES_TOLERANCE = 1e-9
@@ -37,14 +31,9 @@ FORCES = (
     ("driver effort", "N, N m", "driver_effort"),
 )
 # Of decks with elements: joint coordinates are of no use here, they may be angles of the frames.
-ELEMENTS = (
-    ("element coordinate", "m, rad", "element_coordinate"),
-    ("element rate", "m/s, rad/s", "element_rate"),
-    ("element effort", "N, N m", "element_effort"),
-    ("element power", "W", "element_power"),
-    ("element energy", "J", "element_energy"),
+OF_ELEMENTS = (
+    *((name, unit, path.replace("/", "_")) for path, (name, unit) in ELEMENTS.items()),
     ("element work", "J", "element_work"),
-    ("coupling effort", "N, N m", "coupling_effort"),
 )
 ENERGIES = ("kinetic", "potential", "strain")
 
@@ -56,18 +45,10 @@ def differences(mechanism: FlexibleMechanism, deck: Deck, run: Run) -> tuple[Dif
         message = f"decks of dialect {dialect.name} have no second model to compare with"
         raise ModelError([Fault("error", message, id="RUN-041")])
     second = dialect.part(dialect.second_model)(deck, folder_of(run), mechanism)
-    (one, unique), (other, _) = (_rows(_finely(model, run.options)) for model in (mechanism, second))
+    finer = finely_stepped(mechanism.integrator, run.options, "RAD5", FRAMES_TOLERANCE)
+    (one, unique), (other, _) = (_rows(replace(model, integrator=finer)) for model in (mechanism, second))
     run.outcome.rows = one["time"].size
     return tuple(_differences(mechanism, one, other, unique))
-
-
-def _finely(mechanism: FlexibleMechanism, options: "RunOptions") -> Any:
-    """Return the mechanism with steps finer than it is compared."""
-    given = mechanism.integrator
-    # Steps of a given length have no tolerance.
-    method = "RAD5" if METHODS[given.method].given_step else given.method
-    tolerance = options.integration.get("rtol", FRAMES_TOLERANCE)
-    return replace(mechanism, integrator=Integrator(method, tolerance=tolerance))
 
 
 def _rows(mechanism: FlexibleMechanism) -> tuple[Any, Any]:
@@ -76,9 +57,8 @@ def _rows(mechanism: FlexibleMechanism) -> tuple[Any, Any]:
 
     analysis = FlexibleDynamics(mechanism)
     blocks = list(compared_rows(analysis))
-    named = [key for _, _, key in (*SERIES, *FORCES, *ELEMENTS)]
-    names = ["time", "position", "velocity", *ENERGIES, *(key for key in named if hasattr(blocks[0], key))]
-    rows = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
+    named = [key for _, _, key in (*SERIES, *FORCES, *OF_ELEMENTS)]
+    rows = joined(blocks, ("time", "position", "velocity", *ENERGIES, *named))
     return rows, analysis.found is not None and not analysis.found.redundant
 
 
@@ -91,9 +71,9 @@ def _size(mechanism: FlexibleMechanism) -> Size:
 
 def _differences(
     mechanism: FlexibleMechanism, one: np.ndarray, other: np.ndarray, unique: Any
-) -> "Iterator[Any]":
+) -> Iterator[Any]:
     time, size = one["time"], _size(mechanism)
-    for name, unit, key in SERIES + ELEMENTS + (FORCES if unique else ()):
+    for name, unit, key in SERIES + OF_ELEMENTS + (FORCES if unique else ()):
         if key in one and one[key].size:
             yield largest_difference(name, unit, time, one[key], other[key], size)
     rigid = [k for k, body in enumerate(mechanism.bodies) if body.flexible is None]

@@ -2,10 +2,10 @@
 
 from ...deck.record import Deck
 from ...model.mechanism import Mechanism
-from ..context import Run
-from .difference import Difference
+from ..outcome import Run
 from .dynamic import FORMULATIONS as FORMULATIONS
 from .dynamic import compare
+from .verify import Difference
 
 
 def differences(mechanism: Mechanism, deck: Deck, run: Run) -> tuple[Difference, ...]:

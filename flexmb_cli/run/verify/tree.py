@@ -1,6 +1,8 @@
 """A tree by two formulations: Kane's equations and absolute coordinates."""
 
+from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,13 +12,11 @@ from ...model.integrators import IMPLICIT_TREE_METHODS
 from ...model.laws import MOTOR
 from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
 from ...solvers.tree.breakpoints import breakpoints
-from ..context import Run
+from ..outcome import Run
 from ..solutions.tree import absolute_analysis, kane_analysis, values_of
-from .difference import Difference, Size, compared_rows, largest_difference
+from .verify import ELEMENTS, Difference, Size, compared_rows, largest_difference
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from ..outcome import Listener
 
 
@@ -27,15 +27,6 @@ EXPLICIT = {"method": "dop853", "rtol": 1e-11, "atol": 1e-13}
 IMPLICIT = {"method": "radau", "rtol": 1e-10, "atol": 1e-12}
 
 ENERGIES = ("kinetic", "potential", "strain", "total")
-ELEMENTS = {
-    "element/coordinate": ("element coordinate", "m, rad"),
-    "element/rate": ("element rate", "m/s, rad/s"),
-    "element/effort": ("element effort", "N, N m"),
-    "element/power": ("element power", "W"),
-    "element/energy": ("element energy", "J"),
-    "coupling/effort": ("coupling effort", "N, N m"),
-    "driver/effort": ("driver effort", "N, N m"),
-}
 POINTS = {"position": "m", "velocity": "m/s"}
 
 
@@ -62,7 +53,7 @@ def _motions(tree: Tree, run: Run) -> Any:
     return kane, absolute
 
 
-def _heard(blocks: Any, listener: "Listener") -> "Iterator[Any]":
+def _heard(blocks: Any, listener: "Listener") -> Iterator[Any]:
     for block in blocks:
         yield block
         listener.advance(len(block.time))
@@ -77,26 +68,28 @@ def compare(
 ) -> tuple[Difference, ...]:
     """Return what two motions of a tree differ in, quantity by quantity."""
     size = _size(tree, kane)
+    differ = partial(largest_difference, time=kane["time"], size=size)
     found = [*_coordinates(tree, size, kane, absolute)]
     for kind, unit in POINTS.items():
         for place in ("body", "point"):
             path = f"{place}/{kind}"
-            found.append(_largest(f"{place} {kind}", unit, size, kane, kane[path], absolute[path]))
+            found.append(differ(f"{place} {kind}", unit, one=kane[path], other=absolute[path]))
     attitudes = kane["body/euler_parameters"], absolute["body/euler_parameters"]
     # p and -p are one attitude.
     signs = np.where(np.sum(attitudes[0] * attitudes[1], axis=-1, keepdims=True) < 0, -1.0, 1.0)
-    found.append(_largest("body attitude", "1", size, kane, attitudes[0], signs * attitudes[1]))
+    found.append(differ("body attitude", "1", one=attitudes[0], other=signs * attitudes[1]))
     path = "body/angular_velocity"
-    found.append(_largest("body angular velocity", "rad/s", size, kane, kane[path], absolute[path]))
+    found.append(differ("body angular velocity", "rad/s", one=kane[path], other=absolute[path]))
     moved = max(np.max(np.abs(kane[f"energy/{name}"])) for name in ("kinetic", "strain"))
     for name in ENERGIES if _moves_freely(tree) else ENERGIES[:-1]:
-        pair = kane[f"energy/{name}"], absolute[f"energy/{name}"]
-        found.append(_largest(f"{name} energy", "J", size, kane, *pair, scale=moved))
+        one, other = kane[f"energy/{name}"], absolute[f"energy/{name}"]
+        found.append(differ(f"{name} energy", "J", one=one, other=other, scale=moved))
+    compared = ELEMENTS | {"driver/effort": ("driver effort", "N, N m")}
     start, end = tree.time.start, tree.time.end
     jumps = np.array(breakpoints(tree, start, end))
     # Where a table jumps, one formulation has the efforts before it and the other those after it.
     steady = ~np.isclose(kane["time"][:, None], jumps, rtol=0.0, atol=1e-9 * (end - start)).any(axis=1)
-    for path, (name, unit) in ELEMENTS.items():
+    for path, (name, unit) in compared.items():
         if path in kane and kane[path].size:
             pair = kane[path][steady], absolute[path][steady]
             if path == "coupling/effort":
@@ -107,7 +100,7 @@ def compare(
         pair = kane["element/work"], absolute["element/work"]
         # No step controls the error of a work: against all energy that moves, it is as small as theirs.
         most = max(moved, float(np.max(np.abs(pair[0]))))
-        found.append(_largest("element work", "J", size, kane, *pair, scale=most))
+        found.append(differ("element work", "J", one=pair[0], other=pair[1], scale=most))
     return tuple(found)
 
 
@@ -135,7 +128,7 @@ def _moves_freely(tree: Tree) -> bool:
     return held + sum(len(c.directions) for c in tree.closures) < len(tree.coordinates)
 
 
-def _coordinates(tree: Tree, size: Size, kane: dict[str, np.ndarray], absolute: Any) -> "Iterator[Any]":
+def _coordinates(tree: Tree, size: Size, kane: dict[str, np.ndarray], absolute: Any) -> Iterator[Any]:
     """Coordinates and speeds by type; integrals of angular velocities are no coordinates of a position."""
     kinds = np.array([c.motion for c in tree.coordinates])
     ball = [c.motion == ROTATION and len(tree.hinges[c.body].rotations) == 3 for c in tree.coordinates]
@@ -146,16 +139,4 @@ def _coordinates(tree: Tree, size: Size, kane: dict[str, np.ndarray], absolute: 
                 own &= ~np.array(ball, bool)
             if own.any():
                 pair = kane[path][:, own], absolute[path][:, own]
-                yield _largest(f"{kind} {name}", unit + per, size, kane, *pair)
-
-
-def _largest(
-    name: str,
-    unit: str,
-    size: Size,
-    kane: dict[str, np.ndarray],
-    one: np.ndarray,
-    other: np.ndarray,
-    scale: Any = None,
-) -> Any:
-    return largest_difference(name, unit, kane["time"], one, other, size, scale)
+                yield largest_difference(f"{kind} {name}", unit + per, kane["time"], *pair, size)

@@ -4,19 +4,103 @@ Trees: Kane's equations and absolute coordinates.  Mechanisms: Euler parameters 
 Flexible bodies: two floating frames.
 """
 
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ...errors import ANALYSIS_FAILED
+from ...errors import ANALYSIS_FAILED, Fault, ModelError
+from ...model.integrators import METHODS, Integrator
 from ...results.texts.echo import echo
-from ..context import Run
-from ..exit_status import ending_recorded
-from ..model import model_of, module_for
-from ..open_deck import open_deck
-from ..outcome import Listener, Outcome, RunOptions, Stop
-from .difference import Difference
+from ..model import model_of, module_for, open_deck
+from ..outcome import Listener, Outcome, Run, RunOptions, Stop, ending_recorded
+
+# Shares of a mechanism's length, or of a turn, below which a motion in the time of a run may be round-off.
+# In accelerations large forces cancel.
+RESTING, CANCELLING = 1e-6, 1e-3
+
+
+@dataclass(frozen=True)
+class Size:
+    """Length of a mechanism, m, duration of its motion, s, 0 of a single position, and mass, kg."""
+
+    length: float
+    time: float
+    mass: float = 0.0
+
+    def least(self, unit: str) -> float:
+        """Return the least value by which a quantity of `unit` is measured; 0 where none is known.
+
+        Of a mechanism at rest all values are round-off, of which none may be a measure of the others.
+        """
+        time = self.time or 1.0
+        speed, turn = self.length / time, 1.0 / time
+        force = self.mass * speed / time
+        sizes = {
+            "m": RESTING * self.length,
+            "rad": RESTING,
+            "m/s": RESTING * speed,
+            "rad/s": RESTING * turn,
+            "m/s^2": CANCELLING * speed / time,
+            "rad/s^2": CANCELLING * turn / time,
+            "N": CANCELLING * force,
+            "N m": CANCELLING * force * self.length,
+            "W": CANCELLING * force * speed,
+            "J": RESTING * self.mass * speed**2,
+        }
+        return max(sizes.get(part, 0.0) for part in unit.split(", "))
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Largest difference of a quantity over the run, at a time, s, and the largest value of its type."""
+
+    name: str
+    unit: str
+    difference: float
+    scale: float
+    time: float
+
+    @property
+    def relative(self) -> float:
+        """The difference as a share of the scale; of what is always zero, the difference."""
+        return self.difference / self.scale if self.scale else self.difference
+
+
+def largest_difference(
+    name: str,
+    unit: str,
+    time: np.ndarray,
+    one: np.ndarray,
+    other: np.ndarray,
+    size: Size,
+    scale: float | None = None,
+) -> Difference:
+    """Return the largest difference of two series (T, ...) at the times (T,), and where it is.
+
+    Its scale is the largest value of `one`, or `scale`, and at least what `size` says.
+    """
+    apart = np.abs(one - other).reshape(len(one), -1).max(axis=1, initial=0.0)
+    row = int(np.argmax(apart))
+    scale = float(np.max(np.abs(one), initial=0.0)) if scale is None else float(scale)
+    return Difference(name, unit, float(apart[row]), max(scale, size.least(unit)), float(time[row]))
+
+
+def compared_rows(analysis: Any) -> Iterator[Any]:
+    """Yield the blocks of rows; raises ModelError where an overconstrained loop closes only nearly.
+
+    Each formulation leaves such a gap in other equations, and their motions differ by as much.
+    """
+    for block in analysis.rows():
+        if note := getattr(analysis, "loop_note", None):
+            message = (
+                f"{note.message}: each formulation leaves it elsewhere, so their motions cannot be "
+                "compared; align the axes of the loop, or replace a joint by one with more freedom"
+            )
+            raise ModelError([Fault("error", message, note.place, note.subject, id="RUN-034")])
+        yield block
+        Stop.raise_if_asked()
 
 
 @dataclass
@@ -40,15 +124,9 @@ class Verification:
 
     def as_dict(self) -> dict[str, Any]:
         """The record that `--json` prints."""
+        names = ("unit", "difference", "scale", "relative", "time")
         rows = [
-            {
-                "quantity": found.name,
-                "unit": found.unit,
-                "difference": found.difference,
-                "scale": found.scale,
-                "relative": found.relative,
-                "time": found.time,
-            }
+            {"quantity": found.name} | {name: getattr(found, name) for name in names}
             for found in self.differences
         ]
         agree = bool(rows) and self.outcome.exit_code == 0
@@ -78,3 +156,26 @@ def verify_deck(
         if largest is None or not largest.relative <= tolerance:
             found.outcome.exit_code = ANALYSIS_FAILED
     return found
+
+
+# Name and units of what elements have, by the paths of their datasets.
+ELEMENTS = {
+    "element/coordinate": ("element coordinate", "m, rad"),
+    "element/rate": ("element rate", "m/s, rad/s"),
+    "element/effort": ("element effort", "N, N m"),
+    "element/power": ("element power", "W"),
+    "element/energy": ("element energy", "J"),
+    "coupling/effort": ("coupling effort", "N, N m"),
+}
+
+
+def joined(blocks: Sequence[Any], names: Iterable[str]) -> dict[str, np.ndarray]:
+    """Return the fields of blocks of rows that are called `names`, whole runs of those that there are."""
+    known = [name for name in names if hasattr(blocks[0], name)]
+    return {name: np.concatenate([getattr(block, name) for block in blocks]) for name in known}
+
+
+def finely_stepped(given: Integrator, options: RunOptions, method: str, tolerance: float) -> Integrator:
+    """Return the integrator with a finer tolerance, of `method` where it has steps of a given length."""
+    method = method if METHODS[given.method].given_step else given.method
+    return Integrator(method, tolerance=options.integration.get("rtol", tolerance))

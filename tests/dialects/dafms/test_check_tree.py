@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from flexmb_cli.results.texts.check_tree_text import check_tree_text
+from flexmb_cli.results.texts.check_text import check_text
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.outcome import RunOptions
 from tests.dialects.dafms.test_dafms_elements import deck, integers, reals
@@ -20,7 +20,7 @@ def check(name, **options):
 def test_every_supplied_deck_can_be_run(name):
     report = check(name)
     assert report.outcome.exit_code == 0
-    assert check_tree_text(report).startswith(f"{DECKS / name}.DAT: DAFMS deck")
+    assert check_text(report).startswith(f"{DECKS / name}.DAT: DAFMS deck")
     assert json.loads(json.dumps(report.as_dict()))["status"] == "complete"
 
 

@@ -11,9 +11,8 @@ from scipy.linalg import block_diag, eigh
 
 from flexmb_cli.dialects.vsdf.build import build_vsdf
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
-from flexmb_cli.run.context import Run
 from flexmb_cli.run.mechanism_modes import Wish, flexible_modes
-from flexmb_cli.run.outcome import Listener, Outcome, RunOptions
+from flexmb_cli.run.outcome import Listener, Outcome, Run, RunOptions
 from tests.dialects.vsdf.vsdf_decks import read
 from tests.fe.trusses import truss, write_matrix
 

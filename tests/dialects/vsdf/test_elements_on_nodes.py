@@ -14,9 +14,8 @@ from scipy.integrate import solve_ivp
 from flexmb_cli.dialects.vsdf.build import build_vsdf
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.model.vectors import rotation_matrix
-from flexmb_cli.run.context import Run
 from flexmb_cli.run.mechanism_modes import Wish, flexible_modes
-from flexmb_cli.run.outcome import Listener, Outcome, RunOptions
+from flexmb_cli.run.outcome import Listener, Outcome, Run, RunOptions
 from flexmb_cli.run.verify.verify import verify_deck
 from flexmb_cli.solvers.constrained.element_rows import FlexibleElementRows
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics

@@ -19,8 +19,9 @@ from flexmb_cli.dialects.vsdf.many_bodies import ManyBodies, ManyJoints
 from flexmb_cli.dialects.vsdf.nodes import ManyNodes
 from flexmb_cli.fe import build_mechanism
 from flexmb_cli.model.arrays.flexible import flexible_arrays
-from flexmb_cli.results.texts.check_flexible_text import check_flexible_text
-from flexmb_cli.run.check import flexible, parts
+from flexmb_cli.results.texts.check_text import check_text
+from flexmb_cli.run.check import check as parts
+from flexmb_cli.run.check import flexible
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.outcome import RunOptions
 from tests.dialects.vsdf.vsdf_decks import DECKS, RIGID, changed
@@ -127,7 +128,7 @@ def test_what_is_too_large_to_be_assembled_is_counted_in_words_and_json(tmp_path
     path.write_text(RIGID)
     report = check_deck(str(path), RunOptions())
     assert report.outcome.exit_code == 0
-    assert "  speeds 12, modal 0, report times 101\n" in check_flexible_text(report)
+    assert "  speeds 12, modal 0, report times 101\n" in check_text(report)
     assert [body["mass"] for body in json.loads(json.dumps(report.as_dict()))["bodies"]] == [2.0, 1.0]
 
 

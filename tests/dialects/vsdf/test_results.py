@@ -10,8 +10,8 @@ import pytest
 
 from flexmb_cli.deck.fortran_format import Layout, P
 from flexmb_cli.dialects.vsdf.listing import VsdfTable
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.solution import run_deck
 from tests.dialects.vsdf.vsdf_decks import changed
 
 SHORT = changed(("       1.0      0.01\n", "       0.1      0.02\nINTG\n RK45    1.0E-9\n"))

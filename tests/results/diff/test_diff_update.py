@@ -12,8 +12,7 @@ import pytest
 from flexmb_cli.deck import listing
 from flexmb_cli.deck.listing import TableError
 from flexmb_cli.results.diff import hdf5
-from flexmb_cli.results.diff.accept import accept
-from flexmb_cli.results.diff.compare import compare
+from flexmb_cli.results.diff.compare import accept, compare
 from flexmb_cli.results.diff.listings import read_listing
 from tests.results.diff.test_diff import TIMES, shifted
 from tests.results.results import write_result

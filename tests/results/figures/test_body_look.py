@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli.cli.report import report
-from flexmb_cli.results.figures.body_look import largest_scale
+from flexmb_cli.results.figures.contours import largest_scale
 from flexmb_cli.results.figures.film import CONTOURS_BEGIN, Texts, gif_durations
 from tests.results.figures.elastic_brick import ENERGY, LENGTH, select_elements, write_brick
 from tests.results.figures.test_report_page import browser, part, wait  # noqa: F401

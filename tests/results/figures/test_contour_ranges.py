@@ -7,8 +7,7 @@ from click.testing import CliRunner
 
 from flexmb_cli.cli.report import report
 from flexmb_cli.results.figures import film
-from flexmb_cli.results.figures.body_look import BodyLook
-from flexmb_cli.results.figures.contours import contour_ranges
+from flexmb_cli.results.figures.contours import BodyLook, contour_ranges
 from flexmb_cli.results.figures.element_bodies import element_bodies
 from flexmb_cli.results.figures.report_scene import report_scene
 from flexmb_cli.results.figures.scene import read_scene

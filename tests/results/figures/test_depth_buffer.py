@@ -6,9 +6,8 @@ import pytest
 pytest.importorskip("matplotlib")
 
 from flexmb_cli.results.figures import film
-from flexmb_cli.results.figures.body_shapes import BodyShape
 from flexmb_cli.results.figures.depth_buffer import DepthBuffer
-from flexmb_cli.results.figures.scene import Scene
+from flexmb_cli.results.figures.scene import BodyShape, Scene
 
 RED, GREEN = np.eye(3)[0], np.eye(3)[1]
 TWO_TRIANGLES = np.array([[0, 1, 2], [0, 2, 3]])

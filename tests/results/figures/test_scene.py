@@ -11,10 +11,16 @@ from flexmb_cli.deck.record import DeckText
 from flexmb_cli.dialects.dafms.build import build_dafms
 from flexmb_cli.dialects.dafms.reader import read_dafms
 from flexmb_cli.model.mechanism import Joint
-from flexmb_cli.results.figures.scene import different, gabriel_edges, read_scene, rotations
-from flexmb_cli.results.figures.view import view_of
-from flexmb_cli.results.hdf5.layout import EULER_PARAMETER, XYZ, Axis, Layout, Series, numbered_axis
-from flexmb_cli.results.hdf5.motion_series import BODY_MOTION
+from flexmb_cli.results.figures.scene import different, gabriel_edges, read_scene, rotations, view_of
+from flexmb_cli.results.hdf5.layout import (
+    BODY_MOTION,
+    EULER_PARAMETER,
+    XYZ,
+    Axis,
+    Layout,
+    Series,
+    numbered_axis,
+)
 from flexmb_cli.results.hdf5.result_file import ResultFile
 from flexmb_cli.results.hdf5.result_geometry import (
     SIDE,

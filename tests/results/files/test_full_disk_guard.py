@@ -10,10 +10,10 @@ import h5py
 import pytest
 
 from flexmb_cli.errors import OutputError
-from flexmb_cli.results.files.full_disk_guard import FullDiskGuard
+from flexmb_cli.results.files.disk_failures import FullDiskGuard
 from flexmb_cli.results.hdf5.result_file import printable_name
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.solution import run_deck
 from flexmb_cli.study.table import Column, TableHead, write_table
 
 DECK = """{ a body held by its ground }

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.io import loadmat, savemat
 
-from flexmb_cli.results.files.matlab_reader import read_variable
+from flexmb_cli.results.files.matlab import read_variable
 from tests.results.results import write_result
 
 CONTENT = {

@@ -16,8 +16,8 @@ from click.testing import CliRunner
 from flexmb_cli.cli import cli
 from flexmb_cli.results.diff.compare import compare
 from flexmb_cli.results.diff.tolerances import Tolerances
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.solution import run_deck
 
 EARLIER = Path(__file__).parent / "earlier"
 DECKS = Path(__file__).resolve().parents[3] / "decks"

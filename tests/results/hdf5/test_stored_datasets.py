@@ -4,7 +4,7 @@ import h5py
 import pytest
 
 from flexmb_cli.results.diff import hdf5 as diff_hdf5
-from flexmb_cli.results.diff.hdf5 import compare_hdf5
+from flexmb_cli.results.diff.compare import compare
 from flexmb_cli.results.diff.tolerances import Tolerances
 from flexmb_cli.results.hdf5.stored_result import StoredDatasets
 from flexmb_cli.results.quantities import quantity_names
@@ -46,7 +46,7 @@ def test_the_search_for_quantities_keeps_no_dataset_open(result, monkeypatch):
 def test_a_comparison_opens_one_pair_of_datasets_at_a_time(result, tmp_path, monkeypatch):
     other = write_result(tmp_path / "s.h5", 5)
     counts = watch(monkeypatch, diff_hdf5, "_compare_dataset", lambda given: given[2][0])
-    compare_hdf5(str(result), str(other), Tolerances())
+    compare(result, other, Tolerances())
     assert len(counts) > 2 * MOST_OPEN and max(counts) <= MOST_OPEN
 
 

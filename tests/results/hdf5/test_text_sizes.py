@@ -14,7 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli.cli import cli
-from flexmb_cli.results.hdf5.text_sizes import TEXT_COST, bytes_of_texts
+from flexmb_cli.results.hdf5.chunk_bounds import TEXT_COST, bytes_of_texts
 from tests.results.results import write_result
 
 TEXT = h5py.string_dtype()

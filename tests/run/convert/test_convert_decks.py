@@ -14,10 +14,9 @@ from flexmb_cli.errors import ModelError
 from flexmb_cli.interface import read_deck, solve
 from flexmb_cli.model.exchange.units import UNITS
 from flexmb_cli.model.vectors import rotation_matrix
-from flexmb_cli.run.context import Run
 from flexmb_cli.run.convert import converted
 from flexmb_cli.run.model import model_of
-from flexmb_cli.run.outcome import Outcome, RunOptions
+from flexmb_cli.run.outcome import Outcome, Run, RunOptions
 from tests.dialects.vsdf.vsdf_decks import changed
 
 DECKS = Path(__file__).resolve().parents[3] / "decks"

@@ -26,7 +26,7 @@ PARENT = """
 import sys, time
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
-from flexmb_cli.run.processes.parent_watch import end_with_parent
+from flexmb_cli.run.processes.signal_mask import end_with_parent
 
 if __name__ == "__main__":
     pool = ProcessPoolExecutor(1, get_context("spawn"), initializer=end_with_parent)
@@ -152,7 +152,7 @@ def test_a_process_that_was_stopped_amid_an_import_solves_no_other_deck(tmp_path
     script.write_text(
         "import os, signal, sys\n"
         "from flexmb_cli.cli import main\n"
-        "from flexmb_cli.run import deck\n"
+        "from flexmb_cli.run import solution as deck\n"
         "class Finder:\n"
         "    def find_spec(self, name, path, target=None):\n"
         "        if name == 'flexmb_cli.kernels' and 'pendulum' in deck.asked:\n"
@@ -177,7 +177,7 @@ def test_a_process_that_was_stopped_amid_an_import_solves_no_other_deck(tmp_path
 FAULTY = """
 import sys, time
 from flexmb_cli.cli import main
-from flexmb_cli.run import deck
+from flexmb_cli.run import solution as deck
 
 class Odd(Exception):
     def __init__(self, first, second):
@@ -266,7 +266,7 @@ def test_a_dead_worker_does_not_end_its_parent(tmp_path):
     """`flexmb … | head` needs SIGPIPE as it is; writing to a dead worker must be an error instead."""
     code = (
         "import os, signal\n"
-        "from flexmb_cli.run.processes.parent_watch import outlive_workers\n"
+        "from flexmb_cli.run.processes.signal_mask import outlive_workers\n"
         "signal.signal(signal.SIGPIPE, signal.SIG_DFL)\n"
         "outlive_workers()\n"
         "read, write = os.pipe()\n"

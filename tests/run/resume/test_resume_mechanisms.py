@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from flexmb_cli.run.checkpoint import LONGEST_UNSAVED, ResumeFile
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.solution import run_deck
 from flexmb_cli.solvers.constrained import analysis as constrained
 from flexmb_cli.solvers.kinematics import analysis as kinematic
 from tests.dialects.vsdf.vsdf_decks import RIGID, changed

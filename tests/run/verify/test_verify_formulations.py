@@ -14,8 +14,7 @@ from flexmb_cli.model import laws
 from flexmb_cli.model.loads import AppliedForce, AppliedTorque, DynamicModel, MassProperties
 from flexmb_cli.model.mechanism import Body, Joint, Mechanism, TimeGrid
 from flexmb_cli.run.outcome import RunOptions
-from flexmb_cli.run.verify.difference import Size, largest_difference
-from flexmb_cli.run.verify.verify import verify_deck
+from flexmb_cli.run.verify.verify import Size, largest_difference, verify_deck
 from flexmb_cli.solvers.natural_coordinates import motion
 from flexmb_cli.solvers.natural_coordinates.motion import NaturalMotion, coordinates_of, speeds_of
 from tests.fe.trusses import truss, write_matrix

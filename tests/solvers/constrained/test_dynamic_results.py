@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from flexmb_cli.results.quantities.quantities import open_result, read, resolve
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.solution import run_deck
 from tests.solvers.constrained.dynamic_runs import DECKS
 
 

@@ -16,8 +16,8 @@ from flexmb_cli import interface
 from flexmb_cli.deck.text import decode
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.errors import AnalysisError
-from flexmb_cli.run.loop_tolerance import typed_precision
 from flexmb_cli.run.mechanism_modes import Wish
+from flexmb_cli.run.model import typed_precision
 from flexmb_cli.run.modes import modes_of_deck
 from flexmb_cli.run.outcome import Listener, RunOptions
 from flexmb_cli.run.verify.verify import verify_deck

@@ -18,8 +18,8 @@ import pytest
 from flexmb_cli.deck.table_columns import SECTIONS
 from flexmb_cli.errors import DeckError, ModelError
 from flexmb_cli.results.diff.compare import compare
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.solution import run_deck
 from flexmb_cli.solvers.as_printed.errors import ALL_ERRORS, OVERRUN, SCREW, TRANSPOSED, WRONG_INDEX
 from flexmb_cli.solvers.as_printed.program import AsPrinted
 from tests.dialects.young.published_cells import Cell, _computed, _lines_by_owner

@@ -3,8 +3,8 @@
 import math
 
 from flexmb_cli.errors import compiler_style
-from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.solution import run_deck
 
 SECTIONS = (
     "drivers", "points", "spherical", "universal", "revolute", "cylindrical", "translational", "screw",

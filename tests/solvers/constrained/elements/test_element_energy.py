@@ -11,7 +11,7 @@ from scipy.integrate import simpson
 
 from flexmb_cli.kernels._jit import interpreting
 from flexmb_cli.model.joint_elements import element_names
-from flexmb_cli.results.hdf5.elements import element_layout
+from flexmb_cli.results.hdf5.dynamic import element_layout
 from tests.solvers.constrained.body_balances import rotation, tensor
 from tests.solvers.constrained.element_decks import FREE, METHODS, ROTOR, analysis_of, model_of, rows_of
 from tests.solvers.constrained.elements.element_cases import CASES, END, KEYWORDS, POWERS
