@@ -9,9 +9,10 @@ import hashlib
 import io
 import json
 import os
+from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -20,10 +21,6 @@ from ..managed_files import UnsafePlace, is_own, make_own_folder, open_managed
 from ..model.flexible_body import BodyMesh, BodyStress, Dropped, ElementMaterial, FlexibleBody, FlexibleInput
 from .formats.formats import content_of
 from .formats.matrix_file import FEFileFault
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
 
 # To be raised when the arrays, or how they are computed, change.
 LAYOUT = 17
@@ -132,7 +129,7 @@ def _digest(key: str, content: bytes) -> bytes:
     return hashlib.sha256(key.encode() + content).digest()
 
 
-def _restored(given: FlexibleInput, notes: "dict[Any, Any]", stored: Any) -> "tuple[FlexibleBody, Any]":
+def _restored(given: FlexibleInput, notes: dict[Any, Any], stored: Any) -> tuple[FlexibleBody, Any]:
     arrays = {name: stored[name] for name in _ARRAYS}
     for name in ("m", "mass_deviation", "rigid_residual", "massless", "massless_in_motion"):
         arrays[name] = arrays[name].item()
@@ -156,7 +153,7 @@ def _stress(stored: Any) -> BodyStress | None:
     return BodyStress(**{name: value if value.ndim else value.item() for name, value in arrays.items()})
 
 
-def _mesh(stored: "Mapping[str, np.ndarray]") -> BodyMesh | None:
+def _mesh(stored: Mapping[str, np.ndarray]) -> BodyMesh | None:
     """The elements of a body that is drawn by them alone."""
     if "mesh_rows" not in stored:
         return None
@@ -184,7 +181,7 @@ def store(given: FlexibleInput, body: FlexibleBody, warnings: list[Fault]) -> No
         return
 
 
-def _write(folder: Path, key: str, notes: "Mapping[Any, Any]", arrays: "Iterable[Any]") -> None:
+def _write(folder: Path, key: str, notes: Mapping[Any, Any], arrays: Iterable[Any]) -> None:
     import tempfile
 
     handle, temporary = tempfile.mkstemp(dir=folder, suffix=".part")

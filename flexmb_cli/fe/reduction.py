@@ -1,9 +1,10 @@
 """Files of a finite-element program to a flexible body: read, tested, reduced."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -24,10 +25,6 @@ from .nodal_matrices import NodalMatrix, condensed, nodal_part
 from .precision import frequency_errors
 from .reference_frame import Frame, reference_frame, without_momentum
 from .static_shapes import as_solved
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
 
 # A relative error of a frequency that is worth a warning.
 DOUBTFUL_FREQUENCY = 1e-3
@@ -66,7 +63,7 @@ def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | Non
     return None if basis is None else _body(given, matrices, frame, basis, figures, findings)
 
 
-def _read(given: Any, file: FEFile, letter: str, arrange: "Callable[..., Any]", findings: Findings) -> Any:
+def _read(given: Any, file: FEFile, letter: str, arrange: Callable[..., Any], findings: Findings) -> Any:
     mapping = given.mapping
     try:
         if file.form == OF_ELEMENTS:

@@ -1,6 +1,7 @@
 """Displacements of a body under forces at its nodes, held in its frame or balanced by its acceleration."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -8,9 +9,6 @@ from .free_motion import FreeMotion
 from .input_checks import rigid_motions
 from .linear_algebra import Singular, all_but, as_array, is_small, solver
 from .reference_frame import Frame
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 
 class FreeBody:
@@ -85,7 +83,7 @@ def _supports(r0: np.ndarray) -> np.ndarray:
     return np.array(rows)
 
 
-def held_solver(K: np.ndarray, free: np.ndarray, r0: np.ndarray) -> "Callable[..., Any]":
+def held_solver(K: np.ndarray, free: np.ndarray, r0: np.ndarray) -> Callable[..., Any]:
     """The solution of K x = b with all degrees of freedom but `free` at rest, as a function of b.
 
     `r0` (n, 3): places of the nodes.

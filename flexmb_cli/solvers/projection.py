@@ -10,14 +10,13 @@ with, natural coordinates and the poses of a tree, share nothing with the first,
 their own.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from scipy.sparse import csr_matrix
 
 
@@ -103,7 +102,7 @@ def project(
     instant: Instant,
     q: np.ndarray,
     corrections: Corrections,
-    advance: "Callable[[Instant, np.ndarray, np.ndarray, np.ndarray], Position | None]" = whole,
+    advance: Callable[[Instant, np.ndarray, np.ndarray, np.ndarray], Position | None] = whole,
     columns: np.ndarray | None = None,
 ) -> Position:
     """Return a position near q (N,) that meets the equations as `corrections` say, and its residual (m,).

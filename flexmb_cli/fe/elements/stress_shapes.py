@@ -6,12 +6,14 @@ hexahedra, linear in tetrahedra of four points, constant for one point) and eval
 the mean of its elements.
 """
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from ...model.diagnostics import Findings
 from ...model.flexible_body import BodyStress, FlexibleBody, FlexibleInput
+from ..linear_algebra import Matrix
 from ..reference_frame import Frame
 from . import tetrahedra
 from .assembled_matrices import assembled_text, warn_of_types
@@ -40,19 +42,13 @@ from .solid_elements import (
     solid_elements,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..linear_algebra import Matrix
-
-
 # A mass that differs by more of itself is that of another density; meshes and digits make less.
 DIFFERENT_MASS = 1e-3
 _OF_CENTRE = "; those of a brick's centre miss its bending"
 
 
 def body_stress(
-    given: FlexibleInput, K: "Matrix", mass: float, frame: Frame, Phi: np.ndarray, findings: Findings
+    given: FlexibleInput, K: Matrix, mass: float, frame: Frame, Phi: np.ndarray, findings: Findings
 ) -> BodyStress | None:
     """Return the elements of `given` and their nodal stresses per mode; None with a fault found.
 
@@ -87,7 +83,7 @@ def _at_best_points(
     positions: np.ndarray,
     table: BodyTable,
     nearest: BodyElements,
-    K: "Matrix",
+    K: Matrix,
     findings: Findings,
 ) -> BodyElements:
     """Return elements at their points of reduced integration, for a stiffness of an unknown formulation.
@@ -159,7 +155,7 @@ def extrapolation(nodes: int, formulation: Formulation) -> np.ndarray:
     return found
 
 
-def _terms_of(nodes: int, count: int) -> "Callable[..., Any]":
+def _terms_of(nodes: int, count: int) -> Callable[..., Any]:
     """The polynomial that so many points determine."""
     if count == 1:
         return lambda x: np.ones((len(x), 1))

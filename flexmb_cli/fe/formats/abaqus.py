@@ -7,10 +7,11 @@ freedom of elements.  FORMAT=LABELS writes PART-1-1.7 for node 7 of an instance,
 """
 
 import re
+from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,9 +19,6 @@ from .abaqus_input import keyword_of
 from .abaqus_substructure import element_matrix, element_rows
 from .file_text import filled, line_fault, lines_of, table, whole
 from .matrix_file import FEFileFault, MatrixFile, NamedMatrix, chosen, has_both_triangles, labelled
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
 
 # Abaqus puts 1e36 on the diagonal where a degree of freedom is held.
 LARGEST_STIFFNESS = 1e30
@@ -45,7 +43,7 @@ def read_abaqus(path: Path, letter: str = "K", wanted: str = "") -> MatrixFile:
     return chosen(name, matrices, letter, wanted)
 
 
-def _sections(name: str, lines: list[str]) -> "Iterator[tuple[str, Any, tuple[Any, Any]]]":
+def _sections(name: str, lines: list[str]) -> Iterator[tuple[str, Any, tuple[Any, Any]]]:
     """Name, rows of a substructure, and filled lines with their numbers, of every matrix."""
     keywords = [i for i, line in enumerate(lines) if line[:1] == "*" and line[1:2] not in ("*", "")]
     yield "", None, filled(lines[: keywords[0]] if keywords else lines, comment="*")
@@ -63,7 +61,7 @@ def _sections(name: str, lines: list[str]) -> "Iterator[tuple[str, Any, tuple[An
             yield values.get("NAME") or values.get("TYPE", ""), element, body
 
 
-def _read_one(name: str, rows: np.ndarray | None, body: list[str], numbers: "Sequence[int]") -> MatrixFile:
+def _read_one(name: str, rows: np.ndarray | None, body: list[str], numbers: Sequence[int]) -> MatrixFile:
     if rows is not None:
         return element_matrix(name, rows, body, numbers)
     if _LABEL.match(body[0]):
@@ -86,7 +84,7 @@ def _read_one(name: str, rows: np.ndarray | None, body: list[str], numbers: "Seq
     return (_by_rows if width == 3 else _by_nodes)(name, where, entries[:, -1])
 
 
-def _without_instance(name: str, body: list[str], numbers: "Sequence[int]") -> list[str]:
+def _without_instance(name: str, body: list[str], numbers: Sequence[int]) -> list[str]:
     """Return lines with the numbers of nodes alone, all of them of one instance."""
     instance = _LABEL.findall(body[0])[0][1]
     for number, line in zip(numbers, body, strict=True):

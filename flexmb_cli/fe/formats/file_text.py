@@ -138,7 +138,7 @@ def _loaded(lines: list[str], delimiter: str | None) -> np.ndarray | None:
 
 
 def _fault_of_lines(
-    name: str, lines: list[str], numbers: "Sequence[Any]", columns: int, meaning: str, delimiter: str | None
+    name: str, lines: list[str], numbers: Sequence[Any], columns: int, meaning: str, delimiter: str | None
 ) -> FEFileFault:
     """Return what is wrong with the first line that cannot be read."""
     for number, line in zip(numbers, lines, strict=False):

@@ -1,20 +1,17 @@
 """Node tables: plain text, ANSYS NLIST and archives, Abaqus and CalculiX input, Nastran GRID cards."""
 
 import re
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .file_text import integer, lines_of, real
 from .included_files import Line
 from .matrix_file import FEFileFault
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
 
 # Products of such lengths with masses and stiffnesses stay finite.
 FARTHEST = 1e30  # m
@@ -61,7 +58,7 @@ def read_node_table(path: Path, form: str) -> NodeTable:
     return NodeTable(numbers, positions)
 
 
-def check_twice(name: str, what: str, lines: "Iterable[tuple[int, Line]]") -> None:
+def check_twice(name: str, what: str, lines: Iterable[tuple[int, Line]]) -> None:
     """Refuse nodes or elements (`what`) of the file `name` of which a number stands on two lines."""
     first: dict[int, Line] = {}
     for number, line in lines:
@@ -70,7 +67,7 @@ def check_twice(name: str, what: str, lines: "Iterable[tuple[int, Line]]") -> No
             raise FEFileFault(f"{name}: {what} {number} stands on lines {' and '.join(where)}", id="FE-054")
 
 
-def plain_nodes(path: Path) -> "Iterator[Node]":
+def plain_nodes(path: Path) -> Iterator[Node]:
     """Lines `id x y z`; # and headings are passed over, as are rotated axes of NLIST when they are 0."""
     for number, text in enumerate(lines_of(path), start=1):
         line = Line(path.name, number, text)

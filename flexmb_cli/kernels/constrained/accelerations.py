@@ -97,7 +97,7 @@ def _choose(work: Work, most: int) -> int:
 
 
 @kernel
-def factorise_order(work: "Work"):
+def factorise_order(work: Work):
     """Factors of the Jacobian in the order at hand; returns their quality, 0 where a pivot vanishes."""
     return factorise(work.jacobian, work.columns, work.order, work.rank[0], factors_of(work))
 
@@ -273,7 +273,7 @@ def fill_forces(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: flo
 
 
 @allocating
-def _add_friction(system: System, work: "Work") -> float:
+def _add_friction(system: System, work: Work) -> float:
     """Add the friction of all joints to FORCES, on which it depends, and on GAMMA; returns its power."""
     m, n, first = work.jacobian.shape[0], work.motions.shape[0], first_friction(system.loads)
     count, applied = system.loads.shape[0] - first, work.vectors[FORCES]

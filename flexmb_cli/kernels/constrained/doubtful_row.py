@@ -7,8 +7,6 @@ if so, speeds and accelerations are those of the interpolation between the ends 
 of constraints nan.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from .._jit import allocating, kernel
@@ -19,13 +17,9 @@ from .forces import add_applied_forces
 from .mass_matrix import inertia_and_elastic_forces, mass_matrices, mass_times
 from .multipliers import fill_multipliers
 from .projection import project_position, project_speeds
-from .report import complete, complete_motion, coordinates_and_speeds
+from .report import Report, complete, complete_motion, coordinates_and_speeds
 from .speeds import move, normalise
-from .system import CORRECTION, FORCES, GAMMA, PRODUCT, QD, SOLVED
-
-if TYPE_CHECKING:
-    from .report import Report
-    from .system import System, Work
+from .system import CORRECTION, FORCES, GAMMA, PRODUCT, QD, SOLVED, System, Work
 
 STATE_ROUND_OFF = 2e-16  # of units: by up to twice that a state is moved to see what depends on it
 GAP_ROUND_OFF = (
@@ -39,13 +33,13 @@ DETERMINED = 1e-10  # change of accelerations below which constraint forces are 
 
 @allocating
 def fill_doubtful_row(
-    system: "System",
-    work: "Work",
-    state: "np.ndarray",
-    place: "tuple[np.ndarray, np.ndarray, np.ndarray]",
+    system: System,
+    work: Work,
+    state: np.ndarray,
+    place: tuple[np.ndarray, np.ndarray, np.ndarray],
     t: float,
     rtol: float,
-    report: "Report",
+    report: Report,
     row: int,
 ) -> None:
     """Fill a row of `report` at t, whose rates are those of the interpolation, or nan.
@@ -75,12 +69,12 @@ def fill_doubtful_row(
 
 @kernel
 def _ask_twice(
-    system: "System",
-    work: "Work",
-    raw: "np.ndarray",
-    place: "tuple[np.ndarray, np.ndarray, np.ndarray]",
+    system: System,
+    work: Work,
+    raw: np.ndarray,
+    place: tuple[np.ndarray, np.ndarray, np.ndarray],
     t: float,
-    answers: "tuple[np.ndarray, np.ndarray, np.ndarray]",
+    answers: tuple[np.ndarray, np.ndarray, np.ndarray],
 ):
     """Fill speeds, accelerations (2, n) and multipliers (2, m) of two states that differ by round-off.
 
@@ -107,7 +101,7 @@ def _ask_twice(
 
 
 @kernel
-def _open_gaps(system: "System", work: "Work", q: "np.ndarray") -> None:
+def _open_gaps(system: System, work: Work, q: np.ndarray) -> None:
     """Move q, near to which the factors are, by the shortest way that leaves round-off in the equations."""
     zero, step, gaps = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
     for k in range(zero.shape[0]):
@@ -120,12 +114,12 @@ def _open_gaps(system: "System", work: "Work", q: "np.ndarray") -> None:
 
 @allocating
 def _is_determined(
-    system: "System",
+    system: System,
     rtol: float,
-    smooth: "np.ndarray",
-    speeds: "np.ndarray",
-    rates: "np.ndarray",
-    forces: "np.ndarray",
+    smooth: np.ndarray,
+    speeds: np.ndarray,
+    rates: np.ndarray,
+    forces: np.ndarray,
 ):
     """Return whether accelerations (2, n) and multipliers (2, m) are the equations', not round-off's.
 
@@ -140,7 +134,7 @@ def _is_determined(
 
 
 @kernel
-def _largest(values: "np.ndarray", scale: "np.ndarray"):
+def _largest(values: np.ndarray, scale: np.ndarray):
     """The largest of values (n,) in units of their scale."""
     found = 0.0
     for k in range(values.shape[0]):
@@ -149,7 +143,7 @@ def _largest(values: "np.ndarray", scale: "np.ndarray"):
 
 
 @kernel
-def _change(values: "np.ndarray", scale: "np.ndarray"):
+def _change(values: np.ndarray, scale: np.ndarray):
     """The largest difference of values (2, n) in units of their scale; infinity where one is nan."""
     found = 0.0
     for k in range(values.shape[1]):
@@ -160,7 +154,7 @@ def _change(values: "np.ndarray", scale: "np.ndarray"):
 
 
 @kernel
-def _leave_singular(system: "System", work: "Work", state: "np.ndarray", z: "np.ndarray") -> None:
+def _leave_singular(system: System, work: Work, state: np.ndarray, z: np.ndarray) -> None:
     """Normalise z, and choose an order of elimination that serves the state.
 
     The search for another order ended at a singular position with one that serves nowhere.
@@ -174,12 +168,12 @@ def _leave_singular(system: "System", work: "Work", state: "np.ndarray", z: "np.
 
 @kernel
 def _fill_without_forces(
-    system: "System",
-    work: "Work",
-    place: "tuple[np.ndarray, np.ndarray, np.ndarray]",
+    system: System,
+    work: Work,
+    place: tuple[np.ndarray, np.ndarray, np.ndarray],
     t: float,
     power: float,
-    report: "Report",
+    report: Report,
     row: int,
 ) -> None:
     """Fill a row of `report` from its rates and state, with nan for the forces of constraints.
@@ -202,7 +196,7 @@ def _fill_without_forces(
 
 
 @kernel
-def _power(system: "System", work: "Work", q: "np.ndarray", u: "np.ndarray", t: float, ud: "np.ndarray"):
+def _power(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: float, ud: np.ndarray):
     """Power of the drivers and of the applied forces that store no energy, for given accelerations."""
     forces, product = work.vectors[FORCES], work.vectors[PRODUCT]
     move_vectors(geometry_of(system, work), u)

@@ -5,7 +5,7 @@ F and Sᵀ Aᵀ F.  `loads` are records of `model.arrays.records.LOAD`; the body
 moved.
 """
 
-from typing import TYPE_CHECKING
+import numpy as np
 
 from .._jit import kernel
 from ..laws import ENERGY
@@ -15,16 +15,12 @@ from .elements import ELEMENT, add_element
 from .system import System, Work
 from .time_functions import function_values
 
-if TYPE_CHECKING:
-    import numpy as np
-
-
 # The codes of model.arrays.records; a test compares them.
 FORCE, TORQUE = 1, 2
 
 
 @kernel
-def add_applied_forces(system: System, work: Work, u: "np.ndarray", t: float, f: "np.ndarray") -> float:
+def add_applied_forces(system: System, work: Work, u: np.ndarray, t: float, f: np.ndarray) -> float:
     """Add all applied forces but friction to f (n,).
 
     Returns the power of those that store no energy: forces, torques and dampers.
@@ -44,7 +40,7 @@ def add_applied_forces(system: System, work: Work, u: "np.ndarray", t: float, f:
 
 @kernel
 def _add_vector(
-    system: System, work: Work, load: "np.void", factor: float, u: "np.ndarray", f: "np.ndarray"
+    system: System, work: Work, load: np.void, factor: float, u: np.ndarray, f: np.ndarray
 ) -> float:
     p, v = load["body_vector"], load["vector"]
     b = system.body_vectors[p]["body"]

@@ -4,22 +4,18 @@ Modes contribute their K and D.  A spring along a line or in a joint, whose leng
 gᵀ u, contributes k g gᵀ and c g gᵀ; what turns its force is left to the iteration.
 """
 
-from typing import TYPE_CHECKING
+import numpy as np
 
 from .._jit import kernel, part
 from .body_vectors import geometry_of, move_vectors
 from .elements import ELEMENT, add_element_slope
 from .mass_matrix import constants_of, mass_times
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from .system import System, Work
+from .system import System, Work
 
 
 @part
 def tangent_times(
-    system: "System", work: "Work", by_position: float, by_speed: float, x: "np.ndarray", y: "np.ndarray"
+    system: System, work: Work, by_position: float, by_speed: float, x: np.ndarray, y: np.ndarray
 ) -> None:
     """Fill y (n,) with (M + by_position K + by_speed D) x, x (n,), where the body vectors are placed.
 
@@ -31,7 +27,7 @@ def tangent_times(
 
 @kernel
 def add_stiff(
-    system: "System", work: "Work", by_position: float, by_speed: float, x: "np.ndarray", y: "np.ndarray"
+    system: System, work: Work, by_position: float, by_speed: float, x: np.ndarray, y: np.ndarray
 ) -> None:
     """y += (by_position K + by_speed D) x, as `tangent_times`."""
     for k in range(system.flexible.shape[0]):
@@ -46,7 +42,7 @@ def add_stiff(
 
 @part
 def _add_flexible(
-    system: "System", f: "np.void", by_position: float, by_speed: float, x: "np.ndarray", y: "np.ndarray"
+    system: System, f: np.void, by_position: float, by_speed: float, x: np.ndarray, y: np.ndarray
 ) -> None:
     constants, N, modal = constants_of(system.modal, f), f["modes"], 6 * system.masses.shape[0] + f["first"]
     K, D = constants[6], constants[7]

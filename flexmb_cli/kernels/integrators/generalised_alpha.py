@@ -146,12 +146,12 @@ def _first_step(system: System, integration: AlphaIntegration) -> float:
 
 
 @kernel
-def _length(integration: "AlphaIntegration", system: System, work: "Work"):
+def _length(integration: AlphaIntegration, system: System, work: Work):
     return next_length(integration.clock[0], integration.memory[0])
 
 
 @kernel
-def _attempt(integration: "AlphaIntegration", h: float, system: System, work: "Work"):
+def _attempt(integration: AlphaIntegration, h: float, system: System, work: Work):
     """Find the end of a step of length h; 1, or minus the factor on the length for another try."""
     clock, memory = integration.clock[0], integration.memory[0]
     if not solve_step(system, work, integration, h):
@@ -162,7 +162,7 @@ def _attempt(integration: "AlphaIntegration", h: float, system: System, work: "W
 
 
 @kernel
-def _reject(integration: "AlphaIntegration", h: float, factor: float, system: System, work: "Work") -> None:
+def _reject(integration: AlphaIntegration, h: float, factor: float, system: System, work: Work) -> None:
     retreat(integration.clock[0], integration.memory[0], h, h * factor)
 
 

@@ -79,7 +79,7 @@ PASSING = 0.005  # of the tolerance: error of a step over a singular position, o
 
 
 @kernel
-def share_of(clock: "np.void", memory: "np.void", work: "Work", h: float, fastest: float) -> float:
+def share_of(clock: np.void, memory: np.void, work: Work, h: float, fastest: float) -> float:
     """The share of the tolerance that a step of length h may err by, all of it where lengths are given.
 
     The few steps over singular positions have a share of their own.  No share is below what the round-off
@@ -97,7 +97,7 @@ def share_of(clock: "np.void", memory: "np.void", work: "Work", h: float, fastes
 
 
 @kernel
-def left_over(clock: "np.void", memory: "np.void", work: "Work", share: float) -> float:
+def left_over(clock: np.void, memory: np.void, work: Work, share: float) -> float:
     """Return what iterations may leave of a step's share: steps of given length have their own error."""
     if memory["fixed"] > 0.0:
         return OF_ERROR * clock["error"]
@@ -106,7 +106,7 @@ def left_over(clock: "np.void", memory: "np.void", work: "Work", share: float) -
 
 
 @kernel
-def next_length(clock: "np.void", memory: "np.void") -> float:
+def next_length(clock: np.void, memory: np.void) -> float:
     """Length of the next step: steps of given length end at whole multiples."""
     left = clock["stop"] - clock["t"]
     if memory["fixed"] > 0.0:
@@ -119,7 +119,7 @@ def next_length(clock: "np.void", memory: "np.void") -> float:
 
 
 @kernel
-def look_ahead_of_given(system: "System", work: "Work", integration: Any, ud: "np.ndarray") -> None:
+def look_ahead_of_given(system: System, work: Work, integration: Any, ud: np.ndarray) -> None:
     """Note a singular position ahead of given steps, and the way over it on which round-off may rule a row.
 
     ud (n,): accelerations at the state, whose factors are at hand.
@@ -135,7 +135,7 @@ def look_ahead_of_given(system: "System", work: "Work", integration: Any, ud: "n
 
 
 @kernel
-def _given_steps(clock: "np.void", memory: "np.void") -> int:
+def _given_steps(clock: np.void, memory: np.void) -> int:
     """Return how many steps of given length are made in one: none ends near a singular position."""
     way = clock["singular"] - clock["t"]
     begin, end = way - 0.5 * memory["passing"], way + 0.5 * memory["passing"]
@@ -146,7 +146,7 @@ def _given_steps(clock: "np.void", memory: "np.void") -> int:
 
 
 @kernel
-def _laid_out(clock: "np.void", memory: "np.void") -> float:
+def _laid_out(clock: np.void, memory: np.void) -> float:
     """Length of a step so that one of the length `passing` leads over the singular position ahead.
 
     Round-off of speeds grows towards that position, so that the longest step that is exact enough leads
@@ -162,7 +162,7 @@ def _laid_out(clock: "np.void", memory: "np.void") -> float:
 
 
 @kernel
-def retreat(clock: "np.void", memory: "np.void", tried: float, h: float) -> None:
+def retreat(clock: np.void, memory: np.void, tried: float, h: float) -> None:
     """After a step of length `tried` that was not found, or not well enough: one of length h."""
     over = leads_over(clock, tried)
     if over:
@@ -177,7 +177,7 @@ def retreat(clock: "np.void", memory: "np.void", tried: float, h: float) -> None
 
 
 @kernel
-def factor_of(clock: "np.void", memory: "np.void") -> float:
+def factor_of(clock: np.void, memory: np.void) -> float:
     """Length of the next step by that of the one behind, whose error is known."""
     factor = SAFETY * clock["error"] ** -0.5 if clock["error"] > 0.0 else FASTEST
     if memory["turned"] > 0.0:
@@ -186,7 +186,7 @@ def factor_of(clock: "np.void", memory: "np.void") -> float:
 
 
 @kernel
-def advance(clock: "np.void", memory: "np.void", h: float) -> None:
+def advance(clock: np.void, memory: np.void, h: float) -> None:
     """The time of the state, and the length of the next step."""
     clock["step_start"], clock["step_length"] = clock["t"], h
     t, same = clock["t"] + h, SAME_TIME_IN_STEP * h
@@ -206,7 +206,7 @@ def advance(clock: "np.void", memory: "np.void", h: float) -> None:
 
 
 @kernel
-def _passing_step(clock: "np.void", memory: "np.void", h: float) -> float:
+def _passing_step(clock: np.void, memory: np.void, h: float) -> float:
     """Length of a step whose error is what one over a singular position may have, after one of length h."""
     error = clock["error"] * memory["share"]
     longest = MOST_PASSING * clock["step"]
@@ -221,7 +221,7 @@ ACCELERATION_GAP, SPEED_GAP, POSITION_GAP = 0, 1, 2
 
 
 @part
-def step_error(system: "System", integration: "AlphaIntegration", h: float):
+def step_error(system: System, integration: "AlphaIntegration", h: float):
     """Error of the step in tolerances, from the growth of the accelerations.
 
     By Taylor's series, with s = α_m - α_f: (1/12 + s²/4) h³ d(ud)/dt in positions and
@@ -245,7 +245,7 @@ def step_error(system: "System", integration: "AlphaIntegration", h: float):
 
 
 @part
-def correction_size(system: "System", integration: "AlphaIntegration", by_speed: float):
+def correction_size(system: System, integration: "AlphaIntegration", by_speed: float):
     """The change of the speeds by the correction of the accelerations, in tolerances."""
     clock, n, total = integration.clock[0], system.speed_scale.shape[0], 0.0
     first = clock["counted"] - n
@@ -256,7 +256,7 @@ def correction_size(system: "System", integration: "AlphaIntegration", by_speed:
 
 
 @kernel
-def fastest_change(system: "System", integration: "AlphaIntegration"):
+def fastest_change(system: System, integration: "AlphaIntegration"):
     """The largest rate at which accelerations change speeds, 1/s."""
     n = system.speed_scale.shape[0]
     first = integration.clock[0]["counted"] - n

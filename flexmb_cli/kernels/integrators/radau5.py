@@ -114,7 +114,7 @@ def singular_step(system: System, work: Work, integration: "RadauIntegration", h
 
 
 @kernel
-def _bend(integration: "RadauIntegration", expected: "np.ndarray", h: float) -> None:
+def _bend(integration: "RadauIntegration", expected: np.ndarray, h: float) -> None:
     """Let the accelerations of the stages go through those found at the end."""
     rates, ratio = integration.rates, h / integration.clock[0]["step_length"]
     for stage in range(STAGES):
@@ -128,7 +128,7 @@ def _bend(integration: "RadauIntegration", expected: "np.ndarray", h: float) -> 
 
 
 @kernel
-def _unexpected(integration: "RadauIntegration", expected: "np.ndarray") -> float:
+def _unexpected(integration: "RadauIntegration", expected: np.ndarray) -> float:
     """By how many tolerances of the speeds, a second, the accelerations at the end are not those expected."""
     clock, n, total = integration.clock[0], expected.shape[0], 0.0
     first = clock["counted"] - n
@@ -268,7 +268,7 @@ def _renew(system: System, work: Work, integration: RadauIntegration) -> int:
 
 
 @kernel
-def _length(integration: "RadauIntegration", system: System, work: "Work"):
+def _length(integration: RadauIntegration, system: System, work: Work):
     """Return the length of the step to try, whose matrices are renewed where they are of another position."""
     clock = integration.clock[0]
     copy(integration.angles[NEW], work.angles)
@@ -278,7 +278,7 @@ def _length(integration: "RadauIntegration", system: System, work: "Work"):
 
 
 @kernel
-def _is_current(integration: "RadauIntegration", system: System, work: "Work"):
+def _is_current(integration: RadauIntegration, system: System, work: Work):
     """Renew the matrices where another order of elimination holds; return whether they are those of z."""
     if work.quality[0] != integration.memory[0]["quality"]:
         integration.clock[0]["fault"] = _renew(system, work, integration)
@@ -287,7 +287,7 @@ def _is_current(integration: "RadauIntegration", system: System, work: "Work"):
 
 
 @kernel
-def _attempt(integration: "RadauIntegration", h: float, system: System, work: "Work"):
+def _attempt(integration: RadauIntegration, h: float, system: System, work: Work):
     """`_try_step` or, in front of a singular position, a step over it; 0 where it begins at one."""
     clock, memory, factor = integration.clock[0], integration.memory[0], 0.0
     way, left = clock["singular"] - clock["t"], clock["stop"] - clock["t"]
@@ -306,7 +306,7 @@ def _attempt(integration: "RadauIntegration", h: float, system: System, work: "W
 
 
 @kernel
-def _reject(integration: "RadauIntegration", h: float, factor: float, system: System, work: "Work") -> None:
+def _reject(integration: RadauIntegration, h: float, factor: float, system: System, work: Work) -> None:
     clock, memory = integration.clock[0], integration.memory[0]
     clock["step"] = h * factor
     clock["rejections"] += 1
@@ -369,7 +369,7 @@ def _accept(integration: RadauIntegration, factor: float, system: System, work: 
 
 
 @kernel
-def _is_singular(work: "Work", clock: np.void, memory: "np.void"):
+def _is_singular(work: Work, clock: np.void, memory: np.void):
     """Return whether a pivot at the end of the last step was as good as zero."""
     for k in range(work.rank[0] if clock["steps"] > 0 else 0):
         if abs(work.pivots[k]) < 10.0 * memory["branching"]:

@@ -101,7 +101,7 @@ FLOOR = 1e-14  # of the speeds: round-off
 
 
 @kernel
-def renew_matrices(system: System, work: Work, matrices: "np.ndarray") -> None:
+def renew_matrices(system: System, work: Work, matrices: np.ndarray) -> None:
     """Fill matrices (3, n, n) with M, D and K of the free motions where everything stands."""
     free = work.motions.shape[0] - work.rank[0]
     column, product = work.vectors[UNKNOWN], work.vectors[PRODUCT]
@@ -317,7 +317,7 @@ STEEPEST = 3.0 / (25.0 * 5.0**0.5)  # slope of x³ (1 - x)³
 
 
 @kernel
-def step_error(system: "System", work: "Work", integration: "RadauIntegration", h: float):
+def step_error(system: System, work: Work, integration: "RadauIntegration", h: float):
     """Error of the step in tolerances, of order 3: stiff motions are taken out by the matrix."""
     clock, n, rank, m = integration.clock[0], integration.rates.shape[1], work.rank[0], work.jacobian.shape[0]
     u = coordinates_and_speeds(system, integration.z)[1]
@@ -378,7 +378,7 @@ def work_scale(integration: "RadauIntegration"):
 
 
 @kernel
-def next_factor(clock: np.void, memory: "np.void", h: float, error: float):
+def next_factor(clock: np.void, memory: np.void, h: float, error: float):
     """Factor on the step length: by the error of this step, and by its growth since the last."""
     if not error > 0.0:
         return FASTEST
@@ -390,7 +390,7 @@ def next_factor(clock: np.void, memory: "np.void", h: float, error: float):
 
 
 @kernel
-def steps_within_rotation_limit(system: "System", integration: "RadauIntegration"):
+def steps_within_rotation_limit(system: System, integration: "RadauIntegration"):
     """Return how many steps like this one a body may turn in one, for rows between its ends.
 
     A turn θ leaves (θ/2)⁵ max |d/dx x³ (1 - x)³| / 720 of its rate in Hermite's quintic.
@@ -455,7 +455,7 @@ def place_row(system: System, integration: "RadauIntegration", t: float):
 
 
 @kernel
-def accelerations_between(integration: "RadauIntegration", x: float, ud: "np.ndarray") -> None:
+def accelerations_between(integration: "RadauIntegration", x: float, ud: np.ndarray) -> None:
     """Fill ud (n,) at the fraction x of the last step, through those of its start and its stages."""
     for k in range(ud.shape[0]):
         ud[k] = 0.0
@@ -474,7 +474,7 @@ def _node_time(node: int):
 
 
 @allocating
-def between(system: System, integration: "RadauIntegration", x: float, point: "np.ndarray") -> None:
+def between(system: System, integration: "RadauIntegration", x: float, point: np.ndarray) -> None:
     """Fill point with the state at the fraction x of the last step."""
     clock, old, z, n = integration.clock[0], integration.old, integration.z, system.speed_scale.shape[0]
     bodies, h = system.masses.shape[0], clock["step_length"]

@@ -18,6 +18,7 @@ from .._jit import kernel
 from ..linalg.copying import copy
 from ..tree.implicit_matrix import Stiff, stiff_work
 from ..tree.motion import normalise_attitudes
+from ..tree.report import Report as TreeReport
 from ..tree.stiff_projection import project_stiffly
 from .clock import READY
 from .error_norm import SLOWEST, strayed
@@ -28,7 +29,6 @@ from .tree_dop853 import observe_trial
 
 if TYPE_CHECKING:
     from ...model.arrays.tree import TreeArrays
-    from ..tree.report import Report as TreeReport
 
 SLOW_CONTRACTION = 0.2  # contraction at which b is renewed for the next step
 KEPT = 1.3  # a growth up to this factor is not worth a new matrix
@@ -87,12 +87,12 @@ def implicit_work(
 
 
 @kernel
-def _length(s: "Implicit", tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray):
+def _length(s: Implicit, tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray):
     return min(s.clock[0]["step"], s.clock[0]["stop"] - s.clock[0]["t"])
 
 
 @kernel
-def _attempt(s: "Implicit", h: float, tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray):
+def _attempt(s: Implicit, h: float, tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray):
     """Find the end of a step of length h; the factor on the next length, or minus that of another try."""
     clock, z = s.clock[0], s.z
     if not _solve(s, h, tree, work, coordinates):
@@ -104,7 +104,7 @@ def _attempt(s: "Implicit", h: float, tree: "TreeArrays", work: "np.ndarray", co
 
 
 @kernel
-def _solve(s: "Implicit", h: float, tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray) -> bool:
+def _solve(s: Implicit, h: float, tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray) -> bool:
     """Solve the stages of a step of length h, anew with a new matrix where an older one does not serve."""
     clock, memory = s.clock[0], s.memory[0]
     for _ in range(2):
@@ -120,7 +120,7 @@ def _solve(s: "Implicit", h: float, tree: "TreeArrays", work: "np.ndarray", coor
 
 @kernel
 def _reject(
-    s: "Implicit", h: float, factor: float, tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray
+    s: Implicit, h: float, factor: float, tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray
 ) -> None:
     clock = s.clock[0]
     clock["step"] = h * factor
@@ -129,7 +129,7 @@ def _reject(
 
 
 @kernel
-def _accept(s: "Implicit", factor: float, tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray):
+def _accept(s: Implicit, factor: float, tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray):
     """Make the end of a step the state, and close its loops; a code."""
     clock, z, h = s.clock[0], s.z, s.clock[0]["length"]
     clock["step_start"], clock["step_length"] = clock["t"], h
@@ -156,12 +156,12 @@ def _accept(s: "Implicit", factor: float, tree: "TreeArrays", work: "np.ndarray"
 @kernel
 def _close_loops(
     tree: "TreeArrays",
-    work: "np.ndarray",
+    work: np.ndarray,
     coordinates: np.ndarray,
     clock: np.void,
     z: np.ndarray,
     h: float,
-    s: "Implicit",
+    s: Implicit,
 ) -> None:
     """Close the loops at the end of a step; the step is taken back where that moves it too far."""
     copy(z, s.trial)
@@ -180,11 +180,11 @@ def _close_loops(
 
 @kernel
 def _fill_row(
-    s: "Implicit",
+    s: Implicit,
     t: float,
-    report: "TreeReport",
+    report: TreeReport,
     tree: "TreeArrays",
-    work: "np.ndarray",
+    work: np.ndarray,
     coordinates: np.ndarray,
 ):
     """Fill a report row at a time up to the present one; a code."""
@@ -202,10 +202,10 @@ _advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row))
 @kernel
 def integrate_rows(
     tree: "TreeArrays",
-    work: "np.ndarray",
+    work: np.ndarray,
     coordinates: np.ndarray,
-    integration: "Implicit",
-    report: "TreeReport",
+    integration: Implicit,
+    report: TreeReport,
     budget: int,
 ):
     """Fill the rows of `report`, at most `budget` evaluations and the rest of a step; a code.

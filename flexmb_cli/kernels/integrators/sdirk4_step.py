@@ -38,7 +38,7 @@ LEAST = 1e-3  # contraction that is trusted: a smaller one may be round-off
 
 @kernel
 def prepare_matrix(
-    tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray, z: np.ndarray, h: float, s: "Implicit"
+    tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray, h: float, s: "Implicit"
 ):
     """Renew b where it is stale and the factors where b or the step length is another one."""
     memory = s.memory[0]
@@ -54,7 +54,7 @@ def prepare_matrix(
 @kernel
 def solve_stages(
     tree: "TreeArrays",
-    work: "np.ndarray",
+    work: np.ndarray,
     coordinates: np.ndarray,
     clock: np.void,
     z: np.ndarray,
@@ -81,12 +81,12 @@ def solve_stages(
 @kernel
 def _solve_stage(
     tree: "TreeArrays",
-    work: "np.ndarray",
+    work: np.ndarray,
     coordinates: np.ndarray,
     clock: np.void,
     t: float,
     h: float,
-    slope: "np.ndarray",
+    slope: np.ndarray,
     s: "Implicit",
 ):
     """Iterate the slope of one stage."""
@@ -116,7 +116,7 @@ def _solve_stage(
 
 
 @kernel
-def _place_trial(h: float, slope: "np.ndarray", s: "Implicit") -> None:
+def _place_trial(h: float, slope: np.ndarray, s: "Implicit") -> None:
     """Speeds from their slopes, coordinates from the speeds, the rest as it is."""
     speeds = s.change.shape[0]
     for i in range(slope.shape[0]):
@@ -126,7 +126,7 @@ def _place_trial(h: float, slope: "np.ndarray", s: "Implicit") -> None:
 
 
 @kernel
-def _correct(tree: "TreeArrays", clock: np.void, h: float, slope: "np.ndarray", s: "Implicit"):
+def _correct(tree: "TreeArrays", clock: np.void, h: float, slope: np.ndarray, s: "Implicit"):
     """Newton's correction of the slopes, and its size against the tolerance."""
     speeds = s.change.shape[0]
     for m in range(speeds):

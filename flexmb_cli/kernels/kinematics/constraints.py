@@ -5,7 +5,7 @@ Young (1996), section 5.3 (procedure FUNCT).  `constraints` is a structured arra
 with respect to the seven coordinates of the row's body i, then those of its body j.
 """
 
-from typing import TYPE_CHECKING
+import numpy as np
 
 from .._jit import kernel
 from .joints import (
@@ -21,10 +21,6 @@ from .joints import (
     universal,
 )
 
-if TYPE_CHECKING:
-    import numpy as np
-
-
 # The codes of model.joint_types; a test compares them.
 SPHERICAL, UNIVERSAL, REVOLUTE, CYLINDRICAL, TRANSLATIONAL, SCREW = 1, 2, 3, 4, 5, 6
 SIMPLIFIED, DISTANCE, DRIVER, NORMALISATION = 7, 8, 9, 10
@@ -32,12 +28,12 @@ SIMPLIFIED, DISTANCE, DRIVER, NORMALISATION = 7, 8, 9, 10
 
 @kernel
 def residual(
-    constraints: "np.ndarray",
-    q: "np.ndarray",
+    constraints: np.ndarray,
+    q: np.ndarray,
     t: float,
-    expected: "np.ndarray",
-    A: "np.ndarray",
-    phi: "np.ndarray",
+    expected: np.ndarray,
+    A: np.ndarray,
+    phi: np.ndarray,
 ) -> None:
     """Fill phi (equations,).  expected (screws,): the angles expected, rad; A: matrices at q."""
     for k in range(constraints.size):
@@ -66,7 +62,7 @@ def residual(
 
 
 @kernel
-def jacobian(constraints: "np.ndarray", q: "np.ndarray", A: "np.ndarray", phi_q: "np.ndarray") -> None:
+def jacobian(constraints: np.ndarray, q: np.ndarray, A: np.ndarray, phi_q: np.ndarray) -> None:
     """Fill phi_q (equations, 14)."""
     for row in range(phi_q.shape[0]):
         for k in range(14):
@@ -97,7 +93,7 @@ def jacobian(constraints: "np.ndarray", q: "np.ndarray", A: "np.ndarray", phi_q:
 
 
 @kernel
-def velocity(constraints: "np.ndarray", t: float, nu: "np.ndarray") -> None:
+def velocity(constraints: np.ndarray, t: float, nu: np.ndarray) -> None:
     """Fill nu = -∂Φ/∂t: only drivers depend on time."""
     for row in range(nu.size):
         nu[row] = 0.0
@@ -108,12 +104,12 @@ def velocity(constraints: "np.ndarray", t: float, nu: "np.ndarray") -> None:
 
 @kernel
 def acceleration(
-    constraints: "np.ndarray",
-    q: "np.ndarray",
-    qd: "np.ndarray",
+    constraints: np.ndarray,
+    q: np.ndarray,
+    qd: np.ndarray,
     t: float,
-    rotations: "np.ndarray",
-    gamma: "np.ndarray",
+    rotations: np.ndarray,
+    gamma: np.ndarray,
 ) -> None:
     """Fill gamma, the right-hand side of Φ_q q̈ = γ.
 
@@ -145,11 +141,11 @@ def acceleration(
 
 @kernel
 def screw_motion(
-    constraints: "np.ndarray",
-    states: "np.ndarray",
-    rotations: "np.ndarray",
-    expected: "np.ndarray",
-    motion: "np.ndarray",
+    constraints: np.ndarray,
+    states: np.ndarray,
+    rotations: np.ndarray,
+    expected: np.ndarray,
+    motion: np.ndarray,
 ) -> None:
     """Fill motion (screws, 3) with θ, dθ/dt, d²θ/dt², rad.
 

@@ -7,7 +7,8 @@ one smooth curve, so that a mechanism is never carried over to another way of as
 The factors of Φ_q are an argument: `follow` has dense ones, `follow_sparse` those of `sparse_newton`.
 """
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -39,9 +40,6 @@ from .newton import (
     rates_by,
 )
 from .sparse_newton import SPARSE, SparseWork
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 # Position defect allowed between the ends of a step, in the length scale or of Euler parameters, and
 # as a part of the way moved.  Another branch is as far off as the way to it is long.
@@ -122,7 +120,7 @@ def copy(source: np.ndarray, target: np.ndarray) -> Any:
             target[row, k] = source[row, k]
 
 
-def _attempt_by(linear: "LinearSolver"):
+def _attempt_by(linear: LinearSolver):
     newton, rates = newton_by(linear), rates_by(linear)
 
     @kernel
@@ -164,7 +162,7 @@ def bounds_of_newton(system: System, clock: np.ndarray) -> tuple[float, int]:
     return NO_LIMIT, STEP_ITERATIONS
 
 
-def _advance_by(linear: "LinearSolver"):
+def _advance_by(linear: LinearSolver):
     """Return `advance`, which carries `state` from clock[TIME] to `target`: (arrived, largest |dΦ/dt|).
 
     Not arrived with clock[BUDGET] left: the way is barred.  A clock[NEXT_LENGTH] of 0 says that `state`
@@ -208,7 +206,7 @@ def _advance_by(linear: "LinearSolver"):
     return advance
 
 
-def continuation(linear: LinearSolver) -> "Callable[..., Any]":
+def continuation(linear: LinearSolver) -> Callable[..., Any]:
     """Return `fill_rows` with these factors."""
     advance = _advance_by(linear)
 

@@ -13,20 +13,18 @@ A constraint c is one record of `model.arrays.kinematic.CONSTRAINT`.  A row of t
 seven coordinates of body i, then those of body j.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from .._jit import kernel
 from ..linalg.rotation import add_rotation_row, dot, rotate
-
-if TYPE_CHECKING:
-    import numpy as np
-
 
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @kernel
-def between(c: "np.void", q: "np.ndarray", A: "np.ndarray") -> Any:
+def between(c: np.void, q: np.ndarray, A: np.ndarray) -> Any:
     """d = r_j + A_j P_j - r_i - A_i P_i, the vector from P_i to P_j (4.2), m."""
     i, j = c["body_i"], c["body_j"]
     a = rotate(A, i, c["P_i"])
@@ -39,13 +37,13 @@ def between(c: "np.void", q: "np.ndarray", A: "np.ndarray") -> Any:
 
 
 @kernel
-def between_rate(c: "np.void", qd: "np.ndarray", Ad: "np.ndarray") -> tuple[float, float, float]:
+def between_rate(c: np.void, qd: np.ndarray, Ad: np.ndarray) -> tuple[float, float, float]:
     """dd/dt, m/s."""
     return between(c, qd, Ad)
 
 
 @kernel
-def between_remainder(c: "np.void", Add: "np.ndarray") -> tuple[float, float, float]:
+def between_remainder(c: np.void, Add: np.ndarray) -> tuple[float, float, float]:
     """The part of d²d/dt² without second derivatives of coordinates, m/s²."""
     a = rotate(Add, c["body_i"], c["P_i"])
     b = rotate(Add, c["body_j"], c["P_j"])
@@ -53,7 +51,7 @@ def between_remainder(c: "np.void", Add: "np.ndarray") -> tuple[float, float, fl
 
 
 @kernel
-def coincident_residual(c: "np.void", q: "np.ndarray", A: "np.ndarray", phi: "np.ndarray") -> None:
+def coincident_residual(c: np.void, q: np.ndarray, A: np.ndarray, phi: np.ndarray) -> None:
     """Points P_i and P_j coincide, (4.7): three rows."""
     d = between(c, q, A)
     row = c["first_row"]
@@ -62,7 +60,7 @@ def coincident_residual(c: "np.void", q: "np.ndarray", A: "np.ndarray", phi: "np
 
 
 @kernel
-def coincident_jacobian(c: "np.void", q: "np.ndarray", phi_q: "np.ndarray") -> None:
+def coincident_jacobian(c: np.void, q: np.ndarray, phi_q: np.ndarray) -> None:
     """Rows (4.8)-(4.11)."""
     for k in range(3):
         row = phi_q[c["first_row"] + k]
@@ -74,7 +72,7 @@ def coincident_jacobian(c: "np.void", q: "np.ndarray", phi_q: "np.ndarray") -> N
 
 
 @kernel
-def coincident_acceleration(c: "np.void", Add: "np.ndarray", gamma: "np.ndarray") -> None:
+def coincident_acceleration(c: np.void, Add: np.ndarray, gamma: np.ndarray) -> None:
     """Right-hand side of (4.13)."""
     d = between_remainder(c, Add)
     row = c["first_row"]
@@ -83,14 +81,14 @@ def coincident_acceleration(c: "np.void", Add: "np.ndarray", gamma: "np.ndarray"
 
 
 @kernel
-def n1_residual(c: "np.void", u_i: "np.ndarray", u_j: "np.ndarray", A: "np.ndarray") -> float:
+def n1_residual(c: np.void, u_i: np.ndarray, u_j: np.ndarray, A: np.ndarray) -> float:
     """u_i · u_j (4.3), vectors fixed to bodies i and j."""
     return dot(rotate(A, c["body_i"], u_i), rotate(A, c["body_j"], u_j))
 
 
 @kernel
 def n1_jacobian(
-    c: "np.void", u_i: "np.ndarray", u_j: "np.ndarray", q: "np.ndarray", A: "np.ndarray", row: "np.ndarray"
+    c: np.void, u_i: np.ndarray, u_j: np.ndarray, q: np.ndarray, A: np.ndarray, row: np.ndarray
 ) -> None:
     """Row (4.17)."""
     i, j = c["body_i"], c["body_j"]
@@ -100,7 +98,7 @@ def n1_jacobian(
 
 @kernel
 def n1_acceleration(
-    c: "np.void", u_i: "np.ndarray", u_j: "np.ndarray", A: "np.ndarray", Ad: "np.ndarray", Add: "np.ndarray"
+    c: np.void, u_i: np.ndarray, u_j: np.ndarray, A: np.ndarray, Ad: np.ndarray, Add: np.ndarray
 ) -> float:
     """Right-hand side of (4.19)."""
     i, j = c["body_i"], c["body_j"]
@@ -109,13 +107,13 @@ def n1_acceleration(
 
 
 @kernel
-def n2_residual(c: "np.void", u_i: "np.ndarray", q: "np.ndarray", A: "np.ndarray") -> float:
+def n2_residual(c: np.void, u_i: np.ndarray, q: np.ndarray, A: np.ndarray) -> float:
     """u_i · d (4.4), u_i fixed to body i."""
     return dot(rotate(A, c["body_i"], u_i), between(c, q, A))
 
 
 @kernel
-def n2_jacobian(c: "np.void", u_i: "np.ndarray", q: "np.ndarray", A: "np.ndarray", row: "np.ndarray") -> None:
+def n2_jacobian(c: np.void, u_i: np.ndarray, q: np.ndarray, A: np.ndarray, row: np.ndarray) -> None:
     """Row of u_i · d: the derivative acts on u_i and on both ends of d."""
     i, j = c["body_i"], c["body_j"]
     u = rotate(A, i, u_i)
@@ -130,13 +128,13 @@ def n2_jacobian(c: "np.void", u_i: "np.ndarray", q: "np.ndarray", A: "np.ndarray
 
 @kernel
 def n2_acceleration(
-    c: "np.void",
-    u_i: "np.ndarray",
-    q: "np.ndarray",
-    qd: "np.ndarray",
-    A: "np.ndarray",
-    Ad: "np.ndarray",
-    Add: "np.ndarray",
+    c: np.void,
+    u_i: np.ndarray,
+    q: np.ndarray,
+    qd: np.ndarray,
+    A: np.ndarray,
+    Ad: np.ndarray,
+    Add: np.ndarray,
 ) -> float:
     """Minus the remainder of d²(u_i · d)/dt²."""
     i = c["body_i"]
@@ -145,14 +143,14 @@ def n2_acceleration(
 
 
 @kernel
-def p1_residual(c: "np.void", row: int, A: "np.ndarray", phi: "np.ndarray") -> None:
+def p1_residual(c: np.void, row: int, A: np.ndarray, phi: np.ndarray) -> None:
     """s_i parallel to s_j (4.5): two rows from `row` on."""
     phi[row] = n1_residual(c, c["a_i"], c["s_j"], A)
     phi[row + 1] = n1_residual(c, c["b_i"], c["s_j"], A)
 
 
 @kernel
-def p1_jacobian(c: "np.void", row: int, q: "np.ndarray", A: "np.ndarray", phi_q: "np.ndarray") -> None:
+def p1_jacobian(c: np.void, row: int, q: np.ndarray, A: np.ndarray, phi_q: np.ndarray) -> None:
     """Rows (4.23), resolved in the axes of body i."""
     n1_jacobian(c, c["a_i"], c["s_j"], q, A, phi_q[row])
     n1_jacobian(c, c["b_i"], c["s_j"], q, A, phi_q[row + 1])
@@ -160,7 +158,7 @@ def p1_jacobian(c: "np.void", row: int, q: "np.ndarray", A: "np.ndarray", phi_q:
 
 @kernel
 def p1_acceleration(
-    c: "np.void", row: int, A: "np.ndarray", Ad: "np.ndarray", Add: "np.ndarray", gamma: "np.ndarray"
+    c: np.void, row: int, A: np.ndarray, Ad: np.ndarray, Add: np.ndarray, gamma: np.ndarray
 ) -> None:
     """Right-hand side of (4.25), resolved in the axes of body i."""
     gamma[row] = n1_acceleration(c, c["a_i"], c["s_j"], A, Ad, Add)
@@ -168,14 +166,14 @@ def p1_acceleration(
 
 
 @kernel
-def p2_residual(c: "np.void", row: int, q: "np.ndarray", A: "np.ndarray", phi: "np.ndarray") -> None:
+def p2_residual(c: np.void, row: int, q: np.ndarray, A: np.ndarray, phi: np.ndarray) -> None:
     """s_i parallel to d (4.6): two rows from `row` on."""
     phi[row] = n2_residual(c, c["a_i"], q, A)
     phi[row + 1] = n2_residual(c, c["b_i"], q, A)
 
 
 @kernel
-def p2_jacobian(c: "np.void", row: int, q: "np.ndarray", A: "np.ndarray", phi_q: "np.ndarray") -> None:
+def p2_jacobian(c: np.void, row: int, q: np.ndarray, A: np.ndarray, phi_q: np.ndarray) -> None:
     """Rows (4.29), resolved in the axes of body i."""
     n2_jacobian(c, c["a_i"], q, A, phi_q[row])
     n2_jacobian(c, c["b_i"], q, A, phi_q[row + 1])
@@ -183,14 +181,14 @@ def p2_jacobian(c: "np.void", row: int, q: "np.ndarray", A: "np.ndarray", phi_q:
 
 @kernel
 def p2_acceleration(
-    c: "np.void",
+    c: np.void,
     row: int,
-    q: "np.ndarray",
-    qd: "np.ndarray",
-    A: "np.ndarray",
-    Ad: "np.ndarray",
-    Add: "np.ndarray",
-    gamma: "np.ndarray",
+    q: np.ndarray,
+    qd: np.ndarray,
+    A: np.ndarray,
+    Ad: np.ndarray,
+    Add: np.ndarray,
+    gamma: np.ndarray,
 ) -> None:
     """Right-hand side of (4.31), resolved in the axes of body i."""
     gamma[row] = n2_acceleration(c, c["a_i"], q, qd, A, Ad, Add)

@@ -4,7 +4,8 @@ Young (1996), sections 4.3 and 5.2 (procedures NEWTON, LINEAR and KINEM).  Lengt
 the mechanism's length scale, so that all residuals and corrections are pure numbers of order one.
 """
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,9 +13,6 @@ from .._jit import kernel, plain_allocating
 from ..linalg.lu import factorise, substitute
 from ..linalg.rotation import RATE, REMAINDER, A, rotation_matrices, rotation_rates
 from . import constraints as equations
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 CONVERGED, STALLED, SINGULAR = 0, 1, 2
 
@@ -183,12 +181,12 @@ class LinearSolver(NamedTuple):
     """Factors of Φ_q."""
 
     # (system, work, q): make the factors at q, where A belongs to q; sign of det Φ_q, 0 where it is singular
-    factorise: "Callable[..., Any]"
+    factorise: Callable[..., Any]
     # (system, work, right_side, solution): solve by the factors at hand; largest scaled component
-    solve: "Callable[..., Any]"
+    solve: Callable[..., Any]
 
 
-def newton_by(linear: LinearSolver) -> "Callable[..., Any]":
+def newton_by(linear: LinearSolver) -> Callable[..., Any]:
     """Return Newton's method with these factors."""
     factorise, solve = linear
 
@@ -227,7 +225,7 @@ def newton_by(linear: LinearSolver) -> "Callable[..., Any]":
     return newton
 
 
-def _refinement_by(linear: "LinearSolver"):
+def _refinement_by(linear: LinearSolver):
     solve = linear.solve
 
     @kernel
@@ -247,7 +245,7 @@ def _refinement_by(linear: "LinearSolver"):
     return solve_refined
 
 
-def rates_by(linear: LinearSolver) -> "Callable[..., Any]":
+def rates_by(linear: LinearSolver) -> Callable[..., Any]:
     """Return the solution of velocities and accelerations with these factors."""
     solve_refined = _refinement_by(linear)
 

@@ -1,15 +1,12 @@
 """Copies of vectors by a loop: assignments of slices compile slowly."""
 
-from typing import TYPE_CHECKING
+import numpy as np
 
 from .._jit import kernel
 
-if TYPE_CHECKING:
-    import numpy as np
-
 
 @kernel
-def copy(a: "np.ndarray", b: "np.ndarray") -> None:
+def copy(a: np.ndarray, b: np.ndarray) -> None:
     """Copy a (n,) to the first n places of b (k,)."""
     for i in range(a.shape[0]):
         b[i] = a[i]

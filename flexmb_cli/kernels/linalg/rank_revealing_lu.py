@@ -28,7 +28,7 @@ BRANCHING = 1e-6
 
 @allocating
 def factorise(
-    jacobian: np.ndarray, columns: "np.ndarray", order: np.ndarray, rank: int, factors: Factors
+    jacobian: np.ndarray, columns: np.ndarray, order: np.ndarray, rank: int, factors: Factors
 ) -> float:
     """Factors of the first `rank` rows in the order at hand, columns in pivot order.
 

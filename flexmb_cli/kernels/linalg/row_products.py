@@ -1,15 +1,14 @@
 """Products of long rows of numbers, which come as slices: indices from 0 on need no test for a sign."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from .._jit import kernel
 
-if TYPE_CHECKING:
-    import numpy as np
-
 
 @kernel
-def product(a: "np.ndarray", b: "np.ndarray") -> Any:
+def product(a: np.ndarray, b: np.ndarray) -> Any:
     """Return the scalar product of the rows a (n,) and b (n,), in four sums."""
     # Four sums side by side: one alone waits for each addition to end.
     s0 = s1 = s2 = s3 = 0.0
@@ -26,7 +25,7 @@ def product(a: "np.ndarray", b: "np.ndarray") -> Any:
 
 
 @kernel
-def subtract_multiple(factor: float, a: "np.ndarray", out: "np.ndarray") -> None:
+def subtract_multiple(factor: float, a: np.ndarray, out: np.ndarray) -> None:
     """Take factor a from out: a (n,), out (n,)."""
     for j in range(a.shape[0]):
         out[j] -= factor * a[j]

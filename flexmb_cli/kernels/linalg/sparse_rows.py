@@ -26,11 +26,11 @@ class Factors(NamedTuple):
 @kernel
 def take_row(
     jacobian: np.ndarray,
-    columns: "np.ndarray",
+    columns: np.ndarray,
     row: int,
-    places: "np.ndarray",
+    places: np.ndarray,
     whole: np.ndarray,
-    following: "np.ndarray",
+    following: np.ndarray,
 ) -> None:
     """Spread a row of the Jacobian over `whole`.
 
@@ -52,7 +52,7 @@ def take_row(
 
 @kernel
 def eliminate(
-    factors: Factors, i: int, end: int, rank: int, whole: np.ndarray, following: "np.ndarray", count: int
+    factors: Factors, i: int, end: int, rank: int, whole: np.ndarray, following: np.ndarray, count: int
 ) -> tuple[float, int]:
     """Take multiples of the rows before `end` from `whole`, and store it as row i, from place `count` on.
 

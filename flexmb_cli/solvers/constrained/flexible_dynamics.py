@@ -1,6 +1,7 @@
 """Forward dynamics of a mechanism of rigid and flexible bodies (VSDF decks)."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -21,9 +22,6 @@ from .rows import global_axes
 from .start import rate_equations
 from .start_speeds import given_speeds
 from .system import with_driven
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 class FlexibleDynamics(LinearisableMotion):
@@ -118,7 +116,7 @@ def _body_joint(joint: PointJoint) -> Joint:
     return Joint(joint.kind, joint.name, a[0].body, b[0].body, tuple(a[0].r0), tuple(b[0].r0), s_i, s_j)
 
 
-def _velocities(mechanism: FlexibleMechanism) -> "Iterator[InitialVelocity]":
+def _velocities(mechanism: FlexibleMechanism) -> Iterator[InitialVelocity]:
     """Velocities of the bodies that the deck moves; those at rest follow the others."""
     for k, body in enumerate(mechanism.bodies):
         if np.any(body.velocity) or np.any(body.omega):

@@ -1,11 +1,13 @@
 """Gaps of joints at the positions of a VSDF or YOUNG deck, and the displacements that close them."""
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
 
 from ...errors import Fault
+from ...model.arrays.system import SystemArrays
+from ...model.equations import Equation
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.joint_elements import CompositeJoint
 from ...model.loads import DynamicModel
@@ -13,13 +15,6 @@ from ...model.mechanism import Joint
 from ..assembly import displacements
 from ..singular.mobility import about, worst_gaps
 from .position import PositionGaps
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from ...model.arrays.system import SystemArrays
-    from ...model.equations import Equation
-
 
 APART = 1e-2  # of the mechanism's size; of unit vectors
 FAR_APART = 0.1  # the same of body estimates, which need not be exact
@@ -57,7 +52,7 @@ def _apart(
     limits: np.ndarray,
     links: dict[str, float],
     what: tuple[str, str],
-) -> "Iterator[Fault]":
+) -> Iterator[Fault]:
     """A warning where a residual at the deck's positions is above its limit; `links`: lengths of links, m."""
     arrays = gaps.arrays
     residual = gaps.residual(arrays.q, t, arrays.angles) * arrays.row_scale
@@ -79,7 +74,7 @@ def _apart(
     yield about("warning", message, *(gap.equation for gap in worst), id="SOLVE-049")
 
 
-def _limits(mechanism: FlexibleMechanism, equations: "tuple[Equation, ...]") -> np.ndarray:
+def _limits(mechanism: FlexibleMechanism, equations: tuple[Equation, ...]) -> np.ndarray:
     """Residuals from which gaps are reported, m or 1; inf for motions that say where the mechanism begins."""
     prescribed = {item.name for item in mechanism.motions if item.of_joint}
     length = APART * _size(mechanism)
@@ -100,7 +95,7 @@ def _size(mechanism: FlexibleMechanism) -> float:
     return max(sizes, default=0.0) or 1.0
 
 
-def _moved(arrays: "SystemArrays", q: np.ndarray) -> str:
+def _moved(arrays: SystemArrays, q: np.ndarray) -> str:
     """The body that was moved most, in words."""
     way, turn = displacements(arrays.q, q, arrays.bodies)
     scale = arrays.coordinate_scale[0]
@@ -109,7 +104,7 @@ def _moved(arrays: "SystemArrays", q: np.ndarray) -> str:
     return f"{arrays.body_names[k]} is moved by {metres:.3g} m and turned by {radians:.3g} rad"
 
 
-def _deformed(mechanism: FlexibleMechanism, arrays: "SystemArrays", q: np.ndarray) -> "Iterator[Fault]":
+def _deformed(mechanism: FlexibleMechanism, arrays: SystemArrays, q: np.ndarray) -> Iterator[Fault]:
     """Bodies that could be joined by bending them only."""
     first, length = 7 * arrays.bodies, arrays.coordinate_scale[0] if arrays.bodies else 1.0
     for body in mechanism.bodies:

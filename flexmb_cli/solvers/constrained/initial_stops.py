@@ -1,6 +1,6 @@
 """End stops that are pressed at the start of a run."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -8,13 +8,10 @@ from ...errors import Fault
 from ...kernels.laws import COORDINATE, EFFORT
 from ...model.laws import STOP, Element
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 def notes_of_pressed_stops(
     stops: tuple[Element, ...], loads: np.ndarray, responses: np.ndarray
-) -> "Iterator[Fault]":
+) -> Iterator[Fault]:
     """Yield a note for each stop that pushes at the start; responses (loads, columns) belong to it."""
     for stop, k in zip(stops, np.flatnonzero(loads["shape"] == STOP.code), strict=True):
         length, force = ("rad", "N m") if stop.turning else ("m", "N")

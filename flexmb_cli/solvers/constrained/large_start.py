@@ -6,15 +6,14 @@ import numpy as np
 
 from ...kernels.constrained.accelerations import DENSE_START, evaluate_jacobian
 from ...kernels.constrained.mass_matrix import mass_matrices, mass_times
-from ..singular.mobility import MOST_DENSE
+from ...kernels.constrained.system import Work
+from ..singular.mobility import MOST_DENSE, Mobility
 from ..singular.sparse_rank import order_of_pivots, shortest_correction, sparse_mobility
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-    from ...kernels.constrained.system import Work
     from ...model.arrays.system import SystemArrays
-    from ..singular.mobility import Mobility
     from .analysis import ConstrainedMotion
 
 
@@ -34,7 +33,7 @@ def is_large(arrays: "SystemArrays") -> bool:
     return arrays.speeds > MOST_DENSE
 
 
-def sparse_jacobian(work: "Work") -> "csr_matrix":
+def sparse_jacobian(work: Work) -> "csr_matrix":
     """Return the scaled Jacobian (m, n) on speeds that was evaluated last."""
     from scipy.sparse import csr_matrix
 
@@ -44,7 +43,7 @@ def sparse_jacobian(work: "Work") -> "csr_matrix":
     return csr_matrix((work.jacobian[rows, places], (rows, columns[rows, places])), shape)
 
 
-def order_of_many(analysis: "ConstrainedMotion", q: np.ndarray) -> "Mobility":
+def order_of_many(analysis: "ConstrainedMotion", q: np.ndarray) -> Mobility:
     """Choose the independent equations at q (n + b,), and which repeat others; leaves no factors."""
     system, work, arrays = analysis.system, analysis.work, analysis.arrays
     evaluate_jacobian(system, work, q)

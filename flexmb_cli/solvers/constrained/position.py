@@ -8,19 +8,18 @@ from ...kernels.constrained.accelerations import evaluate_jacobian
 from ...kernels.constrained.projection import evaluate_residual
 from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import PHI, System, Work
+from ...model.arrays.system import SystemArrays
 from .large_start import is_large, sparse_jacobian
 from .system import dense_jacobian
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-    from ...model.arrays.system import SystemArrays
-
 
 class PositionGaps:
     """Scaled residuals of the equations, for messages and searches: the `Equations` of `projection`."""
 
-    def __init__(self, arrays: "SystemArrays", system: System, work: Work):
+    def __init__(self, arrays: SystemArrays, system: System, work: Work):
         self.arrays, self.system, self.work = arrays, system, work
         self.sparse = is_large(arrays)
 

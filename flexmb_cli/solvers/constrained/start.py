@@ -55,7 +55,7 @@ def order_of_elimination(analysis: "ConstrainedMotion", q: np.ndarray, t: float)
     )
 
 
-def _of_one_attitude(group: "tuple[Equation, ...]") -> bool:
+def _of_one_attitude(group: tuple[Equation, ...]) -> bool:
     """Return whether a dependency is that of one body's Euler parameters, which is no redundancy."""
     parts = {equation.part for equation in group}
     return "e0" in parts and parts <= {"e0", "e1", "e2", "e3"}

@@ -1,5 +1,6 @@
 """Speeds at the start of a forward run that fit the constraints and the speeds that the deck gives."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,7 +10,8 @@ from ...kernels.constrained.accelerations import evaluate_jacobian
 from ...kernels.constrained.mass_matrix import mass_matrices, mass_times
 from ...kernels.constrained.projection import fill_nu
 from ...kernels.constrained.system import GAMMA
-from ...model.equations import DEPENDENT
+from ...model.equations import DEPENDENT, Equation
+from ...model.loads import InitialVelocity
 from ..projection import RESIDUAL_MET
 from ..singular.mobility import about
 from .large_start import sparse_jacobian, speeds_of_many
@@ -17,10 +19,6 @@ from .rows import body_axes, global_axes
 from .system import dense_jacobian
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ...model.equations import Equation
-    from ...model.loads import InitialVelocity
     from .analysis import ConstrainedMotion
     from .flexible_dynamics import FlexibleDynamics
 
@@ -142,7 +140,7 @@ def _root(M: Any) -> np.ndarray:
 
 
 def given_speeds(
-    velocities: "Sequence[InitialVelocity]", bodies: int, q: np.ndarray
+    velocities: Sequence[InitialVelocity], bodies: int, q: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return which of the speeds (6 bodies,) `velocities` give, and their values."""
     given, wanted = np.zeros((bodies, 6), dtype=bool), np.zeros((bodies, 6))
@@ -156,7 +154,7 @@ def given_speeds(
 
 
 def _refuse_contradiction(
-    equations: "tuple[Equation, ...]", rates: "tuple[Equation, ...]", rest: np.ndarray, t: float
+    equations: tuple[Equation, ...], rates: tuple[Equation, ...], rest: np.ndarray, t: float
 ) -> None:
     if not rest.size or np.max(np.abs(rest)) <= RESIDUAL_MET:
         return
@@ -198,7 +196,7 @@ def _warn_of_change(
             analysis.warnings.append(Fault("warning", message, item.place, item.name, id="SOLVE-008"))
 
 
-def _shown(analysis: "ConstrainedMotion", u: np.ndarray, item: "InitialVelocity") -> str:
+def _shown(analysis: "ConstrainedMotion", u: np.ndarray, item: InitialVelocity) -> str:
     p = analysis.integration.z[7 * item.body + 3 : 7 * item.body + 7]
     angular = u[3:] if analysis.omega_in_body_axes else global_axes(p, u[3:])
     return "velocity ({:.6g}, {:.6g}, {:.6g}) m/s, angular ({:.6g}, {:.6g}, {:.6g}) rad/s".format(

@@ -6,20 +6,17 @@ the position: they are nan.  Turns of angles are those that the steps of the int
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...kernels.constrained.report import Report
 from ...model.arrays.system import SystemArrays
-from ...model.tree import ELASTIC, ROTATION, Tree
+from ...model.tree import ELASTIC, ROTATION, Hinge, Tree
 from ...model.tree_as_mechanism.frames import Base, Frames
 from ..tree.points import rotation_matrices
 from ..tree.rows import TreeMotion
 from .rows import global_axes
-
-if TYPE_CHECKING:
-    from ...model.tree import Hinge
 
 
 class Moving(NamedTuple):
@@ -153,7 +150,7 @@ def _translation(axis: int, base: Moving, body: Moving) -> Any:
     return _along(gap, direction), _along(slide, direction), _along(second - turning, direction)
 
 
-def _rotation(hinge: "Hinge", axis: int, base: Moving, body: Moving, counted: Iterator[np.ndarray]) -> Any:
+def _rotation(hinge: Hinge, axis: int, base: Moving, body: Moving, counted: Iterator[np.ndarray]) -> Any:
     """Angle or nan, speed and its rate: the relative angular velocity along the axis it turns about."""
     spin, change = body.w - base.w, body.alpha - base.alpha
     second = len(hinge.rotations) == 2 and axis == hinge.rotations[1] - 1
@@ -167,7 +164,7 @@ def _rotation(hinge: "Hinge", axis: int, base: Moving, body: Moving, counted: It
     return angle + math.tau * np.round((next(counted) - angle) / math.tau), speed, rate
 
 
-def _angle(hinge: "Hinge", axis: int, P: np.ndarray, E: np.ndarray) -> Any:
+def _angle(hinge: Hinge, axis: int, P: np.ndarray, E: np.ndarray) -> Any:
     """Angle within a turn, from axes of P_k (T, 3, 3) and of the body."""
     if len(hinge.rotations) == 1:
         i, j = (axis + 1) % 3, (axis + 2) % 3

@@ -59,7 +59,7 @@ class ForwardDynamics(LinearisableMotion):
         composites = self.model.elements.composites
         return repeated_in_plane(self.mechanism.joints, grounds, attitudes, composites)
 
-    def given_rates(self, q: np.ndarray) -> "tuple[np.ndarray, np.ndarray, tuple[Any, ...]]":
+    def given_rates(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[Any, ...]]:
         """Rows, right-hand sides and names of the joint rates that the deck gives."""
         return rate_equations(self.mechanism.joints, self.model.elements.rates, q, self.arrays.speeds)
 

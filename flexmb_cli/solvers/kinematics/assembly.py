@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import AnalysisError, Fault, ModelError
-from ...model.equations import DEPENDENT
+from ...model.arrays.kinematic import KinematicArrays
+from ...model.equations import DEPENDENT, Equation
 from ...model.joints import JOINT_TYPES
 from ..assembly import DAMPINGS, Sized, is_closed, nearest_of
 from ..projection import Corrections, Instant, Position, improving, project
@@ -14,8 +15,6 @@ from .estimate_gaps import slip_sentence, wide_estimates
 from .position import Evaluator, Poses
 
 if TYPE_CHECKING:
-    from ...model.arrays.kinematic import KinematicArrays
-    from ...model.equations import Equation
     from ..constrained.position import PositionGaps
 
 
@@ -48,7 +47,7 @@ def nearest_position(
     return found, evaluator.residual(found, t, expected)
 
 
-def _of_joints(arrays: "KinematicArrays") -> np.ndarray:
+def _of_joints(arrays: KinematicArrays) -> np.ndarray:
     """Return which equations are those of joints (equations,)."""
     constraints = arrays.constraints
     joints = np.isin(constraints["kind"], [kind.code for kind in JOINT_TYPES])
@@ -86,7 +85,7 @@ def assembly_failure(
     evaluator: "Evaluator | PositionGaps",
     gap: np.ndarray,
     t: float,
-    estimates: "tuple[np.ndarray, np.ndarray] | None" = None,
+    estimates: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> AnalysisError:
     """The mechanism of the deck cannot be put together at its first time, t.
 
@@ -134,11 +133,11 @@ def redundancy_warning(found: Mobility) -> Fault:
     return about("warning", message, *_placed(found), id="SOLVE-054")
 
 
-def _placed(found: Mobility) -> "list[Equation]":
+def _placed(found: Mobility) -> list[Equation]:
     return [e for group in found.redundant for e in group if e.place]
 
 
-def _group(equations: "tuple[Equation, ...]", most: int = 6) -> str:
+def _group(equations: tuple[Equation, ...], most: int = 6) -> str:
     names = [e.name for e in equations[:most]]
     more = f" and {len(equations) - most} more" if len(equations) > most else ""
     return "one of " + ", ".join(names) + more if len(equations) > 1 else names[0]

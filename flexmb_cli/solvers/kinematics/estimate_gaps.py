@@ -10,10 +10,10 @@ import numpy as np
 
 from ...errors import Fault
 from ..singular.mobility import Gap, about
+from .position import Evaluator
 
 if TYPE_CHECKING:
     from ..constrained.position import PositionGaps
-    from .position import Evaluator
 
 
 WIDE_ESTIMATE = 0.05  # of the length scale

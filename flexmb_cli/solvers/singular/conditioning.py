@@ -1,10 +1,11 @@
 """Conditioning of a position: its distance from a singular one, and what is weakest there, by name."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...model.by_size import by_size
+from ...model.equations import Equation
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g
 from .weakest import (
@@ -15,9 +16,6 @@ from .weakest import (
     owners_text,
     weakest_owners,
 )
-
-if TYPE_CHECKING:
-    from ...model.equations import Equation
 
 MOST_WEAK_REPORTED = 3
 SWEEPS = 6  # of inverse iteration: each gains the distance to the next singular value, squared
@@ -64,7 +62,7 @@ def _largest_value(matrix: Any, vector: np.ndarray) -> Any:
     return float(np.linalg.norm(matrix @ vector))
 
 
-def weakest_joints(evaluator: Evaluator, weak: Conditioning) -> "list[Equation]":
+def weakest_joints(evaluator: Evaluator, weak: Conditioning) -> list[Equation]:
     """The equations that are weakest, one a joint."""
     return weakest_owners(evaluator.arrays.equations, weak.combination, MOST_WEAK_REPORTED)
 

@@ -5,21 +5,20 @@ narrow place beside one.  Both cost many short steps: rows that took many iterat
 sign of det Φ_q has changed, are walked again step by step.
 """
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...kernels.kinematics.continuation_clock import BUDGET, SIGN, TIME
 from ...model.equations import Equation
+from ..kinematics.rows import Rows
 from .conditioning import conditioning, conditioning_text
 from .passed import Passed, PassedSingularities
 from .weakest import NEARLY_SINGULAR, Conditioning
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from ..kinematics.analysis import KinematicAnalysis
-    from ..kinematics.rows import Rows
 
 
 # Iterations of a row that are many where others take few, and many anywhere.  A bifurcation takes ten or
@@ -50,7 +49,7 @@ class PassedKinematicSingularities(PassedSingularities):
         analysis = self.analysis
         return analysis.state.copy(), analysis.motion.copy(), analysis.clock.copy()
 
-    def suspected(self, memory: Memory, rows: "Rows") -> "Iterator[tuple[Memory, float, float]]":
+    def suspected(self, memory: Memory, rows: Rows) -> Iterator[tuple[Memory, float, float]]:
         """Yield `memory` and the times of ways through the report `rows` that took many iterations."""
         if self.notes.full or not self.active:
             return
@@ -59,7 +58,7 @@ class PassedKinematicSingularities(PassedSingularities):
             begin = memory[2][TIME] if first == 0 else rows.time[first - 1]
             yield memory, float(begin), float(rows.time[last])
 
-    def first_without_rates(self, memory: Memory, rows: "Rows") -> int:
+    def first_without_rates(self, memory: Memory, rows: Rows) -> int:
         """The first row so near to a singular position that its rates are round-off; their number if none."""
         busy = np.flatnonzero(rows.newton_iterations > FEW) if self.active else ()
         limit = BLIND_CONDITION * self._condition_of(memory) if len(busy) else np.inf
@@ -74,7 +73,7 @@ class PassedKinematicSingularities(PassedSingularities):
         state, motion, clock = memory
         return conditioning(self.analysis.evaluator, state[0], float(clock[TIME]), motion[:, 0]).condition
 
-    def located(self, interval: tuple[Memory, float, float]) -> "Iterator[Passed]":
+    def located(self, interval: tuple[Memory, float, float]) -> Iterator[Passed]:
         """Go from `memory` to the begin, then step by step to the end.
 
         Yield bifurcations, else the worst place.
@@ -100,7 +99,7 @@ class PassedKinematicSingularities(PassedSingularities):
             shortest = [here for _, here in sorted(steps, key=lambda step: step[0])[:MOST_TRIED]]
             yield from self._narrowest(memory, shortest)
 
-    def _narrowest(self, memory: Memory, places: list[Passed]) -> "Iterator[Passed]":
+    def _narrowest(self, memory: Memory, places: list[Passed]) -> Iterator[Passed]:
         conditions = [self.conditioning(place).condition for place in places]
         if conditions and max(conditions) >= NEARLY_SINGULAR * self._condition_of(memory):
             yield places[int(np.argmax(conditions))]

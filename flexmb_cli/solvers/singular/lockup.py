@@ -6,13 +6,13 @@ import numpy as np
 
 from ...errors import AnalysisError
 from ..kinematics.assembly import nearest_position
+from ..kinematics.position import Evaluator
 from ..projection import RESIDUAL_MET
 from .conditioning import conditioning, conditioning_text, weakest_joints
 from .mobility import about, gap_norms, worst_gaps
 
 if TYPE_CHECKING:
     from ..kinematics.analysis import KinematicAnalysis
-    from ..kinematics.position import Evaluator
 
 
 NUDGE = 0.05  # of the length scale, and of Euler parameters
@@ -44,7 +44,7 @@ def step_failure(analysis: "KinematicAnalysis", t: float) -> AnalysisError:
     return found
 
 
-def _least_gap(evaluator: "Evaluator", q: np.ndarray, t: float, expected: np.ndarray) -> Any:
+def _least_gap(evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray) -> Any:
     """Residual of the position nearest to meeting the equations at t, from q and from both sides of it.
 
     From a dead centre the search does not leave the line of symmetry by itself.

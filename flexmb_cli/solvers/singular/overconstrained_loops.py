@@ -4,6 +4,7 @@ Equations that repeat others where the loop is exact contradict them by a little
 position and the motion; along what the small singular values stand for nothing is corrected.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...kernels.constrained.accelerations import choose_order
+from ...kernels.constrained.system import Work
 from ...model.by_size import first_of_largest
 from ...model.equations import DEPENDENT
 from ..assembly import LOOSEST, TO_GAP, Sized, nearest_of
@@ -20,9 +22,6 @@ from ..projection import RESIDUAL_MET, Corrections, Instant, Position, largest, 
 from .mobility import PROBE, Gap, about, gap_norms, worst_gaps
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ...kernels.constrained.system import Work
     from ..constrained.position import PositionGaps
 
 
@@ -81,7 +80,7 @@ def _nearly_closed(
 
 
 def _is_overconstrained(
-    gaps: "PositionGaps", finish: "Callable[..., Position]", found: Position, dependent: float
+    gaps: "PositionGaps", finish: Callable[..., Position], found: Position, dependent: float
 ) -> bool:
     """Return whether equations repeat others, and the mechanism moves along all that the others leave free.
 
@@ -104,7 +103,7 @@ def _is_overconstrained(
     return True
 
 
-def choose_far_apart(work: "Work", rank: int) -> int:
+def choose_far_apart(work: Work, rank: int) -> int:
     """Choose `rank` equations that are far from dependent, and their order; return the rank found.
 
     What is left of the gap in the others grows as those chosen come to depend.  Overwrites the Jacobian.
@@ -118,7 +117,7 @@ def choose_far_apart(work: "Work", rank: int) -> int:
     return int(choose_order(work, rank))
 
 
-def independence(work: "Work") -> float:
+def independence(work: Work) -> float:
     """Return the least singular value of the equations chosen; its inverse amplifies the gap left."""
     kept = dense_jacobian(work)[work.order[: work.rank[0]]]
     return float(np.linalg.svd(kept, compute_uv=False)[-1])

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...kernels.constrained.accelerations import evaluate_jacobian
 from ...kernels.constrained.speeds import move
-from ...model.equations import DEPENDENT
+from ...model.equations import DEPENDENT, Equation
 from ..constrained.large_start import is_large, sparse_jacobian
 from ..constrained.position import PositionGaps
 from ..constrained.system import dense_jacobian, new_work
@@ -16,7 +16,6 @@ from .weakest import NEARLY_SINGULAR, Conditioning, conditioning_of, weakest_own
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-    from ...model.equations import Equation
     from ..constrained.analysis import ConstrainedMotion
 
 
@@ -36,7 +35,7 @@ def conditioning_of_speeds(
     return sparse_conditioning(jacobian, np.sort(analysis.work.order[:rank]))
 
 
-def weakest_of_speeds(analysis: "ConstrainedMotion", state: np.ndarray) -> "tuple[float, list[Equation]]":
+def weakest_of_speeds(analysis: "ConstrainedMotion", state: np.ndarray) -> tuple[float, list[Equation]]:
     """Condition of the independent equations of a ConstrainedMotion at a state (N,), and the weakest ones.
 
     The condition is the largest over the last singular value that is counted in the rank.
@@ -91,7 +90,7 @@ def has_gained_rank(analysis: "ConstrainedMotion") -> bool:
     return bool(len(values) > rank and values[rank] > values[0] / SINGULAR_CONDITION**2)
 
 
-def repeating_here_only(analysis: "ConstrainedMotion") -> "list[Equation]":
+def repeating_here_only(analysis: "ConstrainedMotion") -> list[Equation]:
     """Equations that repeat others at the state of a ConstrainedMotion and not beside it, one of each owner.
 
     Beside it is a small part of some motion that all equations allow: where equations go on repeating

@@ -11,13 +11,13 @@ import numpy as np
 
 from ...kernels.kinematics import constraints as equations
 from ...kernels.kinematics.continuation_clock import NEXT_LENGTH, SIGN, SPENT, TIME
+from ..kinematics.position import Evaluator
 from ..kinematics.rows import Rows, rows_of
 from ..projection import Corrections, Instant, project
 from .passed import Passed
 
 if TYPE_CHECKING:
     from ..kinematics.analysis import KinematicAnalysis
-    from ..kinematics.position import Evaluator
 
 
 WAY = 4e-3  # scaled way to each side: the error is of its sixth power, round-off grows with its inverse
@@ -82,7 +82,7 @@ def _between(first: np.ndarray, last: np.ndarray, h: float, x: float) -> np.ndar
     )
 
 
-def _closed(evaluator: "Evaluator", row: np.ndarray, t: float, expected: np.ndarray) -> float:
+def _closed(evaluator: Evaluator, row: np.ndarray, t: float, expected: np.ndarray) -> float:
     """Bring the position of `row` onto the equations where they are regular; return the largest residual."""
     instant = Instant(evaluator, t, expected)
     row[0], gap = instant.at(row[0]) if evaluator.is_large else project(instant, row[0], FIRM)

@@ -3,22 +3,20 @@
 Singular values of a chain of 300 bodies take seconds and 300 MB, with the cube and the square of the number.
 """
 
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...kernels.linalg.local_order import choose_local
 from ...model.by_size import by_size
+from ...model.equations import Equation
 from .mobility import NAMED, Mobility
 from .weakest import Conditioning
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
     from scipy.sparse import csr_matrix
     from scipy.sparse.linalg import SuperLU
-
-    from ...model.equations import Equation
 
 MOST_KEPT = 32  # motions that are kept, so that the mechanism can be moved along them
 AT_ONCE = 64  # null vectors solved for together
@@ -47,8 +45,8 @@ def sparse_mobility(
     matrix: "csr_matrix",
     order: np.ndarray,
     rank: int,
-    equations: "tuple[Equation, ...]",
-    name: "Callable[[int], str]",
+    equations: tuple[Equation, ...],
+    name: Callable[[int], str],
 ) -> Mobility:
     """Return the mobility of a scaled Jacobian (m, n) whose pivots are in this order.
 
@@ -89,12 +87,12 @@ class _Leading:
         self.matrix, self.rows, self.columns = matrix, rows, columns
         self.factors = splu(matrix[rows][:, columns].tocsc()) if rows.size else None
 
-    def motions(self, free: np.ndarray) -> "Iterator[np.ndarray]":
+    def motions(self, free: np.ndarray) -> Iterator[np.ndarray]:
         """Yield, for each free column, what the dependent ones do (rank,) where it changes by 1."""
         for some in _parts(free):
             yield from -self._solve(self.matrix[self.rows][:, some].toarray(), "N").T
 
-    def dependencies(self, repeated: np.ndarray) -> "Iterator[np.ndarray]":
+    def dependencies(self, repeated: np.ndarray) -> Iterator[np.ndarray]:
         """Yield, for each dependent row, the shares (rank,) of the independent ones in it."""
         for some in _parts(repeated):
             yield from -self._solve(self.matrix[some][:, self.columns].toarray().T, "T").T
@@ -106,7 +104,7 @@ class _Leading:
         return found
 
 
-def _parts(places: np.ndarray) -> "Iterator[np.ndarray]":
+def _parts(places: np.ndarray) -> Iterator[np.ndarray]:
     return (places[k : k + AT_ONCE] for k in range(0, places.size, AT_ONCE))
 
 

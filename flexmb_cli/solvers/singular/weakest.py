@@ -3,19 +3,16 @@
 The same for kinematics, whose Jacobian is that of coordinates, and for dynamics, whose Jacobian is of speeds.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...errors import Fault
 from ...model.by_size import by_size
+from ...model.equations import Equation
 from .mobility import about
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ...model.equations import Equation
 
 NEARLY_SINGULAR = 100.0  # condition, as a multiple of that of the start
 REPORTED_SHARE = 0.2  # of the largest part of a combination: what is reported
@@ -43,7 +40,7 @@ def conditioning_of(matrix: np.ndarray, rank: int) -> Conditioning:
     return Conditioning(float(values[0]) / smallest, right[rank - 1], left[:, rank - 1])
 
 
-def weakest_owners(equations: "tuple[Equation, ...]", combination: np.ndarray, most: int) -> "list[Equation]":
+def weakest_owners(equations: tuple[Equation, ...], combination: np.ndarray, most: int) -> list[Equation]:
     """Return the equations with the largest shares of a combination (m,), one an owner: joints if any.
 
     Equations that have no place in the deck are named only where none has.
@@ -60,7 +57,7 @@ def weakest_owners(equations: "tuple[Equation, ...]", combination: np.ndarray, m
     return sorted((joints or placed)[:most], key=lambda one: one.place or (0, 0))
 
 
-def owners_text(equations: "Sequence[Equation]") -> str:
+def owners_text(equations: Sequence[Equation]) -> str:
     """Return the owners of equations with their lines, as in "joint 1 (line 7), joint 2 (line 8)"."""
     return ", ".join(f"{one.owner} (line {one.place.line})" if one.place else one.owner for one in equations)
 
@@ -81,7 +78,7 @@ class SingularityNotes:
         """Return whether no more are taken."""
         return self.count >= MOST_NOTES
 
-    def add(self, sentence: str, owners: "list[Equation]") -> None:
+    def add(self, sentence: str, owners: list[Equation]) -> None:
         """Note a position, about the equations that are weakest there."""
         self.count += 1
         last = "; later ones are not looked for" if self.full else ""
