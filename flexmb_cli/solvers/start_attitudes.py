@@ -19,11 +19,11 @@ from ..model.flexible_mechanism import FlexibleMechanism, NodePoint
 from ..model.mechanism import GROUND
 from ..model.time_functions import ROTATIONS
 from ..model.vectors import euler_parameters, rotation_matrix
-from .constrained.large_start import is_large
+from .constrained.system import is_large
 from .projection import Corrections, Instant, project, shortened
 
 if TYPE_CHECKING:
-    from .constrained.position import PositionGaps
+    from .constrained.system import PositionGaps
 
 TURNED = math.pi / 4  # an attitude that starts closer is found by the equations themselves
 WRONG = math.pi / 2  # half-way to the other solution

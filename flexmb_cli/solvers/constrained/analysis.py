@@ -23,12 +23,11 @@ from ...model.loads import InitialVelocity
 from ...model.mechanism import TimeGrid
 from ..assembly import TO_GAP
 from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of, taken, taken_clock
-from ..singular.dynamic_singularities import PassedDynamicSingularities
+from ..singular.dynamic_singularities import PassedDynamicSingularities, is_singular
 from ..singular.mobility import Mobility
 from ..singular.overconstrained_loops import choose_far_apart, gap_note, independence
-from ..singular.rank_of_speeds import is_singular
 from .breakpoints import breakpoints, jumps_of_accelerations, warn_of_fine_tables
-from .coinciding_ends import refuse_coinciding_ends
+from .elements_at_start import notes_of_pressed_stops, refuse_coinciding_ends
 from .failures import (
     force_failure,
     note_undetermined_rows,
@@ -37,13 +36,9 @@ from .failures import (
     step_failure,
 )
 from .first_position import assemble
-from .initial_stops import notes_of_pressed_stops
 from .integrators import Steps
-from .large_start import starts_sparse
-from .position import PositionGaps
-from .start import order_of_elimination
-from .start_speeds import start_speeds
-from .system import blank_report, constrained_system, new_work
+from .start import order_of_elimination, start_speeds
+from .system import PositionGaps, blank_report, constrained_system, new_work, starts_sparse
 
 if TYPE_CHECKING:
     from ..linearisation.terms import Terms

@@ -17,14 +17,14 @@ from ...model.arrays.records import ELEMENT
 from ...model.equations import Equation
 from ...model.integrators import METHODS
 from ...model.unit_checks import uneven_masses
-from ..singular.mobility import Gap, Mobility, about
-from ..singular.rank_of_speeds import (
+from ..singular.conditioning import owners_text
+from ..singular.dynamic_singularities import (
     SINGULAR_CONDITION,
     has_gained_rank,
     repeating_here_only,
     weakest_of_speeds,
 )
-from ..singular.weakest import owners_text
+from ..singular.mobility import Gap, Mobility, about
 from .breakpoints import jump_of_table
 from .start import inertia_failure
 

@@ -15,13 +15,11 @@ from ...model.planar_loops import OUT_OF_PLANE, repeated_in_plane
 from ..linearisation.terms import Terms, motors_of
 from ..start_attitudes import refuse_half_turns, start_attitudes, turn_warnings, turned_right
 from .analysis import LinearisableMotion
+from .first_position import gap_warnings
 from .flexible_rows import FlexibleRows, flexible_rows
-from .initial_gaps import gap_warnings
-from .position import PositionGaps
 from .rows import global_axes
-from .start import rate_equations
-from .start_speeds import given_speeds
-from .system import with_driven
+from .start import given_speeds, rate_equations
+from .system import PositionGaps, with_driven
 
 
 class FlexibleDynamics(LinearisableMotion):

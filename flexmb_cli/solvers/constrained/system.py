@@ -1,13 +1,22 @@
-"""Input of the kernels of a dynamic analysis."""
+"""Input of the kernels of a dynamic analysis, and one position by them: residuals and Jacobian on speeds."""
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...kernels.constrained.accelerations import DENSE_START, evaluate_jacobian
+from ...kernels.constrained.projection import evaluate_residual
 from ...kernels.constrained.report import Report
-from ...kernels.constrained.system import System, Work, make_work
+from ...kernels.constrained.speeds import move
+from ...kernels.constrained.system import PHI, System, Work, make_work
 from ...kernels.laws import ANSWER_COLUMNS
 from ...model.arrays.records import FUNCTION, function_record
 from ...model.arrays.system import SystemArrays
 from ...model.time_functions import POLYNOMIAL
+from ..singular.mobility import MOST_DENSE
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
 
 
 def constrained_system(arrays: SystemArrays) -> System:
@@ -61,6 +70,26 @@ def dense_jacobian(work: Work) -> np.ndarray:
     return found
 
 
+def starts_sparse(arrays: SystemArrays) -> bool:
+    """Return whether sparse matrices of the start take less time than dense ones."""
+    return arrays.bodies > DENSE_START or is_large(arrays)
+
+
+def is_large(arrays: SystemArrays) -> bool:
+    """Return whether dense matrices of a mechanism would take seconds and hundreds of megabytes."""
+    return arrays.speeds > MOST_DENSE
+
+
+def sparse_jacobian(work: Work) -> "csr_matrix":
+    """Return the scaled Jacobian (m, n) on speeds that was evaluated last."""
+    from scipy.sparse import csr_matrix
+
+    counts, columns = work.columns[:, 0], work.columns[:, 1:]
+    rows, places = np.nonzero(np.arange(columns.shape[1]) < counts[:, None])
+    shape = len(counts), len(work.motions)
+    return csr_matrix((work.jacobian[rows, places], (rows, columns[rows, places])), shape)
+
+
 def with_driven(system: System, row: int, values: np.ndarray, t: float) -> System:
     """Return the system whose equation `row` follows another value and two rates, `values` (3,), at t.
 
@@ -72,3 +101,28 @@ def with_driven(system: System, row: int, values: np.ndarray, t: float) -> Syste
     primitives["function"][row] = system.functions.size
     record = np.array([function_record(POLYNOMIAL, c)], dtype=FUNCTION)
     return system._replace(functions=np.append(system.functions, record), primitives=primitives)
+
+
+class PositionGaps:
+    """Scaled residuals of the equations, for messages and searches: the `Equations` of `projection`."""
+
+    def __init__(self, arrays: SystemArrays, system: System, work: Work):
+        self.arrays, self.system, self.work = arrays, system, work
+        self.sparse = is_large(arrays)
+
+    def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
+        """Scaled residual (m,) at q; expected: the angles expected."""
+        evaluate_residual(self.system, self.work, q, t, expected)
+        found: np.ndarray = self.work.rows[PHI] / self.arrays.row_scale
+        return found
+
+    def jacobian(self, q: np.ndarray) -> "np.ndarray | csr_matrix":
+        """Scaled Jacobian (m, n) on speeds, sparse where it is large."""
+        evaluate_jacobian(self.system, self.work, q)
+        return sparse_jacobian(self.work) if self.sparse else dense_jacobian(self.work)
+
+    def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """Return the coordinates after a scaled step (n,) of translations, rotations and deformation."""
+        q = q.copy()
+        move(self.arrays.bodies, q, step * self.arrays.speed_scale)
+        return q

@@ -32,7 +32,7 @@ from ..projection import RESIDUAL_MET, largest
 from ..tree.loop_assembly import closed_tree
 from ..tree.rows import TreeMotion, TreeRows, rows_of_tree, unturned
 from .analysis import ConstrainedMotion
-from .position import PositionGaps
+from .system import PositionGaps
 from .tree_element_rows import with_elements
 from .tree_rows import motion_of_bodies
 

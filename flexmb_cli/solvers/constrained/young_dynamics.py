@@ -23,10 +23,9 @@ from ..linearisation.terms import Terms, motors_of
 from ..singular.mobility import Mobility
 from .analysis import LinearisableMotion
 from .element_rows import element_rows
-from .initial_gaps import estimate_warnings
+from .first_position import estimate_warnings
 from .rows import DynamicRows, dynamic_rows
-from .start import rate_equations
-from .start_speeds import given_speeds
+from .start import given_speeds, rate_equations
 
 
 class ForwardDynamics(LinearisableMotion):

@@ -14,10 +14,13 @@ from ...model.mechanism import Mechanism
 from ..assembly import NEARER, Sized, is_closed
 from ..checkpoint import faults_reported, reported, row_of, taken
 from ..projection import RESIDUAL_MET
-from ..singular.kinematic_singularities import PassedKinematicSingularities
-from ..singular.lockup import singular_start, step_failure
+from ..singular.kinematic_singularities import (
+    PassedKinematicSingularities,
+    row_across,
+    singular_start,
+    step_failure,
+)
 from ..singular.mobility import Mobility, mobility, moves_freely
-from ..singular.row_at_bifurcation import row_across
 from .assembly import (
     assemble_by_search,
     assembly_failure,
@@ -27,9 +30,8 @@ from .assembly import (
     too_large_to_rank,
 )
 from .driver_axes import keeps_axis, refuse_contradicted_drive, refuse_off_axis_drive
-from .position import Evaluator, KinematicSettings
+from .position import Evaluator, KinematicSettings, kinematic_system, with_dependent_columns
 from .rows import Rows, first_rows, joined_rows, rows_of
-from .system import kinematic_system, with_dependent_columns
 
 KINEMATIC_CALL_WORK = 2_000_000  # steps x equations² handed to the kernel at a time
 DENSE_ELIMINATION = 140  # equations: above, only entries other than zero are kept

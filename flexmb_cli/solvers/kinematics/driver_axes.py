@@ -18,9 +18,8 @@ from ...model.mechanism import Driver, Mechanism
 from ..projection import RESIDUAL_MET
 from ..singular.mobility import mobility
 from .assembly import assemble_by_search
-from .position import Evaluator, KinematicSettings
+from .position import Evaluator, KinematicSettings, kinematic_system
 from .rows import Rows, twice_g
-from .system import kinematic_system
 
 UPRIGHT = 1e-9
 OFF_AXIS = 5e-5  # of an Euler parameter, or of its rates: |p| is UPRIGHT beyond 1

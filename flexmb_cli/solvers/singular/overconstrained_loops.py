@@ -16,13 +16,12 @@ from ...kernels.constrained.system import Work
 from ...model.by_size import first_of_largest
 from ...model.equations import DEPENDENT
 from ..assembly import LOOSEST, TO_GAP, Sized, nearest_of
-from ..constrained.large_start import is_large
-from ..constrained.system import dense_jacobian
+from ..constrained.system import dense_jacobian, is_large
 from ..projection import RESIDUAL_MET, Corrections, Instant, Position, largest, project, shortened
 from .mobility import PROBE, Gap, about, gap_norms, worst_gaps
 
 if TYPE_CHECKING:
-    from ..constrained.position import PositionGaps
+    from ..constrained.system import PositionGaps
 
 
 SETTLING = 4  # corrections of that limit by the gap that it leaves

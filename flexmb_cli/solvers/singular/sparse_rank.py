@@ -11,8 +11,8 @@ import numpy as np
 from ...kernels.linalg.local_order import choose_local
 from ...model.by_size import by_size
 from ...model.equations import Equation
+from .conditioning import Conditioning
 from .mobility import NAMED, Mobility
-from .weakest import Conditioning
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
