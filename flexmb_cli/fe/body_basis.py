@@ -9,11 +9,10 @@ import numpy as np
 from ..model.diagnostics import Findings
 from ..model.flexible_body import FlexibleInput
 from . import modes
-from .free_motion import FreeMotion, NegativeStrain
 from .independent_shapes import reduced_basis
 from .input_checks import COLLINEAR
 from .linear_algebra import distinct
-from .massless_shapes import IndefiniteMass
+from .massless_shapes import FreeMotion, IndefiniteMass, NegativeStrain
 from .reference_frame import Frame
 from .static_shapes import static_shapes, unit_forces
 

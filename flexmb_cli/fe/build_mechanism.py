@@ -64,7 +64,7 @@ def _stresses(model: VsdfModel, bodies: Any) -> Any:
     """Return what is reported of stresses; most decks ask for none, and need no elements."""
     if not model.stresses:
         return ()
-    from .elements.stress_outputs import stress_outputs
+    from .elements.stress_shapes import stress_outputs
 
     return stress_outputs(model, bodies)
 

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .free_motion import NO_STRAIN
-from .massless_shapes import IndefiniteMass
+from .massless_shapes import NO_STRAIN, IndefiniteMass
 
 # A shape is dropped when less than this share of its strain energy is independent of the others; round-off
 # leaves about 1e-14 of a shape that is a sum of others.

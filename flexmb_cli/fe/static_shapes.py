@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from .free_motion import FreeMotion
 from .input_checks import rigid_motions
 from .linear_algebra import Singular, all_but, as_array, is_small, solver
+from .massless_shapes import FreeMotion
 from .reference_frame import Frame
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from .abaqus_input import Block, blocks, integers_of, reals_of, words_of
 from .coordinate_systems import BASIC, rotation, spanned
-from .included_files import Line
+from .file_text import Line
 from .matrix_file import FEFileFault
 from .node_table import Node, node_of
 

@@ -14,7 +14,7 @@ import numpy as np
 from .abaqus_input import blocks, integers_of, words_of
 from .ansys_cdb import commands
 from .bulk_data import bulk_cards
-from .included_files import Line
+from .file_text import Line
 from .matrix_file import FEFileFault
 from .node_table import check_twice
 

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .file_text import integer, lines_of, real
-from .included_files import Line
+from .file_text import Line, integer, lines_of, real
 from .matrix_file import FEFileFault
 
 # Products of such lengths with masses and stiffnesses stay finite.
