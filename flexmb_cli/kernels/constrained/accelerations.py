@@ -21,7 +21,7 @@ from ..linalg.cholesky import cholesky, cholesky_solve, cholesky_solve_rows
 from ..linalg.copying import copy
 from ..linalg.local_order import choose_local
 from ..linalg.pivot_order import choose
-from ..linalg.rank_revealing_lu import WORN, dependent_speeds, factorise, free_motions
+from ..linalg.rank_revealing_lu import WORN, dependent_speeds, factorise, free_motions, row_times
 from ..linalg.rotation import RATE, REMAINDER, A, rotation_matrices, rotation_rates
 from .body_vectors import geometry_of, move_vectors, place_vectors
 from .constraint_primitives import equation_accelerations, equation_rows
@@ -126,6 +126,16 @@ def factorise_constraints(system: System, work: Work, q: np.ndarray) -> int:
             return SINGULAR
     free_motions(factors_of(work), work.order, rank, work.motions)
     return SOLVED
+
+
+@kernel
+def factorise_for_forces(system: System, work: Work, q: np.ndarray) -> int:
+    """Factors at q of the constraints, mass matrices, and what the forces there need besides: a code."""
+    code = factorise_constraints(system, work, q)
+    if code != SOLVED:
+        return code
+    mass_matrices(system, work, q)
+    return reduce_mass(system, work) if has_friction(system.loads) else SOLVED
 
 
 @part
@@ -269,6 +279,33 @@ def fill_forces(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: flo
     power += add_applied_forces(system, work, u, t, work.vectors[FORCES])
     if has_friction(system.loads):
         power += _add_friction(system, work)
+    return power
+
+
+@part
+def missing_forces(
+    system: System,
+    work: Work,
+    q: np.ndarray,
+    u: np.ndarray,
+    t: float,
+    ud: np.ndarray,
+    gaps: np.ndarray,
+    missing: np.ndarray,
+) -> float:
+    """Fill gaps (m,), γ - J ud, and missing (n,), f - M ud, of accelerations ud (n,); returns the power.
+
+    Factors are those of `factorise_for_forces`; FORCES and the power are those of `accelerate`.
+    """
+    power = fill_forces(system, work, q, u, t)
+    for row in range(gaps.shape[0]):
+        total = row_times(work.jacobian, work.columns, row, ud, system.speed_scale)
+        gaps[row] = work.rows[GAMMA, row] - total * system.row_scale[row]
+    mass_times(system, work, ud, work.vectors[PRODUCT])
+    for k in range(ud.shape[0]):
+        missing[k] = work.vectors[FORCES, k] - work.vectors[PRODUCT, k]
+        # Constraints that do not move do no work: what is left of their power is the drivers'.
+        power -= missing[k] * u[k]
     return power
 
 

@@ -134,6 +134,23 @@ def code_of_gap(integration: "Integration | AlphaIntegration | RadauIntegration"
 
 
 @kernel
+def fastest_change(system: System, integration: "AlphaIntegration | RadauIntegration", ud: np.ndarray):
+    """The largest rate at which accelerations ud (n,) change the speeds of the state, 1/s."""
+    first, fastest = integration.clock[0]["counted"] - ud.shape[0], 0.0
+    for k in range(ud.shape[0]):
+        size = system.speed_scale[k] + abs(integration.z[first + k])
+        fastest = max(fastest, abs(ud[k]) / size)
+    return fastest
+
+
+@kernel
+def first_step(system: System, integration: "AlphaIntegration | RadauIntegration", ud: np.ndarray) -> float:
+    """A hundredth of the time in which the accelerations make the speeds."""
+    clock, fastest = integration.clock[0], fastest_change(system, integration, ud)
+    return 0.01 * min(1.0 / fastest if fastest > 0.0 else 1.0, clock["stop"] - clock["t"])
+
+
+@kernel
 def add_works(integration: "AlphaIntegration | RadauIntegration", weights: np.ndarray, h: float) -> None:
     """Add to z what the loads did in the step that ends there; weights (rows,) of their powers.
 

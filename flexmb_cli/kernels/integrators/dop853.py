@@ -55,7 +55,7 @@ def dop853(equations: Equations) -> Callable:
     """Return the kernel of `time_loop` that integrates such equations."""
     slope, normalise, finish, watch, close, fill_row = equations
     attempt, accept = _attempts(slope, normalise, finish), _acceptance(slope, watch, close)
-    return time_loop(Method(_length, attempt, accept, _reject, fill_row))
+    return time_loop(Method(_length, attempt, accept, reject, fill_row))
 
 
 def _attempts(slope: Callable[..., Any], normalise: Callable[..., Any], finish: Callable[..., Any]):
@@ -127,9 +127,8 @@ def _largest_error(clock: np.void, h: float):
 def _end_step(integration: Any, factor: float) -> None:
     """Make the end of a step, which is in `trial`, the state."""
     clock, h = integration.clock[0], integration.clock[0]["length"]
-    for i in range(integration.z.shape[0]):
-        integration.old[i] = integration.z[i]
-        integration.z[i] = integration.trial[i]
+    copy(integration.z, integration.old)
+    copy(integration.trial, integration.z)
     clock["step"] = h * factor
     clock["step_start"], clock["step_length"], clock["step_rejected"] = clock["t"], h, clock["rejected"]
     last = h >= clock["stop"] - clock["t"]
@@ -139,7 +138,8 @@ def _end_step(integration: Any, factor: float) -> None:
 
 
 @kernel
-def _reject(integration: Any, h: float, factor: float, *arrays: Any) -> None:
+def reject(integration: Any, h: float, factor: float, *arrays: Any) -> None:
+    """Prepare another try, of factor times h; see `Method`."""
     clock = integration.clock[0]
     clock["step"] = h * factor
     clock["rejections"] += 1
@@ -179,8 +179,7 @@ def first_step(integration: Any, slope: Callable[..., Any]):
 @kernel
 def set_stage(z: np.ndarray, slopes: np.ndarray, stage: int, h: float, out: np.ndarray) -> None:
     """Fill out (N,) with z + h (weights of `stage`) · slopes; slopes (16, N)."""
-    for i in range(z.shape[0]):
-        out[i] = z[i]
+    copy(z, out)
     for j in range(stage):
         weight = h * STAGE_WEIGHTS[stage, j]
         if weight != 0.0:

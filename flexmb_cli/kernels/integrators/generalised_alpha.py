@@ -23,6 +23,7 @@ from .constrained_equations import (
     add_works,
     code_of_gap,
     fill_doubtful,
+    first_step,
     interpolate_angles,
     is_doubtful,
     note_gap,
@@ -38,7 +39,6 @@ from .generalised_alpha_step import (
     SLOWEST,
     advance,
     factor_of,
-    fastest_change,
     iterate,
     look_ahead_of_given,
     next_length,
@@ -133,16 +133,9 @@ def _begin(integration: AlphaIntegration, system: System, work: Work) -> int:
     copy(integration.z, integration.old)
     for kind in (LAST, BEFORE, MEAN):
         copy(rates[NEW], rates[kind])
-    clock["step"] = memory["fixed"] if memory["fixed"] > 0.0 else _first_step(system, integration)
+    clock["step"] = memory["fixed"] if memory["fixed"] > 0.0 else first_step(system, integration, rates[LAST])
     memory["passing"] = clock["step"]
     return READY
-
-
-@kernel
-def _first_step(system: System, integration: AlphaIntegration) -> float:
-    """A hundredth of the time in which the accelerations make the speeds."""
-    clock, fastest = integration.clock[0], fastest_change(system, integration)
-    return 0.01 * min(1.0 / fastest if fastest > 0.0 else 1.0, clock["stop"] - clock["t"])
 
 
 @kernel

@@ -26,21 +26,17 @@ import numpy as np
 from .._jit import kernel, part
 from ..constrained.accelerations import (
     SMALLEST_INERTIA,
-    factorise_constraints,
+    factorise_for_forces,
     fill_column,
-    fill_forces,
-    reduce_mass,
+    missing_forces,
     solve_rows,
 )
 from ..constrained.angle_unwrapping import EXPECTED, expect_angles
-from ..constrained.dry_friction import has_friction
-from ..constrained.mass_matrix import mass_matrices, mass_times
 from ..constrained.projection import fill_residual, rate_gap
 from ..constrained.report import TRIED, coordinates_and_speeds, fill_load_powers
 from ..constrained.speeds import move
 from ..constrained.system import (
     CORRECTION,
-    FORCES,
     GAMMA,
     NO_INERTIA,
     PHI,
@@ -52,9 +48,10 @@ from ..constrained.system import (
 )
 from ..constrained.tangent import tangent_times
 from ..linalg.cholesky import cholesky
-from ..linalg.rank_revealing_lu import row_times, smallest_pivot
+from ..linalg.copying import copy
+from ..linalg.rank_revealing_lu import smallest_pivot
 from .clock import LOOK, leads_over
-from .constrained_equations import firm_pivot
+from .constrained_equations import fastest_change, firm_pivot
 from .error_norm import CAUTION, ITERATED, SLOWEST, displacement_tolerance, tolerance
 from .singular_ahead import NOISE, SPEED_ROUND_OFF, blur, look_ahead, round_off
 
@@ -255,18 +252,6 @@ def correction_size(system: System, integration: "AlphaIntegration", by_speed: f
     return (total / n) ** 0.5
 
 
-@kernel
-def fastest_change(system: System, integration: "AlphaIntegration"):
-    """The largest rate at which accelerations change speeds, 1/s."""
-    n = system.speed_scale.shape[0]
-    first = integration.clock[0]["counted"] - n
-    fastest = 0.0
-    for k in range(n):
-        size = system.speed_scale[k] + abs(integration.z[first + k])
-        fastest = max(fastest, abs(integration.rates[LAST, k]) / size)
-    return fastest
-
-
 MOST_ITERATIONS = 12
 STILL_ITERATIONS = 3  # of a state: positions, speeds, and accelerations that belong to both
 FLOOR = 1e-13  # of the speeds: round-off
@@ -335,7 +320,9 @@ def iterate(
             if iteration > 1 and not (contraction < 1.0 or size < FLOOR / clock["rtol"]):
                 return False
             left = memory["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
-        fastest = 0.0 if memory["fixed"] > 0.0 else fastest_change(system, integration)
+        fastest = (
+            0.0 if memory["fixed"] > 0.0 else fastest_change(system, integration, integration.rates[LAST])
+        )
         share = memory["share"] = share_of(clock, memory, work, h, fastest)
         clock["error"] = step_error(system, integration, h) / share
         enough = max(left_over(clock, memory, work, share), FLOOR / clock["rtol"])
@@ -352,8 +339,7 @@ def _predict(system: System, work: Work, integration: "AlphaIntegration", h: flo
     rates, length = integration.rates, integration.clock[0]["step_length"]
     alpha_m, alpha_f, beta, gamma = parameters(memory["rho"])
     step = work.vectors[CORRECTION, :n]
-    for i in range(integration.z.shape[0]):
-        integration.trial[i] = integration.z[i]
+    copy(integration.z, integration.trial)
     q, u = coordinates_and_speeds(system, integration.trial)
     for k in range(n):
         last = rates[LAST, k]
@@ -374,8 +360,7 @@ def _predict(system: System, work: Work, integration: "AlphaIntegration", h: flo
     memory["mean_length"] = h
     turn_exactly(system.masses.shape[0], q, step)
     expect_angles(system, work, integration, h)
-    for k in range(work.angles.shape[0]):
-        work.angles[k] = integration.angles[EXPECTED, k]
+    copy(integration.angles[EXPECTED], work.angles)
 
 
 @part
@@ -402,33 +387,19 @@ def turn_exactly(bodies: int, q: np.ndarray, step: np.ndarray) -> None:
 @part
 def _evaluate(system: System, work: Work, integration: "AlphaIntegration", t: float) -> int:
     """Everything that the equations of motion say of `trial` at t: forces and gaps; a code."""
-    n = system.speed_scale.shape[0]
     q, u = coordinates_and_speeds(system, integration.trial)
-    code = factorise_constraints(system, work, q)
+    code = factorise_for_forces(system, work, q)
     if code != SOLVED:
         return code
-    mass_matrices(system, work, q)
-    if has_friction(system.loads):
-        code = reduce_mass(system, work)
-        if code != SOLVED:
-            return code
     gaps, ud = integration.gaps, integration.rates[NEW]
     fill_residual(system, work, q, t, integration.angles[EXPECTED])
     rate_gap(system, work, u, t)
     for row in range(gaps.shape[1]):
         gaps[POSITION_GAP, row] = -work.rows[PHI, row]
         gaps[SPEED_GAP, row] = work.rows[GAMMA, row]
-    power = fill_forces(system, work, q, u, t)
-    for row in range(gaps.shape[1]):
-        total = row_times(work.jacobian, work.columns, row, ud, system.speed_scale)
-        gaps[ACCELERATION_GAP, row] = work.rows[GAMMA, row] - total * system.row_scale[row]
-    forces, product = integration.missing[ACCELERATION_GAP], work.vectors[PRODUCT]
-    mass_times(system, work, ud, product)
-    for k in range(n):
-        forces[k] = work.vectors[FORCES, k] - product[k]
-        # Constraints that do not move do no work: what is left of their power is the drivers'.
-        power -= forces[k] * u[k]
-    integration.memory[0]["new_power"] = power
+    integration.memory[0]["new_power"] = missing_forces(
+        system, work, q, u, t, ud, gaps[ACCELERATION_GAP], integration.missing[ACCELERATION_GAP]
+    )
     fill_load_powers(work, integration.load_powers[TRIED])
     return code
 

@@ -19,10 +19,9 @@ import numpy as np
 
 from ...memory import paged_zeros
 from .._jit import allocating, kernel
-from ..constrained.accelerations import factorise_constraints, fill_forces, reduce_mass
+from ..constrained.accelerations import factorise_for_forces, fill_forces
 from ..constrained.angle_unwrapping import EXPECTED, MOST_TURNED, NEW, expect_angles, unwrap_angles
-from ..constrained.dry_friction import has_elements, has_friction
-from ..constrained.mass_matrix import mass_matrices
+from ..constrained.dry_friction import has_elements
 from ..constrained.report import NOW, TRIED, Report, complete, coordinates_and_speeds, fill_load_powers
 from ..constrained.system import NO_INERTIA, SOLVED, System, Work
 from ..laws import POWER
@@ -33,6 +32,7 @@ from .constrained_equations import (
     add_works,
     code_of_gap,
     fill_doubtful,
+    first_step,
     interpolate_angles,
     is_doubtful,
     note_gap,
@@ -51,6 +51,7 @@ from .radau5_step import (
     close_trial,
     moved,
     next_factor,
+    node_time,
     place_row,
     place_stages,
     place_trial,
@@ -90,10 +91,8 @@ def singular_step(system: System, work: Work, integration: "RadauIntegration", h
         place_trial(system, integration, STAGES - 1)
         if not expect_angles(system, work, integration, h) < MOST_TURNED:
             return False
-        for i in range(found.shape[0]):
-            found[i] = integration.trial[i]
-        for k in range(expected.shape[0]):
-            expected[k] = rates[START + STAGES, k]
+        copy(integration.trial, found)
+        copy(rates[START + STAGES], expected)
         clock["evaluations"] += 1
         code, power = project_state(system, work, integration, clock["t"] + h, rates[START + STAGES])
         if code != SOLVED or work.quality[0] != clock["pivot_order"]:
@@ -120,7 +119,7 @@ def _bend(integration: "RadauIntegration", expected: np.ndarray, h: float) -> No
     for stage in range(STAGES):
         weight = 1.0
         for node in range(STAGES + 1):
-            at = TIMES[node - 1] if node > 0 else 0.0
+            at = node_time(node)
             weight *= (1.0 + ratio * TIMES[stage] - at) / (1.0 + ratio - at)
         if stage < STAGES - 1:
             for k in range(expected.shape[0]):
@@ -235,33 +234,19 @@ def _begin(integration: RadauIntegration, system: System, work: Work) -> int:
     memory["branching"] = min(BRANCHING, BRANCHING_START * smallest_pivot(work.diagonal, work.rank[0]))
     for node in range(STAGES + 1):
         copy(rates[START], rates[LAST_STEP + node])
-    clock["step"] = _first_step(system, integration)
+    clock["step"] = first_step(system, integration, rates[START])
     return READY
-
-
-@kernel
-def _first_step(system: System, integration: RadauIntegration) -> float:
-    """A hundredth of the time in which the accelerations make the speeds."""
-    clock, n = integration.clock[0], system.speed_scale.shape[0]
-    fastest, u = 0.0, coordinates_and_speeds(system, integration.z)[1]
-    for k in range(n):
-        fastest = max(fastest, abs(integration.rates[START, k]) / (system.speed_scale[k] + abs(u[k])))
-    return 0.01 * min(1.0 / fastest if fastest > 0.0 else 1.0, clock["stop"] - clock["t"])
 
 
 @kernel
 def _renew(system: System, work: Work, integration: RadauIntegration) -> int:
     """The matrices of the state z anew; a code."""
     q, u = coordinates_and_speeds(system, integration.z)
-    code = factorise_constraints(system, work, q)
+    code = factorise_for_forces(system, work, q)
     if code == SOLVED:
-        mass_matrices(system, work, q)
-        if has_friction(system.loads):
-            code = reduce_mass(system, work)
-        if code == SOLVED and has_elements(system.loads):
+        if has_elements(system.loads):
             # Their slopes change by all within a step: those of a trial that failed may not be numbers.
             fill_forces(system, work, q, u, integration.clock[0]["t"])
-    if code == SOLVED:
         renew_matrices(system, work, integration.matrices)
         integration.memory[0]["quality"] = work.quality[0]
     return code

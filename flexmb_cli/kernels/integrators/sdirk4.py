@@ -21,6 +21,7 @@ from ..tree.motion import normalise_attitudes
 from ..tree.report import Report as TreeReport
 from ..tree.stiff_projection import project_stiffly
 from .clock import READY
+from .dop853 import reject
 from .error_norm import SLOWEST, strayed
 from .hermite import cubic, quintic
 from .sdirk4_step import STAGES, prepare_matrix, solve_stages, step_error
@@ -119,16 +120,6 @@ def _solve(s: Implicit, h: float, tree: "TreeArrays", work: np.ndarray, coordina
 
 
 @kernel
-def _reject(
-    s: Implicit, h: float, factor: float, tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray
-) -> None:
-    clock = s.clock[0]
-    clock["step"] = h * factor
-    clock["rejections"] += 1
-    clock["rejected"], clock["strayed"] = 1, 0
-
-
-@kernel
 def _accept(s: Implicit, factor: float, tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray):
     """Make the end of a step the state, and close its loops; a code."""
     clock, z, h = s.clock[0], s.z, s.clock[0]["length"]
@@ -196,7 +187,7 @@ def _fill_row(
     return observe_trial(s, s.rate, t, report, tree, work, coordinates)
 
 
-_advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row))
+_advance = time_loop(Method(_length, _attempt, _accept, reject, _fill_row))
 
 
 @kernel

@@ -15,6 +15,7 @@ from .._jit import allocating, kernel
 from ..constrained.accelerations import evaluate_jacobian, factorise_order
 from ..constrained.speeds import coordinate_rates, normalise
 from ..constrained.system import System, Work
+from ..linalg.copying import copy
 from .clock import LOOK
 
 MOST_SECANTS = 6
@@ -33,8 +34,7 @@ def look_ahead(system: System, work: Work, integration: Any, ud: np.ndarray, h: 
     """
     clock, rank = integration.clock[0], work.rank[0]
     way = _expected(clock, work)
-    for k in range(rank):
-        work.pivots[k] = work.diagonal[k]
+    copy(work.diagonal[:rank], work.pivots)
     clock["pivot_order"], clock["pivot_time"] = work.quality[0], clock["t"]
     clock["singular"] = math.inf
     if rank > 0 and way < LOOK * h:

@@ -115,24 +115,23 @@ def acceleration(
 
     rotations (3, bodies, 3, 3): A, dA/dt, and the remainder of d²A/dt².
     """
-    A, Ad, Add = rotations[0], rotations[1], rotations[2]
     for row in range(gamma.size):
         gamma[row] = 0.0
     for k in range(constraints.size):
         c = constraints[k]
         kind = c["kind"]
         if kind == SPHERICAL:
-            spherical.acceleration(c, q, qd, A, Ad, Add, gamma)
+            spherical.acceleration(c, q, qd, rotations, gamma)
         elif kind == UNIVERSAL:
-            universal.acceleration(c, q, qd, A, Ad, Add, gamma)
+            universal.acceleration(c, q, qd, rotations, gamma)
         elif kind == REVOLUTE:
-            revolute.acceleration(c, q, qd, A, Ad, Add, gamma)
+            revolute.acceleration(c, q, qd, rotations, gamma)
         elif kind == CYLINDRICAL:
-            cylindrical.acceleration(c, q, qd, A, Ad, Add, gamma)
+            cylindrical.acceleration(c, q, qd, rotations, gamma)
         elif kind == TRANSLATIONAL:
-            translational.acceleration(c, q, qd, A, Ad, Add, gamma)
+            translational.acceleration(c, q, qd, rotations, gamma)
         elif kind == SCREW:
-            screw.acceleration(c, q, qd, A, Ad, Add, gamma)
+            screw.acceleration(c, q, qd, rotations, gamma)
         elif kind == DRIVER:
             driver.acceleration(c, t, gamma)
         elif kind == NORMALISATION:
@@ -151,12 +150,11 @@ def screw_motion(
 
     states (3, n): q and its derivatives; expected (screws,) picks the whole turns.
     """
-    A, Ad, Add = rotations[0], rotations[1], rotations[2]
     for k in range(constraints.size):
         c = constraints[k]
         if c["kind"] == SCREW:
             s = c["screw"]
-            xdd = screw.second_rate(c, c["h_i"], states[0], states[2], A, Ad, Add)
-            ydd = screw.second_rate(c, c["g_i"], states[0], states[2], A, Ad, Add)
-            motion[s, 0] = screw.angle(c, A, expected[s])
-            motion[s, 1], motion[s, 2] = screw.angle_rates(c, A, Ad, Add, xdd, ydd)
+            xdd = screw.second_rate(c, c["h_i"], states[0], states[2], rotations)
+            ydd = screw.second_rate(c, c["g_i"], states[0], states[2], rotations)
+            motion[s, 0] = screw.angle(c, rotations[0], expected[s])
+            motion[s, 1], motion[s, 2] = screw.angle_rates(c, rotations, xdd, ydd)

@@ -10,7 +10,8 @@ fixed to body i, (s_i × v)_m = v · A_i a.  m and n are the axes other than tha
 component of s_i, chosen once by the model; the two rows can never lose rank.
 
 A constraint c is one record of `model.arrays.kinematic.CONSTRAINT`.  A row of the Jacobian has 14 places: the
-seven coordinates of body i, then those of body j.
+seven coordinates of body i, then those of body j.  rotations (3, bodies, 3, 3): A, dA/dt, and the remainder
+of d²A/dt² without second derivatives of coordinates.
 """
 
 from typing import Any
@@ -72,9 +73,9 @@ def coincident_jacobian(c: np.void, q: np.ndarray, phi_q: np.ndarray) -> None:
 
 
 @kernel
-def coincident_acceleration(c: np.void, Add: np.ndarray, gamma: np.ndarray) -> None:
+def coincident_acceleration(c: np.void, rotations: np.ndarray, gamma: np.ndarray) -> None:
     """Right-hand side of (4.13)."""
-    d = between_remainder(c, Add)
+    d = between_remainder(c, rotations[2])
     row = c["first_row"]
     for k in range(3):
         gamma[row + k] = d[k]
@@ -97,11 +98,9 @@ def n1_jacobian(
 
 
 @kernel
-def n1_acceleration(
-    c: np.void, u_i: np.ndarray, u_j: np.ndarray, A: np.ndarray, Ad: np.ndarray, Add: np.ndarray
-) -> float:
+def n1_acceleration(c: np.void, u_i: np.ndarray, u_j: np.ndarray, rotations: np.ndarray) -> float:
     """Right-hand side of (4.19)."""
-    i, j = c["body_i"], c["body_j"]
+    A, Ad, Add, i, j = rotations[0], rotations[1], rotations[2], c["body_i"], c["body_j"]
     remainder = dot(rotate(Add, i, u_i), rotate(A, j, u_j)) + dot(rotate(A, i, u_i), rotate(Add, j, u_j))
     return -remainder - 2.0 * dot(rotate(Ad, i, u_i), rotate(Ad, j, u_j))
 
@@ -128,16 +127,10 @@ def n2_jacobian(c: np.void, u_i: np.ndarray, q: np.ndarray, A: np.ndarray, row: 
 
 @kernel
 def n2_acceleration(
-    c: np.void,
-    u_i: np.ndarray,
-    q: np.ndarray,
-    qd: np.ndarray,
-    A: np.ndarray,
-    Ad: np.ndarray,
-    Add: np.ndarray,
+    c: np.void, u_i: np.ndarray, q: np.ndarray, qd: np.ndarray, rotations: np.ndarray
 ) -> float:
     """Minus the remainder of d²(u_i · d)/dt²."""
-    i = c["body_i"]
+    A, Ad, Add, i = rotations[0], rotations[1], rotations[2], c["body_i"]
     remainder = dot(rotate(Add, i, u_i), between(c, q, A)) + dot(rotate(A, i, u_i), between_remainder(c, Add))
     return -remainder - 2.0 * dot(rotate(Ad, i, u_i), between_rate(c, qd, Ad))
 
@@ -157,12 +150,10 @@ def p1_jacobian(c: np.void, row: int, q: np.ndarray, A: np.ndarray, phi_q: np.nd
 
 
 @kernel
-def p1_acceleration(
-    c: np.void, row: int, A: np.ndarray, Ad: np.ndarray, Add: np.ndarray, gamma: np.ndarray
-) -> None:
+def p1_acceleration(c: np.void, row: int, rotations: np.ndarray, gamma: np.ndarray) -> None:
     """Right-hand side of (4.25), resolved in the axes of body i."""
-    gamma[row] = n1_acceleration(c, c["a_i"], c["s_j"], A, Ad, Add)
-    gamma[row + 1] = n1_acceleration(c, c["b_i"], c["s_j"], A, Ad, Add)
+    gamma[row] = n1_acceleration(c, c["a_i"], c["s_j"], rotations)
+    gamma[row + 1] = n1_acceleration(c, c["b_i"], c["s_j"], rotations)
 
 
 @kernel
@@ -181,15 +172,8 @@ def p2_jacobian(c: np.void, row: int, q: np.ndarray, A: np.ndarray, phi_q: np.nd
 
 @kernel
 def p2_acceleration(
-    c: np.void,
-    row: int,
-    q: np.ndarray,
-    qd: np.ndarray,
-    A: np.ndarray,
-    Ad: np.ndarray,
-    Add: np.ndarray,
-    gamma: np.ndarray,
+    c: np.void, row: int, q: np.ndarray, qd: np.ndarray, rotations: np.ndarray, gamma: np.ndarray
 ) -> None:
     """Right-hand side of (4.31), resolved in the axes of body i."""
-    gamma[row] = n2_acceleration(c, c["a_i"], q, qd, A, Ad, Add)
-    gamma[row + 1] = n2_acceleration(c, c["b_i"], q, qd, A, Ad, Add)
+    gamma[row] = n2_acceleration(c, c["a_i"], q, qd, rotations)
+    gamma[row + 1] = n2_acceleration(c, c["b_i"], q, qd, rotations)

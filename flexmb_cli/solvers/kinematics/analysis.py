@@ -7,8 +7,8 @@ import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...kernels.kinematics import continuation
-from ...kernels.kinematics.continuation_clock import BUDGET, CLOCK_SIZE, TIME
-from ...kernels.kinematics.sparse_newton import SparseWork, make_sparse_work
+from ...kernels.kinematics.continuation import BUDGET, CLOCK_SIZE, TIME
+from ...kernels.kinematics.newton import SparseWork, make_sparse_work
 from ...model.arrays.kinematic import KinematicArrays, kinematic_arrays
 from ...model.mechanism import Mechanism
 from ..assembly import NEARER, Sized, is_closed

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...errors import AnalysisError
 from ...kernels.kinematics import constraints as equations
-from ...kernels.kinematics.continuation_clock import BUDGET, NEXT_LENGTH, SIGN, SPENT, TIME
+from ...kernels.kinematics.continuation import BUDGET, NEXT_LENGTH, SIGN, SPENT, TIME
 from ...model.equations import Equation
 from ..kinematics.assembly import nearest_position
 from ..kinematics.position import Evaluator

@@ -33,15 +33,7 @@ def jacobian(c: np.void, q: np.ndarray, A: np.ndarray, phi_q: np.ndarray) -> Non
 
 
 @kernel
-def acceleration(
-    c: np.void,
-    q: np.ndarray,
-    qd: np.ndarray,
-    A: np.ndarray,
-    Ad: np.ndarray,
-    Add: np.ndarray,
-    gamma: np.ndarray,
-) -> None:
+def acceleration(c: np.void, q: np.ndarray, qd: np.ndarray, rotations: np.ndarray, gamma: np.ndarray) -> None:
     """Fill gamma[row:row+4]."""
-    p1_acceleration(c, c["first_row"], A, Ad, Add, gamma)
-    p2_acceleration(c, c["first_row"] + 2, q, qd, A, Ad, Add, gamma)
+    p1_acceleration(c, c["first_row"], rotations, gamma)
+    p2_acceleration(c, c["first_row"] + 2, q, qd, rotations, gamma)

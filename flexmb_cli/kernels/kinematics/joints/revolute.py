@@ -33,15 +33,7 @@ def jacobian(c: np.void, q: np.ndarray, A: np.ndarray, phi_q: np.ndarray) -> Non
 
 
 @kernel
-def acceleration(
-    c: np.void,
-    q: np.ndarray,
-    qd: np.ndarray,
-    A: np.ndarray,
-    Ad: np.ndarray,
-    Add: np.ndarray,
-    gamma: np.ndarray,
-) -> None:
+def acceleration(c: np.void, q: np.ndarray, qd: np.ndarray, rotations: np.ndarray, gamma: np.ndarray) -> None:
     """Fill gamma[row:row+5]."""
-    coincident_acceleration(c, Add, gamma)
-    p1_acceleration(c, c["first_row"] + 3, A, Ad, Add, gamma)
+    coincident_acceleration(c, rotations, gamma)
+    p1_acceleration(c, c["first_row"] + 3, rotations, gamma)

@@ -21,14 +21,6 @@ def jacobian(c: np.void, q: np.ndarray, A: np.ndarray, phi_q: np.ndarray) -> Non
 
 
 @kernel
-def acceleration(
-    c: np.void,
-    q: np.ndarray,
-    qd: np.ndarray,
-    A: np.ndarray,
-    Ad: np.ndarray,
-    Add: np.ndarray,
-    gamma: np.ndarray,
-) -> None:
+def acceleration(c: np.void, q: np.ndarray, qd: np.ndarray, rotations: np.ndarray, gamma: np.ndarray) -> None:
     """Fill gamma[row:row+3], m/s²."""
-    coincident_acceleration(c, Add, gamma)
+    coincident_acceleration(c, rotations, gamma)

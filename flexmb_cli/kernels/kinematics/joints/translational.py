@@ -27,15 +27,7 @@ def jacobian(c: np.void, q: np.ndarray, A: np.ndarray, phi_q: np.ndarray) -> Non
 
 
 @kernel
-def acceleration(
-    c: np.void,
-    q: np.ndarray,
-    qd: np.ndarray,
-    A: np.ndarray,
-    Ad: np.ndarray,
-    Add: np.ndarray,
-    gamma: np.ndarray,
-) -> None:
+def acceleration(c: np.void, q: np.ndarray, qd: np.ndarray, rotations: np.ndarray, gamma: np.ndarray) -> None:
     """Fill gamma[row:row+5]."""
-    cylindrical.acceleration(c, q, qd, A, Ad, Add, gamma)
-    gamma[c["first_row"] + 4] = n1_acceleration(c, c["h_i"], c["h_j"], A, Ad, Add)
+    cylindrical.acceleration(c, q, qd, rotations, gamma)
+    gamma[c["first_row"] + 4] = n1_acceleration(c, c["h_i"], c["h_j"], rotations)

@@ -33,15 +33,7 @@ def jacobian(c: np.void, q: np.ndarray, A: np.ndarray, phi_q: np.ndarray) -> Non
 
 
 @kernel
-def acceleration(
-    c: np.void,
-    q: np.ndarray,
-    qd: np.ndarray,
-    A: np.ndarray,
-    Ad: np.ndarray,
-    Add: np.ndarray,
-    gamma: np.ndarray,
-) -> None:
+def acceleration(c: np.void, q: np.ndarray, qd: np.ndarray, rotations: np.ndarray, gamma: np.ndarray) -> None:
     """Fill gamma[row:row+4]."""
-    coincident_acceleration(c, Add, gamma)
-    gamma[c["first_row"] + 3] = n1_acceleration(c, c["s_i"], c["s_j"], A, Ad, Add)
+    coincident_acceleration(c, rotations, gamma)
+    gamma[c["first_row"] + 3] = n1_acceleration(c, c["s_i"], c["s_j"], rotations)
