@@ -89,16 +89,7 @@ def _flexible_body(given: VsdfBody, content: FlexibleInput, cached: bool) -> tup
     r = np.array(given.r) + given.A @ found.origin
     p = euler_parameters(given.A @ found.axes)
     body = FloatingBody(
-        given.name,
-        r,
-        p,
-        *motion,
-        found.m,
-        found.s0,
-        found.J0,
-        found,
-        given.stiffened,
-        **places,
+        given.name, r, p, *motion, found.m, found.s0, found.J0, found, given.stiffened, **places
     )
     return body, warnings
 

@@ -84,12 +84,7 @@ def _check_reference_nodes(given: FlexibleInput, findings: Findings) -> None:
 
 
 def _body(
-    given: Any,
-    matrices: Any,
-    frame: Frame,
-    basis: Basis,
-    figures: Figures,
-    findings: Findings,
+    given: Any, matrices: Any, frame: Frame, basis: Basis, figures: Figures, findings: Findings
 ) -> FlexibleBody:
     Phi, omega = basis.shapes, np.sqrt(np.maximum(basis.values, 0.0))
     invariants: dict[str, Any] = inertia_invariants(frame.r0, Phi, matrices.scalar)

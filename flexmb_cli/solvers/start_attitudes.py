@@ -8,7 +8,7 @@ rotation from one triad to the other, 0 in one attitude only, replaces the equat
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -19,11 +19,8 @@ from ..model.flexible_mechanism import FlexibleMechanism, NodePoint
 from ..model.mechanism import GROUND
 from ..model.time_functions import ROTATIONS
 from ..model.vectors import euler_parameters, rotation_matrix
-from .constrained.system import is_large
+from .constrained.system import PositionGaps, is_large
 from .projection import Corrections, Instant, project, shortened
-
-if TYPE_CHECKING:
-    from .constrained.system import PositionGaps
 
 TURNED = math.pi / 4  # an attitude that starts closer is found by the equations themselves
 WRONG = math.pi / 2  # half-way to the other solution
@@ -83,7 +80,7 @@ def triad(points: tuple[NodePoint, ...]) -> np.ndarray:
 class AttitudeGaps:
     """The `Equations` of `projection`, with rotation vectors in place of the equations of directions."""
 
-    def __init__(self, gaps: "PositionGaps", attitudes: Sequence[StartAttitude]):
+    def __init__(self, gaps: PositionGaps, attitudes: Sequence[StartAttitude]):
         self.gaps, self.attitudes, self.moved = gaps, attitudes, gaps.moved
         ends = [gaps.arrays.groups[k] for item in attitudes for k in item.groups]
         rows = [row for group in ends for row in range(group["first_row"], group["end_row"])]
@@ -119,7 +116,7 @@ def rotation_between(q: np.ndarray, item: StartAttitude) -> np.ndarray:
     return found
 
 
-def turned_right(gaps: "PositionGaps", attitudes: Sequence[StartAttitude], t: float) -> np.ndarray:
+def turned_right(gaps: PositionGaps, attitudes: Sequence[StartAttitude], t: float) -> np.ndarray:
     """Return the deck's coordinates with bodies turned so that the triads of `attitudes` roughly agree."""
     arrays = gaps.arrays
     q: np.ndarray = arrays.q

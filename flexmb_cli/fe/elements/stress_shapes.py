@@ -82,12 +82,7 @@ def body_stress(
 
 
 def _at_best_points(
-    given: Any,
-    positions: np.ndarray,
-    table: BodyTable,
-    nearest: BodyElements,
-    K: Matrix,
-    findings: Findings,
+    given: Any, positions: np.ndarray, table: BodyTable, nearest: BodyElements, K: Matrix, findings: Findings
 ) -> BodyElements:
     """Return elements at their points of reduced integration, for a stiffness of an unknown formulation.
 
@@ -204,13 +199,7 @@ def _output(selection: StressSelection, body: FlexibleBody | None) -> StressOutp
     elements = numbers[chosen]
     points, volumes = point_stresses(body, chosen)
     return StressOutput(
-        selection.body,
-        nodes,
-        body.stress.nodal[rows],
-        elements,
-        points,
-        volumes,
-        selection.largest,
+        selection.body, nodes, body.stress.nodal[rows], elements, points, volumes, selection.largest
     )
 
 

@@ -137,12 +137,7 @@ def _split(section: list[str], read: Callable[..., Any], wanted: int) -> np.ndar
 
 
 def _cut(
-    name: str,
-    section: list[str],
-    numbers: Sequence[int],
-    width: int,
-    read: Callable[..., Any],
-    wanted: int,
+    name: str, section: list[str], numbers: Sequence[int], width: int, read: Callable[..., Any], wanted: int
 ) -> np.ndarray:
     """The numbers in fields of `width` columns."""
     cells = [

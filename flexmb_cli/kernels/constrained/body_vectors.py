@@ -138,12 +138,7 @@ def _fill_relative_vectors(geometry: Geometry, layer: int, origins: np.ndarray, 
 
 @kernel
 def add_vector_row(
-    geometry: Geometry,
-    p: int,
-    w: tuple[float, float, float],
-    factor: float,
-    of_point: bool,
-    row: np.ndarray,
+    geometry: Geometry, p: int, w: tuple[float, float, float], factor: float, of_point: bool, row: np.ndarray
 ) -> None:
     """Add to row (n,) the derivative of factor w · x by the speeds; x: the body vector p, or the point at its
     end.

@@ -114,12 +114,7 @@ def _open_gaps(system: System, work: Work, q: np.ndarray) -> None:
 
 @allocating
 def _is_determined(
-    system: System,
-    rtol: float,
-    smooth: np.ndarray,
-    speeds: np.ndarray,
-    rates: np.ndarray,
-    forces: np.ndarray,
+    system: System, rtol: float, smooth: np.ndarray, speeds: np.ndarray, rates: np.ndarray, forces: np.ndarray
 ):
     """Return whether accelerations (2, n) and multipliers (2, m) are the equations', not round-off's.
 

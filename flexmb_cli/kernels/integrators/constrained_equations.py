@@ -68,13 +68,7 @@ def evaluate(
 
 
 @kernel
-def slope(
-    integration: "Integration | RadauIntegration",
-    stage: int,
-    t: float,
-    system: System,
-    work: Work,
-):
+def slope(integration: "Integration | RadauIntegration", stage: int, t: float, system: System, work: Work):
     """Fill the slope at `trial`; return whether there is one."""
     out = integration.slopes[stage]
     ud = coordinates_and_speeds(system, out)[1]
@@ -84,11 +78,7 @@ def slope(
 
 @kernel
 def projected_slope(
-    integration: "Integration | RadauIntegration",
-    stage: int,
-    t: float,
-    system: System,
-    work: Work,
+    integration: "Integration | RadauIntegration", stage: int, t: float, system: System, work: Work
 ):
     """Bring `trial` onto the constraints and fill its slope; return by how many tolerances that moved it."""
     out = integration.slopes[stage]

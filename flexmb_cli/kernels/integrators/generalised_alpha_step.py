@@ -35,17 +35,7 @@ from ..constrained.angle_unwrapping import EXPECTED, expect_angles
 from ..constrained.projection import fill_residual, rate_gap
 from ..constrained.report import TRIED, coordinates_and_speeds, fill_load_powers
 from ..constrained.speeds import move
-from ..constrained.system import (
-    CORRECTION,
-    GAMMA,
-    NO_INERTIA,
-    PHI,
-    PRODUCT,
-    SOLVED,
-    UNKNOWN,
-    System,
-    Work,
-)
+from ..constrained.system import CORRECTION, GAMMA, NO_INERTIA, PHI, PRODUCT, SOLVED, UNKNOWN, System, Work
 from ..constrained.tangent import tangent_times
 from ..linalg.cholesky import cholesky
 from ..linalg.copying import copy

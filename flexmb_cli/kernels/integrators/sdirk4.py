@@ -171,12 +171,7 @@ def _close_loops(
 
 @kernel
 def _fill_row(
-    s: Implicit,
-    t: float,
-    report: TreeReport,
-    tree: "TreeArrays",
-    work: np.ndarray,
-    coordinates: np.ndarray,
+    s: Implicit, t: float, report: TreeReport, tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray
 ):
     """Fill a report row at a time up to the present one; a code."""
     clock = s.clock[0]

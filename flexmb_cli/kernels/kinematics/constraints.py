@@ -28,12 +28,7 @@ SIMPLIFIED, DISTANCE, DRIVER, NORMALISATION = 7, 8, 9, 10
 
 @kernel
 def residual(
-    constraints: np.ndarray,
-    q: np.ndarray,
-    t: float,
-    expected: np.ndarray,
-    A: np.ndarray,
-    phi: np.ndarray,
+    constraints: np.ndarray, q: np.ndarray, t: float, expected: np.ndarray, A: np.ndarray, phi: np.ndarray
 ) -> None:
     """Fill phi (equations,).  expected (screws,): the angles expected, rad; A: matrices at q."""
     for k in range(constraints.size):
@@ -104,12 +99,7 @@ def velocity(constraints: np.ndarray, t: float, nu: np.ndarray) -> None:
 
 @kernel
 def acceleration(
-    constraints: np.ndarray,
-    q: np.ndarray,
-    qd: np.ndarray,
-    t: float,
-    rotations: np.ndarray,
-    gamma: np.ndarray,
+    constraints: np.ndarray, q: np.ndarray, qd: np.ndarray, t: float, rotations: np.ndarray, gamma: np.ndarray
 ) -> None:
     """Fill gamma, the right-hand side of Φ_q q̈ = γ.
 

@@ -306,7 +306,7 @@ def follow(
     Returns the number of rows reached: fewer than asked for when the way is barred, or when
     clock[BUDGET] is used up and a further call continues.
     """
-    work = make_work(state.shape[1])
+    work = make_work(state.shape[1], state.shape[1])
     new = np.empty((3, state.shape[1]))
     expected = np.empty(motion.shape[0])
     return _fill_rows(system, work, state, motion, clock, times, out, audit, new, expected)

@@ -65,15 +65,15 @@ PHI, RIGHT_SIDE, SCALED, UNKNOWN, CORRECTION, REST = 0, 1, 2, 3, 4, 5
 
 
 @plain_allocating
-def make_work(coordinates: int) -> Work:
-    """Work for a system of as many equations as coordinates."""
+def make_work(coordinates: int, factors: int) -> Work:
+    """Work for a system of as many equations as coordinates, with room for as many rows of factors, or 0."""
     return Work(
         np.zeros((3, coordinates // 7, 3, 3)),
         np.zeros((6, coordinates)),
         np.zeros((coordinates, 14)),
-        np.zeros((coordinates, coordinates)),
-        np.zeros(coordinates, np.int64),
-        np.zeros((coordinates, coordinates + 1), np.int64),
+        np.zeros((factors, factors)),
+        np.zeros(factors, np.int64),
+        np.zeros((factors, factors + 1), np.int64),
     )
 
 

@@ -28,13 +28,7 @@ from ..singular.mobility import Mobility
 from ..singular.overconstrained_loops import choose_far_apart, gap_note, independence
 from .breakpoints import breakpoints, jumps_of_accelerations, warn_of_fine_tables
 from .elements_at_start import notes_of_pressed_stops, refuse_coinciding_ends
-from .failures import (
-    force_failure,
-    note_undetermined_rows,
-    repetition,
-    rows_with_forces,
-    step_failure,
-)
+from .failures import force_failure, note_undetermined_rows, repetition, rows_with_forces, step_failure
 from .first_position import assemble
 from .integrators import Steps
 from .start import order_of_elimination, start_speeds

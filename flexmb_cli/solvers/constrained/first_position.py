@@ -5,7 +5,6 @@ It is found by rigid motion, by deformation of flexible bodies if it must.
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,16 +23,12 @@ from ..singular.mobility import about, worst_gaps
 from ..singular.overconstrained_loops import NearlyClosed, gap_error, nearly_closed
 from .system import PositionGaps
 
-if TYPE_CHECKING:
-    from .system import PositionGaps
-
-
 OTHER_ASSEMBLY = 0.5  # of the size, or rad: a body moved more is in another one
 SHORTEST = Corrections(met=1e-14, most=60, dependent=DEPENDENT)
 
 
 def assemble(
-    gaps: "PositionGaps", t: float, tolerance: float, start: np.ndarray, *, estimates: bool = False
+    gaps: PositionGaps, t: float, tolerance: float, start: np.ndarray, *, estimates: bool = False
 ) -> tuple[np.ndarray, NearlyClosed | None]:
     """Return coordinates (n + b,) near those of `start` that meet the equations; raises AnalysisError.
 

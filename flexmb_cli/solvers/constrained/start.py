@@ -14,6 +14,7 @@ from ...kernels.constrained.accelerations import choose_order, evaluate_jacobian
 from ...kernels.constrained.mass_matrix import mass_matrices, mass_times
 from ...kernels.constrained.projection import fill_nu, project_position
 from ...kernels.constrained.system import GAMMA, NO_INERTIA
+from ...model.arrays.system import SystemArrays
 from ...model.by_size import by_size
 from ...model.equations import DEPENDENT, Equation
 from ...model.joint_elements import JointRate
@@ -29,7 +30,6 @@ from .rows import body_axes, global_axes
 from .system import dense_jacobian, sparse_jacobian
 
 if TYPE_CHECKING:
-    from ...model.arrays.system import SystemArrays
     from .analysis import ConstrainedMotion
 
 
@@ -140,7 +140,7 @@ def _mass_matrix(analysis: Any, q: np.ndarray) -> tuple[np.ndarray, tuple[np.nda
     return np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
 
 
-def _places_in_bodies(arrays: "SystemArrays") -> tuple[np.ndarray, np.ndarray]:
+def _places_in_bodies(arrays: SystemArrays) -> tuple[np.ndarray, np.ndarray]:
     """Return the body of each speed (n,), and the place of the speed among those of its body."""
     owners, own = np.repeat(np.arange(arrays.bodies), 6), np.tile(np.arange(6), arrays.bodies)
     modes = [(record["body"], record["modes"]) for record in arrays.flexible]

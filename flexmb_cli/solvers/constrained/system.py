@@ -21,23 +21,8 @@ if TYPE_CHECKING:
 
 def constrained_system(arrays: SystemArrays) -> System:
     """The kernels' view of a dynamic model."""
-    return System(
-        arrays.constraints,
-        arrays.bodies_of,
-        arrays.row_scale,
-        arrays.speed_scale,
-        arrays.masses,
-        arrays.flexible,
-        arrays.modal,
-        arrays.body_vectors,
-        arrays.shapes,
-        arrays.primitives,
-        arrays.loads,
-        arrays.functions,
-        arrays.knots,
-        arrays.gravity,
-        arrays.groups,
-    )
+    same = (getattr(arrays, name) for name in System._fields[2:])
+    return System(arrays.constraints, arrays.bodies_of, *same)
 
 
 def new_work(arrays: SystemArrays) -> Work:

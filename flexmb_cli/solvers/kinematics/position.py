@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...kernels.kinematics import constraints as equations
-from ...kernels.kinematics.newton import COLUMN, RANK, System, Work, evaluate_position
+from ...kernels.kinematics.newton import COLUMN, RANK, System, Work, evaluate_position, make_work
 from ...kernels.linalg.rotation import A
 from ...model.arrays.kinematic import KinematicArrays
 from ...model.joints import DRIVER, SIMPLIFIED
@@ -21,16 +21,17 @@ if TYPE_CHECKING:
 DENSE_LIMIT = 700  # equations; above, matrices are sparse
 
 
-def light_work(coordinates: int) -> Work:
-    """Work of the kernels without room for dense factors."""
-    return Work(
-        np.zeros((3, coordinates // 7, 3, 3)),
-        np.zeros((6, coordinates)),
-        np.zeros((coordinates, 14)),
-        np.zeros((0, 0)),
-        np.zeros(0, dtype=np.int64),
-        np.zeros((0, 1), dtype=np.int64),
-    )
+def matrix_of(columns: np.ndarray, values: np.ndarray, count: int, *, sparse: bool) -> Any:
+    """Return the matrix (rows, count) with `values` at `columns` of each row, those at one place added up."""
+    rows = np.broadcast_to(np.arange(len(columns))[:, None], columns.shape)
+    if sparse:
+        from scipy.sparse import coo_matrix
+
+        places = rows.ravel(), columns.ravel()
+        return coo_matrix((values.ravel(), places), (len(columns), count)).tocsr()
+    matrix = np.zeros((len(columns), count))
+    np.add.at(matrix, (rows, columns), values)
+    return matrix
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class Evaluator:
     @classmethod
     def of(cls, arrays: KinematicArrays, system: System) -> "Evaluator":
         """An evaluator with its own work arrays."""
-        return cls(arrays, system, light_work(arrays.q.size))
+        return cls(arrays, system, make_work(arrays.q.size, 0))
 
     def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
         """Scaled residual (equations,) at q; expected (screws,) are the angles expected."""
@@ -60,30 +61,23 @@ class Evaluator:
         equations.jacobian(self.system.constraints, q, self.work.rotations[A], self.work.phi_q)
         return self.work.phi_q[: self.arrays.row_scale.size]
 
-    def entries(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Rows, columns and scaled values of the Jacobian's entries, halves of one body added up."""
+    def entries(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Columns and scaled values (equations, 14) of the Jacobian's entries: halves of one body add up."""
         rows = self.rows(q)
         bodies = self.arrays.bodies_of
         place = np.arange(7)
         columns = np.concatenate([7 * bodies[:, :1] + place, 7 * bodies[:, 1:] + place], axis=1)
         values = rows * self.arrays.column_scale[columns] / self.arrays.row_scale[:, None]
-        row_numbers = np.broadcast_to(np.arange(len(rows))[:, None], columns.shape)
-        return row_numbers, columns, values
+        return columns, values
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
         """Scaled Jacobian (equations, coordinates), dense, at the q of the last `residual`."""
-        rows, columns, values = self.entries(q)
-        matrix = np.zeros((len(rows), q.size))
-        np.add.at(matrix, (rows, columns), values)
-        return matrix
+        found: np.ndarray = matrix_of(*self.entries(q), q.size, sparse=False)
+        return found
 
     def sparse_matrix(self, q: np.ndarray) -> Any:
         """The same as a scipy CSR matrix."""
-        from scipy.sparse import coo_matrix
-
-        rows, columns, values = self.entries(q)
-        shape = (len(rows), q.size)
-        return coo_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape).tocsr()
+        return matrix_of(*self.entries(q), q.size, sparse=True)
 
     def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
         """Return the coordinates after a scaled step (coordinates,)."""
@@ -114,15 +108,10 @@ class Poses:
             halves += [own[:, :3] * arrays.length, 0.5 * np.einsum("kcm,mc->mk", L, own[:, 3:])]
         values = np.concatenate(halves, axis=1) / arrays.row_scale[:, None]
         columns = (6 * arrays.bodies_of[:, :, None] + np.arange(6)).reshape(len(rows), 12)
-        numbers = np.broadcast_to(np.arange(len(rows))[:, None], columns.shape)
-        shape = len(rows), 6 * (q.size // 7)
-        if self.evaluator.is_large:
-            from scipy.sparse import coo_matrix
-
-            return coo_matrix((values.ravel(), (numbers.ravel(), columns.ravel())), shape).tocsr()
-        matrix = np.zeros(shape)
-        np.add.at(matrix, (numbers, columns), values)
-        return matrix
+        found: np.ndarray | csr_matrix = matrix_of(
+            columns, values, 6 * (q.size // 7), sparse=self.evaluator.is_large
+        )
+        return found
 
     def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
         """Return the coordinates after a scaled step (6 bodies,)."""

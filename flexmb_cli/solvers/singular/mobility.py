@@ -122,10 +122,7 @@ def mobility(evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray
 
 
 def dense_mobility(
-    J: np.ndarray,
-    equations: tuple[Equation, ...],
-    name: Callable[[int], str],
-    dependent: float = DEPENDENT,
+    J: np.ndarray, equations: tuple[Equation, ...], name: Callable[[int], str], dependent: float = DEPENDENT
 ) -> Mobility:
     """Return the mobility of a scaled Jacobian (m, n) by its singular values.
 

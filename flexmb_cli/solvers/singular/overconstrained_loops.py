@@ -6,7 +6,6 @@ position and the motion; along what the small singular values stand for nothing 
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,13 +15,9 @@ from ...kernels.constrained.system import Work
 from ...model.by_size import first_of_largest
 from ...model.equations import DEPENDENT
 from ..assembly import LOOSEST, TO_GAP, Sized, nearest_of
-from ..constrained.system import dense_jacobian, is_large
+from ..constrained.system import PositionGaps, dense_jacobian, is_large
 from ..projection import RESIDUAL_MET, Corrections, Instant, Position, largest, project, shortened
 from .mobility import PROBE, Gap, about, gap_norms, worst_gaps
-
-if TYPE_CHECKING:
-    from ..constrained.system import PositionGaps
-
 
 SETTLING = 4  # corrections of that limit by the gap that it leaves
 MOVES = 0.3  # part of a trial motion that remains where the mechanism is free to move
@@ -43,7 +38,7 @@ class NearlyClosed:
 
 
 def nearly_closed(
-    gaps: "PositionGaps", instant: Instant, sized: Sized, q: np.ndarray, columns: np.ndarray, *, near: bool
+    gaps: PositionGaps, instant: Instant, sized: Sized, q: np.ndarray, columns: np.ndarray, *, near: bool
 ) -> NearlyClosed | None:
     """Return the position nearest to q at which overconstrained loops nearly close, None where none does.
 
@@ -59,7 +54,7 @@ def nearly_closed(
 
 
 def _nearly_closed(
-    gaps: "PositionGaps", instant: Instant, sized: Sized, q: np.ndarray, columns: np.ndarray, near: bool
+    gaps: PositionGaps, instant: Instant, sized: Sized, q: np.ndarray, columns: np.ndarray, near: bool
 ) -> NearlyClosed | None:
     sized.met = LOOSEST / 3.0
 
@@ -79,7 +74,7 @@ def _nearly_closed(
 
 
 def _is_overconstrained(
-    gaps: "PositionGaps", finish: Callable[..., Position], found: Position, dependent: float
+    gaps: PositionGaps, finish: Callable[..., Position], found: Position, dependent: float
 ) -> bool:
     """Return whether equations repeat others, and the mechanism moves along all that the others leave free.
 
@@ -122,7 +117,7 @@ def independence(work: Work) -> float:
     return float(np.linalg.svd(kept, compute_uv=False)[-1])
 
 
-def gap_note(gaps: "PositionGaps", found: NearlyClosed, tolerance: float) -> Fault:
+def gap_note(gaps: PositionGaps, found: NearlyClosed, tolerance: float) -> Fault:
     """Return the note on a loop that closes within the tolerance only."""
     worst = worst_gaps(gaps, found.gap)
     message = (
@@ -132,7 +127,7 @@ def gap_note(gaps: "PositionGaps", found: NearlyClosed, tolerance: float) -> Fau
     return about("note", message, worst[0].equation, id="SOLVE-080")
 
 
-def gap_error(gaps: "PositionGaps", found: NearlyClosed, t: float, tolerance: float) -> AnalysisError:
+def gap_error(gaps: PositionGaps, found: NearlyClosed, t: float, tolerance: float) -> AnalysisError:
     """Return the refusal of a loop that closes less well than the tolerance."""
     worst = worst_gaps(gaps, found.gap)
     message = (
