@@ -19,7 +19,7 @@ from ..kinematics import constraints as equations
 from ..laws import DAMPING, EFFORT, NORMAL, POWER
 from ..linalg.cholesky import cholesky, cholesky_solve, cholesky_solve_rows
 from ..linalg.copying import copy
-from ..linalg.local_order import choose_local
+from ..linalg.local_order import choose_by_rows
 from ..linalg.pivot_order import choose
 from ..linalg.rank_revealing_lu import WORN, dependent_speeds, factorise, free_motions, row_times
 from ..linalg.rotation import RATE, REMAINDER, A, rotation_matrices, rotation_rates
@@ -82,18 +82,13 @@ def choose_order(work: Work, most: int) -> int:
 @allocating
 def _choose(work: Work, most: int) -> int:
     """Fill the order by the Jacobian at hand; returns the rank, at most `most`."""
-    m, c = work.jacobian.shape
-    counts, columns, values = np.empty(m, np.int64), np.empty((m, c), np.int64), np.empty((m, c))
-    many = work.mass.shape[0] > DENSE_START
-    for i in range(m):
-        counts[i] = 0
+    if work.mass.shape[0] > DENSE_START:
+        return choose_by_rows(work.jacobian, work.columns, work.order, most)
+    J = np.zeros((work.jacobian.shape[0], work.motions.shape[0]))
+    for i in range(J.shape[0]):
         for p in range(work.columns[i, 0]):
-            if many or work.jacobian[i, p] != 0.0:
-                columns[i, counts[i]], values[i, counts[i]] = work.columns[i, 1 + p], work.jacobian[i, p]
-                counts[i] += 1
-    if many:
-        return choose_local(counts, columns, values, work.order, most)
-    return choose(counts, columns, values, work.order, most)
+            J[i, work.columns[i, 1 + p]] = work.jacobian[i, p]
+    return choose(J, work.order, most)
 
 
 @kernel

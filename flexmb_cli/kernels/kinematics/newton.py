@@ -15,7 +15,7 @@ import numpy as np
 
 from ...memory import paged_zeros
 from .._jit import allocating, kernel, plain, plain_allocating
-from ..linalg.local_order import choose_local
+from ..linalg.local_order import choose_by_rows
 from ..linalg.lu import factorise, substitute
 from ..linalg.rank_revealing_lu import WORN, dependent_speeds, smallest_pivot
 from ..linalg.rank_revealing_lu import factorise as factorise_rows
@@ -342,13 +342,7 @@ def _fill_jacobian(system: System, work: SparseWork) -> None:
 @allocating
 def _choose(work: SparseWork, rank: int) -> int:
     """Choose the order by the Jacobian at hand; returns the rank, at most `rank`."""
-    n, c = work.jacobian.shape
-    counts, columns, values = np.empty(n, np.int64), np.empty((n, c), np.int64), np.empty((n, c))
-    for i in range(n):
-        counts[i] = work.columns[i, 0]
-        for p in range(counts[i]):
-            columns[i, p], values[i, p] = work.columns[i, 1 + p], work.jacobian[i, p]
-    found = choose_local(counts, columns, values, work.order, rank)
+    n, found = work.diagonal.shape[0], choose_by_rows(work.jacobian, work.columns, work.order, rank)
     work.chosen[PARITY] = _sign(work.order[:n]) * _sign(work.order[n:])
     return found
 
