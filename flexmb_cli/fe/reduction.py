@@ -23,8 +23,7 @@ from .linear_algebra import Matrix, all_but, in_three_directions, of_mass, turne
 from .massless_shapes import massless_in_motion, split_by_mass, static_mass
 from .nodal_matrices import NodalMatrix, condensed, nodal_part
 from .precision import frequency_errors
-from .reference_frame import Frame, reference_frame, without_momentum
-from .static_shapes import as_solved, static_shapes
+from .reference_frame import Frame, as_solved, reference_frame, static_shapes, without_momentum
 
 # A relative error of a frequency that is worth a warning.
 DOUBTFUL_FREQUENCY = 1e-3

@@ -18,8 +18,8 @@ from .._jit import allocating, kernel, part
 from ..kinematics import constraints as equations
 from ..laws import DAMPING, EFFORT, NORMAL, POWER
 from ..linalg.cholesky import cholesky, cholesky_solve, cholesky_solve_rows
-from ..linalg.copying import copy
 from ..linalg.local_order import choose_by_rows
+from ..linalg.number_rows import copy
 from ..linalg.pivot_order import choose
 from ..linalg.rank_revealing_lu import WORN, dependent_speeds, factorise, free_motions, row_times
 from ..linalg.rotation import RATE, REMAINDER, A, rotation_matrices, rotation_rates
@@ -251,9 +251,14 @@ def accelerate(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: floa
     work then holds all forces but those of the constraints.
     """
     power = fill_forces(system, work, q, u, t)
+    solve(system, work, work.vectors[FORCES], work.rows[GAMMA], ud)
+    return add_power_of_drivers(system, work, u, ud, power)
+
+
+@part
+def add_power_of_drivers(system: System, work: Work, u: np.ndarray, ud: np.ndarray, power: float) -> float:
+    """Return a power and that of the drivers at accelerations ud (n,): all other constraints do no work."""
     forces, product = work.vectors[FORCES], work.vectors[PRODUCT]
-    solve(system, work, forces, work.rows[GAMMA], ud)
-    # Constraints that do not move do no work: what is left of their power is the drivers'.
     mass_times(system, work, ud, product)
     for k in range(u.shape[0]):
         power += (product[k] - forces[k]) * u[k]

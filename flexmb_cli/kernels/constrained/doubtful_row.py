@@ -10,16 +10,16 @@ of constraints nan.
 import numpy as np
 
 from .._jit import allocating, kernel
-from ..linalg.copying import copy
-from .accelerations import accelerate, choose_order, evaluate_jacobian, solve
+from ..linalg.number_rows import copy
+from .accelerations import accelerate, add_power_of_drivers, choose_order, evaluate_jacobian, solve
 from .body_vectors import geometry_of, move_vectors
 from .forces import add_applied_forces
-from .mass_matrix import inertia_and_elastic_forces, mass_matrices, mass_times
+from .mass_matrix import inertia_and_elastic_forces, mass_matrices
 from .multipliers import fill_multipliers
 from .projection import project_position, project_speeds
 from .report import Report, complete, complete_motion, coordinates_and_speeds
 from .speeds import move, normalise
-from .system import CORRECTION, FORCES, GAMMA, PRODUCT, QD, SOLVED, System, Work
+from .system import CORRECTION, FORCES, GAMMA, QD, SOLVED, System, Work
 
 STATE_ROUND_OFF = 2e-16  # of units: by up to twice that a state is moved to see what depends on it
 GAP_ROUND_OFF = (
@@ -193,11 +193,8 @@ def _fill_without_forces(
 @kernel
 def _power(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: float, ud: np.ndarray):
     """Power of the drivers and of the applied forces that store no energy, for given accelerations."""
-    forces, product = work.vectors[FORCES], work.vectors[PRODUCT]
+    forces = work.vectors[FORCES]
     move_vectors(geometry_of(system, work), u)
     power = inertia_and_elastic_forces(system, work, q, u, forces)
     power += add_applied_forces(system, work, u, t, forces)
-    mass_times(system, work, ud, product)
-    for k in range(u.shape[0]):
-        power += (product[k] - forces[k]) * u[k]
-    return power
+    return add_power_of_drivers(system, work, u, ud, power)

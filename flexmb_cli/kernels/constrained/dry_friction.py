@@ -18,7 +18,7 @@ import numpy as np
 
 from .._jit import allocating, kernel
 from ..laws import NORMAL_PRELOAD
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from ..linalg.rank_revealing_lu import entry_of
 from .body_vectors import VECTOR, vector
 from .elements import ELEMENT, FRICTION

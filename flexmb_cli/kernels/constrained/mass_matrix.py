@@ -12,7 +12,7 @@ whole blocks (6 + N, 6 + N) of the flexible ones in work.modal.
 import numpy as np
 
 from .._jit import kernel, part
-from ..linalg.blocks import block
+from ..linalg.number_rows import block
 from ..linalg.rotation import A
 from . import floating_frame
 from .system import PRODUCT, System, Work

@@ -6,7 +6,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..laws import POWER
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from .accelerations import accelerations
 from .forces import spring_energy
 from .mass_matrix import kinetic_energy, strain_energy, weight_energy

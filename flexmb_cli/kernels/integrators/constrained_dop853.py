@@ -19,7 +19,7 @@ from ..constrained.angle_unwrapping import MOST_TURNED, expect_angles, unwrap_an
 from ..constrained.report import Report, coordinates_and_speeds
 from ..constrained.speeds import speeds_of_rates
 from ..constrained.system import CORRECTION, GAMMA, QD, SOLVED, System, Work
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from ..linalg.rank_revealing_lu import row_times
 from .clock import BEGIN, READY, STEP_VANISHED, leads_over, new_clock
 from .constrained_equations import (
@@ -117,15 +117,9 @@ def new_integration(work: Work, angles: int, works: int = 0):
     counted = 2 * work.motions.shape[0] + work.mass.shape[0]
     n = counted + 1 + works
     return Integration(
-        new_clock(counted),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros((ALL_STAGES, n)),
-        np.zeros((DENSE_TERMS, n)),
-        np.ones(n),
-        np.zeros((3, angles)),
-    )
+        new_clock(counted), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((ALL_STAGES, n)),
+        np.zeros((DENSE_TERMS, n)), np.ones(n), np.zeros((3, angles)),
+    )  # fmt: skip
 
 
 @kernel

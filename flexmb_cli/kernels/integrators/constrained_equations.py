@@ -18,7 +18,7 @@ from ..constrained.projection import largest_gap, project_position, project_spee
 from ..constrained.report import BEHIND, NOW, Report, complete, coordinates_and_speeds, fill_load_powers
 from ..constrained.speeds import coordinate_rates, normalise
 from ..constrained.system import SOLVED, System, Work
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from ..linalg.rank_revealing_lu import smallest_pivot
 from .clock import CONTRADICTION, READY, STEP_VANISHED
 from .error_norm import scaled_norm

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .._jit import allocating, kernel
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from .clock import READY, laid_out, leads_over
 from .dop853_table import (
     ALL_STAGES,

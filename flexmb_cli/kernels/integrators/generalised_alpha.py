@@ -16,7 +16,7 @@ from ..constrained.angle_unwrapping import EXPECTED, unwrap_angles
 from ..constrained.body_vectors import geometry_of, place_vectors
 from ..constrained.report import NOW, TRIED, Report, complete, coordinates_and_speeds
 from ..constrained.system import System, Work
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from ..linalg.rotation import A, rotation_matrices
 from .clock import BEGIN, READY, STEP_VANISHED, new_clock
 from .constrained_equations import (
@@ -101,21 +101,11 @@ def new_integration(work: Any, angles: Any, works: int = 0) -> AlphaIntegration:
     counted = 2 * n + work.mass.shape[0]
     size = counted + 1 + works
     return AlphaIntegration(
-        new_clock(counted),
-        np.zeros(1, MEMORY),
-        np.zeros(size),
-        np.zeros(size),
-        np.zeros(size),
-        np.ones(size),
-        np.zeros((3, angles)),
-        np.zeros((5, n)),
-        np.zeros((3, n)),
-        np.zeros((3, n)),
-        np.zeros((3, n)),
-        np.zeros((3, m)),
-        np.zeros((3, works)),
-        work._replace(reduced=paged_zeros(work.reduced.shape)),
-    )
+        new_clock(counted), np.zeros(1, MEMORY),
+        np.zeros(size), np.zeros(size), np.zeros(size), np.ones(size),
+        np.zeros((3, angles)), np.zeros((5, n)), np.zeros((3, n)), np.zeros((3, n)), np.zeros((3, n)),
+        np.zeros((3, m)), np.zeros((3, works)), work._replace(reduced=paged_zeros(work.reduced.shape)),
+    )  # fmt: skip
 
 
 @kernel

@@ -32,13 +32,13 @@ from ..constrained.accelerations import (
     solve_rows,
 )
 from ..constrained.angle_unwrapping import EXPECTED, expect_angles
+from ..constrained.forces import tangent_times
 from ..constrained.projection import fill_residual, rate_gap
 from ..constrained.report import TRIED, coordinates_and_speeds, fill_load_powers
 from ..constrained.speeds import move
 from ..constrained.system import CORRECTION, GAMMA, NO_INERTIA, PHI, PRODUCT, SOLVED, UNKNOWN, System, Work
-from ..constrained.tangent import tangent_times
 from ..linalg.cholesky import cholesky
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from ..linalg.rank_revealing_lu import smallest_pivot
 from .clock import LOOK, leads_over
 from .constrained_equations import fastest_change, firm_pivot

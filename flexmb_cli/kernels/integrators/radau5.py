@@ -25,7 +25,7 @@ from ..constrained.dry_friction import has_elements
 from ..constrained.report import NOW, TRIED, Report, complete, coordinates_and_speeds, fill_load_powers
 from ..constrained.system import NO_INERTIA, SOLVED, System, Work
 from ..laws import POWER
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from ..linalg.rank_revealing_lu import BRANCHING, smallest_pivot
 from .clock import BEGIN, READY, STEP_VANISHED, laid_out, new_clock
 from .constrained_equations import (

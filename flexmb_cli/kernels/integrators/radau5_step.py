@@ -32,14 +32,14 @@ from ..constrained.accelerations import (
     split,
 )
 from ..constrained.angle_unwrapping import EXPECTED
+from ..constrained.forces import add_stiff
 from ..constrained.mass_matrix import mass_matrices, mass_times
 from ..constrained.projection import close_gaps, close_rates
 from ..constrained.report import TRIED, coordinates_and_speeds, fill_load_powers
 from ..constrained.speeds import coordinate_accelerations, coordinate_rates, normalise, speeds_of_rates
 from ..constrained.system import GAMMA, PRODUCT, SOLVED, UNKNOWN, System, Work
-from ..constrained.tangent import add_stiff
 from ..linalg.cholesky import cholesky, cholesky_solve
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from ..linalg.profile_ldl import factorise_symmetric, solve_symmetric
 from .constrained_equations import works_between
 from .error_norm import CAUTION, displacement_tolerance, scaled_norm, tolerance

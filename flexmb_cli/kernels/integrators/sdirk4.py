@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from ..tree.implicit_matrix import Stiff, stiff_work
 from ..tree.motion import normalise_attitudes
 from ..tree.report import Report as TreeReport

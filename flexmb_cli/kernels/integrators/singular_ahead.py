@@ -15,7 +15,7 @@ from .._jit import allocating, kernel
 from ..constrained.accelerations import evaluate_jacobian, factorise_order
 from ..constrained.speeds import coordinate_rates, normalise
 from ..constrained.system import System, Work
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from .clock import LOOK
 
 MOST_SECANTS = 6

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from ..tree.kane import SOLVED
 from ..tree.motion import derivative, derivative_in_body_axes, normalise_attitudes, turn_speeds
 from ..tree.projection import largest_gap, project

@@ -17,7 +17,7 @@ c² x* K x lie in one half of the plane for every x, so no leading block is sing
 import numpy as np
 
 from .._jit import kernel
-from .row_products import product, subtract_multiple
+from .number_rows import product, subtract_multiple
 
 
 @kernel

@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from .._jit import allocating, kernel
-from .row_products import subtract_multiple
+from .number_rows import subtract_multiple
 from .sparse_rows import ABOVE_PIVOT, BEHIND_BLOCK, BELOW_PIVOT, ROW_END, Factors, eliminate, take_row
 
 SMALLEST_FACTOR = 1e-12

@@ -15,7 +15,7 @@ with diagonal pivots: rows that repeat others leave none and get no force.
 from typing import TYPE_CHECKING
 
 from .._jit import kernel
-from ..linalg.row_products import product
+from ..linalg.number_rows import product
 from ..linalg.vec3 import (
     accumulate,
     centripetal,

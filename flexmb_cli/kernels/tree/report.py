@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from .energy import energies
 from .hinge_forces import set_reactions
 from .motion import parts

@@ -6,9 +6,9 @@ import pytest
 from flexmb_cli.kernels.linalg import lu
 from flexmb_cli.kernels.linalg import rank_revealing_lu as rows
 from flexmb_cli.kernels.linalg.cholesky import cholesky, cholesky_solve, cholesky_solve_rows
+from flexmb_cli.kernels.linalg.number_rows import product, subtract_multiple
 from flexmb_cli.kernels.linalg.pivot_order import choose
 from flexmb_cli.kernels.linalg.profile_ldl import factorise_symmetric, solve_symmetric
-from flexmb_cli.kernels.linalg.row_products import product, subtract_multiple
 from flexmb_cli.kernels.linalg.sparse_rows import Factors
 
 N = 7

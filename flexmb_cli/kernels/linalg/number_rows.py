@@ -1,10 +1,30 @@
-"""Products of long rows of numbers, which come as slices: indices from 0 on need no test for a sign."""
+"""Rows of numbers: copies, parts seen as matrices, and products.
+
+Copies are loops, since assignments of slices compile slowly.  Long rows of products come as slices: indices
+from 0 on need no test for a sign.
+"""
 
 from typing import Any
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import built_in, kernel
+
+
+@kernel
+def copy(a: np.ndarray, b: np.ndarray) -> None:
+    """Copy a (n,) to the first n places of b (k,)."""
+    for i in range(a.shape[0]):
+        b[i] = a[i]
+
+
+@built_in
+def block(flat: np.ndarray, first: int, shape: tuple[int, ...]):
+    """Return the numbers of flat (k,) from `first` on as an array of this shape, a view."""
+    size = 1
+    for length in shape:
+        size *= length
+    return flat[first : first + size].reshape(shape)
 
 
 @kernel
