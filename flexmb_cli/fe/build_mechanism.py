@@ -83,25 +83,22 @@ def _step_warnings(model: VsdfModel, bodies: Iterable[FloatingBody]) -> Iterator
 
 
 def _flexible_body(given: VsdfBody, content: FlexibleInput, cached: bool) -> tuple[FloatingBody, list[Fault]]:
-    motion = np.array(given.velocity), np.array(given.omega)
-    places: dict[str, Any] = {"place": given.place, "velocity_place": given.velocity_place}
     found, warnings = flexible_body(content, cached)
-    r = np.array(given.r) + given.A @ found.origin
-    p = euler_parameters(given.A @ found.axes)
-    body = FloatingBody(
-        given.name, r, p, *motion, found.m, found.s0, found.J0, found, given.stiffened, **places
-    )
-    return body, warnings
+    pose = np.array(given.r) + given.A @ found.origin, euler_parameters(given.A @ found.axes)
+    return _body(given, pose, found.m, found.s0, found.J0, found, given.stiffened), warnings
 
 
 def _rigid_body(given: VsdfBody) -> FloatingBody:
     assert given.rigid is not None, "a body is flexible or rigid"
-    motion = np.array(given.velocity), np.array(given.omega)
-    places: dict[str, Any] = {"place": given.place, "velocity_place": given.velocity_place}
     m, c = given.rigid.mass, np.array(given.rigid.centre)
     about_origin = given.rigid.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))
-    pose = np.array(given.r), np.array(given.p)
-    return FloatingBody(given.name, *pose, *motion, m, m * c, about_origin, **places)
+    return _body(given, (np.array(given.r), np.array(given.p)), m, m * c, about_origin)
+
+
+def _body(given: VsdfBody, pose: tuple[np.ndarray, np.ndarray], *inertia: Any) -> FloatingBody:
+    motion = np.array(given.velocity), np.array(given.omega)
+    places: dict[str, Any] = {"place": given.place, "velocity_place": given.velocity_place}
+    return FloatingBody(given.name, *pose, *motion, *inertia, **places)
 
 
 class _Points:

@@ -55,21 +55,12 @@ def places_of(flat: np.ndarray, f: np.void) -> tuple[np.ndarray, ...]:
 @kernel
 def mass_matrices(system: System, work: Work, q: np.ndarray) -> None:
     """Fill the mass matrices at q, where the rotation matrices belong to q."""
-    masses, matrix = system.masses, work.mass
+    masses = system.masses
     for b in range(masses.shape[0]):
-        if masses[b]["flexible"] >= 0:
-            continue
-        s, block, axes = masses[b]["moment"], matrix[b], work.rotations[A, b]
-        for i in range(3):
-            for j in range(3):
-                block[i, j] = masses[b]["mass"] if i == j else 0.0
-                block[3 + i, 3 + j] = masses[b]["inertia"][i, j]
-            # -A s~, row i
-            block[i, 3] = axes[i, 2] * s[1] - axes[i, 1] * s[2]
-            block[i, 4] = axes[i, 0] * s[2] - axes[i, 2] * s[0]
-            block[i, 5] = axes[i, 1] * s[0] - axes[i, 0] * s[1]
-            for j in range(3, 6):
-                block[j, i] = block[i, j]
+        if masses[b]["flexible"] < 0:
+            axes, m, s, J = work.rotations[A, b], masses[b]["mass"], masses[b]["moment"], masses[b]["inertia"]
+            modes = axes[:, :0]  # none
+            floating_frame.mass_matrix(axes, m, s, modes, J, modes, axes[:0, :0], work.mass[b])
     for k in range(system.flexible.shape[0]):
         _flexible_mass(system, work, system.flexible[k], q)
 
@@ -123,7 +114,8 @@ def inertia_and_elastic_forces(
     for b in range(masses.shape[0]):
         if masses[b]["flexible"] < 0:
             _gyroscopic_forces(masses[b], work.rotations[A, b], u[6 * b : 6 * b + 6], f[6 * b : 6 * b + 6])
-            _add_weight(masses[b], work.rotations[A, b], g, f[6 * b : 6 * b + 6])
+            m, s, axes = masses[b]["mass"], masses[b]["moment"], work.rotations[A, b]
+            floating_frame.add_gravity(axes, m, s, axes[:, :0], g, f[6 * b : 6 * b + 6])
     power = 0.0
     for k in range(system.flexible.shape[0]):
         power += _flexible_forces(system, work, system.flexible[k], q, u, f)
@@ -146,19 +138,6 @@ def _gyroscopic_forces(mass: np.void, axes: np.ndarray, u: np.ndarray, f: np.nda
     f[3] = h1 * w2 - h2 * w1
     f[4] = h2 * w0 - h0 * w2
     f[5] = h0 * w1 - h1 * w0
-
-
-@part
-def _add_weight(mass: np.void, axes: np.ndarray, g: np.ndarray, f: np.ndarray) -> None:
-    s = mass["moment"]
-    b0 = axes[0, 0] * g[0] + axes[1, 0] * g[1] + axes[2, 0] * g[2]
-    b1 = axes[0, 1] * g[0] + axes[1, 1] * g[1] + axes[2, 1] * g[2]
-    b2 = axes[0, 2] * g[0] + axes[1, 2] * g[1] + axes[2, 2] * g[2]
-    for i in range(3):
-        f[i] += mass["mass"] * g[i]
-    f[3] += s[1] * b2 - s[2] * b1
-    f[4] += s[2] * b0 - s[0] * b2
-    f[5] += s[0] * b1 - s[1] * b0
 
 
 @part
