@@ -9,7 +9,6 @@ But the body can move by d and R a at once: the Schur complement of Mff in the b
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
@@ -68,13 +67,7 @@ class MassSplit:
 
 def split_by_mass(S: np.ndarray) -> MassSplit:
     """Part the shapes of S (size, size) into those with and those without mass.  Raises IndefiniteMass."""
-    return _split(np.ascontiguousarray(S, float).tobytes(), len(S))
-
-
-@lru_cache(maxsize=1)
-def _split(numbers: bytes, size: int) -> MassSplit:
-    """As `split_by_mass`: a body's modes and the limit of its effective masses part the same matrix."""
-    values, vectors = np.linalg.eigh(np.frombuffer(numbers).reshape(size, size))
+    values, vectors = np.linalg.eigh(S)
     if values[0] < -MASSLESS_SHAPE * values[-1]:
         raise IndefiniteMass
     heavy = values > MASSLESS_SHAPE * values[-1]

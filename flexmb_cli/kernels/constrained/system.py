@@ -11,7 +11,7 @@ import numpy as np
 
 from ...memory import paged_zeros
 from .._jit import plain
-from ..linalg.sparse_rows import Factors
+from ..linalg.rank_revealing_lu import Factors
 
 
 class System(NamedTuple):

@@ -17,10 +17,9 @@ from ...memory import paged_zeros
 from .._jit import allocating, kernel, plain, plain_allocating
 from ..linalg.local_order import choose_by_rows
 from ..linalg.lu import factorise, substitute
-from ..linalg.rank_revealing_lu import WORN, dependent_speeds, smallest_pivot
+from ..linalg.rank_revealing_lu import WORN, Factors, dependent_speeds, smallest_pivot
 from ..linalg.rank_revealing_lu import factorise as factorise_rows
 from ..linalg.rotation import RATE, REMAINDER, A, rotation_matrices, rotation_rates
-from ..linalg.sparse_rows import Factors
 from . import constraints as equations
 
 CONVERGED, STALLED, SINGULAR = 0, 1, 2

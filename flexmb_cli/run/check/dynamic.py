@@ -77,7 +77,6 @@ class _Gaps:
     """An analysis as `gaps_of` looks at it: the gaps of all its equations."""
 
     def __init__(self, analysis: "ForwardDynamics"):
-        from ...solvers.constrained.system import PositionGaps
 
         self.mechanism = analysis.mechanism
-        self.evaluator = PositionGaps(analysis.arrays, analysis.system, analysis.work)
+        self.evaluator = analysis.gaps

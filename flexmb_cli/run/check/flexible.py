@@ -129,7 +129,7 @@ def _gaps(analysis: "FlexibleDynamics", q: np.ndarray) -> dict[tuple[str, str], 
     """Largest residual of each owner's equations, as {(owner, unit): m or 1}."""
     arrays = analysis.arrays
     gaps: dict[tuple[str, str], float] = {}
-    scaled = analysis.evaluator.residual(q, analysis.grid.start, arrays.angles)
+    scaled = analysis.gaps.residual(q, analysis.grid.start, arrays.angles)
     for equation, value in zip(arrays.equations, np.abs(scaled * arrays.row_scale), strict=True):
         key = equation.owner, equation.unit
         gaps[key] = max(gaps.get(key, 0.0), float(value))

@@ -265,6 +265,11 @@ class ConstrainedMotion(ABC):
         return found
 
     @property
+    def gaps(self) -> PositionGaps:
+        """Residuals and Jacobians of the equations, by the work of the integration."""
+        return PositionGaps(self.arrays, self.system, self.work)
+
+    @property
     def starts_sparse(self) -> bool:
         """Return whether the start takes sparse matrices."""
         return self.dependent == DEPENDENT and starts_sparse(self.arrays)
@@ -277,7 +282,7 @@ class ConstrainedMotion(ABC):
         `tolerance`: scaled gap at which overconstrained loops count as closed; `estimates`: the deck's
         positions are such.
         """
-        gaps = PositionGaps(self.arrays, self.system, self.work)
+        gaps = self.gaps
         gaps.sparse = starts_sparse(self.arrays)
         q, loose = assemble(gaps, t, tolerance, start, estimates=estimates)
         if loose:

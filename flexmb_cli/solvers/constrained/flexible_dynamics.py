@@ -19,7 +19,7 @@ from .first_position import gap_warnings
 from .flexible_rows import FlexibleRows, flexible_rows
 from .rows import global_axes
 from .start import given_speeds, rate_equations
-from .system import PositionGaps, with_driven
+from .system import with_driven
 
 
 class FlexibleDynamics(LinearisableMotion):
@@ -33,15 +33,10 @@ class FlexibleDynamics(LinearisableMotion):
         self.mechanism = mechanism
         self.velocities, self.springs = tuple(_velocities(mechanism)), mechanism.springs
 
-    @property
-    def evaluator(self) -> PositionGaps:
-        """Residuals of the equations."""
-        return PositionGaps(self.arrays, self.system, self.work)
-
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates near the deck's that meet all equations; raises AnalysisError."""
         attitudes = start_attitudes(self.mechanism)
-        start = turned_right(self.evaluator, attitudes, t)
+        start = turned_right(self.gaps, attitudes, t)
         gaps, q = self.first_position(t, self.mechanism.loop_tolerance, start)
         refuse_half_turns(q, attitudes, t)
         self.warnings += turn_warnings(self.arrays.q, attitudes)

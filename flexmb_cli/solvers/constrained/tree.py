@@ -39,7 +39,6 @@ from ..tree.points import rotation_matrices
 from ..tree.rows import TreeMotion, TreeRows, rows_of_tree, unturned
 from .analysis import ConstrainedMotion
 from .rows import global_axes
-from .system import PositionGaps
 from .tree_element_rows import with_elements
 
 
@@ -91,8 +90,7 @@ class AbsoluteTree(ConstrainedMotion):
         """
         rigid = 7 * self.arrays.bodies
         q = np.concatenate([self.arrays.q[:rigid], *(eta for eta, _ in self._elastic)])
-        gaps = PositionGaps(self.arrays, self.system, self.work)
-        if largest(gaps.residual(q, t, self.arrays.angles)) <= RESIDUAL_MET:
+        if largest(self.gaps.residual(q, t, self.arrays.angles)) <= RESIDUAL_MET:
             return q
         return self.first_position(t, self.tree.loop_tolerance, q)[1]
 

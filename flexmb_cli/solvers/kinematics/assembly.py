@@ -38,7 +38,8 @@ def wide_estimates(
     `expected`: angles of screws, rad.  There are none where gaps are wide as a rule, or small: then the
     estimates are rough, or right.  Angles and Euler parameters are left out: attitudes may be far off.
     """
-    return _wide(*_widest_lengths(evaluator, evaluator.residual(q, t, expected)))
+    widest, length = _widest_lengths(evaluator, evaluator.residual(q, t, expected))
+    return _parted(widest, sum(abs(gap.value) > WIDE_ESTIMATE * length for gap in widest), length)
 
 
 def open_estimates(
@@ -48,22 +49,15 @@ def open_estimates(
 
     6.01 typed for 6.10 opens a joint by a hundredth of the size, where three digits leave a thousandth.
     """
+    wide, rest = wide_estimates(evaluator, q, t, expected)
+    if wide:
+        return wide, rest, True
     widest, length = _widest_lengths(evaluator, evaluator.residual(q, t, expected))
-    wide, rest = _wide(widest, length)
-    return (wide, rest, True) if wide else (*_outstanding(widest, length), False)
-
-
-def _wide(widest: list[Gap], length: float) -> tuple[list[Gap], float]:
-    return _parted(widest, sum(abs(gap.value) > WIDE_ESTIMATE * length for gap in widest), length)
-
-
-def _outstanding(widest: list[Gap], length: float) -> tuple[list[Gap], float]:
-    sizes = [abs(gap.value) for gap in widest]
-    count = 0
+    count, sizes = 0, [abs(gap.value) for gap in widest]
     for k, (size, following) in enumerate(pairwise(sizes), start=1):
         if size > max(OPEN_ESTIMATE * length, OPEN_BY_OTHERS * following):
             count = k
-    return _parted(widest, count, length)
+    return *_parted(widest, count, length), False
 
 
 def _parted(widest: list[Gap], count: int, length: float) -> tuple[list[Gap], float]:

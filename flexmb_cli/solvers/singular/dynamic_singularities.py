@@ -85,8 +85,7 @@ def is_singular(analysis: "ConstrainedMotion", q: np.ndarray, start: np.ndarray)
 
 def rank_at(analysis: "ConstrainedMotion", r: np.ndarray, p: np.ndarray) -> int:
     """Return the rank at rigid bodies' origins r (bodies, 3), m, and Euler parameters p (bodies, 4)."""
-    gaps = PositionGaps(analysis.arrays, analysis.system, analysis.work)
-    jacobian = gaps.jacobian(np.hstack([r, p]).ravel())
+    jacobian = analysis.gaps.jacobian(np.hstack([r, p]).ravel())
     if not isinstance(jacobian, np.ndarray):
         return order_of_pivots(jacobian)[1]
     values = np.linalg.svd(jacobian, compute_uv=False)

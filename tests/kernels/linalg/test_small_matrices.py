@@ -9,7 +9,7 @@ from flexmb_cli.kernels.linalg.cholesky import cholesky, cholesky_solve, cholesk
 from flexmb_cli.kernels.linalg.number_rows import product, subtract_multiple
 from flexmb_cli.kernels.linalg.pivot_order import choose
 from flexmb_cli.kernels.linalg.profile_ldl import factorise_symmetric, solve_symmetric
-from flexmb_cli.kernels.linalg.sparse_rows import Factors
+from flexmb_cli.kernels.linalg.rank_revealing_lu import Factors
 
 N = 7
 

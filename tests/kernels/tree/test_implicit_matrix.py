@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.kernels.integrators.clock import new_clock
-from flexmb_cli.kernels.integrators.sdirk4 import implicit_work
-from flexmb_cli.kernels.integrators.sdirk4_step import DIAGONAL, _correct
+from flexmb_cli.kernels.integrators.sdirk4 import DIAGONAL, _correct, implicit_work
 from flexmb_cli.kernels.linalg.profile_ldl import factorise_profile, set_profile_times, substitute_profile
 from flexmb_cli.kernels.tree.implicit_matrix import factorise, renew, set_mass_times, solve_stiff, stiff_work
 from flexmb_cli.model.laws import SPRING
