@@ -37,6 +37,23 @@ SLOW_CONTRACTION = 0.2  # contraction at which b is renewed for the next step
 KEPT = 1.3  # a growth up to this factor is not worth a new matrix
 SAFETY, FASTEST = 0.85, 5.0
 
+STAGES, DIAGONAL = 5, 0.25
+TIMES = np.array([1 / 4, 3 / 4, 11 / 20, 1 / 2, 1.0])
+WEIGHTS = np.array(
+    [
+        [1 / 4, 0.0, 0.0, 0.0, 0.0],
+        [1 / 2, 1 / 4, 0.0, 0.0, 0.0],
+        [17 / 50, -1 / 25, 1 / 4, 0.0, 0.0],
+        [371 / 1360, -137 / 2720, 15 / 544, 1 / 4, 0.0],
+        [25 / 24, -49 / 48, 125 / 16, -85 / 12, 1 / 4],
+    ]
+)
+# Weights of the last stage, which is the step, less those of the embedded method.
+ERROR = np.array([-3 / 16, -27 / 32, 25 / 32, 0.0, 1 / 4])
+
+MOST_ITERATIONS = 8
+LEAST = 1e-3  # contraction that is trusted: a smaller one may be round-off
+
 MEMORY = np.dtype(
     [
         ("matrix_length", np.float64),  # step length of the matrix, s, 0 for none
@@ -97,10 +114,10 @@ def _length(s: Implicit, tree: "TreeArrays", work: np.ndarray, coordinates: np.n
 @kernel
 def _attempt(s: Implicit, h: float, tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray):
     """Find the end of a step of length h; the factor on the next length, or minus that of another try."""
-    clock, z = s.clock[0], s.z
+    clock = s.clock[0]
     if not _solve(s, h, tree, work, coordinates):
         return -0.25
-    error = clock["error"] = step_error(tree, clock, z, h, s)
+    error = clock["error"] = step_error(tree, h, s)
     factor = SAFETY * error**-0.25 if error > 0.0 else FASTEST
     factor = min(FASTEST, max(SLOWEST, factor)) if error < 1e10 else SLOWEST
     return factor if error < 1.0 else -factor
@@ -109,11 +126,11 @@ def _attempt(s: Implicit, h: float, tree: "TreeArrays", work: np.ndarray, coordi
 @kernel
 def _solve(s: Implicit, h: float, tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray) -> bool:
     """Solve the stages of a step of length h, anew with a new matrix where an older one does not serve."""
-    clock, memory = s.clock[0], s.memory[0]
+    memory = s.memory[0]
     for _ in range(2):
-        if not prepare_matrix(tree, work, coordinates, s.z, h, s):
+        if not prepare_matrix(tree, work, coordinates, h, s):
             return False
-        if solve_stages(tree, work, coordinates, clock, s.z, h, s):
+        if solve_stages(tree, work, coordinates, h, s):
             return True
         memory["stale"] = 1
         if memory["fresh"] != 0:
@@ -142,21 +159,16 @@ def _accept(s: Implicit, factor: float, tree: "TreeArrays", work: np.ndarray, co
     if not last and not 1.0 <= factor < KEPT:
         clock["step"] = h * factor
     if tree.closures.shape[0] > 0:
-        _close_loops(tree, work, coordinates, clock, z, h, s)
+        _close_loops(tree, work, coordinates, h, s)
     return READY
 
 
 @kernel
 def _close_loops(
-    tree: "TreeArrays",
-    work: np.ndarray,
-    coordinates: np.ndarray,
-    clock: np.void,
-    z: np.ndarray,
-    h: float,
-    s: Implicit,
+    tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, h: float, s: Implicit
 ) -> None:
     """Close the loops at the end of a step; the step is taken back where that moves it too far."""
+    clock, z = s.clock[0], s.z
     copy(z, s.trial)
     project_stiffly(tree, work, coordinates, z, s.stiff)
     place = strayed(s.trial, z, clock)
@@ -180,7 +192,7 @@ def _fill_row(
     copy(s.z, s.trial)
     if t > clock["step_start"]:
         h = clock["step_length"]
-        between((t - clock["step_start"]) / h, h, s.z, s, s.trial)
+        between((t - clock["step_start"]) / h, h, s, s.trial)
     return observe_trial(s, s.rate, t, report, tree, work, coordinates)
 
 
@@ -204,13 +216,13 @@ def integrate_rows(
 
 
 @kernel
-def between(x: float, h: float, z: np.ndarray, s: Implicit, out: np.ndarray) -> None:
+def between(x: float, h: float, s: Implicit, out: np.ndarray) -> None:
     """State at the fraction x of the last step, which ended at z.
 
     Coordinates by Hermite's quintic through coordinates, speeds and accelerations at both ends, speeds
     as its derivative, the rest by Hermite's cubic.
     """
-    speeds = s.change.shape[0]
+    z, speeds = s.z, s.change.shape[0]
     for i in range(2 * speeds, z.shape[0]):
         out[i] = cubic(x, s.old[i], z[i], h * s.old_slope[i], h * s.before[i])
     for m in range(speeds):
@@ -226,32 +238,12 @@ def between(x: float, h: float, z: np.ndarray, s: Implicit, out: np.ndarray) -> 
         out[m] /= h
 
 
-STAGES, DIAGONAL = 5, 0.25
-TIMES = np.array([1 / 4, 3 / 4, 11 / 20, 1 / 2, 1.0])
-WEIGHTS = np.array(
-    [
-        [1 / 4, 0.0, 0.0, 0.0, 0.0],
-        [1 / 2, 1 / 4, 0.0, 0.0, 0.0],
-        [17 / 50, -1 / 25, 1 / 4, 0.0, 0.0],
-        [371 / 1360, -137 / 2720, 15 / 544, 1 / 4, 0.0],
-        [25 / 24, -49 / 48, 125 / 16, -85 / 12, 1 / 4],
-    ]
-)
-# Weights of the last stage, which is the step, less those of the embedded method.
-ERROR = np.array([-3 / 16, -27 / 32, 25 / 32, 0.0, 1 / 4])
-
-MOST_ITERATIONS = 8
-LEAST = 1e-3  # contraction that is trusted: a smaller one may be round-off
-
-
 @kernel
-def prepare_matrix(
-    tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray, h: float, s: "Implicit"
-):
+def prepare_matrix(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, h: float, s: Implicit):
     """Renew b where it is stale and the factors where b or the step length is another one."""
     memory = s.memory[0]
     if memory["stale"] != 0:
-        renew(tree, work, coordinates, z, s.stiff)
+        renew(tree, work, coordinates, s.z, s.stiff)
         memory["stale"], memory["fresh"], memory["matrix_length"], memory["left"] = 0, 1, 0.0, 1.0
     if memory["matrix_length"] == h:
         return True
@@ -260,45 +252,28 @@ def prepare_matrix(
 
 
 @kernel
-def solve_stages(
-    tree: "TreeArrays",
-    work: np.ndarray,
-    coordinates: np.ndarray,
-    clock: np.void,
-    z: np.ndarray,
-    h: float,
-    s: "Implicit",
-):
+def solve_stages(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, h: float, s: Implicit):
     """Slopes of all stages; s.trial is the state of the last one.  False when an iteration fails."""
-    n = z.shape[0]
     s.memory[0]["contraction"] = 0.0
     for stage in range(STAGES):
-        for i in range(n):
+        for i in range(s.z.shape[0]):
             total = 0.0
             for j in range(stage):
                 total += WEIGHTS[stage, j] * s.slopes[j, i]
-            s.known[i] = z[i] + h * total
+            s.known[i] = s.z[i] + h * total
             s.slopes[stage, i] = s.before[i] if stage == 0 else s.slopes[stage - 1, i]
-        if not _solve_stage(
-            tree, work, coordinates, clock, clock["t"] + TIMES[stage] * h, h, s.slopes[stage], s
-        ):
+        if not _solve_stage(tree, work, coordinates, stage, h, s):
             return False
     return True
 
 
 @kernel
 def _solve_stage(
-    tree: "TreeArrays",
-    work: np.ndarray,
-    coordinates: np.ndarray,
-    clock: np.void,
-    t: float,
-    h: float,
-    slope: np.ndarray,
-    s: "Implicit",
+    tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, stage: int, h: float, s: Implicit
 ):
     """Iterate the slope of one stage."""
-    memory = s.memory[0]
+    clock, memory, slope = s.clock[0], s.memory[0], s.slopes[stage]
+    t = clock["t"] + TIMES[stage] * h
     # A first iteration is trusted somewhat less than those before it were.
     left, last = memory["left"] ** CAUTION, 0.0
     for iteration in range(MOST_ITERATIONS):
@@ -307,7 +282,7 @@ def _solve_stage(
         clock["fault"] = derivative(tree, work, coordinates, t, s.trial, s.rate)
         if clock["fault"] != SOLVED:
             return False
-        size = _correct(tree, clock, h, slope, s)
+        size = _correct(tree, h, slope, s)
         if iteration > 0:
             contraction = size / last if last > 0.0 else 0.0
             if not contraction < 1.0:
@@ -334,9 +309,9 @@ def _place_trial(h: float, slope: np.ndarray, s: "Implicit") -> None:
 
 
 @kernel
-def _correct(tree: "TreeArrays", clock: np.void, h: float, slope: np.ndarray, s: "Implicit"):
+def _correct(tree: "TreeArrays", h: float, slope: np.ndarray, s: Implicit):
     """Newton's correction of the slopes, and its size against the tolerance."""
-    speeds = s.change.shape[0]
+    clock, speeds = s.clock[0], s.change.shape[0]
     for m in range(speeds):
         s.product[m] = 0.0 if tree.given[m] else s.rate[m] - slope[m]
         if tree.given[m]:
@@ -357,9 +332,10 @@ def _correct(tree: "TreeArrays", clock: np.void, h: float, slope: np.ndarray, s:
 
 
 @kernel
-def step_error(tree: "TreeArrays", clock: np.void, z: np.ndarray, h: float, s: "Implicit"):
+def step_error(tree: "TreeArrays", h: float, s: Implicit):
     """Error of the step against the tolerance, what the matrix calls stiff taken out."""
-    speeds, last = s.change.shape[0], clock["counted"]
+    clock, z, speeds = s.clock[0], s.z, s.change.shape[0]
+    last = clock["counted"]
     for i in range(z.shape[0]):
         total = 0.0
         for j in range(STAGES):

@@ -311,19 +311,10 @@ def make_sparse_work(system: System, repeated: tuple[int, ...], dependent: tuple
         columns[row, 1 : 1 + len(kept)] = [place for place, _ in kept]
         sources[row, : len(kept)] = [source for _, source in kept]
     return SparseWork(
-        np.zeros((3, n // 7, 3, 3)),
-        np.zeros((6, n)),
-        np.zeros((n, 14)),
-        np.zeros((n, 14)),
-        columns,
-        sources,
-        np.zeros(2 * n, np.int64),
-        paged_zeros((n * n,)),
-        paged_zeros((n * n,), np.int64),
-        np.zeros((n, 4), np.int64),
-        np.zeros(n),
-        np.zeros(2),
-    )
+        np.zeros((3, n // 7, 3, 3)), np.zeros((6, n)), np.zeros((n, 14)), np.zeros((n, 14)), columns, sources,
+        np.zeros(2 * n, np.int64), paged_zeros((n * n,)), paged_zeros((n * n,), np.int64),
+        np.zeros((n, 4), np.int64), np.zeros(n), np.zeros(2),
+    )  # fmt: skip
 
 
 @kernel

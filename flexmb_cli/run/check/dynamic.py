@@ -77,6 +77,5 @@ class _Gaps:
     """An analysis as `gaps_of` looks at it: the gaps of all its equations."""
 
     def __init__(self, analysis: "ForwardDynamics"):
-
         self.mechanism = analysis.mechanism
         self.evaluator = analysis.gaps
