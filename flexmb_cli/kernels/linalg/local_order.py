@@ -27,7 +27,10 @@ NO_CHAIN = -2  # `before` of a row that is in none
 
 @allocating
 def choose_by_rows(jacobian: np.ndarray, columns: np.ndarray, order: np.ndarray, most: int) -> int:
-    """As `choose_local`, for entries jacobian (m, c) at columns (m, 1 + c), whose number comes first."""
+    """As `choose_local`, for entries jacobian (m, c) at columns (m, 1 + c), whose number comes first.
+
+    order (m + n,)
+    """
     m, c = jacobian.shape
     counts, places, values = np.empty(m, np.int64), np.empty((m, c), np.int64), np.empty((m, c))
     for i in range(m):

@@ -31,7 +31,7 @@ class Report(NamedTuple):
 
 @kernel
 def observe(
-    tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray, z: np.ndarray, report: "Report", row: int
+    tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray, report: Report, row: int
 ) -> None:
     """Fill a report row from the state z, which has just been evaluated."""
     copy(z, report.rows[row])
