@@ -17,7 +17,7 @@ from .elements.element_stiffness import initial_stress_matrix, matching_elements
 from .elements.stress_shapes import body_stress
 from .formats.formats import OF_ELEMENTS, read_matrix
 from .formats.matrix_file import FEFileFault
-from .input_checks import Figures, check_matrices, check_reference, rigid_motions, scalar_mass
+from .input_checks import check_matrices, check_reference, rigid_motions, scalar_mass
 from .invariants import effective_masses, inertia_invariants
 from .linear_algebra import Matrix, all_but, in_three_directions, of_mass, turned
 from .massless_shapes import massless_in_motion, split_by_mass, static_mass
@@ -83,7 +83,7 @@ def _check_reference_nodes(given: FlexibleInput, findings: Findings) -> None:
 
 
 def _body(
-    given: Any, matrices: Any, frame: Frame, basis: Basis, figures: Figures, findings: Findings
+    given: Any, matrices: Any, frame: Frame, basis: Basis, figures: dict[str, Any], findings: Findings
 ) -> FlexibleBody:
     Phi, omega = basis.shapes, np.sqrt(np.maximum(basis.values, 0.0))
     invariants: dict[str, Any] = inertia_invariants(frame.r0, Phi, matrices.scalar)
@@ -109,8 +109,7 @@ def _body(
         frequency_errors=_errors(given, matrices, frame, basis, findings),
         effective_mass=effective_masses(invariants["S1"], invariants["C0"]),
         effective_limit=_effective_limit(matrices.S, frame),
-        mass_deviation=figures.mass_deviation,
-        rigid_residual=figures.rigid_residual,
+        **figures,
         massless=basis.massless,
         massless_in_motion=moving.shape[1],
         dropped=Dropped(

@@ -104,8 +104,7 @@ def _ask_twice(
 def _open_gaps(system: System, work: Work, q: np.ndarray) -> None:
     """Move q, near to which the factors are, by the shortest way that leaves round-off in the equations."""
     zero, step, gaps = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
-    for k in range(zero.shape[0]):
-        zero[k] = 0.0
+    zero[:] = 0.0
     for row in range(gaps.shape[0]):
         gaps[row] = GAP_ROUND_OFF * ((7 * row) % 4 - 1.5) * system.row_scale[row]
     solve(system, work, zero, gaps, step)
@@ -181,12 +180,8 @@ def _fill_without_forces(
     mass_matrices(system, work, q)
     if np.isnan(power):
         power = _power(system, work, q, u, t, report.rates[row])
-    for k in range(report.multipliers.shape[1]):
-        report.multipliers[row, k] = np.nan
-    for k in range(report.wrenches.shape[1]):
-        for end in range(2):
-            for i in range(6):
-                report.wrenches[row, k, end, i] = np.nan
+    report.multipliers[row, :] = np.nan
+    report.wrenches[row, :, :, :] = np.nan
     complete_motion(system, work, z, t, expected, power, report, row)
 
 

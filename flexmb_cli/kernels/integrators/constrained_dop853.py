@@ -86,8 +86,7 @@ def _keep_allowed(system: System, work: Work, change: np.ndarray):
     for row in range(gamma.shape[0]):
         total = row_times(work.jacobian, work.columns, row, change, system.speed_scale)
         gamma[row] = -total * system.row_scale[row]
-    for k in range(zero.shape[0]):
-        zero[k] = 0.0
+    zero[:] = 0.0
     solve(system, work, zero, gamma, step)
     for k in range(change.shape[0]):
         change[k] += step[k]

@@ -235,8 +235,7 @@ def fill_doubtful(
     """
     clock, row = integration.clock[0], integration.clock[0]["row"]
     if x == 1.0:
-        for k in range(report.rates.shape[1]):
-            report.rates[row, k] = np.nan
+        report.rates[row, :] = np.nan
     place = integration.trial, integration.units, integration.angles[EXPECTED]
     fill_doubtful_row(system, work, integration.z, place, t, clock["rtol"], report, row)
     clock["fault"] = SOLVED

@@ -428,8 +428,7 @@ def place_row(system: System, integration: "RadauIntegration", t: float):
 @kernel
 def accelerations_between(integration: "RadauIntegration", x: float, ud: np.ndarray) -> None:
     """Fill ud (n,) at the fraction x of the last step, through those of its start and its stages."""
-    for k in range(ud.shape[0]):
-        ud[k] = 0.0
+    ud[:] = 0.0
     for node in range(STAGES + 1):
         weight = 1.0
         for other in range(STAGES + 1):

@@ -90,8 +90,7 @@ def jacobian(constraints: np.ndarray, q: np.ndarray, A: np.ndarray, phi_q: np.nd
 @kernel
 def velocity(constraints: np.ndarray, t: float, nu: np.ndarray) -> None:
     """Fill nu = -∂Φ/∂t: only drivers depend on time."""
-    for row in range(nu.size):
-        nu[row] = 0.0
+    nu[:] = 0.0
     for k in range(constraints.size):
         if constraints[k]["kind"] == DRIVER:
             driver.velocity(constraints[k], t, nu)
@@ -105,8 +104,7 @@ def acceleration(
 
     rotations (3, bodies, 3, 3): A, dA/dt, and the remainder of d²A/dt².
     """
-    for row in range(gamma.size):
-        gamma[row] = 0.0
+    gamma[:] = 0.0
     for k in range(constraints.size):
         c = constraints[k]
         kind = c["kind"]

@@ -46,31 +46,26 @@ def nearly_closed(
     """
     if is_large(gaps.arrays):
         return None
-    sparse, gaps.sparse = gaps.sparse, False
-    try:
-        return _nearly_closed(gaps, instant, sized, q, columns, near)
-    finally:
-        gaps.sparse, sized.met = sparse, 0.0
-
-
-def _nearly_closed(
-    gaps: PositionGaps, instant: Instant, sized: Sized, q: np.ndarray, columns: np.ndarray, near: bool
-) -> NearlyClosed | None:
-    sized.met = LOOSEST / 3.0
+    sparse, gaps.sparse, sized.met = gaps.sparse, False, LOOSEST / 3.0
 
     def finish(found: np.ndarray, dependent: float = LOOSEST) -> Position:
         return project(instant, found, Corrections(1e-14, 60, dependent), shortened, columns)
 
-    found = finish(q) if near else nearest_of(sized, q, finish, columns, LOOSEST)
-    if near and not sized.is_near(q, found[0]):
+    try:
+        found = finish(q) if near else nearest_of(sized, q, finish, columns, LOOSEST)
+        if near and not sized.is_near(q, found[0]):
+            return None
+        dependent = LOOSEST
+        for _ in range(SETTLING):
+            dependent = float(np.clip(TO_GAP * largest(found[1]), DEPENDENT, LOOSEST))
+            found = finish(found[0], dependent)
+        if RESIDUAL_MET < largest(found[1]) <= LOOSEST and _is_overconstrained(
+            gaps, finish, found, dependent
+        ):
+            return NearlyClosed(*found, dependent)
         return None
-    dependent = LOOSEST
-    for _ in range(SETTLING):
-        dependent = float(np.clip(TO_GAP * largest(found[1]), DEPENDENT, LOOSEST))
-        found = finish(found[0], dependent)
-    if RESIDUAL_MET < largest(found[1]) <= LOOSEST and _is_overconstrained(gaps, finish, found, dependent):
-        return NearlyClosed(*found, dependent)
-    return None
+    finally:
+        gaps.sparse, sized.met = sparse, 0.0
 
 
 def _is_overconstrained(
