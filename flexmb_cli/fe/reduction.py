@@ -47,7 +47,9 @@ def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | Non
     reported = K is None and given.mass.form == given.stiffness.form == OF_ELEMENTS
     arrange = partial(nodal_part, stiffness=K)
     S = None if reported else _read(given, given.mass, "M", arrange, findings)
-    _check_reference_nodes(given, findings)
+    if given.reference:
+        rows = [int(np.flatnonzero(given.numbers == node)[0]) for node in given.reference]
+        check_reference(given, given.positions[rows], findings)
     errors = any(fault.severity == "error" for fault in findings.faults)
     if S is None or K is None or errors:
         return None
@@ -74,12 +76,6 @@ def _read(given: Any, file: FEFile, letter: str, arrange: Callable[..., Any], fi
     except FEFileFault as fault:
         findings.error(given.name, str(fault), file.place, id=fault.id)
         return None
-
-
-def _check_reference_nodes(given: FlexibleInput, findings: Findings) -> None:
-    if given.reference:
-        rows = [int(np.flatnonzero(given.numbers == node)[0]) for node in given.reference]
-        check_reference(given, given.positions[rows], findings)
 
 
 def _body(

@@ -194,7 +194,8 @@ def _output(selection: StressSelection, body: FlexibleBody | None) -> StressOutp
     order = np.argsort(body.numbers)
     rows = order[np.searchsorted(body.numbers[order], nodes)]
     numbers = body.stress.numbers
-    named = _rows(numbers, _named_elements(selection, body.name, numbers))
+    order = np.argsort(numbers)
+    named = order[np.searchsorted(numbers[order], _named_elements(selection, body.name, numbers))]
     chosen = np.arange(len(numbers)) if selection.every_element else named
     elements = numbers[chosen]
     points, volumes = point_stresses(body, chosen)
@@ -219,10 +220,3 @@ def _named_elements(selection: StressSelection, name: str, numbers: np.ndarray) 
     if faults:
         raise ModelError(faults)
     return elements
-
-
-def _rows(numbers: np.ndarray, elements: np.ndarray) -> np.ndarray:
-    """Return the rows of elements in the table of all `numbers`."""
-    order = np.argsort(numbers)
-    found: np.ndarray = order[np.searchsorted(numbers[order], elements)]
-    return found

@@ -175,15 +175,11 @@ def _short(text: str) -> str:
 
 def whole(name: str, values: np.ndarray, numbers: Sequence[int], meaning: str) -> np.ndarray:
     """`values` (k, n) as int64; FEFileFault at the first line that has a fraction in them."""
-    wrong = np.flatnonzero(~_is_whole(values).all(axis=1))
+    is_whole = (np.abs(values) < _EXACT) & (values == np.rint(values))
+    wrong = np.flatnonzero(~is_whole.all(axis=1))
     if wrong.size:
         raise line_fault(name, numbers[int(wrong[0])], f"{meaning} must be whole numbers", id="FE-105")
     return values.astype(np.int64)
-
-
-def _is_whole(values: np.ndarray) -> np.ndarray:
-    found: np.ndarray = (np.abs(values) < _EXACT) & (values == np.rint(values))
-    return found
 
 
 def check_range(name: str, entries: np.ndarray, numbers: Sequence[int], size: int) -> None:

@@ -14,7 +14,6 @@ from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators.clock import CONTRADICTION
 from ...kernels.laws import COORDINATE
 from ...model.arrays.records import ELEMENT
-from ...model.equations import Equation
 from ...model.integrators import METHODS
 from ...model.unit_checks import uneven_masses
 from ..singular.conditioning import owners_text
@@ -181,7 +180,10 @@ def repetition(found: Mobility, usual: int | None, kind: str, each: str) -> Faul
         )
         return Fault("note", message, id="SOLVE-034")
     # In the deck's order: shares that symmetry makes equal differ by round-off, another on every processor.
-    repeated = sorted({equation for group in found.redundant for equation in group}, key=_in_deck)
+    repeated = sorted(
+        {equation for group in found.redundant for equation in group},
+        key=lambda one: (one.place or (0, 0), one.owner, one.part),
+    )
     owners = list(dict.fromkeys(equation.owner for equation in repeated))
     placed = [equation for equation in repeated if equation.place]
     count = len(found.redundant)
@@ -209,7 +211,3 @@ def note_undetermined_rows(analysis: "ConstrainedMotion", report: Report) -> Non
         "are not determined (nan)"
     )
     warnings.append(Fault("note", message, id="SOLVE-041"))
-
-
-def _in_deck(equation: Equation) -> tuple[Any, Any, Any]:
-    return equation.place or (0, 0), equation.owner, equation.part

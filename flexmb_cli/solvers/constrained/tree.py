@@ -229,17 +229,12 @@ def motion_of_bodies(
         acceleration=acceleration,
         angular_velocity=w,
         angular_acceleration=alpha,
-        closure_force=_closure_forces(tree, arrays, report),
+        # On body a of each closure, the second body of its group.
+        closure_force=report.wrenches[:, len(arrays.groups) - len(tree.closures) :, 1, :3].copy(),
         applied_work=report.states[:, 2 * arrays.speeds + arrays.bodies],
         audit=report.audit,
         reactions=np.zeros((len(report.times), 0, 6)),
     )
-
-
-def _closure_forces(tree: Tree, arrays: SystemArrays, report: Report) -> Any:
-    """Force on body a of each closure (T, C, 3): the second body of its group."""
-    first = len(arrays.groups) - len(tree.closures)
-    return report.wrenches[:, first:, 1, :3].copy()
 
 
 def _coordinates(tree: Tree, frames: Frames, motion: AbsoluteMotion, angles: np.ndarray) -> Any:
