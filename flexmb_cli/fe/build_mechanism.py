@@ -1,15 +1,16 @@
 """VsdfModel → FlexibleMechanism: bodies reduced, nodes turned into points with shapes in body axes."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..deck.many_records import Made
 from ..errors import Fault, ModelError
-from ..model.fe_model import End, NodeJoint, Pin, VsdfBody, VsdfModel
+from ..model.fe_model import End, NodeForce, NodeJoint, Pin, VsdfBody, VsdfModel
+from ..model.flexible_body import FlexibleInput
 from ..model.flexible_mechanism import (
     FlexibleMechanism,
     FloatingBody,
@@ -22,13 +23,6 @@ from ..model.laws import Element, Frames, Line
 from ..model.mechanism import GROUND
 from ..model.vectors import euler_parameters
 from .flexible_bodies import flexible_body
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from ..model.fe_model import NodeForce
-    from ..model.flexible_body import FlexibleInput
-
 
 STEPS_A_PERIOD = 20
 MANY_PARTS = 10_000  # of a type: as many points, each a kilobyte, are kept
@@ -70,12 +64,12 @@ def _stresses(model: VsdfModel, bodies: Any) -> Any:
     """Return what is reported of stresses; most decks ask for none, and need no elements."""
     if not model.stresses:
         return ()
-    from .elements.stress_outputs import stress_outputs
+    from .elements.stress_shapes import stress_outputs
 
     return stress_outputs(model, bodies)
 
 
-def _step_warnings(model: VsdfModel, bodies: "Iterable[FloatingBody]") -> "Iterator[Fault]":
+def _step_warnings(model: VsdfModel, bodies: Iterable[FloatingBody]) -> Iterator[Fault]:
     """A step that is longer than a twentieth of the shortest period retained damps or distorts it."""
     for body in bodies:
         highest = body.flexible.frequencies.max(initial=0.0) if body.flexible else 0.0
@@ -88,37 +82,23 @@ def _step_warnings(model: VsdfModel, bodies: "Iterable[FloatingBody]") -> "Itera
             yield Fault("warning", message, model.time.place, body.name, id="FE-007")
 
 
-def _flexible_body(
-    given: VsdfBody, content: "FlexibleInput", cached: bool
-) -> tuple[FloatingBody, list[Fault]]:
-    motion = np.array(given.velocity), np.array(given.omega)
-    places: dict[str, Any] = {"place": given.place, "velocity_place": given.velocity_place}
+def _flexible_body(given: VsdfBody, content: FlexibleInput, cached: bool) -> tuple[FloatingBody, list[Fault]]:
     found, warnings = flexible_body(content, cached)
-    r = np.array(given.r) + given.A @ found.origin
-    p = euler_parameters(given.A @ found.axes)
-    body = FloatingBody(
-        given.name,
-        r,
-        p,
-        *motion,
-        found.m,
-        found.s0,
-        found.J0,
-        found,
-        given.stiffened,
-        **places,
-    )
-    return body, warnings
+    pose = np.array(given.r) + given.A @ found.origin, euler_parameters(given.A @ found.axes)
+    return _body(given, pose, found.m, found.s0, found.J0, found, given.stiffened), warnings
 
 
 def _rigid_body(given: VsdfBody) -> FloatingBody:
     assert given.rigid is not None, "a body is flexible or rigid"
-    motion = np.array(given.velocity), np.array(given.omega)
-    places: dict[str, Any] = {"place": given.place, "velocity_place": given.velocity_place}
     m, c = given.rigid.mass, np.array(given.rigid.centre)
     about_origin = given.rigid.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))
-    pose = np.array(given.r), np.array(given.p)
-    return FloatingBody(given.name, *pose, *motion, m, m * c, about_origin, **places)
+    return _body(given, (np.array(given.r), np.array(given.p)), m, m * c, about_origin)
+
+
+def _body(given: VsdfBody, pose: tuple[np.ndarray, np.ndarray], *inertia: Any) -> FloatingBody:
+    motion = np.array(given.velocity), np.array(given.omega)
+    places: dict[str, Any] = {"place": given.place, "velocity_place": given.velocity_place}
+    return FloatingBody(given.name, *pose, *motion, *inertia, **places)
 
 
 class _Points:
@@ -195,7 +175,7 @@ class _Points:
         target = self.model.global_position(pin.end) if pin.point is None else np.array(pin.point)
         return PointPin(pin.name, self.point(pin.end), pin.directions, target, pin.place, pin.functions)
 
-    def _force(self, force: "NodeForce") -> PointForce:
+    def _force(self, force: NodeForce) -> PointForce:
         return PointForce(
             force.name, self.point(force.end), force.force, force.follows, force.factor, force.place
         )

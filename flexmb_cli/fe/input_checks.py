@@ -3,8 +3,6 @@
 A failed test names its figure, the worst node and the likely causes.  The limits are relative.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..errors import Place
@@ -19,22 +17,20 @@ RIGID_DOUBT, RIGID_ERROR = 1e-7, 1e-4
 COLLINEAR = 1e-6
 
 
-@dataclass(frozen=True)
-class Figures:
-    """Measured on the way: largest |S^ij - m_ij E| and |K R|, relative."""
-
-    mass_deviation: float
-    rigid_residual: float
-
-
 def check_matrices(
     given: FlexibleInput, S: np.ndarray, K: np.ndarray, file: MatrixFile, findings: Findings
-) -> Figures:
-    """Check mass `S` and stiffness `K`, both (3 n, 3 n), K of `file`; faults go to `findings`."""
+) -> dict[str, float]:
+    """Check mass `S` and stiffness `K`, both (3 n, 3 n), K of `file`; faults go to `findings`.
+
+    Returns the largest |S^ij - m_ij E| and |K R|, relative, as `FlexibleBody` names them.
+    """
     check_holes(given, S, "mass", given.mass.place, findings)
     check_holes(given, K, "stiffness", given.stiffness.place, findings)
     _check_exchanged(given, S, K, findings)
-    return Figures(check_isotropy(given, S, findings), check_rigid_motions(given, K, file, findings))
+    return {
+        "mass_deviation": check_isotropy(given, S, findings),
+        "rigid_residual": check_rigid_motions(given, K, file, findings),
+    }
 
 
 def _check_exchanged(given: FlexibleInput, S: np.ndarray, K: np.ndarray, findings: Findings) -> None:

@@ -23,7 +23,9 @@ def inertia_invariants(r0: np.ndarray, Phi: np.ndarray, mass: np.ndarray) -> dic
     # Block (k, l) of the products is G of shapes k and l; shape 0 is r0.
     G = (U.T @ weighted).reshape(N + 1, 3, N + 1, 3).transpose(0, 2, 1, 3)
     sums = weighted.sum(axis=0).reshape(N + 1, 3)
-    J, C = _inertia(G), _moments(G)
+    # P_k~' S P_l~ (…, 3, 3) and P_k~' S phi_l (…, 3) for all pairs.
+    J = np.einsum("klaa->kl", G)[:, :, None, None] * np.eye(3) - G.transpose(0, 1, 3, 2)
+    C = -np.einsum("abc,klbc->kla", EPSILON, G)
     return {
         "m": float(mass.sum()),
         "s0": sums[0],
@@ -35,18 +37,6 @@ def inertia_invariants(r0: np.ndarray, Phi: np.ndarray, mass: np.ndarray) -> dic
         "C1": C[1:, 1:].transpose(0, 2, 1).copy(),
         "Mff": np.einsum("klaa->kl", G[1:, 1:]),
     }
-
-
-def _inertia(G: np.ndarray) -> np.ndarray:
-    """P_k~' S P_l~ for all pairs, (…, 3, 3)."""
-    found: np.ndarray = np.einsum("klaa->kl", G)[:, :, None, None] * np.eye(3) - G.transpose(0, 1, 3, 2)
-    return found
-
-
-def _moments(G: np.ndarray) -> np.ndarray:
-    """P_k~' S phi_l for all pairs, (…, 3)."""
-    found: np.ndarray = -np.einsum("abc,klbc->kla", EPSILON, G)
-    return found
 
 
 def effective_masses(S1: np.ndarray, C0: np.ndarray) -> np.ndarray:

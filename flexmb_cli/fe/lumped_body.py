@@ -77,9 +77,7 @@ def _stiffening(tree: Tree, k: int, elastic: Elasticity) -> np.ndarray:
     assert d is not None, "a stiffened body has a direction"
     axial_forces = (elastic.masses + hanging_masses(tree, k)) * (elastic.positions @ d)
     matrix = across(
-        geometric_stiffness(elastic.positions, elastic.stiffened_from, axial_forces),
-        d,
-        elastic.axes,
+        geometric_stiffness(elastic.positions, elastic.stiffened_from, axial_forces), d, elastic.axes
     )
     found: np.ndarray = -np.multiply.outer(np.outer(d, d), matrix)
     return found

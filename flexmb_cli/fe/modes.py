@@ -6,11 +6,9 @@ Journal 6 (1968), 1313-1319.  All shapes are (3 n, k), x y z node by node, body 
 
 import numpy as np
 
-from .free_motion import NEGATIVE, FreeMotion, check_strain
 from .linear_algebra import all_but, as_array, is_small, lowest_by_iteration, pencil
-from .massless_shapes import quasi_static_shapes, split_by_mass
-from .reference_frame import Frame
-from .static_shapes import FreeBody, held_solver
+from .massless_shapes import NEGATIVE, FreeMotion, check_strain, quasi_static_shapes, split_by_mass
+from .reference_frame import Frame, FreeBody, held_solver
 
 # Share of the sum of its terms below which a force is round-off: of a hundred degrees of freedom 1e-14, more
 # or less by processor and LAPACK.  Scaled to unit strain energy, such a force would be a wrong mode.

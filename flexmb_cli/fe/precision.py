@@ -12,19 +12,14 @@ Entries that are written alike are rounded alike.  In a regular mesh such errors
 out, hence the sum over entries of one magnitude before the sum of squares over magnitudes.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .formats.matrix_file import MatrixFile
 from .linear_algebra import distinct
 from .nodal_matrices import NodalMatrix
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from .formats.matrix_file import MatrixFile
-
 
 # The largest number of decimal digits that double precision always keeps.
 DECIMALS = 15
@@ -104,7 +99,7 @@ def _uniform(unit: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.where(values != 0, unit / np.sqrt(12), 0.0)
 
 
-def rounding_force(file: "MatrixFile") -> float:
+def rounding_force(file: MatrixFile) -> float:
     """Return what few digits leave of forces that balance, relative to the largest entry; 0 for many digits.
 
     Fields of fixed width have a digit less for negative numbers.
@@ -138,7 +133,7 @@ def stiffness_errors(K: NodalMatrix) -> EntryErrors:
     return rounding
 
 
-def _squares(file: "MatrixFile", shifts: np.ndarray) -> float:
+def _squares(file: MatrixFile, shifts: np.ndarray) -> float:
     return float(
         sum(
             ((file.values[kept, None] * shifts[columns]) ** 2).sum() for _, columns, kept in _directions(file)
@@ -146,7 +141,7 @@ def _squares(file: "MatrixFile", shifts: np.ndarray) -> float:
     )
 
 
-def _directions(file: "MatrixFile") -> "Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]":
+def _directions(file: MatrixFile) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Rows, columns and numbers of the entries; those of a triangle stand for their mirror images too."""
     every = np.arange(len(file.values))
     yield file.rows, file.columns, every

@@ -1,33 +1,29 @@
 """Files of a finite-element program to a flexible body: read, tested, reduced."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..model.diagnostics import Findings
 from ..model.flexible_body import Dropped, FEFile, FlexibleBody, FlexibleInput
 from .body_basis import Basis, basis_of
-from .centrifugal import centrifugal_stiffness
 from .elements.assembled_matrices import element_matrix
-from .elements.body_elements import element_mesh, element_table
+from .elements.body_elements import FOREIGN, element_mesh, element_table, foreign_stiffness
+from .elements.element_stiffness import initial_stress_matrix, matching_elements
 from .elements.stress_shapes import body_stress
 from .formats.formats import OF_ELEMENTS, read_matrix
 from .formats.matrix_file import FEFileFault
-from .input_checks import Figures, check_matrices, check_reference, rigid_motions, scalar_mass
+from .input_checks import check_matrices, check_reference, rigid_motions, scalar_mass
 from .invariants import effective_masses, inertia_invariants
 from .linear_algebra import Matrix, all_but, in_three_directions, of_mass, turned
 from .massless_shapes import massless_in_motion, split_by_mass, static_mass
 from .nodal_matrices import NodalMatrix, condensed, nodal_part
 from .precision import frequency_errors
-from .reference_frame import Frame, reference_frame, without_momentum
-from .static_shapes import as_solved
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
+from .reference_frame import Frame, as_solved, reference_frame, static_shapes, without_momentum
 
 # A relative error of a frequency that is worth a warning.
 DOUBTFUL_FREQUENCY = 1e-3
@@ -51,7 +47,9 @@ def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | Non
     reported = K is None and given.mass.form == given.stiffness.form == OF_ELEMENTS
     arrange = partial(nodal_part, stiffness=K)
     S = None if reported else _read(given, given.mass, "M", arrange, findings)
-    _check_reference_nodes(given, findings)
+    if given.reference:
+        rows = [int(np.flatnonzero(given.numbers == node)[0]) for node in given.reference]
+        check_reference(given, given.positions[rows], findings)
     errors = any(fault.severity == "error" for fault in findings.faults)
     if S is None or K is None or errors:
         return None
@@ -66,7 +64,7 @@ def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | Non
     return None if basis is None else _body(given, matrices, frame, basis, figures, findings)
 
 
-def _read(given: Any, file: FEFile, letter: str, arrange: "Callable[..., Any]", findings: Findings) -> Any:
+def _read(given: Any, file: FEFile, letter: str, arrange: Callable[..., Any], findings: Findings) -> Any:
     mapping = given.mapping
     try:
         if file.form == OF_ELEMENTS:
@@ -80,19 +78,8 @@ def _read(given: Any, file: FEFile, letter: str, arrange: "Callable[..., Any]", 
         return None
 
 
-def _check_reference_nodes(given: FlexibleInput, findings: Findings) -> None:
-    if given.reference:
-        rows = [int(np.flatnonzero(given.numbers == node)[0]) for node in given.reference]
-        check_reference(given, given.positions[rows], findings)
-
-
 def _body(
-    given: Any,
-    matrices: Any,
-    frame: Frame,
-    basis: Basis,
-    figures: Figures,
-    findings: Findings,
+    given: Any, matrices: Any, frame: Frame, basis: Basis, figures: dict[str, Any], findings: Findings
 ) -> FlexibleBody:
     Phi, omega = basis.shapes, np.sqrt(np.maximum(basis.values, 0.0))
     invariants: dict[str, Any] = inertia_invariants(frame.r0, Phi, matrices.scalar)
@@ -118,8 +105,7 @@ def _body(
         frequency_errors=_errors(given, matrices, frame, basis, findings),
         effective_mass=effective_masses(invariants["S1"], invariants["C0"]),
         effective_limit=_effective_limit(matrices.S, frame),
-        mass_deviation=figures.mass_deviation,
-        rigid_residual=figures.rigid_residual,
+        **figures,
         massless=basis.massless,
         massless_in_motion=moving.shape[1],
         dropped=Dropped(
@@ -219,3 +205,46 @@ def _geometric(
             reduced[load.i, load.j] = shapes.T @ (found.matrix @ shapes)
     made: np.ndarray = np.einsum("ia,jb,ijkl->abkl", frame.axes, frame.axes, reduced)
     return made
+
+
+def centrifugal_stiffness(
+    given: FlexibleInput, K: np.ndarray, S: np.ndarray, frame: Frame, Phi: np.ndarray, findings: Findings
+) -> np.ndarray:
+    """Phi' K_G Phi per component of w~ w~, (3, 3, N, N), body axes, from the stresses in the elements.
+
+    The accelerations w~ w~ r0 of a body that turns load its nodes; with (w~ w~)_ij for amplitudes there are
+    six loads -S (e_i r0_j + e_j r0_i)/2, since w~ w~ is symmetric.  Each is balanced where the frame holds
+    the body (mean axes: by the acceleration that it causes), and its linear stresses give
+    K_G^IJ = E times the integral of grad N_I . sigma . grad N_J, the initial-stress matrix.
+
+    `K`, `S`: (3 n, 3 n), body axes; `Phi` (3 n, N).  Faults of elements and material go to
+    `findings`, and the answer is zero then.
+    """
+    size, stiffening = Phi.shape[1], given.stiffening
+    assert stiffening is not None, "centrifugal stiffness needs a material"
+    table = element_table(given, stiffening.file, frame.r0, findings)
+    if table is None:
+        return np.zeros((3, 3, size, size))
+    material = stiffening.young, stiffening.poisson
+    body = matching_elements(frame.r0, table.rows, material, K)
+    if body.deviation > FOREIGN:
+        remedy = "give geometric stiffness matrices by FEMG"
+        message = foreign_stiffness(body, stiffening, remedy)
+        findings.error(given.name, message, stiffening.place, id="FE-009")
+    pairs = [(i, j) for i in range(3) for j in range(i, 3)]
+    forces = np.column_stack([_load(frame.r0, S, i, j) for i, j in pairs])
+    displacements = static_shapes(K, S, frame, forces)
+    shapes = Phi.reshape(-1, 3, size)
+    reduced = np.zeros((3, 3, size, size))
+    for (i, j), moved in zip(pairs, displacements.T, strict=True):
+        scalars = initial_stress_matrix(body, moved)
+        reduced[i, j] = sum(shapes[:, a].T @ (scalars @ shapes[:, a]) for a in range(3))
+        reduced[j, i] = reduced[i, j]
+    return reduced
+
+
+def _load(r0: np.ndarray, S: np.ndarray, i: int, j: int) -> np.ndarray:
+    field = np.zeros(r0.shape)
+    field[:, i] += r0[:, j] / 2
+    field[:, j] += r0[:, i] / 2
+    return -(S @ field.ravel())

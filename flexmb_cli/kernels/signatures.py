@@ -51,7 +51,7 @@ RECORDS = {
 TUPLES = {
     "Mechanism": ("kernels.kinematics.newton:System", "CONSTRAINT1 i2 f2 f1"),
     "SparseNewton": (
-        "kernels.kinematics.sparse_newton:SparseWork", "f4 f2 f2 f2 i2 i2 i1 f1 i1 i2 f1 f1",
+        "kernels.kinematics.newton:SparseWork", "f4 f2 f2 f2 i2 i2 i1 f1 i1 i2 f1 f1",
     ),
     "Newton": ("kernels.kinematics.newton:Work", "f4 f2 f2 f2 i1 i2"),
     "System": (

@@ -187,7 +187,7 @@ def _degrees_of_freedom(model: "DynamicModel", motion: list[dict[str, Any]]) -> 
     """Return the fewest that the Jacobian leaves at positions of a motion: singular ones have more."""
     from ..solvers.compilation import interpreting
     from ..solvers.constrained.young_dynamics import ForwardDynamics
-    from ..solvers.singular.rank_of_speeds import rank_at
+    from ..solvers.singular.dynamic_singularities import rank_at
     from .check.check import is_small
 
     with interpreting(is_small(6 * len(model.mechanism.bodies))):

@@ -12,6 +12,7 @@ A position near the estimates that a quicker method finds is kept:
 - trees (`tree.assembly`): the projection of the kernels, with most coordinates kept, then all free.
 """
 
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -20,8 +21,6 @@ from .levenberg_marquardt import least_squares
 from .projection import RESIDUAL_MET, Equations, Instant, Position, largest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
     from ..model.arrays.kinematic import KinematicArrays
     from ..model.arrays.system import SystemArrays
 
@@ -112,7 +111,7 @@ class Sized:
 def nearest_of(
     sized: Sized,
     q: np.ndarray,
-    finish: "Callable[[np.ndarray], Position]",
+    finish: Callable[[np.ndarray], Position],
     free: np.ndarray | None = None,
     met: float = RESIDUAL_MET,
 ) -> Position:
@@ -131,7 +130,7 @@ def nearest_of(
 
 def _starts(
     sized: Sized, q: np.ndarray, found: list[Position], met: float
-) -> "Iterator[tuple[np.ndarray, float]]":
+) -> Iterator[tuple[np.ndarray, float]]:
     """Yield starts and dampings; none after a position that is found near."""
     for damping in DAMPINGS:
         yield q, damping

@@ -4,13 +4,12 @@ Madsen, Nielsen and Tingleff, Methods for non-linear least squares problems (2nd
 scipy's solver does the same; importing it takes longer than `flexmb check` of a deck.
 """
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from scipy.sparse import csr_matrix
 
 
@@ -23,10 +22,10 @@ MOST_TRIALS = 200
 
 
 def least_squares(
-    residual: "Callable[..., Any]",
-    jacobian: "Callable[..., Any]",
+    residual: Callable[..., Any],
+    jacobian: Callable[..., Any],
     x: np.ndarray,
-    moved: "Callable[..., Any]" = np.add,
+    moved: Callable[..., Any] = np.add,
     first: float = FIRST_DAMPING,
     met: float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray]:

@@ -10,14 +10,13 @@ with, natural coordinates and the poses of a tree, share nothing with the first,
 their own.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from scipy.sparse import csr_matrix
 
 
@@ -103,7 +102,7 @@ def project(
     instant: Instant,
     q: np.ndarray,
     corrections: Corrections,
-    advance: "Callable[[Instant, np.ndarray, np.ndarray, np.ndarray], Position | None]" = whole,
+    advance: Callable[[Instant, np.ndarray, np.ndarray, np.ndarray], Position | None] = whole,
     columns: np.ndarray | None = None,
 ) -> Position:
     """Return a position near q (N,) that meets the equations as `corrections` say, and its residual (m,).
@@ -127,23 +126,11 @@ def _least_step(
     J: "np.ndarray | csr_matrix", gap: np.ndarray, dependent: float, columns: np.ndarray | None
 ) -> np.ndarray:
     """Return the shortest step (n,) that takes the gap away to first order, 0 where there is none."""
-    if isinstance(J, np.ndarray) and not np.isfinite(J).all():
-        return np.zeros(J.shape[1])  # an angle of a vector along its axis has no rate; LAPACK never returns
-    if columns is None and not isinstance(J, np.ndarray):
-        return _sparse_step(J, gap)
-    if columns is None:
-        found: np.ndarray = -np.linalg.lstsq(J, gap, rcond=dependent)[0]
-        return found
-    step = np.zeros(J.shape[1])
+    step, part = np.zeros(J.shape[1]), J if columns is None else J[:, columns]
     if not isinstance(J, np.ndarray):
-        step[columns] = _sparse_step(J[:, columns], gap)
-        return step
-    step[columns] = -np.linalg.lstsq(J[:, columns], gap, rcond=dependent)[0]
+        from .singular.sparse_rank import shortest_correction  # which needs scipy
+
+        step[slice(None) if columns is None else columns] = -shortest_correction(part, gap)
+    elif np.isfinite(J).all():  # an angle of a vector along its axis has no rate; LAPACK never returns
+        step[slice(None) if columns is None else columns] = -np.linalg.lstsq(part, gap, rcond=dependent)[0]
     return step
-
-
-def _sparse_step(J: "csr_matrix", gap: np.ndarray) -> np.ndarray:
-    """Return the shortest step of a large mechanism: only that needs scipy's sparse matrices."""
-    from .singular.sparse_rank import shortest_correction
-
-    return -shortest_correction(J, gap)

@@ -6,8 +6,9 @@ rotation from one triad to the other, 0 in one attitude only, replaces the equat
 """
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,13 +19,8 @@ from ..model.flexible_mechanism import FlexibleMechanism, NodePoint
 from ..model.mechanism import GROUND
 from ..model.time_functions import ROTATIONS
 from ..model.vectors import euler_parameters, rotation_matrix
-from .constrained.large_start import is_large
+from .constrained.system import PositionGaps, is_large
 from .projection import Corrections, Instant, project, shortened
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from .constrained.position import PositionGaps
 
 TURNED = math.pi / 4  # an attitude that starts closer is found by the equations themselves
 WRONG = math.pi / 2  # half-way to the other solution
@@ -84,7 +80,7 @@ def triad(points: tuple[NodePoint, ...]) -> np.ndarray:
 class AttitudeGaps:
     """The `Equations` of `projection`, with rotation vectors in place of the equations of directions."""
 
-    def __init__(self, gaps: "PositionGaps", attitudes: "Sequence[StartAttitude]"):
+    def __init__(self, gaps: PositionGaps, attitudes: Sequence[StartAttitude]):
         self.gaps, self.attitudes, self.moved = gaps, attitudes, gaps.moved
         ends = [gaps.arrays.groups[k] for item in attitudes for k in item.groups]
         rows = [row for group in ends for row in range(group["first_row"], group["end_row"])]
@@ -120,7 +116,7 @@ def rotation_between(q: np.ndarray, item: StartAttitude) -> np.ndarray:
     return found
 
 
-def turned_right(gaps: "PositionGaps", attitudes: "Sequence[StartAttitude]", t: float) -> np.ndarray:
+def turned_right(gaps: PositionGaps, attitudes: Sequence[StartAttitude], t: float) -> np.ndarray:
     """Return the deck's coordinates with bodies turned so that the triads of `attitudes` roughly agree."""
     arrays = gaps.arrays
     q: np.ndarray = arrays.q
@@ -130,7 +126,7 @@ def turned_right(gaps: "PositionGaps", attitudes: "Sequence[StartAttitude]", t: 
     return project(Instant(AttitudeGaps(gaps, attitudes), t, arrays.angles), q, ROUGHLY, shortened, rigid)[0]
 
 
-def _off(q: np.ndarray, attitudes: "Sequence[StartAttitude]", most: float) -> "Iterator[tuple[Any, float]]":
+def _off(q: np.ndarray, attitudes: Sequence[StartAttitude], most: float) -> Iterator[tuple[Any, float]]:
     """Yield the attitudes that are off by more than `most`, rad, and by how many degrees."""
     for item in attitudes:
         angle = float(np.linalg.norm(rotation_between(q, item)))
@@ -138,14 +134,14 @@ def _off(q: np.ndarray, attitudes: "Sequence[StartAttitude]", most: float) -> "I
             yield item, math.degrees(angle)
 
 
-def refuse_half_turns(q: np.ndarray, attitudes: "Sequence[StartAttitude]", t: float) -> None:
+def refuse_half_turns(q: np.ndarray, attitudes: Sequence[StartAttitude], t: float) -> None:
     """Raise AnalysisError where an attitude is met after a half turn."""
     for item, degrees in _off(q, attitudes, WRONG):
         message = f"it is met only after a turn by {degrees:.4g} degrees; {_REMEDY}"
         raise AnalysisError(Fault("error", message, item.place, item.owner, id="SOLVE-090"), t)
 
 
-def turn_warnings(q: np.ndarray, attitudes: "Sequence[StartAttitude]") -> "Iterator[Fault]":
+def turn_warnings(q: np.ndarray, attitudes: Sequence[StartAttitude]) -> Iterator[Fault]:
     """Yield a warning for each attitude that the deck's q is far from: gaps may not show it."""
     for item, degrees in _off(q, attitudes, WRONG):
         message = f"it is off by {degrees:.4g} degrees at the start; bodies are turned to meet it; {_REMEDY}"

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..kernels.constrained.system import Work
-from ..kernels.linalg.sparse_rows import BEHIND_BLOCK, BELOW_PIVOT
+from ..kernels.linalg.rank_revealing_lu import BEHIND_BLOCK, BELOW_PIVOT
 
 # Fields of a clock that a run has from its deck and that no step changes.
 GIVEN = ("rtol", "atol", "counted")

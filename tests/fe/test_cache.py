@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.errors import ModelError
-from flexmb_cli.fe import cache
+from flexmb_cli.fe import flexible_bodies as cache
 from flexmb_cli.fe.flexible_bodies import flexible_body
 from flexmb_cli.kernels import _cache
 from flexmb_cli.model.flexible_body import FlexibleBody

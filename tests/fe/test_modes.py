@@ -6,10 +6,9 @@ from scipy.io import mmread
 from scipy.linalg import eigh
 
 from flexmb_cli.fe import linear_algebra, modes
-from flexmb_cli.fe.free_motion import FreeMotion
 from flexmb_cli.fe.input_checks import rigid_motions
-from flexmb_cli.fe.reference_frame import reference_frame
-from flexmb_cli.fe.static_shapes import static_shapes, unit_forces
+from flexmb_cli.fe.massless_shapes import FreeMotion
+from flexmb_cli.fe.reference_frame import reference_frame, static_shapes, unit_forces
 from tests.fe.supplied import CHORD, FILES, NEAR_JOINT, body, pendulum
 from tests.fe.trusses import truss, truss_input
 

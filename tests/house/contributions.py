@@ -44,9 +44,9 @@ def jacobian(c, q, A, phi_q):
 
 
 @kernel
-def acceleration(c, q, qd, A, Ad, Add, gamma):
+def acceleration(c, q, qd, rotations, gamma):
     """Fill gamma[row]."""
-    gamma[c["first_row"]] = n2_acceleration(c, c["s_i"], q, qd, A, Ad, Add)
+    gamma[c["first_row"]] = n2_acceleration(c, c["s_i"], q, qd, rotations)
 '''
 JOINT_OF_POINTS = {
     "flexmb_cli/kernels/kinematics/constraints.py": [
@@ -62,7 +62,7 @@ JOINT_OF_POINTS = {
         ),
         (
             "        elif kind == DRIVER:\n            driver.acceleration(",
-            "        elif kind == INPLANE:\n            inplane.acceleration(c, q, qd, A, Ad, Add, gamma)\n",
+            "        elif kind == INPLANE:\n            inplane.acceleration(c, q, qd, rotations, gamma)\n",
         ),
     ],
     "flexmb_cli/model/joints.py": [

@@ -117,7 +117,7 @@ def test_a_later_run_needs_neither_numba_nor_scipy(tmp_path, how):
     assert heavy(found) <= OF_RUNS | OF_LLVM
     assert "flexmb_cli.fe.reduction" not in found
     # The body is kept: no element, and no reader but that of the nodes.
-    readers = {"file_text", "formats", "included_files", "matrix_file", "node_table"}
+    readers = {"file_text", "formats", "matrix_file", "node_table"}
     files = {name.partition("fe.formats.")[2] for name in found} - {""}
     assert files == (readers if how == "vsdf" else set())
     assert not [name for name in found if name.startswith("flexmb_cli.fe.elements")]

@@ -8,7 +8,7 @@ import pytest
 
 from flexmb_cli.kernels import _arguments, _entry, _jit
 from flexmb_cli.kernels._jit import allocating, kernel
-from flexmb_cli.kernels.linalg.blocks import block
+from flexmb_cli.kernels.linalg.number_rows import block
 
 pytestmark = pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
 ROW = _arguments.Array(1, np.dtype(float))

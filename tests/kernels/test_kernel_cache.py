@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from flexmb_cli.fe import cache as bodies
+from flexmb_cli.fe import flexible_bodies as bodies
 from flexmb_cli.kernels import _cache, _jit
 
 pytestmark = pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled"
 NOBODY = 65534
 KERNEL = """
 import os, shutil, sys
-from flexmb_cli.fe import cache as bodies
+from flexmb_cli.fe import flexible_bodies as bodies
 from flexmb_cli.kernels import _cache, _library
 from flexmb_cli.kernels._jit import kernel
 

@@ -1,15 +1,12 @@
 """From elements to matrices of the body: which formulation its stiffness is made of, stresses, K_G."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ..linear_algebra import summed
+from ..linear_algebra import Matrix, summed
 from .solid_elements import FORMULATIONS, SolidElements, elasticity, solid_elements
-
-if TYPE_CHECKING:
-    from ..linear_algebra import Matrix
 
 # Elements at a time: the strains of a brick of 20 nodes and 27 points are 80 kB.
 _CHUNK = 500
@@ -33,7 +30,7 @@ class BodyElements:
 
 
 def matching_elements(
-    positions: np.ndarray, rows: np.ndarray, material: tuple[float, float], K: "Matrix"
+    positions: np.ndarray, rows: np.ndarray, material: tuple[float, float], K: Matrix
 ) -> BodyElements:
     """Return the formulation of elements `rows` (m, k) that assembles to K (3 n, 3 n), else the nearest.
 

@@ -6,12 +6,17 @@ hexahedra, linear in tetrahedra of four points, constant for one point) and eval
 the mean of its elements.
 """
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
+from ...errors import Fault, ModelError
 from ...model.diagnostics import Findings
+from ...model.fe_model import StressSelection, VsdfModel
 from ...model.flexible_body import BodyStress, FlexibleBody, FlexibleInput
+from ...model.flexible_mechanism import FloatingBody, StressOutput
+from ..linear_algebra import Matrix
 from ..reference_frame import Frame
 from . import tetrahedra
 from .assembled_matrices import assembled_text, warn_of_types
@@ -40,19 +45,13 @@ from .solid_elements import (
     solid_elements,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..linear_algebra import Matrix
-
-
 # A mass that differs by more of itself is that of another density; meshes and digits make less.
 DIFFERENT_MASS = 1e-3
 _OF_CENTRE = "; those of a brick's centre miss its bending"
 
 
 def body_stress(
-    given: FlexibleInput, K: "Matrix", mass: float, frame: Frame, Phi: np.ndarray, findings: Findings
+    given: FlexibleInput, K: Matrix, mass: float, frame: Frame, Phi: np.ndarray, findings: Findings
 ) -> BodyStress | None:
     """Return the elements of `given` and their nodal stresses per mode; None with a fault found.
 
@@ -83,12 +82,7 @@ def body_stress(
 
 
 def _at_best_points(
-    given: Any,
-    positions: np.ndarray,
-    table: BodyTable,
-    nearest: BodyElements,
-    K: "Matrix",
-    findings: Findings,
+    given: Any, positions: np.ndarray, table: BodyTable, nearest: BodyElements, K: Matrix, findings: Findings
 ) -> BodyElements:
     """Return elements at their points of reduced integration, for a stiffness of an unknown formulation.
 
@@ -159,7 +153,7 @@ def extrapolation(nodes: int, formulation: Formulation) -> np.ndarray:
     return found
 
 
-def _terms_of(nodes: int, count: int) -> "Callable[..., Any]":
+def _terms_of(nodes: int, count: int) -> Callable[..., Any]:
     """The polynomial that so many points determine."""
     if count == 1:
         return lambda x: np.ones((len(x), 1))
@@ -187,3 +181,42 @@ def point_stresses(body: FlexibleBody, chosen: np.ndarray) -> tuple[np.ndarray, 
     for part in parts(len(chosen)):
         points[part] = stresses(found, body.Phi, part)
     return points, found.elements.volumes
+
+
+def stress_outputs(model: VsdfModel, bodies: Sequence[FloatingBody]) -> tuple[StressOutput, ...]:
+    """Return what the model reports of its bodies.  Raises ModelError for an element that a body lacks."""
+    return tuple(_output(selection, bodies[selection.body].flexible) for selection in model.stresses)
+
+
+def _output(selection: StressSelection, body: FlexibleBody | None) -> StressOutput:
+    assert body is not None and body.stress is not None, "a selection is of a flexible body with a material"
+    nodes = np.array(selection.nodes, dtype=np.int64)
+    order = np.argsort(body.numbers)
+    rows = order[np.searchsorted(body.numbers[order], nodes)]
+    numbers = body.stress.numbers
+    order = np.argsort(numbers)
+    named = order[np.searchsorted(numbers[order], _named_elements(selection, body.name, numbers))]
+    chosen = np.arange(len(numbers)) if selection.every_element else named
+    elements = numbers[chosen]
+    points, volumes = point_stresses(body, chosen)
+    return StressOutput(
+        selection.body, nodes, body.stress.nodal[rows], elements, points, volumes, selection.largest
+    )
+
+
+def _named_elements(selection: StressSelection, name: str, numbers: np.ndarray) -> np.ndarray:
+    """Return the numbers of the elements that the deck names.  Raises ModelError where the body lacks one."""
+    elements = np.array(selection.elements, dtype=np.int64)
+    faults = [
+        Fault(
+            "error",
+            f"{name} has no element {elements[k]}; its elements are {numbers.min()} to {numbers.max()}",
+            selection.places[k],
+            "OUTS",
+            id="FE-071",
+        )
+        for k in np.flatnonzero(~np.isin(elements, numbers))
+    ]
+    if faults:
+        raise ModelError(faults)
+    return elements

@@ -1,26 +1,34 @@
-"""Abaqus matrices (*MATRIX OUTPUT): FORMAT=MATRIX INPUT, by node and direction, and FORMAT=COORDINATE; those
-of substructures (*SUBSTRUCTURE MATRIX OUTPUT) in abaqus_substructure.py.
+"""Abaqus matrices (*MATRIX OUTPUT): FORMAT=MATRIX INPUT, by node and direction, and FORMAT=COORDINATE.
 
 Abaqus Analysis User's Guide, "Generating matrices"; coordinates come with blanks or commas.  The suffix .mtx
 is also Matrix Market's: the deck names the format.  Nodes with negative labels are internal degrees of
 freedom of elements.  FORMAT=LABELS writes PART-1-1.7 for node 7 of an instance, the only one here.
+
+Matrices of *SUBSTRUCTURE MATRIX OUTPUT: a *USER ELEMENT with its nodes and directions, then *MATRIX cards.
+Abaqus Keywords Reference Guide, *USER ELEMENT, LINEAR and *MATRIX: the lower triangle row by row, a row on as
+many lines as it needs; the whole matrix if it is unsymmetric.  The nodes stand in a comment.
 """
 
 import re
+from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .abaqus_input import keyword_of
-from .abaqus_substructure import element_matrix, element_rows
-from .file_text import filled, line_fault, lines_of, table, whole
-from .matrix_file import FEFileFault, MatrixFile, NamedMatrix, chosen, has_both_triangles, labelled
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+from .file_text import filled, line_fault, lines_of, real, table, whole
+from .matrix_file import (
+    FEFileFault,
+    MatrixFile,
+    NamedMatrix,
+    check_labels,
+    chosen,
+    has_both_triangles,
+    labelled,
+)
 
 # Abaqus puts 1e36 on the diagonal where a degree of freedom is held.
 LARGEST_STIFFNESS = 1e30
@@ -45,7 +53,7 @@ def read_abaqus(path: Path, letter: str = "K", wanted: str = "") -> MatrixFile:
     return chosen(name, matrices, letter, wanted)
 
 
-def _sections(name: str, lines: list[str]) -> "Iterator[tuple[str, Any, tuple[Any, Any]]]":
+def _sections(name: str, lines: list[str]) -> Iterator[tuple[str, Any, tuple[Any, Any]]]:
     """Name, rows of a substructure, and filled lines with their numbers, of every matrix."""
     keywords = [i for i, line in enumerate(lines) if line[:1] == "*" and line[1:2] not in ("*", "")]
     yield "", None, filled(lines[: keywords[0]] if keywords else lines, comment="*")
@@ -63,7 +71,7 @@ def _sections(name: str, lines: list[str]) -> "Iterator[tuple[str, Any, tuple[An
             yield values.get("NAME") or values.get("TYPE", ""), element, body
 
 
-def _read_one(name: str, rows: np.ndarray | None, body: list[str], numbers: "Sequence[int]") -> MatrixFile:
+def _read_one(name: str, rows: np.ndarray | None, body: list[str], numbers: Sequence[int]) -> MatrixFile:
     if rows is not None:
         return element_matrix(name, rows, body, numbers)
     if _LABEL.match(body[0]):
@@ -86,7 +94,7 @@ def _read_one(name: str, rows: np.ndarray | None, body: list[str], numbers: "Seq
     return (_by_rows if width == 3 else _by_nodes)(name, where, entries[:, -1])
 
 
-def _without_instance(name: str, body: list[str], numbers: "Sequence[int]") -> list[str]:
+def _without_instance(name: str, body: list[str], numbers: Sequence[int]) -> list[str]:
     """Return lines with the numbers of nodes alone, all of them of one instance."""
     instance = _LABEL.findall(body[0])[0][1]
     for number, line in zip(numbers, body, strict=True):
@@ -118,3 +126,46 @@ def _by_nodes(name: str, where: np.ndarray, values: np.ndarray) -> MatrixFile:
             id="FE-015",
         )
     return labelled(where, values)
+
+
+_NODES = re.compile(r"ELEMENT NODES[^\n]*((?:\n\*\*[ \d,]*)+)", re.IGNORECASE | re.ASCII)
+
+
+def element_rows(name: str, line: int, count: str, body: list[str]) -> np.ndarray:
+    """Node and direction of the rows (size, 2) of the *USER ELEMENT on `line` with `count` nodes."""
+    data = [re.findall(r"\w+", text) for text in body if text.strip() and text[0] != "*"]
+    if data != [["1", "2", "3"]]:
+        message = (
+            "*USER ELEMENT must have directions 1, 2, 3 at all nodes alike, without rotations (4 to 6) and "
+            f"retained modes; read {data[:4]}"
+        )
+        raise line_fault(name, line, message, id="FE-191")
+    match = _NODES.search("\n".join(body))
+    nodes = [int(node) for node in re.findall(r"\d{1,15}", match[1])] if match else []
+    if not nodes or count not in ("", str(len(nodes))):
+        message = f"*USER ELEMENT has {count} nodes, and its comment 'ELEMENT NODES' names {len(nodes)}"
+        raise line_fault(name, line, message, id="FE-192")
+    rows = np.column_stack([np.repeat(nodes, 3), np.tile([1, 2, 3], len(nodes))])
+    check_labels(name, rows, "; each node of an element stands once")
+    return rows
+
+
+def element_matrix(name: str, equations: np.ndarray, body: list[str], numbers: Sequence[int]) -> MatrixFile:
+    """The matrix whose lower triangle, or all of it, the lines `body` hold row by row."""
+    values, size = [], len(equations)
+    for text, number in zip(body, numbers, strict=True):
+        try:
+            values += [real(word) for word in text.split(",") if word.strip()]
+        except ValueError:
+            message = f"values by commas wanted; read '{text.strip()[:40]}'"
+            raise line_fault(name, number, message, id="FE-193") from None
+    triangle = size * (size + 1) // 2
+    if len(values) not in (triangle, size * size):
+        raise FEFileFault(
+            f"{name}: a matrix of a *USER ELEMENT of {size // 3} nodes has {triangle} values; this one has "
+            f"{len(values)}",
+            id="FE-194",
+        )
+    half = len(values) == triangle
+    rows, columns = np.tril_indices(size) if half else np.indices((size, size)).reshape(2, -1)
+    return MatrixFile(size, rows, columns, np.array(values), half, equations)

@@ -9,8 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from .file_text import integer, real
-from .included_files import IncludedLines, Line
+from .file_text import IncludedLines, Line, integer, real
 
 _INPUT = re.compile(
     r"""\*\s*(INCLUDE|NODE|ELEMENT)\s*,(?:.*,)?\s*INPUT\s*=\s*["']?([^,"']*)""", re.IGNORECASE

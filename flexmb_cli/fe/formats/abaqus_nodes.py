@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from .abaqus_input import Block, blocks, integers_of, reals_of, words_of
-from .coordinate_systems import BASIC, rotation, spanned
-from .included_files import Line
+from .file_text import Line
 from .matrix_file import FEFileFault
-from .node_table import Node, node_of
+from .node_table import BASIC, Node, node_of, rotation, spanned
 
 # Nodes that *NGEN and *NFILL may make: a few numbers in a file can ask for any amount of memory.
 MOST_GENERATED = 1_000_000

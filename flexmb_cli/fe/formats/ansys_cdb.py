@@ -7,8 +7,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from .file_text import integer, lines_of, real
-from .included_files import Line
+from .file_text import Line, integer, lines_of, real
 from .matrix_file import FEFileFault
 from .node_table import Node, node_of, placed
 

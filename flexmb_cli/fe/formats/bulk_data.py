@@ -9,8 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from .file_text import integer, real
-from .included_files import IncludedLines, Line
+from .file_text import IncludedLines, Line, integer, real
 from .matrix_file import FEFileFault
 
 _INCLUDE = re.compile(r"\s*INCLUDE(?![A-Z0-9])\s*=?\s*(.*)", re.IGNORECASE)

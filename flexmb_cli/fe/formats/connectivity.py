@@ -5,22 +5,18 @@ Tetrahedra have 4 or 10 nodes, hexahedra 8 or 20.
 
 import re
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .abaqus_input import blocks, integers_of, words_of
 from .ansys_cdb import commands
 from .bulk_data import bulk_cards
-from .included_files import Line
+from .file_text import Line
 from .matrix_file import FEFileFault
 from .node_table import check_twice
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 COUNTS = (4, 8, 10, 20)
 _KNOWN = "tetrahedra of 4 or 10 and hexahedra of 8 or 20 nodes"
@@ -112,7 +108,7 @@ def _check_kinds(name: str, found: list[_Element]) -> None:
         raise FEFileFault(message, id="FE-084")
 
 
-def _inp_elements(path: Path) -> "Iterator[_Element]":
+def _inp_elements(path: Path) -> Iterator[_Element]:
     """Data lines of *ELEMENT; a line that ends in a comma is continued."""
     flat: dict[str, Line] = {}  # sets of lines and surfaces
     for block in blocks(path):
@@ -142,7 +138,7 @@ def _inp_elements(path: Path) -> "Iterator[_Element]":
                 words = []
 
 
-def _cdb_elements(path: Path) -> "Iterator[_Element]":
+def _cdb_elements(path: Path) -> Iterator[_Element]:
     """EBLOCKs, cut by the formats below them; nodes that do not fit stand on the next line."""
     flat = set()
     for line, command, words, below in commands(path, _OF_ELEMENTS):
@@ -152,7 +148,7 @@ def _cdb_elements(path: Path) -> "Iterator[_Element]":
             yield from _block(line, below, "SOLID" in words, flat)
 
 
-def _block(heading: Line, lines: list[str], solid: bool, flat: set[str]) -> "Iterator[_Element]":
+def _block(heading: Line, lines: list[str], solid: bool, flat: set[str]) -> Iterator[_Element]:
     layout = _CDB_FORMAT.match(lines[0].strip()) if lines else None
     if layout is None:
         second = Line(heading.name, heading.number + 1, "")
@@ -188,7 +184,7 @@ _BDF_OTHERS = (
 _MOST_POINTS = {"CHEXA": 20, "CTETRA": 10}
 
 
-def _bdf_elements(path: Path) -> "Iterator[_Element]":
+def _bdf_elements(path: Path) -> Iterator[_Element]:
     for card in bulk_cards(path, (*_SOLIDS, *_BDF_OTHERS)):
         if card.name in _BDF_OTHERS:
             yield _Element(0, [], card.line, card.name)

@@ -1,17 +1,18 @@
 """Text of a file and tables of numbers in it; what cannot be read is reported with its line.
 
 The names of these files come from decks, which may be untrusted: only regular files are opened, and
-nothing larger than `LARGEST_FILE` is read.
+nothing larger than `LARGEST_FILE` is read.  Names of included files are relative to the folder of the file
+that names them: none may include itself, and depth, number and length are bounded.
 """
 
 import codecs
 import os
 import re
 import stat
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import compress
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -138,7 +139,7 @@ def _loaded(lines: list[str], delimiter: str | None) -> np.ndarray | None:
 
 
 def _fault_of_lines(
-    name: str, lines: list[str], numbers: "Sequence[Any]", columns: int, meaning: str, delimiter: str | None
+    name: str, lines: list[str], numbers: Sequence[Any], columns: int, meaning: str, delimiter: str | None
 ) -> FEFileFault:
     """Return what is wrong with the first line that cannot be read."""
     for number, line in zip(numbers, lines, strict=False):
@@ -174,15 +175,11 @@ def _short(text: str) -> str:
 
 def whole(name: str, values: np.ndarray, numbers: Sequence[int], meaning: str) -> np.ndarray:
     """`values` (k, n) as int64; FEFileFault at the first line that has a fraction in them."""
-    wrong = np.flatnonzero(~_is_whole(values).all(axis=1))
+    is_whole = (np.abs(values) < _EXACT) & (values == np.rint(values))
+    wrong = np.flatnonzero(~is_whole.all(axis=1))
     if wrong.size:
         raise line_fault(name, numbers[int(wrong[0])], f"{meaning} must be whole numbers", id="FE-105")
     return values.astype(np.int64)
-
-
-def _is_whole(values: np.ndarray) -> np.ndarray:
-    found: np.ndarray = (np.abs(values) < _EXACT) & (values == np.rint(values))
-    return found
 
 
 def check_range(name: str, entries: np.ndarray, numbers: Sequence[int], size: int) -> None:
@@ -203,3 +200,57 @@ def filled(lines: list[str], comment: str = "", before: int = 0) -> tuple[list[s
         return lines, numbers
     kept = [line.strip() != "" and not (comment and line.startswith(comment)) for line in lines]
     return list(compress(lines, kept)), list(compress(numbers, kept))
+
+
+DEEPEST_INCLUSION, MOST_FILES = 10, 1000
+
+
+class Line(NamedTuple):
+    """A line of a file."""
+
+    name: str  # of the file, without its folder
+    number: int  # from 1
+    text: str  # without its line end
+
+    def fault(self, message: str, *, id: str) -> FEFileFault:
+        """Return the fault of this line."""
+        return line_fault(self.name, self.number, message, id=id)
+
+
+def _lines(path: Path) -> Iterator[Line]:
+    return iter([Line(path.name, i, text) for i, text in enumerate(lines_of(path), start=1)])
+
+
+class IncludedLines:
+    """An iterator of lines, into which a reader puts those of other files."""
+
+    def __init__(self, path: Path) -> None:
+        """Begin with the lines of `path`.  Raises FEFileFault."""
+        self._files = [(path.resolve(), _lines(path))]
+        self._left = [MOST_FILES, LARGEST_FILE]  # files and bytes still allowed
+
+    def __iter__(self) -> Iterator[Line]:
+        return self
+
+    def __next__(self) -> Line:
+        while (line := next(self._files[-1][1], None)) is None and len(self._files) > 1:
+            self._files.pop()
+        if line is None:
+            raise StopIteration
+        return line
+
+    def include(self, name: str, line: Line) -> None:
+        """Continue with the lines of the file `name`, which `line` names.  Raises FEFileFault."""
+        path = self._files[-1][0].parent / name.replace("\\", "/")
+        if len(self._files) > DEEPEST_INCLUSION or min(self._left) <= 0:
+            limits = f"{DEEPEST_INCLUSION} files deep, {MOST_FILES} files or {LARGEST_FILE // 2**30} GB"
+            raise line.fault(f"inclusions go beyond {limits}; join the files to one", id="FE-150")
+        try:
+            lines = _lines(path)
+        except FEFileFault as fault:
+            raise line.fault(f"the file included here: {fault}", id="FE-151") from None
+        if path.resolve() in [file for file, _ in self._files]:
+            message = f"{path.name} includes itself, at once or by other files; remove this line"
+            raise line.fault(message, id="FE-152")
+        self._left = [self._left[0] - 1, self._left[1] - path.stat().st_size]
+        self._files.append((path.resolve(), lines))

@@ -6,18 +6,15 @@ numbers as the heading announces, these count: scipy.io.hb_write has other width
 """
 
 import re
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .file_text import filled, integer, line_fault, lines_of, real
 from .matrix_file import FEFileFault, MatrixFile, check_labels, has_both_triangles
 from .matrix_market import BANNER, read_node_vector
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
 
 # Of (1P,4E20.12) or (8I10) only letter and width matter: cells are cut to the end of each line.
 _FORMAT = re.compile(r"([IDEFG])([1-9]\d{0,2})(?!\d)", re.IGNORECASE)
@@ -111,7 +108,7 @@ def _format(name: str, line: str, first: int, width: int) -> tuple[str, int]:
 
 
 def _numbers(
-    name: str, lines: list[str], numbers: "Sequence[int]", count: int, form: tuple[str, int], wanted: int
+    name: str, lines: list[str], numbers: Sequence[int], count: int, form: tuple[str, int], wanted: int
 ) -> np.ndarray:
     """`wanted` numbers from `count` lines, separated by blanks or cut by the width of their format.
 
@@ -128,7 +125,7 @@ def _numbers(
     return _cut(name, section, numbers, width, read, wanted) if split is None else split
 
 
-def _split(section: list[str], read: "Callable[..., Any]", wanted: int) -> np.ndarray | None:
+def _split(section: list[str], read: Callable[..., Any], wanted: int) -> np.ndarray | None:
     """The numbers between blanks, None where they are not `wanted` ones."""
     words = " ".join(section).split()
     if len(words) != wanted:
@@ -140,12 +137,7 @@ def _split(section: list[str], read: "Callable[..., Any]", wanted: int) -> np.nd
 
 
 def _cut(
-    name: str,
-    section: list[str],
-    numbers: "Sequence[int]",
-    width: int,
-    read: "Callable[..., Any]",
-    wanted: int,
+    name: str, section: list[str], numbers: Sequence[int], width: int, read: Callable[..., Any], wanted: int
 ) -> np.ndarray:
     """The numbers in fields of `width` columns."""
     cells = [

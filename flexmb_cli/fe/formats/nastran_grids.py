@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from .bulk_data import BulkCard, bulk_cards
-from .coordinate_systems import BASIC, CoordinateSystem, spanned
-from .node_table import Node
+from .node_table import BASIC, CoordinateSystem, Node, spanned
 
 _CORDS = tuple(f"CORD{points}{type}" for points in "12" for type in "RCS")
 # Fields of GRID behind its number and those that GRDSET gives where they are empty.

@@ -1,20 +1,19 @@
-"""Node tables: plain text, ANSYS NLIST and archives, Abaqus and CalculiX input, Nastran GRID cards."""
+"""Node tables: plain text, ANSYS NLIST and archives, Abaqus and CalculiX input, Nastran GRID cards.
+
+Programs give positions in rectangular, cylindrical and spherical coordinate systems.
+"""
 
 import re
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from .file_text import integer, lines_of, real
-from .included_files import Line
+from .file_text import Line, integer, lines_of, real
 from .matrix_file import FEFileFault
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
 
 # Products of such lengths with masses and stiffnesses stay finite.
 FARTHEST = 1e30  # m
@@ -61,7 +60,7 @@ def read_node_table(path: Path, form: str) -> NodeTable:
     return NodeTable(numbers, positions)
 
 
-def check_twice(name: str, what: str, lines: "Iterable[tuple[int, Line]]") -> None:
+def check_twice(name: str, what: str, lines: Iterable[tuple[int, Line]]) -> None:
     """Refuse nodes or elements (`what`) of the file `name` of which a number stands on two lines."""
     first: dict[int, Line] = {}
     for number, line in lines:
@@ -70,7 +69,7 @@ def check_twice(name: str, what: str, lines: "Iterable[tuple[int, Line]]") -> No
             raise FEFileFault(f"{name}: {what} {number} stands on lines {' and '.join(where)}", id="FE-054")
 
 
-def plain_nodes(path: Path) -> "Iterator[Node]":
+def plain_nodes(path: Path) -> Iterator[Node]:
     """Lines `id x y z`; # and headings are passed over, as are rotated axes of NLIST when they are 0."""
     for number, text in enumerate(lines_of(path), start=1):
         line = Line(path.name, number, text)
@@ -99,3 +98,45 @@ def placed(line: Line, node: int, values: list[float]) -> tuple[int, list[float]
         message = f"the axes of node {node} are rotated; matrices in rotated nodal axes cannot be used"
         raise line.fault(message, id="FE-093")
     return node, (values + [0.0] * 3)[:3]
+
+
+# Sine of the least angle between two directions that span a system.
+LEAST_SPAN = 1e-9
+
+
+class CoordinateSystem(NamedTuple):
+    """A system of coordinates x y z (R), R theta z (C) or R theta phi (S), theta from the z axis."""
+
+    type: str  # R, C or S
+    origin: Any  # (3,), m
+    axes: Any  # (3, 3), x y z in columns
+
+    def basic(self, values: Any) -> Any:
+        """Return the position (3,), m, of the point at `values`, angles in degrees."""
+        r, theta, last = values
+        if self.type != "R":
+            around = np.radians(theta if self.type == "C" else last)
+            across = r if self.type == "C" else r * np.sin(np.radians(theta))
+            height = last if self.type == "C" else r * np.cos(np.radians(theta))
+            r, theta, last = across * np.cos(around), across * np.sin(around), height
+        return self.origin + self.axes @ (r, theta, last)
+
+
+BASIC = CoordinateSystem("R", np.zeros(3), np.eye(3))
+
+
+def spanned(first: Any, second: Any) -> Any:
+    """Return axes in columns: along `first` (3,), towards `second` (3,), across both; None on one line."""
+    across = np.cross(first, second)
+    size = np.linalg.norm(across)
+    if not size > LEAST_SPAN * np.linalg.norm(first) * np.linalg.norm(second):
+        return None
+    a, c = first / np.linalg.norm(first), across / size
+    return np.column_stack([a, np.cross(c, a), c])
+
+
+def rotation(axis: Any, degrees: float) -> Any:
+    """Return the matrix (3, 3) of a turn about `axis` (3,)."""
+    axis, angle = axis / np.linalg.norm(axis), np.radians(degrees)
+    crossed = np.cross(np.eye(3), axis)
+    return np.eye(3) + np.sin(angle) * crossed + (1.0 - np.cos(angle)) * (crossed @ crossed)

@@ -18,10 +18,10 @@ from .._jit import allocating, kernel, part
 from ..kinematics import constraints as equations
 from ..laws import DAMPING, EFFORT, NORMAL, POWER
 from ..linalg.cholesky import cholesky, cholesky_solve, cholesky_solve_rows
-from ..linalg.copying import copy
-from ..linalg.local_order import choose_local
+from ..linalg.local_order import choose_by_rows
+from ..linalg.number_rows import copy
 from ..linalg.pivot_order import choose
-from ..linalg.rank_revealing_lu import WORN, dependent_speeds, factorise, free_motions
+from ..linalg.rank_revealing_lu import WORN, dependent_speeds, factorise, free_motions, row_times
 from ..linalg.rotation import RATE, REMAINDER, A, rotation_matrices, rotation_rates
 from .body_vectors import geometry_of, move_vectors, place_vectors
 from .constraint_primitives import equation_accelerations, equation_rows
@@ -82,22 +82,17 @@ def choose_order(work: Work, most: int) -> int:
 @allocating
 def _choose(work: Work, most: int) -> int:
     """Fill the order by the Jacobian at hand; returns the rank, at most `most`."""
-    m, c = work.jacobian.shape
-    counts, columns, values = np.empty(m, np.int64), np.empty((m, c), np.int64), np.empty((m, c))
-    many = work.mass.shape[0] > DENSE_START
-    for i in range(m):
-        counts[i] = 0
+    if work.mass.shape[0] > DENSE_START:
+        return choose_by_rows(work.jacobian, work.columns, work.order, most)
+    J = np.zeros((work.jacobian.shape[0], work.motions.shape[0]))
+    for i in range(J.shape[0]):
         for p in range(work.columns[i, 0]):
-            if many or work.jacobian[i, p] != 0.0:
-                columns[i, counts[i]], values[i, counts[i]] = work.columns[i, 1 + p], work.jacobian[i, p]
-                counts[i] += 1
-    if many:
-        return choose_local(counts, columns, values, work.order, most)
-    return choose(counts, columns, values, work.order, most)
+            J[i, work.columns[i, 1 + p]] = work.jacobian[i, p]
+    return choose(J, work.order, most)
 
 
 @kernel
-def factorise_order(work: "Work"):
+def factorise_order(work: Work):
     """Factors of the Jacobian in the order at hand; returns their quality, 0 where a pivot vanishes."""
     return factorise(work.jacobian, work.columns, work.order, work.rank[0], factors_of(work))
 
@@ -126,6 +121,16 @@ def factorise_constraints(system: System, work: Work, q: np.ndarray) -> int:
             return SINGULAR
     free_motions(factors_of(work), work.order, rank, work.motions)
     return SOLVED
+
+
+@kernel
+def factorise_for_forces(system: System, work: Work, q: np.ndarray) -> int:
+    """Factors at q of the constraints, mass matrices, and what the forces there need besides: a code."""
+    code = factorise_constraints(system, work, q)
+    if code != SOLVED:
+        return code
+    mass_matrices(system, work, q)
+    return reduce_mass(system, work) if has_friction(system.loads) else SOLVED
 
 
 @part
@@ -246,9 +251,14 @@ def accelerate(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: floa
     work then holds all forces but those of the constraints.
     """
     power = fill_forces(system, work, q, u, t)
+    solve(system, work, work.vectors[FORCES], work.rows[GAMMA], ud)
+    return add_power_of_drivers(system, work, u, ud, power)
+
+
+@part
+def add_power_of_drivers(system: System, work: Work, u: np.ndarray, ud: np.ndarray, power: float) -> float:
+    """Return a power and that of the drivers at accelerations ud (n,): all other constraints do no work."""
     forces, product = work.vectors[FORCES], work.vectors[PRODUCT]
-    solve(system, work, forces, work.rows[GAMMA], ud)
-    # Constraints that do not move do no work: what is left of their power is the drivers'.
     mass_times(system, work, ud, product)
     for k in range(u.shape[0]):
         power += (product[k] - forces[k]) * u[k]
@@ -272,8 +282,35 @@ def fill_forces(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: flo
     return power
 
 
+@part
+def missing_forces(
+    system: System,
+    work: Work,
+    q: np.ndarray,
+    u: np.ndarray,
+    t: float,
+    ud: np.ndarray,
+    gaps: np.ndarray,
+    missing: np.ndarray,
+) -> float:
+    """Fill gaps (m,), γ - J ud, and missing (n,), f - M ud, of accelerations ud (n,); returns the power.
+
+    Factors are those of `factorise_for_forces`; FORCES and the power are those of `accelerate`.
+    """
+    power = fill_forces(system, work, q, u, t)
+    for row in range(gaps.shape[0]):
+        total = row_times(work.jacobian, work.columns, row, ud, system.speed_scale)
+        gaps[row] = work.rows[GAMMA, row] - total * system.row_scale[row]
+    mass_times(system, work, ud, work.vectors[PRODUCT])
+    for k in range(ud.shape[0]):
+        missing[k] = work.vectors[FORCES, k] - work.vectors[PRODUCT, k]
+        # Constraints that do not move do no work: what is left of their power is the drivers'.
+        power -= missing[k] * u[k]
+    return power
+
+
 @allocating
-def _add_friction(system: System, work: "Work") -> float:
+def _add_friction(system: System, work: Work) -> float:
     """Add the friction of all joints to FORCES, on which it depends, and on GAMMA; returns its power."""
     m, n, first = work.jacobian.shape[0], work.motions.shape[0], first_friction(system.loads)
     count, applied = system.loads.shape[0] - first, work.vectors[FORCES]

@@ -3,6 +3,8 @@ alone does not show."""
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .._jit import kernel
 from ..kinematics.constraints import SCREW
 from ..kinematics.joints import screw
@@ -13,8 +15,6 @@ from .report import coordinates_and_speeds
 from .system import System, Work
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ..integrators.constrained_dop853 import Integration
     from ..integrators.generalised_alpha import AlphaIntegration
     from ..integrators.radau5 import RadauIntegration
@@ -26,7 +26,7 @@ MOST_TURNED = 2.5  # rad in a step, less than half a turn: the stages of a step 
 
 
 @kernel
-def _turn_rate(work: Work, c: "np.ndarray", u: "np.ndarray"):
+def _turn_rate(work: Work, c: np.ndarray, u: np.ndarray):
     """Rate of a screw's angle: the relative turning along its axis, rad/s."""
     i, j = 6 * c["body_i"] + 3, 6 * c["body_j"] + 3
     axis = rotate(work.rotations[A], c["body_i"], c["s_i"])
@@ -61,7 +61,7 @@ def expect_angles(
 
 
 @kernel
-def _add_angles(system: System, work: Work, u: "np.ndarray", h: float, angles: "np.ndarray") -> None:
+def _add_angles(system: System, work: Work, u: np.ndarray, h: float, angles: np.ndarray) -> None:
     """Add h times the rates of all angles."""
     for k in range(system.constraints.shape[0]):
         c = system.constraints[k]
@@ -75,7 +75,7 @@ def _add_angles(system: System, work: Work, u: "np.ndarray", h: float, angles: "
 
 
 @kernel
-def nearest_angles(system: System, work: Work, expected: "np.ndarray", angles: "np.ndarray") -> None:
+def nearest_angles(system: System, work: Work, expected: np.ndarray, angles: np.ndarray) -> None:
     """Fill angles (angles,) with those nearest to `expected`, where A and the body vectors belong to the
     position.
     """
@@ -98,9 +98,7 @@ def unwrap_angles(system: System, work: Work, integration: "Integration | RadauI
 
 
 @kernel
-def fill_angles(
-    system: System, work: Work, q: "np.ndarray", expected: "np.ndarray", angles: "np.ndarray"
-) -> None:
+def fill_angles(system: System, work: Work, q: np.ndarray, expected: np.ndarray, angles: np.ndarray) -> None:
     """Fill angles (angles,) with those at q that are nearest to `expected`, rad."""
     rotation_matrices(q, work.rotations[A])
     place_vectors(geometry_of(system, work), q)

@@ -10,15 +10,13 @@ Relative vectors are the vectors V and W of the primitives: a body vector, or th
 that of another.
 """
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from .._jit import kernel, plain
 from ..linalg.rotation import RATE, REMAINDER, A, rotate
 from .system import System, Work
-
-if TYPE_CHECKING:
-    import numpy as np
-
 
 VECTOR = 0  # row of the vectors themselves, before those of RATE and REMAINDER
 
@@ -29,12 +27,12 @@ class Geometry(NamedTuple):
     A kernel called for every body vector pays for every array that it is handed.
     """
 
-    body_vectors: "np.ndarray"  # BODY_VECTOR records
-    shapes: "np.ndarray"  # their shapes S (3, N), flat, m or 1 per unit of η
-    primitives: "np.ndarray"  # PRIMITIVE records
-    axes: "np.ndarray"  # (b, 3, 3) A of every body, body to global axes
-    placed: "np.ndarray"  # (3, body vectors, 3) `Work.body_vectors`, global axes, m
-    relative_vectors: "np.ndarray"  # (3, primitives, 2, 3) V and W of the primitives, global axes, m
+    body_vectors: np.ndarray  # BODY_VECTOR records
+    shapes: np.ndarray  # their shapes S (3, N), flat, m or 1 per unit of η
+    primitives: np.ndarray  # PRIMITIVE records
+    axes: np.ndarray  # (b, 3, 3) A of every body, body to global axes
+    placed: np.ndarray  # (3, body vectors, 3) `Work.body_vectors`, global axes, m
+    relative_vectors: np.ndarray  # (3, primitives, 2, 3) V and W of the primitives, global axes, m
 
 
 @plain
@@ -52,7 +50,7 @@ def geometry_of(system: System, work: Work) -> Geometry:
 
 @kernel
 def _deformed(
-    body_vector: "np.void", shapes: "np.ndarray", x: "np.ndarray", first: int
+    body_vector: np.void, shapes: np.ndarray, x: np.ndarray, first: int
 ) -> tuple[float, float, float]:
     """S x (3,) of one body vector for the modal coordinates or rates that begin at x[first]."""
     N, at = body_vector["modes"], body_vector["shape"]
@@ -66,7 +64,7 @@ def _deformed(
 
 
 @kernel
-def place_vectors(geometry: Geometry, q: "np.ndarray") -> None:
+def place_vectors(geometry: Geometry, q: np.ndarray) -> None:
     """Fill body vectors and relative vectors at q, where the rotation matrices belong to q."""
     first = 7 * geometry.axes.shape[0]
     for p in range(geometry.body_vectors.shape[0]):
@@ -80,7 +78,7 @@ def place_vectors(geometry: Geometry, q: "np.ndarray") -> None:
 
 
 @kernel
-def move_vectors(geometry: Geometry, u: "np.ndarray") -> None:
+def move_vectors(geometry: Geometry, u: np.ndarray) -> None:
     """Fill rates and remainders at the speeds u, where the body vectors have been placed."""
     first = 6 * geometry.axes.shape[0]
     for p in range(geometry.body_vectors.shape[0]):
@@ -101,7 +99,7 @@ def move_vectors(geometry: Geometry, u: "np.ndarray") -> None:
 
 
 @kernel
-def vector(rows: "np.ndarray", k: int) -> Any:
+def vector(rows: np.ndarray, k: int) -> Any:
     """Row k of rows (k, 3) as a triple."""
     return rows[k, 0], rows[k, 1], rows[k, 2]
 
@@ -113,7 +111,7 @@ def cross(a: tuple[float, float, float], b: tuple[float, float, float]) -> tuple
 
 
 @kernel
-def _fill_relative_vectors(geometry: Geometry, layer: int, origins: "np.ndarray", stride: int) -> None:
+def _fill_relative_vectors(geometry: Geometry, layer: int, origins: np.ndarray, stride: int) -> None:
     """Fill one layer of the relative vectors; origins: q or u, of which a body has `stride` numbers, 0:
     none.
     """
@@ -140,12 +138,7 @@ def _fill_relative_vectors(geometry: Geometry, layer: int, origins: "np.ndarray"
 
 @kernel
 def add_vector_row(
-    geometry: Geometry,
-    p: int,
-    w: tuple[float, float, float],
-    factor: float,
-    of_point: bool,
-    row: "np.ndarray",
+    geometry: Geometry, p: int, w: tuple[float, float, float], factor: float, of_point: bool, row: np.ndarray
 ) -> None:
     """Add to row (n,) the derivative of factor w · x by the speeds; x: the body vector p, or the point at its
     end.

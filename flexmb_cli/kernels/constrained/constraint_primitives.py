@@ -10,18 +10,14 @@ this form; the first primitives are equations, Φ = μ - f(t).  The second deriv
 """
 
 import math
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from .._jit import kernel
 from ..linalg.rotation import TURN
 from .body_vectors import RATE, REMAINDER, VECTOR, Geometry, add_vector_row, geometry_of, vector
-from .system import PRODUCT
+from .system import PRODUCT, System, Work
 from .time_functions import function_values
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from .system import System, Work
 
 
 @kernel
@@ -36,7 +32,7 @@ def primitive_value(geometry: Geometry, k: int, expected: float) -> float:
 
 
 @kernel
-def _relative_product(relative_vectors: "np.ndarray", k: int, layer: int, layer_of_w: int) -> float:
+def _relative_product(relative_vectors: np.ndarray, k: int, layer: int, layer_of_w: int) -> float:
     """V · W of primitive k, each of one layer."""
     total = 0.0
     for i in range(3):
@@ -45,7 +41,7 @@ def _relative_product(relative_vectors: "np.ndarray", k: int, layer: int, layer_
 
 
 @kernel
-def primitive_angle(placed: "np.ndarray", m: "np.void", expected: float) -> float:
+def primitive_angle(placed: np.ndarray, m: np.void, expected: float) -> float:
     """Return θ, rad, of primitive m at placed (3, body vectors, 3): the value nearest to `expected`."""
     x, y = _products(placed, m, VECTOR, VECTOR)
     theta = math.atan2(y, x)
@@ -53,7 +49,7 @@ def primitive_angle(placed: "np.ndarray", m: "np.void", expected: float) -> floa
 
 
 @kernel
-def _products(placed: "np.ndarray", m: "np.void", layer: int, layer_of_h: int) -> tuple[float, float]:
+def _products(placed: np.ndarray, m: np.void, layer: int, layer_of_h: int) -> tuple[float, float]:
     """F · H and G · H, F and G of one layer of the body vectors `placed`, H of another."""
     f, g, h = m["f"], m["g"], m["h"]
     x = y = 0.0
@@ -64,7 +60,7 @@ def _products(placed: "np.ndarray", m: "np.void", layer: int, layer_of_h: int) -
 
 
 @kernel
-def angle_rates(placed: "np.ndarray", m: "np.void") -> tuple[float, float]:
+def angle_rates(placed: np.ndarray, m: np.void) -> tuple[float, float]:
     """Return the rate of θ, rad/s, and its second derivative without those of the coordinates, rad/s².
 
     placed (3, body vectors, 3): body vectors that have been moved.
@@ -108,7 +104,7 @@ def primitive_rates(geometry: Geometry, k: int) -> tuple[float, float]:
 
 
 @kernel
-def add_primitive_row(geometry: Geometry, k: int, factor: float, row: "np.ndarray") -> None:
+def add_primitive_row(geometry: Geometry, k: int, factor: float, row: np.ndarray) -> None:
     """Add factor times the derivative of primitive k by the speeds to row (n,)."""
     m, body_vectors = geometry.primitives[k], geometry.body_vectors
     if m["alpha"] != 0.0:
@@ -134,9 +130,7 @@ def add_primitive_row(geometry: Geometry, k: int, factor: float, row: "np.ndarra
 
 
 @kernel
-def equation_residuals(
-    system: "System", work: "Work", t: float, expected: "np.ndarray", phi: "np.ndarray"
-) -> None:
+def equation_residuals(system: System, work: Work, t: float, expected: np.ndarray, phi: np.ndarray) -> None:
     """Fill the last rows of phi (m,), those of the primitives that are equations."""
     first, geometry = system.bodies.shape[0], geometry_of(system, work)
     for row in range(first, phi.shape[0]):
@@ -151,7 +145,7 @@ def equation_residuals(
 
 
 @kernel
-def equation_rows(system: "System", work: "Work", jacobian: "np.ndarray") -> None:
+def equation_rows(system: System, work: Work, jacobian: np.ndarray) -> None:
     """Fill the last rows of jacobian (m, c), not scaled."""
     first, geometry, whole = system.bodies.shape[0], geometry_of(system, work), work.vectors[PRODUCT]
     for row in range(first, jacobian.shape[0]):
@@ -166,7 +160,7 @@ def equation_rows(system: "System", work: "Work", jacobian: "np.ndarray") -> Non
 
 
 @kernel
-def equation_velocities(system: "System", t: float, nu: "np.ndarray") -> None:
+def equation_velocities(system: System, t: float, nu: np.ndarray) -> None:
     """Fill the last rows of nu (m,), the rates that the functions ask for."""
     first = system.bodies.shape[0]
     for k in range(nu.shape[0] - first):
@@ -177,7 +171,7 @@ def equation_velocities(system: "System", t: float, nu: "np.ndarray") -> None:
 
 
 @kernel
-def equation_accelerations(system: "System", work: "Work", t: float, gamma: "np.ndarray") -> None:
+def equation_accelerations(system: System, work: Work, t: float, gamma: np.ndarray) -> None:
     """Fill the last rows of gamma (m,), at moved body vectors."""
     first, geometry = system.bodies.shape[0], geometry_of(system, work)
     for row in range(first, gamma.shape[0]):

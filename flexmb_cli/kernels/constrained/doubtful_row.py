@@ -7,25 +7,19 @@ if so, speeds and accelerations are those of the interpolation between the ends 
 of constraints nan.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from .._jit import allocating, kernel
-from ..linalg.copying import copy
-from .accelerations import accelerate, choose_order, evaluate_jacobian, solve
+from ..linalg.number_rows import copy
+from .accelerations import accelerate, add_power_of_drivers, choose_order, evaluate_jacobian, solve
 from .body_vectors import geometry_of, move_vectors
 from .forces import add_applied_forces
-from .mass_matrix import inertia_and_elastic_forces, mass_matrices, mass_times
+from .mass_matrix import inertia_and_elastic_forces, mass_matrices
 from .multipliers import fill_multipliers
 from .projection import project_position, project_speeds
-from .report import complete, complete_motion, coordinates_and_speeds
+from .report import Report, complete, complete_motion, coordinates_and_speeds
 from .speeds import move, normalise
-from .system import CORRECTION, FORCES, GAMMA, PRODUCT, QD, SOLVED
-
-if TYPE_CHECKING:
-    from .report import Report
-    from .system import System, Work
+from .system import CORRECTION, FORCES, GAMMA, QD, SOLVED, System, Work
 
 STATE_ROUND_OFF = 2e-16  # of units: by up to twice that a state is moved to see what depends on it
 GAP_ROUND_OFF = (
@@ -39,13 +33,13 @@ DETERMINED = 1e-10  # change of accelerations below which constraint forces are 
 
 @allocating
 def fill_doubtful_row(
-    system: "System",
-    work: "Work",
-    state: "np.ndarray",
-    place: "tuple[np.ndarray, np.ndarray, np.ndarray]",
+    system: System,
+    work: Work,
+    state: np.ndarray,
+    place: tuple[np.ndarray, np.ndarray, np.ndarray],
     t: float,
     rtol: float,
-    report: "Report",
+    report: Report,
     row: int,
 ) -> None:
     """Fill a row of `report` at t, whose rates are those of the interpolation, or nan.
@@ -75,12 +69,12 @@ def fill_doubtful_row(
 
 @kernel
 def _ask_twice(
-    system: "System",
-    work: "Work",
-    raw: "np.ndarray",
-    place: "tuple[np.ndarray, np.ndarray, np.ndarray]",
+    system: System,
+    work: Work,
+    raw: np.ndarray,
+    place: tuple[np.ndarray, np.ndarray, np.ndarray],
     t: float,
-    answers: "tuple[np.ndarray, np.ndarray, np.ndarray]",
+    answers: tuple[np.ndarray, np.ndarray, np.ndarray],
 ):
     """Fill speeds, accelerations (2, n) and multipliers (2, m) of two states that differ by round-off.
 
@@ -107,11 +101,10 @@ def _ask_twice(
 
 
 @kernel
-def _open_gaps(system: "System", work: "Work", q: "np.ndarray") -> None:
+def _open_gaps(system: System, work: Work, q: np.ndarray) -> None:
     """Move q, near to which the factors are, by the shortest way that leaves round-off in the equations."""
     zero, step, gaps = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
-    for k in range(zero.shape[0]):
-        zero[k] = 0.0
+    zero[:] = 0.0
     for row in range(gaps.shape[0]):
         gaps[row] = GAP_ROUND_OFF * ((7 * row) % 4 - 1.5) * system.row_scale[row]
     solve(system, work, zero, gaps, step)
@@ -120,12 +113,7 @@ def _open_gaps(system: "System", work: "Work", q: "np.ndarray") -> None:
 
 @allocating
 def _is_determined(
-    system: "System",
-    rtol: float,
-    smooth: "np.ndarray",
-    speeds: "np.ndarray",
-    rates: "np.ndarray",
-    forces: "np.ndarray",
+    system: System, rtol: float, smooth: np.ndarray, speeds: np.ndarray, rates: np.ndarray, forces: np.ndarray
 ):
     """Return whether accelerations (2, n) and multipliers (2, m) are the equations', not round-off's.
 
@@ -140,7 +128,7 @@ def _is_determined(
 
 
 @kernel
-def _largest(values: "np.ndarray", scale: "np.ndarray"):
+def _largest(values: np.ndarray, scale: np.ndarray):
     """The largest of values (n,) in units of their scale."""
     found = 0.0
     for k in range(values.shape[0]):
@@ -149,7 +137,7 @@ def _largest(values: "np.ndarray", scale: "np.ndarray"):
 
 
 @kernel
-def _change(values: "np.ndarray", scale: "np.ndarray"):
+def _change(values: np.ndarray, scale: np.ndarray):
     """The largest difference of values (2, n) in units of their scale; infinity where one is nan."""
     found = 0.0
     for k in range(values.shape[1]):
@@ -160,7 +148,7 @@ def _change(values: "np.ndarray", scale: "np.ndarray"):
 
 
 @kernel
-def _leave_singular(system: "System", work: "Work", state: "np.ndarray", z: "np.ndarray") -> None:
+def _leave_singular(system: System, work: Work, state: np.ndarray, z: np.ndarray) -> None:
     """Normalise z, and choose an order of elimination that serves the state.
 
     The search for another order ended at a singular position with one that serves nowhere.
@@ -174,12 +162,12 @@ def _leave_singular(system: "System", work: "Work", state: "np.ndarray", z: "np.
 
 @kernel
 def _fill_without_forces(
-    system: "System",
-    work: "Work",
-    place: "tuple[np.ndarray, np.ndarray, np.ndarray]",
+    system: System,
+    work: Work,
+    place: tuple[np.ndarray, np.ndarray, np.ndarray],
     t: float,
     power: float,
-    report: "Report",
+    report: Report,
     row: int,
 ) -> None:
     """Fill a row of `report` from its rates and state, with nan for the forces of constraints.
@@ -192,23 +180,16 @@ def _fill_without_forces(
     mass_matrices(system, work, q)
     if np.isnan(power):
         power = _power(system, work, q, u, t, report.rates[row])
-    for k in range(report.multipliers.shape[1]):
-        report.multipliers[row, k] = np.nan
-    for k in range(report.wrenches.shape[1]):
-        for end in range(2):
-            for i in range(6):
-                report.wrenches[row, k, end, i] = np.nan
+    report.multipliers[row, :] = np.nan
+    report.wrenches[row, :, :, :] = np.nan
     complete_motion(system, work, z, t, expected, power, report, row)
 
 
 @kernel
-def _power(system: "System", work: "Work", q: "np.ndarray", u: "np.ndarray", t: float, ud: "np.ndarray"):
+def _power(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: float, ud: np.ndarray):
     """Power of the drivers and of the applied forces that store no energy, for given accelerations."""
-    forces, product = work.vectors[FORCES], work.vectors[PRODUCT]
+    forces = work.vectors[FORCES]
     move_vectors(geometry_of(system, work), u)
     power = inertia_and_elastic_forces(system, work, q, u, forces)
     power += add_applied_forces(system, work, u, t, forces)
-    mass_times(system, work, ud, product)
-    for k in range(u.shape[0]):
-        power += (product[k] - forces[k]) * u[k]
-    return power
+    return add_power_of_drivers(system, work, u, ud, power)

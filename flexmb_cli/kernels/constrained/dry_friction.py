@@ -13,19 +13,16 @@ change by (1 - J)⁻¹ e.  Implicit methods take its diagonal into their slopes.
 """
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .._jit import allocating, kernel
 from ..laws import NORMAL_PRELOAD
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from ..linalg.rank_revealing_lu import entry_of
 from .body_vectors import VECTOR, vector
 from .elements import ELEMENT, FRICTION
-
-if TYPE_CHECKING:
-    from .system import System, Work
+from .system import System, Work
 
 # Of a joint force: three across the axis, what a thread bears of the one along it, the preload.
 THREAD, PRELOAD, COMPONENTS = 3, 4, 5
@@ -60,7 +57,7 @@ def first_friction(loads: np.ndarray) -> int:
 
 
 @kernel
-def fill_joint_forces(system: "System", work: "Work", first: int, lam: np.ndarray, found: np.ndarray) -> None:
+def fill_joint_forces(system: System, work: Work, first: int, lam: np.ndarray, found: np.ndarray) -> None:
     """Fill found (frictions, 5) with the joint forces of the multipliers lam, N, and the preloads."""
     for k in range(found.shape[0]):
         load = system.loads[first + k]

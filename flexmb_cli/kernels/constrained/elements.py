@@ -9,7 +9,9 @@ tanh.
 """
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from .._jit import kernel
 from ..laws import (
@@ -26,19 +28,14 @@ from ..laws import (
 from ..linalg.rotation import dot
 from .body_vectors import RATE, VECTOR, Geometry, add_vector_row, geometry_of, vector
 from .constraint_primitives import add_primitive_row, primitive_rates, primitive_value
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from .system import System, Work
-
+from .system import System, Work
 
 # The codes of model.arrays.records; a test compares them.
 ELEMENT, FRICTION = 5, 6
 
 
 @kernel
-def add_element(system: "System", work: "Work", k: int, t: float, f: "np.ndarray") -> float:
+def add_element(system: System, work: Work, k: int, t: float, f: np.ndarray) -> float:
     """Add element k to f (n,); returns the power of what stores no energy."""
     load, answer = system.loads[k], work.responses[k]
     geometry = geometry_of(system, work)
@@ -54,7 +51,7 @@ def add_element(system: "System", work: "Work", k: int, t: float, f: "np.ndarray
 
 
 @kernel
-def add_along_line(geometry: Any, k: int, share: float, f: "np.ndarray") -> None:
+def add_along_line(geometry: Any, k: int, share: float, f: np.ndarray) -> None:
     """Add to f the force `share` times V of primitive k that drives its ends apart."""
     d, ends = vector(geometry.relative_vectors[VECTOR, k], 0), geometry.primitives[k]["ends"]
     add_vector_row(geometry, ends[0, 1], d, -share, True, f)
@@ -62,7 +59,7 @@ def add_along_line(geometry: Any, k: int, share: float, f: "np.ndarray") -> None
 
 
 @kernel
-def _fill_coordinate(geometry: Geometry, work: "Work", load: "np.void", answer: "np.ndarray") -> bool:
+def _fill_coordinate(geometry: Geometry, work: Work, load: np.void, answer: np.ndarray) -> bool:
     """Coordinate and rate of an element; whether it has a direction: ends that coincide have none."""
     k = load["primitive"]
     if load["in_line"]:
@@ -86,14 +83,14 @@ def _fill_coordinate(geometry: Geometry, work: "Work", load: "np.void", answer: 
 
 
 @kernel
-def _is_upright(geometry: Geometry, load: "np.void") -> bool:
+def _is_upright(geometry: Geometry, load: np.void) -> bool:
     """Return whether the axes of both bodies about which a bushing turns are within a right angle."""
     placed = geometry.placed[VECTOR]
     return dot(vector(placed, load["body_vector"]), vector(placed, load["tilted"])) > 0.0
 
 
 @kernel
-def add_unit_friction(system: "System", work: "Work", k: int, f: "np.ndarray") -> None:
+def add_unit_friction(system: System, work: Work, k: int, f: np.ndarray) -> None:
     """Add friction k by the normal force 1 N to f (n,), and answer for it."""
     load, geometry = system.loads[k], geometry_of(system, work)
     r, turns, slides = load["c"][RADIUS], load["primitive"] >= 0, load["stroke"] >= 0
@@ -108,7 +105,7 @@ def add_unit_friction(system: "System", work: "Work", k: int, f: "np.ndarray") -
 
 @kernel
 def add_element_slope(
-    geometry: Any, work: "Work", load: "np.void", k: int, by_position: float, by_speed: float, y: "np.ndarray"
+    geometry: Any, work: Work, load: np.void, k: int, by_position: float, by_speed: float, y: np.ndarray
 ) -> None:
     """y += (by_position K + by_speed D) x of element k, where the body vectors have been moved by x."""
     answer, r = work.responses[k], load["c"][RADIUS]

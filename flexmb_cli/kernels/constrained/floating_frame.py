@@ -17,25 +17,22 @@ Arrays for N modes, in body axes (η in units of the modes, so that S1 η is in 
 - f (6 + N,): forces on (ṙ, ω, η̇), N in global axes, N m in body axes, then those on the modes
 """
 
-from typing import TYPE_CHECKING
+import numpy as np
 
 from .._jit import kernel
-
-if TYPE_CHECKING:
-    import numpy as np
 
 
 @kernel
 def moving_inertia(
-    eta: "np.ndarray",
-    J0: "np.ndarray",
-    J1: "np.ndarray",
-    J2: "np.ndarray",
-    C0: "np.ndarray",
-    C1: "np.ndarray",
-    T: "np.ndarray",
-    S_tt: "np.ndarray",
-    S_tf: "np.ndarray",
+    eta: np.ndarray,
+    J0: np.ndarray,
+    J1: np.ndarray,
+    J2: np.ndarray,
+    C0: np.ndarray,
+    C1: np.ndarray,
+    T: np.ndarray,
+    S_tt: np.ndarray,
+    S_tf: np.ndarray,
 ) -> None:
     """Fill T (N, 3, 3), S_tt (3, 3) and S_tf (3, N) at the modal coordinates eta (N,).
 
@@ -57,7 +54,7 @@ def moving_inertia(
 
 
 @kernel
-def _turned_inertia(eta: "np.ndarray", J2: "np.ndarray", T: "np.ndarray") -> None:
+def _turned_inertia(eta: np.ndarray, J2: np.ndarray, T: np.ndarray) -> None:
     """T = sum_l eta_l J2_l (3, 3), in the order in which J2 (N, 3, 3) lies in memory."""
     t00 = t01 = t02 = t10 = t11 = t12 = t20 = t21 = t22 = 0.0
     for l in range(eta.shape[0]):
@@ -77,7 +74,7 @@ def _turned_inertia(eta: "np.ndarray", J2: "np.ndarray", T: "np.ndarray") -> Non
 
 
 @kernel
-def first_moment(eta: "np.ndarray", s0: "np.ndarray", S1: "np.ndarray", s: "np.ndarray") -> None:
+def first_moment(eta: np.ndarray, s0: np.ndarray, S1: np.ndarray, s: np.ndarray) -> None:
     """Fill s (3,) with s0 + S1 eta."""
     for a in range(3):
         total = s0[a]
@@ -88,14 +85,14 @@ def first_moment(eta: "np.ndarray", s0: "np.ndarray", S1: "np.ndarray", s: "np.n
 
 @kernel
 def mass_matrix(
-    A: "np.ndarray",
+    A: np.ndarray,
     m: float,
-    s: "np.ndarray",
-    S1: "np.ndarray",
-    S_tt: "np.ndarray",
-    S_tf: "np.ndarray",
-    Mff: "np.ndarray",
-    M: "np.ndarray",
+    s: np.ndarray,
+    S1: np.ndarray,
+    S_tt: np.ndarray,
+    S_tf: np.ndarray,
+    Mff: np.ndarray,
+    M: np.ndarray,
 ) -> None:
     """Fill M (6 + N, 6 + N), symmetric; A (3, 3) turns body axes into global ones."""
     N = Mff.shape[0]
@@ -120,17 +117,17 @@ def mass_matrix(
 
 @kernel
 def velocity_forces(
-    A: "np.ndarray",
-    w: "np.ndarray",
-    etad: "np.ndarray",
-    s: "np.ndarray",
-    S1: "np.ndarray",
-    S_tt: "np.ndarray",
-    S_tf: "np.ndarray",
-    J1: "np.ndarray",
-    T: "np.ndarray",
-    C1: "np.ndarray",
-    f: "np.ndarray",
+    A: np.ndarray,
+    w: np.ndarray,
+    etad: np.ndarray,
+    s: np.ndarray,
+    S1: np.ndarray,
+    S_tt: np.ndarray,
+    S_tf: np.ndarray,
+    J1: np.ndarray,
+    T: np.ndarray,
+    C1: np.ndarray,
+    f: np.ndarray,
 ) -> None:
     """Fill f (6 + N,) with the quadratic velocity forces at the angular velocity w (3,), body axes."""
     N = etad.shape[0]
@@ -159,13 +156,13 @@ def velocity_forces(
 
 @kernel
 def _turning_forces(
-    w: "np.ndarray",
-    etad: "np.ndarray",
-    S_tt: "np.ndarray",
-    S_tf: "np.ndarray",
-    J1: "np.ndarray",
-    T: "np.ndarray",
-    f: "np.ndarray",
+    w: np.ndarray,
+    etad: np.ndarray,
+    S_tt: np.ndarray,
+    S_tf: np.ndarray,
+    J1: np.ndarray,
+    T: np.ndarray,
+    f: np.ndarray,
 ) -> None:
     """Rows 3 to 5: -w × (S_tt w - S_tf η̇) - Ṡ_tt w, with Ṡ_tt = sum_k η̇_k (J1_k + T_k + T_kᵀ)."""
     h = (0.0, 0.0, 0.0)
@@ -184,9 +181,7 @@ def _turning_forces(
 
 
 @kernel
-def add_gravity(
-    A: "np.ndarray", m: float, s: "np.ndarray", S1: "np.ndarray", g: "np.ndarray", f: "np.ndarray"
-) -> None:
+def add_gravity(A: np.ndarray, m: float, s: np.ndarray, S1: np.ndarray, g: np.ndarray, f: np.ndarray) -> None:
     """Add gravity g (3,), global axes, m/s²: (66)-(69), M times a uniform acceleration."""
     b0 = A[0, 0] * g[0] + A[1, 0] * g[1] + A[2, 0] * g[2]
     b1 = A[0, 1] * g[0] + A[1, 1] * g[1] + A[2, 1] * g[2]
@@ -202,13 +197,13 @@ def add_gravity(
 
 @kernel
 def add_elastic_forces(
-    w: "np.ndarray",
-    eta: "np.ndarray",
-    etad: "np.ndarray",
-    Kr: "np.ndarray",
-    Dr: "np.ndarray",
-    KG: "np.ndarray",
-    f: "np.ndarray",
+    w: np.ndarray,
+    eta: np.ndarray,
+    etad: np.ndarray,
+    Kr: np.ndarray,
+    Dr: np.ndarray,
+    KG: np.ndarray,
+    f: np.ndarray,
 ) -> float:
     """Add -(K η + D η̇) and the centrifugal stiffening, -sum (w~ w~)_ij KG_ij η; KG (3, 3, N, N) or empty.
 

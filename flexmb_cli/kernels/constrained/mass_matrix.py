@@ -9,20 +9,17 @@ and for a flexible one `floating_frame`.  M is kept body by body: work.mass (bod
 whole blocks (6 + N, 6 + N) of the flexible ones in work.modal.
 """
 
-from typing import TYPE_CHECKING
+import numpy as np
 
 from .._jit import kernel, part
-from ..linalg.blocks import block
+from ..linalg.number_rows import block
 from ..linalg.rotation import A
 from . import floating_frame
 from .system import PRODUCT, System, Work
 
-if TYPE_CHECKING:
-    import numpy as np
-
 
 @part
-def constants_of(flat: "np.ndarray", f: "np.void") -> "tuple[np.ndarray, ...]":
+def constants_of(flat: np.ndarray, f: np.void) -> tuple[np.ndarray, ...]:
     """Return S1 (3, N), J1 (N, 3, 3), J2 (N, N, 3, 3), C0 (3, N), C1 (N, 3, N), Mff, Kr, Dr (N, N) and KG.
 
     flat (k,): `System.modal`; f: the FLEXIBLE record of the body.
@@ -43,7 +40,7 @@ def constants_of(flat: "np.ndarray", f: "np.void") -> "tuple[np.ndarray, ...]":
 
 
 @part
-def places_of(flat: "np.ndarray", f: "np.void") -> "tuple[np.ndarray, ...]":
+def places_of(flat: np.ndarray, f: np.void) -> tuple[np.ndarray, ...]:
     """Return s (3,), S_tt (3, 3), S_tf (3, N), T (N, 3, 3), the mass matrix and forces of a body: its work.
 
     flat (k,): `Work.modal`; f: the FLEXIBLE record of the body.
@@ -56,29 +53,20 @@ def places_of(flat: "np.ndarray", f: "np.void") -> "tuple[np.ndarray, ...]":
 
 
 @kernel
-def mass_matrices(system: System, work: Work, q: "np.ndarray") -> None:
+def mass_matrices(system: System, work: Work, q: np.ndarray) -> None:
     """Fill the mass matrices at q, where the rotation matrices belong to q."""
-    masses, matrix = system.masses, work.mass
+    masses = system.masses
     for b in range(masses.shape[0]):
-        if masses[b]["flexible"] >= 0:
-            continue
-        s, block, axes = masses[b]["moment"], matrix[b], work.rotations[A, b]
-        for i in range(3):
-            for j in range(3):
-                block[i, j] = masses[b]["mass"] if i == j else 0.0
-                block[3 + i, 3 + j] = masses[b]["inertia"][i, j]
-            # -A s~, row i
-            block[i, 3] = axes[i, 2] * s[1] - axes[i, 1] * s[2]
-            block[i, 4] = axes[i, 0] * s[2] - axes[i, 2] * s[0]
-            block[i, 5] = axes[i, 1] * s[0] - axes[i, 0] * s[1]
-            for j in range(3, 6):
-                block[j, i] = block[i, j]
+        if masses[b]["flexible"] < 0:
+            axes, m, s, J = work.rotations[A, b], masses[b]["mass"], masses[b]["moment"], masses[b]["inertia"]
+            modes = axes[:, :0]  # none
+            floating_frame.mass_matrix(axes, m, s, modes, J, modes, axes[:0, :0], work.mass[b])
     for k in range(system.flexible.shape[0]):
         _flexible_mass(system, work, system.flexible[k], q)
 
 
 @part
-def _flexible_mass(system: System, work: Work, f: "np.void", q: "np.ndarray") -> None:
+def _flexible_mass(system: System, work: Work, f: np.void, q: np.ndarray) -> None:
     S1, J1, J2, C0, C1, Mff, _, _, _ = constants_of(system.modal, f)
     s, S_tt, S_tf, T, M, _ = places_of(work.modal, f)
     b, at = f["body"], 7 * system.masses.shape[0] + f["first"]
@@ -89,7 +77,7 @@ def _flexible_mass(system: System, work: Work, f: "np.void", q: "np.ndarray") ->
 
 
 @kernel
-def mass_times(system: System, work: Work, x: "np.ndarray", y: "np.ndarray") -> None:
+def mass_times(system: System, work: Work, x: np.ndarray, y: np.ndarray) -> None:
     """y = M x for x, y (n,); zeros in x cost nothing."""
     masses = system.masses
     for k in range(x.shape[0]):
@@ -116,7 +104,7 @@ def mass_times(system: System, work: Work, x: "np.ndarray", y: "np.ndarray") -> 
 
 @part
 def inertia_and_elastic_forces(
-    system: System, work: Work, q: "np.ndarray", u: "np.ndarray", f: "np.ndarray"
+    system: System, work: Work, q: np.ndarray, u: np.ndarray, f: np.ndarray
 ) -> float:
     """Fill f (n,) with quadratic velocity forces, gravity, elastic forces; the mass matrices belong to q.
 
@@ -126,7 +114,8 @@ def inertia_and_elastic_forces(
     for b in range(masses.shape[0]):
         if masses[b]["flexible"] < 0:
             _gyroscopic_forces(masses[b], work.rotations[A, b], u[6 * b : 6 * b + 6], f[6 * b : 6 * b + 6])
-            _add_weight(masses[b], work.rotations[A, b], g, f[6 * b : 6 * b + 6])
+            m, s, axes = masses[b]["mass"], masses[b]["moment"], work.rotations[A, b]
+            floating_frame.add_gravity(axes, m, s, axes[:, :0], g, f[6 * b : 6 * b + 6])
     power = 0.0
     for k in range(system.flexible.shape[0]):
         power += _flexible_forces(system, work, system.flexible[k], q, u, f)
@@ -134,7 +123,7 @@ def inertia_and_elastic_forces(
 
 
 @part
-def _gyroscopic_forces(mass: "np.void", axes: "np.ndarray", u: "np.ndarray", f: "np.ndarray") -> None:
+def _gyroscopic_forces(mass: np.void, axes: np.ndarray, u: np.ndarray, f: np.ndarray) -> None:
     s, J = mass["moment"], mass["inertia"]
     w0, w1, w2 = u[3], u[4], u[5]
     along = w0 * s[0] + w1 * s[1] + w2 * s[2]
@@ -152,21 +141,8 @@ def _gyroscopic_forces(mass: "np.void", axes: "np.ndarray", u: "np.ndarray", f: 
 
 
 @part
-def _add_weight(mass: "np.void", axes: "np.ndarray", g: "np.ndarray", f: "np.ndarray") -> None:
-    s = mass["moment"]
-    b0 = axes[0, 0] * g[0] + axes[1, 0] * g[1] + axes[2, 0] * g[2]
-    b1 = axes[0, 1] * g[0] + axes[1, 1] * g[1] + axes[2, 1] * g[2]
-    b2 = axes[0, 2] * g[0] + axes[1, 2] * g[1] + axes[2, 2] * g[2]
-    for i in range(3):
-        f[i] += mass["mass"] * g[i]
-    f[3] += s[1] * b2 - s[2] * b1
-    f[4] += s[2] * b0 - s[0] * b2
-    f[5] += s[0] * b1 - s[1] * b0
-
-
-@part
 def _flexible_forces(
-    system: System, work: Work, flexible: "np.void", q: "np.ndarray", u: "np.ndarray", f: "np.ndarray"
+    system: System, work: Work, flexible: np.void, q: np.ndarray, u: np.ndarray, f: np.ndarray
 ) -> float:
     S1, J1, _, _, C1, _, Kr, Dr, KG = constants_of(system.modal, flexible)
     s, S_tt, S_tf, T, _, own = places_of(work.modal, flexible)
@@ -185,7 +161,7 @@ def _flexible_forces(
 
 
 @kernel
-def kinetic_energy(system: System, work: Work, u: "np.ndarray") -> float:
+def kinetic_energy(system: System, work: Work, u: np.ndarray) -> float:
     """½ uᵀ M u, J."""
     product, total = work.vectors[PRODUCT], 0.0
     mass_times(system, work, u, product)
@@ -195,7 +171,7 @@ def kinetic_energy(system: System, work: Work, u: "np.ndarray") -> float:
 
 
 @kernel
-def strain_energy(system: System, q: "np.ndarray") -> float:
+def strain_energy(system: System, q: np.ndarray) -> float:
     """½ ηᵀ K η of all flexible bodies, J."""
     total = 0.0
     for k in range(system.flexible.shape[0]):
@@ -208,7 +184,7 @@ def strain_energy(system: System, q: "np.ndarray") -> float:
 
 
 @kernel
-def weight_energy(system: System, work: Work, q: "np.ndarray") -> float:
+def weight_energy(system: System, work: Work, q: np.ndarray) -> float:
     """Energy of gravity, J, where rotation matrices and mass matrices belong to q."""
     total, g = 0.0, system.gravity
     for b in range(system.masses.shape[0]):

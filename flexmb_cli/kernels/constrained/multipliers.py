@@ -61,7 +61,7 @@ def _fill_least_norm(work: Work, constraint_forces: np.ndarray, lam: np.ndarray)
 
 
 @kernel
-def _subtract_forces(work: Work, places: "np.ndarray", lam: np.ndarray, y: np.ndarray) -> None:
+def _subtract_forces(work: Work, places: np.ndarray, lam: np.ndarray, y: np.ndarray) -> None:
     """Subtract J_dᵀ lam from y (rank,)."""
     for row in range(lam.shape[0]):
         for p in range(work.columns[row, 0]):
@@ -71,7 +71,7 @@ def _subtract_forces(work: Work, places: "np.ndarray", lam: np.ndarray, y: np.nd
 
 
 @kernel
-def _add_multipliers(work: Work, places: "np.ndarray", y: np.ndarray, lam: np.ndarray) -> None:
+def _add_multipliers(work: Work, places: np.ndarray, y: np.ndarray, lam: np.ndarray) -> None:
     """Add J_d y to lam (m,)."""
     for row in range(lam.shape[0]):
         for p in range(work.columns[row, 0]):
@@ -81,7 +81,7 @@ def _add_multipliers(work: Work, places: "np.ndarray", y: np.ndarray, lam: np.nd
 
 
 @kernel
-def _number_in_order(speeds: "np.ndarray", places: "np.ndarray") -> None:
+def _number_in_order(speeds: np.ndarray, places: np.ndarray) -> None:
     """Fill places (n,) of -1 with the rank of each of `speeds` among them: neighbours stay neighbours."""
     for k in speeds:
         places[k] = 0
@@ -93,7 +93,7 @@ def _number_in_order(speeds: "np.ndarray", places: "np.ndarray") -> None:
 
 
 @kernel
-def _lay_out(work: Work, places: "np.ndarray", starts: "np.ndarray", ends: "np.ndarray") -> int:
+def _lay_out(work: Work, places: np.ndarray, starts: np.ndarray, ends: np.ndarray) -> int:
     """Fill where the rows of J_dᵀ J_d start and end, each from its diagonal on: starts, ends (rank,).
 
     See `factorise_rows`.  Returns the number of entries.
@@ -114,7 +114,7 @@ def _lay_out(work: Work, places: "np.ndarray", starts: "np.ndarray", ends: "np.n
 
 
 @kernel
-def _fill_gram(work: Work, places: "np.ndarray", gram: np.ndarray, starts: "np.ndarray") -> None:
+def _fill_gram(work: Work, places: np.ndarray, gram: np.ndarray, starts: np.ndarray) -> None:
     """Fill gram, zeros, with J_dᵀ J_d as `_lay_out` has it."""
     for row in range(work.jacobian.shape[0]):
         for p in range(work.columns[row, 0]):

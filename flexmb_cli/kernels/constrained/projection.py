@@ -81,8 +81,7 @@ def close_gaps(
     `metric`: the Work by whose factors each correction is the shortest; `work` itself for that of M.
     """
     zero, step, gamma = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
-    for k in range(zero.shape[0]):
-        zero[k] = 0.0
+    zero[:] = 0.0
     before = np.inf
     for _ in range(MOST_CORRECTIONS):
         gap = evaluate_residual(system, work, q, t, expected)
@@ -129,8 +128,7 @@ def project_speeds(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: 
 def close_rates(system: System, work: Work, metric: Work, u: np.ndarray, t: float) -> None:
     """Correct u to meet the rates of the equations where the Jacobian stands; `metric` as in `close_gaps`."""
     zero, step = work.vectors[QD], work.vectors[CORRECTION]
-    for k in range(zero.shape[0]):
-        zero[k] = 0.0
+    zero[:] = 0.0
     for _ in range(RATE_CORRECTIONS):
         rate_gap(system, work, u, t)
         solve(system, metric, zero, work.rows[GAMMA], step)

@@ -1,19 +1,18 @@
 """Report of a mechanism at one time: accelerations, constraint forces, energies, residuals."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
+
+import numpy as np
 
 from .._jit import kernel
 from ..laws import POWER
+from ..linalg.number_rows import copy
 from .accelerations import accelerations
 from .forces import spring_energy
 from .mass_matrix import kinetic_energy, strain_energy, weight_energy
 from .multipliers import fill_multipliers, fill_wrenches
 from .projection import evaluate_residual, largest_gap, rate_gap
 from .system import SOLVED, System, Work
-
-if TYPE_CHECKING:
-    import numpy as np
-
 
 # Rows of the powers of loads (rows, K): at the state, at the start of the step behind, and what is tried.
 NOW, BEHIND, TRIED = 0, 1, 2
@@ -22,18 +21,18 @@ NOW, BEHIND, TRIED = 0, 1, 2
 class Report(NamedTuple):
     """T rows of a mechanism of b bodies with n speeds and m equations."""
 
-    times: "np.ndarray"  # (T,) s
-    states: "np.ndarray"  # (T, N) coordinates, speeds, work of drivers and applied loads, then of K loads, J
-    rates: "np.ndarray"  # (T, n) of the speeds, m/s² or 1/s²
-    wrenches: "np.ndarray"  # (T, groups, 2, 6) on both bodies, N and N m, see `fill_wrenches`
-    multipliers: "np.ndarray"  # (T, m) scaled
-    powers: "np.ndarray"  # (T,) of drivers and applied loads, W
-    audit: "np.ndarray"  # (T, 5) energy: kinetic, of weights and springs, of strain, J; largest gap, its rate
-    responses: "np.ndarray"  # (T, loads, 8) of springs and elements, columns and SI units as in `elements`
+    times: np.ndarray  # (T,) s
+    states: np.ndarray  # (T, N) coordinates, speeds, work of drivers and applied loads, then of K loads, J
+    rates: np.ndarray  # (T, n) of the speeds, m/s² or 1/s²
+    wrenches: np.ndarray  # (T, groups, 2, 6) on both bodies, N and N m, see `fill_wrenches`
+    multipliers: np.ndarray  # (T, m) scaled
+    powers: np.ndarray  # (T,) of drivers and applied loads, W
+    audit: np.ndarray  # (T, 5) energy: kinetic, of weights and springs, of strain, J; largest gap, its rate
+    responses: np.ndarray  # (T, loads, 8) of springs and elements, columns and SI units as in `elements`
 
 
 @kernel
-def coordinates_and_speeds(system: System, z: "np.ndarray") -> "tuple[np.ndarray, np.ndarray]":
+def coordinates_and_speeds(system: System, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The parts q and u of a state."""
     n = system.speed_scale.shape[0]
     end = n + system.masses.shape[0]
@@ -41,7 +40,7 @@ def coordinates_and_speeds(system: System, z: "np.ndarray") -> "tuple[np.ndarray
 
 
 @kernel
-def fill_load_powers(work: Work, powers: "np.ndarray") -> None:
+def fill_load_powers(work: Work, powers: np.ndarray) -> None:
     """Fill powers (K,), W, of the first K loads, whose forces have just been found."""
     for k in range(powers.shape[0]):
         powers[k] = work.responses[k, POWER]
@@ -49,7 +48,7 @@ def fill_load_powers(work: Work, powers: "np.ndarray") -> None:
 
 @kernel
 def observe(
-    system: System, work: Work, z: "np.ndarray", t: float, expected: "np.ndarray", report: Report, row: int
+    system: System, work: Work, z: np.ndarray, t: float, expected: np.ndarray, report: Report, row: int
 ) -> int:
     """Fill one row of `report` for the state z at t; a code."""
     q, u = coordinates_and_speeds(system, z)
@@ -63,9 +62,9 @@ def observe(
 def complete(
     system: System,
     work: Work,
-    z: "np.ndarray",
+    z: np.ndarray,
     t: float,
-    expected: "np.ndarray",
+    expected: np.ndarray,
     power: float,
     report: Report,
     row: int,
@@ -80,9 +79,9 @@ def complete(
 def complete_motion(
     system: System,
     work: Work,
-    z: "np.ndarray",
+    z: np.ndarray,
     t: float,
-    expected: "np.ndarray",
+    expected: np.ndarray,
     power: float,
     report: Report,
     row: int,
@@ -103,16 +102,10 @@ def complete_motion(
 
 
 @kernel
-def _expect(angles: "np.ndarray", expected: "np.ndarray") -> None:
-    for k in range(angles.shape[0]):
-        angles[k] = expected[k]
-
-
-@kernel
-def observe_rows(system: System, work: Work, expected: "np.ndarray", report: Report) -> int:
+def observe_rows(system: System, work: Work, expected: np.ndarray, report: Report) -> int:
     """Fill all rows for states that are already there; expected (T, screws).  Returns the rows filled."""
     for row in range(report.times.shape[0]):
-        _expect(work.angles, expected[row])
+        copy(expected[row], work.angles)
         if observe(system, work, report.states[row], report.times[row], expected[row], report, row) != SOLVED:
             return row
     return report.times.shape[0]

@@ -4,18 +4,13 @@ Young (1996), chapter 3: ω = 2 L ṗ in body axes as 2 G ṗ (3.35) in global o
 p̈ = ½ Lᵀ ω̇ - ¼ ω² p for |p| = 1.  A constraint row Φ_r, Φ_p on coordinate rates is Φ_r, ½ Φ_p Lᵀ on speeds.
 """
 
-from typing import TYPE_CHECKING
+import numpy as np
 
 from .._jit import kernel
 
-if TYPE_CHECKING:
-    import numpy as np
-
 
 @kernel
-def parameter_rates(
-    p: "np.ndarray", at: int, w: tuple[float, float, float], out: "np.ndarray", to: int
-) -> None:
+def parameter_rates(p: np.ndarray, at: int, w: tuple[float, float, float], out: np.ndarray, to: int) -> None:
     """Fill out[to:to+4] with ½ Lᵀ w for the Euler parameters p[at:at+4] and w = (w0, w1, w2), body axes.
 
     p (k,) and out (k,) may be all coordinates and their rates.
@@ -28,7 +23,7 @@ def parameter_rates(
 
 
 @kernel
-def coordinate_rates(bodies: int, q: "np.ndarray", u: "np.ndarray", qd: "np.ndarray") -> None:
+def coordinate_rates(bodies: int, q: np.ndarray, u: np.ndarray, qd: np.ndarray) -> None:
     """Fill qd (7 bodies + modes,) from coordinates q and speeds u (6 bodies + modes,)."""
     for mode in range(q.shape[0] - 7 * bodies):
         qd[7 * bodies + mode] = u[6 * bodies + mode]
@@ -41,7 +36,7 @@ def coordinate_rates(bodies: int, q: "np.ndarray", u: "np.ndarray", qd: "np.ndar
 
 @kernel
 def coordinate_accelerations(
-    bodies: int, q: "np.ndarray", u: "np.ndarray", ud: "np.ndarray", qdd: "np.ndarray"
+    bodies: int, q: np.ndarray, u: np.ndarray, ud: np.ndarray, qdd: np.ndarray
 ) -> None:
     """Fill qdd (7 bodies + modes,) from coordinates, speeds and the rates of the speeds."""
     coordinate_rates(bodies, q, ud, qdd)
@@ -53,7 +48,7 @@ def coordinate_accelerations(
 
 
 @kernel
-def speeds_of_rates(bodies: int, q: "np.ndarray", qd: "np.ndarray", u: "np.ndarray") -> None:
+def speeds_of_rates(bodies: int, q: np.ndarray, qd: np.ndarray, u: np.ndarray) -> None:
     """Give p the length 1 and fill u from qd, ω with 2 L ṗ: the inverse of `coordinate_rates`."""
     normalise(bodies, q)
     for mode in range(q.shape[0] - 7 * bodies):
@@ -70,9 +65,7 @@ def speeds_of_rates(bodies: int, q: "np.ndarray", qd: "np.ndarray", u: "np.ndarr
 
 
 @kernel
-def speed_jacobian(
-    bodies: "np.ndarray", q: "np.ndarray", phi_q: "np.ndarray", jacobian: "np.ndarray"
-) -> None:
+def speed_jacobian(bodies: np.ndarray, q: np.ndarray, phi_q: np.ndarray, jacobian: np.ndarray) -> None:
     """Fill the first rows of jacobian (m, c) with phi_q (r, 14) turned from coordinates to speeds.
 
     bodies (r, 2): bodies of the two halves of each row, whose entries stand in the order of the bodies.
@@ -94,7 +87,7 @@ def speed_jacobian(
 
 @kernel
 def add_turning(
-    bodies: "np.ndarray", q: "np.ndarray", u: "np.ndarray", phi_q: "np.ndarray", gamma: "np.ndarray"
+    bodies: np.ndarray, q: np.ndarray, u: np.ndarray, phi_q: np.ndarray, gamma: np.ndarray
 ) -> None:
     """Add ¼ ω² Φ_p p to gamma (m,): what ½ Lᵀ ω̇ leaves of p̈; bodies (r, 2) and phi_q (r, 14) as in
     `speed_jacobian`.
@@ -110,7 +103,7 @@ def add_turning(
 
 
 @kernel
-def move(bodies: int, q: "np.ndarray", step: "np.ndarray") -> None:
+def move(bodies: int, q: np.ndarray, step: np.ndarray) -> None:
     """Move q by small displacements and turns `step` (6 bodies + modes,), and give every p length 1."""
     for mode in range(q.shape[0] - 7 * bodies):
         q[7 * bodies + mode] += step[6 * bodies + mode]
@@ -128,7 +121,7 @@ def move(bodies: int, q: "np.ndarray", step: "np.ndarray") -> None:
 
 
 @kernel
-def normalise(bodies: int, q: "np.ndarray") -> None:
+def normalise(bodies: int, q: np.ndarray) -> None:
     """Give the Euler parameters of every body length 1."""
     for body in range(bodies):
         k = 7 * body + 3

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...memory import paged_zeros
 from .._jit import plain
-from ..linalg.sparse_rows import Factors
+from ..linalg.rank_revealing_lu import Factors
 
 
 class System(NamedTuple):
@@ -77,29 +77,14 @@ def make_work(system: System, angles: int) -> Work:
         modal += 12 + 12 * N + (6 + N) * (6 + N) + 6 + N
     # Body vectors of the ground stay as they are placed: at rest.
     return Work(
-        np.zeros((3, bodies, 3, 3)),
-        np.zeros((3, m)),
-        np.zeros((system.bodies.shape[0], 14)),
-        np.zeros((m, columns.shape[1] - 1)),
-        paged_zeros((m * n,)),
-        np.zeros(m + n, np.int64),
-        paged_zeros((n, n)),
-        paged_zeros((n, n)),
-        np.zeros((bodies, 6, 6)),
-        np.zeros(modal),
-        np.zeros((3, system.body_vectors.shape[0], 3)),
-        np.zeros((3, system.primitives.shape[0], 2, 3)),
-        np.zeros(angles),
-        np.zeros((6, n + bodies)),
-        np.zeros(1, np.int64),
-        np.ones(1),
-        np.zeros(m),
-        np.zeros((system.loads.shape[0], 8)),
-        columns,
-        paged_zeros((m * n,), np.int64),
-        np.zeros((m, 4), np.int64),
-        np.zeros(m),
-    )
+        np.zeros((3, bodies, 3, 3)), np.zeros((3, m)), np.zeros((system.bodies.shape[0], 14)),
+        np.zeros((m, columns.shape[1] - 1)), paged_zeros((m * n,)), np.zeros(m + n, np.int64),
+        paged_zeros((n, n)), paged_zeros((n, n)), np.zeros((bodies, 6, 6)), np.zeros(modal),
+        np.zeros((3, system.body_vectors.shape[0], 3)), np.zeros((3, system.primitives.shape[0], 2, 3)),
+        np.zeros(angles), np.zeros((6, n + bodies)), np.zeros(1, np.int64), np.ones(1), np.zeros(m),
+        np.zeros((system.loads.shape[0], 8)), columns, paged_zeros((m * n,), np.int64),
+        np.zeros((m, 4), np.int64), np.zeros(m),
+    )  # fmt: skip
 
 
 @plain

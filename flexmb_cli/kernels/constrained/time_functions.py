@@ -1,13 +1,11 @@
 """Functions of time with their first two derivatives; formulas and types as in `model.time_functions`."""
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from .._jit import kernel
-
-if TYPE_CHECKING:
-    import numpy as np
-
 
 # The codes of model.time_functions and model.arrays.records; a test compares them.
 POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND = 1, 2, 3, 4, 5, 6, 7
@@ -15,7 +13,7 @@ POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND = 1, 2, 3, 4, 
 
 @kernel
 def function_values(
-    functions: "np.ndarray", knots: "np.ndarray", number: int, t: float
+    functions: np.ndarray, knots: np.ndarray, number: int, t: float
 ) -> tuple[float, float, float]:
     """Value, rate and second rate of function `number` at t.  knots (k, 3): time, value, second
     derivative.
@@ -26,9 +24,7 @@ def function_values(
 
 
 @kernel
-def _simple(
-    functions: "np.ndarray", knots: "np.ndarray", number: int, t: float
-) -> tuple[float, float, float]:
+def _simple(functions: np.ndarray, knots: np.ndarray, number: int, t: float) -> tuple[float, float, float]:
     function = functions[number]
     kind, c = function["kind"], function["c"]
     if kind == POLYNOMIAL:
@@ -55,7 +51,7 @@ def _spin_up(w: float, T: float, t: float) -> tuple[float, float, float]:
 
 
 @kernel
-def _table(knots: "np.ndarray", first: int, last: int, t: float, held: bool) -> tuple[float, float, float]:
+def _table(knots: np.ndarray, first: int, last: int, t: float, held: bool) -> tuple[float, float, float]:
     """Evaluate the cubic through the knots first to last; outside straight, or constant where `held`."""
     inside = min(max(t, knots[first, 0]), knots[last, 0])
     while last - first > 1:
@@ -77,7 +73,7 @@ def _table(knots: "np.ndarray", first: int, last: int, t: float, held: bool) -> 
 
 
 @kernel
-def _piecewise(knots: "np.ndarray", first: int, c: "np.ndarray", t: float) -> tuple[float, float, float]:
+def _piecewise(knots: np.ndarray, first: int, c: np.ndarray, t: float) -> tuple[float, float, float]:
     """The polynomial of the piece at t; c: number of pieces, of coefficients, of rows of knots a piece."""
     pieces, count, rows = int(c[0]), int(c[1]), int(c[2])
     low, high = 0, pieces
@@ -97,7 +93,7 @@ def _piecewise(knots: "np.ndarray", first: int, c: "np.ndarray", t: float) -> tu
 
 
 @kernel
-def _compound(functions: Any, knots: "np.ndarray", number: int, t: float) -> tuple[float, float, float]:
+def _compound(functions: Any, knots: np.ndarray, number: int, t: float) -> tuple[float, float, float]:
     """A sum of products; its rows of knots: number of the term, of the function that is a factor."""
     value = rate = bend = 0.0
     f, fd, fdd = 1.0, 0.0, 0.0

@@ -67,7 +67,7 @@ def new_clock(counted: int = 0) -> np.ndarray:
 
 
 @kernel
-def laid_out(clock: "np.void", h: float, share: float):
+def laid_out(clock: np.void, h: float, share: float):
     """Length of the next step, at most a little longer than h, for a step over the position ahead that has
     it at this share of its length."""
     way = clock["singular"] - clock["t"]
@@ -81,6 +81,6 @@ def laid_out(clock: "np.void", h: float, share: float):
 
 
 @kernel
-def leads_over(clock: "np.void", h: float):
+def leads_over(clock: np.void, h: float):
     """Return whether a step of length h leads over the singular position ahead."""
     return 0.0 < clock["singular"] - clock["t"] < h

@@ -9,17 +9,17 @@ II.4-II.6 and II.10 (of the errors only what the constraints allow counts); proj
 volume II, section VII.2.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from .._jit import allocating, kernel
 from ..constrained.accelerations import solve
 from ..constrained.angle_unwrapping import MOST_TURNED, expect_angles, unwrap_angles
-from ..constrained.report import coordinates_and_speeds
+from ..constrained.report import Report, coordinates_and_speeds
 from ..constrained.speeds import speeds_of_rates
-from ..constrained.system import CORRECTION, GAMMA, QD, SOLVED
-from ..linalg.copying import copy
+from ..constrained.system import CORRECTION, GAMMA, QD, SOLVED, System, Work
+from ..linalg.number_rows import copy
 from ..linalg.rank_revealing_lu import row_times
 from .clock import BEGIN, READY, STEP_VANISHED, leads_over, new_clock
 from .constrained_equations import (
@@ -47,13 +47,9 @@ from .error_norm import MOST_MOVED, displacement_tolerance, moved_by_time, toler
 from .singular_ahead import NOISE, look_ahead, round_off
 from .time_loop import SHORT
 
-if TYPE_CHECKING:
-    from ..constrained.report import Report
-    from ..constrained.system import System, Work
-
 
 @allocating
-def error_on_constraints(system: "System", work: "Work", integration: "Integration", h: float):
+def error_on_constraints(system: System, work: Work, integration: "Integration", h: float):
     """Return the error of the step from z to the projected trial; the factors are those of the projection.
 
     Only the part that the projection leaves counts.  Across a singular position, where the stages mix the
@@ -84,14 +80,13 @@ def error_on_constraints(system: "System", work: "Work", integration: "Integrati
 
 
 @kernel
-def _keep_allowed(system: "System", work: "Work", change: "np.ndarray"):
+def _keep_allowed(system: System, work: Work, change: np.ndarray):
     """Leave of a change (n,) of speeds what the constraints allow."""
     zero, step, gamma = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
     for row in range(gamma.shape[0]):
         total = row_times(work.jacobian, work.columns, row, change, system.speed_scale)
         gamma[row] = -total * system.row_scale[row]
-    for k in range(zero.shape[0]):
-        zero[k] = 0.0
+    zero[:] = 0.0
     solve(system, work, zero, gamma, step)
     for k in range(change.shape[0]):
         change[k] += step[k]
@@ -113,7 +108,7 @@ class Integration(NamedTuple):
     angles: np.ndarray  # (3, angles) rad, see `angle_unwrapping`
 
 
-def new_integration(work: "Work", angles: int, works: int = 0):
+def new_integration(work: Work, angles: int, works: int = 0):
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles.
 
     The works of the first `works` loads are kept.
@@ -121,24 +116,18 @@ def new_integration(work: "Work", angles: int, works: int = 0):
     counted = 2 * work.motions.shape[0] + work.mass.shape[0]
     n = counted + 1 + works
     return Integration(
-        new_clock(counted),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros((ALL_STAGES, n)),
-        np.zeros((DENSE_TERMS, n)),
-        np.ones(n),
-        np.zeros((3, angles)),
-    )
+        new_clock(counted), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((ALL_STAGES, n)),
+        np.zeros((DENSE_TERMS, n)), np.ones(n), np.zeros((3, angles)),
+    )  # fmt: skip
 
 
 @kernel
-def _normalise(integration: "Integration", system: "System", work: "Work"):
+def _normalise(integration: Integration, system: System, work: Work):
     """Leave the Euler parameters as they are: the projection brings them to length one."""
 
 
 @kernel
-def _finish(integration: "Integration", h: float, system: "System", work: "Work"):
+def _finish(integration: Integration, h: float, system: System, work: Work):
     """Project the end of a step and fill its slope; the factor on the step length, or minus that of a try."""
     clock = integration.clock[0]
     if not expect_angles(system, work, integration, h) < MOST_TURNED:
@@ -154,7 +143,7 @@ def _finish(integration: "Integration", h: float, system: "System", work: "Work"
 
 
 @kernel
-def _holds(system: "System", work: "Work", integration: "Integration", h: float, moved: float):
+def _holds(system: System, work: Work, integration: Integration, h: float, moved: float):
     """Return whether a step may be made, whose projected end is in trial and was `moved` by so much."""
     clock = integration.clock[0]
     noise = max(1.0, NOISE * round_off(work) / clock["rtol"])
@@ -165,7 +154,7 @@ def _holds(system: "System", work: "Work", integration: "Integration", h: float,
 
 
 @kernel
-def _watch(integration: "Integration", system: "System", work: "Work"):
+def _watch(integration: Integration, system: System, work: Work):
     """Look for short steps, gaps and singular positions ahead; PHI belongs to the state."""
     clock = integration.clock[0]
     clock["longest"] = max(clock["longest"], clock["step_length"])
@@ -184,14 +173,14 @@ def _watch(integration: "Integration", system: "System", work: "Work"):
 
 
 @kernel
-def _close(integration: "Integration", system: "System", work: "Work"):
+def _close(integration: Integration, system: System, work: Work):
     """The projected end of a step is the start of the next."""
     copy(integration.slopes[STAGES], integration.slopes[0])
     return READY
 
 
 @kernel
-def _fill_row(integration: "Integration", t: float, report: "Report", system: "System", work: "Work"):
+def _fill_row(integration: Integration, t: float, report: Report, system: System, work: Work):
     """Fill a report row at a time up to the present one; a code."""
     clock, rates = integration.clock[0], report.rates[integration.clock[0]["row"]]
     x = _place_row(integration, t)
@@ -207,7 +196,7 @@ def _fill_row(integration: "Integration", t: float, report: "Report", system: "S
 
 
 @kernel
-def _place_row(integration: "Integration", t: float):
+def _place_row(integration: Integration, t: float):
     """Bring `trial` to a time up to the present one; return the fraction of the last step."""
     clock, x = integration.clock[0], 1.0
     copy(integration.z, integration.trial)
@@ -222,7 +211,7 @@ _advance = dop853(Equations(slope, _normalise, _finish, _watch, _close, _fill_ro
 
 @kernel
 def integrate_rows(
-    task: int, system: "System", work: "Work", integration: "Integration", report: "Report", budget: int
+    task: int, system: System, work: Work, integration: Integration, report: Report, budget: int
 ):
     """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; a code.
 
@@ -234,7 +223,7 @@ def integrate_rows(
 
 
 @kernel
-def _begin(integration: "Integration", system: "System", work: "Work"):
+def _begin(integration: Integration, system: System, work: Work):
     clock = integration.clock[0]
     copy(integration.z, integration.old)
     copy(integration.z, integration.trial)

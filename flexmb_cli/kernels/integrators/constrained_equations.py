@@ -15,18 +15,16 @@ from ..constrained.accelerations import accelerate, factorise_at
 from ..constrained.angle_unwrapping import EXPECTED, NEW, OLD
 from ..constrained.doubtful_row import fill_doubtful_row
 from ..constrained.projection import largest_gap, project_position, project_speeds
-from ..constrained.report import BEHIND, NOW, complete, coordinates_and_speeds, fill_load_powers
+from ..constrained.report import BEHIND, NOW, Report, complete, coordinates_and_speeds, fill_load_powers
 from ..constrained.speeds import coordinate_rates, normalise
-from ..constrained.system import SOLVED
-from ..linalg.copying import copy
+from ..constrained.system import SOLVED, System, Work
+from ..linalg.number_rows import copy
 from ..linalg.rank_revealing_lu import smallest_pivot
 from .clock import CONTRADICTION, READY, STEP_VANISHED
 from .error_norm import scaled_norm
 from .hermite import cubic
 
 if TYPE_CHECKING:
-    from ..constrained.report import Report
-    from ..constrained.system import System, Work
     from .constrained_dop853 import Integration
     from .generalised_alpha import AlphaIntegration
     from .radau5 import RadauIntegration
@@ -39,12 +37,12 @@ DOUBTFUL_PIVOT = 2e-3  # of the largest that the smallest pivot was, at most 1: 
 def evaluate(
     integration: "Integration | AlphaIntegration | RadauIntegration",
     t: float,
-    angles: "np.ndarray",
+    angles: np.ndarray,
     projects: bool,
-    out: "np.ndarray",
-    ud: "np.ndarray",
-    system: "System",
-    work: "Work",
+    out: np.ndarray,
+    ud: np.ndarray,
+    system: System,
+    work: Work,
 ):
     """Fill the slope `out` (N,) and the accelerations `ud` (n,) at `trial`, projected first where asked.
 
@@ -70,13 +68,7 @@ def evaluate(
 
 
 @kernel
-def slope(
-    integration: "Integration | RadauIntegration",
-    stage: int,
-    t: float,
-    system: "System",
-    work: "Work",
-):
+def slope(integration: "Integration | RadauIntegration", stage: int, t: float, system: System, work: Work):
     """Fill the slope at `trial`; return whether there is one."""
     out = integration.slopes[stage]
     ud = coordinates_and_speeds(system, out)[1]
@@ -86,11 +78,7 @@ def slope(
 
 @kernel
 def projected_slope(
-    integration: "Integration | RadauIntegration",
-    stage: int,
-    t: float,
-    system: "System",
-    work: "Work",
+    integration: "Integration | RadauIntegration", stage: int, t: float, system: System, work: Work
 ):
     """Bring `trial` onto the constraints and fill its slope; return by how many tolerances that moved it."""
     out = integration.slopes[stage]
@@ -100,7 +88,7 @@ def projected_slope(
 
 @allocating
 def project(
-    integration: "Integration | AlphaIntegration | RadauIntegration", t: float, system: "System", work: "Work"
+    integration: "Integration | AlphaIntegration | RadauIntegration", t: float, system: System, work: Work
 ):
     """Bring `trial` onto the constraints at t, with the factors there.
 
@@ -121,9 +109,7 @@ def project(
 
 
 @kernel
-def note_gap(
-    integration: "Integration | AlphaIntegration | RadauIntegration", system: "System", work: "Work"
-):
+def note_gap(integration: "Integration | AlphaIntegration | RadauIntegration", system: System, work: Work):
     """Note the largest gap, whose equations belong to the state, and the smallest pivot."""
     clock = integration.clock[0]
     clock["gap"], clock["equation"] = largest_gap(system, work)
@@ -138,7 +124,24 @@ def code_of_gap(integration: "Integration | AlphaIntegration | RadauIntegration"
 
 
 @kernel
-def add_works(integration: "AlphaIntegration | RadauIntegration", weights: "np.ndarray", h: float) -> None:
+def fastest_change(system: System, integration: "AlphaIntegration | RadauIntegration", ud: np.ndarray):
+    """The largest rate at which accelerations ud (n,) change the speeds of the state, 1/s."""
+    first, fastest = integration.clock[0]["counted"] - ud.shape[0], 0.0
+    for k in range(ud.shape[0]):
+        size = system.speed_scale[k] + abs(integration.z[first + k])
+        fastest = max(fastest, abs(ud[k]) / size)
+    return fastest
+
+
+@kernel
+def first_step(system: System, integration: "AlphaIntegration | RadauIntegration", ud: np.ndarray) -> float:
+    """A hundredth of the time in which the accelerations make the speeds."""
+    clock, fastest = integration.clock[0], fastest_change(system, integration, ud)
+    return 0.01 * min(1.0 / fastest if fastest > 0.0 else 1.0, clock["stop"] - clock["t"])
+
+
+@kernel
+def add_works(integration: "AlphaIntegration | RadauIntegration", weights: np.ndarray, h: float) -> None:
     """Add to z what the loads did in the step that ends there; weights (rows,) of their powers.
 
     The last row of powers is that of the end.
@@ -155,7 +158,7 @@ def add_works(integration: "AlphaIntegration | RadauIntegration", weights: "np.n
 
 @kernel
 def works_between(
-    integration: "AlphaIntegration | RadauIntegration", x: float, h: float, point: "np.ndarray"
+    integration: "AlphaIntegration | RadauIntegration", x: float, h: float, point: np.ndarray
 ) -> None:
     """Fill the works of the loads in point at the fraction x of the last step, of length h."""
     powers, first = integration.load_powers, integration.clock[0]["counted"] + 1
@@ -178,9 +181,9 @@ def report_trial(
     integration: "Integration | RadauIntegration",
     t: float,
     x: float,
-    report: "Report",
-    system: "System",
-    work: "Work",
+    report: Report,
+    system: System,
+    work: Work,
 ):
     """Fill a report row from `trial` at the fraction x of the last step, projected inside it; a code.
 
@@ -203,7 +206,7 @@ def report_trial(
 
 
 @kernel
-def is_doubtful(clock: "np.void", work: "Work"):
+def is_doubtful(clock: np.void, work: Work):
     """Return whether a row inside or at the end of a step, whose factors are at hand, lies so near a singular
     position that round-off may rule it.
     """
@@ -212,7 +215,7 @@ def is_doubtful(clock: "np.void", work: "Work"):
 
 
 @kernel
-def firm_pivot(clock: "np.void") -> float:
+def firm_pivot(clock: np.void) -> float:
     """Return the smallest pivot below which round-off may rule a row."""
     return DOUBTFUL_PIVOT * min(1.0, clock["firmest"])
 
@@ -222,9 +225,9 @@ def fill_doubtful(
     integration: "Integration | AlphaIntegration | RadauIntegration",
     t: float,
     x: float,
-    report: "Report",
-    system: "System",
-    work: "Work",
+    report: Report,
+    system: System,
+    work: Work,
 ):
     """Fill a report row at t that `is_doubtful`; `trial` and its rates are those of the interpolation.
 
@@ -232,8 +235,7 @@ def fill_doubtful(
     """
     clock, row = integration.clock[0], integration.clock[0]["row"]
     if x == 1.0:
-        for k in range(report.rates.shape[1]):
-            report.rates[row, k] = np.nan
+        report.rates[row, :] = np.nan
     place = integration.trial, integration.units, integration.angles[EXPECTED]
     fill_doubtful_row(system, work, integration.z, place, t, clock["rtol"], report, row)
     clock["fault"] = SOLVED

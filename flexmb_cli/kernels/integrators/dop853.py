@@ -4,10 +4,12 @@ Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second e
 """
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from .._jit import allocating, kernel
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from .clock import READY, laid_out, leads_over
 from .dop853_table import (
     ALL_STAGES,
@@ -21,10 +23,6 @@ from .dop853_table import (
 )
 from .error_norm import SLOWEST, TIME_ROUND_OFF, scaled_norm, tolerance
 from .time_loop import Method, time_loop
-
-if TYPE_CHECKING:
-    import numpy as np
-
 
 SHARE = 0.46  # of a step in front of a singular position: no stage is nearer than an eighth of the step
 # Of a step over such a position: its error before it is projected, in tolerances or of the speeds, whichever
@@ -57,12 +55,12 @@ def dop853(equations: Equations) -> Callable:
     """Return the kernel of `time_loop` that integrates such equations."""
     slope, normalise, finish, watch, close, fill_row = equations
     attempt, accept = _attempts(slope, normalise, finish), _acceptance(slope, watch, close)
-    return time_loop(Method(_length, attempt, accept, _reject, fill_row))
+    return time_loop(Method(_length, attempt, accept, reject, fill_row))
 
 
-def _attempts(slope: "Callable[..., Any]", normalise: "Callable[..., Any]", finish: "Callable[..., Any]"):
+def _attempts(slope: Callable[..., Any], normalise: Callable[..., Any], finish: Callable[..., Any]):
     @kernel
-    def attempt(integration: "Any", h: float, *arrays: Any):
+    def attempt(integration: Any, h: float, *arrays: Any):
         clock, trial = integration.clock[0], integration.trial
         for stage in range(1, STAGES):
             set_stage(integration.z, integration.slopes, stage, h, trial)
@@ -81,9 +79,9 @@ def _attempts(slope: "Callable[..., Any]", normalise: "Callable[..., Any]", fini
     return attempt
 
 
-def _acceptance(slope: "Callable[..., Any]", watch: "Callable[..., Any]", close: "Callable[..., Any]"):
+def _acceptance(slope: Callable[..., Any], watch: Callable[..., Any], close: Callable[..., Any]):
     @allocating
-    def fill_dense(integration: "Any", *arrays: Any) -> None:
+    def fill_dense(integration: Any, *arrays: Any) -> None:
         clock, old, slopes = integration.clock[0], integration.old, integration.slopes
         start, h = clock["step_start"], clock["step_length"]
         behind = slopes[STAGES].copy()
@@ -100,7 +98,7 @@ def _acceptance(slope: "Callable[..., Any]", watch: "Callable[..., Any]", close:
         copy(behind, slopes[STAGES])
 
     @kernel
-    def accept(integration: "Any", factor: float, *arrays: Any):
+    def accept(integration: Any, factor: float, *arrays: Any):
         clock = integration.clock[0]
         _end_step(integration, factor)
         code = watch(integration, *arrays)
@@ -114,24 +112,23 @@ def _acceptance(slope: "Callable[..., Any]", watch: "Callable[..., Any]", close:
 
 
 @kernel
-def _length(integration: "Any", *arrays: Any):
+def _length(integration: Any, *arrays: Any):
     clock = integration.clock[0]
     return min(laid_out(clock, clock["step"], SHARE), clock["stop"] - clock["t"])
 
 
 @kernel
-def _largest_error(clock: "np.void", h: float):
+def _largest_error(clock: np.void, h: float):
     """Error of a step of length h, in tolerances, that its projection may take away."""
     return max(BLURRED, BLURRED_SPEEDS / clock["rtol"]) if leads_over(clock, h) else 1.0
 
 
 @kernel
-def _end_step(integration: "Any", factor: float) -> None:
+def _end_step(integration: Any, factor: float) -> None:
     """Make the end of a step, which is in `trial`, the state."""
     clock, h = integration.clock[0], integration.clock[0]["length"]
-    for i in range(integration.z.shape[0]):
-        integration.old[i] = integration.z[i]
-        integration.z[i] = integration.trial[i]
+    copy(integration.z, integration.old)
+    copy(integration.trial, integration.z)
     clock["step"] = h * factor
     clock["step_start"], clock["step_length"], clock["step_rejected"] = clock["t"], h, clock["rejected"]
     last = h >= clock["stop"] - clock["t"]
@@ -141,7 +138,8 @@ def _end_step(integration: "Any", factor: float) -> None:
 
 
 @kernel
-def _reject(integration: "Any", h: float, factor: float, *arrays: Any) -> None:
+def reject(integration: Any, h: float, factor: float, *arrays: Any) -> None:
+    """Prepare another try, of factor times h; see `Method`."""
     clock = integration.clock[0]
     clock["step"] = h * factor
     clock["rejections"] += 1
@@ -156,7 +154,7 @@ def _before(stop: float) -> float:
 
 
 @kernel
-def is_at_limit(integration: "Any", h: float):
+def is_at_limit(integration: Any, h: float):
     """Return whether the last step, of length h, was about as long as stability allows; overwrites `trial`.
 
     Hairer and Wanner, volume II, section IV.2: the slopes at the end of the step and at the last stage, which
@@ -171,7 +169,7 @@ def is_at_limit(integration: "Any", h: float):
 
 
 @kernel
-def first_step(integration: "Any", slope: "Callable[..., Any]"):
+def first_step(integration: Any, slope: Callable[..., Any]):
     """Length of the first step by the state z and its slope (N,) alone, s."""
     z = integration.z
     size, speed = scaled_norm(integration, z, z), scaled_norm(integration, z, slope)
@@ -179,10 +177,9 @@ def first_step(integration: "Any", slope: "Callable[..., Any]"):
 
 
 @kernel
-def set_stage(z: "np.ndarray", slopes: "np.ndarray", stage: int, h: float, out: "np.ndarray") -> None:
+def set_stage(z: np.ndarray, slopes: np.ndarray, stage: int, h: float, out: np.ndarray) -> None:
     """Fill out (N,) with z + h (weights of `stage`) · slopes; slopes (16, N)."""
-    for i in range(z.shape[0]):
-        out[i] = z[i]
+    copy(z, out)
     for j in range(stage):
         weight = h * STAGE_WEIGHTS[stage, j]
         if weight != 0.0:
@@ -201,9 +198,7 @@ def next_factor(error: float, rejected: int):
 
 
 @kernel
-def set_dense(
-    z: "np.ndarray", new: "np.ndarray", slopes: "np.ndarray", h: float, dense: "np.ndarray"
-) -> None:
+def set_dense(z: np.ndarray, new: np.ndarray, slopes: np.ndarray, h: float, dense: np.ndarray) -> None:
     """Fill dense (7, n), the terms of the interpolating polynomial of the step from z to new."""
     for i in range(z.shape[0]):
         change = new[i] - z[i]
@@ -218,7 +213,7 @@ def set_dense(
 
 
 @kernel
-def interpolate(z: "np.ndarray", dense: "np.ndarray", x: float, out: "np.ndarray") -> None:
+def interpolate(z: np.ndarray, dense: np.ndarray, x: float, out: np.ndarray) -> None:
     """Fill out (N,) with the state at the fraction x of the step that began at z."""
     for i in range(z.shape[0]):
         total = 0.0
@@ -228,7 +223,7 @@ def interpolate(z: "np.ndarray", dense: "np.ndarray", x: float, out: "np.ndarray
 
 
 @kernel
-def interpolate_slopes(dense: "np.ndarray", x: float, h: float, first: int, out: "np.ndarray") -> None:
+def interpolate_slopes(dense: np.ndarray, x: float, h: float, first: int, out: np.ndarray) -> None:
     """Fill out with the rates of `interpolate`, from place `first` on, in a step of length h."""
     for i in range(out.shape[0]):
         total = slope = 0.0
@@ -242,7 +237,7 @@ def interpolate_slopes(dense: "np.ndarray", x: float, h: float, first: int, out:
 
 
 @kernel
-def step_error(integration: "Any", h: float):
+def step_error(integration: Any, h: float):
     """Error of the step from z to trial, and the place in z of its largest component."""
     clock, z, new = integration.clock[0], integration.z, integration.trial
     counted, worst, largest = clock["counted"], 0, 0.0
@@ -259,7 +254,7 @@ def step_error(integration: "Any", h: float):
 
 
 @kernel
-def weighted(weights: "np.ndarray", slopes: "np.ndarray", i: int):
+def weighted(weights: np.ndarray, slopes: np.ndarray, i: int):
     """Return the sum of slopes (16, N) of component i with weights (16,)."""
     total = 0.0
     for j in range(STAGES):

@@ -3,13 +3,11 @@
 Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), eq. (II.4.11).
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from .._jit import kernel
-
-if TYPE_CHECKING:
-    import numpy as np
-
 
 SLOWEST = 0.2  # least factor on the length of a step, by its error
 MOST_MOVED = 10.0  # tolerances by which a projection may move the end of an accepted step
@@ -20,19 +18,19 @@ PROJECTION_SHARE = 1e-10  # of a state that the projection may move at any toler
 
 
 @kernel
-def tolerance(clock: "np.void", unit: float, size: int):
+def tolerance(clock: np.void, unit: float, size: int):
     """Return the error allowed in a component of this size, whose absolute tolerance is of `unit`."""
     return clock["atol"] * unit + clock["rtol"] * size
 
 
 @kernel
-def displacement_tolerance(clock: "np.void", unit: float):
+def displacement_tolerance(clock: np.void, unit: float):
     """Return the error allowed in a displacement, or a rotation vector, of the size of its unit."""
     return (clock["atol"] + clock["rtol"]) * unit
 
 
 @kernel
-def scaled_norm(integration: "Any", state: "np.ndarray", change: "np.ndarray"):
+def scaled_norm(integration: Any, state: np.ndarray, change: np.ndarray):
     """Root mean square of a change (N,), works left out, against the tolerances at a state (N,)."""
     clock, total = integration.clock[0], 0.0
     counted = clock["counted"]
@@ -42,7 +40,7 @@ def scaled_norm(integration: "Any", state: "np.ndarray", change: "np.ndarray"):
 
 
 @kernel
-def moved_by_time(integration: "Any", h: float):
+def moved_by_time(integration: Any, h: float):
     """Return by how many tolerances the round-off of the time moves the end of a step, which is in `trial`.
 
     It counts where a driver's rate rises within 1e-9 s: the rate at such an end is that of another time.
@@ -55,7 +53,7 @@ def moved_by_time(integration: "Any", h: float):
 
 
 @kernel
-def strayed(open_end: "np.ndarray", closed_end: "np.ndarray", clock: "np.void"):
+def strayed(open_end: np.ndarray, closed_end: np.ndarray, clock: np.void):
     """Return the place in the state that the projection onto the loops moved too far, or -1.
 
     open_end (N,), closed_end (N,): the state at the end of a step before and after the projection.

@@ -16,13 +16,14 @@ from ..constrained.angle_unwrapping import EXPECTED, unwrap_angles
 from ..constrained.body_vectors import geometry_of, place_vectors
 from ..constrained.report import NOW, TRIED, Report, complete, coordinates_and_speeds
 from ..constrained.system import System, Work
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from ..linalg.rotation import A, rotation_matrices
 from .clock import BEGIN, READY, STEP_VANISHED, new_clock
 from .constrained_equations import (
     add_works,
     code_of_gap,
     fill_doubtful,
+    first_step,
     interpolate_angles,
     is_doubtful,
     note_gap,
@@ -38,7 +39,6 @@ from .generalised_alpha_step import (
     SLOWEST,
     advance,
     factor_of,
-    fastest_change,
     iterate,
     look_ahead_of_given,
     next_length,
@@ -101,21 +101,11 @@ def new_integration(work: Any, angles: Any, works: int = 0) -> AlphaIntegration:
     counted = 2 * n + work.mass.shape[0]
     size = counted + 1 + works
     return AlphaIntegration(
-        new_clock(counted),
-        np.zeros(1, MEMORY),
-        np.zeros(size),
-        np.zeros(size),
-        np.zeros(size),
-        np.ones(size),
-        np.zeros((3, angles)),
-        np.zeros((5, n)),
-        np.zeros((3, n)),
-        np.zeros((3, n)),
-        np.zeros((3, n)),
-        np.zeros((3, m)),
-        np.zeros((3, works)),
-        work._replace(reduced=paged_zeros(work.reduced.shape)),
-    )
+        new_clock(counted), np.zeros(1, MEMORY),
+        np.zeros(size), np.zeros(size), np.zeros(size), np.ones(size),
+        np.zeros((3, angles)), np.zeros((5, n)), np.zeros((3, n)), np.zeros((3, n)), np.zeros((3, n)),
+        np.zeros((3, m)), np.zeros((3, works)), work._replace(reduced=paged_zeros(work.reduced.shape)),
+    )  # fmt: skip
 
 
 @kernel
@@ -133,25 +123,18 @@ def _begin(integration: AlphaIntegration, system: System, work: Work) -> int:
     copy(integration.z, integration.old)
     for kind in (LAST, BEFORE, MEAN):
         copy(rates[NEW], rates[kind])
-    clock["step"] = memory["fixed"] if memory["fixed"] > 0.0 else _first_step(system, integration)
+    clock["step"] = memory["fixed"] if memory["fixed"] > 0.0 else first_step(system, integration, rates[LAST])
     memory["passing"] = clock["step"]
     return READY
 
 
 @kernel
-def _first_step(system: System, integration: AlphaIntegration) -> float:
-    """A hundredth of the time in which the accelerations make the speeds."""
-    clock, fastest = integration.clock[0], fastest_change(system, integration)
-    return 0.01 * min(1.0 / fastest if fastest > 0.0 else 1.0, clock["stop"] - clock["t"])
-
-
-@kernel
-def _length(integration: "AlphaIntegration", system: System, work: "Work"):
+def _length(integration: AlphaIntegration, system: System, work: Work):
     return next_length(integration.clock[0], integration.memory[0])
 
 
 @kernel
-def _attempt(integration: "AlphaIntegration", h: float, system: System, work: "Work"):
+def _attempt(integration: AlphaIntegration, h: float, system: System, work: Work):
     """Find the end of a step of length h; 1, or minus the factor on the length for another try."""
     clock, memory = integration.clock[0], integration.memory[0]
     if not solve_step(system, work, integration, h):
@@ -162,7 +145,7 @@ def _attempt(integration: "AlphaIntegration", h: float, system: System, work: "W
 
 
 @kernel
-def _reject(integration: "AlphaIntegration", h: float, factor: float, system: System, work: "Work") -> None:
+def _reject(integration: AlphaIntegration, h: float, factor: float, system: System, work: Work) -> None:
     retreat(integration.clock[0], integration.memory[0], h, h * factor)
 
 

@@ -26,35 +26,22 @@ import numpy as np
 from .._jit import kernel, part
 from ..constrained.accelerations import (
     SMALLEST_INERTIA,
-    factorise_constraints,
+    factorise_for_forces,
     fill_column,
-    fill_forces,
-    reduce_mass,
+    missing_forces,
     solve_rows,
 )
 from ..constrained.angle_unwrapping import EXPECTED, expect_angles
-from ..constrained.dry_friction import has_friction
-from ..constrained.mass_matrix import mass_matrices, mass_times
+from ..constrained.forces import tangent_times
 from ..constrained.projection import fill_residual, rate_gap
 from ..constrained.report import TRIED, coordinates_and_speeds, fill_load_powers
 from ..constrained.speeds import move
-from ..constrained.system import (
-    CORRECTION,
-    FORCES,
-    GAMMA,
-    NO_INERTIA,
-    PHI,
-    PRODUCT,
-    SOLVED,
-    UNKNOWN,
-    System,
-    Work,
-)
-from ..constrained.tangent import tangent_times
+from ..constrained.system import CORRECTION, GAMMA, NO_INERTIA, PHI, PRODUCT, SOLVED, UNKNOWN, System, Work
 from ..linalg.cholesky import cholesky
-from ..linalg.rank_revealing_lu import row_times, smallest_pivot
+from ..linalg.number_rows import copy
+from ..linalg.rank_revealing_lu import smallest_pivot
 from .clock import LOOK, leads_over
-from .constrained_equations import firm_pivot
+from .constrained_equations import fastest_change, firm_pivot
 from .error_norm import CAUTION, ITERATED, SLOWEST, displacement_tolerance, tolerance
 from .singular_ahead import NOISE, SPEED_ROUND_OFF, blur, look_ahead, round_off
 
@@ -79,7 +66,7 @@ PASSING = 0.005  # of the tolerance: error of a step over a singular position, o
 
 
 @kernel
-def share_of(clock: "np.void", memory: "np.void", work: "Work", h: float, fastest: float) -> float:
+def share_of(clock: np.void, memory: np.void, work: Work, h: float, fastest: float) -> float:
     """The share of the tolerance that a step of length h may err by, all of it where lengths are given.
 
     The few steps over singular positions have a share of their own.  No share is below what the round-off
@@ -97,7 +84,7 @@ def share_of(clock: "np.void", memory: "np.void", work: "Work", h: float, fastes
 
 
 @kernel
-def left_over(clock: "np.void", memory: "np.void", work: "Work", share: float) -> float:
+def left_over(clock: np.void, memory: np.void, work: Work, share: float) -> float:
     """Return what iterations may leave of a step's share: steps of given length have their own error."""
     if memory["fixed"] > 0.0:
         return OF_ERROR * clock["error"]
@@ -106,7 +93,7 @@ def left_over(clock: "np.void", memory: "np.void", work: "Work", share: float) -
 
 
 @kernel
-def next_length(clock: "np.void", memory: "np.void") -> float:
+def next_length(clock: np.void, memory: np.void) -> float:
     """Length of the next step: steps of given length end at whole multiples."""
     left = clock["stop"] - clock["t"]
     if memory["fixed"] > 0.0:
@@ -119,7 +106,7 @@ def next_length(clock: "np.void", memory: "np.void") -> float:
 
 
 @kernel
-def look_ahead_of_given(system: "System", work: "Work", integration: Any, ud: "np.ndarray") -> None:
+def look_ahead_of_given(system: System, work: Work, integration: Any, ud: np.ndarray) -> None:
     """Note a singular position ahead of given steps, and the way over it on which round-off may rule a row.
 
     ud (n,): accelerations at the state, whose factors are at hand.
@@ -135,7 +122,7 @@ def look_ahead_of_given(system: "System", work: "Work", integration: Any, ud: "n
 
 
 @kernel
-def _given_steps(clock: "np.void", memory: "np.void") -> int:
+def _given_steps(clock: np.void, memory: np.void) -> int:
     """Return how many steps of given length are made in one: none ends near a singular position."""
     way = clock["singular"] - clock["t"]
     begin, end = way - 0.5 * memory["passing"], way + 0.5 * memory["passing"]
@@ -146,7 +133,7 @@ def _given_steps(clock: "np.void", memory: "np.void") -> int:
 
 
 @kernel
-def _laid_out(clock: "np.void", memory: "np.void") -> float:
+def _laid_out(clock: np.void, memory: np.void) -> float:
     """Length of a step so that one of the length `passing` leads over the singular position ahead.
 
     Round-off of speeds grows towards that position, so that the longest step that is exact enough leads
@@ -162,7 +149,7 @@ def _laid_out(clock: "np.void", memory: "np.void") -> float:
 
 
 @kernel
-def retreat(clock: "np.void", memory: "np.void", tried: float, h: float) -> None:
+def retreat(clock: np.void, memory: np.void, tried: float, h: float) -> None:
     """After a step of length `tried` that was not found, or not well enough: one of length h."""
     over = leads_over(clock, tried)
     if over:
@@ -177,7 +164,7 @@ def retreat(clock: "np.void", memory: "np.void", tried: float, h: float) -> None
 
 
 @kernel
-def factor_of(clock: "np.void", memory: "np.void") -> float:
+def factor_of(clock: np.void, memory: np.void) -> float:
     """Length of the next step by that of the one behind, whose error is known."""
     factor = SAFETY * clock["error"] ** -0.5 if clock["error"] > 0.0 else FASTEST
     if memory["turned"] > 0.0:
@@ -186,7 +173,7 @@ def factor_of(clock: "np.void", memory: "np.void") -> float:
 
 
 @kernel
-def advance(clock: "np.void", memory: "np.void", h: float) -> None:
+def advance(clock: np.void, memory: np.void, h: float) -> None:
     """The time of the state, and the length of the next step."""
     clock["step_start"], clock["step_length"] = clock["t"], h
     t, same = clock["t"] + h, SAME_TIME_IN_STEP * h
@@ -206,7 +193,7 @@ def advance(clock: "np.void", memory: "np.void", h: float) -> None:
 
 
 @kernel
-def _passing_step(clock: "np.void", memory: "np.void", h: float) -> float:
+def _passing_step(clock: np.void, memory: np.void, h: float) -> float:
     """Length of a step whose error is what one over a singular position may have, after one of length h."""
     error = clock["error"] * memory["share"]
     longest = MOST_PASSING * clock["step"]
@@ -221,7 +208,7 @@ ACCELERATION_GAP, SPEED_GAP, POSITION_GAP = 0, 1, 2
 
 
 @part
-def step_error(system: "System", integration: "AlphaIntegration", h: float):
+def step_error(system: System, integration: "AlphaIntegration", h: float):
     """Error of the step in tolerances, from the growth of the accelerations.
 
     By Taylor's series, with s = α_m - α_f: (1/12 + s²/4) h³ d(ud)/dt in positions and
@@ -245,7 +232,7 @@ def step_error(system: "System", integration: "AlphaIntegration", h: float):
 
 
 @part
-def correction_size(system: "System", integration: "AlphaIntegration", by_speed: float):
+def correction_size(system: System, integration: "AlphaIntegration", by_speed: float):
     """The change of the speeds by the correction of the accelerations, in tolerances."""
     clock, n, total = integration.clock[0], system.speed_scale.shape[0], 0.0
     first = clock["counted"] - n
@@ -253,18 +240,6 @@ def correction_size(system: "System", integration: "AlphaIntegration", by_speed:
         scale = tolerance(clock, integration.units[first + k], abs(integration.trial[first + k]))
         total += (by_speed * integration.corrections[ACCELERATION_GAP, k] / scale) ** 2
     return (total / n) ** 0.5
-
-
-@kernel
-def fastest_change(system: "System", integration: "AlphaIntegration"):
-    """The largest rate at which accelerations change speeds, 1/s."""
-    n = system.speed_scale.shape[0]
-    first = integration.clock[0]["counted"] - n
-    fastest = 0.0
-    for k in range(n):
-        size = system.speed_scale[k] + abs(integration.z[first + k])
-        fastest = max(fastest, abs(integration.rates[LAST, k]) / size)
-    return fastest
 
 
 MOST_ITERATIONS = 12
@@ -335,7 +310,9 @@ def iterate(
             if iteration > 1 and not (contraction < 1.0 or size < FLOOR / clock["rtol"]):
                 return False
             left = memory["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
-        fastest = 0.0 if memory["fixed"] > 0.0 else fastest_change(system, integration)
+        fastest = (
+            0.0 if memory["fixed"] > 0.0 else fastest_change(system, integration, integration.rates[LAST])
+        )
         share = memory["share"] = share_of(clock, memory, work, h, fastest)
         clock["error"] = step_error(system, integration, h) / share
         enough = max(left_over(clock, memory, work, share), FLOOR / clock["rtol"])
@@ -352,8 +329,7 @@ def _predict(system: System, work: Work, integration: "AlphaIntegration", h: flo
     rates, length = integration.rates, integration.clock[0]["step_length"]
     alpha_m, alpha_f, beta, gamma = parameters(memory["rho"])
     step = work.vectors[CORRECTION, :n]
-    for i in range(integration.z.shape[0]):
-        integration.trial[i] = integration.z[i]
+    copy(integration.z, integration.trial)
     q, u = coordinates_and_speeds(system, integration.trial)
     for k in range(n):
         last = rates[LAST, k]
@@ -374,8 +350,7 @@ def _predict(system: System, work: Work, integration: "AlphaIntegration", h: flo
     memory["mean_length"] = h
     turn_exactly(system.masses.shape[0], q, step)
     expect_angles(system, work, integration, h)
-    for k in range(work.angles.shape[0]):
-        work.angles[k] = integration.angles[EXPECTED, k]
+    copy(integration.angles[EXPECTED], work.angles)
 
 
 @part
@@ -402,33 +377,19 @@ def turn_exactly(bodies: int, q: np.ndarray, step: np.ndarray) -> None:
 @part
 def _evaluate(system: System, work: Work, integration: "AlphaIntegration", t: float) -> int:
     """Everything that the equations of motion say of `trial` at t: forces and gaps; a code."""
-    n = system.speed_scale.shape[0]
     q, u = coordinates_and_speeds(system, integration.trial)
-    code = factorise_constraints(system, work, q)
+    code = factorise_for_forces(system, work, q)
     if code != SOLVED:
         return code
-    mass_matrices(system, work, q)
-    if has_friction(system.loads):
-        code = reduce_mass(system, work)
-        if code != SOLVED:
-            return code
     gaps, ud = integration.gaps, integration.rates[NEW]
     fill_residual(system, work, q, t, integration.angles[EXPECTED])
     rate_gap(system, work, u, t)
     for row in range(gaps.shape[1]):
         gaps[POSITION_GAP, row] = -work.rows[PHI, row]
         gaps[SPEED_GAP, row] = work.rows[GAMMA, row]
-    power = fill_forces(system, work, q, u, t)
-    for row in range(gaps.shape[1]):
-        total = row_times(work.jacobian, work.columns, row, ud, system.speed_scale)
-        gaps[ACCELERATION_GAP, row] = work.rows[GAMMA, row] - total * system.row_scale[row]
-    forces, product = integration.missing[ACCELERATION_GAP], work.vectors[PRODUCT]
-    mass_times(system, work, ud, product)
-    for k in range(n):
-        forces[k] = work.vectors[FORCES, k] - product[k]
-        # Constraints that do not move do no work: what is left of their power is the drivers'.
-        power -= forces[k] * u[k]
-    integration.memory[0]["new_power"] = power
+    integration.memory[0]["new_power"] = missing_forces(
+        system, work, q, u, t, ud, gaps[ACCELERATION_GAP], integration.missing[ACCELERATION_GAP]
+    )
     fill_load_powers(work, integration.load_powers[TRIED])
     return code
 

@@ -19,20 +19,20 @@ import numpy as np
 
 from ...memory import paged_zeros
 from .._jit import allocating, kernel
-from ..constrained.accelerations import factorise_constraints, fill_forces, reduce_mass
+from ..constrained.accelerations import factorise_for_forces, fill_forces
 from ..constrained.angle_unwrapping import EXPECTED, MOST_TURNED, NEW, expect_angles, unwrap_angles
-from ..constrained.dry_friction import has_elements, has_friction
-from ..constrained.mass_matrix import mass_matrices
+from ..constrained.dry_friction import has_elements
 from ..constrained.report import NOW, TRIED, Report, complete, coordinates_and_speeds, fill_load_powers
 from ..constrained.system import NO_INERTIA, SOLVED, System, Work
 from ..laws import POWER
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from ..linalg.rank_revealing_lu import BRANCHING, smallest_pivot
 from .clock import BEGIN, READY, STEP_VANISHED, laid_out, new_clock
 from .constrained_equations import (
     add_works,
     code_of_gap,
     fill_doubtful,
+    first_step,
     interpolate_angles,
     is_doubtful,
     note_gap,
@@ -51,6 +51,7 @@ from .radau5_step import (
     close_trial,
     moved,
     next_factor,
+    node_time,
     place_row,
     place_stages,
     place_trial,
@@ -90,10 +91,8 @@ def singular_step(system: System, work: Work, integration: "RadauIntegration", h
         place_trial(system, integration, STAGES - 1)
         if not expect_angles(system, work, integration, h) < MOST_TURNED:
             return False
-        for i in range(found.shape[0]):
-            found[i] = integration.trial[i]
-        for k in range(expected.shape[0]):
-            expected[k] = rates[START + STAGES, k]
+        copy(integration.trial, found)
+        copy(rates[START + STAGES], expected)
         clock["evaluations"] += 1
         code, power = project_state(system, work, integration, clock["t"] + h, rates[START + STAGES])
         if code != SOLVED or work.quality[0] != clock["pivot_order"]:
@@ -114,13 +113,13 @@ def singular_step(system: System, work: Work, integration: "RadauIntegration", h
 
 
 @kernel
-def _bend(integration: "RadauIntegration", expected: "np.ndarray", h: float) -> None:
+def _bend(integration: "RadauIntegration", expected: np.ndarray, h: float) -> None:
     """Let the accelerations of the stages go through those found at the end."""
     rates, ratio = integration.rates, h / integration.clock[0]["step_length"]
     for stage in range(STAGES):
         weight = 1.0
         for node in range(STAGES + 1):
-            at = TIMES[node - 1] if node > 0 else 0.0
+            at = node_time(node)
             weight *= (1.0 + ratio * TIMES[stage] - at) / (1.0 + ratio - at)
         if stage < STAGES - 1:
             for k in range(expected.shape[0]):
@@ -128,7 +127,7 @@ def _bend(integration: "RadauIntegration", expected: "np.ndarray", h: float) -> 
 
 
 @kernel
-def _unexpected(integration: "RadauIntegration", expected: "np.ndarray") -> float:
+def _unexpected(integration: "RadauIntegration", expected: np.ndarray) -> float:
     """By how many tolerances of the speeds, a second, the accelerations at the end are not those expected."""
     clock, n, total = integration.clock[0], expected.shape[0], 0.0
     first = clock["counted"] - n
@@ -235,40 +234,26 @@ def _begin(integration: RadauIntegration, system: System, work: Work) -> int:
     memory["branching"] = min(BRANCHING, BRANCHING_START * smallest_pivot(work.diagonal, work.rank[0]))
     for node in range(STAGES + 1):
         copy(rates[START], rates[LAST_STEP + node])
-    clock["step"] = _first_step(system, integration)
+    clock["step"] = first_step(system, integration, rates[START])
     return READY
-
-
-@kernel
-def _first_step(system: System, integration: RadauIntegration) -> float:
-    """A hundredth of the time in which the accelerations make the speeds."""
-    clock, n = integration.clock[0], system.speed_scale.shape[0]
-    fastest, u = 0.0, coordinates_and_speeds(system, integration.z)[1]
-    for k in range(n):
-        fastest = max(fastest, abs(integration.rates[START, k]) / (system.speed_scale[k] + abs(u[k])))
-    return 0.01 * min(1.0 / fastest if fastest > 0.0 else 1.0, clock["stop"] - clock["t"])
 
 
 @kernel
 def _renew(system: System, work: Work, integration: RadauIntegration) -> int:
     """The matrices of the state z anew; a code."""
     q, u = coordinates_and_speeds(system, integration.z)
-    code = factorise_constraints(system, work, q)
+    code = factorise_for_forces(system, work, q)
     if code == SOLVED:
-        mass_matrices(system, work, q)
-        if has_friction(system.loads):
-            code = reduce_mass(system, work)
-        if code == SOLVED and has_elements(system.loads):
+        if has_elements(system.loads):
             # Their slopes change by all within a step: those of a trial that failed may not be numbers.
             fill_forces(system, work, q, u, integration.clock[0]["t"])
-    if code == SOLVED:
         renew_matrices(system, work, integration.matrices)
         integration.memory[0]["quality"] = work.quality[0]
     return code
 
 
 @kernel
-def _length(integration: "RadauIntegration", system: System, work: "Work"):
+def _length(integration: RadauIntegration, system: System, work: Work):
     """Return the length of the step to try, whose matrices are renewed where they are of another position."""
     clock = integration.clock[0]
     copy(integration.angles[NEW], work.angles)
@@ -278,7 +263,7 @@ def _length(integration: "RadauIntegration", system: System, work: "Work"):
 
 
 @kernel
-def _is_current(integration: "RadauIntegration", system: System, work: "Work"):
+def _is_current(integration: RadauIntegration, system: System, work: Work):
     """Renew the matrices where another order of elimination holds; return whether they are those of z."""
     if work.quality[0] != integration.memory[0]["quality"]:
         integration.clock[0]["fault"] = _renew(system, work, integration)
@@ -287,7 +272,7 @@ def _is_current(integration: "RadauIntegration", system: System, work: "Work"):
 
 
 @kernel
-def _attempt(integration: "RadauIntegration", h: float, system: System, work: "Work"):
+def _attempt(integration: RadauIntegration, h: float, system: System, work: Work):
     """`_try_step` or, in front of a singular position, a step over it; 0 where it begins at one."""
     clock, memory, factor = integration.clock[0], integration.memory[0], 0.0
     way, left = clock["singular"] - clock["t"], clock["stop"] - clock["t"]
@@ -306,7 +291,7 @@ def _attempt(integration: "RadauIntegration", h: float, system: System, work: "W
 
 
 @kernel
-def _reject(integration: "RadauIntegration", h: float, factor: float, system: System, work: "Work") -> None:
+def _reject(integration: RadauIntegration, h: float, factor: float, system: System, work: Work) -> None:
     clock, memory = integration.clock[0], integration.memory[0]
     clock["step"] = h * factor
     clock["rejections"] += 1
@@ -369,7 +354,7 @@ def _accept(integration: RadauIntegration, factor: float, system: System, work: 
 
 
 @kernel
-def _is_singular(work: "Work", clock: np.void, memory: "np.void"):
+def _is_singular(work: Work, clock: np.void, memory: np.void):
     """Return whether a pivot at the end of the last step was as good as zero."""
     for k in range(work.rank[0] if clock["steps"] > 0 else 0):
         if abs(work.pivots[k]) < 10.0 * memory["branching"]:

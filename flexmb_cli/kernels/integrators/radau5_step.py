@@ -26,23 +26,21 @@ from ..constrained.accelerations import (
     accelerations,
     add_free,
     factorise_constraints,
+    factorise_for_forces,
     fill_column,
-    fill_forces,
-    reduce_mass,
+    missing_forces,
     split,
 )
 from ..constrained.angle_unwrapping import EXPECTED
-from ..constrained.dry_friction import has_friction
+from ..constrained.forces import add_stiff
 from ..constrained.mass_matrix import mass_matrices, mass_times
 from ..constrained.projection import close_gaps, close_rates
 from ..constrained.report import TRIED, coordinates_and_speeds, fill_load_powers
 from ..constrained.speeds import coordinate_accelerations, coordinate_rates, normalise, speeds_of_rates
-from ..constrained.system import FORCES, GAMMA, PRODUCT, SOLVED, UNKNOWN, System, Work
-from ..constrained.tangent import add_stiff
+from ..constrained.system import GAMMA, PRODUCT, SOLVED, UNKNOWN, System, Work
 from ..linalg.cholesky import cholesky, cholesky_solve
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from ..linalg.profile_ldl import factorise_symmetric, solve_symmetric
-from ..linalg.rank_revealing_lu import row_times
 from .constrained_equations import works_between
 from .error_norm import CAUTION, displacement_tolerance, scaled_norm, tolerance
 from .generalised_alpha_step import turn_exactly
@@ -101,7 +99,7 @@ FLOOR = 1e-14  # of the speeds: round-off
 
 
 @kernel
-def renew_matrices(system: System, work: Work, matrices: "np.ndarray") -> None:
+def renew_matrices(system: System, work: Work, matrices: np.ndarray) -> None:
     """Fill matrices (3, n, n) with M, D and K of the free motions where everything stands."""
     free = work.motions.shape[0] - work.rank[0]
     column, product = work.vectors[UNKNOWN], work.vectors[PRODUCT]
@@ -177,17 +175,7 @@ def predict(system: System, integration: "RadauIntegration", h: float) -> None:
     if integration.clock[0]["step_length"] > 0.0:
         ratio = h / integration.clock[0]["step_length"]
     for stage in range(STAGES):
-        x = 1.0 + ratio * TIMES[stage]
-        for k in range(rates.shape[1]):
-            rates[1 + stage, k] = 0.0
-        for node in range(STAGES + 1):
-            weight, at = 1.0, TIMES[node - 1] if node > 0 else 0.0
-            for other in range(STAGES + 1):
-                there = TIMES[other - 1] if other > 0 else 0.0
-                if other != node:
-                    weight *= (x - there) / (at - there)
-            for k in range(rates.shape[1]):
-                rates[1 + stage, k] += weight * rates[LAST_STEP + node, k]
+        accelerations_between(integration, 1.0 + ratio * TIMES[stage], rates[1 + stage])
     integration.shifts[:] = 0.0
     _forget_failure(system, integration)
     # θ̇ depends on θ: the second time it is a good one.
@@ -248,12 +236,10 @@ def place_stages(system: System, integration: "RadauIntegration", h: float) -> f
 @kernel
 def place_trial(system: System, integration: "RadauIntegration", stage: int) -> None:
     """The state of a stage in `trial`."""
-    for i in range(integration.z.shape[0]):
-        integration.trial[i] = integration.z[i]
+    copy(integration.z, integration.trial)
     q, u = coordinates_and_speeds(system, integration.trial)
     turn_exactly(system.masses.shape[0], q, integration.shifts[stage])
-    for k in range(u.shape[0]):
-        u[k] = integration.speeds[stage, k]
+    copy(integration.speeds[stage], u)
 
 
 @kernel
@@ -261,26 +247,12 @@ def _evaluate(system: System, work: Work, integration: "RadauIntegration", stage
     """Evaluate the residual of the equations of motion at a stage, by independent speeds; return a code."""
     place_trial(system, integration, stage)
     q, u = coordinates_and_speeds(system, integration.trial)
-    code = factorise_constraints(system, work, q)
+    code = factorise_for_forces(system, work, q)
     if code != SOLVED:
         return code
     n, rank, ud = u.shape[0], work.rank[0], integration.rates[1 + stage]
-    mass_matrices(system, work, q)
-    if has_friction(system.loads):
-        code = reduce_mass(system, work)
-        if code != SOLVED:
-            return code
-    power = fill_forces(system, work, q, u, t)
-    gaps, product, missing = work.rows[GAMMA], work.vectors[PRODUCT], integration.missing
-    for row in range(gaps.shape[0]):
-        total = row_times(work.jacobian, work.columns, row, ud, system.speed_scale)
-        gaps[row] -= total * system.row_scale[row]
-    mass_times(system, work, ud, product)
-    for k in range(n):
-        missing[k] = work.vectors[FORCES, k] - product[k]
-        # Constraints that do not move do no work: what is left of their power is the drivers'.
-        power -= missing[k] * u[k]
-    integration.powers[stage] = power
+    gaps, missing = work.rows[GAMMA], integration.missing
+    integration.powers[stage] = missing_forces(system, work, q, u, t, ud, gaps, missing)
     fill_load_powers(work, integration.load_powers[TRIED + stage])
     mass_times(system, work, u, integration.momenta[stage])
     split(system, work, missing, gaps, integration.steps[stage], integration.rest[stage])
@@ -317,7 +289,7 @@ STEEPEST = 3.0 / (25.0 * 5.0**0.5)  # slope of x³ (1 - x)³
 
 
 @kernel
-def step_error(system: "System", work: "Work", integration: "RadauIntegration", h: float):
+def step_error(system: System, work: Work, integration: "RadauIntegration", h: float):
     """Error of the step in tolerances, of order 3: stiff motions are taken out by the matrix."""
     clock, n, rank, m = integration.clock[0], integration.rates.shape[1], work.rank[0], work.jacobian.shape[0]
     u = coordinates_and_speeds(system, integration.z)[1]
@@ -378,7 +350,7 @@ def work_scale(integration: "RadauIntegration"):
 
 
 @kernel
-def next_factor(clock: np.void, memory: "np.void", h: float, error: float):
+def next_factor(clock: np.void, memory: np.void, h: float, error: float):
     """Factor on the step length: by the error of this step, and by its growth since the last."""
     if not error > 0.0:
         return FASTEST
@@ -390,7 +362,7 @@ def next_factor(clock: np.void, memory: "np.void", h: float, error: float):
 
 
 @kernel
-def steps_within_rotation_limit(system: "System", integration: "RadauIntegration"):
+def steps_within_rotation_limit(system: System, integration: "RadauIntegration"):
     """Return how many steps like this one a body may turn in one, for rows between its ends.
 
     A turn θ leaves (θ/2)⁵ max |d/dx x³ (1 - x)³| / 720 of its rate in Hermite's quintic.
@@ -433,8 +405,7 @@ def project_state(
 
     The matrix of the last step serves: where other speeds have become free it is one more metric.
     """
-    for s in range(work.angles.shape[0]):
-        work.angles[s] = integration.angles[EXPECTED, s]
+    copy(integration.angles[EXPECTED], work.angles)
     q, u = coordinates_and_speeds(system, integration.trial)
     code = factorise_constraints(system, work, q)
     if code == SOLVED:
@@ -455,26 +426,26 @@ def place_row(system: System, integration: "RadauIntegration", t: float):
 
 
 @kernel
-def accelerations_between(integration: "RadauIntegration", x: float, ud: "np.ndarray") -> None:
+def accelerations_between(integration: "RadauIntegration", x: float, ud: np.ndarray) -> None:
     """Fill ud (n,) at the fraction x of the last step, through those of its start and its stages."""
-    for k in range(ud.shape[0]):
-        ud[k] = 0.0
+    ud[:] = 0.0
     for node in range(STAGES + 1):
         weight = 1.0
         for other in range(STAGES + 1):
             if other != node:
-                weight *= (x - _node_time(other)) / (_node_time(node) - _node_time(other))
+                weight *= (x - node_time(other)) / (node_time(node) - node_time(other))
         for k in range(ud.shape[0]):
             ud[k] += weight * integration.rates[LAST_STEP + node, k]
 
 
 @kernel
-def _node_time(node: int):
+def node_time(node: int):
+    """Time of the start of a step, 0, or of a stage, as a fraction of the step."""
     return TIMES[node - 1] if node > 0 else 0.0
 
 
 @allocating
-def between(system: System, integration: "RadauIntegration", x: float, point: "np.ndarray") -> None:
+def between(system: System, integration: "RadauIntegration", x: float, point: np.ndarray) -> None:
     """Fill point with the state at the fraction x of the last step."""
     clock, old, z, n = integration.clock[0], integration.old, integration.z, system.speed_scale.shape[0]
     bodies, h = system.masses.shape[0], clock["step_length"]

@@ -5,14 +5,11 @@ of which report rows between the ends know nothing.
 """
 
 import math
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from .._jit import kernel
 from ..constrained.body_vectors import cross
-
-if TYPE_CHECKING:
-    import numpy as np
-
 
 SMALL_TURN = 1e-2  # rad, below which the series is exact
 LONGEST_TURN = 1.0  # rad, of a body in a step whose length is chosen
@@ -20,7 +17,7 @@ FAR_TURN = 3.0  # rad, beyond which the rate of a rotation vector, singular at 2
 
 
 @kernel
-def set_slope(bodies: int, shift: "np.ndarray", u: "np.ndarray", slope: "np.ndarray") -> None:
+def set_slope(bodies: int, shift: np.ndarray, u: np.ndarray, slope: np.ndarray) -> None:
     """The rates of a shift (n,), displacements and rotation vectors, where the speeds are u."""
     for k in range(u.shape[0]):
         slope[k] = u[k]
@@ -39,7 +36,7 @@ def set_slope(bodies: int, shift: "np.ndarray", u: "np.ndarray", slope: "np.ndar
 
 
 @kernel
-def largest_turn(bodies: int, turn: "np.ndarray") -> float:
+def largest_turn(bodies: int, turn: np.ndarray) -> float:
     """Length of the largest rotation vector in turn (n,): a shift in rad, or speeds in rad/s."""
     largest = 0.0
     for body in range(bodies):
@@ -49,9 +46,7 @@ def largest_turn(bodies: int, turn: "np.ndarray") -> float:
 
 
 @kernel
-def shift_between(
-    bodies: int, old: "np.ndarray", new: "np.ndarray", mean: "np.ndarray", shift: "np.ndarray"
-) -> None:
+def shift_between(bodies: int, old: np.ndarray, new: np.ndarray, mean: np.ndarray, shift: np.ndarray) -> None:
     """Fill shift (n,) with what brings the position old to new, turns near to the given mean (n,)."""
     for body in range(bodies):
         k, s = 7 * body, 6 * body

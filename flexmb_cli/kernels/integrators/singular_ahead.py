@@ -7,19 +7,16 @@ stages at a distance.
 """
 
 import math
-from typing import TYPE_CHECKING
+from typing import Any
+
+import numpy as np
 
 from .._jit import allocating, kernel
 from ..constrained.accelerations import evaluate_jacobian, factorise_order
 from ..constrained.speeds import coordinate_rates, normalise
+from ..constrained.system import System, Work
+from ..linalg.number_rows import copy
 from .clock import LOOK
-
-if TYPE_CHECKING:
-    from typing import Any
-
-    import numpy as np
-
-    from ..constrained.system import System, Work
 
 MOST_SECANTS = 6
 FOUND = 0.02  # of the way: how well the time is known
@@ -29,7 +26,7 @@ OVER = 4.0  # of the way to a position that is foreseen worse
 
 
 @kernel
-def look_ahead(system: "System", work: "Work", integration: "Any", ud: "np.ndarray", h: float):
+def look_ahead(system: System, work: Work, integration: Any, ud: np.ndarray, h: float):
     """Note in the clock when a pivot of the elimination vanishes, s, infinity: not in a few steps of h.
 
     ud (n,) are the accelerations at z, whose factors are at hand; jacobian and factors are not those of z
@@ -37,8 +34,7 @@ def look_ahead(system: "System", work: "Work", integration: "Any", ud: "np.ndarr
     """
     clock, rank = integration.clock[0], work.rank[0]
     way = _expected(clock, work)
-    for k in range(rank):
-        work.pivots[k] = work.diagonal[k]
+    copy(work.diagonal[:rank], work.pivots)
     clock["pivot_order"], clock["pivot_time"] = work.quality[0], clock["t"]
     clock["singular"] = math.inf
     if rank > 0 and way < LOOK * h:
@@ -48,7 +44,7 @@ def look_ahead(system: "System", work: "Work", integration: "Any", ud: "np.ndarr
 
 
 @kernel
-def _expected(clock: "np.void", work: "Work"):
+def _expected(clock: np.void, work: Work):
     """Time until a pivot vanishes as it has declined since it was looked at; 0 where that is not known."""
     since, least = clock["t"] - clock["pivot_time"], 1.0
     if clock["pivot_order"] != work.quality[0] or not since > 0.0:
@@ -59,7 +55,7 @@ def _expected(clock: "np.void", work: "Work"):
 
 
 @kernel
-def _way(system: "System", work: "Work", integration: "Any", ud: "np.ndarray", first: float, longest: float):
+def _way(system: System, work: Work, integration: Any, ud: np.ndarray, first: float, longest: float):
     """Time from t until the pivot that declines most vanishes, by secants; infinity where none is found."""
     before, at_before, way, pivot = 0.0, 1.0, first, -1
     for _ in range(MOST_SECANTS):
@@ -79,7 +75,7 @@ def _way(system: "System", work: "Work", integration: "Any", ud: "np.ndarray", f
 
 
 @kernel
-def most_declined(work: "Work"):
+def most_declined(work: Work):
     """The pivot that is least of what it was."""
     found, least = 0, math.inf
     for k in range(work.rank[0]):
@@ -90,7 +86,7 @@ def most_declined(work: "Work"):
 
 
 @allocating
-def _factorise_ahead(system: "System", work: "Work", integration: "Any", ud: "np.ndarray", way: float):
+def _factorise_ahead(system: System, work: Work, integration: Any, ud: np.ndarray, way: float):
     """Factors where the motion leads in the time `way` with accelerations that stay."""
     z, bodies, n = integration.z, system.masses.shape[0], system.speed_scale.shape[0]
     q, u = z[: n + bodies], z[n + bodies : 2 * n + bodies]
@@ -106,13 +102,13 @@ def _factorise_ahead(system: "System", work: "Work", integration: "Any", ud: "np
 
 
 @kernel
-def blur(work: "Work", tolerance: float):
+def blur(work: Work, tolerance: float):
     """Return how many times a tolerance round-off may be near the state, at least 1."""
     return max(1.0, round_off(work) / tolerance)
 
 
 @kernel
-def round_off(work: "Work"):
+def round_off(work: Work):
     """Return the round-off of speeds at the state, of their size; 0 where there are no constraints."""
     least = math.inf
     for k in range(work.rank[0]):

@@ -42,7 +42,7 @@ def time_loop(method: Method, same: float = 0.0) -> Callable:
     take_step, fill_row = _steps(method), method.fill_row
 
     @kernel
-    def advance(integration: "Any", report: "Any", budget: int, *arrays: Any):
+    def advance(integration: Any, report: Any, budget: int, *arrays: Any):
         clock = integration.clock[0]
         clock["row"], code = 0, READY
         spent = clock["evaluations"] + budget
@@ -63,11 +63,11 @@ def time_loop(method: Method, same: float = 0.0) -> Callable:
     return advance
 
 
-def _steps(method: "Method"):
+def _steps(method: Method):
     length, attempt, accept, reject, _ = method
 
     @kernel
-    def take_step(integration: "Any", spent: int, *arrays: Any):
+    def take_step(integration: Any, spent: int, *arrays: Any):
         """Make one step; a code.
 
         The tries pause when the evaluations of the clock reach `spent`, and the next call continues.

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from ..tree.kane import SOLVED
 from ..tree.motion import derivative, derivative_in_body_axes, normalise_attitudes, turn_speeds
 from ..tree.projection import largest_gap, project
+from ..tree.report import Report as TreeReport
 from ..tree.report import observe
 from .clock import NO_INERTIA, READY, new_clock
 from .dop853 import Equations, dop853, first_step, interpolate, next_factor
@@ -20,7 +21,6 @@ from .error_norm import scaled_norm, strayed
 
 if TYPE_CHECKING:
     from ...model.arrays.tree import TreeArrays
-    from ..tree.report import Report as TreeReport
 
 # Tasks besides BEGIN and INTEGRATION of `clock`: close the loops of z; continue at z with a known step; then,
 # for the steps of this module, in which z holds speeds as in `derivative_in_body_axes`: begin, go, leave.
@@ -51,11 +51,11 @@ def new_integration(n: int, works: int = 1) -> Integration:
 
 @kernel
 def evaluate(
-    integration: "Integration",
-    slope: "np.ndarray",
+    integration: Integration,
+    slope: np.ndarray,
     t: float,
     tree: "TreeArrays",
-    work: "np.ndarray",
+    work: np.ndarray,
     coordinates: np.ndarray,
 ):
     """Fill the slope (n,) of `trial`; return whether there is one."""
@@ -67,11 +67,11 @@ def evaluate(
 
 @kernel
 def _slope(
-    integration: "Integration",
+    integration: Integration,
     stage: int,
     t: float,
     tree: "TreeArrays",
-    work: "np.ndarray",
+    work: np.ndarray,
     coordinates: np.ndarray,
 ):
     """Fill the slope of a stage at `trial`, in axes of the bodies; return whether there is one."""
@@ -85,14 +85,14 @@ def _slope(
 
 @kernel
 def _normalise(
-    integration: "Integration", tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray
+    integration: Integration, tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray
 ) -> None:
     normalise_attitudes(tree, integration.trial)
 
 
 @kernel
 def _finish(
-    integration: "Integration", h: float, tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray
+    integration: Integration, h: float, tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray
 ):
     clock = integration.clock[0]
     if not _slope(integration, STAGES, clock["t"] + h, tree, work, coordinates):
@@ -101,13 +101,13 @@ def _finish(
 
 
 @kernel
-def _watch(integration: "Integration", tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray):
+def _watch(integration: Integration, tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray):
     """Tables of loads end the steps by `stop`: there are no other events."""
     return READY
 
 
 @kernel
-def _close(integration: "Integration", tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray):
+def _close(integration: Integration, tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray):
     """Close the loops at the end of a step, whose slope then is that at the start of the next; a code."""
     clock = integration.clock[0]
     if tree.closures.shape[0] == 0:
@@ -130,7 +130,7 @@ def _close(integration: "Integration", tree: "TreeArrays", work: "np.ndarray", c
 
 
 @kernel
-def _take_back(integration: "Integration", place: int) -> None:
+def _take_back(integration: Integration, place: int) -> None:
     """Go back to the start of the last step, for the projection moved its end too far."""
     clock = integration.clock[0]
     clock["t"], clock["step"] = clock["step_start"], 0.2 * clock["step_length"]
@@ -144,11 +144,11 @@ def _take_back(integration: "Integration", place: int) -> None:
 
 @kernel
 def _fill_row(
-    integration: "Integration",
+    integration: Integration,
     t: float,
-    report: "TreeReport",
+    report: TreeReport,
     tree: "TreeArrays",
-    work: "np.ndarray",
+    work: np.ndarray,
     coordinates: np.ndarray,
 ):
     """Fill a report row at a time up to the present one; a code."""
@@ -168,12 +168,12 @@ def _fill_row(
 
 @kernel
 def observe_trial(
-    integration: "Integration",
-    slope: "np.ndarray",
+    integration: Integration,
+    slope: np.ndarray,
     t: float,
-    report: "TreeReport",
+    report: TreeReport,
     tree: "TreeArrays",
-    work: "np.ndarray",
+    work: np.ndarray,
     coordinates: np.ndarray,
 ):
     """Fill a report row from `trial`, its loops closed first; a code."""
@@ -197,10 +197,10 @@ _advance = dop853(Equations(_slope, _normalise, _finish, _watch, _close, _fill_r
 @kernel
 def integrate_rows(
     tree: "TreeArrays",
-    work: "np.ndarray",
+    work: np.ndarray,
     coordinates: np.ndarray,
-    integration: "Integration",
-    report: "TreeReport",
+    integration: Integration,
+    report: TreeReport,
     budget: int,
 ):
     """Fill the rows of `report`, at most `budget` evaluations and the rest of a step; a code."""
@@ -208,9 +208,7 @@ def integrate_rows(
 
 
 @kernel
-def begin(
-    task: int, tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray, integration: "Integration"
-):
+def begin(task: int, tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, integration: Integration):
     """Do a task that makes no steps; a code."""
     clock, z = integration.clock[0], integration.z
     in_body_axes = task in (BEGIN_STEPS, GO_ON_STEPS)
@@ -232,12 +230,12 @@ def begin(
 
 @kernel
 def _slope_at_start(
-    integration: "Integration",
+    integration: Integration,
     stage: int,
     t: float,
     in_body_axes: bool,
     tree: "TreeArrays",
-    work: "np.ndarray",
+    work: np.ndarray,
     coordinates: np.ndarray,
 ):
     """Fill a slope at `trial`, in axes of the bodies or of the hinges; return whether there is one."""
@@ -248,10 +246,10 @@ def _slope_at_start(
 
 @kernel
 def _choose_first_step(
-    integration: "Integration",
+    integration: Integration,
     in_body_axes: bool,
     tree: "TreeArrays",
-    work: "np.ndarray",
+    work: np.ndarray,
     coordinates: np.ndarray,
 ):
     """Choose the first step (Hairer et al., section II.4) from the first slope and a probe."""

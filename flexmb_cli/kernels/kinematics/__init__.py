@@ -14,5 +14,5 @@ and the screw joints.  Symbols are those of Young (1996); vectors are in global 
 - expected (screws,): angles expected, rad, which decide on whole turns; a float where it is one angle
 - motion (screws, 3): angle, its rate and its second rate, rad, s
 - state (3, n): coordinates, velocities, accelerations
-- clock (6,): numbers of the continuation in the places that `continuation_clock` names
+- clock (6,): numbers of the continuation in the places that `continuation` names
 """

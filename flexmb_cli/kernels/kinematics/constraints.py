@@ -5,7 +5,7 @@ Young (1996), section 5.3 (procedure FUNCT).  `constraints` is a structured arra
 with respect to the seven coordinates of the row's body i, then those of its body j.
 """
 
-from typing import TYPE_CHECKING
+import numpy as np
 
 from .._jit import kernel
 from .joints import (
@@ -21,10 +21,6 @@ from .joints import (
     universal,
 )
 
-if TYPE_CHECKING:
-    import numpy as np
-
-
 # The codes of model.joint_types; a test compares them.
 SPHERICAL, UNIVERSAL, REVOLUTE, CYLINDRICAL, TRANSLATIONAL, SCREW = 1, 2, 3, 4, 5, 6
 SIMPLIFIED, DISTANCE, DRIVER, NORMALISATION = 7, 8, 9, 10
@@ -32,12 +28,7 @@ SIMPLIFIED, DISTANCE, DRIVER, NORMALISATION = 7, 8, 9, 10
 
 @kernel
 def residual(
-    constraints: "np.ndarray",
-    q: "np.ndarray",
-    t: float,
-    expected: "np.ndarray",
-    A: "np.ndarray",
-    phi: "np.ndarray",
+    constraints: np.ndarray, q: np.ndarray, t: float, expected: np.ndarray, A: np.ndarray, phi: np.ndarray
 ) -> None:
     """Fill phi (equations,).  expected (screws,): the angles expected, rad; A: matrices at q."""
     for k in range(constraints.size):
@@ -66,7 +57,7 @@ def residual(
 
 
 @kernel
-def jacobian(constraints: "np.ndarray", q: "np.ndarray", A: "np.ndarray", phi_q: "np.ndarray") -> None:
+def jacobian(constraints: np.ndarray, q: np.ndarray, A: np.ndarray, phi_q: np.ndarray) -> None:
     """Fill phi_q (equations, 14)."""
     for row in range(phi_q.shape[0]):
         for k in range(14):
@@ -97,10 +88,9 @@ def jacobian(constraints: "np.ndarray", q: "np.ndarray", A: "np.ndarray", phi_q:
 
 
 @kernel
-def velocity(constraints: "np.ndarray", t: float, nu: "np.ndarray") -> None:
+def velocity(constraints: np.ndarray, t: float, nu: np.ndarray) -> None:
     """Fill nu = -∂Φ/∂t: only drivers depend on time."""
-    for row in range(nu.size):
-        nu[row] = 0.0
+    nu[:] = 0.0
     for k in range(constraints.size):
         if constraints[k]["kind"] == DRIVER:
             driver.velocity(constraints[k], t, nu)
@@ -108,35 +98,28 @@ def velocity(constraints: "np.ndarray", t: float, nu: "np.ndarray") -> None:
 
 @kernel
 def acceleration(
-    constraints: "np.ndarray",
-    q: "np.ndarray",
-    qd: "np.ndarray",
-    t: float,
-    rotations: "np.ndarray",
-    gamma: "np.ndarray",
+    constraints: np.ndarray, q: np.ndarray, qd: np.ndarray, t: float, rotations: np.ndarray, gamma: np.ndarray
 ) -> None:
     """Fill gamma, the right-hand side of Φ_q q̈ = γ.
 
     rotations (3, bodies, 3, 3): A, dA/dt, and the remainder of d²A/dt².
     """
-    A, Ad, Add = rotations[0], rotations[1], rotations[2]
-    for row in range(gamma.size):
-        gamma[row] = 0.0
+    gamma[:] = 0.0
     for k in range(constraints.size):
         c = constraints[k]
         kind = c["kind"]
         if kind == SPHERICAL:
-            spherical.acceleration(c, q, qd, A, Ad, Add, gamma)
+            spherical.acceleration(c, q, qd, rotations, gamma)
         elif kind == UNIVERSAL:
-            universal.acceleration(c, q, qd, A, Ad, Add, gamma)
+            universal.acceleration(c, q, qd, rotations, gamma)
         elif kind == REVOLUTE:
-            revolute.acceleration(c, q, qd, A, Ad, Add, gamma)
+            revolute.acceleration(c, q, qd, rotations, gamma)
         elif kind == CYLINDRICAL:
-            cylindrical.acceleration(c, q, qd, A, Ad, Add, gamma)
+            cylindrical.acceleration(c, q, qd, rotations, gamma)
         elif kind == TRANSLATIONAL:
-            translational.acceleration(c, q, qd, A, Ad, Add, gamma)
+            translational.acceleration(c, q, qd, rotations, gamma)
         elif kind == SCREW:
-            screw.acceleration(c, q, qd, A, Ad, Add, gamma)
+            screw.acceleration(c, q, qd, rotations, gamma)
         elif kind == DRIVER:
             driver.acceleration(c, t, gamma)
         elif kind == NORMALISATION:
@@ -145,22 +128,21 @@ def acceleration(
 
 @kernel
 def screw_motion(
-    constraints: "np.ndarray",
-    states: "np.ndarray",
-    rotations: "np.ndarray",
-    expected: "np.ndarray",
-    motion: "np.ndarray",
+    constraints: np.ndarray,
+    states: np.ndarray,
+    rotations: np.ndarray,
+    expected: np.ndarray,
+    motion: np.ndarray,
 ) -> None:
     """Fill motion (screws, 3) with θ, dθ/dt, d²θ/dt², rad.
 
     states (3, n): q and its derivatives; expected (screws,) picks the whole turns.
     """
-    A, Ad, Add = rotations[0], rotations[1], rotations[2]
     for k in range(constraints.size):
         c = constraints[k]
         if c["kind"] == SCREW:
             s = c["screw"]
-            xdd = screw.second_rate(c, c["h_i"], states[0], states[2], A, Ad, Add)
-            ydd = screw.second_rate(c, c["g_i"], states[0], states[2], A, Ad, Add)
-            motion[s, 0] = screw.angle(c, A, expected[s])
-            motion[s, 1], motion[s, 2] = screw.angle_rates(c, A, Ad, Add, xdd, ydd)
+            xdd = screw.second_rate(c, c["h_i"], states[0], states[2], rotations)
+            ydd = screw.second_rate(c, c["g_i"], states[0], states[2], rotations)
+            motion[s, 0] = screw.angle(c, rotations[0], expected[s])
+            motion[s, 1], motion[s, 2] = screw.angle_rates(c, rotations, xdd, ydd)

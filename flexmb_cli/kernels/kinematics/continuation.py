@@ -4,25 +4,16 @@ Young (1996), section 5.2 (procedure KINEM).  Between report times the continuat
 needs: a step counts only if the positions, velocities and accelerations at its two ends belong to
 one smooth curve, so that a mechanism is never carried over to another way of assembling it.
 
-The factors of Φ_q are an argument: `follow` has dense ones, `follow_sparse` those of `sparse_newton`.
+The factors of Φ_q are an argument: `follow` has dense ones, `follow_sparse` those of entries other than zero.
 """
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from .._jit import allocating, kernel
 from . import constraints as equations
-from .continuation_clock import (
-    BUDGET,
-    NEXT_LENGTH,
-    SPENT,
-    TIME,
-    acceptable,
-    after_success,
-    is_barred,
-    step_to,
-)
 from .joints import driver
 from .newton import (
     CONVERGED,
@@ -30,7 +21,9 @@ from .newton import (
     ITERATIONS,
     OF_COORDINATE,
     PHI,
+    SPARSE,
     LinearSolver,
+    SparseWork,
     System,
     Work,
     largest,
@@ -38,10 +31,62 @@ from .newton import (
     newton_by,
     rates_by,
 )
-from .sparse_newton import SPARSE, SparseWork
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
+ROOM_TO_GROW = 1.0 / 64.0  # twice the step makes the defect 32 times as large
+WHOLE = 1e-6  # the clock rounds the length of a step
+SMALLEST_PART = 2.0**-26  # of the last step that went well: below, the way is barred
+CLOCK_ROUND_OFF = 2e-15  # of the time: shorter steps do not move the clock
+# Scaled way within which det Φ_q may change its sign: shorter ones come so near to the bifurcation that
+# round-off hides which curve is smooth.
+BIFURCATION_LENGTH = 1e-4
+# Places in `clock`: time reached, step to try (0: assemble first), sign of det Φ_q, last step taken,
+# attempts left before control returns to the caller, iterations spent on the row so far.
+TIME, NEXT_LENGTH, SIGN, LAST_LENGTH, BUDGET, SPENT = 0, 1, 2, 3, 4, 5
+CLOCK_SIZE = 6
+
+
+@kernel
+def step_to(clock: np.ndarray, target: float) -> float:
+    """Return the end of the step to try next: the target, or a point at most halfway to it."""
+    left = target - clock[TIME]
+    return target if clock[NEXT_LENGTH] >= left else clock[TIME] + min(clock[NEXT_LENGTH], 0.5 * left)
+
+
+@kernel
+def acceptable(clock: np.ndarray, off: float, moved: float, sign: int) -> bool:
+    """Return whether a step may be taken: on one smooth curve, and with det Φ_q of one sign.
+
+    The ways of assembling a mechanism are separated by positions at which det Φ_q is zero.  Where two
+    of them come close, the other can look smoother than the true one; the sign distinguishes them.  A
+    sign that changes on a way too short for a narrow pass to hide in is a true bifurcation.
+    """
+    if clock[NEXT_LENGTH] == 0.0:
+        return off < np.inf
+    if off > 1.0:
+        return False
+    return sign == clock[SIGN] or moved <= BIFURCATION_LENGTH
+
+
+@kernel
+def after_success(clock: np.ndarray, t_new: float, off: float, sign: int) -> None:
+    """Move the clock; a step taken whole and with room to spare may be doubled, the first one is free."""
+    h = t_new - clock[TIME]
+    if clock[NEXT_LENGTH] == 0.0:
+        clock[NEXT_LENGTH] = np.inf
+    elif h >= (1.0 - WHOLE) * clock[NEXT_LENGTH] and off <= ROOM_TO_GROW:
+        clock[NEXT_LENGTH] = 2.0 * h
+    if h > 0.0:
+        clock[LAST_LENGTH] = h
+    clock[TIME] = t_new
+    clock[SIGN] = sign
+
+
+@kernel
+def is_barred(clock: np.ndarray, target: float) -> bool:
+    """Return whether the next step is too short to be worth a try."""
+    tick = CLOCK_ROUND_OFF * max(abs(clock[TIME]), abs(target))
+    return clock[NEXT_LENGTH] <= max(SMALLEST_PART * clock[LAST_LENGTH], tick)
+
 
 # Position defect allowed between the ends of a step, in the length scale or of Euler parameters, and
 # as a part of the way moved.  Another branch is as far off as the way to it is long.
@@ -122,7 +167,7 @@ def copy(source: np.ndarray, target: np.ndarray) -> Any:
             target[row, k] = source[row, k]
 
 
-def _attempt_by(linear: "LinearSolver"):
+def _attempt_by(linear: LinearSolver):
     newton, rates = newton_by(linear), rates_by(linear)
 
     @kernel
@@ -164,7 +209,7 @@ def bounds_of_newton(system: System, clock: np.ndarray) -> tuple[float, int]:
     return NO_LIMIT, STEP_ITERATIONS
 
 
-def _advance_by(linear: "LinearSolver"):
+def _advance_by(linear: LinearSolver):
     """Return `advance`, which carries `state` from clock[TIME] to `target`: (arrived, largest |dΦ/dt|).
 
     Not arrived with clock[BUDGET] left: the way is barred.  A clock[NEXT_LENGTH] of 0 says that `state`
@@ -208,7 +253,7 @@ def _advance_by(linear: "LinearSolver"):
     return advance
 
 
-def continuation(linear: LinearSolver) -> "Callable[..., Any]":
+def continuation(linear: LinearSolver) -> Callable[..., Any]:
     """Return `fill_rows` with these factors."""
     advance = _advance_by(linear)
 
@@ -261,7 +306,7 @@ def follow(
     Returns the number of rows reached: fewer than asked for when the way is barred, or when
     clock[BUDGET] is used up and a further call continues.
     """
-    work = make_work(state.shape[1])
+    work = make_work(state.shape[1], state.shape[1])
     new = np.empty((3, state.shape[1]))
     expected = np.empty(motion.shape[0])
     return _fill_rows(system, work, state, motion, clock, times, out, audit, new, expected)

@@ -10,23 +10,22 @@ fixed to body i, (s_i × v)_m = v · A_i a.  m and n are the axes other than tha
 component of s_i, chosen once by the model; the two rows can never lose rank.
 
 A constraint c is one record of `model.arrays.kinematic.CONSTRAINT`.  A row of the Jacobian has 14 places: the
-seven coordinates of body i, then those of body j.
+seven coordinates of body i, then those of body j.  rotations (3, bodies, 3, 3): A, dA/dt, and the remainder
+of d²A/dt² without second derivatives of coordinates.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from .._jit import kernel
 from ..linalg.rotation import add_rotation_row, dot, rotate
-
-if TYPE_CHECKING:
-    import numpy as np
-
 
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @kernel
-def between(c: "np.void", q: "np.ndarray", A: "np.ndarray") -> Any:
+def between(c: np.void, q: np.ndarray, A: np.ndarray) -> Any:
     """d = r_j + A_j P_j - r_i - A_i P_i, the vector from P_i to P_j (4.2), m."""
     i, j = c["body_i"], c["body_j"]
     a = rotate(A, i, c["P_i"])
@@ -39,13 +38,13 @@ def between(c: "np.void", q: "np.ndarray", A: "np.ndarray") -> Any:
 
 
 @kernel
-def between_rate(c: "np.void", qd: "np.ndarray", Ad: "np.ndarray") -> tuple[float, float, float]:
+def between_rate(c: np.void, qd: np.ndarray, Ad: np.ndarray) -> tuple[float, float, float]:
     """dd/dt, m/s."""
     return between(c, qd, Ad)
 
 
 @kernel
-def between_remainder(c: "np.void", Add: "np.ndarray") -> tuple[float, float, float]:
+def between_remainder(c: np.void, Add: np.ndarray) -> tuple[float, float, float]:
     """The part of d²d/dt² without second derivatives of coordinates, m/s²."""
     a = rotate(Add, c["body_i"], c["P_i"])
     b = rotate(Add, c["body_j"], c["P_j"])
@@ -53,7 +52,7 @@ def between_remainder(c: "np.void", Add: "np.ndarray") -> tuple[float, float, fl
 
 
 @kernel
-def coincident_residual(c: "np.void", q: "np.ndarray", A: "np.ndarray", phi: "np.ndarray") -> None:
+def coincident_residual(c: np.void, q: np.ndarray, A: np.ndarray, phi: np.ndarray) -> None:
     """Points P_i and P_j coincide, (4.7): three rows."""
     d = between(c, q, A)
     row = c["first_row"]
@@ -62,7 +61,7 @@ def coincident_residual(c: "np.void", q: "np.ndarray", A: "np.ndarray", phi: "np
 
 
 @kernel
-def coincident_jacobian(c: "np.void", q: "np.ndarray", phi_q: "np.ndarray") -> None:
+def coincident_jacobian(c: np.void, q: np.ndarray, phi_q: np.ndarray) -> None:
     """Rows (4.8)-(4.11)."""
     for k in range(3):
         row = phi_q[c["first_row"] + k]
@@ -74,23 +73,23 @@ def coincident_jacobian(c: "np.void", q: "np.ndarray", phi_q: "np.ndarray") -> N
 
 
 @kernel
-def coincident_acceleration(c: "np.void", Add: "np.ndarray", gamma: "np.ndarray") -> None:
+def coincident_acceleration(c: np.void, rotations: np.ndarray, gamma: np.ndarray) -> None:
     """Right-hand side of (4.13)."""
-    d = between_remainder(c, Add)
+    d = between_remainder(c, rotations[2])
     row = c["first_row"]
     for k in range(3):
         gamma[row + k] = d[k]
 
 
 @kernel
-def n1_residual(c: "np.void", u_i: "np.ndarray", u_j: "np.ndarray", A: "np.ndarray") -> float:
+def n1_residual(c: np.void, u_i: np.ndarray, u_j: np.ndarray, A: np.ndarray) -> float:
     """u_i · u_j (4.3), vectors fixed to bodies i and j."""
     return dot(rotate(A, c["body_i"], u_i), rotate(A, c["body_j"], u_j))
 
 
 @kernel
 def n1_jacobian(
-    c: "np.void", u_i: "np.ndarray", u_j: "np.ndarray", q: "np.ndarray", A: "np.ndarray", row: "np.ndarray"
+    c: np.void, u_i: np.ndarray, u_j: np.ndarray, q: np.ndarray, A: np.ndarray, row: np.ndarray
 ) -> None:
     """Row (4.17)."""
     i, j = c["body_i"], c["body_j"]
@@ -99,23 +98,21 @@ def n1_jacobian(
 
 
 @kernel
-def n1_acceleration(
-    c: "np.void", u_i: "np.ndarray", u_j: "np.ndarray", A: "np.ndarray", Ad: "np.ndarray", Add: "np.ndarray"
-) -> float:
+def n1_acceleration(c: np.void, u_i: np.ndarray, u_j: np.ndarray, rotations: np.ndarray) -> float:
     """Right-hand side of (4.19)."""
-    i, j = c["body_i"], c["body_j"]
+    A, Ad, Add, i, j = rotations[0], rotations[1], rotations[2], c["body_i"], c["body_j"]
     remainder = dot(rotate(Add, i, u_i), rotate(A, j, u_j)) + dot(rotate(A, i, u_i), rotate(Add, j, u_j))
     return -remainder - 2.0 * dot(rotate(Ad, i, u_i), rotate(Ad, j, u_j))
 
 
 @kernel
-def n2_residual(c: "np.void", u_i: "np.ndarray", q: "np.ndarray", A: "np.ndarray") -> float:
+def n2_residual(c: np.void, u_i: np.ndarray, q: np.ndarray, A: np.ndarray) -> float:
     """u_i · d (4.4), u_i fixed to body i."""
     return dot(rotate(A, c["body_i"], u_i), between(c, q, A))
 
 
 @kernel
-def n2_jacobian(c: "np.void", u_i: "np.ndarray", q: "np.ndarray", A: "np.ndarray", row: "np.ndarray") -> None:
+def n2_jacobian(c: np.void, u_i: np.ndarray, q: np.ndarray, A: np.ndarray, row: np.ndarray) -> None:
     """Row of u_i · d: the derivative acts on u_i and on both ends of d."""
     i, j = c["body_i"], c["body_j"]
     u = rotate(A, i, u_i)
@@ -130,52 +127,44 @@ def n2_jacobian(c: "np.void", u_i: "np.ndarray", q: "np.ndarray", A: "np.ndarray
 
 @kernel
 def n2_acceleration(
-    c: "np.void",
-    u_i: "np.ndarray",
-    q: "np.ndarray",
-    qd: "np.ndarray",
-    A: "np.ndarray",
-    Ad: "np.ndarray",
-    Add: "np.ndarray",
+    c: np.void, u_i: np.ndarray, q: np.ndarray, qd: np.ndarray, rotations: np.ndarray
 ) -> float:
     """Minus the remainder of d²(u_i · d)/dt²."""
-    i = c["body_i"]
+    A, Ad, Add, i = rotations[0], rotations[1], rotations[2], c["body_i"]
     remainder = dot(rotate(Add, i, u_i), between(c, q, A)) + dot(rotate(A, i, u_i), between_remainder(c, Add))
     return -remainder - 2.0 * dot(rotate(Ad, i, u_i), between_rate(c, qd, Ad))
 
 
 @kernel
-def p1_residual(c: "np.void", row: int, A: "np.ndarray", phi: "np.ndarray") -> None:
+def p1_residual(c: np.void, row: int, A: np.ndarray, phi: np.ndarray) -> None:
     """s_i parallel to s_j (4.5): two rows from `row` on."""
     phi[row] = n1_residual(c, c["a_i"], c["s_j"], A)
     phi[row + 1] = n1_residual(c, c["b_i"], c["s_j"], A)
 
 
 @kernel
-def p1_jacobian(c: "np.void", row: int, q: "np.ndarray", A: "np.ndarray", phi_q: "np.ndarray") -> None:
+def p1_jacobian(c: np.void, row: int, q: np.ndarray, A: np.ndarray, phi_q: np.ndarray) -> None:
     """Rows (4.23), resolved in the axes of body i."""
     n1_jacobian(c, c["a_i"], c["s_j"], q, A, phi_q[row])
     n1_jacobian(c, c["b_i"], c["s_j"], q, A, phi_q[row + 1])
 
 
 @kernel
-def p1_acceleration(
-    c: "np.void", row: int, A: "np.ndarray", Ad: "np.ndarray", Add: "np.ndarray", gamma: "np.ndarray"
-) -> None:
+def p1_acceleration(c: np.void, row: int, rotations: np.ndarray, gamma: np.ndarray) -> None:
     """Right-hand side of (4.25), resolved in the axes of body i."""
-    gamma[row] = n1_acceleration(c, c["a_i"], c["s_j"], A, Ad, Add)
-    gamma[row + 1] = n1_acceleration(c, c["b_i"], c["s_j"], A, Ad, Add)
+    gamma[row] = n1_acceleration(c, c["a_i"], c["s_j"], rotations)
+    gamma[row + 1] = n1_acceleration(c, c["b_i"], c["s_j"], rotations)
 
 
 @kernel
-def p2_residual(c: "np.void", row: int, q: "np.ndarray", A: "np.ndarray", phi: "np.ndarray") -> None:
+def p2_residual(c: np.void, row: int, q: np.ndarray, A: np.ndarray, phi: np.ndarray) -> None:
     """s_i parallel to d (4.6): two rows from `row` on."""
     phi[row] = n2_residual(c, c["a_i"], q, A)
     phi[row + 1] = n2_residual(c, c["b_i"], q, A)
 
 
 @kernel
-def p2_jacobian(c: "np.void", row: int, q: "np.ndarray", A: "np.ndarray", phi_q: "np.ndarray") -> None:
+def p2_jacobian(c: np.void, row: int, q: np.ndarray, A: np.ndarray, phi_q: np.ndarray) -> None:
     """Rows (4.29), resolved in the axes of body i."""
     n2_jacobian(c, c["a_i"], q, A, phi_q[row])
     n2_jacobian(c, c["b_i"], q, A, phi_q[row + 1])
@@ -183,15 +172,8 @@ def p2_jacobian(c: "np.void", row: int, q: "np.ndarray", A: "np.ndarray", phi_q:
 
 @kernel
 def p2_acceleration(
-    c: "np.void",
-    row: int,
-    q: "np.ndarray",
-    qd: "np.ndarray",
-    A: "np.ndarray",
-    Ad: "np.ndarray",
-    Add: "np.ndarray",
-    gamma: "np.ndarray",
+    c: np.void, row: int, q: np.ndarray, qd: np.ndarray, rotations: np.ndarray, gamma: np.ndarray
 ) -> None:
     """Right-hand side of (4.31), resolved in the axes of body i."""
-    gamma[row] = n2_acceleration(c, c["a_i"], q, qd, A, Ad, Add)
-    gamma[row + 1] = n2_acceleration(c, c["b_i"], q, qd, A, Ad, Add)
+    gamma[row] = n2_acceleration(c, c["a_i"], q, qd, rotations)
+    gamma[row + 1] = n2_acceleration(c, c["b_i"], q, qd, rotations)

@@ -1,15 +1,12 @@
 """Cholesky's factors of small dense matrices, such as the mass matrix of the free motions."""
 
-from typing import TYPE_CHECKING
+import numpy as np
 
 from .._jit import kernel, part
 
-if TYPE_CHECKING:
-    import numpy as np
-
 
 @kernel
-def cholesky(matrix: "np.ndarray", size: int, smallest: float) -> int:
+def cholesky(matrix: np.ndarray, size: int, smallest: float) -> int:
     """Overwrite the lower part of matrix (size, size) with its factor; 0 or the 1-based failing row.
 
     A pivot must exceed `smallest` of its diagonal entry.
@@ -26,7 +23,7 @@ def cholesky(matrix: "np.ndarray", size: int, smallest: float) -> int:
 
 
 @part
-def _left_over(matrix: "np.ndarray", i: int, j: int) -> float:
+def _left_over(matrix: np.ndarray, i: int, j: int) -> float:
     """Return entry i, j less what the columns before j account for."""
     left = matrix[i, j]
     for k in range(j):
@@ -35,7 +32,7 @@ def _left_over(matrix: "np.ndarray", i: int, j: int) -> float:
 
 
 @kernel
-def cholesky_solve(matrix: "np.ndarray", size: int, y: "np.ndarray") -> None:
+def cholesky_solve(matrix: np.ndarray, size: int, y: np.ndarray) -> None:
     """Replace a right-hand side y (size,) by the solution.
 
     matrix (size, size): the factor of `cholesky`.
@@ -47,7 +44,7 @@ def cholesky_solve(matrix: "np.ndarray", size: int, y: "np.ndarray") -> None:
 
 
 @kernel
-def cholesky_solve_rows(matrix: "np.ndarray", size: int, rows: "np.ndarray") -> None:
+def cholesky_solve_rows(matrix: np.ndarray, size: int, rows: np.ndarray) -> None:
     """Solve in place for each of rows (r, size), with the factor of `cholesky` in matrix (size, size).
 
     All rows together, since the divisions of one wait for each other.
@@ -61,7 +58,7 @@ def cholesky_solve_rows(matrix: "np.ndarray", size: int, rows: "np.ndarray") -> 
 
 
 @part
-def _forward(matrix: "np.ndarray", i: int, y: "np.ndarray") -> None:
+def _forward(matrix: np.ndarray, i: int, y: np.ndarray) -> None:
     total = y[i]
     for k in range(i):
         total -= matrix[i, k] * y[k]
@@ -69,7 +66,7 @@ def _forward(matrix: "np.ndarray", i: int, y: "np.ndarray") -> None:
 
 
 @part
-def _backward(matrix: "np.ndarray", size: int, i: int, y: "np.ndarray") -> None:
+def _backward(matrix: np.ndarray, size: int, i: int, y: np.ndarray) -> None:
     total = y[i]
     for k in range(i + 1, size):
         total -= matrix[k, i] * y[k]

@@ -6,7 +6,8 @@ rows, those that are 0 at this position among them: the order serves all positio
 
 Arrays for J (m, n), in which entries have no unit:
 
-- counts (m,), columns (m, c), values (m, c): entries of each row, as in `pivot_order`
+- counts (m,): entries of each row; columns (m, c), values (m, c): column and value of each, c the room of a
+  row, which gets wider as rows fill in
 - largest (m,): magnitude of the largest entry of each row, -1 of rows that have had their pivot
 - in_column (n,): entries of each column in rows without pivot; rows (n, h): all rows that have or had one,
   as many as held (n,) says
@@ -18,10 +19,25 @@ import numpy as np
 
 from .._jit import allocating, kernel
 from .lu import GOOD_ENOUGH
-from .pivot_order import RANK_TOLERANCE, wider_columns, wider_values
+from .pivot_order import RANK_TOLERANCE
 
 ROWS_LOOKED_AT = 4  # rows that are looked at for a pivot
 NO_CHAIN = -2  # `before` of a row that is in none
+
+
+@allocating
+def choose_by_rows(jacobian: np.ndarray, columns: np.ndarray, order: np.ndarray, most: int) -> int:
+    """As `choose_local`, for entries jacobian (m, c) at columns (m, 1 + c), whose number comes first.
+
+    order (m + n,)
+    """
+    m, c = jacobian.shape
+    counts, places, values = np.empty(m, np.int64), np.empty((m, c), np.int64), np.empty((m, c))
+    for i in range(m):
+        counts[i] = columns[i, 0]
+        for p in range(counts[i]):
+            places[i, p], values[i, p] = columns[i, 1 + p], jacobian[i, p]
+    return choose_local(counts, places, values, order, most)
 
 
 @allocating
@@ -70,6 +86,26 @@ def choose_local(
         rank += 1
     _append_others(order, rank, largest, in_column)
     return rank
+
+
+@allocating
+def wider_columns(columns: np.ndarray, counts: np.ndarray, need: int) -> np.ndarray:
+    """Return columns (m, c) with room for `need` entries a row and as many again."""
+    wider = np.empty((columns.shape[0], 2 * need), np.int64)
+    for i in range(columns.shape[0]):
+        for p in range(counts[i]):
+            wider[i, p] = columns[i, p]
+    return wider
+
+
+@allocating
+def wider_values(values: np.ndarray, counts: np.ndarray, need: int) -> np.ndarray:
+    """Return values (m, c) with room for `need` entries a row and as many again."""
+    wider = np.empty((values.shape[0], 2 * need))
+    for i in range(values.shape[0]):
+        for p in range(counts[i]):
+            wider[i, p] = values[i, p]
+    return wider
 
 
 @kernel

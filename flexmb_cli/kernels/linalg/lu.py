@@ -6,19 +6,15 @@ most zeros standing when simple equations come first, and elimination and substi
 nonzeros only.
 """
 
-from typing import TYPE_CHECKING
+import numpy as np
 
 from .._jit import kernel
-
-if TYPE_CHECKING:
-    import numpy as np
-
 
 GOOD_ENOUGH = 0.1  # of the largest entry: may be a pivot, and the one that spares most zeros is
 
 
 @kernel
-def pivot_row(matrix: "np.ndarray", order: "np.ndarray", k: int) -> int:
+def pivot_row(matrix: np.ndarray, order: np.ndarray, k: int) -> int:
     """Return the place in order (n,), from k on, of the first row whose entry in column k is good enough.
 
     matrix (n, n): what is left of it after k pivots; good enough is GOOD_ENOUGH of the largest entry.
@@ -34,9 +30,7 @@ def pivot_row(matrix: "np.ndarray", order: "np.ndarray", k: int) -> int:
 
 
 @kernel
-def factorise(
-    matrix: "np.ndarray", order: "np.ndarray", pattern: "np.ndarray", smallest: float, rank: int
-) -> int:
+def factorise(matrix: np.ndarray, order: np.ndarray, pattern: np.ndarray, smallest: float, rank: int) -> int:
     """Overwrite matrix (n, n) with its factors, pivots by their reciprocals.
 
     Rows are exchanged in `order` (n,) only.  pattern (n, n + 1) receives the nonzero places of every
@@ -71,7 +65,7 @@ def factorise(
 
 
 @kernel
-def note_right(matrix: "np.ndarray", pattern: "np.ndarray", row: int, k: int) -> None:
+def note_right(matrix: np.ndarray, pattern: np.ndarray, row: int, k: int) -> None:
     """Note in pattern (n, n + 1) the nonzero places of a pivot row of matrix (n, n) right of its pivot in
     column k.
     """
@@ -84,7 +78,7 @@ def note_right(matrix: "np.ndarray", pattern: "np.ndarray", row: int, k: int) ->
 
 
 @kernel
-def eliminate(matrix: "np.ndarray", pattern: "np.ndarray", row: int, below: int, k: int) -> None:
+def eliminate(matrix: np.ndarray, pattern: np.ndarray, row: int, below: int, k: int) -> None:
     """Take a multiple of the pivot row from the row `below` of matrix (n, n); the multiple stays in column k.
 
     pattern (n, n + 1) as in `factorise`; `row` and `below` are rows of the matrix, not places in the order.
@@ -100,7 +94,7 @@ def eliminate(matrix: "np.ndarray", pattern: "np.ndarray", row: int, below: int,
 
 @kernel
 def substitute(
-    matrix: "np.ndarray", order: "np.ndarray", pattern: "np.ndarray", b: "np.ndarray", x: "np.ndarray"
+    matrix: np.ndarray, order: np.ndarray, pattern: np.ndarray, b: np.ndarray, x: np.ndarray
 ) -> None:
     """Solve with the factors of `factorise`: fill x (n,) for the right-hand side b (n,).
 

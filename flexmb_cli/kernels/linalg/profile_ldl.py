@@ -14,17 +14,14 @@ For c right of the imaginary axis no pivot vanishes and no search for pivots is 
 c² x* K x lie in one half of the plane for every x, so no leading block is singular.
 """
 
-from typing import TYPE_CHECKING
+import numpy as np
 
 from .._jit import kernel
-from .row_products import product, subtract_multiple
-
-if TYPE_CHECKING:
-    import numpy as np
+from .number_rows import product, subtract_multiple
 
 
 @kernel
-def factorise_profile(A: "np.ndarray", ends: "np.ndarray") -> bool:
+def factorise_profile(A: np.ndarray, ends: np.ndarray) -> bool:
     """Overwrite A (n, n) with U and D; returns whether all pivots are above zero."""
     for i in range(A.shape[0] - 1, -1, -1):
         for j in range(ends[i] - 1, i, -1):
@@ -40,7 +37,7 @@ def factorise_profile(A: "np.ndarray", ends: "np.ndarray") -> bool:
 
 
 @kernel
-def substitute_profile(A: "np.ndarray", ends: "np.ndarray", x: "np.ndarray") -> None:
+def substitute_profile(A: np.ndarray, ends: np.ndarray, x: np.ndarray) -> None:
     """Replace a right-hand side x (n,) by the solution, A holding the factors."""
     n = x.shape[0]
     for i in range(n - 1, -1, -1):
@@ -52,7 +49,7 @@ def substitute_profile(A: "np.ndarray", ends: "np.ndarray", x: "np.ndarray") -> 
 
 
 @kernel
-def set_profile_times(A: "np.ndarray", ends: "np.ndarray", x: "np.ndarray", out: "np.ndarray") -> None:
+def set_profile_times(A: np.ndarray, ends: np.ndarray, x: np.ndarray, out: np.ndarray) -> None:
     """Fill out (n,) with A x, x (n,)."""
     n = x.shape[0]
     for i in range(n):
@@ -63,7 +60,7 @@ def set_profile_times(A: "np.ndarray", ends: "np.ndarray", x: "np.ndarray", out:
 
 
 @kernel
-def factorise_symmetric(matrix: "np.ndarray", size: int) -> None:
+def factorise_symmetric(matrix: np.ndarray, size: int) -> None:
     """Overwrite the lower part of matrix (size, size) with L and D of L D Lᵀ, L with unit diagonal."""
     for j in range(size):
         for k in range(j):
@@ -76,7 +73,7 @@ def factorise_symmetric(matrix: "np.ndarray", size: int) -> None:
 
 
 @kernel
-def solve_symmetric(matrix: "np.ndarray", size: int, y: "np.ndarray") -> None:
+def solve_symmetric(matrix: np.ndarray, size: int, y: np.ndarray) -> None:
     """Replace a right-hand side y (size,), complex, by the solution.
 
     matrix (size, size): the factors of `factorise_symmetric`.
@@ -92,7 +89,7 @@ def solve_symmetric(matrix: "np.ndarray", size: int, y: "np.ndarray") -> None:
 
 
 @kernel
-def factorise_rows(flat: "np.ndarray", starts: "np.ndarray", ends: "np.ndarray") -> None:
+def factorise_rows(flat: np.ndarray, starts: np.ndarray, ends: np.ndarray) -> None:
     """As `factorise_profile`, of a definite matrix with entry i, j at flat[starts[i] + j].
 
     flat (k,), starts (n,), ends (n,).
@@ -109,7 +106,7 @@ def factorise_rows(flat: "np.ndarray", starts: "np.ndarray", ends: "np.ndarray")
 
 
 @kernel
-def substitute_rows(flat: "np.ndarray", starts: "np.ndarray", ends: "np.ndarray", x: "np.ndarray") -> None:
+def substitute_rows(flat: np.ndarray, starts: np.ndarray, ends: np.ndarray, x: np.ndarray) -> None:
     """Replace a right-hand side x (n,) by the solution, by the factors of `factorise_rows`.
 
     flat (k,), starts (n,), ends (n,).

@@ -9,12 +9,11 @@ Vectors in global axes travel as triples (x, y, z), vectors in body axes, as s (
 """
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from .._jit import kernel
-
-if TYPE_CHECKING:
-    import numpy as np
 
 # Rows of rotations (3, bodies, 3, 3): the matrix A, its rate, and its second derivative but for what q̈ adds.
 A, RATE, REMAINDER = 0, 1, 2
@@ -22,14 +21,14 @@ TURN = 2.0 * math.pi
 
 
 @kernel
-def dot(a: "np.ndarray", b: tuple[float, float, float]) -> Any:
+def dot(a: np.ndarray, b: tuple[float, float, float]) -> Any:
     """Return the scalar product of two vectors, a (3,) and the triple b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @kernel
 def rotate(
-    A: "np.ndarray", body: int, s: "np.ndarray | tuple[float, float, float]"
+    A: np.ndarray, body: int, s: np.ndarray | tuple[float, float, float]
 ) -> tuple[float, float, float]:
     """Return A s in global axes for one of the matrices A (bodies, 3, 3) and s (3,), body axes."""
     return (
@@ -40,7 +39,7 @@ def rotate(
 
 
 @kernel
-def _quadratic(e0: float, e1: float, e2: float, e3: float, factor: float, out: "np.ndarray") -> None:
+def _quadratic(e0: float, e1: float, e2: float, e3: float, factor: float, out: np.ndarray) -> None:
     """Fill out (3, 3) with factor · G(p) L(p)ᵀ, eq. (3.26)."""
     f2 = 2.0 * factor
     out[0, 0] = factor * (e0 * e0 + e1 * e1 - e2 * e2 - e3 * e3)
@@ -55,7 +54,7 @@ def _quadratic(e0: float, e1: float, e2: float, e3: float, factor: float, out: "
 
 
 @kernel
-def rotation_matrices(q: "np.ndarray", A: "np.ndarray") -> None:
+def rotation_matrices(q: np.ndarray, A: np.ndarray) -> None:
     """Fill A (bodies, 3, 3), body to global axes, eq. (3.26)."""
     for body in range(A.shape[0]):
         k = 7 * body + 3
@@ -63,7 +62,7 @@ def rotation_matrices(q: "np.ndarray", A: "np.ndarray") -> None:
 
 
 @kernel
-def rotation_rates(q: "np.ndarray", qd: "np.ndarray", Ad: "np.ndarray", Add: "np.ndarray") -> None:
+def rotation_rates(q: np.ndarray, qd: np.ndarray, Ad: np.ndarray, Add: np.ndarray) -> None:
     """Fill Ad (bodies, 3, 3) with dA/dt = 2 Ġ Lᵀ (3.27), 1/s, and Add (bodies, 3, 3) with 2 Ġ L̇ᵀ, the part
     of (3.28) without p̈, 1/s².
     """
@@ -86,11 +85,11 @@ def rotation_rates(q: "np.ndarray", qd: "np.ndarray", Ad: "np.ndarray", Add: "np
 
 @kernel
 def add_rotation_row(
-    q: "np.ndarray",
+    q: np.ndarray,
     body: int,
-    s: "np.ndarray | tuple[float, float, float]",
+    s: np.ndarray | tuple[float, float, float],
     w: tuple[float, float, float],
-    row: "np.ndarray",
+    row: np.ndarray,
     first: int,
 ) -> None:
     """Add wᵀ · 2 G s̄' (4.9), the derivative of w · A s with respect to p, to row[first:first+4].

@@ -5,22 +5,21 @@ to inertial ones.  Symmetric matrices are six numbers xx xy xz yy yz zz.  a (k,)
 length and unit of which three, or six, from `first` on are a vector, or a symmetric matrix.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from .._jit import part
 
-if TYPE_CHECKING:
-    import numpy as np
-
 
 @part
-def triple(a: "np.ndarray", first: int) -> tuple[float, float, float]:
+def triple(a: np.ndarray, first: int) -> tuple[float, float, float]:
     """Return three places of a (k,) from `first` on."""
     return (a[first], a[first + 1], a[first + 2])
 
 
 @part
-def store(v: tuple[float, float, float], a: "np.ndarray", first: int) -> Any:
+def store(v: tuple[float, float, float], a: np.ndarray, first: int) -> Any:
     """Set three places of a (k,) from `first` on to v."""
     a[first] = v[0]
     a[first + 1] = v[1]
@@ -28,7 +27,7 @@ def store(v: tuple[float, float, float], a: "np.ndarray", first: int) -> Any:
 
 
 @part
-def accumulate(v: tuple[float, float, float], a: "np.ndarray", first: int) -> None:
+def accumulate(v: tuple[float, float, float], a: np.ndarray, first: int) -> None:
     """Add v to three places of a (k,) from `first` on."""
     a[first] += v[0]
     a[first + 1] += v[1]
@@ -54,7 +53,7 @@ def scaled(c: float, a: tuple[float, float, float]) -> tuple[float, float, float
 
 
 @part
-def dot(a: "np.ndarray", b: tuple[float, float, float]) -> Any:
+def dot(a: np.ndarray, b: tuple[float, float, float]) -> Any:
     """Return the scalar product a · b; a (3,) may be an array."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
@@ -74,7 +73,7 @@ def centripetal(w: tuple[float, float, float], r: tuple[float, float, float]) ->
 
 
 @part
-def outward(A: "np.ndarray", v: tuple[float, float, float]) -> tuple[float, float, float]:
+def outward(A: np.ndarray, v: tuple[float, float, float]) -> tuple[float, float, float]:
     """Return A v: v (3,) from the frame's axes, A (9,), to inertial ones."""
     return (
         A[0] * v[0] + A[1] * v[1] + A[2] * v[2],
@@ -84,7 +83,7 @@ def outward(A: "np.ndarray", v: tuple[float, float, float]) -> tuple[float, floa
 
 
 @part
-def inward(A: "np.ndarray", v: tuple[float, float, float]) -> tuple[float, float, float]:
+def inward(A: np.ndarray, v: tuple[float, float, float]) -> tuple[float, float, float]:
     """Return Aᵀ v: v (3,) from inertial axes to the frame's, A (9,)."""
     return (
         A[0] * v[0] + A[3] * v[1] + A[6] * v[2],
@@ -94,7 +93,7 @@ def inward(A: "np.ndarray", v: tuple[float, float, float]) -> tuple[float, float
 
 
 @part
-def column(A: "np.ndarray", axis: int) -> tuple[float, float, float]:
+def column(A: np.ndarray, axis: int) -> tuple[float, float, float]:
     """Return unit vector `axis`, 0 to 2, of the frame with axes A (9,), in inertial axes."""
     return (A[axis], A[3 + axis], A[6 + axis])
 
@@ -110,7 +109,7 @@ def symmetric_times(
 
 @part
 def symmetric(
-    a: "np.ndarray", first: int
+    a: np.ndarray, first: int
 ) -> tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]:
     """Return the three rows of a symmetric matrix whose six numbers in a (k,) begin at `first`."""
     xy, xz, yz = a[first + 1], a[first + 2], a[first + 4]

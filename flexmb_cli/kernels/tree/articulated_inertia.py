@@ -4,7 +4,7 @@ Featherstone's articulated bodies.  An inertia is 21 numbers, [[J, H], [Hᵀ, M]
 `work`.
 """
 
-from typing import TYPE_CHECKING
+import numpy as np
 
 from .._jit import part
 from ..linalg.vec3 import (
@@ -21,12 +21,9 @@ from ..linalg.vec3 import (
 )
 from .work import H_, J_, M_
 
-if TYPE_CHECKING:
-    import numpy as np
-
 
 @part
-def couple_rotation(I: "np.ndarray", c: "np.void") -> None:
+def couple_rotation(I: np.ndarray, c: np.void) -> None:
     """Fill the coupling (6,) of a rotation: the moment and force of its unit acceleration."""
     axis = triple(c["direction"], 0)
     store(symmetric_times(symmetric(I, J_), axis), c["coupling"], 0)
@@ -34,7 +31,7 @@ def couple_rotation(I: "np.ndarray", c: "np.void") -> None:
 
 
 @part
-def couple_translation(I: "np.ndarray", c: "np.void") -> None:
+def couple_translation(I: np.ndarray, c: np.void) -> None:
     """Fill the coupling (6,) of a translation."""
     axis = triple(c["direction"], 0)
     store(_times_H(I, axis), c["coupling"], 0)
@@ -42,18 +39,18 @@ def couple_translation(I: "np.ndarray", c: "np.void") -> None:
 
 
 @part
-def _times_H(I: "np.ndarray", v: tuple[float, float, float]) -> tuple[float, float, float]:
+def _times_H(I: np.ndarray, v: tuple[float, float, float]) -> tuple[float, float, float]:
     return (dot(triple(I, H_), v), dot(triple(I, H_ + 3), v), dot(triple(I, H_ + 6), v))
 
 
 @part
-def _transposed_H(I: "np.ndarray", v: tuple[float, float, float]) -> tuple[float, float, float]:
+def _transposed_H(I: np.ndarray, v: tuple[float, float, float]) -> tuple[float, float, float]:
     return (dot(column(I, H_), v), dot(column(I, H_ + 1), v), dot(column(I, H_ + 2), v))
 
 
 @part
 def subtract_outer(
-    I: "np.ndarray", n: tuple[float, float, float], f: tuple[float, float, float], c: float
+    I: np.ndarray, n: tuple[float, float, float], f: tuple[float, float, float], c: float
 ) -> None:
     """I -= c U Uᵀ with U = (n, f)."""
     a = scaled(-c, n)
@@ -68,7 +65,7 @@ def subtract_outer(
 
 
 @part
-def hand_over(s: "np.void", parent: "np.void") -> None:
+def hand_over(s: np.void, parent: np.void) -> None:
     """Add what is left of a frame to its parent, seen from the parent's origin."""
     I = s["inertia"]
     r = triple(s["offset"], 0)
@@ -82,7 +79,7 @@ def hand_over(s: "np.void", parent: "np.void") -> None:
 
 
 @part
-def _add_shifted(I: "np.ndarray", r: tuple[float, float, float], out: "np.ndarray") -> None:
+def _add_shifted(I: np.ndarray, r: tuple[float, float, float], out: np.ndarray) -> None:
     """Add to `out` the inertia I seen from a point that lies -r away: with R = [r x],
 
     M' = M, H' = H + R M, J' = J + R H'ᵀ + H Rᵀ.

@@ -8,6 +8,8 @@ is that of the entries which are not zero.
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .._jit import kernel, part
 from ..linalg.vec3 import column, cross, dot, outward, plus, scaled, triple
 from .kane import solve_tree
@@ -15,15 +17,13 @@ from .kinematics import node_place, place_frames
 from .motion import parts
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ...model.arrays.node_frames import NodeFrames
     from ...model.arrays.tree import TreeArrays
 
 
 @kernel
 def set_mass(
-    tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", z: "np.ndarray", mass: "np.ndarray"
+    tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray, mass: np.ndarray
 ) -> None:
     """Fill the upper triangle of mass (NS, NS) with b at the state z.
 
@@ -51,7 +51,7 @@ def set_mass(
 
 @part
 def _set_hinge_rows(
-    tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", k: int, mass: "np.ndarray"
+    tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, k: int, mass: np.ndarray
 ) -> None:
     """Rows of the hinge coordinates of frame k, from the couplings that the solution left."""
     frame = tree.frames[k]
@@ -66,12 +66,12 @@ def _set_hinge_rows(
 @part
 def _set_node_rows(
     tree: "TreeArrays",
-    work: "np.ndarray",
-    coordinates: "np.ndarray",
+    work: np.ndarray,
+    coordinates: np.ndarray,
     k: int,
-    nodal_mass: "np.void",
-    q: "np.ndarray",
-    mass: "np.ndarray",
+    nodal_mass: np.void,
+    q: np.ndarray,
+    mass: np.ndarray,
 ) -> None:
     place = outward(work[k]["axes"], node_place(nodal_mass, q))
     for axis in range(3):
@@ -84,7 +84,7 @@ def _set_node_rows(
 
 @part
 def _add_node_frame_rows(
-    tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", body: "np.void", mass: "np.ndarray"
+    tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, body: np.void, mass: np.ndarray
 ) -> None:
     """Return what the node frames of a body carry resists its elastic coordinates."""
     node_frames, first = tree.node_frames, body["first"]
@@ -116,12 +116,12 @@ def _node_frame_row(node_frames: "NodeFrames", start: int, row: int, m: int) -> 
 @kernel
 def add_generalised_forces(
     tree: "TreeArrays",
-    work: "np.ndarray",
-    coordinates: "np.ndarray",
+    work: np.ndarray,
+    coordinates: np.ndarray,
     k: int,
     n: tuple[float, float, float],
     f: tuple[float, float, float],
-    forces: "np.ndarray",
+    forces: np.ndarray,
 ) -> None:
     """Add to forces (NS,) what all coordinates feel of the moment n and force f at the origin of frame k."""
     while k > 0:
@@ -144,7 +144,7 @@ def _add_generalised_forces_by_nodes(
     r: int,
     n: tuple[float, float, float],
     f: tuple[float, float, float],
-    forces: "np.ndarray",
+    forces: np.ndarray,
 ) -> None:
     """The elastic coordinates of its body move a node frame by D."""
     D, first = node_frames.motion, node_frames.records[r]["first"]
@@ -154,7 +154,7 @@ def _add_generalised_forces_by_nodes(
 
 
 @part
-def _complete(tree: "TreeArrays", mass: "np.ndarray") -> None:
+def _complete(tree: "TreeArrays", mass: np.ndarray) -> None:
     """Bring entries below the diagonal above it; a coordinate further out may have the smaller number."""
     n = mass.shape[0]
     for i in range(n):

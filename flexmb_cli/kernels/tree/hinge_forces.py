@@ -7,20 +7,20 @@ Body Dynamics Algorithms (2008), section 7.3.
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .._jit import kernel, part
 from ..linalg.vec3 import cross, plus, scaled, store, symmetric, symmetric_times, triple
 from .articulated_inertia import _times_H, _transposed_H
 from .work import J_, M_
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ...model.arrays.tree import TreeArrays
 
 
 @part
 def hinge_wrench(
-    motion: "np.ndarray", share: float, bias: "np.ndarray", s: "np.void"
+    motion: np.ndarray, share: float, bias: np.ndarray, s: np.void
 ) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """Moment about its origin and force on a frame by its hinge.
 
@@ -37,7 +37,7 @@ def hinge_wrench(
 
 
 @kernel
-def set_reactions(tree: "TreeArrays", work: "np.ndarray") -> None:
+def set_reactions(tree: "TreeArrays", work: np.ndarray) -> None:
     """Fill the reactions of the tree: force of the hinge of every frame and its moment, inertial axes."""
     for k in range(1, tree.frames.shape[0]):
         n, f = hinge_wrench(work[tree.frames[k]["parent"]]["acceleration"], 1.0, work[k]["bias"], work[k])

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy, product, subtract_multiple
 from ..linalg.profile_ldl import factorise_profile, set_profile_times, substitute_profile
-from ..linalg.row_products import product, subtract_multiple
 from ..linalg.vec3 import cross, minus, scaled, triple
 from .composite_mass import add_generalised_forces, set_mass
 from .element_rows import set_element_rows

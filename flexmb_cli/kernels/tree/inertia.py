@@ -6,7 +6,7 @@ coordinates of that subtree stay free.  A nodal mass that is free along axis d s
 only the elastic force; along the other axes it is carried with the body.
 """
 
-from typing import TYPE_CHECKING
+import numpy as np
 
 from .._jit import part
 from ..linalg.vec3 import (
@@ -28,19 +28,16 @@ from ..linalg.vec3 import (
 from .kinematics import node_place, node_vector
 from .work import H_, J_, M_
 
-if TYPE_CHECKING:
-    import numpy as np
-
 
 @part
 def own_inertia(
-    frame: "np.void",
-    s: "np.void",
-    nodal_masses: "np.ndarray",
-    gravity: "np.ndarray",
-    coordinates: "np.ndarray",
-    q: "np.ndarray",
-    y: "np.ndarray",
+    frame: np.void,
+    s: np.void,
+    nodal_masses: np.ndarray,
+    gravity: np.ndarray,
+    coordinates: np.ndarray,
+    q: np.ndarray,
+    y: np.ndarray,
 ) -> None:
     """Start inertia and bias of a frame with its own mass, loads and nodal masses."""
     if frame["nodal_masses"] == 0:
@@ -52,7 +49,7 @@ def own_inertia(
 
 
 @part
-def _rigid_inertia(frame: "np.void", s: "np.void") -> None:
+def _rigid_inertia(frame: np.void, s: np.void) -> None:
     """J = S J S', H = [s x], M = m U; no bias yet."""
     out = s["inertia"]
     first, second = _rotated(s["axes"], symmetric(frame["inertia"], 0))
@@ -71,7 +68,7 @@ def _rigid_inertia(frame: "np.void", s: "np.void") -> None:
 
 @part
 def _rotated(
-    A: "np.ndarray",
+    A: np.ndarray,
     J: tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]],
 ) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """The six numbers of S J S', in two triples, for the rows of a symmetric J."""
@@ -81,7 +78,7 @@ def _rotated(
 
 
 @part
-def _add_rigid_bias(frame: "np.void", s: "np.void", gravity: "np.ndarray") -> None:
+def _add_rigid_bias(frame: np.void, s: np.void, gravity: np.ndarray) -> None:
     """p_n = w x J w - s x g - M_k, p_f = w x (w x s) - m g - F_k of the frame without nodal masses."""
     w = triple(s["angular"], 0)
     g = triple(gravity, 0)
@@ -95,13 +92,13 @@ def _add_rigid_bias(frame: "np.void", s: "np.void", gravity: "np.ndarray") -> No
 
 @part
 def _sum_nodal_masses(
-    frame: "np.void",
-    s: "np.void",
-    nodal_masses: "np.ndarray",
-    gravity: "np.ndarray",
-    coordinates: "np.ndarray",
-    q: "np.ndarray",
-    y: "np.ndarray",
+    frame: np.void,
+    s: np.void,
+    nodal_masses: np.ndarray,
+    gravity: np.ndarray,
+    coordinates: np.ndarray,
+    q: np.ndarray,
+    y: np.ndarray,
 ) -> None:
     """Sum the nodal masses in the body's axes."""
     w = inward(s["axes"], triple(s["angular"], 0))
@@ -116,7 +113,7 @@ def _sum_nodal_masses(
 
 
 @part
-def _start_sums(frame: "np.void", s: "np.void") -> None:
+def _start_sums(frame: np.void, s: np.void) -> None:
     """J and M of the frame without nodal masses, in its own axes; a flexible body has no first moment."""
     out = s["inertia"]
     for i in range(6):
@@ -131,13 +128,13 @@ def _start_sums(frame: "np.void", s: "np.void") -> None:
 
 @part
 def _sum_nodal_mass(
-    nodal_mass: "np.void",
+    nodal_mass: np.void,
     r: tuple[float, float, float],
     c: tuple[float, float, float],
     load: tuple[float, float, float],
-    inertia: "np.ndarray",
-    bias: "np.ndarray",
-    coordinates: "np.ndarray",
+    inertia: np.ndarray,
+    bias: np.ndarray,
+    coordinates: np.ndarray,
 ) -> None:
     """Add a nodal mass at r with acceleration remainder c under an external load."""
     m = nodal_mass["coordinate"]
@@ -152,7 +149,7 @@ def _sum_nodal_mass(
 
 
 @part
-def _carried(mass: float, c: float, load: float, m: int, coordinates: "np.ndarray") -> tuple[float, float]:
+def _carried(mass: float, c: float, load: float, m: int, coordinates: np.ndarray) -> tuple[float, float]:
     """Mass that the body carries along one axis, and the force it has to pass on to the nodal mass."""
     if m < 0:
         return mass, mass * c - load
@@ -166,7 +163,7 @@ def _carried(mass: float, c: float, load: float, m: int, coordinates: "np.ndarra
 
 
 @part
-def _add_carried(out: "np.ndarray", r: tuple[float, float, float], b0: float, b1: float, b2: float) -> None:
+def _add_carried(out: np.ndarray, r: tuple[float, float, float], b0: float, b1: float, b2: float) -> None:
     """J += [r x] B [r x]ᵀ, H += [r x] B, M += B with B = diag(b0, b1, b2)."""
     x, y, z = r
     out[J_] += z * z * b1 + y * y * b2
@@ -184,7 +181,7 @@ def _add_carried(out: "np.ndarray", r: tuple[float, float, float], b0: float, b1
 
 
 @part
-def _turn_sums(s: "np.void") -> None:
+def _turn_sums(s: np.void) -> None:
     """Turn the sums over nodal masses from the body's axes to inertial ones."""
     out, A = s["inertia"], s["axes"]
     for block in range(J_, M_ + 1, M_ - J_):

@@ -12,17 +12,10 @@ for the elastic ones with the rigid ones locked.
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .._jit import part
-from ..linalg.vec3 import (
-    accumulate,
-    cross,
-    dot,
-    inward,
-    plus,
-    scaled,
-    store,
-    triple,
-)
+from ..linalg.vec3 import accumulate, cross, dot, inward, plus, scaled, store, triple
 from .articulated_inertia import couple_rotation, couple_translation, hand_over, subtract_outer
 from .elements import add_element_wrenches, answer_elements
 from .friction import add_friction_efforts, answer_frictions, find_normal_forces
@@ -34,8 +27,6 @@ from .loop_closures import add_closure_forces, add_coupling_efforts, clear_loop_
 from .node_frames import absorb_node_frames, release_node_frames
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ...model.arrays.tree import TreeArrays
 
 
@@ -53,12 +44,12 @@ SMALLEST_HINGE_INERTIA = 1e-13
 @part
 def accelerations(
     tree: "TreeArrays",
-    work: "np.ndarray",
-    coordinates: "np.ndarray",
+    work: np.ndarray,
+    coordinates: np.ndarray,
     t: float,
-    q: "np.ndarray",
-    y: "np.ndarray",
-    attitudes: "np.ndarray",
+    q: np.ndarray,
+    y: np.ndarray,
+    attitudes: np.ndarray,
 ) -> int:
     """Set coordinates["rate"], the y' of the state; returns SOLVED or the coordinate without inertia.
 
@@ -82,7 +73,7 @@ def accelerations(
 
 
 @part
-def _prepare_turn(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", turn: int) -> bool:
+def _prepare_turn(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, turn: int) -> bool:
     """Lock and load the tree for a solution; False when it is not needed."""
     if turn == CLOSED:
         return _find_internal_forces(tree, work, coordinates)
@@ -101,7 +92,7 @@ def _prepare_turn(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarr
 
 
 @part
-def _find_internal_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray") -> bool:
+def _find_internal_forces(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray) -> bool:
     """Find the forces of loops, couplings and friction; return whether there are any."""
     rows, frictions = tree.closures.shape[0], tree.frictions.shape[0]
     if rows > 0:
@@ -116,12 +107,7 @@ def _find_internal_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "
 
 @part
 def solve_tree(
-    tree: "TreeArrays",
-    work: "np.ndarray",
-    coordinates: "np.ndarray",
-    t: float,
-    q: "np.ndarray",
-    y: "np.ndarray",
+    tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, t: float, q: np.ndarray, y: np.ndarray
 ) -> int:
     """Rates of the free coordinates, and in "drive" the efforts that hold the locked ones to theirs.
 
@@ -157,7 +143,7 @@ def solve_tree(
 
 
 @part
-def _eliminate_hinge(frame: "np.void", s: "np.void", coordinates: "np.ndarray", scale: "np.ndarray") -> int:
+def _eliminate_hinge(frame: np.void, s: np.void, coordinates: np.ndarray, scale: np.ndarray) -> int:
     """Free the inertia of a frame from its hinge coordinates, one by one."""
     for i in range(frame["rotations"]):
         m = frame["first_rotation"] + i
@@ -173,7 +159,7 @@ def _eliminate_hinge(frame: "np.void", s: "np.void", coordinates: "np.ndarray", 
 
 
 @part
-def _eliminate(s: "np.void", c: "np.void", part: int, scale: float) -> bool:
+def _eliminate(s: np.void, c: np.void, part: int, scale: float) -> bool:
     """Take a coordinate out of inertia and bias; False when it has no positive inertia.
 
     `part` is 0 for a rotation, 3 for a translation.  A locked coordinate stays in the inertia, and
@@ -198,7 +184,7 @@ def _eliminate(s: "np.void", c: "np.void", part: int, scale: float) -> bool:
 
 
 @part
-def _accelerate_frame(frame: "np.void", parent: "np.void", s: "np.void", coordinates: "np.ndarray") -> None:
+def _accelerate_frame(frame: np.void, parent: np.void, s: np.void, coordinates: np.ndarray) -> None:
     """Accelerations of the hinge coordinates and of the origin, from those of the parent."""
     turn = triple(parent["acceleration"], 0)
     al = plus(triple(s["remainder"], 0), turn)
@@ -216,7 +202,7 @@ def _accelerate_frame(frame: "np.void", parent: "np.void", s: "np.void", coordin
 
 
 @part
-def _solve_coordinate(c: "np.void", al: tuple[float, float, float], a: tuple[float, float, float]) -> float:
+def _solve_coordinate(c: np.void, al: tuple[float, float, float], a: tuple[float, float, float]) -> float:
     """Return what a coordinate adds to the acceleration along its axis; the effort when it is locked."""
     carried = dot(triple(c["coupling"], 0), al) + dot(triple(c["coupling"], 3), a)
     if c["locked"] != 0:
@@ -228,7 +214,7 @@ def _solve_coordinate(c: "np.void", al: tuple[float, float, float], a: tuple[flo
 
 @part
 def _accelerate_nodes(
-    frame: "np.void", s: "np.void", nodal_masses: "np.ndarray", q: "np.ndarray", coordinates: "np.ndarray"
+    frame: np.void, s: np.void, nodal_masses: np.ndarray, q: np.ndarray, coordinates: np.ndarray
 ) -> None:
     """Accelerations of the nodal masses of a flexible body against it."""
     al = inward(s["axes"], triple(s["acceleration"], 0))
@@ -243,7 +229,7 @@ def _accelerate_nodes(
 
 
 @part
-def _accelerate_node(c: "np.void", mass: float, carried: float) -> None:
+def _accelerate_node(c: np.void, mass: float, carried: float) -> None:
     if c["locked"] != 0:
         c["drive"] = mass * carried - c["drive"]
     else:

@@ -11,23 +11,23 @@ axis of a second rotation turns with the first, and the carried point moves with
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .._jit import part
 from ..linalg.vec3 import centripetal, column, cross, dot, outward, plus, scaled, store, triple
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ...model.arrays.tree import TreeArrays
 
 
 @part
 def place_frames(
     tree: "TreeArrays",
-    work: "np.ndarray",
-    coordinates: "np.ndarray",
-    q: "np.ndarray",
-    y: "np.ndarray",
-    attitudes: "np.ndarray",
+    work: np.ndarray,
+    coordinates: np.ndarray,
+    q: np.ndarray,
+    y: np.ndarray,
+    attitudes: np.ndarray,
 ) -> None:
     """Fill the kinematic part of `work` from coordinates, speeds and Euler parameters (balls, 4)."""
     for k in range(1, tree.frames.shape[0]):
@@ -51,13 +51,13 @@ def place_frames(
 
 @part
 def _place_node_frame(
-    frame: "np.void",
-    node_frame: "np.void",
-    slopes: "np.ndarray",
-    parent: "np.void",
-    s: "np.void",
-    q: "np.ndarray",
-    y: "np.ndarray",
+    frame: np.void,
+    node_frame: np.void,
+    slopes: np.ndarray,
+    parent: np.void,
+    s: np.void,
+    q: np.ndarray,
+    y: np.ndarray,
 ) -> None:
     """A node frame moves with its node and is turned by three successive rotations C w."""
     _copy_axes(parent["axes"], s["axes"])
@@ -80,7 +80,7 @@ def _place_node_frame(
 
 
 @part
-def _slope(node_frame: "np.void", slopes: "np.ndarray", start: int, values: "np.ndarray") -> float:
+def _slope(node_frame: np.void, slopes: np.ndarray, start: int, values: np.ndarray) -> float:
     """One row of C times the elastic coordinates or their speeds."""
     total = 0.0
     for m in range(node_frame["count"]):
@@ -89,13 +89,13 @@ def _slope(node_frame: "np.void", slopes: "np.ndarray", start: int, values: "np.
 
 
 @part
-def _copy_axes(a: "np.ndarray", b: "np.ndarray") -> None:
+def _copy_axes(a: np.ndarray, b: np.ndarray) -> None:
     for i in range(9):
         b[i] = a[i]
 
 
 @part
-def _set_product(A: "np.ndarray", B: "np.ndarray | tuple[float, ...]", out: "np.ndarray") -> None:
+def _set_product(A: np.ndarray, B: np.ndarray | tuple[float, ...], out: np.ndarray) -> None:
     """out = A B for axes in rows of nine."""
     for row in range(0, 9, 3):
         a0, a1, a2 = A[row], A[row + 1], A[row + 2]
@@ -104,7 +104,7 @@ def _set_product(A: "np.ndarray", B: "np.ndarray | tuple[float, ...]", out: "np.
 
 
 @part
-def _set_hinge_axes(frame: "np.void", parent: "np.void", s: "np.void") -> None:
+def _set_hinge_axes(frame: np.void, parent: np.void, s: np.void) -> None:
     """S_j TD_k: the axes of P_k, from which those of O_k start."""
     if frame["framed"] != 0:
         _set_product(parent["axes"], frame["frame"], s["hinge_axes"])
@@ -115,13 +115,13 @@ def _set_hinge_axes(frame: "np.void", parent: "np.void", s: "np.void") -> None:
 
 @part
 def _turn_frame(
-    frame: "np.void",
-    parent: "np.void",
-    s: "np.void",
-    coordinates: "np.ndarray",
-    q: "np.ndarray",
-    y: "np.ndarray",
-    attitudes: "np.ndarray",
+    frame: np.void,
+    parent: np.void,
+    s: np.void,
+    coordinates: np.ndarray,
+    q: np.ndarray,
+    y: np.ndarray,
+    attitudes: np.ndarray,
 ) -> None:
     """Set S_k, w_k, the axes of the rotations and the angular remainder of hinge k."""
     w = triple(parent["angular"], 0)
@@ -147,7 +147,7 @@ def _turn_frame(
 
 
 @part
-def _turn_about(A: "np.ndarray", axis: int, angle: float) -> None:
+def _turn_about(A: np.ndarray, axis: int, angle: float) -> None:
     """Turn axes A about one of themselves."""
     c, s = math.cos(angle), math.sin(angle)
     a = axis + 1 if axis < 2 else 0
@@ -160,7 +160,7 @@ def _turn_about(A: "np.ndarray", axis: int, angle: float) -> None:
 
 @part
 def _turn_ball(
-    s: "np.void", coordinates: "np.ndarray", first: int, y: "np.ndarray", w: tuple[float, float, float]
+    s: np.void, coordinates: np.ndarray, first: int, y: np.ndarray, w: tuple[float, float, float]
 ) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """Three rotations: the speeds are the relative angular velocity in P_k axes."""
     for i in range(3):
@@ -170,7 +170,7 @@ def _turn_ball(
 
 
 @part
-def _set_attitude(s: "np.void", attitudes: "np.ndarray", ball: int) -> None:
+def _set_attitude(s: np.void, attitudes: np.ndarray, ball: int) -> None:
     """S_k = P_k axes times the rotation of Euler parameters, which are taken as if of length one."""
     e0, e1, e2, e3 = attitudes[ball, 0], attitudes[ball, 1], attitudes[ball, 2], attitudes[ball, 3]
     f = 2.0 / (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)
@@ -190,12 +190,7 @@ def _set_attitude(s: "np.void", attitudes: "np.ndarray", ball: int) -> None:
 
 @part
 def _move_frame(
-    frame: "np.void",
-    parent: "np.void",
-    s: "np.void",
-    coordinates: "np.ndarray",
-    q: "np.ndarray",
-    y: "np.ndarray",
+    frame: np.void, parent: np.void, s: np.void, coordinates: np.ndarray, q: np.ndarray, y: np.ndarray
 ) -> None:
     """Set rho_k, p_k, v_k and the linear remainder."""
     offset = outward(parent["axes"], triple(frame["point"], 0))
@@ -211,7 +206,7 @@ def _move_frame(
 
 @part
 def _set_motion(
-    parent: "np.void", s: "np.void", offset: tuple[float, float, float], slide: tuple[float, float, float]
+    parent: np.void, s: np.void, offset: tuple[float, float, float], slide: tuple[float, float, float]
 ) -> None:
     """Motion of an origin at `offset` from the parent's, which moves against the parent with `slide`."""
     w = triple(parent["angular"], 0)
@@ -222,19 +217,19 @@ def _set_motion(
 
 
 @part
-def node_place(nodal_mass: "np.void", q: "np.ndarray") -> tuple[float, float, float]:
+def node_place(nodal_mass: np.void, q: np.ndarray) -> tuple[float, float, float]:
     """Return r = x + u of a nodal mass in the axes of its body, m."""
     return plus(triple(nodal_mass["position"], 0), node_vector(nodal_mass, q))
 
 
 @part
-def node_vector(nodal_mass: "np.void", values: "np.ndarray") -> tuple[float, float, float]:
+def node_vector(nodal_mass: np.void, values: np.ndarray) -> tuple[float, float, float]:
     """Return values (NS,) at a nodal mass's coordinates along axes 1, 2, 3; 0 where it is held."""
     return _along_axes(nodal_mass["coordinate"], values)
 
 
 @part
-def _along_axes(c: "np.ndarray", values: "np.ndarray") -> tuple[float, float, float]:
+def _along_axes(c: np.ndarray, values: np.ndarray) -> tuple[float, float, float]:
     return (
         values[c[0]] if c[0] >= 0 else 0.0,
         values[c[1]] if c[1] >= 0 else 0.0,
@@ -243,7 +238,7 @@ def _along_axes(c: "np.ndarray", values: "np.ndarray") -> tuple[float, float, fl
 
 
 @part
-def attitude_rates(frame: "np.void", y: "np.ndarray", attitudes: "np.ndarray", rates: "np.ndarray") -> None:
+def attitude_rates(frame: np.void, y: np.ndarray, attitudes: np.ndarray, rates: np.ndarray) -> None:
     """Fill rates[ball] with e0' = -e.s/2, e' = (e0 s - e x s)/2, s the speeds in P_k axes."""
     ball = frame["ball"]
     s = triple(y, frame["first_rotation"])

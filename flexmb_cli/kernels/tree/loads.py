@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from .._jit import part
 from ..constrained.time_functions import function_values
-from ..linalg.row_products import product
+from ..linalg.number_rows import product
 from ..linalg.vec3 import dot, outward, triple
 
 if TYPE_CHECKING:

@@ -14,8 +14,10 @@ with diagonal pivots: rows that repeat others leave none and get no force.
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .._jit import kernel
-from ..linalg.row_products import product
+from ..linalg.number_rows import product
 from ..linalg.vec3 import (
     accumulate,
     centripetal,
@@ -32,8 +34,6 @@ from ..linalg.vec3 import (
 from .unit_forces import clear_unit_forces, respond, unit_force
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ...model.arrays.tree import TreeArrays
 
 
@@ -42,14 +42,14 @@ IMMOBILE = 1e-12
 
 
 @kernel
-def clear_loop_forces(closures: "np.ndarray") -> None:
+def clear_loop_forces(closures: np.ndarray) -> None:
     """Leave all loops open."""
     for i in range(closures.shape[0]):
         closures[i]["force"] = 0.0
 
 
 @kernel
-def evaluate_rows(tree: "TreeArrays", work: "np.ndarray", q: "np.ndarray", y: "np.ndarray") -> None:
+def evaluate_rows(tree: "TreeArrays", work: np.ndarray, q: np.ndarray, y: np.ndarray) -> None:
     """Set direction, place, gap and rate of every row for placed frames."""
     for i in range(tree.closures.shape[0]):
         row = tree.closures[i]
@@ -69,31 +69,27 @@ def evaluate_rows(tree: "TreeArrays", work: "np.ndarray", q: "np.ndarray", y: "n
 
 @kernel
 def _relative_velocity(
-    a: "np.void", b: "np.void", place: tuple[float, float, float]
+    a: np.void, b: np.void, place: tuple[float, float, float]
 ) -> tuple[float, float, float]:
     """Velocity of frame a at a place against that of frame b at the same place."""
     return minus(_velocity(a, place), _velocity(b, place))
 
 
 @kernel
-def _velocity(s: "np.void", place: tuple[float, float, float]) -> tuple[float, float, float]:
+def _velocity(s: np.void, place: tuple[float, float, float]) -> tuple[float, float, float]:
     arm = minus(place, triple(s["position"], 0))
     return plus(triple(s["velocity"], 0), cross(triple(s["angular"], 0), arm))
 
 
 @kernel
-def _carried(
-    s: "np.void", motion: "np.ndarray", place: tuple[float, float, float]
-) -> tuple[float, float, float]:
+def _carried(s: np.void, motion: np.ndarray, place: tuple[float, float, float]) -> tuple[float, float, float]:
     """Linear part of `motion` (al, a) at a place of the frame."""
     arm = minus(place, triple(s["position"], 0))
     return plus(triple(motion, 3), cross(triple(motion, 0), arm))
 
 
 @kernel
-def _gap_acceleration(
-    tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", row: "np.void"
-) -> float:
+def _gap_acceleration(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, row: np.void) -> float:
     """Second derivative of the gap at the present accelerations."""
     if row["coupling"] >= 0:
         return _coupled(tree.couplings[row["coupling"]], coordinates["rate"])
@@ -110,7 +106,7 @@ def _gap_acceleration(
 
 
 @kernel
-def _gap_response(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", row: "np.void") -> float:
+def _gap_response(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, row: np.void) -> float:
     """Second derivative of the gap by the unit forces alone."""
     if row["coupling"] >= 0:
         return _coupled(tree.couplings[row["coupling"]], coordinates["response"])
@@ -120,7 +116,7 @@ def _gap_response(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarr
 
 
 @kernel
-def _coupled(factors: "np.ndarray", values: "np.ndarray") -> float:
+def _coupled(factors: np.ndarray, values: np.ndarray) -> float:
     total = 0.0
     for m in range(factors.shape[0]):
         total += factors[m] * values[m]
@@ -128,7 +124,7 @@ def _coupled(factors: "np.ndarray", values: "np.ndarray") -> float:
 
 
 @kernel
-def add_closure_forces(tree: "TreeArrays", work: "np.ndarray", q: "np.ndarray", y: "np.ndarray") -> None:
+def add_closure_forces(tree: "TreeArrays", work: np.ndarray, q: np.ndarray, y: np.ndarray) -> None:
     """Subtract the constraint forces from the bias of the two frames of each closure."""
     if tree.closures.shape[0] == 0:
         return
@@ -145,14 +141,14 @@ def add_closure_forces(tree: "TreeArrays", work: "np.ndarray", q: "np.ndarray", 
 
 
 @kernel
-def _load(s: "np.void", place: tuple[float, float, float], force: tuple[float, float, float]) -> None:
+def _load(s: np.void, place: tuple[float, float, float], force: tuple[float, float, float]) -> None:
     arm = minus(place, triple(s["position"], 0))
     accumulate(scaled(-1.0, cross(arm, force)), s["bias"], 0)
     accumulate(scaled(-1.0, force), s["bias"], 3)
 
 
 @kernel
-def add_coupling_efforts(tree: "TreeArrays", coordinates: "np.ndarray") -> None:
+def add_coupling_efforts(tree: "TreeArrays", coordinates: np.ndarray) -> None:
     """Add the efforts of couplings along the coordinates."""
     for i in range(tree.closures.shape[0]):
         row = tree.closures[i]
@@ -162,7 +158,7 @@ def add_coupling_efforts(tree: "TreeArrays", coordinates: "np.ndarray") -> None:
 
 
 @kernel
-def find_loop_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray") -> None:
+def find_loop_forces(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray) -> None:
     """Set the forces that take the gaps' accelerations away, from the solution with open loops."""
     closures = tree.closures
     _set_response_matrix(tree, work, coordinates)
@@ -172,7 +168,7 @@ def find_loop_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.nd
 
 
 @kernel
-def find_loop_responses(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray") -> None:
+def find_loop_responses(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray) -> None:
     """Set the forces that take the gaps' responses away, from those of the tree with open loops."""
     closures = tree.closures
     for i in range(closures.shape[0]):
@@ -181,7 +177,7 @@ def find_loop_responses(tree: "TreeArrays", work: "np.ndarray", coordinates: "np
 
 
 @kernel
-def add_row_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray") -> None:
+def add_row_forces(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray) -> None:
     """Add the forces of all rows to the unit forces."""
     for i in range(tree.closures.shape[0]):
         row = tree.closures[i]
@@ -195,7 +191,7 @@ def add_row_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndar
 
 
 @kernel
-def _set_response_matrix(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray") -> None:
+def _set_response_matrix(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray) -> None:
     """Fill and eliminate closure_matrix = J b^-1 Jᵀ for the last solution of the tree, without forces."""
     closures, matrix = tree.closures, tree.closure_matrix
     for j in range(closures.shape[0]):
@@ -210,7 +206,7 @@ def _set_response_matrix(tree: "TreeArrays", work: "np.ndarray", coordinates: "n
 
 
 @kernel
-def eliminate_rows(closures: "np.ndarray", matrix: "np.ndarray") -> None:
+def eliminate_rows(closures: np.ndarray, matrix: np.ndarray) -> None:
     """L D Lᵀ of a symmetric matrix with diagonal pivots; dependent rows get the pivot 0."""
     n = matrix.shape[0]
     largest = 0.0
@@ -234,7 +230,7 @@ def eliminate_rows(closures: "np.ndarray", matrix: "np.ndarray") -> None:
 
 
 @kernel
-def _bring_best_pivot(closures: "np.ndarray", matrix: "np.ndarray", k: int) -> None:
+def _bring_best_pivot(closures: np.ndarray, matrix: np.ndarray, k: int) -> None:
     """Exchange places in the order so that the row with the largest share of its own pivot is next."""
     best, share = k, -1.0
     for i in range(k, matrix.shape[0]):
@@ -248,7 +244,7 @@ def _bring_best_pivot(closures: "np.ndarray", matrix: "np.ndarray", k: int) -> N
 
 
 @kernel
-def solve_rows(closures: "np.ndarray", matrix: "np.ndarray") -> None:
+def solve_rows(closures: np.ndarray, matrix: np.ndarray) -> None:
     """Replace the forces, which hold a right-hand side, by the solution; 0 for dependent rows."""
     n = matrix.shape[0]
     for k in range(n):

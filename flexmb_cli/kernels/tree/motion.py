@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from .._jit import allocating, kernel, plain
 from ..laws import COORDINATE
-from ..linalg.blocks import block
+from ..linalg.number_rows import block
 from ..linalg.vec3 import cross, plus, scaled, store, triple
 from .elements import element_powers
 from .energy import applied_power

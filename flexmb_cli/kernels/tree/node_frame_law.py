@@ -5,21 +5,21 @@ The equations and the names of the arrays are those of `node_frames`.
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .._jit import part
 from ..linalg.vec3 import column, cross, outward, triple
 from .kinematics import node_place
 from .work import H_, J_, M_
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ...model.arrays.node_frames import NodeFrames
     from ...model.arrays.tree import TreeArrays
 
 
 @part
 def start_node_frame(
-    node_frames: "NodeFrames", r: int, rows: int, n: int, node_frame: "np.void", s: "np.void"
+    node_frames: "NodeFrames", r: int, rows: int, n: int, node_frame: np.void, s: np.void
 ) -> None:
     """Columns of D; E = T, s = r, W = 0; the inertia of what hangs there as a full matrix."""
     record = node_frames.records[r]
@@ -54,14 +54,14 @@ def start_node_frame(
 
 @part
 def _set_row(
-    matrix: "np.ndarray", row: int, a: tuple[float, float, float], b: tuple[float, float, float]
+    matrix: np.ndarray, row: int, a: tuple[float, float, float], b: tuple[float, float, float]
 ) -> None:
     for i in range(3):
         matrix[row, i], matrix[row, 3 + i] = a[i], b[i]
 
 
 @part
-def _set_inertia(out: "np.ndarray", row: int, I: "np.ndarray") -> None:
+def _set_inertia(out: np.ndarray, row: int, I: np.ndarray) -> None:
     """(6, 6) block [[J, H], [Hᵀ, M]] of 21 numbers."""
     place = 0
     for i in range(3):
@@ -75,13 +75,7 @@ def _set_inertia(out: "np.ndarray", row: int, I: "np.ndarray") -> None:
 
 @part
 def sum_nodes(
-    tree: "TreeArrays",
-    body: "np.void",
-    s: "np.void",
-    rows: int,
-    n: int,
-    coordinates: "np.ndarray",
-    q: "np.ndarray",
+    tree: "TreeArrays", body: np.void, s: np.void, rows: int, n: int, coordinates: np.ndarray, q: np.ndarray
 ) -> None:
     """Let the nodes' coordinates into W, E and s."""
     frame = tree.frames[body["frame"]]
@@ -110,7 +104,7 @@ def _sum_node(
     rows: int,
     n: int,
     m: int,
-    c: "np.void",
+    c: np.void,
     mass: float,
     turn: tuple[float, float, float],
     shift: tuple[float, float, float],
@@ -151,7 +145,7 @@ def set_transmission(node_frames: "NodeFrames", rows: int, n: int) -> None:
 
 
 @part
-def _invert(A: "np.ndarray", rows: int, n: int) -> None:
+def _invert(A: np.ndarray, rows: int, n: int) -> None:
     """Invert n rows of A from `rows` on in place, without exchanges.
 
     The eigenvalues of 1 + I W, both I and W positive semidefinite, are 1 and more.
@@ -170,7 +164,7 @@ def _invert(A: "np.ndarray", rows: int, n: int) -> None:
 
 
 @part
-def set_force_law(node_frames: "NodeFrames", body: "np.void", rows: int, n: int, work: "np.ndarray") -> None:
+def set_force_law(node_frames: "NodeFrames", body: np.void, rows: int, n: int, work: np.ndarray) -> None:
     """F = gain X + held."""
     for i in range(rows, rows + n):
         for k in range(6):

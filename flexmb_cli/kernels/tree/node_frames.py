@@ -9,20 +9,20 @@ names of the arrays are those of `model.arrays.node_frames.NodeFrames`.
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .._jit import part
 from .node_frame_law import set_force_law, set_transmission, start_node_frame, sum_nodes
 from .work import H_, J_, M_
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ...model.arrays.node_frames import NodeFrames
     from ...model.arrays.tree import TreeArrays
 
 
 @part
 def absorb_node_frames(
-    tree: "TreeArrays", body: "np.void", work: "np.ndarray", coordinates: "np.ndarray", q: "np.ndarray"
+    tree: "TreeArrays", body: np.void, work: np.ndarray, coordinates: np.ndarray, q: np.ndarray
 ) -> None:
     """Add to inertia and bias of a flexible parent what its node frames carry, their subtrees being
     complete.
@@ -39,7 +39,7 @@ def absorb_node_frames(
 
 
 @part
-def _add_carried(node_frames: "NodeFrames", rows: int, n: int, s: "np.void") -> None:
+def _add_carried(node_frames: "NodeFrames", rows: int, n: int, s: np.void) -> None:
     """Inertia += Eᵀ gain, bias += Eᵀ held."""
     E, gain = node_frames.carry, node_frames.gain
     for row in range(rows, rows + n):
@@ -55,16 +55,14 @@ def _add_carried(node_frames: "NodeFrames", rows: int, n: int, s: "np.void") -> 
 
 
 @part
-def _add_held(node_frames: "NodeFrames", rows: int, n: int, bias: "np.ndarray") -> None:
+def _add_held(node_frames: "NodeFrames", rows: int, n: int, bias: np.ndarray) -> None:
     for row in range(rows, rows + n):
         for i in range(6):
             bias[i] += node_frames.carry[row, i] * node_frames.held[row]
 
 
 @part
-def release_node_frames(
-    tree: "TreeArrays", body: "np.void", work: "np.ndarray", coordinates: "np.ndarray"
-) -> None:
+def release_node_frames(tree: "TreeArrays", body: np.void, work: np.ndarray, coordinates: np.ndarray) -> None:
     """Accelerate the node frames, and take off the drive of the nodes what they pass on, X being known."""
     node_frames = tree.node_frames
     rows, n = 6 * body["first_node_frame"], 6 * body["node_frames"]
@@ -79,7 +77,7 @@ def release_node_frames(
 
 
 @part
-def _set_forces(node_frames: "NodeFrames", rows: int, n: int, X: "np.ndarray") -> None:
+def _set_forces(node_frames: "NodeFrames", rows: int, n: int, X: np.ndarray) -> None:
     for row in range(rows, rows + n):
         force = node_frames.held[row]
         for i in range(6):
@@ -98,7 +96,7 @@ def _generalised_force(node_frames: "NodeFrames", rows: int, n: int, m: int) -> 
 
 @part
 def _move_node_frame(
-    node_frames: "NodeFrames", r: int, rows: int, n: int, X: "np.ndarray", out: "np.ndarray"
+    node_frames: "NodeFrames", r: int, rows: int, n: int, X: np.ndarray, out: np.ndarray
 ) -> None:
     """out = E X - W F."""
     for row in range(6 * r, 6 * r + 6):
@@ -111,7 +109,7 @@ def _move_node_frame(
 
 
 @part
-def absorb_unit_forces(tree: "TreeArrays", body: "np.void", work: "np.ndarray") -> None:
+def absorb_unit_forces(tree: "TreeArrays", body: np.void, work: np.ndarray) -> None:
     """Add to the unit forces of a flexible parent what its node frames pass on of theirs."""
     node_frames = tree.node_frames
     rows, n = 6 * body["first_node_frame"], 6 * body["node_frames"]
@@ -127,7 +125,7 @@ def absorb_unit_forces(tree: "TreeArrays", body: "np.void", work: "np.ndarray") 
 
 
 @part
-def follow_node_frames(tree: "TreeArrays", body: "np.void", work: "np.ndarray") -> None:
+def follow_node_frames(tree: "TreeArrays", body: np.void, work: np.ndarray) -> None:
     """Set the responses of the node frames, that of the body being known."""
     node_frames = tree.node_frames
     rows, n = 6 * body["first_node_frame"], 6 * body["node_frames"]
@@ -138,7 +136,7 @@ def follow_node_frames(tree: "TreeArrays", body: "np.void", work: "np.ndarray") 
 
 
 @part
-def node_frame_share(tree: "TreeArrays", frame: "np.void", m: int) -> float:
+def node_frame_share(tree: "TreeArrays", frame: np.void, m: int) -> float:
     """Return the effort of elastic coordinate m that goes to the carried bodies of a frame's body, if any."""
     if frame["flexible_parent"] < 0:
         return 0.0

@@ -5,6 +5,7 @@ the gaps: the least one in the metric of the mass matrix, which leaves alone wha
 not involve.  `stiff_projection` makes the same corrections in the metric of the matrix of an implicit step.
 """
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -16,8 +17,6 @@ from .motion import normalise_attitudes, parts
 from .unit_forces import clear_unit_forces, respond, respond_nodes
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from ...model.arrays.tree import TreeArrays
 
 
@@ -47,12 +46,12 @@ def largest_rate(closures: np.ndarray) -> float:
 class Metric(NamedTuple):
     """Metric in which corrections are the least: kernels of (tree, work, coordinates, ..., *arrays)."""
 
-    begin: "Callable[..., Any]"  # (..., *arrays): what corrections need, where the frames are placed
-    respond: "Callable[..., Any]"  # (..., z, *arrays): responses of all coordinates to the rows' changes
+    begin: Callable[..., Any]  # (..., *arrays): what corrections need, where the frames are placed
+    respond: Callable[..., Any]  # (..., z, *arrays): responses of all coordinates to the rows' changes
     rate_corrections: int  # corrections of the speeds
 
 
-def projection(metric: Metric) -> "Callable[..., Any]":
+def projection(metric: Metric) -> Callable[..., Any]:
     """Return the kernel that closes gaps and rates of a state z (n,) by the least corrections in a metric."""
     begin, respond, rate_corrections = metric
 
@@ -108,7 +107,7 @@ def move_coordinates(tree: "TreeArrays", coordinates: np.ndarray, z: np.ndarray)
 
 
 @allocating
-def _move_parts(tree: "TreeArrays", coordinates: "np.ndarray", q: "np.ndarray", attitudes: "np.ndarray"):
+def _move_parts(tree: "TreeArrays", coordinates: np.ndarray, q: np.ndarray, attitudes: np.ndarray):
     largest = 0.0
     for m in range(coordinates.shape[0]):
         largest = max(largest, abs(coordinates[m]["response"]))

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ..linalg.copying import copy
+from ..linalg.number_rows import copy
 from .energy import energies
 from .hinge_forces import set_reactions
 from .motion import parts
@@ -31,7 +31,7 @@ class Report(NamedTuple):
 
 @kernel
 def observe(
-    tree: "TreeArrays", work: "np.ndarray", coordinates: np.ndarray, z: np.ndarray, report: "Report", row: int
+    tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray, report: Report, row: int
 ) -> None:
     """Fill a report row from the state z, which has just been evaluated."""
     copy(z, report.rows[row])

@@ -6,27 +6,25 @@ move as if rigid.  In the metric of the mass matrix light nodes would move most,
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .._jit import kernel
 from .implicit_matrix import Stiff, apply_multipliers, factor_schur_complement, set_jacobian
 from .projection import Metric, projection
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ...model.arrays.tree import TreeArrays
 
 
 @kernel
-def _renew(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", s: Stiff) -> None:
+def _renew(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, s: Stiff) -> None:
     """Fill J where the frames are placed, and factorise its response."""
     set_jacobian(tree, work, coordinates, s)
     factor_schur_complement(s)
 
 
 @kernel
-def _respond(
-    tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", z: "np.ndarray", s: Stiff
-) -> None:
+def _respond(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray, s: Stiff) -> None:
     """Responses of all coordinates that change the rows by what they hold as forces."""
     for i in range(s.rows.shape[0]):
         s.rows[i]["force"] = -tree.closures[i]["force"]

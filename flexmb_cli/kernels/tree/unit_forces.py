@@ -6,19 +6,19 @@ force costs a fraction of a solution.
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .._jit import part
 from ..linalg.vec3 import accumulate, cross, dot, inward, minus, plus, scaled, store, triple
 from .kinematics import node_place
 from .node_frames import absorb_unit_forces, follow_node_frames, node_frame_share
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ...model.arrays.tree import TreeArrays
 
 
 @part
-def clear_unit_forces(work: "np.ndarray", coordinates: "np.ndarray") -> None:
+def clear_unit_forces(work: np.ndarray, coordinates: np.ndarray) -> None:
     """Set the unit forces on all frames, and the unit efforts along all coordinates, to zero."""
     for m in range(coordinates.shape[0]):
         coordinates[m]["unit_effort"] = 0.0
@@ -28,7 +28,7 @@ def clear_unit_forces(work: "np.ndarray", coordinates: "np.ndarray") -> None:
 
 
 @part
-def unit_force(s: "np.void", place: tuple[float, float, float], force: tuple[float, float, float]) -> None:
+def unit_force(s: np.void, place: tuple[float, float, float], force: tuple[float, float, float]) -> None:
     """Add a force at a place, both in inertial axes, to the unit forces of a frame."""
     arm = minus(place, triple(s["position"], 0))
     accumulate(scaled(-1.0, cross(arm, force)), s["unit_force"], 0)
@@ -36,7 +36,7 @@ def unit_force(s: "np.void", place: tuple[float, float, float], force: tuple[flo
 
 
 @part
-def respond(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray") -> None:
+def respond(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray) -> None:
     """Set the responses of frames and hinge coordinates to the unit forces; locked coordinates do not
     move.
     """
@@ -57,7 +57,7 @@ def respond(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray") -
 
 
 @part
-def _take_up(frame: "np.void", s: "np.void", coordinates: "np.ndarray") -> None:
+def _take_up(frame: np.void, s: np.void, coordinates: np.ndarray) -> None:
     for i in range(frame["rotations"]):
         _yield_to(s["unit_force"], coordinates[frame["first_rotation"] + i], 0)
     for i in range(frame["translations"]):
@@ -65,7 +65,7 @@ def _take_up(frame: "np.void", s: "np.void", coordinates: "np.ndarray") -> None:
 
 
 @part
-def _yield_to(forces: "np.ndarray", c: "np.void", part: int) -> None:
+def _yield_to(forces: np.ndarray, c: np.void, part: int) -> None:
     """Take out of the unit forces what a free coordinate does not transmit."""
     if c["locked"] != 0:
         return
@@ -76,14 +76,14 @@ def _yield_to(forces: "np.ndarray", c: "np.void", part: int) -> None:
 
 
 @part
-def _pass_on(s: "np.void", parent: "np.void") -> None:
+def _pass_on(s: np.void, parent: np.void) -> None:
     n, f = triple(s["unit_force"], 0), triple(s["unit_force"], 3)
     accumulate(plus(n, cross(triple(s["offset"], 0), f)), parent["unit_force"], 0)
     accumulate(f, parent["unit_force"], 3)
 
 
 @part
-def _follow(frame: "np.void", parent: "np.void", s: "np.void", coordinates: "np.ndarray") -> None:
+def _follow(frame: np.void, parent: np.void, s: np.void, coordinates: np.ndarray) -> None:
     """Response of a frame and its hinge coordinates from that of the parent."""
     al = triple(parent["response"], 0)
     a = plus(triple(parent["response"], 3), cross(al, triple(s["offset"], 0)))
@@ -98,7 +98,7 @@ def _follow(frame: "np.void", parent: "np.void", s: "np.void", coordinates: "np.
 
 
 @part
-def _own_response(c: "np.void", al: tuple[float, float, float], a: tuple[float, float, float]) -> float:
+def _own_response(c: np.void, al: tuple[float, float, float], a: tuple[float, float, float]) -> float:
     if c["locked"] != 0:
         c["response"] = 0.0
     else:
@@ -108,7 +108,7 @@ def _own_response(c: "np.void", al: tuple[float, float, float], a: tuple[float, 
 
 
 @part
-def respond_nodes(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", q: "np.ndarray") -> None:
+def respond_nodes(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, q: np.ndarray) -> None:
     """Set the responses of the nodal masses' coordinates, those of the frames being known."""
     for k in range(1, tree.frames.shape[0]):
         frame, s = tree.frames[k], work[k]

@@ -152,7 +152,7 @@ def note_left_out(report: "CheckReport", speeds: int) -> None:
 
 def start_of(analysis: "ConstrainedMotion", report: "CheckReport") -> "Mobility":
     """Start an analysis as far as `check` looks at it: all of a small one, positions and speeds of others."""
-    from ...solvers.constrained.large_start import is_large
+    from ...solvers.constrained.system import is_large
 
     if not is_large(analysis.arrays):
         return analysis.start()
@@ -212,7 +212,7 @@ def record_mobility(report: "CheckReport", found: "Mobility") -> None:
 
 def note_slips(report: "CheckReport", evaluator: Any, q: np.ndarray, t: float, angles: np.ndarray) -> None:
     """Note joints that the estimates q leave open far wider than the others."""
-    from ...solvers.kinematics.estimate_gaps import open_estimates, slip_note
+    from ...solvers.kinematics.assembly import open_estimates, slip_note
 
     opened, others, far = open_estimates(evaluator, q, t, angles)
     if opened:

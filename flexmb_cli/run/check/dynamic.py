@@ -42,14 +42,12 @@ def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | No
 
 
 def _check_forward(report: CheckReport, model: DynamicModel, run: Run) -> None:
-    from ...solvers.constrained.position import PositionGaps
     from ...solvers.constrained.young_dynamics import DrivenDynamics, ForwardDynamics
 
     analysis = DrivenDynamics(model) if model.analysis == "inverse" else ForwardDynamics(model)
     arrays, speeds = analysis.arrays, analysis.arrays.speeds
     report.time, q = model.mechanism.time.start, arrays.kinematic.q
-    evaluator = PositionGaps(arrays, analysis.system, analysis.work)
-    before = gaps_of(evaluator, arrays, q, report.time, arrays.angles)
+    before = gaps_of(analysis.gaps, arrays, q, report.time, arrays.angles)
     try:
         found = start_of(analysis, report)
     finally:
@@ -61,8 +59,8 @@ def _check_forward(report: CheckReport, model: DynamicModel, run: Run) -> None:
         "degrees_of_freedom": int(speeds - found.rank) + drivers,
     }
     assembled = analysis.integration.z[: q.size]
-    record_assembly(report, before, gaps_of(evaluator, arrays, assembled, report.time, arrays.angles))
-    note_slips(report, evaluator, q, report.time, arrays.angles)
+    record_assembly(report, before, gaps_of(analysis.gaps, arrays, assembled, report.time, arrays.angles))
+    note_slips(report, analysis.gaps, q, report.time, arrays.angles)
     note_moves(report, arrays, q, assembled)
     record_mobility(report, found)
     run.warn(())

@@ -64,7 +64,7 @@ def _diagnose(report: CheckReport, mechanism: FlexibleMechanism) -> None:
     arrays = analysis.arrays
     report.bodies = [_body(body) for body in mechanism.bodies]
     report.time = mechanism.time.start
-    before = gaps_of(analysis.evaluator, arrays, arrays.q, report.time, arrays.angles)
+    before = gaps_of(analysis.gaps, arrays, arrays.q, report.time, arrays.angles)
     try:
         found = start_of(analysis, report)
     finally:
@@ -76,7 +76,7 @@ def _diagnose(report: CheckReport, mechanism: FlexibleMechanism) -> None:
         **report_times(mechanism.time),
     }
     assembled = analysis.integration.z[: arrays.q.size]
-    after = gaps_of(analysis.evaluator, arrays, assembled, report.time, arrays.angles)
+    after = gaps_of(analysis.gaps, arrays, assembled, report.time, arrays.angles)
     record_assembly(report, before, after)
     note_moves(report, arrays, arrays.q, assembled)
     record_mobility(report, found)

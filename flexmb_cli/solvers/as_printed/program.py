@@ -13,22 +13,19 @@ listing.  The function of a driver is taken as C + B t + A t²/2, where the scan
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...errors import AnalysisError, Fault, ModelError
 from ...model.attitudes import Attitudes, held_coordinate
-from ...model.mechanism import Joint, Mechanism
+from ...model.mechanism import Distance, Joint, Mechanism
 from ..kinematics.rows import Rows, rows_of
 from . import equations
 from .equations import MOST_BODIES, State, along, coincident, orthogonal, parallel, stacked
 from .errors import ALL_ERRORS, EMULATED, WRONG_INDEX
 from .screw import ScrewZero, screw_row, screw_zero
 from .vectors import product, solved, tilde
-
-if TYPE_CHECKING:
-    from ...model.mechanism import Distance
 
 
 @dataclass(frozen=True)
@@ -50,12 +47,12 @@ def held(mechanism: Mechanism, q: np.ndarray) -> list[Single]:
     return found
 
 
-def _value(q: np.ndarray, body: int, direction: int, value: float) -> "Single":
+def _value(q: np.ndarray, body: int, direction: int, value: float) -> Single:
     coordinate, target = held_coordinate(direction, value)
     return Single({7 * body + coordinate: 1.0}, q[body, coordinate] - target)
 
 
-def _difference(q: np.ndarray, item: "Distance") -> "Single":
+def _difference(q: np.ndarray, item: Distance) -> Single:
     coordinate = item.direction - 1 if item.direction <= 3 else item.direction
     gap = q[item.i, coordinate] - q[item.j, coordinate] - item.value
     return Single({7 * item.i + coordinate: 1.0, 7 * item.j + coordinate: -1.0}, gap)

@@ -11,41 +11,30 @@ from ...errors import Fault
 from ...kernels.constrained.accelerations import evaluate_jacobian, factorise_order
 from ...kernels.constrained.angle_unwrapping import EXPECTED, NEW, OLD, fill_angles
 from ...kernels.constrained.projection import project_position, project_speeds
+from ...kernels.constrained.report import Report
+from ...kernels.constrained.system import System
 from ...kernels.integrators import clock as codes
 from ...model.arrays.system import SystemArrays
 from ...model.equations import DEPENDENT
 from ...model.integrators import Integrator
 from ...model.joint_elements import JointElements
 from ...model.laws import STOP, Element
+from ...model.loads import InitialVelocity
 from ...model.mechanism import TimeGrid
 from ..assembly import TO_GAP
 from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of, taken, taken_clock
-from ..singular.dynamic_singularities import PassedDynamicSingularities
+from ..singular.dynamic_singularities import PassedDynamicSingularities, is_singular
 from ..singular.mobility import Mobility
 from ..singular.overconstrained_loops import choose_far_apart, gap_note, independence
-from ..singular.rank_of_speeds import is_singular
 from .breakpoints import breakpoints, jumps_of_accelerations, warn_of_fine_tables
-from .coinciding_ends import refuse_coinciding_ends
-from .failures import (
-    force_failure,
-    note_undetermined_rows,
-    repetition,
-    rows_with_forces,
-    step_failure,
-)
+from .elements_at_start import notes_of_pressed_stops, refuse_coinciding_ends
+from .failures import force_failure, note_undetermined_rows, repetition, rows_with_forces, step_failure
 from .first_position import assemble
-from .initial_stops import notes_of_pressed_stops
 from .integrators import Steps
-from .large_start import starts_sparse
-from .position import PositionGaps
-from .start import order_of_elimination
-from .start_speeds import start_speeds
-from .system import blank_report, constrained_system, new_work
+from .start import order_of_elimination, start_speeds
+from .system import PositionGaps, blank_report, constrained_system, new_work, starts_sparse
 
 if TYPE_CHECKING:
-    from ...kernels.constrained.report import Report
-    from ...kernels.constrained.system import System
-    from ...model.loads import InitialVelocity
     from ..linearisation.terms import Terms
 
 
@@ -64,7 +53,7 @@ class ConstrainedMotion(ABC):
     `found` is what `start` found.
     """
 
-    velocities: "Sequence[InitialVelocity]" = ()
+    velocities: Sequence[InitialVelocity] = ()
     springs: Sequence[Element] = ()
     singularities: PassedDynamicSingularities  # see `rows`
     omega_in_body_axes = False
@@ -107,14 +96,14 @@ class ConstrainedMotion(ABC):
         """Return which of the speeds (n,) the deck gives, and their values (n,)."""
 
     @abstractmethod
-    def block(self, report: "Report") -> Any:
+    def block(self, report: Report) -> Any:
         """The rows of a report in the terms of the model."""
 
     def usual_repetitions(self, q: np.ndarray) -> int | None:
         """Number of equations that repeat others in every mechanism of this type; None: of no such type."""
         return None
 
-    def given_rates(self, q: np.ndarray) -> "tuple[np.ndarray, np.ndarray, tuple[Any, ...]]":
+    def given_rates(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[Any, ...]]:
         """Rows (r, n) on speeds, right-hand sides (r,) and names of equations that hold at the start only."""
         return np.zeros((0, self.arrays.speeds)), np.zeros(0), ()
 
@@ -184,7 +173,7 @@ class ConstrainedMotion(ABC):
         fill_arrays(checkpoint, integration=self.integration, work=self.work)
         self.singularities.restore(checkpoint)
 
-    def _reports(self, times: np.ndarray) -> "Iterator[Report]":
+    def _reports(self, times: np.ndarray) -> Iterator[Report]:
         """Reports of as many rows as a call fills, up to all `times`; raises AnalysisError."""
         while times.size:
             report = blank_report(self.arrays, times[:LARGEST_BLOCK], self.works)
@@ -276,19 +265,24 @@ class ConstrainedMotion(ABC):
         return found
 
     @property
+    def gaps(self) -> PositionGaps:
+        """Residuals and Jacobians of the equations, by the work of the integration."""
+        return PositionGaps(self.arrays, self.system, self.work)
+
+    @property
     def starts_sparse(self) -> bool:
         """Return whether the start takes sparse matrices."""
         return self.dependent == DEPENDENT and starts_sparse(self.arrays)
 
     def first_position(
         self, t: float, tolerance: float, start: np.ndarray, *, estimates: bool = False
-    ) -> "tuple[PositionGaps, np.ndarray]":
+    ) -> tuple[PositionGaps, np.ndarray]:
         """Return the equations and coordinates (n + b,) near `start` that meet them; raises AnalysisError.
 
         `tolerance`: scaled gap at which overconstrained loops count as closed; `estimates`: the deck's
         positions are such.
         """
-        gaps = PositionGaps(self.arrays, self.system, self.work)
+        gaps = self.gaps
         gaps.sparse = starts_sparse(self.arrays)
         q, loose = assemble(gaps, t, tolerance, start, estimates=estimates)
         if loose:
@@ -301,7 +295,7 @@ class ConstrainedMotion(ABC):
     def _evaluations(self) -> int:
         return FEW_EVALUATIONS if self.dependent > DEPENDENT else CALL_EVALUATIONS
 
-    def _call(self, task: int, report: "Report") -> int:
+    def _call(self, task: int, report: Report) -> int:
         return int(
             self.integrator.integrate_rows(
                 task, self.system, self.work, self.integration, report, self._evaluations
@@ -315,7 +309,7 @@ class ConstrainedMotion(ABC):
         return angles
 
 
-def _first(report: "Report", filled: int) -> dict[str, np.ndarray]:
+def _first(report: Report, filled: int) -> dict[str, np.ndarray]:
     return {name: array[:filled] for name, array in report._asdict().items()}
 
 
@@ -328,5 +322,5 @@ class LinearisableMotion(ConstrainedMotion):
         """Names of loads, drivers, joints and points."""
 
     @abstractmethod
-    def driven_system(self, k: int, additions: list[float], t: float) -> "System":
+    def driven_system(self, k: int, additions: list[float], t: float) -> System:
         """Return the system with additions to the value, rate and second rate of driver k at t."""

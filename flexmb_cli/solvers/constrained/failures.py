@@ -8,6 +8,7 @@ from ...errors import AnalysisError, Fault
 from ...kernels.constrained.accelerations import accelerations
 from ...kernels.constrained.angle_unwrapping import NEW
 from ...kernels.constrained.elements import FRICTION
+from ...kernels.constrained.report import Report
 from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators.clock import CONTRADICTION
@@ -15,21 +16,18 @@ from ...kernels.laws import COORDINATE
 from ...model.arrays.records import ELEMENT
 from ...model.integrators import METHODS
 from ...model.unit_checks import uneven_masses
-from ..singular.mobility import Gap, about
-from ..singular.rank_of_speeds import (
+from ..singular.conditioning import owners_text
+from ..singular.dynamic_singularities import (
     SINGULAR_CONDITION,
     has_gained_rank,
     repeating_here_only,
     weakest_of_speeds,
 )
-from ..singular.weakest import owners_text
+from ..singular.mobility import Gap, Mobility, about
 from .breakpoints import jump_of_table
 from .start import inertia_failure
 
 if TYPE_CHECKING:
-    from ...kernels.constrained.report import Report
-    from ...model.equations import Equation
-    from ..singular.mobility import Mobility
     from .analysis import ConstrainedMotion
     from .young_dynamics import ForwardDynamics
 
@@ -170,7 +168,7 @@ def _remedies(analysis: "ForwardDynamics") -> str:
     return f"try {methods}, or a smaller one{creep}"
 
 
-def repetition(found: "Mobility", usual: int | None, kind: str, each: str) -> Fault:
+def repetition(found: Mobility, usual: int | None, kind: str, each: str) -> Fault:
     """Some equations repeat others: the motion is unique, the split of forces between them is a choice.
 
     A warning, or a note where they are as many as `usual`, `each` in a mechanism of this `kind`.
@@ -182,7 +180,10 @@ def repetition(found: "Mobility", usual: int | None, kind: str, each: str) -> Fa
         )
         return Fault("note", message, id="SOLVE-034")
     # In the deck's order: shares that symmetry makes equal differ by round-off, another on every processor.
-    repeated = sorted({equation for group in found.redundant for equation in group}, key=_in_deck)
+    repeated = sorted(
+        {equation for group in found.redundant for equation in group},
+        key=lambda one: (one.place or (0, 0), one.owner, one.part),
+    )
     owners = list(dict.fromkeys(equation.owner for equation in repeated))
     placed = [equation for equation in repeated if equation.place]
     count = len(found.redundant)
@@ -194,7 +195,7 @@ def repetition(found: "Mobility", usual: int | None, kind: str, each: str) -> Fa
     return about("warning", message, *placed, id="SOLVE-048")
 
 
-def note_undetermined_rows(analysis: "ConstrainedMotion", report: "Report") -> None:
+def note_undetermined_rows(analysis: "ConstrainedMotion", report: Report) -> None:
     """Note the times of all rows so far, those of a report among them, that round-off rules."""
     times, warnings = analysis.undetermined, analysis.warnings
     found = report.times[np.isnan(report.multipliers).any(axis=1)].tolist()
@@ -210,7 +211,3 @@ def note_undetermined_rows(analysis: "ConstrainedMotion", report: "Report") -> N
         "are not determined (nan)"
     )
     warnings.append(Fault("note", message, id="SOLVE-041"))
-
-
-def _in_deck(equation: "Equation") -> tuple[Any, Any, Any]:
-    return equation.place or (0, 0), equation.owner, equation.part

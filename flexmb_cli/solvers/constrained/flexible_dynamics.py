@@ -1,6 +1,7 @@
 """Forward dynamics of a mechanism of rigid and flexible bodies (VSDF decks)."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -14,16 +15,11 @@ from ...model.planar_loops import OUT_OF_PLANE, repeated_in_plane
 from ..linearisation.terms import Terms, motors_of
 from ..start_attitudes import refuse_half_turns, start_attitudes, turn_warnings, turned_right
 from .analysis import LinearisableMotion
+from .first_position import gap_warnings
 from .flexible_rows import FlexibleRows, flexible_rows
-from .initial_gaps import gap_warnings
-from .position import PositionGaps
 from .rows import global_axes
-from .start import rate_equations
-from .start_speeds import given_speeds
+from .start import given_speeds, rate_equations
 from .system import with_driven
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 class FlexibleDynamics(LinearisableMotion):
@@ -37,15 +33,10 @@ class FlexibleDynamics(LinearisableMotion):
         self.mechanism = mechanism
         self.velocities, self.springs = tuple(_velocities(mechanism)), mechanism.springs
 
-    @property
-    def evaluator(self) -> PositionGaps:
-        """Residuals of the equations."""
-        return PositionGaps(self.arrays, self.system, self.work)
-
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates near the deck's that meet all equations; raises AnalysisError."""
         attitudes = start_attitudes(self.mechanism)
-        start = turned_right(self.evaluator, attitudes, t)
+        start = turned_right(self.gaps, attitudes, t)
         gaps, q = self.first_position(t, self.mechanism.loop_tolerance, start)
         refuse_half_turns(q, attitudes, t)
         self.warnings += turn_warnings(self.arrays.q, attitudes)
@@ -118,7 +109,7 @@ def _body_joint(joint: PointJoint) -> Joint:
     return Joint(joint.kind, joint.name, a[0].body, b[0].body, tuple(a[0].r0), tuple(b[0].r0), s_i, s_j)
 
 
-def _velocities(mechanism: FlexibleMechanism) -> "Iterator[InitialVelocity]":
+def _velocities(mechanism: FlexibleMechanism) -> Iterator[InitialVelocity]:
     """Velocities of the bodies that the deck moves; those at rest follow the others."""
     for k, body in enumerate(mechanism.bodies):
         if np.any(body.velocity) or np.any(body.omega):

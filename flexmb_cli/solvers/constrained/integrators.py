@@ -7,12 +7,12 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ...errors import Fault
 from ...model.integrators import METHODS, Integrator, steps_at_limit
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ...kernels.constrained.system import Work
 
 
@@ -64,7 +64,7 @@ class Steps:
             integration.memory["rho"] = self._radius
         return integration
 
-    def warnings(self, clock: "np.void") -> list[Fault]:
+    def warnings(self, clock: np.void) -> list[Fault]:
         """Return what is doubtful about the steps taken: some of given length had to be divided, or they lie
         at the limit of stability.
         """

@@ -2,11 +2,16 @@
 
 The other formulation of the same model: floating frames with nodal displacements as modal coordinates,
 Euler parameters and Lagrange multipliers.  Nothing of the recursion along the tree is used.
+
+Hinge coordinates are found from the motion of the bodies.  Integrals of the relative angular velocity, the
+coordinates of three free rotations, are no functions of the position: they are nan.  Turns of angles are
+those that the steps of the integration have counted.
 """
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,9 +25,9 @@ from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.integrators import IMPLICIT_TREE_METHODS, Integrator
 from ...model.laws import FRICTION
-from ...model.tree import ROTATION, Tree
+from ...model.tree import ELASTIC, ROTATION, Hinge, Tree
 from ...model.tree_as_mechanism.elements import HingeJoints
-from ...model.tree_as_mechanism.frames import Frames, hinge_frames
+from ...model.tree_as_mechanism.frames import Base, Frames, hinge_frames
 from ...model.tree_as_mechanism.hinges import add_closures, add_hinges, add_prescribed
 from ...model.tree_as_mechanism.limits import refuse_foreign
 from ...model.tree_as_mechanism.loads import tree_loads
@@ -30,11 +35,11 @@ from ...model.tree_as_mechanism.poses import elastic_start, first_poses, repeate
 from ..checkpoint import taken
 from ..projection import RESIDUAL_MET, largest
 from ..tree.loop_assembly import closed_tree
+from ..tree.points import rotation_matrices
 from ..tree.rows import TreeMotion, TreeRows, rows_of_tree, unturned
 from .analysis import ConstrainedMotion
-from .position import PositionGaps
+from .rows import global_axes
 from .tree_element_rows import with_elements
-from .tree_rows import motion_of_bodies
 
 
 class AbsoluteTree(ConstrainedMotion):
@@ -85,8 +90,7 @@ class AbsoluteTree(ConstrainedMotion):
         """
         rigid = 7 * self.arrays.bodies
         q = np.concatenate([self.arrays.q[:rigid], *(eta for eta, _ in self._elastic)])
-        gaps = PositionGaps(self.arrays, self.system, self.work)
-        if largest(gaps.residual(q, t, self.arrays.angles)) <= RESIDUAL_MET:
+        if largest(self.gaps.residual(q, t, self.arrays.angles)) <= RESIDUAL_MET:
             return q
         return self.first_position(t, self.tree.loop_tolerance, q)[1]
 
@@ -134,3 +138,156 @@ def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple[Any, ...]) -> Syst
     add_closures(table, tree)
     loads = elements.loads(tree_loads(table, tree))
     return replace(flexible_arrays(free), loads=loads, **table.arrays())
+
+
+class Moving(NamedTuple):
+    """A frame over T rows, global axes."""
+
+    r: np.ndarray  # (T, 3) position of its origin, m
+    v: np.ndarray  # (T, 3) velocity of its origin, m/s
+    a: np.ndarray  # (T, 3) acceleration of its origin, m/s²
+    axes: np.ndarray  # (T, 3, 3) its axes, a column each
+    w: np.ndarray  # (T, 3) angular velocity, rad/s
+    alpha: np.ndarray  # (T, 3) angular acceleration, rad/s²
+
+
+class AbsoluteMotion:
+    """States of a report by bodies."""
+
+    def __init__(self, tree: Tree, arrays: SystemArrays, report: Report):
+        b, n, times = arrays.bodies, arrays.speeds, len(report.times)
+        end = n + b
+        self.q = report.states[:, : 7 * b].reshape(times, b, 7)
+        self.u = report.states[:, end : end + 6 * b].reshape(times, b, 6)
+        self.ud = report.rates[:, : 6 * b].reshape(times, b, 6)
+        self.eta = (
+            report.states[:, 7 * b : end],
+            report.states[:, end + 6 * b : end + n],
+            report.rates[:, 6 * b :],
+        )
+        sizes = [body.elastic.coordinates if body.elastic else 0 for body in tree.bodies]
+        self.first = np.cumsum([0, *sizes])
+
+    def of(self, body: int) -> Moving:
+        """The frame of a body; that of the inertial one rests."""
+        if body < 0:
+            rest = np.zeros((len(self.q), 3))
+            return Moving(rest, rest, rest, np.broadcast_to(np.eye(3), (len(rest), 3, 3)), rest, rest)
+        q, u, ud = self.q[:, body], self.u[:, body], self.ud[:, body]
+        p = q[:, 3:]
+        w, alpha = global_axes(p, u[:, 3:]), global_axes(p, ud[:, 3:])
+        return Moving(q[:, :3], u[:, :3], ud[:, :3], rotation_matrices(p), w, alpha)
+
+    def base(self, base: Base) -> Moving:
+        """The point and the axes that a hinge hangs on."""
+        on = self.of(base.body)
+        s, sd, sdd = base.place, np.zeros(3), np.zeros(3)
+        if base.shape.size:
+            own = slice(self.first[base.body], self.first[base.body + 1])
+            s, sd, sdd = (eta[:, own] @ base.shape.T for eta in self.eta)
+            s = base.place + s
+        r, slide, push = (_turned(on.axes, x) for x in (s, sd, sdd))
+        swept = np.cross(on.w, r)
+        return Moving(
+            on.r + r,
+            on.v + swept + slide,
+            on.a + np.cross(on.alpha, r) + np.cross(on.w, swept + 2.0 * slide) + push,
+            on.axes @ base.axes,
+            on.w,
+            on.alpha,
+        )
+
+
+def _turned(axes: Any, x: np.ndarray) -> Any:
+    """Vectors (T, 3), or one for all rows, by the axes of each row."""
+    return np.einsum("tij,tj->ti", axes, np.broadcast_to(x, axes.shape[:2]))
+
+
+def motion_of_bodies(
+    tree: Tree, frames: Frames, arrays: SystemArrays, report: Report, angles: np.ndarray
+) -> TreeMotion:
+    """Return the motion over the rows of a report in the terms of the tree.
+
+    `angles` (T, n): those of hinges with one or two rotations, whose turns the coordinates have.
+    """
+    motion = AbsoluteMotion(tree, arrays, report)
+    q, y, y_rate = _coordinates(tree, frames, motion, angles)
+    N = len(tree.bodies)
+    bodies = [motion.of(k) for k in range(N)]
+    position, velocity, acceleration, axes, w, alpha = (
+        np.stack(parts, axis=1) for parts in zip(*bodies, strict=True)
+    )
+    return TreeMotion(
+        time=report.times,
+        q=q,
+        y=y,
+        y_rate=y_rate,
+        position=position,
+        axes=axes,
+        euler_parameters=motion.q[:, :N, 3:],
+        velocity=velocity,
+        acceleration=acceleration,
+        angular_velocity=w,
+        angular_acceleration=alpha,
+        # On body a of each closure, the second body of its group.
+        closure_force=report.wrenches[:, len(arrays.groups) - len(tree.closures) :, 1, :3].copy(),
+        applied_work=report.states[:, 2 * arrays.speeds + arrays.bodies],
+        audit=report.audit,
+        reactions=np.zeros((len(report.times), 0, 6)),
+    )
+
+
+def _coordinates(tree: Tree, frames: Frames, motion: AbsoluteMotion, angles: np.ndarray) -> Any:
+    """Coordinates, speeds and their rates (T, NS)."""
+    columns, elastic, counted = [], 0, iter(angles.T)
+    for c in tree.coordinates:
+        if c.motion == ELASTIC:
+            columns.append(tuple(eta[:, elastic] for eta in motion.eta))
+            elastic += 1
+            continue
+        base, body = motion.base(frames.bases[c.body]), motion.of(c.body)
+        if c.motion == ROTATION:
+            columns.append(_rotation(tree.hinges[c.body], c.axis - 1, base, body, counted))
+        else:
+            columns.append(_translation(c.axis - 1, base, body))
+    return tuple(np.stack(parts, axis=1) for parts in zip(*columns, strict=True))
+
+
+def _along(a: np.ndarray, b: np.ndarray) -> Any:
+    return np.sum(a * b, axis=-1)
+
+
+def _translation(axis: int, base: Moving, body: Moving) -> Any:
+    """Gap along an axis of P_k, and its derivatives in the turning axes."""
+    direction, w = base.axes[:, :, axis], base.w
+    gap, rate, second = body.r - base.r, body.v - base.v, body.a - base.a
+    slide = rate - np.cross(w, gap)
+    turning = np.cross(base.alpha, gap) + 2.0 * np.cross(w, rate) - np.cross(w, np.cross(w, gap))
+    return _along(gap, direction), _along(slide, direction), _along(second - turning, direction)
+
+
+def _rotation(hinge: Hinge, axis: int, base: Moving, body: Moving, counted: Iterator[np.ndarray]) -> Any:
+    """Angle or nan, speed and its rate: the relative angular velocity along the axis it turns about."""
+    spin, change = body.w - base.w, body.alpha - base.alpha
+    second = len(hinge.rotations) == 2 and axis == hinge.rotations[1] - 1
+    carrier = body if second else base
+    direction = carrier.axes[:, :, axis]
+    speed = _along(spin, direction)
+    rate = _along(change, direction) + _along(spin, np.cross(carrier.w, direction))
+    if len(hinge.rotations) == 3:
+        return np.full(len(speed), np.nan), speed, rate
+    angle = _angle(hinge, axis, base.axes, body.axes)
+    return angle + math.tau * np.round((next(counted) - angle) / math.tau), speed, rate
+
+
+def _angle(hinge: Hinge, axis: int, P: np.ndarray, E: np.ndarray) -> Any:
+    """Angle within a turn, from axes of P_k (T, 3, 3) and of the body."""
+    if len(hinge.rotations) == 1:
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        return np.arctan2(_along(P[:, :, j], E[:, :, i]), _along(P[:, :, i], E[:, :, i]))
+    first, second = (turned - 1 for turned in hinge.rotations)
+    if axis == first:
+        across = np.cross(P[:, :, first], P[:, :, second])
+        return np.arctan2(_along(across, E[:, :, second]), _along(P[:, :, second], E[:, :, second]))
+    across = np.cross(E[:, :, first], E[:, :, second])
+    return np.arctan2(_along(across, P[:, :, first]), _along(E[:, :, first], P[:, :, first]))

@@ -23,10 +23,9 @@ from ..linearisation.terms import Terms, motors_of
 from ..singular.mobility import Mobility
 from .analysis import LinearisableMotion
 from .element_rows import element_rows
-from .initial_gaps import estimate_warnings
+from .first_position import estimate_warnings
 from .rows import DynamicRows, dynamic_rows
-from .start import rate_equations
-from .start_speeds import given_speeds
+from .start import given_speeds, rate_equations
 
 
 class ForwardDynamics(LinearisableMotion):
@@ -59,7 +58,7 @@ class ForwardDynamics(LinearisableMotion):
         composites = self.model.elements.composites
         return repeated_in_plane(self.mechanism.joints, grounds, attitudes, composites)
 
-    def given_rates(self, q: np.ndarray) -> "tuple[np.ndarray, np.ndarray, tuple[Any, ...]]":
+    def given_rates(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[Any, ...]]:
         """Rows, right-hand sides and names of the joint rates that the deck gives."""
         return rate_equations(self.mechanism.joints, self.model.elements.rates, q, self.arrays.speeds)
 

@@ -1,23 +1,26 @@
 """Kinematic analysis of a mechanism: rows of positions, velocities and accelerations, block by block."""
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...kernels.kinematics import continuation
-from ...kernels.kinematics.continuation_clock import BUDGET, CLOCK_SIZE, TIME
-from ...kernels.kinematics.sparse_newton import make_sparse_work
+from ...kernels.kinematics.continuation import BUDGET, CLOCK_SIZE, TIME
+from ...kernels.kinematics.newton import SparseWork, make_sparse_work
 from ...model.arrays.kinematic import KinematicArrays, kinematic_arrays
 from ...model.mechanism import Mechanism
-from ..assembly import NEARER, is_closed
+from ..assembly import NEARER, Sized, is_closed
 from ..checkpoint import faults_reported, reported, row_of, taken
 from ..projection import RESIDUAL_MET
-from ..singular.kinematic_singularities import PassedKinematicSingularities
-from ..singular.lockup import singular_start, step_failure
-from ..singular.mobility import mobility, moves_freely
-from ..singular.row_at_bifurcation import row_across
+from ..singular.kinematic_singularities import (
+    PassedKinematicSingularities,
+    row_across,
+    singular_start,
+    step_failure,
+)
+from ..singular.mobility import Mobility, mobility, moves_freely
 from .assembly import (
     assemble_by_search,
     assembly_failure,
@@ -27,14 +30,8 @@ from .assembly import (
     too_large_to_rank,
 )
 from .driver_axes import keeps_axis, refuse_contradicted_drive, refuse_off_axis_drive
-from .position import Evaluator, KinematicSettings
+from .position import Evaluator, KinematicSettings, kinematic_system, with_dependent_columns
 from .rows import Rows, first_rows, joined_rows, rows_of
-from .system import kinematic_system, with_dependent_columns
-
-if TYPE_CHECKING:
-    from ...kernels.kinematics.sparse_newton import SparseWork
-    from ..assembly import Sized
-    from ..singular.mobility import Mobility
 
 KINEMATIC_CALL_WORK = 2_000_000  # steps x equations² handed to the kernel at a time
 DENSE_ELIMINATION = 140  # equations: above, only entries other than zero are kept
@@ -187,7 +184,7 @@ class KinematicAnalysis:
 
     def carry(
         self,
-        follow: "Callable[..., Any]",
+        follow: Callable[..., Any],
         state: np.ndarray,
         motion: np.ndarray,
         clock: np.ndarray,
@@ -225,7 +222,7 @@ class KinematicAnalysis:
         return rows_of(self.mechanism, times[:reached], out[:reached], audit[:reached])
 
     @property
-    def _search(self) -> "Sized":
+    def _search(self) -> Sized:
         """Sizes and distances, which the functions of the drivers do not change."""
         kept, arrays = self.arrays.of_variants, self.arrays
         if "sized" not in kept:
@@ -270,7 +267,7 @@ class KinematicAnalysis:
             return first
         return self._with_repetitions(q, found)
 
-    def _with_repetitions(self, q: np.ndarray, found: "Mobility") -> Rows:
+    def _with_repetitions(self, q: np.ndarray, found: Mobility) -> Rows:
         """The first row where equations repeat others, if they still do a little later.
 
         Raises AnalysisError if they do not: the start is a dead centre or a branching.

@@ -6,8 +6,9 @@ joints turn the body away from its driver's axis: |p| is not 1 or does not stay 
 position, or the rates are no motion.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,15 +18,8 @@ from ...model.mechanism import Driver, Mechanism
 from ..projection import RESIDUAL_MET
 from ..singular.mobility import mobility
 from .assembly import assemble_by_search
-from .position import Evaluator
+from .position import Evaluator, KinematicSettings, kinematic_system
 from .rows import Rows, twice_g
-from .system import kinematic_system
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from .position import KinematicSettings
-
 
 UPRIGHT = 1e-9
 OFF_AXIS = 5e-5  # of an Euler parameter, or of its rates: |p| is UPRIGHT beyond 1
@@ -43,7 +37,7 @@ def refuse_off_axis_drive(mechanism: Mechanism, first: Rows) -> None:
         raise ModelError(faults)
 
 
-def refuse_contradicted_drive(mechanism: Mechanism, settings: "KinematicSettings") -> None:
+def refuse_contradicted_drive(mechanism: Mechanism, settings: KinematicSettings) -> None:
     """Raise ModelError if the mechanism can be assembled but for a rotational driver its joints contradict.
 
     Without that driver the body must be free to turn about the driver's axis, at an attitude that is
@@ -89,7 +83,7 @@ def _turning(mechanism: Mechanism) -> list[Driver]:
     return [driver for driver in mechanism.drivers if driver.direction > 3]
 
 
-def _axis_deviations(mechanism: Mechanism, rows: Rows) -> "Iterator[tuple[Driver, np.ndarray, np.ndarray]]":
+def _axis_deviations(mechanism: Mechanism, rows: Rows) -> Iterator[tuple[Driver, np.ndarray, np.ndarray]]:
     """Rotational drivers, the parts of p, ṗ, p̈ of their bodies off the axis (T, 3), whether too large.
 
     Drivers whose parts are small whatever they are compared with are left out.

@@ -1,4 +1,4 @@
-"""One position of a mechanism: residuals and Jacobian as matrices, with the names of their rows."""
+"""One position of a mechanism: input of the kernels, residuals and Jacobian with the names of their rows."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...kernels.kinematics import constraints as equations
-from ...kernels.kinematics.newton import System, Work, evaluate_position
+from ...kernels.kinematics.newton import COLUMN, RANK, System, Work, evaluate_position, make_work
 from ...kernels.linalg.rotation import A
 from ...model.arrays.kinematic import KinematicArrays
+from ...model.joints import DRIVER, SIMPLIFIED
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -20,16 +21,17 @@ if TYPE_CHECKING:
 DENSE_LIMIT = 700  # equations; above, matrices are sparse
 
 
-def light_work(coordinates: int) -> Work:
-    """Work of the kernels without room for dense factors."""
-    return Work(
-        np.zeros((3, coordinates // 7, 3, 3)),
-        np.zeros((6, coordinates)),
-        np.zeros((coordinates, 14)),
-        np.zeros((0, 0)),
-        np.zeros(0, dtype=np.int64),
-        np.zeros((0, 1), dtype=np.int64),
-    )
+def matrix_of(columns: np.ndarray, values: np.ndarray, count: int, *, sparse: bool) -> Any:
+    """Return the matrix (rows, count) with `values` at `columns` of each row, those at one place added up."""
+    rows = np.broadcast_to(np.arange(len(columns))[:, None], columns.shape)
+    if sparse:
+        from scipy.sparse import coo_matrix
+
+        places = rows.ravel(), columns.ravel()
+        return coo_matrix((values.ravel(), places), (len(columns), count)).tocsr()
+    matrix = np.zeros((len(columns), count))
+    np.add.at(matrix, (rows, columns), values)
+    return matrix
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ class Evaluator:
     @classmethod
     def of(cls, arrays: KinematicArrays, system: System) -> "Evaluator":
         """An evaluator with its own work arrays."""
-        return cls(arrays, system, light_work(arrays.q.size))
+        return cls(arrays, system, make_work(arrays.q.size, 0))
 
     def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
         """Scaled residual (equations,) at q; expected (screws,) are the angles expected."""
@@ -59,30 +61,23 @@ class Evaluator:
         equations.jacobian(self.system.constraints, q, self.work.rotations[A], self.work.phi_q)
         return self.work.phi_q[: self.arrays.row_scale.size]
 
-    def entries(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Rows, columns and scaled values of the Jacobian's entries, halves of one body added up."""
+    def entries(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Columns and scaled values (equations, 14) of the Jacobian's entries: halves of one body add up."""
         rows = self.rows(q)
         bodies = self.arrays.bodies_of
         place = np.arange(7)
         columns = np.concatenate([7 * bodies[:, :1] + place, 7 * bodies[:, 1:] + place], axis=1)
         values = rows * self.arrays.column_scale[columns] / self.arrays.row_scale[:, None]
-        row_numbers = np.broadcast_to(np.arange(len(rows))[:, None], columns.shape)
-        return row_numbers, columns, values
+        return columns, values
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
         """Scaled Jacobian (equations, coordinates), dense, at the q of the last `residual`."""
-        rows, columns, values = self.entries(q)
-        matrix = np.zeros((len(rows), q.size))
-        np.add.at(matrix, (rows, columns), values)
-        return matrix
+        found: np.ndarray = matrix_of(*self.entries(q), q.size, sparse=False)
+        return found
 
     def sparse_matrix(self, q: np.ndarray) -> Any:
         """The same as a scipy CSR matrix."""
-        from scipy.sparse import coo_matrix
-
-        rows, columns, values = self.entries(q)
-        shape = (len(rows), q.size)
-        return coo_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape).tocsr()
+        return matrix_of(*self.entries(q), q.size, sparse=True)
 
     def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
         """Return the coordinates after a scaled step (coordinates,)."""
@@ -113,15 +108,10 @@ class Poses:
             halves += [own[:, :3] * arrays.length, 0.5 * np.einsum("kcm,mc->mk", L, own[:, 3:])]
         values = np.concatenate(halves, axis=1) / arrays.row_scale[:, None]
         columns = (6 * arrays.bodies_of[:, :, None] + np.arange(6)).reshape(len(rows), 12)
-        numbers = np.broadcast_to(np.arange(len(rows))[:, None], columns.shape)
-        shape = len(rows), 6 * (q.size // 7)
-        if self.evaluator.is_large:
-            from scipy.sparse import coo_matrix
-
-            return coo_matrix((values.ravel(), (numbers.ravel(), columns.ravel())), shape).tocsr()
-        matrix = np.zeros(shape)
-        np.add.at(matrix, (numbers, columns), values)
-        return matrix
+        found: np.ndarray | csr_matrix = matrix_of(
+            columns, values, 6 * (q.size // 7), sparse=self.evaluator.is_large
+        )
+        return found
 
     def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
         """Return the coordinates after a scaled step (6 bodies,)."""
@@ -150,3 +140,51 @@ class KinematicSettings:
     smallest_pivot: float = 1e-13
     most_iterations: int = 250
     most_ranked: int = 10_000
+
+
+def kinematic_system(arrays: KinematicArrays, settings: KinematicSettings) -> System:
+    """The kernels' view of a mechanism.
+
+    Bodies at rest come first among the columns, and held or driven coordinates first among the
+    rows: elimination then finds them as pivots and leaves zeros behind.
+    """
+    if "places" not in arrays.of_variants:
+        arrays.of_variants["places"] = _places_and_units(arrays)
+    places, units = arrays.of_variants["places"]
+    return System(
+        arrays.constraints,
+        places,
+        units,
+        np.array([settings.tolerance, settings.smallest_pivot, settings.most_iterations, arrays.q.size]),
+    )
+
+
+def _places_and_units(arrays: KinematicArrays) -> tuple[np.ndarray, np.ndarray]:
+    constraints = arrays.constraints
+    simple = np.isin(constraints["kind"], (SIMPLIFIED.code, DRIVER.code))
+    of_row = np.searchsorted(constraints["first_row"], np.arange(len(arrays.equations)), side="right") - 1
+    order = np.argsort(~simple[of_row], kind="stable")
+    held = np.bincount(constraints["body_i"][simple], minlength=len(arrays.body_names))
+    column = np.empty(arrays.q.size, dtype=np.int64)
+    for position, body in enumerate(np.argsort(-held, kind="stable")):
+        column[7 * body : 7 * body + 7] = np.arange(7 * position, 7 * position + 7)
+    # Fewer equations than coordinates can be evaluated, though not solved: the table is padded.
+    places, units = np.zeros((arrays.q.size, 4), dtype=np.int64), np.ones((2, arrays.q.size))
+    places[: len(order), :2], places[: len(order), 2], places[:, COLUMN] = arrays.bodies_of, order, column
+    units[0, : len(order)], units[1] = 1.0 / arrays.row_scale, arrays.column_scale
+    return places, units
+
+
+def with_dependent_columns(system: System, dependent: tuple[int, ...]) -> System:
+    """The system for a position at which the coordinates `dependent` follow from the others.
+
+    They are eliminated last, and their corrections and rates are 0.
+    """
+    places = system.places.copy()
+    order = np.argsort(
+        places[:, COLUMN] + system.places.shape[0] * np.isin(np.arange(len(places)), dependent)
+    )
+    places[order, COLUMN] = np.arange(len(places))
+    limits = system.limits.copy()
+    limits[RANK] -= len(dependent)
+    return system._replace(places=places, limits=limits)

@@ -8,17 +8,14 @@ coordinates.  Points and vectors are linear in them, and all equations are linea
 The second formulation of `verify`: it shares no equation with the kernels.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...errors import Fault, ModelError
 from ...model.mechanism import Driver, Mechanism
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
 
 SIZE = 12
 LINES = {"revolute", "universal", "spherical", "cylindrical", "translational"}
@@ -78,7 +75,7 @@ class NaturalEquations:
         self.products.append((one, other, value))
 
 
-def _constant(value: float) -> "Callable[..., Any]":
+def _constant(value: float) -> Callable[..., Any]:
     return lambda t: (float(value), 0.0, 0.0)
 
 

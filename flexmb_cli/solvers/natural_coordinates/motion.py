@@ -205,5 +205,5 @@ def _least(J: np.ndarray, b: np.ndarray) -> np.ndarray:
     return found
 
 
-def _rows(rows: list[tuple[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]) -> "NaturalRows":
+def _rows(rows: list[tuple[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]) -> NaturalRows:
     return NaturalRows(*(np.array(column) for column in zip(*rows, strict=True)))

@@ -1,5 +1,6 @@
 """Reasons that a mechanism cannot be assembled or moved: gaps, redundant equations and free motions."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,7 @@ from ..kinematics.rows import twice_g
 from ..projection import RESIDUAL_MET, Corrections, Instant, project
 
 if TYPE_CHECKING:
-    from ..constrained.position import PositionGaps
+    from ..constrained.system import PositionGaps
 
 
 NAMED = 1e-6  # of the largest component of a null vector
@@ -117,18 +118,27 @@ def mobility(evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray
 
         matrix, name = evaluator.sparse_matrix(q), evaluator.arrays.coordinate_name
         return sparse_mobility(matrix, *order_of_pivots(matrix), evaluator.arrays.equations, name)
-    left, values, right = np.linalg.svd(evaluator.jacobian(q))
-    rank = int(np.sum(values > DEPENDENT * values[0]))
-    arrays = evaluator.arrays
+    return dense_mobility(evaluator.jacobian(q), evaluator.arrays.equations, evaluator.arrays.coordinate_name)
+
+
+def dense_mobility(
+    J: np.ndarray, equations: tuple[Equation, ...], name: Callable[[int], str], dependent: float = DEPENDENT
+) -> Mobility:
+    """Return the mobility of a scaled Jacobian (m, n) by its singular values.
+
+    `name`: that of a coordinate; `dependent`: singular values, of the largest, that count as 0.
+    """
+    left, values, right = np.linalg.svd(J)
+    rank = int(np.sum(values > dependent * values[0])) if values.size else 0
     motions, pivots = sparse_basis(right[rank:])
     dependencies, repeated = sparse_basis(left[:, rank:].T)
     return Mobility(
-        equations=len(arrays.equations),
-        coordinates=q.size,
+        equations=len(equations),
+        coordinates=J.shape[1],
         rank=rank,
-        smallest=float(values[-1] / values[0]),
-        redundant=tuple(tuple(arrays.equations[k] for k in involved(row)) for row in dependencies),
-        free=tuple(tuple(arrays.coordinate_name(k) for k in involved(row)) for row in motions),
+        smallest=float(values[-1] / values[0]) if values.size else 1.0,
+        redundant=tuple(tuple(equations[k] for k in involved(row)) for row in dependencies),
+        free=tuple(tuple(name(k) for k in involved(row)) for row in motions),
         motions=motions,
         pivots=pivots,
         repeated=repeated,

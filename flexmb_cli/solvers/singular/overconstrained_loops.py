@@ -4,27 +4,20 @@ Equations that repeat others where the loop is exact contradict them by a little
 position and the motion; along what the small singular values stand for nothing is corrected.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...kernels.constrained.accelerations import choose_order
+from ...kernels.constrained.system import Work
 from ...model.by_size import first_of_largest
 from ...model.equations import DEPENDENT
 from ..assembly import LOOSEST, TO_GAP, Sized, nearest_of
-from ..constrained.large_start import is_large
-from ..constrained.system import dense_jacobian
+from ..constrained.system import PositionGaps, dense_jacobian, is_large
 from ..projection import RESIDUAL_MET, Corrections, Instant, Position, largest, project, shortened
 from .mobility import PROBE, Gap, about, gap_norms, worst_gaps
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ...kernels.constrained.system import Work
-    from ..constrained.position import PositionGaps
-
 
 SETTLING = 4  # corrections of that limit by the gap that it leaves
 MOVES = 0.3  # part of a trial motion that remains where the mechanism is free to move
@@ -45,7 +38,7 @@ class NearlyClosed:
 
 
 def nearly_closed(
-    gaps: "PositionGaps", instant: Instant, sized: Sized, q: np.ndarray, columns: np.ndarray, *, near: bool
+    gaps: PositionGaps, instant: Instant, sized: Sized, q: np.ndarray, columns: np.ndarray, *, near: bool
 ) -> NearlyClosed | None:
     """Return the position nearest to q at which overconstrained loops nearly close, None where none does.
 
@@ -53,35 +46,30 @@ def nearly_closed(
     """
     if is_large(gaps.arrays):
         return None
-    sparse, gaps.sparse = gaps.sparse, False
-    try:
-        return _nearly_closed(gaps, instant, sized, q, columns, near)
-    finally:
-        gaps.sparse, sized.met = sparse, 0.0
-
-
-def _nearly_closed(
-    gaps: "PositionGaps", instant: Instant, sized: Sized, q: np.ndarray, columns: np.ndarray, near: bool
-) -> NearlyClosed | None:
-    sized.met = LOOSEST / 3.0
+    sparse, gaps.sparse, sized.met = gaps.sparse, False, LOOSEST / 3.0
 
     def finish(found: np.ndarray, dependent: float = LOOSEST) -> Position:
         return project(instant, found, Corrections(1e-14, 60, dependent), shortened, columns)
 
-    found = finish(q) if near else nearest_of(sized, q, finish, columns, LOOSEST)
-    if near and not sized.is_near(q, found[0]):
+    try:
+        found = finish(q) if near else nearest_of(sized, q, finish, columns, LOOSEST)
+        if near and not sized.is_near(q, found[0]):
+            return None
+        dependent = LOOSEST
+        for _ in range(SETTLING):
+            dependent = float(np.clip(TO_GAP * largest(found[1]), DEPENDENT, LOOSEST))
+            found = finish(found[0], dependent)
+        if RESIDUAL_MET < largest(found[1]) <= LOOSEST and _is_overconstrained(
+            gaps, finish, found, dependent
+        ):
+            return NearlyClosed(*found, dependent)
         return None
-    dependent = LOOSEST
-    for _ in range(SETTLING):
-        dependent = float(np.clip(TO_GAP * largest(found[1]), DEPENDENT, LOOSEST))
-        found = finish(found[0], dependent)
-    if RESIDUAL_MET < largest(found[1]) <= LOOSEST and _is_overconstrained(gaps, finish, found, dependent):
-        return NearlyClosed(*found, dependent)
-    return None
+    finally:
+        gaps.sparse, sized.met = sparse, 0.0
 
 
 def _is_overconstrained(
-    gaps: "PositionGaps", finish: "Callable[..., Position]", found: Position, dependent: float
+    gaps: PositionGaps, finish: Callable[..., Position], found: Position, dependent: float
 ) -> bool:
     """Return whether equations repeat others, and the mechanism moves along all that the others leave free.
 
@@ -104,7 +92,7 @@ def _is_overconstrained(
     return True
 
 
-def choose_far_apart(work: "Work", rank: int) -> int:
+def choose_far_apart(work: Work, rank: int) -> int:
     """Choose `rank` equations that are far from dependent, and their order; return the rank found.
 
     What is left of the gap in the others grows as those chosen come to depend.  Overwrites the Jacobian.
@@ -118,13 +106,13 @@ def choose_far_apart(work: "Work", rank: int) -> int:
     return int(choose_order(work, rank))
 
 
-def independence(work: "Work") -> float:
+def independence(work: Work) -> float:
     """Return the least singular value of the equations chosen; its inverse amplifies the gap left."""
     kept = dense_jacobian(work)[work.order[: work.rank[0]]]
     return float(np.linalg.svd(kept, compute_uv=False)[-1])
 
 
-def gap_note(gaps: "PositionGaps", found: NearlyClosed, tolerance: float) -> Fault:
+def gap_note(gaps: PositionGaps, found: NearlyClosed, tolerance: float) -> Fault:
     """Return the note on a loop that closes within the tolerance only."""
     worst = worst_gaps(gaps, found.gap)
     message = (
@@ -134,7 +122,7 @@ def gap_note(gaps: "PositionGaps", found: NearlyClosed, tolerance: float) -> Fau
     return about("note", message, worst[0].equation, id="SOLVE-080")
 
 
-def gap_error(gaps: "PositionGaps", found: NearlyClosed, t: float, tolerance: float) -> AnalysisError:
+def gap_error(gaps: PositionGaps, found: NearlyClosed, t: float, tolerance: float) -> AnalysisError:
     """Return the refusal of a loop that closes less well than the tolerance."""
     worst = worst_gaps(gaps, found.gap)
     message = (

@@ -3,22 +3,20 @@
 Singular values of a chain of 300 bodies take seconds and 300 MB, with the cube and the square of the number.
 """
 
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...kernels.linalg.local_order import choose_local
 from ...model.by_size import by_size
+from ...model.equations import Equation
+from .conditioning import Conditioning
 from .mobility import NAMED, Mobility
-from .weakest import Conditioning
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from scipy.sparse import csr_matrix
+    from scipy.sparse import csc_matrix, csr_matrix
     from scipy.sparse.linalg import SuperLU
-
-    from ...model.equations import Equation
 
 MOST_KEPT = 32  # motions that are kept, so that the mechanism can be moved along them
 AT_ONCE = 64  # null vectors solved for together
@@ -47,26 +45,30 @@ def sparse_mobility(
     matrix: "csr_matrix",
     order: np.ndarray,
     rank: int,
-    equations: "tuple[Equation, ...]",
-    name: "Callable[[int], str]",
+    equations: tuple[Equation, ...],
+    name: Callable[[int], str],
 ) -> Mobility:
     """Return the mobility of a scaled Jacobian (m, n) whose pivots are in this order.
 
     `name`: that of a coordinate.  Groups end after `NAMES_OF_GROUP` names, `motions` after `MOST_KEPT`.
     """
+    from scipy.sparse.linalg import splu
+
     m, n = matrix.shape
     rows, columns = order[:m], order[m:]
     repeated, pivots = np.sort(rows[rank:]), np.sort(columns[rank:])
-    leading = _Leading(matrix, rows[:rank], columns[:rank])
+    leading = matrix[rows[:rank]][:, columns[:rank]]
+    factors = splu(leading.tocsc()) if rank else None
     free, motions = [], np.zeros((min(pivots.size, MOST_KEPT), n))
-    for row, (x, k) in enumerate(zip(leading.motions(pivots), pivots, strict=True)):
+    # What the dependent coordinates do where a free one changes by 1.
+    shares = _shares(factors, matrix[rows[:rank]][:, pivots].tocsc(), "N")
+    for row, (x, k) in enumerate(zip(shares, pivots, strict=True)):
         free.append(_largest(columns[:rank], x, k))
         if row < MOST_KEPT:
             motions[row, columns[:rank]], motions[row, k] = x, 1.0
             motions[row] /= np.linalg.norm(motions[row])
-    redundant = (
-        _largest(rows[:rank], x, k) for x, k in zip(leading.dependencies(repeated), repeated, strict=True)
-    )
+    shares = _shares(factors, matrix[repeated][:, columns[:rank]].T.tocsc(), "T")
+    redundant = [_largest(rows[:rank], x, k) for x, k in zip(shares, repeated, strict=True)]
     return Mobility(
         equations=m,
         coordinates=n,
@@ -80,34 +82,11 @@ def sparse_mobility(
     )
 
 
-class _Leading:
-    """The independent rows and columns of a matrix, and their factors by SuperLU."""
-
-    def __init__(self, matrix: "csr_matrix", rows: np.ndarray, columns: np.ndarray):
-        from scipy.sparse.linalg import splu
-
-        self.matrix, self.rows, self.columns = matrix, rows, columns
-        self.factors = splu(matrix[rows][:, columns].tocsc()) if rows.size else None
-
-    def motions(self, free: np.ndarray) -> "Iterator[np.ndarray]":
-        """Yield, for each free column, what the dependent ones do (rank,) where it changes by 1."""
-        for some in _parts(free):
-            yield from -self._solve(self.matrix[self.rows][:, some].toarray(), "N").T
-
-    def dependencies(self, repeated: np.ndarray) -> "Iterator[np.ndarray]":
-        """Yield, for each dependent row, the shares (rank,) of the independent ones in it."""
-        for some in _parts(repeated):
-            yield from -self._solve(self.matrix[some][:, self.columns].toarray().T, "T").T
-
-    def _solve(self, right_sides: np.ndarray, transposed: str) -> np.ndarray:
-        if self.factors is None:
-            return right_sides
-        found: np.ndarray = self.factors.solve(right_sides, transposed)
-        return found
-
-
-def _parts(places: np.ndarray) -> "Iterator[np.ndarray]":
-    return (places[k : k + AT_ONCE] for k in range(0, places.size, AT_ONCE))
+def _shares(factors: "SuperLU | None", right_sides: "csc_matrix", transposed: str) -> Iterator[np.ndarray]:
+    """Yield minus the solution (rank,) for each column of sparse right-hand sides, some at a time."""
+    for first in range(0, right_sides.shape[1], AT_ONCE):
+        some = right_sides[:, first : first + AT_ONCE].toarray()
+        yield from -(factors.solve(some, transposed) if factors else some).T
 
 
 def _largest(places: np.ndarray, shares: np.ndarray, own: int) -> list[int]:

@@ -9,7 +9,7 @@ import time
 import numpy as np
 import pytest
 
-from flexmb_cli.fe.cache import key_of
+from flexmb_cli.fe.flexible_bodies import key_of
 from flexmb_cli.fe.formats.connectivity import read_elements
 from flexmb_cli.fe.formats.matrix_file import FEFileFault
 from flexmb_cli.fe.formats.node_table import read_node_table

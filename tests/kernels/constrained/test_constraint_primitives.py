@@ -45,7 +45,7 @@ SECOND = {-2: -1 / 12, -1: 4 / 3, 0: -5 / 2, 1: 4 / 3, 2: -1 / 12}
 def residual(analysis, q, t=0.7):
     """Φ (m,) in m and rad."""
     near = analysis.arrays.angles
-    return analysis.evaluator.residual(q, t, near) * analysis.arrays.row_scale
+    return analysis.gaps.residual(q, t, near) * analysis.arrays.row_scale
 
 
 def along(analysis, q, u, weights, power, moves_time=False):

@@ -7,7 +7,7 @@ from flexmb_cli.kernels._jit import interpreting
 from flexmb_cli.kernels.constrained.accelerations import evaluate_jacobian
 from flexmb_cli.kernels.constrained.body_vectors import geometry_of, move_vectors
 from flexmb_cli.kernels.constrained.elements import ELEMENT, add_element, add_unit_friction
-from flexmb_cli.kernels.constrained.tangent import add_stiff
+from flexmb_cli.kernels.constrained.forces import add_stiff
 from flexmb_cli.kernels.laws import DAMPING
 from tests.dialects.vsdf.mechanisms import random_state
 from tests.kernels.constrained.test_constraint_primitives import FIRST, H

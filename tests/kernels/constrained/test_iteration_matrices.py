@@ -12,9 +12,9 @@ from flexmb_cli.kernels.constrained.accelerations import (
 )
 from flexmb_cli.kernels.constrained.body_vectors import geometry_of
 from flexmb_cli.kernels.constrained.constraint_primitives import primitive_value
+from flexmb_cli.kernels.constrained.forces import add_stiff
 from flexmb_cli.kernels.constrained.mass_matrix import kinetic_energy, mass_matrices
 from flexmb_cli.kernels.constrained.system import SOLVED
-from flexmb_cli.kernels.constrained.tangent import add_stiff
 from flexmb_cli.kernels.integrators import generalised_alpha, radau5
 from flexmb_cli.kernels.integrators.generalised_alpha_step import _set_matrix
 from flexmb_cli.kernels.integrators.radau5_step import prepare, renew_matrices

@@ -23,7 +23,7 @@ from flexmb_cli.kernels.integrators.constrained_equations import (
 )
 from flexmb_cli.kernels.integrators.hermite import cubic, cubic_slope
 from flexmb_cli.kernels.integrators.time_loop import Method, time_loop
-from flexmb_cli.kernels.linalg.copying import copy
+from flexmb_cli.kernels.linalg.number_rows import copy
 
 STEP = 0.0625  # s, where the deck gives none
 SAME = 1e-9  # of a step: what is left to the stop is no step of its own

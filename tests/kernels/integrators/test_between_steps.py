@@ -50,10 +50,10 @@ def test_a_row_inside_an_implicit_step_lies_on_the_quintic_of_its_coordinates(x)
             [at(coordinates, t, order + 1), at(coordinates, t, order), at(others, t, order)]
         )
 
-    s = implicit_work(new_clock(), np.zeros(10), 3, np.zeros(0, CLOSURE_ROW), 0)
+    s = implicit_work(new_clock(), state(T + H), 3, np.zeros(0, CLOSURE_ROW), 0)
     s.old[:], s.old_slope[:], s.before[:] = state(T), state(T, 1), state(T + H, 1)
     found = np.empty(10)
-    sdirk4.between(x, H, state(T + H), s, found)
+    sdirk4.between(x, H, s, found)
     assert found == pytest.approx(state(T + x * H), rel=1e-12)
 
 

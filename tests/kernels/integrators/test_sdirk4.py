@@ -55,7 +55,7 @@ def test_a_step_that_leaves_its_loops_is_taken_back_and_begun_anew_with_another_
     with interpreting():
         renew(recursion.arrays, recursion.work, recursion.coordinates, start, s.stiff)
         assert factorise(recursion.arrays, 0.3, s.stiff)
-        _close_loops(recursion.arrays, recursion.work, recursion.coordinates, s.clock[0], s.z, 0.05, s)
+        _close_loops(recursion.arrays, recursion.work, recursion.coordinates, 0.05, s)
     assert (s.clock["t"][0], s.clock["step"][0], s.clock["steps"][0]) == (0.2, 0.0125, 6)
     assert (s.clock["rejections"][0], s.memory["stale"][0]) == (1, 1)
     np.testing.assert_array_equal(s.z, start)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.kernels.integrators.clock import new_clock
-from flexmb_cli.kernels.integrators.sdirk4 import implicit_work
-from flexmb_cli.kernels.integrators.sdirk4_step import DIAGONAL, _correct
+from flexmb_cli.kernels.integrators.sdirk4 import DIAGONAL, _correct, implicit_work
 from flexmb_cli.kernels.linalg.profile_ldl import factorise_profile, set_profile_times, substitute_profile
 from flexmb_cli.kernels.tree.implicit_matrix import factorise, renew, set_mass_times, solve_stiff, stiff_work
 from flexmb_cli.model.laws import SPRING
@@ -110,7 +109,7 @@ def test_correction_of_a_stage_is_that_of_newton_and_its_size_counts_tolerances(
     x = np.linalg.solve(mass + F * D + F**2 * K, mass @ (s.rate - slope)[:n])
     rest = (s.rate - slope)[2 * n :]
     moved = np.concatenate([F * x, F**2 * x, F * rest])[:counted]  # works are the last
-    found = _correct(arrays, clock[0], F / DIAGONAL, slope, s)
+    found = _correct(arrays, F / DIAGONAL, slope, s)
     assert found == pytest.approx(
         np.sqrt(np.mean((moved / (0.1 + 0.2 * np.abs(z[:counted]))) ** 2)), rel=1e-9
     )

@@ -5,7 +5,7 @@ import pytest
 
 from flexmb_cli.errors import Place
 from flexmb_cli.model.equations import Equation
-from flexmb_cli.solvers.singular.weakest import (
+from flexmb_cli.solvers.singular.conditioning import (
     MOST_NOTES,
     SingularityNotes,
     condition_text,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.errors import AnalysisError
-from flexmb_cli.kernels.integrators import sdirk4_step
+from flexmb_cli.kernels.integrators import sdirk4
 from flexmb_cli.kernels.tree.composite_mass import set_mass
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import (
@@ -37,7 +37,7 @@ def implicit(tree, tolerance):
 
 def test_coefficients_fulfil_the_conditions_of_order_four_and_three():
     """Hairer, Nørsett and Wanner, volume I, table II.2.1: the eight conditions of order 4."""
-    A, c = sdirk4_step.WEIGHTS, sdirk4_step.TIMES
+    A, c = sdirk4.WEIGHTS, sdirk4.TIMES
     assert A.sum(axis=1) == pytest.approx(c, abs=1e-15)
 
     def conditions(b):
@@ -46,14 +46,14 @@ def test_coefficients_fulfil_the_conditions_of_order_four_and_three():
         return np.array(third), np.array(fourth)
 
     assert np.concatenate(conditions(A[-1])) == pytest.approx(np.zeros(8), abs=1e-14)
-    third, fourth = conditions(A[-1] - sdirk4_step.ERROR)
+    third, fourth = conditions(A[-1] - sdirk4.ERROR)
     assert third == pytest.approx(np.zeros(4), abs=1e-14)
     assert np.max(np.abs(fourth)) > 0.01
 
 
 def test_method_damps_nothing_it_resolves_and_all_it_does_not():
     """|R(iw)| = |1 + iw bᵀ (1 - iw A)^-1 1|: at most 1 everywhere, 0 at infinity, 1 to 1e-4 up to w = 0.5."""
-    A = sdirk4_step.WEIGHTS
+    A = sdirk4.WEIGHTS
 
     def growth(w):
         return abs(1 + 1j * w * A[-1] @ np.linalg.solve(np.eye(5) - 1j * w * A, np.ones(5)))

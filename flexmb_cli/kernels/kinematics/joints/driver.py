@@ -5,25 +5,23 @@ normalisation: (6.9), (6.12), (6.15) of the source omit the term that makes the 
 """
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from ..._jit import kernel
-
-if TYPE_CHECKING:
-    import numpy as np
-
 
 EQUATIONS = 1
 
 
 @kernel
-def function(c: "np.ndarray", t: float) -> Any:
+def function(c: np.ndarray, t: float) -> Any:
     """f, df/dt and d²f/dt² at time t."""
     return c["C"] + (c["B"] + 0.5 * c["A"] * t) * t, c["B"] + c["A"] * t, c["A"]
 
 
 @kernel
-def residual(c: "np.void", q: "np.ndarray", t: float, phi: "np.ndarray") -> None:
+def residual(c: np.void, q: np.ndarray, t: float, phi: np.ndarray) -> None:
     """Fill phi[row], and phi[row+1] of a rotation."""
     f = function(c, t)[0]
     row, k = c["first_row"], 7 * c["body_i"]
@@ -35,7 +33,7 @@ def residual(c: "np.void", q: "np.ndarray", t: float, phi: "np.ndarray") -> None
 
 
 @kernel
-def jacobian(c: "np.void", phi_q: "np.ndarray") -> None:
+def jacobian(c: np.void, phi_q: np.ndarray) -> None:
     """Fill one row of phi_q (equations, 14), two of a rotation."""
     phi_q[c["first_row"], c["coordinate"]] = 1.0
     if c["coordinate"] >= 3:
@@ -43,7 +41,7 @@ def jacobian(c: "np.void", phi_q: "np.ndarray") -> None:
 
 
 @kernel
-def velocity(c: "np.void", t: float, nu: "np.ndarray") -> None:
+def velocity(c: np.void, t: float, nu: np.ndarray) -> None:
     """Fill the right-hand side of the velocity equations, (4.60) and (4.63)."""
     f, rate, _ = function(c, t)
     row = c["first_row"]
@@ -55,7 +53,7 @@ def velocity(c: "np.void", t: float, nu: "np.ndarray") -> None:
 
 
 @kernel
-def acceleration(c: "np.void", t: float, gamma: "np.ndarray") -> None:
+def acceleration(c: np.void, t: float, gamma: np.ndarray) -> None:
     """Fill the right-hand side of the acceleration equations, (4.61) and (4.64)."""
     f, rate, second = function(c, t)
     row = c["first_row"]

@@ -3,7 +3,7 @@
 Young (1996), section 4.2.3, eqs (4.20)-(4.25).
 """
 
-from typing import TYPE_CHECKING
+import numpy as np
 
 from ..._jit import kernel
 from ..joint_primitives import (
@@ -15,37 +15,25 @@ from ..joint_primitives import (
     p1_residual,
 )
 
-if TYPE_CHECKING:
-    import numpy as np
-
-
 EQUATIONS = 5
 
 
 @kernel
-def residual(c: "np.void", q: "np.ndarray", A: "np.ndarray", phi: "np.ndarray") -> None:
+def residual(c: np.void, q: np.ndarray, A: np.ndarray, phi: np.ndarray) -> None:
     """Fill phi[row:row+5]: three of length, m, two of unit vectors."""
     coincident_residual(c, q, A, phi)
     p1_residual(c, c["first_row"] + 3, A, phi)
 
 
 @kernel
-def jacobian(c: "np.void", q: "np.ndarray", A: "np.ndarray", phi_q: "np.ndarray") -> None:
+def jacobian(c: np.void, q: np.ndarray, A: np.ndarray, phi_q: np.ndarray) -> None:
     """Fill the rows of phi_q (equations, 14)."""
     coincident_jacobian(c, q, phi_q)
     p1_jacobian(c, c["first_row"] + 3, q, A, phi_q)
 
 
 @kernel
-def acceleration(
-    c: "np.void",
-    q: "np.ndarray",
-    qd: "np.ndarray",
-    A: "np.ndarray",
-    Ad: "np.ndarray",
-    Add: "np.ndarray",
-    gamma: "np.ndarray",
-) -> None:
+def acceleration(c: np.void, q: np.ndarray, qd: np.ndarray, rotations: np.ndarray, gamma: np.ndarray) -> None:
     """Fill gamma[row:row+5]."""
-    coincident_acceleration(c, Add, gamma)
-    p1_acceleration(c, c["first_row"] + 3, A, Ad, Add, gamma)
+    coincident_acceleration(c, rotations, gamma)
+    p1_acceleration(c, c["first_row"] + 3, rotations, gamma)

@@ -35,10 +35,9 @@ def angle(c: np.void, A: np.ndarray, expected: float) -> float:
 
 
 @kernel
-def angle_rates(
-    c: np.void, A: np.ndarray, Ad: np.ndarray, Add: np.ndarray, xdd: float, ydd: float
-) -> tuple[float, float]:
+def angle_rates(c: np.void, rotations: np.ndarray, xdd: float, ydd: float) -> tuple[float, float]:
     """dθ/dt and d²θ/dt² for given second derivatives of x and y."""
+    A, Ad = rotations[0], rotations[1]
     x, y = n1_residual(c, c["h_i"], c["h_j"], A), n1_residual(c, c["g_i"], c["h_j"], A)
     xd, yd = _n1_rate(c, c["h_i"], A, Ad), _n1_rate(c, c["g_i"], A, Ad)
     square = x * x + y * y
@@ -86,38 +85,22 @@ def jacobian(c: np.void, q: np.ndarray, A: np.ndarray, phi_q: np.ndarray) -> Non
 
 
 @kernel
-def acceleration(
-    c: np.void,
-    q: np.ndarray,
-    qd: np.ndarray,
-    A: np.ndarray,
-    Ad: np.ndarray,
-    Add: np.ndarray,
-    gamma: np.ndarray,
-) -> None:
+def acceleration(c: np.void, q: np.ndarray, qd: np.ndarray, rotations: np.ndarray, gamma: np.ndarray) -> None:
     """Fill gamma[row:row+5]."""
-    cylindrical.acceleration(c, q, qd, A, Ad, Add, gamma)
-    xdd = -n1_acceleration(c, c["h_i"], c["h_j"], A, Ad, Add)
-    ydd = -n1_acceleration(c, c["g_i"], c["h_j"], A, Ad, Add)
-    turn = angle_rates(c, A, Ad, Add, xdd, ydd)[1]
-    slide = c["sense"] * n2_acceleration(c, c["s_i"], q, qd, A, Ad, Add)
+    cylindrical.acceleration(c, q, qd, rotations, gamma)
+    xdd = -n1_acceleration(c, c["h_i"], c["h_j"], rotations)
+    ydd = -n1_acceleration(c, c["g_i"], c["h_j"], rotations)
+    turn = angle_rates(c, rotations, xdd, ydd)[1]
+    slide = c["sense"] * n2_acceleration(c, c["s_i"], q, qd, rotations)
     gamma[c["first_row"] + 4] = slide + c["pitch"] * turn
 
 
 @allocating
-def second_rate(
-    c: np.void,
-    u_i: np.ndarray,
-    q: np.ndarray,
-    qdd: np.ndarray,
-    A: np.ndarray,
-    Ad: np.ndarray,
-    Add: np.ndarray,
-) -> float:
+def second_rate(c: np.void, u_i: np.ndarray, q: np.ndarray, qdd: np.ndarray, rotations: np.ndarray) -> float:
     """d²/dt² of u_i · h_j for second derivatives qdd of the coordinates."""
     row = np.zeros(14)
-    n1_jacobian(c, u_i, c["h_j"], q, A, row)
-    total = -n1_acceleration(c, u_i, c["h_j"], A, Ad, Add)
+    n1_jacobian(c, u_i, c["h_j"], q, rotations[0], row)
+    total = -n1_acceleration(c, u_i, c["h_j"], rotations)
     for k in range(7):
         total += row[k] * qdd[7 * c["body_i"] + k] + row[7 + k] * qdd[7 * c["body_j"] + k]
     return total

@@ -19,7 +19,7 @@ import numpy as np
 
 from ...errors import Fault
 from ...model.equations import Equation
-from .weakest import Conditioning, SingularityNotes, weakest_owners
+from .conditioning import Conditioning, SingularityNotes, weakest_owners
 
 MOST_THIRDS = 40  # by which an interval with a minimum is narrowed
 
