@@ -6,7 +6,8 @@ from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.joint_elements import JointElements
 from ...model.laws import MOTOR, At, Element, spring
-from ...model.time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
+from ...model.piecewise_polynomials import linear_table, polynomial
+from ...model.time_functions import MotionFunction, piecewise, pulse
 from ...model.tree import (
     INERTIAL,
     ROTATION,
@@ -16,8 +17,6 @@ from ...model.tree import (
     Closure,
     Hinge,
     Prescribed,
-    Table,
-    pulse,
 )
 
 if TYPE_CHECKING:
@@ -38,12 +37,11 @@ def build_functions_of_time(
     ]
     springs += _dampers(hinged, findings)
     motors = [
-        _motor(record, where, _constant(*_behind_the_hinge(record)))
+        _motor(record, where, piecewise(polynomial(_behind_the_hinge(record))))
         for record, where in hinged.entries("motor")
     ]
     motors += [
-        _motor(record, where, _held(_table(record, findings)))
-        for record, where in hinged.entries("motor_table")
+        _motor(record, where, _table(record, findings)) for record, where in hinged.entries("motor_table")
     ]
     drives = [
         Prescribed(*where, C, B, A, record.place)
@@ -77,16 +75,6 @@ def _coordinate(where: tuple[int, str, int]) -> At:
 
 def _motor(record: "Record", where: tuple[int, str, int], function: MotionFunction) -> Element:
     return Element(record.subject, MOTOR, _coordinate(where), (function,), record.place)
-
-
-def _constant(effort: float) -> MotionFunction:
-    return MotionFunction(POLYNOMIAL, (effort, 0.0, 0.0, 0.0))
-
-
-def _held(table: Table) -> MotionFunction:
-    # Past a jump at its end a table continues: its last piece must have a length.
-    times, values = (*table.times, table.times[-1] + 1.0), (*table.values, table.values[-1])
-    return MotionFunction(HELD_TABLE, times=times, values=values, curvature=(0.0,) * len(times))
 
 
 def _behind_the_hinge(record: "Record") -> list[Any]:
@@ -136,14 +124,15 @@ class _HingeCards:
         return body.value - 1, motion, axis
 
 
-def _table(record: "Record", findings: Findings) -> Table:
+def _table(record: "Record", findings: Findings) -> MotionFunction:
+    """Straight lines between the points; equal times make a jump, and the ends are held."""
     values = record.values
     times, efforts = values[3::2], values[4::2]
     for k in (k for k in range(1, len(times)) if times[k] < times[k - 1]):
         number, before = record.numbers[3 + 2 * k], record.numbers[1 + 2 * k]
         message = f"{number.key} = {number.value} lies before {before.key} = {before.value}"
         findings.error(record.subject, message, number.place, id="DAFMS-061")
-    return Table(tuple(times), tuple(efforts))
+    return piecewise(linear_table(times, efforts) if len(times) > 1 else polynomial(efforts))
 
 
 def _check_drives(drives: list[Prescribed], findings: Findings) -> None:

@@ -62,14 +62,14 @@ PRESCRIBED = np.dtype(
     ]
 )
 
-# A function has the value c0 + c1 t between two breakpoints of its table; `solve` fills it in for each
-# interval.
-FUNCTION = np.dtype(
+TORQUE = np.dtype(
     [
         ("frame", np.int64),  # on which the torque acts
         ("axis", np.int64),  # 0, 1, 2, inertial
-        ("c0", np.float64),  # N m
-        ("c1", np.float64),  # N m/s
+        ("function", np.int64),  # number among `curves`
+        ("constant", np.float64),  # N m, besides its function
+        ("until", np.float64),  # s: the function holds what it is just before it
+        ("value", np.float64),  # N m, evaluated last
     ]
 )
 
@@ -108,7 +108,7 @@ class TreeArrays(NamedTuple):
     stiffening: np.ndarray  # by turning, N/m per rad²/s², then by weight, N/m per m/s², flat
     reach: np.ndarray  # (NS, 2) first place and one past the last that counts in an elastic coordinate's rows
     prescribed: np.ndarray  # PRESCRIBED records
-    functions: np.ndarray  # FUNCTION records
+    torques: np.ndarray  # TORQUE records
     closures: np.ndarray  # CLOSURE_ROW records, one a closed direction
     closure_matrix: np.ndarray  # (rows, rows) work: J b^-1 Jᵀ, 1/kg
     couplings: (
@@ -126,14 +126,14 @@ class TreeArrays(NamedTuple):
     joint_forces: np.ndarray  # (1 + m, m, 5) as `dry_friction.fill_normal_forces` takes them, N
     normals: np.ndarray  # (m,) normal forces, N
     answers: np.ndarray  # (E + m, 8) what they answered last, SI units, columns of `kernels.laws`
-    curves: np.ndarray  # FUNCTION records of `records`: those of elements and drivers
+    curves: np.ndarray  # FUNCTION records of `records`: those of elements, drivers and torques
     knots: np.ndarray  # (k, 3) their knots, units of the functions
     balls: int  # hinges with three rotations
     one_way: bool  # whether the elastic motion does not act on the rigid motion (thesis 4.3)
 
 
 def tree_arrays(tree: Tree) -> TreeArrays:
-    """The arrays of a tree; functions get their values later, interval by interval."""
+    """The arrays of a tree; where functions are held is set later, interval by interval."""
     index = {(c.body, c.motion, c.axis, c.node): m for m, c in enumerate(tree.coordinates)}
     parts = tree_frames(tree, index)
     elastic_bodies, reach, *matrices = _elastic_bodies(tree, index, parts.of_body)
@@ -143,6 +143,10 @@ def tree_arrays(tree: Tree) -> TreeArrays:
     closures = _closure_rows(tree, parts.of_body, parts.of_node, len(couplings))
     prescribed = [(_rigid(index, p), p.C, p.B, p.A, -1, np.inf) for p in tree.prescribed]
     prescribed += [(*elements.driver(item), np.inf) for item in tree.elements.drivers]
+    torques = [
+        (parts.of_body[t.body], t.axis - 1, elements.table.function(t.function), 0.0, np.inf, 0.0)
+        for t in tree.torques
+    ]
     of_elements = elements.arrays()
     given = np.zeros(len(index), bool)
     given[[row[0] for row in prescribed]] = True
@@ -155,7 +159,7 @@ def tree_arrays(tree: Tree) -> TreeArrays:
         stiffening=stiffening,
         reach=reach,
         prescribed=_records(PRESCRIBED, prescribed),
-        functions=_records(FUNCTION, [(parts.of_body[t.body], t.axis - 1, 0.0, 0.0) for t in tree.torques]),
+        torques=_records(TORQUE, torques),
         closures=closures,
         closure_matrix=np.zeros((closures.size, closures.size)),
         couplings=couplings,

@@ -8,8 +8,7 @@ import numpy as np
 from ..arrays.constraint_table import PrimitiveTable
 from ..arrays.laws import NONE
 from ..arrays.records import FORCE, TORQUE, blank_load
-from ..time_functions import HELD_TABLE
-from ..tree import Table, Tree
+from ..tree import Tree
 from .frames import shape_of
 
 
@@ -24,7 +23,7 @@ def tree_loads(table: PrimitiveTable, tree: Tree) -> Iterator[np.ndarray]:
                 yield from _load(FORCE, place, elastic.forces[node])
     for torque in tree.torques:
         body_vector, axis = table.body_vector(torque.body, np.zeros(3)), np.eye(3)[torque.axis - 1]
-        yield from _load(TORQUE, body_vector, axis, _function(table, torque.function))
+        yield from _load(TORQUE, body_vector, axis, table.function(torque.function))
 
 
 def _load(kind: int, body_vector: int, vector: Any, function: int = NONE) -> Iterator[np.ndarray]:
@@ -33,9 +32,3 @@ def _load(kind: int, body_vector: int, vector: Any, function: int = NONE) -> Ite
         record = blank_load(kind)
         record["body_vector"], record["vector"], record["function"] = body_vector, vector, function
         yield record
-
-
-def _function(table: PrimitiveTable, function: Table) -> int:
-    # Past a jump at its end a table continues: the kernel divides by the length of the last piece.
-    times, values = (*function.times, function.times[-1] + 1.0), (*function.values, function.values[-1])
-    return int(table.of_knots(HELD_TABLE, np.column_stack([times, values, np.zeros(len(times))])))

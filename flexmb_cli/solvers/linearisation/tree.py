@@ -18,7 +18,7 @@ from ...model.arrays.tree import REPEATED
 from ...model.arrays.tree_frames import rotation_matrix
 from ...model.equations import DEPENDENT
 from ...model.tree import ROTATION, Tree
-from ..tree.analysis import TreeAnalysis, set_functions
+from ..tree.analysis import TreeAnalysis, hold_functions
 from ..tree.assembly import assemble_tree
 from ..tree.breakpoints import breakpoints
 from .joint_coordinates import OWN, PARENT, PREFERENCE, dependent_columns
@@ -43,7 +43,7 @@ class TreeLinearised(LinearisedMotion):
         self.analysis, self.arrays, self.axes = analysis, analysis.arrays, axes
         self.z, self.t = state or (analysis.state.copy(), float(analysis.clock["t"][0]))
         if state is None:
-            set_functions_at(analysis, self.t)
+            hold_functions_at(analysis, self.t)
         grid = analysis.tree.time
         self.scale, self.duration = _scales(analysis.tree), grid.end - grid.start
         repeated = float(np.max(self.arrays.closures["repeated"], initial=REPEATED))
@@ -245,7 +245,7 @@ def start_tree(analysis: TreeAnalysis, time: float) -> None:
     """Bring a TreeAnalysis from its start to `time`, s, by its own method of integration."""
     begin = analysis.tree.time.start
     if time <= begin:
-        set_functions_at(analysis, begin)
+        hold_functions_at(analysis, begin)
         assemble_tree(analysis)
         return
     for _ in analysis.rows():
@@ -256,11 +256,11 @@ def start_tree(analysis: TreeAnalysis, time: float) -> None:
         raise AnalysisError(Fault("error", message, id="SOLVE-018"), reached)
 
 
-def set_functions_at(analysis: TreeAnalysis, t: float) -> None:
-    """Write the pieces of all tables on which t lies, those behind it at a breakpoint, into the arrays."""
+def hold_functions_at(analysis: TreeAnalysis, t: float) -> None:
+    """Hold functions of time behind t, at a breakpoint too, where they change next."""
     grid = analysis.tree.time
     after = breakpoints(analysis.tree, t, max(grid.end, t))
-    set_functions(analysis.tree, analysis.arrays, t, after[0] if after else t + grid.step)
+    hold_functions(analysis.arrays, after[0] if after else t + grid.step)
 
 
 def _scales(tree: Tree) -> np.ndarray:

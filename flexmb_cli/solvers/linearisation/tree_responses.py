@@ -108,7 +108,7 @@ class TreeResponses(Responses):
             for torque in self.tree.torques
         ]
         for k, signal in enumerate(signals):
-            yield Input(signal, still, still, self._changed("functions", "c0", k), 1.0)
+            yield Input(signal, still, still, self._changed("torques", "constant", k), 1.0)
         for item, k in parts_in_arrays(self.tree.elements.forces):
             if item.law is MOTOR:
                 signal = Signal(f"{item.name} effort", "N m" if item.turning else "N")
