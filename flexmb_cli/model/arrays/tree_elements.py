@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..laws import BUSHING, FRICTION, At, Element, Frames
+from ..laws import FRICTION, At, Element, Frames
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
-from ..tree_as_mechanism.frames import hinge_frames
-from ..tree_as_mechanism.poses import first_poses
 from .function_table import FunctionTable
 from .laws import LAW, fill_bushing, fill_law
 
@@ -64,9 +62,6 @@ class TreeElements:
     def __init__(self, tree: Tree, index: Mapping[Any, Any], of_body: Sequence[int]):
         self.tree, self.index, self.of_body = tree, index, of_body
         self.table = FunctionTable()
-        self._axes = (
-            [pose.A for pose in first_poses(tree, hinge_frames(tree))] if tree.elements.of(BUSHING) else []
-        )
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Fields of TreeArrays; drivers must have been added."""
@@ -153,11 +148,8 @@ class TreeElements:
         return [own[int(np.argmax(row))] if row.size and np.any(row) else -1 for row in rows]
 
     def _bushing(self, records: np.ndarray, item: Element) -> None:
-        """Six records, along and about the axes of body i."""
-        ends = item.measure
-        A_i, A_j = (np.eye(3) if body == INERTIAL else self._axes[body] for body in (ends.i, ends.j))
-        self._place(records, ends)
+        """Six records, along and about the axes of body i, attached to the bodies at the start."""
+        self._place(records, item.measure)
         records["measure"], records["axis"] = 3 * [ALONG] + 3 * [ABOUT], 2 * [0, 1, 2]
-        records["turned"] = (A_j.T @ A_i).ravel()
         fill_bushing(records, item)
         records["resists"] = records["c"].any(axis=1)

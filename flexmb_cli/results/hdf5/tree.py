@@ -16,7 +16,7 @@ from .motion_series import BODY_MOTION, JOINT_VECTOR, POINT_MOTION, with_shapes
 from .result_geometry import SIDE, tree_geometry
 
 if TYPE_CHECKING:
-    from ...solvers.constrained.tree_element_rows import TreeElementRows
+    from ...solvers.constrained.element_rows import TreeElementRows
     from ...solvers.tree.points import PointMotion
     from ...solvers.tree.rows import TreeRows
 

@@ -13,12 +13,14 @@ import numpy as np
 from ...fe.lumped_body import floating_body, massless_body
 from ...kernels.constrained.report import Report
 from ...kernels.laws import COORDINATE
+from ...kernels.tree.motion import parts
 from ...model.arrays.constraint_table import PrimitiveTable
 from ...model.arrays.element_table import ElementTable, JointCoordinateName
 from ...model.arrays.flexible import flexible_arrays, length_scale
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.integrators import IMPLICIT_TREE_METHODS, Integrator
+from ...model.joint_elements import JointElements
 from ...model.laws import FRICTION
 from ...model.tree import ROTATION, Tree
 from ...model.tree_as_mechanism.elements import HingeJoints
@@ -29,12 +31,13 @@ from ...model.tree_as_mechanism.loads import tree_loads
 from ...model.tree_as_mechanism.poses import elastic_start, first_poses, repeated_in_planar_tree
 from ..checkpoint import taken
 from ..projection import RESIDUAL_MET, largest
-from ..tree.loop_assembly import closed_tree
-from ..tree.rows import TreeMotion, TreeRows, rows_of_tree, unturned
+from ..tree.analysis import TreeAnalysis, hold_functions
+from ..tree.assembly import assemble_tree
+from ..tree.rows import TreeRows, unturned
 from .analysis import ConstrainedMotion
+from .element_rows import with_elements
 from .position import PositionGaps
-from .tree_element_rows import with_elements
-from .tree_rows import motion_of_bodies
+from .tree_rows import rows_of_bodies
 
 
 class AbsoluteTree(ConstrainedMotion):
@@ -49,7 +52,7 @@ class AbsoluteTree(ConstrainedMotion):
     def __init__(self, tree: Tree):
         refuse_foreign(tree)
         self.frames = hinge_frames(tree)
-        self.tree = tree = closed_tree(tree, self.frames)
+        self.tree = tree = closed_tree(tree)
         poses = first_poses(tree, self.frames)
         bodies = [floating_body(tree, k, poses[k]) for k in range(len(tree.bodies))]
         bodies += [
@@ -99,18 +102,31 @@ class AbsoluteTree(ConstrainedMotion):
         """Closed directions across the plane of a planar tree; None of any other."""
         return repeated_in_planar_tree(self.tree)
 
-    def _motion(self, report: Report) -> TreeMotion:
-        """The motion over the rows of a report in the terms of the tree."""
-        angles = report.responses[:, slice(*self._probes), COORDINATE]
-        return motion_of_bodies(self.tree, self.frames, self.arrays, report, angles)
-
     def block(self, report: Report) -> TreeRows:
         """The rows of a report in the terms of the tree."""
-        rows = rows_of_tree(self.tree, self._motion(report), self._attitude)
+        angles = report.responses[:, slice(*self._probes), COORDINATE]
+        rows = rows_of_bodies(self.tree, self.frames, self.arrays, report, angles, self._attitude)
         self._attitude = rows.euler_parameters[-1].copy()
         if not self.tree.elements:
             return rows
         return with_elements(self.tree, self.arrays, rows, report, len(turning_coordinates(self.tree)))
+
+
+def closed_tree(tree: Tree) -> Tree:
+    """The tree with initial coordinates and speeds that its closures allow, as Kane's equations find them.
+
+    Gaps of loops that nearly close are left.
+    """
+    if not tree.closures:
+        return tree
+    drivers = JointElements(drivers=tree.elements.drivers)
+    analysis = TreeAnalysis(replace(tree, elements=drivers))
+    hold_functions(analysis.arrays, tree.time.end)
+    assemble_tree(analysis)
+    y, q, attitudes = (part.copy() for part in parts(analysis.arrays, analysis.state))
+    turned = iter(attitudes.tolist())
+    hinges = [replace(h, attitude=tuple(next(turned))) if len(h.rotations) == 3 else h for h in tree.hinges]
+    return replace(tree, q=q, y=y, hinges=tuple(hinges))
 
 
 def turning_coordinates(tree: Tree) -> list[JointCoordinateName]:

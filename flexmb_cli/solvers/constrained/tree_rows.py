@@ -1,10 +1,9 @@
 """The motion of a tree by that of its bodies in absolute coordinates; hinge coordinates are found from it.
 
 Integrals of the relative angular velocity, the coordinates of three free rotations, are no functions of
-the position: they are nan.  Turns of angles are those that the steps of the integration have counted.
+the position: they are nan.  Angles are those that the steps of the integration have counted.
 """
 
-import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,7 +14,7 @@ from ...model.arrays.system import SystemArrays
 from ...model.tree import ELASTIC, ROTATION, Tree
 from ...model.tree_as_mechanism.frames import Base, Frames
 from ..tree.points import rotation_matrices
-from ..tree.rows import TreeMotion
+from ..tree.rows import TreeRows, rows_of_tree
 from .rows import global_axes
 
 if TYPE_CHECKING:
@@ -85,12 +84,17 @@ def _turned(axes: Any, x: np.ndarray) -> Any:
     return np.einsum("tij,tj->ti", axes, np.broadcast_to(x, axes.shape[:2]))
 
 
-def motion_of_bodies(
-    tree: Tree, frames: Frames, arrays: SystemArrays, report: Report, angles: np.ndarray
-) -> TreeMotion:
-    """Return the motion over the rows of a report in the terms of the tree.
+def rows_of_bodies(
+    tree: Tree,
+    frames: Frames,
+    arrays: SystemArrays,
+    report: Report,
+    angles: np.ndarray,
+    last: np.ndarray,
+) -> TreeRows:
+    """Return the rows of a report in the terms of the tree; `last` as in `rows_of_tree`.
 
-    `angles` (T, n): those of hinges with one or two rotations, whose turns the coordinates have.
+    `angles` (T, n): those of hinges with one or two rotations, with their turns.
     """
     motion = AbsoluteMotion(tree, arrays, report)
     q, y, y_rate = _coordinates(tree, frames, motion, angles)
@@ -99,7 +103,9 @@ def motion_of_bodies(
     position, velocity, acceleration, axes, w, alpha = (
         np.stack(parts, axis=1) for parts in zip(*bodies, strict=True)
     )
-    return TreeMotion(
+    return rows_of_tree(
+        tree,
+        last,
         time=report.times,
         q=q,
         y=y,
@@ -112,7 +118,7 @@ def motion_of_bodies(
         angular_velocity=w,
         angular_acceleration=alpha,
         closure_force=_closure_forces(tree, arrays, report),
-        applied_work=report.states[:, 2 * arrays.speeds + arrays.bodies],
+        applied_work=report.states[:, 2 * arrays.speeds + arrays.bodies].copy(),
         audit=report.audit,
         reactions=np.zeros((len(report.times), 0, 6)),
     )
@@ -163,18 +169,4 @@ def _rotation(hinge: "Hinge", axis: int, base: Moving, body: Moving, counted: It
     rate = _along(change, direction) + _along(spin, np.cross(carrier.w, direction))
     if len(hinge.rotations) == 3:
         return np.full(len(speed), np.nan), speed, rate
-    angle = _angle(hinge, axis, base.axes, body.axes)
-    return angle + math.tau * np.round((next(counted) - angle) / math.tau), speed, rate
-
-
-def _angle(hinge: "Hinge", axis: int, P: np.ndarray, E: np.ndarray) -> Any:
-    """Angle within a turn, from axes of P_k (T, 3, 3) and of the body."""
-    if len(hinge.rotations) == 1:
-        i, j = (axis + 1) % 3, (axis + 2) % 3
-        return np.arctan2(_along(P[:, :, j], E[:, :, i]), _along(P[:, :, i], E[:, :, i]))
-    first, second = (turned - 1 for turned in hinge.rotations)
-    if axis == first:
-        across = np.cross(P[:, :, first], P[:, :, second])
-        return np.arctan2(_along(across, E[:, :, second]), _along(P[:, :, second], E[:, :, second]))
-    across = np.cross(E[:, :, first], E[:, :, second])
-    return np.arctan2(_along(across, P[:, :, first]), _along(E[:, :, first], P[:, :, first]))
+    return next(counted) + 0.0, speed, rate

@@ -22,7 +22,7 @@ from ..tree.analysis import TreeAnalysis, hold_functions
 from ..tree.assembly import assemble_tree
 from ..tree.breakpoints import breakpoints
 from .joint_coordinates import OWN, PARENT, PREFERENCE, dependent_columns
-from .motion import DIFFERENCE_STEP, LinearisedMotion, differentiated
+from .motion import LinearisedMotion, without_motions
 
 CLOSED_SHARE, STAYS_OPEN = 1e-14, 1e-9  # gaps of the size of the tree: as good as closed, and refused
 MOST_CORRECTIONS = 12
@@ -53,10 +53,10 @@ class TreeLinearised(LinearisedMotion):
         self.u = speeds.copy()
         jacobian = self._jacobian(self.z)
         self.free = self._independent(jacobian) if free is None else free
-        self.L = self._functionals(self.z)
-        self.Z, self._inverse = self._basis(jacobian, self.L)
-        self.rate = self._rates(self.z, self.t)
-        self.L_rate = self._rate_of_functionals(self.z)
+        self.L = self.functionals(self.z)
+        self.Z, self.inverse = self._basis(jacobian, self.L)
+        self.rate = self.rates(self.z, self.t)
+        self.L_rate = self.rate_of_functionals(self.z)
 
     def prescribe(self, z: np.ndarray, t: float) -> None:
         """Put the prescribed coordinates of z and their speeds to where they are at t."""
@@ -66,24 +66,24 @@ class TreeLinearised(LinearisedMotion):
     def _balls(self) -> list[Any]:
         return [frame for frame in self.arrays.frames[1:] if frame["ball"] >= 0]
 
-    def _functionals(self, z: np.ndarray) -> Any:
-        """L (f, NS): rotations of hinges with three of them along axes of the parent or of the body."""
-        L, (_, _, attitudes) = np.eye(self.scale.size), parts(self.arrays, z)
+    def functionals(self, state: np.ndarray) -> Any:
+        """Return L (f, NS): three rotations of a hinge are along axes of the parent or of the body."""
+        L, (_, _, attitudes) = np.eye(self.scale.size), parts(self.arrays, state)
         for frame in self._balls() if self.axes == OWN else ():
             own = slice(frame["first_rotation"], frame["first_rotation"] + 3)
             L[own, own] = rotation_matrix(attitudes[frame["ball"]]).T
         return L[self.free]
 
-    def _rate_of_functionals(self, z: np.ndarray) -> np.ndarray:
-        speeds = parts(self.arrays, z)[0]
-        size = np.max(np.abs(speeds), initial=0.0)
-        if self.axes == PARENT or size == 0.0:
-            return np.zeros_like(self.L)
-        h = DIFFERENCE_STEP / size
-        found: np.ndarray = differentiated(
-            lambda time: self._functionals(self.displaced(time * speeds, z)), h
-        )
+    def speeds_of(self, state: np.ndarray) -> np.ndarray:
+        """Return the speeds (NS,) of a state."""
+        found: np.ndarray = state[: self.scale.size]
         return found
+
+    def along_motion(self, function: Any, state: np.ndarray) -> np.ndarray:
+        """Return the rate of a function of the state; that of functionals along axes of parents is 0."""
+        if self.axes == PARENT:
+            return np.zeros_like(self.L)
+        return super().along_motion(function, state)
 
     def _jacobian(self, z: np.ndarray) -> np.ndarray:
         """J (R, NS) of the gaps by the coordinates that are not prescribed."""
@@ -122,21 +122,20 @@ class TreeLinearised(LinearisedMotion):
         motions[free] = kernel
         return motions @ np.linalg.inv(L @ motions), np.linalg.pinv(jacobian, self.dependent)
 
-    def displaced(self, d: np.ndarray, z: np.ndarray | None = None) -> np.ndarray:
-        """Return the state with the coordinates displaced by d."""
-        z = (self.z if z is None else z).copy()
+    def moved_on(self, state: np.ndarray, d: np.ndarray) -> np.ndarray:
+        """Return a state with the coordinates displaced by d."""
+        z = state.copy()
         _, q, attitudes = parts(self.arrays, z)
         q += d
         rates = np.zeros_like(attitudes)
         turn_attitudes(self.arrays, d, attitudes, rates)
         attitudes += rates
         normalise_attitudes(self.arrays, z)
-        found: np.ndarray = z
-        return found
+        return z
 
-    def _rates(self, z: np.ndarray, t: float) -> np.ndarray:
-        """u' (NS,) of a state; raises AnalysisError without inertia."""
-        analysis, z, dz = self.analysis, z.copy(), np.zeros_like(z)
+    def rates(self, state: np.ndarray, t: float) -> np.ndarray:
+        """Return u' (NS,) of a state; raises AnalysisError without inertia."""
+        analysis, z, dz = self.analysis, state.copy(), np.zeros_like(state)
         fault = derivative(self.arrays, analysis.work, analysis.coordinates, t, z, dz)
         if fault != SOLVED:
             analysis.clock["fault"] = fault
@@ -145,24 +144,18 @@ class TreeLinearised(LinearisedMotion):
 
     def changed(self, d: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return the state with the coordinates displaced by d and the speeds changed by w."""
-        z = self.displaced(d)
+        z = self.moved_on(self.z, d)
         z[: w.size] += w
         return z
-
-    def acceleration_at(self, d: np.ndarray, w: np.ndarray) -> np.ndarray:
-        """Return u' (NS,) where the coordinates are displaced by d and the speeds by w."""
-        return self._rates(self.changed(d, w), self.t)
 
     def companion(self, d: np.ndarray) -> np.ndarray:
         """Return the change w (NS,) of the speeds, L w = 0, that the displacement d causes."""
         if not self.arrays.closures.size:
             return np.zeros_like(d)
-        gaps = self.variation(lambda d, w: self.gap_rates(self.displaced(d), self.u + w), d, np.zeros_like(d))
+        gaps = self.variation(
+            lambda d, w: self.gap_rates(self.moved_on(self.z, d), self.u + w), d, np.zeros_like(d)
+        )
         return self.projected(-gaps)
-
-    def projected(self, gaps: np.ndarray) -> np.ndarray:
-        """Return x (NS,) with J x = gaps (R,), L x = 0."""
-        return _projected(self.Z, self._inverse, self.L, gaps)
 
     def turned(self, d: np.ndarray) -> np.ndarray:
         """Return k(d): - omega × the rotation of every hinge with three of them, in its parent's axes."""
@@ -172,23 +165,9 @@ class TreeLinearised(LinearisedMotion):
             out[own] = -np.cross(self.u[own], d[own])
         return out
 
-    def acceleration_after(self, h: float, rate: np.ndarray) -> np.ndarray:
-        """Return u' (NS,) after the short time h, s, of a motion with u' = rate now."""
-        z = self.displaced(h * self.u)
-        z[: self.u.size] += h * rate
-        return self._rates(z, self.t + h)
-
-    def later(self, h: float, rate: np.ndarray, jerk: np.ndarray) -> "TreeLinearised":
-        """Return the same coordinates after the time h, s, of a motion with u' = rate, u'' = jerk now."""
-        d = h * (self.u + 0.5 * h * (rate + h / 3.0 * jerk))
-        return self._at(self.changed(d, h * (rate + 0.5 * h * jerk)), self.t + h)
-
-    def elsewhere(self, d: np.ndarray, w: np.ndarray) -> "TreeLinearised":
-        """Return the same coordinates where the coordinates are displaced by d and the speeds by w."""
-        return self._at(self.changed(d, w), self.t)
-
-    def _at(self, z: np.ndarray, t: float) -> "TreeLinearised":
-        return TreeLinearised(self.analysis, self.axes, (self._closed(z, t), t), self.free)
+    def near(self, state: np.ndarray, t: float) -> "TreeLinearised":
+        """Return the same coordinates near a state, where it closes the loops."""
+        return TreeLinearised(self.analysis, self.axes, (self._closed(state, t), t), self.free)
 
     def _closed(self, z: np.ndarray, t: float) -> np.ndarray:
         """The state with loops closed and speeds that fit them, the independent coordinates kept."""
@@ -202,39 +181,26 @@ class TreeLinearised(LinearisedMotion):
             gap = J @ (np.linalg.pinv(J, self.dependent) @ gap)
             if np.max(np.abs(gap)) <= CLOSED_SHARE * size:
                 break
-            z = self.displaced(self._correction(z, gap), z)
+            z = self.moved_on(z, self._correction(z, gap))
         if not np.max(np.abs(gap)) <= STAYS_OPEN * size:
             raise AnalysisError(Fault("error", _singular(t), id="SOLVE-017"), t)
         z[: self.u.size] += self._correction(z, self._measured(z)["rate"].copy())
         return z
 
     def _correction(self, z: np.ndarray, gaps: np.ndarray) -> np.ndarray:
-        L = self._functionals(z)
-        return _projected(*self._basis(self._jacobian(z), L), L, -gaps)
+        L = self.functionals(z)
+        Z, inverse = self._basis(self._jacobian(z), L)
+        return without_motions(inverse @ -gaps, Z, L)
 
     def standing(self, y: np.ndarray) -> np.ndarray:
         """Return the state displaced by y (scaled), with the independent coordinates at rest."""
-        z = self.displaced(self.Z @ (self.units * y))
+        z = self.moved_on(self.z, self.Z @ (self.units * y))
         z[: self.u.size] = 0.0
         return self._closed(z, self.t)
-
-    def standing_accelerations(self, y: np.ndarray) -> np.ndarray:
-        """Return the scaled accelerations (f,) of the coordinates displaced by y (scaled) and at rest."""
-        z = self.standing(y)
-        L, speeds = self._functionals(z), z[: self.u.size]
-        found: np.ndarray = (self._rate_of_functionals(z) @ speeds + L @ self._rates(z, self.t)) / self.units
-        return found
 
     def stand_at(self, y: np.ndarray) -> None:
         """Put the analysis to the position displaced by y (scaled), its independent coordinates at rest."""
         self.analysis.state[:] = self.standing(y)
-
-
-def _projected(Z: np.ndarray, inverse: np.ndarray, L: np.ndarray, gaps: np.ndarray) -> np.ndarray:
-    """x (NS,) with J x = gaps, L x = 0, for the generalised `inverse` of J."""
-    x = inverse @ gaps
-    found: np.ndarray = x - Z @ (L @ x)
-    return found
 
 
 def _singular(t: float) -> str:

@@ -21,7 +21,7 @@ from ...model.tree import Tree
 from ..checkpoint import row_of, taken, taken_clock
 from .assembly import assemble_tree, pivot_shares, stray
 from .breakpoints import breakpoints, refuse_jumps, why_no_step
-from .rows import TreeRows, motion_by_recursion, rows_of_tree
+from .rows import TreeRows, rows_by_recursion
 
 # Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
 CALL_WORK = 2_000_000
@@ -204,13 +204,12 @@ class TreeAnalysis:
         return self._rows_of(Report(*map(np.concatenate, zip(*reports, strict=True))))
 
     def _rows_of(self, report: Any) -> TreeRows:
-        motion = motion_by_recursion(self.tree, self.arrays, report)
-        block = rows_of_tree(self.tree, motion, self.attitude)
+        block = rows_by_recursion(self.tree, self.arrays, report, self.attitude)
         self.attitude = block.euler_parameters[-1]
         self.row += len(block.time)
         if not self.tree.elements:
             return block
-        from ..constrained.tree_element_rows import with_answers
+        from ..constrained.element_rows import with_answers
 
         return with_answers(self.tree, block, report)
 

@@ -10,45 +10,20 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import AnalysisError, Fault
+from ...errors import Fault
 from ...model.equations import DEPENDENT
 from ...model.joint_elements import Coupling
 from ...model.tree import ASSEMBLED_GAP, ELASTIC, INERTIAL, ROTATION, TRANSLATION, Closure, Tree
 from ...model.tree_as_mechanism.frames import Frames, shape_of
 from ...model.tree_as_mechanism.poses import STILL, Pose, elastic_start, first_poses, repeated_in_planar_tree
 from ...model.vectors import cross
-from ..assembly import DAMPINGS, LOOSEST, NEAR, OTHER_STARTS, TO_GAP
+from ..assembly import DAMPINGS, OTHER_STARTS
 from ..levenberg_marquardt import least_squares
 
 MOST_STEPS = 40
 MOST_LEFT = 0.9  # of a gap by a step behind a search: more is left where a loop does not close
 LONGEST_MOVE = 0.5  # step of a coordinate, rad or m
 TREE_ASIDE = 0.5  # of the size, and rad: the largest distance of other starts
-
-
-def closed_tree(tree: Tree, frames: Frames) -> Tree:
-    """The tree with initial coordinates and speeds that its closures allow; raises AnalysisError.
-
-    Gaps of loops that nearly close are left.
-    """
-    if not tree.closures:
-        return tree
-    given = {(p.body, p.motion, p.axis) for p in tree.prescribed}
-    driven = np.array([(c.body, c.motion, c.axis) in given for c in tree.coordinates])
-    elastic = np.array([c.motion == ELASTIC for c in tree.coordinates])
-    first = np.zeros(len(elastic), bool)
-    first[[m for m, c in enumerate(tree.coordinates) if c.motion == ROTATION][:1]] = True
-    for kept in (driven | elastic | first, driven):
-        found, gaps = _closed(tree, frames, ~kept)
-        if not _is_closed(gaps) or np.max(np.abs(np.subtract(found.q, tree.q))) > NEAR:
-            found, gaps = nearest_closed(tree, frames, ~kept)
-        if _is_closed(gaps):
-            made: Tree = _with_closed_speeds(found, frames, ~kept)
-            return made
-    gap = np.max(np.abs(gaps)) / loop_size(tree)
-    if gap > LOOSEST:
-        raise _failure(tree, gaps)
-    return _with_closed_speeds(found, frames, ~kept, TO_GAP * gap)
 
 
 def loop_size(tree: Tree) -> float:
@@ -137,14 +112,6 @@ def _closed(tree: Tree, frames: Frames, free: np.ndarray, most_left: float = np.
     return tree, gaps
 
 
-def _with_closed_speeds(tree: Tree, frames: Frames, free: np.ndarray, dependent: float = DEPENDENT) -> Tree:
-    _, rates = _gaps_and_rates(tree, frames)
-    y = np.array(tree.y, float)
-    y[free] += np.linalg.lstsq(_jacobian(tree, frames)[:, free], -rates, rcond=dependent)[0]
-    made: Tree = replace(tree, y=y)
-    return made
-
-
 def _jacobian(tree: Tree, frames: Frames) -> Any:
     """Rates of the gaps (rows, NS) per unit of each speed."""
     columns = [_gaps_and_rates(replace(tree, y=unit), frames)[1] for unit in np.eye(len(tree.q))]
@@ -195,18 +162,6 @@ def _point(tree: Tree, poses: list[Pose], body: Any, place: Any, node: Any) -> P
         )
     r = on.A @ body_vector
     return Pose(on.r + r, on.A, on.v + cross(on.w, r) + on.A @ slide, on.w)
-
-
-def _failure(tree: Tree, gaps: np.ndarray) -> AnalysisError:
-    worst = int(np.argmax(np.abs(gaps)))
-    closure = [closure for closure in tree.closures for _ in closure.directions][worst]
-    message = (
-        f"the loops cannot be closed at the start: a gap of {gaps[worst]:.3g} m is left; bring Y(L) nearer "
-        "to a closed position"
-    )
-    return AnalysisError(
-        Fault("error", message, closure.place, closure.name, id="MODEL-009"), tree.time.start
-    )
 
 
 SHOWN = 6
