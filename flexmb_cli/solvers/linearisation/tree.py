@@ -11,9 +11,7 @@ import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...kernels.tree.kane import SOLVED
-from ...kernels.tree.loads import set_prescribed
-from ...kernels.tree.motion import derivative, normalise_attitudes, parts, turn_attitudes
-from ...kernels.tree.projection import evaluate_gaps
+from ...kernels.tree.motion import derivative, parts
 from ...model.arrays.tree import REPEATED
 from ...model.arrays.tree_frames import rotation_matrix
 from ...model.equations import DEPENDENT
@@ -21,6 +19,7 @@ from ...model.tree import ROTATION, Tree
 from ..tree.analysis import TreeAnalysis, hold_functions
 from ..tree.assembly import assemble_tree
 from ..tree.breakpoints import breakpoints
+from ..tree.loop_assembly import displaced, gap_rates, jacobian_of_gaps, measured, prescribe
 from .joint_coordinates import OWN, PARENT, PREFERENCE, dependent_columns
 from .motion import LinearisedMotion, without_motions
 
@@ -48,20 +47,15 @@ class TreeLinearised(LinearisedMotion):
         self.scale, self.duration = _scales(analysis.tree), grid.end - grid.start
         repeated = float(np.max(self.arrays.closures["repeated"], initial=REPEATED))
         self.dependent = math.sqrt(repeated) if repeated > REPEATED else DEPENDENT
-        self.prescribe(self.z, self.t)
+        prescribe(analysis, self.z, self.t)
         speeds, _, _ = parts(self.arrays, self.z)
         self.u = speeds.copy()
-        jacobian = self._jacobian(self.z)
+        jacobian = jacobian_of_gaps(analysis, self.z)
         self.free = self._independent(jacobian) if free is None else free
         self.L = self.functionals(self.z)
         self.Z, self.inverse = self._basis(jacobian, self.L)
         self.rate = self.rates(self.z, self.t)
         self.L_rate = self.rate_of_functionals(self.z)
-
-    def prescribe(self, z: np.ndarray, t: float) -> None:
-        """Put the prescribed coordinates of z and their speeds to where they are at t."""
-        speeds, q, _ = parts(self.arrays, z)
-        set_prescribed(self.arrays, t, q, speeds, self.analysis.coordinates)
 
     def _balls(self) -> list[Any]:
         return [frame for frame in self.arrays.frames[1:] if frame["ball"] >= 0]
@@ -85,23 +79,6 @@ class TreeLinearised(LinearisedMotion):
             return np.zeros_like(self.L)
         return super().along_motion(function, state)
 
-    def _jacobian(self, z: np.ndarray) -> np.ndarray:
-        """J (R, NS) of the gaps by the coordinates that are not prescribed."""
-        speeds = np.where(self.arrays.given, 0.0, 1.0)
-        columns = [self.gap_rates(z, unit) for unit in np.diag(speeds)] if self.arrays.closures.size else []
-        return np.array(columns).reshape(speeds.size, -1).T
-
-    def gap_rates(self, z: np.ndarray, speeds: np.ndarray) -> np.ndarray:
-        """Return the rates (R,) of the gaps at the position of z with other speeds."""
-        z = z.copy()
-        z[: speeds.size] = speeds
-        return self._measured(z)["rate"].copy()
-
-    def _measured(self, z: np.ndarray) -> np.ndarray:
-        if self.arrays.closures.size:
-            evaluate_gaps(self.arrays, self.analysis.work, self.analysis.coordinates, z)
-        return self.arrays.closures
-
     def _independent(self, jacobian: np.ndarray) -> np.ndarray:
         weights = np.where(self.arrays.elastic, PREFERENCE["mode"], PREFERENCE["displacement"])
         scaled = jacobian * self.scale * weights
@@ -124,14 +101,7 @@ class TreeLinearised(LinearisedMotion):
 
     def moved_on(self, state: np.ndarray, d: np.ndarray) -> np.ndarray:
         """Return a state with the coordinates displaced by d."""
-        z = state.copy()
-        _, q, attitudes = parts(self.arrays, z)
-        q += d
-        rates = np.zeros_like(attitudes)
-        turn_attitudes(self.arrays, d, attitudes, rates)
-        attitudes += rates
-        normalise_attitudes(self.arrays, z)
-        return z
+        return displaced(self.arrays, state, d)
 
     def rates(self, state: np.ndarray, t: float) -> np.ndarray:
         """Return u' (NS,) of a state; raises AnalysisError without inertia."""
@@ -153,7 +123,7 @@ class TreeLinearised(LinearisedMotion):
         if not self.arrays.closures.size:
             return np.zeros_like(d)
         gaps = self.variation(
-            lambda d, w: self.gap_rates(self.moved_on(self.z, d), self.u + w), d, np.zeros_like(d)
+            lambda d, w: gap_rates(self.analysis, self.moved_on(self.z, d), self.u + w), d, np.zeros_like(d)
         )
         return self.projected(-gaps)
 
@@ -171,12 +141,12 @@ class TreeLinearised(LinearisedMotion):
 
     def _closed(self, z: np.ndarray, t: float) -> np.ndarray:
         """The state with loops closed and speeds that fit them, the independent coordinates kept."""
-        self.prescribe(z, t)
+        prescribe(self.analysis, z, t)
         if not self.arrays.closures.size:
             return z
         size = np.max(self.scale)
         for _ in range(MOST_CORRECTIONS):
-            gap, J = self._measured(z)["gap"].copy(), self._jacobian(z)
+            gap, J = measured(self.analysis, z)["gap"].copy(), jacobian_of_gaps(self.analysis, z)
             # Overconstrained loops that close only nearly keep what no motion closes.
             gap = J @ (np.linalg.pinv(J, self.dependent) @ gap)
             if np.max(np.abs(gap)) <= CLOSED_SHARE * size:
@@ -184,12 +154,12 @@ class TreeLinearised(LinearisedMotion):
             z = self.moved_on(z, self._correction(z, gap))
         if not np.max(np.abs(gap)) <= STAYS_OPEN * size:
             raise AnalysisError(Fault("error", _singular(t), id="SOLVE-017"), t)
-        z[: self.u.size] += self._correction(z, self._measured(z)["rate"].copy())
+        z[: self.u.size] += self._correction(z, measured(self.analysis, z)["rate"].copy())
         return z
 
     def _correction(self, z: np.ndarray, gaps: np.ndarray) -> np.ndarray:
         L = self.functionals(z)
-        Z, inverse = self._basis(self._jacobian(z), L)
+        Z, inverse = self._basis(jacobian_of_gaps(self.analysis, z), L)
         return without_motions(inverse @ -gaps, Z, L)
 
     def standing(self, y: np.ndarray) -> np.ndarray:

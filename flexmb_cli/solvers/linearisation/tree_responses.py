@@ -8,6 +8,7 @@ from ...model.arrays.tree import TreeArrays, body_frames
 from ...model.laws import MOTOR, parts_in_arrays
 from ...model.tree import ELASTIC, INERTIAL, ROTATION, Coordinate
 from ..constrained.element_rows import TreeElementRows
+from ..tree.loop_assembly import gap_rates
 from ..tree.points import point_motion, point_names, rotation_matrices
 from .state_space import (
     ADMISSIBLE,
@@ -156,9 +157,9 @@ class TreeResponses(Responses):
     def _inputs_of_driver(self, k: int, m: Any) -> "Iterator[Any]":
         """Inputs of a prescribed coordinate, its rate and its acceleration; none where loops forbid it."""
         motion, one = self.motion, np.eye(self.n)[m]
-        gaps = motion.gap_rates(motion.z, one)
+        gaps = gap_rates(self.analysis, motion.z, one)
         d = one + motion.projected(-gaps)
-        if np.max(np.abs(motion.gap_rates(motion.z, d)), initial=0.0) > ADMISSIBLE:
+        if np.max(np.abs(gap_rates(self.analysis, motion.z, d)), initial=0.0) > ADMISSIBLE:
             return
         name, unit = self._drivers[k], _unit(self.tree.coordinates[m])
         changes = [self._prescribed(k, order) for order in range(3)]
