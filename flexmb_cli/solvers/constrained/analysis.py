@@ -25,7 +25,7 @@ from ..singular.mobility import Mobility
 from ..singular.overconstrained_loops import choose_far_apart, gap_note, independence
 from ..singular.rank_of_speeds import is_singular
 from .breakpoints import breakpoints, jumps_of_accelerations, warn_of_fine_tables
-from .coinciding_ends import refuse_coinciding_ends
+from .elements_at_start import notes_of_pressed_stops, refuse_coinciding_ends
 from .failures import (
     force_failure,
     note_undetermined_rows,
@@ -34,7 +34,6 @@ from .failures import (
     step_failure,
 )
 from .first_position import assemble
-from .initial_stops import notes_of_pressed_stops
 from .integrators import Steps
 from .large_start import starts_sparse
 from .position import PositionGaps

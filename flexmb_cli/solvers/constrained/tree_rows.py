@@ -11,14 +11,17 @@ import numpy as np
 
 from ...kernels.constrained.report import Report
 from ...model.arrays.system import SystemArrays
+from ...model.flexible_mechanism import NodePoint
 from ...model.tree import ELASTIC, ROTATION, Tree
 from ...model.tree_as_mechanism.frames import Base, Frames
 from ..tree.points import rotation_matrices
 from ..tree.rows import TreeRows, rows_of_tree
+from .flexible_rows import BodyMotion, body_motion
 from .rows import global_axes
 
 if TYPE_CHECKING:
-    from ...model.tree import Hinge
+    from ...model.flexible_mechanism import NodePoint
+from ...model.tree import Hinge
 
 
 class Moving(NamedTuple):
@@ -32,56 +35,22 @@ class Moving(NamedTuple):
     alpha: np.ndarray  # (T, 3) angular acceleration, rad/s²
 
 
-class AbsoluteMotion:
-    """States of a report by bodies."""
-
-    def __init__(self, tree: Tree, arrays: SystemArrays, report: Report):
-        b, n, times = arrays.bodies, arrays.speeds, len(report.times)
-        end = n + b
-        self.q = report.states[:, : 7 * b].reshape(times, b, 7)
-        self.u = report.states[:, end : end + 6 * b].reshape(times, b, 6)
-        self.ud = report.rates[:, : 6 * b].reshape(times, b, 6)
-        self.eta = (
-            report.states[:, 7 * b : end],
-            report.states[:, end + 6 * b : end + n],
-            report.rates[:, 6 * b :],
-        )
-        sizes = [body.elastic.coordinates if body.elastic else 0 for body in tree.bodies]
-        self.first = np.cumsum([0, *sizes])
-
-    def of(self, body: int) -> Moving:
-        """The frame of a body; that of the inertial one rests."""
-        if body < 0:
-            rest = np.zeros((len(self.q), 3))
-            return Moving(rest, rest, rest, np.broadcast_to(np.eye(3), (len(rest), 3, 3)), rest, rest)
-        q, u, ud = self.q[:, body], self.u[:, body], self.ud[:, body]
-        p = q[:, 3:]
-        w, alpha = global_axes(p, u[:, 3:]), global_axes(p, ud[:, 3:])
-        return Moving(q[:, :3], u[:, :3], ud[:, :3], rotation_matrices(p), w, alpha)
-
-    def base(self, base: Base) -> Moving:
-        """The point and the axes that a hinge hangs on."""
-        on = self.of(base.body)
-        s, sd, sdd = base.place, np.zeros(3), np.zeros(3)
-        if base.shape.size:
-            own = slice(self.first[base.body], self.first[base.body + 1])
-            s, sd, sdd = (eta[:, own] @ base.shape.T for eta in self.eta)
-            s = base.place + s
-        r, slide, push = (_turned(on.axes, x) for x in (s, sd, sdd))
-        swept = np.cross(on.w, r)
-        return Moving(
-            on.r + r,
-            on.v + swept + slide,
-            on.a + np.cross(on.alpha, r) + np.cross(on.w, swept + 2.0 * slide) + push,
-            on.axes @ base.axes,
-            on.w,
-            on.alpha,
-        )
+def moving_body(motion: BodyMotion, body: int) -> Moving:
+    """The frame of a body; that of the inertial one rests."""
+    if body < 0:
+        rest = np.zeros((len(motion.q), 3))
+        return Moving(rest, rest, rest, np.broadcast_to(np.eye(3), (len(rest), 3, 3)), rest, rest)
+    q, u, ud = motion.q[:, body], motion.u[:, body], motion.ud[:, body]
+    p = q[:, 3:]
+    w, alpha = global_axes(p, u[:, 3:]), global_axes(p, ud[:, 3:])
+    return Moving(q[:, :3], u[:, :3], ud[:, :3], rotation_matrices(p), w, alpha)
 
 
-def _turned(axes: Any, x: np.ndarray) -> Any:
-    """Vectors (T, 3), or one for all rows, by the axes of each row."""
-    return np.einsum("tij,tj->ti", axes, np.broadcast_to(x, axes.shape[:2]))
+def moving_base(motion: BodyMotion, base: Base) -> Moving:
+    """The point and the axes that a hinge hangs on."""
+    on = moving_body(motion, base.body)
+    r, v, a = motion.point(NodePoint("", base.body, base.place, base.shape))
+    return Moving(r, v, a, on.axes @ base.axes, on.w, on.alpha)
 
 
 def rows_of_bodies(
@@ -96,10 +65,11 @@ def rows_of_bodies(
 
     `angles` (T, n): those of hinges with one or two rotations, with their turns.
     """
-    motion = AbsoluteMotion(tree, arrays, report)
+    modes = [body.elastic.coordinates if body.elastic else 0 for body in tree.bodies]
+    motion = body_motion([*modes, *(0 for _ in frames.node_frames)], arrays, report)
     q, y, y_rate = _coordinates(tree, frames, motion, angles)
     N = len(tree.bodies)
-    bodies = [motion.of(k) for k in range(N)]
+    bodies = [moving_body(motion, k) for k in range(N)]
     position, velocity, acceleration, axes, w, alpha = (
         np.stack(parts, axis=1) for parts in zip(*bodies, strict=True)
     )
@@ -130,15 +100,15 @@ def _closure_forces(tree: Tree, arrays: SystemArrays, report: Report) -> Any:
     return report.wrenches[:, first:, 1, :3].copy()
 
 
-def _coordinates(tree: Tree, frames: Frames, motion: AbsoluteMotion, angles: np.ndarray) -> Any:
+def _coordinates(tree: Tree, frames: Frames, motion: BodyMotion, angles: np.ndarray) -> Any:
     """Coordinates, speeds and their rates (T, NS)."""
     columns, elastic, counted = [], 0, iter(angles.T)
     for c in tree.coordinates:
         if c.motion == ELASTIC:
-            columns.append(tuple(eta[:, elastic] for eta in motion.eta))
+            columns.append(tuple(eta[:, elastic] for eta in motion.modal))
             elastic += 1
             continue
-        base, body = motion.base(frames.bases[c.body]), motion.of(c.body)
+        base, body = moving_base(motion, frames.bases[c.body]), moving_body(motion, c.body)
         if c.motion == ROTATION:
             columns.append(_rotation(tree.hinges[c.body], c.axis - 1, base, body, counted))
         else:

@@ -12,7 +12,7 @@ from ...kernels.constrained.report import Report, observe_rows
 from ...model.arrays.dynamic import dynamic_arrays
 from ...model.loads import DynamicModel
 from ..checkpoint import arrays_in, fill_arrays
-from ..constrained.coinciding_ends import refuse_coinciding_ends
+from ..constrained.elements_at_start import refuse_coinciding_ends
 from ..constrained.rows import DynamicRows, body_axes, dynamic_rows
 from ..constrained.system import blank_report, constrained_system, new_work
 from .analysis import KinematicAnalysis

@@ -10,9 +10,8 @@ from ...kernels.integrators import tree_dop853
 from ...kernels.laws import COORDINATE, NORMAL
 from ...model.arrays.tree_elements import IN_LINE, OF_BUSHING
 from ...model.laws import BUSHING, STOP, parts_in_arrays
-from ..constrained.coinciding_ends import refuse_undirected_lines
+from ..constrained.elements_at_start import notes_of_pressed_stops, refuse_undirected_lines
 from ..constrained.failures import bushing_failure, jam_failure
-from ..constrained.initial_stops import notes_of_pressed_stops
 
 if TYPE_CHECKING:
     from ...model.tree import Tree

@@ -1,4 +1,4 @@
-"""Springs in line whose ends coincide at the start: what pushes or pulls there has no direction."""
+"""Elements at the start of a run: springs in line whose ends coincide, end stops that are pressed."""
 
 from typing import TYPE_CHECKING
 
@@ -6,10 +6,11 @@ import numpy as np
 
 from ...errors import Fault, ModelError
 from ...kernels.constrained.body_vectors import VECTOR
-from ...model.laws import SPRING, Line
+from ...kernels.laws import COORDINATE, EFFORT
+from ...model.laws import SPRING, STOP, Line
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from ...kernels.constrained.system import System, Work
     from ...model.laws import Element
@@ -53,3 +54,19 @@ def _fault(line: "Element", force: float, t: float) -> Fault:
         f"{abs(force):.6g} N in no direction; move an end, or give it the rest length 0 and no preload"
     )
     return Fault("error", message, line.place, line.name, id="SOLVE-042")
+
+
+def notes_of_pressed_stops(
+    stops: "tuple[Element, ...]", loads: np.ndarray, responses: np.ndarray
+) -> "Iterator[Fault]":
+    """Yield a note for each stop that pushes at the start; responses (loads, columns) belong to it."""
+    for stop, k in zip(stops, np.flatnonzero(loads["shape"] == STOP.code), strict=True):
+        length, force = ("rad", "N m") if stop.turning else ("m", "N")
+        effort, x = responses[k, EFFORT], responses[k, COORDINATE]
+        if effort != 0.0:
+            depth = max(x - stop["upper"], stop["lower"] - x)
+            message = (
+                f"it begins {depth:.4g} {length} behind its limit and pushes with {abs(effort):.4g} {force}; "
+                "correct the limits or the position at the start if that is not meant"
+            )
+            yield Fault("note", message, stop.place, stop.name, id="SOLVE-040")
