@@ -12,7 +12,7 @@ import numpy as np
 
 from ..geometric_stiffness import across, beam_direction, geometric_stiffness
 from ..laws import FRICTION
-from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Prescribed, Tree
+from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from .node_frames import NodeFrames, empty_node_frames
 from .tree_elements import TreeElements
 from .tree_frames import NODAL_MASS, tree_frames
@@ -141,8 +141,10 @@ def tree_arrays(tree: Tree) -> TreeArrays:
     elements = TreeElements(tree, index, parts.of_body)
     couplings = elements.couplings()
     closures = _closure_rows(tree, parts.of_body, parts.of_node, len(couplings))
-    prescribed = [(_rigid(index, p), p.C, p.B, p.A, -1, np.inf) for p in tree.prescribed]
-    prescribed += [(*elements.driver(item), np.inf) for item in tree.elements.drivers]
+    prescribed = [(index[p.body, p.motion, p.axis, None], p.C, p.B, p.A, -1, np.inf) for p in tree.prescribed]
+    for d in tree.elements.drivers:
+        coordinate, function = elements.coordinate(d.joint, d.coordinate), elements.table.function(d.function)
+        prescribed.append((coordinate, 0.0, 0.0, 0.0, function, np.inf))
     torques = [
         (parts.of_body[t.body], t.axis - 1, elements.table.function(t.function), 0.0, np.inf, 0.0)
         for t in tree.torques
@@ -193,10 +195,6 @@ def _records(dtype: np.dtype, rows: "list[Any]") -> np.ndarray:
     return np.array(rows, dtype) if rows else np.zeros(0, dtype)
 
 
-def _rigid(index: "dict[Any, Any]", item: Prescribed) -> int:
-    return int(index[item.body, item.motion, item.axis, None])
-
-
 def _elastic_bodies(
     tree: Tree, index: "Mapping[Any, Any]", of_body: "Sequence[int]"
 ) -> tuple[np.ndarray, ...]:
@@ -226,21 +224,20 @@ def _elastic_bodies(
     return np.concatenate(records) if records else np.zeros(0, ELASTIC_BODY), reach, *flat
 
 
-def _stiffening(tree: Any, k: int) -> np.ndarray:
+def _stiffening(tree: Tree, k: int) -> np.ndarray:
     """(2, NM, NM): by turning and by weight, what hangs on the nodes pulling as if it sat there."""
+    return np.array([stiffened_by(tree, k, power) for power in (1, 0)])
+
+
+def stiffened_by(tree: Tree, k: int, power: int) -> np.ndarray:
+    """(NM, NM): stiffness of a stiffened body by forces along it, a node's mass times its place^power."""
     elastic = tree.bodies[k].elastic
-    masses = elastic.masses + hanging_masses(tree, k)
+    assert elastic is not None and elastic.stiffened_from is not None, "a stiffened body"
     direction = beam_direction(elastic.positions, elastic.stiffened_from)
     assert direction is not None, "a stiffened body is straight"
-    return np.array(
-        [
-            across(
-                geometric_stiffness(elastic.positions, elastic.stiffened_from, prestress),
-                direction,
-                elastic.axes,
-            )
-            for prestress in (masses * (elastic.positions @ direction), masses)
-        ]
+    prestress = (elastic.masses + hanging_masses(tree, k)) * (elastic.positions @ direction) ** power
+    return across(
+        geometric_stiffness(elastic.positions, elastic.stiffened_from, prestress), direction, elastic.axes
     )
 
 
