@@ -141,17 +141,14 @@ def tree_arrays(tree: Tree) -> TreeArrays:
     elements = TreeElements(tree, index, parts.of_body)
     couplings = elements.couplings()
     closures = _closure_rows(tree, parts.of_body, parts.of_node, len(couplings))
-    prescribed = [(index[p.body, p.motion, p.axis, None], p.C, p.B, p.A, -1, np.inf) for p in tree.prescribed]
-    for d in tree.elements.drivers:
-        coordinate, function = elements.coordinate(d.joint, d.coordinate), elements.table.function(d.function)
-        prescribed.append((coordinate, 0.0, 0.0, 0.0, function, np.inf))
+    prescribed = _prescribed(tree, elements)
     torques = [
         (parts.of_body[t.body], t.axis - 1, elements.table.function(t.function), 0.0, np.inf, 0.0)
         for t in tree.torques
     ]
     of_elements = elements.arrays()
     given = np.zeros(len(index), bool)
-    given[[row[0] for row in prescribed]] = True
+    given[prescribed["coordinate"]] = True
     return TreeArrays(
         frames=np.concatenate(parts.frames),
         nodal_masses=_records(NODAL_MASS, parts.nodal_masses),
@@ -160,7 +157,7 @@ def tree_arrays(tree: Tree) -> TreeArrays:
         damping=damping,
         stiffening=stiffening,
         reach=reach,
-        prescribed=_records(PRESCRIBED, prescribed),
+        prescribed=prescribed,
         torques=_records(TORQUE, torques),
         closures=closures,
         closure_matrix=np.zeros((closures.size, closures.size)),
@@ -176,6 +173,18 @@ def tree_arrays(tree: Tree) -> TreeArrays:
         balls=sum(len(hinge.rotations) == 3 for hinge in tree.hinges),
         one_way=tree.one_way,
     )
+
+
+def _prescribed(tree: Tree, elements: TreeElements) -> np.ndarray:
+    """The PRESCRIBED records: of coordinates of the deck, then of drivers."""
+    rows: list[Any] = [
+        (elements.coordinate(p.body, f"{p.motion} {p.axis}"), p.C, p.B, p.A, -1, np.inf)
+        for p in tree.prescribed
+    ]
+    for d in tree.elements.drivers:
+        coordinate, function = elements.coordinate(d.joint, d.coordinate), elements.table.function(d.function)
+        rows.append((coordinate, 0.0, 0.0, 0.0, function, np.inf))
+    return _records(PRESCRIBED, rows)
 
 
 def body_frames(arrays: TreeArrays) -> np.ndarray:
