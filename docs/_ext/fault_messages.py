@@ -15,8 +15,8 @@ PAGE = TOP / "docs" / "reference" / "messages.md"
 RETIRED = {
     "SOLVE-004": "SOLVE-042", "VSDF-177": "", "VSDF-178": "",
     "DECK-015": "", "DECK-017": "", "FE-017": "FE-199", "FE-035": "FE-199", "FE-098": "FE-054",
-    "FE-198": "", "FE-203": "FE-202", "MODEL-014": "MODEL-015", "RUN-006": "RESULT-007",
-    "RUN-011": "", "RUN-029": "", "RUN-032": "",
+    "FE-198": "", "FE-203": "FE-202", "MODEL-009": "SOLVE-028", "MODEL-014": "MODEL-015",
+    "RUN-006": "RESULT-007", "RUN-011": "", "RUN-029": "", "RUN-032": "",
     "RUN-033": "", "YOUNG-062": "", "YOUNG-105": "ELEMENTS-012", "YOUNG-106": "ELEMENTS-014",
     "YOUNG-107": "ELEMENTS-015",
     "YOUNG-108": "ELEMENTS-016", "YOUNG-109": "ELEMENTS-017", "YOUNG-110": "ELEMENTS-018",

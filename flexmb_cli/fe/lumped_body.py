@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from ..model.arrays.tree import hanging_masses
+from ..model.arrays.tree import stiffened_by
 from ..model.flexible_body import FlexibleBody
 from ..model.flexible_mechanism import FloatingBody
-from ..model.geometric_stiffness import across, beam_direction, geometric_stiffness
+from ..model.geometric_stiffness import beam_direction
 from ..model.tree import Elasticity, Tree
 from ..model.tree_as_mechanism.frames import NodeFrame, shape_of
 from ..model.tree_as_mechanism.poses import Pose
@@ -75,9 +75,5 @@ def _stiffening(tree: Tree, k: int, elastic: Elasticity) -> np.ndarray:
         return np.zeros((0, 0, elastic.coordinates, elastic.coordinates))
     d = beam_direction(elastic.positions, elastic.stiffened_from)
     assert d is not None, "a stiffened body has a direction"
-    axial_forces = (elastic.masses + hanging_masses(tree, k)) * (elastic.positions @ d)
-    matrix = across(
-        geometric_stiffness(elastic.positions, elastic.stiffened_from, axial_forces), d, elastic.axes
-    )
-    found: np.ndarray = -np.multiply.outer(np.outer(d, d), matrix)
+    found: np.ndarray = -np.multiply.outer(np.outer(d, d), stiffened_by(tree, k, 1))
     return found

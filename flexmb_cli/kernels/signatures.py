@@ -36,7 +36,7 @@ RECORDS = {
     "FRAME": "model.arrays.tree_frames:FRAME",
     "NODAL_MASS": "model.arrays.tree_frames:NODAL_MASS",
     **{name: f"model.arrays.tree:{name}" for name in ("ELASTIC_BODY", "PRESCRIBED", "CLOSURE_ROW")},
-    "TREE_FUNCTION": "model.arrays.tree:FUNCTION",
+    "TREE_TORQUE": "model.arrays.tree:TORQUE",
     "TREE_ELEMENT": "model.arrays.tree_elements:TREE_ELEMENT",
     "TREE_FRICTION": "model.arrays.tree_elements:TREE_FRICTION",
     "NODE_FRAME": "model.arrays.node_frames:NODE_FRAME",
@@ -74,7 +74,7 @@ TUPLES = {
     ),
     "Tree": (
         "model.arrays.tree:TreeArrays",
-        "FRAME1 NODAL_MASS1 ELASTIC_BODY1 f1 f1 f1 i2 PRESCRIBED1 TREE_FUNCTION1 CLOSURE_ROW1 f2 f2 "
+        "FRAME1 NODAL_MASS1 ELASTIC_BODY1 f1 f1 f1 i2 PRESCRIBED1 TREE_TORQUE1 CLOSURE_ROW1 f2 f2 "
         "f2 f2 f1 b1 b1 f1 NodeFrames TREE_ELEMENT1 TREE_FRICTION1 f3 f1 f2 FUNCTION1 f2 int bool",
     ),
     "NodeFrames": (

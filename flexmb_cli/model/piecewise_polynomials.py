@@ -32,12 +32,14 @@ def polynomial(coefficients: Sequence[float]) -> Pieces:
 
 
 def linear_table(times: Sequence[float], values: Sequence[float]) -> Pieces:
-    """Straight lines between the points; the first and the last value hold outside."""
-    slopes = np.diff(values) / np.diff(times)
-    lines = zip(times[:-1], values[:-1], slopes.tolist(), strict=True)
+    """Straight lines between the points, jumps at equal times; the first and the last value hold outside."""
+    t, f = np.asarray(times, float), np.asarray(values, float)
+    lasts = np.flatnonzero(np.diff(t) > 0.0)
+    slopes = (f[lasts + 1] - f[lasts]) / (t[lasts + 1] - t[lasts])
+    lines = zip(t[lasts].tolist(), f[lasts].tolist(), slopes.tolist(), strict=True)
     return (
         (times[0] - 1.0, float(values[0]), 0.0),
-        *((float(t), float(v), slope) for t, v, slope in lines),
+        *lines,
         (float(times[-1]), float(values[-1]), 0.0),
     )
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import Place
-from .piecewise_polynomials import Pieces, continuous_rates, integral, value_and_rates
+from .piecewise_polynomials import Pieces, continuous_rates, integral, linear_table, value_and_rates
 
 POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND = 1, 2, 3, 4, 5, 6, 7
 
@@ -146,6 +146,12 @@ _VALUES = {
 def piecewise(pieces: Pieces) -> MotionFunction:
     """The function of these pieces."""
     return MotionFunction(PIECEWISE, pieces=pieces)
+
+
+def pulse(value: float, duration: float) -> MotionFunction:
+    """The law of the card DESN: +value, nothing, -value for `duration` each, then nothing."""
+    t, f = duration, value
+    return piecewise(linear_table((0.0, t, t, 2 * t, 2 * t, 3 * t, 3 * t), (f, f, 0.0, 0.0, -f, -f, 0.0)))
 
 
 def _terms(function: MotionFunction) -> Any:

@@ -18,6 +18,7 @@ import numpy as np
 from ..errors import Place
 from .joint_elements import JointElements
 from .mechanism import TimeGrid, Vector
+from .time_functions import MotionFunction
 
 if TYPE_CHECKING:  # few decks have any
     from collections.abc import Sequence
@@ -102,26 +103,12 @@ class Hinge:
 
 
 @dataclass(frozen=True)
-class Table:
-    """A value over time, linear between the points; equal times make a jump; the ends are held."""
-
-    times: tuple[float, ...]
-    values: tuple[float, ...]
-
-
-def pulse(value: float, duration: float) -> Table:
-    """The DESN function: +value, nothing, -value for `duration` each, then nothing."""
-    t, f = duration, value
-    return Table((0.0, t, t, 2 * t, 2 * t, 3 * t, 3 * t), (f, f, 0.0, 0.0, -f, -f, 0.0))
-
-
-@dataclass(frozen=True)
 class BodyTorque:
     """External torque on a body about an inertial axis (DESN, tabulated torque), N m."""
 
     body: int
     axis: int
-    function: Table
+    function: MotionFunction
     place: Place | None = None
 
 

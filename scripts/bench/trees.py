@@ -27,7 +27,8 @@ from flexmb_cli.model.arrays.tree import initial_attitudes, tree_arrays
 from flexmb_cli.model.joint_elements import JointElements
 from flexmb_cli.model.laws import At, spring
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.model.tree import Body, BodyTorque, Elasticity, Hinge, Integration, Tree, pulse
+from flexmb_cli.model.time_functions import pulse
+from flexmb_cli.model.tree import Body, BodyTorque, Elasticity, Hinge, Integration, Tree
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 
 LINKS = (8, 16, 32, 64, 128, 256, 512, 1024)

@@ -176,7 +176,7 @@ QUANTITY = {
         ("    closure_force: np.ndarray  # (T, C, 3) on body a of each closure, opp", MOMENTUM),
         (
             "        constraint_residual=",
-            '        impetus=np.einsum("b,tbi->ti", [b.mass for b in tree.bodies], motion.velocity),\n',
+            '        impetus=np.einsum("b,tbi->ti", [b.mass for b in tree.bodies], motion["velocity"]),\n',
         ),
         (PROPERTY, SPEED),
     ],

@@ -225,7 +225,12 @@ class PlanarTree:
         n, state = len(self.tree.q), np.concatenate(self.start())
         blocks = [state[None]]
         bends = sorted(
-            {t for torque in self.tree.torques for t in torque.function.times if 0 < t < times[-1]}
+            {
+                line[0]
+                for torque in self.tree.torques
+                for line in torque.function.pieces
+                if 0 < line[0] < times[-1]
+            }
         )
         for begin, end in itertools.pairwise([times[0], *bends, times[-1]]):
             due = times[(times > begin) & (times <= end)]
@@ -263,8 +268,5 @@ class PlanarTree:
 
 def piece(function, inside):
     """Constant and slope of the line that a law follows around a time that is none of its points."""
-    i = int(np.searchsorted(function.times, inside))
-    if i in (0, len(function.times)):
-        return function.values[0 if i == 0 else -1], 0.0
-    slope = (function.values[i] - function.values[i - 1]) / (function.times[i] - function.times[i - 1])
-    return function.values[i] - slope * function.times[i], slope
+    start, value, slope = [line for line in function.pieces if line[0] < inside][-1]
+    return value - slope * start, slope

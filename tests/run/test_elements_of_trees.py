@@ -152,7 +152,7 @@ def test_an_error_in_one_formulation_shows(tmp_path, monkeypatch):
     right = tree_elements.fill_law
 
     def slightly_wrong(record, *law):
-        right(record, *law)["c"][2] *= 1.001  # the damping
+        right(record, *law)["c"][..., 2] *= 1.001  # the damping
 
     monkeypatch.setattr(tree_elements, "fill_law", slightly_wrong)
     found = verified(tmp_path, f"{SHORT}{CASES['line'][1]}\nEND \nSTAR\nSTOP\n")

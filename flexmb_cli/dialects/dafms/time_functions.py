@@ -6,7 +6,8 @@ from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.joint_elements import JointElements
 from ...model.laws import MOTOR, At, Element, spring
-from ...model.time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
+from ...model.piecewise_polynomials import linear_table, polynomial
+from ...model.time_functions import MotionFunction, piecewise, pulse
 from ...model.tree import (
     INERTIAL,
     ROTATION,
@@ -16,8 +17,6 @@ from ...model.tree import (
     Closure,
     Hinge,
     Prescribed,
-    Table,
-    pulse,
 )
 
 if TYPE_CHECKING:
@@ -30,24 +29,26 @@ def build_functions_of_time(
     values: DeckValues, bodies: tuple[Body, ...], hinges: tuple[Hinge, ...], findings: Findings
 ) -> dict[str, Any]:
     """Keyword arguments of `Tree` for everything that drives or loads it over time."""
-    hinged = _HingeCards(values, hinges, findings)
+
+    def hinged(section: str) -> "Iterator[tuple[Record, tuple[int, str, int]]]":
+        """Entries that name a free axis."""
+        found = ((record, _where(record, hinges, findings)) for record in values.section(section))
+        return ((record, where) for record, where in found if where is not None)
+
     springs = [
         spring(record.subject, _coordinate(where), stiffness, rest, place=record.place)
-        for record, where in hinged.entries("spring")
+        for record, where in hinged("spring")
         for stiffness, rest in [_behind_the_hinge(record)]
     ]
-    springs += _dampers(hinged, findings)
+    springs += _dampers(hinged("damper"), findings)
     motors = [
-        _motor(record, where, _constant(*_behind_the_hinge(record)))
-        for record, where in hinged.entries("motor")
+        _motor(record, where, piecewise(polynomial(_behind_the_hinge(record))))
+        for record, where in hinged("motor")
     ]
-    motors += [
-        _motor(record, where, _held(_table(record, findings)))
-        for record, where in hinged.entries("motor_table")
-    ]
+    motors += [_motor(record, where, _table(record, findings)) for record, where in hinged("motor_table")]
     drives = [
         Prescribed(*where, C, B, A, record.place)
-        for record, where in hinged.entries("prescribed")
+        for record, where in hinged("prescribed")
         for C, B, A in [_behind_the_hinge(record)]
     ]
     _check_drives(drives, findings)
@@ -59,9 +60,9 @@ def build_functions_of_time(
     }
 
 
-def _dampers(hinged: "_HingeCards", findings: Findings) -> list[Element]:
+def _dampers(entries: "Iterator[Any]", findings: Findings) -> list[Element]:
     dampers = []
-    for record, where in hinged.entries("damper"):
+    for record, where in entries:
         (damping,) = _behind_the_hinge(record)
         if damping < 0:
             message = f"CS = {damping}: a negative damper feeds energy in"
@@ -79,16 +80,6 @@ def _motor(record: "Record", where: tuple[int, str, int], function: MotionFuncti
     return Element(record.subject, MOTOR, _coordinate(where), (function,), record.place)
 
 
-def _constant(effort: float) -> MotionFunction:
-    return MotionFunction(POLYNOMIAL, (effort, 0.0, 0.0, 0.0))
-
-
-def _held(table: Table) -> MotionFunction:
-    # Past a jump at its end a table continues: its last piece must have a length.
-    times, values = (*table.times, table.times[-1] + 1.0), (*table.values, table.values[-1])
-    return MotionFunction(HELD_TABLE, times=times, values=values, curvature=(0.0,) * len(times))
-
-
 def _behind_the_hinge(record: "Record") -> list[Any]:
     """Return the values behind K and A, by their places.
 
@@ -97,53 +88,40 @@ def _behind_the_hinge(record: "Record") -> list[Any]:
     return [number.value for number in record.numbers[2:]]
 
 
-class _HingeCards:
-    """Entries headed by K, A: the hinge of body K and its degree of freedom A."""
-
-    def __init__(self, values: DeckValues, hinges: tuple[Hinge, ...], findings: Findings):
-        self.values = values
-        self.hinges = hinges
-        self.findings = findings
-
-    def entries(self, section: str) -> "Iterator[tuple[Record, tuple[int, str, int]]]":
-        """Pairs (record, (body, motion, axis)) of the entries that name a free axis."""
-        for record in self.values.section(section):
-            where = self._where(record)
-            if where is not None:
-                yield record, where
-
-    def _where(self, record: "Record") -> tuple[int, str, int] | None:
-        body, dof = record.numbers[0], record.numbers[1]
-        if not 1 <= body.value <= len(self.hinges):
-            message = f"K = {body.value}: there are bodies 1 to {len(self.hinges)}"
-            self.findings.error(record.subject, message, body.place, id="DAFMS-057")
-            return None
-        if not 1 <= dof.value <= 6:
-            message = f"A = {dof.value}: 1-3 are rotations, 4-6 translations of a hinge"
-            self.findings.error(record.subject, message, dof.place, id="DAFMS-058")
-            return None
-        motion, axis = (ROTATION, dof.value) if dof.value <= 3 else (TRANSLATION, dof.value - 3)
-        hinge = self.hinges[body.value - 1]
-        free = hinge.rotations if motion == ROTATION else hinge.translations
-        if axis not in free:
-            message = f"A = {dof.value}: {motion} {axis} of the hinge of body {body.value} is not free"
-            self.findings.error(record.subject, message, dof.place, id="DAFMS-059")
-            return None
-        if motion == ROTATION and len(free) == 3 and record.section in ("spring", "prescribed"):
-            message = f"the hinge of body {body.value} has three free rotations: none of them is an angle"
-            self.findings.error(record.subject, message, body.place, id="DAFMS-060")
-            return None
-        return body.value - 1, motion, axis
+def _where(record: "Record", hinges: tuple[Hinge, ...], findings: Findings) -> tuple[int, str, int] | None:
+    """Body, motion and axis of an entry headed by K, A: the hinge of body K and its degree of freedom A."""
+    body, dof = record.numbers[0], record.numbers[1]
+    if not 1 <= body.value <= len(hinges):
+        message = f"K = {body.value}: there are bodies 1 to {len(hinges)}"
+        findings.error(record.subject, message, body.place, id="DAFMS-057")
+        return None
+    if not 1 <= dof.value <= 6:
+        message = f"A = {dof.value}: 1-3 are rotations, 4-6 translations of a hinge"
+        findings.error(record.subject, message, dof.place, id="DAFMS-058")
+        return None
+    motion, axis = (ROTATION, dof.value) if dof.value <= 3 else (TRANSLATION, dof.value - 3)
+    hinge = hinges[body.value - 1]
+    free = hinge.rotations if motion == ROTATION else hinge.translations
+    if axis not in free:
+        message = f"A = {dof.value}: {motion} {axis} of the hinge of body {body.value} is not free"
+        findings.error(record.subject, message, dof.place, id="DAFMS-059")
+        return None
+    if motion == ROTATION and len(free) == 3 and record.section in ("spring", "prescribed"):
+        message = f"the hinge of body {body.value} has three free rotations: none of them is an angle"
+        findings.error(record.subject, message, body.place, id="DAFMS-060")
+        return None
+    return body.value - 1, motion, axis
 
 
-def _table(record: "Record", findings: Findings) -> Table:
+def _table(record: "Record", findings: Findings) -> MotionFunction:
+    """Straight lines between the points; equal times make a jump, and the ends are held."""
     values = record.values
     times, efforts = values[3::2], values[4::2]
     for k in (k for k in range(1, len(times)) if times[k] < times[k - 1]):
         number, before = record.numbers[3 + 2 * k], record.numbers[1 + 2 * k]
         message = f"{number.key} = {number.value} lies before {before.key} = {before.value}"
         findings.error(record.subject, message, number.place, id="DAFMS-061")
-    return Table(tuple(times), tuple(efforts))
+    return piecewise(linear_table(times, efforts) if len(times) > 1 else polynomial(efforts))
 
 
 def _check_drives(drives: list[Prescribed], findings: Findings) -> None:

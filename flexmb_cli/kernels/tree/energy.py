@@ -83,11 +83,13 @@ def applied_power(
     tree: "TreeArrays",
     work: "np.ndarray",
     coordinates: "np.ndarray",
-    t: float,
     q: "np.ndarray",
     y: "np.ndarray",
 ) -> float:
-    """Power of external forces and torques, damping, stiffening and prescribed motion, W."""
+    """Power of external forces and torques, damping, stiffening and prescribed motion, W.
+
+    Torques are those evaluated last.
+    """
     power = 0.0
     for k in range(1, tree.frames.shape[0]):
         frame, s = tree.frames[k], work[k]
@@ -98,10 +100,9 @@ def applied_power(
             if dot(force, force) > 0.0:
                 _place, velocity = node_state(tree.nodal_masses[i], s, q, y)
                 power += dot(force, velocity)
-    for i in range(tree.functions.shape[0]):
-        function = tree.functions[i]
-        rate = work[function["frame"]]["angular"][function["axis"]]
-        power += (function["c0"] + function["c1"] * t) * rate
+    for i in range(tree.torques.shape[0]):
+        torque = tree.torques[i]
+        power += torque["value"] * work[torque["frame"]]["angular"][torque["axis"]]
     for m in range(coordinates.shape[0]):
         if tree.given[m]:
             power += coordinates[m]["drive"] * y[m]

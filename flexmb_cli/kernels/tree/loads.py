@@ -101,6 +101,8 @@ def set_prescribed(
 @part
 def add_body_torques(tree: "TreeArrays", t: float, work: "np.ndarray") -> None:
     """Take the torque functions on bodies off p_n of their frames."""
-    for i in range(tree.functions.shape[0]):
-        function = tree.functions[i]
-        work[function["frame"]]["bias"][function["axis"]] -= function["c0"] + function["c1"] * t
+    for i in range(tree.torques.shape[0]):
+        torque = tree.torques[i]
+        value = function_values(tree.curves, tree.knots, torque["function"], min(t, torque["until"]))[0]
+        torque["value"] = torque["constant"] + value
+        work[torque["frame"]]["bias"][torque["axis"]] -= torque["value"]

@@ -61,7 +61,7 @@ def derivative(
     turn_attitudes(tree, y, attitudes, rates)
     last = dz.shape[0] - 1
     powers = element_powers(tree, last - tree.answers.shape[0], dz)
-    dz[last] = powers + applied_power(tree, work, coordinates, t, q, y)
+    dz[last] = powers + applied_power(tree, work, coordinates, q, y)
     return SOLVED
 
 

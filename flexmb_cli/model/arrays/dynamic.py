@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..joints import NORMALISATION
-from ..loads import AppliedForce, AppliedTorque, DynamicModel
+from ..loads import DynamicModel
 from .constraint_table import PrimitiveTable
 from .kinematic import KinematicArrays, kinematic_arrays
 from .laws import NONE
-from .records import FLEXIBLE, FORCE, GROUP, MASS, TORQUE, blank_load
+from .records import FLEXIBLE, FORCE, GROUP, MASS, TORQUE, vector_load
 from .system import SystemArrays
 from .young_elements import without_driven, young_elements
 
@@ -118,25 +118,14 @@ def inertia_matrix(elements: tuple[float, ...]) -> np.ndarray:
     return np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
 
 
-def _load(
-    table: PrimitiveTable,
-    kind: int,
-    item: AppliedForce | AppliedTorque,
-    vector: tuple[float, float, float],
-    point: tuple[float, float, float],
-) -> np.ndarray:
-    """LOAD record of a force or torque `vector` at a point of its body."""
-    record = blank_load(kind)
-    record["following"] = item.following
-    record["vector"] = vector
-    record["body_vector"] = table.body_vector(item.body, point)
-    if item.factor is not None:
-        record["function"] = table.function(item.factor)
-    return record
-
-
 def _loads(table: PrimitiveTable, model: DynamicModel) -> list[np.ndarray]:
     """LOAD records of forces and torques."""
-    records = [_load(table, FORCE, force, force.force, force.point) for force in model.forces]
-    records += [_load(table, TORQUE, torque, torque.torque, (0.0, 0.0, 0.0)) for torque in model.torques]
-    return records
+    records = [
+        vector_load(FORCE, table.body_vector(f.body, f.point), f.force, f.following, table.factor(f.factor))
+        for f in model.forces
+    ]
+    origin = np.zeros(3)
+    return records + [
+        vector_load(TORQUE, table.body_vector(t.body, origin), t.torque, t.following, table.factor(t.factor))
+        for t in model.torques
+    ]

@@ -1,12 +1,12 @@
 """Elements at joints, and between bodies → equations, primitives and loads for the kernels.
 
-What a dialect calls a joint, and which coordinates it has, is left to the object `joints`: `PointJoints`, or
-the hinges of a tree.
+What a dialect calls a joint, numbered from 0, and which coordinates it has, is left to the object `joints`:
+`PointJoints`, or the hinges of a tree.
 """
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from .node_joints import JointVectors
 from .records import ELEMENT, LOAD, blank_load, blank_primitive, line_primitive
 from .records import FRICTION as FRICTION_LOAD
 
+if TYPE_CHECKING:
+    from ..tree_as_mechanism.hinges import HingeJoints
+
 
 @dataclass(frozen=True)
 class JointCoordinateName:
@@ -27,28 +30,6 @@ class JointCoordinateName:
 
     joint: int
     coordinate: str
-
-
-class Joints(Protocol):
-    """Joint data of the elements; joints are numbered from 0."""
-
-    def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
-        """The primitive of a joint coordinate; `expected`: an angle at the start, where it is not 0."""
-
-    def start(self, joint: int, coordinate: str) -> float:
-        """A coordinate at the start."""
-
-    def bodies(self, joint: int) -> tuple[int, int]:
-        """Its two bodies."""
-
-    def axis(self, joint: int) -> int:
-        """The body vector along the axis that its parts slide about and along."""
-
-    def sliding(self, joint: int) -> tuple[str | None, str | None]:
-        """Its angle and its stroke in which there may be friction; None where it has none."""
-
-    def pitch(self, joint: int) -> float:
-        """Advance of a screw, m/rad; 0 of other joints."""
 
 
 class PointJoints:
@@ -62,7 +43,7 @@ class PointJoints:
         return JointVectors(self.table, self.joints[joint])
 
     def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
-        """The primitive of a joint coordinate."""
+        """The primitive of a joint coordinate; `expected`: an angle at the start, where it is not 0."""
         if coordinate == STROKE:
             found: np.ndarray = self._vectors(joint).stroke()
             return found
@@ -71,7 +52,7 @@ class PointJoints:
         return self.table.angle(*self._turning[joint], expected)
 
     def start(self, joint: int, coordinate: str) -> float:
-        """All begin with 0."""
+        """A coordinate at the start: all begin with 0."""
         return 0.0
 
     def bodies(self, joint: int) -> tuple[int, int]:
@@ -79,19 +60,19 @@ class PointJoints:
         return self.joints[joint].a[0].body, self.joints[joint].b[0].body
 
     def axis(self, joint: int) -> int:
-        """The body vector along the axis of body a."""
+        """The body vector along the axis of body a, that its parts slide about and along."""
         body_vectors = self._vectors(joint)
         if body_vectors.a[1].shape.size:
             return int(body_vectors.body_vector_of(body_vectors.a))
         return self.table.body_vector(body_vectors.i, body_vectors.s)
 
     def sliding(self, joint: int) -> tuple[str | None, str | None]:
-        """Its angle and its stroke."""
+        """Its angle and its stroke in which there may be friction; None where it has none."""
         kinds = COORDINATES_OF[self.joints[joint].kind]
         return ANGLE if ANGLE in kinds else None, STROKE if STROKE in kinds else None
 
     def pitch(self, joint: int) -> float:
-        """Advance of a screw, m/rad."""
+        """Advance of a screw, m/rad; 0 of other joints."""
         given = self.joints[joint]
         return given.size if BY_NAME[given.kind].size == PITCH else 0.0
 
@@ -111,7 +92,7 @@ class ElementTable:
     def __init__(
         self,
         table: PrimitiveTable,
-        joints: Joints,
+        joints: "PointJoints | HingeJoints",
         elements: JointElements,
         reported: Sequence[JointCoordinateName],
     ):
@@ -151,7 +132,6 @@ class ElementTable:
 
         All equations must have been added.
         """
-        forces = self.elements.forces
         forces = self.elements.forces
         found = [*others, *(self._load(item) for item in springs)]
         found += [self._load(item) for item in forces if item.law is not FRICTION]

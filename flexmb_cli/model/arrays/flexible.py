@@ -2,21 +2,18 @@
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ..flexible_mechanism import FlexibleMechanism, FloatingBody, PointForce
+from ..flexible_mechanism import FlexibleMechanism, FloatingBody
 from .constraint_table import PrimitiveTable
 from .element_table import ElementTable, PointJoints, coordinates_of_joints
 from .kinematic import CONSTRAINT
 from .laws import NONE
 from .node_joints import add_joints, add_motions
-from .records import FLEXIBLE, FORCE, MASS, TORQUE, blank_load
+from .records import FLEXIBLE, FORCE, MASS, TORQUE, vector_load
 from .system import SystemArrays
-
-if TYPE_CHECKING:
-    from ..fe_model import BodyTorque
 
 
 def flexible_arrays(mechanism: FlexibleMechanism) -> SystemArrays:
@@ -102,26 +99,12 @@ def _elements(table: PrimitiveTable, mechanism: FlexibleMechanism) -> Any:
 
 
 def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism) -> list[np.ndarray]:
-    records = [_force(table, item) for item in mechanism.forces]
-    records += [_torque(table, item) for item in mechanism.torques]
-    return records
-
-
-def _force(table: PrimitiveTable, item: PointForce) -> np.ndarray:
-    record = blank_load(FORCE)
-    record["body_vector"], record["vector"] = table.point(item.point), item.force
-    record["following"], record["function"] = (
-        item.follows,
-        table.function(item.factor) if item.factor else NONE,
-    )
-    return record
-
-
-def _torque(table: PrimitiveTable, item: "BodyTorque") -> np.ndarray:
-    record = blank_load(TORQUE)
-    record["body_vector"], record["vector"] = table.body_vector(item.body, np.zeros(3)), item.torque
-    record["following"], record["function"] = (
-        item.follows,
-        table.function(item.factor) if item.factor else NONE,
-    )
-    return record
+    records = [
+        vector_load(FORCE, table.point(f.point), f.force, f.follows, table.factor(f.factor))
+        for f in mechanism.forces
+    ]
+    origin = np.zeros(3)
+    return records + [
+        vector_load(TORQUE, table.body_vector(t.body, origin), t.torque, t.follows, table.factor(t.factor))
+        for t in mechanism.torques
+    ]

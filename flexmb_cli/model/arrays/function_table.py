@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..time_functions import COMPOUND, HELD_TABLE, PIECEWISE, TABLE, MotionFunction
+from .laws import NONE
 from .records import FUNCTION, function_record
 
 OF_A_COORDINATE = 1.0  # in c[3] of a function of pieces whose argument is no time
@@ -28,6 +29,10 @@ class FunctionTable:
         if function.kind == COMPOUND:
             return self._compound(function.terms, of_time)
         return self._add(function_record(function.kind, function.c))
+
+    def factor(self, function: MotionFunction | None) -> int:
+        """Number of the factor of a load, -1 where it has none."""
+        return NONE if function is None else self.function(function)
 
     def of_knots(
         self, kind: int, knots: np.ndarray, c: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)

@@ -35,13 +35,13 @@ def fill_law(record: Any, law: Law, values: tuple[Any, ...], table: "FunctionTab
             numbers += 1
             continue
         if value is not None and table is not None:
-            record["f"][functions] = table.function(value, of_time=p.kind == OF_TIME)
+            record["f"][..., functions] = table.function(value, of_time=p.kind == OF_TIME)
         functions += 1
         if p.kind == OF_COORDINATE:
             if value is not None and table is not None:
                 energy = integral_of(value)
                 assert energy is not None, "a curve is no product"
-                record["f"][functions] = table.function(energy, of_time=False)
+                record["f"][..., functions] = table.function(energy, of_time=False)
             functions += 1
     return record
 

@@ -159,3 +159,13 @@ def blank_load(kind: int) -> np.ndarray:
     for field in ("body_vector", "tilted", "primitive", "function", "f", "stroke", "group"):
         record[field] = NONE
     return record
+
+
+def vector_load(
+    kind: int, body_vector: int, vector: Any, following: bool = False, function: int = NONE
+) -> np.ndarray:
+    """The LOAD record of a force at the end of a body vector, or of a torque on its body."""
+    record = blank_load(kind)
+    record["body_vector"], record["vector"] = body_vector, vector
+    record["following"], record["function"] = following, function
+    return record

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..geometric_stiffness import across, beam_direction, geometric_stiffness
 from ..laws import FRICTION
-from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Prescribed, Tree
+from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from .node_frames import NodeFrames, empty_node_frames
 from .tree_elements import TreeElements
 from .tree_frames import NODAL_MASS, tree_frames
@@ -62,14 +62,14 @@ PRESCRIBED = np.dtype(
     ]
 )
 
-# A function has the value c0 + c1 t between two breakpoints of its table; `solve` fills it in for each
-# interval.
-FUNCTION = np.dtype(
+TORQUE = np.dtype(
     [
         ("frame", np.int64),  # on which the torque acts
         ("axis", np.int64),  # 0, 1, 2, inertial
-        ("c0", np.float64),  # N m
-        ("c1", np.float64),  # N m/s
+        ("function", np.int64),  # number among `curves`
+        ("constant", np.float64),  # N m, besides its function
+        ("until", np.float64),  # s: the function holds what it is just before it
+        ("value", np.float64),  # N m, evaluated last
     ]
 )
 
@@ -108,7 +108,7 @@ class TreeArrays(NamedTuple):
     stiffening: np.ndarray  # by turning, N/m per rad²/s², then by weight, N/m per m/s², flat
     reach: np.ndarray  # (NS, 2) first place and one past the last that counts in an elastic coordinate's rows
     prescribed: np.ndarray  # PRESCRIBED records
-    functions: np.ndarray  # FUNCTION records
+    torques: np.ndarray  # TORQUE records
     closures: np.ndarray  # CLOSURE_ROW records, one a closed direction
     closure_matrix: np.ndarray  # (rows, rows) work: J b^-1 Jᵀ, 1/kg
     couplings: (
@@ -126,14 +126,14 @@ class TreeArrays(NamedTuple):
     joint_forces: np.ndarray  # (1 + m, m, 5) as `dry_friction.fill_normal_forces` takes them, N
     normals: np.ndarray  # (m,) normal forces, N
     answers: np.ndarray  # (E + m, 8) what they answered last, SI units, columns of `kernels.laws`
-    curves: np.ndarray  # FUNCTION records of `records`: those of elements and drivers
+    curves: np.ndarray  # FUNCTION records of `records`: those of elements, drivers and torques
     knots: np.ndarray  # (k, 3) their knots, units of the functions
     balls: int  # hinges with three rotations
     one_way: bool  # whether the elastic motion does not act on the rigid motion (thesis 4.3)
 
 
 def tree_arrays(tree: Tree) -> TreeArrays:
-    """The arrays of a tree; functions get their values later, interval by interval."""
+    """The arrays of a tree; where functions are held is set later, interval by interval."""
     index = {(c.body, c.motion, c.axis, c.node): m for m, c in enumerate(tree.coordinates)}
     parts = tree_frames(tree, index)
     elastic_bodies, reach, *matrices = _elastic_bodies(tree, index, parts.of_body)
@@ -141,11 +141,14 @@ def tree_arrays(tree: Tree) -> TreeArrays:
     elements = TreeElements(tree, index, parts.of_body)
     couplings = elements.couplings()
     closures = _closure_rows(tree, parts.of_body, parts.of_node, len(couplings))
-    prescribed = [(_rigid(index, p), p.C, p.B, p.A, -1, np.inf) for p in tree.prescribed]
-    prescribed += [(*elements.driver(item), np.inf) for item in tree.elements.drivers]
+    prescribed = _prescribed(tree, elements)
+    torques = [
+        (parts.of_body[t.body], t.axis - 1, elements.table.function(t.function), 0.0, np.inf, 0.0)
+        for t in tree.torques
+    ]
     of_elements = elements.arrays()
     given = np.zeros(len(index), bool)
-    given[[row[0] for row in prescribed]] = True
+    given[prescribed["coordinate"]] = True
     return TreeArrays(
         frames=np.concatenate(parts.frames),
         nodal_masses=_records(NODAL_MASS, parts.nodal_masses),
@@ -154,8 +157,8 @@ def tree_arrays(tree: Tree) -> TreeArrays:
         damping=damping,
         stiffening=stiffening,
         reach=reach,
-        prescribed=_records(PRESCRIBED, prescribed),
-        functions=_records(FUNCTION, [(parts.of_body[t.body], t.axis - 1, 0.0, 0.0) for t in tree.torques]),
+        prescribed=prescribed,
+        torques=_records(TORQUE, torques),
         closures=closures,
         closure_matrix=np.zeros((closures.size, closures.size)),
         couplings=couplings,
@@ -170,6 +173,18 @@ def tree_arrays(tree: Tree) -> TreeArrays:
         balls=sum(len(hinge.rotations) == 3 for hinge in tree.hinges),
         one_way=tree.one_way,
     )
+
+
+def _prescribed(tree: Tree, elements: TreeElements) -> np.ndarray:
+    """The PRESCRIBED records: of coordinates of the deck, then of drivers."""
+    rows: list[Any] = [
+        (elements.coordinate(p.body, f"{p.motion} {p.axis}"), p.C, p.B, p.A, -1, np.inf)
+        for p in tree.prescribed
+    ]
+    for d in tree.elements.drivers:
+        coordinate, function = elements.coordinate(d.joint, d.coordinate), elements.table.function(d.function)
+        rows.append((coordinate, 0.0, 0.0, 0.0, function, np.inf))
+    return _records(PRESCRIBED, rows)
 
 
 def body_frames(arrays: TreeArrays) -> np.ndarray:
@@ -187,10 +202,6 @@ def initial_attitudes(tree: Tree) -> np.ndarray:
 
 def _records(dtype: np.dtype, rows: "list[Any]") -> np.ndarray:
     return np.array(rows, dtype) if rows else np.zeros(0, dtype)
-
-
-def _rigid(index: "dict[Any, Any]", item: Prescribed) -> int:
-    return int(index[item.body, item.motion, item.axis, None])
 
 
 def _elastic_bodies(
@@ -222,21 +233,20 @@ def _elastic_bodies(
     return np.concatenate(records) if records else np.zeros(0, ELASTIC_BODY), reach, *flat
 
 
-def _stiffening(tree: Any, k: int) -> np.ndarray:
+def _stiffening(tree: Tree, k: int) -> np.ndarray:
     """(2, NM, NM): by turning and by weight, what hangs on the nodes pulling as if it sat there."""
+    return np.array([stiffened_by(tree, k, power) for power in (1, 0)])
+
+
+def stiffened_by(tree: Tree, k: int, power: int) -> np.ndarray:
+    """(NM, NM): stiffness of a stiffened body by forces along it, a node's mass times its place^power."""
     elastic = tree.bodies[k].elastic
-    masses = elastic.masses + hanging_masses(tree, k)
+    assert elastic is not None and elastic.stiffened_from is not None, "a stiffened body"
     direction = beam_direction(elastic.positions, elastic.stiffened_from)
     assert direction is not None, "a stiffened body is straight"
-    return np.array(
-        [
-            across(
-                geometric_stiffness(elastic.positions, elastic.stiffened_from, prestress),
-                direction,
-                elastic.axes,
-            )
-            for prestress in (masses * (elastic.positions @ direction), masses)
-        ]
+    prestress = (elastic.masses + hanging_masses(tree, k)) * (elastic.positions @ direction) ** power
+    return across(
+        geometric_stiffness(elastic.positions, elastic.stiffened_from, prestress), direction, elastic.axes
     )
 
 

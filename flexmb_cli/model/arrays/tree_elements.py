@@ -9,16 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..laws import BUSHING, FRICTION, At, Element, Frames
+from ..laws import FRICTION, At, Frames
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
-from ..tree_as_mechanism.frames import hinge_frames
-from ..tree_as_mechanism.poses import first_poses
 from .function_table import FunctionTable
 from .laws import LAW, fill_bushing, fill_law
 
 if TYPE_CHECKING:
     from ..flexible_mechanism import NodePoint
-    from ..joint_elements import JointDriver
 
 # What an element measures.
 IN_COORDINATE, IN_LINE, ALONG, ABOUT = 0, 1, 2, 3
@@ -64,9 +61,6 @@ class TreeElements:
     def __init__(self, tree: Tree, index: Mapping[Any, Any], of_body: Sequence[int]):
         self.tree, self.index, self.of_body = tree, index, of_body
         self.table = FunctionTable()
-        self._axes = (
-            [pose.A for pose in first_poses(tree, hinge_frames(tree))] if tree.elements.of(BUSHING) else []
-        )
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Fields of TreeArrays; drivers must have been added."""
@@ -87,7 +81,7 @@ class TreeElements:
         found = np.zeros((len(self.tree.elements.couplings), len(self.tree.coordinates)))
         for row, item in zip(found, self.tree.elements.couplings, strict=True):
             for joint, coordinate, factor in item.terms:
-                row[self._coordinate(joint, coordinate)] += factor / item.scale
+                row[self.coordinate(joint, coordinate)] += factor / item.scale
         return found
 
     def _elements(self) -> np.ndarray:
@@ -95,11 +89,17 @@ class TreeElements:
         forces = [item for item in self.tree.elements.forces if item.law is not FRICTION]
         found, at = np.zeros(sum(len(item.parts) for item in forces), TREE_ELEMENT), 0
         for item in forces:
-            if isinstance(item.measure, Frames):
-                self._bushing(found[at : at + OF_BUSHING], item)
+            records = found[at : at + len(item.parts)]
+            if isinstance(item.measure, At):
+                records["measure"], records["coordinate"] = IN_COORDINATE, self.coordinate(*item.measure)
             else:
-                self._measure(found[at], item.measure)
-                fill_law(found[at], item.law, item.values, self.table)
+                self._place(records, item.measure)
+            if isinstance(item.measure, Frames):
+                records["measure"], records["axis"] = 3 * [ALONG] + 3 * [ABOUT], 2 * [0, 1, 2]
+                fill_bushing(records, item)
+                records["resists"] = records["c"].any(axis=1)
+            else:
+                fill_law(records, item.law, item.values, self.table)
             at += len(item.parts)
         return found
 
@@ -111,36 +111,21 @@ class TreeElements:
             joint = item.measure.joint
             hinge = self.tree.hinges[joint]
             record["frame"] = self.of_body[joint]
-            for field, motion, axes in (
-                ("turning", ROTATION, hinge.rotations),
-                ("sliding", TRANSLATION, hinge.translations),
-            ):
-                record[field] = self.index[joint, motion, axes[0], None] if axes else -1
+            record["turning"], record["sliding"] = (
+                self.index[joint, motion, axes[0], None] if axes else -1
+                for motion, axes in ((ROTATION, hinge.rotations), (TRANSLATION, hinge.translations))
+            )
             fill_law(record, item.law, item.values)
         return found
 
-    def driver(self, item: "JointDriver") -> tuple[int, float, float, float, int]:
-        """Coordinate of a driver, no C, B and A, its function."""
-        return (
-            self._coordinate(item.joint, item.coordinate),
-            0.0,
-            0.0,
-            0.0,
-            self.table.function(item.function),
-        )
-
-    def _coordinate(self, joint: int, coordinate: str) -> int:
+    def coordinate(self, joint: int, coordinate: str) -> int:
+        """Number of a hinge coordinate such as "rotation 1"."""
         motion, axis = coordinate.split()
         return int(self.index[joint, motion, int(axis), None])
 
-    def _measure(self, record: Any, measure: Any) -> None:
-        if isinstance(measure, At):
-            record["measure"], record["coordinate"] = IN_COORDINATE, self._coordinate(*measure)
-        else:
-            record["measure"] = IN_LINE
-            self._place(record, measure)
-
     def _place(self, record: Any, ends: Any) -> None:
+        """Fill the ends of a line, or of the six records of a bushing, which are attached at the start."""
+        record["measure"] = IN_LINE
         for side, body, point in (("i", ends.i, ends.P_i), ("j", ends.j, ends.P_j)):
             record[f"frame_{side}"] = 0 if body == INERTIAL else self.of_body[body]
             # Ends in a tree are points of bodies.
@@ -151,13 +136,3 @@ class TreeElements:
         own = [m for m, c in enumerate(self.tree.coordinates) if (c.motion, c.body) == (ELASTIC, point.body)]
         rows = np.asarray(point.shape)
         return [own[int(np.argmax(row))] if row.size and np.any(row) else -1 for row in rows]
-
-    def _bushing(self, records: np.ndarray, item: Element) -> None:
-        """Six records, along and about the axes of body i."""
-        ends = item.measure
-        A_i, A_j = (np.eye(3) if body == INERTIAL else self._axes[body] for body in (ends.i, ends.j))
-        self._place(records, ends)
-        records["measure"], records["axis"] = 3 * [ALONG] + 3 * [ABOUT], 2 * [0, 1, 2]
-        records["turned"] = (A_j.T @ A_i).ravel()
-        fill_bushing(records, item)
-        records["resists"] = records["c"].any(axis=1)

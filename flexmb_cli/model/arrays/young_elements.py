@@ -42,12 +42,13 @@ def point_joint(joint: Joint) -> PointJoint:
 def _ends(joint: Joint | CompositeJoint) -> tuple[tuple[NodePoint, ...], tuple[NodePoint, ...]]:
     """Points P and P + s on bodies i and j."""
     return (
-        (_point(joint.i, joint.P_i), _point(joint.i, np.add(joint.P_i, joint.s_i))),
-        (_point(joint.j, joint.P_j), _point(joint.j, np.add(joint.P_j, joint.s_j))),
+        (rigid_point(joint.i, joint.P_i), rigid_point(joint.i, np.add(joint.P_i, joint.s_i))),
+        (rigid_point(joint.j, joint.P_j), rigid_point(joint.j, np.add(joint.P_j, joint.s_j))),
     )
 
 
-def _point(body: int, r0: np.ndarray | tuple[float, float, float]) -> NodePoint:
+def rigid_point(body: int, r0: np.ndarray | tuple[float, float, float]) -> NodePoint:
+    """A point of a rigid body, in its axes."""
     return NodePoint("", body, np.asarray(r0, float), np.zeros((3, 0)))
 
 

@@ -1,14 +1,16 @@
-"""Hinges, closures and prescribed motions of a tree as equations between bodies in absolute coordinates.
+"""Hinges, closures, prescribed motions and loads of a tree between bodies in absolute coordinates.
 
 What a hinge leaves free is what no equation forbids: of the gap from P_k to O_k its components along
 the P_k axes that do not slide, of the attitude the products of axes that no free rotation changes.
 """
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..arrays.constraint_table import PrimitiveTable
+from ..arrays.records import FORCE, TORQUE, vector_load
 from ..time_functions import POLYNOMIAL, MotionFunction
 from ..tree import INERTIAL, ROTATION, TRANSLATION, Hinge, Tree
 from ..vectors import rotation_matrix
@@ -150,3 +152,64 @@ def _closure_point(table: Any, tree: Tree, body: Any, point: tuple[float, float,
         return table.body_vector(body, point)
     elastic = tree.bodies[body].elastic
     return table.body_vector(body, elastic.positions[node], shape_of(elastic, node))
+
+
+class HingeJoints:
+    """Hinges, numbered as their bodies, with coordinates "rotation 1" to "translation 3"."""
+
+    def __init__(self, table: PrimitiveTable, tree: Tree, frames: Frames):
+        self.table, self.tree, self.frames = table, tree, frames
+
+    def start(self, joint: int, coordinate: str) -> float:
+        """A coordinate at the start."""
+        return float(
+            next(
+                q
+                for c, q in zip(self.tree.coordinates, self.tree.q, strict=True)
+                if (c.body, f"{c.motion} {c.axis}") == (joint, coordinate)
+            )
+        )
+
+    def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
+        """The primitive of a hinge coordinate, which begins with that of the tree."""
+        motion, axis = coordinate.split()
+        first = self.start(joint, coordinate)
+        return coordinate_primitive(self.table, self.tree, self.frames, joint, motion, int(axis), first)
+
+    def bodies(self, joint: int) -> tuple[int, int]:
+        """The body of its base, and its own."""
+        return self.frames.bases[joint].body, joint
+
+    def axis(self, joint: int) -> int:
+        """The body vector along the only axis that its hinge is free about or along."""
+        hinge, base = self.tree.hinges[joint], self.frames.bases[joint]
+        axis = (*hinge.rotations, *hinge.translations)[0]
+        return self.table.body_vector(base.body, base.axes[:, axis - 1])
+
+    def sliding(self, joint: int) -> tuple[str | None, str | None]:
+        """Its rotation and its translation."""
+        hinge = self.tree.hinges[joint]
+        turn, slide = (
+            f"{motion} {axes[0]}" if axes else None
+            for motion, axes in (("rotation", hinge.rotations), ("translation", hinge.translations))
+        )
+        return turn, slide
+
+    def pitch(self, joint: int) -> float:
+        """No hinge is a screw."""
+        return 0.0
+
+
+def tree_loads(table: PrimitiveTable, tree: Tree) -> Iterator[np.ndarray]:
+    """Yield all loads but gravity, elasticity and elements."""
+    for k, body in enumerate(tree.bodies):
+        origin = table.body_vector(k, np.zeros(3))
+        given = [(FORCE, origin, body.force), (TORQUE, origin, body.torque)]
+        if elastic := body.elastic:
+            for node, position in enumerate(elastic.positions):
+                place = table.body_vector(k, position, shape_of(elastic, node))
+                given.append((FORCE, place, elastic.forces[node]))
+        yield from (vector_load(*load) for load in given if np.any(load[2]))
+    for torque in tree.torques:
+        origin, axis = table.body_vector(torque.body, np.zeros(3)), np.eye(3)[torque.axis - 1]
+        yield vector_load(TORQUE, origin, axis, function=table.function(torque.function))

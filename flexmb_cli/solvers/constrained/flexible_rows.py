@@ -1,5 +1,6 @@
 """Report rows of a mechanism of rigid and flexible bodies."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -55,7 +56,7 @@ class FlexibleRows:
 
 
 @dataclass(frozen=True)
-class _Motion:
+class BodyMotion:
     """States of a report by bodies: q, u and rates of u; modal coordinates and their two derivatives."""
 
     q: np.ndarray  # (T, b, 7)
@@ -89,7 +90,7 @@ class _Motion:
 
 def flexible_rows(mechanism: FlexibleMechanism, arrays: SystemArrays, report: Report) -> FlexibleRows:
     """The rows of a report in the terms of the model."""
-    motion = _motion(mechanism, arrays, report)
+    motion = body_motion((body.modes for body in mechanism.bodies), arrays, report)
     q, u, ud = motion.q, motion.u, motion.ud
     rates, seconds = coordinate_rates(q, u), coordinate_accelerations(q, u, ud)
     points = [motion.point(point) for point in mechanism.outputs]
@@ -120,16 +121,17 @@ def flexible_rows(mechanism: FlexibleMechanism, arrays: SystemArrays, report: Re
     )
 
 
-def _motion(mechanism: FlexibleMechanism, arrays: SystemArrays, report: Report) -> _Motion:
+def body_motion(modes: Iterable[int], arrays: SystemArrays, report: Report) -> BodyMotion:
+    """The states of a report by bodies, which have so many `modes` each."""
     b, n, times = arrays.bodies, arrays.speeds, len(report.times)
     states, end = report.states, n + arrays.bodies
     modal = states[:, 7 * b : end], states[:, end + 6 * b : end + n], report.rates[:, 6 * b :]
-    return _Motion(
+    return BodyMotion(
         states[:, : 7 * b].reshape(times, b, 7),
         states[:, end : end + 6 * b].reshape(times, b, 6),
         report.rates[:, : 6 * b].reshape(times, b, 6),
         modal,
-        np.cumsum([0, *(body.modes for body in mechanism.bodies)]),
+        np.cumsum([0, *modes]),
     )
 
 
@@ -137,7 +139,7 @@ def _stacked(items: list[np.ndarray], times: int) -> Any:
     return np.stack(items, axis=1) if items else np.zeros((times, 0, 3))
 
 
-def _by_body(mechanism: FlexibleMechanism, motion: _Motion, modal: np.ndarray) -> tuple[np.ndarray, ...]:
+def _by_body(mechanism: FlexibleMechanism, motion: BodyMotion, modal: np.ndarray) -> tuple[np.ndarray, ...]:
     """Modal coordinates, or their rates, of every flexible body."""
     return tuple(
         modal[:, motion.first[k] : motion.first[k + 1]].copy()
@@ -147,7 +149,7 @@ def _by_body(mechanism: FlexibleMechanism, motion: _Motion, modal: np.ndarray) -
 
 
 def _forces(
-    mechanism: FlexibleMechanism, arrays: SystemArrays, motion: _Motion, report: Report
+    mechanism: FlexibleMechanism, arrays: SystemArrays, motion: BodyMotion, report: Report
 ) -> dict[str, np.ndarray]:
     """Reactions of joints, forces of pins, efforts of motions."""
     joints, pins = len(mechanism.joints), len(mechanism.pins)
@@ -162,7 +164,7 @@ def _forces(
     }
 
 
-def _reaction(motion: _Motion, joint: PointJoint, wrenches: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _reaction(motion: BodyMotion, joint: PointJoint, wrenches: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Force and torque (T, 3) on body b at its first point: what its body bears, or the other's opposite."""
     point = reaction_point(joint)
     side, sign, body = (1, 1.0, point.body) if point.body >= 0 else (0, -1.0, joint.a[0].body)

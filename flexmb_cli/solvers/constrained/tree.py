@@ -4,11 +4,10 @@ The other formulation of the same model: floating frames with nodal displacement
 Euler parameters and Lagrange multipliers.  Nothing of the recursion along the tree is used.
 
 Hinge coordinates are found from the motion of the bodies.  Integrals of the relative angular velocity, the
-coordinates of three free rotations, are no functions of the position: they are nan.  Turns of angles are
-those that the steps of the integration have counted.
+coordinates of three free rotations, are no functions of the position: they are nan.  Angles are those
+that the steps of the integration have counted.
 """
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -18,28 +17,36 @@ import numpy as np
 from ...fe.lumped_body import floating_body, massless_body
 from ...kernels.constrained.report import Report
 from ...kernels.laws import COORDINATE
+from ...kernels.tree.motion import parts
 from ...model.arrays.constraint_table import PrimitiveTable
 from ...model.arrays.element_table import ElementTable, JointCoordinateName
 from ...model.arrays.flexible import flexible_arrays, length_scale
 from ...model.arrays.system import SystemArrays
-from ...model.flexible_mechanism import FlexibleMechanism
+from ...model.flexible_mechanism import FlexibleMechanism, NodePoint
 from ...model.integrators import IMPLICIT_TREE_METHODS, Integrator
+from ...model.joint_elements import JointElements
 from ...model.laws import FRICTION
 from ...model.tree import ELASTIC, ROTATION, Hinge, Tree
-from ...model.tree_as_mechanism.elements import HingeJoints
 from ...model.tree_as_mechanism.frames import Base, Frames, hinge_frames
-from ...model.tree_as_mechanism.hinges import add_closures, add_hinges, add_prescribed
+from ...model.tree_as_mechanism.hinges import (
+    HingeJoints,
+    add_closures,
+    add_hinges,
+    add_prescribed,
+    tree_loads,
+)
 from ...model.tree_as_mechanism.limits import refuse_foreign
-from ...model.tree_as_mechanism.loads import tree_loads
 from ...model.tree_as_mechanism.poses import elastic_start, first_poses, repeated_in_planar_tree
 from ..checkpoint import taken
 from ..projection import RESIDUAL_MET, largest
-from ..tree.loop_assembly import closed_tree
+from ..tree.analysis import TreeAnalysis, hold_functions
+from ..tree.assembly import assemble_tree
 from ..tree.points import rotation_matrices
-from ..tree.rows import TreeMotion, TreeRows, rows_of_tree, unturned
+from ..tree.rows import TreeRows, rows_of_tree, unturned
 from .analysis import ConstrainedMotion
+from .element_rows import with_elements
+from .flexible_rows import BodyMotion, body_motion
 from .rows import global_axes
-from .tree_element_rows import with_elements
 
 
 class AbsoluteTree(ConstrainedMotion):
@@ -54,7 +61,7 @@ class AbsoluteTree(ConstrainedMotion):
     def __init__(self, tree: Tree):
         refuse_foreign(tree)
         self.frames = hinge_frames(tree)
-        self.tree = tree = closed_tree(tree, self.frames)
+        self.tree = tree = closed_tree(tree)
         poses = first_poses(tree, self.frames)
         bodies = [floating_body(tree, k, poses[k]) for k in range(len(tree.bodies))]
         bodies += [
@@ -103,18 +110,31 @@ class AbsoluteTree(ConstrainedMotion):
         """Closed directions across the plane of a planar tree; None of any other."""
         return repeated_in_planar_tree(self.tree)
 
-    def _motion(self, report: Report) -> TreeMotion:
-        """The motion over the rows of a report in the terms of the tree."""
-        angles = report.responses[:, slice(*self._probes), COORDINATE]
-        return motion_of_bodies(self.tree, self.frames, self.arrays, report, angles)
-
     def block(self, report: Report) -> TreeRows:
         """The rows of a report in the terms of the tree."""
-        rows = rows_of_tree(self.tree, self._motion(report), self._attitude)
+        angles = report.responses[:, slice(*self._probes), COORDINATE]
+        rows = rows_of_bodies(self.tree, self.frames, self.arrays, report, angles, self._attitude)
         self._attitude = rows.euler_parameters[-1].copy()
         if not self.tree.elements:
             return rows
         return with_elements(self.tree, self.arrays, rows, report, len(turning_coordinates(self.tree)))
+
+
+def closed_tree(tree: Tree) -> Tree:
+    """The tree with initial coordinates and speeds that its closures allow, as Kane's equations find them.
+
+    Gaps of loops that nearly close are left.
+    """
+    if not tree.closures:
+        return tree
+    drivers = JointElements(drivers=tree.elements.drivers)
+    analysis = TreeAnalysis(replace(tree, elements=drivers))
+    hold_functions(analysis.arrays, tree.time.end)
+    assemble_tree(analysis)
+    y, q, attitudes = (part.copy() for part in parts(analysis.arrays, analysis.state))
+    turned = iter(attitudes.tolist())
+    hinges = [replace(h, attitude=tuple(next(turned))) if len(h.rotations) == 3 else h for h in tree.hinges]
+    return replace(tree, q=q, y=y, hinges=tuple(hinges))
 
 
 def turning_coordinates(tree: Tree) -> list[JointCoordinateName]:
@@ -151,73 +171,47 @@ class Moving(NamedTuple):
     alpha: np.ndarray  # (T, 3) angular acceleration, rad/s²
 
 
-class AbsoluteMotion:
-    """States of a report by bodies."""
-
-    def __init__(self, tree: Tree, arrays: SystemArrays, report: Report):
-        b, n, times = arrays.bodies, arrays.speeds, len(report.times)
-        end = n + b
-        self.q = report.states[:, : 7 * b].reshape(times, b, 7)
-        self.u = report.states[:, end : end + 6 * b].reshape(times, b, 6)
-        self.ud = report.rates[:, : 6 * b].reshape(times, b, 6)
-        self.eta = (
-            report.states[:, 7 * b : end],
-            report.states[:, end + 6 * b : end + n],
-            report.rates[:, 6 * b :],
-        )
-        sizes = [body.elastic.coordinates if body.elastic else 0 for body in tree.bodies]
-        self.first = np.cumsum([0, *sizes])
-
-    def of(self, body: int) -> Moving:
-        """The frame of a body; that of the inertial one rests."""
-        if body < 0:
-            rest = np.zeros((len(self.q), 3))
-            return Moving(rest, rest, rest, np.broadcast_to(np.eye(3), (len(rest), 3, 3)), rest, rest)
-        q, u, ud = self.q[:, body], self.u[:, body], self.ud[:, body]
-        p = q[:, 3:]
-        w, alpha = global_axes(p, u[:, 3:]), global_axes(p, ud[:, 3:])
-        return Moving(q[:, :3], u[:, :3], ud[:, :3], rotation_matrices(p), w, alpha)
-
-    def base(self, base: Base) -> Moving:
-        """The point and the axes that a hinge hangs on."""
-        on = self.of(base.body)
-        s, sd, sdd = base.place, np.zeros(3), np.zeros(3)
-        if base.shape.size:
-            own = slice(self.first[base.body], self.first[base.body + 1])
-            s, sd, sdd = (eta[:, own] @ base.shape.T for eta in self.eta)
-            s = base.place + s
-        r, slide, push = (_turned(on.axes, x) for x in (s, sd, sdd))
-        swept = np.cross(on.w, r)
-        return Moving(
-            on.r + r,
-            on.v + swept + slide,
-            on.a + np.cross(on.alpha, r) + np.cross(on.w, swept + 2.0 * slide) + push,
-            on.axes @ base.axes,
-            on.w,
-            on.alpha,
-        )
+def moving_body(motion: BodyMotion, body: int) -> Moving:
+    """The frame of a body; that of the inertial one rests."""
+    if body < 0:
+        rest = np.zeros((len(motion.q), 3))
+        return Moving(rest, rest, rest, np.broadcast_to(np.eye(3), (len(rest), 3, 3)), rest, rest)
+    q, u, ud = motion.q[:, body], motion.u[:, body], motion.ud[:, body]
+    p = q[:, 3:]
+    w, alpha = global_axes(p, u[:, 3:]), global_axes(p, ud[:, 3:])
+    return Moving(q[:, :3], u[:, :3], ud[:, :3], rotation_matrices(p), w, alpha)
 
 
-def _turned(axes: Any, x: np.ndarray) -> Any:
-    """Vectors (T, 3), or one for all rows, by the axes of each row."""
-    return np.einsum("tij,tj->ti", axes, np.broadcast_to(x, axes.shape[:2]))
+def moving_base(motion: BodyMotion, base: Base) -> Moving:
+    """The point and the axes that a hinge hangs on."""
+    on = moving_body(motion, base.body)
+    r, v, a = motion.point(NodePoint("", base.body, base.place, base.shape))
+    return Moving(r, v, a, on.axes @ base.axes, on.w, on.alpha)
 
 
-def motion_of_bodies(
-    tree: Tree, frames: Frames, arrays: SystemArrays, report: Report, angles: np.ndarray
-) -> TreeMotion:
-    """Return the motion over the rows of a report in the terms of the tree.
+def rows_of_bodies(
+    tree: Tree,
+    frames: Frames,
+    arrays: SystemArrays,
+    report: Report,
+    angles: np.ndarray,
+    last: np.ndarray,
+) -> TreeRows:
+    """Return the rows of a report in the terms of the tree; `last` as in `rows_of_tree`.
 
-    `angles` (T, n): those of hinges with one or two rotations, whose turns the coordinates have.
+    `angles` (T, n): those of hinges with one or two rotations, with their turns.
     """
-    motion = AbsoluteMotion(tree, arrays, report)
+    modes = [body.elastic.coordinates if body.elastic else 0 for body in tree.bodies]
+    motion = body_motion([*modes, *(0 for _ in frames.node_frames)], arrays, report)
     q, y, y_rate = _coordinates(tree, frames, motion, angles)
     N = len(tree.bodies)
-    bodies = [motion.of(k) for k in range(N)]
+    bodies = [moving_body(motion, k) for k in range(N)]
     position, velocity, acceleration, axes, w, alpha = (
         np.stack(parts, axis=1) for parts in zip(*bodies, strict=True)
     )
-    return TreeMotion(
+    return rows_of_tree(
+        tree,
+        last,
         time=report.times,
         q=q,
         y=y,
@@ -229,23 +223,28 @@ def motion_of_bodies(
         acceleration=acceleration,
         angular_velocity=w,
         angular_acceleration=alpha,
-        # On body a of each closure, the second body of its group.
-        closure_force=report.wrenches[:, len(arrays.groups) - len(tree.closures) :, 1, :3].copy(),
-        applied_work=report.states[:, 2 * arrays.speeds + arrays.bodies],
+        closure_force=_closure_forces(tree, arrays, report),
+        applied_work=report.states[:, 2 * arrays.speeds + arrays.bodies].copy(),
         audit=report.audit,
         reactions=np.zeros((len(report.times), 0, 6)),
     )
 
 
-def _coordinates(tree: Tree, frames: Frames, motion: AbsoluteMotion, angles: np.ndarray) -> Any:
+def _closure_forces(tree: Tree, arrays: SystemArrays, report: Report) -> Any:
+    """Force on body a of each closure (T, C, 3): the second body of its group."""
+    first = len(arrays.groups) - len(tree.closures)
+    return report.wrenches[:, first:, 1, :3].copy()
+
+
+def _coordinates(tree: Tree, frames: Frames, motion: BodyMotion, angles: np.ndarray) -> Any:
     """Coordinates, speeds and their rates (T, NS)."""
     columns, elastic, counted = [], 0, iter(angles.T)
     for c in tree.coordinates:
         if c.motion == ELASTIC:
-            columns.append(tuple(eta[:, elastic] for eta in motion.eta))
+            columns.append(tuple(eta[:, elastic] for eta in motion.modal))
             elastic += 1
             continue
-        base, body = motion.base(frames.bases[c.body]), motion.of(c.body)
+        base, body = moving_base(motion, frames.bases[c.body]), moving_body(motion, c.body)
         if c.motion == ROTATION:
             columns.append(_rotation(tree.hinges[c.body], c.axis - 1, base, body, counted))
         else:
@@ -276,18 +275,4 @@ def _rotation(hinge: Hinge, axis: int, base: Moving, body: Moving, counted: Iter
     rate = _along(change, direction) + _along(spin, np.cross(carrier.w, direction))
     if len(hinge.rotations) == 3:
         return np.full(len(speed), np.nan), speed, rate
-    angle = _angle(hinge, axis, base.axes, body.axes)
-    return angle + math.tau * np.round((next(counted) - angle) / math.tau), speed, rate
-
-
-def _angle(hinge: Hinge, axis: int, P: np.ndarray, E: np.ndarray) -> Any:
-    """Angle within a turn, from axes of P_k (T, 3, 3) and of the body."""
-    if len(hinge.rotations) == 1:
-        i, j = (axis + 1) % 3, (axis + 2) % 3
-        return np.arctan2(_along(P[:, :, j], E[:, :, i]), _along(P[:, :, i], E[:, :, i]))
-    first, second = (turned - 1 for turned in hinge.rotations)
-    if axis == first:
-        across = np.cross(P[:, :, first], P[:, :, second])
-        return np.arctan2(_along(across, E[:, :, second]), _along(P[:, :, second], E[:, :, second]))
-    across = np.cross(E[:, :, first], E[:, :, second])
-    return np.arctan2(_along(across, P[:, :, first]), _along(E[:, :, first], P[:, :, first]))
+    return next(counted) + 0.0, speed, rate

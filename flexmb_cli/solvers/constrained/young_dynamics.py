@@ -13,8 +13,7 @@ import numpy as np
 from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
 from ...model.arrays.dynamic import DynamicArrays, dynamic_arrays, step_length_scale
-from ...model.arrays.young_elements import without_driven
-from ...model.flexible_mechanism import NodePoint
+from ...model.arrays.young_elements import rigid_point, without_driven
 from ...model.joints import DRIVER
 from ...model.loads import DynamicModel
 from ...model.planar_loops import repeated_in_plane
@@ -76,7 +75,7 @@ class ForwardDynamics(LinearisableMotion):
             *((torque.name, True) for torque in model.torques),
             *((spring.name, True) for spring in model.springs),
         ]
-        joints = [(j.name, _point(j.i, j.P_i), _point(j.j, j.P_j)) for j in mechanism.joints]
+        joints = [(j.name, rigid_point(j.i, j.P_i), rigid_point(j.j, j.P_j)) for j in mechanism.joints]
         return Terms(
             tuple(loads),
             tuple((driver.name, driver.direction <= 3) for driver in drivers),
@@ -101,10 +100,6 @@ class ForwardDynamics(LinearisableMotion):
         if self.model.elements:
             return element_rows(self.model, self.arrays, report)
         return dynamic_rows(self.model, report)
-
-
-def _point(body: int, place: tuple[float, float, float]) -> NodePoint:
-    return NodePoint("", body, np.array(place), np.zeros((3, 0)))
 
 
 class DrivenDynamics(ForwardDynamics):

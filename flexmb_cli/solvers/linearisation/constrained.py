@@ -15,7 +15,7 @@ from ..constrained.analysis import LinearisableMotion
 from ..constrained.start import inertia_failure
 from ..constrained.system import dense_jacobian
 from .joint_coordinates import AXES, OWN, JointCoordinates
-from .motion import DIFFERENCE_STEP, LinearisedMotion, differentiated
+from .motion import LinearisedMotion, without_motions
 
 if TYPE_CHECKING:
     from ...kernels.constrained.system import System
@@ -71,16 +71,17 @@ class ConstrainedLinearised(LinearisedMotion):
         speeds = z[self.count : self.count + arrays.speeds]
         here = z[: self.count].copy(), speeds.copy(), float(analysis.clock["t"][0])
         self.q, self.u, self.t = state or here
+        at = self.q, self.u
         self.scale, self.duration = arrays.speed_scale, analysis.grid.end - analysis.grid.start
         self.coordinates = JointCoordinates(arrays, axes)
-        self.rate = self._rates(self.q, self.u, self.t)
+        self.rate = self.rates(at, self.t)
         L, work = self.coordinates.functionals(self.q), analysis.work
         jacobian = dense_jacobian(work)
         chosen = self.coordinates.independent(L, jacobian, int(work.rank[0])) if free is None else free
         self.free, self.L = chosen, L[chosen]
         self.Z = self._motions(self.L)
-        self.L_rate = self._rate_of_functionals(self.q, self.u)
-        self._inverse = np.linalg.pinv(jacobian, analysis.dependent)
+        self.L_rate = self.rate_of_functionals(at)
+        self.inverse = self.scale[:, None] * np.linalg.pinv(jacobian, analysis.dependent)
 
     def _motions(self, L: np.ndarray) -> np.ndarray:
         """Displacements (n, f) that the constraints factorised last allow, one for each coordinate."""
@@ -88,17 +89,15 @@ class ConstrainedLinearised(LinearisedMotion):
         found: np.ndarray = Z @ np.linalg.inv(L @ Z)
         return found
 
-    def _rate_of_functionals(self, q: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """Rate (f, n) of L at the position q moving with the speeds u."""
-        size = np.max(np.abs(u) / self.scale, initial=0.0)
-        if size == 0.0:
-            return np.zeros((self.dofs, u.size))
-        h = DIFFERENCE_STEP / size
-        found: np.ndarray = differentiated(lambda time: self._functionals(self.moved(q, time * u)), h)
+    def functionals(self, state: Any) -> np.ndarray:
+        """Return L (f, n) at a position and speeds."""
+        found: np.ndarray = self.coordinates.functionals(state[0])[self.free]
         return found
 
-    def _functionals(self, q: np.ndarray) -> Any:
-        return self.coordinates.functionals(q)[self.free]
+    def speeds_of(self, state: Any) -> np.ndarray:
+        """Return the speeds (n,) of a position and speeds."""
+        found: np.ndarray = state[1]
+        return found
 
     def moved(self, q: np.ndarray, d: np.ndarray) -> np.ndarray:
         """Return the position q displaced by d."""
@@ -106,10 +105,18 @@ class ConstrainedLinearised(LinearisedMotion):
         move(self.analysis.arrays.bodies, q, d)
         return q
 
-    def _rates(self, q: np.ndarray, u: np.ndarray, t: float) -> np.ndarray:
-        """u' at a position and speeds that meet the constraints."""
-        ud = np.zeros_like(u)
-        self.refuse(accelerations(self.system, self.analysis.work, q, u, t, ud)[0])
+    def moved_on(self, state: Any, d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return a position, displaced by d, and its speeds."""
+        return self.moved(state[0], d), state[1]
+
+    def changed(self, d: np.ndarray, w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the position displaced by d, and the speeds changed by w."""
+        return self.moved(self.q, d), self.u + w
+
+    def rates(self, state: Any, t: float) -> np.ndarray:
+        """Return u' (n,) at a position and speeds that meet the constraints."""
+        ud = np.zeros(self.scale.size)
+        self.refuse(accelerations(self.system, self.analysis.work, *state, t, ud)[0])
         return ud
 
     def refuse(self, code: int) -> None:
@@ -121,10 +128,6 @@ class ConstrainedLinearised(LinearisedMotion):
                 f"at t = {self.t:.6g} s the mechanism is at a singular position: it cannot be linearised"
             )
             raise AnalysisError(Fault("error", message, id="SOLVE-014"), self.t)
-
-    def acceleration_at(self, d: np.ndarray, w: np.ndarray) -> np.ndarray:
-        """Return u' (n,) where the position is displaced by d and the speeds by w."""
-        return self._rates(self.moved(self.q, d), self.u + w, self.t)
 
     def rate_gaps(self, d: np.ndarray, w: np.ndarray, system: "System | None" = None) -> np.ndarray:
         """Return what the speeds, changed by w, lack to meet the constraints displaced by d (m,), scaled."""
@@ -138,12 +141,6 @@ class ConstrainedLinearised(LinearisedMotion):
         """Return the change w (n,) of the speeds, L w = 0, that the displacement d causes."""
         return self.projected(self.variation(self.rate_gaps, d, np.zeros_like(d)))
 
-    def projected(self, gaps: np.ndarray) -> np.ndarray:
-        """Return x (n,) with J x = gaps (m,), scaled, and L x = 0."""
-        x = self._inverse @ gaps * self.scale
-        found: np.ndarray = x - self.Z @ (self.L @ x)
-        return found
-
     def turned(self, d: np.ndarray) -> np.ndarray:
         """Return k(d): omega × the rotation of every body, in its axes."""
         out = np.zeros_like(d)
@@ -152,22 +149,9 @@ class ConstrainedLinearised(LinearisedMotion):
         out[:bodies].reshape(-1, 6)[:, 3:] = np.cross(self.u[:bodies].reshape(-1, 6)[:, 3:], angles)
         return out
 
-    def acceleration_after(self, h: float, rate: np.ndarray) -> np.ndarray:
-        """Return u' (n,) after the short time h, s, of a motion with u' = rate now."""
-        return self._rates(self.moved(self.q, h * self.u), self.u + h * rate, self.t + h)
-
-    def later(self, h: float, rate: np.ndarray, jerk: np.ndarray) -> "ConstrainedLinearised":
-        """Return the same coordinates after the time h, s, of a motion with u' = rate, u'' = jerk now."""
-        d = h * (self.u + 0.5 * h * (rate + h / 3.0 * jerk))
-        return self._at(self.moved(self.q, d), self.u + h * (rate + 0.5 * h * jerk), self.t + h)
-
-    def elsewhere(self, d: np.ndarray, w: np.ndarray) -> "ConstrainedLinearised":
-        """Return the same coordinates where the position is displaced by d and the speeds by w."""
-        return self._at(self.moved(self.q, d), self.u + w, self.t)
-
-    def _at(self, q: np.ndarray, u: np.ndarray, t: float) -> "ConstrainedLinearised":
-        """The same coordinates near q and u, where they meet the constraints."""
-        analysis = self.analysis
+    def near(self, state: Any, t: float) -> "ConstrainedLinearised":
+        """Return the same coordinates near a position and speeds, where they meet the constraints."""
+        analysis, (q, u) = self.analysis, state
         self.refuse(project_position(self.system, analysis.work, q, t, analysis.integration.angles[EXPECTED]))
         self.refuse(project_speeds(self.system, analysis.work, q, u, t)[0])
         return ConstrainedLinearised(analysis, self.axes, (q, u, t), self.free)
@@ -180,15 +164,8 @@ class ConstrainedLinearised(LinearisedMotion):
         )
         u = np.zeros_like(self.u)
         self.refuse(project_speeds(self.system, analysis.work, q, u, self.t)[0])
-        L = self._functionals(q)
-        return q, u - self._motions(L) @ (L @ u)
-
-    def standing_accelerations(self, y: np.ndarray) -> np.ndarray:
-        """Return the scaled accelerations (f,) of the coordinates displaced by y (scaled) and at rest."""
-        q, u = self.standing(y)
-        rates = self._rate_of_functionals(q, u) @ u + self._functionals(q) @ self._rates(q, u, self.t)
-        found: np.ndarray = rates / self.units
-        return found
+        L = self.functionals((q, u))
+        return q, without_motions(u, self._motions(L), L)
 
     def stand_at(self, y: np.ndarray) -> None:
         """Put the analysis to the position displaced by y (scaled), its independent coordinates at rest."""

@@ -18,10 +18,8 @@ from ..constrained.system import blank_report
 from .constrained import ConstrainedLinearised
 from .motion import DIFFERENCE_STEP, differentiated
 from .state_space import (
-    ACCELERATION_OF,
     ADMISSIBLE,
     MOVED_POINT,
-    SPEED_OF,
     Input,
     Responses,
     Signal,
@@ -76,7 +74,7 @@ class ConstrainedResponses(Responses):
         """Return u' (n,) and then the observed outputs where d, w and the model are changed."""
         motion, analysis = self.motion, self.analysis
         report = blank_report(analysis.arrays, np.array([motion.t]))
-        report.states[0, :-1] = np.concatenate([motion.moved(motion.q, d), motion.u + w])
+        report.states[0, :-1] = np.concatenate(motion.changed(d, w))
         expected = analysis.integration.angles[EXPECTED][None].copy()
         system, work = model or motion.system, analysis.work
         # A kernel writes a row for every load, and a model may have one more.
@@ -106,17 +104,12 @@ class ConstrainedResponses(Responses):
 
     def displacements(self) -> tuple[np.ndarray, np.ndarray]:
         """Return P (6 joints, n) of displacement and rotation of body b against a, its axes, and its rate."""
-        motion, size = self.motion, np.max(np.abs(self.motion.u) / self.motion.scale, initial=0.0)
-        P = self._functionals(motion.q)
-        if size == 0.0:
-            return P, np.zeros_like(P)
-        return P, differentiated(
-            lambda t: self._functionals(motion.moved(motion.q, t * motion.u)),
-            DIFFERENCE_STEP / size,
-        )
+        motion = self.motion
+        at = motion.q, motion.u
+        return self._functionals(at), motion.along_motion(self._functionals, at)
 
-    def _functionals(self, q: np.ndarray) -> np.ndarray:
-        blocks = [self._of_joint(q, a, b) for _, a, b in self.terms.joints]
+    def _functionals(self, state: Any) -> np.ndarray:
+        blocks = [self._of_joint(state[0], a, b) for _, a, b in self.terms.joints]
         return np.concatenate(blocks) if blocks else np.zeros((0, self.motion.scale.size))
 
     def _of_joint(self, q: np.ndarray, a: NodePoint, b: NodePoint) -> np.ndarray:
@@ -186,9 +179,7 @@ class ConstrainedResponses(Responses):
         if np.max(np.abs(motion.rate_gaps(still, d) - motion.rate_gaps(still, still) + asked)) > ADMISSIBLE:
             return
         turned = differentiated(lambda x: motion.rate_gaps(x * d, still, changes[0](x)), DIFFERENCE_STEP)
-        yield Input(Signal(name, unit), d, motion.projected(turned), changes[0])
-        yield Input(Signal(f"{name} rate", SPEED_OF[unit]), still, d, changes[1])
-        yield Input(Signal(f"{name} acceleration", ACCELERATION_OF[unit]), still, still, changes[2])
+        yield from self.inputs_of_driver(name, unit, d, motion.projected(turned), changes)
 
     def _driven(self, k: int, order: int) -> "Callable[..., Any]":
         def change(amount: float) -> System:

@@ -39,6 +39,12 @@ def differentiated(function: "Callable[..., Any]", h: float) -> Any:
     return sum(weight / h * function(place * h) for place, weight in STENCIL)
 
 
+def without_motions(x: np.ndarray, Z: np.ndarray, L: np.ndarray) -> np.ndarray:
+    """Return x (n,) less what the constraints allow of it: L times the result is 0."""
+    found: np.ndarray = x - Z @ (L @ x)
+    return found
+
+
 class LinearisedMotion(ABC):
     """Linearised motion with f degrees of freedom; a formulation's subclass evaluates its equations.
 
@@ -51,6 +57,7 @@ class LinearisedMotion(ABC):
     Z: np.ndarray
     scale: np.ndarray
     free: np.ndarray
+    inverse: np.ndarray  # (n, m) generalised inverse of J, whose rows are of `gaps` as they are scaled
     axes: str
     t: float
     duration: float  # s, of the run
@@ -69,8 +76,28 @@ class LinearisedMotion(ABC):
         return found
 
     @abstractmethod
-    def acceleration_at(self, d: np.ndarray, w: np.ndarray) -> np.ndarray:
-        """Return u' (n,) where the position is displaced by d and the speeds by w."""
+    def changed(self, d: np.ndarray, w: np.ndarray) -> Any:
+        """Return the state where the position is displaced by d and the speeds are changed by w."""
+
+    @abstractmethod
+    def rates(self, state: Any, t: float) -> np.ndarray:
+        """Return u' (n,) of a state that meets the constraints."""
+
+    @abstractmethod
+    def near(self, state: Any, t: float) -> "LinearisedMotion":
+        """Return the same coordinates near a state, where it meets the constraints."""
+
+    @abstractmethod
+    def speeds_of(self, state: Any) -> np.ndarray:
+        """Return the speeds (n,) of a state."""
+
+    @abstractmethod
+    def functionals(self, state: Any) -> np.ndarray:
+        """Return L (f, n) at a state."""
+
+    @abstractmethod
+    def moved_on(self, state: Any, d: np.ndarray) -> Any:
+        """Return a state displaced by d."""
 
     @abstractmethod
     def companion(self, d: np.ndarray) -> np.ndarray:
@@ -81,24 +108,55 @@ class LinearisedMotion(ABC):
         """Return k(d) (n,)."""
 
     @abstractmethod
-    def later(self, h: float, rate: np.ndarray, jerk: np.ndarray) -> "LinearisedMotion":
-        """Return the same coordinates after the time h, s, of a motion with u' = rate, u'' = jerk now."""
-
-    @abstractmethod
-    def elsewhere(self, d: np.ndarray, w: np.ndarray) -> "LinearisedMotion":
-        """Return the same coordinates where the position is displaced by d and the speeds by w."""
-
-    @abstractmethod
-    def acceleration_after(self, h: float, rate: np.ndarray) -> np.ndarray:
-        """Return u' (n,) after the short time h, s, of a motion with u' = rate now."""
-
-    @abstractmethod
-    def standing_accelerations(self, y: np.ndarray) -> np.ndarray:
-        """Return the scaled accelerations (f,) of the coordinates displaced by y (scaled) and at rest."""
+    def standing(self, y: np.ndarray) -> Any:
+        """Return the state displaced by y (scaled), with the independent coordinates at rest."""
 
     @abstractmethod
     def stand_at(self, y: np.ndarray) -> None:
         """Put the analysis to the position displaced by y (scaled), its independent coordinates at rest."""
+
+    def acceleration_at(self, d: np.ndarray, w: np.ndarray) -> np.ndarray:
+        """Return u' (n,) where the position is displaced by d and the speeds by w."""
+        return self.rates(self.changed(d, w), self.t)
+
+    def acceleration_after(self, h: float, rate: np.ndarray) -> np.ndarray:
+        """Return u' (n,) after the short time h, s, of a motion with u' = rate now."""
+        return self.rates(self.changed(h * self.u, h * rate), self.t + h)
+
+    def later(self, h: float, rate: np.ndarray, jerk: np.ndarray) -> "LinearisedMotion":
+        """Return the same coordinates after the time h, s, of a motion with u' = rate, u'' = jerk now."""
+        d = h * (self.u + 0.5 * h * (rate + h / 3.0 * jerk))
+        return self.near(self.changed(d, h * (rate + 0.5 * h * jerk)), self.t + h)
+
+    def elsewhere(self, d: np.ndarray, w: np.ndarray) -> "LinearisedMotion":
+        """Return the same coordinates where the position is displaced by d and the speeds by w."""
+        return self.near(self.changed(d, w), self.t)
+
+    def rate_of_functionals(self, state: Any) -> np.ndarray:
+        """Return the rate (f, n) of L at a state that moves with its speeds."""
+        return self.along_motion(self.functionals, state)
+
+    def along_motion(self, function: "Callable[[Any], np.ndarray]", state: Any) -> np.ndarray:
+        """Return the rate of a function of the state, which moves with its speeds."""
+        u = self.speeds_of(state)
+        size = np.max(np.abs(u) / self.scale, initial=0.0)
+        if size == 0.0:
+            return np.zeros_like(function(state))
+        found: np.ndarray = differentiated(
+            lambda time: function(self.moved_on(state, time * u)), DIFFERENCE_STEP / size
+        )
+        return found
+
+    def standing_accelerations(self, y: np.ndarray) -> np.ndarray:
+        """Return the scaled accelerations (f,) of the coordinates displaced by y (scaled) and at rest."""
+        state = self.standing(y)
+        rates = self.rate_of_functionals(state) @ self.speeds_of(state)
+        found: np.ndarray = (rates + self.functionals(state) @ self.rates(state, self.t)) / self.units
+        return found
+
+    def projected(self, gaps: np.ndarray) -> np.ndarray:
+        """Return x (n,) with J x = gaps, L x = 0."""
+        return without_motions(self.inverse @ gaps, self.Z, self.L)
 
     def variation(self, function: "Callable[..., Any]", d: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return the derivative of function(d, w) along the displacement d and the speeds w."""

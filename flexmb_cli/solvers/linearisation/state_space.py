@@ -78,6 +78,18 @@ class Responses(ABC):
     def displacements(self) -> tuple[np.ndarray, np.ndarray]:
         """Return functionals P (r, n) of the relative displacements, and their rates (r, n)."""
 
+    @staticmethod
+    def inputs_of_driver(
+        name: str, unit: str, d: np.ndarray, w: np.ndarray, changes: list[Callable[..., Any]]
+    ) -> list[Input]:
+        """Return the inputs of a driver and its rates; it displaces by d and changes the speeds by w."""
+        still = np.zeros_like(d)
+        return [
+            Input(Signal(name, unit), d, w, changes[0]),
+            Input(Signal(f"{name} rate", SPEED_OF[unit]), still, d, changes[1]),
+            Input(Signal(f"{name} acceleration", ACCELERATION_OF[unit]), still, still, changes[2]),
+        ]
+
     @property
     def outputs(self) -> tuple[Signal, ...]:
         """Return the signals of all outputs: relative displacements, their rates, what is observed."""

@@ -11,18 +11,17 @@ import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...kernels.tree.kane import SOLVED
-from ...kernels.tree.loads import set_prescribed
-from ...kernels.tree.motion import derivative, normalise_attitudes, parts, turn_attitudes
-from ...kernels.tree.projection import evaluate_gaps
+from ...kernels.tree.motion import derivative, parts
 from ...model.arrays.tree import REPEATED
 from ...model.arrays.tree_frames import rotation_matrix
 from ...model.equations import DEPENDENT
 from ...model.tree import ROTATION, Tree
-from ..tree.analysis import TreeAnalysis, set_functions
+from ..tree.analysis import TreeAnalysis, hold_functions
 from ..tree.assembly import assemble_tree
 from ..tree.breakpoints import breakpoints
+from ..tree.loop_assembly import displaced, gap_rates, jacobian_of_gaps, measured, prescribe
 from .joint_coordinates import OWN, PARENT, PREFERENCE, dependent_columns
-from .motion import DIFFERENCE_STEP, LinearisedMotion, differentiated
+from .motion import LinearisedMotion, without_motions
 
 CLOSED_SHARE, STAYS_OPEN = 1e-14, 1e-9  # gaps of the size of the tree: as good as closed, and refused
 MOST_CORRECTIONS = 12
@@ -43,64 +42,42 @@ class TreeLinearised(LinearisedMotion):
         self.analysis, self.arrays, self.axes = analysis, analysis.arrays, axes
         self.z, self.t = state or (analysis.state.copy(), float(analysis.clock["t"][0]))
         if state is None:
-            set_functions_at(analysis, self.t)
+            hold_functions_at(analysis, self.t)
         grid = analysis.tree.time
         self.scale, self.duration = _scales(analysis.tree), grid.end - grid.start
         repeated = float(np.max(self.arrays.closures["repeated"], initial=REPEATED))
         self.dependent = math.sqrt(repeated) if repeated > REPEATED else DEPENDENT
-        self.prescribe(self.z, self.t)
+        prescribe(analysis, self.z, self.t)
         speeds, _, _ = parts(self.arrays, self.z)
         self.u = speeds.copy()
-        jacobian = self._jacobian(self.z)
+        jacobian = jacobian_of_gaps(analysis, self.z)
         self.free = self._independent(jacobian) if free is None else free
-        self.L = self._functionals(self.z)
-        self.Z, self._inverse = self._basis(jacobian, self.L)
-        self.rate = self._rates(self.z, self.t)
-        self.L_rate = self._rate_of_functionals(self.z)
-
-    def prescribe(self, z: np.ndarray, t: float) -> None:
-        """Put the prescribed coordinates of z and their speeds to where they are at t."""
-        speeds, q, _ = parts(self.arrays, z)
-        set_prescribed(self.arrays, t, q, speeds, self.analysis.coordinates)
+        self.L = self.functionals(self.z)
+        self.Z, self.inverse = self._basis(jacobian, self.L)
+        self.rate = self.rates(self.z, self.t)
+        self.L_rate = self.rate_of_functionals(self.z)
 
     def _balls(self) -> list[Any]:
         return [frame for frame in self.arrays.frames[1:] if frame["ball"] >= 0]
 
-    def _functionals(self, z: np.ndarray) -> Any:
-        """L (f, NS): rotations of hinges with three of them along axes of the parent or of the body."""
-        L, (_, _, attitudes) = np.eye(self.scale.size), parts(self.arrays, z)
+    def functionals(self, state: np.ndarray) -> Any:
+        """Return L (f, NS): three rotations of a hinge are along axes of the parent or of the body."""
+        L, (_, _, attitudes) = np.eye(self.scale.size), parts(self.arrays, state)
         for frame in self._balls() if self.axes == OWN else ():
             own = slice(frame["first_rotation"], frame["first_rotation"] + 3)
             L[own, own] = rotation_matrix(attitudes[frame["ball"]]).T
         return L[self.free]
 
-    def _rate_of_functionals(self, z: np.ndarray) -> np.ndarray:
-        speeds = parts(self.arrays, z)[0]
-        size = np.max(np.abs(speeds), initial=0.0)
-        if self.axes == PARENT or size == 0.0:
-            return np.zeros_like(self.L)
-        h = DIFFERENCE_STEP / size
-        found: np.ndarray = differentiated(
-            lambda time: self._functionals(self.displaced(time * speeds, z)), h
-        )
+    def speeds_of(self, state: np.ndarray) -> np.ndarray:
+        """Return the speeds (NS,) of a state."""
+        found: np.ndarray = state[: self.scale.size]
         return found
 
-    def _jacobian(self, z: np.ndarray) -> np.ndarray:
-        """J (R, NS) of the gaps by the coordinates that are not prescribed."""
-        speeds = np.where(self.arrays.given, 0.0, 1.0)
-        columns = [self.gap_rates(z, unit) for unit in np.diag(speeds)] if self.arrays.closures.size else []
-        return np.array(columns).reshape(speeds.size, -1).T
-
-    def gap_rates(self, z: np.ndarray, speeds: np.ndarray) -> np.ndarray:
-        """Return the rates (R,) of the gaps at the position of z with other speeds."""
-        z = z.copy()
-        z[: speeds.size] = speeds
-        return self._measured(z)["rate"].copy()
-
-    def _measured(self, z: np.ndarray) -> np.ndarray:
-        if self.arrays.closures.size:
-            evaluate_gaps(self.arrays, self.analysis.work, self.analysis.coordinates, z)
-        return self.arrays.closures
+    def along_motion(self, function: Any, state: np.ndarray) -> np.ndarray:
+        """Return the rate of a function of the state; that of functionals along axes of parents is 0."""
+        if self.axes == PARENT:
+            return np.zeros_like(self.L)
+        return super().along_motion(function, state)
 
     def _independent(self, jacobian: np.ndarray) -> np.ndarray:
         weights = np.where(self.arrays.elastic, PREFERENCE["mode"], PREFERENCE["displacement"])
@@ -122,21 +99,13 @@ class TreeLinearised(LinearisedMotion):
         motions[free] = kernel
         return motions @ np.linalg.inv(L @ motions), np.linalg.pinv(jacobian, self.dependent)
 
-    def displaced(self, d: np.ndarray, z: np.ndarray | None = None) -> np.ndarray:
-        """Return the state with the coordinates displaced by d."""
-        z = (self.z if z is None else z).copy()
-        _, q, attitudes = parts(self.arrays, z)
-        q += d
-        rates = np.zeros_like(attitudes)
-        turn_attitudes(self.arrays, d, attitudes, rates)
-        attitudes += rates
-        normalise_attitudes(self.arrays, z)
-        found: np.ndarray = z
-        return found
+    def moved_on(self, state: np.ndarray, d: np.ndarray) -> np.ndarray:
+        """Return a state with the coordinates displaced by d."""
+        return displaced(self.arrays, state, d)
 
-    def _rates(self, z: np.ndarray, t: float) -> np.ndarray:
-        """u' (NS,) of a state; raises AnalysisError without inertia."""
-        analysis, z, dz = self.analysis, z.copy(), np.zeros_like(z)
+    def rates(self, state: np.ndarray, t: float) -> np.ndarray:
+        """Return u' (NS,) of a state; raises AnalysisError without inertia."""
+        analysis, z, dz = self.analysis, state.copy(), np.zeros_like(state)
         fault = derivative(self.arrays, analysis.work, analysis.coordinates, t, z, dz)
         if fault != SOLVED:
             analysis.clock["fault"] = fault
@@ -145,24 +114,18 @@ class TreeLinearised(LinearisedMotion):
 
     def changed(self, d: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return the state with the coordinates displaced by d and the speeds changed by w."""
-        z = self.displaced(d)
+        z = self.moved_on(self.z, d)
         z[: w.size] += w
         return z
-
-    def acceleration_at(self, d: np.ndarray, w: np.ndarray) -> np.ndarray:
-        """Return u' (NS,) where the coordinates are displaced by d and the speeds by w."""
-        return self._rates(self.changed(d, w), self.t)
 
     def companion(self, d: np.ndarray) -> np.ndarray:
         """Return the change w (NS,) of the speeds, L w = 0, that the displacement d causes."""
         if not self.arrays.closures.size:
             return np.zeros_like(d)
-        gaps = self.variation(lambda d, w: self.gap_rates(self.displaced(d), self.u + w), d, np.zeros_like(d))
+        gaps = self.variation(
+            lambda d, w: gap_rates(self.analysis, self.moved_on(self.z, d), self.u + w), d, np.zeros_like(d)
+        )
         return self.projected(-gaps)
-
-    def projected(self, gaps: np.ndarray) -> np.ndarray:
-        """Return x (NS,) with J x = gaps (R,), L x = 0."""
-        return _projected(self.Z, self._inverse, self.L, gaps)
 
     def turned(self, d: np.ndarray) -> np.ndarray:
         """Return k(d): - omega × the rotation of every hinge with three of them, in its parent's axes."""
@@ -172,69 +135,42 @@ class TreeLinearised(LinearisedMotion):
             out[own] = -np.cross(self.u[own], d[own])
         return out
 
-    def acceleration_after(self, h: float, rate: np.ndarray) -> np.ndarray:
-        """Return u' (NS,) after the short time h, s, of a motion with u' = rate now."""
-        z = self.displaced(h * self.u)
-        z[: self.u.size] += h * rate
-        return self._rates(z, self.t + h)
-
-    def later(self, h: float, rate: np.ndarray, jerk: np.ndarray) -> "TreeLinearised":
-        """Return the same coordinates after the time h, s, of a motion with u' = rate, u'' = jerk now."""
-        d = h * (self.u + 0.5 * h * (rate + h / 3.0 * jerk))
-        return self._at(self.changed(d, h * (rate + 0.5 * h * jerk)), self.t + h)
-
-    def elsewhere(self, d: np.ndarray, w: np.ndarray) -> "TreeLinearised":
-        """Return the same coordinates where the coordinates are displaced by d and the speeds by w."""
-        return self._at(self.changed(d, w), self.t)
-
-    def _at(self, z: np.ndarray, t: float) -> "TreeLinearised":
-        return TreeLinearised(self.analysis, self.axes, (self._closed(z, t), t), self.free)
+    def near(self, state: np.ndarray, t: float) -> "TreeLinearised":
+        """Return the same coordinates near a state, where it closes the loops."""
+        return TreeLinearised(self.analysis, self.axes, (self._closed(state, t), t), self.free)
 
     def _closed(self, z: np.ndarray, t: float) -> np.ndarray:
         """The state with loops closed and speeds that fit them, the independent coordinates kept."""
-        self.prescribe(z, t)
+        prescribe(self.analysis, z, t)
         if not self.arrays.closures.size:
             return z
         size = np.max(self.scale)
         for _ in range(MOST_CORRECTIONS):
-            gap, J = self._measured(z)["gap"].copy(), self._jacobian(z)
+            gap, J = measured(self.analysis, z)["gap"].copy(), jacobian_of_gaps(self.analysis, z)
             # Overconstrained loops that close only nearly keep what no motion closes.
             gap = J @ (np.linalg.pinv(J, self.dependent) @ gap)
             if np.max(np.abs(gap)) <= CLOSED_SHARE * size:
                 break
-            z = self.displaced(self._correction(z, gap), z)
+            z = self.moved_on(z, self._correction(z, gap))
         if not np.max(np.abs(gap)) <= STAYS_OPEN * size:
             raise AnalysisError(Fault("error", _singular(t), id="SOLVE-017"), t)
-        z[: self.u.size] += self._correction(z, self._measured(z)["rate"].copy())
+        z[: self.u.size] += self._correction(z, measured(self.analysis, z)["rate"].copy())
         return z
 
     def _correction(self, z: np.ndarray, gaps: np.ndarray) -> np.ndarray:
-        L = self._functionals(z)
-        return _projected(*self._basis(self._jacobian(z), L), L, -gaps)
+        L = self.functionals(z)
+        Z, inverse = self._basis(jacobian_of_gaps(self.analysis, z), L)
+        return without_motions(inverse @ -gaps, Z, L)
 
     def standing(self, y: np.ndarray) -> np.ndarray:
         """Return the state displaced by y (scaled), with the independent coordinates at rest."""
-        z = self.displaced(self.Z @ (self.units * y))
+        z = self.moved_on(self.z, self.Z @ (self.units * y))
         z[: self.u.size] = 0.0
         return self._closed(z, self.t)
-
-    def standing_accelerations(self, y: np.ndarray) -> np.ndarray:
-        """Return the scaled accelerations (f,) of the coordinates displaced by y (scaled) and at rest."""
-        z = self.standing(y)
-        L, speeds = self._functionals(z), z[: self.u.size]
-        found: np.ndarray = (self._rate_of_functionals(z) @ speeds + L @ self._rates(z, self.t)) / self.units
-        return found
 
     def stand_at(self, y: np.ndarray) -> None:
         """Put the analysis to the position displaced by y (scaled), its independent coordinates at rest."""
         self.analysis.state[:] = self.standing(y)
-
-
-def _projected(Z: np.ndarray, inverse: np.ndarray, L: np.ndarray, gaps: np.ndarray) -> np.ndarray:
-    """x (NS,) with J x = gaps, L x = 0, for the generalised `inverse` of J."""
-    x = inverse @ gaps
-    found: np.ndarray = x - Z @ (L @ x)
-    return found
 
 
 def _singular(t: float) -> str:
@@ -245,7 +181,7 @@ def start_tree(analysis: TreeAnalysis, time: float) -> None:
     """Bring a TreeAnalysis from its start to `time`, s, by its own method of integration."""
     begin = analysis.tree.time.start
     if time <= begin:
-        set_functions_at(analysis, begin)
+        hold_functions_at(analysis, begin)
         assemble_tree(analysis)
         return
     for _ in analysis.rows():
@@ -256,11 +192,11 @@ def start_tree(analysis: TreeAnalysis, time: float) -> None:
         raise AnalysisError(Fault("error", message, id="SOLVE-018"), reached)
 
 
-def set_functions_at(analysis: TreeAnalysis, t: float) -> None:
-    """Write the pieces of all tables on which t lies, those behind it at a breakpoint, into the arrays."""
+def hold_functions_at(analysis: TreeAnalysis, t: float) -> None:
+    """Hold functions of time behind t, at a breakpoint too, where they change next."""
     grid = analysis.tree.time
     after = breakpoints(analysis.tree, t, max(grid.end, t))
-    set_functions(analysis.tree, analysis.arrays, t, after[0] if after else t + grid.step)
+    hold_functions(analysis.arrays, after[0] if after else t + grid.step)
 
 
 def _scales(tree: Tree) -> np.ndarray:

@@ -7,13 +7,12 @@ import numpy as np
 from ...model.arrays.tree import TreeArrays, body_frames
 from ...model.laws import MOTOR, parts_in_arrays
 from ...model.tree import ELASTIC, INERTIAL, ROTATION, Coordinate
-from ..constrained.tree_element_rows import TreeElementRows
+from ..constrained.element_rows import TreeElementRows
+from ..tree.loop_assembly import gap_rates
 from ..tree.points import point_motion, point_names, rotation_matrices
 from .state_space import (
-    ACCELERATION_OF,
     ADMISSIBLE,
     MOVED_POINT,
-    SPEED_OF,
     Input,
     Responses,
     Signal,
@@ -108,7 +107,7 @@ class TreeResponses(Responses):
             for torque in self.tree.torques
         ]
         for k, signal in enumerate(signals):
-            yield Input(signal, still, still, self._changed("functions", "c0", k), 1.0)
+            yield Input(signal, still, still, self._changed("torques", "constant", k), 1.0)
         for item, k in parts_in_arrays(self.tree.elements.forces):
             if item.law is MOTOR:
                 signal = Signal(f"{item.name} effort", "N m" if item.turning else "N")
@@ -157,16 +156,14 @@ class TreeResponses(Responses):
 
     def _inputs_of_driver(self, k: int, m: Any) -> "Iterator[Any]":
         """Inputs of a prescribed coordinate, its rate and its acceleration; none where loops forbid it."""
-        motion, still, one = self.motion, np.zeros(self.n), np.eye(self.n)[m]
-        gaps = motion.gap_rates(motion.z, one)
+        motion, one = self.motion, np.eye(self.n)[m]
+        gaps = gap_rates(self.analysis, motion.z, one)
         d = one + motion.projected(-gaps)
-        if np.max(np.abs(motion.gap_rates(motion.z, d)), initial=0.0) > ADMISSIBLE:
+        if np.max(np.abs(gap_rates(self.analysis, motion.z, d)), initial=0.0) > ADMISSIBLE:
             return
         name, unit = self._drivers[k], _unit(self.tree.coordinates[m])
         changes = [self._prescribed(k, order) for order in range(3)]
-        yield Input(Signal(name, unit), d, motion.companion(d), changes[0])
-        yield Input(Signal(f"{name} rate", SPEED_OF[unit]), still, d, changes[1])
-        yield Input(Signal(f"{name} acceleration", ACCELERATION_OF[unit]), still, still, changes[2])
+        yield from self.inputs_of_driver(name, unit, d, motion.companion(d), changes)
 
     def _prescribed(self, k: int, order: Any) -> Any:
         def change(amount: float) -> Any:

@@ -1,7 +1,6 @@
 """Dynamic analysis of a tree: report rows of its motion, block by block.
 
-Torque functions are linear between the breakpoints of their tables; the integration stops at each, so
-that no step straddles a jump.
+The integration stops at the breakpoints of functions of time, so that no step straddles a jump.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -18,11 +17,11 @@ from ...kernels.tree.work import FRAME_WORK, tree_work
 from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
 from ...model.integrators import LIBRARY_TREE_METHODS, steps_at_limit
 from ...model.joint_elements import names_of
-from ...model.tree import Table, Tree
+from ...model.tree import Tree
 from ..checkpoint import row_of, taken, taken_clock
 from .assembly import assemble_tree, pivot_shares, stray
 from .breakpoints import breakpoints, refuse_jumps, why_no_step
-from .rows import TreeRows, motion_by_recursion, rows_of_tree
+from .rows import TreeRows, rows_by_recursion
 
 # Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
 CALL_WORK = 2_000_000
@@ -205,13 +204,12 @@ class TreeAnalysis:
         return self._rows_of(Report(*map(np.concatenate, zip(*reports, strict=True))))
 
     def _rows_of(self, report: Any) -> TreeRows:
-        motion = motion_by_recursion(self.tree, self.arrays, report)
-        block = rows_of_tree(self.tree, motion, self.attitude)
+        block = rows_by_recursion(self.tree, self.arrays, report, self.attitude)
         self.attitude = block.euler_parameters[-1]
         self.row += len(block.time)
         if not self.tree.elements:
             return block
-        from ..constrained.tree_element_rows import with_answers
+        from ..constrained.element_rows import with_answers
 
         return with_answers(self.tree, block, report)
 
@@ -243,7 +241,7 @@ class TreeAnalysis:
         )
 
     def _start_interval(self, stop: float) -> None:
-        set_functions(self.tree, self.arrays, float(self.clock["t"][0]), stop)
+        hold_functions(self.arrays, stop)
         self.clock["stop"] = stop
         if self.row == 0 and not self.resumed:
             assemble_tree(self)
@@ -308,26 +306,10 @@ def initial_state(tree: Tree) -> np.ndarray:
     return np.concatenate([tree.y, tree.q, initial_attitudes(tree).ravel(), works])
 
 
-def set_functions(tree: Tree, arrays: TreeArrays, begin: float, end: float) -> None:
-    """Write the values c0 + c1 t that the functions have between two breakpoints into the arrays.
-
-    Functions of elements, which may jump at the end, hold what they are just before it.
-    """
-    arrays.elements["until"] = arrays.prescribed["until"] = np.nextafter(end, -np.inf)
-    for record, torque in zip(arrays.functions, tree.torques, strict=True):
-        record["c0"], record["c1"] = _line(torque.function, (begin + end) / 2)
-
-
-def _line(function: Table, t: float) -> tuple[float, float]:
-    """Value at time 0 and slope of the piece of a table on which t lies."""
-    after = int(np.searchsorted(function.times, t))
-    if after == 0:
-        return function.values[0], 0.0
-    if after == len(function.times):
-        return function.values[-1], 0.0
-    (ta, tb), (va, vb) = function.times[after - 1 : after + 1], function.values[after - 1 : after + 1]
-    slope = (vb - va) / (tb - ta)
-    return va - slope * ta, slope
+def hold_functions(arrays: TreeArrays, end: float) -> None:
+    """Have functions of time, which may jump at the end of an interval, hold what they are just before it."""
+    for records in (arrays.elements, arrays.prescribed, arrays.torques):
+        records["until"] = np.nextafter(end, -np.inf)
 
 
 def _no_inertia(tree: Tree, t: float, coordinate: Any) -> Fault:

@@ -8,9 +8,8 @@ from ...errors import AnalysisError, Fault, ModelError
 from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...kernels.tree.loop_closures import IMMOBILE
-from ...model.arrays.tree import REPEATED, TreeArrays, initial_attitudes
+from ...model.arrays.tree import REPEATED, TreeArrays
 from ...model.tree import ASSEMBLED_GAP, ROTATION, Closure, Tree
-from ...model.tree_as_mechanism.frames import hinge_frames
 from ..assembly import LOOSEST, NEAR, TO_GAP
 from .loop_assembly import loop_size, nearest_closed
 
@@ -100,10 +99,7 @@ def _close_nearly(analysis: "TreeAnalysis", failure: AnalysisError) -> Fault:
 
 def _close_nearest(analysis: "TreeAnalysis", kept: np.ndarray, start: np.ndarray) -> float:
     """Close the loops nearest to the state `start`, as `_close` does."""
-    tree = analysis.tree
-    found = nearest_closed(tree, hinge_frames(tree), ~kept)[0]
-    moved = np.concatenate([tree.y, found.q, initial_attitudes(found).ravel()])
-    analysis.state[:] = np.concatenate([moved, start[moved.size :]])
+    analysis.state[:] = nearest_closed(analysis, ~kept, start.copy())
     return _close(analysis, kept)
 
 

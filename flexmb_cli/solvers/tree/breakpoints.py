@@ -15,8 +15,8 @@ def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
     elements = tree.elements
     functions = [item["function"] for item in elements.of(MOTOR)]
     functions += [item.function for item in elements.drivers]
-    times = [t for torque in tree.torques for t in torque.function.times]
-    return times_between(times + [t for function in functions for t in corners(function)], start, end)
+    functions += [torque.function for torque in tree.torques]
+    return times_between([t for function in functions for t in corners(function)], start, end)
 
 
 def refuse_jumps(tree: Tree) -> None:

@@ -1,24 +1,27 @@
-"""Initial coordinates and speeds of a tree brought onto its closures, by its poses alone.
+"""States of a tree near which its loops close, found by gaps and their rates alone.
 
-As decks mean it, the first rotation and the elastic coordinates stay; when the loops do not close so, only
-what is prescribed does.  A gap and its rate are (p_a - p_b) · d and d · (v_a - v_b - w_b × (p_a - p_b)), d a
-closed direction of body b; the rates at single unit speeds are the columns of the Jacobian.
+A gap and its rate are (p_a - p_b) · d and d · (v_a - v_b - w_b × (p_a - p_b)), d a closed direction of body
+b; the rates at single unit speeds are the columns of the Jacobian.
 """
 
-from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...errors import AnalysisError, Fault
+from ...errors import Fault
+from ...kernels.tree.loads import set_prescribed
+from ...kernels.tree.motion import normalise_attitudes, parts, turn_attitudes
+from ...kernels.tree.projection import evaluate_gaps
+from ...model.arrays.tree import TreeArrays, body_frames
 from ...model.equations import DEPENDENT
 from ...model.joint_elements import Coupling
-from ...model.tree import ASSEMBLED_GAP, ELASTIC, INERTIAL, ROTATION, TRANSLATION, Closure, Tree
-from ...model.tree_as_mechanism.frames import Frames, shape_of
-from ...model.tree_as_mechanism.poses import STILL, Pose, elastic_start, first_poses, repeated_in_planar_tree
-from ...model.vectors import cross
-from ..assembly import DAMPINGS, LOOSEST, NEAR, OTHER_STARTS, TO_GAP
+from ...model.tree import ASSEMBLED_GAP, ELASTIC, TRANSLATION, Closure, Tree
+from ...model.tree_as_mechanism.poses import repeated_in_planar_tree
+from ..assembly import DAMPINGS, OTHER_STARTS
 from ..levenberg_marquardt import least_squares
+
+if TYPE_CHECKING:
+    from .analysis import TreeAnalysis
 
 MOST_STEPS = 40
 MOST_LEFT = 0.9  # of a gap by a step behind a search: more is left where a loop does not close
@@ -26,187 +29,119 @@ LONGEST_MOVE = 0.5  # step of a coordinate, rad or m
 TREE_ASIDE = 0.5  # of the size, and rad: the largest distance of other starts
 
 
-def closed_tree(tree: Tree, frames: Frames) -> Tree:
-    """The tree with initial coordinates and speeds that its closures allow; raises AnalysisError.
-
-    Gaps of loops that nearly close are left.
-    """
-    if not tree.closures:
-        return tree
-    given = {(p.body, p.motion, p.axis) for p in tree.prescribed}
-    driven = np.array([(c.body, c.motion, c.axis) in given for c in tree.coordinates])
-    elastic = np.array([c.motion == ELASTIC for c in tree.coordinates])
-    first = np.zeros(len(elastic), bool)
-    first[[m for m, c in enumerate(tree.coordinates) if c.motion == ROTATION][:1]] = True
-    for kept in (driven | elastic | first, driven):
-        found, gaps = _closed(tree, frames, ~kept)
-        if not _is_closed(gaps) or np.max(np.abs(np.subtract(found.q, tree.q))) > NEAR:
-            found, gaps = nearest_closed(tree, frames, ~kept)
-        if _is_closed(gaps):
-            made: Tree = _with_closed_speeds(found, frames, ~kept)
-            return made
-    gap = np.max(np.abs(gaps)) / loop_size(tree)
-    if gap > LOOSEST:
-        raise _failure(tree, gaps)
-    return _with_closed_speeds(found, frames, ~kept, TO_GAP * gap)
-
-
 def loop_size(tree: Tree) -> float:
     """Return the largest coordinate of the points that the closures join, m."""
     return max(abs(x) for c in tree.closures for x in (*c.a_point, *c.b_point)) or 1.0
 
 
-def nearest_closed(tree: Tree, frames: Frames, free: np.ndarray) -> tuple[Tree, np.ndarray]:
-    """Return the tree closed nearest to its coordinates by changes of the `free` ones, and its gaps, m.
+def displaced(arrays: TreeArrays, z: np.ndarray, d: np.ndarray) -> np.ndarray:
+    """Return the state z (n,) with its coordinates displaced by d (NS,); three rotations turn the hinge."""
+    z = z.copy()
+    _, q, attitudes = parts(arrays, z)
+    q += d
+    rates = np.zeros_like(attitudes)
+    turn_attitudes(arrays, d, attitudes, rates)
+    attitudes += rates
+    normalise_attitudes(arrays, z)
+    return z
 
-    By damped least squares from the coordinates and from others near them; the one with the least gaps where
-    none closes.
+
+def prescribe(analysis: "TreeAnalysis", z: np.ndarray, t: float) -> None:
+    """Put the prescribed coordinates of z and their speeds to where they are at t."""
+    speeds, q, _ = parts(analysis.arrays, z)
+    set_prescribed(analysis.arrays, t, q, speeds, analysis.coordinates)
+
+
+def measured(analysis: "TreeAnalysis", z: np.ndarray) -> np.ndarray:
+    """Return the CLOSURE_ROW records of a TreeAnalysis with the gaps of the state z, and their rates."""
+    if analysis.arrays.closures.size:
+        evaluate_gaps(analysis.arrays, analysis.work, analysis.coordinates, z)
+    return analysis.arrays.closures
+
+
+def gap_rates(analysis: "TreeAnalysis", z: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+    """Return the rates (R,) of the gaps at the position of z with other speeds."""
+    z = z.copy()
+    z[: speeds.size] = speeds
+    return measured(analysis, z)["rate"].copy()
+
+
+def jacobian_of_gaps(analysis: "TreeAnalysis", z: np.ndarray) -> np.ndarray:
+    """Return J (R, NS) of the gaps by the coordinates that are not prescribed, 0 by the others."""
+    arrays = analysis.arrays
+    speeds = np.where(arrays.given, 0.0, 1.0)
+    columns = [gap_rates(analysis, z, unit) for unit in np.diag(speeds)] if arrays.closures.size else []
+    return np.array(columns).reshape(speeds.size, -1).T
+
+
+def nearest_closed(analysis: "TreeAnalysis", free: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Return the state closed nearest to `start` by changes of the `free` coordinates (NS,).
+
+    By damped least squares from it and from others near it; the one with the least gaps where none closes.
     """
-    slopes = abs(_jacobian(tree, frames))
-    slides = np.array([c.motion == TRANSLATION for c in tree.coordinates])
-    size = float(slopes[:, ~slides].max(initial=0.0)) or 1.0
+    prescribe(analysis, start, analysis.tree.time.start)
+    slides, elastic = (
+        np.array([c.motion == motion for c in analysis.tree.coordinates]) for motion in (TRANSLATION, ELASTIC)
+    )
+    size = float(abs(jacobian_of_gaps(analysis, start))[:, ~slides].max(initial=0.0)) or 1.0
     units = np.where(slides, size, 1.0) * free
     random = np.random.default_rng(1992)
-    turned = units * np.array([c.motion != ELASTIC for c in tree.coordinates])
     asides = [
-        _moved(tree, random.uniform(-TREE_ASIDE, TREE_ASIDE, units.size) * turned)
+        displaced(
+            analysis.arrays, start, random.uniform(-TREE_ASIDE, TREE_ASIDE, units.size) * units * ~elastic
+        )
         for _ in range(OTHER_STARTS)
     ]
-    starts = [(tree, damping) for damping in DAMPINGS] + [(aside, DAMPINGS[0]) for aside in asides]
-    found = [
-        _closed(_searched(start, frames, units, size, d), frames, free, MOST_LEFT) for start, d in starts
-    ]
-    closed = [one for one in found if _is_closed(one[1])]
+    starts = [(start, damping) for damping in DAMPINGS] + [(aside, DAMPINGS[0]) for aside in asides]
+    found = [_closed(analysis, _searched(analysis, z, units, size, d), free) for z, d in starts]
+    closed = [z for z, gap in found if gap <= ASSEMBLED_GAP]
     if not closed:
-        return min(found, key=lambda one: float(np.max(np.abs(one[1]))))
-    poses = first_poses(tree, frames)
-    return min(closed, key=lambda one: _distance(poses, first_poses(one[0], frames), size))
+        return min(found, key=lambda one: one[1])[0]
+    places = _places(analysis, start)
+    return min(closed, key=lambda z: _distance(places, _places(analysis, z), size))
 
 
-def _is_closed(gaps: np.ndarray) -> bool:
-    return bool(np.max(np.abs(gaps)) <= ASSEMBLED_GAP)
+def _places(analysis: "TreeAnalysis", z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Places (N, 3) and axes (N, 9) of all bodies."""
+    measured(analysis, z)
+    own = body_frames(analysis.arrays)
+    return analysis.work["position"][own], analysis.work["axes"][own]
 
 
-def _distance(before: list[Pose], after: list[Pose], size: float) -> float:
+def _distance(before: Any, after: Any, size: float) -> float:
     """Return the sum of translations, in the size, and of rotation angles, rad, of all bodies."""
-    total = 0.0
-    for a, b in zip(before, after, strict=True):
-        cosine = 0.5 * (np.sum(a.A * b.A) - 1.0)
-        total += float(np.linalg.norm(b.r - a.r)) / size + float(np.arccos(np.clip(cosine, -1.0, 1.0)))
-    return total
+    cosines = 0.5 * (np.sum(before[1] * after[1], axis=1) - 1.0)
+    moves = np.linalg.norm(after[0] - before[0], axis=1) / size
+    return float(np.sum(moves) + np.sum(np.arccos(np.clip(cosines, -1.0, 1.0))))
 
 
-def _searched(tree: Tree, frames: Frames, units: np.ndarray, size: float, damping: float) -> Tree:
-    """Return the tree with the least gaps that a search finds by changes of coordinates in `units` (NS,)."""
-
-    def at(x: np.ndarray) -> Any:
-        attitudes = x[len(units) :].reshape(-1, 4)
-        hinges = [replace(h, attitude=tuple(p)) for h, p in zip(tree.hinges, attitudes, strict=True)]
-        return replace(tree, q=x[: len(units)], hinges=tuple(hinges))
-
-    def packed(tree: Tree) -> np.ndarray:
-        return np.concatenate([tree.q, *(hinge.attitude for hinge in tree.hinges)])
-
-    found = least_squares(
-        lambda x: _gaps_and_rates(at(x), frames)[0] / size,
-        lambda x: _jacobian(at(x), frames) * units / size,
-        packed(tree),
-        lambda x, step: packed(_moved(at(x), units * step)),
+def _searched(
+    analysis: "TreeAnalysis", z: np.ndarray, units: np.ndarray, size: float, damping: float
+) -> np.ndarray:
+    """Return the state with the least gaps that a search finds by changes of coordinates in `units` (NS,)."""
+    return least_squares(
+        lambda x: measured(analysis, x)["gap"] / size,
+        lambda x: jacobian_of_gaps(analysis, x) * units / size,
+        z,
+        lambda x, step: displaced(analysis.arrays, x, units * step),
         damping,
     )[0]
-    made: Tree = at(found)
-    return made
 
 
-def _closed(tree: Tree, frames: Frames, free: np.ndarray, most_left: float = np.inf) -> tuple[Any, Any]:
-    """Newton's steps with the free coordinates as long as they help; the tree and its gaps.
-
-    `most_left`: part of the gaps that a step may leave.
-    """
-    gaps, _ = _gaps_and_rates(tree, frames)
+def _closed(analysis: "TreeAnalysis", z: np.ndarray, free: np.ndarray) -> tuple[np.ndarray, float]:
+    """Newton's steps with the free coordinates as long as they help; the state and its largest gap."""
+    gaps = measured(analysis, z)["gap"].copy()
     for _ in range(MOST_STEPS):
-        step = np.zeros(len(free))
-        step[free] = np.linalg.lstsq(_jacobian(tree, frames)[:, free], -gaps, rcond=DEPENDENT)[0]
+        step, J = np.zeros(len(free)), jacobian_of_gaps(analysis, z)
+        step[free] = np.linalg.lstsq(J[:, free], -gaps, rcond=DEPENDENT)[0]
         step *= min(1.0, LONGEST_MOVE / max(np.max(np.abs(step)), 1e-300))
-        trial = _moved(tree, step)
-        left, _ = _gaps_and_rates(trial, frames)
+        trial = displaced(analysis.arrays, z, step)
+        left = measured(analysis, trial)["gap"].copy()
         before, after = (float(np.max(np.abs(x))) for x in (gaps, left))
-        if (before <= ASSEMBLED_GAP and after >= 0.5 * before) or after > most_left * before:
+        if (before <= ASSEMBLED_GAP and after >= 0.5 * before) or after > MOST_LEFT * before:
             break
-        tree, gaps = trial, left
-    return tree, gaps
-
-
-def _with_closed_speeds(tree: Tree, frames: Frames, free: np.ndarray, dependent: float = DEPENDENT) -> Tree:
-    _, rates = _gaps_and_rates(tree, frames)
-    y = np.array(tree.y, float)
-    y[free] += np.linalg.lstsq(_jacobian(tree, frames)[:, free], -rates, rcond=dependent)[0]
-    made: Tree = replace(tree, y=y)
-    return made
-
-
-def _jacobian(tree: Tree, frames: Frames) -> Any:
-    """Rates of the gaps (rows, NS) per unit of each speed."""
-    columns = [_gaps_and_rates(replace(tree, y=unit), frames)[1] for unit in np.eye(len(tree.q))]
-    return np.array(columns).T
-
-
-def _moved(tree: Tree, step: np.ndarray) -> Any:
-    """The tree with its coordinates moved; hinges with three free rotations turn by small rotations."""
-    hinges = list(tree.hinges)
-    for k, hinge in enumerate(hinges):
-        if len(hinge.rotations) == 3:
-            own = [m for m, c in enumerate(tree.coordinates) if (c.body, c.motion) == (k, ROTATION)]
-            hinges[k] = replace(hinge, attitude=_turned(hinge.attitude, step[own]))
-    return replace(tree, q=np.asarray(tree.q, float) + step, hinges=tuple(hinges))
-
-
-def _turned(attitude: Any, turn: np.ndarray) -> tuple[Any, ...]:
-    """Euler parameters after a rotation vector (3,) in P_k axes."""
-    angle = np.linalg.norm(turn)
-    c, s = np.cos(angle / 2), 0.5 * np.sinc(angle / (2 * np.pi)) * np.asarray(turn)
-    e0, e = attitude[0], np.array(attitude[1:])
-    return (float(c * e0 - s @ e), *(c * e + e0 * s + cross(s, e)))
-
-
-def _gaps_and_rates(tree: Tree, frames: Frames) -> tuple[Any, Any]:
-    """Gaps of the closed directions, m, and their rates, m/s."""
-    poses, gaps, rates = first_poses(tree, frames), [], []
-    for closure in tree.closures:
-        a = _point(tree, poses, closure.a, closure.a_point, closure.a_node)
-        b = _point(tree, poses, closure.b, closure.b_point, closure.b_node)
-        gap = a.r - b.r
-        rate = a.v - b.v - cross(b.w, gap)
-        directions = b.A[:, [axis - 1 for axis in closure.directions]]
-        gaps.append(gap @ directions)
-        rates.append(rate @ directions)
-    return np.concatenate(gaps), np.concatenate(rates)
-
-
-def _point(tree: Tree, poses: list[Pose], body: Any, place: Any, node: Any) -> Pose:
-    """Motion of a point of a body, or of a node, with the axes of the body."""
-    on, body_vector, slide = STILL if body == INERTIAL else poses[body], np.array(place, float), np.zeros(3)
-    if node is not None and body != INERTIAL:
-        elastic = tree.bodies[body].elastic
-        eta, rate = elastic_start(tree, body)
-        body_vector, slide = (
-            elastic.positions[node] + shape_of(elastic, node) @ eta,
-            shape_of(elastic, node) @ rate,
-        )
-    r = on.A @ body_vector
-    return Pose(on.r + r, on.A, on.v + cross(on.w, r) + on.A @ slide, on.w)
-
-
-def _failure(tree: Tree, gaps: np.ndarray) -> AnalysisError:
-    worst = int(np.argmax(np.abs(gaps)))
-    closure = [closure for closure in tree.closures for _ in closure.directions][worst]
-    message = (
-        f"the loops cannot be closed at the start: a gap of {gaps[worst]:.3g} m is left; bring Y(L) nearer "
-        "to a closed position"
-    )
-    return AnalysisError(
-        Fault("error", message, closure.place, closure.name, id="MODEL-009"), tree.time.start
-    )
+        z, gaps = trial, left
+    return z, float(np.max(np.abs(gaps)))
 
 
 SHOWN = 6

@@ -1,7 +1,6 @@
 """Report rows of a tree: what a dynamic analysis delivers, block by block, to the writers."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -79,63 +78,45 @@ def _turned(omega: np.ndarray, p: np.ndarray) -> np.ndarray:
     return np.concatenate([scalar, p[..., :1] * omega + np.cross(omega, p[..., 1:])], axis=-1)
 
 
-class TreeMotion(NamedTuple):
-    """The motion of a tree over T report rows, found by either formulation; SI units, global axes."""
-
-    time: np.ndarray  # (T,) s
-    q: np.ndarray  # (T, NS) coordinates, m or rad
-    y: np.ndarray  # (T, NS) speeds, m/s or rad/s
-    y_rate: np.ndarray  # (T, NS) their rates, m/s² or rad/s²
-    position: np.ndarray  # (T, N, 3) of the origins O_k, m
-    axes: np.ndarray  # (T, N, 3, 3) rotation matrices, body axes to global axes
-    euler_parameters: np.ndarray  # (T, N, 4) of `axes`, of any sign
-    velocity: np.ndarray  # (T, N, 3) m/s
-    acceleration: np.ndarray  # (T, N, 3) m/s²
-    angular_velocity: np.ndarray  # (T, N, 3) rad/s
-    angular_acceleration: np.ndarray  # (T, N, 3) rad/s²
-    closure_force: np.ndarray  # (T, C, 3) on body a of each closure, N
-    applied_work: np.ndarray  # (T,) of loads other than gravity and springs since the start, J
-    audit: np.ndarray  # (T, 5) kinetic, potential, strain energy, J; largest gap, m, and its rate, m/s
-    reactions: np.ndarray  # (T, N, 6) force and moment about O_k of its hinge on each body, N, N m
-
-
-def rows_of_tree(tree: Tree, motion: TreeMotion, last: np.ndarray | None) -> TreeRows:
+def rows_of_tree(
+    tree: Tree,
+    last: np.ndarray | None,
+    axes: np.ndarray,
+    audit: np.ndarray,
+    reactions: np.ndarray,
+    **motion: np.ndarray,
+) -> TreeRows:
     """Return the report rows of a motion of `tree`; those of both formulations are made here.
 
-    `last` (N, 4): Euler parameters of the row before, whose signs these continue with.
+    `last` (N, 4): Euler parameters of the row before, whose signs these continue with.  `axes` (T, N, 3, 3):
+    rotation matrices, body axes to global axes; `audit` (T, 5): kinetic, potential, strain energy, J, largest
+    gap, m, and its rate, m/s; `reactions` (T, N, 6): force and moment about O_k of its hinge on each body, N,
+    N m; `motion`: fields of the rows, Euler parameters of any sign.
     """
-    displacement = displacements(tree, motion.q)
+    displacement = displacements(tree, motion["q"])
+    motion["euler_parameters"] = continued_signs(motion["euler_parameters"], last)
     return TreeRows(
-        time=motion.time,
-        q=motion.q,
-        y=motion.y,
-        y_rate=motion.y_rate,
-        position=motion.position,
-        euler_parameters=continued_signs(motion.euler_parameters, last),
-        velocity=motion.velocity,
-        acceleration=motion.acceleration,
-        angular_velocity=motion.angular_velocity,
-        angular_acceleration=motion.angular_acceleration,
+        **motion,
         displacement=displacement,
-        node_position=node_positions(tree, motion.position, motion.axes, displacement),
-        kinetic=motion.audit[:, 0].copy(),
-        potential=motion.audit[:, 1].copy(),
-        strain=motion.audit[:, 2].copy(),
-        applied_work=motion.applied_work.copy(),
-        closure_force=motion.closure_force,
-        constraint_residual=motion.audit[:, 3].copy(),
-        velocity_residual=motion.audit[:, 4].copy(),
-        hinge_force=motion.reactions[..., :3] + 0.0,
-        hinge_torque=motion.reactions[..., 3:] + 0.0,
+        node_position=node_positions(tree, motion["position"], axes, displacement),
+        kinetic=audit[:, 0].copy(),
+        potential=audit[:, 1].copy(),
+        strain=audit[:, 2].copy(),
+        constraint_residual=audit[:, 3].copy(),
+        velocity_residual=audit[:, 4].copy(),
+        hinge_force=reactions[..., :3] + 0.0,
+        hinge_torque=reactions[..., 3:] + 0.0,
     )
 
 
-def motion_by_recursion(tree: Tree, arrays: TreeArrays, observed: Report) -> TreeMotion:
-    """Return the motion over the rows of a report by Kane's equations."""
+def rows_by_recursion(tree: Tree, arrays: TreeArrays, observed: Report, last: np.ndarray | None) -> TreeRows:
+    """Return the rows of a report by Kane's equations; `last` as in `rows_of_tree`."""
     n, own = len(tree.coordinates), body_frames(arrays)
     bodies = observed.frames[:, own]
     axes = bodies["axes"].reshape(len(observed.rows), -1, 3, 3)
-    return TreeMotion(
+    return rows_of_tree(
+        tree,
+        last,
         time=observed.times,
         q=observed.rows[:, n : 2 * n],
         y=observed.rows[:, :n],
@@ -148,7 +129,7 @@ def motion_by_recursion(tree: Tree, arrays: TreeArrays, observed: Report) -> Tre
         angular_velocity=bodies["angular"],
         angular_acceleration=bodies["acceleration"][..., :3],
         closure_force=_closure_forces(tree, observed.closures),
-        applied_work=observed.rows[:, -1],
+        applied_work=observed.rows[:, -1].copy(),
         audit=observed.audit,
         reactions=observed.reactions[:, own],
     )

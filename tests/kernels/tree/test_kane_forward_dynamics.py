@@ -11,8 +11,10 @@ from flexmb_cli.kernels.tree.kinematics import place_frames
 from flexmb_cli.kernels.tree.loads import coordinate_efforts
 from flexmb_cli.kernels.tree.work import tree_work
 from flexmb_cli.model.arrays.tree import initial_attitudes, tree_arrays
-from flexmb_cli.model.tree import ROTATION, BodyTorque, Prescribed, Table
-from flexmb_cli.solvers.tree.analysis import set_functions
+from flexmb_cli.model.piecewise_polynomials import linear_table
+from flexmb_cli.model.time_functions import piecewise
+from flexmb_cli.model.tree import ROTATION, BodyTorque, Prescribed
+from flexmb_cli.solvers.tree.analysis import hold_functions
 from tests.naive.particle_tree import equations
 from tests.naive.random_trees import motored, random_tree
 
@@ -24,7 +26,7 @@ class Recursion:
 
     def __init__(self, tree):
         self.tree, self.arrays = tree, tree_arrays(tree)
-        set_functions(tree, self.arrays, 0.0, 1.0)
+        hold_functions(self.arrays, 1.0)
         self.work, self.coordinates = tree_work(len(self.arrays.frames), len(tree.q))
         self.attitudes = initial_attitudes(tree)
         self.state = (0.0, tree.q, tree.y, self.attitudes)
@@ -131,7 +133,9 @@ def test_tabulated_body_torque_equals_the_constant_torque_of_the_same_size():
     last = tree.bodies[-1]
     stronger = replace(last, torque=(last.torque[0], last.torque[1] + 4.0, last.torque[2]))
     constant_torque = replace(tree, bodies=(*tree.bodies[:-1], stronger))
-    tabulated = replace(tree, torques=(BodyTorque(len(tree.bodies) - 1, 2, Table((0.0,), (4.0,))),))
+    tabulated = replace(
+        tree, torques=(BodyTorque(len(tree.bodies) - 1, 2, piecewise(linear_table((0.0,), (4.0,)))),)
+    )
     close(Recursion(tabulated).forward(), Recursion(constant_torque).forward(), 1e-13)
 
 

@@ -12,6 +12,8 @@ from flexmb_cli.kernels.tree.loads import coordinate_efforts
 from flexmb_cli.model.joint_elements import JointElements
 from flexmb_cli.model.laws import SPRING
 from flexmb_cli.model.mechanism import TimeGrid
+from flexmb_cli.model.piecewise_polynomials import linear_table
+from flexmb_cli.model.time_functions import piecewise
 from flexmb_cli.model.tree import (
     INERTIAL,
     ROTATION,
@@ -20,7 +22,6 @@ from flexmb_cli.model.tree import (
     Elasticity,
     Hinge,
     Prescribed,
-    Table,
     Tree,
 )
 from tests.kernels.tree.test_implicit_matrix import dense_parts
@@ -29,12 +30,13 @@ from tests.naive.particle_tree import Particles
 from tests.naive.random_trees import motored, random_tree, where
 
 T = 0.3  # s
-MOTOR, TORQUE = ((0.0, 2.0), (1.0, 5.0)), Table((0.0, 1.0), (-3.0, 1.0))  # N m: 2.9 and -1.8 at T
+MOTOR = (0.0, 2.0), (1.0, 5.0)  # N m: 2.9 at T
+TORQUE = piecewise(linear_table((0.0, 1.0), (-3.0, 1.0)))  # N m: -1.8 at T
 
 
 def power_of(recursion):
     """Power of all loads and elements."""
-    power = applied_power(recursion.arrays, recursion.work, recursion.coordinates, *recursion.state[:3])
+    power = applied_power(recursion.arrays, recursion.work, recursion.coordinates, *recursion.state[1:3])
     return power + recursion.arrays.answers[:, POWER].sum()
 
 

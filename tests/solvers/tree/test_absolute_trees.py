@@ -16,10 +16,7 @@ from flexmb_cli.model.tree import (
     Hinge,
     Tree,
 )
-from flexmb_cli.model.tree_as_mechanism.frames import hinge_frames
 from flexmb_cli.solvers.constrained.tree import AbsoluteTree
-from flexmb_cli.solvers.tree.analysis import TreeAnalysis
-from flexmb_cli.solvers.tree.loop_assembly import closed_tree
 from tests.naive.particle_tree import equations
 from tests.naive.random_trees import motored, random_tree, sprung, where
 from tests.solvers.tree.tree_runs import deck_tree
@@ -117,18 +114,6 @@ def test_motors_in_three_rotations_are_refused():
     assert all("a motor in a hinge with three free rotations" in each for each in sentences)
 
 
-@pytest.mark.parametrize("name", ["fourbar_rigid", "fourbar_flex", "slider_crank_flex"])
-def test_loops_far_from_closed_are_closed_as_by_kane(name):
-    """The first rotation and the elastic coordinates stay: nothing is left to choose in these loops."""
-    tree = deck_tree(name)
-    shift = np.array([0.0 if c.motion != ROTATION or c.body == 0 else 0.2 for c in tree.coordinates])
-    apart = replace(tree, q=tree.q + shift, time=TimeGrid(0.0, 1e-6, 1e-6))
-    kane = next(TreeAnalysis(apart).rows())
-    found = closed_tree(apart, hinge_frames(apart))
-    assert np.max(np.abs(found.q - kane.q[0])) < 1e-9
-    assert np.max(np.abs(found.y - kane.y[0])) < 1e-9 * np.max(np.abs(kane.y[0]))
-
-
 def spherical_loop(reach):
     """Two rods of 1 m on spherical hinges, the end of the second held `reach` m from the first's root."""
     rod = Body("rod", 1.0, np.diag([0.4, 0.1, 0.4]), (0.0, 0.5, 0.0))
@@ -152,6 +137,6 @@ def test_loops_close_by_turning_spherical_hinges():
 
 def test_loops_that_cannot_close_are_refused_with_their_gap():
     """Rods of 2 m together cannot reach 2.5 m."""
-    with pytest.raises(AnalysisError, match=r"the loops cannot be closed.*gap of -?0\.") as stopped:
+    with pytest.raises(AnalysisError, match=r"cannot be closed: the two points stay 0\.5 m apart") as stopped:
         AbsoluteTree(spherical_loop(2.5))
     assert stopped.value.time == 0.0

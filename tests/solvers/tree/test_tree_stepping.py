@@ -9,6 +9,8 @@ from scipy.integrate import DOP853, solve_ivp
 from flexmb_cli.errors import AnalysisError
 from flexmb_cli.kernels.integrators import dop853_table as table
 from flexmb_cli.model.mechanism import TimeGrid
+from flexmb_cli.model.piecewise_polynomials import linear_table
+from flexmb_cli.model.time_functions import piecewise, pulse
 from flexmb_cli.model.tree import (
     TRANSLATION,
     Body,
@@ -16,9 +18,7 @@ from flexmb_cli.model.tree import (
     Elasticity,
     Hinge,
     Integration,
-    Table,
     Tree,
-    pulse,
 )
 from flexmb_cli.solvers.tree import analysis
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
@@ -62,7 +62,7 @@ def test_pulse_of_a_torque_leaves_the_wheel_at_rest_at_the_exact_angle():
 
 def test_table_is_linear_between_its_points_and_held_at_its_ends():
     """2 θ'' = 4 t up to 0.5, then 2: speed 0.25 at 0.5 and 0.75 at 1."""
-    rows = run(wheel(Table((0.0, 0.5), (0.0, 2.0))))
+    rows = run(wheel(piecewise(linear_table((0.0, 0.5), (0.0, 2.0)))))
     assert rows.y[[5, 10], 0] == pytest.approx([0.25, 0.75], rel=1e-13)
 
 
@@ -74,7 +74,7 @@ def test_report_rows_stand_at_multiples_of_the_step():
 def test_dense_output_agrees_with_steps_that_end_at_the_report_time():
     """A breakpoint of a torque that is always 0 makes a step end at 0.37."""
     tree = deck_tree("two_link_n2", 1e-11)
-    idle = replace(tree, torques=(BodyTorque(0, 1, Table((0.0, 0.37), (0.0, 0.0))),))
+    idle = replace(tree, torques=(BodyTorque(0, 1, piecewise(linear_table((0.0, 0.37), (0.0, 0.0)))),))
     assert np.max(np.abs(run(idle).q[37] - run(tree).q[37])) < 1e-11
 
 
@@ -134,7 +134,7 @@ def test_resume_of_other_integrators_gives_the_same_numbers(method):
 
 
 def test_body_with_nothing_that_resists_its_hinge_is_reported_with_time_and_name():
-    tree = wheel(Table((0.0,), (1.0,)))
+    tree = wheel(piecewise(linear_table((0.0,), (1.0,))))
     thin = replace(tree.bodies[0], inertia=np.diag([0.0, 1.0, 1.0]))
     with pytest.raises(AnalysisError) as caught:
         run(replace(tree, bodies=(thin,)))

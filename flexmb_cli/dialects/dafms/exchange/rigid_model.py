@@ -9,7 +9,6 @@ import numpy as np
 from ....deck.record import Deck
 from ....errors import Fault, ModelError
 from ....model.exchange.conversion import about_centre
-from ....model.exchange.functions import constant
 from ....model.exchange.rigid_model import (
     RigidBody,
     RigidJoint,
@@ -21,7 +20,7 @@ from ....model.integrators import Integrator
 from ....model.joint_elements import JointDriver
 from ....model.joints import ANGLE, STROKE
 from ....model.loads import AppliedForce, AppliedTorque
-from ....model.time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
+from ....model.time_functions import POLYNOMIAL, MotionFunction
 from ....model.tree import INERTIAL, ROTATION, TRANSLATION, Tree
 from ....model.vectors import rotation_matrix
 from ..shapes import exchanged_shapes
@@ -209,15 +208,7 @@ class _Conversion(ConvertedElements):
         for item in self.tree.torques:
             name = f"torque of {self.tree.bodies[item.body].name}"
             axis = vector(np.eye(3)[item.axis - 1])
-            yield AppliedTorque(name, item.body, axis, factor=_function(item.function), place=item.place)
-
-
-def _function(table: Any) -> Any:
-    if len(table.times) == 1:
-        return constant(table.values[0])
-    return MotionFunction(
-        HELD_TABLE, times=table.times, values=table.values, curvature=(0.0,) * len(table.times)
-    )
+            yield AppliedTorque(name, item.body, axis, factor=item.function, place=item.place)
 
 
 def _dofs(hinge: Any) -> Any:
