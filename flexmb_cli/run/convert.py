@@ -220,7 +220,7 @@ def _motion_of(model: "DynamicModel", rows: int, run: Run | None = None) -> list
 
 
 def _start(model: "DynamicModel", run: Run) -> Any:
-    from ..model.exchange.start import Start
+    from ..model.exchange.conversion import Start
 
     return Start(**start_of(model, run))
 
