@@ -88,9 +88,10 @@ class Rows:
     ) -> Section:
         """Return the section; `groups`: types of columns, and the names of those of each."""
         columns = [(name, kind) for kind, names in groups for name in names.split(",")]
-        names, kinds = zip(*columns, strict=True)
+        shape = len(self.lines), len(columns)
         places = (np.array(numbers, dtype=np.int64) for numbers in (self.steps, self.index, self.lines))
-        tables = (np.array(numbers).reshape(-1, len(columns)) for numbers in (self.values, self.units))
+        tables = (np.array(numbers).reshape(shape) for numbers in (self.values, self.units))
+        names, kinds = (tuple(column[k] for column in columns) for k in (0, 1))
         return Section(names, kinds, *places, *tables, item, edits, labels or {})
 
 

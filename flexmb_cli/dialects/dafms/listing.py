@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 # gives another gravity.
 _GRAVITY = (0.0, 9.8, 0.0)
 _HEAD = "     {:<30}"
+SERIES_FIELDS = (F(12, 7), F(12, 7), *5 * (E(15, 6),))  # FORMAT(2F12.7,5E15.6) of CDGEAR
 
 _BODY_LINES = {
     "mass": ("     BM==", I(5), F(10, 5)),
@@ -216,8 +217,7 @@ class Series:
         self.units[1][0].write("  TOL,XEND,H,,METH,MITER,INDEX\n")
 
     def _layout(self, values: int) -> Layout:
-        edits = (F(12, 7), F(12, 7), *5 * (E(15, 6),))
-        return Layout(*edits[: values + 1], "\n", layout=self.layout)
+        return Layout(*SERIES_FIELDS[: values + 1], "\n", layout=self.layout)
 
 
 class Tables:
