@@ -89,10 +89,10 @@ class Rows:
         """Return the section; `groups`: types of columns, and the names of those of each."""
         columns = [(name, kind) for kind, names in groups for name in names.split(",")]
         shape = len(self.lines), len(columns)
-        places = (np.array(numbers, dtype=np.int64) for numbers in (self.steps, self.index, self.lines))
-        tables = (np.array(numbers).reshape(shape) for numbers in (self.values, self.units))
+        step, index, line = (np.array(numbers, np.int64) for numbers in (self.steps, self.index, self.lines))
+        values, units = (np.array(numbers).reshape(shape) for numbers in (self.values, self.units))
         names, kinds = (tuple(column[k] for column in columns) for k in (0, 1))
-        return Section(names, kinds, *places, *tables, item, edits, labels or {})
+        return Section(names, kinds, step, index, line, values, units, item, edits, labels or {})
 
 
 @dataclass(frozen=True)

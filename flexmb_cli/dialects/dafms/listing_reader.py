@@ -15,7 +15,7 @@ from ...deck.fortran_format import E, Edit, F, I
 from ...deck.fortran_words import is_unreadable, split_fields, split_list, unit_of, value_of
 from ...deck.listing import EchoLine, Listing, ListingForm, Rows, TableError
 from ...errors import Fault, Place
-from .listing import SERIES_FIELDS
+from .listing import BODY_LINES, SERIES_FIELDS
 
 SINGLE_PRECISION = "the program of 1992 read its deck in single precision"
 
@@ -55,7 +55,6 @@ def _vector(name: str, kind: str, *indices: Any) -> _Tag:
 
 
 _DOFS = ("body", "number", "axis 1", "axis 2", "axis 3")
-_PARAMETERS = ("body", "e1", "e2", "e3", "e4")
 # Tags as printed, but for blanks; FMBD.OUT, thesis (Zhao, 1992), appendix C.
 TAGS = {
     "==N==NDM==": _Tag("counts", "count", (I(5), I(5)), ("N", "NDM")),
@@ -77,19 +76,12 @@ TAGS = {
     "PIP=": _vector("PIP=", "force", "body", "node"),
     "=BK=": _Tag("=BK=", "stiffness", (E(12, 4),)),
     "LC==": _Tag("LC==", "count", (I(5),)),
-    "BM==": _Tag("BM==", "mass", (I(5), F(10, 5)), ("body", "mass")),
-    "BII=": _vector("BII=", "inertia", "body"),
-    "XI==": _vector("XI==", "length", "body"),
-    "PH==": _vector("PH==", "length", "body"),
-    "NP==": _Tag("NP==", "count", (I(5), I(10)), ("body", "node")),
-    "EPT=": _Tag("EPT=", "euler", (I(5), *4 * (F(10, 5),)), _PARAMETERS),
-    "EPL=": _Tag("EPL=", "euler", (I(5), *4 * (F(10, 5),)), _PARAMETERS),
+    **{
+        tag: _Tag(tag, kind, edits, ("body", *names.split(",")))
+        for tag, edits, kind, names in BODY_LINES.values()
+    },
     "X(L)": _Tag("X(L)", "coordinate", (F(10, 5),)),
     "Y(L)": _Tag("Y(L)", "state", (F(10, 5),)),
-    "HF==": _vector("HF==", "force", "body"),
-    "HM==": _vector("HM==", "torque", "body"),
-    "RC==": _vector("RC==", "length", "body"),
-    "IDS": _Tag("IDS", "torque", (I(5), I(5), F(10, 5), F(10, 5)), ("body", "law", "F1", "TIME")),
 }
 _TAGGED = re.compile(r"\s*(" + "|".join(r"\s*".join(map(re.escape, tag)) for tag in TAGS) + ")")
 _HEADING = "DFMB"
