@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 
 SI = "m"
-# The dialect by way of which the decks of others go to a program: it takes models of that dialect.
-BY_WAY_OF = {"mjcf": "dafms", "exudyn": "young"}
 ROWS_FOR_RANK = 3  # of the motion: a start at rest in a singular position must leave it
 
 
@@ -100,7 +98,7 @@ def _title(deck: Deck) -> str:
 
 def _for_program(deck: Deck, run: Run, form: str, name: str) -> str:
     """Return the model as text for another program."""
-    way = BY_WAY_OF[form]
+    way = next(name for name in DIALECTS if form in dialect_named(name).programs)
     if deck.dialect == way:
         return _written(model_of(deck, run), form, name)
     text, model = _deck_of(deck, run, way, (UNITS[SI], UNITS[SI]))
