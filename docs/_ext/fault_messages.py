@@ -13,10 +13,10 @@ from fault_words import words
 PAGE = TOP / "docs" / "reference" / "messages.md"
 # Identifiers of faults that are no longer reported, and what took their place; none is given again.
 RETIRED = {
-    "SOLVE-004": "SOLVE-042", "VSDF-177": "", "VSDF-178": "",
+    "DAFMS-184": "DAFMS-173", "SOLVE-004": "SOLVE-042", "VSDF-177": "", "VSDF-178": "",
     "DECK-015": "", "DECK-017": "", "FE-017": "FE-199", "FE-035": "FE-199", "FE-098": "FE-054",
     "FE-198": "", "FE-203": "FE-202", "MODEL-009": "SOLVE-028", "MODEL-014": "MODEL-015",
-    "RUN-006": "RESULT-007", "RUN-011": "", "RUN-029": "", "RUN-032": "",
+    "RUN-006": "RESULT-007", "RUN-011": "", "RUN-027": "MODEL-017", "RUN-029": "", "RUN-032": "",
     "RUN-033": "", "YOUNG-062": "", "YOUNG-105": "ELEMENTS-012", "YOUNG-106": "ELEMENTS-014",
     "YOUNG-107": "ELEMENTS-015",
     "YOUNG-108": "ELEMENTS-016", "YOUNG-109": "ELEMENTS-017", "YOUNG-110": "ELEMENTS-018",
@@ -27,7 +27,7 @@ RETIRED = {
     "YOUNG-126": "ELEMENTS-009", "YOUNG-127": "ELEMENTS-010", "YOUNG-128": "ELEMENTS-006",
     "YOUNG-129": "ELEMENTS-011", "YOUNG-153": "", "YOUNG-154": "", "SOLVE-037": "SOLVE-026",
     # Each of these stood for many messages, which have identifiers of their own now.
-    "DAFMS-030": "DAFMS-001 to DAFMS-003", "DAFMS-150": "DAFMS-173, DAFMS-182 to DAFMS-184, DAFMS-189",
+    "DAFMS-030": "DAFMS-001 to DAFMS-003", "DAFMS-150": "DAFMS-173, DAFMS-182, DAFMS-183, DAFMS-189",
     "DAFMS-151": "DAFMS-174 to DAFMS-181, MODEL-017", "DIFF-012": "DIFF-011, DIFF-036",
     "FE-008": "FE-058, FE-073, FE-074", "FE-029": "FE-087 to FE-132",
     "RESULT-025": "RESULT-053 to RESULT-056, RESULT-067 to RESULT-075",
@@ -78,7 +78,6 @@ WORDS = {
     "not of the mechanism",
     "RESULT-078": "the run is not complete, its rows end at t = … s / "
     "the run is not complete, it has no rows",
-    "RUN-027": "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints; …",
     "SOLVE-044": "… is not used for compiled kernels: …",
     "SOLVE-045": "… is damaged: … / … cannot be read (…): …",
     "SOLVE-059": "at t = … s the motion passes a singular position… / close to a singular position… / "

@@ -1,6 +1,7 @@
 """A printed listing as numbers: what the readers of the dialects yield and `diff` compares."""
 
 import sys
+from array import array
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
@@ -9,6 +10,7 @@ import numpy as np
 
 from ..errors import DeckError, Fault
 from .fortran_format import Edit
+from .fortran_words import unit_of, value_of
 from .other_files import first_bytes, size_of
 
 if TYPE_CHECKING:
@@ -52,7 +54,7 @@ class Section:
     index: np.ndarray  # (lines,) from 1
     line: np.ndarray  # (lines,) in the file, from 1
     values: np.ndarray  # (lines, columns)
-    units: np.ndarray  # (columns,) or (lines, columns) one unit of the last printed digit; nan: unreadable
+    units: np.ndarray  # (lines, columns) one unit of the last printed digit; nan: unreadable
     item: str  # what the lines are of: body, point; empty when there is one line a row
     edits: tuple[Edit, ...] = ()  # of the columns, where an overfull field prints stars
     labels: dict[int, str] = field(default_factory=dict)  # names of what `index` counts, if not `item` n
@@ -61,6 +63,36 @@ class Section:
         """Name of what a line is of; empty when there is one line a row."""
         number = int(self.index[line])
         return self.labels.get(number, f"{self.item} {number}" if self.item else "")
+
+
+class Rows:
+    """The lines of one section while a file is read."""
+
+    def __init__(self) -> None:
+        self.steps, self.index, self.lines = array("q"), array("q"), array("q")
+        self.values, self.units = array("d"), array("d")
+
+    def add(self, line: int, step: int, words: Sequence[str], index: int = 1) -> None:
+        """Add the numbers of a line, as they are spelled, of item `index` of report row `step`."""
+        for numbers, number in ((self.lines, line), (self.steps, step), (self.index, index)):
+            numbers.append(number)
+        self.values.extend(map(value_of, words))
+        self.units.extend(map(unit_of, words))
+
+    def section(
+        self,
+        groups: Sequence[tuple[str, str]],
+        edits: tuple[Edit, ...],
+        item: str = "",
+        labels: dict[int, str] | None = None,
+    ) -> Section:
+        """Return the section; `groups`: types of columns, and the names of those of each."""
+        columns = [(name, kind) for kind, names in groups for name in names.split(",")]
+        shape = len(self.lines), len(columns)
+        step, index, line = (np.array(numbers, np.int64) for numbers in (self.steps, self.index, self.lines))
+        values, units = (np.array(numbers).reshape(shape) for numbers in (self.values, self.units))
+        names, kinds = (tuple(column[k] for column in columns) for k in (0, 1))
+        return Section(names, kinds, step, index, line, values, units, item, edits, labels or {})
 
 
 @dataclass(frozen=True)

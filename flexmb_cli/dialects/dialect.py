@@ -51,6 +51,7 @@ class Dialect(NamedTuple):
     rigid_deck: str = ""
     # Function of a Deck, its Units, others and a title: its text in these, None where the model is written.
     other_units: str = ""
+    programs: tuple[str, ...] = ()  # for which `convert` takes models of this dialect, others by way of it
     any_units: bool = False  # whether its numbers may be in any consistent units, and not in SI only
     second_model: str = ""  # function as `builder` of another model with the same motion, for `verify`
 

@@ -1,6 +1,5 @@
 """A deck's model for another program or dialect: the dialect that has the model, and who writes it."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
@@ -9,19 +8,19 @@ from ..deck.record import Deck, DeckText
 from ..dialects import DIALECTS
 from ..dialects.recognise import dialect_named, read_deck
 from ..errors import DeckError, Fault, FlexmbError, ModelError, visible
+from ..model.exchange.conversion import Start
+from ..model.exchange.units import UNITS, Units, in_units
+from ..results.models.exudyn import exudyn_script
+from ..results.models.mjcf import mjcf
 from .model import analysis_of, folder_of, model_of, open_deck
 from .outcome import Outcome, Run, RunOptions
 from .solution import solution_of
 
 if TYPE_CHECKING:
     from ..model.loads import DynamicModel
-    from ..model.mechanism import Mechanism
-    from ..model.tree import Tree
 
 
 SI = "m"
-NO_FORWARD_DYNAMICS = "RUN-028"  # fault of a model that is not moved by forces
-NOT_TAKEN = "the form does not take this type of model"
 ROWS_FOR_RANK = 3  # of the motion: a start at rest in a singular position must leave it
 
 
@@ -47,14 +46,9 @@ def converted(
         name = visible(PurePath(deck.source.name).stem)
         if form in DIALECTS:
             _refuse_own(deck, form, (unit, to_unit))
-            return _in_other_units(deck, form, (unit, to_unit)) or _deck_of(deck, run, form, (unit, to_unit))
-        model = model_of(deck, run)
-        if form == "mjcf" and analysis_of(model) != "tree":
-            message = "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints"
-            raise ModelError([Fault("error", message + _other_way(deck, run, model), id="RUN-027")])
-        return (
-            _mjcf(model, name) if form == "mjcf" else _exudyn(model, name, lambda: _to_exudyn_by(deck, run))
-        )
+            units = UNITS[unit], UNITS[to_unit]
+            return _in_other_units(deck, form, units) or _deck_of(deck, run, form, units)[0]
+        return _for_program(deck, run, form, name)
     except FlexmbError as failure:
         failure.file = failure.file or path
         raise
@@ -69,33 +63,30 @@ def _refuse_own(deck: Deck, form: str, units: tuple[str, str]) -> None:
         raise ModelError([Fault("error", message, id="RUN-060")])
 
 
-def _in_other_units(deck: Deck, form: str, units: tuple[str, str]) -> str:
+def _in_other_units(deck: Deck, form: str, units: tuple[Units, Units]) -> str:
     """Return the deck's own text in other units, "" where its model has to be written anew."""
-    from ..model.exchange.units import UNITS
-
     dialect = dialect_named(form)
     if deck.dialect != form or not dialect.other_units:
         return ""
-    found: str | None = dialect.part(dialect.other_units)(
-        deck, *(UNITS[name] for name in units), _title(deck)
-    )
-    return found or ""
+    return dialect.part(dialect.other_units)(deck, *units, _title(deck)) or ""
 
 
-def _deck_of(deck: Deck, run: Run, form: str, units: tuple[str, str]) -> str:
-    """The model as a deck of the dialect `form`, which that dialect accepts."""
-    from ..model.exchange.units import UNITS, in_units
-
+def _deck_of(deck: Deck, run: Run, form: str, units: tuple[Units, Units]) -> tuple[str, Any]:
+    """The model as a deck of the dialect `form`, and what that dialect makes of it."""
     old, new = dialect_named(deck.dialect), dialect_named(form)
     for dialect, part in ((old, old.rigid_model), (new, new.rigid_deck)):
         if not part:
             message = f"{dialect.title} decks are not converted to other dialects"
             raise ModelError([Fault("error", message, id="RUN-061")])
     found = old.part(old.rigid_model)(deck, lambda: model_of(deck, run), lambda model: _start(model, run))
-    found = in_units(found, *(UNITS[name] for name in units))
-    text: str = new.part(new.rigid_deck)(found, _title(deck), UNITS[units[1]].reported)
-    _refuse_unreadable(text, form, run)
-    return text
+    text: str = new.part(new.rigid_deck)(in_units(found, *units), _title(deck), units[1].reported)
+    try:
+        return text, new.build(read_deck(DeckText("converted", text, ""), form), folder_of(run))[0]
+    except DeckError as failure:
+        # The writer let it through, and the dialect does not accept it.
+        reported = "; ".join(fault.sentence for fault in failure.faults if fault.severity == "error")
+        message = f"the deck cannot be a {new.title} deck: {reported}"
+        raise ModelError([Fault("error", message, id="RUN-062")]) from failure
 
 
 def _title(deck: Deck) -> str:
@@ -103,80 +94,27 @@ def _title(deck: Deck) -> str:
     return f"converted from the {dialect_named(deck.dialect).title} deck {name}"
 
 
-def _refuse_unreadable(text: str, form: str, run: Run) -> None:
-    """Refuse what the writer let through and the dialect does not accept."""
+def _for_program(deck: Deck, run: Run, form: str, name: str) -> str:
+    """Return the model as text for another program."""
+    way = next(name for name in DIALECTS if form in dialect_named(name).programs)
+    if deck.dialect == way:
+        return _written(model_of(deck, run), form, name)
+    text, model = _deck_of(deck, run, way, (UNITS[SI], UNITS[SI]))
     try:
-        dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
-    except DeckError as failure:
-        reported = "; ".join(fault.sentence for fault in failure.faults if fault.severity == "error")
-        message = f"the deck cannot be a {dialect_named(form).title} deck: {reported}"
-        raise ModelError([Fault("error", message, id="RUN-062")]) from failure
+        return _written(model, form, name, text.splitlines()[-1])  # its rounding
+    except ModelError as failure:
+        there = f"; this is in the deck that --to {way} writes"
+        faults = [replace(fault, message=fault.message + there, place=None) for fault in failure.faults]
+        raise ModelError(faults) from failure
 
 
-def _other_way(deck: Deck, run: Run, model: "DynamicModel | Mechanism") -> str:
-    """Return which conversion takes a mechanism that is no tree, or what hinders it, by trying."""
-    hindrances = _hindrances(_mjcf_of_tree, deck, run)
-    for form, hindrance in hindrances.items():
-        if not hindrance:
-            return f"; it is an open chain: convert it --to {form} first, then that deck --to mjcf"
-    try:
-        _exudyn(model, "")
-    except FlexmbError:
-        return _named(hindrances)
-    return "; --to exudyn takes it"
-
-
-def _to_exudyn_by(deck: Deck, run: Run) -> str:
-    """Return which conversions lead to Exudyn, or what hinders them, by trying."""
-    hindrances = _hindrances(_exudyn, deck, run)
-    for form, hindrance in hindrances.items():
-        if not hindrance:
-            return f"; convert it --to {form} first, then that deck --to exudyn"
-    return _named(hindrances)
-
-
-def _hindrances(write: Callable[[Any, str], str], deck: Deck, run: Run) -> dict[str, str]:
-    """Return, by the other dialects, why `write` does not take the deck by way of them; "" where it does."""
-    return {form: _hindrance(write, deck, run, form) for form in DIALECTS if form != deck.dialect}
-
-
-def _hindrance(write: Callable[[Any, str], str], deck: Deck, run: Run, form: str) -> str:
-    try:
-        text = _deck_of(deck, run, form, (SI, SI))
-        model, _ = dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
-        return "" if write(model, "") else NOT_TAKEN
-    except FlexmbError as failure:
-        return NOT_TAKEN if failure.faults[0].id == NO_FORWARD_DYNAMICS else str(failure)
-
-
-def _named(hindrances: dict[str, str]) -> str:
-    """Return the hindrances in words, those of several dialects once."""
-    by_reason: dict[str, list[str]] = {}
-    for form, reason in hindrances.items():
-        if reason != NOT_TAKEN:
-            by_reason.setdefault(reason, []).append(form)
-    return "".join(
-        f"; converting it --to {' or '.join(forms)} first fails: {why}" for why, forms in by_reason.items()
-    )
-
-
-def _mjcf_of_tree(model: "Tree", name: str) -> str:
-    return _mjcf(model, name) if analysis_of(model) == "tree" else ""
-
-
-def _mjcf(model: "Tree", name: str) -> str:
-    from ..results.models.mjcf import mjcf
-
-    return mjcf(model, name)
-
-
-def _exudyn(model: Any, name: str, other_way: Callable[[], str] = str) -> str:
-    from ..results.models.exudyn import exudyn_script
-
+def _written(model: Any, form: str, name: str, note: str = "") -> str:
+    if form == "mjcf":
+        return mjcf(model, name, note)
     dynamic = analysis_of(model) == "dynamic"
     if not dynamic or model.analysis != "forward":
         # Other dialects would hold the same drivers.
-        why = "; drivers move an inverse run, and they do not convert" if dynamic else other_way()
+        why = "; drivers move an inverse run, and they do not convert" * dynamic
         message = f"--to exudyn takes rigid mechanisms under forces: decks with DYNAMICS forward{why}"
         raise ModelError([Fault("error", message, id="RUN-028")])
     start, *later = motion = _motion_of(model, ROWS_FOR_RANK)
@@ -217,9 +155,7 @@ def _motion_of(model: "DynamicModel", rows: int, run: Run | None = None) -> list
     return found
 
 
-def _start(model: "DynamicModel", run: Run) -> Any:
-    from ..model.exchange.start import Start
-
+def _start(model: "DynamicModel", run: Run) -> Start:
     return Start(**start_of(model, run))
 
 

@@ -68,7 +68,7 @@ def test_what_convert_refuses_has_identifier_place_and_deck(flexmb):
     code, record, reported = flexmb("convert", FOUR_BAR, "--to", "mjcf")
     (fault,) = record["faults"]
     assert (code, record["deck"], record["status"], record["exit_code"]) == (2, FOUR_BAR, "bad input", 2)
-    assert (fault["id"], fault["severity"], fault["file"]) == ("RUN-027", "error", FOUR_BAR)
+    assert (fault["id"], fault["severity"], fault["file"]) == ("YOUNG-150", "error", FOUR_BAR)
     assert fault["message"] in reported
 
 

@@ -25,5 +25,6 @@ DIALECT = Dialect(
     form="form:DafmsForm",
     new_name="NEW.DAT",
     rigid_model="exchange.rigid_model:rigid_model",
+    programs=("mjcf",),
     rigid_deck="exchange.rigid_deck:rigid_deck",
 )

@@ -23,19 +23,23 @@ if TYPE_CHECKING:
 # gives another gravity.
 _GRAVITY = (0.0, 9.8, 0.0)
 _HEAD = "     {:<30}"
+SERIES_FIELDS = (F(12, 7), F(12, 7), *5 * (E(15, 6),))  # FORMAT(2F12.7,5E15.6) of CDGEAR
 
-_BODY_LINES = {
-    "mass": ("     BM==", I(5), F(10, 5)),
-    "inertia": ("     BII=", I(5), *3 * (F(10, 5),)),
-    "offset": ("     XI==", I(5), *3 * (F(10, 5),)),
-    "hinge_point": ("     PH==", I(5), *3 * (F(10, 5),)),
-    "hinge_node": ("     NP==", I(5), I(10)),
-    "attitude": ("     EPT=", I(5), *4 * (F(10, 5),)),
-    "hinge_attitude": ("     EPL=", I(5), *4 * (F(10, 5),)),
-    "force": ("     HF==", I(5), *3 * (F(10, 5),)),
-    "torque": ("     HM==", I(5), *3 * (F(10, 5),)),
-    "mass_centre": ("     RC==", I(5), *3 * (F(10, 5),)),
-    "pulse": ("     IDS", I(5), I(5), *2 * (F(10, 5),)),
+_AXES, _PARAMETERS = "axis 1,axis 2,axis 3", "e1,e2,e3,e4"
+_VECTOR, _QUATERNION = (I(5), *3 * (F(10, 5),)), (I(5), *4 * (F(10, 5),))
+# Lines of cards with a record for each body: tag, fields, and type and names of the numbers of a body.
+BODY_LINES = {
+    "mass": ("BM==", (I(5), F(10, 5)), "mass", "mass"),
+    "inertia": ("BII=", _VECTOR, "inertia", _AXES),
+    "offset": ("XI==", _VECTOR, "length", _AXES),
+    "hinge_point": ("PH==", _VECTOR, "length", _AXES),
+    "hinge_node": ("NP==", (I(5), I(10)), "count", "node"),
+    "attitude": ("EPT=", _QUATERNION, "euler", _PARAMETERS),
+    "hinge_attitude": ("EPL=", _QUATERNION, "euler", _PARAMETERS),
+    "force": ("HF==", _VECTOR, "force", _AXES),
+    "torque": ("HM==", _VECTOR, "torque", _AXES),
+    "mass_centre": ("RC==", _VECTOR, "length", _AXES),
+    "pulse": ("IDS", (I(5), I(5), *2 * (F(10, 5),)), "torque", "law,F1,TIME"),
 }
 _LISTS = {"first_coordinate": "     X(L)", "state": "     Y(L)"}
 
@@ -161,9 +165,10 @@ class _Page:
             return self.heading + self.listed("     LC==", I(5), 10, parents)
         if section in _LISTS:
             return self.listed(_LISTS[section], F(10, 5), 5, [record.numbers[0].value for record in records])
-        if section in _BODY_LINES:
+        if section in BODY_LINES:
             rows = [[record.number, *_values(record)] for record in records]
-            return self.line(*_BODY_LINES[section], values=rows)
+            tag, edits, *_ = BODY_LINES[section]
+            return self.line(f"     {tag}", *edits, values=rows)
         return ""
 
 
@@ -216,8 +221,7 @@ class Series:
         self.units[1][0].write("  TOL,XEND,H,,METH,MITER,INDEX\n")
 
     def _layout(self, values: int) -> Layout:
-        edits = (F(12, 7), F(12, 7), *5 * (E(15, 6),))
-        return Layout(*edits[: values + 1], "\n", layout=self.layout)
+        return Layout(*SERIES_FIELDS[: values + 1], "\n", layout=self.layout)
 
 
 class Tables:

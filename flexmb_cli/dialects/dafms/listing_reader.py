@@ -13,8 +13,9 @@ import numpy as np
 
 from ...deck.fortran_format import E, Edit, F, I
 from ...deck.fortran_words import is_unreadable, split_fields, split_list, unit_of, value_of
-from ...deck.listing import EchoLine, Listing, ListingForm, Section, TableError
+from ...deck.listing import EchoLine, Listing, ListingForm, Rows, TableError
 from ...errors import Fault, Place
+from .listing import BODY_LINES, SERIES_FIELDS
 
 SINGLE_PRECISION = "the program of 1992 read its deck in single precision"
 
@@ -54,7 +55,6 @@ def _vector(name: str, kind: str, *indices: Any) -> _Tag:
 
 
 _DOFS = ("body", "number", "axis 1", "axis 2", "axis 3")
-_PARAMETERS = ("body", "e1", "e2", "e3", "e4")
 # Tags as printed, but for blanks; FMBD.OUT, thesis (Zhao, 1992), appendix C.
 TAGS = {
     "==N==NDM==": _Tag("counts", "count", (I(5), I(5)), ("N", "NDM")),
@@ -76,19 +76,12 @@ TAGS = {
     "PIP=": _vector("PIP=", "force", "body", "node"),
     "=BK=": _Tag("=BK=", "stiffness", (E(12, 4),)),
     "LC==": _Tag("LC==", "count", (I(5),)),
-    "BM==": _Tag("BM==", "mass", (I(5), F(10, 5)), ("body", "mass")),
-    "BII=": _vector("BII=", "inertia", "body"),
-    "XI==": _vector("XI==", "length", "body"),
-    "PH==": _vector("PH==", "length", "body"),
-    "NP==": _Tag("NP==", "count", (I(5), I(10)), ("body", "node")),
-    "EPT=": _Tag("EPT=", "euler", (I(5), *4 * (F(10, 5),)), _PARAMETERS),
-    "EPL=": _Tag("EPL=", "euler", (I(5), *4 * (F(10, 5),)), _PARAMETERS),
+    **{
+        tag: _Tag(tag, kind, edits, ("body", *names.split(",")))
+        for tag, edits, kind, names in BODY_LINES.values()
+    },
     "X(L)": _Tag("X(L)", "coordinate", (F(10, 5),)),
     "Y(L)": _Tag("Y(L)", "state", (F(10, 5),)),
-    "HF==": _vector("HF==", "force", "body"),
-    "HM==": _vector("HM==", "torque", "body"),
-    "RC==": _vector("RC==", "length", "body"),
-    "IDS": _Tag("IDS", "torque", (I(5), I(5), F(10, 5), F(10, 5)), ("body", "law", "F1", "TIME")),
 }
 _TAGGED = re.compile(r"\s*(" + "|".join(r"\s*".join(map(re.escape, tag)) for tag in TAGS) + ")")
 _HEADING = "DFMB"
@@ -143,8 +136,7 @@ def _fault(number: int, line: str, start: int, tag: _Tag) -> Fault:
     )
 
 
-# FORMAT(2F12.7,5E15.6) of CDGEAR; Y holds the NS speeds, then the NS coordinates.
-_EDITS = (F(12, 7), F(12, 7), *5 * (E(15, 6),))
+# Y holds the NS speeds, then the NS coordinates.
 _COLUMNS = {
     "2": (("last speed", "speed"), ("coordinate 1", "coordinate"), ("coordinate 2", "coordinate")),
     "3": (("coordinate 3", "coordinate"), ("coordinate 5", "coordinate"), ("coordinate 6", "coordinate")),
@@ -163,21 +155,26 @@ def parse_series(name: str, text: str) -> Listing | None:
     rows = [n for n, line in enumerate(lines) if line.strip() and not line.lstrip().startswith(_NOTES)]
     if not rows or not _FIRST_ROW.match(lines[rows[0]]):
         return None
-    table, units, width = _series_numbers(name, lines, rows)
+    found, faults, width = Rows(), [], 0
+    times: list[float] = []
+    for step, row in enumerate(rows):
+        words = _series_words(lines[row], width)
+        if words is None or is_unreadable(words[0]):
+            numbers = f"{width or 'some'} numbers under FORMAT(2F12.7,5E15.6)"
+            sentence = f"{numbers} are expected, read {lines[row].strip()!r}"
+            place = Place(row + 1, 1, max(1, len(lines[row])))
+            faults.append(Fault("error", sentence, place, id="DAFMS-075"))
+        else:
+            width = len(words)
+            times.append(value_of(words[0]))
+            found.add(row + 1, step, words[1:])
+    if faults:
+        raise TableError(name, faults, lines)
     columns = _COLUMNS.get(_unit_number(name), _UNKNOWN)[: width - 1]
-    section = Section(
-        tuple(title for title, _ in columns),
-        tuple(kind for _, kind in columns),
-        np.arange(len(rows)),
-        np.ones(len(rows), dtype=np.int64),
-        np.array(rows) + 1,
-        table[:, 1:],
-        units,
-        "",
-        _EDITS[1:width],
-    )
+    groups = tuple((kind, title) for title, kind in columns)
+    section = found.section(groups, SERIES_FIELDS[1:width])
     failed = len(rows) < sum(bool(line.strip()) for line in lines)
-    return Listing(name, (), table[:, 0], 1e-7, {"series": section}, failed, SERIES)
+    return Listing(name, (), np.array(times), 1e-7, {"series": section}, failed, SERIES)
 
 
 def _unit_number(name: str) -> str:
@@ -185,42 +182,6 @@ def _unit_number(name: str) -> str:
     return match[1] if match else ""
 
 
-def _series_numbers(name: str, lines: list[str], rows: list[int]) -> tuple[np.ndarray, np.ndarray, int]:
-    """All numbers (rows, width), the units of the last digits of those behind the time, and the width."""
-    try:
-        table = np.loadtxt([lines[row] for row in rows], comments=None, ndmin=2)
-    except ValueError:
-        table = np.empty((0, 0))
-    if len(table) != len(rows) or not 2 <= table.shape[1] <= len(_EDITS):
-        # Fields touch, or are stars, or something is wrong.
-        table = _one_by_one(name, lines, rows)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        exponents = np.floor(np.log10(np.abs(table[:, 2:]))) + 1
-    units = np.full((len(rows), table.shape[1] - 1), 1e-7)
-    units[:, 1:] = 10.0 ** (np.where(np.isfinite(exponents), exponents, 0) - 6)
-    doubtful = np.array([is_unreadable(lines[row]) for row in rows])
-    units[doubtful[:, None] & np.isnan(table[:, 1:])] = np.nan
-    return table, units, table.shape[1]
-
-
-def _one_by_one(name: str, lines: list[str], rows: list[int]) -> np.ndarray:
-    found, faults, width = [], [], None
-    for row in rows:
-        line = lines[row]
-        words = _series_words(line, width)
-        width = width or (len(words) if words else None)
-        if words is None or is_unreadable(words[0]):
-            sentence = (
-                f"{width or 'some'} numbers under FORMAT(2F12.7,5E15.6) are expected, read {line.strip()!r}"
-            )
-            faults.append(Fault("error", sentence, Place(row + 1, 1, max(1, len(line))), id="DAFMS-075"))
-        else:
-            found.append([value_of(word) for word in words])
-    if faults:
-        raise TableError(name, faults, lines)
-    return np.array(found)
-
-
-def _series_words(line: str, width: int | None) -> list[str] | None:
-    widths = [width] if width else range(len(_EDITS), 0, -1)
-    return next((words for n in widths if (words := split_fields(line, _EDITS[:n]))), None)
+def _series_words(line: str, width: int) -> list[str] | None:
+    widths = [width] if width else range(len(SERIES_FIELDS), 0, -1)
+    return next((words for n in widths if (words := split_fields(line, SERIES_FIELDS[:n]))), None)

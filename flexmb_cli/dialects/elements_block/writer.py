@@ -46,7 +46,7 @@ def _pieces(line: str) -> Iterator[str]:
 class BlockWriter(ABC):
     """Writes lines of functions and elements; a subclass spells coordinates, joints and ends of its dialect.
 
-    `model`: with `elements` and `couplings`; `reserved`: names that elements must not have.
+    `model`: with `elements` and `couplings`.
     """
 
     model: Any
@@ -54,6 +54,7 @@ class BlockWriter(ABC):
     refusals: Any
     dialect = ""
     function_id = ""  # identifier of the fault of a function without a line
+    reserved: frozenset[str]  # names of sections of the deck, which elements must not have
 
     @abstractmethod
     def coordinate(self, joint: int, coordinate: str) -> str:
@@ -101,11 +102,6 @@ class BlockWriter(ABC):
             found = f"{base}-{count}"
         names.add(found.lower())
         return found
-
-    @property
-    def reserved(self) -> frozenset[str]:
-        """Return names of sections of the deck."""
-        return frozenset()
 
     def _force(self, item: Element) -> str:
         measure = item.measure

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 
 _RULE = "*" * 78
+FAILED = "THE RUN ENDED BEFORE THE LAST TIME"
+TIME_FIELDS, ENERGY_FIELDS = (P(13, 5),), 4 * (P(13, 5),)
+NODE_FIELDS = (I(10), I(8), *6 * (P(13, 5),))  # body, node, position and velocity
 SMALLEST_PRINTED = 1e-12  # smaller singular values are round-off, another on other processors
 
 
@@ -27,10 +30,9 @@ class VsdfTable:
     def __init__(self, streams: tuple[Any, ...], deck: Deck, layout: str, analysis: Any):
         self.stream, self.deck, self.analysis = streams[0], deck, analysis
         self.mechanism = analysis.mechanism
-        time, energy = (" TIME =", P(13, 5), "\n"), (" ENERGY", *4 * (P(13, 5),), "\n")
-        node = (I(10), I(8), *6 * (P(13, 5),), "\n")
-        outputs = len(self.mechanism.outputs)
-        self.row = Layout(*time, *outputs * node, *energy, layout=layout or SAFE)
+        nodes = len(self.mechanism.outputs) * (*NODE_FIELDS, "\n")
+        parts = " TIME =", *TIME_FIELDS, "\n", *nodes, " ENERGY", *ENERGY_FIELDS, "\n"
+        self.row = Layout(*parts, layout=layout or SAFE)
 
     def begin(self) -> None:
         """Everything above the rows."""
@@ -72,7 +74,7 @@ class VsdfTable:
 
     def failed(self) -> None:
         """The last line of a run that did not come to its end."""
-        self.stream.write(" THE RUN ENDED BEFORE THE LAST TIME\n")
+        self.stream.write(f" {FAILED}\n")
 
     stopped = failed
 

@@ -1,42 +1,24 @@
 """Reader of the listing of a VSDF deck (`vsdf.py`): cards, bodies and frequencies, then the rows in time."""
 
 import re
-from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...deck.fortran_format import Edit, I, P
+from ...deck.fortran_format import Edit
 from ...deck.fortran_words import is_unreadable, split_fields, unit_of, value_of
-from ...deck.listing import EchoLine, Listing, ListingForm, Section, TableError
+from ...deck.listing import EchoLine, Listing, ListingForm, Rows, TableError
 from ...errors import Fault, Place
+from .listing import ENERGY_FIELDS, FAILED, NODE_FIELDS, TIME_FIELDS
 
 _RULE = "*" * 20
 _TIME, _ENERGY = re.compile(r"\s*TIME\s*="), re.compile(r"\s*ENERGY(?=[\s\d*+-])")
-_FAILED = "THE RUN ENDED BEFORE THE LAST TIME"
-FORM = ListingForm("listing of a VSDF deck", _FAILED)
+FORM = ListingForm("listing of a VSDF deck", FAILED)
 _NUMBER = re.compile(
     r"(?<![\w.?])[-+]?([\d?]+\.?[\d?]*|\.[\d?]+)([ED][-+]?[\d?]{1,9})?(?![\w?])", re.IGNORECASE
 )
 
-_PLACE = ("point_position", "X Y Z"), ("point_velocity", "VX VY VZ")
-_ENERGIES = (("energy", "KINETIC STRAIN GRAVITY SUM"),)
-_NODE_EDITS = (I(10), I(8), *6 * (P(13, 5),))
-_TIME_EDITS = (P(13, 5),)
-_ENERGY_EDITS = 4 * (P(13, 5),)
-
-
-@dataclass
-class _Gathered:
-    """The lines of one section while the file is read: place, row and spellings of the numbers."""
-
-    lines: list[int] = field(default_factory=list)
-    steps: list[int] = field(default_factory=list)
-    words: list[list[str]] = field(default_factory=list)
-
-    def add(self, line: int, step: int, words: list[str]) -> None:
-        self.lines.append(line)
-        self.steps.append(step)
-        self.words.append(words)
+_NODE = ("point_position", "X,Y,Z"), ("point_velocity", "VX,VY,VZ")
+_ENERGIES = (("energy", "KINETIC,STRAIN,GRAVITY,SUM"),)
 
 
 def parse_vsdf(name: str, text: str) -> Listing | None:
@@ -54,7 +36,11 @@ def parse_vsdf(name: str, text: str) -> Listing | None:
         raise TableError(name, scan.faults, lines)
     time = np.array([value_of(word) for word in scan.times])
     unit = max(map(unit_of, scan.times), default=1.0)
-    sections = {"node": _nodes(scan.nodes), "energy": _section(scan.energies, _ENERGIES, _ENERGY_EDITS)}
+    labels = {k: f"body {body} node {node}" for (body, node), k in scan.places.items()}
+    sections = {
+        "node": scan.nodes.section(_NODE, NODE_FIELDS[2:], labels=labels),
+        "energy": scan.energies.section(_ENERGIES, ENERGY_FIELDS),
+    }
     present = {title: section for title, section in sections.items() if len(section.line)}
     return Listing(name, tuple(scan.head), time, unit, present, scan.failed, FORM, tuple(scan.words))
 
@@ -65,7 +51,8 @@ class _Scan:
     def __init__(self) -> None:
         self.head: list[EchoLine] = []
         self.times: list[str] = []
-        self.nodes, self.energies = _Gathered(), _Gathered()
+        self.nodes, self.energies = Rows(), Rows()
+        self.places: dict[tuple[int, int], int] = {}  # numbers of bodies and nodes, in their order
         self.faults: list[Fault] = []
         self.words: list[tuple[int, str]] = []
         self.failed = False
@@ -74,18 +61,19 @@ class _Scan:
     def take(self, number: int, line: str) -> None:
         """Sort one line."""
         if match := _TIME.match(line):
-            words = self._fields(number, line, match.end(), _TIME_EDITS)
+            words = self._fields(number, line, match.end(), TIME_FIELDS)
             self.times += words
-        elif _FAILED in line:
+        elif FAILED in line:
             self.failed = True
         elif not self.times:
             self._take_head(number, line)
         elif match := _ENERGY.match(line):
-            self.energies.add(
-                number, len(self.times) - 1, self._fields(number, line, match.end(), _ENERGY_EDITS)
-            )
+            words = self._fields(number, line, match.end(), ENERGY_FIELDS)
+            self.energies.add(number, len(self.times) - 1, words)
         elif line.strip():
-            self.nodes.add(number, len(self.times) - 1, self._fields(number, line, 0, _NODE_EDITS))
+            body, node, *words = self._fields(number, line, 0, NODE_FIELDS)
+            index = self.places.setdefault((int(body), int(node)), len(self.places) + 1)
+            self.nodes.add(number, len(self.times) - 1, words, index)
 
     def _take_head(self, number: int, line: str) -> None:
         if line.startswith(_RULE):
@@ -102,7 +90,7 @@ class _Scan:
 
     def _fields(self, number: int, line: str, start: int, edits: tuple[Edit, ...]) -> list[str]:
         words = split_fields(line[start:], edits)
-        if words is None or _is_nameless(words, edits) or (edits is _TIME_EDITS and is_unreadable(words[0])):
+        if words is None or _is_nameless(words, edits) or (edits is TIME_FIELDS and is_unreadable(words[0])):
             sentence = f"{len(edits)} numbers are expected, read {line[start:].strip()!r}"
             self.faults.append(
                 Fault("error", sentence, Place(number, start + 1, max(1, len(line) - start)), id="VSDF-087")
@@ -114,33 +102,3 @@ class _Scan:
 def _is_nameless(words: list[str], edits: tuple[Edit, ...]) -> bool:
     """Return whether stars or `?` stand where the number of a body or node is wanted."""
     return any(edit.kind == "d" and set(word) & {"*", "?"} for word, edit in zip(words, edits, strict=True))
-
-
-def _nodes(gathered: _Gathered) -> Section:
-    numbers = [(int(words[0]), int(words[1])) for words in gathered.words]
-    places = {pair: k for k, pair in enumerate(dict.fromkeys(numbers), 1)}
-    rest = _Gathered(gathered.lines, gathered.steps, [words[2:] for words in gathered.words])
-    labels = {k: f"body {body} node {node}" for (body, node), k in places.items()}
-    return _section(rest, _PLACE, _NODE_EDITS[2:], [places[pair] for pair in numbers], labels)
-
-
-def _section(
-    gathered: _Gathered,
-    groups: tuple[tuple[str, str], ...],
-    edits: tuple[Edit, ...],
-    index: list[int] | None = None,
-    labels: dict[int, str] | None = None,
-) -> Section:
-    shape = (len(gathered.words), len(edits))
-    return Section(
-        tuple(column for _, columns in groups for column in columns.split()),
-        tuple(kind for kind, columns in groups for _ in columns.split()),
-        np.array(gathered.steps, dtype=np.int64),
-        np.array(index or np.ones(shape[0]), dtype=np.int64),
-        np.array(gathered.lines, dtype=np.int64),
-        np.array([[value_of(word) for word in words] for words in gathered.words]).reshape(shape),
-        np.array([[unit_of(word) for word in words] for words in gathered.words]).reshape(shape),
-        "",
-        edits,
-        labels or {},
-    )

@@ -35,6 +35,7 @@ DIALECT = Dialect(
     new_name="IN-NEW.dat",
     relabel="reader:relabelled",
     rigid_model="exchange.rigid_model:rigid_model",
+    programs=("exudyn",),
     rigid_deck="exchange.rigid_deck:rigid_deck",
     other_units="exchange.other_units:in_other_units",
     any_units=True,

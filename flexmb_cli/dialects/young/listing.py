@@ -13,43 +13,64 @@ from ...deck.fortran_format import HISTORIC, SAFE, Edit, Layout, fixed, integer
 from ...deck.record import Deck, Record
 from ...solvers.as_printed.errors import AS_PRINTED
 
-COUNT_TITLES = (
-    "body : NBODY",
-    "driver: NDRIVE",
-    "points of interest: NPOINT",
-    "spherical joints: NSPHER",
-    "universal joints: NUNIVE",
-    "revolute joints: NREVOL",
-    "cylindrical joints: NCYLIN",
-    "translational joints: NTRANS",
-    "screw joints: NSCREW",
-    "simplified constraint: NSIMPL",
-    "distance constraint: NSIMP2",
-    "grounded body: NGROUN",
+_BODY_PAIR = "FOR {name} No {{number}}\n ENTER BODY No I & J \n{{pair}}{coordinates}\n"
+_DIRECTION = "ENTER 1-6 FOR DIRECTION X,Y,Z,ALPH(axis is X),BETA(axis is Y),DELT(axis is Z)\n{direction:3d}\n"
+_COUNTS = (
+    "ENTER NUMBER OF\nbody : NBODY\ndriver: NDRIVE\npoints of interest: NPOINT\nspherical joints: NSPHER\n"
+    "universal joints: NUNIVE\nrevolute joints: NREVOL\ncylindrical joints: NCYLIN\n"
+    "translational joints: NTRANS\nscrew joints: NSCREW\nsimplified constraint: NSIMPL\n"
+    "distance constraint: NSIMP2\ngrounded body: NGROUN\n"
 )
-DIRECTION_TITLE = "ENTER 1-6 FOR DIRECTION X,Y,Z,ALPH(axis is X),BETA(axis is Y),DELT(axis is Z)"
-# Section: name in the listing, text above the coordinates (two lines for the translational joint).
-JOINT_TITLES = {
-    "spherical": ("SPHERICAL JOINT", "ENTER LOCAL COORDINATES OF JOINT POINT"),
-    "universal": ("UNIVERSAL JOINT", "ENTER LOCAL COORDINATES OF POINTS"),
-    "revolute": ("REVOLUTE JOINT", "ENTER LOCAL COORDINATES OF POINTS Pij,Qi,Qj"),
-    "cylindrical": (
-        "CYLINDRICAL JOINT",
-        "ENTER LOCAL COORDINATES OF 4 POINTS: 2 ON AXIS, 2 ON EACH BODY",
+# The driver's title carries the number of drivers, not its own: a slip of the program, seen in every
+# listing with several drivers and kept for its byte layout.
+_DRIVER = (
+    "FOR DRIVER No {drivers}\n ENTER BODY No \n{body:3d}\n"
+    "ENTER DRIVER CONSTRAINT\n NUMBER 1-6 FOR X,Y,Z,ALPHA,BETA,DELTA\n{direction:3d}\n"
+    "ENTER INITIAL POSITION, VELOCITY & ACCELERATION\n"
+)
+
+
+def _joint(name: str, coordinates: str) -> tuple[str, int, Edit]:
+    title = _BODY_PAIR.format(name=name, coordinates=coordinates)
+    return title, 2, fixed(6, 2)
+
+
+# Questions of the program, in the order of reading: the text with the first answers of a record, and the
+# field of those from the given one on.  `pair`: the line of bodies I and J.
+_QUESTIONS: dict[str, tuple[str, int, Edit]] = {
+    "counts": (_COUNTS, 0, integer(3)),
+    "body": ("FOR BODY {number} ENTER INITIAL ESTIMATES OF X,Y,Z & E0 E1,E2,E3\n", 0, fixed(6, 2)),
+    "driver": (_DRIVER, 2, fixed(8, 2)),
+    "point": (
+        "FOR POINT OF INTEREST No {number}\n ENTER BODY No \n{body:3d}\n"
+        "ENTER RELATIVE COORDINATES OF THE POINT\n",
+        1,
+        fixed(6, 2),
     ),
-    "translational": (
+    "spherical": _joint("SPHERICAL JOINT", "ENTER LOCAL COORDINATES OF JOINT POINT"),
+    "universal": _joint("UNIVERSAL JOINT", "ENTER LOCAL COORDINATES OF POINTS"),
+    "revolute": _joint("REVOLUTE JOINT", "ENTER LOCAL COORDINATES OF POINTS Pij,Qi,Qj"),
+    "cylindrical": _joint(
+        "CYLINDRICAL JOINT", "ENTER LOCAL COORDINATES OF 4 POINTS: 2 ON AXIS, 2 ON EACH BODY"
+    ),
+    "translational": _joint(
         "TRANSLATIONAL JOINTS",
         "ENTER LOCAL COORDINATES OF 6 POINTS, 3 ON EACH BODY,\n4 ON AXIS, 2 FOR PERPENDICULAR VECTORS:",
     ),
-    "screw": ("SCREW JOINT", "ENTER LOCAL COORDINATES OF 6 POINTS,3 ON EACH BODY, 4 ON AXIS"),
+    "screw": _joint("SCREW JOINT", "ENTER LOCAL COORDINATES OF 6 POINTS,3 ON EACH BODY, 4 ON AXIS"),
+    "simplified": (
+        "FOR SIMPLIFIED CONSTRAINTS No {number}\n ENTER BODY No: \n{body:3d}\n"
+        f"{_DIRECTION}ENTER VALUES OF CONSTRAINT\n",
+        2,
+        fixed(6, 2),
+    ),
+    "distance": (
+        f"FOR DISTANCE CONSTRAINTS No {{number}}\n ENTER THE TWO BODY No: \n{{pair}}"
+        f"{_DIRECTION}ENTER VALUES OF DISTANCE\n",
+        3,
+        fixed(6, 2),
+    ),
 }
-# The driver's title carries the number of drivers, not its own: a slip of the program, seen in every
-# listing with several drivers and kept for its byte layout.
-DRIVER_TITLES = (
-    " ENTER BODY No ",
-    "ENTER DRIVER CONSTRAINT\n NUMBER 1-6 FOR X,Y,Z,ALPHA,BETA,DELTA",
-    "ENTER INITIAL POSITION, VELOCITY & ACCELERATION",
-)
 HEAD = "\n-----------------------------\n-- KINEMATIC ANALYSIS --\n-----------------------------\n"
 FAILED = "\n\n-----CONVERGENCE FAILED-----\n"
 STOPPED = "\n\n-----RUN STOPPED-----\n"
@@ -127,14 +148,11 @@ def block_values(values: dict[str, np.ndarray]) -> np.ndarray:
 def echo_of_input(deck: Deck, layout: str = SAFE) -> str:
     """The program's questions, each with the deck's answer, in the order of reading."""
     drivers = len(deck.section("driver"))
-    texts = [_counts(deck.one("counts"), layout)]
-    texts += [_body(record, layout) for record in deck.section("body")]
-    texts += [_driver(record, drivers, layout) for record in deck.section("driver")]
-    texts += [_point(record, layout) for record in deck.section("point")]
-    for section in JOINT_TITLES:
-        texts += [_joint(record, layout) for record in deck.section(section)]
-    texts += [_simplified(record, layout) for record in deck.section("simplified")]
-    texts += [_distance(record, layout) for record in deck.section("distance")]
+    texts = [
+        _question(record, question, drivers, layout)
+        for section, question in _QUESTIONS.items()
+        for record in deck.section(section)
+    ]
     texts += [_ground(record, layout) for record in deck.section("ground")]
     return "".join([*texts, _time(deck.one("time"), layout)])
 
@@ -155,61 +173,20 @@ def _values(record: Record, start: int) -> "list[Any]":
     return [number.value for number in record.numbers[start:]]
 
 
-def _counts(record: Record, layout: str) -> str:
-    title = "\n".join(("ENTER NUMBER OF", *COUNT_TITLES))
-    return f"{title}\n{_answers(_values(record, 0), integer(3), layout)}"
-
-
-def _body(record: Record, layout: str) -> str:
-    title = f"FOR BODY {record.number} ENTER INITIAL ESTIMATES OF X,Y,Z & E0 E1,E2,E3"
-    return f"{title}\n{_answers(_values(record, 0), fixed(6, 2), layout)}"
-
-
-def _driver(record: Record, drivers: int, layout: str) -> str:
-    body, direction, function = DRIVER_TITLES
-    return (
-        f"FOR DRIVER No {drivers}\n{body}\n{record['body']:3d}\n{direction}\n{record['direction']:3d}\n"
-        f"{function}\n{_answers(_values(record, 2), fixed(8, 2), layout)}"
-    )
-
-
-def _point(record: Record, layout: str) -> str:
-    return (
-        f"FOR POINT OF INTEREST No {record.number}\n ENTER BODY No \n{record['body']:3d}\n"
-        f"ENTER RELATIVE COORDINATES OF THE POINT\n{_answers(_values(record, 1), fixed(6, 2), layout)}"
-    )
-
-
-def _joint(record: Record, layout: str) -> str:
-    name, coordinates = JOINT_TITLES[record.section]
-    pair = [record["I"], record["J"]]
-    bodies = _touching(pair, layout) if record.section == "screw" else _answers(pair, integer(3), layout)
-    return (
-        f"FOR {name} No {record.number}\n ENTER BODY No I & J \n{bodies}"
-        f"{coordinates}\n{_answers(_values(record, 2), fixed(6, 2), layout)}"
-    )
+def _question(record: Record, question: tuple[str, int, Edit], drivers: int, layout: str) -> str:
+    text, start, field = question
+    first = {number.key: number.value for number in record.numbers[:start]}
+    if "{pair}" in text:
+        pair = [first["I"], first["J"]]
+        touching = record.section == "screw"
+        first["pair"] = _touching(pair, layout) if touching else _answers(pair, integer(3), layout)
+    heading = text.format(number=record.number, drivers=drivers, **first)
+    return heading + _answers(_values(record, start), field, layout)
 
 
 def _touching(pair: list[int], layout: str) -> str:
     readable = layout == HISTORIC or max(pair) < 10
     return ("" if readable else " ").join(str(number) for number in pair) + "\n"
-
-
-def _simplified(record: Record, layout: str) -> str:
-    return (
-        f"FOR SIMPLIFIED CONSTRAINTS No {record.number}\n ENTER BODY No: \n{record['body']:3d}\n"
-        f"{DIRECTION_TITLE}\n{record['direction']:3d}\n"
-        f"ENTER VALUES OF CONSTRAINT\n{_answers([record['value']], fixed(6, 2), layout)}"
-    )
-
-
-def _distance(record: Record, layout: str) -> str:
-    return (
-        f"FOR DISTANCE CONSTRAINTS No {record.number}\n ENTER THE TWO BODY No: \n"
-        f"{_answers([record['I'], record['J']], integer(3), layout)}"
-        f"{DIRECTION_TITLE}\n{record['direction']:3d}\n"
-        f"ENTER VALUES OF DISTANCE\n{_answers([record['value']], fixed(6, 2), layout)}"
-    )
 
 
 def _ground(record: Record, layout: str) -> str:

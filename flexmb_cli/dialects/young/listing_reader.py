@@ -6,34 +6,18 @@ do not matter.  Lines that are no part of the layout are passed over.
 """
 
 import re
-import warnings
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...deck.fortran_words import value_of
-from ...deck.listing import LARGEST_INDEX, EchoLine, Listing, ListingForm, Section, TableError
+from ...deck.fortran_words import unit_of
+from ...deck.listing import LARGEST_INDEX, EchoLine, Listing, ListingForm, Rows, Section, TableError
 from ...deck.number import hint
 from ...deck.table_columns import HEADINGS, SECTIONS, Columns
 from ...errors import Fault, Place
 from .errata import young_errors
-from .listing_rows import (
-    echo_numbers,
-    is_row_of,
-    repeated_items,
-    row_fault,
-    split_index,
-    split_row,
-    unit_of,
-    units_of_rows,
-)
+from .listing_rows import echo_numbers, is_row_of, repeated_items, row_fault, split_index, split_row
 
-if TYPE_CHECKING:
-    pass
-
-
-FAST_LINES = 4096
 _TIME = re.compile(r"\s*TIME\s*=\s*([-+]?\d*\.?\d+)\s*", re.IGNORECASE)
 
 
@@ -68,7 +52,7 @@ def parse_listing(name: str, text: str) -> Listing | None:
     if not scan.time and not scan.is_young:
         return None
     faults: list[Fault] = []
-    sections = {key: _section(key, lines, gathered, faults) for key, gathered in scan.sections.items()}
+    sections = {key: _section(key, gathered, faults) for key, gathered in scan.sections.items()}
     faults += scan.faults
     if not faults:  # which may be why a block seems to go on
         faults = [fault for key, section in sections.items() for fault in repeated_items(key, section)]
@@ -180,69 +164,9 @@ class _Scan:
         )
 
 
-def _section(key: str, lines: list[str], gathered: _Gathered, faults: Any) -> Section:
-    columns = gathered.columns
-    width = len(columns.names)
-    table = np.empty((len(gathered.text), width + 1))
-    for start in range(0, len(gathered.text), FAST_LINES):
-        texts = gathered.text[start : start + FAST_LINES]
-        block = _read_together(texts, width)
-        if block is None:
-            block = _read_one_by_one(key, texts, gathered.line[start : start + FAST_LINES], columns, faults)
-        table[start : start + FAST_LINES] = block
-    return Section(
-        columns.names,
-        columns.kinds,
-        np.array(gathered.step, dtype=np.int64),
-        table[:, 0].astype(np.int64),
-        np.array(gathered.line, dtype=np.int64),
-        table[:, 1:],
-        units_of_rows(gathered.text, columns),
-        columns.item,
-        columns.edits,
-    )
-
-
-def _read_together(texts: list[str], width: int) -> np.ndarray | None:
-    """All numbers of the lines at once, shape (lines, 1 + width); None when fields may run together."""
-    joined = "\n".join(texts) + "\n"
-    decimals = [len(word.partition(".")[2]) for word in texts[0].split()[1:]]
-    if len(decimals) != width or not _decimals_agree(joined, np.array(decimals), len(texts)):
-        return None
-    with warnings.catch_warnings():
-        # numpy reports text that is no number by a warning.
-        warnings.simplefilter("error")
-        try:
-            numbers = np.fromstring(joined, sep=" ")
-        except (ValueError, DeprecationWarning):
-            return None
-    if numbers.size != len(texts) * (width + 1):
-        return None
-    table = numbers.reshape(-1, width + 1)
-    index = table[:, 0]
-    return table if ((index >= 1) & (index <= LARGEST_INDEX) & (index == np.floor(index))).all() else None
-
-
-def _decimals_agree(joined: str, decimals: np.ndarray, lines: int) -> bool:
-    """Return whether every point of the text is followed by just its column's digits.
-
-    Without this `0.0000245.3407` would be read as 0.0000245 and 0.3407.
-    """
-    characters = np.frombuffer((joined + "\n" * 20).encode("utf-8"), dtype=np.uint8)
-    points = np.flatnonzero(characters == ord("."))
-    if points.size != lines * decimals.size or decimals.max(initial=0) > 17:
-        return False
-    last = points.reshape(lines, -1) + decimals
-    digit = (characters >= ord("0")) & (characters <= ord("9"))
-    return bool(digit[last].all() and not digit[last + 1].any())
-
-
-def _read_one_by_one(
-    key: str, texts: list[str], numbers: list[int], columns: Columns, faults: Any
-) -> np.ndarray:
-    block = np.full((len(texts), len(columns.names) + 1), np.nan)
-    block[:, 0] = 0
-    for row, (text, number) in enumerate(zip(texts, numbers, strict=True)):
+def _section(key: str, gathered: _Gathered, faults: list[Fault]) -> Section:
+    columns, rows = gathered.columns, Rows()
+    for text, step, number in zip(gathered.text, gathered.step, gathered.line, strict=True):
         index, rest, offset = split_index(text)
         words = split_row(rest, columns)
         if not 1 <= index <= LARGEST_INDEX:
@@ -251,5 +175,6 @@ def _read_one_by_one(
         elif words is None:
             faults.append(row_fault(key, index, rest, number, offset, columns))
         else:
-            block[row] = [index, *map(value_of, words)]
-    return block
+            rows.add(number, step, words, index)
+    groups = tuple(zip(columns.kinds, columns.names, strict=True))
+    return rows.section(groups, columns.edits, columns.item)

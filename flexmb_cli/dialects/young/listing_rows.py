@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...deck.fortran_format import fixed
-from ...deck.fortran_words import UNREADABLE, is_unreadable, value_of
+from ...deck.fortran_words import UNREADABLE, unit_of, value_of
 from ...deck.listing import EchoLine, Section
 from ...deck.number import hint
 from ...deck.table_columns import OLD_DECIMALS, SECTIONS, Columns
@@ -91,19 +91,6 @@ def repeated_items(key: str, section: Section) -> list[Fault]:
     return faults
 
 
-def units_of(text: str, columns: Columns) -> np.ndarray:
-    """Units of the last digits (columns,) as a line prints them, else as the layout does."""
-    words = split_row(split_index(text)[1], columns)
-    if words is None:
-        return 10.0 ** -np.array(columns.decimals)
-    return np.array([unit_of(word) for word in words])
-
-
-def unit_of(word: str) -> float:
-    """One unit of the last digit of a number in fixed-point notation; nan where a digit is unreadable."""
-    return float("nan") if is_unreadable(word) else float(f"1e-{len(word.partition('.')[2])}")
-
-
 def echo_numbers(number: int, title: str, line: str) -> EchoLine | None:
     """The line `number` of numbers below `title`; None when the line is text.  Echoes print two decimals."""
     if not _ECHO_LINE.fullmatch(line):
@@ -116,20 +103,3 @@ def echo_numbers(number: int, title: str, line: str) -> EchoLine | None:
     edits = tuple(fixed(len(word), _ECHO_DECIMALS) for word in words) if "*" in line else ()
     values, units = tuple(map(value_of, words)), tuple(map(unit_of, words))
     return EchoLine(number, title, values, units, edits=edits)
-
-
-def units_of_rows(texts: "Sequence[str]", columns: Columns) -> np.ndarray:
-    """Units of the last digits, (columns,), or (lines, columns) with nan where a number is unreadable.
-
-    The first whole line decides, since programs print fewer decimals than ours.
-    """
-    whole = next((text for text in texts if not re.search("[?*]", text)), None)
-    units = 10.0 ** -np.array(columns.decimals) if whole is None else units_of(whole, columns)
-    doubtful = [line for line, text in enumerate(texts) if is_unreadable(text)]
-    if not doubtful:
-        return units
-    table = np.tile(units, (len(texts), 1))
-    for line in doubtful:
-        words = split_row(split_index(texts[line])[1], columns) or ()
-        table[line, [place for place, word in enumerate(words) if is_unreadable(word)]] = np.nan
-    return table

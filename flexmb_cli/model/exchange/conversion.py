@@ -1,31 +1,45 @@
 """Conversion of a dialect's model into a rigid model: the parts that all dialects share."""
 
+import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ...errors import Place
+from ..joint_elements import Coupling, JointDriver
 from ..joints import ANGLE
 from ..laws import OF_TIME, At, Element, Frames, Joint, Parameter
 from ..mechanism import GROUND, Vector
 from ..vectors import rotation_matrix
-from .functions import moved
-from .rigid_model import Refusals, RigidBody, RigidModel, vector
+from .functions import transformed
+from .rigid_model import Refusals, RigidBody, RigidModel, across, vector
 from .shapes import RigidShape
-from .start import Pair, Start, angle_between, stroke_between
 
 Pose = tuple[np.ndarray, np.ndarray]  # origin (3,), m, and rotation matrix (3, 3), body to global axes
 End = tuple[int, Vector]  # body of the new model, and a point on it
 SAME_ATTITUDE = 1e-9  # rad
+STILL = (np.zeros(3), np.eye(3))  # the pose of the ground, the last of those of bodies
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Bodies at the first time, as solved: r, v, omega (bodies, 3), p (bodies, 4), and coordinates q."""
+
+    r: np.ndarray
+    p: np.ndarray
+    v: np.ndarray
+    omega: np.ndarray
+    q: np.ndarray
 
 
 class Conversion(ABC):
     """Collects the parts of a rigid model, at the `start` of a model, and the items it cannot carry over.
 
-    `now`: poses of the bodies at the start, `t_start`, s; `first`: those in which bushings have no torque.
+    `now`: poses of the bodies and the ground at the start, `t_start`, s; `first`: those in which bushings
+    have no torque.
     """
 
     first: list[Pose]
@@ -33,7 +47,7 @@ class Conversion(ABC):
 
     def __init__(self, start: Start):
         self.start, self.refusals = start, Refusals()
-        self.now: list[Pose] = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)]
+        self.now: list[Pose] = poses(start.r, start.p)
 
     @abstractmethod
     def model(self) -> RigidModel:
@@ -57,10 +71,29 @@ class Conversion(ABC):
         """Return a body of the new model and the point on it."""
         return body, place_of(point)
 
+    def function(self, function: Any) -> Any:
+        """Return a function of time, or None, from `t_start` on."""
+        return function and transformed(function, self.t_start)
+
     def elements(self, items: Iterable[Element]) -> tuple[Element, ...]:
         """Return force elements, whose functions of time begin at `t_start`, in terms of the new model."""
         found = (self._element(item) for item in items)
         return tuple(item for item in found if item)
+
+    def joint_drivers(self, items: Iterable[JointDriver]) -> Iterator[JointDriver]:
+        """Yield drivers from 0 at the start, whatever number of turns a function begins with."""
+        for item in items:
+            if where := self.joint_coordinate(item, item.joint, item.coordinate):
+                function = transformed(item.function, self.t_start, item.function.at(self.t_start)[0])
+                yield replace(item, joint=where[0], coordinate=where[1], function=function)
+
+    def couplings(self, items: Iterable[Coupling]) -> Iterator[Coupling]:
+        """Yield the couplings whose joints are all in the new model."""
+        for item in items:
+            places = [self.joint_coordinate(item, joint, name) for joint, name, _ in item.terms]
+            terms = zip(places, item.terms, strict=True)
+            if None not in places:
+                yield replace(item, terms=tuple((*p[:2], factor) for p, (_, _, factor) in terms if p))
 
     def _element(self, item: Element) -> Element | None:
         measure = item.measure
@@ -79,7 +112,7 @@ class Conversion(ABC):
         return replace(item, measure=type(measure)(i[0], j[0], i[1], j[1]))
 
     def _from_start(self, p: Parameter, value: Any) -> Any:
-        return moved(value, self.t_start) if p.kind == OF_TIME else value
+        return transformed(value, self.t_start) if p.kind == OF_TIME else value
 
     def _is_like(self, item: Element, i: int) -> bool:
         """Return whether other dialects have a bushing like one whose body i becomes body `i`.
@@ -87,7 +120,8 @@ class Conversion(ABC):
         `first`: poses in which its frames coincide in attitude, which in the new deck do so at the start.
         """
         ends = item.measure
-        turned = _turn_since(self.first, self.now, ends.i, ends.j)
+        first, now = (each[ends.i][1].T @ each[ends.j][1] for each in (self.first, self.now))
+        turned = float(np.linalg.norm(first - now) / 2.0**0.5)
         if any((*item["kr"], *item["cr"])) and turned > SAME_ATTITUDE:
             message = f"the bodies of the bushing have turned by {turned:.3g} rad from where it has no torque"
             self.refusals.add(
@@ -109,20 +143,32 @@ class Conversion(ABC):
         motion = start.r[k], start.p[k], start.v[k], start.omega[k]
         return RigidBody(name, *motion, mass, centre, moments, place)
 
+    def coordinate_since(self, coordinate: str, axis: tuple[Any, Any, Any], i: int, j: int) -> float:
+        """Return an angle or a stroke of a joint of bodies i and j at the start since the `first` poses.
+
+        `axis`: s_i, P_i and P_j in the axes of their bodies.
+        """
+        s_i, P_i, P_j = (np.array(given, float) for given in axis)
+        s = s_i / np.linalg.norm(s_i)
+        first, now = ((*each[i], *each[j]) for each in (self.first, self.now))
+        if coordinate == ANGLE:
+            f, (_, A_i, _, A_j) = across(s), now
+            h = A_j @ first[3].T @ first[1] @ f
+            return math.atan2(h @ (A_i @ np.cross(s, f)), h @ (A_i @ f))
+        at_first, at_start = (
+            (r_j + A_j @ P_j - r_i - A_i @ P_i) @ (A_i @ s) for r_i, A_i, r_j, A_j in (first, now)
+        )
+        return float(at_start - at_first)
+
+
+def poses(r: np.ndarray, p: np.ndarray) -> list[Pose]:
+    """Return poses by origins (bodies, 3) and Euler parameters (bodies, 4), and that of the ground."""
+    return [*((origin, rotation_matrix(e)) for origin, e in zip(r, p, strict=True)), STILL]
+
 
 def place_of(point: Any) -> Vector:
     """Return a node's place, or a point of a rigid body, in the axes of its body."""
     return vector(getattr(point, "r0", point))
-
-
-def _turn_since(first: list[Pose], now: list[Pose], i: int, j: int) -> float:
-    """Angle by which body j has turned against body i between two sets of poses; -1: the ground."""
-    still = np.eye(3)
-    relative = [
-        (poses[i][1] if i != GROUND else still).T @ (poses[j][1] if j != GROUND else still)
-        for poses in (first, now)
-    ]
-    return float(np.linalg.norm(relative[0] - relative[1]) / 2.0**0.5)
 
 
 def about_centre(mass: float, centre: np.ndarray, inertia: np.ndarray) -> np.ndarray:
@@ -130,17 +176,3 @@ def about_centre(mass: float, centre: np.ndarray, inertia: np.ndarray) -> np.nda
     c = centre
     found: np.ndarray = np.asarray(inertia, float) - mass * (c @ c * np.eye(3) - np.outer(c, c))
     return found
-
-
-def coordinate_since(
-    coordinate: str, axis: tuple[Any, Any, Any], bodies: tuple[int, int], poses: tuple[list[Pose], list[Pose]]
-) -> float:
-    """Return an angle or a stroke of a joint since the first of two sets of poses.
-
-    `axis`: s_i, P_i and P_j in the axes of their bodies; `bodies`: the numbers i and j.
-    """
-    i, j = bodies
-    first, now = (Pair(*set_of[i], *set_of[j]) for set_of in poses)
-    if coordinate == ANGLE:
-        return angle_between(axis[0], first, now)
-    return stroke_between(*axis, first, now)

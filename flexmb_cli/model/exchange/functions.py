@@ -31,70 +31,50 @@ def constant(value: float) -> MotionFunction:
     return MotionFunction(POLYNOMIAL, (value, 0.0, 0.0, 0.0))
 
 
-def moved(function: MotionFunction, start: float, value: float = 0.0) -> MotionFunction:
-    """The function t → function(t + start) - value."""
-    if function.kind == POLYNOMIAL:
-        return moved(piecewise(((0.0, *function.c),)), start, value)
-    if function.kind == SINE:
-        mean, size, omega, phase = function.c
-        return MotionFunction(SINE, (mean - value, size, omega, phase + omega * start))
-    if function.kind == PIECEWISE:
-        return piecewise(tuple((t - start, c0 - value, *c) for t, c0, *c in function.pieces))
-    if function.kind == COMPOUND:
-        terms = tuple(tuple(moved(factor, start) for factor in factors) for factors in function.terms)
-        return MotionFunction(COMPOUND, terms=(*terms, (constant(-value),)))
-    if function.kind == SPIN_UP:
-        return (
-            function
-            if start == 0.0 == value
-            else MotionFunction(COMPOUND, terms=((function,), (constant(-value),)))
-        )
-    times, values = (
-        [t - shift for t in column] for column, shift in ((function.times, start), (function.values, value))
-    )
-    return replace(function, times=tuple(times), values=tuple(values))
-
-
-def scaled(function: MotionFunction, factor: float) -> MotionFunction:
-    """The function t → factor function(t)."""
-    if factor == 1.0:
-        return function
-    if function.kind == PIECEWISE:
-        return piecewise(tuple((t, *(factor * c for c in cs)) for t, *cs in function.pieces))
-    if function.kind == COMPOUND:
-        terms = tuple((scaled(factors[0], factor), *factors[1:]) for factors in function.terms)
-        return MotionFunction(COMPOUND, terms=terms)
-    if function.kind in (TABLE, HELD_TABLE):
-        values, curvature = (
-            tuple(factor * v for v in column) for column in (function.values, function.curvature)
-        )
-        return replace(function, values=values, curvature=curvature)
-    c0, c1, c2, c3 = function.c
-    if function.kind == SINE:
-        return MotionFunction(SINE, (factor * c0, factor * c1, c2, c3))
-    if function.kind == SPIN_UP:
-        return MotionFunction(SPIN_UP, (factor * c0, c1, c2, c3))
-    return MotionFunction(POLYNOMIAL, (factor * c0, factor * c1, factor * c2, factor * c3))
-
-
-def stretched(function: MotionFunction, factor: float) -> MotionFunction:
-    """The function t → function(t / factor), for other units of what it depends on."""
-    if factor == 1.0:
+def transformed(
+    function: MotionFunction,
+    start: float = 0.0,
+    value: float = 0.0,
+    factor: float = 1.0,
+    stretch: float = 1.0,
+) -> MotionFunction:
+    """Return the function t → factor function(t / stretch + start) - value; a spin-up begins at `start`."""
+    if (start, value, factor, stretch) == (0.0, 0.0, 1.0, 1.0):
         return function
     if function.kind == POLYNOMIAL:
-        return stretched(piecewise(((0.0, *function.c),)), factor)
+        return transformed(piecewise(((0.0, *function.c),)), start, value, factor, stretch)
     if function.kind == SINE:
         mean, size, omega, phase = function.c
-        return MotionFunction(SINE, (mean, size, omega / factor, phase))
+        c = factor * mean - value, factor * size, omega / stretch, phase + omega * start
+        return MotionFunction(SINE, c)
     if function.kind == PIECEWISE:
         return piecewise(
-            tuple((t * factor, *(c / factor**n for n, c in enumerate(cs))) for t, *cs in function.pieces)
+            tuple(
+                (
+                    (t - start) * stretch,
+                    factor * c0 - value,
+                    *(factor * x / stretch**n for n, x in enumerate(c, 1)),
+                )
+                for t, c0, *c in function.pieces
+            )
         )
-    if function.kind == COMPOUND:
-        terms = tuple(tuple(stretched(factor_of, factor) for factor_of in term) for term in function.terms)
-        return MotionFunction(COMPOUND, terms=terms)
-    times = tuple(t * factor for t in function.times)
-    return replace(function, times=times, curvature=tuple(g / factor**2 for g in function.curvature))
+    if function.kind in (TABLE, HELD_TABLE):
+        times = tuple((t - start) * stretch for t in function.times)
+        values = tuple(factor * v - value for v in function.values)
+        curvature = tuple(factor * g / stretch**2 for g in function.curvature)
+        return replace(function, times=times, values=values, curvature=curvature)
+    if function.kind == SPIN_UP:
+        w, T, c2, c3 = function.c
+        terms: Any = ((replace(function, c=(factor * w / stretch, T * stretch, c2, c3)),),)
+    else:
+        terms = tuple(
+            (
+                transformed(first, start, 0.0, factor, stretch),
+                *(transformed(other, start, stretch=stretch) for other in others),
+            )
+            for first, *others in function.terms
+        )
+    return MotionFunction(COMPOUND, terms=(*terms, *[(constant(-value),)] * bool(value)))
 
 
 def simple(function: MotionFunction) -> MotionFunction:

@@ -44,17 +44,6 @@ def angles_of(R: np.ndarray) -> Vector:
     return math.atan2(R[2, 1], R[2, 2]) + 0.0, beta + 0.0, math.atan2(R[1, 0], R[0, 0]) + 0.0
 
 
-def scaled_shape(shape: RigidShape, L: float) -> RigidShape:
-    """Return the shape with lengths times L."""
-    sizes, offset = (_times(L, values) for values in (shape.sizes, shape.offset))
-    return replace(shape, sizes=sizes, offset=offset, unit=L * shape.unit)
-
-
 def notes_of(shapes: tuple[RigidShape, ...]) -> tuple[str, ...]:
     """Return what a reader of a deck that names STL files should know."""
     return ("STL files keep their names: copy them beside this deck",) if any(s.file for s in shapes) else ()
-
-
-def _times(factor: float, values: Vector) -> Vector:
-    x, y, z = (factor * value for value in values)
-    return x, y, z

@@ -2,7 +2,8 @@
 
 Each body stands in the script by its mass centre; positions and speeds are those at the start that flexmb
 has assembled, so that joints are closed to round-off.  Exudyn's reference manual (MainSystem functions
-Create…) is the source of the calls.
+Create…) is the source of the calls; its connectors resist what their functions return.  Angles are 0 in
+Exudyn where the script places the bodies; strokes are distances.
 """
 
 import re
@@ -13,10 +14,11 @@ import numpy as np
 
 from ...errors import Fault, ModelError
 from ...model.arrays.element_table import coordinates_of_joints
+from ...model.joint_elements import JointElements
+from ...model.laws import BUSHING, CABLE, FRICTION, MOTOR, SPRING, STOP, At, Element, is_angle
 from ...model.loads import DynamicModel
 from ...model.mechanism import GROUND
 from ...model.vectors import rotation_matrix
-from .exudyn_elements import ElementLines, foreign_elements
 from .exudyn_joints import HELD, Position, independent_equations, joint_frames
 
 HEAD = '''"""{title}, written by flexmb for Exudyn 1.13 or later.  SI units.
@@ -90,6 +92,46 @@ print(f"{{steps}} steps, estimated error of positions {{error:.1e}} m")
 if error > TOLERANCE:
     raise SystemExit(f"the error is above {{TOLERANCE:.1e}} m: allow more than {{MOST_STEPS}} steps")
 """
+DEFINITIONS = '''
+
+def pushed(depth, rate, k, b):
+    """Force of a stop, or pull of a cable: Hunt and Crossley (1975), exponent 1."""
+    return k * depth * max(0.0, 1.0 + b * rate) if depth > 0 else 0.0
+
+
+def cable(mbs, t, number, stretch, rate, k, b, force):
+    return pushed(stretch, rate, k, b)
+
+
+def stops(lower, upper, k, b):
+    return lambda mbs, t, number, x, v, *_: pushed(x - upper, v, k, b) - pushed(lower - x, -v, k, b)
+
+
+def slide(bodies, places, axis, **law):
+    markers = [
+        mbs.AddMarker(dict(markerType="BodyRigid", bodyNumber=body, localPosition=place))
+        for body, place in zip(bodies, places)
+    ]
+    spring = dict(objectType="ConnectorLinearSpringDamper", markerNumbers=markers, axisMarker0=axis)
+    mbs.AddObject(spring | law)
+
+
+'''
+_REFUSED = {
+    "drivers": ("drivers of joints do not convert", "RESULT-067"),
+    "driven": ("drivers by functions do not convert", "RESULT-069"),
+    "supports": ("supports by functions do not convert", "RESULT-070"),
+    "couplings": ("couplings of joint coordinates do not convert", "RESULT-072"),
+}
+_REFUSED_LAWS = {
+    MOTOR: ("motors by functions of time do not convert", "RESULT-068"),
+    BUSHING: (
+        "bushings do not convert: Exudyn's have other angles where a body turns about several axes",
+        "RESULT-071",
+    ),
+    FRICTION: ("friction does not convert: Exudyn's has no normal force of the joint", "RESULT-073"),
+}
+LINK = "spherical-spherical"
 # Steps of a report interval: of the first solution, and of the last that the script tries.
 FIRST_STEPS, LAST_STEPS = 10, 10 * 2**10
 POSITION_ERROR = 1e-7  # m
@@ -160,7 +202,31 @@ def _foreign(model: Any) -> Iterator[Fault]:
     for load in (*model.forces, *model.torques):
         if load.factor is not None:
             yield Fault("error", "loads over time do not convert", load.place, load.name, id="RESULT-056")
-    yield from foreign_elements(model.elements)
+    yield from _foreign_elements(model.elements)
+
+
+def _foreign_elements(elements: JointElements) -> Iterator[Fault]:
+    """Yield the faults of elements that do not convert."""
+    for kind, (message, name) in _REFUSED.items():
+        for item in getattr(elements, kind):
+            yield Fault("error", message, item.place, item.name, id=name)
+    for force in elements.forces:
+        if found := _refused(force):
+            message, name = found
+            yield Fault("error", message, force.place, force.name, id=name)
+    for composite in elements.composites:
+        if composite.kind != LINK:
+            message = f"a {composite.kind} joint does not convert"
+            yield Fault("error", message, composite.place, composite.name, id="RESULT-075")
+
+
+def _refused(item: Element) -> tuple[str, str] | None:
+    """Return why a force element does not convert, and the identifier of the fault."""
+    if item.law in (SPRING, CABLE, STOP):
+        if item.law is SPRING and (item["curve"] or item["damper"]):
+            return "springs and dampers with functions do not convert", "RESULT-074"
+        return None
+    return _REFUSED_LAWS.get(item.law, (f"the law {item.law.word} does not convert", "RESULT-031"))
 
 
 class _Placed:
@@ -264,16 +330,61 @@ class _Placed:
                 )
 
     def elements(self, kept: list[bool]) -> Iterator[str]:
-        """Yield lines of springs, stops, cables and links, from the joint coordinates at the start.
+        """Yield definitions and a line for every element; `kept`: whether a link repeats no equation."""
+        elements = self.model.elements
+        if not (elements.forces or elements.composites):
+            return
+        yield DEFINITIONS
+        for item in elements.forces:
+            if isinstance(item.measure, At):
+                yield self._at_joint(item.measure, self._law(item.since(self._since(item.measure))))
+                continue
+            law = "referenceLength={1!r}, stiffness={0!r}, damping={2!r}".format(*item.values)
+            last = "springForceUserFunction=cable" if item.law is CABLE else f"force={item['preload']!r}"
+            yield f"mbs.CreateSpringDamper({self._ends(item.measure)}, {law}, {last})"
+        for link, needed in zip(elements.composites, kept, strict=True):
+            call = f"mbs.CreateDistanceConstraint({self._ends(link)}, distance={link.size!r})"
+            yield call if needed else f"# {link.name} repeats equations of others"
 
-        `kept`: whether a link repeats no equation.
-        """
-        joints, q = self.model.mechanism.joints, {}
-        if len(self.start["q"]):
-            names = [(item.joint, item.coordinate) for item in coordinates_of_joints(joints)]
-            q = dict(zip(names, map(float, self.start["q"]), strict=True))
-        made = ElementLines(joints, self._word, self._local, self._at, self._turned, q)
-        yield from made.lines(self.model.elements, kept)
+    def _law(self, item: Element) -> str:
+        """The law of a spring or of stops in a joint."""
+        effort = "torque" if item.turning else "force"
+        if item.law is STOP:
+            return f"spring{effort.capitalize()}UserFunction=stops({', '.join(map(repr, item.values))})"
+        stiffness, rest, damping, preload, *_ = item.values
+        return f"stiffness={stiffness!r}, damping={damping!r}, offset={rest!r}, {effort}={preload!r}"
+
+    def _since(self, item: Any) -> float:
+        """Joint coordinate at the start, less Exudyn's: of angles 0, of strokes the advance of P_j."""
+        joints = self.model.mechanism.joints
+        names = [(each.joint, each.coordinate) for each in coordinates_of_joints(joints)]
+        q = float(self.start["q"][names.index((item.joint, item.coordinate))])
+        joint = joints[item.joint]
+        if is_angle(item.coordinate):
+            return q
+        axis = self._turned(joint.i) @ np.array(joint.s_i, float) / np.linalg.norm(joint.s_i)
+        return q - float((self._at(joint.j, joint.P_j) - self._at(joint.i, joint.P_i)) @ axis)
+
+    def _pair(self, item: Any) -> str:
+        return f"itemNumbers=[{self._word(item.i)}, {self._word(item.j)}]"
+
+    def _ends(self, item: Any) -> str:
+        ends = ((item.i, item.P_i), (item.j, item.P_j))
+        places = [f"localPosition{n}={_list(self._local(*end))}" for n, end in enumerate(ends)]
+        return ", ".join([self._pair(item), *places])
+
+    def _at_joint(self, item: Any, law: str) -> str:
+        """A spring and damper in the angle or the stroke of its joint."""
+        joint = self.model.mechanism.joints[item.joint]
+        axis = np.array(joint.s_i, float) / np.linalg.norm(joint.s_i)
+        if is_angle(item.coordinate):
+            place = f"position={_list(self._at(joint.i, joint.P_i))}"
+            along = f"axis={_list(self._turned(joint.i) @ axis)}"
+            return f"mbs.CreateTorsionalSpringDamper({self._pair(joint)}, {place}, {along}, {law})"
+        bodies = f"[{self._word(joint.i)}, {self._word(joint.j)}]"
+        places = [_list(self._local(*end)) for end in ((joint.i, joint.P_i), (joint.j, joint.P_j))]
+        along = self._turned(joint.i) @ axis if self._word(joint.i) == "ground" else axis
+        return f"slide({bodies}, [{', '.join(places)}], {_list(along)}, {law})"
 
     def _turned(self, body: int) -> np.ndarray:
         """Rotation matrix (3, 3) of a body or of the ground."""

@@ -20,10 +20,15 @@ from ...model.vectors import euler_parameters, rotation_matrix
 TIME_STEP = 1e-4  # s; RK4 keeps errors of usual mechanisms below 1e-8 with it
 
 
-def mjcf(tree: Tree, name: str) -> str:
-    """Return the file's text; `name` is the deck's.  Raises ModelError for what MJCF cannot hold."""
+def mjcf(tree: Tree, name: str, note: str = "") -> str:
+    """Return the file's text, with a `note`; `name` is the deck's.
+
+    Raises ModelError for what MJCF cannot hold.
+    """
     _refuse_foreign(tree)
     top = ElementTree.Element("mujoco", {"model": name})
+    if note:
+        top.append(ElementTree.Comment(f" {note} "))
     ElementTree.SubElement(top, "compiler", {"angle": "radian", "autolimits": "true"})
     option = {"timestep": repr(TIME_STEP), "integrator": "RK4", "gravity": _numbers(tree.gravity)}
     ElementTree.SubElement(top, "option", option)

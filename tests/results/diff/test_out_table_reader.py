@@ -78,7 +78,7 @@ def test_the_oldest_listings_have_two_decimals_everywhere():
         "velocity"
     ]
     assert section.values[0].tolist() == [-10, -20, 0.25, 0, 0, 0.52, 0, 0, 1.05, 0]
-    assert section.units.tolist() == 10 * [0.01]
+    assert section.units[0].tolist() == 10 * [0.01]
 
 
 @pytest.mark.parametrize("layout", ["safe", "historic"])

@@ -1,4 +1,4 @@
-"""Supplied decks in Exudyn: each that converts, itself or by way of YOUNG, moves there as in flexmb."""
+"""Supplied decks in Exudyn: each that converts, moves there as in flexmb."""
 
 import numpy as np
 import pytest
@@ -25,17 +25,14 @@ SOON = ("dafms/sliding_mass.DAT", "young/dynamics/IN4-BAR-MASS.dat")
     "deck", [pytest.param(deck, marks=[pytest.mark.campaign] * (deck not in SOON)) for deck in SUPPLIED]
 )
 def test_a_supplied_deck_moves_alike_in_exudyn_or_is_refused(deck, tmp_path):
-    rigid = tmp_path / "rigid.dat"
     try:
-        own = deck.startswith("young")
-        rigid.write_text((DECKS / deck).read_text() if own else converted(str(DECKS / deck), "young"))
-        converted(str(rigid), "exudyn")
+        converted(str(DECKS / deck), "exudyn")
     except ModelError:
         assert deck not in CONVERTED
         return
-    (found,) = by_exudyn(tmp_path, [rigid.read_text()])
+    (found,) = by_exudyn(tmp_path, [(DECKS / deck).read_text()])
     head = (tmp_path / "d0-exudyn.csv").read_text().partition("\n")[0].split(",")[1::3]
     bodies = [int(name.split(".")[1]) - 1 for name in head]
-    moving = solve(rigid)["body/position"][:, bodies].reshape(len(found), -1)
+    moving = solve(DECKS / deck)["body/position"][:, bodies].reshape(len(found), -1)
     assert np.ptp(moving, axis=0).max() > 0.01
     assert np.abs(found - moving).max() < CONVERTED[deck]

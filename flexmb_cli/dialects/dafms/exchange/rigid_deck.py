@@ -9,26 +9,30 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....model.exchange.chain import chain_of
+from ....deck.fortran_fields import filled
 from ....model.exchange.function_cards import FunctionCards
-from ....model.exchange.functions import value_of
+from ....model.exchange.functions import points_of, value_of
 from ....model.exchange.rigid_model import Refusals, RigidModel
 from ....model.exchange.shapes import shifted
+from ....model.joints import ANGLE
+from ....model.laws import Element, Frames
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS
 from ....model.vectors import euler_parameters
-from .element_lines import ElementLines, integers
-from .hanging import FREE, Hanging, hinge_frame
+from ...elements_block.writer import BlockWriter, block, numbers
+from ..cards import CARDS
+from .chain import FREE, Hanging, Link, chain_of, hinge_frame
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ....model.exchange.chain import Link
     from ....model.loads import AppliedTorque
 
 
 _APART = 1e-9  # m: of the point of a force from O_k
 _IMPLICIT = 2  # METH
+_SAME_AXES = 1e-9
+_ROUND_OFF = 1e-15  # m, of frames
 
 
 def rigid_deck(model: RigidModel, title: str, units: str) -> str:
@@ -42,8 +46,14 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     return "\n".join([*lines, "END ", "STAR", "STOP", *notes, ""]).replace("DFMB", f"DFMB {title}", 1)
 
 
-class _Deck(ElementLines):
-    """Frames of the tree while its cards are made."""
+class _Deck(BlockWriter):
+    """Frames of the tree while its cards are made.
+
+    `rounding`: the largest of numbers, relative; `number`: of bodies in the tree.
+    """
+
+    dialect, function_id = "DAFMS", "DAFMS-174"
+    reserved = frozenset(card.section for card in CARDS.values())
 
     def __init__(self, model: RigidModel):
         self.model, self.refusals, self.rounding = model, Refusals(), 0.0
@@ -85,10 +95,10 @@ class _Deck(ElementLines):
         bodies = [self._hang(link) for link in self.links]
         N, time = len(bodies), self.model.time
         return [
-            integers(N, 3), "DFMB",
+            _integers(N, 3), "DFMB",
             *(self._dofs(k, hung, 1) for k, hung in enumerate(bodies, start=1)),
             *(self._dofs(k, hung, 0) for k, hung in enumerate(bodies, start=1)),
-            *_lists([0] * N), *_lists([0] * N), integers(time.rows - 1), self.real(time.step),
+            *_lists([0] * N), *_lists([0] * N), _integers(time.rows - 1), self._real(time.step),
             "CONN", *_lists([self.number[hung.link.parent] for hung in bodies]),
             *self._bodies("MASS", [[self._own(hung).mass] for hung in bodies]),
             *self._inertia(bodies),
@@ -97,9 +107,9 @@ class _Deck(ElementLines):
             *self._bodies("EULL", [_scalar_last(self._parent(hung).T @ hung.frame) for hung in bodies]),
             *self._state(bodies),
             *self._bodies("RC(K", [self._centre(hung) for hung in bodies]),
-            "GRAV", f"{0:5d}" + "".join(self.real(g) for g in self.model.gravity),
-            *self._loads(bodies), *self.hinge_elements(), *self._shapes(),
-            *([] if self.model.integrator.method == "RK45" else ["METH", integers(_IMPLICIT)]),
+            "GRAV", f"{0:5d}" + "".join(self._real(g) for g in self.model.gravity),
+            *self._loads(bodies), *self._block(), *self._shapes(),
+            *([] if self.model.integrator.method == "RK45" else ["METH", _integers(_IMPLICIT)]),
         ]  # fmt: skip
 
     def _hang(self, link: "Link") -> Any:
@@ -153,7 +163,7 @@ class _Deck(ElementLines):
                 place = np.zeros(3) if turning or hung.kind != "free" else hung.origin
                 speeds += [rates[axis - 1] for axis in axes]
                 coordinates += [place[axis - 1] for axis in axes]
-        fields = [self.real(x) for x in (*speeds, *coordinates)]
+        fields = [self._real(x) for x in (*speeds, *coordinates)]
         rows = ["".join(fields[i : i + 5]) for i in range(0, len(fields), 5)]
         return ["Y(L)", *rows] if rows else []
 
@@ -173,7 +183,7 @@ class _Deck(ElementLines):
 
     def _dofs(self, k: int, hung: Hanging, which: int) -> Any:
         axes = hung.free(which)
-        return integers(k, len(axes), *(int(axis in axes) for axis in (1, 2, 3)))
+        return _integers(k, len(axes), *(int(axis in axes) for axis in (1, 2, 3)))
 
     def _loads(self, bodies: "Sequence[Hanging]") -> Any:
         """Constant forces at O_k and torques, then torques by tables."""
@@ -195,12 +205,12 @@ class _Deck(ElementLines):
         cards: list[Any] = []
         for word, loads in (("FORC", forces), ("TOQU", torques)):
             cards += self._bodies(word, loads) if np.any(loads) else []
-        return [*cards, *self.entries("TABL", tables)]
+        return [*cards, *self._entries("TABL", tables)]
 
     def _torque_tables(self, item: "AppliedTorque", k: int) -> Any:
-        points = self.points_at(item, item.factor)
+        points = self._points_at(item, item.factor)
         return [
-            self.table(k, axis, [(t, item.torque[axis - 1] * v) for t, v in points])
+            self._table(k, axis, [(t, item.torque[axis - 1] * v) for t, v in points])
             for axis in (1, 2, 3)
             if item.torque[axis - 1]
         ]
@@ -213,14 +223,86 @@ class _Deck(ElementLines):
                 body, hung = self.model.bodies[shape.body], self.hung[shape.body]
                 shape = shifted(shape, shape.body, hung.own.T @ (body.r - hung.origin), hung.own.T @ body.A)
             if not shape.file:
-                head = integers(self.number[shape.body], KINDS.index(shape.kind) + 1)
-                entries.append(head + "".join(map(self.real, shape.sizes)))
-                entries.append("".join(map(self.real, (*shape.offset, *shape.angles))))
-        return ["GEOM", integers(len(entries) // 2), *entries] if entries else []
+                head = _integers(self.number[shape.body], KINDS.index(shape.kind) + 1)
+                entries.append(head + "".join(map(self._real, shape.sizes)))
+                entries.append("".join(map(self._real, (*shape.offset, *shape.angles))))
+        return ["GEOM", _integers(len(entries) // 2), *entries] if entries else []
 
     def _bodies(self, word: str, rows: "Sequence[Any] | np.ndarray") -> Any:
         """A card with a record for every body."""
-        return [word, *(f"{k:5d}" + "".join(map(self.real, row)) for k, row in enumerate(rows, start=1))]
+        return [word, *(f"{k:5d}" + "".join(map(self._real, row)) for k, row in enumerate(rows, start=1))]
+
+    def _block(self) -> list[str]:
+        """The block of force elements, couplings and prescribed motions."""
+        for item in self.model.elements:
+            if isinstance(item.measure, Frames):
+                self._check_axes(item)
+        lines = self.element_lines()
+        for driver in self.model.joint_drivers:
+            lines.append(self.driver_line(driver, f"at={self.coordinate(driver.joint, driver.coordinate)}"))
+        return block([*self.function_lines(), *lines])
+
+    def coordinate(self, joint: int, coordinate: str) -> str:
+        """Return the spelling of a coordinate."""
+        hinge = self.hinge_of[joint]
+        return f"{hinge}.{'r' if coordinate == ANGLE else 't'}{self.hung[self.links[hinge - 1].body].axis}"
+
+    def joint(self, joint: int) -> int:
+        """Return the number of the body on whose hinge a joint lies."""
+        return self.hinge_of[joint]
+
+    def end(self, body: int, point: Any) -> str:
+        """Return the spelling of an end."""
+        place = [0.0 if abs(x) < _ROUND_OFF else x for x in self._point(body, point)]
+        return f"{0 if body == GROUND else self.number[body]}({numbers(place, ',')})"
+
+    def _check_axes(self, item: Element) -> None:
+        i = item.measure.i
+        if i != GROUND and np.abs(self.hung[i].own - self.model.axes(i)).max() > _SAME_AXES:
+            message = "a bushing acts along the axes of its first body, which DAFMS lays along its hinge"
+            self.refusals.add(item, message, id="DAFMS-175")
+
+    def _point(self, body: int, P: Any) -> Any:
+        """A point from O_k, axes of O_k; of the ground from the origin."""
+        place = self.model.position(body, P)
+        if body == GROUND:
+            return place
+        hung = self.hung[body]
+        return hung.own.T @ (place - hung.origin)
+
+    def _points_at(self, item: "AppliedTorque", function: Any) -> Any:
+        """Return the points of a table; another function is refused."""
+        points = points_of(function)
+        if points is None:
+            self.refusals.add(
+                item,
+                "only tables of loads are converted to DAFMS; give the function as TABLE",
+                id="DAFMS-176",
+            )
+        return points or []
+
+    def _table(self, k: int, which: int, points: "Sequence[tuple[float, float]]") -> str:
+        """Return the records of a table: body, degree of freedom, points."""
+        lines = [_integers(k, which, len(points))]
+        return "\n".join([*lines, *(self._real(t) + self._real(v) for t, v in points)])
+
+    def _entries(self, word: str, entries: "Sequence[str]") -> list[Any]:
+        """Return a card with its records behind their number; none without records."""
+        return [word, _integers(len(entries)), *entries] if entries else []
+
+    def _real(self, value: float) -> Any:
+        """Ten columns of a number; its rounding is kept for the notes."""
+        value = float(value) + 0.0
+        # Round-off of the frames, which would fill its columns by an exponent.
+        text = "0.0" if abs(value) < _ROUND_OFF else filled(value, 10)
+        if value and text != "0.0":
+            self.rounding = max(self.rounding, abs(float(text) - value) / max(abs(value), 1e-3))
+        return text.rjust(10)
+
+
+def _integers(*values: int) -> str:
+    """Return integers in five columns each."""
+    return "".join(f"{value:5d}" for value in values)
 
 
 def _scalar_last(A: np.ndarray) -> Any:
@@ -229,4 +311,4 @@ def _scalar_last(A: np.ndarray) -> Any:
 
 
 def _lists(values: "Sequence[int]") -> Any:
-    return [integers(*values[i : i + 10]) for i in range(0, len(values), 10)]
+    return [_integers(*values[i : i + 10]) for i in range(0, len(values), 10)]

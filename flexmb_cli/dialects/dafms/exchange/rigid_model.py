@@ -8,23 +8,16 @@ import numpy as np
 
 from ....deck.record import Deck
 from ....errors import Fault, ModelError
-from ....model.exchange.conversion import about_centre
-from ....model.exchange.rigid_model import (
-    RigidBody,
-    RigidJoint,
-    RigidModel,
-    vector,
-)
-from ....model.exchange.start import Start
+from ....model.exchange.conversion import Conversion, Start, about_centre
+from ....model.exchange.rigid_model import RigidBody, RigidJoint, RigidModel, vector
 from ....model.integrators import Integrator
 from ....model.joint_elements import JointDriver
 from ....model.joints import ANGLE, STROKE
 from ....model.loads import AppliedForce, AppliedTorque
 from ....model.time_functions import POLYNOMIAL, MotionFunction
-from ....model.tree import INERTIAL, ROTATION, TRANSLATION, Tree
+from ....model.tree import ROTATION, TRANSLATION, Tree
 from ....model.vectors import rotation_matrix
 from ..shapes import exchanged_shapes
-from .converted_elements import ConvertedElements
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -66,7 +59,7 @@ def _refuse_flexible(tree: Tree) -> None:
         )
 
 
-class _Conversion(ConvertedElements):
+class _Conversion(Conversion):
     """Collects the parts of the model."""
 
     def __init__(self, tree: Tree, start: Start):
@@ -91,7 +84,7 @@ class _Conversion(ConvertedElements):
             replace(time, start=0.0, end=time.end - time.start),
             vector(tree.gravity),
             tuple(joints),
-            joint_drivers=(*self._prescribed(), *self._joint_drivers()),
+            joint_drivers=tuple(self.joint_drivers((*self._prescribed(), *tree.elements.drivers))),
             forces=tuple(
                 AppliedForce(f"force of {body.name}", k, vector(body.force), place=body.place)
                 for k, body in enumerate(tree.bodies)
@@ -100,7 +93,7 @@ class _Conversion(ConvertedElements):
             torques=tuple(self._torques()),
             integrator=integrator,
             elements=self.elements(tree.elements.forces),
-            couplings=tuple(self._couplings()),
+            couplings=tuple(self.couplings(tree.elements.couplings)),
         )
 
     def _body(self, k: int) -> RigidBody:
@@ -138,13 +131,10 @@ class _Conversion(ConvertedElements):
             s_j = np.eye(3)[hinge.rotations[1] - 1]
         else:
             # The axis is the same in both bodies.
-            s_j = self.A[k].T @ (self._axes(hinge.parent) @ s_i)
+            s_j = self.A[k].T @ (self.A[hinge.parent] @ s_i)
         names = f"hinge of {self.tree.bodies[k].name}", kind, hinge.parent, k
         return RigidJoint(*names, vector(hinge.point), (0.0, 0.0, 0.0), vector(s_i), vector(s_j),
                           place=hinge.place)  # fmt: skip
-
-    def _axes(self, body: int) -> Any:
-        return np.eye(3) if body == INERTIAL else self.A[body]
 
     def _closures(self) -> "Iterator[Any]":
         for closure in self.tree.closures:
@@ -164,42 +154,36 @@ class _Conversion(ConvertedElements):
         left = [axis for axis in (1, 2, 3) if axis not in closure.directions]
         if len(left) != 1:
             return False
-        normal = self._axes(closure.b)[:, left[0] - 1]
+        normal = self.A[closure.b][:, left[0] - 1]
         for hinge in self.tree.hinges:
-            F = self._axes(hinge.parent) @ rotation_matrix(hinge.frame)
+            F = self.A[hinge.parent] @ rotation_matrix(hinge.frame)
             along = [abs(F[:, axis - 1] @ normal) for axis in hinge.rotations]
             beside = [abs(F[:, axis - 1] @ normal) for axis in hinge.translations]
             if any(abs(x - 1.0) > _PARALLEL for x in along) or any(x > _PARALLEL for x in beside):
                 return False
-        ends = (closure.a, closure.a_point), (closure.b, closure.b_point)
-        a, b = (self._place(body, point) for body, point in ends)
-        return abs((a - b) @ normal) < _OPEN
+        (r_a, A_a), (r_b, A_b) = self.now[closure.a], self.now[closure.b]
+        gap = r_a + A_a @ np.array(closure.a_point) - r_b - A_b @ np.array(closure.b_point)
+        return abs(gap @ normal) < _OPEN
 
-    def _place(self, body: int, point: tuple[float, float, float]) -> np.ndarray:
-        r = np.array(point, float)
-        return r if body == INERTIAL else self.start.r[body] + self.A[body] @ r
+    def joint_of(self, joint: int) -> int | None:
+        """Return the number of the joint of a body's hinge, None if it has none."""
+        return self.number.get(joint)
 
-    def _coordinate(self, item: Any, what: str) -> tuple[int, str, float] | None:
-        """Number of the joint, its coordinate, and the value at the start; None where there is none."""
-        hinge = self.tree.hinges[item.body]
-        name = self.tree.bodies[item.body].name
+    def joint_coordinate(self, item: Any, body: int, coordinate: str) -> tuple[int, str, float] | None:
+        """Number of the joint of a body's hinge, the coordinate there, and its value at the start."""
+        hinge, (motion, axis) = self.tree.hinges[body], coordinate.split()
         free = len(hinge.rotations), len(hinge.translations)
-        if item.body not in self.number or free not in ((1, 0), (0, 1), (1, 1)):
-            message = f"a {what} in a hinge with several free rotations or translations is not converted"
-            self.refusals.add(_Named(f"{what} of {name}", item.place), message, id="DAFMS-184")
+        if body not in self.number or free not in ((1, 0), (0, 1), (1, 1)):
+            message = "in a hinge with several free rotations or translations it is not converted"
+            self.refusals.add(item, message, id="DAFMS-173")
             return None
-        coordinate = ANGLE if item.motion == ROTATION else STROKE
-        return self.number[item.body], coordinate, self.q[item.body, item.motion, item.axis]
+        return self.number[body], ANGLE if motion == ROTATION else STROKE, self.q[body, motion, int(axis)]
 
-    def _prescribed(self) -> "Iterator[Any]":
+    def _prescribed(self) -> "Iterator[JointDriver]":
         for item in self.tree.prescribed:
-            found = self._coordinate(item, "prescribed motion")
-            if found:
-                # From 0 at the start, as joint coordinates here are.
-                function = MotionFunction(POLYNOMIAL, (0.0, item.B, 0.5 * item.A, 0.0))
-                name = f"motion of {self.tree.bodies[item.body].name}"
-                joint, coordinate, _ = found
-                yield JointDriver(name, joint, coordinate, function, item.place)
+            function = MotionFunction(POLYNOMIAL, (0.0, item.B, 0.5 * item.A, 0.0))
+            name = f"motion of {self.tree.bodies[item.body].name}"
+            yield JointDriver(name, item.body, f"{item.motion} {item.axis}", function, item.place)
 
     def _torques(self) -> "Iterator[Any]":
         for k, body in enumerate(self.tree.bodies):

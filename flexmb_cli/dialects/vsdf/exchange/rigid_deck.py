@@ -4,19 +4,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....model.exchange.function_cards import without_card
+from ....model.exchange.function_cards import FunctionCards, without_card
 from ....model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
-from ....model.exchange.rigid_model import RigidModel, across
+from ....model.exchange.rigid_model import Refusals, RigidModel, across
 from ....model.exchange.shapes import RigidShape, notes_of
 from ....model.integrators import METHODS
 from ....model.joints import ANGLE
+from ....model.mechanism import GROUND
 from ....model.shapes import KINDS
 from ....model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE
-from ...elements_block.writer import block
-from ..cards import FINAL, SHAPES
-from ..joints import BY_WORD
+from ...elements_block.writer import BlockWriter, block, numbers
+from ..cards import BY_WORD, FINAL, SHAPES
+from ..joints import BY_WORD as JOINTS
 from ..motions import BY_FUNCTION, RATE_BY_FUNCTION
-from .element_lines import ElementLines, record
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,11 +24,12 @@ if TYPE_CHECKING:
     from ....model.exchange.rigid_model import RigidBody, RigidJoint
 
 
-_WORDS = {kind.name: (word, kind) for word, kind in BY_WORD.items()}
+_WORDS = {kind.name: (word, kind) for word, kind in JOINTS.items()}
 _DIRECTIONS = ("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ")
 _SHAPES = dict(zip(KINDS, SHAPES, strict=True))
 _AT_REST = 1e-12  # rad or m
 _MOVE = "lay the origin of the body where the coordinate is 0"
+FIRST_FUNCTION = 1001  # numbers of tables are smaller: functions have none of theirs
 _BEYOND = 1e-9  # of the largest moment of inertia
 
 
@@ -50,17 +51,33 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     return "\n".join([*lines, *(word.strip() for word in FINAL), ""])
 
 
-class _Deck(ElementLines):
+class _Deck(BlockWriter):
     """Collects nodes and tables while the cards are made."""
 
+    dialect, function_id = "VSDF", "VSDF-170"
+    reserved = frozenset(card.section for card in BY_WORD.values())
+
     def __init__(self, model: RigidModel):
-        super().__init__(model)
+        self.model, self.refusals = model, Refusals()
+        self.functions = FunctionCards(FIRST_FUNCTION)
         # Nodes on axes are as far from joints as joints from the origins of their bodies.
         points = [P for joint in model.joints for P in (joint.P_i, joint.P_j)]
         self.arm = float(max((np.linalg.norm(P) for P in points), default=0.0)) or 1.0
         self.nodes: dict[tuple[Any, ...], int] = {}
         self.tables: list[str] = []
         self.table_count = 0
+
+    def coordinate(self, joint: int, coordinate: str) -> str:
+        """Return the spelling of a coordinate."""
+        return f"{joint + 1}.{coordinate}"
+
+    def joint(self, joint: int) -> int:
+        """Return the number of a joint in the deck."""
+        return joint + 1
+
+    def end(self, body: int, point: Any) -> str:
+        """Return the spelling of an end: a point of the ground, or a node."""
+        return f"0({numbers(point, ',')})" if body == GROUND else f"{body + 1}:{self._node(body, point)}"
 
     def cards(self) -> list[Any]:
         """Words of cards and their records, in the order of the deck."""
@@ -72,15 +89,15 @@ class _Deck(ElementLines):
             ("MOTN", self._motions()),
             ("FORC", self._forces()),
             ("TORQ", self._torques()),
-            ("GRAV", [record(*model.gravity)]),
-            ("TIME", [record(model.time.end, model.time.step, integrator.step)]),
-            ("INTG", [record(integrator.method, *self._parameters())]),
-            ("OUTN", [record(p.body + 1, self._node(p.body, p.s)) for p in model.points]),
+            ("GRAV", [_record(*model.gravity)]),
+            ("TIME", [_record(model.time.end, model.time.step, integrator.step)]),
+            ("INTG", [_record(integrator.method, *self._parameters())]),
+            ("OUTN", [_record(p.body + 1, self._node(p.body, p.s)) for p in model.points]),
         ]
-        nodes = [record(body + 1, number, *place) for (body, *place), number in self.nodes.items()]
+        nodes = [_record(body + 1, number, *place) for (body, *place), number in self.nodes.items()]
         numbered = range(1, len(bodies) + 1)
         return [
-            ("BODY", [record(k, "RIGD") for k in numbered]),
+            ("BODY", [_record(k, "RIGD") for k in numbered]),
             ("RIGI", [line for body in bodies for line in body["RIGI"]]),
             *((word, [body[word] for body in bodies if body[word]]) for word in ("POSI", "EULP", "VELO")),
             ("NODE", nodes),
@@ -101,10 +118,10 @@ class _Deck(ElementLines):
         self._check_mass(body)
         velocity = (*body.velocity, *(body.A.T @ body.omega))
         return {
-            "RIGI": [record(k + 1, body.mass, *body.centre), record(*body.moments)],
-            "POSI": record(k + 1, *body.r),
-            "EULP": record(k + 1, *body.p),
-            "VELO": record(k + 1, *velocity) if any(velocity) else "",
+            "RIGI": [_record(k + 1, body.mass, *body.centre), _record(*body.moments)],
+            "POSI": _record(k + 1, *body.r),
+            "EULP": _record(k + 1, *body.p),
+            "VELO": _record(k + 1, *velocity) if any(velocity) else "",
         }
 
     def _check_mass(self, body: "RigidBody") -> None:
@@ -130,7 +147,7 @@ class _Deck(ElementLines):
         a, b = self._ends(joint)
         a, b = [*a[: kind.points_on("i")], "", "", ""], [*b[: kind.points_on("j")], "", "", ""]
         bodies = joint.i + 1, joint.j + 1
-        return record(
+        return _record(
             number, word, bodies[0], a[0], a[1], bodies[1], b[0], b[1], a[2], b[2],
             *([joint.size] if kind.size else []),
         )  # fmt: skip
@@ -166,7 +183,7 @@ class _Deck(ElementLines):
             word = "ANGL" if driver.coordinate == ANGLE else "STRK"
             found.append((driver, word, driver.joint + 1))
         return [
-            record(n, word, target, *self._function(item))
+            _record(n, word, target, *self._function(item))
             for n, (item, word, target) in enumerate(found, start=1)
         ]  # fmt: skip
 
@@ -189,7 +206,7 @@ class _Deck(ElementLines):
 
     def _table(self, points: "Sequence[tuple[float, float]]") -> Any:
         self.table_count += 1
-        self.tables += [record(self.table_count, float(t), float(v)) for t, v in points]
+        self.tables += [_record(self.table_count, float(t), float(v)) for t, v in points]
         return self.table_count
 
     def _factor(self, function: Any, item: Any) -> tuple[Any, Any]:
@@ -207,7 +224,7 @@ class _Deck(ElementLines):
         for item in self.model.forces:
             factor, table = self._factor(item.factor, item)
             force = [factor * x for x in item.force]
-            found.append(record(item.body + 1, self._node(item.body, item.point), *force,
+            found.append(_record(item.body + 1, self._node(item.body, item.point), *force,
                                  int(item.following), table))  # fmt: skip
         return found
 
@@ -216,13 +233,18 @@ class _Deck(ElementLines):
         for item in self.model.torques:
             factor, table = self._factor(item.factor, item)
             torque = [factor * x for x in item.torque]
-            found.append(record(item.body + 1, *torque, int(item.following), table))
+            found.append(_record(item.body + 1, *torque, int(item.following), table))
         return found
 
 
 def _shape(shape: RigidShape) -> str:
-    return record(shape.body + 1, _SHAPES[shape.kind], *shape.sizes, *shape.offset, *shape.angles)
+    return _record(shape.body + 1, _SHAPES[shape.kind], *shape.sizes, *shape.offset, *shape.angles)
 
 
 def _file(shape: RigidShape) -> tuple[str, str]:
-    return record(shape.body + 1, shape.unit, *shape.offset, *shape.angles), f" {shape.file}"
+    return _record(shape.body + 1, shape.unit, *shape.offset, *shape.angles), f" {shape.file}"
+
+
+def _record(*values: Any) -> str:
+    """Return a record in free form; the blank in front keeps a word from being read as a keyword."""
+    return "    " + ",".join(str(x) if isinstance(x, str | int) else repr(float(x) + 0.0) for x in values)

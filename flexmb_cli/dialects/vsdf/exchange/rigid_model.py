@@ -9,16 +9,9 @@ import numpy as np
 
 from ....deck.record import Deck
 from ....errors import Fault, ModelError
-from ....model.exchange.conversion import Conversion, about_centre, coordinate_since
-from ....model.exchange.functions import constant, moved
-from ....model.exchange.rigid_model import (
-    BodyDriver,
-    RigidBody,
-    RigidJoint,
-    RigidModel,
-    vector,
-)
-from ....model.exchange.start import Start
+from ....model.exchange.conversion import STILL, Conversion, Start, about_centre
+from ....model.exchange.functions import constant
+from ....model.exchange.rigid_model import BodyDriver, RigidBody, RigidJoint, RigidModel, vector
 from ....model.flexible_mechanism import FlexibleMechanism
 from ....model.integrators import METHODS, Integrator
 from ....model.joint_elements import JointDriver
@@ -30,7 +23,6 @@ from ..shapes import exchanged_shapes
 
 if TYPE_CHECKING:
     from ....model.flexible_mechanism import PointJoint
-    from ....model.time_functions import MotionFunction
 
 
 _DIRECTIONS = {word: n for n, word in enumerate(("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ"), start=1)}
@@ -56,9 +48,7 @@ class _Conversion(Conversion):
     def __init__(self, mechanism: FlexibleMechanism, start: Start):
         super().__init__(start)
         self.deck = mechanism
-        ground = np.zeros(3), np.eye(3)
-        self.first = [(body.r, rotation_matrix(body.p)) for body in mechanism.bodies] + [ground]
-        self.now.append(ground)
+        self.first = [*((body.r, rotation_matrix(body.p)) for body in mechanism.bodies), STILL]
 
     def model(self) -> RigidModel:
         deck = self.deck
@@ -76,11 +66,17 @@ class _Conversion(Conversion):
             (*joints, *pins),
             (*(_body_driver(motion) for motion in drivers), *held),
             tuple(
-                JointDriver(m.name, m.target, _COORDINATES[m.kind], _from_zero(m.function), m.place)
-                for m in deck.motions
-                if m.kind in _COORDINATES
+                self.joint_drivers(
+                    JointDriver(m.name, m.target, _COORDINATES[m.kind], m.function, m.place)
+                    for m in deck.motions
+                    if m.kind in _COORDINATES
+                )
             ),
-            self._forces(),
+            tuple(
+                AppliedForce(f.name, f.point.body, vector(f.force), vector(f.point.r0), f.follows, f.factor,
+                             f.place)
+                for f in deck.forces
+            ),
             tuple(
                 AppliedTorque(t.name, t.body, vector(t.torque), t.follows, t.factor, t.place)
                 for t in deck.torques
@@ -103,15 +99,7 @@ class _Conversion(Conversion):
         given = self.deck.joints[joint]
         bodies, s = (given.a[0].body, given.b[0].body), given.a[1].r0 - given.a[0].r0
         axis = s, given.a[0].r0, given.b[0].r0
-        return joint, coordinate, coordinate_since(coordinate, axis, bodies, (self.first, self.now))
-
-    def _forces(self) -> tuple[AppliedForce, ...]:
-        return tuple(
-            AppliedForce(
-                f.name, f.point.body, vector(f.force), vector(f.point.r0), f.follows, f.factor, f.place
-            )
-            for f in self.deck.forces
-        )
+        return joint, coordinate, self.coordinate_since(coordinate, axis, *bodies)
 
     def _body(self, k: int) -> RigidBody:
         body = self.deck.bodies[k]
@@ -163,10 +151,5 @@ class _Conversion(Conversion):
                 )
 
 
-def _from_zero(function: "MotionFunction") -> Any:
-    return moved(function, 0.0, function.at(0.0)[0])
-
-
 def _body_driver(motion: Any) -> BodyDriver:
-    direction = _DIRECTIONS[motion.kind]
-    return BodyDriver(motion.name, motion.target, direction, motion.function, motion.place)
+    return BodyDriver(motion.name, motion.target, _DIRECTIONS[motion.kind], motion.function, motion.place)

@@ -39,6 +39,7 @@ class _Deck(BlockWriter):
     """Numbers joints and functions while the sections are made; the ground is the last body."""
 
     dialect, function_id = "YOUNG", "YOUNG-165"
+    reserved = frozenset([*(section.name for section in YOUNG_SECTIONS), *(card.section for card in CARDS)])
 
     def __init__(self, model: Any):
         self.model, self.refusals = model, Refusals()
@@ -172,11 +173,6 @@ class _Deck(BlockWriter):
     def end(self, body: int, point: Any) -> str:
         """Return the spelling of an end."""
         return f"{body + 1}({numbers(point, ',')})"
-
-    @property
-    def reserved(self) -> frozenset[str]:
-        """Return names of sections of the deck."""
-        return frozenset([*(section.name for section in YOUNG_SECTIONS), *(card.section for card in CARDS)])
 
     def _factor(self, load: Any, item: Any) -> tuple[Any, Any]:
         value = value_of(item.factor)

@@ -1,8 +1,8 @@
 """Rigid model of a YOUNG deck, in the terms of `model.exchange`: for conversion to other dialects."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,29 +11,16 @@ from ....errors import Fault, ModelError
 from ....model.arrays.dynamic import inertia_matrix
 from ....model.arrays.kinematic import screw_values
 from ....model.attitudes import Attitudes
-from ....model.exchange.functions import constant, moved
-from ....model.exchange.rigid_model import (
-    BodyDriver,
-    RigidBody,
-    RigidJoint,
-    RigidModel,
-    vector,
-)
+from ....model.exchange.conversion import Conversion, End, Start, place_of, poses
+from ....model.exchange.functions import constant
+from ....model.exchange.rigid_model import BodyDriver, RigidBody, RigidJoint, RigidModel, vector
 from ....model.exchange.shapes import RigidShape, shifted
-from ....model.exchange.start import Start
-from ....model.joint_elements import (
-    JointDriver,
-)
-from ....model.loads import AppliedForce, AppliedTorque, DynamicModel
+from ....model.joint_elements import Coupling
+from ....model.loads import DynamicModel
 from ....model.mechanism import GROUND, Driver, Point, Simplified, TimeGrid
 from ....model.time_functions import POLYNOMIAL, MotionFunction
-from ....model.vectors import rotation_matrix
 from ..dynamic_cards import analysis_of
 from ..shapes import exchanged_shapes
-from .converted_elements import ConvertedElements
-
-if TYPE_CHECKING:
-    pass
 
 
 def rigid_model(
@@ -51,7 +38,7 @@ def rigid_model(
     return made.converted(lambda: tuple(map(made.shape, exchanged_shapes(deck))))
 
 
-class _Conversion(ConvertedElements):
+class _Conversion(Conversion):
     """Collects the parts, grounded bodies becoming the ground."""
 
     def __init__(self, model: DynamicModel, start: Start):
@@ -62,30 +49,22 @@ class _Conversion(ConvertedElements):
         self.number = dict.fromkeys((GROUND, *held), GROUND) | {k: n for n, k in enumerate(moving)}
         self.moving = moving
         estimates = Attitudes(self.mechanism).estimates().reshape(-1, 7)
-        self.first = [(q[:3], rotation_matrix(q[3:])) for q in estimates]
-        self.joints: dict[int, int] = {}
+        # Joint coordinates are 0 in the estimates.
+        self.first = poses(estimates[:, :3], estimates[:, 3:])
+        self.joints: dict[int, int] = {}  # new numbers
 
     def model(self) -> RigidModel:
         deck, time = self.deck, self.mechanism.time
         self._refuse_foreign()
-        joints = self._joints()
         return RigidModel(
             tuple(self._body(k) for k in self.moving),
             TimeGrid(0.0, time.end - time.start, time.step, time.place),
             vector(deck.gravity),
-            joints,
+            self._joints(),
             self._drivers(),
-            tuple(self._joint_driver(item) for item in deck.elements.drivers if item.joint in self.joints),
-            tuple(
-                AppliedForce(f.name, self.number[f.body], vector(f.force), vector(f.point), f.following,
-                             self._function(f.factor), f.place)
-                for f in deck.forces if self.number[f.body] != GROUND
-            ),
-            tuple(
-                AppliedTorque(t.name, self.number[t.body], vector(t.torque), t.following,
-                              self._function(t.factor), t.place)
-                for t in deck.torques if self.number[t.body] != GROUND
-            ),
+            tuple(self.joint_drivers(deck.elements.drivers)),
+            self._loads(deck.forces),
+            self._loads(deck.torques),
             tuple(
                 Point(p.name, self.number[p.body], vector(p.s), p.place)
                 for p in self.mechanism.points if self.number[p.body] != GROUND
@@ -93,8 +72,39 @@ class _Conversion(ConvertedElements):
             self.deck.integrator,
             self._notes(),
             elements=self.elements((*deck.springs, *deck.elements.forces)),
-            couplings=tuple(self._couplings()),
+            couplings=tuple(self.couplings(deck.elements.couplings)),
         )  # fmt: skip
+
+    def end(self, body: int, point: Any) -> End:
+        """Return a body there, and the point on it, global where the body is at rest."""
+        number = self.number[body]
+        if number != GROUND or body == GROUND:
+            return number, place_of(point)
+        r, A = self.now[body]
+        return number, vector(r + A @ np.array(place_of(point)))
+
+    def joint_of(self, joint: int) -> int | None:
+        """Return the number of a joint there; None of one between grounded bodies."""
+        return self.joints.get(joint)
+
+    def joint_coordinate(self, item: Any, joint: int, coordinate: str) -> tuple[int, str, float] | None:
+        """Return a joint and its coordinate there, with its value at the start."""
+        if joint not in self.joints:
+            if isinstance(item, Coupling):
+                message = "a coupling of a joint between grounded bodies is not converted"
+                self.refusals.add(item, message, id="YOUNG-163")
+            return None
+        given = self.mechanism.joints[joint]
+        axis = given.s_i, given.P_i, given.P_j
+        return self.joints[joint], coordinate, self.coordinate_since(coordinate, axis, given.i, given.j)
+
+    def _loads(self, items: Iterable[Any]) -> tuple[Any, ...]:
+        """Forces, or torques, on bodies that move."""
+        return tuple(
+            replace(item, body=self.number[item.body], factor=self.function(item.factor))
+            for item in items
+            if self.number[item.body] != GROUND
+        )
 
     def shape(self, shape: RigidShape) -> RigidShape:
         """Return a shape on its new body; that of a grounded body lies on the ground."""
@@ -128,13 +138,6 @@ class _Conversion(ConvertedElements):
         )
         return self.rigid_body(k, f"body {k + 1}", data, body.place)
 
-    def _point(self, body: int, point: tuple[float, float, float]) -> Any:
-        """A point of a body, global where the body is at rest."""
-        if self.number[body] != GROUND or body == GROUND:
-            return vector(point)
-        r, A = self.now[body]
-        return vector(r + A @ np.array(point))
-
     def _direction(self, body: int, s: tuple[float, float, float]) -> Any:
         if self.number[body] != GROUND or body == GROUND:
             return vector(s)
@@ -160,12 +163,9 @@ class _Conversion(ConvertedElements):
             return
         if k is not None:
             self.joints[k] = len(found)
-        ends = self._point(joint.i, joint.P_i), self._point(joint.j, joint.P_j)
+        ends = self.end(joint.i, joint.P_i)[1], self.end(joint.j, joint.P_j)[1]
         axes = self._direction(joint.i, joint.s_i), self._direction(joint.j, joint.s_j)
         found.append(RigidJoint(joint.name, kind, i, j, *ends, *axes, size, joint.place))
-
-    def _function(self, function: "MotionFunction | None") -> Any:
-        return function and moved(function, self.mechanism.time.start)
 
     def _drivers(self) -> tuple[Any, ...]:
         """Drivers, and coordinates that are held, of bodies that move."""
@@ -183,15 +183,7 @@ class _Conversion(ConvertedElements):
                 )
             found.append((held, supported.get(n) or constant(held.value)))
         return tuple(
-            BodyDriver(
-                item.name, self.number[item.body], item.direction, self._function(function), item.place
-            )
+            BodyDriver(item.name, self.number[item.body], item.direction, self.function(function), item.place)
             for item, function in found
             if self.number[item.body] != GROUND
         )
-
-    def _joint_driver(self, item: Any) -> JointDriver:
-        # The function is met at the start, whatever number of turns it begins with.
-        time = self.mechanism.time.start
-        function = moved(item.function, time, item.function.at(time)[0])
-        return JointDriver(item.name, self.joints[item.joint], item.coordinate, function, item.place)
