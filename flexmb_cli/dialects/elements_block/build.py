@@ -5,7 +5,6 @@ What an element acts on is found by the `Measures` of a dialect; its force law i
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import fields
 from typing import Any, cast
 
 from ...deck.record import Deck, Number
@@ -25,7 +24,7 @@ from ...model.laws import (
     Line,
     motors_last,
 )
-from ..joint_elements.functions import Functions
+from .functions import Functions
 from .line import SECTION, ElementLine
 from .measures import Measures
 from .words import BY_WORD, key_of
@@ -201,8 +200,8 @@ class BlockBuilder:
     def motion(self, line: ElementLine, given: float = 0.0) -> Any:
         """The function that a coordinate follows: that of `value`, or the integral of that of `rate`."""
         if "rate" in line:
-            return self.functions.integrated(line, self.start, given, "rate")
-        return self.functions.motion(line, self.start, given, "value")
+            return self.functions.integrated(line, "rate", self.start, given)
+        return self.functions.motion(line, "value")
 
     def driver(self, line: ElementLine) -> JointDriver | None:
         """The driver of a joint or hinge coordinate."""
@@ -232,10 +231,3 @@ class BlockBuilder:
     def _rate(self, line: ElementLine) -> JointRate | None:
         at = self.measures.at(line)
         return JointRate(line.subject, *at, float(line["rate"]), line.place) if at else None
-
-
-def joined(one: JointElements, other: JointElements) -> JointElements:
-    """Return the elements of both."""
-    groups = {field.name: (*getattr(one, field.name), *getattr(other, field.name)) for field in fields(one)
-              if isinstance(getattr(one, field.name), tuple)}  # fmt: skip
-    return JointElements(**groups | {"forces": motors_last(groups["forces"])}, reported=one.reported)

@@ -9,7 +9,7 @@ from ...deck.record import Number
 from ...deck.text import read_text
 from ...errors import DeckError, Fault
 from ...model.diagnostics import Findings
-from ..joint_elements.functions import GivenFunction
+from .functions import GivenFunction
 from .line import ElementLine
 
 _OF_POINTS = ("table", "spline")
@@ -28,12 +28,18 @@ def given_functions(
     """
     for line in lines:
         if line.word == "FUNCTION":
+            _refuse_number_of_table(line, tables or {}, findings)
             found = _values(line, folder, findings, tables)
             if found is not None:
-                name = Number("name", line.subject, "name", "", line.place, line.subject)
-                also = line.at("number") if "number" in line else None
-                values, place = found
-                yield GivenFunction(line, name, line.kind, values, place, also)
+                yield GivenFunction(line, *found)
+
+
+def _refuse_number_of_table(line: ElementLine, tables: Mapping[int, Any], findings: Findings) -> None:
+    """Cards name tables and functions by their numbers in the same field."""
+    given = line.at("number") if "number" in line else Number("", line.subject, "", "", line.place)
+    if str(given.value) in map(str, tables):
+        message = f"{given.value} is a table; functions and tables have numbers of their own"
+        findings.error(line.subject, message, given.place, id="VSDF-100")
 
 
 def _values(line: ElementLine, folder: Path, findings: Findings, tables: Any) -> Any:

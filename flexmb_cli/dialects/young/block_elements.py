@@ -7,10 +7,10 @@ from ...model.diagnostics import Findings, no_such
 from ...model.joint_elements import CompositeJoint, DrivenItem, JointElements
 from ...model.mechanism import Mechanism
 from ..elements_block.build import BlockBuilder
+from ..elements_block.functions import Functions
 from ..elements_block.line import ElementLine
 from ..elements_block.measures import JointMeasures
 from ..elements_block.words import LINKS
-from ..joint_elements.functions import Functions
 
 _TYPES = {"revcyl": "revolute-cylindrical", "revsph": "revolute-spherical", "sphsph": "spherical-spherical"}
 # The other end of a link needs a direction that no equation uses.
