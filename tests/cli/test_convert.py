@@ -317,7 +317,9 @@ def test_an_inverse_run_is_refused_for_its_drivers_and_sent_nowhere(tmp_path):
 def test_a_load_by_a_function_of_time_does_not_convert_to_exudyn(tmp_path):
     text = (DECKS / "young/dynamics/IN-BRICARD.dat").read_text()
     deck = tmp_path / "driven.dat"
-    deck.write_text(re.sub(r"\nEND\b", "\nELEMENTS\n  FUNCTION 1 ramp 0 0 1 1\nFORCE 1 0 0 0 0 0 1 0 1\nEND", text))
+    deck.write_text(
+        re.sub(r"\nEND\b", "\nELEMENTS\n  FUNCTION 1 ramp 0 0 1 1\nFORCE 1 0 0 0 0 0 1 0 1\nEND", text)
+    )
     done = CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(tmp_path / "m.py")])
     assert "loads over time do not convert" in " ".join(fault.sentence for fault in done.exception.faults)
 
@@ -325,7 +327,13 @@ def test_a_load_by_a_function_of_time_does_not_convert_to_exudyn(tmp_path):
 def test_an_element_at_a_joint_is_refused_where_it_stands(tmp_path):
     text = (DECKS / "young/dynamics/IN-BRICARD.dat").read_text()
     deck = tmp_path / "sprung.dat"
-    deck.write_text(re.sub(r"\nEND\b", "\nELEMENTS\n  FRICTION friction-1 joint=1 dynamic=0.1 static=0.1 stribeck=1 creep=0.01 radius=0.1\nEND", text))
+    deck.write_text(
+        re.sub(
+            r"\nEND\b",
+            "\nELEMENTS\n  FRICTION friction-1 joint=1 dynamic=0.1 static=0.1 stribeck=1 creep=0.01 radius=0.1\nEND",
+            text,
+        )
+    )
     done = CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(tmp_path / "m.py")])
     (fault,) = done.exception.faults
     assert (fault.subject, fault.place.line) == ("friction-1", text[: text.index("\nEND")].count("\n") + 2)

@@ -19,20 +19,20 @@ DRIVERS = "ELEMENTS\n  FUNCTION 1 polynomial 0 1\n  DRIVE angle-1 at=1.angle val
 LINE = "ELEMENTS\n  SPRING lspring-1 from=0(1,0,0) to=2(1,0,0)"
 # Stiffness, rest, damping, preload, curve of the length - rest; -(preload + k s + curve(s)) at s = -rest.
 PUSHED = {
-    "100 0.2": "pushes with 20 N",
-    "0 0 0 5": "pulls with 5 N",
-    "0 0.5 0 0 9": "pulls with 1.5 N",
+    "stiffness=100 rest=0.2": "pushes with 20 N",
+    "preload=5": "pulls with 5 N",
+    "rest=0.5 curve=9": "pulls with 1.5 N",
 }
 AT_REST = {
-    "100 0": "it draws to its own middle",
-    "100 0 7": "a damper acts as soon as the ends are apart",
-    "100 0.2 0 20": "preload and stiffness cancel each other",
+    "stiffness=100": "it draws to its own middle",
+    "stiffness=100 damping=7": "a damper acts as soon as the ends are apart",
+    "stiffness=100 rest=0.2 preload=20": "preload and stiffness cancel each other",
 }
 CURVE = "ELEMENTS\n  FUNCTION 9 polynomial 0 -3\n"  # N, of metres
 
 
 def motion(line, analysis):
-    cards = f"{MASSES}{DRIVERS if analysis == 'inverse' else ''}{CURVE}{LINE}{line}\n"
+    cards = f"{MASSES}{DRIVERS if analysis == 'inverse' else ''}{CURVE}{LINE} {line}\n"
     return analysis_of(model_of(ARM, "0 0.1 0.05", cards, analysis))
 
 

@@ -124,7 +124,9 @@ CART = (
 def test_friction_agrees_where_it_changes_its_own_normal_force_by_more_than_the_whole(tmp_path):
     """The rod leans by φ: each N of friction on the light slide changes the normal force by about tan φ N."""
     found = verified(
-        tmp_path, f"{CART}ELEMENTS\n  FRICTION fric-1 joint=1 dynamic=1.5 static=1.5 stribeck=1 creep=0.001\nEND \nSTAR\nSTOP\n", 1e-7
+        tmp_path,
+        f"{CART}ELEMENTS\n  FRICTION fric-1 joint=1 dynamic=1.5 static=1.5 stribeck=1 creep=0.001\nEND \nSTAR\nSTOP\n",
+        1e-7,
     )
     assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-7]
 
@@ -132,7 +134,9 @@ def test_friction_agrees_where_it_changes_its_own_normal_force_by_more_than_the_
 @pytest.mark.parametrize("kind", [TreeAnalysis, AbsoluteTree])
 def test_friction_that_jams_is_named_in_both_formulations(kind):
     """The rod leans so that each N of friction adds more than one N of normal force, and pulls at it."""
-    tree = build(f"{CART}ELEMENTS\n  FRICTION fric-1 joint=1 dynamic=30 static=30 stribeck=1 creep=0.001\nEND \nSTAR\nSTOP\n")[0]
+    tree = build(
+        f"{CART}ELEMENTS\n  FRICTION fric-1 joint=1 dynamic=30 static=30 stribeck=1 creep=0.001\nEND \nSTAR\nSTOP\n"
+    )[0]
     with pytest.raises(AnalysisError, match="at t = 0 s friction jams a joint"):
         next(kind(replace(tree, y=-tree.y)).rows())
 
@@ -256,7 +260,11 @@ def test_the_state_space_is_that_of_the_tree_without_elements(old, new):
 
 def test_a_motor_accelerates_two_links_by_the_inverse_of_their_mass_matrix():
     """J1 + J2 + m (l² + 2 l c) = 1.892, J2 + m l c = 0.412 and J2 = 0.172 kg m2 in line; s x = ... + B u."""
-    cards = [function(4, "polynomial", 0.5), "ELEMENTS\n  MOTOR motf-1 at=2.r3 effort=4", "ELEMENTS\n  SPRING hspr-1 at=1.r3 stiffness=20"]
+    cards = [
+        function(4, "polynomial", 0.5),
+        "ELEMENTS\n  MOTOR motf-1 at=2.r3 effort=4",
+        "ELEMENTS\n  SPRING hspr-1 at=1.r3 stiffness=20",
+    ]
     space = linearised(deck("\n".join(cards)), state_space=True).space
     assert [signal.name for signal in space.inputs] == ["function motor 1 effort"]
     expected = np.linalg.inv([[1.892, 0.412], [0.412, 0.172]])[:, 1]

@@ -5,9 +5,9 @@ What an element acts on is found by the `Measures` of a dialect; its force law i
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, cast
+from typing import Any
 
-from ...deck.record import Deck, Number
+from ...deck.record import Number
 from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.joint_elements import Coupling, JointDriver, JointElements, JointRate
@@ -25,7 +25,7 @@ from ...model.laws import (
     motors_last,
 )
 from .functions import Functions
-from .line import SECTION, ElementLine
+from .line import ElementLine
 from .measures import Measures
 from .words import BY_WORD, key_of
 
@@ -36,11 +36,6 @@ _ONE_OF: dict[str, Callable[..., Any]] = {  # what there may be one of, and by w
     "drivers": lambda item: (item.joint, item.coordinate),
     "rates": lambda item: (item.joint, item.coordinate),
 }
-
-
-def lines_of(deck: Deck) -> Sequence[ElementLine]:
-    """Return the lines of the blocks of a deck."""
-    return cast("Sequence[ElementLine]", deck.section(SECTION))
 
 
 class BlockBuilder:

@@ -30,8 +30,7 @@ def given_functions(
         if line.word == "FUNCTION":
             _refuse_number_of_table(line, tables or {}, findings)
             found = _values(line, folder, findings, tables)
-            if found is not None:
-                yield GivenFunction(line, *found)
+            yield GivenFunction(line, *(found or (None, lambda _: None)))
 
 
 def _refuse_number_of_table(line: ElementLine, tables: Mapping[int, Any], findings: Findings) -> None:

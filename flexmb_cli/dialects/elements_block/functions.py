@@ -32,11 +32,11 @@ SHORTEST = 1e-50  # of the distance of two points, s: slopes of larger numbers w
 class GivenFunction:
     """A function as its line gives it: what defines it, numbers or, of sums and products, names.
 
-    `place(k)`: where the k-th value stands.
+    `values`: None behind a fault; `place(k)`: where the k-th value stands.
     """
 
     line: ElementLine
-    values: Sequence[Any]
+    values: Sequence[Any] | None
     place: Callable[[int], Place | None]
 
     @property
@@ -57,7 +57,7 @@ class Functions:
         self._records: dict[str, Record] = {}
         self._values = 0
         for function in given:
-            self._values += len(function.values)
+            self._values += len(function.values or ())
             if self._values > LARGEST_TABLES:
                 message = f"the functions of a deck have at most {LARGEST_TABLES} numbers together"
                 findings.error(function.line.subject, message, function.line.place, id="ELEMENTS-025")
@@ -73,6 +73,8 @@ class Functions:
                 self.findings.error(line.subject, f"function number {name} {why}", place, id="ELEMENTS-012")
                 return
             self._records[name] = line
+        if given.values is None:
+            return
         kind = KINDS[line.kind]
         if not kind.fits(len(given.values)):
             message = f"{line.kind} takes {kind.wanted}; read {len(given.values)} numbers"

@@ -1,9 +1,10 @@
 """A line of the block ELEMENTS as a record of the deck."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import cast
 
-from ...deck.record import Number, Record
+from ...deck.record import Deck, Number, Record
 from ...errors import Place
 
 SECTION = "elements"
@@ -39,3 +40,8 @@ class ElementLine(Record):
         return ElementLine(
             self.section, self.number, self.subject, tuple(numbers), self.word, self.kind, self.begins
         )
+
+
+def lines_of(deck: Deck) -> Sequence[ElementLine]:
+    """Return the lines of the blocks of a deck."""
+    return cast("Sequence[ElementLine]", deck.section(SECTION))

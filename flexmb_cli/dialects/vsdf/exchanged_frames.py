@@ -17,7 +17,7 @@ from ...errors import Fault, ModelError
 from ...fe.build_mechanism import flexible_mechanism
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.vectors import rotation_matrix
-from ..elements_block.build import lines_of
+from ..elements_block.line import lines_of
 from .build import build_vsdf
 
 BY_FRAMES = ("REVO", "CYLI")  # joints without third nodes, whose angle is that of the frames

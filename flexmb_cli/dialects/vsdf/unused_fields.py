@@ -119,7 +119,7 @@ def warn_of_tables(values: DeckValues, tables: dict[int, Any], findings: Finding
     for k in first.values():
         number = cards[k].at("table")
         message = (
-            "no card uses it; a motion of law 4 names a table in c0, a force or a torque in its last field, "
-            "a function in points="
+            "nothing uses it; a motion of law 4 names a table in c0, a force or a torque in its last field, "
+            "a line FUNCTION by points="
         )
         findings.warn(f"table {number.value}", message, number.place, id="VSDF-086")

@@ -16,8 +16,7 @@ from ...errors import Fault, FaultList, ModelError
 from ...model.diagnostics import Findings
 from ...model.driver_angles import check_driver_angles
 from ...model.mechanism import Mechanism, TimeGrid
-from ..elements_block.build import lines_of
-from ..elements_block.line import CONSTRAINING
+from ..elements_block.line import CONSTRAINING, lines_of
 from .dynamic_cards import FORWARD, analysis_of
 from .equation_count import check_equation_count
 from .parts import part_of

@@ -21,9 +21,9 @@ from ...model.loads import (
     MassProperties,
 )
 from ...model.mechanism import GROUND
-from ..elements_block.build import lines_of
 from ..elements_block.function_lines import given_functions
 from ..elements_block.functions import Functions
+from ..elements_block.line import lines_of
 from .block_elements import block_elements
 from .build import build_young
 from .dynamic_cards import FORWARD, analysis_of

@@ -31,16 +31,29 @@ REVERSING = (1.2, -5.0, -4.0)  # comes to rest after 0.1 s, and goes back
 FINE, SPARSE = ("  200", "     0.001"), ("    4", "      0.05")
 SLOPES = function(5, "polynomial", 0, 0, 0, 40)
 CASES = {
-    "FUNC": [function(5, "spline", 0, 0.3, 0.1, 1.1, 0.2, 0.8, 0.3, 0.4), "ELEMENTS\n  MOTOR motf-1 at=2.r3 effort=5"],
+    "FUNC": [
+        function(5, "spline", 0, 0.3, 0.1, 1.1, 0.2, 0.8, 0.3, 0.4),
+        "ELEMENTS\n  MOTOR motf-1 at=2.r3 effort=5",
+    ],
     "MOTF": [function(5, "sine", 0, 3, 5), "ELEMENTS\n  MOTOR motf-1 at=2.r3 effort=5"],
     "PREF": [function(5, "sine", 0, 0.7, 3), "ELEMENTS\n  DRIVE pref-1 at=2.r3 value=5"],
-    "HSPR": [SLOPES, "ELEMENTS\n  SPRING hspr-1 at=1.r3 stiffness=8 rest=0.1 damping=0.4 preload=1.6 curve=5"],
+    "HSPR": [
+        SLOPES,
+        "ELEMENTS\n  SPRING hspr-1 at=1.r3 stiffness=8 rest=0.1 damping=0.4 preload=1.6 curve=5",
+    ],
     "HSTO": ["ELEMENTS\n  STOP hsto-1 at=1.r3 lower=-1 upper=-0.2 stiffness=60 damping=0.3"],
-    "LSPR": [SLOPES, "ELEMENTS\n  SPRING lspr-1 from=0(1,2,0) to=2(0.6,0,0) curve=5 stiffness=30 rest=1.2 damping=0.5 preload=2"],
+    "LSPR": [
+        SLOPES,
+        "ELEMENTS\n  SPRING lspr-1 from=0(1,2,0) to=2(0.6,0,0) curve=5 stiffness=30 rest=1.2 damping=0.5 preload=2",
+    ],
     "CABL": ["ELEMENTS\n  CABLE cabl-1 from=0(1,2,0) to=1(0.6,0,0) stiffness=80 rest=1.2 damping=0.1"],
-    "BUSH": ["ELEMENTS\n  BUSHING bush-1 from=0(1,2,0) to=2(0.6,0,0) k=(9,16,25) kr=(0.6,0.9,1.6) c=(0.5,0.6,0.7) cr=(0.2,0.3,0.4)"],
+    "BUSH": [
+        "ELEMENTS\n  BUSHING bush-1 from=0(1,2,0) to=2(0.6,0,0) k=(9,16,25) kr=(0.6,0.9,1.6) c=(0.5,0.6,0.7) cr=(0.2,0.3,0.4)"
+    ],
     "COUP": ["ELEMENTS\n  COUPLING coup-1 1.r3=2 2.r3=3"],
-    "FRIC": ["ELEMENTS\n  FRICTION fric-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 radius=0.05 preload=3"],
+    "FRIC": [
+        "ELEMENTS\n  FRICTION fric-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 radius=0.05 preload=3"
+    ],
     "SPRI": [card("SPRI", integers(1, 3) + reals(8, 0.4))],
     "DAMP": [card("DAMP", integers(1, 3) + reals(0.7))],
     "MOTR": [card("MOTR", integers(1, 3) + reals(0.9))],
@@ -93,7 +106,10 @@ class Case:
     @property
     def driver(self):
         """Cards that drive the freedom."""
-        return [function(90, "polynomial", 0, *self.powers), f"ELEMENTS\n  DRIVE driven at={hinge(1, self.freedom)} value=90"]
+        return [
+            function(90, "polynomial", 0, *self.powers),
+            f"ELEMENTS\n  DRIVE driven at={hinge(1, self.freedom)} value=90",
+        ]
 
     def starting(self, steps):
         """The model with the first speeds and with so many steps."""
@@ -175,7 +191,12 @@ def driven(word):
 
 @pytest.mark.parametrize("word", CASES)
 def test_the_card_acts_on_the_driver(word):
-    bare = run(word, SPARSE, [function(8, "polynomial", 0), "ELEMENTS\n  MOTOR motf-1 at=2.r3 effort=8"], ALL[word].driver)
+    bare = run(
+        word,
+        SPARSE,
+        [function(8, "polynomial", 0), "ELEMENTS\n  MOTOR motf-1 at=2.r3 effort=8"],
+        ALL[word].driver,
+    )
     given = driven(word)
     same = np.searchsorted(given.time, bare.time - 1e-9)
     assert np.max(np.abs(bare.driver_effort[:, -1] - given.driver_effort[same, -1])) > 1e-3
@@ -186,7 +207,10 @@ def test_the_card_acts_on_the_driver(word):
 def test_the_effort_of_a_driven_run_gives_the_motion_back(word, method):
     case, given = ALL[word], driven(word)
     points = list(zip(given.time.tolist(), given.driver_effort[:, -1].tolist(), strict=True))
-    motor = [spline_block([(99, "effort", points)]), f"ELEMENTS\n  MOTOR motor at={hinge(1, case.freedom)} effort=99"]
+    motor = [
+        spline_block([(99, "effort", points)]),
+        f"ELEMENTS\n  MOTOR motor at={hinge(1, case.freedom)} effort=99",
+    ]
     found = run(word, SPARSE, case.cards, motor, method=method)
     same = np.searchsorted(given.time, found.time - 1e-9)
     angle, rate = motion(found.time, case.powers)

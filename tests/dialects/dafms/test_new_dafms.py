@@ -155,7 +155,7 @@ FLEXIBLE = [*ROD[:4], "beam", "1.2 3 40 0.5", "", "", "", ""]
 
 def test_a_rigid_pendulum_asked_for():
     """Columns by hand from decks/dafms/FORMAT.md: I5 fields, F10.5 fields, one record a card and body."""
-    none = " ".join("0" * len(ADDED))
+    none = "0 0"  # shapes, lines of ELEMENTS
     dialogue = talk(*ROD, "2.5", "0.3 0 0.3", *[""] * 5, "0 0.5 0", "1.25", "", "0 0 -9.81", none)
     assert dialogue.question is None
     lines = [line for line, _ in dialogue.lines]

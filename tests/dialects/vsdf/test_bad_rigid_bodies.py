@@ -230,5 +230,5 @@ def test_a_deck_without_joints_has_no_number_to_offer():
         "JSPR\n 1,1.0\nELEMENTS\n  SPRING tspr-1 at=1.angle stiffness=5\nTIME\n       0.2      0.05\nEND\nSTAR\nSTOP\n"
     )
     rest = "joint number 1 is not there: the deck has no joint; add one, or remove this card"
-    places = "8:9: error: motion 1", "10:2: error: joint spring 1", "12:2: error: tspring-1"
+    places = "8:9: error: motion 1", "10:2: error: joint spring 1", "12:20: error: tspr-1"
     assert [line for line in reported(text) if ": error: " in line] == [f"{one}: {rest}" for one in places]

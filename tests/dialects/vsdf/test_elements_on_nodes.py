@@ -188,7 +188,11 @@ RUBS = "ELEMENTS\n  FRICTION fric-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.5 
 @pytest.mark.parametrize("sides", [ON_GROUND, ON_BODY])
 def test_friction_at_a_joint_of_a_flexible_body_follows_its_reaction(folder, sides):
     """The effort by Stribeck's curve and the reaction across the axis; its work balances the energy."""
-    rows = rows_of(folder, f"{RUBS}ELEMENTS\n  SPRING tspr-1 at=1.angle stiffness=8 rest=0.4 damping=0.2\nOUTN\n 1,13,16", body=HINGED.format(sides))
+    rows = rows_of(
+        folder,
+        f"{RUBS}ELEMENTS\n  SPRING tspr-1 at=1.angle stiffness=8 rest=0.4 damping=0.2\nOUTN\n 1,13,16",
+        body=HINGED.format(sides),
+    )
     axis = rows.point_position[:, 1] - rows.point_position[:, 0]
     axis /= np.linalg.norm(axis, axis=1, keepdims=True)
     force = rows.reaction_force[:, 0]
@@ -246,7 +250,10 @@ def test_elements_at_nodes_agree_in_two_floating_frames(folder):
 @pytest.mark.parametrize(
     ("card", "told"),
     [
-        ("ELEMENTS\n  BUSHING bush-1 from=1:15 to=2:2 k=(20,20,20)", "bushing-1: it acts along the axes of the frame of a FLEX body"),
+        (
+            "ELEMENTS\n  BUSHING bush-1 from=1:15 to=2:2 k=(20,20,20)",
+            "bushing-1: it acts along the axes of the frame of a FLEX body",
+        ),
         (
             "JOIN\n 2,REVO,1,14,15,2,1,2\nELEMENTS\n  SPRING tspr-1 at=2.angle stiffness=20",
             "tspring-1: it acts in an angle of the frame of a FLEX body",

@@ -64,7 +64,9 @@ RATES = {
 
 def arm(folder, cards):
     held = "".join(f"{word} {k} 8\n" for k, word in ((1, "ANGLE"), (2, "STROKE")) if word not in cards)
-    (folder / "arm.dat").write_text(f"{ARM}{cards}ELEMENTS\n  FUNCTION 8 polynomial 0\n{held}TOLERANCE 1e-12\nEND\n")
+    (folder / "arm.dat").write_text(
+        f"{ARM}{cards}ELEMENTS\n  FUNCTION 8 polynomial 0\n{held}TOLERANCE 1e-12\nEND\n"
+    )
     return folder / "arm.dat"
 
 

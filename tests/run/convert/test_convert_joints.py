@@ -47,7 +47,11 @@ ELEMENTS = {
 @pytest.mark.long_motion
 @pytest.mark.parametrize("cards", ELEMENTS.values(), ids=ELEMENTS)
 def test_elements_act_alike_in_other_dialects_and_back(cards, tmp_path):
-    (tmp_path / "chain.dat").write_text(CHAIN.replace("ELEMENTS\n  SPRING tspring-1 at=3.angle", f"{cards}ELEMENTS\n  SPRING tspring-1 at=3.angle"))
+    (tmp_path / "chain.dat").write_text(
+        CHAIN.replace(
+            "ELEMENTS\n  SPRING tspring-1 at=3.angle", f"{cards}ELEMENTS\n  SPRING tspring-1 at=3.angle"
+        )
+    )
     (tmp_path / "without.dat").write_text(CHAIN)
     vsdf = convert(tmp_path / "chain.dat", "vsdf", tmp_path)
     tree = convert(vsdf, "dafms", tmp_path)

@@ -241,7 +241,10 @@ ROD = "ELEMENTS\n  JOINT revsph-1 revsph from=0(1,1,0) to=3(0.6,0,0) axis_from=(
             ("note", "planar mechanism of spatial joints: 1 of 19 equations repeats others, those"),
         ),
         (PIN.format("0 0 1") * 2, ("warning", "5 equations repeat others")),
-        ("ELEMENTS\n  JOINT sphsph-1 sphsph from=0(1,1,0) to=3(0.6,0,0) length=1\n" * 2, ("warning", "1 equation repeats others")),
+        (
+            "ELEMENTS\n  JOINT sphsph-1 sphsph from=0(1,1,0) to=3(0.6,0,0) length=1\n" * 2,
+            ("warning", "1 equation repeats others"),
+        ),
     ],
     ids=["swivel", "rod", "swivel twice", "rod with balls twice"],
 )

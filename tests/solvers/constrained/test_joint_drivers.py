@@ -21,7 +21,10 @@ from tests.solvers.constrained.element_decks import ARM, ROTOR, SLIDER, TWO_ROTO
 
 # Slender links: centres of mass, masses, moments of inertia about z.
 LINKS = "MASS 2 1.5 0.4 0 0 0.1 0.2 0.2\nMASS 3 0.8 0.3 0 0 0.05 0.1 0.1\nGRAVITY 0 -9.81 0\n"
-DRIVEN = LINKS + "ELEMENTS\n  FUNCTION 1 sine 0.2 0.7 2.0 0.5\n  FUNCTION 2 polynomial 0.1 8.0 -0.4 0.3\n  DRIVE angle-1 at=1.angle value=1\n  DRIVE angle-2 at=2.angle value=2\n"
+DRIVEN = (
+    LINKS
+    + "ELEMENTS\n  FUNCTION 1 sine 0.2 0.7 2.0 0.5\n  FUNCTION 2 polynomial 0.1 8.0 -0.4 0.3\n  DRIVE angle-1 at=1.angle value=1\n  DRIVE angle-2 at=2.angle value=2\n"
+)
 
 
 def functions(t):
@@ -87,7 +90,12 @@ def test_a_driver_of_the_deck_follows_a_function(direction, coordinate):
     """DRIVE takes the place of C, B, A; a torque of I α and a force of m a."""
     mechanism = (ROTOR if direction == 6 else SLIDER).replace("2 0 0", "2 1 0", 1)
     mechanism = mechanism.replace("0 0 0 1 0 0 0\n1 2", f"0 0 0 1 0 0 0\n2 {direction} 0 1 0\n1 2")
-    rows = rows_of(mechanism, "0 2 0.2", "MASS 2 2 0 0 0 1 1 0.7\nELEMENTS\n  FUNCTION 1 sine 0 4 1.5\n  DRIVE drive-1 driver=1 value=1", "inverse")
+    rows = rows_of(
+        mechanism,
+        "0 2 0.2",
+        "MASS 2 2 0 0 0 1 1 0.7\nELEMENTS\n  FUNCTION 1 sine 0 4 1.5\n  DRIVE drive-1 driver=1 value=1",
+        "inverse",
+    )
     value = 4 * np.sin(1.5 * rows.time)
     found = rows.joint_coordinate[:, 0]
     assert found == pytest.approx(value, abs=1e-12)
@@ -118,7 +126,12 @@ def test_a_gear_turns_its_joints_in_proportion(sign):
 
 
 def test_what_nothing_drives_is_refused_in_an_inverse_run():
-    model = model_of(ARM, "0 1 0.1", LINKS + "ELEMENTS\n  FUNCTION 1 sine 0 1 1\n  DRIVE angle-1 at=1.angle value=1\n", "inverse")
+    model = model_of(
+        ARM,
+        "0 1 0.1",
+        LINKS + "ELEMENTS\n  FUNCTION 1 sine 0 1 1\n  DRIVE angle-1 at=1.angle value=1\n",
+        "inverse",
+    )
     with pytest.raises(AnalysisError, match="do not determine all velocities"):
         list(DrivenDynamics(model).rows())
 
@@ -134,7 +147,11 @@ def test_the_effort_of_an_inverse_run_as_a_table_gives_the_motion_back(tmp_path:
     assert run.invoke(cli, ["run", "-q", "inverse.dat"]).exit_code == 0
     cards = run.invoke(cli, ["table", "-q", "inverse.h5", "driver.1.effort", "--as-table", "4"]).stdout
     assert cards.startswith("ELEMENTS\n  FUNCTION 4 spline 0.0 ")
-    rows = rows_of(ROTOR, "0 1 0.05", f"{mass}TORQUE 2 0 0 1 0 4\n{cards}ELEMENTS\n  START at=1.angle rate=0.8\nTOLERANCE 1e-12\n")
+    rows = rows_of(
+        ROTOR,
+        "0 1 0.05",
+        f"{mass}TORQUE 2 0 0 1 0 4\n{cards}ELEMENTS\n  START at=1.angle rate=0.8\nTOLERANCE 1e-12\n",
+    )
     assert rows.joint_coordinate[:, 0] == pytest.approx(0.4 * np.sin(2 * rows.time), abs=1e-8)
     assert rows.joint_rate[:, 0] == pytest.approx(0.8 * np.cos(2 * rows.time), abs=1e-8)
 
@@ -150,9 +167,7 @@ def test_a_ramped_torque_turns_a_rotor_by_its_cubic():
 
 def test_turns_of_rate_and_position_agree_with_a_full_revolution_of_the_base():
     """An arm on a turntable: relative angles do not change when the base turns."""
-    cards = (
-        "MASS 2 1 0 0 0 1 1 0.2\nMASS 3 1 0 0 0 1 1 0.2\nELEMENTS\n  FUNCTION 1 polynomial 0 9\n  FUNCTION 2 sine 0 1 3\n  DRIVE angle-1 at=1.angle value=1\n  DRIVE angle-2 at=2.angle value=2"
-    )
+    cards = "MASS 2 1 0 0 0 1 1 0.2\nMASS 3 1 0 0 0 1 1 0.2\nELEMENTS\n  FUNCTION 1 polynomial 0 9\n  FUNCTION 2 sine 0 1 3\n  DRIVE angle-1 at=1.angle value=1\n  DRIVE angle-2 at=2.angle value=2"
     rows = rows_of(ARM, "0 1 0.1", cards, "inverse")
     assert rows.joint_coordinate[-1] == pytest.approx((9.0, math.sin(3.0)), abs=1e-13)
 
@@ -168,7 +183,11 @@ def test_both_motors_of_the_supplied_arm_move_it_as_they_were_driven():
         pairs = zip(driven.time.tolist(), driven.driver_effort[:, k].tolist(), strict=True)
         points = " ".join(f"{t!r} {v!r}" for t, v in pairs)
         loads += f"ELEMENTS\n  FUNCTION {k + 1} spline {points}\n  MOTOR tmotor-1 at={k + 1}.angle effort={k + 1}\n"
-    free = rows_of(mechanism, "0 1 0.05", f"{loads}ELEMENTS\n  START at=1.angle rate=1.8\n  START at=2.angle rate=0\nTOLERANCE 1e-12")
+    free = rows_of(
+        mechanism,
+        "0 1 0.05",
+        f"{loads}ELEMENTS\n  START at=1.angle rate=1.8\n  START at=2.angle rate=0\nTOLERANCE 1e-12",
+    )
     assert free.joint_coordinate == pytest.approx(driven.joint_coordinate[::10], abs=1e-8)
     assert free.joint_rate == pytest.approx(driven.joint_rate[::10], abs=1e-8)
 
@@ -195,9 +214,10 @@ def test_estimates_that_miss_the_axis_leave_no_bending_in_the_joint(analysis):
     """
     tilted = ROTOR.replace("1 0 0 0\n0 0 0 1 0 0 0\n", "1 0 0 0\n0 0 0 0.9950041653 0.0998334166 0 0\n")
     assert tilted != ROTOR
-    drive = {"forward": "ELEMENTS\n  MOTOR tmotor-1 at=1.angle effort=1\n  FUNCTION 1 polynomial 0.7", "inverse": "ELEMENTS\n  DRIVE angle-1 at=1.angle value=1\n  FUNCTION 1 polynomial 0 0 0.7"}[
-        analysis
-    ]
+    drive = {
+        "forward": "ELEMENTS\n  MOTOR tmotor-1 at=1.angle effort=1\n  FUNCTION 1 polynomial 0.7",
+        "inverse": "ELEMENTS\n  DRIVE angle-1 at=1.angle value=1\n  FUNCTION 1 polynomial 0 0 0.7",
+    }[analysis]
     rows = rows_of(tilted, "0 0.3 0.1", f"MASS 2 2 0 0 0 1 1 0.5\n{drive}", analysis)
     assert np.abs(rows.angular_acceleration[:, 1, 2]) == pytest.approx(1.4, rel=1e-9)
     assert np.abs(rows.reaction_torque).max() < 1e-9

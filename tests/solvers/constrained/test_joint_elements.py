@@ -44,7 +44,11 @@ def oscillation(t, x0, v0, omega, zeta=0.0):
 def test_a_torsional_spring_with_damper_and_preload_swings_as_in_textbooks(method):
     """I = 0.5, k = 8, c = 0.4, preload 1.6 about the rest angle 0.1: the middle is 0.1 - 1.6/8 = -0.1."""
     name, card = method
-    rows = rows_of(ROTOR, "0 2 0.1", f"{SPUN}ELEMENTS\n  SPRING tspring-1 at=1.angle stiffness=8 rest=0.1 damping=0.4 preload=1.6\n  START at=1.angle rate=0.4\n{card}")
+    rows = rows_of(
+        ROTOR,
+        "0 2 0.1",
+        f"{SPUN}ELEMENTS\n  SPRING tspring-1 at=1.angle stiffness=8 rest=0.1 damping=0.4 preload=1.6\n  START at=1.angle rate=0.4\n{card}",
+    )
     wanted = -0.1 + oscillation(rows.time, 0.1, 0.4, 4.0, 0.4 / (2 * math.sqrt(8 * 0.5)))
     assert rows.joint_coordinate[:, 0] == pytest.approx(wanted, abs=0.2 * NEAR[name])
     force = -(1.6 + 8 * (rows.joint_coordinate[:, 0] - 0.1) + 0.4 * rows.joint_rate[:, 0])
@@ -55,7 +59,9 @@ def test_a_torsional_spring_with_damper_and_preload_swings_as_in_textbooks(metho
 
 def test_an_axial_spring_moves_a_slider_at_its_natural_frequency(method):
     name, card = method
-    rows = rows_of(SLIDER, "0 2 0.1", f"{SLID}ELEMENTS\n  SPRING aspring-1 at=1.stroke stiffness=50 rest=0.2\n{card}")
+    rows = rows_of(
+        SLIDER, "0 2 0.1", f"{SLID}ELEMENTS\n  SPRING aspring-1 at=1.stroke stiffness=50 rest=0.2\n{card}"
+    )
     assert rows.joint_coordinate[:, 0] == pytest.approx(
         0.2 - 0.2 * np.cos(5 * rows.time), abs=0.4 * NEAR[name]
     )
@@ -99,7 +105,9 @@ def test_a_spring_in_line_pulls_a_pendulum_from_the_ground():
 
 def test_the_damper_of_a_spring_between_points_does_power_by_its_rate_squared():
     """Body 1 is the ground: from (2, 0, 0) to the point (1, 0, 0) of a rotor, length by the cosine rule."""
-    rows = rows_of(ROTOR, "0 0.5 0.1", f"{SPUN}SPRING 1 2 2 0 0 1 0 0 30 0.5 0.7\nELEMENTS\n  START at=1.angle rate=2\n")
+    rows = rows_of(
+        ROTOR, "0 0.5 0.1", f"{SPUN}SPRING 1 2 2 0 0 1 0 0 30 0.5 0.7\nELEMENTS\n  START at=1.angle rate=2\n"
+    )
     phi = rows.joint_coordinate[:, 0]
     length = np.sqrt(5.0 - 4.0 * np.cos(phi))
     rate = 2.0 * np.sin(phi) * rows.joint_rate[:, 0] / length
@@ -112,7 +120,11 @@ def test_the_damper_of_a_spring_between_points_does_power_by_its_rate_squared():
 def test_an_end_stop_without_damping_returns_the_speed(method):
     """Contact takes half a period, π sqrt(m/k) = 0.0314 s, from 0.1 s on; then the slider returns."""
     name, card = method
-    rows = rows_of(SLIDER, "0 0.2 0.05", f"{SLID}ELEMENTS\n  STOP astop-1 at=1.stroke lower=-1 upper=0.2 stiffness=20000\n  START at=1.stroke rate=2\n{card}")
+    rows = rows_of(
+        SLIDER,
+        "0 0.2 0.05",
+        f"{SLID}ELEMENTS\n  STOP astop-1 at=1.stroke lower=-1 upper=0.2 stiffness=20000\n  START at=1.stroke rate=2\n{card}",
+    )
     half = math.pi * math.sqrt(2 / 20000)
     assert rows.joint_coordinate[-1, 0] == pytest.approx(0.2 - 2 * (0.1 - half), abs=2e-2 * NEAR[name] + 1e-6)
     assert rows.joint_rate[-1, 0] == pytest.approx(-2.0, rel=10 * NEAR[name])
@@ -148,7 +160,9 @@ def test_a_bushing_has_six_natural_frequencies(axis):
     mass = "MASS 2 2.5 0 0 0 0.4 0.5 0.6\n"
     velocity = [0.0] * 6
     velocity[axis], velocity[3 + axis] = 0.05, 0.1
-    cards = f"{mass}ELEMENTS\n  BUSHING bushing-1 from=1(0,0,0) to=2(0,0,0) k=({' '.join(map(str, k + kr))})\n"
+    cards = (
+        f"{mass}ELEMENTS\n  BUSHING bushing-1 from=1(0,0,0) to=2(0,0,0) k=({' '.join(map(str, k + kr))})\n"
+    )
     cards += f"VELOCITY 2 {' '.join(map(str, velocity))}"
     rows = rows_of(FREE, "0 1 0.1", cards)
     slow, quick = math.sqrt(k[axis] / 2.5), math.sqrt(kr[axis] / (0.4, 0.5, 0.6)[axis])
@@ -159,9 +173,7 @@ def test_a_bushing_has_six_natural_frequencies(axis):
 
 
 def test_a_bushing_damps_by_its_six_coefficients():
-    cards = (
-        "MASS 2 2 0 0 0 1 1 1\nELEMENTS\n  BUSHING bushing-1 from=0(0,0,0) to=2(0,0,0) k=(50,0,0) kr=(0,0,8) c=(4,0,0) cr=(0,0,0.8)\nVELOCITY 2 1 0 0 0 0 0.5"
-    )
+    cards = "MASS 2 2 0 0 0 1 1 1\nELEMENTS\n  BUSHING bushing-1 from=0(0,0,0) to=2(0,0,0) k=(50,0,0) kr=(0,0,8) c=(4,0,0) cr=(0,0,0.8)\nVELOCITY 2 1 0 0 0 0 0.5"
     rows = rows_of(FREE, "0 1 0.1", cards)
     assert rows.position[:, 1, 0] == pytest.approx(oscillation(rows.time, 0.0, 1.0, 5.0, 0.2), abs=1e-8)
     turned = oscillation(rows.time, 0.0, 0.5, math.sqrt(8), 0.4 / math.sqrt(8))
@@ -195,7 +207,11 @@ def test_a_differential_shares_the_torque_of_its_carrier():
     deck = "4 0 0 0 0 3 0 0 0 0 0 1\n" + "0 0 0 1 0 0 0\n" * 4
     deck += "".join(f"1 {k} 0 0 0 0 0 0 0 0 1 0 0 1\n" for k in (2, 3, 4)) + "1 0 0 0 0 0 0\n"
     masses = "".join(f"MASS {b} 1 0 0 0 1 1 {inertia}\n" for b, inertia in ((2, 0.4), (3, 0.5), (4, 0.7)))
-    rows = rows_of(deck, "0 1 0.25", f"{masses}TORQUE 2 0 0 6\nELEMENTS\n  COUPLING coupling-1 1.angle=2 2.angle=-1 3.angle=-1")
+    rows = rows_of(
+        deck,
+        "0 1 0.25",
+        f"{masses}TORQUE 2 0 0 6\nELEMENTS\n  COUPLING coupling-1 1.angle=2 2.angle=-1 3.angle=-1",
+    )
     # 0.4 a = 6 + 2 λ, 0.5 b = -λ, 0.7 c = -λ, 2 a = b + c
     load = -12 / 0.4 / (4 / 0.4 + 1 / 0.5 + 1 / 0.7)
     a, b, c = (6 + 2 * load) / 0.4, -load / 0.5, -load / 0.7
@@ -207,7 +223,11 @@ def test_a_differential_shares_the_torque_of_its_carrier():
 def test_a_belt_in_other_units_holds_as_well(size):
     """The factors 0.1 and -0.2 in units of nanometres, or of light years."""
     cards = "MASS 2 1 0 0 0 1 1 0.3\nMASS 3 1 0 0 0 1 1 0.8\nTORQUE 2 0 0 2\n"
-    rows = rows_of(TWO_ROTORS, "0 1 0.5", f"{cards}ELEMENTS\n  COUPLING coupling-1 1.angle={0.1 * size!r} 2.angle={-0.2 * size!r}\n")
+    rows = rows_of(
+        TWO_ROTORS,
+        "0 1 0.5",
+        f"{cards}ELEMENTS\n  COUPLING coupling-1 1.angle={0.1 * size!r} 2.angle={-0.2 * size!r}\n",
+    )
     turn = 2 / (0.3 + 0.8 / 4)
     assert rows.joint_coordinate[-1] == pytest.approx((turn / 2, turn / 4), rel=1e-8)
     # 0.1 λ = 0.3 turn - 2
@@ -231,7 +251,11 @@ def test_a_revolute_cylindrical_joint_is_the_two_joints_with_a_massless_body_bet
     """YOUNG dissertation, section 6.2.2: the composite and the pair of simple joints give the same motion."""
     masses = "MASS 2 1.5 0.3 0.1 0 0.2 0.3 0.4 0.01 0.02 0.03\n"
     rest = "GRAVITY 0.5 -9.81 1.2\nVELOCITY 2 0 0 0 0.4 0.9 -0.6\nTOLERANCE 1e-11\n"
-    composite = rows_of(FREE, "0 0.6 0.1", f"{masses}{rest}ELEMENTS\n  JOINT revcyl-1 revcyl from=0(0,0,0) to=2(0,0,0) axis_from=(0,0,1) axis_to=(1,0,0)\n")
+    composite = rows_of(
+        FREE,
+        "0 0.6 0.1",
+        f"{masses}{rest}ELEMENTS\n  JOINT revcyl-1 revcyl from=0(0,0,0) to=2(0,0,0) axis_from=(0,0,1) axis_to=(1,0,0)\n",
+    )
     two = """3 0 0 0 0 1 1 0 0 0 0 1
 0 0 0 1 0 0 0
 0 0 0 1 0 0 0
@@ -269,7 +293,8 @@ def test_a_belt_makes_inertias_one(method):
     """Pulleys of 0.1 m and 0.2 m: 0.1 θ1 = 0.2 θ2; a torque on the first."""
     _, card = method
     cards = (
-        "MASS 2 1 0 0 0 1 1 0.3\nMASS 3 1 0 0 0 1 1 0.8\nTORQUE 2 0 0 2\nELEMENTS\n  COUPLING coupling-1 1.angle=0.1 2.angle=-0.2\n" + card
+        "MASS 2 1 0 0 0 1 1 0.3\nMASS 3 1 0 0 0 1 1 0.8\nTORQUE 2 0 0 2\nELEMENTS\n  COUPLING coupling-1 1.angle=0.1 2.angle=-0.2\n"
+        + card
     )
     rows = rows_of(TWO_ROTORS, "0 1 0.5", cards)
     assert rows.joint_coordinate[-1, 0] == pytest.approx(2 / (0.3 + 0.8 / 4) / 2, rel=1e-8)

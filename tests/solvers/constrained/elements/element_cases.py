@@ -97,7 +97,9 @@ class Case:
         for k, (first, last) in enumerate(pairwise(pieces)):
             rows = (times > first - 1e-9) & (times < last + 1e-9)
             pairs = zip(times[rows].tolist(), efforts[rows].tolist(), strict=True)
-            text += f"ELEMENTS\n  FUNCTION {100 + k} spline " + " ".join(f"{t!r} {v!r}" for t, v in pairs) + "\n"
+            text += (
+                f"ELEMENTS\n  FUNCTION {100 + k} spline " + " ".join(f"{t!r} {v!r}" for t, v in pairs) + "\n"
+            )
             # The end pieces of a spline go on: a window cuts them off, where its neighbour has all but the
             # same value.
             rise, fall = first - 1.0 * (k == 0), last + 1.0 * (last == END)
@@ -170,9 +172,17 @@ SLEEVE = "2 0 0 0 0 0 {} 0 {} 0 0 1\n" + _FRAMES * 2 + "1 2 0 0 0 0 0 0 0 0 1 0 
 BEARING = "ELEMENTS\n  FRICTION friction-1 joint=1 dynamic=0.2 static=0.25 stribeck=0.5 creep=0.1 radius=0.04 preload=3\n"
 CASES_OF_FRICTION = {
     "revolute": Case(ROTOR, f"{TURNED}{BEARING}", powers=REVERSING),
-    "translational": Case(SLIDER, f"{SLID}ELEMENTS\n  FRICTION friction-1 joint=1 dynamic=0.2 static=0.25 stribeck=5 creep=0.5 preload=3\n", coordinate=2, powers=REVERSING),
+    "translational": Case(
+        SLIDER,
+        f"{SLID}ELEMENTS\n  FRICTION friction-1 joint=1 dynamic=0.2 static=0.25 stribeck=5 creep=0.5 preload=3\n",
+        coordinate=2,
+        powers=REVERSING,
+    ),
     "cylindrical": Case(
-        SLEEVE.format(1, 0, ""), f"{TURNED}ELEMENTS\n  FUNCTION 5 sine 0 0.02 9\n  DRIVE stroke-1 at=1.stroke value=5\n{BEARING}", column=0, powers=REVERSING
+        SLEEVE.format(1, 0, ""),
+        f"{TURNED}ELEMENTS\n  FUNCTION 5 sine 0 0.02 9\n  DRIVE stroke-1 at=1.stroke value=5\n{BEARING}",
+        column=0,
+        powers=REVERSING,
     ),
     "screw": Case(SLEEVE.format(0, 1, " 1 0 0 1 0 0 0.03"), f"{TURNED}{BEARING}", powers=REVERSING),
 }

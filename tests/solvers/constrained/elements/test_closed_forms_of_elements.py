@@ -48,9 +48,7 @@ def test_a_torque_by_a_function_turns_a_rotor_by_its_double_integral(keyword):
 
 def test_a_force_and_a_torque_accelerate_a_body_by_newton_and_euler():
     """F = m a, T + P × F = I α about the centre of mass; the second force turns with a body that does not."""
-    cards = (
-        "MASS 2 2 0 0 0 0.4 0.5 0.8\nFORCE 2 0 0.25 0 4 0 0\nFORCE 2 0 0 0 0 3 0 1\nTORQUE 2 0 0 1\n"
-    )
+    cards = "MASS 2 2 0 0 0 0.4 0.5 0.8\nFORCE 2 0 0.25 0 4 0 0\nFORCE 2 0 0 0 0 3 0 1\nTORQUE 2 0 0 1\n"
     rows = rows_of(FREE, "0 0.5 0.5", f"{cards}TOLERANCE 1e-12\n")
     # 4 N at 0.25 m across: -1 N m; the torque takes it up, nothing turns.
     assert rows.angular_velocity[-1, 1] == pytest.approx(np.zeros(3), abs=1e-14)
@@ -66,7 +64,9 @@ def test_a_motor_against_a_damper_reaches_its_speed_exponentially(deck, mass, in
     """I ω̇ = T - c ω: ω = T/c (1 - exp(-c t/I)) (Ogata, System Dynamics, first-order systems)."""
     torque, c = 3.0, 1.5
     rows = rows_of(
-        deck, "0 1 0.25", f"{mass}ELEMENTS\n  FUNCTION 1 polynomial {torque}\n{motor} 1 1\n{damper} 1 0 0 {c}\nTOLERANCE 1e-12\n"
+        deck,
+        "0 1 0.25",
+        f"{mass}ELEMENTS\n  FUNCTION 1 polynomial {torque}\n{motor} 1 1\n{damper} 1 0 0 {c}\nTOLERANCE 1e-12\n",
     )
     fall = np.exp(-c * rows.time / inertia)
     assert rows.joint_rate[:, 0] == pytest.approx(torque / c * (1 - fall), abs=2e-10)
@@ -108,7 +108,14 @@ def test_a_link_of_two_spheres_leads_a_conical_pendulum():
     pull = -wanted / length * 2.0 * g / math.cos(theta)
     assert rows.composite_force[:, 0] == pytest.approx(pull, abs=1e-6)
     assert rows.composite_torque == pytest.approx(0.0, abs=1e-6)
-    other = rows_of(deck, "0 1 0.5", cards.replace("ELEMENTS\n  JOINT sphsph-1 sphsph from=0() to=2()", "ELEMENTS\n  JOINT sphsph-1 sphsph from=2() to=0()"))
+    other = rows_of(
+        deck,
+        "0 1 0.5",
+        cards.replace(
+            "ELEMENTS\n  JOINT sphsph-1 sphsph from=0() to=2()",
+            "ELEMENTS\n  JOINT sphsph-1 sphsph from=2() to=0()",
+        ),
+    )
     assert other.composite_force[:, 0] == pytest.approx(-pull[::4], abs=1e-6)
     assert other.composite_torque == pytest.approx(0.0, abs=1e-6)
 

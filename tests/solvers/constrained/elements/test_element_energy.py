@@ -143,7 +143,11 @@ def test_a_spring_whose_ends_pass_through_each_other_keeps_its_energy():
     """A preload cannot act where there is no direction; the energy of the place is 0 at length = rest = 0."""
     slide = "2 0 0 0 0 0 0 1 0 0 0 1\n" + "0 0 0 1 0 0 0\n" * 2
     slide += "1 2 0 0 0 0 0 0 1 0 0 1 0 0 0 1 0 0 0 1\n1 0 0 0 0 0 0\n"
-    rows = rows_of(slide, "0 0.1 0.1", "MASS 2 2 0 0 0 1 1 1\nELEMENTS\n  SPRING lspring-1 from=0(0,0,0) to=2(0,0,0) stiffness=50\n  START at=1.stroke rate=1\n")
+    rows = rows_of(
+        slide,
+        "0 0.1 0.1",
+        "MASS 2 2 0 0 0 1 1 1\nELEMENTS\n  SPRING lspring-1 from=0(0,0,0) to=2(0,0,0) stiffness=50\n  START at=1.stroke rate=1\n",
+    )
     assert rows.element_energy[0] == 0.0 and rows.element_effort[0] == 0.0
     assert rows.element_energy[1] == pytest.approx(25 * rows.joint_coordinate[1, 0] ** 2, rel=1e-12)
 

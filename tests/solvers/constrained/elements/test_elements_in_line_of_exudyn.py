@@ -89,7 +89,9 @@ def test_springs_and_dampers_by_functions_with_preload_and_a_motor_move_as_in_ex
     one.load(lambda t: 2 + 5 * np.sin(9 * t))
     table = " ".join(f"{x} {f}" for x, f in zip(points, forces, strict=True))
     cards = f"{mass}ELEMENTS\n  FUNCTION 1 table {table}\n  FUNCTION 2 polynomial 0 0 0 0.3\n  FUNCTION 3 sine 2 5 9\n{letter}MOTOR 1 3\n"
-    cards += f"{letter}SPRING 1 8 0.1 0.4 1.6 1 2\nELEMENTS\n  START at=1.{coordinate} rate=0.4\nTOLERANCE 1e-11\n"
+    cards += (
+        f"{letter}SPRING 1 8 0.1 0.4 1.6 1 2\nELEMENTS\n  START at=1.{coordinate} rate=0.4\nTOLERANCE 1e-11\n"
+    )
     rows = rows_of(deck, "0 2 2", cards)
     assert rows.joint_coordinate[-1] == pytest.approx(one.solve(2.0, 4000), abs=1e-7)
 
@@ -116,9 +118,7 @@ def test_a_slide_with_friction_and_a_spring_slows_down_as_in_exudyn():
         parts.ObjectConnectorCoordinateSpringDamperExt, stiffness=10.0,
         dynamicFrictionForce=0.3 * (2 * 9.81 + 5), frictionProportionalZone=1e-6,
     )  # fmt: skip
-    cards = (
-        "MASS 2 2 0 0 0 1 1 1\nGRAVITY 0 -9.81 0\nELEMENTS\n  SPRING aspring-1 at=1.stroke stiffness=10\n  FRICTION friction-1 joint=1 dynamic=0.3 static=0.3 stribeck=1 creep=1e-6 preload=5\n  START at=1.stroke rate=1.5\n"
-    )
+    cards = "MASS 2 2 0 0 0 1 1 1\nGRAVITY 0 -9.81 0\nELEMENTS\n  SPRING aspring-1 at=1.stroke stiffness=10\n  FRICTION friction-1 joint=1 dynamic=0.3 static=0.3 stribeck=1 creep=1e-6 preload=5\n  START at=1.stroke rate=1.5\n"
     rows = rows_of(SLIDER, "0 0.3 0.3", cards + "TOLERANCE 1e-11\n")
     assert rows.joint_rate[-1, 0] > 0.1
     assert rows.joint_coordinate[-1] == pytest.approx(one.solve(0.3, 1000), abs=1e-9)
@@ -204,6 +204,10 @@ def test_a_body_on_a_link_with_two_spheres_swings_as_in_exudyn():
     wanted = system.system.GetObjectOutputBody(body, exu.OutputVariableType.Position, [0, 0, 0])
     a = system.system.GetObjectOutputBody(body, exu.OutputVariableType.Acceleration, [0, 0, 0])
     cards = "MASS 2 2 0 0 0 0.2 0.3 0.4\nGRAVITY 0.3 -9.81 0.2\nTOLERANCE 1e-11\n"
-    rows = rows_of(FREE, "0 0.5 0.5", f"{cards}ELEMENTS\n  JOINT sphsph-1 sphsph from=0(0,1,0) to=2(0.3,0.1,0) length={0.9**0.5!r}\n")
+    rows = rows_of(
+        FREE,
+        "0 0.5 0.5",
+        f"{cards}ELEMENTS\n  JOINT sphsph-1 sphsph from=0(0,1,0) to=2(0.3,0.1,0) length={0.9**0.5!r}\n",
+    )
     assert rows.position[-1, 1] == pytest.approx(wanted, abs=1e-6)
     assert rows.composite_force[-1, 0] == pytest.approx(2.0 * (a - (0.3, -9.81, 0.2)), abs=1e-4)

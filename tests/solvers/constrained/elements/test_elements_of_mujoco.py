@@ -83,7 +83,10 @@ def test_a_support_and_a_driver_of_the_deck_need_the_efforts_of_mujoco():
     deck += "".join(f"2 {k} 0\n" for k in range(1, 7)) + "1 0 0 0 0 0 0\n"
     cards = "MASS 2 1.5 0.4 0 0 0.1 0.2 0.2\nMASS 3 0.8 0.3 0.1 0 0.05 0.1 0.1\nGRAVITY 0.5 -9.81 0.3\n"
     rows = rows_of(
-        deck, "0 1 0.1", f"{cards}ELEMENTS\n  FUNCTION 1 sine 0 0.3 6\n  FUNCTION 2 sine 0 2 3\n  SUPPORT support-1 simplified=1 value=1\n  DRIVE drive-1 driver=1 value=2\n", "inverse"
+        deck,
+        "0 1 0.1",
+        f"{cards}ELEMENTS\n  FUNCTION 1 sine 0 0.3 6\n  FUNCTION 2 sine 0 2 3\n  SUPPORT support-1 simplified=1 value=1\n  DRIVE drive-1 driver=1 value=2\n",
+        "inverse",
     )
     t = rows.time
     q = np.column_stack([0.3 * np.sin(6 * t), 2 * np.sin(3 * t)])
