@@ -330,7 +330,11 @@ def test_an_element_at_a_joint_is_refused_where_it_stands(tmp_path):
     deck.write_text(
         re.sub(
             r"\nEND\b",
-            "\nELEMENTS\n  FRICTION friction-1 joint=1 dynamic=0.1 static=0.1 stribeck=1 creep=0.01 radius=0.1\nEND",
+            "\n"
+            "ELEMENTS\n"
+            "  FRICTION friction-1 joint=1 dynamic=0.1 static=0.1 stribeck=1 creep=0.01 "
+            "radius=0.1\n"
+            "END",
             text,
         )
     )

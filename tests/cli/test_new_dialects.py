@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from flexmb_cli.dialects.vsdf.elements.cards import ELEMENT_CARDS
 
 from flexmb_cli.cli import cli
 from flexmb_cli.deck.text import read_text
@@ -11,7 +12,6 @@ from flexmb_cli.dialects.dafms.deck_writer import ADDED
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.vsdf.build import build_vsdf
 from flexmb_cli.dialects.vsdf.cards import CARDS
-from flexmb_cli.dialects.vsdf.elements.cards import ELEMENT_CARDS
 from flexmb_cli.run.check.check import CheckReport
 from flexmb_cli.run.outcome import Outcome
 from tests.cli.test_new_at_a_terminal import Terminal

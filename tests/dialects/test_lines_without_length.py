@@ -9,13 +9,18 @@ from flexmb_cli.run.outcome import RunOptions
 from flexmb_cli.solvers.constrained.tree import AbsoluteTree
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from tests.dialects.dafms.dafms_decks import build
-from tests.dialects.dafms.test_dafms_elements import card, deck, integers, reals
+from tests.dialects.dafms.test_dafms_elements import deck
 from tests.dialects.vsdf.element_cases import turned
 from tests.solvers.constrained.element_decks import ARM, analysis_of, model_of
 
 # The ends are P = (1, 0, 0) of the ground and the joint between both links, which is there at the start.
 MASSES = "MASS 2 1.5 0.4 0 0 0.1 0.2 0.2\nMASS 3 0.8 0.3 0 0 0.05 0.1 0.1\n"
-DRIVERS = "ELEMENTS\n  FUNCTION 1 polynomial 0 1\n  DRIVE angle-1 at=1.angle value=1\n  DRIVE angle-2 at=2.angle value=1\n"
+DRIVERS = (
+    "ELEMENTS\n"
+    "  FUNCTION 1 polynomial 0 1\n"
+    "  DRIVE angle-1 at=1.angle value=1\n"
+    "  DRIVE angle-2 at=2.angle value=1\n"
+)
 LINE = "ELEMENTS\n  SPRING lspring-1 from=0(1,0,0) to=2(1,0,0)"
 # Stiffness, rest, damping, preload, curve of the length - rest; -(preload + k s + curve(s)) at s = -rest.
 PUSHED = {

@@ -81,7 +81,9 @@ def test_a_slip_leads_to_its_card_or_nowhere(deck, name, expected):
 @pytest.mark.parametrize(
     "card",
     [
-        "ELEMENTS\n  FRICTION friction-1 joint=1 dynamic=0.1 static=0.12 stribeck=0.02 creep=0.01 radius=0.02",
+        "ELEMENTS\n"
+        "  FRICTION friction-1 joint=1 dynamic=0.1 static=0.12 stribeck=0.02 creep=0.01 "
+        "radius=0.02",
         "ELEMENTS\n  FRICTION friction-1 joint=1 dynamic=0.1 static=0.12 stribeck=0.02 creep=0.01",
     ],
 )

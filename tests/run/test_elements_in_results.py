@@ -8,7 +8,7 @@ from flexmb_cli.results.figures.curves import default_curves
 from flexmb_cli.results.quantities.quantities import names
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
-from tests.dialects.dafms.test_dafms_elements import HELD, TWO_LINKS, card, deck, function, integers, reals
+from tests.dialects.dafms.test_dafms_elements import TWO_LINKS, deck, function
 from tests.dialects.dafms.test_every_card import joined
 from tests.dialects.vsdf.test_elements import TWO_LINKS as VSDF_LINKS
 
@@ -20,13 +20,29 @@ ELEMENTS = [
     "ELEMENTS\n  SPRING hspr-1 at=2.r3 stiffness=3 rest=1 damping=0.05",
     "ELEMENTS\n  STOP hsto-1 at=2.r3 lower=-0.1 upper=0.1 stiffness=200 damping=0.1",
     "ELEMENTS\n  SPRING lspr-1 from=0(1,2,0) to=2(0.6,0,0) stiffness=30 rest=1.2 damping=0.5 preload=2",
-    "ELEMENTS\n  FRICTION fric-1 joint=1 dynamic=0.1 static=0.12 stribeck=0.1 creep=0.01 radius=0.02 preload=1",
+    "ELEMENTS\n"
+    "  FRICTION fric-1 joint=1 dynamic=0.1 static=0.12 stribeck=0.1 creep=0.01 "
+    "radius=0.02 preload=1",
 ]
 LINKS = TWO_LINKS.replace("    5\n       0.1\n", "  400\n     0.001\n")
 DAFMS = deck(joined(DRIVER, ELEMENTS), LINKS)
 VSDF = (
-    f"{VSDF_LINKS}ELEMENTS\n  FUNCTION 1 sine 0 0.6 3\nMOTN\n 1,ANGL,1,5,1\nELEMENTS\n  SPRING tspr-1 at=2.angle stiffness=3 rest=1 damping=0.05\n  STOP tsto-1 at=2.angle lower=-0.1 upper=0.1 stiffness=200 damping=0.1\n"
-    "ELEMENTS\n  SPRING lspr-1 from=0:3 to=2:3 stiffness=30 rest=1.2 damping=0.5 preload=2\n  FRICTION fric-1 joint=1 dynamic=0.1 static=0.12 stribeck=0.1 creep=0.01 radius=0.02 preload=1\nINTG\n RK45\nTIME\n 0.4,0.001\nEND\n"
+    f"{VSDF_LINKS}ELEMENTS\n"
+    "  FUNCTION 1 sine 0 0.6 3\n"
+    "MOTN\n"
+    " 1,ANGL,1,5,1\n"
+    "ELEMENTS\n"
+    "  SPRING tspr-1 at=2.angle stiffness=3 rest=1 damping=0.05\n"
+    "  STOP tsto-1 at=2.angle lower=-0.1 upper=0.1 stiffness=200 damping=0.1\n"
+    "ELEMENTS\n"
+    "  SPRING lspr-1 from=0:3 to=2:3 stiffness=30 rest=1.2 damping=0.5 preload=2\n"
+    "  FRICTION fric-1 joint=1 dynamic=0.1 static=0.12 stribeck=0.1 creep=0.01 "
+    "radius=0.02 preload=1\n"
+    "INTG\n"
+    " RK45\n"
+    "TIME\n"
+    " 0.4,0.001\n"
+    "END\n"
     "STAR\nSTOP\n"
 )
 # In the order of results: name, unit of the coordinate, of the effort.
@@ -96,7 +112,11 @@ def test_composite_joints_and_couplings_have_forces_with_names_and_units(tmp_pat
         "4 0 0 0 0 1 0 1 0 0 0 1\n" + 3 * "0 0 0 1 0 0 0\n" + "0 0 -1 1 0 0 0\n"
         "1 2 0 0 0 0 0 0 0 0 1 0 0 1\n1 3 0 0 0 0 0 0 0 0 1 0 0 1 1 0 0 0 1 0\n1 0 0 0 0 0 0\n0 1 0.5\n"
         "DYNAMICS forward\nMASS 2 1 0 0 0 1 1 1\nMASS 3 2 0 0 0 1 1 1\nMASS 4 3 0 0 0 1 1 1\n"
-        "GRAVITY 0 0 -10\nELEMENTS\n  FUNCTION 1 polynomial 0\n  DRIVE angle-1 at=1.angle value=1\n  COUPLING coupling-1 1.angle=-0.2 2.stroke=1\n"
+        "GRAVITY 0 0 -10\n"
+        "ELEMENTS\n"
+        "  FUNCTION 1 polynomial 0\n"
+        "  DRIVE angle-1 at=1.angle value=1\n"
+        "  COUPLING coupling-1 1.angle=-0.2 2.stroke=1\n"
         "ELEMENTS\n  JOINT sphsph-1 sphsph from=0(0,0,0) to=4(0,0,0) length=1\nEND\n"
     )
     assert run_deck(str(tmp_path / "INX.dat"), RunOptions(folder=str(tmp_path))).exit_code == 0

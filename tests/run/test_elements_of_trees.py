@@ -41,9 +41,11 @@ def beam(*cards, swings=False):
     """The supplied beam without its torque, clamped by a driver unless it swings."""
     more = "\n".join(cards)
     return deck_text(
-        "shaft_beam_n2", ("  500\n      .001", "    5\n      .002"), ("DESN\n    1    1", "DESN\n    1    0"),
+        "shaft_beam_n2",
+        ("  500\n      .001", "    5\n      .002"),
+        ("DESN\n    1    1", "DESN\n    1    0"),
         ("END \n", f"{'' if swings else HELD}{more}\nEND \n"),
-    )  # fmt: skip
+    )
 
 
 def verified(folder, text, tolerance=1e-8):
@@ -68,10 +70,14 @@ def test_elements_on_nodes_of_a_beam_agree(tmp_path):
     cards = (
         TIP_SPRING,
         "ELEMENTS\n  CABLE cabl-1 from=0(0,0.3,-1) to=1:1 stiffness=80 rest=0.99 damping=0.2",
-        "ELEMENTS\n  BUSHING bush-1 from=1:2 to=0(0,0.55,0) k=(3,4,5) kr=(0.1,0.2,0.3) c=(0.1,0.2,0.3) cr=(0.01,0.02,0.03)",
-        "ELEMENTS\n  FRICTION fric-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 radius=0.05 preload=3",
+        "ELEMENTS\n"
+        "  BUSHING bush-1 from=1:2 to=0(0,0.55,0) k=(3,4,5) kr=(0.1,0.2,0.3) c=(0.1,0.2,0.3) "
+        "cr=(0.01,0.02,0.03)",
+        "ELEMENTS\n"
+        "  FRICTION fric-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 radius=0.05 "
+        "preload=3",
         card("MOTR", integers(1, 1) + reals(0.4)),
-    )  # fmt: skip
+    )
     found = verified(
         tmp_path, beam(*cards, swings=True).replace("GRAV\n    0       0.0", "GRAV\n    0       1.0")
     )
@@ -81,7 +87,15 @@ def test_elements_on_nodes_of_a_beam_agree(tmp_path):
 @pytest.mark.parametrize("method", [2, 4])
 def test_a_stiff_damper_is_verified_by_implicit_steps_in_both_formulations(tmp_path, method):
     """Little moves after J/c < 0.3 ms; explicit steps stay so short over all of the 0.5 s: 76852 of them."""
-    cards = f"ELEMENTS\n  SPRING hspr-1 at=1.r3 stiffness=30 rest=0.4 damping=8000\nMETH\n{method:5d}\nEND \nSTAR\nSTOP\n"
+    cards = (
+        "ELEMENTS\n"
+        "  SPRING hspr-1 at=1.r3 stiffness=30 rest=0.4 damping=8000\n"
+        "METH\n"
+        f"{method:5d}\n"
+        "END \n"
+        "STAR\n"
+        "STOP\n"
+    )
     found = verified(tmp_path, f"{TWO_LINKS}{cards}", 1e-7)
     assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-7]
     assert found.outcome.faults == []
@@ -95,7 +109,9 @@ def test_loops_and_couplings_agree(tmp_path):
     """A four-bar with a spring across it and friction in a hinge inside the loop."""
     cards = (
         "ELEMENTS\n  SPRING lspr-1 from=0(0,0,0.1) to=2(0,0.3,0) stiffness=30 rest=0.2 damping=0.1",
-        "ELEMENTS\n  FRICTION fric-1 joint=2 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 radius=0.02 preload=1",
+        "ELEMENTS\n"
+        "  FRICTION fric-1 joint=2 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 radius=0.02 "
+        "preload=1",
     )
     text = deck_text("fourbar_rigid", ("  200\n", "    5\n"), ("END \n", "\n".join([*cards, "END \n"])))
     found = verified(tmp_path, text)
@@ -125,7 +141,11 @@ def test_friction_agrees_where_it_changes_its_own_normal_force_by_more_than_the_
     """The rod leans by φ: each N of friction on the light slide changes the normal force by about tan φ N."""
     found = verified(
         tmp_path,
-        f"{CART}ELEMENTS\n  FRICTION fric-1 joint=1 dynamic=1.5 static=1.5 stribeck=1 creep=0.001\nEND \nSTAR\nSTOP\n",
+        f"{CART}ELEMENTS\n"
+        "  FRICTION fric-1 joint=1 dynamic=1.5 static=1.5 stribeck=1 creep=0.001\n"
+        "END \n"
+        "STAR\n"
+        "STOP\n",
         1e-7,
     )
     assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-7]
@@ -135,7 +155,11 @@ def test_friction_agrees_where_it_changes_its_own_normal_force_by_more_than_the_
 def test_friction_that_jams_is_named_in_both_formulations(kind):
     """The rod leans so that each N of friction adds more than one N of normal force, and pulls at it."""
     tree = build(
-        f"{CART}ELEMENTS\n  FRICTION fric-1 joint=1 dynamic=30 static=30 stribeck=1 creep=0.001\nEND \nSTAR\nSTOP\n"
+        f"{CART}ELEMENTS\n"
+        "  FRICTION fric-1 joint=1 dynamic=30 static=30 stribeck=1 creep=0.001\n"
+        "END \n"
+        "STAR\n"
+        "STOP\n"
     )[0]
     with pytest.raises(AnalysisError, match="at t = 0 s friction jams a joint"):
         next(kind(replace(tree, y=-tree.y)).rows())
@@ -167,9 +191,10 @@ def linearised(text, **wish):
 def test_two_links_held_in_line_swing_as_one_pendulum_with_a_spring():
     """J = 0.44 + 0.172 + 0.8 (1 + 2 0.3), m g s = 9.81 (1.5 0.4 + 0.8 1.3); hanging, the spring at rest."""
     cards = [
-        function(1, "polynomial", 0.0), "ELEMENTS\n  DRIVE pref-1 at=2.r3 value=1",
+        function(1, "polynomial", 0.0),
+        "ELEMENTS\n  DRIVE pref-1 at=2.r3 value=1",
         "ELEMENTS\n  SPRING hspr-1 at=1.r3 stiffness=20 rest=-1.5707963 damping=0.5",
-    ]  # fmt: skip
+    ]
     found = linearised(deck("\n".join(cards)), equilibrium=True)
     J, stiffness = 0.612 + 0.8 * 1.6, 20 + 9.81 * 1.64
     omega, zeta = math.sqrt(stiffness / J), 0.5 / (2 * math.sqrt(stiffness * J))
@@ -234,14 +259,23 @@ def transfer(space, s):
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        (["MOTR", integers(1), integers(2, 3) + reals(0.5)],
-         [function(4, "polynomial", 0.5), "ELEMENTS\n  MOTOR motf-1 at=2.r3 effort=4"]),
-        (["PRES", integers(1), integers(2, 3) + reals(0, 0.5, 0.3)],
-         [function(4, "polynomial", 0, 0.5, 0.15), "ELEMENTS\n  DRIVE pref-1 at=2.r3 value=4"]),
-        (["TABL", integers(1), integers(2, 3, 1), reals(0, 0.5)],
-         [card("TABL", integers(2, 3, 1), reals(0, 0.5)), "ELEMENTS\n  STOP hsto-1 at=2.r3 lower=-9 upper=9 stiffness=1"]),
+        (
+            ["MOTR", integers(1), integers(2, 3) + reals(0.5)],
+            [function(4, "polynomial", 0.5), "ELEMENTS\n  MOTOR motf-1 at=2.r3 effort=4"],
+        ),
+        (
+            ["PRES", integers(1), integers(2, 3) + reals(0, 0.5, 0.3)],
+            [function(4, "polynomial", 0, 0.5, 0.15), "ELEMENTS\n  DRIVE pref-1 at=2.r3 value=4"],
+        ),
+        (
+            ["TABL", integers(1), integers(2, 3, 1), reals(0, 0.5)],
+            [
+                card("TABL", integers(2, 3, 1), reals(0, 0.5)),
+                "ELEMENTS\n  STOP hsto-1 at=2.r3 lower=-9 upper=9 stiffness=1",
+            ],
+        ),
     ],
-)  # fmt: skip
+)
 def test_the_state_space_is_that_of_the_tree_without_elements(old, new):
     """Cards of 1992 and the newer ones; names of the efforts of drivers are those of the cards."""
     spring = ["SPRI", integers(1), integers(1, 3) + reals(20, 0.2)]

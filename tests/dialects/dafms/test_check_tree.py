@@ -7,7 +7,7 @@ import pytest
 from flexmb_cli.results.texts.check_tree_text import check_tree_text
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.outcome import RunOptions
-from tests.dialects.dafms.test_dafms_elements import deck, integers, reals
+from tests.dialects.dafms.test_dafms_elements import deck
 from tests.run.dafms_runs import DECKS, NAMES, altered
 
 

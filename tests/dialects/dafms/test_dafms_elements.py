@@ -95,7 +95,9 @@ CASES = {
         "ELEMENTS\n  STOP hsto-1 at=1.r3 lower=-0.5 upper=3 stiffness=4000 damping=0.2",
     ),
     "line": (
-        "ELEMENTS\n  SPRING lspring-1 from=0(1,2,0) to=3(0.6,0,0) stiffness=30 rest=1.2 damping=0.5 preload=2",
+        "ELEMENTS\n"
+        "  SPRING lspring-1 from=0(1,2,0) to=3(0.6,0,0) stiffness=30 rest=1.2 damping=0.5 "
+        "preload=2",
         "ELEMENTS\n  SPRING lspr-1 from=0(1,2,0) to=2(0.6,0,0) stiffness=30 rest=1.2 damping=0.5 preload=2",
     ),
     "cable": (
@@ -103,16 +105,24 @@ CASES = {
         "ELEMENTS\n  CABLE cabl-1 from=0(1,2,0) to=2(0.6,0,0) stiffness=300 rest=1.9 damping=0.1",
     ),
     "bushing": (
-        "ELEMENTS\n  BUSHING bushing-1 from=0(1,2,0) to=3(0.6,0,0) k=(90,160,250) kr=(6,9,16) c=(5,6,7) cr=(0.2,0.3,0.4)",
-        "ELEMENTS\n  BUSHING bush-1 from=0(1,2,0) to=2(0.6,0,0) k=(90,160,250) kr=(6,9,16) c=(5,6,7) cr=(0.2,0.3,0.4)",
+        "ELEMENTS\n"
+        "  BUSHING bushing-1 from=0(1,2,0) to=3(0.6,0,0) k=(90,160,250) kr=(6,9,16) c=(5,6,7) "
+        "cr=(0.2,0.3,0.4)",
+        "ELEMENTS\n"
+        "  BUSHING bush-1 from=0(1,2,0) to=2(0.6,0,0) k=(90,160,250) kr=(6,9,16) c=(5,6,7) "
+        "cr=(0.2,0.3,0.4)",
     ),
     "gears": (
         "ELEMENTS\n  COUPLING coupling-1 1.angle=2 2.angle=3",
         "ELEMENTS\n  COUPLING coup-1 1.r3=2 2.r3=3",
     ),
     "friction": (
-        "ELEMENTS\n  FRICTION friction-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 radius=0.05 preload=3",
-        "ELEMENTS\n  FRICTION fric-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 radius=0.05 preload=3",
+        "ELEMENTS\n"
+        "  FRICTION friction-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 "
+        "radius=0.05 preload=3",
+        "ELEMENTS\n"
+        "  FRICTION fric-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 radius=0.05 "
+        "preload=3",
     ),
     "motor": (
         "ELEMENTS\n  FUNCTION 4 sine 0 3 5\n  MOTOR tmotor-1 at=2.angle effort=4",

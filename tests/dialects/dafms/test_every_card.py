@@ -14,8 +14,6 @@ from flexmb_cli.dialects.dafms.cards import EXTENSIONS
 from flexmb_cli.dialects.elements_block.old_cards import LINES
 from flexmb_cli.dialects.elements_block.writer import spline_block
 from tests.dialects.dafms.test_dafms_elements import (
-    ENDS,
-    HELD,
     TWO_LINKS,
     card,
     function,
@@ -44,15 +42,21 @@ CASES = {
     "HSTO": ["ELEMENTS\n  STOP hsto-1 at=1.r3 lower=-1 upper=-0.2 stiffness=60 damping=0.3"],
     "LSPR": [
         SLOPES,
-        "ELEMENTS\n  SPRING lspr-1 from=0(1,2,0) to=2(0.6,0,0) curve=5 stiffness=30 rest=1.2 damping=0.5 preload=2",
+        "ELEMENTS\n"
+        "  SPRING lspr-1 from=0(1,2,0) to=2(0.6,0,0) curve=5 stiffness=30 rest=1.2 "
+        "damping=0.5 preload=2",
     ],
     "CABL": ["ELEMENTS\n  CABLE cabl-1 from=0(1,2,0) to=1(0.6,0,0) stiffness=80 rest=1.2 damping=0.1"],
     "BUSH": [
-        "ELEMENTS\n  BUSHING bush-1 from=0(1,2,0) to=2(0.6,0,0) k=(9,16,25) kr=(0.6,0.9,1.6) c=(0.5,0.6,0.7) cr=(0.2,0.3,0.4)"
+        "ELEMENTS\n"
+        "  BUSHING bush-1 from=0(1,2,0) to=2(0.6,0,0) k=(9,16,25) kr=(0.6,0.9,1.6) "
+        "c=(0.5,0.6,0.7) cr=(0.2,0.3,0.4)"
     ],
     "COUP": ["ELEMENTS\n  COUPLING coup-1 1.r3=2 2.r3=3"],
     "FRIC": [
-        "ELEMENTS\n  FRICTION fric-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 radius=0.05 preload=3"
+        "ELEMENTS\n"
+        "  FRICTION fric-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 radius=0.05 "
+        "preload=3"
     ],
     "SPRI": [card("SPRI", integers(1, 3) + reals(8, 0.4))],
     "DAMP": [card("DAMP", integers(1, 3) + reals(0.7))],
@@ -144,16 +148,27 @@ ALL |= {
     "rack and pinion": Case([coupled((1, 4, 1), (2, 3, 0.2))], SLIDE, 4, 1, POWERS, (-6.0, 0.0)),
     "belt": Case([coupled((1, 3, 0.3), (2, 3, -0.1))], speeds=(0.0, 3.6)),
     "differential": Case([coupled((1, 3, -2), (2, 3, 1), (3, 3, 1))], THREE_LINKS, speeds=(0.0, 1.4, 1.0)),
-    "spring of a stroke": Case(["ELEMENTS\n  SPRING hspr-1 at=1.t1 stiffness=80 rest=0.1 damping=0.9 preload=1.6"], SLIDE, 4, 1),
-    "stop of a stroke": Case(["ELEMENTS\n  STOP hsto-1 at=1.t1 lower=-1 upper=-0.2 stiffness=300 damping=0.3"], SLIDE, 4, 1),
+    "spring of a stroke": Case(
+        ["ELEMENTS\n  SPRING hspr-1 at=1.t1 stiffness=80 rest=0.1 damping=0.9 preload=1.6"], SLIDE, 4, 1
+    ),
+    "stop of a stroke": Case(
+        ["ELEMENTS\n  STOP hsto-1 at=1.t1 lower=-1 upper=-0.2 stiffness=300 damping=0.3"], SLIDE, 4, 1
+    ),
     "turning": Case([slippery(0.2, 0.25, 0.5, 0.1, 0.04, 3)], powers=REVERSING),
     "sliding": Case([slippery(0.2, 0.25, 5, 0.5, 0, 3)], SLIDE, 4, 1, REVERSING),
     "turning and sliding": Case(
-        [slippery(0.2, 0.25, 0.5, 0.1, 0.04, 3), function(5, "sine", 0, 0.02, 9),
-         "ELEMENTS\n  DRIVE pref-1 at=1.t3 value=5"],
-        SLEEVE, 3, 0, REVERSING, (0.0, 0.0, 0.18),
+        [
+            slippery(0.2, 0.25, 0.5, 0.1, 0.04, 3),
+            function(5, "sine", 0, 0.02, 9),
+            "ELEMENTS\n  DRIVE pref-1 at=1.t3 value=5",
+        ],
+        SLEEVE,
+        3,
+        0,
+        REVERSING,
+        (0.0, 0.0, 0.18),
     ),
-}  # fmt: skip
+}
 
 
 def motion(t, powers):

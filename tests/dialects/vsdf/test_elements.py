@@ -108,7 +108,9 @@ def test_a_torsional_spring_with_damper_and_preload_swings_as_in_textbooks(metho
         TURNING,
         2,
         0.1,
-        "ELEMENTS\n  SPRING tspr-1 at=1.angle stiffness=8 rest=0.1 damping=0.4 preload=1.6\n  START at=1.angle rate=0.4",
+        "ELEMENTS\n"
+        "  SPRING tspr-1 at=1.angle stiffness=8 rest=0.1 damping=0.4 preload=1.6\n"
+        "  START at=1.angle rate=0.4",
         method,
     )
     zeta, omega = 0.4 / (2 * math.sqrt(8 * 0.5)), 4.0
@@ -125,7 +127,11 @@ def test_a_torsional_spring_with_damper_and_preload_swings_as_in_textbooks(metho
 def test_a_hardening_spring_by_a_function_has_duffings_period(method):
     """m ẍ + β x³ = 0 from A: T = Γ(1/4)² / (sqrt(π) A) sqrt(m/β) (Rao, section 13.3)."""
     period = math.gamma(0.25) ** 2 / (math.sqrt(math.pi) * 0.5) * math.sqrt(2.0 / 40.0)
-    cards = "ELEMENTS\n  FUNCTION 7 polynomial 0 0 0 40\n  SPRING aspr-1 at=1.stroke stiffness=0 rest=-0.5 curve=7"
+    cards = (
+        "ELEMENTS\n"
+        "  FUNCTION 7 polynomial 0 0 0 40\n"
+        "  SPRING aspr-1 at=1.stroke stiffness=0 rest=-0.5 curve=7"
+    )
     rows = rows_of(SLIDING, f"{period:.17g}", f"{period / 4:.17g}", cards, method)
     assert rows.joint_coordinate[:, 0] == pytest.approx((0, -0.5, -1, -0.5, 0), abs=2 * NEAR[method])
 
@@ -162,7 +168,10 @@ def test_a_braking_rotor_stops_when_friction_has_taken_its_spin():
         TURNING,
         1.2,
         0.1,
-        "ELEMENTS\n  FRICTION fric-1 joint=1 dynamic=0.25 static=0.25 stribeck=0.1 creep=1e-5 radius=0.1 preload=4\n  START at=1.angle rate=0.2",
+        "ELEMENTS\n"
+        "  FRICTION fric-1 joint=1 dynamic=0.25 static=0.25 stribeck=0.1 creep=1e-5 "
+        "radius=0.1 preload=4\n"
+        "  START at=1.angle rate=0.2",
         "RAD5",
     )
     wanted = np.maximum(0.2 - 0.2 * rows.time, 0.0)
@@ -200,7 +209,18 @@ def test_a_rate_by_a_function_turns_by_its_integral():
 
 def test_a_force_by_a_product_of_functions_moves_a_slider():
     """2 kg under 6 t · 2 N: x = t³ (one factor a table, the other a polynomial)."""
-    cards = "TABL\n 1,0,0\n 1,2,12\nELEMENTS\n  FUNCTION 5 table points=1\n  FUNCTION 6 polynomial 2\n  FUNCTION 7 product 5 6\n  SPRING shown at=1.stroke\nFORC\n 1,1,1,0,0,0,7"
+    cards = (
+        "TABL\n"
+        " 1,0,0\n"
+        " 1,2,12\n"
+        "ELEMENTS\n"
+        "  FUNCTION 5 table points=1\n"
+        "  FUNCTION 6 polynomial 2\n"
+        "  FUNCTION 7 product 5 6\n"
+        "  SPRING shown at=1.stroke\n"
+        "FORC\n"
+        " 1,1,1,0,0,0,7"
+    )
     rows = rows_of(SLIDING, 1, 0.25, cards)
     assert rows.joint_coordinate[:, 0] == pytest.approx(rows.time**3, abs=1e-9)
 
@@ -235,20 +255,62 @@ def test_a_motor_by_a_function_turns_against_inertia():
 
 
 ELEMENTS = (
-    ("ELEMENTS\n  SPRING tspring-1 at=1.angle stiffness=20 rest=0.2 damping=0.3\n  SPRING lspring-1 from=0(1,2,0) to=3(0.6,0,0) stiffness=30 rest=1.2 damping=0.5",
-     "ELEMENTS\n  SPRING tspr-1 at=1.angle stiffness=20 rest=0.2 damping=0.3\n  SPRING lspr-1 from=0:3 to=2:3 stiffness=30 rest=1.2 damping=0.5"),
-    ("ELEMENTS\n  STOP tstop-1 at=1.angle lower=-0.5 upper=3 stiffness=4000 damping=0.2\n  CABLE cable-1 from=0(1,2,0) to=3(0.6,0,0) stiffness=300 rest=1.9 damping=0.1",
-     "ELEMENTS\n  STOP tsto-1 at=1.angle lower=-0.5 upper=3 stiffness=4000 damping=0.2\n  CABLE cabl-1 from=0:3 to=2:3 stiffness=300 rest=1.9 damping=0.1"),
     (
-        "ELEMENTS\n  BUSHING bushing-1 from=0(1,2,0) to=3(0.6,0,0) k=(90,160,250) kr=(6,9,16) c=(5,6,7) cr=(0.2,0.3,0.4)",
+        "ELEMENTS\n"
+        "  SPRING tspring-1 at=1.angle stiffness=20 rest=0.2 damping=0.3\n"
+        "  SPRING lspring-1 from=0(1,2,0) to=3(0.6,0,0) stiffness=30 rest=1.2 damping=0.5",
+        "ELEMENTS\n"
+        "  SPRING tspr-1 at=1.angle stiffness=20 rest=0.2 damping=0.3\n"
+        "  SPRING lspr-1 from=0:3 to=2:3 stiffness=30 rest=1.2 damping=0.5",
+    ),
+    (
+        "ELEMENTS\n"
+        "  STOP tstop-1 at=1.angle lower=-0.5 upper=3 stiffness=4000 damping=0.2\n"
+        "  CABLE cable-1 from=0(1,2,0) to=3(0.6,0,0) stiffness=300 rest=1.9 damping=0.1",
+        "ELEMENTS\n"
+        "  STOP tsto-1 at=1.angle lower=-0.5 upper=3 stiffness=4000 damping=0.2\n"
+        "  CABLE cabl-1 from=0:3 to=2:3 stiffness=300 rest=1.9 damping=0.1",
+    ),
+    (
+        "ELEMENTS\n"
+        "  BUSHING bushing-1 from=0(1,2,0) to=3(0.6,0,0) k=(90,160,250) kr=(6,9,16) c=(5,6,7) "
+        "cr=(0.2,0.3,0.4)",
         "ELEMENTS\n  BUSHING bush-1 from=0:3 to=2:3 k=(90,160,250) kr=(6,9,16) c=(5,6,7) cr=(0.2,0.3,0.4)",
     ),
-    ("ELEMENTS\n  COUPLING coupling-1 1.angle=2 2.angle=3", "ELEMENTS\n  COUPLING coup-1 1.angle=2 2.angle=3"),
-    ("ELEMENTS\n  FRICTION friction-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 radius=0.05\n  FRICTION friction-2 joint=2 dynamic=0.1 static=0.1 stribeck=1 creep=0.01 radius=0.05 preload=3",
-     "ELEMENTS\n  FRICTION fric-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 radius=0.05\n  FRICTION fric-2 joint=2 dynamic=0.1 static=0.1 stribeck=1 creep=0.01 radius=0.05 preload=3"),
-    ("ELEMENTS\n  FUNCTION 4 sine 0 3 5\n  MOTOR tmotor-1 at=2.angle effort=4\n  FUNCTION 5 table -9 -9 0 0 9 3\n  SPRING tspring-1 at=1.angle stiffness=0 rest=0.1 curve=5",
-     "ELEMENTS\n  FUNCTION 4 sine 0 3 5\n  FUNCTION 5 table points=1\nTABL\n 1,-9,-9\n 1,0,0\n 1,9,3\nELEMENTS\n  MOTOR tmot-1 at=2.angle effort=4\n  SPRING tspr-1 at=1.angle stiffness=0 rest=0.1 curve=5"),
-)  # fmt: skip
+    (
+        "ELEMENTS\n  COUPLING coupling-1 1.angle=2 2.angle=3",
+        "ELEMENTS\n  COUPLING coup-1 1.angle=2 2.angle=3",
+    ),
+    (
+        "ELEMENTS\n"
+        "  FRICTION friction-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 "
+        "radius=0.05\n"
+        "  FRICTION friction-2 joint=2 dynamic=0.1 static=0.1 stribeck=1 creep=0.01 "
+        "radius=0.05 preload=3",
+        "ELEMENTS\n"
+        "  FRICTION fric-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 "
+        "radius=0.05\n"
+        "  FRICTION fric-2 joint=2 dynamic=0.1 static=0.1 stribeck=1 creep=0.01 radius=0.05 "
+        "preload=3",
+    ),
+    (
+        "ELEMENTS\n"
+        "  FUNCTION 4 sine 0 3 5\n"
+        "  MOTOR tmotor-1 at=2.angle effort=4\n"
+        "  FUNCTION 5 table -9 -9 0 0 9 3\n"
+        "  SPRING tspring-1 at=1.angle stiffness=0 rest=0.1 curve=5",
+        "ELEMENTS\n"
+        "  FUNCTION 4 sine 0 3 5\n"
+        "  FUNCTION 5 table points=1\n"
+        "TABL\n"
+        " 1,-9,-9\n"
+        " 1,0,0\n"
+        " 1,9,3\n"
+        "ELEMENTS\n"
+        "  MOTOR tmot-1 at=2.angle effort=4\n"
+        "  SPRING tspr-1 at=1.angle stiffness=0 rest=0.1 curve=5",
+    ),
+)
 
 
 @pytest.mark.long_motion
@@ -260,8 +322,14 @@ def test_an_arm_moves_as_the_same_arm_in_a_young_deck(young, vsdf):
     step = 0.01 if "BUSH" in vsdf else 0.1
     one = young_rows(ARM, f"0 {5 * step} {step}", f"{masses}{young}\nTOLERANCE 1e-12")
     other = rows_of(TWO_LINKS, 5 * step, step, f"{vsdf}")
-    for field in ("joint_coordinate", "joint_rate", "element_coordinate", "element_effort", "element_power",
-                  "coupling_effort"):  # fmt: skip
+    for field in (
+        "joint_coordinate",
+        "joint_rate",
+        "element_coordinate",
+        "element_effort",
+        "element_power",
+        "coupling_effort",
+    ):
         expected = getattr(one, field)
         # Power, the product of an effort of 90 and a rate, has the error of the rate times the effort.
         scale = np.abs(expected).max(initial=1.0)

@@ -87,7 +87,11 @@ def stiffened(k_line, k_bushing):
 def test_springs_at_nodes_raise_the_frequencies_of_the_finite_element_matrices(folder):
     """Eigenvalues of (K + k e eᵀ, M), the spring being at rest; damping by the same matrices of dampers."""
     rest = np.linalg.norm(np.array(A) - R[5])
-    cards = f"ELEMENTS\n  SPRING lspr-1 from=0:1 to=1:16 stiffness=40 rest={rest:.17g} damping=0.3\n  BUSHING bush-1 from=0:2 to=1:15 k=(30,50,70) kr=(0,0,0) c=(0.1,0.2,0.3)"
+    cards = (
+        "ELEMENTS\n"
+        f"  SPRING lspr-1 from=0:1 to=1:16 stiffness=40 rest={rest:.17g} damping=0.3\n"
+        "  BUSHING bush-1 from=0:2 to=1:15 k=(30,50,70) kr=(0,0,0) c=(0.1,0.2,0.3)"
+    )
     # The bushing's ends lie apart: gravity is none, and its pull at the start is left out of the eigenvalues.
     found = flexible_modes(mechanism(folder, cards), Wish(), Run(Outcome("x"), RunOptions(), Listener()))
     stiffness, damping = stiffened(40, (30, 50, 70)), stiffened(0.3, (0.1, 0.2, 0.3)) - K[FREE, FREE]
@@ -182,7 +186,13 @@ JOIN
  1,REVO,{{}}
 """
 ON_GROUND, ON_BODY = "0,1,2,1,13,16", "1,13,16,0,1,2"
-RUBS = "ELEMENTS\n  FRICTION fric-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.5 creep=0.01 radius=0.05 preload=3\nGRAV\n 0.5,1,-2\n"
+RUBS = (
+    "ELEMENTS\n"
+    "  FRICTION fric-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.5 creep=0.01 radius=0.05 "
+    "preload=3\n"
+    "GRAV\n"
+    " 0.5,1,-2\n"
+)
 
 
 @pytest.mark.parametrize("sides", [ON_GROUND, ON_BODY])
@@ -207,7 +217,12 @@ def test_friction_at_a_joint_of_a_flexible_body_follows_its_reaction(folder, sid
 
 def test_a_motor_and_a_stop_at_a_joint_of_a_flexible_body_do_the_work_of_their_effort(folder):
     """∫ M dφ of the motor by Simpson's rule over the rows; the stop stores what it takes."""
-    cards = "ELEMENTS\n  FUNCTION 4 sine 1 6 9\n  MOTOR tmot-1 at=1.angle effort=4\n  STOP tsto-1 at=1.angle lower=-0.02 upper=0.05 stiffness=900\n"
+    cards = (
+        "ELEMENTS\n"
+        "  FUNCTION 4 sine 1 6 9\n"
+        "  MOTOR tmot-1 at=1.angle effort=4\n"
+        "  STOP tsto-1 at=1.angle lower=-0.02 upper=0.05 stiffness=900\n"
+    )
     rows = rows_of(folder, cards, body=HINGED.format(ON_GROUND), end=0.4, step=0.002)
     effort = (1 + 6 * np.sin(9 * rows.time)) * rows.joint_rate[:, 0]
     work = 0.002 / 3 * (effort[0:-2:2] + 4 * effort[1:-1:2] + effort[2::2]).sum()
@@ -241,7 +256,12 @@ def verified(folder, cards):
 
 
 def test_elements_at_nodes_agree_in_two_floating_frames(folder):
-    lines = "ELEMENTS\n  SPRING lspr-1 from=1:15 to=2:2 stiffness=20 rest=0.5 damping=0.1\n  SPRING lspr-2 from=0:1 to=1:16 stiffness=30 rest=1\n  CABLE cabl-1 from=1:13 to=1:15 stiffness=50 rest=0.2 damping=0.1\n"
+    lines = (
+        "ELEMENTS\n"
+        "  SPRING lspr-1 from=1:15 to=2:2 stiffness=20 rest=0.5 damping=0.1\n"
+        "  SPRING lspr-2 from=0:1 to=1:16 stiffness=30 rest=1\n"
+        "  CABLE cabl-1 from=1:13 to=1:15 stiffness=50 rest=0.2 damping=0.1\n"
+    )
     found = verified(folder, f"{lines}OUTN\n 1,11,14")
     assert found.outcome.exit_code == 0, found.differences
     assert {"element effort", "element power"} <= {each.name for each in found.differences if each.scale > 0}

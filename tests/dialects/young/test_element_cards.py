@@ -43,24 +43,29 @@ def messages(cards):
         ),
         (
             "  FUNCTION 1 sine 0 1 2\n  DRIVE angle-1 at=1.angle value=1",
-            "8:20: angle-1: joint 1 (spherical joint 1) turns by three angles, not by one; take a joint that turns about one axis, such as revolute joints with bodies between them",
+            "8:20: angle-1: joint 1 (spherical joint 1) turns by three angles, not by one; take a "
+            "joint that turns about one axis, such as revolute joints with bodies between them",
         ),
         (
             "  FUNCTION 1 ramp 0 0 1 2\n  DRIVE angle-1 at=2.angle value=1",
-            "8:34: angle-1: the rate of a coordinate cannot jump, but that of function 1 does; use spline or step",
+            "8:34: angle-1: the rate of a coordinate cannot jump, but that of function 1 does; "
+            "use spline or step",
         ),
         (
             "  FUNCTION 1 sine 0 1 2\n  FUNCTION 2 product 1 1\n  DRIVE angle-1 at=2.angle rate=2",
-            "9:33: angle-1: flexmb has no integral of a product; give the coordinate itself, in place of its rate",
+            "9:33: angle-1: flexmb has no integral of a product; give the coordinate itself, in "
+            "place of its rate",
         ),
         ("  FUNCTION 1 sum 2 3", "7:18: 1: function 2 must be given on a line above"),
         (
             "  FUNCTION 1 sine 0 1 2\n  SUPPORT support-1 simplified=1 value=1",
-            "8:32: support-1: simplified constraint 1 holds an angle; x, y, z (directions 1 to 3) can be moved",
+            "8:32: support-1: simplified constraint 1 holds an angle; x, y, z (directions 1 to 3) "
+            "can be moved",
         ),
         (
             "  FUNCTION 1 sine 0 1 2\n  DRIVE drive-1 driver=1 value=1",
-            "8:24: drive-1: driver number 1 is not there: the deck has no driver; add one, or remove this card",
+            "8:24: drive-1: driver number 1 is not there: the deck has no driver; add one, or "
+            "remove this card",
         ),
         ("  COUPLING coupling-1 2.angle=1 2.angle=3", "7:33: coupling-1: 2.angle is given twice; remove one"),
         (
@@ -72,7 +77,10 @@ def messages(cards):
             "7:63: friction-1: stribeck must be larger than 1e-100; read 1e-300",
         ),
         (
-            "  FUNCTION 1 sine 0 1 2\n  SPRING tspring-1 at=2.angle stiffness=5\n  START at=2.angle rate=1\n  START at=2.angle rate=2",
+            "  FUNCTION 1 sine 0 1 2\n"
+            "  SPRING tspring-1 at=2.angle stiffness=5\n"
+            "  START at=2.angle rate=1\n"
+            "  START at=2.angle rate=2",
             "10:3: start-2: start-1 already gives this; remove one of them",
         ),
     ],
@@ -91,16 +99,43 @@ NOTHING = "does nothing: its coefficients are 0"
 @pytest.mark.parametrize(
     ("card", "severity", "wanted"),
     [
-        ("ELEMENTS\n  SPRING tspring-1 at=2.angle stiffness=-5", "warning", "7:41: tspring-1: stiffness -5 is negative, which drives a motion on"),
-        ("ELEMENTS\n  SPRING lspring-1 from=0(1,0,0) to=2(0,0,0) stiffness=5 rest=1 damping=-2", "warning",
-         "7:73: lspring-1: damping -2 is negative, which drives a motion on"),
-        ("ELEMENTS\n  SPRING lspring-1 from=0(1,0,0) to=2(0,0,0) stiffness=5 rest=-0.1", "note", f"7:63: lspring-1: {SHORTER}"),
-        ("ELEMENTS\n  STOP tstop-1 at=2.angle lower=-1 upper=1 stiffness=0", "note", f"7:3: tstop-1: {NOTHING}"),
-        ("ELEMENTS\n  CABLE cable-1 from=0(1,0,0) to=2(0,0,0) stiffness=0 rest=1", "note", f"7:3: cable-1: {NOTHING}"),
-        ("ELEMENTS\n  BUSHING bushing-1 from=0(0,0,0) to=2(0,0,0) k=(0,0,0) kr=(0,0,0)", "note", f"7:3: bushing-1: {NOTHING}"),
-        ("ELEMENTS\n  FRICTION friction-1 joint=2 dynamic=0 static=0 stribeck=0.1 creep=1e-4 radius=0.1", "note", f"7:3: friction-1: {NOTHING}"),
+        (
+            "ELEMENTS\n  SPRING tspring-1 at=2.angle stiffness=-5",
+            "warning",
+            "7:41: tspring-1: stiffness -5 is negative, which drives a motion on",
+        ),
+        (
+            "ELEMENTS\n  SPRING lspring-1 from=0(1,0,0) to=2(0,0,0) stiffness=5 rest=1 damping=-2",
+            "warning",
+            "7:73: lspring-1: damping -2 is negative, which drives a motion on",
+        ),
+        (
+            "ELEMENTS\n  SPRING lspring-1 from=0(1,0,0) to=2(0,0,0) stiffness=5 rest=-0.1",
+            "note",
+            f"7:63: lspring-1: {SHORTER}",
+        ),
+        (
+            "ELEMENTS\n  STOP tstop-1 at=2.angle lower=-1 upper=1 stiffness=0",
+            "note",
+            f"7:3: tstop-1: {NOTHING}",
+        ),
+        (
+            "ELEMENTS\n  CABLE cable-1 from=0(1,0,0) to=2(0,0,0) stiffness=0 rest=1",
+            "note",
+            f"7:3: cable-1: {NOTHING}",
+        ),
+        (
+            "ELEMENTS\n  BUSHING bushing-1 from=0(0,0,0) to=2(0,0,0) k=(0,0,0) kr=(0,0,0)",
+            "note",
+            f"7:3: bushing-1: {NOTHING}",
+        ),
+        (
+            "ELEMENTS\n  FRICTION friction-1 joint=2 dynamic=0 static=0 stribeck=0.1 creep=1e-4 radius=0.1",
+            "note",
+            f"7:3: friction-1: {NOTHING}",
+        ),
     ],
-)  # fmt: skip
+)
 def test_an_element_that_does_nothing_or_drives_is_told(card, severity, wanted):
     _, faults = build_young_dynamics(read(f"MASS 2 1 0 0 0 1 1 1\nMASS 3 1 0 0 0 1 1 1\n{card}"))
     (told,) = [fault for fault in faults if fault.place and fault.place.line > 7]
@@ -117,12 +152,14 @@ def test_a_function_of_a_refused_card_is_not_called_unused():
 @pytest.mark.parametrize(
     ("card", "wanted"),
     [
-        ("ELEMENTS\n  START at=2.stroke rate=1",
-         "7:12: start-1: joint 2 (revolute joint 1) has an angle, not a stroke; take 2.angle"),
+        (
+            "ELEMENTS\n  START at=2.stroke rate=1",
+            "7:12: start-1: joint 2 (revolute joint 1) has an angle, not a stroke; take 2.angle",
+        ),
         ("FORCE 0 0 0 0 1 0 0", "6:7: force 1: body 0 is the ground, which does not move; name one of 1..3"),
         ("SPRING 0 0 0 0 0 1 0 0 5 1", "6:10: spring 1: I and J are both body 0; two bodies are needed"),
     ],
-)  # fmt: skip
+)
 def test_a_slip_is_one_message(card, wanted):
     with pytest.raises(ModelError) as caught:
         build_young_dynamics(read(card))
@@ -194,8 +231,9 @@ def test_points_too_near_for_a_slope_are_refused(line, wanted):
 @pytest.mark.parametrize(("static", "warned"), [(0.1, True), (0.3, False)])
 def test_sticking_friction_below_sliding_friction_is_warned_of(static, warned):
     cards = (
-        "".join(f"MASS {k} 1 0 0 0 1 1 1\n" for k in (2, 3))
-        + f"ELEMENTS\n  FRICTION friction-1 joint=2 dynamic=0.3 static={static} stribeck=0.1 creep=1e-3 radius=0.05"
+        "".join(f"MASS {k} 1 0 0 0 1 1 1\n" for k in (2, 3)) + "ELEMENTS\n"
+        f"  FRICTION friction-1 joint=2 dynamic=0.3 static={static} stribeck=0.1 creep=1e-3 "
+        "radius=0.05"
     )
     faults = build_young_dynamics(read(cards))[1]
     found = [fault for fault in faults if "less than it slides with" in fault.message]

@@ -119,7 +119,14 @@ TUTORIAL = (
     "3 1 0 0 0 1 1 0 0 1 0 1\n0 0 0 1 0 0 0\n0 0 0 1 0 0 0\n1 0 0 1 0 0 0\n2 6 0 0 0\n"
     "1 2 0 0 0 0 0 0 0 0 1 0 0 1\n2 3 1 0 0 0 0 0 2 0 0 1 0 0\n3 3 0\n1 0 0 0 0 0 0\n0 1 0.1\n"
 )
-PRELUDE = "MASS 2 1 0 0 0 1 1 1\nMASS 3 1 0 0 0 1 1 1\nELEMENTS\n  FUNCTION 1 table 0 0 1 2\n  FUNCTION 2 polynomial 0 1\n  FUNCTION 3 sine 0 1 2\n"
+PRELUDE = (
+    "MASS 2 1 0 0 0 1 1 1\n"
+    "MASS 3 1 0 0 0 1 1 1\n"
+    "ELEMENTS\n"
+    "  FUNCTION 1 table 0 0 1 2\n"
+    "  FUNCTION 2 polynomial 0 1\n"
+    "  FUNCTION 3 sine 0 1 2\n"
+)
 
 
 @every_card

@@ -209,20 +209,38 @@ def test_a_deck_in_millimetres_becomes_one_in_si_units_and_back(tmp_path):
         assert np.abs(found - centres).max() < EXACT and np.abs(turning - omega).max() < 10 * EXACT
 
 
-TURNED = "ELEMENTS\n  BUSHING bushing-1 from=0(0,0,0) to=2(0,0,0) k=(1,1,1) kr=(9,9,9)\n"  # body 2 begins away from its estimate
+TURNED = (
+    "ELEMENTS\n"
+    "  BUSHING bushing-1 from=0(0,0,0) to=2(0,0,0) k=(1,1,1) kr=(9,9,9)\n"
+)  # body 2 begins away from its estimate
 
 
 @pytest.mark.parametrize(
     ("form", "old", "new", "reported"),
     [
-        ("vsdf", "ELEMENTS\n  SPRING tspring-1 at=3.angle", f"{TURNED}ELEMENTS\n  SPRING tspring-1 at=3.angle", "bodies of the bushing have turned by 0.13"),
-        ("dafms", "ELEMENTS\n  FUNCTION 1 table 0 0 0.6 2 0.9 1", "ELEMENTS\n  FUNCTION 1 sine 0 1 2", "only tables of loads are converted to DAFMS"),
+        (
+            "vsdf",
+            "ELEMENTS\n  SPRING tspring-1 at=3.angle",
+            f"{TURNED}ELEMENTS\n  SPRING tspring-1 at=3.angle",
+            "bodies of the bushing have turned by 0.13",
+        ),
+        (
+            "dafms",
+            "ELEMENTS\n  FUNCTION 1 table 0 0 0.6 2 0.9 1",
+            "ELEMENTS\n  FUNCTION 1 sine 0 1 2",
+            "only tables of loads are converted to DAFMS",
+        ),
         ("vsdf", "MASS 3 1.5 0.03 0 0.01 0.2 0.3 0.25 0.01 0 0.02\n", "", "body 3: a VSDF body needs a mass"),
         ("dafms", "TORQUE 8 0.3 0.2 0.1 0", "TORQUE 8 0.3 0.2 0.1 1", "loads in DAFMS keep to inertial axes"),
-        ("dafms", "ELEMENTS\n  MOTOR tmotor-1 at=4.angle effort=1", "FORCE 4 1 0 0 5 0 0", "DAFMS has forces at the origin O_k of a body only"),
+        (
+            "dafms",
+            "ELEMENTS\n  MOTOR tmotor-1 at=4.angle effort=1",
+            "FORCE 4 1 0 0 5 0 0",
+            "DAFMS has forces at the origin O_k of a body only",
+        ),
         ("dafms", "8 0 1 1 1 2 1 1 0 0 0 1", "8 0 1 1 1 2 1 0 1 0 0 1", "no hinge like a screw joint"),
     ],
-)  # fmt: skip
+)
 def test_what_a_dialect_does_not_know_is_refused_by_name_and_place(form, old, new, reported, tmp_path):
     text = CHAIN.replace(old, new)
     if "screw" in reported:

@@ -46,20 +46,29 @@ def step(t, t0, v0, t1, v1):
 
 
 R, S, P = (0.3, 0.5, 0.7, 3.0), (0.2, 0.4, 5.0, 0.3), (0.2, 0.1, 0.9, -0.6)
-LINES = {name: f"{name} {k} {' '.join(map(str, c))}\n" for name, k, c in
-         (("RAMP", 1, R), ("SINE", 2, S), ("STEP", 4, P))}  # fmt: skip
+LINES = {
+    name: f"{name} {k} {' '.join(map(str, c))}\n"
+    for name, k, c in (("RAMP", 1, R), ("SINE", 2, S), ("STEP", 4, P))
+}
 RATES = {
     "ramp": (f"{LINES['RAMP']}ELEMENTS\n  DRIVE angle-1 at=1.angle rate=1\n", lambda t: (ramp(t, *R), 0 * t)),
     "table": (f"ELEMENTS\n  FUNCTION {LINES['RAMP'][5:]}ANGLE table 1 1 1\n", lambda t: (ramp(t, *R), 0 * t)),
     "ramp and sine": (
-        f"{LINES['RAMP']}{LINES['SINE']}ELEMENTS\n  FUNCTION 3 sum 1 2\n  DRIVE angle-1 at=1.angle rate=3\n{LINES['STEP']}ELEMENTS\n  DRIVE stroke-1 at=2.stroke rate=4\n",
+        f"{LINES['RAMP']}{LINES['SINE']}ELEMENTS\n"
+        "  FUNCTION 3 sum 1 2\n"
+        "  DRIVE angle-1 at=1.angle rate=3\n"
+        f"{LINES['STEP']}ELEMENTS\n"
+        "  DRIVE stroke-1 at=2.stroke rate=4\n",
         lambda t: (ramp(t, *R) + sine(t, *S), step(t, *P)),
     ),
     "step, sine and line": (
-        f"{LINES['STEP']}{LINES['SINE']}ELEMENTS\n  FUNCTION 6 polynomial 0.4 1.2\n  FUNCTION 3 sum 4 2 6\n  DRIVE stroke-1 at=2.stroke rate=3\n",
+        f"{LINES['STEP']}{LINES['SINE']}ELEMENTS\n"
+        "  FUNCTION 6 polynomial 0.4 1.2\n"
+        "  FUNCTION 3 sum 4 2 6\n"
+        "  DRIVE stroke-1 at=2.stroke rate=3\n",
         lambda t: (0 * t, step(t, *P) + sine(t, *S) + 0.4 * (t - START) + 0.6 * (t**2 - START**2)),
     ),
-}  # fmt: skip
+}
 
 
 def arm(folder, cards):

@@ -7,7 +7,12 @@ from tests.solvers.constrained.element_decks import ARM, analysis_of, model_of, 
 
 INERTIA, STIFFNESS, DAMPING = 0.1, 2.0, 0.1  # kg m², N m/rad, N m s/rad
 ACCELERATION, UNTIL = 8 / 3, 1.5  # rad/s², s
-MASSES = f"MASS 2 1 0 0 0 1 1 1\nMASS 3 0.8 0 0 0 1 1 {INERTIA}\nELEMENTS\n  SPRING tspring-1 at=2.angle stiffness={STIFFNESS} damping={DAMPING}\n"
+MASSES = (
+    "MASS 2 1 0 0 0 1 1 1\n"
+    f"MASS 3 0.8 0 0 0 1 1 {INERTIA}\n"
+    "ELEMENTS\n"
+    f"  SPRING tspring-1 at=2.angle stiffness={STIFFNESS} damping={DAMPING}\n"
+)
 RATES = {
     "ramp": f"ELEMENTS\n  FUNCTION 1 ramp 0 0 {UNTIL} 4\n",
     "table": f"ELEMENTS\n  FUNCTION 1 table 0 0 {UNTIL} 4 9 4\n",

@@ -22,8 +22,11 @@ from tests.solvers.constrained.element_decks import ARM, ROTOR, SLIDER, TWO_ROTO
 # Slender links: centres of mass, masses, moments of inertia about z.
 LINKS = "MASS 2 1.5 0.4 0 0 0.1 0.2 0.2\nMASS 3 0.8 0.3 0 0 0.05 0.1 0.1\nGRAVITY 0 -9.81 0\n"
 DRIVEN = (
-    LINKS
-    + "ELEMENTS\n  FUNCTION 1 sine 0.2 0.7 2.0 0.5\n  FUNCTION 2 polynomial 0.1 8.0 -0.4 0.3\n  DRIVE angle-1 at=1.angle value=1\n  DRIVE angle-2 at=2.angle value=2\n"
+    LINKS + "ELEMENTS\n"
+    "  FUNCTION 1 sine 0.2 0.7 2.0 0.5\n"
+    "  FUNCTION 2 polynomial 0.1 8.0 -0.4 0.3\n"
+    "  DRIVE angle-1 at=1.angle value=1\n"
+    "  DRIVE angle-2 at=2.angle value=2\n"
 )
 
 
@@ -71,13 +74,23 @@ def test_the_power_of_the_motors_is_the_rate_of_the_energy():
 
 def test_a_velocity_driver_follows_the_integral_of_its_function():
     """Rate 3 - 2 cos 4 t from the estimates on: angle 3 t - sin(4 t)/2."""
-    cards = "MASS 2 1 0 0 0 1 1 1\nELEMENTS\n  FUNCTION 1 sine 3 -2 4 1.5707963267948966\n  DRIVE angle-1 at=1.angle rate=1"
+    cards = (
+        "MASS 2 1 0 0 0 1 1 1\n"
+        "ELEMENTS\n"
+        "  FUNCTION 1 sine 3 -2 4 1.5707963267948966\n"
+        "  DRIVE angle-1 at=1.angle rate=1"
+    )
     rows = rows_of(ROTOR, "0 3 0.25", cards, "inverse")
     assert rows.joint_coordinate[:, 0] == pytest.approx(3 * rows.time - np.sin(4 * rows.time) / 2, abs=1e-13)
 
 
 def test_a_stroke_is_driven_and_its_force_is_mass_times_acceleration():
-    cards = "MASS 2 2.5 0 0 0 1 1 1\nELEMENTS\n  FUNCTION 1 step 0.2 0 0.8 0.3\n  DRIVE stroke-1 at=1.stroke value=1"
+    cards = (
+        "MASS 2 2.5 0 0 0 1 1 1\n"
+        "ELEMENTS\n"
+        "  FUNCTION 1 step 0.2 0 0.8 0.3\n"
+        "  DRIVE stroke-1 at=1.stroke value=1"
+    )
     rows = rows_of(SLIDER, "0 1 0.1", cards, "inverse")
     s = np.clip((rows.time - 0.2) / 0.6, 0.0, 1.0)
     bend = 0.3 / 0.36 * (60 * s - 180 * s**2 + 120 * s**3)
@@ -105,7 +118,13 @@ def test_a_driver_of_the_deck_follows_a_function(direction, coordinate):
 def test_a_support_that_moves_is_held_by_its_force():
     """A body held in all directions but turns, whose support follows z(t): the holder bears m (g + z̈)."""
     free = "1 0 0 0 0 0 0 0 0 6 0 0\n0 0 0 1 0 0 0\n" + "".join(f"1 {k} 0\n" for k in range(1, 7))
-    cards = "MASS 1 3 0 0 0 1 1 1\nGRAVITY 0 0 -9.81\nELEMENTS\n  FUNCTION 1 polynomial 0 0 2\n  SUPPORT support-1 simplified=3 value=1"
+    cards = (
+        "MASS 1 3 0 0 0 1 1 1\n"
+        "GRAVITY 0 0 -9.81\n"
+        "ELEMENTS\n"
+        "  FUNCTION 1 polynomial 0 0 2\n"
+        "  SUPPORT support-1 simplified=3 value=1"
+    )
     rows = rows_of(free, "0 1 0.25", cards, "inverse")
     assert rows.position[:, 0, 2] == pytest.approx(2 * rows.time**2, abs=1e-14)
     assert rows.holding_force[:, 2, 2] == pytest.approx(np.full(5, 3 * (9.81 + 4.0)), rel=1e-13)
@@ -115,7 +134,11 @@ def test_a_support_that_moves_is_held_by_its_force():
 def test_a_gear_turns_its_joints_in_proportion(sign):
     """2 θ1 + sign θ2 = 0; the inertia felt at the driver is I1 + 4 I2."""
     cards = (
-        "MASS 2 1 0 0 0 1 1 0.3\nMASS 3 1 0 0 0 1 1 0.2\nELEMENTS\n  FUNCTION 1 polynomial 0 1 1.5\n  DRIVE angle-1 at=1.angle value=1\n"
+        "MASS 2 1 0 0 0 1 1 0.3\n"
+        "MASS 3 1 0 0 0 1 1 0.2\n"
+        "ELEMENTS\n"
+        "  FUNCTION 1 polynomial 0 1 1.5\n"
+        "  DRIVE angle-1 at=1.angle value=1\n"
         f"ELEMENTS\n  COUPLING coupling-1 1.angle=2 2.angle={sign}"
     )
     rows = rows_of(TWO_ROTORS, "0 1 0.1", cards, "inverse")
@@ -167,7 +190,15 @@ def test_a_ramped_torque_turns_a_rotor_by_its_cubic():
 
 def test_turns_of_rate_and_position_agree_with_a_full_revolution_of_the_base():
     """An arm on a turntable: relative angles do not change when the base turns."""
-    cards = "MASS 2 1 0 0 0 1 1 0.2\nMASS 3 1 0 0 0 1 1 0.2\nELEMENTS\n  FUNCTION 1 polynomial 0 9\n  FUNCTION 2 sine 0 1 3\n  DRIVE angle-1 at=1.angle value=1\n  DRIVE angle-2 at=2.angle value=2"
+    cards = (
+        "MASS 2 1 0 0 0 1 1 0.2\n"
+        "MASS 3 1 0 0 0 1 1 0.2\n"
+        "ELEMENTS\n"
+        "  FUNCTION 1 polynomial 0 9\n"
+        "  FUNCTION 2 sine 0 1 3\n"
+        "  DRIVE angle-1 at=1.angle value=1\n"
+        "  DRIVE angle-2 at=2.angle value=2"
+    )
     rows = rows_of(ARM, "0 1 0.1", cards, "inverse")
     assert rows.joint_coordinate[-1] == pytest.approx((9.0, math.sin(3.0)), abs=1e-13)
 
@@ -182,7 +213,11 @@ def test_both_motors_of_the_supplied_arm_move_it_as_they_were_driven():
     for k in range(2):
         pairs = zip(driven.time.tolist(), driven.driver_effort[:, k].tolist(), strict=True)
         points = " ".join(f"{t!r} {v!r}" for t, v in pairs)
-        loads += f"ELEMENTS\n  FUNCTION {k + 1} spline {points}\n  MOTOR tmotor-1 at={k + 1}.angle effort={k + 1}\n"
+        loads += (
+            "ELEMENTS\n"
+            f"  FUNCTION {k + 1} spline {points}\n"
+            f"  MOTOR tmotor-1 at={k + 1}.angle effort={k + 1}\n"
+        )
     free = rows_of(
         mechanism,
         "0 1 0.05",

@@ -47,7 +47,10 @@ def test_a_torsional_spring_with_damper_and_preload_swings_as_in_textbooks(metho
     rows = rows_of(
         ROTOR,
         "0 2 0.1",
-        f"{SPUN}ELEMENTS\n  SPRING tspring-1 at=1.angle stiffness=8 rest=0.1 damping=0.4 preload=1.6\n  START at=1.angle rate=0.4\n{card}",
+        f"{SPUN}ELEMENTS\n"
+        "  SPRING tspring-1 at=1.angle stiffness=8 rest=0.1 damping=0.4 preload=1.6\n"
+        "  START at=1.angle rate=0.4\n"
+        f"{card}",
     )
     wanted = -0.1 + oscillation(rows.time, 0.1, 0.4, 4.0, 0.4 / (2 * math.sqrt(8 * 0.5)))
     assert rows.joint_coordinate[:, 0] == pytest.approx(wanted, abs=0.2 * NEAR[name])
@@ -71,7 +74,12 @@ def test_a_hardening_spring_by_a_function_has_duffings_period(method):
     """m ẍ + x³ β = 0 from x = A: T = Γ(1/4)² / (sqrt(π) A) sqrt(m/β) (Rao, section 13.3)."""
     name, card = method
     period = math.gamma(0.25) ** 2 / (math.sqrt(math.pi) * 0.5) * math.sqrt(2.0 / 40.0)
-    cards = f"{SLID}ELEMENTS\n  FUNCTION 3 polynomial 0 0 0 40\n  SPRING aspring-1 at=1.stroke stiffness=0 rest=-0.5 curve=3\n{card}"
+    cards = (
+        f"{SLID}ELEMENTS\n"
+        "  FUNCTION 3 polynomial 0 0 0 40\n"
+        "  SPRING aspring-1 at=1.stroke stiffness=0 rest=-0.5 curve=3\n"
+        f"{card}"
+    )
     rows = rows_of(SLIDER, f"0 {period:.17g} {period / 4:.17g}", cards)
     wanted = (0.0, -0.5, -1.0, -0.5, 0.0)
     assert rows.joint_coordinate[:, 0] == pytest.approx(wanted, abs=2 * NEAR[name])
@@ -80,7 +88,13 @@ def test_a_hardening_spring_by_a_function_has_duffings_period(method):
 
 def test_a_tabulated_damper_and_a_spring_table_give_their_forces():
     """At the start: x - rest = -0.2 on the line from (-1, -8) to 0, rate 3 on the table of the damper."""
-    cards = f"{SLID}ELEMENTS\n  FUNCTION 1 table -1 -8 0 0 1 4\n  FUNCTION 2 table -5 -1 0 0 5 10\n  SPRING aspring-1 at=1.stroke stiffness=0 rest=0.2 curve=1 damper=2\n  START at=1.stroke rate=3"
+    cards = (
+        f"{SLID}ELEMENTS\n"
+        "  FUNCTION 1 table -1 -8 0 0 1 4\n"
+        "  FUNCTION 2 table -5 -1 0 0 5 10\n"
+        "  SPRING aspring-1 at=1.stroke stiffness=0 rest=0.2 curve=1 damper=2\n"
+        "  START at=1.stroke rate=3"
+    )
     rows = rows_of(SLIDER, "0 0.1 0.1", cards)
     assert rows.element_effort[0, 0] == pytest.approx(-(-1.6 + 6.0), rel=1e-13)
     assert rows.element_power[0, 0] == pytest.approx(-6.0 * 3.0, rel=1e-13)
@@ -88,7 +102,12 @@ def test_a_tabulated_damper_and_a_spring_table_give_their_forces():
 
 def test_a_spring_in_line_pulls_a_pendulum_from_the_ground():
     """Body 0 is the ground: from (2, 0, 0) to the point (1, 0, 0) of a rotor, length by the cosine rule."""
-    cards = f"{SPUN}ELEMENTS\n  SPRING lspring-1 from=0(2,0,0) to=2(1,0,0) stiffness=30 rest=0.5 preload=4\n  START at=1.angle rate=2\nTOLERANCE 1e-11"
+    cards = (
+        f"{SPUN}ELEMENTS\n"
+        "  SPRING lspring-1 from=0(2,0,0) to=2(1,0,0) stiffness=30 rest=0.5 preload=4\n"
+        "  START at=1.angle rate=2\n"
+        "TOLERANCE 1e-11"
+    )
     rows = rows_of(ROTOR, "0 1 0.1", cards)
     phi = rows.joint_coordinate[:, 0]
     length = np.sqrt(5.0 - 4.0 * np.cos(phi))
@@ -123,7 +142,10 @@ def test_an_end_stop_without_damping_returns_the_speed(method):
     rows = rows_of(
         SLIDER,
         "0 0.2 0.05",
-        f"{SLID}ELEMENTS\n  STOP astop-1 at=1.stroke lower=-1 upper=0.2 stiffness=20000\n  START at=1.stroke rate=2\n{card}",
+        f"{SLID}ELEMENTS\n"
+        "  STOP astop-1 at=1.stroke lower=-1 upper=0.2 stiffness=20000\n"
+        "  START at=1.stroke rate=2\n"
+        f"{card}",
     )
     half = math.pi * math.sqrt(2 / 20000)
     assert rows.joint_coordinate[-1, 0] == pytest.approx(0.2 - 2 * (0.1 - half), abs=2e-2 * NEAR[name] + 1e-6)
@@ -135,7 +157,12 @@ def test_a_stop_with_damping_returns_the_speed_of_hunt_and_crossley(side):
     """m v dv = -k s (1 + b v) ds: v/b - ln(1 + b v)/b² is the same at both ends of the contact."""
     b, v = 0.3, 2.0
     left = brentq(lambda w: b * v - math.log(1 + b * v) + b * w + math.log(1 - b * w), 0.01, v)
-    cards = f"{SLID}ELEMENTS\n  STOP astop-1 at=1.stroke lower=-0.2 upper=0.2 stiffness=20000 damping={b}\n  START at=1.stroke rate={side * v}\nTOLERANCE 1e-11"
+    cards = (
+        f"{SLID}ELEMENTS\n"
+        f"  STOP astop-1 at=1.stroke lower=-0.2 upper=0.2 stiffness=20000 damping={b}\n"
+        f"  START at=1.stroke rate={side * v}\n"
+        "TOLERANCE 1e-11"
+    )
     rows = rows_of(SLIDER, "0 0.2 0.1", cards)
     assert rows.joint_rate[-1, 0] == pytest.approx(-side * left, rel=1e-7)
     assert rows.applied_work[-1] == pytest.approx(left**2 - v**2, rel=1e-6)
@@ -143,7 +170,12 @@ def test_a_stop_with_damping_returns_the_speed_of_hunt_and_crossley(side):
 
 def test_a_cable_pulls_only_while_it_is_taut():
     """Slack up to 1.5 m: free flight, half a period, free flight back."""
-    cards = f"{SLID}ELEMENTS\n  CABLE cable-1 from=0(-1,0,0) to=2(0,0,0) stiffness=800 rest=1.5\n  START at=1.stroke rate=1\nTOLERANCE 1e-11"
+    cards = (
+        f"{SLID}ELEMENTS\n"
+        "  CABLE cable-1 from=0(-1,0,0) to=2(0,0,0) stiffness=800 rest=1.5\n"
+        "  START at=1.stroke rate=1\n"
+        "TOLERANCE 1e-11"
+    )
     rows = rows_of(SLIDER, "0 1 0.1", cards)
     assert rows.joint_coordinate[4, 0] == pytest.approx(0.4, abs=1e-12)
     t = np.clip(rows.time - 0.5, 0.0, math.pi / 20)
@@ -173,7 +205,13 @@ def test_a_bushing_has_six_natural_frequencies(axis):
 
 
 def test_a_bushing_damps_by_its_six_coefficients():
-    cards = "MASS 2 2 0 0 0 1 1 1\nELEMENTS\n  BUSHING bushing-1 from=0(0,0,0) to=2(0,0,0) k=(50,0,0) kr=(0,0,8) c=(4,0,0) cr=(0,0,0.8)\nVELOCITY 2 1 0 0 0 0 0.5"
+    cards = (
+        "MASS 2 2 0 0 0 1 1 1\n"
+        "ELEMENTS\n"
+        "  BUSHING bushing-1 from=0(0,0,0) to=2(0,0,0) k=(50,0,0) kr=(0,0,8) c=(4,0,0) "
+        "cr=(0,0,0.8)\n"
+        "VELOCITY 2 1 0 0 0 0 0.5"
+    )
     rows = rows_of(FREE, "0 1 0.1", cards)
     assert rows.position[:, 1, 0] == pytest.approx(oscillation(rows.time, 0.0, 1.0, 5.0, 0.2), abs=1e-8)
     turned = oscillation(rows.time, 0.0, 0.5, math.sqrt(8), 0.4 / math.sqrt(8))
@@ -193,7 +231,13 @@ RACK = """3 0 0 0 0 1 0 1 0 0 0 1
 def test_a_rack_and_pinion_fall_together(method):
     """Stroke = 0.2 θ; (m + I/r²) ẍ = m g, with m = 2, I = 0.5."""
     _, card = method
-    cards = f"{SPUN}MASS 3 2 0 0 0 1 1 1\nGRAVITY 9.81 0 0\nELEMENTS\n  COUPLING coupling-1 1.angle=-0.2 2.stroke=1\n{card}"
+    cards = (
+        f"{SPUN}MASS 3 2 0 0 0 1 1 1\n"
+        "GRAVITY 9.81 0 0\n"
+        "ELEMENTS\n"
+        "  COUPLING coupling-1 1.angle=-0.2 2.stroke=1\n"
+        f"{card}"
+    )
     rows = rows_of(RACK, "0 1 0.25", cards)
     a = 2 * 9.81 / (2 + 0.5 / 0.04)
     assert rows.joint_coordinate[:, 1] == pytest.approx(a * rows.time**2 / 2, abs=1e-8)
@@ -254,7 +298,8 @@ def test_a_revolute_cylindrical_joint_is_the_two_joints_with_a_massless_body_bet
     composite = rows_of(
         FREE,
         "0 0.6 0.1",
-        f"{masses}{rest}ELEMENTS\n  JOINT revcyl-1 revcyl from=0(0,0,0) to=2(0,0,0) axis_from=(0,0,1) axis_to=(1,0,0)\n",
+        f"{masses}{rest}ELEMENTS\n"
+        "  JOINT revcyl-1 revcyl from=0(0,0,0) to=2(0,0,0) axis_from=(0,0,1) axis_to=(1,0,0)\n",
     )
     two = """3 0 0 0 0 1 1 0 0 0 0 1
 0 0 0 1 0 0 0
@@ -274,7 +319,13 @@ def test_a_revolute_cylindrical_joint_is_the_two_joints_with_a_massless_body_bet
 
 def test_initial_joint_rates_move_a_serial_arm():
     """ω2 = 0.5, ω3 = 0.5 + 2 rad/s; the second joint, 1 m away, moves at 0.5 m/s."""
-    cards = "MASS 2 1 0.5 0 0 1 1 1\nMASS 3 1 0.2 0 0 1 1 1\nELEMENTS\n  START at=1.angle rate=0.5\n  START at=2.angle rate=2"
+    cards = (
+        "MASS 2 1 0.5 0 0 1 1 1\n"
+        "MASS 3 1 0.2 0 0 1 1 1\n"
+        "ELEMENTS\n"
+        "  START at=1.angle rate=0.5\n"
+        "  START at=2.angle rate=2"
+    )
     rows = rows_of(ARM, "0 0.1 0.1", cards)
     assert rows.angular_velocity[0, 1:, 2] == pytest.approx((0.5, 2.5), rel=1e-12)
     assert rows.velocity[0, 2] == pytest.approx((0.0, 0.5, 0.0), abs=1e-12)
@@ -282,7 +333,14 @@ def test_initial_joint_rates_move_a_serial_arm():
 
 def test_initial_joint_rates_that_a_coupling_forbids_are_named():
     """The coupling makes the rates equal; before, the message spoke of drivers, which the deck lacks."""
-    cards = "MASS 2 1 0 0 0 1 1 1\nMASS 3 1 0 0 0 1 1 1\nELEMENTS\n  START at=1.angle rate=1\n  START at=2.angle rate=5\n  COUPLING coupling-1 1.angle=1 2.angle=-1"
+    cards = (
+        "MASS 2 1 0 0 0 1 1 1\n"
+        "MASS 3 1 0 0 0 1 1 1\n"
+        "ELEMENTS\n"
+        "  START at=1.angle rate=1\n"
+        "  START at=2.angle rate=5\n"
+        "  COUPLING coupling-1 1.angle=1 2.angle=-1"
+    )
     with pytest.raises(ModelError) as refused:
         rows_of(TWO_ROTORS, "0 0.1 0.1", cards)
     (fault,) = refused.value.faults
@@ -293,8 +351,11 @@ def test_a_belt_makes_inertias_one(method):
     """Pulleys of 0.1 m and 0.2 m: 0.1 θ1 = 0.2 θ2; a torque on the first."""
     _, card = method
     cards = (
-        "MASS 2 1 0 0 0 1 1 0.3\nMASS 3 1 0 0 0 1 1 0.8\nTORQUE 2 0 0 2\nELEMENTS\n  COUPLING coupling-1 1.angle=0.1 2.angle=-0.2\n"
-        + card
+        "MASS 2 1 0 0 0 1 1 0.3\n"
+        "MASS 3 1 0 0 0 1 1 0.8\n"
+        "TORQUE 2 0 0 2\n"
+        "ELEMENTS\n"
+        "  COUPLING coupling-1 1.angle=0.1 2.angle=-0.2\n" + card
     )
     rows = rows_of(TWO_ROTORS, "0 1 0.5", cards)
     assert rows.joint_coordinate[-1, 0] == pytest.approx(2 / (0.3 + 0.8 / 4) / 2, rel=1e-8)
@@ -302,7 +363,13 @@ def test_a_belt_makes_inertias_one(method):
 
 def turned_bushing(about, end):
     """A rotor that turns by 1 rad/s on a bushing with stiffnesses about x, y, z."""
-    cards = f"{SPUN}ELEMENTS\n  FUNCTION 1 polynomial 0 1\n  DRIVE angle-1 at=1.angle value=1\n  BUSHING bushing-1 from=1(0,0,0) to=2(0,0,0) k=(0,0,0) kr=({about},0,0) c=(0,0,0) cr=(0)"
+    cards = (
+        f"{SPUN}ELEMENTS\n"
+        "  FUNCTION 1 polynomial 0 1\n"
+        "  DRIVE angle-1 at=1.angle value=1\n"
+        f"  BUSHING bushing-1 from=1(0,0,0) to=2(0,0,0) k=(0,0,0) kr=({about},0,0) c=(0,0,0) "
+        "cr=(0)"
+    )
     return rows_of(ROTOR, f"0 {end} 0.5", cards, "inverse")
 
 
@@ -322,7 +389,13 @@ def test_a_bushing_stops_the_run_before_its_other_angles_jump():
 def test_a_bushing_ends_a_free_motion_by_every_method_before_its_angles_jump(method):
     """A body that spins at 3 rad/s without hindrance about z; its angles are held about x only."""
     _, card = method
-    cards = f"MASS 2 1 0 0 0 1 1 1\nELEMENTS\n  BUSHING bushing-1 from=0(0,0,0) to=2(0,0,0) k=(0,0,0) kr=(5,0,0) c=(0,0,0) cr=(0,0,0)\n{card}"
+    cards = (
+        "MASS 2 1 0 0 0 1 1 1\n"
+        "ELEMENTS\n"
+        "  BUSHING bushing-1 from=0(0,0,0) to=2(0,0,0) k=(0,0,0) kr=(5,0,0) c=(0,0,0) "
+        "cr=(0,0,0)\n"
+        f"{card}"
+    )
     with pytest.raises(AnalysisError, match="bushing-1 have turned by a quarter turn") as raised:
         rows_of(FREE, "0 1 0.5", f"{cards}VELOCITY 2 0 0 0 0 0 3\n")
     assert raised.value.time == pytest.approx(math.pi / 6, abs=1e-2)
@@ -331,7 +404,12 @@ def test_a_bushing_ends_a_free_motion_by_every_method_before_its_angles_jump(met
 @pytest.mark.parametrize("start, noted", [(0.25, True), (0.05, False)])
 def test_a_stop_that_is_pressed_at_the_start_is_noted_with_depth_and_force(start, noted):
     """The end of the slide stands 0.15 m behind the stop: 400 N/m · 0.15 m."""
-    cards = f"{SLID}ELEMENTS\n  FUNCTION 1 polynomial {start} 0\n  DRIVE stroke-1 at=1.stroke value=1\n  STOP astop-1 at=1.stroke lower=-1 upper=0.1 stiffness=400\n"
+    cards = (
+        f"{SLID}ELEMENTS\n"
+        f"  FUNCTION 1 polynomial {start} 0\n"
+        "  DRIVE stroke-1 at=1.stroke value=1\n"
+        "  STOP astop-1 at=1.stroke lower=-1 upper=0.1 stiffness=400\n"
+    )
     analysis = analysis_of(model_of(SLIDER, "0 1 1", cards))
     analysis.start()
     found = [fault for fault in analysis.warnings if "behind its limit" in fault.message]

@@ -103,7 +103,10 @@ class Case:
             # The end pieces of a spline go on: a window cuts them off, where its neighbour has all but the
             # same value.
             rise, fall = first - 1.0 * (k == 0), last + 1.0 * (last == END)
-            text += f"ELEMENTS\n  FUNCTION {200 + k} table {rise!r} 0 {rise + CUT!r} 1 {fall!r} 1 {fall + CUT!r} 0\n"
+            text += (
+                "ELEMENTS\n"
+                f"  FUNCTION {200 + k} table {rise!r} 0 {rise + CUT!r} 1 {fall!r} 1 {fall + CUT!r} 0\n"
+            )
             text += f"ELEMENTS\n  FUNCTION {300 + k} product {100 + k} {200 + k}\n"
             parts.append(str(300 + k))
         text += f"ELEMENTS\n  FUNCTION 99 sum {' '.join(parts)}\n  MOTOR motor at={self.at} effort=99\n"
@@ -122,36 +125,107 @@ CASES = {
     "SPRING": Case(ROTOR, f"{TURNED}SPRING 0 2 2 0.3 0 1 0 0 30 0.5 0.7\n"),
     "DAMPER": Case(ROTOR, f"{TURNED}DAMPER 0 2 2 0.3 0 1 0 0 1.7\n"),
     "TABLE": _varied(f"ELEMENTS\n  FUNCTION 5 table 0 0.3 {HALFWAY} 1.8 0.3 -0.4", HALFWAY),
-    "SPLINE": _varied("ELEMENTS\n  FUNCTION 5 spline 0 0.3 0.05 1.1 0.1 0.8 0.15 0.4 0.3 0.9", 0.05, HALFWAY, 0.15),
+    "SPLINE": _varied(
+        "ELEMENTS\n  FUNCTION 5 spline 0 0.3 0.05 1.1 0.1 0.8 0.15 0.4 0.3 0.9", 0.05, HALFWAY, 0.15
+    ),
     "POLYNOMIAL": _varied("ELEMENTS\n  FUNCTION 5 polynomial 0.2 4 -30 50"),
     "SINE": _varied("ELEMENTS\n  FUNCTION 5 sine 0.1 0.8 9 0.4"),
     "RAMP": _varied("ELEMENTS\n  FUNCTION 5 ramp 0.05 0.2 0.15 1.9", 0.05, 0.15),
     "STEP": _varied("ELEMENTS\n  FUNCTION 5 step 0.05 0.2 0.15 1.9", 0.05, 0.15),
-    "SUM": _varied("ELEMENTS\n  FUNCTION 3 sine 0.1 0.8 9\n  FUNCTION 4 polynomial 0.2 1 -3\n  FUNCTION 5 sum 3 4 3"),
-    "PRODUCT": _varied("ELEMENTS\n  FUNCTION 3 sine 0.1 0.8 9\n  FUNCTION 4 polynomial 0.2 1 -3\n  FUNCTION 5 product 3 4 3"),
-    "DRIVE": Case(DRIVEN_ARM, f"{TWO}ELEMENTS\n  FUNCTION 5 sine 0 0.7 3\n  DRIVE drive-1 driver=1 value=5\n", joint=2),
-    "SUPPORT": Case(HELD, f"{TWO}ELEMENTS\n  FUNCTION 5 sine 0 0.3 6\n  SUPPORT support-1 simplified=1 value=5\n"),
-    "ANGLE": Case(ARM, f"{TWO}ELEMENTS\n  FUNCTION 5 sine 0 0.7 3\n  DRIVE angle-1 at=1.angle value=5\n", joint=2),
-    "STROKE": Case(CART, f"{TWO}ELEMENTS\n  FUNCTION 5 sine 0.2 0.7 3\n  DRIVE stroke-1 at=2.stroke rate=5\n", column=0),
-    "TMOTOR": Case(ROTOR, f"{TURNED}ELEMENTS\n  FUNCTION 5 sine 0.1 0.8 9 0.4\n  MOTOR tmotor-1 at=1.angle effort=5\n"),
-    "AMOTOR": Case(SLIDER, f"{SLID}ELEMENTS\n  FUNCTION 5 sine 0.1 0.8 9 0.4\n  MOTOR amotor-1 at=1.stroke effort=5\n", coordinate=2),
-    "TSPRING": Case(ROTOR, f"{TURNED}{_SLOPES}ELEMENTS\n  SPRING tspring-1 at=1.angle stiffness=8 rest=0.1 damping=0.4 preload=1.6 curve=5 damper=6\n"),
-    "ASPRING": Case(SLIDER, f"{SLID}{_SLOPES}ELEMENTS\n  SPRING aspring-1 at=1.stroke stiffness=80 rest=0.1 damping=0.9 preload=1.6 curve=5 damper=6\n", coordinate=2),
-    "TSTOP": Case(ROTOR, f"{TURNED}ELEMENTS\n  STOP tstop-1 at=1.angle lower=-1 upper={AT_HALFWAY} stiffness=60 damping=0.3\n", breaks=(HALFWAY,)),
-    "ASTOP": Case(SLIDER, f"{SLID}ELEMENTS\n  STOP astop-1 at=1.stroke lower=-1 upper={AT_HALFWAY} stiffness=300 damping=0.3\n", coordinate=2, breaks=(HALFWAY,)),
-    "LSPRING": Case(ROTOR, f"{TURNED}{_SLOPES}ELEMENTS\n  SPRING lspring-1 from=0(2,0.3,0) to=2(1,0,0) stiffness=30 rest=0.5 damping=0.7 preload=4 curve=5\n      damper=6\n"),
-    "CABLE": Case(ROTOR, f"{TURNED}ELEMENTS\n  CABLE cable-1 from=0(2,0.3,0) to=2(1,0,0) stiffness=80 rest=0.6 damping=0.2\n"),
+    "SUM": _varied(
+        "ELEMENTS\n  FUNCTION 3 sine 0.1 0.8 9\n  FUNCTION 4 polynomial 0.2 1 -3\n  FUNCTION 5 sum 3 4 3"
+    ),
+    "PRODUCT": _varied(
+        "ELEMENTS\n  FUNCTION 3 sine 0.1 0.8 9\n  FUNCTION 4 polynomial 0.2 1 -3\n  FUNCTION 5 product 3 4 3"
+    ),
+    "DRIVE": Case(
+        DRIVEN_ARM, f"{TWO}ELEMENTS\n  FUNCTION 5 sine 0 0.7 3\n  DRIVE drive-1 driver=1 value=5\n", joint=2
+    ),
+    "SUPPORT": Case(
+        HELD, f"{TWO}ELEMENTS\n  FUNCTION 5 sine 0 0.3 6\n  SUPPORT support-1 simplified=1 value=5\n"
+    ),
+    "ANGLE": Case(
+        ARM, f"{TWO}ELEMENTS\n  FUNCTION 5 sine 0 0.7 3\n  DRIVE angle-1 at=1.angle value=5\n", joint=2
+    ),
+    "STROKE": Case(
+        CART, f"{TWO}ELEMENTS\n  FUNCTION 5 sine 0.2 0.7 3\n  DRIVE stroke-1 at=2.stroke rate=5\n", column=0
+    ),
+    "TMOTOR": Case(
+        ROTOR, f"{TURNED}ELEMENTS\n  FUNCTION 5 sine 0.1 0.8 9 0.4\n  MOTOR tmotor-1 at=1.angle effort=5\n"
+    ),
+    "AMOTOR": Case(
+        SLIDER,
+        f"{SLID}ELEMENTS\n  FUNCTION 5 sine 0.1 0.8 9 0.4\n  MOTOR amotor-1 at=1.stroke effort=5\n",
+        coordinate=2,
+    ),
+    "TSPRING": Case(
+        ROTOR,
+        f"{TURNED}{_SLOPES}ELEMENTS\n"
+        "  SPRING tspring-1 at=1.angle stiffness=8 rest=0.1 damping=0.4 preload=1.6 curve=5 "
+        "damper=6\n",
+    ),
+    "ASPRING": Case(
+        SLIDER,
+        f"{SLID}{_SLOPES}ELEMENTS\n"
+        "  SPRING aspring-1 at=1.stroke stiffness=80 rest=0.1 damping=0.9 preload=1.6 curve=5 "
+        "damper=6\n",
+        coordinate=2,
+    ),
+    "TSTOP": Case(
+        ROTOR,
+        f"{TURNED}ELEMENTS\n  STOP tstop-1 at=1.angle lower=-1 upper={AT_HALFWAY} stiffness=60 damping=0.3\n",
+        breaks=(HALFWAY,),
+    ),
+    "ASTOP": Case(
+        SLIDER,
+        f"{SLID}ELEMENTS\n  STOP astop-1 at=1.stroke lower=-1 upper={AT_HALFWAY} stiffness=300 damping=0.3\n",
+        coordinate=2,
+        breaks=(HALFWAY,),
+    ),
+    "LSPRING": Case(
+        ROTOR,
+        f"{TURNED}{_SLOPES}ELEMENTS\n"
+        "  SPRING lspring-1 from=0(2,0.3,0) to=2(1,0,0) stiffness=30 rest=0.5 damping=0.7 "
+        "preload=4 curve=5\n"
+        "      damper=6\n",
+    ),
+    "CABLE": Case(
+        ROTOR,
+        f"{TURNED}ELEMENTS\n  CABLE cable-1 from=0(2,0.3,0) to=2(1,0,0) stiffness=80 rest=0.6 damping=0.2\n",
+    ),
     "BUSHING": Case(
-        ROTOR, f"{TURNED}ELEMENTS\n  BUSHING bushing-1 from=0(0.1,0,0) to=2(0.1,0.02,0) k=(90,160,250) kr=(6,9,16) c=(5,6,7)\n      cr=(0.2,0.3,0.4)\n"
+        ROTOR,
+        f"{TURNED}ELEMENTS\n"
+        "  BUSHING bushing-1 from=0(0.1,0,0) to=2(0.1,0.02,0) k=(90,160,250) kr=(6,9,16) "
+        "c=(5,6,7)\n"
+        "      cr=(0.2,0.3,0.4)\n",
     ),
     "COUPLING": Case(TWO_ROTORS, f"{TWO}ELEMENTS\n  COUPLING coupling-1 1.angle=2 2.angle=-1\n"),
-    "FRICTION": Case(ROTOR, f"{TURNED}ELEMENTS\n  FRICTION friction-1 joint=1 dynamic=0.2 static=0.25 stribeck=0.5 creep=1e-3 radius=0.04 preload=3\n"),
-    "REVCYL": Case(SWIVEL, f"{TWO}ELEMENTS\n  JOINT revcyl-1 revcyl from=0(1,0,0) to=3(0,0,0) axis_from=(0,0,1) axis_to=(1,0,0)\n"),
-    "REVSPH": Case(CRANK_AND_SLEEVE, f"{TWO}ELEMENTS\n  JOINT revsph-1 revsph from=2(0.1,0.3,0) to=3(-0.2,0.8,0) axis_from=(-0.05,0.07,0.3)\n      length={0.74**0.5!r}\n"),
-    "SPHSPH": Case(CRANK, f"{TWO}ELEMENTS\n  JOINT sphsph-1 sphsph from=2(0.2,0.1,0) to=3(0,0.3,0) length={1.04**0.5!r}\n"),
+    "FRICTION": Case(
+        ROTOR,
+        f"{TURNED}ELEMENTS\n"
+        "  FRICTION friction-1 joint=1 dynamic=0.2 static=0.25 stribeck=0.5 creep=1e-3 "
+        "radius=0.04 preload=3\n",
+    ),
+    "REVCYL": Case(
+        SWIVEL,
+        f"{TWO}ELEMENTS\n"
+        "  JOINT revcyl-1 revcyl from=0(1,0,0) to=3(0,0,0) axis_from=(0,0,1) axis_to=(1,0,0)\n",
+    ),
+    "REVSPH": Case(
+        CRANK_AND_SLEEVE,
+        f"{TWO}ELEMENTS\n"
+        "  JOINT revsph-1 revsph from=2(0.1,0.3,0) to=3(-0.2,0.8,0) "
+        "axis_from=(-0.05,0.07,0.3)\n"
+        f"      length={0.74**0.5!r}\n",
+    ),
+    "SPHSPH": Case(
+        CRANK,
+        f"{TWO}ELEMENTS\n  JOINT sphsph-1 sphsph from=2(0.2,0.1,0) to=3(0,0.3,0) length={1.04**0.5!r}\n",
+    ),
     "RATE": Case(ROTOR, TURNED),
     "JOINTS": Case(ROTOR, TURNED),
-}  # fmt: skip
+}
 
 
 # Rack and pinion, belt and differential are couplings too; body 2 of the differential carries 3 and 4.
@@ -164,17 +238,27 @@ CASES_OF_COUPLINGS = {
     "belt": Case(TWO_ROTORS, f"{TWO}ELEMENTS\n  COUPLING coupling-1 1.angle=0.3 2.angle=-0.1\n"),
     "differential": Case(
         THREE_ROTORS,
-        f"{TWO}MASS 4 0.5 0.1 0.2 0 0.1 0.1 0.2\nELEMENTS\n  FUNCTION 5 sine 0 0.7 3\n  DRIVE angle-1 at=2.angle value=5\n  COUPLING coupling-1 1.angle=-2 2.angle=1 3.angle=1\n",
+        f"{TWO}MASS 4 0.5 0.1 0.2 0 0.1 0.1 0.2\n"
+        "ELEMENTS\n"
+        "  FUNCTION 5 sine 0 0.7 3\n"
+        "  DRIVE angle-1 at=2.angle value=5\n"
+        "  COUPLING coupling-1 1.angle=-2 2.angle=1 3.angle=1\n",
     ),
 }
 # Friction of other joints, which stops, turns round and slides back; slow enough for splines to follow.
 SLEEVE = "2 0 0 0 0 0 {} 0 {} 0 0 1\n" + _FRAMES * 2 + "1 2 0 0 0 0 0 0 0 0 1 0 0 1{}\n1 0 0 0 0 0 0\n"
-BEARING = "ELEMENTS\n  FRICTION friction-1 joint=1 dynamic=0.2 static=0.25 stribeck=0.5 creep=0.1 radius=0.04 preload=3\n"
+BEARING = (
+    "ELEMENTS\n"
+    "  FRICTION friction-1 joint=1 dynamic=0.2 static=0.25 stribeck=0.5 creep=0.1 "
+    "radius=0.04 preload=3\n"
+)
 CASES_OF_FRICTION = {
     "revolute": Case(ROTOR, f"{TURNED}{BEARING}", powers=REVERSING),
     "translational": Case(
         SLIDER,
-        f"{SLID}ELEMENTS\n  FRICTION friction-1 joint=1 dynamic=0.2 static=0.25 stribeck=5 creep=0.5 preload=3\n",
+        f"{SLID}ELEMENTS\n"
+        "  FRICTION friction-1 joint=1 dynamic=0.2 static=0.25 stribeck=5 creep=0.5 "
+        "preload=3\n",
         coordinate=2,
         powers=REVERSING,
     ),

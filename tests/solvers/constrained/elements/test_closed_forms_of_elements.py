@@ -11,10 +11,19 @@ from tests.solvers.constrained.element_decks import FREE, ROTOR, SLIDER, rows_of
 TURNED = "MASS 2 1 0 0 0 1 1 0.5\n"
 # Functions of time that carry number 5, and their double integrals from 0: angles of a rotor with I = 0.5.
 FUNCTIONS = {
-    "TABLE": ("ELEMENTS\n  FUNCTION 5 table 0 1 0.5 3 1 3", lambda t: t**2 / 2 + 2 * t**3 / 3 - _after(t, 0.5) ** 3 * 2 / 3),
-    "RAMP": ("ELEMENTS\n  FUNCTION 5 ramp 0 1 0.5 3", lambda t: t**2 / 2 + 2 * t**3 / 3 - _after(t, 0.5) ** 3 * 2 / 3),
+    "TABLE": (
+        "ELEMENTS\n  FUNCTION 5 table 0 1 0.5 3 1 3",
+        lambda t: t**2 / 2 + 2 * t**3 / 3 - _after(t, 0.5) ** 3 * 2 / 3,
+    ),
+    "RAMP": (
+        "ELEMENTS\n  FUNCTION 5 ramp 0 1 0.5 3",
+        lambda t: t**2 / 2 + 2 * t**3 / 3 - _after(t, 0.5) ** 3 * 2 / 3,
+    ),
     # Of a cubic, 1 - t + 2 t³, which a spline through four points is.
-    "SPLINE": ("ELEMENTS\n  FUNCTION 5 spline 0 1 0.2 0.816 0.5 0.75 1 2", lambda t: t**2 / 2 - t**3 / 6 + t**5 / 10),
+    "SPLINE": (
+        "ELEMENTS\n  FUNCTION 5 spline 0 1 0.2 0.816 0.5 0.75 1 2",
+        lambda t: t**2 / 2 - t**3 / 6 + t**5 / 10,
+    ),
     "POLYNOMIAL": ("ELEMENTS\n  FUNCTION 5 polynomial 1 -1 0 2", lambda t: t**2 / 2 - t**3 / 6 + t**5 / 10),
     "SINE": ("ELEMENTS\n  FUNCTION 5 sine 1 2 3 0.5", lambda t: t**2 / 2 + 2 * _sine(t, 3, 0.5)),
     "SUM": (
@@ -27,7 +36,7 @@ FUNCTIONS = {
         lambda t: (2 - 2 * np.cos(3 * t) - 3 * t * np.sin(3 * t)) / 27,
     ),
     "STEP": ("ELEMENTS\n  FUNCTION 5 step 0 0 1 2", lambda t: 2 * (t**5 / 2 - t**6 / 2 + t**7 / 7)),
-}  # fmt: skip
+}
 
 
 def _after(t, start):
@@ -66,7 +75,11 @@ def test_a_motor_against_a_damper_reaches_its_speed_exponentially(deck, mass, in
     rows = rows_of(
         deck,
         "0 1 0.25",
-        f"{mass}ELEMENTS\n  FUNCTION 1 polynomial {torque}\n{motor} 1 1\n{damper} 1 0 0 {c}\nTOLERANCE 1e-12\n",
+        f"{mass}ELEMENTS\n"
+        f"  FUNCTION 1 polynomial {torque}\n"
+        f"{motor} 1 1\n"
+        f"{damper} 1 0 0 {c}\n"
+        "TOLERANCE 1e-12\n",
     )
     fall = np.exp(-c * rows.time / inertia)
     assert rows.joint_rate[:, 0] == pytest.approx(torque / c * (1 - fall), abs=2e-10)
@@ -80,7 +93,12 @@ def test_a_motor_against_a_damper_reaches_its_speed_exponentially(deck, mass, in
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_an_end_stop_of_an_angle_returns_the_rate(side):
     """Free flight to 0.2 rad, half a period π sqrt(I/k) in contact, the way back."""
-    cards = f"{TURNED}ELEMENTS\n  STOP tstop-1 at=1.angle lower=-0.2 upper=0.2 stiffness=5000\n  START at=1.angle rate={2 * side}\nTOLERANCE 1e-11\n"
+    cards = (
+        f"{TURNED}ELEMENTS\n"
+        "  STOP tstop-1 at=1.angle lower=-0.2 upper=0.2 stiffness=5000\n"
+        f"  START at=1.angle rate={2 * side}\n"
+        "TOLERANCE 1e-11\n"
+    )
     rows = rows_of(ROTOR, "0 0.3 0.3", cards)
     half = math.pi * math.sqrt(0.5 / 5000)
     assert rows.joint_coordinate[-1, 0] == pytest.approx(side * (0.2 - 2 * (0.2 - half)), abs=1e-9)
@@ -129,11 +147,18 @@ def test_a_link_of_revolute_and_sphere_has_the_period_of_a_plane_pendulum():
     normal = np.array([1.0, 2.0, 2.0]) / 3.0
     down, across = np.array([2.0, 1.0, -2.0]) / 3.0, np.array([2.0, -2.0, 1.0]) / 3.0
     start = length * (math.cos(theta) * down + math.sin(theta) * across)
-    text = {key: " ".join(map(repr, value.tolist())) for key, value in
-            (("start", start), ("normal", normal), ("gravity", g * down))}  # fmt: skip
+    text = {
+        key: " ".join(map(repr, value.tolist()))
+        for key, value in (("start", start), ("normal", normal), ("gravity", g * down))
+    }
     deck = FREE.replace("0 0 0 1 0 0 0\n1 0", f"{text['start']} 1 0 0 0\n1 0")
     period = 4 * math.sqrt(length / g) * float(ellipk(math.sin(theta / 2) ** 2))
-    cards = f"{PARTICLE}GRAVITY {text['gravity']}\nELEMENTS\n  JOINT revsph-1 revsph from=0(0,0,0) to=2(0,0,0) axis_from=({text['normal']},{length})\n"
+    cards = (
+        f"{PARTICLE}GRAVITY {text['gravity']}\n"
+        "ELEMENTS\n"
+        "  JOINT revsph-1 revsph from=0(0,0,0) to=2(0,0,0) "
+        f"axis_from=({text['normal']},{length})\n"
+    )
     rows = rows_of(deck, f"0 {period!r} {period / 4!r}", cards)
     mirrored = length * (math.cos(theta) * down - math.sin(theta) * across)
     assert rows.position[[0, 2, 4], 1] == pytest.approx(np.array([start, mirrored, start]), abs=1e-7)
@@ -147,7 +172,11 @@ def test_a_link_of_revolute_and_sphere_has_the_period_of_a_plane_pendulum():
 def test_a_swivel_lets_a_rod_slide_like_a_bead():
     """A rod without inertia about its centre slides free of forces: its centre goes straight (Newton)."""
     deck = FREE.replace("0 0 0 1 0 0 0\n1 0", "0.6 0 0 1 0 0 0\n1 0")
-    cards = "MASS 2 2 0 0 0 1e-9 1e-9 1e-9\nELEMENTS\n  JOINT revcyl-1 revcyl from=0(0,0,0) to=2(0,0,0) axis_from=(0,0,1) axis_to=(1,0,0)\n"
+    cards = (
+        "MASS 2 2 0 0 0 1e-9 1e-9 1e-9\n"
+        "ELEMENTS\n"
+        "  JOINT revcyl-1 revcyl from=0(0,0,0) to=2(0,0,0) axis_from=(0,0,1) axis_to=(1,0,0)\n"
+    )
     cards += "VELOCITY 2 -0.3 0.9 0 0 0 1.5\nTOLERANCE 1e-12\n"
     rows = rows_of(deck, "0 1 0.25", cards)
     wanted = np.array([0.6, 0.0, 0.0]) + rows.time[:, None] * np.array([-0.3, 0.9, 0.0])

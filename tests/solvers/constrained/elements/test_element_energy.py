@@ -107,7 +107,10 @@ def test_dampers_dissipate_the_energy_that_a_damped_oscillator_loses(method):
     decay, omega = sum(c) / (2 * inertia), math.sqrt(k / inertia)
     damped = math.sqrt(omega**2 - decay**2)
     cards = (
-        f"MASS 2 1 0 0 0 1 1 {inertia}\nELEMENTS\n  SPRING tspring-1 at=1.angle stiffness={k} damping={c[0]}\n  SPRING tspring-2 at=1.angle stiffness=0 damping={c[1]}\n"
+        f"MASS 2 1 0 0 0 1 1 {inertia}\n"
+        "ELEMENTS\n"
+        f"  SPRING tspring-1 at=1.angle stiffness={k} damping={c[0]}\n"
+        f"  SPRING tspring-2 at=1.angle stiffness=0 damping={c[1]}\n"
         f"ELEMENTS\n  START at=1.angle rate={spin}\n{METHODS[method]}"
     )
     rows = rows_of(ROTOR, "0 2 0.125", cards)
@@ -129,8 +132,15 @@ def test_joint_coordinates_alone_bring_no_work():
 def test_springs_store_the_energy_of_their_formula():
     """preload s + k s²/2 + ∫ curve: 1.6 · 0.2 + 8 · 0.02 + 10 · 0.2⁴ J at s = 0.2; ½ k s² of a cable."""
     cards = (
-        "MASS 2 2.5 0 0 0 0.4 0.5 0.6\nELEMENTS\n  FUNCTION 5 polynomial 0 0 0 40\n  SPRING lspring-1 from=0(0,0,0) to=2(1.2,0,0) stiffness=8 rest=1 preload=1.6 curve=5\n"
-        "ELEMENTS\n  CABLE cable-1 from=0(0,0,0) to=2(0,0,2) stiffness=90 rest=1.5\n  CABLE cable-2 from=0(0,0,0) to=2(0,1,0) stiffness=90 rest=1.5\n  BUSHING bushing-1 from=0(0.1,0,0) to=2(0,0,0) k=(90,0,0) kr=(0,0,0)\n"
+        "MASS 2 2.5 0 0 0 0.4 0.5 0.6\n"
+        "ELEMENTS\n"
+        "  FUNCTION 5 polynomial 0 0 0 40\n"
+        "  SPRING lspring-1 from=0(0,0,0) to=2(1.2,0,0) stiffness=8 rest=1 preload=1.6 "
+        "curve=5\n"
+        "ELEMENTS\n"
+        "  CABLE cable-1 from=0(0,0,0) to=2(0,0,2) stiffness=90 rest=1.5\n"
+        "  CABLE cable-2 from=0(0,0,0) to=2(0,1,0) stiffness=90 rest=1.5\n"
+        "  BUSHING bushing-1 from=0(0.1,0,0) to=2(0,0,0) k=(90,0,0) kr=(0,0,0)\n"
     )
     rows = rows_of(FREE, "0 0.01 0.01", cards)
     bushing = [0.45, 0, 0, 0, 0, 0]
@@ -146,7 +156,10 @@ def test_a_spring_whose_ends_pass_through_each_other_keeps_its_energy():
     rows = rows_of(
         slide,
         "0 0.1 0.1",
-        "MASS 2 2 0 0 0 1 1 1\nELEMENTS\n  SPRING lspring-1 from=0(0,0,0) to=2(0,0,0) stiffness=50\n  START at=1.stroke rate=1\n",
+        "MASS 2 2 0 0 0 1 1 1\n"
+        "ELEMENTS\n"
+        "  SPRING lspring-1 from=0(0,0,0) to=2(0,0,0) stiffness=50\n"
+        "  START at=1.stroke rate=1\n",
     )
     assert rows.element_energy[0] == 0.0 and rows.element_effort[0] == 0.0
     assert rows.element_energy[1] == pytest.approx(25 * rows.joint_coordinate[1, 0] ** 2, rel=1e-12)
@@ -155,8 +168,16 @@ def test_a_spring_whose_ends_pass_through_each_other_keeps_its_energy():
 def test_names_of_elements_stand_beside_their_efforts_with_motors_behind_all_others():
     """The bearing carries 80 N of the two springs in line and 30 N of preload: 0.2 · 110 N of friction."""
     cards = (
-        "MASS 2 1 0 0 0 1 1 0.5\nELEMENTS\n  MOTOR tmotor-1 at=1.angle effort=1\n  FUNCTION 1 polynomial 7\n  FRICTION friction-1 joint=1 dynamic=0.2 static=0.2 stribeck=1 creep=1e-4 radius=0.1 preload=30\n"
-        "ELEMENTS\n  STOP tstop-1 at=1.angle lower=-1 upper=-0.1 stiffness=50\n  SPRING lspring-1 from=0(3,0,0) to=2(1,0,0) stiffness=20 rest=1\nSPRING 0 2 4 0 0 1 0 0 30 1\n"
+        "MASS 2 1 0 0 0 1 1 0.5\n"
+        "ELEMENTS\n"
+        "  MOTOR tmotor-1 at=1.angle effort=1\n"
+        "  FUNCTION 1 polynomial 7\n"
+        "  FRICTION friction-1 joint=1 dynamic=0.2 static=0.2 stribeck=1 creep=1e-4 "
+        "radius=0.1 preload=30\n"
+        "ELEMENTS\n"
+        "  STOP tstop-1 at=1.angle lower=-1 upper=-0.1 stiffness=50\n"
+        "  SPRING lspring-1 from=0(3,0,0) to=2(1,0,0) stiffness=20 rest=1\n"
+        "SPRING 0 2 4 0 0 1 0 0 30 1\n"
         "ELEMENTS\n  SPRING tspring-1 at=1.angle stiffness=8 rest=0.25\n  START at=1.angle rate=1\n"
     )
     names = [name for name, _ in element_names(model_of(ROTOR, "0 0.1 0.1", cards))]

@@ -88,7 +88,13 @@ def test_springs_and_dampers_by_functions_with_preload_and_a_motor_move_as_in_ex
     )  # fmt: skip
     one.load(lambda t: 2 + 5 * np.sin(9 * t))
     table = " ".join(f"{x} {f}" for x, f in zip(points, forces, strict=True))
-    cards = f"{mass}ELEMENTS\n  FUNCTION 1 table {table}\n  FUNCTION 2 polynomial 0 0 0 0.3\n  FUNCTION 3 sine 2 5 9\n{letter}MOTOR 1 3\n"
+    cards = (
+        f"{mass}ELEMENTS\n"
+        f"  FUNCTION 1 table {table}\n"
+        "  FUNCTION 2 polynomial 0 0 0 0.3\n"
+        "  FUNCTION 3 sine 2 5 9\n"
+        f"{letter}MOTOR 1 3\n"
+    )
     cards += (
         f"{letter}SPRING 1 8 0.1 0.4 1.6 1 2\nELEMENTS\n  START at=1.{coordinate} rate=0.4\nTOLERANCE 1e-11\n"
     )
@@ -106,7 +112,12 @@ def test_two_stops_throw_a_body_to_and_fro_as_in_exudyn(deck, mass, inertia, let
         offset=0.05, useLimitStops=True,
         limitStopsLower=-0.1, limitStopsUpper=0.2, limitStopsStiffness=500.0,
     )  # fmt: skip
-    cards = f"{mass}{letter}STOP 1 -0.1 0.2 500\n{letter}SPRING 1 3 0.05\nELEMENTS\n  START at=1.{coordinate} rate=2\n"
+    cards = (
+        f"{mass}{letter}STOP 1 -0.1 0.2 500\n"
+        f"{letter}SPRING 1 3 0.05\n"
+        "ELEMENTS\n"
+        f"  START at=1.{coordinate} rate=2\n"
+    )
     rows = rows_of(deck, "0 1 1", f"{cards}TOLERANCE 1e-11\n")
     assert rows.joint_coordinate[-1] == pytest.approx(one.solve(1.0, 80_000), abs=1e-6)
 
@@ -118,7 +129,15 @@ def test_a_slide_with_friction_and_a_spring_slows_down_as_in_exudyn():
         parts.ObjectConnectorCoordinateSpringDamperExt, stiffness=10.0,
         dynamicFrictionForce=0.3 * (2 * 9.81 + 5), frictionProportionalZone=1e-6,
     )  # fmt: skip
-    cards = "MASS 2 2 0 0 0 1 1 1\nGRAVITY 0 -9.81 0\nELEMENTS\n  SPRING aspring-1 at=1.stroke stiffness=10\n  FRICTION friction-1 joint=1 dynamic=0.3 static=0.3 stribeck=1 creep=1e-6 preload=5\n  START at=1.stroke rate=1.5\n"
+    cards = (
+        "MASS 2 2 0 0 0 1 1 1\n"
+        "GRAVITY 0 -9.81 0\n"
+        "ELEMENTS\n"
+        "  SPRING aspring-1 at=1.stroke stiffness=10\n"
+        "  FRICTION friction-1 joint=1 dynamic=0.3 static=0.3 stribeck=1 creep=1e-6 "
+        "preload=5\n"
+        "  START at=1.stroke rate=1.5\n"
+    )
     rows = rows_of(SLIDER, "0 0.3 0.3", cards + "TOLERANCE 1e-11\n")
     assert rows.joint_rate[-1, 0] > 0.1
     assert rows.joint_coordinate[-1] == pytest.approx(one.solve(0.3, 1000), abs=1e-9)
@@ -144,7 +163,13 @@ def test_coupled_joints_with_springs_swing_as_in_exudyn(deck, terms, ratio, lett
         two.add(
             parts.ObjectConnectorCoordinateSpringDamper, on, stiffness=stiffness, damping=damping, offset=rest
         )
-    cards = f"MASS 2 1 0 0 0 1 1 0.5\nMASS 3 0.3 0 0 0 1 1 0.3\nELEMENTS\n  COUPLING coupling-1\n  SPRING tspring-1 at=1.angle stiffness=20 rest=0.3 damping=0.2\n"
+    cards = (
+        "MASS 2 1 0 0 0 1 1 0.5\n"
+        "MASS 3 0.3 0 0 0 1 1 0.3\n"
+        "ELEMENTS\n"
+        "  COUPLING coupling-1\n"
+        "  SPRING tspring-1 at=1.angle stiffness=20 rest=0.3 damping=0.2\n"
+    )
     cards += f"{letter}SPRING 2 7 -0.4 0.1\nELEMENTS\n  START at=1.angle rate=1.5\nTOLERANCE 1e-11\n"
     rows = rows_of(deck, "0 1 1", cards)
     assert rows.joint_coordinate[-1] == pytest.approx(two.solve(1.0, 10_000, ALPHA), abs=1e-7)
@@ -181,7 +206,14 @@ def test_a_differential_turns_as_in_exudyn():
     rates = three.GetNodeOutput(node, exu.OutputVariableType.Coordinates_t)
     seconds = three.GetNodeOutput(node, exu.OutputVariableType.Coordinates_tt)
     cards = "".join(f"MASS {k + 2} 1 0 0 0 1 1 {inertia}\n" for k, inertia in enumerate(inertias))
-    cards += "TORQUE 2 0 0 6\nELEMENTS\n  SPRING tspring-1 at=2.angle stiffness=6 damping=0.2\n  SPRING tspring-2 at=3.angle stiffness=9\n  COUPLING coupling-1 1.angle=2 2.angle=-1 3.angle=-1\nTOLERANCE 1e-11\n"
+    cards += (
+        "TORQUE 2 0 0 6\n"
+        "ELEMENTS\n"
+        "  SPRING tspring-1 at=2.angle stiffness=6 damping=0.2\n"
+        "  SPRING tspring-2 at=3.angle stiffness=9\n"
+        "  COUPLING coupling-1 1.angle=2 2.angle=-1 3.angle=-1\n"
+        "TOLERANCE 1e-11\n"
+    )
     rows = rows_of(deck, "0 1 1", cards)
     assert rows.joint_coordinate[-1] == pytest.approx(wanted, abs=1e-7)
     # By the balance of the second rotor, whose factor is -1.
