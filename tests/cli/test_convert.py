@@ -340,7 +340,7 @@ def test_an_element_at_a_joint_is_refused_where_it_stands(tmp_path):
     )
     done = CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(tmp_path / "m.py")])
     (fault,) = done.exception.faults
-    assert (fault.subject, fault.place.line) == ("friction-1", text[: text.index("\nEND")].count("\n") + 2)
+    assert (fault.subject, fault.place.line) == ("friction-1", text[: text.index("\nEND")].count("\n") + 3)
 
 
 @pytest.mark.processes

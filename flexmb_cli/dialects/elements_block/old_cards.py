@@ -247,6 +247,8 @@ def _hinge(rest: list[str]) -> str:
 def _coordinate(rest: list[str]) -> str:
     joint, code = rest[:2]
     rest[:2] = []
+    if not (joint and code):
+        raise ValueError("fields are empty")
     return f"{joint}.{_COORDINATES.get(code, code)}"
 
 

@@ -47,12 +47,15 @@ def step(t, t0, v0, t1, v1):
 
 R, S, P = (0.3, 0.5, 0.7, 3.0), (0.2, 0.4, 5.0, 0.3), (0.2, 0.1, 0.9, -0.6)
 LINES = {
-    name: f"{name} {k} {' '.join(map(str, c))}\n"
+    name: f"ELEMENTS\n  FUNCTION {k} {name.lower()} {' '.join(map(str, c))}\n"
     for name, k, c in (("RAMP", 1, R), ("SINE", 2, S), ("STEP", 4, P))
 }
 RATES = {
     "ramp": (f"{LINES['RAMP']}ELEMENTS\n  DRIVE angle-1 at=1.angle rate=1\n", lambda t: (ramp(t, *R), 0 * t)),
-    "table": (f"ELEMENTS\n  FUNCTION {LINES['RAMP'][5:]}ANGLE table 1 1 1\n", lambda t: (ramp(t, *R), 0 * t)),
+    "table": (
+        f"{LINES['RAMP'].replace('ramp', 'table')}  DRIVE angle-1 at=1.angle rate=1\n",
+        lambda t: (ramp(t, *R), 0 * t),
+    ),
     "ramp and sine": (
         f"{LINES['RAMP']}{LINES['SINE']}ELEMENTS\n"
         "  FUNCTION 3 sum 1 2\n"
@@ -72,7 +75,8 @@ RATES = {
 
 
 def arm(folder, cards):
-    held = "".join(f"{word} {k} 8\n" for k, word in ((1, "ANGLE"), (2, "STROKE")) if word not in cards)
+    at = (at for at in ("1.angle", "2.stroke") if at not in cards)
+    held = "".join(f"  DRIVE held at={at} value=8\n" for at in at)
     (folder / "arm.dat").write_text(
         f"{ARM}{cards}ELEMENTS\n  FUNCTION 8 polynomial 0\n{held}TOLERANCE 1e-12\nEND\n"
     )

@@ -15,6 +15,7 @@ from flexmb_cli.dialects.settings import apply_settings
 from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
 from flexmb_cli.errors import AnalysisError
 from flexmb_cli.model.joint_elements import JointElements
+from flexmb_cli.model.laws import Line, spring
 from flexmb_cli.solvers.constrained.young_dynamics import DrivenDynamics
 from tests.solvers.constrained.dynamic_runs import run
 from tests.solvers.constrained.element_decks import ARM, ROTOR, SLIDER, TWO_ROTORS, model_of, rows_of
@@ -181,7 +182,8 @@ def test_the_effort_of_an_inverse_run_as_a_table_gives_the_motion_back(tmp_path:
 
 def test_a_ramped_torque_turns_a_rotor_by_its_cubic():
     """I α = 6 t from 0.5 s to 1 s, 3 N m after: closed integrals, steps that end at the corners."""
-    cards = "MASS 2 1 0 0 0 1 1 2\nELEMENTS\n  FUNCTION 1 ramp 0.5 0 1 3\nTORQUE 2 0 0 1 0 1\nTOLERANCE 1e-12"
+    cards = "MASS 2 1 0 0 0 1 1 2\nELEMENTS\n  FUNCTION 1 ramp 0.5 0 1 3\n  SPRING shown at=1.angle\n"
+    cards += "TORQUE 2 0 0 1 0 1\nTOLERANCE 1e-12"
     rows = rows_of(ROTOR, "0 1.5 0.25", cards)
     s, after = np.clip(rows.time - 0.5, 0.0, 0.5), np.clip(rows.time - 1.0, 0.0, None)
     wanted = s**3 / 2 + after * 0.375 + 0.75 * after**2
@@ -228,12 +230,13 @@ def test_both_motors_of_the_supplied_arm_move_it_as_they_were_driven():
 
 
 def test_an_inverse_run_by_projection_has_the_efforts_of_the_kinematic_analysis():
-    """The RSSR of the dissertation by both ways: JOINTS alone asks for the constrained one."""
+    """The RSSR of the dissertation by both ways: a spring that bears nothing asks for the constrained one."""
     path = Path(__file__).parents[3] / "decks/young/dynamics/IN-RSSR-MASS.dat"
     deck = apply_settings(read_deck(read_text(str(path))), ["time.end=0.02"])
     model = build_young_dynamics(deck)[0]
     wanted = run(model)
-    (found,) = DrivenDynamics(replace(model, elements=JointElements(reported=True))).rows()
+    idle = spring("idle", Line(-1, 1, (0.0, 0.0, 9.0), (0.0, 0.0, 0.0)))
+    (found,) = DrivenDynamics(replace(model, elements=JointElements(forces=(idle,)))).rows()
     scale = np.abs(wanted.driver_effort).max()
     assert len(found.time) > 3
     assert found.driver_effort == pytest.approx(wanted.driver_effort, abs=1e-10 * scale)

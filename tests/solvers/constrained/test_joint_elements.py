@@ -190,11 +190,11 @@ def test_a_bushing_has_six_natural_frequencies(axis):
     """Displacements with sqrt(k/m), turns with sqrt(kr/I), each along its own axis; both are undamped."""
     k, kr = (90.0, 160.0, 250.0), (4.0, 9.0, 16.0)
     mass = "MASS 2 2.5 0 0 0 0.4 0.5 0.6\n"
+    ends = "from=1(0,0,0) to=2(0,0,0)"
+    stiff, stiff_turns = (" ".join(map(str, each)) for each in (k, kr))
     velocity = [0.0] * 6
     velocity[axis], velocity[3 + axis] = 0.05, 0.1
-    cards = (
-        f"{mass}ELEMENTS\n  BUSHING bushing-1 from=1(0,0,0) to=2(0,0,0) k=({' '.join(map(str, k + kr))})\n"
-    )
+    cards = f"{mass}ELEMENTS\n  BUSHING bushing-1 {ends} k=({stiff}) kr=({stiff_turns})\n"
     cards += f"VELOCITY 2 {' '.join(map(str, velocity))}"
     rows = rows_of(FREE, "0 1 0.1", cards)
     slow, quick = math.sqrt(k[axis] / 2.5), math.sqrt(kr[axis] / (0.4, 0.5, 0.6)[axis])
@@ -279,12 +279,13 @@ def test_a_belt_in_other_units_holds_as_well(size):
 
 
 def test_a_link_of_two_spheres_keeps_its_length_and_one_of_revolute_and_sphere_its_plane():
-    cards = "MASS 2 2 0 0 0 0.4 0.5 0.6\nGRAVITY 0.3 -9.81 0.2\n{card} 0 2 0 1 0 0 0 0{axis} 1\n"
+    cards = "MASS 2 2 0 0 0 0.4 0.5 0.6\nGRAVITY 0.3 -9.81 0.2\nELEMENTS\n"
+    cards += "  JOINT link {kind} from=0(0,1,0) to=2(0,0,0){axis} length=1\n"
     cards += "TOLERANCE 1e-11"
-    sphere = rows_of(FREE, "0 1 0.1", cards.format(card="SPHSPH", axis=""))
+    sphere = rows_of(FREE, "0 1 0.1", cards.format(kind="sphsph", axis=""))
     far = np.linalg.norm(sphere.position[:, 1] - (0, 1, 0), axis=1)
     assert far == pytest.approx(np.ones(11), abs=1e-12)
-    plane = rows_of(FREE, "0 1 0.1", cards.format(card="REVSPH", axis=" 0 0 1"))
+    plane = rows_of(FREE, "0 1 0.1", cards.format(kind="revsph", axis=" axis_from=(0,0,1)"))
     assert plane.position[:, 1, 2] == pytest.approx(np.zeros(11), abs=1e-12)
     # A point mass on a rod of 1 m in the plane x y: energy of the planar pendulum.
     v2 = np.sum(plane.velocity[:, 1, :2] ** 2, axis=1)
@@ -309,7 +310,8 @@ def test_a_revolute_cylindrical_joint_is_the_two_joints_with_a_massless_body_bet
 3 2 0 0 0 0 0 0 1 0 0 1 0 0
 1 0 0 0 0 0 0
 """
-    pair = rows_of(two, "0 0.6 0.1", f"{masses}{rest}")
+    shown = "ELEMENTS\n  SPRING shown at=1.angle\n"  # bears nothing
+    pair = rows_of(two, "0 0.6 0.1", f"{masses}{rest}{shown}")
     assert composite.position[:, 1] == pytest.approx(pair.position[:, 1], abs=1e-8)
     assert composite.angular_velocity[:, 1] == pytest.approx(pair.angular_velocity[:, 1], abs=1e-8)
     # The cylindrical joint is the second of the pair, its body J that of the composite.
@@ -344,7 +346,7 @@ def test_initial_joint_rates_that_a_coupling_forbids_are_named():
     with pytest.raises(ModelError) as refused:
         rows_of(TWO_ROTORS, "0 0.1 0.1", cards)
     (fault,) = refused.value.faults
-    assert "the initial joint rates contradict each other" in fault.message and fault.about == "rate 2"
+    assert "the initial joint rates contradict each other" in fault.message and fault.about == "start-2"
 
 
 def test_a_belt_makes_inertias_one(method):
@@ -367,8 +369,7 @@ def turned_bushing(about, end):
         f"{SPUN}ELEMENTS\n"
         "  FUNCTION 1 polynomial 0 1\n"
         "  DRIVE angle-1 at=1.angle value=1\n"
-        f"  BUSHING bushing-1 from=1(0,0,0) to=2(0,0,0) k=(0,0,0) kr=({about},0,0) c=(0,0,0) "
-        "cr=(0)"
+        f"  BUSHING bushing-1 from=1(0,0,0) to=2(0,0,0) k=(0,0,0) kr=({about})"
     )
     return rows_of(ROTOR, f"0 {end} 0.5", cards, "inverse")
 
@@ -380,7 +381,7 @@ def test_a_bushing_about_the_axis_of_a_shaft_winds_up_over_many_turns():
 
 def test_a_bushing_stops_the_run_before_its_other_angles_jump():
     """At a quarter turn about z the axes x of both bodies stand at right angles: t = π/2 s."""
-    with pytest.raises(AnalysisError, match="bushing-1 have turned by a quarter turn") as raised:
+    with pytest.raises(AnalysisError, match="bushing 1 have turned by a quarter turn") as raised:
         turned_bushing("5 0 7", 2)
     assert raised.value.time == pytest.approx(math.pi / 2, abs=0.5)
     assert turned_bushing("5 0 7", 1.5).driver_effort[-1, 0] == pytest.approx(7 * 1.5, abs=1e-9)
@@ -396,7 +397,7 @@ def test_a_bushing_ends_a_free_motion_by_every_method_before_its_angles_jump(met
         "cr=(0,0,0)\n"
         f"{card}"
     )
-    with pytest.raises(AnalysisError, match="bushing-1 have turned by a quarter turn") as raised:
+    with pytest.raises(AnalysisError, match="bushing 1 have turned by a quarter turn") as raised:
         rows_of(FREE, "0 1 0.5", f"{cards}VELOCITY 2 0 0 0 0 0 3\n")
     assert raised.value.time == pytest.approx(math.pi / 6, abs=1e-2)
 
@@ -416,4 +417,4 @@ def test_a_stop_that_is_pressed_at_the_start_is_noted_with_depth_and_force(start
     assert len(found) == noted
     if noted:
         assert "0.15 m behind" in found[0].message and "pushes with 60 N;" in found[0].message
-        assert (found[0].subject, found[0].place.line) == ("astop-1", 11)
+        assert (found[0].subject, found[0].place.line) == ("astop-1", 12)

@@ -152,7 +152,7 @@ def test_a_load_on_a_grounded_body_is_noted(card, sentence):
             FREE.replace("0 0 0 1 0 0 0\n1 0", "5 0 0 1 0 0 0\n1 0"),
             "ELEMENTS\n  JOINT sphsph-1 sphsph from=0(0,0,0) to=2(0,0,0) length=1\n",
             (
-                "sphsph-1 (distance, line 8): 4.0e+00 m",
+                "sphsph-1 (distance, line 9): 4.0e+00 m",
                 "body 2 is moved by 4 m and turned by 0 rad",
                 "correct",
             ),

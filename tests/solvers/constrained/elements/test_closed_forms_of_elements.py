@@ -48,28 +48,33 @@ def _sine(t, omega, phase):
     return (math.sin(phase) + omega * t * math.cos(phase) - np.sin(omega * t + phase)) / omega**2
 
 
+SHOWN = "  SPRING shown at=1.angle\n"  # without forces: results of decks with elements hold coordinates
+
+
 @pytest.mark.parametrize("keyword", FUNCTIONS)
 def test_a_torque_by_a_function_turns_a_rotor_by_its_double_integral(keyword):
     card, integral = FUNCTIONS[keyword]
-    rows = rows_of(ROTOR, "0 1 0.25", f"{TURNED}{card}\nTORQUE 2 0 0 1 0 5\nTOLERANCE 1e-12\n")
+    rows = rows_of(ROTOR, "0 1 0.25", f"{TURNED}{card}\n{SHOWN}TORQUE 2 0 0 1 0 5\nTOLERANCE 1e-12\n")
     assert rows.joint_coordinate[:, 0] == pytest.approx(2 * integral(rows.time), abs=2e-10)
 
 
 def test_a_force_and_a_torque_accelerate_a_body_by_newton_and_euler():
     """F = m a, T + P × F = I α about the centre of mass; the second force turns with a body that does not."""
     cards = "MASS 2 2 0 0 0 0.4 0.5 0.8\nFORCE 2 0 0.25 0 4 0 0\nFORCE 2 0 0 0 0 3 0 1\nTORQUE 2 0 0 1\n"
-    rows = rows_of(FREE, "0 0.5 0.5", f"{cards}TOLERANCE 1e-12\n")
+    rows = rows_of(
+        FREE, "0 0.5 0.5", f"{cards}ELEMENTS\n  SPRING shown from=0(9,0,0) to=2(0,0,0)\nTOLERANCE 1e-12\n"
+    )
     # 4 N at 0.25 m across: -1 N m; the torque takes it up, nothing turns.
     assert rows.angular_velocity[-1, 1] == pytest.approx(np.zeros(3), abs=1e-14)
     assert rows.position[-1, 1] == pytest.approx((0.25, 0.1875, 0.0), abs=1e-13)
 
 
 @pytest.mark.parametrize(
-    ("deck", "mass", "inertia", "motor", "damper"),
-    [(ROTOR, TURNED, 0.5, "TMOTOR", "TSPRING"), (SLIDER, "MASS 2 2 0 0 0 1 1 1\n", 2.0, "AMOTOR", "ASPRING")],
+    ("deck", "mass", "inertia", "at"),
+    [(ROTOR, TURNED, 0.5, "1.angle"), (SLIDER, "MASS 2 2 0 0 0 1 1 1\n", 2.0, "1.stroke")],
     ids=["TMOTOR", "AMOTOR"],
 )
-def test_a_motor_against_a_damper_reaches_its_speed_exponentially(deck, mass, inertia, motor, damper):
+def test_a_motor_against_a_damper_reaches_its_speed_exponentially(deck, mass, inertia, at):
     """I ω̇ = T - c ω: ω = T/c (1 - exp(-c t/I)) (Ogata, System Dynamics, first-order systems)."""
     torque, c = 3.0, 1.5
     rows = rows_of(
@@ -77,8 +82,8 @@ def test_a_motor_against_a_damper_reaches_its_speed_exponentially(deck, mass, in
         "0 1 0.25",
         f"{mass}ELEMENTS\n"
         f"  FUNCTION 1 polynomial {torque}\n"
-        f"{motor} 1 1\n"
-        f"{damper} 1 0 0 {c}\n"
+        f"  MOTOR motor at={at} effort=1\n"
+        f"  SPRING drag at={at} damping={c}\n"
         "TOLERANCE 1e-12\n",
     )
     fall = np.exp(-c * rows.time / inertia)
@@ -129,10 +134,7 @@ def test_a_link_of_two_spheres_leads_a_conical_pendulum():
     other = rows_of(
         deck,
         "0 1 0.5",
-        cards.replace(
-            "ELEMENTS\n  JOINT sphsph-1 sphsph from=0() to=2()",
-            "ELEMENTS\n  JOINT sphsph-1 sphsph from=2() to=0()",
-        ),
+        cards.replace("from=0(0,0,0) to=2(0,0,0)", "from=2(0,0,0) to=0(0,0,0)"),
     )
     assert other.composite_force[:, 0] == pytest.approx(-pull[::4], abs=1e-6)
     assert other.composite_torque == pytest.approx(0.0, abs=1e-6)
@@ -157,7 +159,7 @@ def test_a_link_of_revolute_and_sphere_has_the_period_of_a_plane_pendulum():
         f"{PARTICLE}GRAVITY {text['gravity']}\n"
         "ELEMENTS\n"
         "  JOINT revsph-1 revsph from=0(0,0,0) to=2(0,0,0) "
-        f"axis_from=({text['normal']},{length})\n"
+        f"axis_from=({text['normal']}) length={length}\n"
     )
     rows = rows_of(deck, f"0 {period!r} {period / 4!r}", cards)
     mirrored = length * (math.cos(theta) * down - math.sin(theta) * across)

@@ -184,10 +184,10 @@ def test_names_of_elements_stand_beside_their_efforts_with_motors_behind_all_oth
     rows = rows_of(ROTOR, "0 0.1 0.1", cards)
     efforts = {
         "spring 1": -60,
-        "tspring-1": 2,
-        "lspring-1": -20,
-        "tstop-1": -5,
         "friction-1": -22,
+        "tstop-1": -5,
+        "lspring-1": -20,
+        "tspring-1": 2,
         "tmotor-1": 7,
     }
     assert names == list(efforts)

@@ -64,16 +64,16 @@ class System:
 
 
 ALPHA = exu.DynamicSolverType.GeneralizedAlpha
-ROTATES = (ROTOR, "MASS 2 1 0 0 0 1 1 0.5\n", 0.5, "T", 1)
-SLIDES = (SLIDER, "MASS 2 2 0 0 0 1 1 1\n", 2.0, "A", 2)
+ROTATES = (ROTOR, "MASS 2 1 0 0 0 1 1 0.5\n", 0.5, "angle")
+SLIDES = (SLIDER, "MASS 2 2 0 0 0 1 1 1\n", 2.0, "stroke")
 either = pytest.mark.parametrize(
-    ("deck", "mass", "inertia", "letter", "coordinate"), [ROTATES, SLIDES], ids=["angle", "stroke"]
+    ("deck", "mass", "inertia", "coordinate"), [ROTATES, SLIDES], ids=["angle", "stroke"]
 )
 
 
 @either
 def test_springs_and_dampers_by_functions_with_preload_and_a_motor_move_as_in_exudyn(
-    deck, mass, inertia, letter, coordinate
+    deck, mass, inertia, coordinate
 ):
     one = System([inertia], [0.4])
     points, forces = [-2.0, -0.1, 0.2, 2.0], [-6.0, -0.5, 0.4, 9.0]
@@ -93,17 +93,18 @@ def test_springs_and_dampers_by_functions_with_preload_and_a_motor_move_as_in_ex
         f"  FUNCTION 1 table {table}\n"
         "  FUNCTION 2 polynomial 0 0 0 0.3\n"
         "  FUNCTION 3 sine 2 5 9\n"
-        f"{letter}MOTOR 1 3\n"
+        f"  MOTOR motor at=1.{coordinate} effort=3\n"
     )
     cards += (
-        f"{letter}SPRING 1 8 0.1 0.4 1.6 1 2\nELEMENTS\n  START at=1.{coordinate} rate=0.4\nTOLERANCE 1e-11\n"
+        f"  SPRING spring at=1.{coordinate} stiffness=8 rest=0.1 damping=0.4 preload=1.6 curve=1 damper=2\n"
+        f"  START at=1.{coordinate} rate=0.4\nTOLERANCE 1e-11\n"
     )
     rows = rows_of(deck, "0 2 2", cards)
     assert rows.joint_coordinate[-1] == pytest.approx(one.solve(2.0, 4000), abs=1e-7)
 
 
 @either
-def test_two_stops_throw_a_body_to_and_fro_as_in_exudyn(deck, mass, inertia, letter, coordinate):
+def test_two_stops_throw_a_body_to_and_fro_as_in_exudyn(deck, mass, inertia, coordinate):
     """Undamped: the damping of Exudyn's stops is that of Kelvin and Voigt, and pulls when a body leaves."""
     one = System([inertia], [2.0])
     data = parts.NodeGenericData(initialCoordinates=[0.0] * 3, numberOfDataCoordinates=3)
@@ -113,9 +114,9 @@ def test_two_stops_throw_a_body_to_and_fro_as_in_exudyn(deck, mass, inertia, let
         limitStopsLower=-0.1, limitStopsUpper=0.2, limitStopsStiffness=500.0,
     )  # fmt: skip
     cards = (
-        f"{mass}{letter}STOP 1 -0.1 0.2 500\n"
-        f"{letter}SPRING 1 3 0.05\n"
-        "ELEMENTS\n"
+        f"{mass}ELEMENTS\n"
+        f"  STOP stop at=1.{coordinate} lower=-0.1 upper=0.2 stiffness=500\n"
+        f"  SPRING spring at=1.{coordinate} stiffness=3 rest=0.05\n"
         f"  START at=1.{coordinate} rate=2\n"
     )
     rows = rows_of(deck, "0 1 1", f"{cards}TOLERANCE 1e-11\n")
@@ -150,12 +151,12 @@ RACK = (
 
 
 @pytest.mark.parametrize(
-    ("deck", "terms", "ratio", "letter"),
-    [(TWO_ROTORS, "1 1 2 2 1 1", -2.0, "T"), (TWO_ROTORS, "1 1 0.1 2 1 -0.25", 0.4, "T"),
-     (RACK, "1 1 -0.2 2 2 1", 0.2, "A")],
+    ("deck", "terms", "ratio", "second"),
+    [(TWO_ROTORS, "1.angle=2 2.angle=1", -2.0, "2.angle"), (TWO_ROTORS, "1.angle=0.1 2.angle=-0.25", 0.4, "2.angle"),
+     (RACK, "1.angle=-0.2 2.stroke=1", 0.2, "2.stroke")],
     ids=["gears", "belt", "rack and pinion"],
 )  # fmt: skip
-def test_coupled_joints_with_springs_swing_as_in_exudyn(deck, terms, ratio, letter):
+def test_coupled_joints_with_springs_swing_as_in_exudyn(deck, terms, ratio, second):
     """The first coordinate x, the second ratio · x."""
     two = System([0.5, 0.3], [1.5, 1.5 * ratio])
     two.couple(1, 0, ratio)
@@ -167,10 +168,11 @@ def test_coupled_joints_with_springs_swing_as_in_exudyn(deck, terms, ratio, lett
         "MASS 2 1 0 0 0 1 1 0.5\n"
         "MASS 3 0.3 0 0 0 1 1 0.3\n"
         "ELEMENTS\n"
-        "  COUPLING coupling-1\n"
+        f"  COUPLING coupling-1 {terms}\n"
         "  SPRING tspring-1 at=1.angle stiffness=20 rest=0.3 damping=0.2\n"
     )
-    cards += f"{letter}SPRING 2 7 -0.4 0.1\nELEMENTS\n  START at=1.angle rate=1.5\nTOLERANCE 1e-11\n"
+    cards += f"  SPRING second at={second} stiffness=7 rest=-0.4 damping=0.1\n"
+    cards += "  START at=1.angle rate=1.5\nTOLERANCE 1e-11\n"
     rows = rows_of(deck, "0 1 1", cards)
     assert rows.joint_coordinate[-1] == pytest.approx(two.solve(1.0, 10_000, ALPHA), abs=1e-7)
 
