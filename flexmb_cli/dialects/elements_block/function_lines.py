@@ -30,7 +30,7 @@ def given_functions(
         if line.word == "FUNCTION":
             _refuse_number_of_table(line, tables or {}, findings)
             found = _values(line, folder, findings, tables)
-            yield GivenFunction(line, *(found or (None, lambda _: None)))
+            yield GivenFunction(line, *(found or ((), lambda _: None, True)))
 
 
 def _refuse_number_of_table(line: ElementLine, tables: Mapping[int, Any], findings: Findings) -> None:

@@ -32,12 +32,13 @@ SHORTEST = 1e-50  # of the distance of two points, s: slopes of larger numbers w
 class GivenFunction:
     """A function as its line gives it: what defines it, numbers or, of sums and products, names.
 
-    `values`: None behind a fault; `place(k)`: where the k-th value stands.
+    `place(k)`: where the k-th value stands; `faulty`: it has a fault that was reported.
     """
 
     line: ElementLine
-    values: Sequence[Any] | None
+    values: Sequence[Any]
     place: Callable[[int], Place | None]
+    faulty: bool = False
 
     @property
     def names(self) -> Iterator[tuple[str, Place | None]]:
@@ -57,7 +58,7 @@ class Functions:
         self._records: dict[str, Record] = {}
         self._values = 0
         for function in given:
-            self._values += len(function.values or ())
+            self._values += len(function.values)
             if self._values > LARGEST_TABLES:
                 message = f"the functions of a deck have at most {LARGEST_TABLES} numbers together"
                 findings.error(function.line.subject, message, function.line.place, id="ELEMENTS-025")
@@ -73,7 +74,7 @@ class Functions:
                 self.findings.error(line.subject, f"function number {name} {why}", place, id="ELEMENTS-012")
                 return
             self._records[name] = line
-        if given.values is None:
+        if given.faulty:
             return
         kind = KINDS[line.kind]
         if not kind.fits(len(given.values)):

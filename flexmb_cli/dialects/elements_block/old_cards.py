@@ -86,6 +86,7 @@ _KINDS = {
 _OPTIONAL = ("rest", "damping", "preload", "curve", "damper", "radius", "x", "y", "z")  # 0 where left out
 _COORDINATES = {"1": "angle", "2": "stroke"}
 _ZEROS = ("", "0", "0.", "0.0", "+0", "-0")
+_KNOWN = "results of decks with elements hold joint coordinates"
 _MOST_WORDS = 30  # of a line in a message
 # Letters of the fields of VSDF cards: I of 5 columns, F of 10, A a blank and 4.
 VSDF_FIELDS = {
@@ -127,10 +128,9 @@ def refused(
     for k, line in new_lines(dialect, word, [fields for _, fields in cards], counts):
         words = line.split(" ")
         shown = " ".join([*words[:_MOST_WORDS], *["..."] * (len(words) > _MOST_WORDS)])
-        message = f"{word} is no card any more; write in a block {BLOCK}: {shown}"
-        if not line:
-            message = f"{word} is no card any more: results of decks with elements hold joint coordinates"
-        yield Fault("error", message, cards[k][0], f"{word.lower()}-{counts[word]}")
+        instead = f"write in a block {BLOCK}: {shown}" if line else _KNOWN
+        message = f"{word} is no card any more; {instead}"
+        yield Fault("error", message, cards[k][0], f"{word.lower()}-{counts[word]}", id="ELEMENTS-064")
 
 
 def new_lines(

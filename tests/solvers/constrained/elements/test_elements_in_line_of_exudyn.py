@@ -96,7 +96,7 @@ def test_springs_and_dampers_by_functions_with_preload_and_a_motor_move_as_in_ex
         f"  MOTOR motor at=1.{coordinate} effort=3\n"
     )
     cards += (
-        f"  SPRING spring at=1.{coordinate} stiffness=8 rest=0.1 damping=0.4 preload=1.6 curve=1 damper=2\n"
+        f"  SPRING s at=1.{coordinate} stiffness=8 rest=0.1 damping=0.4 preload=1.6 curve=1 damper=2\n"
         f"  START at=1.{coordinate} rate=0.4\nTOLERANCE 1e-11\n"
     )
     rows = rows_of(deck, "0 2 2", cards)
@@ -152,7 +152,8 @@ RACK = (
 
 @pytest.mark.parametrize(
     ("deck", "terms", "ratio", "second"),
-    [(TWO_ROTORS, "1.angle=2 2.angle=1", -2.0, "2.angle"), (TWO_ROTORS, "1.angle=0.1 2.angle=-0.25", 0.4, "2.angle"),
+    [(TWO_ROTORS, "1.angle=2 2.angle=1", -2.0, "2.angle"),
+     (TWO_ROTORS, "1.angle=0.1 2.angle=-0.25", 0.4, "2.angle"),
      (RACK, "1.angle=-0.2 2.stroke=1", 0.2, "2.stroke")],
     ids=["gears", "belt", "rack and pinion"],
 )  # fmt: skip
