@@ -14,7 +14,6 @@ from ...model.joint_elements import Coupling, JointElements
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Hinge, Tree
 from ...model.tree_as_mechanism.frames import shape_of
 from ..elements_block.build import BlockBuilder
-from ..elements_block.function_lines import given_functions
 from ..elements_block.functions import Functions
 from ..elements_block.line import ElementLine
 from ..elements_block.measures import Measures
@@ -27,7 +26,7 @@ def with_elements(tree: Tree, lines: Sequence[Any], folder: Path, findings: Find
 
     Files of functions are relative to `folder`; faults go into `findings`.
     """
-    functions = Functions(given_functions(lines, folder, findings), findings)
+    functions = Functions(lines, folder, findings)
     elements = BlockBuilder(_Measures(tree, findings), functions, tree.time.start).elements(lines, {})
     functions.note_unused()
     _refuse_prescribed(tree, elements, findings)

@@ -45,7 +45,7 @@ class BlockBuilder:
         self.measures, self.functions, self.start = measures, functions, start
         self.findings: Findings = functions.findings
 
-    def elements(self, lines: Iterable[ElementLine], more: Makers, **fields: Any) -> JointElements:
+    def elements(self, lines: Iterable[ElementLine], more: Makers) -> JointElements:
         """The elements of all lines but functions; `more`: makers of those of the dialect, by their words."""
         found: dict[str, list[Any]] = {}
         for line in lines:
@@ -57,7 +57,7 @@ class BlockBuilder:
         self._refuse_twice(found)
         groups: dict[str, Any] = {name: tuple(items) for name, items in found.items()}
         groups["forces"] = motors_last(groups.get("forces", ()))
-        return JointElements(**groups, **fields)
+        return JointElements(**groups)
 
     def _element(self, line: ElementLine, more: Makers) -> tuple[str, Any]:
         """Field of `JointElements`, and an element; None where there is a fault."""

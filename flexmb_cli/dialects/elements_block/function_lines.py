@@ -1,15 +1,15 @@
 """Lines FUNCTION of the block ELEMENTS: what defines each function."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ...deck import number
 from ...deck.record import Number
 from ...deck.text import read_text
-from ...errors import DeckError, Fault
+from ...errors import DeckError, Fault, Place
 from ...model.diagnostics import Findings
-from .functions import GivenFunction
 from .line import ElementLine
 
 _OF_POINTS = ("table", "spline")
@@ -19,13 +19,30 @@ _OPTIONAL = "phase"
 _OTHER_KEYS = ("file", "number", "points")
 
 
+@dataclass(frozen=True)
+class GivenFunction:
+    """A function as its line gives it: what defines it, numbers or, of sums and products, names.
+
+    `place(k)`: where the k-th value stands; `faulty`: it has a fault that was reported.
+    """
+
+    line: ElementLine
+    values: Sequence[Any]
+    place: Callable[[int], Place | None]
+    faulty: bool = False
+
+    @property
+    def names(self) -> Iterator[tuple[str, Place | None]]:
+        """Its name, and its number if it has one, with their places."""
+        yield self.line.subject, self.line.place
+        if "number" in self.line:
+            yield name_of(self.line["number"]), self.line.at("number").place
+
+
 def given_functions(
     lines: Iterable[ElementLine], folder: Path, findings: Findings, tables: Mapping[int, Any] | None = None
 ) -> Iterator[GivenFunction]:
-    """The functions of a deck's lines, files being relative to `folder`.
-
-    `tables`: functions of the cards TABL by their numbers, in dialects that have such, None for faulty ones.
-    """
+    """The functions of lines, as `Functions` takes them."""
     for line in lines:
         if line.word == "FUNCTION":
             _refuse_number_of_table(line, tables or {}, findings)
@@ -105,3 +122,8 @@ def _number(word: str, where: str) -> float:
         return number.real(word)[0]
     except number.Misspelt as fault:
         raise number.Misspelt(f"{where} {fault}") from None
+
+
+def name_of(value: Any) -> str:
+    """Return the name of a function, which may be a number."""
+    return value if isinstance(value, str) else f"{value:.15g}"

@@ -2,13 +2,13 @@
 
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 from ...deck.record import Record
-from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.piecewise_polynomials import linear_table, polynomial, smooth_step, spline_table
 from ...model.time_functions import (
@@ -20,6 +20,7 @@ from ...model.time_functions import (
     smoothness,
     sum_of,
 )
+from .function_lines import GivenFunction, given_functions, name_of
 from .line import ElementLine
 
 _NO_NUMBER = re.compile(r"-+[0-9]+|0+")  # below 1: 0 means that there is no function
@@ -28,36 +29,26 @@ MOST_FACTORS = 1000  # of a term, and terms, of what is multiplied out
 SHORTEST = 1e-50  # of the distance of two points, s: slopes of larger numbers would leave the doubles
 
 
-@dataclass(frozen=True)
-class GivenFunction:
-    """A function as its line gives it: what defines it, numbers or, of sums and products, names.
+class Functions:
+    """The functions of a deck's lines by their numbers or names, as texts; faults go into `findings`.
 
-    `place(k)`: where the k-th value stands; `faulty`: it has a fault that was reported.
+    Files are relative to `folder`.  `tables`: functions of the cards TABL by their numbers, in dialects that
+    have such, None for faulty ones.
     """
 
-    line: ElementLine
-    values: Sequence[Any]
-    place: Callable[[int], Place | None]
-    faulty: bool = False
-
-    @property
-    def names(self) -> Iterator[tuple[str, Place | None]]:
-        """Its name, and its number if it has one, with their places."""
-        yield self.line.subject, self.line.place
-        if "number" in self.line:
-            yield name_of(self.line["number"]), self.line.at("number").place
-
-
-class Functions:
-    """The functions of a deck by their numbers or names, as texts; faults go into `findings`."""
-
-    def __init__(self, given: Iterable[GivenFunction], findings: Findings):
+    def __init__(
+        self,
+        lines: Iterable[ElementLine],
+        folder: Path,
+        findings: Findings,
+        tables: Mapping[int, MotionFunction | None] | None = None,
+    ):
         self.findings = findings
         self._functions: dict[str, MotionFunction] = {}
         self._used: set[str] = set()
         self._records: dict[str, Record] = {}
         self._values = 0
-        for function in given:
+        for function in given_functions(lines, folder, findings, tables):
             self._values += len(function.values)
             if self._values > LARGEST_TABLES:
                 message = f"the functions of a deck have at most {LARGEST_TABLES} numbers together"
@@ -146,11 +137,6 @@ class Functions:
                 self.findings.note(
                     record.subject, f"nothing uses function {name}", record.place, id="ELEMENTS-019"
                 )
-
-
-def name_of(value: Any) -> str:
-    """Return the name of a function, which may be a number."""
-    return value if isinstance(value, str) else f"{value:.15g}"
 
 
 def listed(names: Iterable[str]) -> str:

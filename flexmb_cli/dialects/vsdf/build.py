@@ -12,7 +12,6 @@ from ...model.fe_model import VsdfModel
 from ...model.integrators import METHODS, Integrator
 from ...model.mechanism import TimeGrid
 from ...model.time_checks import MOST_ROWS, unsteppable
-from ..elements_block.function_lines import given_functions
 from ..elements_block.functions import Functions
 from .block_elements import block_elements, moved_pins
 from .bodies import build_bodies, build_ground
@@ -45,7 +44,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     tables = build_tables(values, findings)
     warn_of_tables(values, tables, findings)
     lines: Any = values.section("elements")
-    functions = Functions(given_functions(lines, folder, findings, tables), findings)
+    functions = Functions(lines, folder, findings, tables)
     elements = block_elements(lines, (bodies, ground, joints), functions, findings)
     factors = Factors(tables, functions, findings)
     pins = build_pins(values, bodies, ground, findings)

@@ -98,7 +98,7 @@ class VsdfForm:
         more = _BY_SECTION[last.section].more if last.section != "title" else None
         for value in last.numbers if last.section != "title" else ():
             if value.key == "nodes" and more:
-                faults += _faults_of_list(last, value, more.letter)
+                faults += _faults_of_list(last, value)
             elif value.key == "body" or (value.key in ("a", "b") and last.section != "shape"):
                 faults += _outside(last, value, "0: ground" not in value.meaning, records[1]["BODY"])
             elif value.key == "joint":
@@ -177,13 +177,13 @@ def _outside(record: Record, value: Number, least: bool, most: int) -> list[Any]
     return [Fault("error", message, value.place, record.subject, id="VSDF-039")]
 
 
-def _faults_of_list(record: Record, value: Number, letter: str) -> list[Fault]:
-    """Faults of a list of nodes, or of real numbers where the column's `letter` is F."""
-    read, each = (number.real, "number") if letter == "F" else (number.integer, "of the nodes")
+def _faults_of_list(record: Record, value: Number) -> list[Fault]:
+    """Faults of a list of nodes."""
     faults = []
     for text in value.text.split():
         try:
-            read(text)
+            number.integer(text)
         except number.Misspelt as fault:
-            faults.append(Fault("error", f"each {each} {fault}", value.place, record.subject, id="VSDF-040"))
+            message = f"each of the nodes {fault}"
+            faults.append(Fault("error", message, value.place, record.subject, id="VSDF-040"))
     return faults

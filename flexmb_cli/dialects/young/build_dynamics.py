@@ -21,7 +21,6 @@ from ...model.loads import (
     MassProperties,
 )
 from ...model.mechanism import GROUND
-from ..elements_block.function_lines import given_functions
 from ..elements_block.functions import Functions
 from ..elements_block.line import lines_of
 from .block_elements import block_elements
@@ -47,7 +46,7 @@ def build_young_dynamics(deck: Deck, folder: Path = HERE) -> tuple[DynamicModel,
     mechanism, warnings = build_young(deck)
     findings = Findings()
     lines = lines_of(deck)
-    functions = Functions(given_functions(lines, folder, findings), findings)
+    functions = Functions(lines, folder, findings)
     _check_bodies(deck, len(mechanism.bodies), findings)
     _check_once(deck, findings)
     check_method(deck, findings)

@@ -3,6 +3,10 @@
 Expected lines are typed by hand from the fields of the cards, which the headings of these tables name.
 """
 
+import importlib.machinery
+import importlib.util
+from pathlib import Path
+
 import pytest
 
 from flexmb_cli.deck.text import decode
@@ -154,3 +158,24 @@ def test_an_old_card_in_prose_is_a_warning_with_its_line(behind):
     deck = read_deck(decode("test.dat", f"{KINEMATIC}{behind}\nANGLE 1 3\n".encode()))
     (fault,) = [fault for fault in deck.warnings if "ANGLE" in fault.message]
     assert fault.severity == "warning" and "DRIVE angle-1 at=1.angle value=3" in fault.message
+
+
+_PATH = str(Path(__file__).parents[3] / "scripts" / "elements_block")
+_SPEC = importlib.util.spec_from_loader(
+    "script_elements_block", importlib.machinery.SourceFileLoader("script_elements_block", _PATH)
+)
+SCRIPT = importlib.util.module_from_spec(_SPEC)
+_SPEC.loader.exec_module(SCRIPT)
+
+
+@pytest.mark.parametrize(("dialect", "card", "line"), CASES)
+def test_the_script_for_decks_writes_the_line(dialect, card, line):
+    text = TEXTS[dialect](card)
+    new = SCRIPT.rewritten_deck(text)
+    assert card not in new
+    found = [found.strip() for found in new.splitlines()]
+    after = found[found.index("ELEMENTS") + 1 :] if line else []
+    assert " ".join(after[: 1 + line.count("\n")]).startswith(line[:90])
+    assert not [
+        w for w in LINES[dialect] if w == card.split()[0] and any(f.split()[:1] == [w] for f in found)
+    ]
