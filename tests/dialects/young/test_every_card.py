@@ -111,7 +111,9 @@ def test_the_format_page_has_a_row_for_the_card(keyword):
 def _examples():
     """Keyword → example in the table of the tutorial."""
     text = (TOP / "docs/tutorial/motors-and-springs.md").read_text(encoding="utf-8")
-    return {cell.split()[0]: cell for cell in re.findall(r"^\| `([A-Z0-9]+[^`]*)` \|", text, re.MULTILINE)}
+    cells = re.findall(r"^\| `([A-Z0-9]+[^`]*)` \|", text, re.MULTILINE)
+    # Lines of the block follow the cards.
+    return {cell.split()[0]: cell for cell in reversed(cells)}
 
 
 # The mechanism of the tutorial's table, with a driver and a simplified constraint to follow functions.
