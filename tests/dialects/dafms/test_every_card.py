@@ -224,7 +224,7 @@ def test_the_effort_of_a_driven_run_gives_the_motion_back(word, method):
     points = list(zip(given.time.tolist(), given.driver_effort[:, -1].tolist(), strict=True))
     motor = [
         spline_block([(99, "effort", points)]),
-        f"ELEMENTS\n  MOTOR motor at={hinge(1, case.freedom)} effort=99",
+        f"ELEMENTS\n  MOTOR given at={hinge(1, case.freedom)} effort=99",
     ]
     found = run(word, SPARSE, case.cards, motor, method=method)
     same = np.searchsorted(given.time, found.time - 1e-9)

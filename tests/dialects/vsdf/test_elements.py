@@ -319,7 +319,7 @@ def test_an_arm_moves_as_the_same_arm_in_a_young_deck(young, vsdf):
     """Gears of the two dialects are constraints between bodies of other numbers and other joint types."""
     masses = "MASS 2 1.5 0.4 0 0 0.1 0.2 0.2\nMASS 3 0.8 0.3 0 0 0.05 0.1 0.1\nGRAVITY 0 -9.81 0\n"
     # A bushing ends the longer run: its bodies turn by more than a quarter.
-    step = 0.01 if "BUSH" in vsdf else 0.1
+    step = 0.01 if "BUSHING" in vsdf else 0.1
     one = young_rows(ARM, f"0 {5 * step} {step}", f"{masses}{young}\nTOLERANCE 1e-12")
     other = rows_of(TWO_LINKS, 5 * step, step, f"{vsdf}")
     for field in (
