@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from ...deck.record import Number
-from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.joint_elements import Coupling, JointDriver, JointElements, JointRate
 from ...model.laws import (
@@ -135,21 +134,16 @@ class BlockBuilder:
             for one in [f"{key}.{axis}" for axis in "xyz"] if p.kind == VECTOR else [key]:
                 if not p.signed and line[one] < 0.0:
                     message = f"{one} must not be negative; read {line[one]:g}"
-                    self.findings.error(line.subject, message, self._place(line, one), id="ELEMENTS-002")
+                    self.findings.error(line.subject, message, line.place_of(one), id="ELEMENTS-002")
             self._check_above(line, p)
 
     def _check_above(self, line: ElementLine, p: Any) -> None:
-        if p.above is None or p.above == "":
-            return
         least = line[p.above] if isinstance(p.above, str) else p.above
-        if least < line[p.name]:
+        if least is None or least < line[p.name]:
             return
         than = f"{p.above}, {least:g}" if isinstance(p.above, str) else f"{least:g}"
         message = f"{p.name} must be larger than {than}; read {line[p.name]:g}"
-        self.findings.error(line.subject, message, self._place(line, p.name), id="ELEMENTS-039")
-
-    def _place(self, line: ElementLine, key: str) -> Place | None:
-        return line.at(key).place or line.place
+        self.findings.error(line.subject, message, line.place_of(p.name), id="ELEMENTS-039")
 
     def _note(self, line: ElementLine, element: Element) -> None:
         """Note and warn of what is probably meant otherwise."""
@@ -161,7 +155,7 @@ class BlockBuilder:
             self._note_spring(line)
         if element.law is FRICTION and line["static"] < line["dynamic"]:
             message = f"sticks with {line['static']:g}, less than it slides with: are the numbers exchanged?"
-            self.findings.warn(line.subject, message, self._place(line, "static"), id="ELEMENTS-027")
+            self.findings.warn(line.subject, message, line.place_of("static"), id="ELEMENTS-027")
         if element.turning:
             self._note_degrees(line, element)
 
@@ -169,13 +163,13 @@ class BlockBuilder:
         for key in ("stiffness", "damping"):
             if line[key] < 0.0:
                 message = f"{key} {line[key]:g} is negative, which drives a motion on"
-                self.findings.warn(line.subject, message, self._place(line, key), id="ELEMENTS-029")
+                self.findings.warn(line.subject, message, line.place_of(key), id="ELEMENTS-029")
         if "at" not in line and line["rest"] < 0.0:
             message = (
                 f"rest {line['rest']:g} is negative, and lengths are not: its spring pulls at every length; "
                 "a force at length 0 is a preload"
             )
-            self.findings.note(line.subject, message, self._place(line, "rest"), id="ELEMENTS-032")
+            self.findings.note(line.subject, message, line.place_of("rest"), id="ELEMENTS-032")
 
     def _note_degrees(self, line: ElementLine, element: Element) -> None:
         """Note the first angle beyond a turn, which may have been meant in degrees."""
@@ -187,7 +181,7 @@ class BlockBuilder:
                     f"{key} of {line[key]:g} rad is {abs(line[key]) / math.tau:.3g} turns; "
                     f"{line[key]:g} degrees would be {math.radians(line[key]):.6g} rad"
                 )
-                self.findings.note(line.subject, message, self._place(line, key), id="ELEMENTS-031")
+                self.findings.note(line.subject, message, line.place_of(key), id="ELEMENTS-031")
                 return
 
     # What is no force
@@ -218,8 +212,7 @@ class BlockBuilder:
 
     def _term(self, line: ElementLine, number: Number) -> tuple[int, str, float] | None:
         if number.value == 0.0:
-            place = number.place or line.place
-            self.findings.error(line.subject, "a factor of 0 couples nothing", place, id="ELEMENTS-008")
+            self.measures.error(line, number, "a factor of 0 couples nothing", id="ELEMENTS-008")
         at = self.measures.named(line, number, number.key)
         return at and (*at, float(number.value))
 

@@ -11,10 +11,9 @@ from ...deck.text import read_text
 from ...errors import DeckError, Fault, Place
 from ...model.diagnostics import Findings
 from .line import ElementLine
+from .words import POSITIONS
 
 _OF_POINTS = ("table", "spline")
-_KEYED = {"sine": ("mean", "amplitude", "omega", "phase")}
-_KEYED |= dict.fromkeys(("ramp", "step"), ("start", "from", "end", "to"))
 _OPTIONAL = "phase"
 _OTHER_KEYS = ("file", "number", "points")
 
@@ -79,7 +78,7 @@ def _values(line: ElementLine, folder: Path, findings: Findings, tables: Any) ->
 
 def _in_order(line: ElementLine, own: list[Number], findings: Findings) -> list[Number] | None:
     """Numbers with keys in the order of a function's definition."""
-    keys = _KEYED.get(line.kind)
+    keys = POSITIONS.get(line.kind)
     if keys is None:
         return own
     missing = [key for key in keys if key not in line and key != _OPTIONAL]

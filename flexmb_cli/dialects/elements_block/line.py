@@ -35,6 +35,10 @@ class ElementLine(Record):
         """Place of its word."""
         return self.begins
 
+    def place_of(self, key: str) -> Place | None:
+        """Place of a number; that of the line where the number was set."""
+        return self.at(key).place or self.begins
+
     def with_numbers(self, numbers: Iterable[Number]) -> "ElementLine":
         """Return the line with other numbers."""
         return ElementLine(

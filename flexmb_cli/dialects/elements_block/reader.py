@@ -16,19 +16,13 @@ from ...errors import Fault, FaultList, Place
 from ...model.laws import VECTOR
 from .line import MOST_ELEMENTS, SECTION, ElementLine
 from .text import BLOCK, statements
-from .words import BY_WORD, COORDINATE, END, FILE, FUNCTION, NUMBER, WHOLE, BlockWord, Key
+from .words import BY_WORD, COORDINATE, END, FILE, FUNCTION, NUMBER, POSITIONS, WHOLE, BlockWord, Key
 
 MOST_NUMBERS_OF_BLOCKS = 200_000  # of the blocks of a deck; longer tables stand in files
 NAME = re.compile(r"[A-Za-z0-9_-]+")
 COORDINATES = re.compile(r"([0-9]{1,9})\.(angle|stroke|[rt][1-3])", re.IGNORECASE)
 _END_AT_POINT = re.compile(r"([0-9]{1,9})\(([^()]*)\)")
 _END_AT_NODE = re.compile(r"([0-9]{1,9}):([0-9]{1,9})")
-# Keys of the numbers behind the name of a function.
-_POSITIONS = {
-    "sine": ("mean", "amplitude", "omega", "phase"),
-    "ramp": ("start", "from", "end", "to"),
-    "step": ("start", "from", "end", "to"),
-}
 _MEANINGS = {
     "mean": ("mean value", ""),
     "amplitude": ("amplitude", ""),
@@ -226,7 +220,7 @@ class _Line:
                 piece, f"{number.shown(piece.text)} belongs to no key: {usage(self.word)}", id="ELEMENTS-054"
             )
             return
-        positions = _POSITIONS.get(self.kind)
+        positions = POSITIONS.get(self.kind)
         keys = _OF_VALUES.get(self.kind, "")
         if positions:
             if self.values >= len(positions):
@@ -278,7 +272,7 @@ class _Line:
             name = name.lower()
             key = self.word.key(name) or self._of_position(name)
         if key is None:
-            keys = [*(one.name for one in self.word.keys), *_POSITIONS.get(self.kind, ())]
+            keys = [*(one.name for one in self.word.keys), *POSITIONS.get(self.kind, ())]
             message = f"{self.word.word} has no key {number.shown(name)}{nearest(name, keys, 'it has')}"
             self.error(piece, message, id="ELEMENTS-057")
             return
@@ -296,7 +290,7 @@ class _Line:
 
     def _of_position(self, name: str) -> Key | None:
         """Return the key of a number of a function that may stand by its place, too."""
-        if name not in _POSITIONS.get(self.kind, ()):
+        if name not in POSITIONS.get(self.kind, ()):
             return None
         meaning, unit = _MEANINGS[name]
         return Key(name, meaning, units=(unit, unit))

@@ -8,11 +8,6 @@ from .card import Column
 from .fields import fields
 
 
-def is_old(word: str) -> bool:
-    """Return whether the block replaces the cards of a word."""
-    return word in VSDF_FIELDS
-
-
 def refused_cards(word: str, lines: Sequence[tuple[Place, str]], counts: dict[str, int]) -> Iterator[Fault]:
     """Refuse data cards of a word; `counts`: how many of each word the deck had before."""
     return refused("vsdf", word, [(place, fields_of(word, line)) for place, line in lines], counts)

@@ -175,9 +175,9 @@ class _Reader(CardReader):
     def _refuse_old(self, word: str, place: Place) -> bool:
         """Refuse cards that the block replaces, with their data; False for other words."""
         # Few decks have words that no card has.
-        from .old_cards import is_old, refused_cards
+        from .old_cards import VSDF_FIELDS, refused_cards
 
-        if not is_old(word):
+        if word not in VSDF_FIELDS:
             return False
         last, lines = self.at, []
         while (line := self.next()) is not None and DATA.match(line):
