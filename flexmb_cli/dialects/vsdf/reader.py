@@ -175,7 +175,8 @@ class _Reader(CardReader):
     def _refuse_old(self, word: str, place: Place) -> bool:
         """Refuse cards that the block replaces, with their data; False for other words."""
         # Few decks have words that no card has.
-        from .old_cards import VSDF_FIELDS, refused_cards
+        from ..elements_block.old_cards import VSDF_FIELDS
+        from .old_cards import refused_cards
 
         if word not in VSDF_FIELDS:
             return False
