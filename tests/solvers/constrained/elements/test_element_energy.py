@@ -124,7 +124,7 @@ def test_dampers_dissipate_the_energy_that_a_damped_oscillator_loses(method):
 
 
 def test_joint_coordinates_alone_bring_no_work():
-    """The card JOINTS adds no springs: nothing is dissipated, and no dataset says so."""
+    """Without springs nothing is dissipated, and no dataset says so."""
     layout = element_layout(model_of(ROTOR, "0 0.1 0.1", "MASS 2 1 0 0 0 1 1 1\n"))
     assert not {"element/work", "energy/dissipated"} & {series.path for series in layout.series}
 
