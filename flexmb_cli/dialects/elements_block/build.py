@@ -148,9 +148,8 @@ class BlockBuilder:
     def _note(self, line: ElementLine, element: Element) -> None:
         """Note and warn of what is probably meant otherwise."""
         if element.idle:
-            self.findings.note(
-                line.subject, "does nothing: its coefficients are 0", line.place, id="ELEMENTS-030"
-            )
+            message = "does nothing: its coefficients are 0"
+            self.findings.note(line.subject, message, line.place, id="ELEMENTS-030")
         if element.law is SPRING:
             self._note_spring(line)
         if element.law is FRICTION and line["static"] < line["dynamic"]:

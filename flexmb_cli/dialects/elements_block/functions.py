@@ -134,9 +134,8 @@ class Functions:
         for name, record in self._records.items():
             if record.subject not in self._used:
                 self._used.add(record.subject)
-                self.findings.note(
-                    record.subject, f"nothing uses function {name}", record.place, id="ELEMENTS-019"
-                )
+                message = f"nothing uses function {name}"
+                self.findings.note(record.subject, message, record.place, id="ELEMENTS-019")
 
 
 def listed(names: Iterable[str]) -> str:

@@ -90,9 +90,8 @@ class BlockReader:
         word = BY_WORD.get(first.text.upper())
         if word is None:
             hint = nearest(first.text.upper(), BY_WORD, "a line begins with")
-            self._error(
-                first, "", f"there is no {number.shown(first.text)} in {BLOCK}{hint}", id="ELEMENTS-048"
-            )
+            message = f"there is no {number.shown(first.text)} in {BLOCK}{hint}"
+            self._error(first, "", message, id="ELEMENTS-048")
             return
         lone = next((piece for piece in words if piece.text in "()"), None)
         if lone is not None:
@@ -144,9 +143,8 @@ class BlockReader:
             return rest[0].text.lower(), rest[1:]
         piece = rest[0] if rest else first
         found = f"; read {number.shown(piece.text)}" if rest else ""
-        self._error(
-            piece, name, f"{word.word} name is followed by {_listed(word.kinds)}{found}", id="ELEMENTS-052"
-        )
+        message = f"{word.word} name is followed by {_listed(word.kinds)}{found}"
+        self._error(piece, name, message, id="ELEMENTS-052")
         return "", rest
 
     def _keep(self, line: "_Line") -> None:
@@ -204,11 +202,8 @@ class _Line:
             if not equals:
                 self._take_value(piece)
             elif not key or not text:
-                self.error(
-                    piece,
-                    f"no blank may stand beside '=', and a value follows it: {usage(self.word)}",
-                    id="ELEMENTS-053",
-                )
+                message = f"no blank may stand beside '=', and a value follows it: {usage(self.word)}"
+                self.error(piece, message, id="ELEMENTS-053")
             else:
                 self._take_key(piece, key, text)
         self._check_complete()
@@ -216,19 +211,15 @@ class _Line:
     def _take_value(self, piece: Word) -> None:
         """Take a number of a function, or a name of those that it combines."""
         if not self.kind or self.word.word != "FUNCTION":
-            self.error(
-                piece, f"{number.shown(piece.text)} belongs to no key: {usage(self.word)}", id="ELEMENTS-054"
-            )
+            message = f"{number.shown(piece.text)} belongs to no key: {usage(self.word)}"
+            self.error(piece, message, id="ELEMENTS-054")
             return
         positions = POSITIONS.get(self.kind)
         keys = _OF_VALUES.get(self.kind, "")
         if positions:
             if self.values >= len(positions):
-                self.error(
-                    piece,
-                    f"{self.kind} takes {' '.join(positions)}; this is a number more",
-                    id="ELEMENTS-055",
-                )
+                message = f"{self.kind} takes {' '.join(positions)}; this is a number more"
+                self.error(piece, message, id="ELEMENTS-055")
                 return
             key = meaning = positions[self.values]
         else:
@@ -305,19 +296,14 @@ class _Line:
                 piece, key, found[2], offset + found.start(2), ("its point in body axes", "m")
             )
         else:
-            self.error(
-                piece,
-                f"{key.name} must be body(x,y,z) or body:node; read {number.shown(text)}",
-                offset,
-                id="ELEMENTS-059",
-            )
+            message = f"{key.name} must be body(x,y,z) or body:node; read {number.shown(text)}"
+            self.error(piece, message, offset, id="ELEMENTS-059")
             self.given[key.name] = []
 
     def _take_vector(self, piece: Word, key: Key, text: str, offset: int) -> None:
         if not (text.startswith("(") and text.endswith(")")):
-            self.error(
-                piece, f"{key.name} must be (x,y,z); read {number.shown(text)}", offset, id="ELEMENTS-060"
-            )
+            message = f"{key.name} must be (x,y,z); read {number.shown(text)}"
+            self.error(piece, message, offset, id="ELEMENTS-060")
             self.given[key.name] = []
             return
         self._take_components(piece, key, text[1:-1], offset + 1, (key.meaning, key.units[0]))
@@ -325,12 +311,8 @@ class _Line:
     def _take_components(self, piece: Word, key: Key, text: str, offset: int, label: tuple[str, str]) -> None:
         found = list(re.finditer(r"[^\s,]+", text))
         if len(found) != 3 or text.count(",") not in (0, 2):
-            self.error(
-                piece,
-                f"{key.name} takes three numbers (x,y,z); read {number.shown(text)}",
-                offset,
-                id="ELEMENTS-061",
-            )
+            message = f"{key.name} takes three numbers (x,y,z); read {number.shown(text)}"
+            self.error(piece, message, offset, id="ELEMENTS-061")
             self.given[key.name] = []
             return
         for axis, part in zip("xyz", found, strict=True):
@@ -343,9 +325,8 @@ class _Line:
     def _check_complete(self) -> None:
         missing = [key.name for key in self.word.keys if key.needed and key.name not in self.given]
         if missing:
-            self.error(
-                self.first, f"{' and '.join(missing)} must be given: {usage(self.word)}", id="ELEMENTS-062"
-            )
+            message = f"{' and '.join(missing)} must be given: {usage(self.word)}"
+            self.error(self.first, message, id="ELEMENTS-062")
         for groups in self.word.choices:
             complete = [group for group in groups if all(key in self.given for key in group)]
             some = [group for group in groups if any(key in self.given for key in group)]

@@ -66,9 +66,8 @@ def _support(builder: BlockBuilder, line: ElementLine) -> tuple[str, Any]:
         return "supports", None
     held, number = measures.mechanism.simplified, line.at("simplified")
     if not 1 <= number.value <= len(held):
-        measures.error(
-            line, number, no_such("simplified constraint", number.value, len(held)), id="YOUNG-122"
-        )
+        message = "simplified constraint"
+        measures.error(line, number, no_such(message, number.value, len(held)), id="YOUNG-122")
         return "supports", None
     if held[number.value - 1].direction > 3:
         message = (
