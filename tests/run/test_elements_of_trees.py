@@ -300,7 +300,7 @@ def test_a_motor_accelerates_two_links_by_the_inverse_of_their_mass_matrix():
         "ELEMENTS\n  SPRING hspr-1 at=1.r3 stiffness=20",
     ]
     space = linearised(deck("\n".join(cards)), state_space=True).space
-    assert [signal.name for signal in space.inputs] == ["function motor 1 effort"]
+    assert [signal.name for signal in space.inputs] == ["motf-1 effort"]
     expected = np.linalg.inv([[1.892, 0.412], [0.412, 0.172]])[:, 1]
     assert space.B[:, 0] == pytest.approx([0.0, 0.0, *expected], rel=1e-8)
     assert space.A[2:, 0] @ [1.892, 0.412] == pytest.approx(-20.0, rel=1e-6)

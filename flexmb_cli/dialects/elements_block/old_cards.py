@@ -182,6 +182,8 @@ def _function(kind: str, fields: list[str]) -> str:
         kind = _KINDS.get(kind.upper(), kind)
         if kind in ("table", "spline") and len(values) == 1:
             return f"FUNCTION {name} {kind} points={values[0]}"
+    if kind in ("sum", "product"):
+        values = [f"{float(value):g}" for value in values]  # numbers of functions, reals on cards of DAFMS
     return f"FUNCTION {name} {kind} {' '.join(values)}"
 
 

@@ -76,6 +76,7 @@ _POINTS = "       1.0       2.0       0.0       0.6       0.0       0.0\n"
 DAFMS = {
     "FUNC\n    1\n    5    6    4\n                  0.                  1.                  2."
     "                  3.": "FUNCTION 5 step 0. 1. 2. 3.",
+    "FUNC\n    1\n    7    7    2\n                  1.                  2.": "FUNCTION 7 sum 1 2",
     "MOTF\n    1\n    2    3    5": "MOTOR motf-1 at=2.r3 effort=5",
     "PREF\n    1\n    1    4    5    1": "DRIVE pref-1 at=1.t1 rate=5",
     "HSPR\n    1\n    1    3      20.0       0.2       0.3       1.0": "SPRING hspr-1 at=1.r3 stiffness=20.0 "
