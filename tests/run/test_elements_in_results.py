@@ -18,8 +18,8 @@ DRIVER = [function(1, "sine", 0, 0.6, 3), "ELEMENTS\n  DRIVE pref-1 at=1.r3 valu
 SECOND = [function(2, "sine", 0.6, 0.6, 3, -1.5707963268), "ELEMENTS\n  DRIVE pref-2 at=2.r3 value=2"]
 ELEMENTS = [
     "ELEMENTS\n  SPRING hspr-1 at=2.r3 stiffness=3 rest=1 damping=0.05",
-    "ELEMENTS\n  STOP hsto-1 at=2.r3 lower=-0.1 upper=0.1 stiffness=200 damping=0.1",
     "ELEMENTS\n  SPRING lspr-1 from=0(1,2,0) to=2(0.6,0,0) stiffness=30 rest=1.2 damping=0.5 preload=2",
+    "ELEMENTS\n  STOP hsto-1 at=2.r3 lower=-0.1 upper=0.1 stiffness=200 damping=0.1",
     "ELEMENTS\n"
     "  FRICTION fric-1 joint=1 dynamic=0.1 static=0.12 stribeck=0.1 creep=0.01 "
     "radius=0.02 preload=1",
@@ -33,9 +33,9 @@ VSDF = (
     " 1,ANGL,1,5,1\n"
     "ELEMENTS\n"
     "  SPRING tspr-1 at=2.angle stiffness=3 rest=1 damping=0.05\n"
-    "  STOP tsto-1 at=2.angle lower=-0.1 upper=0.1 stiffness=200 damping=0.1\n"
     "ELEMENTS\n"
     "  SPRING lspr-1 from=0:3 to=2:3 stiffness=30 rest=1.2 damping=0.5 preload=2\n"
+    "  STOP tsto-1 at=2.angle lower=-0.1 upper=0.1 stiffness=200 damping=0.1\n"
     "  FRICTION fric-1 joint=1 dynamic=0.1 static=0.12 stribeck=0.1 creep=0.01 "
     "radius=0.02 preload=1\n"
     "INTG\n"
