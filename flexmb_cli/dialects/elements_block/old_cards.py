@@ -183,8 +183,16 @@ def _function(kind: str, fields: list[str]) -> str:
         if kind in ("table", "spline") and len(values) == 1:
             return f"FUNCTION {name} {kind} points={values[0]}"
     if kind in ("sum", "product"):
-        values = [f"{float(value):g}" for value in values]  # numbers of functions, reals on cards of DAFMS
+        values = [_whole(value) for value in values]  # numbers of functions, reals on cards of DAFMS
     return f"FUNCTION {name} {kind} {' '.join(values)}"
+
+
+def _whole(text: str) -> str:
+    """The spelling of a number without its point; other texts as they are."""
+    try:
+        return f"{float(text):g}"
+    except ValueError:
+        return text
 
 
 def _keys(parts: Iterable[str], rest: list[str]) -> Iterable[str]:
