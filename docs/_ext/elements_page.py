@@ -6,10 +6,14 @@ python docs/_ext/elements_page.py
 from pathlib import Path
 from string import ascii_lowercase
 
-from flexmb_cli.dialects.elements_block.old_cards import LINES, new_line
+from flexmb_cli.dialects.elements_block.old_cards import LINES, new_lines
 from flexmb_cli.dialects.elements_block.words import WORDS
 
 FILE = Path(__file__).resolve().parents[2] / "docs/reference/elements.md"
+GONE = (
+    "These cards are errors now, whose message gives the line for that very card; "
+    "`scripts/elements_block DECK` of the sources rewrites decks."
+)
 BEGIN = "<!-- written by docs/_ext/elements_page.py -->"
 _SHAPES = {
     "coordinate": "2.angle",
@@ -65,7 +69,9 @@ def _old() -> list[str]:
             # Of functions and couplings, which take any count, the first ones.
             letters = ascii_lowercase[len(fields[dialect]) - 1 :]
             few = 3 if LINES[dialect][word].startswith(("FUNCTION", "COUPLING")) else None
-            line = new_line(dialect, word, [*fields[dialect], *letters[:few]], 1)
+            number = ["1"] if word == "COUP" else []  # the coupling's, of its terms
+            card = [*number, *fields[dialect], *letters[:few]]
+            ((_, line),) = new_lines(dialect, word, [card], {})
             line = f"{line} …" if few and line else line
             what = f"`{line}`" if line else "nothing: results of decks with elements hold joint coordinates"
             rows.append(f"| {dialect.upper()} `{word}` | {what} |")
@@ -76,7 +82,7 @@ def text(page: str) -> str:
     """Return the page with its tables written anew."""
     head = page.partition(BEGIN)[0]
     introduction = "Letters and numbers stand for the fields of a card, in their order."
-    old = ["## Cards of earlier versions", "", introduction, "", *_old()]
+    old = ["## Cards of earlier versions", "", GONE, "", introduction, "", *_old()]
     return "\n".join([f"{head}{BEGIN}", "", "## Words", "", *_tables(), *old])
 
 

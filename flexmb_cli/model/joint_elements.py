@@ -97,7 +97,7 @@ class JointRate:
 
 @dataclass(frozen=True)
 class JointElements:
-    """All elements in the order of the deck; `reported`: whether results have joint coordinates."""
+    """All elements in the order of the deck."""
 
     drivers: tuple[JointDriver, ...] = ()
     driven: tuple[DrivenItem, ...] = ()
@@ -106,7 +106,6 @@ class JointElements:
     couplings: tuple[Coupling, ...] = ()
     composites: tuple[CompositeJoint, ...] = ()
     rates: tuple[JointRate, ...] = ()
-    reported: bool = False
 
     def __bool__(self) -> bool:
         return any(getattr(self, field.name) for field in fields(self))
@@ -117,8 +116,7 @@ class JointElements:
 
     def groups(self) -> list[tuple[Any, ...]]:
         """Return the tuples of all types."""
-        found = (getattr(self, field.name) for field in fields(self))
-        return [group for group in found if isinstance(group, tuple)]
+        return [getattr(self, field.name) for field in fields(self)]
 
     @property
     def constrain(self) -> bool:

@@ -107,7 +107,7 @@ def is_angle(coordinate: str) -> bool:
 class Law(NamedTuple):
     """A law by its word in decks, of at most six letters, and its code."""
 
-    word: str  # of cards behind the letter of the coordinate: TSTOP, ASTOP, HSTO
+    word: str  # that begins lines of the block ELEMENTS
     code: int  # that of its branch in `kernels.laws`
     parameters: tuple[Parameter, ...]  # in the order of the card
     measures: tuple[type, ...] = (At,)  # that it can have

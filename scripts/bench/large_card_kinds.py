@@ -12,9 +12,7 @@ from large_limits import ELEMENTS, VSDF_CARDS, YOUNG_LOADS
 
 from flexmb_cli.dialects.dafms.cards import CARDS as DAFMS
 from flexmb_cli.dialects.vsdf.cards import CARDS as VSDF
-from flexmb_cli.dialects.vsdf.elements.cards import ELEMENT_CARDS
 from flexmb_cli.dialects.young.cards import CARDS as YOUNG
-from flexmb_cli.dialects.young.elements.cards import FUNCTION_CARDS, JOINT_CARDS
 
 DECKS = Path(__file__).parents[2] / "decks"
 _MOTION = (
@@ -22,7 +20,7 @@ _MOTION = (
     "1 2 0 0 0 0 0 0 0 0 1 0 0 1\n1 0 0 0 0 0 0\n0 1 0.1\nDYNAMICS INVERSE\nMASS 2 1 0 0 0 1 1 1\n"
 )
 _MOST_ENTRIES = 99_999
-_LIMITED = (*ELEMENT_CARDS, *(card for card in VSDF if card.word == "JSPR"))
+_LIMITED = tuple(card for card in VSDF if card.word == "JSPR")
 
 
 def card_kinds(size: int) -> Iterator[tuple[str, Callable[[], str]]]:
@@ -32,10 +30,9 @@ def card_kinds(size: int) -> Iterator[tuple[str, Callable[[], str]]]:
     for card in VSDF:
         yield f"vsdf all {card.word}", lambda card=card: f"{deck}\n{_of_vsdf(card, size)}END{end}"
     for card in YOUNG:
-        words = " ".join("1" for _ in (*card.columns[: len(card.columns) - card.optional], *card.repeated))
+        words = " ".join("1" for _ in card.columns[: len(card.columns) - card.optional])
         line = f"{card.keyword} {words}\n"
-        most = ELEMENTS if card in (*FUNCTION_CARDS, *JOINT_CARDS) else YOUNG_LOADS
-        count = min(most, size // len(line))
+        count = min(YOUNG_LOADS, size // len(line))
         yield f"young all {card.keyword}", lambda line=line, count=count: f"{_MOTION}{line * count}END\n"
     head, rest = (DECKS / "dafms/pendulum.DAT").read_text().rsplit("END ", 1)
     for card in DAFMS.values():

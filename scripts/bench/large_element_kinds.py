@@ -21,102 +21,80 @@ _YOUNG = (
     "2 1 0 0 0 1 0 0 0 0 0 1\n0 0 0 1 0 0 0\n0 0 0 1 0 0 0\n2 6 0 1 0\n"
     "1 2 0 0 0 0 0 0 0 0 1 0 0 1\n1 0 0 0 0 0 0\n0 1 0.1\nDYNAMICS INVERSE\nMASS 2 1 0 0 0 1 1 1\n"
 )
-_SINE = "SINE 1 0 1 1\n"
-_YOUNG_CARDS = {
-    "tsprings": "TSPRING 1 10\n",
-    "stops": "TSTOP 1 -9 9 10\n",
-    "line springs": "LSPRING 1 2 1 0 0 0 1 0 10 1\n",
-    "cables": "CABLE 1 2 1 0 0 0 1 0 10 9\n",
-    "bushings": "BUSHING 1 2 1 0 0 0 1 0 1 1 1 0 0 0\n",
-    "motors": "TMOTOR 1 1\n",
-    "shapes": "GEOM 2 1 1 1 1\n",
+_SHAPES = {
+    "young": "GEOM 2 1 1 1 1\n",
+    "dafms": f"{0:5d}{1:5d}{1.0:10.2f}{1.0:10.2f}{1.0:10.2f}\n\n",
+    "vsdf": "    0 BOX        1.0       1.0       1.0\n",
 }
-_HINGE = f"{1:5d}{1:5d}"
-_ENDS = f"{0:5d}{0:5d}{1:5d}{1:5d}"
-_POINTS = 6 * f"{1.0:10.2f}"
-_SINE_OF_DAFMS = f"FUNC\n{1:5d}\n{1:5d}{4:5d}{3:5d}\n{0.0:20.2f}{1.0:20.2f}{1.0:20.2f}\n"
-_DAFMS_CARDS = {
-    "MOTF": f"{_HINGE}{1:5d}\n",
-    "HSPR": f"{_HINGE}{1.0:10.2f}\n",
-    "HSTO": f"{_HINGE}{-9.0:10.2f}{9.0:10.2f}{1.0:10.2f}\n",
-    "LSPR": f"{_ENDS}\n{_POINTS}\n{1.0:10.2f}{1.0:10.2f}\n",
-    "CABL": f"{_ENDS}\n{_POINTS}\n{1.0:10.2f}{9.0:10.2f}\n",
-    "BUSH": f"{0:5d}{0:5d}{1:5d}{0:5d}\n{_POINTS}\n{_POINTS}\n\n",
-    "GEOM": f"{0:5d}{1:5d}{1.0:10.2f}{1.0:10.2f}{1.0:10.2f}\n\n",
+# Lines of the block by the number of a line; {at}, {i} and {j}: a coordinate and two ends of the dialect.
+_LINES = {
+    "springs": "  SPRING s{k} at={at} stiffness=10\n",
+    "stops": "  STOP s{k} at={at} lower=-9 upper=9 stiffness=10\n",
+    "line springs": "  SPRING s{k} from={i} to={j} stiffness=10 rest=1\n",
+    "cables": "  CABLE s{k} from={i} to={j} stiffness=10 rest=9\n",
+    "bushings": "  BUSHING s{k} from={i} to={j} k=(1,1,1) kr=(0,0,0)\n",
+    "motors": "  MOTOR s{k} at={at} effort=1\n",
+    "tables": "  FUNCTION f{k} table 0 1 1 2\n",
+    "sines": "  FUNCTION f{k} sine 0 1 1\n",
+    "sums": "  FUNCTION f{k} sum 1 1\n",
 }
-_VSDF_CARDS = {
-    "TMOT": "    1    1\n",
-    "TSPR": "    1      10.0\n",
-    "TSTO": "    1      -9.0       9.0      10.0\n",
-    "LSPR": "    0    1    1   51       1.0\n",
-    "CABL": "    0    1    1   51       1.0       9.0\n",
-    "BUSH": "    0    1    1   51       1.0\n",
-    "GEOM": "    0 BOX        1.0       1.0       1.0\n",
+_MEASURES = {
+    "young": {"at": "1.angle", "i": "1(1,0,0)", "j": "2(0,1,0)"},
+    "dafms": {"at": "1.r1", "i": "0(1,1,1)", "j": "1:1"},
+    "vsdf": {"at": "1.angle", "i": "0:1", "j": "1:51"},
 }
 
 
 def element_kinds(size: int) -> Iterator[_KIND]:
     """Yield name and maker of every kind, of about so many bytes."""
-    yield from _young(size)
-    yield from _dafms(size)
-    yield from _vsdf(size)
-
-
-def _filled(text: str, size: int) -> str:
-    return text * min(ELEMENTS, size // len(text))
-
-
-def _points(size: int, separator: str = " ") -> str:
-    """Times and values of one long table."""
-    return separator.join(f"{k}{separator}{k % 7}" for k in range(min(NUMBERS_OF_CARD // 2, size // 9)))
-
-
-def _functions(size: int, line: str, first: int = 1) -> str:
-    return "".join(line.format(k) for k in range(first, first + min(ELEMENTS, size // len(line))))
-
-
-def _young(size: int) -> Iterator[_KIND]:
-    def cards(text: str, function: str = _SINE) -> str:
-        return f"{_YOUNG}{function}DRIVE 1 1\n{text}END\n"
-
-    for name, card in _YOUNG_CARDS.items():
-        yield f"young {name}", lambda card=card: cards(_filled(card, size))
-    used = "FORCE 2 0 0 0 1 0 0 0 2\n"
-    for word in ("TABLE", "SPLINE"):
-        yield f"young one {word}", lambda word=word: cards(f"{word} 2 {_points(size)}\n{used}")
-    ones = "1 " * min(NUMBERS_OF_CARD, size // 2)
-    yield "young polynomial", lambda: cards(f"POLYNOMIAL 2 {ones}\n{used}")
-    yield "young tables", lambda: cards(_functions(size, "TABLE {} 0 1 1 2\n", 2))
-    yield "young sines", lambda: cards(_functions(size, "SINE {} 0 1 1\n", 2))
-    yield "young sums", lambda: cards(_functions(size, "SUM {} 1 1\n", 2))
-
-
-def _dafms(size: int) -> Iterator[_KIND]:
-    head, end = (DECKS / "dafms/pendulum.DAT").read_text().rsplit("END ", 1)
-
-    def entries(word: str, entry: str) -> str:
-        count = min(DAFMS_ELEMENTS, size // len(entry))
-        return f"{head}{_SINE_OF_DAFMS}{word}\n{count:5d}\n{count * entry}END {end}"
-
-    for word, entry in _DAFMS_CARDS.items():
-        yield f"dafms {word}", lambda word=word, entry=entry: entries(word, entry)
+    vsdf = (DECKS / "vsdf/pendulum.vsdf").read_text().replace(" fe/", f" {DECKS}/vsdf/fe/")
+    deck, end = vsdf.split("\nEND", 1)
+    head, rest = (DECKS / "dafms/pendulum.DAT").read_text().rsplit("END ", 1)
+    ends = {"young": "END\n", "dafms": f"END {rest}", "vsdf": f"END{end}"}
+    heads = {"young": _YOUNG, "dafms": head, "vsdf": f"{deck}\nNODE\n    0    1       9.0\n"}
+    for dialect, measures in _MEASURES.items():
+        for name, line in _LINES.items():
+            yield (
+                f"{dialect} {name}",
+                lambda d=dialect, m=measures, line=line: (
+                    f"{heads[d]}{_SINE}{_filled(line, m, size)}{ends[d]}"
+                ),
+            )
+        for kind in ("table", "spline", "polynomial"):
+            yield (
+                f"{dialect} one {kind}",
+                lambda d=dialect, m=measures, kind=kind: (
+                    f"{heads[d]}{_SINE}  FUNCTION 2 {kind} {_points(size)}\n"
+                    f"  MOTOR m at={m['at']} effort=2\n{ends[d]}"
+                ),
+            )
+    yield from _cards(size, heads, ends)
     yield "dafms bodies", lambda: _chain(size)
-    yield "dafms function", lambda: _one_function(size, head, end)
-    yield "dafms functions", lambda: _many_functions(size, head, end)
+    yield from _vsdf(size, deck, end)
 
 
-def _one_function(size: int, head: str, end: str) -> str:
-    points = min(99_998, size // 20) // 2
-    numbers = [f"{number:20.6f}" for k in range(points) for number in (k, k % 7)]
-    lines = "\n".join("".join(numbers[k : k + 4]) for k in range(0, len(numbers), 4))
-    motor = f"MOTF\n{1:5d}\n{_HINGE}{1:5d}\n"
-    return f"{head}FUNC\n{1:5d}\n{1:5d}{1:5d}{2 * points:5d}\n{lines}\n{motor}END {end}"
+_SINE = "ELEMENTS\n  FUNCTION 1 sine 0 1 1\n"
 
 
-def _many_functions(size: int, head: str, end: str) -> str:
-    count = min(ELEMENTS, size // 76)
-    entries = "".join(f"{k:5d}{4:5d}{3:5d}\n{0.0:20.2f}{1.0:20.2f}{1.0:20.2f}\n" for k in range(1, count + 1))
-    return f"{head}FUNC\n{count:5d}\n{entries}END {end}"
+def _filled(line: str, measures: dict[str, str], size: int) -> str:
+    count = min(ELEMENTS, size // len(line.format(k=10_000, **measures)))
+    return "".join(line.format(k=k, **measures) for k in range(1, count + 1))
+
+
+def _points(size: int) -> str:
+    """Times and values of one long table."""
+    return " ".join(f"{k} {k % 7}" for k in range(min(NUMBERS_OF_CARD // 2, size // 9)))
+
+
+def _cards(size: int, heads: dict[str, str], ends: dict[str, str]) -> Iterator[_KIND]:
+    """Shapes, of which a deck has one a line."""
+    for dialect, line in _SHAPES.items():
+        count = min(DAFMS_ELEMENTS if dialect == "dafms" else ELEMENTS, size // len(line))
+        word = {"young": "", "dafms": f"GEOM\n{count:5d}\n", "vsdf": "GEOM\n"}[dialect]
+        yield (
+            f"{dialect} shapes",
+            lambda d=dialect, line=line, word=word, count=count: f"{heads[d]}{word}{line * count}{ends[d]}",
+        )
 
 
 def _chain(size: int) -> str:
@@ -144,22 +122,8 @@ def _chain(size: int) -> str:
     return "\n".join(lines)
 
 
-def _vsdf(size: int) -> Iterator[_KIND]:
-    text = (DECKS / "vsdf/pendulum.vsdf").read_text().replace(" fe/", f" {DECKS}/vsdf/fe/")
-    deck, end = text.split("\nEND", 1)
-    ground = "NODE\n    0    1       9.0\nFUNC\n    1 SINE       0.0       1.0       1.0\n"
-
-    def cards(text: str) -> str:
-        return f"{deck}\n{ground}{text}END{end}"
-
-    for word, line in _VSDF_CARDS.items():
-        yield f"vsdf {word}", lambda word=word, line=line: cards(f"{word}\n{_filled(line, size)}")
-    yield "vsdf functions", lambda: cards("FUNC\n" + _functions(size, "{},SINE,0,1,1\n", 2))
-    yield (
-        "vsdf one function",
-        lambda: cards(f"FUNC\n2,TABL,{_points(min(size, 440_000), ',')}\nTMOT\n    1    2\n"),
-    )
-    yield "vsdf one output", lambda: cards(f"OUTN\n1,{'51,' * min(99_990, size // 3)}51\n")
+def _vsdf(size: int, deck: str, end: str) -> Iterator[_KIND]:
+    yield "vsdf one output", lambda: f"{deck}\nOUTN\n1,{'51,' * min(99_990, size // 3)}51\nEND{end}"
     yield "vsdf balls", lambda: _balls(size)
     yield "vsdf moving bodies", lambda: _rigid_bodies(size, deck, end, moving=True)
     yield "vsdf loads at nodes", lambda: _balls(size, loads=True)

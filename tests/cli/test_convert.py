@@ -156,14 +156,16 @@ MASS 2 2 0.05 0.01 0.02 0.3 0.4 0.5 0.02 0.03 -0.04
 MASS 3 1.5 0.03 0 0.01 0.2 0.3 0.25 0.01 0 0.02
 MASS 4 1.2 0.1 0.02 0 0.22 0.27 0.3
 GRAVITY 0.5 -9.81 -1.3
-TSPRING 2 20 0.2 0.5 1.5
-ASPRING 3 300 0.02 4 2
-TSTOP 2 -0.3 0.1 60 0.2
-ASTOP 3 -0.005 0.005 400 0.1
-LSPRING 0 4 0.5 1.5 0 0.2 0 0.1 60 1.2 0.7 5
-CABLE 0 3 0.5 -1.2 0 0.1 0.1 0 300 1.25 0.2
+ELEMENTS
+  SPRING tspring-1 at=2.angle stiffness=20 rest=0.2 damping=0.5 preload=1.5
+  SPRING aspring-1 at=3.stroke stiffness=300 rest=0.02 damping=4 preload=2
+  STOP tstop-1 at=2.angle lower=-0.3 upper=0.1 stiffness=60 damping=0.2
+  STOP astop-1 at=3.stroke lower=-0.005 upper=0.005 stiffness=400 damping=0.1
+  SPRING lspring-1 from=0(0.5,1.5,0) to=4(0.2,0,0.1) stiffness=60 rest=1.2 damping=0.7 preload=5
+  CABLE cable-1 from=0(0.5,-1.2,0) to=3(0.1,0.1,0) stiffness=300 rest=1.25 damping=0.2
 SPRING 0 2 0.2 1 0 0.1 0 0 20 0.5 0.1
-RATE 2 1 0.8
+ELEMENTS
+  START at=2.angle rate=0.8
 TOLERANCE 1e-12
 END
 """
@@ -182,8 +184,9 @@ DYNAMICS forward
 MASS 2 2 0.05 0.01 0.02 0.3 0.4 0.5 0.02 0.03 -0.04
 MASS 3 1.5 0.03 0 0.01 0.2 0.3 0.25 0.01 0 0.02
 GRAVITY 0.3 -9.81 0.2
-SPHSPH 0 2 0 1 0 0.3 0.1 0 {0.9**0.5!r}
-SPHSPH 2 3 0.3 0.1 0 -0.2 0 0.1 {0.27**0.5!r}
+ELEMENTS
+  JOINT sphsph-1 sphsph from=0(0,1,0) to=2(0.3,0.1,0) length={0.9**0.5!r}
+  JOINT sphsph-2 sphsph from=2(0.3,0.1,0) to=3(-0.2,0,0.1) length={0.27**0.5!r}
 TOLERANCE 1e-12
 END
 """
@@ -209,7 +212,8 @@ REPEATED = """\
 DYNAMICS forward
 MASS 2 1.5 0.1 0.02 0 0.2 0.3 0.25
 GRAVITY 0.3 -9.81 0.2
-SPHSPH 0 2 0 0 0.7 -0.4 0 -0.2 0.9
+ELEMENTS
+  JOINT sphsph-1 sphsph from=0(0,0,0.7) to=2(-0.4,0,-0.2) length=0.9
 TOLERANCE 1e-12
 END
 """
@@ -307,7 +311,9 @@ def test_an_inverse_run_is_refused_for_its_drivers_and_sent_nowhere(tmp_path):
 def test_a_load_by_a_function_of_time_does_not_convert_to_exudyn(tmp_path):
     text = (DECKS / "young/dynamics/IN-BRICARD.dat").read_text()
     deck = tmp_path / "driven.dat"
-    deck.write_text(re.sub(r"\nEND\b", "\nRAMP 1 0 0 1 1\nFORCE 1 0 0 0 0 0 1 0 1\nEND", text))
+    deck.write_text(
+        re.sub(r"\nEND\b", "\nELEMENTS\n  FUNCTION 1 ramp 0 0 1 1\nFORCE 1 0 0 0 0 0 1 0 1\nEND", text)
+    )
     done = CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(tmp_path / "m.py")])
     assert "loads over time do not convert" in " ".join(fault.sentence for fault in done.exception.faults)
 
@@ -315,10 +321,20 @@ def test_a_load_by_a_function_of_time_does_not_convert_to_exudyn(tmp_path):
 def test_an_element_at_a_joint_is_refused_where_it_stands(tmp_path):
     text = (DECKS / "young/dynamics/IN-BRICARD.dat").read_text()
     deck = tmp_path / "sprung.dat"
-    deck.write_text(re.sub(r"\nEND\b", "\nFRICTION 1 0.1 0.1 1 0.01 0.1\nEND", text))
+    deck.write_text(
+        re.sub(
+            r"\nEND\b",
+            "\n"
+            "ELEMENTS\n"
+            "  FRICTION friction-1 joint=1 dynamic=0.1 static=0.1 stribeck=1 creep=0.01 "
+            "radius=0.1\n"
+            "END",
+            text,
+        )
+    )
     done = CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(tmp_path / "m.py")])
     (fault,) = done.exception.faults
-    assert (fault.subject, fault.place.line) == ("friction 1", text[: text.index("\nEND")].count("\n") + 2)
+    assert (fault.subject, fault.place.line) == ("friction-1", text[: text.index("\nEND")].count("\n") + 3)
 
 
 @pytest.mark.processes

@@ -78,10 +78,18 @@ def test_a_slip_leads_to_its_card_or_nowhere(deck, name, expected):
     assert said(deck, name) == expected
 
 
-@pytest.mark.parametrize("card", ["FRICTION 1 0.1 0.12 0.02 0.01 0.02", "FRICTION 1 0.1 0.12 0.02 0.01"])
+@pytest.mark.parametrize(
+    "card",
+    [
+        "ELEMENTS\n"
+        "  FRICTION friction-1 joint=1 dynamic=0.1 static=0.12 stribeck=0.02 creep=0.01 "
+        "radius=0.02",
+        "ELEMENTS\n  FRICTION friction-1 joint=1 dynamic=0.1 static=0.12 stribeck=0.02 creep=0.01",
+    ],
+)
 def test_the_symbol_of_friction_leads_to_both_coefficients(card):
     """The field is called neither mu nor friction; its meanings are coefficients."""
     text = (DECKS / ARM).read_text("latin-1").replace("GRAVITY", f"{card}\nGRAVITY", 1)
-    message = SettableDeck(read_deck(DeckText("IN-ARM.dat", text, ""))).unknown("friction.1.mu")
+    message = SettableDeck(read_deck(DeckText("IN-ARM.dat", text, ""))).unknown("friction-1.mu")
     fields = "joint, dynamic, static, stribeck, creep, radius, preload"
-    assert f"near it are friction.1.dynamic, friction.1.static; friction.1 holds {fields}; " in message
+    assert f"near it are friction-1.dynamic, friction-1.static; friction-1 holds {fields}; " in message

@@ -349,5 +349,6 @@ WHEEL = """2 0 0 0 0 1 0 0 0 0 0 1
 0 0.4 0.1
 DYNAMICS forward
 MASS 2 2 0 0 0 0.8 0.8 0.8
-RATE 1 1 5
+ELEMENTS
+  START at=1.angle rate=5
 """

@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.dialects.dafms.test_dafms_elements import TWO_LINKS, card, deck, integers, reals
+from tests.dialects.dafms.test_dafms_elements import TWO_LINKS, deck
 from tests.house.contributions import (
     BEAD,
     CARD,
@@ -222,7 +222,7 @@ def test_answers_written_before_there_were_cards_still_give_a_deck(copy, flexmb)
     script, command = written.partition("\n```")[0].split(" > answers\n$ ")
     answers = subprocess.run(script, shell=True, text=True, capture_output=True, timeout=120).stdout
     assert command == "flexmb new vsdf -o - < answers | flexmb check - -q"
-    for more, words in (("", []), ("0 1 1 0 0 0 0 0\n1 3 6\n9.5\n", ["PAYL", "DOWN"])):
+    for more, words in (("", []), ("0 1 1 0\n1 3 6\n9.5\n", ["PAYL", "DOWN"])):
         typed = flexmb("new", "vsdf", "-o", "-", answers=answers + more)
         assert [word for word in typed.split() if word in ("PAYL", "DOWN")] == words
         (copy / "typed.vsdf").write_text(typed)
@@ -232,7 +232,7 @@ def test_answers_written_before_there_were_cards_still_give_a_deck(copy, flexmb)
 @pytest.fixture(scope="module")
 def results(copy, flexmb):
     """The results of a deck of each analysis, and of a tree by both formulations, as {name: HDF5 file}."""
-    elements = deck(card("HSPR", integers(1, 3) + reals(20, 0.2, 0.3, 1)), TREE)
+    elements = deck("ELEMENTS\n  SPRING s at=1.r3 stiffness=20 rest=0.2 damping=0.3 preload=1", TREE)
     decks = {
         "rotor.dat": ROTOR, "falling.dat": FALLING, "tree.DAT": deck("", TREE), "elements.DAT": elements,
         "fall.vsdf": DECK,
@@ -345,8 +345,11 @@ def motion_of_wheel(copy, flexmb, name):
 def test_a_force_law_of_two_files_acts_in_every_dialect(copy, flexmb, dialect):
     """J w' = -c w²: w = 5 / (1 + 0.6 5 t / 0.8).  J w²/2 + k s⁴/4 stays for J w' = -k s³, s = turn - 0.2."""
     ending = {"young": "dat", "vsdf": "vsdf", "dafms": "DAT"}[dialect]
-    for word, law in (("square", "TSQUARE 1 0.6"), ("cube", "TCUBE 1 30 0.2")):
-        (copy / f"{word}.dat").write_text(f"{WHEEL}{law}\nTOLERANCE 1e-11\nEND\n")
+    for word, law in (
+        ("square", "SQUARE s at=1.angle drag=0.6"),
+        ("cube", "CUBE s at=1.angle stiffness=30 rest=0.2"),
+    ):
+        (copy / f"{word}.dat").write_text(f"{WHEEL}  {law}\nTOLERANCE 1e-11\nEND\n")
         if dialect != "young":
             flexmb("convert", f"{word}.dat", "--to", dialect, "-o", f"{word}.{ending}")
     t, _, omega = motion_of_wheel(copy, flexmb, f"square.{ending}")
@@ -359,7 +362,7 @@ def test_a_force_law_of_two_files_acts_in_every_dialect(copy, flexmb, dialect):
 
 def test_units_of_a_force_law_follow_from_its_record(copy, flexmb):
     """0.6 N m s2/rad2 are 600 N mm s2/rad2."""
-    (copy / "square.dat").write_text(f"{WHEEL}TSQUARE 1 0.6\nEND\n")
+    (copy / "square.dat").write_text(f"{WHEEL}  SQUARE s at=1.angle drag=0.6\nEND\n")
     flexmb("convert", "square.dat", "--to", "young", "--to-unit", "mm", "-o", "mm.dat")
     (line,) = [line for line in (copy / "mm.dat").read_text().splitlines() if line.startswith("  SQUARE ")]
     assert float(line.rpartition("=")[2]) == pytest.approx(600.0)

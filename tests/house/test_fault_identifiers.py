@@ -103,9 +103,9 @@ def test_the_faults_of_elements_that_moved_out_of_young_are_retired():
 
 
 def test_a_message_is_read_from_the_assignment_before_its_fault():
-    """`friction` assigns two messages, the first of them inside a loop."""
+    """A check of a law's numbers assigns the message before it reports it."""
     page = fault_messages.page()
-    assert "| ELEMENTS-010 | … must be above …; read … |" in page
+    assert "| ELEMENTS-039 | … must be larger than …; read … |" in page
     assert "| ELEMENTS-011 | a joint that turns needs the radius of its bearing |" in page
 
 

@@ -174,7 +174,7 @@ COMMANDS = {
 def test_check_of_a_tree_with_elements_needs_no_integrator(tmp_path):
     """scipy's took 45 MB beside what a large deck may take, and `check` makes no step."""
     text = (DECKS / "dafms/pendulum.DAT").read_text()
-    spring = f"HSPR\n{1:5d}\n{1:5d}{1:5d}{1.0:10.2f}\n"
+    spring = "ELEMENTS\n  SPRING s at=1.r1 stiffness=1\n"
     deck = tmp_path / "spring.DAT"
     deck.write_text(f"{1:5d}{2:5d}\n" + text.split("\n", 1)[1].replace("END \n", f"{spring}END \n"))
     found = imported(tmp_path, "check", "-q", deck)

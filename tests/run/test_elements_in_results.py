@@ -8,31 +8,47 @@ from flexmb_cli.results.figures.curves import default_curves
 from flexmb_cli.results.quantities.quantities import names
 from flexmb_cli.run.outcome import RunOptions
 from flexmb_cli.run.solution import run_deck
-from tests.dialects.dafms.test_dafms_elements import HELD, TWO_LINKS, card, deck, function, integers, reals
+from tests.dialects.dafms.test_dafms_elements import TWO_LINKS, deck, function
 from tests.dialects.dafms.test_every_card import joined
 from tests.dialects.vsdf.test_elements import TWO_LINKS as VSDF_LINKS
 
 pytestmark = pytest.mark.long_motion
 # Two links: the first driven by a sine, springs and friction at both hinges, a stop and a line spring.
-DRIVER = [function(1, 4, 0, 0.6, 3), card("PREF", integers(1, 3, 1, 0))]
-SECOND = [function(2, 4, 0.6, 0.6, 3, -1.5707963268), card("PREF", integers(2, 3, 2, 0))]
+DRIVER = [function(1, "sine", 0, 0.6, 3), "ELEMENTS\n  DRIVE pref-1 at=1.r3 value=1"]
+SECOND = [function(2, "sine", 0.6, 0.6, 3, -1.5707963268), "ELEMENTS\n  DRIVE pref-2 at=2.r3 value=2"]
 ELEMENTS = [
-    card("HSPR", integers(2, 3) + reals(3, 1, 0.05)),
-    card("HSTO", integers(2, 3) + reals(-0.1, 0.1, 200, 0.1)),
-    card("LSPR", integers(0, 0, 2, 0, 0, 0), HELD, reals(30, 1.2, 0.5, 2)),
-    card("FRIC", integers(1) + reals(0.1, 0.12, 0.1, 0.01, 0.02, 1)),
+    "ELEMENTS\n  SPRING hspr-1 at=2.r3 stiffness=3 rest=1 damping=0.05",
+    "ELEMENTS\n  SPRING lspr-1 from=0(1,2,0) to=2(0.6,0,0) stiffness=30 rest=1.2 damping=0.5 preload=2",
+    "ELEMENTS\n  STOP hsto-1 at=2.r3 lower=-0.1 upper=0.1 stiffness=200 damping=0.1",
+    "ELEMENTS\n"
+    "  FRICTION fric-1 joint=1 dynamic=0.1 static=0.12 stribeck=0.1 creep=0.01 "
+    "radius=0.02 preload=1",
 ]
 LINKS = TWO_LINKS.replace("    5\n       0.1\n", "  400\n     0.001\n")
 DAFMS = deck(joined(DRIVER, ELEMENTS), LINKS)
 VSDF = (
-    f"{VSDF_LINKS}FUNC\n 1,SINE,0,0.6,3\nMOTN\n 1,ANGL,1,5,1\nTSPR\n 2,3,1,0.05\nTSTO\n 2,-0.1,0.1,200,0.1\n"
-    "LSPR\n 0,3,2,3,30,1.2,0.5,2\nFRIC\n 1,0.1,0.12,0.1,0.01,0.02,1\nINTG\n RK45\nTIME\n 0.4,0.001\nEND\n"
+    f"{VSDF_LINKS}ELEMENTS\n"
+    "  FUNCTION 1 sine 0 0.6 3\n"
+    "MOTN\n"
+    " 1,ANGL,1,5,1\n"
+    "ELEMENTS\n"
+    "  SPRING tspr-1 at=2.angle stiffness=3 rest=1 damping=0.05\n"
+    "ELEMENTS\n"
+    "  SPRING lspr-1 from=0:3 to=2:3 stiffness=30 rest=1.2 damping=0.5 preload=2\n"
+    "  STOP tsto-1 at=2.angle lower=-0.1 upper=0.1 stiffness=200 damping=0.1\n"
+    "  FRICTION fric-1 joint=1 dynamic=0.1 static=0.12 stribeck=0.1 creep=0.01 "
+    "radius=0.02 preload=1\n"
+    "INTG\n"
+    " RK45\n"
+    "TIME\n"
+    " 0.4,0.001\n"
+    "END\n"
     "STAR\nSTOP\n"
 )
 # In the order of results: name, unit of the coordinate, of the effort.
 WANTED = {
-    "DAFMS": ("hinge spring 1", "lspring 1", "hinge stop 1", "friction 1"),
-    "VSDF": ("tspring 1", "lspring 1", "tstop 1", "friction 1"),
+    "DAFMS": ("hspr-1", "lspr-1", "hsto-1", "fric-1"),
+    "VSDF": ("tspr-1", "lspr-1", "tsto-1", "fric-1"),
 }
 TEXTS = {"DAFMS": DAFMS, "VSDF": VSDF}
 
@@ -96,8 +112,12 @@ def test_composite_joints_and_couplings_have_forces_with_names_and_units(tmp_pat
         "4 0 0 0 0 1 0 1 0 0 0 1\n" + 3 * "0 0 0 1 0 0 0\n" + "0 0 -1 1 0 0 0\n"
         "1 2 0 0 0 0 0 0 0 0 1 0 0 1\n1 3 0 0 0 0 0 0 0 0 1 0 0 1 1 0 0 0 1 0\n1 0 0 0 0 0 0\n0 1 0.5\n"
         "DYNAMICS forward\nMASS 2 1 0 0 0 1 1 1\nMASS 3 2 0 0 0 1 1 1\nMASS 4 3 0 0 0 1 1 1\n"
-        "GRAVITY 0 0 -10\nPOLYNOMIAL 1 0\nANGLE 1 1\nCOUPLING 1 1 -0.2 2 2 1\n"
-        "SPHSPH 0 4 0 0 0 0 0 0 1\nEND\n"
+        "GRAVITY 0 0 -10\n"
+        "ELEMENTS\n"
+        "  FUNCTION 1 polynomial 0\n"
+        "  DRIVE angle-1 at=1.angle value=1\n"
+        "  COUPLING coupling-1 1.angle=-0.2 2.stroke=1\n"
+        "ELEMENTS\n  JOINT sphsph-1 sphsph from=0(0,0,0) to=4(0,0,0) length=1\nEND\n"
     )
     assert run_deck(str(tmp_path / "INX.dat"), RunOptions(folder=str(tmp_path))).exit_code == 0
     with h5py.File(tmp_path / "OUTX.h5") as file:
@@ -105,5 +125,5 @@ def test_composite_joints_and_couplings_have_forces_with_names_and_units(tmp_pat
         assert by_name["coupling.1.effort"].unit == "N"
         assert file["coupling/effort"][:, 0] == pytest.approx(np.full(3, 20.0), rel=1e-12)
         assert by_name["composite.1.force.z"].unit == "N" and by_name["composite.1.torque.x"].unit == "N m"
-        assert file["composite/name"][0] == b"sphsph 1" and file["coupling/name"][0] == b"coupling 1"
+        assert file["composite/name"][0] == b"sphsph-1" and file["coupling/name"][0] == b"coupling-1"
         assert file["composite/force"][-1, 0] == pytest.approx((0, 0, 30.0), abs=1e-9)

@@ -32,17 +32,19 @@ from tests.run.dafms_runs import ENDINGS, altered, run, stop_after
 pytestmark = pytest.mark.long_motion
 # A clamped beam of two nodes, 0.25 m and 0.5 m from the clamp, EI = 5.5 N m2, a spring at its tip.
 POSITIONS, MASSES = np.array([0.25, 0.5]), np.array([0.02145, 0.010725])
-HELD = f"{function(1, 3, 0.0)}\n{card('PREF', integers(1, 1, 1, 0))}\n"
-TIP_SPRING = card("LSPR", integers(0, 0, 1, 2, 0, 0), reals(0, 0.55, 1, 0, 0, 0), reals(500, 1, 0.3))
+HELD = f"{function(1, 'polynomial', 0.0)}\nELEMENTS\n  DRIVE pref-1 at=1.r1 value=1\n"
+TIP_SPRING = "ELEMENTS\n  SPRING lspr-1 from=0(0,0.55,1) to=1:2 stiffness=500 rest=1 damping=0.3"
 
 
 def beam(*cards, swings=False):
     """The supplied beam without its torque, clamped by a driver unless it swings."""
     more = "\n".join(cards)
     return deck_text(
-        "shaft_beam_n2", ("  500\n      .001", "    5\n      .002"), ("DESN\n    1    1", "DESN\n    1    0"),
+        "shaft_beam_n2",
+        ("  500\n      .001", "    5\n      .002"),
+        ("DESN\n    1    1", "DESN\n    1    0"),
         ("END \n", f"{'' if swings else HELD}{more}\nEND \n"),
-    )  # fmt: skip
+    )
 
 
 def verified(folder, text, tolerance=1e-8):
@@ -66,12 +68,15 @@ def test_elements_on_nodes_of_a_beam_agree(tmp_path):
     """Spring, cable and bushing between nodes and the inertial frame; friction from what the nodes need."""
     cards = (
         TIP_SPRING,
-        card("CABL", integers(0, 0, 1, 1), reals(0, 0.3, -1, 0, 0, 0), reals(80, 0.99, 0.2)),
-        card("BUSH", integers(1, 2, 0, 0), reals(0, 0, 0, 0, 0.55, 0), reals(3, 4, 5, 0.1, 0.2, 0.3),
-             reals(0.1, 0.2, 0.3, 0.01, 0.02, 0.03)),
-        card("FRIC", integers(1) + reals(0.2, 0.3, 0.1, 0.01, 0.05, 3)),
+        "ELEMENTS\n  CABLE cabl-1 from=0(0,0.3,-1) to=1:1 stiffness=80 rest=0.99 damping=0.2",
+        "ELEMENTS\n"
+        "  BUSHING bush-1 from=1:2 to=0(0,0.55,0) k=(3,4,5) kr=(0.1,0.2,0.3) c=(0.1,0.2,0.3) "
+        "cr=(0.01,0.02,0.03)",
+        "ELEMENTS\n"
+        "  FRICTION fric-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 radius=0.05 "
+        "preload=3",
         card("MOTR", integers(1, 1) + reals(0.4)),
-    )  # fmt: skip
+    )
     found = verified(
         tmp_path, beam(*cards, swings=True).replace("GRAV\n    0       0.0", "GRAV\n    0       1.0")
     )
@@ -81,7 +86,15 @@ def test_elements_on_nodes_of_a_beam_agree(tmp_path):
 @pytest.mark.parametrize("method", [2, 4])
 def test_a_stiff_damper_is_verified_by_implicit_steps_in_both_formulations(tmp_path, method):
     """Little moves after J/c < 0.3 ms; explicit steps stay so short over all of the 0.5 s: 76852 of them."""
-    cards = f"{card('HSPR', integers(1, 3) + reals(30, 0.4, 8000))}\nMETH\n{method:5d}\nEND \nSTAR\nSTOP\n"
+    cards = (
+        "ELEMENTS\n"
+        "  SPRING hspr-1 at=1.r3 stiffness=30 rest=0.4 damping=8000\n"
+        "METH\n"
+        f"{method:5d}\n"
+        "END \n"
+        "STAR\n"
+        "STOP\n"
+    )
     found = verified(tmp_path, f"{TWO_LINKS}{cards}", 1e-7)
     assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-7]
     assert found.outcome.faults == []
@@ -94,8 +107,10 @@ def test_a_stiff_damper_is_verified_by_implicit_steps_in_both_formulations(tmp_p
 def test_loops_and_couplings_agree(tmp_path):
     """A four-bar with a spring across it and friction in a hinge inside the loop."""
     cards = (
-        card("LSPR", integers(0, 0, 2, 0, 0, 0), reals(0, 0, 0.1, 0, 0.3, 0), reals(30, 0.2, 0.1)),
-        card("FRIC", integers(2) + reals(0.2, 0.3, 0.1, 0.01, 0.02, 1)),
+        "ELEMENTS\n  SPRING lspr-1 from=0(0,0,0.1) to=2(0,0.3,0) stiffness=30 rest=0.2 damping=0.1",
+        "ELEMENTS\n"
+        "  FRICTION fric-1 joint=2 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 radius=0.02 "
+        "preload=1",
     )
     text = deck_text("fourbar_rigid", ("  200\n", "    5\n"), ("END \n", "\n".join([*cards, "END \n"])))
     found = verified(tmp_path, text)
@@ -104,10 +119,7 @@ def test_loops_and_couplings_agree(tmp_path):
 
 def test_a_coupling_that_repeats_another_agrees(tmp_path):
     """The one formulation lets the first bear all, the other shares: along the coordinates it is the same."""
-    terms = [
-        integers(k, body, 3) + reals(factor * k) for k in (1, 2) for body, factor in ((1, 2.0), (2, 3.0))
-    ]
-    cards = "\n".join(["COUP", integers(4), *terms])
+    cards = "ELEMENTS\n  COUPLING coup-1 1.r3=2 2.r3=3\n  COUPLING coup-2 1.r3=4 2.r3=6"
     found = verified(tmp_path, f"{SHORT}{cards}\nEND \nSTAR\nSTOP\n", 1e-8)
     assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-8]
     assert max(each.scale for each in found.differences if each.name == "coupling effort") > 0.1
@@ -127,7 +139,13 @@ CART = (
 def test_friction_agrees_where_it_changes_its_own_normal_force_by_more_than_the_whole(tmp_path):
     """The rod leans by φ: each N of friction on the light slide changes the normal force by about tan φ N."""
     found = verified(
-        tmp_path, f"{CART}{card('FRIC', integers(1) + reals(1.5, 1.5, 1, 0.001))}\nEND \nSTAR\nSTOP\n", 1e-7
+        tmp_path,
+        f"{CART}ELEMENTS\n"
+        "  FRICTION fric-1 joint=1 dynamic=1.5 static=1.5 stribeck=1 creep=0.001\n"
+        "END \n"
+        "STAR\n"
+        "STOP\n",
+        1e-7,
     )
     assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-7]
 
@@ -135,7 +153,13 @@ def test_friction_agrees_where_it_changes_its_own_normal_force_by_more_than_the_
 @pytest.mark.parametrize("kind", [TreeAnalysis, AbsoluteTree])
 def test_friction_that_jams_is_named_in_both_formulations(kind):
     """The rod leans so that each N of friction adds more than one N of normal force, and pulls at it."""
-    tree = build(f"{CART}{card('FRIC', integers(1) + reals(30, 30, 1, 0.001))}\nEND \nSTAR\nSTOP\n")[0]
+    tree = build(
+        f"{CART}ELEMENTS\n"
+        "  FRICTION fric-1 joint=1 dynamic=30 static=30 stribeck=1 creep=0.001\n"
+        "END \n"
+        "STAR\n"
+        "STOP\n"
+    )[0]
     with pytest.raises(AnalysisError, match="at t = 0 s friction jams a joint"):
         next(kind(replace(tree, y=-tree.y)).rows())
 
@@ -166,9 +190,10 @@ def linearised(text, **wish):
 def test_two_links_held_in_line_swing_as_one_pendulum_with_a_spring():
     """J = 0.44 + 0.172 + 0.8 (1 + 2 0.3), m g s = 9.81 (1.5 0.4 + 0.8 1.3); hanging, the spring at rest."""
     cards = [
-        function(1, 3, 0.0), card("PREF", integers(2, 3, 1, 0)),
-        card("HSPR", integers(1, 3) + reals(20) + "-1.5707963      0.50"),
-    ]  # fmt: skip
+        function(1, "polynomial", 0.0),
+        "ELEMENTS\n  DRIVE pref-1 at=2.r3 value=1",
+        "ELEMENTS\n  SPRING hspr-1 at=1.r3 stiffness=20 rest=-1.5707963 damping=0.5",
+    ]
     found = linearised(deck("\n".join(cards)), equilibrium=True)
     J, stiffness = 0.612 + 0.8 * 1.6, 20 + 9.81 * 1.64
     omega, zeta = math.sqrt(stiffness / J), 0.5 / (2 * math.sqrt(stiffness * J))
@@ -215,13 +240,13 @@ def test_check_counts_elements_and_their_energy(tmp_path, name, dof, potential):
 
 
 def test_a_run_notes_a_stop_that_is_pressed_at_the_start_by_its_card(tmp_path):
-    text = deck(card("HSTO", integers(1, 3) + reals(0.1, 0.5, 100)))
+    text = deck("ELEMENTS\n  STOP hsto-1 at=1.r3 lower=0.1 upper=0.5 stiffness=100")
     (tmp_path / "x.DAT").write_text(text)
     found = run_deck(str(tmp_path / "x.DAT"), RunOptions(folder=str(tmp_path)))
     (note,) = [fault for fault in found.faults if fault.severity == "note"]
     assert note.message.startswith("it begins 0.1 rad behind its limit and pushes with 10 N m; correct")
     lines = text.splitlines()
-    assert (note.subject, note.place.line) == ("hinge stop 1", lines.index("HSTO") + 3)
+    assert (note.subject, note.place.line) == ("hsto-1", lines.index("ELEMENTS") + 2)
 
 
 def transfer(space, s):
@@ -233,20 +258,29 @@ def transfer(space, s):
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        (["MOTR", integers(1), integers(2, 3) + reals(0.5)],
-         [function(4, 3, 0.5), card("MOTF", integers(2, 3, 4))]),
-        (["PRES", integers(1), integers(2, 3) + reals(0, 0.5, 0.3)],
-         [function(4, 3, 0, 0.5, 0.15), card("PREF", integers(2, 3, 4))]),
-        (["TABL", integers(1), integers(2, 3, 1), reals(0, 0.5)],
-         [card("TABL", integers(2, 3, 1), reals(0, 0.5)), card("HSTO", integers(2, 3) + reals(-9, 9, 1))]),
+        (
+            ["MOTR", integers(1), integers(2, 3) + reals(0.5)],
+            [function(4, "polynomial", 0.5), "ELEMENTS\n  MOTOR motf-1 at=2.r3 effort=4"],
+        ),
+        (
+            ["PRES", integers(1), integers(2, 3) + reals(0, 0.5, 0.3)],
+            [function(4, "polynomial", 0, 0.5, 0.15), "ELEMENTS\n  DRIVE pref-1 at=2.r3 value=4"],
+        ),
+        (
+            ["TABL", integers(1), integers(2, 3, 1), reals(0, 0.5)],
+            [
+                card("TABL", integers(2, 3, 1), reals(0, 0.5)),
+                "ELEMENTS\n  STOP hsto-1 at=2.r3 lower=-9 upper=9 stiffness=1",
+            ],
+        ),
     ],
-)  # fmt: skip
+)
 def test_the_state_space_is_that_of_the_tree_without_elements(old, new):
     """Cards of 1992 and the newer ones; names of the efforts of drivers are those of the cards."""
     spring = ["SPRI", integers(1), integers(1, 3) + reals(20, 0.2)]
     one = linearised(deck("\n".join([*spring, *old])), state_space=True).space
     other = linearised(
-        deck("\n".join([card("HSPR", integers(1, 3) + reals(20, 0.2)), *new])), state_space=True
+        deck("\n".join(["ELEMENTS\n  SPRING hspr-1 at=1.r3 stiffness=20 rest=0.2", *new])), state_space=True
     ).space
     wanted, found = transfer(one, 0.3 + 2j), transfer(other, 0.3 + 2j)
     assert len(one.inputs) in (1, 3)
@@ -259,9 +293,13 @@ def test_the_state_space_is_that_of_the_tree_without_elements(old, new):
 
 def test_a_motor_accelerates_two_links_by_the_inverse_of_their_mass_matrix():
     """J1 + J2 + m (l² + 2 l c) = 1.892, J2 + m l c = 0.412 and J2 = 0.172 kg m2 in line; s x = ... + B u."""
-    cards = [function(4, 3, 0.5), card("MOTF", integers(2, 3, 4)), card("HSPR", integers(1, 3) + reals(20))]
+    cards = [
+        function(4, "polynomial", 0.5),
+        "ELEMENTS\n  MOTOR motf-1 at=2.r3 effort=4",
+        "ELEMENTS\n  SPRING hspr-1 at=1.r3 stiffness=20",
+    ]
     space = linearised(deck("\n".join(cards)), state_space=True).space
-    assert [signal.name for signal in space.inputs] == ["function motor 1 effort"]
+    assert [signal.name for signal in space.inputs] == ["motf-1 effort"]
     expected = np.linalg.inv([[1.892, 0.412], [0.412, 0.172]])[:, 1]
     assert space.B[:, 0] == pytest.approx([0.0, 0.0, *expected], rel=1e-8)
     assert space.A[2:, 0] @ [1.892, 0.412] == pytest.approx(-20.0, rel=1e-6)

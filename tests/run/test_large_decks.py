@@ -99,7 +99,7 @@ def test_an_entry_of_a_hinge_takes_a_part_of_what_a_full_card_may(card, entry):
 
 def test_records_of_bushings_of_a_tree_take_hardly_more_than_themselves():
     """Six records of 424 bytes and answers of 64 a bushing; lists of single records took twice as much."""
-    source = DeckText("x.DAT", large_decks.kinds(0.1)["dafms BUSH"](), "")
+    source = DeckText("x.DAT", large_decks.kinds(0.1)["dafms bushings"](), "")
     tree = build_dafms(read_dafms(source))[0]
     tracemalloc.start()
     arrays = tree_arrays(tree)

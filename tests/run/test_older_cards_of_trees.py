@@ -17,7 +17,7 @@ WELDED = (
     .replace("-9.81", "  0.0")
     .replace("Y(L)\n       0.0       0.0       0.0       0.0", "Y(L)\n       2.0       0.0")
 )
-STOP = card("HSTO", integers(1, 3) + reals(-6, 6, 1))
+STOP = "ELEMENTS\n  STOP hsto-1 at=1.r3 lower=-6 upper=6 stiffness=1"
 INERTIA = 0.44 + 0.172 + 0.8 * (1 + 2 * 0.3)  # kg m2, of both links about the hinge
 DAMPING, TORQUE = 0.5, 0.3
 
@@ -51,7 +51,9 @@ def test_older_dampers_and_motors_are_elements_and_dissipate(tmp_path):
 
 def test_a_table_that_jumps_agrees_with_kanes_equations(tmp_path):
     """Springs, dampers, a motor and a table of the supplied deck with a stop that nothing reaches."""
-    text = deck_text("motor_gear", ("END \n", card("HSTO", integers(2, 1) + reals(-9, 9, 1)) + "\nEND \n"))
+    text = deck_text(
+        "motor_gear", ("END \n", "ELEMENTS\n  STOP hsto-1 at=2.r1 lower=-9 upper=9 stiffness=1" + "\nEND \n")
+    )
     (tmp_path / "x.DAT").write_text(text.replace("  300\n      .005", "  120\n      .005"))
     found = verify_deck(str(tmp_path / "x.DAT"), RunOptions(), 1e-8)
     assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-8]

@@ -133,8 +133,8 @@ def test_a_load_on_one_body_leaves_the_balance_of_the_others(tmp_path):
     assert "balance of forces" in judge(result, loaded)
 
 
-def test_cards_that_the_judge_does_not_read_are_named():
+def test_blocks_that_the_judge_does_not_read_are_named():
     text = (ROOT / "scripts/fuzz/seeds/vsdf/elements.vsdf").read_text()
-    assert {"BUSH", "CABL", "TSTO"} <= set(read_vsdf_text(text, ROOT).unread)
+    assert "ELEM" in read_vsdf_text(text, ROOT).unread
     text = (ROOT / "scripts/fuzz/seeds/dafms/elements.DAT").read_text()
-    assert {"BUSH", "CABL", "HSTO"} <= set(read_dafms_text(text).unread)
+    assert "ELEM" in read_dafms_text(text).unread

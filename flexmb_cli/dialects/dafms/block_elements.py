@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,20 +14,23 @@ from ...model.joint_elements import Coupling, JointElements
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Hinge, Tree
 from ...model.tree_as_mechanism.frames import shape_of
 from ..elements_block.build import BlockBuilder
+from ..elements_block.functions import Functions
 from ..elements_block.line import ElementLine
 from ..elements_block.measures import Measures
-from ..joint_elements.functions import Functions
 
 COUPLED_RATE = 1e-6  # rate that speeds of Y(L), in ten columns, may leave of a coupling, of the largest
 
 
-def with_block(tree: Tree, lines: Sequence[ElementLine], functions: Functions, findings: Findings) -> Tree:
-    """The tree with the elements of the blocks, its driven coordinates as their functions begin."""
-    builder = BlockBuilder(_Measures(tree, findings), functions, tree.time.start)
-    elements = builder.elements(lines, {})
+def with_elements(tree: Tree, lines: Sequence[Any], folder: Path, findings: Findings) -> Tree:
+    """The tree with the elements of the blocks, its driven coordinates as their functions begin.
+
+    Files of functions are relative to `folder`; faults go into `findings`.
+    """
+    functions = Functions(lines, folder, findings)
+    elements = BlockBuilder(_Measures(tree, findings), functions, tree.time.start).elements(lines, {})
+    functions.note_unused()
     _refuse_prescribed(tree, elements, findings)
-    older = tree.elements
-    forces = (*older.forces, *elements.forces)
+    forces = (*tree.elements.forces, *elements.forces)
     tree = replace(tree, elements=replace(elements, forces=forces, rates=()), **_start(tree, elements))
     for item in elements.couplings:
         _check_speeds(tree, item, findings)

@@ -9,8 +9,8 @@ from ...errors import Fault, ModelError
 from ...model.diagnostics import LARGEST_NUMBER, Findings
 from ...model.inertia_checks import check_inertia
 from ...model.tree import Tree
+from ..elements_block.line import SECTION as ELEMENTS
 from .bodies import build_bodies
-from .elements.cards import ELEMENT_CARDS
 from .hinges import build_hinges
 from .start import build_integration, build_start, build_time
 from .time_functions import build_closures, build_functions_of_time
@@ -57,23 +57,16 @@ def build_dafms(deck: Deck, folder: Path = HERE) -> tuple[Tree, list[Fault]]:
         shapes=shapes,
         **functions,
     )
-    tree = _with_elements(tree, values, folder, findings)
+    if lines := values.section(ELEMENTS):
+        # They need much of the models of other dialects.
+        from .block_elements import with_elements
+
+        tree = with_elements(tree, lines, folder, findings)
     _stop_at_errors(deck, findings)
     _check_dof(tree, values, findings)
     check_inertia(tree, values, findings)
     _stop_at_errors(deck, findings)
     return tree, findings.in_order
-
-
-def _with_elements(tree: Tree, values: DeckValues, folder: Path, findings: Findings) -> Tree:
-    if not any(
-        values.section(section) for section in ("elements", *(card.section for card in ELEMENT_CARDS))
-    ):
-        return tree
-    # They need much of the models of other dialects.
-    from .elements.build import with_elements
-
-    return with_elements(tree, values, folder, findings)
 
 
 def _shapes(values: DeckValues, findings: Findings) -> Any:

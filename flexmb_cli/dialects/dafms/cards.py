@@ -12,7 +12,6 @@ from functools import cache
 
 from ...deck.fortran_records import Item
 from .card import Card
-from .elements.cards import ELEMENT_CARDS, HINGE_ITEMS
 
 MACROS = ("DFMB", "STAR", "STOP")
 END, PRINT_ON, PRINT_OFF = "END ", "PRIN", "NOPR"
@@ -47,6 +46,11 @@ _SHAPE = (
     Item("SC", "length along axis 3; inner radius of a tube, upper one of a cone", "m"),
     *_axes("SO", "middle of the shape from O_k", "m"),
     *_axes("SW", "angle by which it is turned, in turn", "rad"),
+)
+
+HINGE_ITEMS = (
+    Item("K", "body whose hinge is meant"),
+    Item("A", "freedom of the hinge: 1-3 rotation, 4-6 translation"),
 )
 
 HISTORIC = (
@@ -192,7 +196,6 @@ EXTENSIONS = (
         (Item("METH", "integrator: 1 explicit, 2 implicit, 3 DGEAR's family, 4 implicit and compiled"),),
     ),
     Card("GEOM", "shape", "entries", "2I5,3F10.5", _SHAPE, "6F10.5", head=5),
-    *ELEMENT_CARDS,
 )
 
 CARDS = {card.word: card for card in (*HISTORIC, *EXTENSIONS)}

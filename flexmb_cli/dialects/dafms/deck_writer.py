@@ -9,11 +9,11 @@ from typing import Any
 from ...deck.fortran_fields import filled
 from ...deck.record import Number, Record
 from ...errors import Fault
+from ..elements_block.form import block_lines
 from .beam import Beam
 from .beam_cards import beam_block
 from .card import Card
 from .cards import CARDS
-from .elements.cards import ELEMENT_CARDS
 
 OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")
 OPTIONAL: tuple[str, ...] = (
@@ -30,18 +30,14 @@ OPTIONAL: tuple[str, ...] = (
     "DESN",
 )
 OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH")
-# Cards that FMBD.DAT did not have: their counts are requested last.
-ADDED = ("GEOM", *(card.word for card in ELEMENT_CARDS))
+ADDED = "GEOM"  # a card that FMBD.DAT did not have: its count is requested last
 
 WIDE_REAL, _REAL, _INTEGER = 13, 10, 5
-WIDEST, FUNCTION = 20, "function."  # of the numbers of FUNC, four on a line
 _WIDE_SECTIONS = ("stiffness.", "tolerance", "nodal_rotation.")
 
 
 def _width(record: Record) -> int:
     """Columns of a real number; those of a beam stand in no card."""
-    if record.section.startswith(FUNCTION):
-        return WIDEST
     return WIDE_REAL if record.section.startswith(_WIDE_SECTIONS) else _REAL
 
 
@@ -107,12 +103,10 @@ class _Deck:
         for word in OF_EVERY_BODY:
             lines += self._card(CARDS[word])
         lines += self._state()
-        added = self.by_prefix["elements"]
-        for words, given in ((OPTIONAL, counts), (ADDED, added)):
-            for word in words:
-                if given[word]:
-                    lines += self._card(CARDS[word])
-        return [*lines, ("END ", ""), ("STAR", ""), ("STOP", "")]
+        for word in (*OPTIONAL, ADDED):
+            if (counts if word in counts else self.by_prefix["elements"])[word]:
+                lines += self._card(CARDS[word])
+        return [*lines, *block_lines(self.records), ("END ", ""), ("STAR", ""), ("STOP", "")]
 
     def _body(self, k: int) -> Record:
         found: Record = self.by_prefix[f"body.{k}"]
@@ -193,12 +187,10 @@ class _Deck:
         return lines
 
     def _rows(self, section: str) -> Any:
-        """The table that follows a record: points of TABM and TABL, rotations of NROT, numbers of FUNC."""
+        """The table that follows a record: points of TABM and TABL, rotations of NROT."""
         for record in self.records:
             if record.section == section:
-                width = _width(record)
-                on_a_line = 4 if width == WIDEST else 6
-                yield from self._list([(n, record.prefix) for n in record.numbers], on_a_line, width)
+                yield from self._list([(n, record.prefix) for n in record.numbers], 6, _width(record))
 
     def _state(self) -> list[tuple[str, str]]:
         records = [record for record in self.records if record.section == "state"]

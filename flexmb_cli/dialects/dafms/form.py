@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 from ...deck.questions import INTEGER, MOST_ASKED, TITLE_ENTRY, WORD, Cell, Entry
 from ...deck.record import Record
 from ...errors import Fault
+from ..elements_block.form import COUNT as LINE_COUNT
+from ..elements_block.form import line_entries
 from .card import Card
 from .cards import CARDS
 from .deck_writer import ADDED, OF_EVERY_BODY, OPTIONAL, deck_lines
@@ -51,9 +53,7 @@ _COUNTS = Entry(
     ),
 )
 # Last and optional: answers piped from a file that was written for the cards of FMBD.DAT give a deck still.
-_ELEMENTS = Entry(
-    "elements", 0, "shapes and elements", tuple(_count_cell(CARDS[word]) for word in ADDED), True
-)
+_ELEMENTS = Entry("elements", 0, "shapes and elements", (_count_cell(CARDS[ADDED]), LINE_COUNT), True)
 
 
 class DafmsForm:
@@ -77,9 +77,9 @@ class DafmsForm:
         for word in OPTIONAL:
             entries += counted_entries(word, answers, bodies)
         entries.append(_ELEMENTS)
-        if all(0 <= answers.integer(f"elements.{word}", -1) <= MOST_ASKED for word in ADDED):
-            for word in ADDED:
-                entries += counted_entries(word, answers, bodies, "elements")
+        shapes, lines = (answers.integer(f"elements.{cell.key}", -1) for cell in _ELEMENTS.cells)
+        if 0 <= shapes <= MOST_ASKED and 0 <= lines <= MOST_ASKED:
+            entries += [*counted_entries(ADDED, answers, bodies, "elements"), *line_entries(lines)]
         return entries
 
     def faults(self, records: Sequence[Record], complete: bool) -> list[Fault]:

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 
 TABLES = ("TABM", "TABL")
-_WITHOUT_ZERO = ("MASS", "METH", "SPRI", "DAMP", "MOTR", *TABLES, "NROT", "FUNC")
-_ASKED = ("K", "A", "KA", "IS", "SA", "function", "coupling", "factor")
+_WITHOUT_ZERO = ("MASS", "METH", "SPRI", "DAMP", "MOTR", *TABLES, "NROT")
+_ASKED = ("K", "A", "KA", "IS", "SA")
 MOST_POINTS = 1000
 
 
@@ -52,17 +52,7 @@ def _rows(word: str, answers: Answers, n: int) -> Any:
     section = f"{CARDS[word].section}.{n}"
     if word in TABLES:
         return _points(section, answers.integer(f"{section}.NP"), f"{word} {n}")
-    if word == "FUNC":
-        return _numbers(section, answers.integer(f"{section}.NP"), f"{word} {n}")
     return _rotations(section, answers, f"{word} {n}") if word == "NROT" else []
-
-
-def _numbers(section: str, count: int, subject: str) -> list[Entry]:
-    """The numbers that define a function."""
-    cells = tuple(
-        Cell(f"c.{i}", f"number {i} that defines it", "SI") for i in counted(min(count, MOST_POINTS))
-    )
-    return [Entry(section, 1, subject, cells)] if cells else []
 
 
 def _points(section: str, count: int, subject: str) -> list[Any]:

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 from ...deck.questions import MOST_ASKED
 from ...deck.record import Record
 from ...errors import DeckError, Fault
+from ..elements_block.form import LINES, faults_of_line
+from ..elements_block.text import BLOCK
 from .beam import Beam
 from .cards import CARDS
 from .deck_writer import beam_of, faults_of_fields
-from .elements.cards import FUNCTION_KINDS
 from .form_blocks import MOST_TYPED
 from .form_cards import MOST_POINTS
 
@@ -21,9 +22,7 @@ if TYPE_CHECKING:
 
 
 MOST_OF_BEAM = 446  # the last whose skyline addresses fit I5
-OF_POINTS = tuple(CARDS[word].section for word in ("LSPR", "CABL", "BUSH"))  # body 0 on either side
 _RANGES = {
-    "rate": (0, 1),
     "IDS": (0, 1),
     "IGS": (0, 1),
     "IS": (1, 5),
@@ -40,6 +39,8 @@ def faults_of(records: Sequence[Record], complete: bool) -> list[Fault]:
     if last.section == "title":
         made: list[Fault] = _faults_of_title(last)
         return made
+    if last.section == LINES:
+        return faults_of_line(records)
     found = [fault for value in last.numbers for fault in _outside(records, last, value)]
     found += faults_of_fields(last)
     if found:
@@ -110,7 +111,7 @@ def _range(records: list[Record], record: Record, key: str) -> tuple[int | None,
     """Least and most value of an integer; (None, None) where only its columns bound it."""
     bodies = records[1]["N"] if len(records) > 2 else MOST_ASKED
     if record.section in ("counts", "elements") and key != "NDM":
-        several = key == "N" or CARDS[key].layout == "entries"
+        several = key in ("N", BLOCK) or CARDS[key].layout == "entries"
         return (int(key == "N"), MOST_ASKED if several else 1)
     if key.startswith(("NT.", "NR.")) or (record.section == "closure" and key in ("C1", "C2", "C3")):
         return 0, 1
@@ -122,12 +123,6 @@ def _range(records: list[Record], record: Record, key: str) -> tuple[int | None,
         return 1, 3
     if record.section in (CARDS["TABM"].section, CARDS["TABL"].section) and key == "NP":
         return 1, MOST_POINTS
-    if record.section == CARDS["FUNC"].section:
-        return {"number": (1, 99_999), "kind": (1, len(FUNCTION_KINDS)), "NP": (1, MOST_POINTS)}.get(
-            key, (None, None)
-        )
-    if record.section in OF_POINTS and key == "KA":
-        return 0, bodies
     if key not in ("L", "K", "KA", "KB", "IT", "NUMNP"):
         return _RANGES.get(key, (None, None))
     own = {"L": (0, record.number - 1), "KB": (0, bodies), "IT": (1, 99_999), "NUMNP": (1, MOST_TYPED)}

@@ -15,8 +15,6 @@ from .cards import CARDS, END, MACROS, PRINT_OFF, PRINT_ON
 from .skipped_lines import SkippedLines
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from ..elements_block.reader import BlockReader
 
 OF_BODIES = ("node", "nodal_force", "equations", "id", "bkp", "bmi", "body")  # sections of numbers of bodies
@@ -74,11 +72,6 @@ def _of_point(k: int) -> tuple[str, str, str]:
     return (f"f({point})", "torque or force", "N m or N") if k % 2 else (f"t({point})", "time", "s")
 
 
-def _of_function(k: int) -> tuple[str, str, str]:
-    """Key, meaning and unit of a number that defines a function."""
-    return f"c({k + 1})", "number that defines it", "SI"
-
-
 class _System:
     """Cards read by TSYSIN so far: the deck's records and the line of every card."""
 
@@ -90,6 +83,7 @@ class _System:
         self.repeated = 0
         self.skipped = SkippedLines(records, "among the TSYSIN cards")
         self.blocks: BlockReader | None = None
+        self.old: dict[str, int] = {}  # cards of each word that the block replaces
 
     def take_block(self) -> None:
         """Read a block ELEMENTS, which the line read last opens."""
@@ -118,8 +112,26 @@ class _System:
             self.skipped.card = word
             self._forget_earlier(CARDS[word])
             self._read_card(CARDS[word])
-        else:
+        elif not self._refuse_old(word):
             self.skipped.add(line)
+
+    def _refuse_old(self, word: str) -> bool:
+        """Refuse a card that the block replaces; False for other words."""
+        # Few decks have words that no card has.
+        from .old_cards import old_card, refused_card
+
+        card = old_card(word)
+        if card is None:
+            return False
+        self.skipped.flush()
+        self.skipped.card = word
+        before = len(self.read)
+        self._read_card(card)
+        entries = self.read[before:]
+        del self.read[before:]
+        for fault in refused_card(card, entries, self.old):
+            self.records.report(fault.severity, fault.subject, fault.message, fault.place, id=fault.id)
+        return True
 
     def _switch(self, key: str, value: int) -> Number:
         return Number(key, value, "switch", "", Place(self.records.line, 1, 4), self.records.word())
@@ -214,18 +226,15 @@ class _System:
         elif card.word == "NROT":
             numbers += self._read_rotation(card, numbers, subject)
         elif card.tail:
-            labels, each = (_of_function, 1) if card.word == "FUNC" else (_of_point, 2)
-            return numbers, self._read_table(card, numbers[-1], subject, labels, each)
+            return numbers, self._read_table(card, numbers[-1], subject)
         return numbers, ()
 
-    def _read_table(
-        self, card: Card, count: Number, subject: str, labels: "Callable[..., Any]", each: int
-    ) -> Sequence[Number]:
+    def _read_table(self, card: Card, count: Number, subject: str) -> Sequence[Number]:
         if count.value < 1:
-            what = "points, a table" if each == 2 else "numbers, a function"
-            message = f"NP = {count.value} {what} needs at least 1"
+            message = f"NP = {count.value} points, a table needs at least 1"
             self.records.stop(subject, message, count.place, id="DAFMS-171")
-        return self.records.read_list(card.tail, each * count.value, labels, subject)
+        each = 1 if card.word == "FUNC" else 2
+        return self.records.read_list(card.tail, each * count.value, _of_point, subject)
 
     def _read_rotation(self, card: Card, head: list[Number], subject: str) -> list[Number]:
         """Three rows, rotation about axis 1, 2, 3 per unit of each elastic coordinate of the body."""

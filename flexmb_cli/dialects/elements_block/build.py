@@ -5,11 +5,9 @@ What an element acts on is found by the `Measures` of a dialect; its force law i
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import fields
-from typing import Any, cast
+from typing import Any
 
-from ...deck.record import Deck, Number
-from ...errors import Place
+from ...deck.record import Number
 from ...model.diagnostics import Findings
 from ...model.joint_elements import Coupling, JointDriver, JointElements, JointRate
 from ...model.laws import (
@@ -25,8 +23,8 @@ from ...model.laws import (
     Line,
     motors_last,
 )
-from ..joint_elements.functions import Functions
-from .line import SECTION, ElementLine
+from .functions import Functions
+from .line import ElementLine
 from .measures import Measures
 from .words import BY_WORD, key_of
 
@@ -39,11 +37,6 @@ _ONE_OF: dict[str, Callable[..., Any]] = {  # what there may be one of, and by w
 }
 
 
-def lines_of(deck: Deck) -> Sequence[ElementLine]:
-    """Return the lines of the blocks of a deck."""
-    return cast("Sequence[ElementLine]", deck.section(SECTION))
-
-
 class BlockBuilder:
     """Makes elements of lines; faults go into the findings of `functions`."""
 
@@ -51,7 +44,7 @@ class BlockBuilder:
         self.measures, self.functions, self.start = measures, functions, start
         self.findings: Findings = functions.findings
 
-    def elements(self, lines: Iterable[ElementLine], more: Makers, **fields: Any) -> JointElements:
+    def elements(self, lines: Iterable[ElementLine], more: Makers) -> JointElements:
         """The elements of all lines but functions; `more`: makers of those of the dialect, by their words."""
         found: dict[str, list[Any]] = {}
         for line in lines:
@@ -63,7 +56,7 @@ class BlockBuilder:
         self._refuse_twice(found)
         groups: dict[str, Any] = {name: tuple(items) for name, items in found.items()}
         groups["forces"] = motors_last(groups.get("forces", ()))
-        return JointElements(**groups, **fields)
+        return JointElements(**groups)
 
     def _element(self, line: ElementLine, more: Makers) -> tuple[str, Any]:
         """Field of `JointElements`, and an element; None where there is a fault."""
@@ -141,33 +134,27 @@ class BlockBuilder:
             for one in [f"{key}.{axis}" for axis in "xyz"] if p.kind == VECTOR else [key]:
                 if not p.signed and line[one] < 0.0:
                     message = f"{one} must not be negative; read {line[one]:g}"
-                    self.findings.error(line.subject, message, self._place(line, one), id="ELEMENTS-002")
+                    self.findings.error(line.subject, message, line.place_of(one), id="ELEMENTS-002")
             self._check_above(line, p)
 
     def _check_above(self, line: ElementLine, p: Any) -> None:
-        if p.above is None or p.above == "":
-            return
         least = line[p.above] if isinstance(p.above, str) else p.above
-        if least < line[p.name]:
+        if least is None or least < line[p.name]:
             return
         than = f"{p.above}, {least:g}" if isinstance(p.above, str) else f"{least:g}"
         message = f"{p.name} must be larger than {than}; read {line[p.name]:g}"
-        self.findings.error(line.subject, message, self._place(line, p.name), id="ELEMENTS-039")
-
-    def _place(self, line: ElementLine, key: str) -> Place | None:
-        return line.at(key).place or line.place
+        self.findings.error(line.subject, message, line.place_of(p.name), id="ELEMENTS-039")
 
     def _note(self, line: ElementLine, element: Element) -> None:
         """Note and warn of what is probably meant otherwise."""
         if element.idle:
-            self.findings.note(
-                line.subject, "does nothing: its coefficients are 0", line.place, id="ELEMENTS-030"
-            )
+            message = "does nothing: its coefficients are 0"
+            self.findings.note(line.subject, message, line.place, id="ELEMENTS-030")
         if element.law is SPRING:
             self._note_spring(line)
         if element.law is FRICTION and line["static"] < line["dynamic"]:
             message = f"sticks with {line['static']:g}, less than it slides with: are the numbers exchanged?"
-            self.findings.warn(line.subject, message, self._place(line, "static"), id="ELEMENTS-027")
+            self.findings.warn(line.subject, message, line.place_of("static"), id="ELEMENTS-027")
         if element.turning:
             self._note_degrees(line, element)
 
@@ -175,13 +162,13 @@ class BlockBuilder:
         for key in ("stiffness", "damping"):
             if line[key] < 0.0:
                 message = f"{key} {line[key]:g} is negative, which drives a motion on"
-                self.findings.warn(line.subject, message, self._place(line, key), id="ELEMENTS-029")
+                self.findings.warn(line.subject, message, line.place_of(key), id="ELEMENTS-029")
         if "at" not in line and line["rest"] < 0.0:
             message = (
                 f"rest {line['rest']:g} is negative, and lengths are not: its spring pulls at every length; "
                 "a force at length 0 is a preload"
             )
-            self.findings.note(line.subject, message, self._place(line, "rest"), id="ELEMENTS-032")
+            self.findings.note(line.subject, message, line.place_of("rest"), id="ELEMENTS-032")
 
     def _note_degrees(self, line: ElementLine, element: Element) -> None:
         """Note the first angle beyond a turn, which may have been meant in degrees."""
@@ -193,7 +180,7 @@ class BlockBuilder:
                     f"{key} of {line[key]:g} rad is {abs(line[key]) / math.tau:.3g} turns; "
                     f"{line[key]:g} degrees would be {math.radians(line[key]):.6g} rad"
                 )
-                self.findings.note(line.subject, message, self._place(line, key), id="ELEMENTS-031")
+                self.findings.note(line.subject, message, line.place_of(key), id="ELEMENTS-031")
                 return
 
     # What is no force
@@ -201,8 +188,8 @@ class BlockBuilder:
     def motion(self, line: ElementLine, given: float = 0.0) -> Any:
         """The function that a coordinate follows: that of `value`, or the integral of that of `rate`."""
         if "rate" in line:
-            return self.functions.integrated(line, self.start, given, "rate")
-        return self.functions.motion(line, self.start, given, "value")
+            return self.functions.integrated(line, "rate", self.start, given)
+        return self.functions.motion(line, "value")
 
     def driver(self, line: ElementLine) -> JointDriver | None:
         """The driver of a joint or hinge coordinate."""
@@ -224,18 +211,10 @@ class BlockBuilder:
 
     def _term(self, line: ElementLine, number: Number) -> tuple[int, str, float] | None:
         if number.value == 0.0:
-            place = number.place or line.place
-            self.findings.error(line.subject, "a factor of 0 couples nothing", place, id="ELEMENTS-008")
+            self.measures.error(line, number, "a factor of 0 couples nothing", id="ELEMENTS-008")
         at = self.measures.named(line, number, number.key)
         return at and (*at, float(number.value))
 
     def _rate(self, line: ElementLine) -> JointRate | None:
         at = self.measures.at(line)
         return JointRate(line.subject, *at, float(line["rate"]), line.place) if at else None
-
-
-def joined(one: JointElements, other: JointElements) -> JointElements:
-    """Return the elements of both."""
-    groups = {field.name: (*getattr(one, field.name), *getattr(other, field.name)) for field in fields(one)
-              if isinstance(getattr(one, field.name), tuple)}  # fmt: skip
-    return JointElements(**groups | {"forces": motors_last(groups["forces"])}, reported=one.reported)

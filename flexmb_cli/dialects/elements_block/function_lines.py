@@ -1,39 +1,60 @@
 """Lines FUNCTION of the block ELEMENTS: what defines each function."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ...deck import number
 from ...deck.record import Number
 from ...deck.text import read_text
-from ...errors import DeckError, Fault
+from ...errors import DeckError, Fault, Place
 from ...model.diagnostics import Findings
-from ..joint_elements.functions import GivenFunction
 from .line import ElementLine
+from .words import POSITIONS
 
 _OF_POINTS = ("table", "spline")
-_KEYED = {"sine": ("mean", "amplitude", "omega", "phase")}
-_KEYED |= dict.fromkeys(("ramp", "step"), ("start", "from", "end", "to"))
 _OPTIONAL = "phase"
 _OTHER_KEYS = ("file", "number", "points")
+
+
+@dataclass(frozen=True)
+class GivenFunction:
+    """A function as its line gives it: what defines it, numbers or, of sums and products, names.
+
+    `place(k)`: where the k-th value stands; `faulty`: it has a fault that was reported.
+    """
+
+    line: ElementLine
+    values: Sequence[Any]
+    place: Callable[[int], Place | None]
+    faulty: bool = False
+
+    @property
+    def names(self) -> Iterator[tuple[str, Place | None]]:
+        """Its name, and its number if it has one, with their places."""
+        yield self.line.subject, self.line.place
+        if "number" in self.line:
+            yield name_of(self.line["number"]), self.line.at("number").place
 
 
 def given_functions(
     lines: Iterable[ElementLine], folder: Path, findings: Findings, tables: Mapping[int, Any] | None = None
 ) -> Iterator[GivenFunction]:
-    """The functions of a deck's lines, files being relative to `folder`.
-
-    `tables`: functions of the cards TABL by their numbers, in dialects that have such, None for faulty ones.
-    """
+    """The functions of lines, as `Functions` takes them."""
     for line in lines:
         if line.word == "FUNCTION":
+            _refuse_number_of_table(line, tables or {}, findings)
             found = _values(line, folder, findings, tables)
-            if found is not None:
-                name = Number("name", line.subject, "name", "", line.place, line.subject)
-                also = line.at("number") if "number" in line else None
-                values, place = found
-                yield GivenFunction(line, name, line.kind, values, place, also)
+            yield GivenFunction(line, *(found or ((), lambda _: None, True)))
+
+
+def _refuse_number_of_table(line: ElementLine, tables: Mapping[int, Any], findings: Findings) -> None:
+    """Cards name tables and functions by their numbers in the same field."""
+    given = line.at("number") if "number" in line else Number("", line.subject, "", "", line.place)
+    if str(given.value) in map(str, tables):
+        message = f"{given.value} is a table; functions and tables have numbers of their own"
+        findings.error(line.subject, message, given.place, id="VSDF-100")
 
 
 def _values(line: ElementLine, folder: Path, findings: Findings, tables: Any) -> Any:
@@ -57,7 +78,7 @@ def _values(line: ElementLine, folder: Path, findings: Findings, tables: Any) ->
 
 def _in_order(line: ElementLine, own: list[Number], findings: Findings) -> list[Number] | None:
     """Numbers with keys in the order of a function's definition."""
-    keys = _KEYED.get(line.kind)
+    keys = POSITIONS.get(line.kind)
     if keys is None:
         return own
     missing = [key for key in keys if key not in line and key != _OPTIONAL]
@@ -100,3 +121,8 @@ def _number(word: str, where: str) -> float:
         return number.real(word)[0]
     except number.Misspelt as fault:
         raise number.Misspelt(f"{where} {fault}") from None
+
+
+def name_of(value: Any) -> str:
+    """Return the name of a function, which may be a number."""
+    return value if isinstance(value, str) else f"{value:.15g}"

@@ -1,9 +1,10 @@
 """A line of the block ELEMENTS as a record of the deck."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import cast
 
-from ...deck.record import Number, Record
+from ...deck.record import Deck, Number, Record
 from ...errors import Place
 
 SECTION = "elements"
@@ -34,8 +35,17 @@ class ElementLine(Record):
         """Place of its word."""
         return self.begins
 
+    def place_of(self, key: str) -> Place | None:
+        """Place of a number; that of the line where the number was set."""
+        return self.at(key).place or self.begins
+
     def with_numbers(self, numbers: Iterable[Number]) -> "ElementLine":
         """Return the line with other numbers."""
         return ElementLine(
             self.section, self.number, self.subject, tuple(numbers), self.word, self.kind, self.begins
         )
+
+
+def lines_of(deck: Deck) -> Sequence[ElementLine]:
+    """Return the lines of the blocks of a deck."""
+    return cast("Sequence[ElementLine]", deck.section(SECTION))

@@ -4,7 +4,10 @@ Numbers stay as they are spelt.  A card of elements is named as in results of ea
 the first card TSPRING becomes `tspring-1`; functions keep their numbers as names.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+
+from ...errors import Fault, Place
+from .text import BLOCK
 
 # Parts of a line in the order of the card's fields; what they take is in `_PARTS`.
 _CURVES = "curve damper"
@@ -83,23 +86,93 @@ _KINDS = {
 _OPTIONAL = ("rest", "damping", "preload", "curve", "damper", "radius", "x", "y", "z")  # 0 where left out
 _COORDINATES = {"1": "angle", "2": "stroke"}
 _ZEROS = ("", "0", "0.", "0.0", "+0", "-0")
+_KNOWN = "results of decks with elements hold joint coordinates"
+_MOST_WORDS = 30  # of a line in a message
+# Letters of the fields of VSDF cards: I of 5 columns, F of 10, A a blank and 4.
+VSDF_FIELDS = {
+    "FUNC": "IA",  # and as many F as follow
+    "SUPP": "IIII",
+    **dict.fromkeys(("TMOT", "AMOT"), "II"),
+    **dict.fromkeys(("TSPR", "ASPR"), "IFFFFII"),
+    **dict.fromkeys(("TSTO", "ASTO"), "IFFFF"),
+    "LSPR": "IIIIFFFFII",
+    "CABL": "IIIIFFF",
+    "BUSH": "IIII" + 12 * "F",
+    "COUP": "IIIF",
+    "FRIC": "IFFFFFF",
+    "RATE": "IIF",
+    "OUTJ": "I",
+}
+# FORMATs of an entry of DAFMS cards, and how many fields follow in records of the second.
+DAFMS_FORMATS = {
+    "FUNC": ("3I5", "4E20.10", 0),  # so many as the third number says
+    "MOTF": ("3I5", "", 0),
+    "PREF": ("4I5", "", 0),
+    "HSPR": ("2I5,4F10.5,2I5", "", 0),
+    "HSTO": ("2I5,4F10.5", "", 0),
+    "LSPR": ("6I5", "6F10.5", 10),
+    "CABL": ("4I5", "6F10.5", 9),
+    "BUSH": ("4I5", "6F10.5", 18),
+    "COUP": ("3I5,F10.5", "", 0),
+    "FRIC": ("I5,6F10.5", "", 0),
+}
 
 
-def new_line(dialect: str, word: str, fields: Sequence[str], number: int) -> str | None:
-    """Return the line for a card, the `number`-th of its word, "" where none is needed, None for other words.
+def refused(
+    dialect: str, word: str, cards: Sequence[tuple[Place | None, list[str]]], counts: dict[str, int]
+) -> Iterator[Fault]:
+    """Refuse cards of one word, each a place and its fields; a fault gives the line of the block.
 
-    Cards COUP must be given all terms of one coupling: joint, coordinate and factor of each.
+    `counts`: how many cards of each word the deck had before.
     """
-    form = LINES[dialect].get(word)
+    for k, line in new_lines(dialect, word, [fields for _, fields in cards], counts):
+        words = line.split(" ")
+        shown = " ".join([*words[:_MOST_WORDS], *["..."] * (len(words) > _MOST_WORDS)])
+        instead = f"write in a block {BLOCK}: {shown}" if line else _KNOWN
+        message = f"{word} is no card any more; {instead}"
+        yield Fault("error", message, cards[k][0], f"{word.lower()}-{counts[word]}", id="ELEMENTS-064")
+
+
+def new_lines(
+    dialect: str, word: str, cards: Sequence[list[str]], counts: dict[str, int]
+) -> Iterator[tuple[int, str]]:
+    """Yield a line for each card, "" where none is needed, and which of the cards it is, from 0.
+
+    Terms of one coupling are one card.
+    """
+    found = dict(enumerate(cards))
+    if word == "COUP":
+        first: dict[str, int] = {}
+        for k, (number, *term) in found.copy().items():
+            if first.setdefault(number, k) != k:
+                found[first[number]] = [*found[first[number]], *term]
+                del found[k]
+        found = {k: fields[1:] for k, fields in found.items()}
+    for k, fields in found.items():
+        counts[word] = counts.get(word, 0) + 1
+        yield k, _line_of(LINES[dialect][word], word, fields, counts[word])
+
+
+def _line_of(form: str, word: str, fields: Sequence[str], number: int) -> str:
+    """The line for a card, the `number`-th of its word; how such lines are written where fields lack."""
+    # Few decks have old cards, of which only the words need to be known.
+    from .reader import usage
+    from .words import BY_WORD
+
     if not form:
-        return form
+        return ""
     first, *parts = form.split()
     rest = [field.strip() for field in fields]
-    if first == "FUNCTION":
-        return _function(parts[0], rest)
     name = f" {word.lower()}-{number}" if first != "START" else ""
     kind = f" {parts.pop(0)}" if first == "JOINT" else ""
-    return f"{first}{name}{kind} {' '.join(_keys(parts, rest))}".rstrip()
+    try:
+        if not any(rest):
+            return usage(BY_WORD[first])
+        if first == "FUNCTION":
+            return _function(parts[0], rest)
+        return f"{first}{name}{kind} {' '.join(_keys(parts, rest))}".rstrip()
+    except (ValueError, IndexError):
+        return usage(BY_WORD[first])
 
 
 def _function(kind: str, fields: list[str]) -> str:
@@ -109,7 +182,17 @@ def _function(kind: str, fields: list[str]) -> str:
         kind = _KINDS.get(kind.upper(), kind)
         if kind in ("table", "spline") and len(values) == 1:
             return f"FUNCTION {name} {kind} points={values[0]}"
+    if kind in ("sum", "product"):
+        values = [_whole(value) for value in values]  # numbers of functions, reals on cards of DAFMS
     return f"FUNCTION {name} {kind} {' '.join(values)}"
+
+
+def _whole(text: str) -> str:
+    """The spelling of a number without its point; other texts as they are."""
+    try:
+        return f"{float(text):g}"
+    except ValueError:
+        return text
 
 
 def _keys(parts: Iterable[str], rest: list[str]) -> Iterable[str]:
@@ -174,6 +257,8 @@ def _hinge(rest: list[str]) -> str:
 def _coordinate(rest: list[str]) -> str:
     joint, code = rest[:2]
     rest[:2] = []
+    if not (joint and code):
+        raise ValueError("fields are empty")
     return f"{joint}.{_COORDINATES.get(code, code)}"
 
 

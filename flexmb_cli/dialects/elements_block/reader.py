@@ -16,19 +16,13 @@ from ...errors import Fault, FaultList, Place
 from ...model.laws import VECTOR
 from .line import MOST_ELEMENTS, SECTION, ElementLine
 from .text import BLOCK, statements
-from .words import BY_WORD, COORDINATE, END, FILE, FUNCTION, NUMBER, WHOLE, BlockWord, Key
+from .words import BY_WORD, COORDINATE, END, FILE, FUNCTION, NUMBER, POSITIONS, WHOLE, BlockWord, Key
 
 MOST_NUMBERS_OF_BLOCKS = 200_000  # of the blocks of a deck; longer tables stand in files
 NAME = re.compile(r"[A-Za-z0-9_-]+")
 COORDINATES = re.compile(r"([0-9]{1,9})\.(angle|stroke|[rt][1-3])", re.IGNORECASE)
 _END_AT_POINT = re.compile(r"([0-9]{1,9})\(([^()]*)\)")
 _END_AT_NODE = re.compile(r"([0-9]{1,9}):([0-9]{1,9})")
-# Keys of the numbers behind the name of a function.
-_POSITIONS = {
-    "sine": ("mean", "amplitude", "omega", "phase"),
-    "ramp": ("start", "from", "end", "to"),
-    "step": ("start", "from", "end", "to"),
-}
 _MEANINGS = {
     "mean": ("mean value", ""),
     "amplitude": ("amplitude", ""),
@@ -96,9 +90,8 @@ class BlockReader:
         word = BY_WORD.get(first.text.upper())
         if word is None:
             hint = nearest(first.text.upper(), BY_WORD, "a line begins with")
-            self._error(
-                first, "", f"there is no {number.shown(first.text)} in {BLOCK}{hint}", id="ELEMENTS-048"
-            )
+            message = f"there is no {number.shown(first.text)} in {BLOCK}{hint}"
+            self._error(first, "", message, id="ELEMENTS-048")
             return
         lone = next((piece for piece in words if piece.text in "()"), None)
         if lone is not None:
@@ -150,9 +143,8 @@ class BlockReader:
             return rest[0].text.lower(), rest[1:]
         piece = rest[0] if rest else first
         found = f"; read {number.shown(piece.text)}" if rest else ""
-        self._error(
-            piece, name, f"{word.word} name is followed by {_listed(word.kinds)}{found}", id="ELEMENTS-052"
-        )
+        message = f"{word.word} name is followed by {_listed(word.kinds)}{found}"
+        self._error(piece, name, message, id="ELEMENTS-052")
         return "", rest
 
     def _keep(self, line: "_Line") -> None:
@@ -210,11 +202,8 @@ class _Line:
             if not equals:
                 self._take_value(piece)
             elif not key or not text:
-                self.error(
-                    piece,
-                    f"no blank may stand beside '=', and a value follows it: {usage(self.word)}",
-                    id="ELEMENTS-053",
-                )
+                message = f"no blank may stand beside '=', and a value follows it: {usage(self.word)}"
+                self.error(piece, message, id="ELEMENTS-053")
             else:
                 self._take_key(piece, key, text)
         self._check_complete()
@@ -222,19 +211,15 @@ class _Line:
     def _take_value(self, piece: Word) -> None:
         """Take a number of a function, or a name of those that it combines."""
         if not self.kind or self.word.word != "FUNCTION":
-            self.error(
-                piece, f"{number.shown(piece.text)} belongs to no key: {usage(self.word)}", id="ELEMENTS-054"
-            )
+            message = f"{number.shown(piece.text)} belongs to no key: {usage(self.word)}"
+            self.error(piece, message, id="ELEMENTS-054")
             return
-        positions = _POSITIONS.get(self.kind)
+        positions = POSITIONS.get(self.kind)
         keys = _OF_VALUES.get(self.kind, "")
         if positions:
             if self.values >= len(positions):
-                self.error(
-                    piece,
-                    f"{self.kind} takes {' '.join(positions)}; this is a number more",
-                    id="ELEMENTS-055",
-                )
+                message = f"{self.kind} takes {' '.join(positions)}; this is a number more"
+                self.error(piece, message, id="ELEMENTS-055")
                 return
             key = meaning = positions[self.values]
         else:
@@ -278,7 +263,7 @@ class _Line:
             name = name.lower()
             key = self.word.key(name) or self._of_position(name)
         if key is None:
-            keys = [*(one.name for one in self.word.keys), *_POSITIONS.get(self.kind, ())]
+            keys = [*(one.name for one in self.word.keys), *POSITIONS.get(self.kind, ())]
             message = f"{self.word.word} has no key {number.shown(name)}{nearest(name, keys, 'it has')}"
             self.error(piece, message, id="ELEMENTS-057")
             return
@@ -296,7 +281,7 @@ class _Line:
 
     def _of_position(self, name: str) -> Key | None:
         """Return the key of a number of a function that may stand by its place, too."""
-        if name not in _POSITIONS.get(self.kind, ()):
+        if name not in POSITIONS.get(self.kind, ()):
             return None
         meaning, unit = _MEANINGS[name]
         return Key(name, meaning, units=(unit, unit))
@@ -311,19 +296,14 @@ class _Line:
                 piece, key, found[2], offset + found.start(2), ("its point in body axes", "m")
             )
         else:
-            self.error(
-                piece,
-                f"{key.name} must be body(x,y,z) or body:node; read {number.shown(text)}",
-                offset,
-                id="ELEMENTS-059",
-            )
+            message = f"{key.name} must be body(x,y,z) or body:node; read {number.shown(text)}"
+            self.error(piece, message, offset, id="ELEMENTS-059")
             self.given[key.name] = []
 
     def _take_vector(self, piece: Word, key: Key, text: str, offset: int) -> None:
         if not (text.startswith("(") and text.endswith(")")):
-            self.error(
-                piece, f"{key.name} must be (x,y,z); read {number.shown(text)}", offset, id="ELEMENTS-060"
-            )
+            message = f"{key.name} must be (x,y,z); read {number.shown(text)}"
+            self.error(piece, message, offset, id="ELEMENTS-060")
             self.given[key.name] = []
             return
         self._take_components(piece, key, text[1:-1], offset + 1, (key.meaning, key.units[0]))
@@ -331,12 +311,8 @@ class _Line:
     def _take_components(self, piece: Word, key: Key, text: str, offset: int, label: tuple[str, str]) -> None:
         found = list(re.finditer(r"[^\s,]+", text))
         if len(found) != 3 or text.count(",") not in (0, 2):
-            self.error(
-                piece,
-                f"{key.name} takes three numbers (x,y,z); read {number.shown(text)}",
-                offset,
-                id="ELEMENTS-061",
-            )
+            message = f"{key.name} takes three numbers (x,y,z); read {number.shown(text)}"
+            self.error(piece, message, offset, id="ELEMENTS-061")
             self.given[key.name] = []
             return
         for axis, part in zip("xyz", found, strict=True):
@@ -349,9 +325,8 @@ class _Line:
     def _check_complete(self) -> None:
         missing = [key.name for key in self.word.keys if key.needed and key.name not in self.given]
         if missing:
-            self.error(
-                self.first, f"{' and '.join(missing)} must be given: {usage(self.word)}", id="ELEMENTS-062"
-            )
+            message = f"{' and '.join(missing)} must be given: {usage(self.word)}"
+            self.error(self.first, message, id="ELEMENTS-062")
         for groups in self.word.choices:
             complete = [group for group in groups if all(key in self.given for key in group)]
             some = [group for group in groups if any(key in self.given for key in group)]

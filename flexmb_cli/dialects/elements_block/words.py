@@ -19,6 +19,9 @@ NUMBER, WHOLE, FUNCTION, COORDINATE, END, FILE = (
     "file",
 )
 FUNCTION_KINDS = ("table", "spline", "polynomial", "sine", "ramp", "step", "sum", "product")
+# Keys of the numbers behind the name of a function that may stand by their places, too.
+POSITIONS = {"sine": ("mean", "amplitude", "omega", "phase")}
+POSITIONS |= dict.fromkeys(("ramp", "step"), ("start", "from", "end", "to"))
 LINKS = {"revcyl": ("axis_from", "axis_to"), "revsph": ("axis_from", "length"), "sphsph": ("length",)}
 
 

@@ -10,9 +10,9 @@ from ...model.fe_model import End, Pin, VsdfBody
 from ...model.joint_elements import JointElements
 from ...model.mechanism import GROUND
 from ..elements_block.build import BlockBuilder
+from ..elements_block.functions import Functions
 from ..elements_block.line import ElementLine
 from ..elements_block.measures import JointMeasures
-from ..joint_elements.functions import Functions
 from .joints import find_end
 
 RUN_START = 0.0  # s, of every run
@@ -114,4 +114,4 @@ def _functions(line: ElementLine, pin: Pin, functions: Functions, findings: Find
                 f"{pin.name} does not hold {axis}; add it to the mask of PINN, or leave the function out"
             )
             findings.error(line.subject, message, line.at(axis).place, id="VSDF-107")
-    return tuple(functions.motion(line, RUN_START, key=axis) if axis in line else None for axis in "xyz")
+    return tuple(functions.motion(line, axis) if axis in line else None for axis in "xyz")

@@ -12,9 +12,10 @@ from ...model.fe_model import VsdfModel
 from ...model.integrators import METHODS, Integrator
 from ...model.mechanism import TimeGrid
 from ...model.time_checks import MOST_ROWS, unsteppable
+from ..elements_block.functions import Functions
+from .block_elements import block_elements, moved_pins
 from .bodies import build_bodies, build_ground
 from .cards.analysis import WITHOUT_CARD
-from .elements.build import build_elements, build_functions, moved_pins
 from .joints import build_joints, build_pins, check_motion_functions
 from .loads import Factors, build_forces, build_joint_springs, build_outputs, build_springs, build_torques
 from .motions import build_motions, build_tables, motions_of
@@ -43,13 +44,13 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     tables = build_tables(values, findings)
     warn_of_tables(values, tables, findings)
     lines: Any = values.section("elements")
-    functions = build_functions(values, tables, lines, folder, findings)
-    elements = build_elements(values, bodies, ground, joints, lines, functions, findings)
+    functions = Functions(lines, folder, findings, tables)
+    elements = block_elements(lines, (bodies, ground, joints), functions, findings)
     factors = Factors(tables, functions, findings)
     pins = build_pins(values, bodies, ground, findings)
     parts = {
         "joints": joints,
-        "pins": moved_pins(values, pins, lines, functions, findings),
+        "pins": moved_pins(lines, pins, len(values.section("pin")), functions, findings),
         "motions": build_motions(values, bodies, joints, tables, functions, findings)
         + motions_of(elements.drivers),
         "forces": build_forces(values, bodies, ground, factors, findings),

@@ -12,16 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from ...deck.record import Deck, Record
+from ...deck.record import Deck, Number, Record
 from ...errors import Fault, ModelError
 from ...fe.build_mechanism import flexible_mechanism
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.vectors import rotation_matrix
+from ..elements_block.line import lines_of
 from .build import build_vsdf
 
-# Joints without third nodes, whose angle is that of the frames, and the cards that act in it.
-BY_FRAMES = ("REVO", "CYLI")
-IN_ANGLES = ("tmotor", "tspring", "tstop", "friction", "coupling_term", "joint_spring")
+BY_FRAMES = ("REVO", "CYLI")  # joints without third nodes, whose angle is that of the frames
 
 
 def exchanged_model(deck: Deck, folder: Path, first: FlexibleMechanism) -> FlexibleMechanism:
@@ -84,23 +83,28 @@ def _refuse_unequal(deck: Deck) -> None:
 
 def _of_frames(deck: Deck, flexible: set[int]) -> Iterator[Fault]:
     """Elements that act on the frame of a FLEX body, which is another in the second model."""
-    for record in deck.section("bushing"):
-        if record["a"] in flexible:
+    for line in lines_of(deck):
+        if line.word == "BUSHING" and line["from.body"] in flexible:
             message = (
                 "it acts along the axes of the frame of a FLEX body, which are others in the second model"
             )
-            yield Fault("error", message, record.at("a").place, record.subject, id="VSDF-108")
+            yield Fault("error", message, line.at("from.body").place, line.subject, id="VSDF-108")
     joints = {joint["number"]: joint for joint in deck.section("joint")}
-    for name in IN_ANGLES:
-        for record in deck.section(name):
-            joint = joints[record["joint"]]
-            sides = {joint["a"], joint["b"]} & flexible
-            if sides and joint["kind"] in BY_FRAMES and _is_angle(record):
-                message = (
-                    "it acts in an angle of the frame of a FLEX body, which is another in the second model"
-                )
-                yield Fault("error", message, record.at("joint").place, record.subject, id="VSDF-109")
+    for record, number, named in _angles(deck):
+        joint = joints[named]
+        if {joint["a"], joint["b"]} & flexible and joint["kind"] in BY_FRAMES:
+            message = "it acts in an angle of the frame of a FLEX body, which is another in the second model"
+            yield Fault("error", message, number.place, record.subject, id="VSDF-109")
 
 
-def _is_angle(record: Record) -> bool:
-    return "coordinate" not in record or record["coordinate"] == 1
+def _angles(deck: Deck) -> Iterator[tuple[Record, Number, int]]:
+    """Yield the numbers by which elements name an angle, or a joint with friction, and the joint."""
+    for record in deck.section("joint_spring"):
+        yield record, record.at("joint"), record["joint"]
+    for line in lines_of(deck):
+        for number in line.numbers if line.word not in ("START", "DRIVE") else ():
+            joint, _, coordinate = str(number.value if number.key == "at" else number.key).partition(".")
+            if number.key == "joint":
+                yield line, number, number.value
+            elif coordinate == "angle" and joint.isdigit():
+                yield line, number, int(joint)

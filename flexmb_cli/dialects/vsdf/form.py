@@ -11,6 +11,8 @@ from ...deck import number
 from ...deck.questions import INTEGER, MOST_ASKED, TEXT, TITLE_ENTRY, Cell, Entry
 from ...deck.record import Number, Record
 from ...errors import Fault
+from ..elements_block.form import COUNT as LINE_COUNT
+from ..elements_block.form import LINES, block_lines, faults_of_line, line_entries
 from .card import Card, Column
 from .cards import BY_WORD, CARDS, END, FINAL
 
@@ -28,7 +30,7 @@ COUNTED = _cards(
     "BODY FEMM FEMK FEMP NODE NSET CLMP ATTM CRBN DAMP POSI EULP VELO PINN JOIN MOTN TABL FORC TORQ SPRI "
     "JSPR GEOS FEMG OUTN MATL OUTS PLAC"
 )
-ADDED = _cards("GEOM GSTL FUNC SUPP TMOT AMOT TSPR ASPR TSTO ASTO LSPR CABL BUSH COUP FRIC RATE OUTJ")
+ADDED = _cards("GEOM GSTL")
 _ASKED = (*_SINGLE, *COUNTED, *ADDED, *_cards(" ".join((*_FLEXIBLE, *_RIGID))))
 LATER = tuple(card for card in CARDS if card not in _ASKED)
 
@@ -40,7 +42,9 @@ def _count_cell(card: Card) -> Cell:
 
 
 _COUNTS = Entry("counts", 0, "counts", tuple(_count_cell(card) for card in COUNTED))
-_ELEMENTS = Entry("elements", 0, "shapes and elements", tuple(_count_cell(card) for card in ADDED), True)
+_ELEMENTS = Entry(
+    "elements", 0, "shapes and elements", (*(_count_cell(card) for card in ADDED), LINE_COUNT), True
+)
 _MORE = Entry("more", 0, "further cards", tuple(_count_cell(card) for card in LATER), True)
 
 
@@ -70,6 +74,7 @@ class VsdfForm:
         added = _counts(values, _ELEMENTS)
         for card in ADDED if added else ():
             entries += [_entry(card, k) for k in range(1, added[card.word] + 1)]
+        entries += line_entries(added.get(LINE_COUNT.key, 0))
         if not (added and LATER):
             return entries
         later = _counts(values, _MORE)
@@ -87,11 +92,13 @@ class VsdfForm:
                 for count in last.numbers
                 for fault in _outside(last, count, count.key == "BODY", MOST_ASKED)
             ]
+        if last.section == LINES:
+            return faults_of_line(records)
         faults = []
         more = _BY_SECTION[last.section].more if last.section != "title" else None
         for value in last.numbers if last.section != "title" else ():
             if value.key == "nodes" and more:
-                faults += _faults_of_list(last, value, more.letter)
+                faults += _faults_of_list(last, value)
             elif value.key == "body" or (value.key in ("a", "b") and last.section != "shape"):
                 faults += _outside(last, value, "0: ground" not in value.meaning, records[1]["BODY"])
             elif value.key == "joint":
@@ -104,7 +111,7 @@ class VsdfForm:
         lines.append(("* Lengths in m, angles in rad, times in s, masses in kg.", ""))
         section = ""
         for record in records[2:]:
-            if record.section in _OF_COUNTS:
+            if record.section in (*_OF_COUNTS, LINES):
                 continue
             card = _BY_SECTION[record.section]
             if record.section != section:
@@ -112,6 +119,7 @@ class VsdfForm:
                 fields = [c.key for c in (*card.columns, *([card.more] if card.more else []), *card.second)]
                 lines += [(f"* {' '.join(fields)}", ""), (card.word, "")]
             lines += [(line, record.prefix) for line in _data_lines(card, record)]
+        lines += block_lines(records)
         return [*lines, *((word.ljust(4) if word == END else word, "") for word in FINAL)]
 
 
@@ -169,13 +177,13 @@ def _outside(record: Record, value: Number, least: bool, most: int) -> list[Any]
     return [Fault("error", message, value.place, record.subject, id="VSDF-039")]
 
 
-def _faults_of_list(record: Record, value: Number, letter: str) -> list[Fault]:
-    """Faults of a list of nodes, or of real numbers where the column's `letter` is F."""
-    read, each = (number.real, "number") if letter == "F" else (number.integer, "of the nodes")
+def _faults_of_list(record: Record, value: Number) -> list[Fault]:
+    """Faults of a list of nodes."""
     faults = []
     for text in value.text.split():
         try:
-            read(text)
+            number.integer(text)
         except number.Misspelt as fault:
-            faults.append(Fault("error", f"each {each} {fault}", value.place, record.subject, id="VSDF-040"))
+            message = f"each of the nodes {fault}"
+            faults.append(Fault("error", message, value.place, record.subject, id="VSDF-040"))
     return faults

@@ -11,8 +11,8 @@ from ...model.joints import BY_NAME
 from ...model.laws import At, Element, Line, spring
 from ...model.mechanism import GROUND
 from ...model.time_functions import MotionFunction
+from ..elements_block.functions import Functions
 from ..elements_block.line import MOST_ELEMENTS
-from ..joint_elements.functions import Functions
 from .bodies import end_of_body
 from .joints import SLIDING, TURNING, find_end
 from .motions import Tables, find_table

@@ -2,6 +2,7 @@
 
 from array import array
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ...deck.number_table import column, places_by
@@ -12,7 +13,7 @@ from ...model.fe_model import NodeJoint, VsdfBody
 from ...model.joint_elements import JointDriver
 from ...model.laws import is_angle
 from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionFunction, table_function
-from ..joint_elements.functions import Functions
+from ..elements_block.functions import Functions
 from .joints import SLIDING, TURNING
 
 if TYPE_CHECKING:
@@ -79,8 +80,9 @@ def build_motions(
     motions = []
     for record in records:
         if record["law"] in OF_FUNCTIONS:
-            follow = functions.motion if record["law"] == BY_FUNCTION else functions.integrated
-            function = follow(record, 0.0, key="c0")
+            by_rate = record["law"] == RATE_BY_FUNCTION
+            follow = partial(functions.integrated, start=0.0) if by_rate else functions.motion
+            function = follow(record, "c0")
         else:
             function = _function(record, tables, findings)
         if _target_exists(record, len(bodies), len(values.section("joint")), kinds, findings) and function:

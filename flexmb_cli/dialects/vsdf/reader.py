@@ -68,6 +68,7 @@ class _Reader(CardReader):
         self.strange: set[tuple[str, int]] = set()  # those places
         self.counts: dict[str, int] = {}
         self.blocks: BlockReader | None = None  # None: the deck has none so far
+        self.old: dict[str, int] = {}  # cards of each word that the block replaces
         self.begun = self.unknown = False
         self.bare: Place | None = None  # of a keyword without data so far
 
@@ -156,6 +157,8 @@ class _Reader(CardReader):
             return None
         if word not in BY_WORD:
             self.unknown = True
+            if self._refuse_old(word, place):
+                return None
             hint = f"; is {BLOCK} meant?" if is_like_block(line) else _hint(word)
             self.error("", f"there is no card '{line[:4].rstrip()}'{hint}", place, id="VSDF-156")
             return None
@@ -168,6 +171,22 @@ class _Reader(CardReader):
             self.error("", f"card '{word}' stands before BODY, which must come first", place, id="VSDF-158")
         self.begun, self.bare = True, None if reported else place
         return BY_WORD[word]
+
+    def _refuse_old(self, word: str, place: Place) -> bool:
+        """Refuse cards that the block replaces, with their data; False for other words."""
+        # Few decks have words that no card has.
+        from ..elements_block.old_cards import VSDF_FIELDS
+        from .old_cards import refused_cards
+
+        if word not in VSDF_FIELDS:
+            return False
+        last, lines = self.at, []
+        while (line := self.next()) is not None and DATA.match(line):
+            lines.append((Place(self.at, 1, len(line)), line))
+            last = self.at
+        self.at = last
+        self.faults += refused_cards(word, lines or [(place, "")], self.old)
+        return True
 
     def _check_filled(self, card: Card | None, following: str) -> None:
         """A keyword alone says nothing; what was meant may stand in its comment."""

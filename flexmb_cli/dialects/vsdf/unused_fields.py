@@ -11,7 +11,6 @@ from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.time_functions import SPIN_UP, TABLE
-from .elements.cards import OF_TABLES
 from .joints import BY_WORD
 from .motions import OF_FUNCTIONS
 
@@ -113,11 +112,6 @@ def warn_of_tables(values: DeckValues, tables: dict[int, Any], findings: Finding
     for section in ("force", "torque"):
         loads = values.section(section)
         used |= set(column(loads, "table").tolist() if values.many else (load["table"] for load in loads))
-    used |= {
-        r.numbers[2].value
-        for r in values.section("function")
-        if r["kind"] in OF_TABLES and len(r.numbers) == 3
-    }
     used |= {line["points"] for line in values.section("elements") if "points" in line}
     idle = {number for number, function in tables.items() if function is not None} - used
     cards = values.section("table")
@@ -125,7 +119,7 @@ def warn_of_tables(values: DeckValues, tables: dict[int, Any], findings: Finding
     for k in first.values():
         number = cards[k].at("table")
         message = (
-            "no card uses it; a motion of law 4 names a table in c0, a force or a torque in its last field, "
-            "a function of kind TABL or SPLI behind its kind"
+            "nothing uses it; a motion of law 4 names a table in c0, a force or a torque in its last field, "
+            "a line FUNCTION by points="
         )
         findings.warn(f"table {number.value}", message, number.place, id="VSDF-086")

@@ -7,10 +7,10 @@ from ...model.diagnostics import Findings, no_such
 from ...model.joint_elements import CompositeJoint, DrivenItem, JointElements
 from ...model.mechanism import Mechanism
 from ..elements_block.build import BlockBuilder
+from ..elements_block.functions import Functions
 from ..elements_block.line import ElementLine
 from ..elements_block.measures import JointMeasures
 from ..elements_block.words import LINKS
-from ..joint_elements.functions import Functions
 
 _TYPES = {"revcyl": "revolute-cylindrical", "revsph": "revolute-spherical", "sphsph": "spherical-spherical"}
 # The other end of a link needs a direction that no equation uses.
@@ -66,9 +66,8 @@ def _support(builder: BlockBuilder, line: ElementLine) -> tuple[str, Any]:
         return "supports", None
     held, number = measures.mechanism.simplified, line.at("simplified")
     if not 1 <= number.value <= len(held):
-        measures.error(
-            line, number, no_such("simplified constraint", number.value, len(held)), id="YOUNG-122"
-        )
+        message = "simplified constraint"
+        measures.error(line, number, no_such(message, number.value, len(held)), id="YOUNG-122")
         return "supports", None
     if held[number.value - 1].direction > 3:
         message = (

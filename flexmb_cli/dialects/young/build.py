@@ -6,7 +6,7 @@ Liang Yong, YOUNG dissertation (1996), chapter 5: the equations must be as many 
 from collections import defaultdict
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any
 
 from ...collector import without_collector
 from ...deck.many_records import Chained, Made
@@ -16,17 +16,12 @@ from ...errors import Fault, FaultList, ModelError
 from ...model.diagnostics import Findings
 from ...model.driver_angles import check_driver_angles
 from ...model.mechanism import Mechanism, TimeGrid
-from ..elements_block.line import CONSTRAINING as CONSTRAINING_WORDS
+from ..elements_block.line import CONSTRAINING, lines_of
 from .dynamic_cards import FORWARD, analysis_of
-from .elements.cards import CONSTRAINING
 from .equation_count import check_equation_count
 from .parts import part_of
 from .prescribed_coordinates import check_held_coordinates
 from .sections import YOUNG_JOINTS
-
-if TYPE_CHECKING:
-    from ..elements_block.line import ElementLine
-
 
 _HOLDERS = ("ground", "simplified", "driver")
 _SECTIONS = ("body", "simplified", "distance", "driver", "ground", "point")
@@ -57,9 +52,7 @@ def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
     # Forces may move what no equation does, and repeated equations take no part in the motion.  Cards that
     # bring in equations are checked where these stand in the model.
     analysis = analysis_of(deck)
-    constraining = any(map(deck.section, CONSTRAINING)) or any(
-        line.word in CONSTRAINING_WORDS for line in cast("Sequence[ElementLine]", deck.section("elements"))
-    )
+    constraining = any(line.word in CONSTRAINING for line in lines_of(deck))
     if analysis is None or (analysis != FORWARD and not constraining):
         check_equation_count(mechanism, deck.one("counts").place, counted)
     _refuse_if_faulty(deck, findings, counted)

@@ -21,9 +21,11 @@ from ...model.loads import (
     MassProperties,
 )
 from ...model.mechanism import GROUND
+from ..elements_block.functions import Functions
+from ..elements_block.line import lines_of
+from .block_elements import block_elements
 from .build import build_young
 from .dynamic_cards import FORWARD, analysis_of
-from .elements.build import build_elements, build_functions
 from .integration_cards import check_method, check_time, integrator_of
 
 if TYPE_CHECKING:
@@ -31,10 +33,7 @@ if TYPE_CHECKING:
 
 
 ELEMENTS = ("Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx")
-_OF_BODIES = (
-    *("mass", "force", "torque", "velocity", "spring", "damper", "lspring", "cable", "bushing"),
-    *("revcyl", "revsph", "sphsph"),
-)
+_OF_BODIES = ("mass", "force", "torque", "velocity", "spring", "damper")
 HERE = Path()
 INERTIA_ROUND_OFF = 1e-9  # of the largest moment of inertia
 
@@ -46,7 +45,8 @@ def build_young_dynamics(deck: Deck, folder: Path = HERE) -> tuple[DynamicModel,
     """
     mechanism, warnings = build_young(deck)
     findings = Findings()
-    functions = build_functions(deck, folder, findings)
+    lines = lines_of(deck)
+    functions = Functions(lines, folder, findings)
     _check_bodies(deck, len(mechanism.bodies), findings)
     _check_once(deck, findings)
     check_method(deck, findings)
@@ -62,7 +62,7 @@ def build_young_dynamics(deck: Deck, folder: Path = HERE) -> tuple[DynamicModel,
         next((record.vector("g") for record in deck.section("gravity")), (0.0, 0.0, 0.0)),
         _made(deck, "velocity", _velocity, findings),
         integrator_of(deck, findings),
-        build_elements(deck, mechanism, functions, findings),
+        block_elements(lines, mechanism, functions, findings),
     )
     functions.note_unused()
     check_time(model, findings)
@@ -173,7 +173,7 @@ def _force(record: Record, findings: Findings, functions: Any) -> AppliedForce:
         record.vector("F"),
         record.vector("P"),
         following,
-        functions.function(record, "factor"),
+        functions.function(record, "factor") if record["factor"] else None,
         record.place,
     )
 
@@ -185,7 +185,7 @@ def _torque(record: Record, findings: Findings, functions: Any) -> AppliedTorque
         record["body"] - 1,
         record.vector("T"),
         following,
-        functions.function(record, "factor"),
+        functions.function(record, "factor") if record["factor"] else None,
         record.place,
     )
 

@@ -1,7 +1,6 @@
 """Cards behind DYNAMICS: one table of keywords, columns and meanings."""
 
 from .card import Card, vector, whole
-from .elements.cards import FUNCTION_CARDS, JOINT_CARDS
 from .sections import Column
 from .shape_cards import SHAPE_CARDS
 
@@ -93,8 +92,6 @@ CARDS = (
         (Column("tolerance", "error tolerance of Radau's method of order 5, 0: that of TOLERANCE"),),
         optional=1,
     ),
-    *FUNCTION_CARDS,
-    *JOINT_CARDS,
     *SHAPE_CARDS,
 )
 

@@ -27,9 +27,7 @@ from ..elements_block.text import (
     stray_lines,
     without_braces,
 )
-from .card import MOST_NUMBERS
 from .cards import BY_KEYWORD
-from .elements.cards import JOINT_CARDS
 from .read_card import CardRecords, card_at, is_keyword, wants_text
 from .reader import read_young
 from .shape_cards import SHAPE_CARDS
@@ -94,11 +92,6 @@ def takes_steps(deck: Deck) -> bool:
     return analysis_of(deck) == FORWARD
 
 
-def has_elements(deck: Deck) -> bool:
-    """Return whether there are cards of elements at joints or of what drives them."""
-    return analysis_of(deck) is not None and any(deck.section(card.section) for card in JOINT_CARDS)
-
-
 def _read_numbers(source: DeckText) -> Deck:
     """Return the deck without its cards; raises DeckError.
 
@@ -161,6 +154,7 @@ class _Cards:
     starts: dict[str, "array[int]"] = field(default_factory=dict)  # of each section: where in the text
     numbers: int = 0
     loads: int = 0  # cards whose number that of the bodies does not bound
+    old: dict[str, int] = field(default_factory=dict)  # cards of each word that the block replaces
     shapes_alone: bool = False
     stray: int = 0  # line of an element outside a block
 
@@ -263,8 +257,7 @@ class _Cards:
         keyword, *found = card
         kind = BY_KEYWORD.get(keyword.text.upper())
         if kind is None:
-            message = f"there is no card {number.shown(keyword.text)}{_hint(keyword.text)}"
-            self.made.error(keyword.place, "", message, id="YOUNG-172")
+            self._refuse(keyword, found)
             return
         if self.shapes_alone and kind not in SHAPE_CARDS:
             message = (
@@ -275,18 +268,28 @@ class _Cards:
         starts = self.starts.setdefault(kind.section, array("i"))
         self.loads += kind.section not in BY_BODY
         starts.append(self.source.lines.starts[keyword.line - 1] + keyword.column - 1)
-        columns = kind.columns_of(len(found))
-        if columns is None:
+        if not kind.takes(len(found)):
             subject = f"{kind.section} {len(starts)}"
-            taken = f"at most {MOST_NUMBERS} numbers" if len(found) > MOST_NUMBERS else kind.numbers
-            self.made.error(
-                keyword.place, subject, f"{kind.keyword} takes {taken}; read {len(found)}", id="YOUNG-174"
-            )
+            message = f"{kind.keyword} takes {kind.numbers}; read {len(found)}"
+            self.made.error(keyword.place, subject, message, id="YOUNG-174")
             return
-        record = self.made.record(kind, columns, len(starts), keyword, found)
-        self.numbers += len(columns)
+        record = self.made.record(kind, len(starts), keyword, found)
+        self.numbers += len(kind.columns)
         if self.numbers <= many_records.MANY_NUMBERS:
             self.records.append(record)
+
+    def _refuse(self, keyword: Word, found: Sequence[Word]) -> None:
+        """Refuse a word that is no card; what the block replaces with the line that says the same."""
+        # Few decks have words that no card has.
+        from ..elements_block.old_cards import LINES, refused
+
+        word = keyword.text.upper()
+        if word in LINES["young"]:
+            cards = [(keyword.place, [each.text for each in found])]
+            self.made.faults += refused("young", word, cards, self.old)
+        else:
+            message = f"there is no card {number.shown(keyword.text)}{_hint(keyword.text)}"
+            self.made.error(keyword.place, "", message, id="YOUNG-172")
 
 
 def _hint(text: str) -> str:

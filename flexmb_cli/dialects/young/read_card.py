@@ -3,14 +3,13 @@
 import re
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from itertools import islice
 from typing import Any
 
 from ...deck import number
 from ...deck.record import DeckText, Number, Record
 from ...deck.words import Word, words_from
 from ...errors import Fault, FaultList, Place
-from .card import Card, Positions, RepeatedColumns
+from .card import Card
 from .cards import CARDS
 from .sections import Column
 
@@ -36,21 +35,13 @@ class CardRecords:
         """Report what is wrong at a place."""
         self.faults.append(Fault("error", message, place, subject, id=id))
 
-    def record(
-        self,
-        kind: Card,
-        columns: Sequence[Column],
-        number_of_card: int,
-        keyword: Word,
-        found: Sequence[Word],
-    ) -> Record:
+    def record(self, kind: Card, number_of_card: int, keyword: Word, found: Sequence[Word]) -> Record:
         """The record of a card with as many words as it needs; faults of its numbers are noted."""
         subject = f"{kind.section} {number_of_card}"
-        numbers = [self.number(subject, *pair) for pair in zip(columns, found, strict=False)]
-        # Where columns repeat, nothing is left out.
-        left_out = columns[len(found) :]
+        numbers = [self.number(subject, *pair) for pair in zip(kind.columns, found, strict=False)]
         numbers += [
-            Number(c.key, 0 if c.is_integer else 0.0, c.meaning, c.unit, keyword.place, "0") for c in left_out
+            Number(c.key, 0 if c.is_integer else 0.0, c.meaning, c.unit, keyword.place, "0")
+            for c in kind.columns[len(found) :]
         ]
         return Record(kind.section, number_of_card, subject, tuple(numbers))
 
@@ -84,18 +75,13 @@ class ReadCard(Record):
         names["subject"] = f"{kind.section} {number_of_card}"
         vars(self).update(names, _source=source, _kind=kind, _start=start)
 
-    def _columns(self, count: int) -> Sequence[Column]:
-        columns = self._kind.columns_of(count)
-        assert columns is not None, "the card was read before"
-        return columns
-
     @cached_property
     def values(self) -> tuple[float | int, ...]:
         """Values of the numbers."""
         if not self._plain:
             return tuple(item.value for item in self.numbers)
         texts = self._plain[1].split()
-        columns = self._columns(len(texts))
+        columns = self._kind.columns
         spellings = [number.integer if column.is_integer else number.real for column in columns]
         read = [spelled(text)[0] for spelled, text in zip(spellings, texts, strict=False)]
         return *read, *(0 if column.is_integer else 0.0 for column in columns[len(read) :])
@@ -103,20 +89,7 @@ class ReadCard(Record):
     @cached_property
     def positions(self) -> Mapping[str, int]:
         """Return where among the numbers each key stands."""
-        count = len(self._plain[1].split()) if self._plain else len(self.numbers)
-        columns = self._columns(count)
-        if isinstance(columns, RepeatedColumns):
-            return Positions(columns)
-        return {column.key: k for k, column in enumerate(columns)}
-
-    def at(self, key: str) -> Number:
-        """The number called `key`; the others of a long card are not made."""
-        if not self._kind.repeated:
-            return super().at(key)
-        k = self.positions[key]
-        word = next(islice(words_from(self._source.lines, self._start), k + 1, None))
-        column = self._columns(len(self.positions))[k]
-        return CardRecords().number(self.subject, column, word)
+        return {column.key: k for k, column in enumerate(self._kind.columns)}
 
     @cached_property
     def numbers(self) -> tuple[Number, ...]:
@@ -128,8 +101,7 @@ class ReadCard(Record):
             if is_keyword(word) and not wants_text({self._kind.keyword: self._kind}, [keyword, *found], word):
                 break
             found.append(word)
-        columns = self._columns(len(found))
-        return CardRecords().record(self._kind, columns, self.number, keyword, found).numbers
+        return CardRecords().record(self._kind, self.number, keyword, found).numbers
 
     @property
     def place(self) -> Place:

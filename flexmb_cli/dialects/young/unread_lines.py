@@ -6,11 +6,13 @@ dynamic analysis into a kinematic one, and a card there would be lost.
 
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import Any
 
 from ...deck.lines import Lines
 from ...deck.number import shown
 from ...errors import Fault, Place
+from ..elements_block.old_cards import LINES, refused
 
 _COMMENT = re.compile(r"\{[^}]*\}")
 _OPENING = "DYNAMICS"
@@ -20,6 +22,7 @@ _LIKE_OPENING = re.compile(
     re.IGNORECASE | re.MULTILINE,
 )
 _LEAST_LIKENESS = 0.75  # of DYNAMICS: two letters changed
+OLD_WORDS = LINES["young"]
 _NUMBER = r"[-+]?\.?\d[-+.\deEdD]*"
 
 
@@ -53,10 +56,16 @@ def cards_behind_end(lines: Lines, behind: int, keywords: Iterable[str]) -> Iter
 
 def _cards(lines: Lines, behind: int, keywords: Iterable[str], message: str, *, id: str) -> "Iterator[Any]":
     text, start = _without_comments(lines, behind)
-    card = rf"^[ \t]*({'|'.join(keywords)})[ \t]+{_NUMBER}(?:[ \t]+{_NUMBER})*[ \t]*$"
+    counts: dict[str, int] = {}
+    card = rf"^[ \t]*({'|'.join((*keywords, *OLD_WORDS))})[ \t]+{_NUMBER}(?:[ \t]+{_NUMBER})*[ \t]*$"
     for found in re.finditer(card, text, re.IGNORECASE | re.MULTILINE):
         place = Place(*lines.place_of(start + found.start(1)), len(found[1]))
-        yield Fault("warning", f"{found[1].upper()} {message}", place, id=id)
+        word = found[1].upper()
+        if word in OLD_WORDS:
+            cards = refused("young", word, [(place, found[0].split()[1:])], counts)
+            yield from (replace(fault, severity="warning") for fault in cards)
+        else:
+            yield Fault("warning", f"{word} {message}", place, id=id)
 
 
 def _without_comments(lines: Lines, behind: int) -> tuple[Any, Any]:

@@ -44,11 +44,11 @@ FORCES = "in a YOUNG deck DYNAMICS inverse or DYNAMICS forward"
 TREE, FLEXIBLE = "coordinate/u", "energy/strain"  # what results of trees have, and those of VSDF decks, too
 # What a deck needs for the quantities that begin with a word.
 NEEDS = {
-    "coordinate": "joint coordinates need the card JOINTS in a YOUNG deck with DYNAMICS",
+    "coordinate": "joint coordinates need an element in a block ELEMENTS, such as SPRING s at=1.angle",
     "reaction": f"reactions need masses: {FORCES}",
     "driver": f"efforts of drivers need masses: {FORCES}",
     "energy": f"energies need masses: {FORCES}",
-    "element": f"elements need cards such as TSPRING or BUSHING, or the card JOINTS beside SPRING: {FORCES}",
+    "element": f"elements need lines such as SPRING or BUSHING in a block ELEMENTS: {FORCES}",
     "elastic": "elastic displacements need a flexible body",
     "modal": "modal amplitudes need a flexible body",
     "stress": "stresses need the cards MATL and OUTS of a VSDF deck",
@@ -56,14 +56,14 @@ NEEDS = {
 }
 OF_TREES = {
     "reaction": "a tree has reactions of closed loops only, and this one has none",
-    "driver": "efforts of drivers need a prescribed coordinate, card PRES or PREF",
-    "element": "elements need cards such as HSPR, HSTO or BUSH",
+    "driver": "efforts of drivers need a prescribed coordinate, card PRES or line DRIVE",
+    "element": "elements need lines such as SPRING, STOP or BUSHING in a block ELEMENTS",
 }
 OF_VSDF = {
-    "coordinate": "joint coordinates need the card OUTJ, or an element at a joint, such as TSPR",
+    "coordinate": "joint coordinates need an element in a block ELEMENTS, such as SPRING s at=1.angle",
     "reaction": "reactions need joints, cards JOIN",
     "driver": "efforts of drivers need the card MOTN",
-    "element": "elements need cards such as TSPR, ASPR or BUSH, or the card OUTJ beside SPRI",
+    "element": "elements need lines such as SPRING or BUSHING in a block ELEMENTS",
 }
 _IN_BRACKETS = re.compile(r"\[(\d+)\]")
 

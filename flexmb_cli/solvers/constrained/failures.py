@@ -128,7 +128,7 @@ def jam_failure(t: float) -> AnalysisError:
     """Return that no normal force of a friction agrees with the accelerations that it causes."""
     message = (
         f"at t = {t:.6g} s friction jams a joint: no normal force agrees with the accelerations that it "
-        "causes; end the run before, or give less friction (FRICTION, FRIC) or another load there"
+        "causes; end the run before, or give less friction or another load there"
     )
     return AnalysisError(Fault("error", message, None, "friction", id="SOLVE-038"), t)
 

@@ -9,7 +9,7 @@ from .rows import Bodies, Verdict, small
 from .vsdf import same_energy
 
 # Cards that store energy, or change what the energies mean, and are not read here.
-STORING = {"HSPR", "HSTO", "LSPR", "CABL", "BUSH"}
+STORING = {"ELEM"}  # the block ELEMENTS
 
 
 def judge_dafms(result, text, judged: list[str]) -> None:

@@ -13,7 +13,7 @@ BODIES = {"MASS": 1, "INER": 3, "PROD": 3, "RC(K": 3}
 # Not read: they act on the motion, and most of them on its energies.
 UNREAD = {
     "FORC", "TOQU", "DESN", "UNCO", "LOOP", "DAMP", "MOTR", "TABM", "TABL", "PRES", "ELDA", "NROT", "GSTF",
-    "FUNC", "MOTF", "PREF", "HSPR", "HSTO", "LSPR", "CABL", "BUSH", "COUP", "FRIC",
+    "ELEM",
 }  # fmt: skip
 EXPONENT = re.compile(r"(?<=[\d.])(?:[eEdD]([-+]?)|([-+]))(?=\d)")
 

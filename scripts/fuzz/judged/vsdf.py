@@ -8,7 +8,7 @@ from .rows import Bodies, Verdict
 OPEN = 1e-6  # of the mechanism's size: each step is projected to 1e-10, decks round their points to 1e-7
 PARTS = 1e-5  # of an energy's largest part: digits of the decks and of the matrices
 # Cards that store energy and are not read here.
-STORING = {"TSPR", "ASPR", "LSPR", "BUSH", "CABL", "TSTO", "ASTO", "JSPR"}
+STORING = {"ELEM", "JSPR"}  # the block ELEMENTS
 CLOSED = ("SPHE", "UNIV", "REVO", "FIXD")
 AXIAL = ("REVO", "CYLI", "TRAN", "SCRW")
 SLIDING = ("CYLI", "TRAN", "SCRW")

@@ -23,7 +23,6 @@ FORMATS = {
 SILENT = {
     "OUTN",
     "OUTS",
-    "OUTJ",
     "INTG",
     "GEOM",
     "GSTL",

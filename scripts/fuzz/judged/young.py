@@ -143,23 +143,11 @@ def _at_rest(bodies, k, held):
     small("turning of a ground", bodies.omega[:, k], 0 * bodies.omega[:, k])
 
 
-FORCELESS = {"MASS", "GRAVITY", "VELOCITY", "TOLERANCE", "GALF", "RATE", "JOINTS", "DRIVE"}
-FORCELESS |= {"TABLE", "SPLINE", "POLYNOMIAL", "SINE", "RAMP", "STEP", "SUM", "PRODUCT"}  # functions
-# Cards of forces that are not computed here, by what they begin with: a body, two, or a joint.
+FORCELESS = {"MASS", "GRAVITY", "VELOCITY", "TOLERANCE", "GALF"}
+# Cards of forces that are not computed here, by what they begin with: a body, or two.  Decks with a block
+# ELEMENTS are not read at all.
 OF_ONE = {"FORCE", "TORQUE"}
-OF_TWO = {"SPRING", "DAMPER", "LSPRING", "CABLE", "BUSHING", "REVCYL", "REVSPH", "SPHSPH"}
-OF_JOINT = {
-    "ANGLE",
-    "STROKE",
-    "TMOTOR",
-    "AMOTOR",
-    "TSPRING",
-    "ASPRING",
-    "TSTOP",
-    "ASTOP",
-    "FRICTION",
-    "COUPLING",
-}
+OF_TWO = {"SPRING", "DAMPER"}
 
 
 def _forces(result, text):
@@ -167,7 +155,7 @@ def _forces(result, text):
 
     Bodies on which other cards act are left out, and all where a card is not known.
     """
-    known = FORCELESS | OF_ONE | OF_TWO | OF_JOINT
+    known = FORCELESS | OF_ONE | OF_TWO
     if "reaction/force" not in result or {word for word, _ in text.cards} - known:
         return
     bodies = Bodies(result)
@@ -187,16 +175,11 @@ def _forces(result, text):
 
 
 def _pushed(text) -> set[int]:
-    """Return the bodies that springs, loads, motors and further joints act on."""
+    """Return the bodies that springs and loads act on."""
     found: set[int] = set()
     for word, numbers in text.cards:
         if word in OF_ONE | OF_TWO:
             found.update(map(int, numbers[: 1 + (word in OF_TWO)]))
-        elif word in OF_JOINT:
-            for joint in numbers[::3] if word == "COUPLING" else numbers[:1]:
-                # Joints behind the deck's own are those of REVCYL and its like, whose bodies are in already.
-                for _, held in text.joints[int(joint) - 1 : int(joint)]:
-                    found.update(map(int, held[:2]))
     return found
 
 

@@ -7,7 +7,7 @@ import pytest
 from flexmb_cli.results.texts.check_text import check_text
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.outcome import RunOptions
-from tests.dialects.dafms.test_dafms_elements import deck, integers, reals
+from tests.dialects.dafms.test_dafms_elements import deck
 from tests.run.dafms_runs import DECKS, NAMES, altered
 
 
@@ -57,13 +57,14 @@ def test_a_closure_given_twice_is_recognised_and_counts_once(tmp_path):
 
 def test_a_coupling_given_twice_is_told_and_counts_once(tmp_path):
     """Two links with one equation between them have one degree of freedom, which `check` gave as 0."""
-    terms = [integers(k, body, 3) + reals(factor * k) for k in (1, 2) for body, factor in TERMS]
-    (tmp_path / "a.DAT").write_text(deck("\n".join(["COUP", integers(4), *terms])))
+    terms = [" ".join(f"{body}.r3={factor * k}" for body, factor in TERMS) for k in (1, 2)]
+    lines = "\n".join(f"  COUPLING coup-{k} {sums}" for k, sums in enumerate(terms, 1))
+    (tmp_path / "a.DAT").write_text(deck(f"ELEMENTS\n{lines}"))
     report = check(tmp_path / "a.DAT")
     assert report.counts["degrees_of_freedom"] == 1
     (fault,) = report.outcome.faults
     assert fault.severity == "warning" and fault.message.startswith(
-        "1 of 2 closed directions and couplings repeats others: coupling 2;"
+        "1 of 2 closed directions and couplings repeats others: coup-2;"
     )
 
 

@@ -81,39 +81,56 @@ def rows_of(cards, method="dop853", model=TWO_LINKS):
 
 
 def function(number, kind, *values):
-    lines = [integers(number, kind, len(values))]
-    lines += ["".join(f"{v:20.10E}" for v in values[k : k + 4]) for k in range(0, len(values), 4)]
-    return card("FUNC", *lines)
+    return f"ELEMENTS\n  FUNCTION {number} {kind} {' '.join(map(repr, values))}"
 
 
 ENDS, HELD = integers(0, 0, 2, 0), reals(1, 2, 0, 0.6, 0, 0)
 CASES = {
-    "hinge spring": ("TSPRING 1 20 0.2 0.3 1", card("HSPR", integers(1, 3) + reals(20, 0.2, 0.3, 1))),
-    "stop": ("TSTOP 1 -0.5 3 4000 0.2", card("HSTO", integers(1, 3) + reals(-0.5, 3, 4000, 0.2))),
+    "hinge spring": (
+        "ELEMENTS\n  SPRING tspring-1 at=1.angle stiffness=20 rest=0.2 damping=0.3 preload=1",
+        "ELEMENTS\n  SPRING hspr-1 at=1.r3 stiffness=20 rest=0.2 damping=0.3 preload=1",
+    ),
+    "stop": (
+        "ELEMENTS\n  STOP tstop-1 at=1.angle lower=-0.5 upper=3 stiffness=4000 damping=0.2",
+        "ELEMENTS\n  STOP hsto-1 at=1.r3 lower=-0.5 upper=3 stiffness=4000 damping=0.2",
+    ),
     "line": (
-        "LSPRING 0 3 1 2 0 0.6 0 0 30 1.2 0.5 2",
-        card("LSPR", ENDS + integers(0, 0), HELD, reals(30, 1.2, 0.5, 2)),
+        "ELEMENTS\n"
+        "  SPRING lspring-1 from=0(1,2,0) to=3(0.6,0,0) stiffness=30 rest=1.2 damping=0.5 "
+        "preload=2",
+        "ELEMENTS\n  SPRING lspr-1 from=0(1,2,0) to=2(0.6,0,0) stiffness=30 rest=1.2 damping=0.5 preload=2",
     ),
     "cable": (
-        "CABLE 0 3 1 2 0 0.6 0 0 300 1.9 0.1",
-        card("CABL", ENDS, HELD, reals(300, 1.9, 0.1)),
+        "ELEMENTS\n  CABLE cable-1 from=0(1,2,0) to=3(0.6,0,0) stiffness=300 rest=1.9 damping=0.1",
+        "ELEMENTS\n  CABLE cabl-1 from=0(1,2,0) to=2(0.6,0,0) stiffness=300 rest=1.9 damping=0.1",
     ),
     "bushing": (
-        "BUSHING 0 3 1 2 0 0.6 0 0 90 160 250 6 9 16 5 6 7 0.2 0.3 0.4",
-        card("BUSH", ENDS, HELD, reals(90, 160, 250, 6, 9, 16), reals(5, 6, 7, 0.2, 0.3, 0.4)),
+        "ELEMENTS\n"
+        "  BUSHING bushing-1 from=0(1,2,0) to=3(0.6,0,0) k=(90,160,250) kr=(6,9,16) c=(5,6,7) "
+        "cr=(0.2,0.3,0.4)",
+        "ELEMENTS\n"
+        "  BUSHING bush-1 from=0(1,2,0) to=2(0.6,0,0) k=(90,160,250) kr=(6,9,16) c=(5,6,7) "
+        "cr=(0.2,0.3,0.4)",
     ),
     "gears": (
-        "COUPLING 1 1 2 2 1 3",
-        "\n".join(["COUP", integers(2), integers(1, 1, 3) + reals(2), integers(1, 2, 3) + reals(3)]),
+        "ELEMENTS\n  COUPLING coupling-1 1.angle=2 2.angle=3",
+        "ELEMENTS\n  COUPLING coup-1 1.r3=2 2.r3=3",
     ),
     "friction": (
-        "FRICTION 1 0.2 0.3 0.1 0.01 0.05 3",
-        card("FRIC", integers(1) + reals(0.2, 0.3, 0.1, 0.01, 0.05, 3)),
+        "ELEMENTS\n"
+        "  FRICTION friction-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 "
+        "radius=0.05 preload=3",
+        "ELEMENTS\n"
+        "  FRICTION fric-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 radius=0.05 "
+        "preload=3",
     ),
-    "motor": ("SINE 4 0 3 5\nTMOTOR 2 4", f"{function(4, 4, 0, 3, 5)}\n{card('MOTF', integers(2, 3, 4))}"),
+    "motor": (
+        "ELEMENTS\n  FUNCTION 4 sine 0 3 5\n  MOTOR tmotor-1 at=2.angle effort=4",
+        f"{function(4, 'sine', 0, 3, 5)}\nELEMENTS\n  MOTOR motf-1 at=2.r3 effort=4",
+    ),
     "driver": (
-        "STEP 4 0 0 0.4 1\nANGLE 2 4",
-        f"{function(4, 6, 0, 0, 0.4, 1)}\n{card('PREF', integers(2, 3, 4, 0))}",
+        "ELEMENTS\n  FUNCTION 4 step 0 0 0.4 1\n  DRIVE angle-1 at=2.angle value=4",
+        f"{function(4, 'step', 0, 0, 0.4, 1)}\nELEMENTS\n  DRIVE pref-1 at=2.r3 value=4",
     ),
 }
 
@@ -124,7 +141,7 @@ def test_an_arm_moves_as_the_same_arm_in_a_young_deck(name):
     young, dafms = CASES[name]
     # A bushing ends the longer run: its bodies turn by more than a quarter.
     times, model = ("0 0.05 0.01", SHORT) if name == "bushing" else ("0 0.5 0.1", TWO_LINKS)
-    one = young_rows(ARM, times, f"{MASSES}{young}\nJOINTS\nTOLERANCE 1e-12")
+    one = young_rows(ARM, times, f"{MASSES}{young}\nTOLERANCE 1e-12")
     other = rows_of(dafms, model=model)
     assert other.q == pytest.approx(one.joint_coordinate, abs=1e-8)
     assert other.y == pytest.approx(one.joint_rate, abs=1e-7)
@@ -137,7 +154,7 @@ def test_an_arm_moves_as_the_same_arm_in_a_young_deck(name):
 @pytest.mark.parametrize("method", ["dop853", "radau"])
 def test_a_stiff_hinge_spring_keeps_its_energy_by_both_integrators(method):
     """Two links from rest: what the springs and the weights lose is kinetic."""
-    rows = rows_of(card("HSPR", integers(2, 3) + reals(400, 0.1)), method)
+    rows = rows_of("ELEMENTS\n  SPRING hspr-1 at=2.r3 stiffness=400 rest=0.1", method)
     spring = 200 * (rows.q[:, 1] - 0.1) ** 2
     one, both = rows.q[:, 0], rows.q.sum(axis=1)
     height = 1.5 * 0.4 * np.sin(one) + 0.8 * (np.sin(one) + 0.3 * np.sin(both))
@@ -146,14 +163,14 @@ def test_a_stiff_hinge_spring_keeps_its_energy_by_both_integrators(method):
 
 
 def test_slips_are_told_with_place_object_and_remedy():
-    faults = reported(deck(card("HSPR", integers(1, 2) + reals(20))))
-    assert any("hinge spring 1: A = 2: rotation 2 of this hinge is not free" in line for line in faults)
-    faults = reported(deck(card("MOTF", integers(1, 3, 7))))
-    assert any("function motor 1: there is no function 7; the deck has none" in line for line in faults)
-    faults = reported(deck(function(1, 9, 1.0)))
-    assert any("function 1: kind is 1 to 8; read 9" in line for line in faults)
+    faults = reported(deck("ELEMENTS\n  SPRING hspr-1 at=1.r2 stiffness=20"))
+    assert any("hspr-1: rotation 2 of this hinge is not free" in line for line in faults)
+    faults = reported(deck("ELEMENTS\n  MOTOR motf-1 at=1.r3 effort=7"))
+    assert any("motf-1: there is no function 7; the deck has none" in line for line in faults)
+    faults = reported(deck(function(1, "no", 1.0)))
+    assert any("FUNCTION name is followed by table, spline, polynomial" in line for line in faults)
 
 
 def test_a_coupling_of_one_term_is_refused():
-    found = reported(deck(card("COUP", integers(1, 1, 3) + reals(1))))
-    assert any("couples two joint coordinates or more" in fault for fault in found)
+    found = reported(deck("ELEMENTS\n  COUPLING coup-1 1.r3=1"))
+    assert any("couples two coordinates or more" in fault for fault in found)

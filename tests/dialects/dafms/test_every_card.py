@@ -11,11 +11,9 @@ import numpy as np
 import pytest
 
 from flexmb_cli.dialects.dafms.cards import EXTENSIONS
-from flexmb_cli.dialects.dafms.elements.cards import ELEMENT_CARDS
+from flexmb_cli.dialects.elements_block.old_cards import LINES
 from flexmb_cli.dialects.elements_block.writer import spline_block
 from tests.dialects.dafms.test_dafms_elements import (
-    ENDS,
-    HELD,
     TWO_LINKS,
     card,
     function,
@@ -29,18 +27,37 @@ POWERS = (1.2, 0.9, -0.7)
 REVERSING = (1.2, -5.0, -4.0)  # comes to rest after 0.1 s, and goes back
 # Numbers of steps and their lengths, s: of the driven run and of the runs by its effort.
 FINE, SPARSE = ("  200", "     0.001"), ("    4", "      0.05")
-SLOPES = function(5, 3, 0, 0, 0, 40)
+SLOPES = function(5, "polynomial", 0, 0, 0, 40)
 CASES = {
-    "FUNC": [function(5, 2, 0, 0.3, 0.1, 1.1, 0.2, 0.8, 0.3, 0.4), card("MOTF", integers(2, 3, 5))],
-    "MOTF": [function(5, 4, 0, 3, 5), card("MOTF", integers(2, 3, 5))],
-    "PREF": [function(5, 4, 0, 0.7, 3), card("PREF", integers(2, 3, 5, 0))],
-    "HSPR": [SLOPES, card("HSPR", integers(1, 3) + reals(8, 0.1, 0.4, 1.6) + integers(5, 0))],
-    "HSTO": [card("HSTO", integers(1, 3) + reals(-1, -0.2, 60, 0.3))],
-    "LSPR": [SLOPES, card("LSPR", ENDS + integers(5, 0), HELD, reals(30, 1.2, 0.5, 2))],
-    "CABL": [card("CABL", integers(0, 0, 1, 0), HELD, reals(80, 1.2, 0.1))],
-    "BUSH": [card("BUSH", ENDS, HELD, reals(9, 16, 25, 0.6, 0.9, 1.6), reals(0.5, 0.6, 0.7, 0.2, 0.3, 0.4))],
-    "COUP": ["\n".join(["COUP", integers(2), integers(1, 1, 3) + reals(2), integers(1, 2, 3) + reals(3)])],
-    "FRIC": [card("FRIC", integers(1) + reals(0.2, 0.3, 0.1, 0.01, 0.05, 3))],
+    "FUNC": [
+        function(5, "spline", 0, 0.3, 0.1, 1.1, 0.2, 0.8, 0.3, 0.4),
+        "ELEMENTS\n  MOTOR motf-1 at=2.r3 effort=5",
+    ],
+    "MOTF": [function(5, "sine", 0, 3, 5), "ELEMENTS\n  MOTOR motf-1 at=2.r3 effort=5"],
+    "PREF": [function(5, "sine", 0, 0.7, 3), "ELEMENTS\n  DRIVE pref-1 at=2.r3 value=5"],
+    "HSPR": [
+        SLOPES,
+        "ELEMENTS\n  SPRING hspr-1 at=1.r3 stiffness=8 rest=0.1 damping=0.4 preload=1.6 curve=5",
+    ],
+    "HSTO": ["ELEMENTS\n  STOP hsto-1 at=1.r3 lower=-1 upper=-0.2 stiffness=60 damping=0.3"],
+    "LSPR": [
+        SLOPES,
+        "ELEMENTS\n"
+        "  SPRING lspr-1 from=0(1,2,0) to=2(0.6,0,0) curve=5 stiffness=30 rest=1.2 "
+        "damping=0.5 preload=2",
+    ],
+    "CABL": ["ELEMENTS\n  CABLE cabl-1 from=0(1,2,0) to=1(0.6,0,0) stiffness=80 rest=1.2 damping=0.1"],
+    "BUSH": [
+        "ELEMENTS\n"
+        "  BUSHING bush-1 from=0(1,2,0) to=2(0.6,0,0) k=(9,16,25) kr=(0.6,0.9,1.6) "
+        "c=(0.5,0.6,0.7) cr=(0.2,0.3,0.4)"
+    ],
+    "COUP": ["ELEMENTS\n  COUPLING coup-1 1.r3=2 2.r3=3"],
+    "FRIC": [
+        "ELEMENTS\n"
+        "  FRICTION fric-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.1 creep=0.01 radius=0.05 "
+        "preload=3"
+    ],
     "SPRI": [card("SPRI", integers(1, 3) + reals(8, 0.4))],
     "DAMP": [card("DAMP", integers(1, 3) + reals(0.7))],
     "MOTR": [card("MOTR", integers(1, 3) + reals(0.9))],
@@ -93,7 +110,10 @@ class Case:
     @property
     def driver(self):
         """Cards that drive the freedom."""
-        return [function(90, 3, 0, *self.powers), card("PREF", integers(1, self.freedom, 90, 0))]
+        return [
+            function(90, "polynomial", 0, *self.powers),
+            f"ELEMENTS\n  DRIVE driven at={hinge(1, self.freedom)} value=90",
+        ]
 
     def starting(self, steps):
         """The model with the first speeds and with so many steps."""
@@ -106,14 +126,21 @@ class Case:
         return "\n".join([f"{head}Y(L)", *lines, given[given.index("RC(K") :]])
 
 
+def hinge(body, freedom):
+    """The coordinate of a hinge by its number among rotations 1 to 3 and translations 4 to 6."""
+    return f"{body}.r{freedom}" if freedom <= 3 else f"{body}.t{freedom - 3}"
+
+
 def coupled(*terms):
     """One coupling of terms (body, freedom, factor)."""
-    lines = (integers(1, *where) + reals(factor) for *where, factor in terms)
-    return "\n".join(["COUP", integers(len(terms)), *lines])
+    sums = (f"{hinge(*where)}={factor}" for *where, factor in terms)
+    return f"ELEMENTS\n  COUPLING coup-1 {' '.join(sums)}"
 
 
 def slippery(*numbers):
-    return card("FRIC", integers(1) + reals(*numbers))
+    keys = ("dynamic", "static", "stribeck", "creep", "radius", "preload")
+    values = (f"{key}={value}" for key, value in zip(keys, numbers, strict=True))
+    return f"ELEMENTS\n  FRICTION fric-1 joint=1 {' '.join(values)}"
 
 
 ALL = {word: Case(cards, speeds=(0.0, SECOND if word == "COUP" else 0.0)) for word, cards in CASES.items()}
@@ -121,16 +148,27 @@ ALL |= {
     "rack and pinion": Case([coupled((1, 4, 1), (2, 3, 0.2))], SLIDE, 4, 1, POWERS, (-6.0, 0.0)),
     "belt": Case([coupled((1, 3, 0.3), (2, 3, -0.1))], speeds=(0.0, 3.6)),
     "differential": Case([coupled((1, 3, -2), (2, 3, 1), (3, 3, 1))], THREE_LINKS, speeds=(0.0, 1.4, 1.0)),
-    "spring of a stroke": Case([card("HSPR", integers(1, 4) + reals(80, 0.1, 0.9, 1.6))], SLIDE, 4, 1),
-    "stop of a stroke": Case([card("HSTO", integers(1, 4) + reals(-1, -0.2, 300, 0.3))], SLIDE, 4, 1),
+    "spring of a stroke": Case(
+        ["ELEMENTS\n  SPRING hspr-1 at=1.t1 stiffness=80 rest=0.1 damping=0.9 preload=1.6"], SLIDE, 4, 1
+    ),
+    "stop of a stroke": Case(
+        ["ELEMENTS\n  STOP hsto-1 at=1.t1 lower=-1 upper=-0.2 stiffness=300 damping=0.3"], SLIDE, 4, 1
+    ),
     "turning": Case([slippery(0.2, 0.25, 0.5, 0.1, 0.04, 3)], powers=REVERSING),
     "sliding": Case([slippery(0.2, 0.25, 5, 0.5, 0, 3)], SLIDE, 4, 1, REVERSING),
     "turning and sliding": Case(
-        [slippery(0.2, 0.25, 0.5, 0.1, 0.04, 3), function(5, 4, 0, 0.02, 9),
-         card("PREF", integers(1, 6, 5, 0))],
-        SLEEVE, 3, 0, REVERSING, (0.0, 0.0, 0.18),
+        [
+            slippery(0.2, 0.25, 0.5, 0.1, 0.04, 3),
+            function(5, "sine", 0, 0.02, 9),
+            "ELEMENTS\n  DRIVE pref-1 at=1.t3 value=5",
+        ],
+        SLEEVE,
+        3,
+        0,
+        REVERSING,
+        (0.0, 0.0, 0.18),
     ),
-}  # fmt: skip
+}
 
 
 def motion(t, powers):
@@ -158,7 +196,7 @@ def run(word, steps, *cards, method="dop853"):
 
 
 def test_every_card_has_a_case():
-    assert set(CASES) == {card.word for card in (*EXTENSIONS, *ELEMENT_CARDS)} - OTHERS
+    assert set(CASES) == {*(card.word for card in EXTENSIONS), *LINES["dafms"]} - OTHERS
 
 
 @functools.cache
@@ -168,7 +206,12 @@ def driven(word):
 
 @pytest.mark.parametrize("word", CASES)
 def test_the_card_acts_on_the_driver(word):
-    bare = run(word, SPARSE, [function(8, 3, 0), card("MOTF", integers(2, 3, 8))], ALL[word].driver)
+    bare = run(
+        word,
+        SPARSE,
+        [function(8, "polynomial", 0), "ELEMENTS\n  MOTOR motf-1 at=2.r3 effort=8"],
+        ALL[word].driver,
+    )
     given = driven(word)
     same = np.searchsorted(given.time, bare.time - 1e-9)
     assert np.max(np.abs(bare.driver_effort[:, -1] - given.driver_effort[same, -1])) > 1e-3
@@ -179,7 +222,10 @@ def test_the_card_acts_on_the_driver(word):
 def test_the_effort_of_a_driven_run_gives_the_motion_back(word, method):
     case, given = ALL[word], driven(word)
     points = list(zip(given.time.tolist(), given.driver_effort[:, -1].tolist(), strict=True))
-    motor = [spline_block([(99, "effort", points)]), card("MOTF", integers(1, case.freedom, 99))]
+    motor = [
+        spline_block([(99, "effort", points)]),
+        f"ELEMENTS\n  MOTOR given at={hinge(1, case.freedom)} effort=99",
+    ]
     found = run(word, SPARSE, case.cards, motor, method=method)
     same = np.searchsorted(given.time, found.time - 1e-9)
     angle, rate = motion(found.time, case.powers)

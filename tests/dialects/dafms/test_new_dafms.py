@@ -16,11 +16,11 @@ from flexmb_cli.dialects.recognise import read_deck
 from tests.dialects.dafms.dafms_decks import read
 from tests.dialects.dafms.test_dafms_elements import deck
 from tests.dialects.dafms.test_every_card import CASES, Case, joined
+from tests.dialects.elements_block.typed_lines import typed_lines
 
 DECKS = Path(__file__).parents[3] / "decks" / "dafms"
-# The dialogue does not ask for blocks ELEMENTS.
-TYPED = sorted(path for path in DECKS.glob("*.DAT") if path.stem != "arm_elements")
-TABLES = ("motor_table", "torque_table", "nodal_rotation", "function")
+TYPED = sorted(DECKS.glob("*.DAT"))
+TABLES = ("motor_table", "torque_table", "nodal_rotation")
 # Cards that do nothing are not asked for (X(L)), and the run is always to be integrated.
 LEFT = ("first_coordinate", "counts.jdi", "id", "equations", "heading", "run", "echo", "one_way")
 
@@ -35,7 +35,9 @@ def line_for(deck, entry, count):
         given = [_count(deck, CARDS[word]) for word in OPTIONAL]
         return " ".join(map(str, [size["N"], size["NDM"], *given]))
     if section == "elements":
-        return " ".join(str(_count(deck, CARDS[word])) for word in ADDED)
+        return f"{_count(deck, CARDS[ADDED])} {len(typed_lines(deck))}"
+    if section == "element_line":
+        return typed_lines(deck)[k - 1]
     if section == "body":
         body = deck.section("counts")[k]
         flags = [body[f"{letter}{axis}"] for letter in ("NT", "NR") for axis in (1, 2, 3)]
@@ -122,7 +124,7 @@ def test_a_supplied_deck_typed_in_reads_back_to_the_same_values(path):
 @pytest.mark.parametrize("word", CASES)
 def test_every_card_of_functions_and_elements_can_be_typed_in(word):
     given = read(deck(joined(CASES[word], [] if word == "COUP" else Case([]).driver)))
-    assert read_back(given).section(CARDS[word].section)
+    assert read_back(given).section(CARDS[word].section if word in CARDS else "elements")
 
 
 def read_back(original):
@@ -153,7 +155,7 @@ FLEXIBLE = [*ROD[:4], "beam", "1.2 3 40 0.5", "", "", "", ""]
 
 def test_a_rigid_pendulum_asked_for():
     """Columns by hand from decks/dafms/FORMAT.md: I5 fields, F10.5 fields, one record a card and body."""
-    none = " ".join("0" * len(ADDED))
+    none = "0 0"  # shapes, lines of ELEMENTS
     dialogue = talk(*ROD, "2.5", "0.3 0 0.3", *[""] * 5, "0 0.5 0", "1.25", "", "0 0 -9.81", none)
     assert dialogue.question is None
     lines = [line for line, _ in dialogue.lines]

@@ -102,7 +102,7 @@ USAGE = (
         ("  FUNCTION f table 0 1 x 2", "7:24: f: t2 must be a number; read 'x'"),
         ("  FUNCTION f sine mean=1",
          "7:3: f: sine takes mean amplitude omega phase; amplitude and omega must be given"),
-        ("  FUNCTION f sum g", "7:18: f: function g must be given in a card above"),
+        ("  FUNCTION f sum g", "7:18: f: function g must be given on a line above"),
         ("  FUNCTION f table file=none.txt", "7:25: f: no such file"),
         ("  FUNCTION f table points=3", "7:27: f: there is no table 3; only VSDF decks have such tables"),
         ("  MOTOR m at=2.angle effort=g",

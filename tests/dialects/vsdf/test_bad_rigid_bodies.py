@@ -227,8 +227,16 @@ def test_decks_of_rigid_bodies_that_describe_no_model(text, wanted):
 def test_a_deck_without_joints_has_no_number_to_offer():
     text = (
         "VSDF NO JOINTS\nBODY\n    1 RIGD\nRIGI\n1,2.0,0.1,0.2,0.0\n0.1,0.2,0.2\nMOTN\n 1,ANGL,1,1,0,1,0,0\n"
-        "JSPR\n 1,1.0\nTSPR\n 1,5\nTIME\n       0.2      0.05\nEND\nSTAR\nSTOP\n"
+        "JSPR\n"
+        " 1,1.0\n"
+        "ELEMENTS\n"
+        "  SPRING tspr-1 at=1.angle stiffness=5\n"
+        "TIME\n"
+        "       0.2      0.05\n"
+        "END\n"
+        "STAR\n"
+        "STOP\n"
     )
     rest = "joint number 1 is not there: the deck has no joint; add one, or remove this card"
-    places = "8:9: error: motion 1", "10:2: error: joint spring 1", "12:2: error: tspring 1"
+    places = "8:9: error: motion 1", "10:2: error: joint spring 1", "12:20: error: tspr-1"
     assert [line for line in reported(text) if ": error: " in line] == [f"{one}: {rest}" for one in places]

@@ -43,10 +43,13 @@ def deck(folder, radii) -> str:
     )  # fmt: skip
     return (
         f"VSDF BELT\nBODY\n 1,FLEX,0,11,12,13\n 2,FLEX,0,11,12,13\n{files}"
-        "CLMP\n 1,11,12,13\n 2,11,12,13\nNODE\n"
-        + "\n".join(nodes)
-        + f"\nJOIN\n 1,REVO,0,1,2,1,11,12\n 2,REVO,0,3,4,2,11,12\nTSPR\n 1,{SPRING}\n"
-        f"COUP\n 1,1,1,{radii[0]}\n 1,2,1,{-radii[1]}\nTIME\n 1,0.1\nEND\nSTAR\nSTOP\n"
+        "CLMP\n 1,11,12,13\n 2,11,12,13\nNODE\n" + "\n".join(nodes) + "\n"
+        "JOIN\n"
+        " 1,REVO,0,1,2,1,11,12\n"
+        " 2,REVO,0,3,4,2,11,12\n"
+        "ELEMENTS\n"
+        f"  SPRING tspr-1 at=1.angle stiffness={SPRING}\n"
+        f"ELEMENTS\n  COUPLING coup-1 1.angle={radii[0]} 2.angle={-radii[1]}\nTIME\n 1,0.1\nEND\nSTAR\nSTOP\n"
     )
 
 

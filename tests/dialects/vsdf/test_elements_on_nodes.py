@@ -86,7 +86,11 @@ def stiffened(k_line, k_bushing):
 def test_springs_at_nodes_raise_the_frequencies_of_the_finite_element_matrices(folder):
     """Eigenvalues of (K + k e eᵀ, M), the spring being at rest; damping by the same matrices of dampers."""
     rest = np.linalg.norm(np.array(A) - R[5])
-    cards = f"LSPR\n 0,1,1,16,40,{rest:.17g},0.3\nBUSH\n 0,2,1,15,30,50,70,0,0,0,0.1,0.2,0.3"
+    cards = (
+        "ELEMENTS\n"
+        f"  SPRING lspr-1 from=0:1 to=1:16 stiffness=40 rest={rest:.17g} damping=0.3\n"
+        "  BUSHING bush-1 from=0:2 to=1:15 k=(30,50,70) kr=(0,0,0) c=(0.1,0.2,0.3)"
+    )
     # The bushing's ends lie apart: gravity is none, and its pull at the start is left out of the eigenvalues.
     found = flexible_modes(mechanism(folder, cards), Wish(), Run(Outcome("x"), RunOptions(), Listener()))
     stiffness, damping = stiffened(40, (30, 50, 70)), stiffened(0.3, (0.1, 0.2, 0.3)) - K[FREE, FREE]
@@ -102,7 +106,7 @@ def test_a_bushing_and_gravity_bend_the_body_as_its_stiffness_says(folder):
     """(K + k) u = f: weight on all nodes by rows of M, a force on one, the bushing's ends apart at rest."""
     g, force = np.array([0.3, -2.0, 0.7]), np.array([0.5, 0.4, -0.6])
     loads = f"FORC\n 1,14,{fields_of(*force)}\nGRAV\n {fields_of(*g)}\n"
-    cards = f"BUSH\n 0,2,1,15,30,50,70\n{loads}OUTN\n 1,14,15,16"
+    cards = f"ELEMENTS\n  BUSHING bush-1 from=0:2 to=1:15 k=(30,50,70)\n{loads}OUTN\n 1,14,15,16"
     model = mechanism(folder, cards)
     found = flexible_modes(model, Wish(equilibrium=True), Run(Outcome("x"), RunOptions(), Listener()))
     load = M[FREE] @ np.tile(g, NODES)
@@ -141,17 +145,14 @@ RESTS = (
     np.linalg.norm(np.array(A) - R[5]) - 0.1, np.linalg.norm(np.array(B) - R[3]) + 0.01,
     np.linalg.norm(R[4] - R[5]) + 0.05,
 )  # fmt: skip
-LINES = f"""FUNC
- 7,POLY,0,5,0,40
- 8,POLY,0,0,0,0.05
- 9,SINE,0,1,7
-LSPR
- 0,1,1,16,9,{RESTS[0]:.17g},0.3,2,7,8
- 1,15,1,16,25,{RESTS[2]:.17g},0.4
-CABL
- 0,2,1,14,60,{RESTS[1]:.17g},0.2
-BUSH
- 0,2,1,15,30,50,70,0,0,0,0.1,0.2,0.3
+LINES = f"""ELEMENTS
+  FUNCTION 7 polynomial 0 5 0 40
+  FUNCTION 8 polynomial 0 0 0 0.05
+  FUNCTION 9 sine 0 1 7
+  SPRING lspr-1 from=0:1 to=1:16 stiffness=9 rest={RESTS[0]:.17g} damping=0.3 preload=2 curve=7 damper=8
+  SPRING lspr-2 from=1:15 to=1:16 stiffness=25 rest={RESTS[2]:.17g} damping=0.4
+  CABLE cabl-1 from=0:2 to=1:14 stiffness=60 rest={RESTS[1]:.17g} damping=0.2
+  BUSHING bush-1 from=0:2 to=1:15 k=(30,50,70) kr=(0,0,0) c=(0.1,0.2,0.3)
 FORC
  1,14,0.5,0.4,-0.6,0,9
 OUTN
@@ -184,13 +185,23 @@ JOIN
  1,REVO,{{}}
 """
 ON_GROUND, ON_BODY = "0,1,2,1,13,16", "1,13,16,0,1,2"
-RUBS = "FRIC\n 1,0.2,0.3,0.5,0.01,0.05,3\nGRAV\n 0.5,1,-2\n"
+RUBS = (
+    "ELEMENTS\n"
+    "  FRICTION fric-1 joint=1 dynamic=0.2 static=0.3 stribeck=0.5 creep=0.01 radius=0.05 "
+    "preload=3\n"
+    "GRAV\n"
+    " 0.5,1,-2\n"
+)
 
 
 @pytest.mark.parametrize("sides", [ON_GROUND, ON_BODY])
 def test_friction_at_a_joint_of_a_flexible_body_follows_its_reaction(folder, sides):
     """The effort by Stribeck's curve and the reaction across the axis; its work balances the energy."""
-    rows = rows_of(folder, f"{RUBS}TSPR\n 1,8,0.4,0.2\nOUTN\n 1,13,16", body=HINGED.format(sides))
+    rows = rows_of(
+        folder,
+        f"{RUBS}ELEMENTS\n  SPRING tspr-1 at=1.angle stiffness=8 rest=0.4 damping=0.2\nOUTN\n 1,13,16",
+        body=HINGED.format(sides),
+    )
     axis = rows.point_position[:, 1] - rows.point_position[:, 0]
     axis /= np.linalg.norm(axis, axis=1, keepdims=True)
     force = rows.reaction_force[:, 0]
@@ -205,7 +216,12 @@ def test_friction_at_a_joint_of_a_flexible_body_follows_its_reaction(folder, sid
 
 def test_a_motor_and_a_stop_at_a_joint_of_a_flexible_body_do_the_work_of_their_effort(folder):
     """∫ M dφ of the motor by Simpson's rule over the rows; the stop stores what it takes."""
-    cards = "FUNC\n 4,SINE,1,6,9\nTMOT\n 1,4\nTSTO\n 1,-0.02,0.05,900\n"
+    cards = (
+        "ELEMENTS\n"
+        "  FUNCTION 4 sine 1 6 9\n"
+        "  MOTOR tmot-1 at=1.angle effort=4\n"
+        "  STOP tsto-1 at=1.angle lower=-0.02 upper=0.05 stiffness=900\n"
+    )
     rows = rows_of(folder, cards, body=HINGED.format(ON_GROUND), end=0.4, step=0.002)
     effort = (1 + 6 * np.sin(9 * rows.time)) * rows.joint_rate[:, 0]
     work = 0.002 / 3 * (effort[0:-2:2] + 4 * effort[1:-1:2] + effort[2::2]).sum()
@@ -239,7 +255,12 @@ def verified(folder, cards):
 
 
 def test_elements_at_nodes_agree_in_two_floating_frames(folder):
-    lines = "LSPR\n 1,15,2,2,20,0.5,0.1\n 0,1,1,16,30,1\nCABL\n 1,13,1,15,50,0.2,0.1\n"
+    lines = (
+        "ELEMENTS\n"
+        "  SPRING lspr-1 from=1:15 to=2:2 stiffness=20 rest=0.5 damping=0.1\n"
+        "  SPRING lspr-2 from=0:1 to=1:16 stiffness=30 rest=1\n"
+        "  CABLE cabl-1 from=1:13 to=1:15 stiffness=50 rest=0.2 damping=0.1\n"
+    )
     found = verified(folder, f"{lines}OUTN\n 1,11,14")
     assert found.outcome.exit_code == 0, found.differences
     assert {"element effort", "element power"} <= {each.name for each in found.differences if each.scale > 0}
@@ -248,10 +269,13 @@ def test_elements_at_nodes_agree_in_two_floating_frames(folder):
 @pytest.mark.parametrize(
     ("card", "told"),
     [
-        ("BUSH\n 1,15,2,2,20,20,20", "bushing 1: it acts along the axes of the frame of a FLEX body"),
         (
-            "JOIN\n 2,REVO,1,14,15,2,1,2\nTSPR\n 2,20",
-            "tspring 1: it acts in an angle of the frame of a FLEX body",
+            "ELEMENTS\n  BUSHING bush-1 from=1:15 to=2:2 k=(20,20,20)",
+            "bushing-1: it acts along the axes of the frame of a FLEX body",
+        ),
+        (
+            "JOIN\n 2,REVO,1,14,15,2,1,2\nELEMENTS\n  SPRING tspr-1 at=2.angle stiffness=20",
+            "tspring-1: it acts in an angle of the frame of a FLEX body",
         ),
     ],
 )

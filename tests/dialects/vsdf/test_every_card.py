@@ -8,9 +8,9 @@ import functools
 import numpy as np
 import pytest
 
+from flexmb_cli.dialects.elements_block.old_cards import LINES
 from flexmb_cli.dialects.elements_block.writer import spline_block
 from flexmb_cli.dialects.vsdf.cards.joints_and_loads import JOINT_AND_LOAD_CARDS
-from flexmb_cli.dialects.vsdf.elements.cards import ELEMENT_CARDS
 from tests.dialects.vsdf.element_cases import CASES, CASES_OF_COUPLINGS, CASES_OF_FRICTION, POWERS, without
 from tests.dialects.vsdf.test_elements import rows_of
 
@@ -33,13 +33,13 @@ def motion(t, powers):
 
 
 def test_every_card_has_a_case():
-    assert set(CASES) == {card.word for card in (*JOINT_AND_LOAD_CARDS, *ELEMENT_CARDS)} - OTHERS
+    assert set(CASES) == {*(card.word for card in JOINT_AND_LOAD_CARDS), *LINES["vsdf"]} - OTHERS
 
 
 @functools.cache
 def driven(word):
     case = ALL[word]
-    return rows_of(case.mechanism, END, STEP, f"{case.cards}{case.driver}OUTJ\n 1")
+    return rows_of(case.mechanism, END, STEP, f"{case.cards}{case.driver}")
 
 
 @pytest.mark.parametrize("word", CASES)
@@ -49,7 +49,7 @@ def test_the_card_acts_on_the_driver(word):
     if word in SILENT:
         return
     cards = without(word, case).replace("TORQ\n 1,0,0,3,0,7", "TORQ\n 1,0,0,3")
-    bare = rows_of(case.mechanism, END, END / 4, f"{cards}{case.driver}OUTJ\n 1")
+    bare = rows_of(case.mechanism, END, END / 4, f"{cards}{case.driver}")
     same = np.searchsorted(given.time, bare.time - 1e-9)
     assert np.max(np.abs(bare.driver_effort[:, 0] - given.driver_effort[same, 0])) > 1e-3
 
@@ -59,7 +59,7 @@ def test_the_card_acts_on_the_driver(word):
 def test_the_effort_of_a_driven_run_gives_the_motion_back(word, method):
     case, given = ALL[word], driven(word)
     points = list(zip(given.time.tolist(), given.driver_effort[:, 0].tolist(), strict=True))
-    cards = f"{case.cards}{spline_block([(99, 'effort', points)])}{case.motor}OUTJ\n 1"
+    cards = f"{case.cards}{spline_block([(99, 'effort', points)])}{case.motor}"
     steps = f",{GIVEN.get(word, 2e-5)}" if method == "GALF" else ""
     found = rows_of(case.mechanism, END, f"{END / 4}{steps}", cards, method)
     same = np.searchsorted(given.time, found.time - 1e-9)
@@ -77,7 +77,7 @@ def test_the_effort_of_a_driven_run_gives_the_motion_back(word, method):
 def test_a_motion_by_its_rate_needs_the_same_effort_as_by_itself():
     """Law 6 with the derivative of the polynomial of law 5."""
     a, b, c = POWERS
-    by_rate = f"FUNC\n 90,POLY,{a},{2 * b},{3 * c}\nMOTN\n 1,ANGL,1,6,90\nOUTJ\n 1"
+    by_rate = f"ELEMENTS\n  FUNCTION 90 polynomial {a} {2 * b} {3 * c}\nMOTN\n 1,ANGL,1,6,90"
     found = rows_of(CASES["TSPR"].mechanism, END, END / 4, CASES["TSPR"].cards + by_rate)
     given = driven("TSPR")
     same = np.searchsorted(given.time, found.time - 1e-9)

@@ -54,8 +54,8 @@ UNREAD = [
         "a table that nothing names",
         changed(("GRAV\n", "TABL\n 3,0.0,0.0\n 3,1.0,1.0\nGRAV\n")),
         [
-            "26:2: warning: table 3: no card uses it; a motion of law 4 names a table in c0, a force or a torque "
-            "in its last field, a function of kind TABL or SPLI behind its kind"
+            "26:2: warning: table 3: nothing uses it; a motion of law 4 names a table in c0, a force or a torque "
+            "in its last field, a line FUNCTION by points="
         ],
     ),
     (

@@ -160,7 +160,7 @@ def test_a_body_without_mass_is_told():
 
 def test_a_given_motion_without_masses_and_weight_is_no_doubt(tmp_path):
     """Masses that nothing loads are left out for joint angles; under gravity three bodies lack theirs."""
-    text = (DECKS.parent / "IN4-BAR.dat").read_text(encoding="utf-8") + "DYNAMICS inverse\nJOINTS\n"
+    text = (DECKS.parent / "IN4-BAR.dat").read_text(encoding="utf-8") + "DYNAMICS inverse\n"
     deck = tmp_path / "angles.dat"
     for card, doubts in (("", set()), ("GRAVITY 0 0 -9.81\n", {"YOUNG-016", "MODEL-010"})):
         deck.write_text(text + card, encoding="utf-8")

@@ -15,10 +15,24 @@ from tests.solvers.constrained.element_decks import ARM, SLIDER, analysis_of, mo
 
 BALLS = "MASS 2 1 0 0 0 1 1 1\nMASS 3 1 0 0 0 1 1 1\n"
 CASES = {
-    "angle": (ARM, f"{BALLS}TSPRING 2 8 0 0.4"),
-    "line": (ARM, f"{BALLS}LSPRING 0 3 2 1 0.5 0.3 0.2 0.1 30 0.5 0.7"),
-    "bearing": (ARM, f"{BALLS}FRICTION 2 0.3 0.5 9 2 0.2"),
-    "slide": (SLIDER, "MASS 2 1 0 0 0 1 1 1\nFRICTION 1 0.3 0.5 9 2"),
+    "angle": (ARM, f"{BALLS}ELEMENTS\n  SPRING tspring-1 at=2.angle stiffness=8 damping=0.4"),
+    "line": (
+        ARM,
+        f"{BALLS}ELEMENTS\n"
+        "  SPRING lspring-1 from=0(2,1,0.5) to=3(0.3,0.2,0.1) stiffness=30 rest=0.5 "
+        "damping=0.7",
+    ),
+    "bearing": (
+        ARM,
+        f"{BALLS}ELEMENTS\n"
+        "  FRICTION friction-1 joint=2 dynamic=0.3 static=0.5 stribeck=9 creep=2 radius=0.2",
+    ),
+    "slide": (
+        SLIDER,
+        "MASS 2 1 0 0 0 1 1 1\n"
+        "ELEMENTS\n"
+        "  FRICTION friction-1 joint=1 dynamic=0.3 static=0.5 stribeck=9 creep=2",
+    ),
 }
 
 

@@ -85,7 +85,13 @@ def test_accelerations_found_at_the_end_of_a_singular_step_bend_those_of_its_sta
 
 def test_a_rejected_step_leaves_the_slopes_of_the_state_to_stops_and_cables():
     """Both are slack in the state; the trial that failed met them."""
-    cards = "MASS 2 1 0 0 0 1 1 1\nTSTOP 1 -1 0.1 900 0.2\nCABLE 0 2 2 0 0 1 0 0 80 1.5\nRAD5\n"
+    cards = (
+        "MASS 2 1 0 0 0 1 1 1\n"
+        "ELEMENTS\n"
+        "  STOP tstop-1 at=1.angle lower=-1 upper=0.1 stiffness=900 damping=0.2\n"
+        "  CABLE cable-1 from=0(2,0,0) to=2(1,0,0) stiffness=80 rest=1.5\n"
+        "RAD5\n"
+    )
     analysis = ForwardDynamics(model_of(ROTOR, "0 1 0.1", cards))
     analysis.start()
     matrices = analysis.integration.matrices.copy()

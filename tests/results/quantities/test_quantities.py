@@ -168,7 +168,7 @@ def test_a_name_of_what_the_result_lacks_is_answered_with_the_reason(result, pat
 
 def test_a_kinematic_result_names_what_joint_angles_and_reactions_need():
     result = solve(DECKS / "young/IN4-BAR.dat")
-    for name, need in (("coordinate", "the card JOINTS"), ("reactions.1", "DYNAMICS inverse or DYNAMICS")):
+    for name, need in (("coordinate", "a block ELEMENTS"), ("reactions.1", "DYNAMICS inverse or DYNAMICS")):
         with pytest.raises(KeyError, match=need):
             result[name]
 
@@ -273,14 +273,14 @@ def test_a_file_that_is_cut_off_is_named_in_words(tmp_path):
 
 def test_a_result_without_elements_names_the_card_that_brings_in_those_of_springs():
     """SPRING alone fills no columns of elements."""
-    assert "the card JOINTS beside SPRING" in hint_for("element.1.effort", [])
+    assert "lines such as SPRING or BUSHING" in hint_for("element.1.effort", [])
 
 
 @pytest.mark.parametrize(
     ("deck", "name", "need"),
     [
         ("dafms/arm_nrot.DAT", "reaction.1.force", "a tree has reactions of closed loops only"),
-        ("vsdf/slider_crank_flex.vsdf", "coordinate.1", "need the card OUTJ, or an element at a joint"),
+        ("vsdf/slider_crank_flex.vsdf", "coordinate.1", "need an element in a block ELEMENTS"),
     ],
 )
 def test_what_trees_and_vsdf_results_lack_is_said_of_their_own_cards(deck, name, need):

@@ -41,7 +41,12 @@ def test_a_check_of_hundreds_of_elements_is_compiled(analysis, compiled_calls, t
     deck = (DECKS / "young/dynamics/IN4-BAR-MASS.dat").read_text()
     head = deck[: deck.upper().rindex("END")].replace("DYNAMICS inverse", f"DYNAMICS {analysis}")
     path = tmp_path / "springs.dat"
-    path.write_text(head + 400 * "LSPRING 1 2 0 0 0 1 0 0 10 1\n" + "END\n")
+    path.write_text(
+        head
+        + "ELEMENTS\n"
+        + "".join(f"  SPRING s{k} from=1(0,0,0) to=2(1,0,0) stiffness=10 rest=1\n" for k in range(400))
+        + "END\n"
+    )
     assert check(path).outcome.exit_code == 0
     assert compiled_calls
 

@@ -147,13 +147,15 @@ MASS 6 0.9 0.1 0 0 0.05 0.08 0.07
 MASS 7 0.7 0 0 0.05 0.06 0.05 0.04
 MASS 8 3 0.1 0.2 0.05 0.3 0.2 0.4 0.01 0.02 0.03
 GRAVITY 0.5 -0.3 -9.81
-RATE 3 1 0.8
+ELEMENTS
+  START at=3.angle rate=0.8
 VELOCITY 8 0.1 0.2 3 0.5 -0.4 0.3
-TSPRING 3 20 0.2 0.5 1.5
-ASPRING 6 300 0.02 4
-TABLE 1 0 0 0.6 2 0.9 1
-TMOTOR 4 1
-AMOTOR 5 1
+ELEMENTS
+  SPRING tspring-1 at=3.angle stiffness=20 rest=0.2 damping=0.5 preload=1.5
+  SPRING aspring-1 at=6.stroke stiffness=300 rest=0.02 damping=4
+  FUNCTION 1 table 0 0 0.6 2 0.9 1
+  MOTOR tmotor-1 at=4.angle effort=1
+  MOTOR amotor-1 at=5.stroke effort=1
 TORQUE 8 0.3 0.2 0.1 0 1
 TOLERANCE 1e-12
 END
@@ -174,15 +176,17 @@ DYNAMICS forward
 MASS 2 0.5 1000 0 0 2e5 2e5 2e5
 GRAVITY 0 -9810 0
 FORCE 2 2000 0 0 100 0 0 1
-TSPRING 1 3e6 0.1 2e4
+ELEMENTS
+  SPRING tspring-1 at=1.angle stiffness=3e6 rest=0.1 damping=2e4
 SPRING 1 2 500 1500 0 1000 0 0 2 500 0.1
-POLYNOMIAL 5 0 0 0 1e-4
-POLYNOMIAL 6 0 2e5
-LSPRING 1 2 500 1500 0 1500 0 0 1 900 0.1 20 5
-TSPRING 1 0 0.1 0 1e5 0 6
-CABLE 1 2 1500 -1500 0 1500 0 0 30 1500 1e-4
-BUSHING 1 2 0 0 0 0 0 0 0 0 0 0 0 1e6 0 0 0 0 0 1e4
-FRICTION 1 0.1 0.15 50 2 30 100
+ELEMENTS
+  FUNCTION 5 polynomial 0 0 0 1e-4
+  FUNCTION 6 polynomial 0 2e5
+  SPRING lspring-1 from=1(500,1500,0) to=2(1500,0,0) stiffness=1 rest=900 damping=0.1 preload=20 curve=5
+  SPRING tspring-2 at=1.angle stiffness=0 rest=0.1 preload=1e5 damper=6
+  CABLE cable-1 from=1(1500,-1500,0) to=2(1500,0,0) stiffness=30 rest=1500 damping=1e-4
+  BUSHING bushing-1 from=1(0,0,0) to=2(0,0,0) k=(0,0,0) kr=(0,0,1e6) c=(0,0,0) cr=(0,0,1e4)
+  FRICTION friction-1 joint=1 dynamic=0.1 static=0.15 stribeck=50 creep=2 radius=30 preload=100
 TOLERANCE 1e-11
 END
 """
@@ -204,20 +208,38 @@ def test_a_deck_in_millimetres_becomes_one_in_si_units_and_back(tmp_path):
         assert np.abs(found - centres).max() < EXACT and np.abs(turning - omega).max() < 10 * EXACT
 
 
-TURNED = "BUSHING 0 2 0 0 0 0 0 0 1 1 1 9 9 9\n"  # body 2 begins away from its estimate
+TURNED = (
+    "ELEMENTS\n"
+    "  BUSHING bushing-1 from=0(0,0,0) to=2(0,0,0) k=(1,1,1) kr=(9,9,9)\n"
+)  # body 2 begins away from its estimate
 
 
 @pytest.mark.parametrize(
     ("form", "old", "new", "reported"),
     [
-        ("vsdf", "TSPRING 3", f"{TURNED}TSPRING 3", "bodies of the bushing have turned by 0.13"),
-        ("dafms", "TABLE 1 0 0 0.6 2 0.9 1", "SINE 1 0 1 2", "only tables of loads are converted to DAFMS"),
+        (
+            "vsdf",
+            "ELEMENTS\n  SPRING tspring-1 at=3.angle",
+            f"{TURNED}ELEMENTS\n  SPRING tspring-1 at=3.angle",
+            "bodies of the bushing have turned by 0.13",
+        ),
+        (
+            "dafms",
+            "FUNCTION 1 table 0 0 0.6 2 0.9 1",
+            "FUNCTION 1 sine 0 1 2",
+            "only tables of loads are converted to DAFMS",
+        ),
         ("vsdf", "MASS 3 1.5 0.03 0 0.01 0.2 0.3 0.25 0.01 0 0.02\n", "", "body 3: a VSDF body needs a mass"),
         ("dafms", "TORQUE 8 0.3 0.2 0.1 0", "TORQUE 8 0.3 0.2 0.1 1", "loads in DAFMS keep to inertial axes"),
-        ("dafms", "TMOTOR 4 1", "FORCE 4 1 0 0 5 0 0", "DAFMS has forces at the origin O_k of a body only"),
+        (
+            "dafms",
+            "ELEMENTS\n  START at=3.angle rate=0.8\n",
+            "FORCE 4 1 0 0 5 0 0\nELEMENTS\n  START at=3.angle rate=0.8\n",
+            "DAFMS has forces at the origin O_k of a body only",
+        ),
         ("dafms", "8 0 1 1 1 2 1 1 0 0 0 1", "8 0 1 1 1 2 1 0 1 0 0 1", "no hinge like a screw joint"),
     ],
-)  # fmt: skip
+)
 def test_what_a_dialect_does_not_know_is_refused_by_name_and_place(form, old, new, reported, tmp_path):
     text = CHAIN.replace(old, new)
     if "screw" in reported:

@@ -46,25 +46,40 @@ def step(t, t0, v0, t1, v1):
 
 
 R, S, P = (0.3, 0.5, 0.7, 3.0), (0.2, 0.4, 5.0, 0.3), (0.2, 0.1, 0.9, -0.6)
-LINES = {name: f"{name} {k} {' '.join(map(str, c))}\n" for name, k, c in
-         (("RAMP", 1, R), ("SINE", 2, S), ("STEP", 4, P))}  # fmt: skip
+LINES = {
+    name: f"ELEMENTS\n  FUNCTION {k} {name.lower()} {' '.join(map(str, c))}\n"
+    for name, k, c in (("RAMP", 1, R), ("SINE", 2, S), ("STEP", 4, P))
+}
 RATES = {
-    "ramp": (f"{LINES['RAMP']}ANGLE 1 1 1\n", lambda t: (ramp(t, *R), 0 * t)),
-    "table": (f"TABLE {LINES['RAMP'][5:]}ANGLE 1 1 1\n", lambda t: (ramp(t, *R), 0 * t)),
+    "ramp": (f"{LINES['RAMP']}ELEMENTS\n  DRIVE angle-1 at=1.angle rate=1\n", lambda t: (ramp(t, *R), 0 * t)),
+    "table": (
+        f"{LINES['RAMP'].replace('ramp', 'table')}  DRIVE angle-1 at=1.angle rate=1\n",
+        lambda t: (ramp(t, *R), 0 * t),
+    ),
     "ramp and sine": (
-        f"{LINES['RAMP']}{LINES['SINE']}SUM 3 1 2\nANGLE 1 3 1\n{LINES['STEP']}STROKE 2 4 1\n",
+        f"{LINES['RAMP']}{LINES['SINE']}ELEMENTS\n"
+        "  FUNCTION 3 sum 1 2\n"
+        "  DRIVE angle-1 at=1.angle rate=3\n"
+        f"{LINES['STEP']}ELEMENTS\n"
+        "  DRIVE stroke-1 at=2.stroke rate=4\n",
         lambda t: (ramp(t, *R) + sine(t, *S), step(t, *P)),
     ),
     "step, sine and line": (
-        f"{LINES['STEP']}{LINES['SINE']}POLYNOMIAL 6 0.4 1.2\nSUM 3 4 2 6\nSTROKE 2 3 1\n",
+        f"{LINES['STEP']}{LINES['SINE']}ELEMENTS\n"
+        "  FUNCTION 6 polynomial 0.4 1.2\n"
+        "  FUNCTION 3 sum 4 2 6\n"
+        "  DRIVE stroke-1 at=2.stroke rate=3\n",
         lambda t: (0 * t, step(t, *P) + sine(t, *S) + 0.4 * (t - START) + 0.6 * (t**2 - START**2)),
     ),
-}  # fmt: skip
+}
 
 
 def arm(folder, cards):
-    held = "".join(f"{word} {k} 8\n" for k, word in ((1, "ANGLE"), (2, "STROKE")) if word not in cards)
-    (folder / "arm.dat").write_text(f"{ARM}{cards}POLYNOMIAL 8 0\n{held}TOLERANCE 1e-12\nEND\n")
+    at = (at for at in ("1.angle", "2.stroke") if at not in cards)
+    held = "".join(f"  DRIVE held at={at} value=8\n" for at in at)
+    (folder / "arm.dat").write_text(
+        f"{ARM}{cards}ELEMENTS\n  FUNCTION 8 polynomial 0\n{held}TOLERANCE 1e-12\nEND\n"
+    )
     return folder / "arm.dat"
 
 
@@ -105,7 +120,8 @@ LOOSE = f"""\
 DYNAMICS forward
 MASS 2 1.5 0 0 0 0.2 0.3 0.5
 GRAVITY 0 -9.81 0
-{LINES["RAMP"]}DRIVE 1 1 1
+{LINES["RAMP"]}ELEMENTS
+  DRIVE drive-1 driver=1 rate=1
 TOLERANCE 1e-12
 END
 """

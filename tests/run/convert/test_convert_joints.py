@@ -21,25 +21,53 @@ def test_a_chain_of_every_joint_moves_alike_in_all_dialects_and_back(tmp_path):
 # Cards of elements; joint 3 is a revolute, 5 a cylindrical, 6 a translational joint.
 ELEMENTS = {
     "stops and friction": (
-        "TSTOP 3 -0.1 0.15 900 0.2\nASTOP 6 -0.01 0.03 4e4\n"
-        "FRICTION 3 0.1 0.2 0.3 0.02 0.1 2\nFRICTION 6 0.2 0.2 1 0.05\n"
+        "ELEMENTS\n"
+        "  STOP tstop-1 at=3.angle lower=-0.1 upper=0.15 stiffness=900 damping=0.2\n"
+        "  STOP astop-1 at=6.stroke lower=-0.01 upper=0.03 stiffness=4e4\n"
+        "ELEMENTS\n"
+        "  FRICTION friction-1 joint=3 dynamic=0.1 static=0.2 stribeck=0.3 creep=0.02 "
+        "radius=0.1 preload=2\n"
+        "  FRICTION friction-2 joint=6 dynamic=0.2 static=0.2 stribeck=1 creep=0.05\n"
     ),
     "springs with functions": (
-        "POLYNOMIAL 5 0 0 0 40\nSTEP 6 -3 -0.5 3 0.7\nTSPRING 3 8 0.1 0.4 1.6 5 6\n"
-        "SPLINE 7 -1 -20 -0.3 -3 0 0 0.4 7 1 40\nASPRING 6 80 0.01 0.9 1.6 7 0\nASPRING 5 50 0.02 2\n"
+        "ELEMENTS\n"
+        "  FUNCTION 5 polynomial 0 0 0 40\n"
+        "  FUNCTION 6 step -3 -0.5 3 0.7\n"
+        "  SPRING tspring-1 at=3.angle stiffness=8 rest=0.1 damping=0.4 preload=1.6 curve=5 "
+        "damper=6\n"
+        "ELEMENTS\n"
+        "  FUNCTION 7 spline -1 -20 -0.3 -3 0 0 0.4 7 1 40\n"
+        "  SPRING aspring-1 at=6.stroke stiffness=80 rest=0.01 damping=0.9 preload=1.6 "
+        "curve=7\n"
+        "  SPRING aspring-2 at=5.stroke stiffness=50 rest=0.02 damping=2\n"
     ),
     "springs in line": (
-        "SPRING 2 8 0.1 0 0 0 0.2 0 50 0.4 1\nLSPRING 0 5 0.3 0 1 0.1 0 0.2 40 0.5 0.8 3\n"
-        "SINE 8 0.1 2 3\nLSPRING 0 4 0.3 0 1 0.1 0 0.2 40 0.5 0.8 3 8 0\n"
-        "LSPRING 2 5 0.3 0 1 0 0 0.2 0 0.5 0 3\n"
+        "SPRING 2 8 0.1 0 0 0 0.2 0 50 0.4 1\n"
+        "ELEMENTS\n"
+        "  SPRING lspring-1 from=0(0.3,0,1) to=5(0.1,0,0.2) stiffness=40 rest=0.5 damping=0.8 "
+        "preload=3\n"
+        "ELEMENTS\n"
+        "  FUNCTION 8 sine 0.1 2 3\n"
+        "  SPRING lspring-2 from=0(0.3,0,1) to=4(0.1,0,0.2) stiffness=40 rest=0.5 damping=0.8 "
+        "preload=3 curve=8\n"
+        "ELEMENTS\n  SPRING lspring-3 from=2(0.3,0,1) to=5(0,0,0.2) stiffness=0 rest=0.5 preload=3\n"
     ),
     "cable, bushing, coupling": (
-        "CABLE 0 5 0.3 0 1 0.1 0 0.2 400 0.5 0.3\nCOUPLING 5 1 2 5 2 10\n"
-        "BUSHING 0 8 0.1 0 0 0.1 0.02 0 90 160 250 0 0 0 5 6 7 0 0 0\n"
+        "ELEMENTS\n"
+        "  CABLE cable-1 from=0(0.3,0,1) to=5(0.1,0,0.2) stiffness=400 rest=0.5 damping=0.3\n"
+        "  COUPLING coupling-1 5.angle=2 5.stroke=10\n"
+        "ELEMENTS\n"
+        "  BUSHING bushing-1 from=0(0.1,0,0) to=8(0.1,0.02,0) k=(90,160,250) kr=(0,0,0) "
+        "c=(5,6,7) cr=(0,0,0)\n"
     ),
     "motors by functions": (
-        "SINE 5 0.1 2 3\nPOLYNOMIAL 7 1 2\nPRODUCT 8 5 7\nRAMP 9 0.6 1 0.8 3\nSUM 6 5 8 9\n"
-        "TMOTOR 3 6\nAMOTOR 6 5\n"
+        "ELEMENTS\n"
+        "  FUNCTION 5 sine 0.1 2 3\n"
+        "  FUNCTION 7 polynomial 1 2\n"
+        "  FUNCTION 8 product 5 7\n"
+        "  FUNCTION 9 ramp 0.6 1 0.8 3\n"
+        "  FUNCTION 6 sum 5 8 9\n"
+        "ELEMENTS\n  MOTOR tmotor-1 at=3.angle effort=6\n  MOTOR amotor-1 at=6.stroke effort=5\n"
     ),
 }
 
@@ -47,7 +75,11 @@ ELEMENTS = {
 @pytest.mark.long_motion
 @pytest.mark.parametrize("cards", ELEMENTS.values(), ids=ELEMENTS)
 def test_elements_act_alike_in_other_dialects_and_back(cards, tmp_path):
-    (tmp_path / "chain.dat").write_text(CHAIN.replace("TSPRING 3", f"{cards}TSPRING 3"))
+    (tmp_path / "chain.dat").write_text(
+        CHAIN.replace(
+            "ELEMENTS\n  SPRING tspring-1 at=3.angle", f"{cards}ELEMENTS\n  SPRING tspring-1 at=3.angle"
+        )
+    )
     (tmp_path / "without.dat").write_text(CHAIN)
     vsdf = convert(tmp_path / "chain.dat", "vsdf", tmp_path)
     tree = convert(vsdf, "dafms", tmp_path)
@@ -68,7 +100,9 @@ HUNG = """\
 DYNAMICS forward
 MASS 2 1.5 0.3 0.1 0 0.2 0.3 0.5
 GRAVITY 1.2 -9.81 0.4
-BUSHING 0 2 0.1 0 0 0.1 0.02 0 900 1600 2500 60 90 160 5 6 7 0.2 0.3 0.4
+ELEMENTS
+  BUSHING bushing-1 from=0(0.1,0,0) to=2(0.1,0.02,0) k=(900,1600,2500) kr=(60,90,160) c=(5,6,7)
+      cr=(0.2,0.3,0.4)
 VELOCITY 2 0.1 0.2 -0.1 1.5 -1 2
 TOLERANCE 1e-12
 END

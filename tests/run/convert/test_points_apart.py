@@ -121,7 +121,7 @@ def bead(kind, places):
     cards = [
         sphere(deck, 2, 1, ARM, 0 * X),
         sphere(deck, 3, MASS, MOMENT, middle),
-        ["ASPRING 2", STIFFNESS, REST, 0],
+        [f"ELEMENTS\n  SPRING along at=2.stroke stiffness={STIFFNESS} rest={REST}"],
         deck.velocity(2, 0 * X, 0 * X, turning * Z),
         deck.velocity(3, middle, rate * X + r * turning * Y, turning * Z + spin * X),
     ]

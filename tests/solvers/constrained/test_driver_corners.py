@@ -7,11 +7,16 @@ from tests.solvers.constrained.element_decks import ARM, analysis_of, model_of, 
 
 INERTIA, STIFFNESS, DAMPING = 0.1, 2.0, 0.1  # kg m², N m/rad, N m s/rad
 ACCELERATION, UNTIL = 8 / 3, 1.5  # rad/s², s
-MASSES = f"MASS 2 1 0 0 0 1 1 1\nMASS 3 0.8 0 0 0 1 1 {INERTIA}\nTSPRING 2 {STIFFNESS} 0 {DAMPING}\n"
+MASSES = (
+    "MASS 2 1 0 0 0 1 1 1\n"
+    f"MASS 3 0.8 0 0 0 1 1 {INERTIA}\n"
+    "ELEMENTS\n"
+    f"  SPRING tspring-1 at=2.angle stiffness={STIFFNESS} damping={DAMPING}\n"
+)
 RATES = {
-    "ramp": f"RAMP 1 0 0 {UNTIL} 4\n",
-    "table": f"TABLE 1 0 0 {UNTIL} 4 9 4\n",
-    "sum": f"RAMP 2 0 0 {UNTIL} 4\nSINE 3 0 0 1\nSUM 1 2 3\n",
+    "ramp": f"ELEMENTS\n  FUNCTION 1 ramp 0 0 {UNTIL} 4\n",
+    "table": f"ELEMENTS\n  FUNCTION 1 table 0 0 {UNTIL} 4 9 4\n",
+    "sum": f"ELEMENTS\n  FUNCTION 2 ramp 0 0 {UNTIL} 4\n  FUNCTION 3 sine 0 0 1\n  FUNCTION 1 sum 2 3\n",
 }
 METHODS = {"DOP853": "TOLERANCE 1e-11", "RAD5": "RAD5 1e-10", "GALF": "GALF 0 0.9\nTOLERANCE 1e-6"}
 NEAR = {"DOP853": 1e-8, "RAD5": 1e-8, "GALF": 3e-6}  # rad, rad/s: of GALF three tolerances
@@ -32,7 +37,7 @@ def step_response(t):
 @pytest.mark.parametrize("rate", RATES)
 @pytest.mark.parametrize("method", METHODS)
 def test_a_motor_whose_speed_stops_rising_leaves_the_rotor_ringing_as_the_step_response(method, rate):
-    cards = f"{MASSES}{RATES[rate]}ANGLE 1 1 1\n{METHODS[method]}"
+    cards = f"{MASSES}{RATES[rate]}ELEMENTS\n  DRIVE angle-1 at=1.angle rate=1\n{METHODS[method]}"
     rows = rows_of(ARM, "0 3 0.05", cards)
     early, late = step_response(rows.time), step_response(rows.time - UNTIL)
     angle, speed = (ACCELERATION * (one - other) for one, other in zip(early, late, strict=True))
@@ -42,7 +47,7 @@ def test_a_motor_whose_speed_stops_rising_leaves_the_rotor_ringing_as_the_step_r
 
 def test_steps_of_generalised_alpha_begin_anew_behind_a_corner():
     """At the corner the row has the acceleration behind it: the motor's effort falls by that of the arm."""
-    cards = f"{MASSES}{RATES['ramp']}ANGLE 1 1 1\nGALF 0 0.9\nTOLERANCE 1e-3"
+    cards = f"{MASSES}{RATES['ramp']}ELEMENTS\n  DRIVE angle-1 at=1.angle rate=1\nGALF 0 0.9\nTOLERANCE 1e-3"
     rows = rows_of(ARM, f"0 {2 * UNTIL} {UNTIL}", cards)
     angle, speed = rows.joint_coordinate[1, 1], rows.joint_rate[1, 1]
     # The second body's mass runs on with the end of the arm; only the spring turns against the motor.
@@ -52,7 +57,7 @@ def test_steps_of_generalised_alpha_begin_anew_behind_a_corner():
 @pytest.mark.long_motion
 def test_a_stop_just_at_the_corner_goes_on_to_the_same_numbers():
     """A checkpoint behind the row at the corner, whose acceleration has jumped."""
-    cards = f"{MASSES}{RATES['ramp']}ANGLE 1 1 1\nGALF 0 0.9\nTOLERANCE 1e-4"
+    cards = f"{MASSES}{RATES['ramp']}ELEMENTS\n  DRIVE angle-1 at=1.angle rate=1\nGALF 0 0.9\nTOLERANCE 1e-4"
     model = model_of(ARM, f"0 {2 * UNTIL} {UNTIL / 2}", cards)
     whole = np.concatenate([block.joint_coordinate for block in analysis_of(model).rows()])
     stopped = analysis_of(model)

@@ -225,8 +225,8 @@ def test_vsdf_numbers_of_no_body_are_told_at_their_place(change, message, tmp_pa
     assert [line for line in reported(found) if "error" in line] == ["IN.dat:" + message]
 
 
-PIN = "REVCYL 0 3 1 0 0 0 0 0 {} 1 0 0\n"
-ROD = "REVSPH 0 3 1 1 0 0.6 0 0 {} 1\n"
+PIN = "ELEMENTS\n  JOINT revcyl-1 revcyl from=0(1,0,0) to=3(0,0,0) axis_from=({}) axis_to=(1,0,0)\n"
+ROD = "ELEMENTS\n  JOINT revsph-1 revsph from=0(1,1,0) to=3(0.6,0,0) axis_from=({}) length=1\n"
 
 
 @pytest.mark.parametrize(
@@ -240,8 +240,16 @@ ROD = "REVSPH 0 3 1 1 0 0.6 0 0 {} 1\n"
             ROD.format("0 0 1"),
             ("note", "planar mechanism of spatial joints: 1 of 19 equations repeats others, those"),
         ),
-        (PIN.format("0 0 1") * 2, ("warning", "5 equations repeat others")),
-        ("SPHSPH 0 3 1 1 0 0.6 0 0 1\n" * 2, ("warning", "1 equation repeats others")),
+        (
+            PIN.format("0 0 1") + PIN.format("0 0 1").replace("revcyl-1", "again"),
+            ("warning", "5 equations repeat others"),
+        ),
+        (
+            "".join(
+                f"ELEMENTS\n  JOINT {name} sphsph from=0(1,1,0) to=3(0.6,0,0) length=1\n" for name in "ab"
+            ),
+            ("warning", "1 equation repeats others"),
+        ),
     ],
     ids=["swivel", "rod", "swivel twice", "rod with balls twice"],
 )

@@ -13,7 +13,10 @@ def swung(mass):
         ROTOR,
         "0 0.3 0.1",
         f"MASS 2 {mass!r} 0.4 0 0 {inertia!r} {inertia!r} {inertia!r}\nGRAVITY 0 -9.81 0\n"
-        "FRICTION 1 0.6 0.6 0.1 1e-3 0.1\nRATE 1 1 0.5\n",
+        "ELEMENTS\n"
+        "  FRICTION friction-1 joint=1 dynamic=0.6 static=0.6 stribeck=0.1 creep=1e-3 "
+        "radius=0.1\n"
+        "  START at=1.angle rate=0.5\n",
     )
 
 

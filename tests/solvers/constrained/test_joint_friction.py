@@ -24,8 +24,11 @@ def test_a_rotor_is_braked_by_its_bearing(card):
     """I ω̇ = -μ m g r: it stops after ω0 I/(μ m g r) = 0.764… s; the energy lost is ½ I ω0²."""
     mu, m, r, inertia, spin = 0.25, 2.0, 0.04, 0.3, 0.5
     cards = (
-        f"MASS 2 {m} 0 0 0 0.2 0.2 {inertia}\nGRAVITY 0 -{G} 0\nRATE 1 1 {spin}\n"
-        f"FRICTION 1 {mu} {mu} 0.1 1e-6 {r}\n{card}"
+        f"MASS 2 {m} 0 0 0 0.2 0.2 {inertia}\nGRAVITY 0 -{G} 0\nELEMENTS\n  START at=1.angle rate={spin}\n"
+        "ELEMENTS\n"
+        f"  FRICTION friction-1 joint=1 dynamic={mu} static={mu} stribeck=0.1 creep=1e-6 "
+        f"radius={r}\n"
+        f"{card}"
     )
     rows = rows_of(ROTOR, "0 1 0.05", cards)
     slow = mu * m * G * r / inertia
@@ -50,7 +53,11 @@ def test_friction_follows_the_reaction_that_it_changes(end):
     """
     push, mu, m = 40.0, 0.2, 3.0
     cards = (
-        f"MASS 2 {m} 0 0 0 1 1 1\nGRAVITY 0 -{G} 0\nRATE 1 2 1\nFRICTION 1 {mu} {mu} 0.1 1e-6\n"
+        f"MASS 2 {m} 0 0 0 1 1 1\n"
+        f"GRAVITY 0 -{G} 0\n"
+        "ELEMENTS\n"
+        "  START at=1.stroke rate=1\n"
+        f"  FRICTION friction-1 joint=1 dynamic={mu} static={mu} stribeck=0.1 creep=1e-6\n"
         f"FORCE 2 0 0 0 {push * math.cos(math.pi / 6)!r} {-push / 2} 0\n"
     )
     rows = rows_of(SLIDER.replace("1 2 0 0 0 0 0 0", f"1 2 {end} 0 0 0"), "0 0.5 0.1", cards)
@@ -66,7 +73,7 @@ def test_a_joint_that_should_stick_creeps_at_the_speed_that_is_stated():
     slope, mu, creep = math.radians(10), 0.3, 1e-5
     cards = (
         f"MASS 2 2 0 0 0 1 1 1\nGRAVITY {G * math.sin(slope)!r} {-G * math.cos(slope)!r} 0\n"
-        f"FRICTION 1 {mu} {mu} 0.1 {creep}\nRAD5\n"
+        f"ELEMENTS\n  FRICTION friction-1 joint=1 dynamic={mu} static={mu} stribeck=0.1 creep={creep}\nRAD5\n"
     )
     rows = rows_of(SLIDER, "0 1 0.5", cards)
     assert rows.joint_rate[-1, 0] == pytest.approx(creep * math.atanh(math.tan(slope) / mu), rel=1e-6)
@@ -86,8 +93,17 @@ def test_a_mass_on_a_belt_sticks_and_slips_with_the_period_of_the_closed_form():
         + "1 2 0 0 0 0 0 0 1 0 0 1 0 0 0 1 0 0 0 1\n2 3 0 0 0 0 0 0 1 0 0 1 0 0 0 1 0 0 0 1\n1 0 0 0 0 0 0\n"
     )  # fmt: skip
     cards = (
-        f"MASS 2 1 0 0 0 1 1 1\nMASS 3 {m} 0 0 0 1 1 1\nGRAVITY 0 -{G} 0\nPOLYNOMIAL 1 0 {V}\nSTROKE 1 1\n"
-        f"LSPRING 0 3 -1 0 0 0 0 0 {k} 1\nFRICTION 2 {dynamic} {static} 1e-4 1e-6\nRAD5 1e-7\n"
+        "MASS 2 1 0 0 0 1 1 1\n"
+        f"MASS 3 {m} 0 0 0 1 1 1\n"
+        f"GRAVITY 0 -{G} 0\n"
+        "ELEMENTS\n"
+        f"  FUNCTION 1 polynomial 0 {V}\n"
+        "  DRIVE stroke-1 at=1.stroke value=1\n"
+        "ELEMENTS\n"
+        f"  SPRING lspring-1 from=0(-1,0,0) to=3(0,0,0) stiffness={k} rest=1\n"
+        f"  FRICTION friction-1 joint=2 dynamic={dynamic} static={static} stribeck=1e-4 "
+        "creep=1e-6\n"
+        "RAD5 1e-7\n"
     )
     rows = rows_of(deck, "0 4 0.002", cards)
     speed = rows.velocity[:, 2, 0]
@@ -113,8 +129,19 @@ def test_a_power_screw_lifts_its_load_by_the_torque_of_machine_design(sense, sig
     r, mu, load = 0.02, 0.12, 2.0 * 9.81
     slope = pitch / r
     screw = SCREW.replace("PITCH", f"{pitch}")
-    cards = f"MASS 2 2 0 0 0 1 1 1\nGRAVITY 0 0 -9.81\nPOLYNOMIAL 1 0 {sense}\nANGLE 1 1\n"
-    cards += f"FRICTION 1 {mu} {mu} 1 1e-6 {r}\nTOLERANCE 1e-10"
+    cards = (
+        "MASS 2 2 0 0 0 1 1 1\n"
+        "GRAVITY 0 0 -9.81\n"
+        "ELEMENTS\n"
+        f"  FUNCTION 1 polynomial 0 {sense}\n"
+        "  DRIVE angle-1 at=1.angle value=1\n"
+    )
+    cards += (
+        "ELEMENTS\n"
+        f"  FRICTION friction-1 joint=1 dynamic={mu} static={mu} stribeck=1 creep=1e-6 "
+        f"radius={r}\n"
+        "TOLERANCE 1e-10"
+    )
     rows = rows_of(screw, "0 0.2 0.1", cards)
     torque = load * r * (slope + sign * mu) / (1.0 - sign * mu * slope)
     assert rows.driver_effort[-1, 0] == pytest.approx(torque, rel=1e-8)
@@ -134,7 +161,14 @@ def test_a_screw_at_rest_that_locks_itself_creeps_by_implicit_methods(card, near
     From rest friction grows by m p²/I, 0.5 and 1.2, beyond what its normal force at rest says.
     """
     p, r, mu, creep = 3.18e-4, 0.004, 0.15, 1e-6
-    cards = f"MASS 2 {mass} 0 0 0 1 1 1e-6\nGRAVITY 0 0 -9.81\nFRICTION 1 {mu} {mu} 1 {creep} {r}\n{card}"
+    cards = (
+        f"MASS 2 {mass} 0 0 0 1 1 1e-6\n"
+        "GRAVITY 0 0 -9.81\n"
+        "ELEMENTS\n"
+        f"  FRICTION friction-1 joint=1 dynamic={mu} static={mu} stribeck=1 creep={creep} "
+        f"radius={r}\n"
+        f"{card}"
+    )
     rows = rows_of(SCREW.replace("PITCH", f"{p}"), "0 0.02 0.01", cards)
     wanted = -creep * math.atanh(p / (mu * r)) / math.hypot(r, p)
     assert rows.joint_rate[-1, 0] == pytest.approx(wanted, rel=near)
@@ -157,7 +191,11 @@ def crank_slider(mu, force, analysis):
     """A crank of 1 m at 1 rad/s, a rod of 1.05 m without mass, a slider of 2 kg that a force pushes."""
     cards = (
         "MASS 2 1 0 0 0 1 1 1\nMASS 3 1e-9 0 0 0 1e-12 1e-12 1e-12\nMASS 4 2 0 0 0 1 1 1\n"
-        f"POLYNOMIAL 1 0 1\nANGLE 1 1\nFRICTION 4 {mu} {mu} 1 1e-7\nFORCE 4 0 0 0 {force} 0 0\n"
+        "ELEMENTS\n"
+        "  FUNCTION 1 polynomial 0 1\n"
+        "  DRIVE angle-1 at=1.angle value=1\n"
+        f"  FRICTION friction-1 joint=4 dynamic={mu} static={mu} stribeck=1 creep=1e-7\n"
+        f"FORCE 4 0 0 0 {force} 0 0\n"
     )
     return rows_of(CRANK_SLIDER, "0 1.6 0.1", cards, analysis)
 
@@ -198,8 +236,17 @@ def test_a_jam_that_steps_only_come_near_to_ends_a_free_motion_as_a_jam(card):
     of the rod add to it, so that it jams before.
     """
     cards = (
-        "MASS 2 1 0 0 0 1 1 1e6\nMASS 3 0.01 0 0 0 1e-3 1e-3 1e-3\nMASS 4 2 0 0 0 1 1 1\nRATE 1 1 1\n"
-        "FRICTION 4 0.4 0.4 1 1e-4\nFRICTION 3 0.2 0.2 1 1e-4 0.05 5\nFRICTION 2 0.2 0.2 1 1e-4 0.05 5\n"
+        "MASS 2 1 0 0 0 1 1 1e6\n"
+        "MASS 3 0.01 0 0 0 1e-3 1e-3 1e-3\n"
+        "MASS 4 2 0 0 0 1 1 1\n"
+        "ELEMENTS\n"
+        "  START at=1.angle rate=1\n"
+        "ELEMENTS\n"
+        "  FRICTION friction-1 joint=4 dynamic=0.4 static=0.4 stribeck=1 creep=1e-4\n"
+        "  FRICTION friction-2 joint=3 dynamic=0.2 static=0.2 stribeck=1 creep=1e-4 "
+        "radius=0.05 preload=5\n"
+        "  FRICTION friction-3 joint=2 dynamic=0.2 static=0.2 stribeck=1 creep=1e-4 "
+        "radius=0.05 preload=5\n"
         f"FORCE 4 0 0 0 30 0 0\n{card}"
     )
     with pytest.raises(AnalysisError, match="friction jams a joint") as raised:
@@ -209,6 +256,13 @@ def test_a_jam_that_steps_only_come_near_to_ends_a_free_motion_as_a_jam(card):
 
 def test_steps_that_friction_shortens_name_another_method_and_a_larger_creep_speed():
     """GALF by the default tolerance cannot follow the first 10 ns; no joint jams in the state at rest."""
-    cards = "MASS 2 12 0 0 0 1 1 1e-6\nGRAVITY 0 0 -9.81\nFRICTION 1 0.15 0.15 1 1e-6 0.004\nGALF 0 0.9\n"
+    cards = (
+        "MASS 2 12 0 0 0 1 1 1e-6\n"
+        "GRAVITY 0 0 -9.81\n"
+        "ELEMENTS\n"
+        "  FRICTION friction-1 joint=1 dynamic=0.15 static=0.15 stribeck=1 creep=1e-6 "
+        "radius=0.004\n"
+        "GALF 0 0.9\n"
+    )
     with pytest.raises(AnalysisError, match=r"try RAD5, or a smaller one, or a larger creep speed$"):
         rows_of(SCREW.replace("PITCH", "3.18e-4"), "0 0.02 0.01", cards)

@@ -148,13 +148,23 @@ def test_a_load_on_a_grounded_body_is_noted(card, sentence):
 @pytest.mark.parametrize(
     ("deck", "cards", "told"),
     [
-        (FREE.replace("0 0 0 1 0 0 0\n1 0", "5 0 0 1 0 0 0\n1 0"), "SPHSPH 0 2 0 0 0 0 0 0 1\n",
-         ("sphsph 1 (distance, line 8): 4.0e+00 m", "body 2 is moved by 4 m and turned by 0 rad", "correct")),
-        (SLIDER.replace("1 0 0 0 1 0 0 0 1", "1 0 0 0 0 1 0 0 1"), "",
-         ("joint 1 (h_i · h_j, line 4): 1.0e+00", "turned by 1.57 rad", "stand at right angles")),
+        (
+            FREE.replace("0 0 0 1 0 0 0\n1 0", "5 0 0 1 0 0 0\n1 0"),
+            "ELEMENTS\n  JOINT sphsph-1 sphsph from=0(0,0,0) to=2(0,0,0) length=1\n",
+            (
+                "sphsph-1 (distance, line 9): 4.0e+00 m",
+                "body 2 is moved by 4 m and turned by 0 rad",
+                "correct",
+            ),
+        ),
+        (
+            SLIDER.replace("1 0 0 0 1 0 0 0 1", "1 0 0 0 0 1 0 0 1"),
+            "",
+            ("joint 1 (h_i · h_j, line 4): 1.0e+00", "turned by 1.57 rad", "stand at right angles"),
+        ),
     ],
     ids=["link of 1 m over 5 m", "h_j parallel to h_i"],
-)  # fmt: skip
+)
 def test_a_joint_that_is_far_from_closing_at_the_estimates_is_named_with_its_distance(deck, cards, told):
     _, warnings = started(model_of(deck, "0 0.1 0.1", f"MASS 2 1 0 0 0 1 1 1\n{cards}"))
     (text,) = [str(fault) for fault in warnings if "estimates" in fault.message]
@@ -164,5 +174,5 @@ def test_a_joint_that_is_far_from_closing_at_the_estimates_is_named_with_its_dis
 
 def test_rough_estimates_are_no_warn():
     deck = FREE.replace("0 0 0 1 0 0 0\n1 0", "1.05 0 0 1 0 0 0\n1 0")
-    cards = "MASS 2 1 0 0 0 1 1 1\nSPHSPH 0 2 0 0 0 0 0 0 1\n"
+    cards = "MASS 2 1 0 0 0 1 1 1\nELEMENTS\n  JOINT sphsph-1 sphsph from=0(0,0,0) to=2(0,0,0) length=1\n"
     assert started(model_of(deck, "0 0.1 0.1", cards))[1] == []

@@ -48,19 +48,15 @@ RC(K
     2       1.0       0.0       0.0
 GRAV
     0       0.0       0.0       0.0
-FUNC
-    1
-    1    1    8
-        0.0000000000        1.0000000000        1.5000000000        1.0000000000
-   {end:>17}        3.0000000000        3.0000000000        3.0000000000
-PREF
-    1
-    1    3    1    1
+ELEMENTS
+  FUNCTION 1 table 0.0000000000 1.0000000000 1.5000000000 1.0000000000 {end} 3.0000000000 3.0000000000
+      3.0000000000
+  DRIVE pref-1 at=1.r3 rate=1
 {cards}END
 STAR
 STOP
 """
-SPRING = "HSPR\n    1\n    2    3       2.0       0.0       0.1       0.0    0    0\n"
+SPRING = "ELEMENTS\n  SPRING hspr-1 at=2.r3 stiffness=2.0 damping=0.1\n"
 
 
 def deck(folder, end, method=1, cards=""):

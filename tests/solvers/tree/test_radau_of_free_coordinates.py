@@ -36,7 +36,7 @@ def test_forces_of_a_cart_with_a_pendulum_keep_its_centre_of_mass(tmp_path):
 
 def test_verify_of_a_cart_ends_by_the_steps_of_both_formulations(tmp_path):
     """A spring in the hinge makes `verify` take Radau's method; the cart's place acts on nothing."""
-    spring = "HSPR\n    1\n    2    3       2.0       0.0       0.1       0.0    0    0\nMETH\n"
+    spring = "ELEMENTS\n  SPRING hspr-1 at=2.r3 stiffness=2.0 damping=0.1\nMETH\n"
     text = CART.read_text().replace("   80\n      20.0", "    3\n       1.0").replace("METH\n", spring)
     (tmp_path / "radau.DAT").write_text(text)
     found = verify_deck(str(tmp_path / "radau.DAT"), RunOptions(), 1e-9)

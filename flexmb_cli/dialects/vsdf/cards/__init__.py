@@ -4,7 +4,6 @@ Vlasenko and Kasper (2008) typed their models into Maple; this deck is flexmb's 
 whole format is described for users in decks/vsdf/FORMAT.md.
 """
 
-from ..elements.cards import ELEMENT_CARDS
 from .analysis import ANALYSIS_CARDS, SHAPES
 from .bodies import BODY_CARDS
 from .joints_and_loads import JOINT_AND_LOAD_CARDS
@@ -14,7 +13,7 @@ END, STAR, STOP = "END", "STAR", "STOP"
 FINAL = (END, STAR, STOP)
 
 # In the order of the dialogue.
-CARDS = (*BODY_CARDS, *JOINT_AND_LOAD_CARDS, *ANALYSIS_CARDS, *ELEMENT_CARDS)
+CARDS = (*BODY_CARDS, *JOINT_AND_LOAD_CARDS, *ANALYSIS_CARDS)
 BY_WORD = {card.word: card for card in CARDS}
 KNOWN_WORDS = (*BY_WORD, *FINAL)
 # Words that data cards begin with.

@@ -10,6 +10,7 @@ from ....deck import number
 from ....deck.questions import INTEGER, MOST_ASKED, REAL, TITLE_ENTRY, Cell, Entry
 from ....deck.record import Number, Record
 from ....errors import Fault
+from ...elements_block.form import LINES, faults_of_line
 from ..build import faults_of_last
 from ..equation_count import imbalance
 from ..sections import COUNTS, YOUNG_SECTIONS, Column, Section
@@ -96,6 +97,8 @@ class YoungForm:
             return _faults_of_counts(last, complete and len(records) == 2)
         if last.section == OPENING:
             return []
+        if last.section == LINES:
+            return faults_of_line(records)
         if last.section == SHAPES_ENTRY.section:
             return _outside(last.numbers[0], 0, "shapes")
         first = next(k for k, record in enumerate(records) if record.section == "counts")

@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator, Sequence
 
-from ....deck import number
 from ....deck.questions import INTEGER, REAL, TEXT, WORD, Cell, Entry
 from ....deck.record import Number, Record
 from ....errors import Fault
+from ...elements_block.form import LINES, block_lines, line_entries
+from ...elements_block.text import BLOCK
 from ..card import Card
 from ..cards import BY_KEYWORD, CARDS
 from ..dynamic_cards import FORWARD, INVERSE, LAST_CARD
@@ -14,7 +15,6 @@ from ..shape_cards import SHAPE_CARDS
 
 OPENING, NEXT_CARD, SHAPES = "opening", "card", "GEOMETRY"
 _ANALYSES = (FORWARD.upper(), INVERSE.upper(), SHAPES)
-_REPEATED = "numbers"
 _CARD_OF = {card.section: card for card in CARDS}
 # Points of action and ends are at the origin of their body where nothing else is said.
 _AT_ORIGIN = {f"{point}.{axis}" for point in ("P", "P_i", "P_j", "centre") for axis in "xyz"}
@@ -38,20 +38,28 @@ def card_entries(values: dict[str, str]) -> Iterator[Entry]:
     """Yield the questions for the keywords of cards and for their numbers, as far as the answers go."""
     shapes = values.get(f"{OPENING}.analysis", "").upper() == SHAPES
     counted: dict[str, int] = {}
+    lines = 0
     for k in range(1, len(values) + 2):
         asked = _which_card(k, shapes)
         yield asked
-        card = BY_KEYWORD.get(values.get(f"{asked.prefix}.keyword", "").upper())
+        word = values.get(f"{asked.prefix}.keyword", "").upper()
+        if word == BLOCK:
+            lines += 1
+            yield list(line_entries(lines))[-1]
+            continue
+        card = BY_KEYWORD.get(word)
         if card is None:
             return
         counted[card.section] = counted.get(card.section, 0) + 1
-        if card.columns or card.repeated:
+        if card.columns:
             yield _card_entry(card, counted[card.section])
 
 
 def _which_card(k: int, shapes: bool) -> Entry:
     words = (*(card.keyword for card in (SHAPE_CARDS if shapes else CARDS)), LAST_CARD)
     meaning = f"keyword of the next card, {LAST_CARD} behind the last"
+    if not shapes:
+        words, meaning = (BLOCK, *words), f"{meaning}, {BLOCK} for a line of that block"
     cell = Cell("keyword", meaning, "", WORD, LAST_CARD, words)
     return Entry(NEXT_CARD, k, f"card {k}", (cell,))
 
@@ -59,10 +67,6 @@ def _which_card(k: int, shapes: bool) -> Entry:
 def _card_entry(card: Card, k: int) -> Entry:
     required = len(card.columns) - card.optional
     cells = tuple(_cell(column, index >= required) for index, column in enumerate(card.columns))
-    if card.repeated:
-        again = ", ".join(f"{column.key} ({column.meaning})" for column in card.repeated)
-        meaning = f"{card.least} times or more {again}, between blanks"
-        cells += (Cell(_REPEATED, meaning, letter=TEXT),)
     return Entry(card.section, k, f"{card.section} {k}", cells)
 
 
@@ -74,17 +78,15 @@ def _cell(column: Column, optional: bool) -> Cell:
 
 def is_card(record: Record) -> bool:
     """Return whether a record stands behind dT."""
-    return record.section in _CARD_OF or record.section in (OPENING, NEXT_CARD)
+    return record.section in _CARD_OF or record.section in (OPENING, NEXT_CARD, LINES)
 
 
 def faults_of_card(record: Record, bodies: int) -> list[Fault]:
-    """Body numbers, and numbers that may be repeated; `flexmb check` finds all others."""
+    """Body numbers; `flexmb check` finds all other faults."""
     faults = []
     for value in record.numbers:
         if value.key in ("body", "I", "J"):
             faults += _outside(record, value, bodies)
-        elif value.key == _REPEATED:
-            faults += _faults_of_repeated(record, value)
     return faults
 
 
@@ -94,23 +96,6 @@ def _outside(record: Record, value: Number, bodies: int) -> list[Fault]:
         return []
     message = f"body number {value.text} is outside {least}..{bodies}"
     return [Fault("error", message, value.place, record.subject, id="YOUNG-160")]
-
-
-def _faults_of_repeated(record: Record, value: Number) -> list[Fault]:
-    card, texts = _CARD_OF[record.section], value.text.split()
-    columns = card.columns_of(len(card.columns) + len(texts))
-    if columns is None:
-        message = f"{card.keyword} takes {card.numbers}; read {len(card.columns) + len(texts)}"
-        return [Fault("error", message, value.place, record.subject, id="YOUNG-161")]
-    faults = []
-    for column, text in zip(columns[len(card.columns) :], texts, strict=True):
-        try:
-            (number.integer if column.is_integer else number.real)(text)
-        except number.Misspelt as wrong:
-            faults.append(
-                Fault("error", f"{column.key} {wrong}", value.place, record.subject, id="YOUNG-162")
-            )
-    return faults
 
 
 def card_lines(records: Sequence[Record]) -> Iterator[tuple[str, str]]:
@@ -130,11 +115,12 @@ def card_lines(records: Sequence[Record]) -> Iterator[tuple[str, str]]:
             yield f"{_CARD_OF[section].keyword} {' '.join(texts)}", record.prefix
         elif record.section == NEXT_CARD:
             yield from _bare(record)
+    yield from block_lines(records)
     yield LAST_CARD, ""
 
 
 def _bare(record: Record) -> Iterator[tuple[str, str]]:
     """Yield the line of a card without numbers."""
     card = BY_KEYWORD.get(record["keyword"])
-    if card is not None and not (card.columns or card.repeated):
+    if card is not None and not card.columns:
         yield card.keyword, record.prefix

@@ -152,7 +152,7 @@ class _Conversion(Conversion):
             self._add_joint(found, joint, joint.kind, pitch, k)
         for item in self.deck.elements.composites:
             if item.kind == "revolute-cylindrical":
-                self.refusals.add(item, "the composite joint REVCYL is not converted", id="YOUNG-167")
+                self.refusals.add(item, "a joint revcyl is not converted", id="YOUNG-167")
             else:
                 self._add_joint(found, item, item.kind, item.size, None)
         return tuple(found)

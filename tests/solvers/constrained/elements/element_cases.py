@@ -10,12 +10,15 @@ from itertools import pairwise
 
 import numpy as np
 
+from flexmb_cli.dialects.elements_block.old_cards import LINES
 from flexmb_cli.dialects.young.cards import CARDS
 from tests.solvers.constrained.element_decks import ARM, ROTOR, SLIDER, TWO_ROTORS, rows_of
 
 # What acts on the motion; the others give masses, gravity, the start, integrators and pictures.
 OTHERS = {"MASS", "GRAVITY", "VELOCITY", "TOLERANCE", "GALF", "RAD5", "GEOM", "STL"}
-KEYWORDS = tuple(card.keyword for card in CARDS if card.keyword not in OTHERS)
+# Cases are named by the cards of earlier versions: a line `SPRING at=2.angle` is a case of TSPRING.
+KEYWORDS = (*(card.keyword for card in CARDS if card.keyword not in OTHERS), *LINES["young"])
+COORDINATES = ("angle", "stroke")
 END, STEP = 0.2, 0.002  # s
 POWERS = (1.2, 0.9, -0.7)  # the motion is 1.2 t + 0.9 t² - 0.7 t³, rad or m
 REVERSING = (1.2, -5.0, -4.0)  # comes to rest after 0.1 s, and goes back
@@ -77,10 +80,15 @@ class Case:
     powers: tuple[float, float, float] = POWERS  # of the motion
 
     @property
+    def at(self) -> str:
+        """The coordinate that follows `MOTION`."""
+        return f"{self.joint}.{COORDINATES[self.coordinate - 1]}"
+
+    @property
     def driver(self) -> str:
         """The card that lets the coordinate follow `MOTION`."""
         powers = " ".join(map(str, self.powers))
-        return f"POLYNOMIAL 90 0 {powers}\n{('ANGLE', 'STROKE')[self.coordinate - 1]} {self.joint} 90\n"
+        return f"ELEMENTS\n  FUNCTION 90 polynomial 0 {powers}\n  DRIVE driven at={self.at} value=90\n"
 
     def motor(self, times, efforts) -> str:
         """Cards of an effort given at `times`, cubic between the breaks, and of the rate at the start."""
@@ -89,15 +97,20 @@ class Case:
         for k, (first, last) in enumerate(pairwise(pieces)):
             rows = (times > first - 1e-9) & (times < last + 1e-9)
             pairs = zip(times[rows].tolist(), efforts[rows].tolist(), strict=True)
-            text += f"SPLINE {100 + k} " + " ".join(f"{t!r} {v!r}" for t, v in pairs) + "\n"
+            text += (
+                f"ELEMENTS\n  FUNCTION {100 + k} spline " + " ".join(f"{t!r} {v!r}" for t, v in pairs) + "\n"
+            )
             # The end pieces of a spline go on: a window cuts them off, where its neighbour has all but the
             # same value.
             rise, fall = first - 1.0 * (k == 0), last + 1.0 * (last == END)
-            text += f"TABLE {200 + k} {rise!r} 0 {rise + CUT!r} 1 {fall!r} 1 {fall + CUT!r} 0\n"
-            text += f"PRODUCT {300 + k} {100 + k} {200 + k}\n"
+            text += (
+                "ELEMENTS\n"
+                f"  FUNCTION {200 + k} table {rise!r} 0 {rise + CUT!r} 1 {fall!r} 1 {fall + CUT!r} 0\n"
+            )
+            text += f"ELEMENTS\n  FUNCTION {300 + k} product {100 + k} {200 + k}\n"
             parts.append(str(300 + k))
-        text += f"SUM 99 {' '.join(parts)}\n{('TMOTOR', 'AMOTOR')[self.coordinate - 1]} {self.joint} 99\n"
-        return f"{text}RATE {self.joint} {self.coordinate} {self.powers[0]}\n"
+        text += f"ELEMENTS\n  FUNCTION 99 sum {' '.join(parts)}\n  MOTOR motor at={self.at} effort=99\n"
+        return f"{text}  START at={self.at} rate={self.powers[0]}\n"
 
 
 def _varied(function: str, *breaks: float) -> Case:
@@ -105,43 +118,114 @@ def _varied(function: str, *breaks: float) -> Case:
     return Case(ROTOR, f"{TURNED}{function}\nTORQUE 2 0 0 2 0 5\n", breaks=breaks)
 
 
-_SLOPES = "POLYNOMIAL 5 0 0 0 40\nPOLYNOMIAL 6 0 0.3 0.1\n"
+_SLOPES = "ELEMENTS\n  FUNCTION 5 polynomial 0 0 0 40\n  FUNCTION 6 polynomial 0 0.3 0.1\n"
 CASES = {
     "FORCE": Case(ROTOR, f"{TURNED}FORCE 2 0.5 0.1 0 3 -2 1\n"),
     "TORQUE": Case(ROTOR, f"{TURNED}TORQUE 2 0.1 0.2 -1.4\n"),
     "SPRING": Case(ROTOR, f"{TURNED}SPRING 0 2 2 0.3 0 1 0 0 30 0.5 0.7\n"),
     "DAMPER": Case(ROTOR, f"{TURNED}DAMPER 0 2 2 0.3 0 1 0 0 1.7\n"),
-    "TABLE": _varied(f"TABLE 5 0 0.3 {HALFWAY} 1.8 0.3 -0.4", HALFWAY),
-    "SPLINE": _varied("SPLINE 5 0 0.3 0.05 1.1 0.1 0.8 0.15 0.4 0.3 0.9", 0.05, HALFWAY, 0.15),
-    "POLYNOMIAL": _varied("POLYNOMIAL 5 0.2 4 -30 50"),
-    "SINE": _varied("SINE 5 0.1 0.8 9 0.4"),
-    "RAMP": _varied("RAMP 5 0.05 0.2 0.15 1.9", 0.05, 0.15),
-    "STEP": _varied("STEP 5 0.05 0.2 0.15 1.9", 0.05, 0.15),
-    "SUM": _varied("SINE 3 0.1 0.8 9\nPOLYNOMIAL 4 0.2 1 -3\nSUM 5 3 4 3"),
-    "PRODUCT": _varied("SINE 3 0.1 0.8 9\nPOLYNOMIAL 4 0.2 1 -3\nPRODUCT 5 3 4 3"),
-    "DRIVE": Case(DRIVEN_ARM, f"{TWO}SINE 5 0 0.7 3\nDRIVE 1 5\n", joint=2),
-    "SUPPORT": Case(HELD, f"{TWO}SINE 5 0 0.3 6\nSUPPORT 1 5\n"),
-    "ANGLE": Case(ARM, f"{TWO}SINE 5 0 0.7 3\nANGLE 1 5\n", joint=2),
-    "STROKE": Case(CART, f"{TWO}SINE 5 0.2 0.7 3\nSTROKE 2 5 1\n", column=0),
-    "TMOTOR": Case(ROTOR, f"{TURNED}SINE 5 0.1 0.8 9 0.4\nTMOTOR 1 5\n"),
-    "AMOTOR": Case(SLIDER, f"{SLID}SINE 5 0.1 0.8 9 0.4\nAMOTOR 1 5\n", coordinate=2),
-    "TSPRING": Case(ROTOR, f"{TURNED}{_SLOPES}TSPRING 1 8 0.1 0.4 1.6 5 6\n"),
-    "ASPRING": Case(SLIDER, f"{SLID}{_SLOPES}ASPRING 1 80 0.1 0.9 1.6 5 6\n", coordinate=2),
-    "TSTOP": Case(ROTOR, f"{TURNED}TSTOP 1 -1 {AT_HALFWAY} 60 0.3\n", breaks=(HALFWAY,)),
-    "ASTOP": Case(SLIDER, f"{SLID}ASTOP 1 -1 {AT_HALFWAY} 300 0.3\n", coordinate=2, breaks=(HALFWAY,)),
-    "LSPRING": Case(ROTOR, f"{TURNED}{_SLOPES}LSPRING 0 2 2 0.3 0 1 0 0 30 0.5 0.7 4 5 6\n"),
-    "CABLE": Case(ROTOR, f"{TURNED}CABLE 0 2 2 0.3 0 1 0 0 80 0.6 0.2\n"),
-    "BUSHING": Case(
-        ROTOR, f"{TURNED}BUSHING 0 2 0.1 0 0 0.1 0.02 0 90 160 250 6 9 16 5 6 7 0.2 0.3 0.4\n"
+    "TABLE": _varied(f"ELEMENTS\n  FUNCTION 5 table 0 0.3 {HALFWAY} 1.8 0.3 -0.4", HALFWAY),
+    "SPLINE": _varied(
+        "ELEMENTS\n  FUNCTION 5 spline 0 0.3 0.05 1.1 0.1 0.8 0.15 0.4 0.3 0.9", 0.05, HALFWAY, 0.15
     ),
-    "COUPLING": Case(TWO_ROTORS, f"{TWO}COUPLING 1 1 2 2 1 -1\n"),
-    "FRICTION": Case(ROTOR, f"{TURNED}FRICTION 1 0.2 0.25 0.5 1e-3 0.04 3\n"),
-    "REVCYL": Case(SWIVEL, f"{TWO}REVCYL 0 3 1 0 0 0 0 0 0 0 1 1 0 0\n"),
-    "REVSPH": Case(CRANK_AND_SLEEVE, f"{TWO}REVSPH 2 3 0.1 0.3 0 -0.2 0.8 0 -0.05 0.07 0.3 {0.74**0.5!r}\n"),
-    "SPHSPH": Case(CRANK, f"{TWO}SPHSPH 2 3 0.2 0.1 0 0 0.3 0 {1.04**0.5!r}\n"),
+    "POLYNOMIAL": _varied("ELEMENTS\n  FUNCTION 5 polynomial 0.2 4 -30 50"),
+    "SINE": _varied("ELEMENTS\n  FUNCTION 5 sine 0.1 0.8 9 0.4"),
+    "RAMP": _varied("ELEMENTS\n  FUNCTION 5 ramp 0.05 0.2 0.15 1.9", 0.05, 0.15),
+    "STEP": _varied("ELEMENTS\n  FUNCTION 5 step 0.05 0.2 0.15 1.9", 0.05, 0.15),
+    "SUM": _varied(
+        "ELEMENTS\n  FUNCTION 3 sine 0.1 0.8 9\n  FUNCTION 4 polynomial 0.2 1 -3\n  FUNCTION 5 sum 3 4 3"
+    ),
+    "PRODUCT": _varied(
+        "ELEMENTS\n  FUNCTION 3 sine 0.1 0.8 9\n  FUNCTION 4 polynomial 0.2 1 -3\n  FUNCTION 5 product 3 4 3"
+    ),
+    "DRIVE": Case(
+        DRIVEN_ARM, f"{TWO}ELEMENTS\n  FUNCTION 5 sine 0 0.7 3\n  DRIVE drive-1 driver=1 value=5\n", joint=2
+    ),
+    "SUPPORT": Case(
+        HELD, f"{TWO}ELEMENTS\n  FUNCTION 5 sine 0 0.3 6\n  SUPPORT support-1 simplified=1 value=5\n"
+    ),
+    "ANGLE": Case(
+        ARM, f"{TWO}ELEMENTS\n  FUNCTION 5 sine 0 0.7 3\n  DRIVE angle-1 at=1.angle value=5\n", joint=2
+    ),
+    "STROKE": Case(
+        CART, f"{TWO}ELEMENTS\n  FUNCTION 5 sine 0.2 0.7 3\n  DRIVE stroke-1 at=2.stroke rate=5\n", column=0
+    ),
+    "TMOTOR": Case(
+        ROTOR, f"{TURNED}ELEMENTS\n  FUNCTION 5 sine 0.1 0.8 9 0.4\n  MOTOR tmotor-1 at=1.angle effort=5\n"
+    ),
+    "AMOTOR": Case(
+        SLIDER,
+        f"{SLID}ELEMENTS\n  FUNCTION 5 sine 0.1 0.8 9 0.4\n  MOTOR amotor-1 at=1.stroke effort=5\n",
+        coordinate=2,
+    ),
+    "TSPRING": Case(
+        ROTOR,
+        f"{TURNED}{_SLOPES}ELEMENTS\n"
+        "  SPRING tspring-1 at=1.angle stiffness=8 rest=0.1 damping=0.4 preload=1.6 curve=5 "
+        "damper=6\n",
+    ),
+    "ASPRING": Case(
+        SLIDER,
+        f"{SLID}{_SLOPES}ELEMENTS\n"
+        "  SPRING aspring-1 at=1.stroke stiffness=80 rest=0.1 damping=0.9 preload=1.6 curve=5 "
+        "damper=6\n",
+        coordinate=2,
+    ),
+    "TSTOP": Case(
+        ROTOR,
+        f"{TURNED}ELEMENTS\n  STOP tstop-1 at=1.angle lower=-1 upper={AT_HALFWAY} stiffness=60 damping=0.3\n",
+        breaks=(HALFWAY,),
+    ),
+    "ASTOP": Case(
+        SLIDER,
+        f"{SLID}ELEMENTS\n  STOP astop-1 at=1.stroke lower=-1 upper={AT_HALFWAY} stiffness=300 damping=0.3\n",
+        coordinate=2,
+        breaks=(HALFWAY,),
+    ),
+    "LSPRING": Case(
+        ROTOR,
+        f"{TURNED}{_SLOPES}ELEMENTS\n"
+        "  SPRING lspring-1 from=0(2,0.3,0) to=2(1,0,0) stiffness=30 rest=0.5 damping=0.7 "
+        "preload=4 curve=5\n"
+        "      damper=6\n",
+    ),
+    "CABLE": Case(
+        ROTOR,
+        f"{TURNED}ELEMENTS\n  CABLE cable-1 from=0(2,0.3,0) to=2(1,0,0) stiffness=80 rest=0.6 damping=0.2\n",
+    ),
+    "BUSHING": Case(
+        ROTOR,
+        f"{TURNED}ELEMENTS\n"
+        "  BUSHING bushing-1 from=0(0.1,0,0) to=2(0.1,0.02,0) k=(90,160,250) kr=(6,9,16) "
+        "c=(5,6,7)\n"
+        "      cr=(0.2,0.3,0.4)\n",
+    ),
+    "COUPLING": Case(TWO_ROTORS, f"{TWO}ELEMENTS\n  COUPLING coupling-1 1.angle=2 2.angle=-1\n"),
+    "FRICTION": Case(
+        ROTOR,
+        f"{TURNED}ELEMENTS\n"
+        "  FRICTION friction-1 joint=1 dynamic=0.2 static=0.25 stribeck=0.5 creep=1e-3 "
+        "radius=0.04 preload=3\n",
+    ),
+    "REVCYL": Case(
+        SWIVEL,
+        f"{TWO}ELEMENTS\n"
+        "  JOINT revcyl-1 revcyl from=0(1,0,0) to=3(0,0,0) axis_from=(0,0,1) axis_to=(1,0,0)\n",
+    ),
+    "REVSPH": Case(
+        CRANK_AND_SLEEVE,
+        f"{TWO}ELEMENTS\n"
+        "  JOINT revsph-1 revsph from=2(0.1,0.3,0) to=3(-0.2,0.8,0) "
+        "axis_from=(-0.05,0.07,0.3)\n"
+        f"      length={0.74**0.5!r}\n",
+    ),
+    "SPHSPH": Case(
+        CRANK,
+        f"{TWO}ELEMENTS\n  JOINT sphsph-1 sphsph from=2(0.2,0.1,0) to=3(0,0.3,0) length={1.04**0.5!r}\n",
+    ),
     "RATE": Case(ROTOR, TURNED),
-    "JOINTS": Case(ROTOR, f"{TURNED}JOINTS\n"),
-}  # fmt: skip
+    "JOINTS": Case(ROTOR, TURNED),
+}
 
 
 # Rack and pinion, belt and differential are couplings too; body 2 of the differential carries 3 and 4.
@@ -150,21 +234,39 @@ THREE_ROTORS = (
     "1 3 1 0 0 0 0 0 1 0 1 0 0 1\n1 4 2 0 0 0 0 0 2 0 1 0 0 1\n1 0 0 0 0 0 0\n"
 )
 CASES_OF_COUPLINGS = {
-    "rack and pinion": Case(CRANK, f"{TWO}COUPLING 1 1 -0.2 2 2 1\n"),
-    "belt": Case(TWO_ROTORS, f"{TWO}COUPLING 1 1 0.3 2 1 -0.1\n"),
+    "rack and pinion": Case(CRANK, f"{TWO}ELEMENTS\n  COUPLING coupling-1 1.angle=-0.2 2.stroke=1\n"),
+    "belt": Case(TWO_ROTORS, f"{TWO}ELEMENTS\n  COUPLING coupling-1 1.angle=0.3 2.angle=-0.1\n"),
     "differential": Case(
         THREE_ROTORS,
-        f"{TWO}MASS 4 0.5 0.1 0.2 0 0.1 0.1 0.2\nSINE 5 0 0.7 3\nANGLE 2 5\nCOUPLING 1 1 -2 2 1 1 3 1 1\n",
+        f"{TWO}MASS 4 0.5 0.1 0.2 0 0.1 0.1 0.2\n"
+        "ELEMENTS\n"
+        "  FUNCTION 5 sine 0 0.7 3\n"
+        "  DRIVE angle-1 at=2.angle value=5\n"
+        "  COUPLING coupling-1 1.angle=-2 2.angle=1 3.angle=1\n",
     ),
 }
 # Friction of other joints, which stops, turns round and slides back; slow enough for splines to follow.
 SLEEVE = "2 0 0 0 0 0 {} 0 {} 0 0 1\n" + _FRAMES * 2 + "1 2 0 0 0 0 0 0 0 0 1 0 0 1{}\n1 0 0 0 0 0 0\n"
-BEARING = "FRICTION 1 0.2 0.25 0.5 0.1 0.04 3\n"
+BEARING = (
+    "ELEMENTS\n"
+    "  FRICTION friction-1 joint=1 dynamic=0.2 static=0.25 stribeck=0.5 creep=0.1 "
+    "radius=0.04 preload=3\n"
+)
 CASES_OF_FRICTION = {
     "revolute": Case(ROTOR, f"{TURNED}{BEARING}", powers=REVERSING),
-    "translational": Case(SLIDER, f"{SLID}FRICTION 1 0.2 0.25 5 0.5 0 3\n", coordinate=2, powers=REVERSING),
+    "translational": Case(
+        SLIDER,
+        f"{SLID}ELEMENTS\n"
+        "  FRICTION friction-1 joint=1 dynamic=0.2 static=0.25 stribeck=5 creep=0.5 "
+        "preload=3\n",
+        coordinate=2,
+        powers=REVERSING,
+    ),
     "cylindrical": Case(
-        SLEEVE.format(1, 0, ""), f"{TURNED}SINE 5 0 0.02 9\nSTROKE 1 5\n{BEARING}", column=0, powers=REVERSING
+        SLEEVE.format(1, 0, ""),
+        f"{TURNED}ELEMENTS\n  FUNCTION 5 sine 0 0.02 9\n  DRIVE stroke-1 at=1.stroke value=5\n{BEARING}",
+        column=0,
+        powers=REVERSING,
     ),
     "screw": Case(SLEEVE.format(0, 1, " 1 0 0 1 0 0 0.03"), f"{TURNED}{BEARING}", powers=REVERSING),
 }
@@ -172,7 +274,8 @@ CASES_OF_FRICTION = {
 
 def without(keyword: str, case: Case) -> str:
     """The cards of a case without those of its keyword."""
-    return re.sub(rf"^{keyword} .*\n", "", case.cards, flags=re.MULTILINE)
+    own = rf"{keyword} |  \w+ {keyword.lower()}-"
+    return re.sub(rf"^(?:{own}).*\n(?:      .*\n)*", "", case.cards, flags=re.MULTILINE)
 
 
 def inverse(case: Case):
@@ -189,5 +292,5 @@ def forward(case: Case, driven, method: str):
 
 def free(case: Case, method: str):
     """Rows of the run in which the coordinate moves freely, from a rate at which it meets the stops."""
-    cards = f"{case.cards}RATE {case.joint} {case.coordinate} {2 * POWERS[0]}\n{method}"
+    cards = f"{case.cards}ELEMENTS\n  START at={case.at} rate={2 * POWERS[0]}\n{method}"
     return rows_of(case.mechanism, "0 0.5 0.1", cards)

@@ -19,8 +19,8 @@ from tests.solvers.constrained.elements.element_cases import CASES, END, KEYWORD
 TIMES = f"0 {END} 0.001"
 # Stops in contact throughout, where the power is smooth; a spring without its damper.
 OTHER_CARDS = {
-    "TSTOP": ("1 -1 0.1283 60", "1 -1 -0.3 20"),
-    "ASTOP": ("1 -1 0.1283 300", "1 -1 -0.1 300"),
+    "TSTOP": ("lower=-1 upper=0.1283 stiffness=60", "lower=-1 upper=-0.3 stiffness=20"),
+    "ASTOP": ("lower=-1 upper=0.1283", "lower=-1 upper=-0.1"),
     "SPRING": ("30 0.5 0.7", "30 0.5 0"),
 }
 STORE = {"SPRING", "TSPRING", "ASPRING", "LSPRING", "CABLE", "BUSHING", "TSTOP", "ASTOP"}
@@ -32,7 +32,7 @@ DO_NOTHING = {"COUPLING", "REVCYL", "REVSPH", "SPHSPH", "RATE", "JOINTS"}
 def mechanism_and_cards(keyword):
     case = CASES[keyword]
     cards = case.cards.replace(*OTHER_CARDS.get(keyword, ("", "")))
-    return case.mechanism, f"{cards}RATE {case.joint} {case.coordinate} {POWERS[0]}\nTOLERANCE 1e-12\n"
+    return case.mechanism, f"{cards}ELEMENTS\n  START at={case.at} rate={POWERS[0]}\nTOLERANCE 1e-12\n"
 
 
 def energy_of_bodies(model, rows):
@@ -53,8 +53,8 @@ def energy_of_bodies(model, rows):
 
 def test_springs_along_a_line_store_half_their_stiffness_times_the_square_of_their_stretch():
     """Ends at (2, 0.3) and (3, 0) m: stretch √1.09 - 0.5 m with 30 and 40 N/m."""
-    ends = "0 2 2 0.3 0 3 0 0"
-    cards = f"MASS 2 1 0 0 0 1 1 1\nSPRING {ends} 30 0.5\nLSPRING {ends} 40 0.5\n"
+    cards = "MASS 2 1 0 0 0 1 1 1\nSPRING 0 2 2 0.3 0 3 0 0 30 0.5\n"
+    cards += "ELEMENTS\n  SPRING line from=0(2,0.3,0) to=2(3,0,0) stiffness=40 rest=0.5\n"
     with interpreting():
         block = next(analysis_of(model_of(FREE, "0 0.001 0.001", cards)).rows())
     square = (math.sqrt(1.09) - 0.5) ** 2
@@ -107,8 +107,11 @@ def test_dampers_dissipate_the_energy_that_a_damped_oscillator_loses(method):
     decay, omega = sum(c) / (2 * inertia), math.sqrt(k / inertia)
     damped = math.sqrt(omega**2 - decay**2)
     cards = (
-        f"MASS 2 1 0 0 0 1 1 {inertia}\nTSPRING 1 {k} 0 {c[0]}\nTSPRING 1 0 0 {c[1]}\n"
-        f"RATE 1 1 {spin}\n{METHODS[method]}"
+        f"MASS 2 1 0 0 0 1 1 {inertia}\n"
+        "ELEMENTS\n"
+        f"  SPRING tspring-1 at=1.angle stiffness={k} damping={c[0]}\n"
+        f"  SPRING tspring-2 at=1.angle stiffness=0 damping={c[1]}\n"
+        f"ELEMENTS\n  START at=1.angle rate={spin}\n{METHODS[method]}"
     )
     rows = rows_of(ROTOR, "0 2 0.125", cards)
     t, fade = rows.time, np.exp(-decay * rows.time)
@@ -121,16 +124,23 @@ def test_dampers_dissipate_the_energy_that_a_damped_oscillator_loses(method):
 
 
 def test_joint_coordinates_alone_bring_no_work():
-    """The card JOINTS adds no springs: nothing is dissipated, and no dataset says so."""
-    layout = element_layout(model_of(ROTOR, "0 0.1 0.1", "MASS 2 1 0 0 0 1 1 1\nJOINTS\n"))
+    """Without springs nothing is dissipated, and no dataset says so."""
+    layout = element_layout(model_of(ROTOR, "0 0.1 0.1", "MASS 2 1 0 0 0 1 1 1\n"))
     assert not {"element/work", "energy/dissipated"} & {series.path for series in layout.series}
 
 
 def test_springs_store_the_energy_of_their_formula():
     """preload s + k s²/2 + ∫ curve: 1.6 · 0.2 + 8 · 0.02 + 10 · 0.2⁴ J at s = 0.2; ½ k s² of a cable."""
     cards = (
-        "MASS 2 2.5 0 0 0 0.4 0.5 0.6\nPOLYNOMIAL 5 0 0 0 40\nLSPRING 0 2 0 0 0 1.2 0 0 8 1 0 1.6 5\n"
-        "CABLE 0 2 0 0 0 0 0 2 90 1.5\nCABLE 0 2 0 0 0 0 1 0 90 1.5\nBUSHING 0 2 0.1 0 0 0 0 0 90 0 0 0 0 0\n"
+        "MASS 2 2.5 0 0 0 0.4 0.5 0.6\n"
+        "ELEMENTS\n"
+        "  FUNCTION 5 polynomial 0 0 0 40\n"
+        "  SPRING lspring-1 from=0(0,0,0) to=2(1.2,0,0) stiffness=8 rest=1 preload=1.6 "
+        "curve=5\n"
+        "ELEMENTS\n"
+        "  CABLE cable-1 from=0(0,0,0) to=2(0,0,2) stiffness=90 rest=1.5\n"
+        "  CABLE cable-2 from=0(0,0,0) to=2(0,1,0) stiffness=90 rest=1.5\n"
+        "  BUSHING bushing-1 from=0(0.1,0,0) to=2(0,0,0) k=(90,0,0) kr=(0,0,0)\n"
     )
     rows = rows_of(FREE, "0 0.01 0.01", cards)
     bushing = [0.45, 0, 0, 0, 0, 0]
@@ -143,7 +153,14 @@ def test_a_spring_whose_ends_pass_through_each_other_keeps_its_energy():
     """A preload cannot act where there is no direction; the energy of the place is 0 at length = rest = 0."""
     slide = "2 0 0 0 0 0 0 1 0 0 0 1\n" + "0 0 0 1 0 0 0\n" * 2
     slide += "1 2 0 0 0 0 0 0 1 0 0 1 0 0 0 1 0 0 0 1\n1 0 0 0 0 0 0\n"
-    rows = rows_of(slide, "0 0.1 0.1", "MASS 2 2 0 0 0 1 1 1\nLSPRING 0 2 0 0 0 0 0 0 50 0\nRATE 1 2 1\n")
+    rows = rows_of(
+        slide,
+        "0 0.1 0.1",
+        "MASS 2 2 0 0 0 1 1 1\n"
+        "ELEMENTS\n"
+        "  SPRING lspring-1 from=0(0,0,0) to=2(0,0,0) stiffness=50\n"
+        "  START at=1.stroke rate=1\n",
+    )
     assert rows.element_energy[0] == 0.0 and rows.element_effort[0] == 0.0
     assert rows.element_energy[1] == pytest.approx(25 * rows.joint_coordinate[1, 0] ** 2, rel=1e-12)
 
@@ -151,19 +168,27 @@ def test_a_spring_whose_ends_pass_through_each_other_keeps_its_energy():
 def test_names_of_elements_stand_beside_their_efforts_with_motors_behind_all_others():
     """The bearing carries 80 N of the two springs in line and 30 N of preload: 0.2 · 110 N of friction."""
     cards = (
-        "MASS 2 1 0 0 0 1 1 0.5\nTMOTOR 1 1\nPOLYNOMIAL 1 7\nFRICTION 1 0.2 0.2 1 1e-4 0.1 30\n"
-        "TSTOP 1 -1 -0.1 50\nLSPRING 0 2 3 0 0 1 0 0 20 1\nSPRING 0 2 4 0 0 1 0 0 30 1\n"
-        "TSPRING 1 8 0.25\nRATE 1 1 1\n"
+        "MASS 2 1 0 0 0 1 1 0.5\n"
+        "ELEMENTS\n"
+        "  MOTOR tmotor-1 at=1.angle effort=1\n"
+        "  FUNCTION 1 polynomial 7\n"
+        "  FRICTION friction-1 joint=1 dynamic=0.2 static=0.2 stribeck=1 creep=1e-4 "
+        "radius=0.1 preload=30\n"
+        "ELEMENTS\n"
+        "  STOP tstop-1 at=1.angle lower=-1 upper=-0.1 stiffness=50\n"
+        "  SPRING lspring-1 from=0(3,0,0) to=2(1,0,0) stiffness=20 rest=1\n"
+        "SPRING 0 2 4 0 0 1 0 0 30 1\n"
+        "ELEMENTS\n  SPRING tspring-1 at=1.angle stiffness=8 rest=0.25\n  START at=1.angle rate=1\n"
     )
     names = [name for name, _ in element_names(model_of(ROTOR, "0 0.1 0.1", cards))]
     rows = rows_of(ROTOR, "0 0.1 0.1", cards)
     efforts = {
         "spring 1": -60,
-        "tspring 1": 2,
-        "lspring 1": -20,
-        "tstop 1": -5,
-        "friction 1": -22,
-        "tmotor 1": 7,
+        "friction-1": -22,
+        "tstop-1": -5,
+        "lspring-1": -20,
+        "tspring-1": 2,
+        "tmotor-1": 7,
     }
     assert names == list(efforts)
     assert rows.element_effort[0] == pytest.approx(list(efforts.values()), rel=1e-12)

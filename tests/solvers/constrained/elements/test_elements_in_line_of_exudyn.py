@@ -64,16 +64,16 @@ class System:
 
 
 ALPHA = exu.DynamicSolverType.GeneralizedAlpha
-ROTATES = (ROTOR, "MASS 2 1 0 0 0 1 1 0.5\n", 0.5, "T", 1)
-SLIDES = (SLIDER, "MASS 2 2 0 0 0 1 1 1\n", 2.0, "A", 2)
+ROTATES = (ROTOR, "MASS 2 1 0 0 0 1 1 0.5\n", 0.5, "angle")
+SLIDES = (SLIDER, "MASS 2 2 0 0 0 1 1 1\n", 2.0, "stroke")
 either = pytest.mark.parametrize(
-    ("deck", "mass", "inertia", "letter", "coordinate"), [ROTATES, SLIDES], ids=["angle", "stroke"]
+    ("deck", "mass", "inertia", "coordinate"), [ROTATES, SLIDES], ids=["angle", "stroke"]
 )
 
 
 @either
 def test_springs_and_dampers_by_functions_with_preload_and_a_motor_move_as_in_exudyn(
-    deck, mass, inertia, letter, coordinate
+    deck, mass, inertia, coordinate
 ):
     one = System([inertia], [0.4])
     points, forces = [-2.0, -0.1, 0.2, 2.0], [-6.0, -0.5, 0.4, 9.0]
@@ -88,14 +88,23 @@ def test_springs_and_dampers_by_functions_with_preload_and_a_motor_move_as_in_ex
     )  # fmt: skip
     one.load(lambda t: 2 + 5 * np.sin(9 * t))
     table = " ".join(f"{x} {f}" for x, f in zip(points, forces, strict=True))
-    cards = f"{mass}TABLE 1 {table}\nPOLYNOMIAL 2 0 0 0 0.3\nSINE 3 2 5 9\n{letter}MOTOR 1 3\n"
-    cards += f"{letter}SPRING 1 8 0.1 0.4 1.6 1 2\nRATE 1 {coordinate} 0.4\nTOLERANCE 1e-11\n"
+    cards = (
+        f"{mass}ELEMENTS\n"
+        f"  FUNCTION 1 table {table}\n"
+        "  FUNCTION 2 polynomial 0 0 0 0.3\n"
+        "  FUNCTION 3 sine 2 5 9\n"
+        f"  MOTOR motor at=1.{coordinate} effort=3\n"
+    )
+    cards += (
+        f"  SPRING s at=1.{coordinate} stiffness=8 rest=0.1 damping=0.4 preload=1.6 curve=1 damper=2\n"
+        f"  START at=1.{coordinate} rate=0.4\nTOLERANCE 1e-11\n"
+    )
     rows = rows_of(deck, "0 2 2", cards)
     assert rows.joint_coordinate[-1] == pytest.approx(one.solve(2.0, 4000), abs=1e-7)
 
 
 @either
-def test_two_stops_throw_a_body_to_and_fro_as_in_exudyn(deck, mass, inertia, letter, coordinate):
+def test_two_stops_throw_a_body_to_and_fro_as_in_exudyn(deck, mass, inertia, coordinate):
     """Undamped: the damping of Exudyn's stops is that of Kelvin and Voigt, and pulls when a body leaves."""
     one = System([inertia], [2.0])
     data = parts.NodeGenericData(initialCoordinates=[0.0] * 3, numberOfDataCoordinates=3)
@@ -104,7 +113,12 @@ def test_two_stops_throw_a_body_to_and_fro_as_in_exudyn(deck, mass, inertia, let
         offset=0.05, useLimitStops=True,
         limitStopsLower=-0.1, limitStopsUpper=0.2, limitStopsStiffness=500.0,
     )  # fmt: skip
-    cards = f"{mass}{letter}STOP 1 -0.1 0.2 500\n{letter}SPRING 1 3 0.05\nRATE 1 {coordinate} 2\n"
+    cards = (
+        f"{mass}ELEMENTS\n"
+        f"  STOP stop at=1.{coordinate} lower=-0.1 upper=0.2 stiffness=500\n"
+        f"  SPRING spring at=1.{coordinate} stiffness=3 rest=0.05\n"
+        f"  START at=1.{coordinate} rate=2\n"
+    )
     rows = rows_of(deck, "0 1 1", f"{cards}TOLERANCE 1e-11\n")
     assert rows.joint_coordinate[-1] == pytest.approx(one.solve(1.0, 80_000), abs=1e-6)
 
@@ -117,7 +131,13 @@ def test_a_slide_with_friction_and_a_spring_slows_down_as_in_exudyn():
         dynamicFrictionForce=0.3 * (2 * 9.81 + 5), frictionProportionalZone=1e-6,
     )  # fmt: skip
     cards = (
-        "MASS 2 2 0 0 0 1 1 1\nGRAVITY 0 -9.81 0\nASPRING 1 10\nFRICTION 1 0.3 0.3 1 1e-6 0 5\nRATE 1 2 1.5\n"
+        "MASS 2 2 0 0 0 1 1 1\n"
+        "GRAVITY 0 -9.81 0\n"
+        "ELEMENTS\n"
+        "  SPRING aspring-1 at=1.stroke stiffness=10\n"
+        "  FRICTION friction-1 joint=1 dynamic=0.3 static=0.3 stribeck=1 creep=1e-6 "
+        "preload=5\n"
+        "  START at=1.stroke rate=1.5\n"
     )
     rows = rows_of(SLIDER, "0 0.3 0.3", cards + "TOLERANCE 1e-11\n")
     assert rows.joint_rate[-1, 0] > 0.1
@@ -131,12 +151,13 @@ RACK = (
 
 
 @pytest.mark.parametrize(
-    ("deck", "terms", "ratio", "letter"),
-    [(TWO_ROTORS, "1 1 2 2 1 1", -2.0, "T"), (TWO_ROTORS, "1 1 0.1 2 1 -0.25", 0.4, "T"),
-     (RACK, "1 1 -0.2 2 2 1", 0.2, "A")],
+    ("deck", "terms", "ratio", "second"),
+    [(TWO_ROTORS, "1.angle=2 2.angle=1", -2.0, "2.angle"),
+     (TWO_ROTORS, "1.angle=0.1 2.angle=-0.25", 0.4, "2.angle"),
+     (RACK, "1.angle=-0.2 2.stroke=1", 0.2, "2.stroke")],
     ids=["gears", "belt", "rack and pinion"],
 )  # fmt: skip
-def test_coupled_joints_with_springs_swing_as_in_exudyn(deck, terms, ratio, letter):
+def test_coupled_joints_with_springs_swing_as_in_exudyn(deck, terms, ratio, second):
     """The first coordinate x, the second ratio · x."""
     two = System([0.5, 0.3], [1.5, 1.5 * ratio])
     two.couple(1, 0, ratio)
@@ -144,8 +165,15 @@ def test_coupled_joints_with_springs_swing_as_in_exudyn(deck, terms, ratio, lett
         two.add(
             parts.ObjectConnectorCoordinateSpringDamper, on, stiffness=stiffness, damping=damping, offset=rest
         )
-    cards = f"MASS 2 1 0 0 0 1 1 0.5\nMASS 3 0.3 0 0 0 1 1 0.3\nCOUPLING {terms}\nTSPRING 1 20 0.3 0.2\n"
-    cards += f"{letter}SPRING 2 7 -0.4 0.1\nRATE 1 1 1.5\nTOLERANCE 1e-11\n"
+    cards = (
+        "MASS 2 1 0 0 0 1 1 0.5\n"
+        "MASS 3 0.3 0 0 0 1 1 0.3\n"
+        "ELEMENTS\n"
+        f"  COUPLING coupling-1 {terms}\n"
+        "  SPRING tspring-1 at=1.angle stiffness=20 rest=0.3 damping=0.2\n"
+    )
+    cards += f"  SPRING second at={second} stiffness=7 rest=-0.4 damping=0.1\n"
+    cards += "  START at=1.angle rate=1.5\nTOLERANCE 1e-11\n"
     rows = rows_of(deck, "0 1 1", cards)
     assert rows.joint_coordinate[-1] == pytest.approx(two.solve(1.0, 10_000, ALPHA), abs=1e-7)
 
@@ -181,7 +209,14 @@ def test_a_differential_turns_as_in_exudyn():
     rates = three.GetNodeOutput(node, exu.OutputVariableType.Coordinates_t)
     seconds = three.GetNodeOutput(node, exu.OutputVariableType.Coordinates_tt)
     cards = "".join(f"MASS {k + 2} 1 0 0 0 1 1 {inertia}\n" for k, inertia in enumerate(inertias))
-    cards += "TORQUE 2 0 0 6\nTSPRING 2 6 0 0.2\nTSPRING 3 9\nCOUPLING 1 1 2 2 1 -1 3 1 -1\nTOLERANCE 1e-11\n"
+    cards += (
+        "TORQUE 2 0 0 6\n"
+        "ELEMENTS\n"
+        "  SPRING tspring-1 at=2.angle stiffness=6 damping=0.2\n"
+        "  SPRING tspring-2 at=3.angle stiffness=9\n"
+        "  COUPLING coupling-1 1.angle=2 2.angle=-1 3.angle=-1\n"
+        "TOLERANCE 1e-11\n"
+    )
     rows = rows_of(deck, "0 1 1", cards)
     assert rows.joint_coordinate[-1] == pytest.approx(wanted, abs=1e-7)
     # By the balance of the second rotor, whose factor is -1.
@@ -204,6 +239,10 @@ def test_a_body_on_a_link_with_two_spheres_swings_as_in_exudyn():
     wanted = system.system.GetObjectOutputBody(body, exu.OutputVariableType.Position, [0, 0, 0])
     a = system.system.GetObjectOutputBody(body, exu.OutputVariableType.Acceleration, [0, 0, 0])
     cards = "MASS 2 2 0 0 0 0.2 0.3 0.4\nGRAVITY 0.3 -9.81 0.2\nTOLERANCE 1e-11\n"
-    rows = rows_of(FREE, "0 0.5 0.5", f"{cards}SPHSPH 0 2 0 1 0 0.3 0.1 0 {0.9**0.5!r}\n")
+    rows = rows_of(
+        FREE,
+        "0 0.5 0.5",
+        f"{cards}ELEMENTS\n  JOINT sphsph-1 sphsph from=0(0,1,0) to=2(0.3,0.1,0) length={0.9**0.5!r}\n",
+    )
     assert rows.position[-1, 1] == pytest.approx(wanted, abs=1e-6)
     assert rows.composite_force[-1, 0] == pytest.approx(2.0 * (a - (0.3, -9.81, 0.2)), abs=1e-4)

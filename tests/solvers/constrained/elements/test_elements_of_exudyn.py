@@ -61,7 +61,10 @@ def test_an_arm_with_torsional_springs_and_one_in_line_moves_as_in_exudyn():
     ]
     cards = (
         "MASS 2 1.5 0.4 0 0 0.1 0.2 0.2\nMASS 3 0.8 0.3 0 0 0.05 0.1 0.1\nGRAVITY 0 -9.81 0\n"
-        "TSPRING 1 20 0.2 0.3\nTSPRING 2 5 0 0.1\nLSPRING 0 3 1 2 0 0.6 0 0 30 1.2 0.5\n"
+        "ELEMENTS\n"
+        "  SPRING tspring-1 at=1.angle stiffness=20 rest=0.2 damping=0.3\n"
+        "  SPRING tspring-2 at=2.angle stiffness=5 damping=0.1\n"
+        "  SPRING lspring-1 from=0(1,2,0) to=3(0.6,0,0) stiffness=30 rest=1.2 damping=0.5\n"
     )
     one, both = np.cumsum(rows_of(ARM, f"0 {END} {END}", cards).joint_coordinate[-1])
     tip = np.array([np.cos(one), np.sin(one), 0.0])
@@ -85,7 +88,9 @@ def test_a_body_on_a_bushing_sags_and_swings_as_in_exudyn():
     free = "2 0 0 0 0 0 0 0 0 0 0 1\n0 0 0 1 0 0 0\n0 0 0 1 0 0 0\n1 0 0 0 0 0 0\n"
     cards = (
         "MASS 2 0.5 0.02 0.01 -0.015 0.04 0.05 0.06\nGRAVITY 0 -9.81 0\n"
-        "BUSHING 0 2 0 0 0 0 0 0 900 1600 2500 60 90 160 5 6 7 0.2 0.3 0.4\n"
+        "ELEMENTS\n"
+        "  BUSHING bushing-1 from=0(0,0,0) to=2(0,0,0) k=(900,1600,2500) kr=(60,90,160) "
+        "c=(5,6,7) cr=(0.2,0.3,0.4)\n"
     )
     rows = rows_of(free, f"0 {END} {END}", cards)
     assert rows.position[-1, 1] == pytest.approx(wanted, abs=1e-6)

@@ -17,9 +17,16 @@ ARM_WITH_SLIDE = (
 CARDS = (
     "MASS 2 1.5 0.4 0.02 0 0.1 0.2 0.2\nMASS 3 0.8 0.3 -0.01 0.05 0.05 0.1 0.1\n"
     "MASS 4 0.6 0.1 0.03 0 0.02 0.03 0.04\nGRAVITY 0.5 -9.81 0.3\n"
-    "TSPRING 1 20 0.2 0.3\nTSPRING 2 5 0 0.1\nASPRING 3 90 0.05 0.7\n"
-    "LSPRING 0 3 1 2 0 0.6 0 0 30 1.2 0.5\nSPRING 0 4 1 -2 0 0.1 0.2 0.1 12 0.9 0.2\n"
-    "DAMPER 0 2 0.3 1 0.2 0.5 0.1 0 0.4\nCABLE 0 4 3 1 0 0.2 0 0 40 1.7\n"
+    "ELEMENTS\n"
+    "  SPRING tspring-1 at=1.angle stiffness=20 rest=0.2 damping=0.3\n"
+    "  SPRING tspring-2 at=2.angle stiffness=5 damping=0.1\n"
+    "  SPRING aspring-1 at=3.stroke stiffness=90 rest=0.05 damping=0.7\n"
+    "ELEMENTS\n"
+    "  SPRING lspring-1 from=0(1,2,0) to=3(0.6,0,0) stiffness=30 rest=1.2 damping=0.5\n"
+    "SPRING 0 4 1 -2 0 0.1 0.2 0.1 12 0.9 0.2\n"
+    "DAMPER 0 2 0.3 1 0.2 0.5 0.1 0 0.4\n"
+    "ELEMENTS\n"
+    "  CABLE cable-1 from=0(3,1,0) to=4(0.2,0,0) stiffness=40 rest=1.7\n"
 )
 MODEL = """<mujoco><option gravity="0.5 -9.81 0.3" integrator="RK4" timestep="2e-4"/>
 <compiler angle="radian" inertiafromgeom="false"/>
@@ -52,8 +59,18 @@ def arm():
 
 def test_motors_of_an_arm_with_springs_and_a_cable_need_the_efforts_of_mujoco():
     """Inverse dynamics, no integration: drivers of two angles and a stroke, two turns of the second."""
-    functions = "SINE 1 0 0.7 2.0\nPOLYNOMIAL 2 0 8.0 -0.4 0.3\nSINE 3 0.1 0.1 5 -1.5707963267948966\n"
-    drivers = "ANGLE 1 1\nANGLE 2 2\nSTROKE 3 3\n"
+    functions = (
+        "ELEMENTS\n"
+        "  FUNCTION 1 sine 0 0.7 2.0\n"
+        "  FUNCTION 2 polynomial 0 8.0 -0.4 0.3\n"
+        "  FUNCTION 3 sine 0.1 0.1 5 -1.5707963267948966\n"
+    )
+    drivers = (
+        "ELEMENTS\n"
+        "  DRIVE angle-1 at=1.angle value=1\n"
+        "  DRIVE angle-2 at=2.angle value=2\n"
+        "  DRIVE stroke-1 at=3.stroke value=3\n"
+    )
     rows = rows_of(ARM_WITH_SLIDE, "0 1.6 0.1", CARDS + functions + drivers, "inverse")
     t = rows.time
     q = np.column_stack([0.7 * np.sin(2 * t), t * (8 - 0.4 * t + 0.3 * t**2), 0.1 - 0.1 * np.cos(5 * t)])
@@ -83,7 +100,14 @@ def test_a_support_and_a_driver_of_the_deck_need_the_efforts_of_mujoco():
     deck += "".join(f"2 {k} 0\n" for k in range(1, 7)) + "1 0 0 0 0 0 0\n"
     cards = "MASS 2 1.5 0.4 0 0 0.1 0.2 0.2\nMASS 3 0.8 0.3 0.1 0 0.05 0.1 0.1\nGRAVITY 0.5 -9.81 0.3\n"
     rows = rows_of(
-        deck, "0 1 0.1", f"{cards}SINE 1 0 0.3 6\nSINE 2 0 2 3\nSUPPORT 1 1\nDRIVE 1 2\n", "inverse"
+        deck,
+        "0 1 0.1",
+        f"{cards}ELEMENTS\n"
+        "  FUNCTION 1 sine 0 0.3 6\n"
+        "  FUNCTION 2 sine 0 2 3\n"
+        "  SUPPORT support-1 simplified=1 value=1\n"
+        "  DRIVE drive-1 driver=1 value=2\n",
+        "inverse",
     )
     t = rows.time
     q = np.column_stack([0.3 * np.sin(6 * t), 2 * np.sin(3 * t)])
@@ -100,7 +124,13 @@ def test_a_support_and_a_driver_of_the_deck_need_the_efforts_of_mujoco():
 @pytest.mark.long_motion
 def test_an_arm_with_springs_dampers_and_a_cable_moves_as_in_mujoco():
     """MuJoCo by RK4 with 0.2 ms; the cable becomes taut and slack, where RK4 loses its order."""
-    rates = "RATE 1 1 0.5\nRATE 2 1 -1\nRATE 3 2 0.3\nTOLERANCE 1e-12\n"
+    rates = (
+        "ELEMENTS\n"
+        "  START at=1.angle rate=0.5\n"
+        "  START at=2.angle rate=-1\n"
+        "  START at=3.stroke rate=0.3\n"
+        "TOLERANCE 1e-12\n"
+    )
     rows = rows_of(ARM_WITH_SLIDE, "0 1 0.1", CARDS + rates)
     model, data = arm()
     data.qvel[:] = 0.5, -1.0, 0.3

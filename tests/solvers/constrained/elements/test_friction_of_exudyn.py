@@ -17,7 +17,12 @@ from tests.solvers.constrained.elements.element_cases import SLEEVE
 
 pytestmark = [pytest.mark.long_motion, pytest.mark.filterwarnings("ignore::DeprecationWarning")]
 SLIDING, STICKING, STRIBECK, CREEP, RADIUS, PRELOAD = 0.3, 0.4, 0.2, 0.02, 0.05, 30.0
-FRICTION = f"FRICTION 1 {SLIDING} {STICKING} {STRIBECK} {CREEP} {RADIUS} {PRELOAD}\n"
+FRICTION = (
+    "ELEMENTS\n"
+    f"  FRICTION friction-1 joint=1 dynamic={SLIDING} static={STICKING} "
+    f"stribeck={STRIBECK} creep={CREEP}\n"
+    f"      radius={RADIUS} preload={PRELOAD}\n"
+)
 STIFFNESS, INERTIA, MASS = 4.0, 0.5, 2.0
 
 
@@ -56,8 +61,15 @@ def test_a_bearing_with_friction_stops_sticks_and_turns_back_as_in_exudyn():
         return [2 * math.sin(5 * t) - STIFFNESS * q[0] - RADIUS * friction(RADIUS * rate[0])]
 
     angle, rate = solved([INERTIA], [1.5], force, 2.0, 4000)
-    cards = f"MASS 2 1 0 0 0 1 1 {INERTIA}\nSINE 1 0 2 5\nTMOTOR 1 1\nTSPRING 1 {STIFFNESS}\n{FRICTION}"
-    rows = rows_of(ROTOR, "0 2 0.01", f"{cards}RATE 1 1 1.5\nTOLERANCE 1e-11\n")
+    cards = (
+        f"MASS 2 1 0 0 0 1 1 {INERTIA}\n"
+        "ELEMENTS\n"
+        "  FUNCTION 1 sine 0 2 5\n"
+        "  MOTOR tmotor-1 at=1.angle effort=1\n"
+        f"  SPRING tspring-1 at=1.angle stiffness={STIFFNESS}\n"
+        f"{FRICTION}"
+    )
+    rows = rows_of(ROTOR, "0 2 0.01", f"{cards}ELEMENTS\n  START at=1.angle rate=1.5\nTOLERANCE 1e-11\n")
     assert np.sum(np.diff(np.sign(rows.joint_rate[:, 0])) != 0) >= 2  # it turns back
     assert rows.joint_coordinate[-1] == pytest.approx(angle, abs=1e-8)
     assert rows.joint_rate[-1] == pytest.approx(rate, abs=1e-7)
@@ -73,8 +85,14 @@ def test_a_sleeve_that_turns_and_slides_is_braked_against_its_screwing_motion_as
         return [-STIFFNESS * q[0] - RADIUS * braking * around, -20 * q[1] - braking * along]
 
     place, rate = solved([INERTIA, MASS], [6.0, 0.8], force, 1.5, 6000)
-    cards = f"MASS 2 {MASS} 0 0 0 1 1 {INERTIA}\nTSPRING 1 {STIFFNESS}\nASPRING 1 20\n{FRICTION}"
-    cards += "RATE 1 1 6\nRATE 1 2 0.8\nTOLERANCE 1e-11\n"
+    cards = (
+        f"MASS 2 {MASS} 0 0 0 1 1 {INERTIA}\n"
+        "ELEMENTS\n"
+        f"  SPRING tspring-1 at=1.angle stiffness={STIFFNESS}\n"
+        "  SPRING aspring-1 at=1.stroke stiffness=20\n"
+        f"{FRICTION}"
+    )
+    cards += "ELEMENTS\n  START at=1.angle rate=6\n  START at=1.stroke rate=0.8\nTOLERANCE 1e-11\n"
     rows = rows_of(SLEEVE.format(1, 0, ""), "0 1.5 0.01", cards)
     assert np.min(rows.joint_rate[:, 1]) < 0  # it slides back
     assert rows.joint_coordinate[-1] == pytest.approx(place, abs=1e-8)

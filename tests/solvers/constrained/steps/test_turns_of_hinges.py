@@ -11,7 +11,7 @@ from flexmb_cli.model.tree import Body, Hinge, Tree
 from flexmb_cli.solvers.constrained.tree import AbsoluteTree
 
 TURNING_ARM = Path(__file__).parent / "turns.DAT"
-SPRING = "HSPR\n    1\n    1    3     1E-10\n"
+SPRING = "ELEMENTS\n  SPRING hspr-1 at=1.r3 stiffness=1e-15\n"
 
 
 def test_hinge_with_a_spring_counts_the_turns_of_the_deck_without_it(tmp_path):

@@ -1,13 +1,14 @@
-"""Cards of functions of time, for every dialect."""
+"""Functions of time, of a stretch or of a rate, of the lines FUNCTION."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
-from ...deck.record import Number, Record
-from ...errors import Place
+from ...deck.record import Record
 from ...model.diagnostics import Findings
 from ...model.piecewise_polynomials import linear_table, polynomial, smooth_step, spline_table
 from ...model.time_functions import (
@@ -19,79 +20,69 @@ from ...model.time_functions import (
     smoothness,
     sum_of,
 )
+from .function_lines import GivenFunction, given_functions, name_of
+from .line import ElementLine
 
-MOST_FUNCTIONS, LARGEST_TABLES = 20_000, 2_000_000  # of a deck
+_NO_NUMBER = re.compile(r"-+[0-9]+|0+")  # below 1: 0 means that there is no function
+LARGEST_TABLES = 2_000_000  # numbers of the functions of a deck
 MOST_FACTORS = 1000  # of a term, and terms, of what is multiplied out
 SHORTEST = 1e-50  # of the distance of two points, s: slopes of larger numbers would leave the doubles
 
 
-@dataclass(frozen=True)
-class GivenFunction:
-    """A function as a deck gives it: its card, its number or name, what it is, and what defines it.
+class Functions:
+    """The functions of a deck's lines by their numbers or names, as texts; faults go into `findings`.
 
-    `place(k)`: where the k-th value stands; `also`: its number, where it has a name, too.
+    Files are relative to `folder`.  `tables`: functions of the cards TABL by their numbers, in dialects that
+    have such, None for faulty ones.
     """
 
-    record: Record
-    number: Number
-    kind: str  # of `KINDS`
-    values: Sequence[Any]  # numbers, of sums and products names
-    place: Callable[[int], Place | None]
-    also: Number | None = None
-
-
-class Functions:
-    """The functions of a deck by their numbers or names, as texts; faults go into `findings`."""
-
-    def __init__(self, given: Iterable[GivenFunction], findings: Findings):
+    def __init__(
+        self,
+        lines: Iterable[ElementLine],
+        folder: Path,
+        findings: Findings,
+        tables: Mapping[int, MotionFunction | None] | None = None,
+    ):
         self.findings = findings
         self._functions: dict[str, MotionFunction] = {}
         self._used: set[str] = set()
         self._records: dict[str, Record] = {}
         self._values = 0
-        for function in given:
+        for function in given_functions(lines, folder, findings, tables):
             self._values += len(function.values)
-            if len(self._records) >= MOST_FUNCTIONS or self._values > LARGEST_TABLES:
-                message = (
-                    f"a deck has at most {MOST_FUNCTIONS} functions, of {LARGEST_TABLES} numbers together"
-                )
-                findings.error(function.record.subject, message, function.record.place, id="ELEMENTS-025")
+            if self._values > LARGEST_TABLES:
+                message = f"the functions of a deck have at most {LARGEST_TABLES} numbers together"
+                findings.error(function.line.subject, message, function.line.place, id="ELEMENTS-025")
                 break
             self._take(function)
 
-    def _take(self, given: Any) -> None:
-        record, names = given.record, []
-        for number in (given.number, given.also):
-            if number is None:
-                continue
-            name = name_of(number.value)
-            if (name.lstrip("-").isdigit() and int(name) < 1) or name in self._records:
+    def _take(self, given: GivenFunction) -> None:
+        line = given.line
+        for name, place in given.names:
+            if _NO_NUMBER.fullmatch(name) or name in self._records:
                 other = self._records.get(name)
                 why = f"is already {other.subject}" if other else "must be 1 or more"
-                self.findings.error(
-                    record.subject, f"function number {name} {why}", number.place, id="ELEMENTS-012"
-                )
+                self.findings.error(line.subject, f"function number {name} {why}", place, id="ELEMENTS-012")
                 return
-            self._records[name] = record
-            names.append(name)
-        kind = KINDS[given.kind]
+            self._records[name] = line
+        if given.faulty:
+            return
+        kind = KINDS[line.kind]
         if not kind.fits(len(given.values)):
-            message = f"{kind.name} takes {kind.wanted}; read {len(given.values)} numbers"
-            self.findings.error(record.subject, message, record.place, id="ELEMENTS-013")
+            message = f"{line.kind} takes {kind.wanted}; read {len(given.values)} numbers"
+            self.findings.error(line.subject, message, line.place, id="ELEMENTS-013")
             return
         function = kind.make(self, given)
         if function is not None:
-            self._functions.update(dict.fromkeys(names, function))
+            self._functions.update((name, function) for name, _ in given.names)
 
     def __contains__(self, value: object) -> bool:
         """Return whether a name or number is that of a function."""
         return name_of(value) in self._records
 
-    def function(self, record: Record, key: str = "function") -> MotionFunction | None:
-        """The function that `key` of a record names; None for 0, and where there is none."""
+    def function(self, record: Record, key: str) -> MotionFunction | None:
+        """The function that `key` of a record names; None where there is none."""
         number = record.at(key)
-        if number.value == 0 and key != "function":
-            return None
         name = name_of(number.value)
         if name not in self._records:
             known = listed(self._records) or "none"
@@ -101,25 +92,14 @@ class Functions:
             self._used.add(self._records[name].subject)
         return self._functions.get(name)
 
-    def motion(
-        self, record: Record, start: float, given: float = 0.0, key: str = "function"
-    ) -> MotionFunction | None:
-        """The function that a driver's coordinate follows: the function, or its integral from `given` on."""
-        by_rate = record.at("rate") if "rate" in record else None
-        if by_rate is not None and by_rate.value not in (0, 1):
-            message = f"rate must be 0 (the coordinate) or 1 (its rate); read {by_rate.value}"
-            self.findings.error(record.subject, message, by_rate.place, id="ELEMENTS-015")
-            return None
-        if by_rate is not None and by_rate.value == 1:
-            return self.integrated(record, start, given, key)
+    def motion(self, record: Record, key: str) -> MotionFunction | None:
+        """The function that a driver's coordinate follows."""
         function = self.function(record, key)
         if function is not None:
             self._refuse_rough(record, function, 1, "the rate of a coordinate cannot jump", key)
         return function
 
-    def integrated(
-        self, record: Record, start: float, given: float = 0.0, key: str = "function"
-    ) -> MotionFunction | None:
+    def integrated(self, record: Record, key: str, start: float, given: float = 0.0) -> MotionFunction | None:
         """The integral of the function from `given` at the time `start` on."""
         function = self.function(record, key)
         if function is None:
@@ -127,7 +107,7 @@ class Functions:
         self._refuse_rough(record, function, 0, "a rate cannot jump", key)
         found = integral_of(function, start)
         if found is None:
-            message = "flexmb has no integral of a product; give the coordinate itself (rate 0)"
+            message = "flexmb has no integral of a product; give the coordinate itself, in place of its rate"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-016")
             return None
         return sum_of([found, piecewise(polynomial([given]))]) if given else found
@@ -136,14 +116,14 @@ class Functions:
         """The characteristic of a spring or damper over its stretch or rate, which must have an integral."""
         function = self.function(record, key)
         if function is not None and integral_of(function) is None:
-            message = "a product is no characteristic of a spring; use TABLE, SPLINE or POLYNOMIAL"
+            message = "a product is no characteristic of a spring; use table, spline or polynomial"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-017")
             return None
         return function
 
     def _refuse_rough(self, record: Record, function: MotionFunction, least: int, why: str, key: str) -> None:
         if smoothness(function) < least:
-            remedy = "use SPLINE or STEP" if least else "move its points apart"
+            remedy = "use spline or step" if least else "move its points apart"
             message = f"{why}, but that of function {name_of(record[key])} does; {remedy}"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-018")
 
@@ -154,14 +134,8 @@ class Functions:
         for name, record in self._records.items():
             if record.subject not in self._used:
                 self._used.add(record.subject)
-                self.findings.note(
-                    record.subject, f"nothing uses function {name}", record.place, id="ELEMENTS-019"
-                )
-
-
-def name_of(value: Any) -> str:
-    """Return the name of a function, which may be a number."""
-    return value if isinstance(value, str) else f"{value:g}"
+                message = f"nothing uses function {name}"
+                self.findings.note(record.subject, message, record.place, id="ELEMENTS-019")
 
 
 def listed(names: Iterable[str]) -> str:
@@ -176,11 +150,11 @@ def _points(functions: Functions, given: GivenFunction, make: Callable[..., Any]
             message = (
                 f"times must rise; {after:g} follows {before:g} (for a jump take two times a little apart)"
             )
-            functions.findings.error(given.record.subject, message, given.place(2 * k), id="ELEMENTS-020")
+            functions.findings.error(given.line.subject, message, given.place(2 * k), id="ELEMENTS-020")
             return None
         if after - before < SHORTEST:
             message = f"{after:g} follows {before:g} by less than {SHORTEST:g}, too short to compute with"
-            functions.findings.error(given.record.subject, message, given.place(2 * k), id="ELEMENTS-026")
+            functions.findings.error(given.line.subject, message, given.place(2 * k), id="ELEMENTS-026")
             return None
     return piecewise(make(times, found))
 
@@ -198,7 +172,7 @@ def _between(functions: Functions, given: GivenFunction, make: Callable[..., Any
     ends = [float(value) for value in given.values]
     if not ends[0] + SHORTEST < ends[2]:
         message = f"the end {ends[2]:g} s must be later than the start {ends[0]:g} s"
-        functions.findings.error(given.record.subject, message, given.place(2), id="ELEMENTS-021")
+        functions.findings.error(given.line.subject, message, given.place(2), id="ELEMENTS-021")
         return None
     return piecewise(make(*ends))
 
@@ -209,23 +183,23 @@ def _ramp(t0: float, v0: float, t1: float, v1: float) -> Any:
 
 def _combined(known: Any, given: GivenFunction, combine: Callable[..., Any]) -> Any:
     parts = []
-    own = {name_of(number.value) for number in (given.number, given.also) if number}
+    own = {name for name, _ in given.names}
     for k, value in enumerate(map(name_of, given.values)):
         part = known._functions.get(value)
         if value in known._records:
             known._used.add(known._records[value].subject)
         if (part is None and value not in known._records) or value in own:
-            message = f"function {value} must be given in a card above"
-            known.findings.error(given.record.subject, message, given.place(k), id="ELEMENTS-022")
+            message = f"function {value} must be given on a line above"
+            known.findings.error(given.line.subject, message, given.place(k), id="ELEMENTS-022")
         parts.append(part)
     if None in parts:
         return None
-    # Before they are multiplied out: forty cards that square the one above have 2^40 factors.
+    # Before they are multiplied out: forty functions that square the one above have 2^40 factors.
     terms, factors = _multiplied_out(parts, combine)
     if max(terms, factors) > MOST_FACTORS:
         many = f"multiplied out it has {terms} terms of {factors} factors, more than {MOST_FACTORS}"
         message = f"{many}; use fewer {'sums' if terms > factors else 'products'}"
-        known.findings.error(given.record.subject, message, given.record.place, id="ELEMENTS-023")
+        known.findings.error(given.line.subject, message, given.line.place, id="ELEMENTS-023")
         return None
     known._values += terms * factors
     return combine(parts)
@@ -240,12 +214,11 @@ def _multiplied_out(parts: Sequence[MotionFunction], combine: Callable[..., Any]
 
 @dataclass(frozen=True)
 class Kind:
-    """A type of function: its name, what makes it, and how many numbers define it.
+    """A type of function: what makes it, and how many numbers define it.
 
     `least` numbers or more, by `step`, up to `most` (0: any).
     """
 
-    name: str
     make: Callable[..., Any]
     wanted: str
     least: int
@@ -261,12 +234,12 @@ class Kind:
 _ENDS = "start from end to: from the first value at the start to the last at the end"
 _PARTS = "one function above or more"
 KINDS = {
-    "table": Kind("TABLE", lambda f, g: _points(f, g, linear_table), "two points t v or more", 4, step=2),
-    "spline": Kind("SPLINE", lambda f, g: _points(f, g, spline_table), "two points t v or more", 4, step=2),
-    "polynomial": Kind("POLYNOMIAL", _polynomial, "one coefficient or more", 1),
-    "sine": Kind("SINE", _sine, "mean amplitude omega and, if not 0, phase", 3, 4),
-    "ramp": Kind("RAMP", lambda f, g: _between(f, g, _ramp), _ENDS, 4, 4),
-    "step": Kind("STEP", lambda f, g: _between(f, g, smooth_step), _ENDS, 4, 4),
-    "sum": Kind("SUM", lambda f, g: _combined(f, g, sum_of), _PARTS, 1),
-    "product": Kind("PRODUCT", lambda f, g: _combined(f, g, product_of), _PARTS, 1),
+    "table": Kind(lambda f, g: _points(f, g, linear_table), "two points t v or more", 4, step=2),
+    "spline": Kind(lambda f, g: _points(f, g, spline_table), "two points t v or more", 4, step=2),
+    "polynomial": Kind(_polynomial, "one coefficient or more", 1),
+    "sine": Kind(_sine, "mean amplitude omega and, if not 0, phase", 3, 4),
+    "ramp": Kind(lambda f, g: _between(f, g, _ramp), _ENDS, 4, 4),
+    "step": Kind(lambda f, g: _between(f, g, smooth_step), _ENDS, 4, 4),
+    "sum": Kind(lambda f, g: _combined(f, g, sum_of), _PARTS, 1),
+    "product": Kind(lambda f, g: _combined(f, g, product_of), _PARTS, 1),
 }

@@ -1,1 +1,0 @@
-"""Functions of time and elements at joints: one meaning of their cards in all dialects."""

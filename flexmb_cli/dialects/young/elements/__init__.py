@@ -1,1 +1,0 @@
-"""Cards of functions of time and of elements in YOUNG decks."""
