@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any, cast
 
 from ...collector import without_collector
 from ...deck.many_records import Chained, Made
-from ...deck.record import Deck, Record
+from ...deck.record import Deck
 from ...deck.shifted_lines import with_slip_named
 from ...errors import Fault, FaultList, ModelError
 from ...model.diagnostics import Findings
 from ...model.driver_angles import check_driver_angles
-from ...model.mechanism import Mechanism, TimeGrid
+from ...model.mechanism import Mechanism
 from ..elements_block.line import CONSTRAINING as CONSTRAINING_WORDS
 from .dynamic_cards import FORWARD, analysis_of
 from .elements.cards import CONSTRAINING
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from ..elements_block.line import ElementLine
 
 
-_HOLDERS = ("ground", "simplified", "driver")
 _SECTIONS = ("body", "simplified", "distance", "driver", "ground", "point")
 
 
@@ -64,29 +63,6 @@ def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
         check_equation_count(mechanism, deck.one("counts").place, counted)
     _refuse_if_faulty(deck, findings, counted)
     return mechanism, findings.in_order
-
-
-def faults_of_last(records: Sequence[Record], bodies: int, complete: bool = True) -> list[Fault]:
-    """Errors and warnings that the last of `records` brings into a deck in the making of `bodies` bodies.
-
-    The records before it are complete and without errors; the last may lack its later numbers
-    (not `complete`).  What is known only of a whole deck (equations, assembly) is not looked at.
-    """
-    last = records[-1]
-    part, faults = part_of(last, bodies, complete)
-    findings = Findings(list(faults))
-    if part and last.section in _HOLDERS and not faults:
-        check_held_coordinates(_holders(records, bodies), findings)
-    return findings.in_order
-
-
-def _holders(records: Sequence[Record], bodies: int) -> Mechanism:
-    made: Any = {name: [] for name in _HOLDERS}
-    for record in records:
-        if record.section in made:
-            made[record.section].append(part_of(record, bodies)[0])
-    grounds, simplified, drivers = (tuple(made[name]) for name in _HOLDERS)
-    return Mechanism((), TimeGrid(0.0, 0.0, 1.0), simplified=simplified, drivers=drivers, grounds=grounds)
 
 
 def _parts(deck: Deck, findings: Findings) -> "dict[Any, Any]":

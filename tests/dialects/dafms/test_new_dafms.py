@@ -102,8 +102,7 @@ def typed(deck):
 
 
 def deck_of(dialogue):
-    text = "".join(f"{line}\n" for line, _ in dialogue.lines)
-    return read_deck(decode("new", text.encode()))
+    return read_deck(decode("new", dialogue.text.encode()))
 
 
 def values_of(deck):

@@ -10,7 +10,7 @@ from flexmb_cli.deck.text import decode, read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.vsdf.build import build_vsdf
 from flexmb_cli.dialects.vsdf.cards import CARDS, analysis
-from flexmb_cli.dialects.vsdf.form import ADDED, COUNTED, LATER, VsdfForm
+from flexmb_cli.dialects.vsdf.form import ADDED, COUNTED, VsdfForm
 from flexmb_cli.model.integrators import METHODS, Integrator
 from tests.dialects.vsdf.element_cases import CASES
 from tests.dialects.vsdf.vsdf_decks import read
@@ -19,7 +19,7 @@ DECKS = sorted((Path(__file__).parents[3] / "decks" / "vsdf").glob("*.vsdf"))
 BY_SECTION = {card.section: card for card in CARDS}
 SECTIONS = {card.word: card.section for card in CARDS}
 OF_ONE_BODY = ("FEMN", "RIGI")
-COUNTS_OF = {"counts": COUNTED, "elements": ADDED, "more": LATER}
+COUNTS_OF = {"counts": COUNTED, "more": ADDED}
 
 
 def record_for(deck, entry):
@@ -56,8 +56,7 @@ def typed(deck):
 
 
 def deck_of(dialogue):
-    text = "".join(f"{line}\n" for line, _ in dialogue.lines)
-    return read_deck(decode("new", text.encode()))
+    return read_deck(decode("new", dialogue.text.encode()))
 
 
 def values_of(deck):
