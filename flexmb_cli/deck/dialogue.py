@@ -13,7 +13,7 @@ from typing import Any
 
 from ..errors import DeckError, Fault, FlexmbError, Place
 from . import number
-from .questions import TEXT, Cell, Entry, Question
+from .questions import TEXT, WORD, Cell, Entry, Question
 from .record import DeckText, Number, Record
 from .text import decode
 
@@ -53,12 +53,9 @@ class Form:
     def entries(self, values: Mapping[str, str]) -> Entries:
         """Yield the records to ask for in order, and receive each as it was answered.
 
-        `values`: all answers so far, by full name.
+        `values`: all answers so far, by full name.  Raises DeckError for an answer that is wrong by itself.
         """
         raise NotImplementedError
-
-    def check(self, record: Record) -> None:
-        """Raise DeckError for a record that is wrong by itself, in what the deck does not say as it does."""
 
     def lines(self, records: Sequence[Record]) -> list[Line]:
         """The deck of these records, which the reader takes even where others are still to be asked for."""
@@ -113,8 +110,11 @@ class Dialogue:
         self._entry = self._cell = 0
 
     @property
-    def _asked(self) -> tuple[list[Entry], list[Record]]:
-        """The records that are answered well, as asked for and as answered, and the next one asked for."""
+    def _asked(self) -> tuple[list[Entry], list[Record], Sequence[Fault]]:
+        """The records that are answered well, as asked for and as answered, and the next one asked for.
+
+        With them go the faults for which the form refuses the answer to that.
+        """
         entries: list[Entry] = []
         records: list[Record] = []
         asking = self.form.entries(self.values)
@@ -125,7 +125,10 @@ class Dialogue:
                 entries.append(asking.send(records[-1]))
         except StopIteration:
             pass
-        return entries, records
+        except DeckError as refused:
+            del records[-1]
+            return entries, records, refused.faults
+        return entries, records, ()
 
     @property
     def question(self) -> Question | None:
@@ -203,7 +206,7 @@ class Dialogue:
 
     def forward(self) -> list[Fault]:
         """Go to the first question without a good answer; the faults of the answer that stopped it."""
-        entries, records = self._asked
+        entries, records, _ = self._asked
         self._entry = len(records)
         self._cell = self._answered(entries[-1]) if len(entries) > len(records) else 0
         faults = [*self._judged(records), *(self._faults(self._cell) if self._cell else ())]
@@ -246,22 +249,21 @@ class Dialogue:
 
     def _faults(self, end: int) -> list[Fault]:
         """Faults that the present record, answered up to cell `end`, brings into the deck so far."""
-        entry = self._asked[0][self._entry]
-        last = self._record(self._entry, entry, end)
-        first = Place(self._entry + 1, 1)
-        if end == len(entry.cells):
-            try:
-                self.form.check(last)
-            except DeckError as failure:
-                return [replace(fault, place=first, subject=entry.subject) for fault in failure.faults]
-        elif not self.form.early.intersection(cell.key for cell in entry.cells[:end]):
+        entries, records, refused = self._asked
+        entry, line = entries[self._entry], self._entry + 1
+        complete = end == len(entry.cells)
+        if complete and refused and len(records) == self._entry:
+            return [replace(fault, place=Place(line, 1), subject=entry.subject) for fault in refused]
+        keys = {cell.key for cell in entry.cells[:end]}
+        if not complete:
+            keys &= self.form.early
+        if not keys:
             return []
-        faults = self._judged([*self.records, last])
-        new = [fault for fault in faults if fault.severity == "error" or fault.place.line == first.line]
-        if end == len(entry.cells):
-            return new
-        keys = [cell.key if k < end else "" for k, cell in enumerate(entry.cells)]
-        return [f for f in new if f.place.line == first.line and keys[f.place.column - 1] in self.form.early]
+        last = records[self._entry] if complete else self._record(self._entry, entry, end)
+        faults = self._judged([*records[: self._entry], last])
+        if complete:
+            return [fault for fault in faults if fault.severity == "error" or fault.place.line == line]
+        return [f for f in faults if f.place.line == line and entry.cells[f.place.column - 1].key in keys]
 
     def _judged(self, records: list[Record]) -> list[Any]:
         """What reader and builder say about the deck of `records`; places are those of the answers."""
@@ -278,7 +280,7 @@ class Dialogue:
         """The record of an entry as answered, its cells from `end` on being zero or what Enter gives."""
         numbers = []
         for column, cell in enumerate(entry.cells, start=1):
-            text = cell.default or "0"
+            text = cell.default or "0" if cell.letter != WORD else cell.words[0]
             if end is None or column <= end:
                 text = self.values[entry.name(cell)]
             value = cell.spelled(text)[0]

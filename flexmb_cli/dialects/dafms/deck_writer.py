@@ -1,7 +1,7 @@
 """The answers of `flexmb new dafms` as the cards of FMBD.DAT, every number in the columns of its FORMAT.
 
-Sequence and FORMATs: DAFMS thesis (Zhao, 1992), appendix C, and the reader's table of cards.  What has not been
-asked for yet is written as zero, so that the deck so far can be read.
+Sequence and FORMATs: DAFMS thesis (Zhao, 1992), appendix C, and the reader's table of cards.  What has not
+been asked for yet is written as zero, so that the deck so far can be read.
 """
 
 from collections import defaultdict

@@ -83,7 +83,7 @@ _NODES = (
 
 
 class DafmsForm(Form):
-    """The questions of a DAFMS deck; `axes` are those of nodal displacements, `nodes` their number by body."""
+    """The questions of a DAFMS deck."""
 
     dialect = "dafms"
 
@@ -92,13 +92,13 @@ class DafmsForm(Form):
         yield titled(width=75)
         counts = yield Entry("counts", 0, "counts", _COUNTS)
         yield Entry("time", 0, "time", _TIME)
-        bodies, self.dimension = range(1, counts["N"] + 1), counts["NDM"]
+        bodies, dimension = range(1, counts["N"] + 1), counts["NDM"]
         hinges, blocks = {}, {}
         for k in bodies:
             parent = _integer("L", "number of the parent; 0: inertial frame", str(k - 1), (0, k - 1))
             hinges[k] = yield Entry("body", k, f"body {k}", (parent, *_FREE, _KIND))
         for k in bodies:
-            blocks[k] = yield from _block(hinges[k]["kind"], k, self.dimension)
+            blocks[k] = yield from _block(hinges[k]["kind"], k, dimension)
         for k in bodies:
             for word in OF_EVERY_BODY:
                 yield _card_entry(CARDS[word], k, _offered(word, blocks[k]))
@@ -113,18 +113,6 @@ class DafmsForm(Form):
         shapes = yield Entry("shapes", 0, "shapes for pictures", (_count_cell(CARDS["GEOM"]),), True)
         yield from _counted(CARDS["GEOM"], shapes["GEOM"], blocks)
         yield from element_entries()
-
-    def check(self, record: Record) -> None:
-        """Refuse what is no beam, and stiffness that is too much to type."""
-        if record.section == "beam":
-            beam = beam_of(record)
-            beam_block(beam)
-            if 1 in beam.axes and self.dimension == 2:
-                message = "deflection along axis 1 needs a deck with NDM = 3"
-                raise DeckError([Fault("error", message, id="DAFMS-031")])
-        elif record.section == "elastic" and (size := record["NUMNP"] * record["NDF"]) > MOST_TYPED:
-            message = f"{size} elastic coordinates are too many to type (at most {MOST_TYPED})"
-            raise DeckError([Fault("error", f"{message}: use `flexmb beam --into`", id="DAFMS-024")])
 
     def lines(self, records: Sequence[Record]) -> list[Line]:
         """The cards in the columns of their FORMATs."""
@@ -147,11 +135,17 @@ def _block(kind: str, k: int, dimension: int) -> Generator[Entry, Record, _Block
     """Yield the records of an elastic body."""
     if kind == "BEAM":
         beam = beam_of((yield Entry("beam", k, f"beam of body {k}", _BEAM)))
+        if 1 in beam.axes and dimension == 2:
+            raise _refused("deflection along axis 1 needs a deck with NDM = 3", id="DAFMS-031")
+        beam_block(beam)
         return _Block(beam.axes, beam.nodes, beam)
     if kind == "RIGID":
         return _Block()
     counts = yield Entry("elastic", k, f"nodes of body {k}", _NODES)
     nodes, dofs = counts["NUMNP"], counts["NDF"]
+    if nodes * dofs > MOST_TYPED:
+        message = f"{nodes * dofs} elastic coordinates are too many to type (at most {MOST_TYPED})"
+        raise _refused(f"{message}: use `flexmb beam --into`", id="DAFMS-024")
     axes = (2, 3) if dimension == 2 else (1, 2, 3)
     vectors = (("CO", "position from O_k", "m", None), ("PI", "force, inertial axes", "N", "0"))
     cells = tuple(_real(f"{key}.{a}", f"{what}, axis {a}", unit, default)
@@ -168,6 +162,10 @@ def _block(kind: str, k: int, dimension: int) -> Generator[Entry, Record, _Block
     masses = tuple(_real(f"BMI({i})", "nodal mass", "kg") for i in _to(nodes))
     yield Entry("nodal_mass", k, f"nodal masses of body {k}", masses)
     return _Block(tuple(range(4 - dofs, 4)), nodes)
+
+
+def _refused(message: str, *, id: str) -> DeckError:
+    return DeckError([Fault("error", message, id=id)])
 
 
 def _to(last: int) -> range:

@@ -87,7 +87,8 @@ class VsdfForm(Form):
     def read(self, source: DeckText, last: Record) -> Sequence[Fault]:
         """Read the deck, and build its model where all but elements is there."""
         deck = read_vsdf(source)
-        return [*deck.warnings, *(build_vsdf(deck, self.folder)[1] if last.section == ELEMENT_LINE else [])]
+        whole = last.section == ELEMENT_LINE and last["line"]
+        return [*deck.warnings, *(build_vsdf(deck, self.folder)[1] if whole else [])]
 
 
 def _count(card: Card) -> Cell:

@@ -50,6 +50,10 @@ class YoungForm(Form):
         self.cards = self.cards or f"{_OPENING.section}.analysis" in values
         opening = (yield _OPENING) if self.cards else None
         counts = yield Entry("counts", 0, "counts", tuple(map(_count, COUNTS.columns)))
+        # Forward runs may leave degrees of freedom open, and repeat equations.
+        wrong = "" if opening else imbalance({n.key: n.value for n in counts.numbers})
+        if wrong:
+            raise DeckError([Fault("error", wrong, id="YOUNG-029")])
         for section in YOUNG_SECTIONS[1:]:
             for k in range(1, counts[section.count] + 1) if section.count else [0]:
                 subject = f"{section.subject} {k}" if k else section.subject
@@ -64,13 +68,6 @@ class YoungForm(Form):
             shapes = yield Entry("shapes", 0, "shapes for pictures", (_N_SHAPES,), optional=True)
             for k in range(1, shapes["GEOM"] + 1):
                 yield _card_entry(_GEOM, k, counts["NBODY"])
-
-    def check(self, record: Record) -> None:
-        """Refuse counts that are out of balance; forward runs may leave degrees of freedom open."""
-        if record.section == "counts" and not self.cards:
-            wrong = imbalance({n.key: n.value for n in record.numbers})
-            if wrong:
-                raise DeckError([Fault("error", wrong, id="YOUNG-029")])
 
     def lines(self, records: Sequence[Record]) -> list[Line]:
         """One record a line, as in Appendix B; comments name the numbers.  Block and cards follow."""
