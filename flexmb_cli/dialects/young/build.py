@@ -9,7 +9,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, cast
 
 from ...collector import without_collector
-from ...deck.many_records import Chained, Made
+from ...deck.lazy import Chained, Made
 from ...deck.record import Deck
 from ...deck.shifted_lines import with_slip_named
 from ...errors import Fault, FaultList, ModelError

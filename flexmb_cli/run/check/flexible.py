@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...deck.many_records import Made
+from ...deck.lazy import Made
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from ...model.joints import BY_NAME
 from ...model.unit_checks import unit_warnings

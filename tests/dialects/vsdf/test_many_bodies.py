@@ -49,7 +49,7 @@ def many(monkeypatch):
 
 def plain(item):
     """Return an item as lists and dictionaries, so that arrays and lazy sequences compare."""
-    if dataclasses.is_dataclass(item) and not isinstance(item, many_records.Made):
+    if dataclasses.is_dataclass(item) and not isinstance(item, lazy.Made):
         return {field.name: plain(getattr(item, field.name)) for field in dataclasses.fields(item)}
     if isinstance(item, np.ndarray):
         return item.tolist()
