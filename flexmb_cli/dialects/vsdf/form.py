@@ -34,10 +34,9 @@ COUNTED = _cards(
     "BODY FEMM FEMK FEMP NODE NSET CLMP ATTM CRBN DAMP POSI EULP VELO PINN JOIN MOTN TABL FORC TORQ SPRI "
     "JSPR GEOS FEMG OUTN MATL OUTS PLAC"
 )
-_LATER = _cards("GEOM GSTL FEMX ELMT")
-_NEW = (card for card in (*BODY_CARDS, *JOINT_AND_LOAD_CARDS, *ANALYSIS_CARDS)
-        if card not in (*_SINGLE, *COUNTED, *_LATER, *_OF_BODIES.values()))  # fmt: skip
-ADDED = (*_LATER, *_NEW)
+ADDED = _cards("GEOM GSTL FEMX ELMT")
+_ASKED = (*_SINGLE, *COUNTED, *ADDED, *_OF_BODIES.values())
+_NEW = [card for card in (*BODY_CARDS, *JOINT_AND_LOAD_CARDS, *ANALYSIS_CARDS) if card not in _ASKED]
 
 
 class VsdfForm(Form):
@@ -60,11 +59,10 @@ class VsdfForm(Form):
                 yield _entry(card, k, most)
         for card in _SINGLE:
             yield _entry(card, 0, most)
-        counts = yield Entry("more", 0, "shapes and further cards", tuple(map(_count, ADDED)), True)
-        for card in ADDED:
-            for k in range(1, counts[card.word] + 1):
-                yield _entry(card, k, most)
+        yield from _counted_cards("more", "shapes and further cards", ADDED, most)
         yield from element_entries()
+        if _NEW:
+            yield from _counted_cards("new", "newer cards", _NEW, most)
 
     def lines(self, records: Sequence[Record]) -> list[Line]:
         """A keyword before the records of its card; what the fields are stands in a comment."""
@@ -89,6 +87,14 @@ class VsdfForm(Form):
         deck = read_vsdf(source)
         whole = last.section == ELEMENT_LINE and last["line"]
         return [*deck.warnings, *(build_vsdf(deck, self.folder)[1] if whole else [])]
+
+
+def _counted_cards(section: str, subject: str, cards: Sequence[Card], most: Mapping[str, int]) -> Entries:
+    """Yield the question for the numbers of some cards, and those for the cards."""
+    counts = yield Entry(section, 0, subject, tuple(map(_count, cards)), optional=True)
+    for card in cards:
+        for k in range(1, counts[card.word] + 1):
+            yield _entry(card, k, most)
 
 
 def _count(card: Card) -> Cell:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmb_cli.deck import many_records, number_table
+from flexmb_cli.deck import lazy, many_records, number_table
 from flexmb_cli.deck.record import DeckText
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.vsdf.build import build_vsdf
