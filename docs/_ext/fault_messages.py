@@ -28,7 +28,8 @@ RETIRED = {
     "YOUNG-129": "ELEMENTS-011", "YOUNG-153": "", "YOUNG-154": "", "SOLVE-037": "SOLVE-026",
     "DAFMS-023": "DECK-001", "DAFMS-025": "DAFMS-172", "DAFMS-026": "", "DAFMS-027": "DAFMS-061",
     "DAFMS-028": "DECK-001", "DAFMS-029": "DECK-001", "VSDF-039": "DECK-001", "VSDF-040": "VSDF-081",
-    "YOUNG-027": "DECK-001", "YOUNG-028": "DECK-001", "YOUNG-160": "DECK-001", "YOUNG-161": "", "YOUNG-162": "",
+    "YOUNG-027": "DECK-001", "YOUNG-028": "DECK-001", "YOUNG-160": "DECK-001", "YOUNG-161": "",
+    "YOUNG-162": "",
     # Each of these stood for many messages, which have identifiers of their own now.
     "DAFMS-030": "DAFMS-001 to DAFMS-003", "DAFMS-150": "DAFMS-173, DAFMS-182 to DAFMS-184, DAFMS-189",
     "DAFMS-151": "DAFMS-174 to DAFMS-181, MODEL-017", "DIFF-012": "DIFF-011, DIFF-036",

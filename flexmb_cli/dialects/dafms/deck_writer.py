@@ -7,6 +7,7 @@ been asked for yet is written as zero, so that the deck so far can be read.
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from itertools import accumulate
+from typing import Any
 
 from ...deck.dialogue import Line
 from ...deck.fortran_card import fortran_format
@@ -33,7 +34,7 @@ _WIDE = ("stiffness.", "tolerance", "nodal_rotation.")
 
 def beam_of(record: Record) -> Beam:
     """The beam of an answer; DeckError when it makes none."""
-    given = {n.key: n.value if n.text else None for n in record.numbers}
+    given: dict[str, Any] = {n.key: n.value if n.text else None for n in record.numbers}
     names = ("length", "nodes", "EI", "rho", "offset", "EA", "EI_1", "tip_mass")
     return Beam(*(given[name] for name in names))
 
@@ -130,7 +131,8 @@ class _Deck:
         return [*lines, *_rows(_fields(masses), 10)]
 
     def _card(self, card: Card) -> list[Line]:
-        records, lines = {record.number: record for record in self.of[card.section]}, [[(card.word, "")]]
+        records = {record.number: record for record in self.of[card.section]}
+        lines: list[Line] = [[(card.word, "")]]
         if card.layout == "entries":
             lines += _integers([len(records)])
         missing = [body.number for body in self.bodies if body.number not in records]
@@ -139,7 +141,10 @@ class _Deck:
             if number not in records:
                 lines.append([*ahead, *self._unknown(card)])
                 continue
-            fields = [*(_integers([0])[0] if card.word == "GRAV" else []), *_fields(records[number])]
+            fields: list[tuple[str, str]] = [
+                *(_integers([0])[0] if card.word == "GRAV" else []),
+                *_fields(records[number]),
+            ]
             table = self.of[f"{card.section}.{number}"]
             if card.word in TABLES:
                 # As many points as are answered.

@@ -201,7 +201,10 @@ def _counted(card: Card, count: int, blocks: Mapping[int, _Block]) -> Entries:
         section, subject = f"{card.section}.{k}", f"{card.word} {k}"
         if card.word in TABLES:
             unit = "N m or N" if card.word == "TABM" else "N m"
-            cells = _real("t", "time", "s"), _real("f", "torque or force, linear between the points", unit)
+            cells: tuple[Cell, ...] = (
+                _real("t", "time", "s"),
+                _real("f", "torque or force, linear between the points", unit),
+            )
             for i in _to(head["NP"]):
                 yield Entry(section, i, f"{subject}, point {i}", cells)
         elif card.word == "NROT" and head["K"] in blocks:
