@@ -26,6 +26,10 @@ RETIRED = {
     "YOUNG-120": "ELEMENTS-002", "YOUNG-124": "ELEMENTS-039", "YOUNG-125": "ELEMENTS-008",
     "YOUNG-126": "ELEMENTS-058", "YOUNG-127": "ELEMENTS-039", "YOUNG-128": "ELEMENTS-006",
     "YOUNG-129": "ELEMENTS-011", "YOUNG-153": "", "YOUNG-154": "", "SOLVE-037": "SOLVE-026",
+    "DAFMS-023": "DECK-001", "DAFMS-025": "DAFMS-172", "DAFMS-026": "", "DAFMS-027": "DAFMS-061",
+    "DAFMS-028": "DECK-001", "DAFMS-029": "DECK-001", "VSDF-039": "DECK-001", "VSDF-040": "VSDF-081",
+    "YOUNG-027": "DECK-001", "YOUNG-028": "DECK-001", "YOUNG-160": "DECK-001", "YOUNG-161": "",
+    "YOUNG-162": "",
     # Each of these stood for many messages, which have identifiers of their own now.
     "DAFMS-030": "DAFMS-001 to DAFMS-003", "DAFMS-150": "DAFMS-173, DAFMS-182, DAFMS-183, DAFMS-189",
     "DAFMS-151": "DAFMS-174 to DAFMS-181, MODEL-017", "DIFF-012": "DIFF-011, DIFF-036",
@@ -43,7 +47,7 @@ RETIRED = {
     "ELEMENTS-024": "ELEMENTS-047", "ELEMENTS-028": "ELEMENTS-037", "DAFMS-077": "ELEMENTS-056",
     "DAFMS-078": "DAFMS-194", "DAFMS-080": "DAFMS-193", "DAFMS-082": "ELEMENTS-034",
     "DAFMS-083": "ELEMENTS-033", "DAFMS-084": "DAFMS-192", "DAFMS-086": "ELEMENTS-052",
-    "VSDF-101": "VSDF-214", "VSDF-102": "", "VSDF-105": "VSDF-215", "YOUNG-161": "", "YOUNG-162": "",
+    "VSDF-101": "VSDF-214", "VSDF-102": "", "VSDF-105": "VSDF-215",
 }  # fmt: skip
 # How every reader refuses a word that is no number (`deck/number.py`), and what it warns of.
 NUMERAL = (

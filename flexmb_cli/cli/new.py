@@ -5,6 +5,7 @@ import os
 import re
 import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -47,7 +48,7 @@ _LOST = "the answers are not kept (--draft keeps them)"
 @click.option("--draft", "with_draft", is_flag=True,
               help="Keep a draft, and continue one, in a pipe, too.")  # fmt: skip
 @click.option("--cards", is_flag=True,
-              help="Ask for masses, loads and elements, too, card by card (YOUNG).")  # fmt: skip
+              help="Ask for masses and loads, too, card by card (YOUNG).")  # fmt: skip
 def new(dialect: str, output: str, force: bool, restart: bool, with_draft: bool, cards: bool) -> None:
     """Ask for the data of a deck, number by number, and write a deck that `flexmb check` accepts.
 
@@ -59,8 +60,8 @@ def new(dialect: str, output: str, force: bool, restart: bool, with_draft: bool,
     Example:
         flexmb new young -o IN-CRANK.dat
     """
-    form = _form(dialect, cards)
     path = output or _NAMES[dialect]
+    form = _form(dialect, cards, path)
     _ask_to_replace(path, force)
     talk = _Talk(form, path, restart, with_draft)
     try:
@@ -88,11 +89,11 @@ def _ask_to_replace(path: str, force: bool) -> None:
         sys.exit(BAD_INPUT)
 
 
-def _form(name: str, cards: bool) -> "Form":
+def _form(name: str, cards: bool, path: str) -> "Form":
     dialect = dialect_named(name)
-    if cards and not dialect.form_with_cards:
+    form: Form = dialect.part(dialect.form)(Path(path).parent, cards)
+    if cards and not form.has_cards:
         raise click.UsageError(f"new {name} asks for all cards without --cards")
-    form: Form = dialect.part(dialect.form_with_cards if cards else dialect.form)()
     return form
 
 
@@ -179,8 +180,8 @@ class _Talk:
     def take(self, question: "Question", line: str) -> None:
         """Obey a command, or give the answer to the machine; the draft follows every change."""
         word = line.strip()
-        if word == "?":
-            click.echo(f"{question.help}\n{self._keys}", err=True)
+        if word.startswith("?"):
+            click.echo(f"{question.help(word[1:].strip())}\n{self._keys}", err=True)
         elif word == "!":
             self.stop("stopped")
         elif word == ">":
@@ -248,27 +249,23 @@ class _Talk:
         # Beside its place, because a deck names matrices and node tables relative to itself.
         folder, name = os.path.split("deck" if self.path == "-" else self.path)
         trial = ReplacedText(os.path.join(folder, f"{name}.trial"))
-        trial.write(self._text())
+        trial.write(self.dialogue.text)
         trial.flush()
         return trial
 
     def _return_to(self, fault: Any) -> None:
         """To the record that `check` names, else to the first; Enter keeps what is right."""
-        prefix = self.dialogue.lines[fault.place.line - 1][1] if fault else ""
-        if not (prefix and self.dialogue.back_to(prefix)):
+        if not (fault and self.dialogue.back_to_place(fault.place)):
             self.dialogue.back_to("counts")
-
-    def _text(self) -> str:
-        return "".join(f"{line}\n" for line, _ in self.dialogue.lines)
 
     def write(self) -> Any:
         """The deck in its place, and the draft away."""
         from ..results.files.replaced_file import write_whole
 
         if self.path == "-":
-            standard_output().write(self._text())
+            standard_output().write(self.dialogue.text)
         else:
-            write_whole(self.path, self._text().encode())
+            write_whole(self.path, self.dialogue.text.encode())
             notify(f"{self.path}: written; flexmb check {self.path} accepts it")
         if self.keeps_draft and os.path.lexists(self.draft):
             os.unlink(self.draft)

@@ -1,11 +1,10 @@
 """The records of a large deck, each made when it is looked at: kept, they would take many times the deck."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import chain
-from typing import Any
 
+from .lazy import Chained, Lazy
 from .number_table import NumberTable
 from .record import Record
 
@@ -13,7 +12,7 @@ MANY_NUMBERS = 100_000  # numbers; fewer are kept as records, which studies shar
 
 
 @dataclass(frozen=True)
-class Block(Sequence[Record]):
+class Block(Lazy):
     """All records of one section, which `made` makes of their places in it; `changed` ones are kept.
 
     `table`: their numbers, where all of them have the same ones.
@@ -27,14 +26,6 @@ class Block(Sequence[Record]):
 
     def __len__(self) -> int:
         return self.size
-
-    def __getitem__(self, index: Any) -> Any:
-        if isinstance(index, slice):
-            return [self._record(k) for k in range(self.size)[index]]
-        return self._record(range(self.size)[index])
-
-    def __iter__(self) -> Iterator[Record]:
-        return map(self._record, range(self.size))
 
     def numbered(self, number: int) -> Record | None:
         """Return the record of this number; those of most sections are numbered in their order."""
@@ -52,31 +43,16 @@ class Block(Sequence[Record]):
             places.setdefault(record.number, k)
         return places
 
-    def _record(self, index: int) -> Record:
+    def _item(self, index: int) -> Record:
         return self.changed[index] if index in self.changed else self.made(index)
 
 
-class ManyRecords(Sequence[Record]):
+class ManyRecords(Chained):
     """Records by sections, in the deck's order."""
 
     def __init__(self, blocks: Sequence[Block]):
+        super().__init__(blocks)
         self.blocks = tuple(blocks)
-
-    def __len__(self) -> int:
-        return sum(map(len, self.blocks))
-
-    def __getitem__(self, index: int | slice) -> Any:
-        if isinstance(index, slice):
-            return [self[k] for k in range(*index.indices(len(self)))]
-        index = range(len(self))[index]
-        for block in self.blocks:
-            if index < len(block):
-                return block[index]
-            index -= len(block)
-        raise IndexError(index)
-
-    def __iter__(self) -> Iterator[Record]:
-        return chain.from_iterable(self.blocks)
 
     def section(self, name: str) -> Sequence[Record]:
         """Return the records of one section."""
@@ -100,45 +76,3 @@ def blocks_of(records: Sequence[Record]) -> list[Block]:
     for record in records:
         found.setdefault(record.section, []).append(record)
     return [Block(section, len(group), group.__getitem__) for section, group in found.items()]
-
-
-@dataclass(frozen=True)
-class Made(Sequence[Any]):
-    """Parts that `make` builds of records, or of parts of a model, one by one when they are looked at."""
-
-    records: Sequence[Any]
-    make: Callable[[Any], object]
-
-    def __len__(self) -> int:
-        return len(self.records)
-
-    def __getitem__(self, index: int | slice) -> Any:
-        if isinstance(index, slice):
-            return tuple(self[k] for k in range(len(self))[index])
-        return self.make(self.records[index])
-
-    def __iter__(self) -> Iterator[Any]:
-        return map(self.make, self.records)
-
-
-class Chained(Sequence[Any]):
-    """Sequences one behind the other."""
-
-    def __init__(self, parts: Sequence[Sequence[Any]]):
-        self.parts = tuple(part for part in parts if len(part))
-
-    def __len__(self) -> int:
-        return sum(map(len, self.parts))
-
-    def __getitem__(self, index: Any) -> Any:
-        if isinstance(index, slice):
-            return tuple(self[k] for k in range(len(self))[index])
-        index = range(len(self))[index]
-        for part in self.parts:
-            if index < len(part):
-                return part[index]
-            index -= len(part)
-        raise IndexError(index)
-
-    def __iter__(self) -> Iterator[Any]:
-        return chain.from_iterable(self.parts)

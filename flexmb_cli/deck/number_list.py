@@ -4,17 +4,17 @@ from array import array
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from functools import cached_property
-from itertools import chain
 from typing import Any
 
 from ..errors import Place
 from .fortran_card import Format, cut
+from .lazy import Chained, Lazy
 from .record import Number, Record
 
 LONG = 1000  # numbers; shorter lists are kept as they are
 
 
-class NumberList(Sequence[Number]):
+class NumberList(Lazy):
     """Numbers that fill records of `fmt` from line `first` of `lines` on.
 
     `labelled(i)` gives the i-th number's key, meaning and unit, counted from 0.
@@ -30,11 +30,6 @@ class NumberList(Sequence[Number]):
     def __len__(self) -> int:
         return len(self.values)
 
-    def __getitem__(self, index: Any) -> Any:
-        if isinstance(index, slice):
-            return [self._number(k) for k in range(len(self))[index]]
-        return self._number(range(len(self))[index])
-
     def with_changed(self, index: int, number: Number) -> "NumberList":
         """Return the list with another number at `index`."""
         other = copy(self)
@@ -43,7 +38,7 @@ class NumberList(Sequence[Number]):
         other.changed = self.changed | {index: number}
         return other
 
-    def _number(self, k: Any) -> Any:
+    def _item(self, k: int) -> Number:
         if k in self.changed:
             return self.changed[k]
         line, field = divmod(k, len(self.fmt.edits))
@@ -51,25 +46,6 @@ class NumberList(Sequence[Number]):
         place = Place(self.first + line, found.column, len(found.spelled) or 1)
         key, meaning, unit = self.labelled(k)
         return Number(key, self.values[k], meaning, unit, place, found.spelled)
-
-
-class _Joined(Sequence[Number]):
-    """The numbers of a head, then those of a list."""
-
-    def __init__(self, head: tuple[Number, ...], rest: NumberList):
-        self.head, self.rest = head, rest
-
-    def __len__(self) -> int:
-        return len(self.head) + len(self.rest)
-
-    def __getitem__(self, index: Any) -> Any:
-        if isinstance(index, slice):
-            return [self[k] for k in range(len(self))[index]]
-        index = range(len(self))[index]
-        return self.head[index] if index < len(self.head) else self.rest[index - len(self.head)]
-
-    def __iter__(self) -> Any:
-        return chain(self.head, self.rest)
 
 
 class _Positions(Mapping[str, int]):
@@ -99,7 +75,7 @@ class LongRecord(Record):
 
     def __init__(self, section: str, number: int, subject: str, head: Sequence[Number], rest: NumberList):
         vars(self).update(section=section, number=number, subject=subject, made={}, rest=rest)
-        vars(self).update(head=tuple(head), numbers=_Joined(tuple(head), rest) if head else rest)
+        vars(self).update(head=tuple(head), numbers=Chained([tuple(head), rest]) if head else rest)
 
     @cached_property
     def values(self) -> Sequence[float]:

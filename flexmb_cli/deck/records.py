@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 from ..errors import Place
-from .many_records import Made
+from .lazy import Made
 from .number_table import column, places_by
 from .record import Deck, Number, Record
 

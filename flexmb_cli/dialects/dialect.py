@@ -41,7 +41,6 @@ class Dialect(NamedTuple):
     joints: Mapping[str, str] = MappingProxyType({})
     curves: tuple[str, ...] = ()  # datasets that `plot` draws by default, the most important first
     form: str = ""  # class of the dialogue of `flexmb new`
-    form_with_cards: str = ""  # the same where a deck may have further cards, for `--cards`
     new_name: str = ""  # of the deck that it writes
     relabel: str = ""  # function of a Record and the key of a number that `--set` has changed: the Record
     # For `convert`, of `model.exchange`: function of a Deck, a function that builds its model, and one that

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..deck.many_records import Made
+from ..deck.lazy import Made
 from ..errors import Fault, ModelError
 from ..model.fe_model import End, NodeForce, NodeJoint, Pin, VsdfBody, VsdfModel
 from ..model.flexible_body import FlexibleInput

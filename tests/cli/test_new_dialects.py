@@ -9,16 +9,13 @@ from flexmb_cli.cli import cli
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.vsdf.build import build_vsdf
-from flexmb_cli.dialects.vsdf.cards import CARDS
+from flexmb_cli.dialects.vsdf.form import COUNTED
 from flexmb_cli.run.check.check import CheckReport
 from flexmb_cli.run.outcome import Outcome
 from tests.cli.test_new_at_a_terminal import Terminal
 from tests.cli.test_new_command import TOP, numbers_of, piped
 
 pytestmark = pytest.mark.processes
-
-# Cards that the dialogue does not count, and those that it counts at the end.
-LATER = ("FEMN", "RIGI", "GRAV", "TIME", "INTG", "GEOM", "GSTL", "FEMX", "ELMT")
 
 
 def test_a_vsdf_deck_finds_its_files_beside_itself(tmp_path, monkeypatch):
@@ -35,9 +32,7 @@ def test_a_vsdf_deck_finds_its_files_beside_itself(tmp_path, monkeypatch):
 
     monkeypatch.setattr("flexmb_cli.run.check.check.check_deck", build_only)
     (tmp_path / "fe").symlink_to(TOP / "decks" / "vsdf" / "fe")
-    counts = " ".join(
-        "1" if card.word in ("BODY", "FEMM", "FEMK") else "0" for card in CARDS if card.word not in LATER
-    )
+    counts = " ".join("1" if card.word in ("BODY", "FEMM", "FEMK") else "0" for card in COUNTED)
     files = ["TXT fe/pendulum_nodes.txt", "1 MM fe/pendulum_M.mtx", "1 MM fe/pendulum_K.mtx"]
     lines = ["rod", counts, "FLEX 9 1 13 9", *files, "0 0 -9.81", "1 0.1 0", "", "", "", ""]
     done = CliRunner().invoke(
@@ -52,7 +47,7 @@ def test_a_flexible_vsdf_deck_through_a_pipe_passes_the_real_check(tmp_path):
     """The supplied pendulum of 9 modes; its numbers are those of decks/vsdf/pendulum.vsdf."""
     (tmp_path / "fe").symlink_to(TOP / "decks" / "vsdf" / "fe")
     once = ("BODY", "FEMM", "FEMK", "JOIN", "OUTN")
-    counts = " ".join("1" if card.word in once else "0" for card in CARDS if card.word not in LATER)
+    counts = " ".join("1" if card.word in once else "0" for card in COUNTED)
     lines = ["rod", counts, "FLEX 9 1 13 9", "TXT fe/pendulum_nodes.txt", "1 MM fe/pendulum_M.mtx"]
     lines += ["1 MM fe/pendulum_K.mtx", "REVO 0 0 0 1 1 5", "", "", "", "1 51"]
     lines += ["0 0 -9.81", "0.5 5e-4 5e-5", "GALF 0.9", "", ""]
@@ -68,24 +63,24 @@ def test_a_flexible_vsdf_deck_through_a_pipe_passes_the_real_check(tmp_path):
     }
 
 
-# Twenty counts, those of the cards that FMBD.DAT had: the pipe ends before those of elements.
+# Twenty counts, those of the cards that FMBD.DAT had: the pipe ends before shapes and elements.
 ROD = ["a rod", "1 2 1" + 17 * " 0", "10 0.01", "0 0 0 0 1 0 0", "RIGID", "2.5", "0.8333333 0 0.8333333"]
 ROD += [*5 * [""], "0 0.5 0", "1.25", "", "0 0 -9.81"]
 
 
 def test_a_dafms_deck_through_a_pipe_passes_the_real_check(tmp_path):
-    """A rod of 1 m, 2.5 kg about its end: 2.5 kg m^2 / 3; refused before without the counts of elements."""
+    """A rod of 1 m, 2.5 kg about its end: 2.5 kg m^2 / 3; refused before without the lines of elements."""
     done = piped(lines=ROD, cwd=tmp_path, dialect="dafms")
     assert (done.returncode, done.stderr) == (0, "NEW.DAT: written; flexmb check NEW.DAT accepts it\n")
     deck = read_deck(read_text(tmp_path / "NEW.DAT"))
     assert (deck.dialect, deck.section("coordinate")[0]["q"]) == ("dafms", 1.25)
 
 
-def test_what_check_refuses_of_a_dafms_deck_is_asked_for_again(tmp_path):
+def test_what_proves_wrong_behind_it_is_asked_for_again(tmp_path):
     """The inertia of a rod about its mass centre, 2.5 kg m^2 / 12, where that about O_k belongs."""
     terminal = Terminal("dafms", cwd=tmp_path)
     wrong = ["0.2083333 0 0.2083333" if line.startswith("0.83") else line for line in ROD]
-    for line in [*wrong, "0 0"]:
+    for line in wrong[:13]:
         terminal.say(": ", line)
     terminal.expect("INER is about O_k, not about the mass centre")
     terminal.expect("INER 1\r\n")
@@ -93,6 +88,8 @@ def test_what_check_refuses_of_a_dafms_deck_is_asked_for_again(tmp_path):
     terminal.type("0.8333333 0 0.8333333\n")
     terminal.expect("[0 0 0] > ")
     terminal.type(">\n")
+    for line in [*wrong[13:], "0", ""]:
+        terminal.say(": ", line)
     terminal.expect("NEW.DAT: written")
     assert terminal.exit_code() == 0
     assert [path.name for path in tmp_path.iterdir()] == ["NEW.DAT"]

@@ -9,7 +9,7 @@ from flexmb_cli.deck.dialogue import Dialogue, draft_text, from_draft
 from flexmb_cli.deck.text import decode, read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.young.build import build_young
-from flexmb_cli.dialects.young.dialogue.form import YoungForm
+from flexmb_cli.dialects.young.form import YoungForm
 from flexmb_cli.errors import DeckError
 
 DECKS = Path(__file__).parents[2] / "decks" / "young"
@@ -36,8 +36,7 @@ def errors(faults):
 
 
 def deck_of(dialogue):
-    text = "".join(f"{line}\n" for line, _ in dialogue.lines)
-    return read_deck(decode("new", text.encode()))
+    return read_deck(decode("new", dialogue.text.encode()))
 
 
 def numbers_of(deck):
@@ -239,11 +238,11 @@ def test_forward_stops_where_an_earlier_answer_no_longer_fits():
 
 def test_help_explains_every_value():
     dialogue = talk("", COUNTS, *[""] * 8)
-    assert dialogue.question.help == "body: number of the body; an integer"
+    assert dialogue.question.help() == "body: number of the body; an integer"
     dialogue.answer("1")
-    assert dialogue.question.help == "direction: 1 2 3: along x y z; 4 5 6: about x y z; an integer"
+    assert dialogue.question.help() == "direction: 1 2 3: along x y z; 4 5 6: about x y z; an integer"
     dialogue.answer("1")
-    assert dialogue.question.help == "C: coordinate at t = 0, m; a number; Enter gives 0"
+    assert dialogue.question.help() == "C: coordinate at t = 0, m; a number; Enter gives 0"
 
 
 @pytest.mark.parametrize("stop", range(1, 70, 7))

@@ -1,15 +1,19 @@
 """The answers of `flexmb new dafms` as the cards of FMBD.DAT, every number in the columns of its FORMAT.
 
-Sequence and FORMATs: DAFMS thesis (Zhao, 1992), appendix C, and the reader's table of cards.
+Sequence and FORMATs: DAFMS thesis (Zhao, 1992), appendix C, and the reader's table of cards.  What has not
+been asked for yet is written as zero, so that the deck so far can be read.
 """
 
-from collections.abc import Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from itertools import accumulate
 from typing import Any
 
+from ...deck.dialogue import Line
+from ...deck.fortran_card import fortran_format
 from ...deck.fortran_fields import filled
 from ...deck.record import Number, Record
-from ...errors import Fault
-from ..elements_block.form import block_lines
+from ..elements_block.questions import block_lines
 from .beam import Beam
 from .beam_cards import beam_block
 from .card import Card
@@ -17,186 +21,166 @@ from .cards import CARDS
 
 OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")
 OPTIONAL: tuple[str, ...] = (
-    "GRAV",
-    "LOOP",
-    "SPRI",
-    "DAMP",
-    "MOTR",
-    "TABM",
-    "PRES",
-    "FORC",
-    "TOQU",
-    "TABL",
-    "DESN",
+    *("GRAV", "LOOP", "SPRI", "DAMP", "MOTR", "TABM", "PRES", "FORC", "TOQU", "TABL", "DESN"),
+    *("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH"),
 )
-OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH")
-ADDED = "GEOM"  # a card that FMBD.DAT did not have: its count is requested last
+TABLES = ("TABM", "TABL")
+# Of bodies whose cards are not known yet: no fault of theirs hides those of others.
+_FIRST = ("MASS", "INER")
 
-WIDE_REAL, _REAL, _INTEGER = 13, 10, 5
-_WIDE_SECTIONS = ("stiffness.", "tolerance", "nodal_rotation.")
-
-
-def _width(record: Record) -> int:
-    """Columns of a real number; those of a beam stand in no card."""
-    return WIDE_REAL if record.section.startswith(_WIDE_SECTIONS) else _REAL
+_WIDE_REAL, _REAL, _INTEGER = 13, 10, 5
+_WIDE = ("stiffness.", "tolerance", "nodal_rotation.")
 
 
-def field(value: Number, width: int) -> str:
-    """The columns of `value`: as typed where that fits and has a point, else respelled with one."""
-    if isinstance(value.value, int):
-        return f"{value.value:{_INTEGER}d}"
-    if value.text == "" or ("." in value.text and len(value.text) <= width):
-        return value.text.rjust(width)
-    return filled(value.value, width).rjust(width)
-
-
-def faults_of_fields(record: Record) -> list[Fault]:
-    """Numbers that the columns of their FORMAT cannot hold as they were typed."""
-    if record.section == "beam":
-        return []
-    faults = []
-    for value in record.numbers:
-        width = _INTEGER if isinstance(value.value, int) else _width(record)
-        if isinstance(value.value, str) or _fits(value, width):
-            continue
-        message = f"{value.key} must fit {width} columns; read {value.text}"
-        if not isinstance(value.value, int):
-            message += f"; the nearest that fits is {filled(value.value, width)}"
-        faults.append(Fault("error", message, value.place, record.subject, id="DAFMS-023"))
-    return faults
-
-
-def _fits(value: Number, width: int) -> bool:
-    if isinstance(value.value, int):
-        return len(str(value.value)) <= width
-    if "." in value.text and len(value.text) <= width:
-        return True
-    return bool(float(filled(value.value, width)) == value.value)
-
-
-def beam_of(numbers: dict[str, Any]) -> Beam:
-    """The beam of the answers; DeckError when they make none."""
+def beam_of(record: Record) -> Beam:
+    """The beam of an answer; DeckError when it makes none."""
+    given: dict[str, Any] = {n.key: n.value if n.text else None for n in record.numbers}
     names = ("length", "nodes", "EI", "rho", "offset", "EA", "EI_1", "tip_mass")
-    return Beam(*(int(numbers[n]) if n == "nodes" else numbers[n] for n in names))
+    return Beam(*(given[name] for name in names))
 
 
-def deck_lines(records: Sequence[Record]) -> list[tuple[str, str]]:
-    """The deck as pairs (line, prefix of the record that it came from or "")."""
-    return _Deck(records).lines()
+def deck_lines(records: Sequence[Record]) -> list[Line]:
+    """The deck in pieces, none before there is a body."""
+    return _Deck(records).lines() if any(record.section == "body" for record in records) else []
+
+
+def _field(record: Record, value: Number) -> tuple[str, str]:
+    """The columns of `value`: as typed where that fits and has a point, else respelled with one."""
+    name = f"{record.prefix}.{value.key}"
+    if isinstance(value.value, int):
+        return f"{value.value:{_INTEGER}d}", name
+    width = _WIDE_REAL if record.section.startswith(_WIDE) else _REAL
+    as_typed = value.text == "" or ("." in value.text and len(value.text) <= width)
+    return (value.text if as_typed else filled(value.value, width)).rjust(width), name
+
+
+def _fields(record: Record) -> Line:
+    return [_field(record, value) for value in record.numbers]
+
+
+def _rows(pieces: Iterable[tuple[str, str]], per_line: int) -> list[Line]:
+    """Pieces side by side."""
+    found = list(pieces)
+    return [found[i : i + per_line] for i in range(0, len(found), per_line)]
+
+
+def _integers(values: Iterable[int], name: str = "") -> list[Line]:
+    return _rows([(f"{value:{_INTEGER}d}", name) for value in values], 10)
 
 
 class _Deck:
-    """Cards of a complete set of answers."""
+    """Cards of the answers so far; bodies are those that are answered."""
 
     def __init__(self, records: Sequence[Record]):
         self.records = records
-        self.by_prefix = {record.prefix: record for record in records}
-        self.bodies = range(1, self.by_prefix["counts"]["N"] + 1)
+        self.of: dict[str, list[Record]] = defaultdict(list)
+        for record in records:
+            self.of[record.section].append(record)
+        self.counts = self.of["counts"][0]
+        self.bodies = self.of["body"]
+        self.beams = {record.number: beam_of(record) for record in self.of["beam"]}
+        # A body whose block is not complete is rigid so far.
+        typed = {record.number for record in self.of["nodal_mass"]}
+        self.sizes = {r.number: (r["NUMNP"], r["NDF"]) for r in self.of["elastic"] if r.number in typed}
+        self.sizes |= {k: (beam.nodes, len(beam.axes)) for k, beam in self.beams.items()}
 
-    def lines(self) -> list[tuple[str, str]]:
-        counts, title = self.by_prefix["counts"], self.by_prefix["title"]
-        lines = [(f"{counts['N']:5d}{counts['NDM']:5d}", "counts")]
-        lines += [(f"DFMB {title['text']}".rstrip(), "title"), *self._control()]
-        for k in self.bodies:
-            lines += self._block(k)
-        lines += [("CONN", ""), *self._list([(self._body(k).at("L"), f"body.{k}") for k in self.bodies], 10)]
+    def lines(self) -> list[Line]:
+        title = self.of["title"][0]
+        lines: list[Line] = [*_integers([len(self.bodies), self.counts["NDM"]])]
+        lines += [[("DFMB ", ""), *((n.text, "title.text") for n in title.numbers)], *self._control()]
+        for body in self.bodies:
+            lines += self._block(body.number)
+        parents = [_field(body, body.at("L")) for body in self.bodies]
+        lines += [[("CONN", "")], *_rows(parents, 10)]
         for word in OF_EVERY_BODY:
             lines += self._card(CARDS[word])
         lines += self._state()
-        for word in (*OPTIONAL, ADDED):
-            if (counts if word in counts else self.by_prefix["elements"])[word]:
+        for word in (*OPTIONAL, "GEOM"):
+            if self.of[CARDS[word].section] or (CARDS[word].layout == "switch" and self.counts[word]):
                 lines += self._card(CARDS[word])
-        return [*lines, *block_lines(self.records), ("END ", ""), ("STAR", ""), ("STOP", "")]
+        return [*lines, *block_lines(self.records), *([(word, "")] for word in ("END ", "STAR", "STOP"))]
 
-    def _body(self, k: int) -> Record:
-        found: Record = self.by_prefix[f"body.{k}"]
-        return found
+    def _control(self) -> list[Line]:
+        lines: list[Line] = []
+        for letter in ("NT", "NR"):
+            for body in self.bodies:
+                flags = [body.at(f"{letter}.{axis}") for axis in (1, 2, 3)]
+                free = sum(flag.value for flag in flags)
+                lines.append([*_integers([body.number, free])[0], *(_field(body, flag) for flag in flags)])
+        for which in (0, 1):
+            lines += _integers(self.sizes.get(body.number, (0, 0))[which] for body in self.bodies)
+        return [*lines, *([field] for field in _fields(self.of["time"][0]))]
 
-    def _control(self) -> list[tuple[str, str]]:
-        lines = [self._dofs(k, letter) for letter in ("NT", "NR") for k in self.bodies]
-        sizes = [self._size(k) for k in self.bodies]
-        for counts in zip(*sizes, strict=True):
-            fields = [f"{count:5d}" for count in counts]
-            lines += [("".join(fields[i : i + 10]), "") for i in range(0, len(fields), 10)]
-        time = self.by_prefix["time"]
-        return [*lines, *((field(n, _REAL), "time") for n in time.numbers)]
+    def _block(self, k: int) -> list[Line]:
+        if k in self.beams:
+            text = beam_block(self.beams[k], self.counts["NDM"])
+            return [[(line, f"beam.{k}.length")] for line in text.splitlines()]
+        return self._typed(k) if k in self.sizes else []
 
-    def _dofs(self, k: int, letter: str) -> tuple[str, str]:
-        flags = [self._body(k)[f"{letter}.{axis}"] for axis in (1, 2, 3)]
-        return "".join(f"{n:5d}" for n in (k, sum(flags), *flags)), f"body.{k}"
+    def _typed(self, k: int) -> list[Line]:
+        nodes, half = self.of[f"node.{k}"], len(self.of[f"node.{k}"][0].numbers) // 2
+        lines: list[Line] = []
+        for part in (slice(half), slice(half, None)):
+            lines += [[*_integers([node.number])[0], *_fields(node)[part]] for node in nodes]
+        heights = next(record for record in self.of["skyline"] if record.number == k).values
+        lines += _integers([len(heights)])
+        for numbers in (range(1, len(heights) + 1), accumulate(heights)):
+            lines += _integers(numbers, f"skyline.{k}.h(1)")
+        lines += _rows((field for column in self.of[f"stiffness.{k}"] for field in _fields(column)), 6)
+        masses = next(record for record in self.of["nodal_mass"] if record.number == k)
+        return [*lines, *_rows(_fields(masses), 10)]
 
-    def _size(self, k: int) -> tuple[int, int]:
-        """NUMNP and NDF."""
-        if beam := self._beam(k):
-            return beam.nodes, len(beam.axes)
-        elastic = self.by_prefix.get(f"elastic.{k}") if self._body(k)["kind"] == "TYPED" else None
-        return (elastic["NUMNP"], elastic["NDF"]) if elastic else (0, 0)
-
-    def _beam(self, k: int) -> Any:
-        if self._body(k)["kind"] != "BEAM":
-            return None
-        record = self.by_prefix[f"beam.{k}"]
-        return beam_of({n.key: n.value if n.text else None for n in record.numbers})
-
-    def _block(self, k: int) -> list[tuple[str, str]]:
-        if beam := self._beam(k):
-            text = beam_block(beam, self.by_prefix["counts"]["NDM"])
-            return [(line, f"beam.{k}") for line in text.splitlines()]
-        nodes, dofs = self._size(k)
-        return self._typed(k, nodes * dofs) if nodes else []
-
-    def _typed(self, k: int, size: int) -> list[tuple[str, str]]:
-        nodes = [record for record in self.records if record.section == f"node.{k}"]
-        half = len(nodes[0].numbers) // 2
-        lines = [_indexed(record, record.numbers[:half]) for record in nodes]
-        lines += [_indexed(record, record.numbers[half:]) for record in nodes]
-        lines.append((f"{size:5d}", ""))
-        addresses: list[Any] = []
-        skyline = self.by_prefix[f"skyline.{k}"]
-        for height in skyline.numbers:
-            addresses.append((addresses[-1] if addresses else 0) + height.value)
-        for numbers in (range(1, size + 1), addresses):
-            fields = [f"{n:5d}" for n in numbers]
-            lines += [("".join(fields[i : i + 10]), skyline.prefix) for i in range(0, size, 10)]
-        columns = [record for record in self.records if record.section == f"stiffness.{k}"]
-        lines += self._list([(n, record.prefix) for record in columns for n in record.numbers], 6, WIDE_REAL)
-        masses = self.by_prefix[f"nodal_mass.{k}"]
-        found: list[tuple[str, str]] = lines + self._list([(n, masses.prefix) for n in masses.numbers], 10)
-        return found
-
-    def _list(self, pairs: list[tuple[Number, str]], per_line: int, width: int = _REAL) -> list[Any]:
-        """Numbers side by side; a line goes under the name of its first number's record."""
-        chunks = [pairs[i : i + per_line] for i in range(0, len(pairs), per_line)]
-        return [("".join(field(n, width) for n, _ in chunk), chunk[0][1]) for chunk in chunks]
-
-    def _card(self, card: Card) -> list[tuple[str, str]]:
-        records = [record for record in self.records if record.section == card.section]
-        lines = [(card.word, "")]
+    def _card(self, card: Card) -> list[Line]:
+        records = {record.number: record for record in self.of[card.section]}
+        lines: list[Line] = [[(card.word, "")]]
         if card.layout == "entries":
-            lines.append((f"{len(records):5d}", ""))
-        for record in records:
-            fields = [field(n, _width(record)) for n in record.numbers]
-            if card.layout == "bodies":
-                fields.insert(0, f"{record.number:5d}")
-            if card.word == "GRAV":
-                fields.insert(0, f"{0:5d}")
+            lines += _integers([len(records)])
+        missing = [body.number for body in self.bodies if body.number not in records]
+        for number in sorted([*records, *(missing if card.layout == "bodies" else ())]):
+            ahead = _integers([number])[0] if card.layout == "bodies" else []
+            if number not in records:
+                lines.append([*ahead, *self._unknown(card)])
+                continue
+            fields: list[tuple[str, str]] = [
+                *(_integers([0])[0] if card.word == "GRAV" else []),
+                *_fields(records[number]),
+            ]
+            table = self.of[f"{card.section}.{number}"]
+            if card.word in TABLES:
+                # As many points as are answered.
+                fields[-1] = f"{len(table) or 1:{_INTEGER}d}", fields[-1][1]
+                lines += [fields, *(_fields(point) for point in table)]
+                lines += [[("0.0".rjust(_REAL) * 2, "")]] * (not table)
+                continue
             first = card.head or len(fields)
-            parts = [fields[:first], *(fields[k : k + 6] for k in range(first, len(fields), 6))]
-            lines += [("".join(part), record.prefix) for part in parts if part]
-            lines += self._rows(f"{card.section}.{record.number}")
+            lines += [[*ahead, *fields[:first]], *_rows(fields[first:], 6)]
+            for row in table or self._no_rotations(card, records[number]):
+                lines += _rows(_fields(row) if isinstance(row, Record) else row, 6)
         return lines
 
-    def _rows(self, section: str) -> Any:
-        """The table that follows a record: points of TABM and TABL, rotations of NROT."""
-        for record in self.records:
-            if record.section == section:
-                yield from self._list([(n, record.prefix) for n in record.numbers], 6, _width(record))
+    def _unknown(self, card: Card) -> Line:
+        """The numbers of a body that is not asked for yet: it has mass, and is not turned."""
+        texts = ["0" if edit.letter == "I" else "0.0" for edit in fortran_format(card.format).edits[1:]]
+        if card.word in _FIRST:
+            texts = ["1.0"] * len(texts)
+        if card.word in ("EULT", "EULL"):
+            texts[-1] = "1.0"
+        widths = (edit.width for edit in fortran_format(card.format).edits[1:])
+        return [("".join(text.rjust(width) for text, width in zip(texts, widths, strict=True)), "")]
 
-    def _state(self) -> list[tuple[str, str]]:
-        records = [record for record in self.records if record.section == "state"]
-        pairs = [(record.at(key), record.prefix) for key in ("u", "q") for record in records]
-        return [("Y(L)", ""), *self._list(pairs, 5)] if pairs else []
+    def _no_rotations(self, card: Card, head: Record) -> list[Line]:
+        """Rows of card NROT that are not asked for yet."""
+        if card.word != "NROT":
+            return []
+        nodes, dofs = self.sizes.get(head["K"], (0, 0))
+        return [[("0.0".rjust(_WIDE_REAL), "")] * (nodes * dofs)] * 3 if nodes else []
 
-
-def _indexed(record: Record, numbers: Any) -> tuple[str, str]:
-    return f"{record.number:5d}" + "".join(field(n, _REAL) for n in numbers), record.prefix
+    def _state(self) -> list[Line]:
+        flags = sum(
+            body[f"{letter}.{axis}"] for body in self.bodies for letter in ("NT", "NR") for axis in (1, 2, 3)
+        )
+        count = flags + sum(nodes * dofs for nodes, dofs in self.sizes.values())
+        known = self.of["state"]
+        zeros = [("0.0".rjust(_REAL), "")] * (count - len(known))
+        pieces = [piece for key in ("u", "q") for piece in (*(_field(r, r.at(key)) for r in known), *zeros)]
+        return [[("Y(L)", "")], *_rows(pieces, 5)] if pieces else []

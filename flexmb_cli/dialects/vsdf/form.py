@@ -4,19 +4,23 @@ A flexible body needs its node table, a rigid one its mass; of all other cards, 
 body's two matrices, the dialogue asks how many there are.
 """
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
 
-from ...deck import number
-from ...deck.questions import INTEGER, MOST_ASKED, TEXT, TITLE_ENTRY, Cell, Entry
-from ...deck.record import Number, Record
+from ...deck.dialogue import Entries, Form, Line, named, titled
+from ...deck.questions import COUNT, INTEGER, MOST_ASKED, TEXT, Cell, Entry
+from ...deck.record import DeckText, Record
 from ...errors import Fault
-from ..elements_block.form import COUNT as LINE_COUNT
-from ..elements_block.form import LINES, block_lines, faults_of_line, line_entries
+from ..elements_block.questions import SECTION as ELEMENT_LINE
+from ..elements_block.questions import block_lines, element_entries
+from .build import build_vsdf
 from .card import Card, Column
 from .cards import BY_WORD, CARDS, END, FINAL
+from .cards.analysis import ANALYSIS_CARDS
+from .cards.bodies import BODY_CARDS
+from .cards.joints_and_loads import JOINT_AND_LOAD_CARDS
+from .reader import read_vsdf
 
-_BODY, _FLEXIBLE, _RIGID = BY_WORD["BODY"], ("FEMN",), ("RIGI",)
+_OF_BODIES = {"FLEX": BY_WORD["FEMN"], "RIGD": BY_WORD["RIGI"]}
 
 
 def _cards(words: str) -> tuple[Card, ...]:
@@ -30,160 +34,118 @@ COUNTED = _cards(
     "BODY FEMM FEMK FEMP NODE NSET CLMP ATTM CRBN DAMP POSI EULP VELO PINN JOIN MOTN TABL FORC TORQ SPRI "
     "JSPR GEOS FEMG OUTN MATL OUTS PLAC"
 )
-ADDED = _cards("GEOM GSTL")
-_ASKED = (*_SINGLE, *COUNTED, *ADDED, *_cards(" ".join((*_FLEXIBLE, *_RIGID))))
-LATER = tuple(card for card in CARDS if card not in _ASKED)
+ADDED = _cards("GEOM GSTL FEMX ELMT")
+_ASKED = (*_SINGLE, *COUNTED, *ADDED, *_OF_BODIES.values())
+_NEW = [card for card in (*BODY_CARDS, *JOINT_AND_LOAD_CARDS, *ANALYSIS_CARDS) if card not in _ASKED]
 
 
-def _count_cell(card: Card) -> Cell:
-    what = card.subject.replace("{}", "").strip().removesuffix(" of body")
-    default = None if card is _BODY else "0"
-    return Cell(card.word, f"number of cards: {what}", letter=INTEGER, default=default)
-
-
-_COUNTS = Entry("counts", 0, "counts", tuple(_count_cell(card) for card in COUNTED))
-_ELEMENTS = Entry(
-    "elements", 0, "shapes and elements", (*(_count_cell(card) for card in ADDED), LINE_COUNT), True
-)
-_MORE = Entry("more", 0, "further cards", tuple(_count_cell(card) for card in LATER), True)
-
-
-class VsdfForm:
+class VsdfForm(Form):
     """The questions of a VSDF deck."""
 
     dialect = "vsdf"
 
-    def entries(self, values: dict[str, str]) -> list[Entry]:
-        """Title, counts, bodies with what each type needs, other cards, those of the whole deck, elements.
-
-        Cards that are newer than these come last.
-        """
-        counts = _counts(values, _COUNTS)
-        entries = [TITLE_ENTRY, _COUNTS]
-        if not counts:
-            return entries
-        bodies = range(1, counts["BODY"] + 1)
-        entries += [_entry(_BODY, k) for k in bodies]
-        for k in bodies:
-            kind = values.get(f"body.{k}.kind", "").upper()
-            words = _FLEXIBLE if kind == "FLEX" else _RIGID
-            entries += [_entry(BY_WORD[word], k) for word in words]
+    def entries(self, values: Mapping[str, str]) -> Entries:
+        """Title, counts, bodies with what each type needs, other cards, those of the whole deck, elements."""
+        yield titled()
+        counts = yield Entry("counts", 0, "counts", tuple(map(_count, COUNTED)))
+        most = {"body": counts["BODY"], "a": counts["BODY"], "b": counts["BODY"], "joint": counts["JOIN"]}
+        kinds = {}
+        for k in range(1, counts["BODY"] + 1):
+            kinds[k] = (yield _entry(BY_WORD["BODY"], k, most))["kind"]
+        for k, kind in kinds.items():
+            yield _entry(_OF_BODIES[kind], k, most)
         for card in COUNTED[1:]:
-            entries += [_entry(card, k) for k in range(1, counts[card.word] + 1)]
-        entries += [*(_entry(card, 0) for card in _SINGLE), _ELEMENTS]
-        added = _counts(values, _ELEMENTS)
-        for card in ADDED if added else ():
-            entries += [_entry(card, k) for k in range(1, added[card.word] + 1)]
-        entries += line_entries(added.get(LINE_COUNT.key, 0))
-        if not (added and LATER):
-            return entries
-        later = _counts(values, _MORE)
-        entries.append(_MORE)
-        for card in LATER if later else ():
-            entries += [_entry(card, k) for k in range(1, later[card.word] + 1)]
-        return entries
+            for k in range(1, counts[card.word] + 1):
+                yield _entry(card, k, most)
+        for card in _SINGLE:
+            yield _entry(card, 0, most)
+        yield from _counted_cards("more", "shapes and further cards", ADDED, most)
+        yield from element_entries()
+        if _NEW:
+            yield from _counted_cards("new", "newer cards", _NEW, most)
 
-    def faults(self, records: Sequence[Record], complete: bool) -> list[Fault]:
-        """Return faults of counts, body and joint numbers, node lists; `flexmb check` finds all others."""
-        last = records[-1]
-        if last.section in _OF_COUNTS:
-            return [
-                fault
-                for count in last.numbers
-                for fault in _outside(last, count, count.key == "BODY", MOST_ASKED)
-            ]
-        if last.section == LINES:
-            return faults_of_line(records)
-        faults = []
-        more = _BY_SECTION[last.section].more if last.section != "title" else None
-        for value in last.numbers if last.section != "title" else ():
-            if value.key == "nodes" and more:
-                faults += _faults_of_list(last, value)
-            elif value.key == "body" or (value.key in ("a", "b") and last.section != "shape"):
-                faults += _outside(last, value, "0: ground" not in value.meaning, records[1]["BODY"])
-            elif value.key == "joint":
-                faults += _outside(last, value, True, records[1]["JOIN"])
-        return faults
-
-    def lines(self, records: Sequence[Record]) -> list[tuple[str, str]]:
+    def lines(self, records: Sequence[Record]) -> list[Line]:
         """A keyword before the records of its card; what the fields are stands in a comment."""
-        lines = [(f"VSDF {records[0]['text']}".rstrip(), records[0].prefix)]
-        lines.append(("* Lengths in m, angles in rad, times in s, masses in kg.", ""))
-        section = ""
-        for record in records[2:]:
-            if record.section in (*_OF_COUNTS, LINES):
-                continue
-            card = _BY_SECTION[record.section]
+        lines: list[Line] = [[("VSDF ", ""), *named(records[0])]]
+        lines.append([("* Lengths in m, angles in rad, times in s, masses in kg.", "")])
+        cards, section = {card.section: card for card in CARDS}, ""
+        for record in (record for record in records if record.section in cards):
+            card = cards[record.section]
             if record.section != section:
                 section = record.section
                 fields = [c.key for c in (*card.columns, *([card.more] if card.more else []), *card.second)]
-                lines += [(f"* {' '.join(fields)}", ""), (card.word, "")]
-            lines += [(line, record.prefix) for line in _data_lines(card, record)]
-        lines += block_lines(records)
-        return [*lines, *((word.ljust(4) if word == END else word, "") for word in FINAL)]
+                lines += [[(f"* {' '.join(fields)}", "")], [(card.word, "")]]
+            lines += _data_lines(card, record)
+        return [
+            *lines,
+            *block_lines(records),
+            *([(word.ljust(4) if word == END else word, "")] for word in FINAL),
+        ]
+
+    def read(self, source: DeckText, last: Record) -> Sequence[Fault]:
+        """Read the deck, and build its model where all but elements is there."""
+        deck = read_vsdf(source)
+        whole = last.section == ELEMENT_LINE and last["line"]
+        return [*deck.warnings, *(build_vsdf(deck, self.folder)[1] if whole else [])]
 
 
-_BY_SECTION = {card.section: card for card in CARDS}
-_OF_COUNTS = (_COUNTS.section, _ELEMENTS.section, _MORE.section)
+def _counted_cards(section: str, subject: str, cards: Sequence[Card], most: Mapping[str, int]) -> Entries:
+    """Yield the question for the numbers of some cards, and those for the cards."""
+    counts = yield Entry(section, 0, subject, tuple(map(_count, cards)), optional=True)
+    for card in cards:
+        for k in range(1, counts[card.word] + 1):
+            yield _entry(card, k, most)
 
 
-def _counts(values: dict[str, str], entry: Entry) -> dict[str, int]:
-    """Return the counts that `entry` asked for, empty before all of them are known and sensible."""
-    try:
-        counts = {cell.key: number.integer(values[f"{entry.prefix}.{cell.key}"])[0] for cell in entry.cells}
-    except (KeyError, number.Misspelt):
-        return {}
-    return counts if max(counts.values()) <= MOST_ASKED else {}
+def _count(card: Card) -> Cell:
+    what = card.subject.replace("{}", "").strip().removesuffix(" of body")
+    default, within = (None, (1, MOST_ASKED)) if card.word == "BODY" else ("0", COUNT)
+    return Cell(card.word, f"number of cards: {what}", "", INTEGER, default, within=within)
 
 
 def _is_numbered(card: Card) -> bool:
     """Return whether the first field is the record's own number or body, which nobody needs to type."""
-    return card.counted == "own" or card.word in (*_FLEXIBLE, *_RIGID)
+    return card.counted == "own" or card in _OF_BODIES.values()
 
 
-def _entry(card: Card, k: int) -> Entry:
+def _entry(card: Card, k: int, most: Mapping[str, int]) -> Entry:
     columns = (*card.columns[_is_numbered(card) :], *card.second)
-    cells = tuple(_cell(column) for column in columns)
+    cells = tuple(_cell(column, most) for column in columns)
     if card.more:
         default = None if card.more.default is None else ""
-        cells += (Cell("nodes", f"{card.more.meaning}: all, between blanks", letter=TEXT, default=default),)
+        cells += (Cell("nodes", f"{card.more.meaning}: all, between blanks", "", TEXT, default),)
     subject = card.subject.format(k) if _is_numbered(card) else f"card {card.word} {k}"
     return Entry(card.section, k, subject if k else card.word, cells)
 
 
-def _cell(column: Column) -> Cell:
+def _cell(column: Column, most: Mapping[str, int]) -> Cell:
     # An empty field is more than a zero: a length without value is that of t = 0.
     default = None if column.default is None else ""
     if column.key == "method":
         default = column.words[0]  # what a deck without the card is solved by
-    return Cell(column.key, column.meaning, column.unit, column.letter, default, column.words)
+    within = None
+    if column.letter == INTEGER and column.key in most:
+        within = (int("0: ground" not in column.meaning), most[column.key])
+    return Cell(
+        column.key,
+        column.meaning,
+        column.unit,
+        column.letter,
+        default,
+        column.words,
+        within,
+        names=column.names,
+    )
 
 
-def _data_lines(card: Card, record: Record) -> list[str]:
-    texts = [n.text for n in record.numbers]
+def _data_lines(card: Card, record: Record) -> list[Line]:
+    pieces = list(named(record, ","))
     if card.more:
-        texts[-1:] = texts[-1].split()
+        text, name = pieces.pop()
+        pieces += [(f"{part},", name) for part in text.split()]
     if _is_numbered(card):
-        texts.insert(0, str(record.number))
-    first = len(texts) - len(card.second)
+        pieces.insert(0, (f"{record.number},", ""))
+    first = len(pieces) - len(card.second)
+    parts = [part for part in (pieces[:first], pieces[first:]) if part]
     # The blank in front keeps a word in the first field from being read as a keyword.
-    return ["    " + ",".join(part) for part in (texts[:first], texts[first:]) if part]
-
-
-def _outside(record: Record, value: Number, least: bool, most: int) -> list[Any]:
-    if int(least) <= value.value <= most:
-        return []
-    message = f"{value.key} must be within {int(least)}..{most}; read {value.text}"
-    return [Fault("error", message, value.place, record.subject, id="VSDF-039")]
-
-
-def _faults_of_list(record: Record, value: Number) -> list[Fault]:
-    """Faults of a list of nodes."""
-    faults = []
-    for text in value.text.split():
-        try:
-            number.integer(text)
-        except number.Misspelt as fault:
-            message = f"each of the nodes {fault}"
-            faults.append(Fault("error", message, value.place, record.subject, id="VSDF-040"))
-    return faults
+    return [[("    ", ""), *part[:-1], (part[-1][0].removesuffix(","), part[-1][1])] for part in parts]

@@ -6,13 +6,14 @@ Each is made again when it is looked at; the same numbers give the same body or 
 import math
 from abc import abstractmethod
 from array import array
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cached_property
 from itertools import chain
 from typing import Any
 
 import numpy as np
 
+from ...deck.lazy import Lazy
 from ...errors import Place
 from ...model.fe_model import End, NodeJoint, RigidMass, VsdfBody
 from ...model.joints import BY_NAME
@@ -25,18 +26,14 @@ _OF_END = 5  # numbers of an end: body, node, point
 _NO_POINT = (math.nan,) * 3
 
 
-class _Many(Sequence[Any]):
+class _Many(Lazy):
     """Objects by rows; a slice is a tuple."""
 
     def __init__(self) -> None:
         self._places = array("q")  # lines, columns and widths in the deck, one after the other
         self._kept: dict[int, Any] = {}
 
-    def __getitem__(self, index: Any) -> Any:
-        found = range(len(self))[index]
-        return tuple(map(self._made, found)) if isinstance(index, slice) else self._made(found)
-
-    def _made(self, index: int) -> Any:
+    def _item(self, index: int) -> Any:
         if index not in self._kept:
             if len(self._kept) >= _MOST_MADE:
                 self._kept.clear()

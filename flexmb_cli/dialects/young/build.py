@@ -4,18 +4,17 @@ Liang Yong, YOUNG dissertation (1996), chapter 5: the equations must be as many 
 """
 
 from collections import defaultdict
-from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
 from ...collector import without_collector
-from ...deck.many_records import Chained, Made
-from ...deck.record import Deck, Record
+from ...deck.lazy import Chained, Made
+from ...deck.record import Deck
 from ...deck.shifted_lines import with_slip_named
 from ...errors import Fault, FaultList, ModelError
 from ...model.diagnostics import Findings
 from ...model.driver_angles import check_driver_angles
-from ...model.mechanism import Mechanism, TimeGrid
+from ...model.mechanism import Mechanism
 from ..elements_block.line import CONSTRAINING, lines_of
 from .dynamic_cards import FORWARD, analysis_of
 from .equation_count import check_equation_count
@@ -23,7 +22,6 @@ from .parts import part_of
 from .prescribed_coordinates import check_held_coordinates
 from .sections import YOUNG_JOINTS
 
-_HOLDERS = ("ground", "simplified", "driver")
 _SECTIONS = ("body", "simplified", "distance", "driver", "ground", "point")
 
 
@@ -57,29 +55,6 @@ def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
         check_equation_count(mechanism, deck.one("counts").place, counted)
     _refuse_if_faulty(deck, findings, counted)
     return mechanism, findings.in_order
-
-
-def faults_of_last(records: Sequence[Record], bodies: int, complete: bool = True) -> list[Fault]:
-    """Errors and warnings that the last of `records` brings into a deck in the making of `bodies` bodies.
-
-    The records before it are complete and without errors; the last may lack its later numbers
-    (not `complete`).  What is known only of a whole deck (equations, assembly) is not looked at.
-    """
-    last = records[-1]
-    part, faults = part_of(last, bodies, complete)
-    findings = Findings(list(faults))
-    if part and last.section in _HOLDERS and not faults:
-        check_held_coordinates(_holders(records, bodies), findings)
-    return findings.in_order
-
-
-def _holders(records: Sequence[Record], bodies: int) -> Mechanism:
-    made: Any = {name: [] for name in _HOLDERS}
-    for record in records:
-        if record.section in made:
-            made[record.section].append(part_of(record, bodies)[0])
-    grounds, simplified, drivers = (tuple(made[name]) for name in _HOLDERS)
-    return Mechanism((), TimeGrid(0.0, 0.0, 1.0), simplified=simplified, drivers=drivers, grounds=grounds)
 
 
 def _parts(deck: Deck, findings: Findings) -> "dict[Any, Any]":

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...deck.many_records import Chained, Made
+from ...deck.lazy import Chained, Made
 from ...deck.record import Deck, Record
 from ...errors import Fault, ModelError
 from ...model.arrays.dynamic import inertia_matrix

@@ -37,17 +37,17 @@ _EULER = ("e0", "e1", "e2", "e3")
 _GROUND = ("x", "y", "z", "alpha", "beta", "gamma")
 
 
-def part_of(record: Record, bodies: int, complete: bool = True) -> tuple[object, list[Fault]]:
+def part_of(record: Record, bodies: int) -> tuple[object, list[Fault]]:
     """Return the part that a record describes in a mechanism of so many bodies, with its errors and warnings.
 
     None where its bodies or its direction do not exist, its numbers are too large, or it is no part of a
-    mechanism.  Not `complete`: the record may lack its later numbers, and nothing is made of it.
+    mechanism.
     """
     findings = Findings()
     if not _fits_doubles(record, findings) or record.section not in _MAKERS:
         return None, findings.faults
     named = _names_bodies(record, bodies, findings) & _names_direction(record, findings)
-    part = _MAKERS[record.section](record, findings) if named and complete else None
+    part = _MAKERS[record.section](record, findings) if named else None
     return part, findings.faults
 
 

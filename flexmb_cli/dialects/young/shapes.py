@@ -4,11 +4,10 @@ from pathlib import Path
 from typing import Any
 
 from ...deck.record import Deck, Record
-from ...errors import Fault
 from ...model.diagnostics import Findings
 from ...model.exchange.shapes import RigidShape
 from ...model.shapes import KINDS, Shape
-from ..body_shapes import Keys, on_rigid_body, primitive_of, rigid_shapes, shapes_of
+from ..body_shapes import Keys, primitive_of, rigid_shapes, shapes_of
 
 
 def build_shapes(deck: Deck, bodies: int, folder: Path, findings: Findings) -> tuple[Shape, ...]:
@@ -16,14 +15,6 @@ def build_shapes(deck: Deck, bodies: int, folder: Path, findings: Findings) -> t
     return shapes_of(
         deck.section, lambda record: _primitive(record, Keys(), findings), [True] * bodies, folder, findings
     )
-
-
-def faults_of_shape(record: Record, bodies: int) -> list[Fault]:
-    """Return what is wrong with the card of a primitive in a deck of so many bodies."""
-    findings = Findings()
-    if on_rigid_body(record, Keys(), [True] * bodies, findings):
-        _primitive(record, Keys(), findings)
-    return findings.in_order
 
 
 def exchanged_shapes(deck: Deck) -> tuple[RigidShape, ...]:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ...deck.many_records import Made
+from ...deck.lazy import Made
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from ...model.joints import BY_NAME
 from ...model.unit_checks import unit_warnings

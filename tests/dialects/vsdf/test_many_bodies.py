@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmb_cli.deck import many_records, number_table
+from flexmb_cli.deck import lazy, many_records, number_table
 from flexmb_cli.deck.record import DeckText
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.vsdf.build import build_vsdf
@@ -50,7 +50,7 @@ def many(monkeypatch):
 
 def plain(item):
     """Return an item as lists and dictionaries, so that arrays and lazy sequences compare."""
-    if dataclasses.is_dataclass(item) and not isinstance(item, many_records.Made):
+    if dataclasses.is_dataclass(item) and not isinstance(item, lazy.Made):
         return {field.name: plain(getattr(item, field.name)) for field in dataclasses.fields(item)}
     if isinstance(item, np.ndarray):
         return item.tolist()

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from flexmb_cli.dialects.young.dialogue.form import YoungForm, YoungFormWithCards
 
 from flexmb_cli.cli import cli
 from flexmb_cli.deck.dialogue import Dialogue, draft_text, from_draft
@@ -12,7 +13,6 @@ from flexmb_cli.deck.text import decode
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
 from flexmb_cli.dialects.young.cards import BY_KEYWORD
-from flexmb_cli.dialects.young.dialogue.form import YoungForm, YoungFormWithCards
 from tests.solvers.constrained.element_decks import FREE, ROTOR
 from tests.solvers.constrained.elements.element_cases import CASES, Case
 

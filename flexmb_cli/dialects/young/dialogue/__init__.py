@@ -1,1 +1,0 @@
-"""Questions of `flexmb new young`, and the deck that the answers give."""
