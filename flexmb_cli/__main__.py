@@ -21,7 +21,7 @@ def program() -> NoReturn:
     _leave(0)
 
 
-def _leave(code: "str | int | None") -> NoReturn:
+def _leave(code: str | int | None) -> NoReturn:
     """End the process without taking Python down object by object: a twentieth of a short run.
 
     Where someone watches (a profiler, a debugger), other threads work, or a stream is broken, Python ends as

@@ -5,7 +5,7 @@ The commands `check`, `run` and `sweep` call these functions.  Only `Result.save
 """
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -16,8 +16,6 @@ from .errors import COMPLETE, FAILED, AnalysisError, DeckError, Fault, FlexmbErr
 from .result import OpenDeck, Result
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from .run.check.check import CheckReport
     from .run.outcome import Listener, Outcome, RunOptions, TextStream
     from .run.solution import Solution
@@ -80,7 +78,7 @@ def solve_to_files(
     return run_deck(os.fspath(deck), options or RunOptions(), listener, stdout)
 
 
-def solve(deck: OpenDeck | str | os.PathLike[str], **options: float | str) -> "Result":
+def solve(deck: OpenDeck | str | os.PathLike[str], **options: float | str) -> Result:
     """Solve a deck in memory.
 
     `options`: those of `flexmb run` that numbers depend on: `rtol`, `atol`, `method` of the integration;
@@ -136,7 +134,7 @@ def _result(
     blocks: list[Mapping[str, np.ndarray]],
     faults: list[Fault],
     failure: AnalysisError | None,
-) -> "Result":
+) -> Result:
     layout = solution.layout()
     # The same datasets as in the HDF5 file: none of what the model lacks, such as pins.
     paths = ("time", *(item.path for item in layout.series)) if blocks else ()
@@ -181,7 +179,7 @@ def open_study(
 def solve_study(
     study: "Sweep",
     blocks: list[int],
-    advance: "Callable[[int], None]" = lambda cases: None,
+    advance: Callable[[int], None] = lambda cases: None,
     jobs: int = 1,
     scheduler: str | None = None,
     listener: "Listener | None" = None,

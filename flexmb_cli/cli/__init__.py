@@ -10,7 +10,8 @@ import sys
 from collections.abc import Mapping
 from errno import EBADF
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from types import FrameType
+from typing import Any
 
 import click
 
@@ -28,10 +29,6 @@ from ..memory import LACK_OF_MEMORY, lack_of_memory_text, lacks_memory
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
 from ..run.processes.signal_mask import ignore_stops, pass_over_stops
 from .terminal.screen import WrongCall
-
-if TYPE_CHECKING:
-    from types import FrameType
-
 
 DONE = {
     "run": "every deck is solved",
@@ -304,7 +301,7 @@ def _refuse_lost_folder() -> None:
         sys.exit(BAD_INPUT)
 
 
-def _terminate(number: int, frame: "FrameType | None") -> None:
+def _terminate(number: int, frame: FrameType | None) -> None:
     raise Terminated
 
 

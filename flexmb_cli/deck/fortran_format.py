@@ -132,7 +132,7 @@ class Layout:
         decimals = max((field.decimals for field in self.fields), default=0)
         self._has_pictures = layout == SAFE and decimals < MOST_DECIMALS
 
-    def lines(self, values: "list[Any] | np.ndarray") -> str:
+    def lines(self, values: list[Any] | np.ndarray) -> str:
         """Text of the piece for `values`, shape (rows, fields) or (fields,)."""
         values = np.atleast_2d(np.asarray(values, dtype=float))
         if values.shape[1] != len(self.fields):
@@ -171,7 +171,7 @@ class Layout:
         """Return whether C's `%` cannot print the field."""
         return field.kind == "e" or (field.stars and self.layout == HISTORIC)
 
-    def _column(self, k: int, values: np.ndarray) -> "list[Any]":
+    def _column(self, k: int, values: np.ndarray) -> list[Any]:
         """Return what the template takes for the values of field `k`."""
         if not self._as_text[k]:
             return list(values.tolist())

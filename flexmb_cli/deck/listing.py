@@ -4,7 +4,8 @@ import sys
 from array import array
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
+from pathlib import Path
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 
@@ -12,10 +13,6 @@ from ..errors import DeckError, Fault
 from .fortran_format import Edit
 from .fortran_words import unit_of, value_of
 from .other_files import first_bytes, size_of
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
 
 # Bytes.  The numbers of two listings take seven times their size in memory.
 LARGEST_LISTING = 2**29
@@ -137,13 +134,13 @@ class Listing:
 class TableError(DeckError):
     """A file to compare cannot be read (exit 2); `name` and `lines` are its own."""
 
-    def __init__(self, name: str, faults: list[Fault], lines: "Sequence[Any]" = ()):
+    def __init__(self, name: str, faults: list[Fault], lines: Sequence[Any] = ()):
         super().__init__(faults)
         self.name = self.file = name
         self.lines = lines
 
 
-def read_bytes(path: "Path | str") -> bytes:
+def read_bytes(path: Path | str) -> bytes:
     """Content of a file; "-" is standard input.  Raises `TableError`."""
     try:
         if str(path) == "-":
@@ -159,7 +156,7 @@ def read_bytes(path: "Path | str") -> bytes:
     raise TableError(str(path), [fault])
 
 
-def _bounded(path: "Path | str", file: BinaryIO) -> bytes:
+def _bounded(path: Path | str, file: BinaryIO) -> bytes:
     # A device or a pipe has no size, and may never end.
     content = b"" if size_of(file) > LARGEST_LISTING else first_bytes(file, LARGEST_LISTING + 1)
     if max(size_of(file), len(content)) > LARGEST_LISTING:

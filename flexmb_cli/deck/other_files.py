@@ -10,10 +10,7 @@ MOST_NAMES = 2000  # of a folder that are looked at
 _TABLES = "open it in its program and save the deck as plain text"
 # What a file begins with, what it is, and what to do.
 _BEGINNINGS = (
-    (
-        b"\x89HDF\r\n\x1a\n",
-        "an HDF5 file, as results are; flexmb table, plot and report read those",
-    ),
+    (b"\x89HDF\r\n\x1a\n", "an HDF5 file, as results are; flexmb table, plot and report read those"),
     (b"PK\x03\x04", f"a zip archive or an office document; {_TABLES}"),
     (b"\xd0\xcf\x11\xe0", f"an office document; {_TABLES}"),
     (b"%PDF", "a PDF document; copy the deck's text into a file of its own"),

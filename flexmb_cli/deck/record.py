@@ -1,7 +1,7 @@
 """Result of a reader: the deck's text, and every number of it with a name, a meaning and a place."""
 
 import dataclasses
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
@@ -10,8 +10,6 @@ from ..errors import Fault, Place
 from .lines import Lines
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from .many_records import ManyRecords
 
 
@@ -150,7 +148,7 @@ class Deck:
         """The only record of a section such as "counts" or "time"."""
         return self.section(name)[0]
 
-    def numbers(self) -> "Iterator[tuple[str, Number]]":
+    def numbers(self) -> Iterator[tuple[str, Number]]:
         """Pairs (full readable name, Number) of the whole deck."""
         for record in self.records:
             for number in record.numbers:

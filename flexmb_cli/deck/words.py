@@ -54,7 +54,7 @@ class Words:
         self._starts = array("i")
         self._unread = _offsets(self._lines.text, 0)
 
-    def __getstate__(self) -> "dict[str, Any]":
+    def __getstate__(self) -> dict[str, Any]:
         """For another process: what is read so far."""
         return vars(self) | {"_unread": iter(())}
 

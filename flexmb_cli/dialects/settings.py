@@ -1,17 +1,14 @@
 """`--set NAME=VALUE`: numbers of a deck overridden by their readable names."""
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..deck import number
 from ..deck.many_records import ManyRecords
 from ..deck.record import Deck, Number
 from ..errors import DeckError, Fault
 from .recognise import dialect_named
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
 
 COUNTS = "counts"
 
@@ -118,7 +115,7 @@ class SettableDeck:
             raise _Unusable(f"{name} {fault}", id="DECK-016") from None
         return name, replace(known, value=value, text=word, place=None)
 
-    def _with_changes(self, changes: "Mapping[str, Number]") -> Any:
+    def _with_changes(self, changes: Mapping[str, Number]) -> Any:
         """The records with new numbers; those left alone stay the same objects."""
         changed_records: dict[Any, Any] = {}
         dialect = dialect_named(self.deck.dialect)

@@ -5,13 +5,10 @@ shape.
 """
 
 import ctypes
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
 
 _NUMBERS = {int: "i", np.int64: "i", float: "f", np.float64: "f", bool: "b", np.bool_: "b"}
 _ACCEPTED = {
@@ -86,7 +83,7 @@ class Words:
             raise TypeError(f"{len(values)} arguments, where {len(self._packers)} are taken")
         return all(put(value) for put, value in zip(self._packers, values, strict=True))
 
-    def _packer(self, parameter: Any, first: Any) -> "Callable[..., Any]":
+    def _packer(self, parameter: Any, first: Any) -> Callable[..., Any]:
         """Return the function that fills the words of a parameter from `first` on."""
         if isinstance(parameter, Array):
             return _array_packer(self._room[0], first, *parameter)
@@ -100,7 +97,7 @@ class Words:
         return _number_packer(room, first, _ACCEPTED[parameter])
 
 
-def _array_packer(words: Any, first: int, dimensions: Any, dtype: np.dtype) -> "Callable[..., Any]":
+def _array_packer(words: Any, first: int, dimensions: Any, dtype: np.dtype) -> Callable[..., Any]:
     end = first + 1 + dimensions
 
     def put(array: float | list[float] | np.ndarray) -> bool:
@@ -118,7 +115,7 @@ def _array_packer(words: Any, first: int, dimensions: Any, dtype: np.dtype) -> "
     return put
 
 
-def _tuple_packer(parts: "list[Callable[..., Any]]", kind: type) -> "Callable[..., Any]":
+def _tuple_packer(parts: list[Callable[..., Any]], kind: type) -> Callable[..., Any]:
     kept = None
 
     def put(values: tuple[int | np.ndarray, ...]) -> bool:
@@ -137,7 +134,7 @@ def _tuple_packer(parts: "list[Callable[..., Any]]", kind: type) -> "Callable[..
     return put
 
 
-def _number_packer(words: Any, place: int, accepted: frozenset[type]) -> "Callable[..., Any]":
+def _number_packer(words: Any, place: int, accepted: frozenset[type]) -> Callable[..., Any]:
     def put(value: float) -> bool:
         if type(value) not in accepted:
             return False

@@ -5,14 +5,12 @@ Whoever builds a system to look at it only, as `check` does, builds and evaluate
 """
 
 import os
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 from ._entry import BuiltIn, Entry, PlainEntry, is_ready
 from ._interpreted import interpreting as interpreting
 from ._interpreted import is_interpreting
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 # Kernels borrow the arrays that they are given: no references are counted, which was a sixth of the time of
 # a step by the generalised-α method, and a tenth of that of compiling it.
@@ -31,12 +29,12 @@ def must_compile(name: str) -> bool:
     return not interpreted() and not is_ready(name)
 
 
-def kernel(function: "Callable[..., Any]", **options: Any) -> "Callable[..., Any]":
+def kernel(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
     """Compile `function` when it is called, or leave it alone when kernels are interpreted."""
     return function if _never_compiled else Entry(function, OPTIONS | options)
 
 
-def part(function: "Callable[..., Any]") -> "Callable[..., Any]":
+def part(function: Callable[..., Any]) -> Callable[..., Any]:
     """A kernel that is forced into its callers: for inner loops, where handing over arrays counts.
 
     LLVM would leave some apart, and Kane's recursion a third slower; elsewhere that is as quick.
@@ -44,21 +42,21 @@ def part(function: "Callable[..., Any]") -> "Callable[..., Any]":
     return kernel(function, forceinline=True)
 
 
-def allocating(function: "Callable[..., Any]") -> "Callable[..., Any]":
+def allocating(function: Callable[..., Any]) -> Callable[..., Any]:
     """A kernel that makes arrays; only another one may get them from it."""
     return kernel(function, _nrt=True)
 
 
-def plain(function: "Callable[..., Any]") -> "Callable[..., Any]":
+def plain(function: Callable[..., Any]) -> Callable[..., Any]:
     """A kernel that only makes or divides arrays, which no object can return: Python runs it as it is."""
     return function if _never_compiled else PlainEntry(function, OPTIONS)
 
 
-def plain_allocating(function: "Callable[..., Any]") -> "Callable[..., Any]":
+def plain_allocating(function: Callable[..., Any]) -> Callable[..., Any]:
     """An `allocating` kernel that Python runs as it is."""
     return function if _never_compiled else PlainEntry(function, OPTIONS | {"_nrt": True})
 
 
-def built_in(function: "Callable[..., Any]") -> "Callable[..., Any]":
+def built_in(function: Callable[..., Any]) -> Callable[..., Any]:
     """A function that `_values` makes code of itself; Python runs it as it is."""
     return function if _never_compiled else BuiltIn(function, OPTIONS)

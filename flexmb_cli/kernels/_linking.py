@@ -7,7 +7,8 @@ Kernels must not call one another in a circle.
 """
 
 import contextlib
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 from ._numba import (
     PASSES,
@@ -19,9 +20,6 @@ from ._numba import (
     arrayobj,
     types,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 _MADE_BY_NUMBA = "_Z"  # the names of all functions that come from Python begin so
 _LATE = RuntimeLinker.PREFIX  # of what is called before it is compiled: by itself, or in a circle
@@ -117,7 +115,7 @@ def _holds_arrays(kind: Any):
 class Part(CPUDispatcher):
     """A function as kernels call it."""
 
-    def __init__(self, function: "Callable[..., Any]", options: dict):
+    def __init__(self, function: Callable[..., Any], options: dict):
         # Without a word of its own a part would be forced inline where its first caller is.
         common = {"nopython": True, "boundscheck": None, "forceinline": False, "no_cpython_wrapper": True}
         # Earlier versions of numba take no None for the types of locals.
@@ -129,7 +127,7 @@ class Part(CPUDispatcher):
 
 
 @contextlib.contextmanager
-def quick() -> "Iterator[None]":
+def quick() -> Iterator[None]:
     """Spare numba what kernels do not need, while they are compiled within the block.
 
     The type of a sum of two floats was sought thousands of times, a quarter of the time.  No index of a
@@ -143,7 +141,7 @@ def quick() -> "Iterator[None]":
         types.Function.get_call_type, arrayobj.fix_integer_index = own  # type: ignore[method-assign]
 
 
-def _call_types(own: "Callable[..., Any]") -> "Callable[..., Any]":
+def _call_types(own: Callable[..., Any]) -> Callable[..., Any]:
     """The signature of a function of numba's for types of arguments, sought once."""
     known: dict[tuple, Any] = {}
 

@@ -6,7 +6,8 @@ thirds of what numba wrote for LLVM were such lists.  Tuples that kernels make t
 """
 
 import hashlib
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 from llvmlite import ir
 
@@ -26,10 +27,6 @@ from ._numba import (
     register_model,
     types,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 WORD = ir.IntType(64)
 
@@ -107,7 +104,7 @@ def add_wrapper(context: Any, module: ir.Module, symbol: str, compiled: Any) -> 
     builder.ret(code(0))
 
 
-def _values(context: Any, builder: Any, words: Any, kinds: Any, first: int = 0) -> "Iterator[Any]":
+def _values(context: Any, builder: Any, words: Any, kinds: Any, first: int = 0) -> Iterator[Any]:
     """Yield the values of types that follow one another from word `first` on."""
     for kind in kinds:
         yield _value(context, builder, words, first, kind)

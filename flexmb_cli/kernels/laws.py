@@ -7,13 +7,11 @@ tanh.  Stops and cables: Hunt and Crossley, Journal of Applied Mechanics 42 (197
 """
 
 import math
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ._jit import kernel
 from .constrained.time_functions import function_values
-
-if TYPE_CHECKING:
-    import numpy as np
 
 # The codes of model.laws; a test compares them.
 SPRING, CABLE, MOTOR, STOP = 1, 2, 3, 4
@@ -28,12 +26,7 @@ NO_LENGTH = 1e-300  # m, and m² of its square: a line that short has no directi
 
 @kernel
 def answer_law(
-    law: "np.void",
-    functions: "np.ndarray",
-    knots: "np.ndarray",
-    t: float,
-    directed: bool,
-    answer: "np.ndarray",
+    law: np.void, functions: np.ndarray, knots: np.ndarray, t: float, directed: bool, answer: np.ndarray
 ) -> float:
     """Effort at the coordinate and speed in `answer` (8,), whose other columns are filled.
 
@@ -48,7 +41,7 @@ def answer_law(
 
 @kernel
 def _effort(
-    law: "np.void", functions: "np.ndarray", knots: "np.ndarray", t: float, answer: "np.ndarray"
+    law: np.void, functions: np.ndarray, knots: np.ndarray, t: float, answer: np.ndarray
 ) -> tuple[float, float]:
     """Effort along the coordinate, and the part of it that has a potential; fills slopes and energy."""
     x, v, c, f = answer[COORDINATE], answer[SPEED], law["c"], law["f"]
@@ -82,7 +75,7 @@ def _effort(
 
 
 @kernel
-def _pushed_back(k: float, b: float, depth: float, approach: float, sign: float, answer: "np.ndarray"):
+def _pushed_back(k: float, b: float, depth: float, approach: float, sign: float, answer: np.ndarray):
     """A stop at a depth that grows at `approach`: effort, its part with a potential; fills slopes."""
     share = max(0.0, 1.0 + b * approach)
     answer[STIFFNESS] = k * share if depth > 0.0 else 0.0
@@ -93,7 +86,7 @@ def _pushed_back(k: float, b: float, depth: float, approach: float, sign: float,
 
 @kernel
 def answer_unit_friction(
-    law: "np.void", turning: float, sliding: float, both: bool, answer: "np.ndarray"
+    law: np.void, turning: float, sliding: float, both: bool, answer: np.ndarray
 ) -> float:
     """Answer for friction by the normal force 1 N at two sliding speeds, m/s; returns the force per speed."""
     v = math.sqrt(turning * turning + sliding * sliding)
@@ -105,7 +98,7 @@ def answer_unit_friction(
 
 
 @kernel
-def friction_share(law: "np.void", v: float):
+def friction_share(law: np.void, v: float):
     """μ(v)/v and dμ/dv at the sliding speed v >= 0."""
     c = law["c"]
     x, fade = v / c[CREEP], math.exp(-((v / c[STRIBECK]) ** 2))

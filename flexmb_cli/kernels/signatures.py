@@ -102,9 +102,7 @@ UNITS = {
         "kinematics.continuation.follow": "Mechanism f2 f2 f1 f1 f3 f2",
         "kinematics.newton.evaluate_position": "Mechanism Newton f1 float f1",
     },
-    "large_kinematics": {
-        "kinematics.continuation.follow_sparse": "Mechanism SparseNewton f2 f2 f1 f1 f3 f2",
-    },
+    "large_kinematics": {"kinematics.continuation.follow_sparse": "Mechanism SparseNewton f2 f2 f1 f1 f3 f2"},
     "constrained": {
         "constrained.accelerations.evaluate_jacobian": "System Work f1",
         "constrained.accelerations.choose_order": "Work int",
@@ -139,7 +137,7 @@ UNITS = {
         "tree.projection.evaluate_gaps": "Tree FRAME_WORK1 COORDINATE_WORK1 f1",
     },
     "implicit_trees": {
-        "integrators.sdirk4.integrate_rows": "Tree FRAME_WORK1 COORDINATE_WORK1 Implicit TreeReport int",
+        "integrators.sdirk4.integrate_rows": "Tree FRAME_WORK1 COORDINATE_WORK1 Implicit TreeReport int"
     },
 }
 _KINDS = {

@@ -7,6 +7,7 @@ whose axes are global.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
@@ -17,8 +18,6 @@ from .mechanism import Vector
 from .time_functions import MotionFunction
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from .flexible_mechanism import FlexibleMechanism
     from .loads import DynamicModel
 
@@ -130,7 +129,7 @@ def element_names(model: "DynamicModel | FlexibleMechanism") -> list[tuple[str, 
     return found + list(names_of(model.elements))
 
 
-def names_of(elements: JointElements) -> "Iterator[tuple[str, str]]":
+def names_of(elements: JointElements) -> Iterator[tuple[str, str]]:
     """Name of every force element, of each part of it, and unit of its coordinate."""
     for item in elements.forces:
         yield from item.parts

@@ -17,14 +17,12 @@ conversion, notes and names of results need.  Cards of all dialects and the arra
 from these records: a new law is one record here and one branch of `kernels.laws`, of the same code.
 """
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from ..errors import Place
 from .joints import ANGLE
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
 
 REQUIRED: Any = ...  # default of a parameter that must be given
 # Types of parameters.
@@ -272,7 +270,7 @@ class Element:
         """Return the element where the coordinate counts from `start`."""
         return replace(self, values=self.changed(lambda p, value: value - start if p.counted else value))
 
-    def numbers(self, number: "Callable[[Any], int]") -> tuple[Any, ...]:
+    def numbers(self, number: Callable[[Any], int]) -> tuple[Any, ...]:
         """Return the values one after the other, functions by their `number`, 0 for none."""
         found: list[Any] = []
         for p, value in zip(self.law.parameters, self.values, strict=True):
@@ -282,7 +280,7 @@ class Element:
                 found += value if p.kind == VECTOR else [value]
         return tuple(found)
 
-    def changed(self, change: "Callable[[Parameter, Any], Any]") -> tuple[Any, ...]:
+    def changed(self, change: Callable[[Parameter, Any], Any]) -> tuple[Any, ...]:
         """Return what `change` makes of each parameter and its value."""
         return tuple(change(p, value) for p, value in zip(self.law.parameters, self.values, strict=True))
 
@@ -300,12 +298,12 @@ def spring(
     return Element(name, SPRING, measure, values, place)
 
 
-def motors_last(elements: "Iterable[Element]") -> tuple[Element, ...]:
+def motors_last(elements: Iterable[Element]) -> tuple[Element, ...]:
     """Return elements in their order, but motors after all others, as results have them."""
     return tuple(sorted(elements, key=lambda item: item.law is MOTOR))
 
 
-def parts_in_arrays(elements: "Iterable[Element]") -> list[tuple[Element, int]]:
+def parts_in_arrays(elements: Iterable[Element]) -> list[tuple[Element, int]]:
     """Return the element of each part in results, and its place in arrays, which have friction last."""
     parts = [item for item in elements for _ in item.parts]
     in_arrays = sorted(range(len(parts)), key=lambda k: parts[k].law is FRICTION)

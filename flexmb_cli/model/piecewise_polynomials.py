@@ -37,11 +37,7 @@ def linear_table(times: Sequence[float], values: Sequence[float]) -> Pieces:
     lasts = np.flatnonzero(np.diff(t) > 0.0)
     slopes = (f[lasts + 1] - f[lasts]) / (t[lasts + 1] - t[lasts])
     lines = zip(t[lasts].tolist(), f[lasts].tolist(), slopes.tolist(), strict=True)
-    return (
-        (times[0] - 1.0, float(values[0]), 0.0),
-        *lines,
-        (float(times[-1]), float(values[-1]), 0.0),
-    )
+    return ((times[0] - 1.0, float(values[0]), 0.0), *lines, (float(times[-1]), float(values[-1]), 0.0))
 
 
 def spline_table(times: Sequence[float], values: Sequence[float]) -> Pieces:

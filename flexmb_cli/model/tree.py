@@ -9,6 +9,7 @@ Bodies and nodes are numbered from 0 here (parent -1: inertial frame) and from 1
 axes are 1, 2, 3 everywhere.  SI units; attitudes are Euler parameters (e0, e1, e2, e3), scalar first.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -21,8 +22,6 @@ from .mechanism import TimeGrid, Vector
 from .time_functions import MotionFunction
 
 if TYPE_CHECKING:  # few decks have any
-    from collections.abc import Sequence
-
     from .shapes import Shape
 
 INERTIAL = -1
@@ -205,7 +204,7 @@ class Tree:
         return generalized_coordinates(self.bodies, self.hinges)
 
 
-def generalized_coordinates(bodies: "Sequence[Any]", hinges: "Sequence[Any]") -> tuple[Coordinate, ...]:
+def generalized_coordinates(bodies: Sequence[Any], hinges: Sequence[Any]) -> tuple[Coordinate, ...]:
     """Return the coordinates of eq. (2.22), as many as (2.4): rotations, translations, elastic ones."""
     named = list(zip(range(len(bodies)), bodies, hinges, strict=True))
     rigid = [

@@ -6,7 +6,7 @@ tonnes with all else in SI units divide densities by a thousand.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
 
@@ -15,8 +15,6 @@ import numpy as np
 from ..errors import Fault, FaultList, Place
 
 if TYPE_CHECKING:  # a run imports the models of its own dialect only
-    from collections.abc import Callable, Iterator, Sequence
-
     from .flexible_mechanism import FlexibleMechanism, FloatingBody
     from .loads import DynamicModel
     from .tree import Tree
@@ -124,7 +122,7 @@ def unit_warnings(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Faul
     return notes
 
 
-def uneven_masses(bodies: "Sequence[tuple[str, float]]") -> str:
+def uneven_masses(bodies: Sequence[tuple[str, float]]) -> str:
     """Return that masses, kg, of two bodies are too far apart to solve for both; "" where none are."""
     given = [body for body in bodies if body[1] > 0.0]
     if not given:
@@ -138,7 +136,7 @@ def uneven_masses(bodies: "Sequence[tuple[str, float]]") -> str:
     )
 
 
-def _of_body(body: Extent) -> "Iterator[Fault]":
+def _of_body(body: Extent) -> Iterator[Fault]:
     if body.mass == 0.0 and body.inertia == 0.0:
         message = "has neither mass nor inertia: only what it is joined to can carry it"
         yield Fault("note", message, body.place, body.name, id="MODEL-010")
@@ -210,7 +208,7 @@ def _sides(points: np.ndarray) -> np.ndarray:
     return found
 
 
-def _farthest(points: "Sequence[Any]", centre: np.ndarray | tuple[float, float, float]) -> float:
+def _farthest(points: Sequence[Any], centre: np.ndarray | tuple[float, float, float]) -> float:
     return max((float(np.linalg.norm(np.subtract(point, centre))) for point in points), default=0.0)
 
 
@@ -284,7 +282,7 @@ def _of_tree(tree: "Tree") -> Iterable[Extent]:
     return found
 
 
-_EXTENTS: "dict[str, Callable[[Any], Iterable[Extent]]]" = {
+_EXTENTS: dict[str, Callable[[Any], Iterable[Extent]]] = {
     "DynamicModel": _of_young,
     "FlexibleMechanism": _of_mechanism,
     "Tree": _of_tree,

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..deck.record import Deck, DeckText
 from ..dialects import DIALECTS
@@ -10,15 +10,12 @@ from ..dialects.recognise import dialect_named, read_deck
 from ..errors import DeckError, Fault, FlexmbError, ModelError, visible
 from ..model.exchange.conversion import Start
 from ..model.exchange.units import UNITS, Units, in_units
+from ..model.loads import DynamicModel
 from ..results.models.exudyn import exudyn_script
 from ..results.models.mjcf import mjcf
 from .model import analysis_of, folder_of, model_of, open_deck
 from .outcome import Outcome, Run, RunOptions
 from .solution import solution_of
-
-if TYPE_CHECKING:
-    from ..model.loads import DynamicModel
-
 
 SI = "m"
 ROWS_FOR_RANK = 3  # of the motion: a start at rest in a singular position must leave it
@@ -121,7 +118,7 @@ def _written(model: Any, form: str, name: str, note: str = "") -> str:
     return exudyn_script(model, start, name, later, _degrees_of_freedom(model, motion))
 
 
-def _degrees_of_freedom(model: "DynamicModel", motion: list[dict[str, Any]]) -> int:
+def _degrees_of_freedom(model: DynamicModel, motion: list[dict[str, Any]]) -> int:
     """Return the fewest that the Jacobian leaves at positions of a motion: singular ones have more."""
     from ..solvers.compilation import interpreting
     from ..solvers.constrained.young_dynamics import ForwardDynamics
@@ -133,7 +130,7 @@ def _degrees_of_freedom(model: "DynamicModel", motion: list[dict[str, Any]]) -> 
         return analysis.arrays.speeds - max(rank_at(analysis, at["r"], at["p"]) for at in motion)
 
 
-def start_of(model: "DynamicModel", run: Run | None = None) -> dict[str, Any]:
+def start_of(model: DynamicModel, run: Run | None = None) -> dict[str, Any]:
     """Return positions "r", Euler parameters "p", velocities "v", "omega" of the bodies at the first time.
 
     Of joint and tree coordinates "q" where the model reports them.
@@ -141,7 +138,7 @@ def start_of(model: "DynamicModel", run: Run | None = None) -> dict[str, Any]:
     return _motion_of(model, 1, run)[0]
 
 
-def _motion_of(model: "DynamicModel", rows: int, run: Run | None = None) -> list[dict[str, Any]]:
+def _motion_of(model: DynamicModel, rows: int, run: Run | None = None) -> list[dict[str, Any]]:
     """Return what `start_of` does, of each of the first rows."""
     first = _first_rows_of(model, rows)
     blocks = list(solution_of(first, run or Run(Outcome(""), RunOptions())).blocks())
@@ -155,7 +152,7 @@ def _motion_of(model: "DynamicModel", rows: int, run: Run | None = None) -> list
     return found
 
 
-def _start(model: "DynamicModel", run: Run) -> Start:
+def _start(model: DynamicModel, run: Run) -> Start:
     return Start(**start_of(model, run))
 
 

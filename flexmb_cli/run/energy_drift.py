@@ -32,7 +32,7 @@ class EnergyDrift:
         self.first = None
         self.largest = self.scale = self.lost = 0.0
 
-    def add(self, values: Mapping[str, "np.ndarray"]) -> None:
+    def add(self, values: Mapping[str, np.ndarray]) -> None:
         """Take in a block of rows, by the paths of their datasets."""
         self.take(values["energy/total"], values["energy/kinetic"] + values["energy/strain"])
 
@@ -64,7 +64,7 @@ class ConstrainedDrift(EnergyDrift):
         self.reasons = reasons
         self.potential = None
 
-    def add(self, values: Mapping[str, "np.ndarray"]) -> None:
+    def add(self, values: Mapping[str, np.ndarray]) -> None:
         """Take in a block of rows, by the paths of their datasets."""
         total, work, potential = (values[f"energy/{name}"] for name in ("total", "applied_work", "potential"))
         self.potential = potential[0] if self.potential is None else self.potential
@@ -81,7 +81,7 @@ class StepCount(NoCount):
         self.clock, self.drift = clock, drift
         self.residual = 0.0
 
-    def add(self, values: Mapping[str, "np.ndarray"]) -> None:
+    def add(self, values: Mapping[str, np.ndarray]) -> None:
         """Count a block of values."""
         residuals = values.get("audit/constraint_residual", np.zeros(1))
         self.residual = max(self.residual, float(residuals.max()))

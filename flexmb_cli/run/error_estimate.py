@@ -54,7 +54,7 @@ class ErrorEstimate:
         self.warnings: list[Fault] = []  # that the second run stopped
         self.largest: dict[str, Any] = {}  # by path: error, its time, s, and the largest size of the quantity
 
-    def of(self, values: Mapping[str, "np.ndarray"]) -> dict[str, np.ndarray]:
+    def of(self, values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Values with the largest error (T,) of each quantity in time, nan past the second run's stop."""
         other = self._next(values["time"])
         errors = {

@@ -140,8 +140,8 @@ def _kernels(
 
 
 def _linearised(
-    analysis: Any, wish: Wish, run: Run, begin: "Callable[[], object]", motion_type: type, responses: type,
-    signals: "Callable[..., Any]",
+    analysis: Any, wish: Wish, run: Run, begin: Callable[[], object], motion_type: type, responses: type,
+    signals: Callable[..., Any],
 ) -> tuple[Any, Any, "StateSpace | None"]:  # fmt: skip
     """Return the linearised motion where `begin` leads or at the equilibrium, its modes and state space."""
     from ..solvers.linearisation.constrained import linearised, modes_of

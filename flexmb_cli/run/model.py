@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from ..deck.number import MOST_DIGITS
@@ -21,8 +22,6 @@ from ..solvers.as_printed.errors import AS_PRINTED
 from .outcome import LOOP_TOLERANCE, SOLVER_OPTIONS, Outcome, Run, RunOptions
 
 if TYPE_CHECKING:
-    from types import ModuleType
-
     from ..model.loads import DynamicModel
     from ..model.mechanism import Mechanism
     from ..model.tree import Tree
@@ -60,13 +59,13 @@ def analysis_of(model: Any) -> str:
     return ANALYSES[type(model).__name__]
 
 
-def module_for(model: "DynamicModel | Mechanism | Tree", package: str) -> "ModuleType":
+def module_for(model: "DynamicModel | Mechanism | Tree", package: str) -> ModuleType:
     """Return the module of the model's analysis in a package of this folder: "solutions", "check" …"""
     # A run imports the analysis of its own model only.
     return import_module(f"{__package__}.{package}.{analysis_of(model)}")
 
 
-def _integrated(tree: Any, deck: Deck, options: "RunOptions") -> Any:
+def _integrated(tree: Any, deck: Deck, options: RunOptions) -> Any:
     """The tree with the integration that the options ask for; another method has another tolerance."""
     from ..model.tree import default_tolerances
 

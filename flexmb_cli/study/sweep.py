@@ -6,10 +6,11 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .. import __version__
 from ..collector import with_present_objects_frozen
+from ..deck.lines import Lines
 from ..deck.record import Deck, DeckText
 from ..deck.text import read_text
 from ..dialects.recognise import CHOOSES, read_deck
@@ -20,10 +21,6 @@ from .reader import read_study
 from .solver import CaseResult, CaseSolver
 from .study import LARGEST, MEAN, SERIES, SMALLEST, Study
 from .table import Column, Row, TableHead, write_table
-
-if TYPE_CHECKING:
-    from ..deck.lines import Lines
-
 
 MOST_CASES_A_BLOCK = 200  # cases
 BLOCKS_WANTED = 100
@@ -159,13 +156,13 @@ class Sweep:
 class StudyError(DeckError):
     """A study or its deck cannot be read: `file` is the one at fault as the user has it, and its lines."""
 
-    def __init__(self, path: str, faults: tuple[Fault, ...], lines: "Lines | tuple[Any, ...]" = ()):
+    def __init__(self, path: str, faults: tuple[Fault, ...], lines: Lines | tuple[Any, ...] = ()):
         super().__init__(faults)
         self.file, self.lines = path, lines
 
 
 @contextmanager
-def reported_at(path: str, lines: "Lines | tuple[Any, ...]" = ()) -> Iterator[None]:
+def reported_at(path: str, lines: Lines | tuple[Any, ...] = ()) -> Iterator[None]:
     """Faults of what is done here are those of the file at `path`, whose `lines` are."""
     try:
         yield
@@ -221,10 +218,7 @@ def _solver(text: DeckText, folder: str, study: Study, loop_tolerance: float | N
 
 
 def solve_block(
-    job: Job,
-    block: int,
-    advance: Callable[[int], None] = lambda cases: None,
-    listener: Listener = SILENT,
+    job: Job, block: int, advance: Callable[[int], None] = lambda cases: None, listener: Listener = SILENT
 ) -> BlockDone:
     """Solve what a block lacks; every case is kept before the next begins."""
     job.parts.check_shared()

@@ -165,7 +165,7 @@ def _pyarrow() -> Any:
     return pyarrow
 
 
-def _write_parquet(place: Any, head: TableHead, rows: "Iterable[Row]") -> None:
+def _write_parquet(place: Any, head: TableHead, rows: Iterable[Row]) -> None:
     pyarrow = _pyarrow()
     kinds = {name: pyarrow.int64() for name, _ in COUNTS} | {"message": pyarrow.string()}
     for column in head.columns:

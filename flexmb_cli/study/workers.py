@@ -30,11 +30,7 @@ def solve_here(
 
 
 def solve_in_processes(
-    sweep: Sweep,
-    blocks: list[int],
-    advance: Callable[[int], None],
-    jobs: int,
-    listener: Listener = SILENT,
+    sweep: Sweep, blocks: list[int], advance: Callable[[int], None], jobs: int, listener: Listener = SILENT
 ) -> None:
     """Solve `blocks` in `jobs` processes.  A process that dies is replaced, and its blocks go on.
 

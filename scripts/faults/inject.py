@@ -29,17 +29,7 @@ from faults import trip
 
 trip.install()
 
-from faults import (  # noqa: E402 - opens files counted
-    caches,
-    cluster,
-    damage,
-    disks,
-    failing_calls,
-    places,
-    power,
-    stops,
-    surroundings,
-)
+from faults import caches, cluster, damage, disks, failing_calls, places, power, stops, surroundings  # noqa: E402 - opens files counted
 from faults.stage import Stage  # noqa: E402
 from faults.stops import Verdict  # noqa: E402
 

@@ -10,10 +10,7 @@ from click.testing import CliRunner
 from flexmb_cli.cli.compile import compile_
 from flexmb_cli.kernels import _cache, _jit
 
-pytestmark = [
-    pytest.mark.processes,
-    pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled"),
-]
+pytestmark = [pytest.mark.processes, pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")]
 # A small unit in place of all, which take two minutes.
 CODE = """
 from flexmb_cli.kernels import signatures

@@ -25,7 +25,7 @@ def test_a_vsdf_deck_takes_a_tolerance_and_has_one_formulation():
             "warning",
             "--formulation has no effect on this VSDF deck: there is one formulation; flexmb verify compares "
             "it with a second one",
-        ),
+        )
     ]
 
 

@@ -52,10 +52,7 @@ def test_a_flexible_vsdf_deck_through_a_pipe_passes_the_real_check(tmp_path):
     lines += ["1 MM fe/pendulum_K.mtx", "REVO 0 0 0 1 1 5", "", "", "", "1 51"]
     lines += ["0 0 -9.81", "0.5 5e-4 5e-5", "GALF 0.9", "", ""]
     done = piped("-o", "rod.vsdf", lines=lines, cwd=tmp_path, dialect="vsdf")
-    assert (done.returncode, done.stderr) == (
-        0,
-        "rod.vsdf: written; flexmb check rod.vsdf accepts it\n",
-    )
+    assert (done.returncode, done.stderr) == (0, "rod.vsdf: written; flexmb check rod.vsdf accepts it\n")
     supplied = dict(numbers_of(TOP / "decks" / "vsdf" / "pendulum.vsdf"))
     asked = dict(numbers_of(tmp_path / "rod.vsdf"))
     assert {name: asked[name] for name in supplied if name != "title.title"} == {

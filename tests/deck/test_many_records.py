@@ -35,7 +35,7 @@ def test_records_come_by_section_index_and_in_the_order_of_the_deck(read):
     deck = read(DECK)
     assert not isinstance(deck.records, tuple)
     assert [record.prefix for record in deck.records] == [
-        *("counts", "body.1", "body.2", "point.1", "point.2", "ground.1", "ground.2", "time"),
+        *("counts", "body.1", "body.2", "point.1", "point.2", "ground.1", "ground.2", "time")
     ]
     assert len(deck.records) == 8 and deck.records[-1]["step"] == 0.5
     assert [record.number for record in deck.records[1:3]] == [1, 2]

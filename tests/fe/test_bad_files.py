@@ -45,11 +45,7 @@ MATRICES = [
     ),
     ("MM", MM + "% no size\n", "x ends before the line of its size"),
     ("MM", MM + "3 4 1\n1 1 1.0\n", "x, line 2: the matrix must be square; it has 3 rows, 4 columns"),
-    (
-        "MM",
-        MM + "3 3 2\n1 1 1.0\n",
-        "x announces 2 entries and holds 1; was it cut off, or edited?",
-    ),
+    ("MM", MM + "3 3 2\n1 1 1.0\n", "x announces 2 entries and holds 1; was it cut off, or edited?"),
     ("MM", MM + "3 3 1\n1 4 1.0\n", "x, line 3: entry (1, 4) lies outside the matrix of 3 rows"),
     (
         "MM",
@@ -88,11 +84,7 @@ MATRICES = [
     ),
     ("CCX", "", "x is empty"),
     ("CCX", "1 1 2.0\n1 0 2.0\n", "x, line 2: entry (1, 0) lies outside the matrix of 1 rows"),
-    (
-        "CCX",
-        "1 1 2.0\n",
-        "x has 1 rows and the mapping map 2",
-    ),
+    ("CCX", "1 1 2.0\n", "x has 1 rows and the mapping map 2"),
     ("ABQ", "** only a comment\n", "x holds no entries"),
     ("ABQ", MM, "x, line 1: this is a Matrix Market file: the format is MM"),
     (
@@ -100,11 +92,7 @@ MATRICES = [
         "1,1, 1,1, 1e36\n",
         "x: 1e+36 at node 1, direction 1, is a boundary condition; generate the matrices without *BOUNDARY",
     ),
-    (
-        "ABQ",
-        "1,4, 1,4, 2.0\n",
-        "x: node 1 has rotations (direction 4 to 6); mesh with solid elements",
-    ),
+    ("ABQ", "1,4, 1,4, 2.0\n", "x: node 1 has rotations (direction 4 to 6); mesh with solid elements"),
     (
         "ABQ",
         "1,1, 1,1\n",

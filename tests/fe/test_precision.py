@@ -157,8 +157,7 @@ def test_printed_digits_count_the_zeros_that_a_format_leaves(tmp_path, text, dig
 
 
 @pytest.mark.parametrize(
-    "values, digits",
-    [([1234.5, 0.00012345, -7.0], 5), (np.sqrt([2.0, 3.0, 5.0]), 16), ([100.0, 2e5], 1)],
+    "values, digits", [([1234.5, 0.00012345, -7.0], 5), (np.sqrt([2.0, 3.0, 5.0]), 16), ([100.0, 2e5], 1)]
 )
 def test_digits_are_those_that_the_longest_number_needs(values, digits):
     assert rounding_errors(np.array(values)).digits == digits

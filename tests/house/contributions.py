@@ -144,10 +144,7 @@ STORED_TURNING = STORED.format("whirl", "body/whirl", BODY, "rad/s", "magnitude 
 MOMENTUM = "    impetus: np.ndarray  # (T, 3) of masses at the origins of their bodies, kg m/s\n"
 QUANTITY = {
     "flexmb_cli/solvers/kinematics/rows.py": [
-        (
-            "    constraint_residual: np",
-            "    afar: np.ndarray  # (T, n) distance from the origin, m\n",
-        ),
+        ("    constraint_residual: np", "    afar: np.ndarray  # (T, n) distance from the origin, m\n"),
         ("        constraint_residual=", "        afar=np.linalg.norm(q[:, :, :3], axis=-1),\n"),
         ("\n\ndef rows_of(", "\n" + TURNING.removesuffix("\n")),
     ],
@@ -224,11 +221,8 @@ def read_triples(path):
 '''
 FORMAT = {
     "flexmb_cli/fe/formats/formats.py": [
-        (
-            '    "MM": MatrixFormat(',
-            '    "TRI": MatrixFormat("triples:read_triples"),\n',
-        )
-    ],
+        ('    "MM": MatrixFormat(', '    "TRI": MatrixFormat("triples:read_triples"),\n')
+    ]
 }
 # (h) A torque that grows with the square of the rate, and one with the cube of the stretch.
 LAW = {

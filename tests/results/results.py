@@ -22,10 +22,7 @@ AXES = (
         "coordinate/coordinate",
         (1, 2, 3, 4, 5),
         "number of the coordinate",
-        (
-            ("coordinate/name", COORDINATES, "name"),
-            ("coordinate/unit", UNITS, "unit"),
-        ),
+        (("coordinate/name", COORDINATES, "name"), ("coordinate/unit", UNITS, "unit")),
     ),
     Axis("elastic/body 2/node", (1, 3), "node of body 2"),
     Axis("modal/body 2/mode", (1, 2), "mode of body 2"),

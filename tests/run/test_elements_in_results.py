@@ -46,10 +46,7 @@ VSDF = (
     "STAR\nSTOP\n"
 )
 # In the order of results: name, unit of the coordinate, of the effort.
-WANTED = {
-    "DAFMS": ("hspr-1", "lspr-1", "hsto-1", "fric-1"),
-    "VSDF": ("tspr-1", "lspr-1", "tsto-1", "fric-1"),
-}
+WANTED = {"DAFMS": ("hspr-1", "lspr-1", "hsto-1", "fric-1"), "VSDF": ("tspr-1", "lspr-1", "tsto-1", "fric-1")}
 TEXTS = {"DAFMS": DAFMS, "VSDF": VSDF}
 
 

@@ -8,10 +8,7 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = [
-    pytest.mark.processes,
-    pytest.mark.skipif(sys.platform == "win32", reason="shell scripts"),
-]
+pytestmark = [pytest.mark.processes, pytest.mark.skipif(sys.platform == "win32", reason="shell scripts")]
 
 TOP = Path(__file__).resolve().parents[2]
 TOOLS = (

@@ -54,8 +54,8 @@ def deck_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def every_deck(
-    decks: tuple[str, ...], options: RunOptions, examine: "Callable[[str], Report]"
-) -> "Iterator[Report]":
+    decks: tuple[str, ...], options: RunOptions, examine: Callable[[str], Report]
+) -> Iterator[Report]:
     """Yield the report of `examine` on each deck; decks after a stop are named as interrupted.
 
     Raises DeckError for settings of a model that a deck lacks.

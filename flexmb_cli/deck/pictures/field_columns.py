@@ -73,7 +73,7 @@ class Run(NamedTuple):
     fields: int  # count
 
 
-def runs_of(parts: "Iterable[Any]", separated: list[bool]) -> list[bytes | Run]:
+def runs_of(parts: Iterable[Any], separated: list[bool]) -> list[bytes | Run]:
     """Return the parts of a row, texts and fields, with fields joined to runs."""
     found: list[bytes | Run] = []
     apart = iter(separated)

@@ -5,19 +5,15 @@ hinge with the parent (NP(L(k))); its card, and any branched tree, mean the node
 """
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
+from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.tree import INERTIAL, UNTURNED, Body, Hinge
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ...deck.record import Record
-
 
 # Euler parameters typed with five decimals miss their length by less than this.
 _LENGTH = 1e-3
@@ -70,7 +66,7 @@ def _free_axes(values: DeckValues, k: int, name: str) -> tuple[int, ...]:
 
 def _node(
     values: DeckValues,
-    bodies: "Sequence[Body]",
+    bodies: Sequence[Body],
     parent: Any,
     k: int,
     point: tuple[float, float, float],
@@ -98,7 +94,7 @@ def _node(
     return stated - 1
 
 
-def _note_unused_node(own: "Record | None", parent: int, k: int, findings: Findings) -> None:
+def _note_unused_node(own: Record | None, parent: int, k: int, findings: Findings) -> None:
     """The listing does not look at NP of a parent without nodes; flexmb neither."""
     if own and own.at("NP").value > 0 and parent != INERTIAL:
         message = (
@@ -135,7 +131,7 @@ def _node_of_parents_record(
 
 def _warn_of_rigid_attachment(
     values: DeckValues,
-    bodies: "Sequence[Body]",
+    bodies: Sequence[Body],
     parent: int,
     k: int,
     point: tuple[float, float, float],
@@ -196,7 +192,7 @@ def _attitude(values: DeckValues, section: str, card: str, k: int, findings: Fin
 
 
 def _elastic_rotation(
-    values: DeckValues, parent: Any, node: int, bodies: "Sequence[Body]"
+    values: DeckValues, parent: Any, node: int, bodies: Sequence[Body]
 ) -> np.ndarray | None:
     """Matrix (3, NM) of card NROT for the node the hinge sits on; None when it is not given."""
     for record in values.section("nodal_rotation"):

@@ -177,7 +177,7 @@ def _card(record: Record) -> str:
     return "state" if record.section in ("speed", "coordinate") else record.section
 
 
-def _values(record: Record) -> "list[Any]":
+def _values(record: Record) -> list[Any]:
     return [number.value for number in record.numbers]
 
 

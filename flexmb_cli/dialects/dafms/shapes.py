@@ -1,16 +1,13 @@
 """The card GEOM: what rigid bodies and the inertial frame look like in pictures."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ...deck.record import Deck
+from ...deck.record import Deck, Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.exchange.shapes import RigidShape
 from ...model.shapes import KINDS, Shape
 from ..body_shapes import Keys, few_enough, on_rigid_body, primitive_of, rigid_shapes
-
-if TYPE_CHECKING:
-    from ...deck.record import Record
 
 _KEYS = Keys("K", ("SA", "SB", "SC"), ("SO1", "SO2", "SO3"), ("SW1", "SW2", "SW3"))
 
@@ -32,7 +29,7 @@ def exchanged_shapes(deck: Deck) -> tuple[RigidShape, ...]:
     return rigid_shapes(DeckValues(deck), _KEYS, lambda record: KINDS[record["IS"] - 1])
 
 
-def _shape(record: "Record", findings: Findings) -> Any:
+def _shape(record: Record, findings: Findings) -> Any:
     number = record.at("IS")
     if not 1 <= number.value <= len(KINDS):
         message = f"IS must be within 1..{len(KINDS)}, {', '.join(KINDS)}; read {number.value}"

@@ -136,7 +136,7 @@ class _System:
     def _switch(self, key: str, value: int) -> Number:
         return Number(key, value, "switch", "", Place(self.records.line, 1, 4), self.records.word())
 
-    def _add(self, section: str, number: int, subject: str, numbers: "Sequence[Any]") -> None:
+    def _add(self, section: str, number: int, subject: str, numbers: Sequence[Any]) -> None:
         self.read.append(Record(section, number, subject, tuple(numbers)))
 
     def _forget_earlier(self, card: Card) -> None:

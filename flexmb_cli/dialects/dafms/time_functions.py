@@ -1,28 +1,16 @@
 """Loads on a tree of FMBD.DAT: pulses, tables, springs, dampers, motors, drives, closures."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from typing import Any
 
+from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.joint_elements import JointElements
 from ...model.laws import MOTOR, At, Element, spring
 from ...model.piecewise_polynomials import linear_table, polynomial
 from ...model.time_functions import MotionFunction, piecewise, pulse
-from ...model.tree import (
-    INERTIAL,
-    ROTATION,
-    TRANSLATION,
-    Body,
-    BodyTorque,
-    Closure,
-    Hinge,
-    Prescribed,
-)
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from ...deck.record import Record
+from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Body, BodyTorque, Closure, Hinge, Prescribed
 
 
 def build_functions_of_time(
@@ -30,7 +18,7 @@ def build_functions_of_time(
 ) -> dict[str, Any]:
     """Keyword arguments of `Tree` for everything that drives or loads it over time."""
 
-    def hinged(section: str) -> "Iterator[tuple[Record, tuple[int, str, int]]]":
+    def hinged(section: str) -> Iterator[tuple[Record, tuple[int, str, int]]]:
         """Entries that name a free axis."""
         found = ((record, _where(record, hinges, findings)) for record in values.section(section))
         return ((record, where) for record, where in found if where is not None)
@@ -60,7 +48,7 @@ def build_functions_of_time(
     }
 
 
-def _dampers(entries: "Iterator[Any]", findings: Findings) -> list[Element]:
+def _dampers(entries: Iterator[Any], findings: Findings) -> list[Element]:
     dampers = []
     for record, where in entries:
         (damping,) = _behind_the_hinge(record)
@@ -76,11 +64,11 @@ def _coordinate(where: tuple[int, str, int]) -> At:
     return At(body, f"{motion} {axis}")
 
 
-def _motor(record: "Record", where: tuple[int, str, int], function: MotionFunction) -> Element:
+def _motor(record: Record, where: tuple[int, str, int], function: MotionFunction) -> Element:
     return Element(record.subject, MOTOR, _coordinate(where), (function,), record.place)
 
 
-def _behind_the_hinge(record: "Record") -> list[Any]:
+def _behind_the_hinge(record: Record) -> list[Any]:
     """Return the values behind K and A, by their places.
 
     Not by their keys: the table of keys that a record then makes takes 460 bytes, for up to 100,000 records.
@@ -88,7 +76,7 @@ def _behind_the_hinge(record: "Record") -> list[Any]:
     return [number.value for number in record.numbers[2:]]
 
 
-def _where(record: "Record", hinges: tuple[Hinge, ...], findings: Findings) -> tuple[int, str, int] | None:
+def _where(record: Record, hinges: tuple[Hinge, ...], findings: Findings) -> tuple[int, str, int] | None:
     """Body, motion and axis of an entry headed by K, A: the hinge of body K and its degree of freedom A."""
     body, dof = record.numbers[0], record.numbers[1]
     if not 1 <= body.value <= len(hinges):
@@ -113,7 +101,7 @@ def _where(record: "Record", hinges: tuple[Hinge, ...], findings: Findings) -> t
     return body.value - 1, motion, axis
 
 
-def _table(record: "Record", findings: Findings) -> MotionFunction:
+def _table(record: Record, findings: Findings) -> MotionFunction:
     """Straight lines between the points; equal times make a jump, and the ends are held."""
     values = record.values
     times, efforts = values[3::2], values[4::2]
@@ -154,7 +142,7 @@ def _check_rotations(values: DeckValues, bodies: tuple[Body, ...], findings: Fin
         seen.setdefault(where, node.place.line if node.place else 0)
 
 
-def _pulses(values: Any, bodies: "Sequence[Body]", findings: Findings) -> list[BodyTorque]:
+def _pulses(values: Any, bodies: Sequence[Body], findings: Findings) -> list[BodyTorque]:
     """DESN: +F1, nothing, -F1 for TIME each, about axis 1 (thesis 4.3)."""
     torques = []
     for k in range(1, len(bodies) + 1):
@@ -193,7 +181,7 @@ def build_closures(values: DeckValues, bodies: tuple[Body, ...], findings: Findi
     return tuple(filter(None, (_closure(r, bodies, findings) for r in values.section("closure"))))
 
 
-def _closure(record: "Record", bodies: tuple[Body, ...], findings: Findings) -> Closure | None:
+def _closure(record: Record, bodies: tuple[Body, ...], findings: Findings) -> Closure | None:
     first, second = record.at("KA"), record.at("KB")
     before = len(findings.faults)
     for number, least in ((first, 1), (second, 0)):
@@ -224,7 +212,7 @@ def _closure(record: "Record", bodies: tuple[Body, ...], findings: Findings) -> 
     )
 
 
-def _flag(record: "Record", axis: int, findings: Findings) -> bool:
+def _flag(record: Record, axis: int, findings: Findings) -> bool:
     number = record.at(f"C{axis}")
     if number.value not in (0, 1):
         findings.error(
@@ -237,7 +225,7 @@ def _flag(record: "Record", axis: int, findings: Findings) -> bool:
 
 
 def _closure_node(
-    record: "Record", key: str, body: int, bodies: tuple[Body, ...], findings: Findings
+    record: Record, key: str, body: int, bodies: tuple[Body, ...], findings: Findings
 ) -> int | None:
     number = record.at(key)
     if number.value == 0:

@@ -3,11 +3,12 @@
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...deck.number_table import outside
+from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...errors import MOST_LISTED_ERRORS
 from ...model.diagnostics import Findings, no_such
@@ -19,10 +20,6 @@ from .flexible_bodies import flexible_body
 from .many_bodies import ManyBodies
 from .nodes import given_nodes, sets_of
 from .placement import placed_body, refuse_placements_outside
-
-if TYPE_CHECKING:
-    from ...deck.record import Record
-
 
 _UNIT_LENGTH = 1e-6
 _MOMENT_ROUND_OFF = 1e-9  # of the largest moment of inertia
@@ -91,7 +88,7 @@ def _refuse_cards_of_others(values: DeckValues, k: int, kind: str, findings: Fin
                 findings.error(given.subject, message, given.place, id="VSDF-022")
 
 
-def _attitude(record: "Record | None", findings: Findings) -> Any:
+def _attitude(record: Record | None, findings: Findings) -> Any:
     if record is None:
         return 1.0, 0.0, 0.0, 0.0
     p = tuple(float(record[f"e{i}"]) for i in range(4))
@@ -107,12 +104,7 @@ def _attitude(record: "Record | None", findings: Findings) -> Any:
 
 
 def _rigid(
-    values: DeckValues,
-    k: int,
-    record: "Record",
-    pose: dict[Any, Any],
-    _folder: Path,
-    findings: Findings,
+    values: DeckValues, k: int, record: Record, pose: dict[Any, Any], _folder: Path, findings: Findings
 ) -> VsdfBody:
     rigid = values.record("rigid", k)
     if rigid is None:
@@ -127,7 +119,7 @@ def _rigid(
     return VsdfBody(record.subject, **pose, rigid=mass, nodes=nodes, sets=sets_of(values, k, nodes, findings))
 
 
-def _rigid_mass(record: "Record", findings: Findings) -> RigidMass:
+def _rigid_mass(record: Record, findings: Findings) -> RigidMass:
     if not record["mass"] > 0:
         message = f"the mass must be above zero; read {record.at('mass').text}"
         findings.error(record.subject, message, record.at("mass").place, id="VSDF-006")

@@ -1,14 +1,15 @@
 """VSDF deck → VsdfModel: what its cards mean, all faults collected."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...deck.record import Deck, Record
 from ...deck.records import DeckValues
 from ...errors import Fault, ModelError
 from ...model.diagnostics import Findings
-from ...model.fe_model import VsdfModel
+from ...model.fe_model import VsdfBody, VsdfModel
 from ...model.integrators import METHODS, Integrator
 from ...model.mechanism import TimeGrid
 from ...model.time_checks import MOST_ROWS, unsteppable
@@ -21,11 +22,6 @@ from .loads import Factors, build_forces, build_joint_springs, build_outputs, bu
 from .motions import build_motions, build_tables, motions_of
 from .stress_outputs import build_stresses
 from .unused_fields import refuse_unread, warn_of_tables
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ...model.fe_model import VsdfBody
 
 
 def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
@@ -73,7 +69,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     return VsdfModel(bodies, time, integrator, ground, gravity=g, **parts), findings.in_order
 
 
-def _shapes(values: DeckValues, bodies: "Sequence[VsdfBody]", folder: Path, findings: Findings) -> Any:
+def _shapes(values: DeckValues, bodies: Sequence[VsdfBody], folder: Path, findings: Findings) -> Any:
     if not (values.section("shape") or values.section("shape_file")):
         return ()
     # Few decks have any.

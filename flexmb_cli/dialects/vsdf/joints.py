@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,16 +11,12 @@ from ...deck.records import DeckValues
 from ...model.diagnostics import Findings, no_such
 from ...model.driver_angles import LARGEST_ANGLE, MANY_REVOLUTIONS, NO_ANGLE
 from ...model.fe_model import End, NodeJoint, Pin, VsdfBody
-from ...model.joints import ANGLE, BY_NAME, PITCH, STROKE
+from ...model.joints import ANGLE, BY_NAME, PITCH, STROKE, JointType
 from ...model.mechanism import GROUND, TimeGrid
 from ...model.time_functions import Motion, MotionFunction
 from . import DIALECT
 from .bodies import end_of_body
 from .many_bodies import ManyJoints
-
-if TYPE_CHECKING:
-    from ...model.joints import JointType
-
 
 _COINCIDENT = 1e-12
 WELD_GAP = 1e-2  # of the distance of two nodes: what meshes and typed decimals leave
@@ -33,12 +29,7 @@ TURNING, SLIDING = (
 
 
 def find_end(
-    bodies: Sequence[VsdfBody],
-    ground: VsdfBody,
-    body: Number,
-    node: Number,
-    subject: str,
-    findings: Findings,
+    bodies: Sequence[VsdfBody], ground: VsdfBody, body: Number, node: Number, subject: str, findings: Findings
 ) -> End | None:
     """The end that the deck's numbers `body` and `node` name; None, and a fault, when there is none."""
     if not 0 <= body.value <= len(bodies):
@@ -105,12 +96,7 @@ def _joint(
 
 
 def _side(
-    record: Record,
-    letter: str,
-    count: int,
-    bodies: Sequence[VsdfBody],
-    ground: VsdfBody,
-    findings: Findings,
+    record: Record, letter: str, count: int, bodies: Sequence[VsdfBody], ground: VsdfBody, findings: Findings
 ) -> tuple[End, ...] | None:
     """The ends on one body; None for the ground without nodes, which takes its points from the other body."""
     body = record.at(letter)
@@ -136,12 +122,12 @@ def _ground_at(x: float, y: float, z: float) -> End:
 
 def _with_ground(
     record: Record,
-    kind: "JointType",
+    kind: JointType,
     a: tuple[End, ...] | None,
     b: tuple[End, ...] | None,
     bodies: Sequence[VsdfBody],
     findings: Findings,
-) -> "tuple[tuple[Any, ...] | None, tuple[Any, ...] | None]":
+) -> tuple[tuple[Any, ...] | None, tuple[Any, ...] | None]:
     """The ground's points where those of the other body are at t = 0."""
     ends = a or b or ()
     if not kind.meets:
@@ -162,12 +148,7 @@ def _positions(ends: Any, bodies: Sequence[VsdfBody], ground: VsdfBody) -> list[
 
 
 def _check_axis(
-    record: Record,
-    letter: str,
-    ends: Any,
-    bodies: Sequence[VsdfBody],
-    ground: VsdfBody,
-    findings: Findings,
+    record: Record, letter: str, ends: Any, bodies: Sequence[VsdfBody], ground: VsdfBody, findings: Findings
 ) -> None:
     """P and Q must be apart, and H off their line."""
     if len(ends) < 2:
@@ -198,7 +179,7 @@ def _check_weld(record: Record, a: Any, b: Any, findings: Findings) -> None:
 
 def _size(
     record: Record,
-    kind: "JointType",
+    kind: JointType,
     a: tuple[End, ...],
     b: tuple[End, ...],
     bodies: Sequence[VsdfBody],

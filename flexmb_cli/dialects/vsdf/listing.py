@@ -1,5 +1,6 @@
 """The listing of a VSDF deck: cards, bodies, frequencies, constraints, and output nodes in time."""
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,8 +10,6 @@ from ...deck.fortran_format import SAFE, I, Layout, P
 from ...deck.record import Deck
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from ...model.flexible_mechanism import FloatingBody
 
 
@@ -42,14 +41,14 @@ class VsdfTable:
         lines += [*self._constraint_lines(), "", *_HEADINGS, ""]
         self.stream.write("".join(f"{line.rstrip()}\n" for line in lines))
 
-    def _cards(self) -> "Iterator[str]":
+    def _cards(self) -> Iterator[str]:
         """The deck's lines up to STOP."""
         for line in self.deck.source.lines:
             yield line
             if line[:4].strip().upper() == "STOP":
                 return
 
-    def _constraint_lines(self) -> "Iterator[str]":
+    def _constraint_lines(self) -> Iterator[str]:
         found = self.analysis.found
         if found is None:
             yield "  the mechanism could not be assembled"
@@ -85,7 +84,7 @@ _HEADINGS = (
 )
 
 
-def _rigid_lines(body: "FloatingBody") -> "Iterator[str]":
+def _rigid_lines(body: "FloatingBody") -> Iterator[str]:
     centre = body.s0 / body.m
     J = body.J0
     yield f"  {body.name}: rigid, mass {body.m:.9g} kg, centre of mass {_vector(centre)} m"

@@ -68,7 +68,7 @@ def _has_node(body: VsdfBody, record: Record, findings: Findings) -> bool:
 
 
 def _attitude(
-    body: VsdfBody, records: "Sequence[Record]", nodes: np.ndarray, points: np.ndarray, findings: Findings
+    body: VsdfBody, records: Sequence[Record], nodes: np.ndarray, points: np.ndarray, findings: Findings
 ) -> np.ndarray | None:
     """Rotation matrix that takes the triad of the nodes to that of the points; None with a fault found."""
     own, wanted = _triad(nodes), _triad(points)

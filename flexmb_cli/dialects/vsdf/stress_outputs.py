@@ -1,15 +1,13 @@
 """The cards OUTS: at which nodes and elements of a body stresses are reported."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...errors import Place
 from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import StressSelection, VsdfBody
-
-if TYPE_CHECKING:
-    from ...deck.record import Record
 
 
 def build_stresses(
@@ -24,7 +22,7 @@ def build_stresses(
     )
 
 
-def _usable(record: "Record", bodies: Sequence[VsdfBody], findings: Findings) -> bool:
+def _usable(record: Record, bodies: Sequence[VsdfBody], findings: Findings) -> bool:
     """Return whether the body exists and has a material; else a fault."""
     number = record.at("body")
     if not 1 <= number.value <= len(bodies):
@@ -44,7 +42,7 @@ def _usable(record: "Record", bodies: Sequence[VsdfBody], findings: Findings) ->
     return body.flexible is not None
 
 
-def _selection(k: int, body: VsdfBody, records: "list[Record]", findings: Findings) -> StressSelection:
+def _selection(k: int, body: VsdfBody, records: list[Record], findings: Findings) -> StressSelection:
     nodes: dict[int, None] = {}
     elements: dict[int, Place | None] = {}
     every = False
@@ -63,7 +61,7 @@ def _selection(k: int, body: VsdfBody, records: "list[Record]", findings: Findin
     return StressSelection(k - 1, tuple(nodes), tuple(elements), every, largest, places)
 
 
-def _nodes(record: "Record", numbers: Any, body: Any, findings: Findings) -> list[int]:
+def _nodes(record: Record, numbers: Any, body: Any, findings: Findings) -> list[int]:
     if not numbers:
         return list(body.nodes)
     found = []

@@ -4,7 +4,7 @@ A written 0 is what an empty field means, and is let pass.
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...deck.number_table import column, places_by, without_any
 from ...deck.record import Record
@@ -13,10 +13,6 @@ from ...model.diagnostics import Findings
 from ...model.time_functions import SPIN_UP, TABLE
 from .joints import BY_WORD
 from .motions import OF_FUNCTIONS
-
-if TYPE_CHECKING:
-    from ...deck.record import Record
-
 
 _OF_FUNCTION = {SPIN_UP: ("c0", "c1"), TABLE: ("c0",)} | dict.fromkeys(OF_FUNCTIONS, ("c0",))
 _FUNCTIONS = {SPIN_UP: "law 2 reads c0 and c1", TABLE: "law 4 reads the table's number c0"}
@@ -43,7 +39,7 @@ def refuse_unread(values: DeckValues, findings: Findings) -> None:
     _warn_of_switched_off(values, findings)
 
 
-def _refuse(record: "Record", key: str, reason: str, findings: Findings) -> None:
+def _refuse(record: Record, key: str, reason: str, findings: Findings) -> None:
     number = record.at(key)
     if number.value:
         message = f"{key} is {number.text} and is not read: {reason}; leave the field empty"

@@ -57,7 +57,7 @@ def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
     return mechanism, findings.in_order
 
 
-def _parts(deck: Deck, findings: Findings) -> "dict[Any, Any]":
+def _parts(deck: Deck, findings: Findings) -> dict[Any, Any]:
     """The parts of the mechanism by section, in the deck's order; "joint": all joints."""
     bodies, parts = len(deck.section("body")), defaultdict(list)
     kept = isinstance(deck.records, tuple)
@@ -80,7 +80,7 @@ def _part(bodies: int, record: Any) -> Any:
     return part_of(record, bodies)[0]
 
 
-def _kept_part(record: Any, bodies: int) -> "tuple[Any, FaultList]":
+def _kept_part(record: Any, bodies: int) -> tuple[Any, FaultList]:
     # A study makes thousands of decks that differ in a record or two, and share the others.
     if bodies not in record.made:
         record.made[bodies] = part_of(record, bodies)

@@ -1,9 +1,9 @@
 """The dynamic cards of a YOUNG deck to masses, loads and first velocities of its mechanism."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,13 +13,7 @@ from ...errors import Fault, ModelError
 from ...model.arrays.dynamic import inertia_matrix
 from ...model.diagnostics import Findings, no_such
 from ...model.laws import Element, Line, spring
-from ...model.loads import (
-    AppliedForce,
-    AppliedTorque,
-    DynamicModel,
-    InitialVelocity,
-    MassProperties,
-)
+from ...model.loads import AppliedForce, AppliedTorque, DynamicModel, InitialVelocity, MassProperties
 from ...model.mechanism import GROUND
 from ..elements_block.functions import Functions
 from ..elements_block.line import lines_of
@@ -27,10 +21,6 @@ from .block_elements import block_elements
 from .build import build_young
 from .dynamic_cards import FORWARD, analysis_of
 from .integration_cards import check_method, check_time, integrator_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
 
 ELEMENTS = ("Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx")
 _OF_BODIES = ("mass", "force", "torque", "velocity", "spring", "damper")
@@ -75,7 +65,7 @@ def build_young_dynamics(deck: Deck, folder: Path = HERE) -> tuple[DynamicModel,
     return model, faults
 
 
-def _made(deck: Deck, section: str, make: "Callable[..., Any]", findings: Findings) -> Sequence[Any]:
+def _made(deck: Deck, section: str, make: Callable[..., Any], findings: Findings) -> Sequence[Any]:
     """Return what the cards of a section describe; of a large deck it is made again when looked at."""
     records = deck.section(section)
     if isinstance(deck.records, tuple):
@@ -85,7 +75,7 @@ def _made(deck: Deck, section: str, make: "Callable[..., Any]", findings: Findin
     return Made(records, partial(_again, make))
 
 
-def _again(make: "Callable[..., Any]", record: Record) -> Any:
+def _again(make: Callable[..., Any], record: Record) -> Any:
     return make(record, Findings())
 
 
@@ -132,12 +122,7 @@ def _mass(record: Record, findings: Findings) -> MassProperties:
         findings.error(record.subject, message, record.at("m").place, id="YOUNG-004")
     _check_inertia(record, inertia, findings)
     return MassProperties(
-        record.subject,
-        record["body"] - 1,
-        float(record["m"]),
-        record.vector("centre"),
-        inertia,
-        record.place,
+        record.subject, record["body"] - 1, float(record["m"]), record.vector("centre"), inertia, record.place
     )
 
 
@@ -230,7 +215,7 @@ def _warn_of_massless(model: DynamicModel, findings: Findings) -> None:
 
 def _loaded_bodies(
     model: DynamicModel,
-) -> "Iterator[tuple[AppliedForce | AppliedTorque | Element, tuple[int, ...]]]":
+) -> Iterator[tuple[AppliedForce | AppliedTorque | Element, tuple[int, ...]]]:
     for force in model.forces:
         yield force, (force.body,)
     for torque in model.torques:

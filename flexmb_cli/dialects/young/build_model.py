@@ -2,15 +2,13 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...deck.record import Deck
 from ...errors import Fault, ModelError
+from ...model.mechanism import Mechanism
 from .build import build_young
 from .dynamic_cards import analysis_of
-
-if TYPE_CHECKING:
-    from ...model.mechanism import Mechanism
 
 
 def build_model(deck: Deck, folder: Path) -> tuple[object, list[Fault]]:
@@ -31,7 +29,7 @@ def _has_shapes(deck: Deck) -> bool:
     return bool(deck.section("shape") or deck.section("shape_file"))
 
 
-def _shaped(mechanism: "Mechanism", deck: Deck, folder: Path) -> Any:
+def _shaped(mechanism: Mechanism, deck: Deck, folder: Path) -> Any:
     """The mechanism with its shapes; raises ModelError.  Few decks have any."""
     from ...model.diagnostics import Findings
     from .shapes import build_shapes

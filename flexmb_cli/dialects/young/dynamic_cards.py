@@ -8,7 +8,7 @@ the deck does.  `{...}` is a comment.  Blocks ELEMENTS stand among the cards, or
 
 import re
 from array import array
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
@@ -34,8 +34,6 @@ from .shape_cards import SHAPE_CARDS
 from .unread_lines import cards_behind_end, unread_lines
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from ..elements_block.reader import BlockReader
 
 
@@ -131,7 +129,7 @@ def _opening(deck: Deck, behind: int) -> int | None:
     return next((n for n, line in _lines_behind(deck, behind) if MARKER.fullmatch(line)), None)
 
 
-def _lines_behind(deck: Any, last: int) -> "Iterator[tuple[int, str]]":
+def _lines_behind(deck: Any, last: int) -> Iterator[tuple[int, str]]:
     """Number and text of every line behind another one that names the cards."""
     lines = deck.source.lines
     for found in NAME.finditer(lines.text, lines.start_of(last)):
@@ -158,7 +156,7 @@ class _Cards:
     shapes_alone: bool = False
     stray: int = 0  # line of an element outside a block
 
-    def behind(self, records: "tuple[Record, ...] | ManyRecords") -> "tuple[Record, ...] | ManyRecords":
+    def behind(self, records: tuple[Record, ...] | ManyRecords) -> tuple[Record, ...] | ManyRecords:
         """Return the records of the cards behind those of kinematics; many ones are made when looked at."""
         if isinstance(records, tuple) and self.numbers <= many_records.MANY_NUMBERS:
             return *records, *self.records, *self.lines

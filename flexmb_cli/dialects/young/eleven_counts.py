@@ -4,11 +4,11 @@ IN1-4-3 of Appendix B (Liang Yong, YOUNG dissertation, 1996) is printed so.  Its
 "ENTER INITIAL ESTIMATES OF X, Y, Z (E0=1,E1,E2,E3=0)".
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain, zip_longest
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...deck.many_records import ManyRecords
 from ...deck.number import Misspelt, integer
@@ -16,10 +16,6 @@ from ...deck.record import Deck, Number, Record
 from ...deck.words import Word
 from ...errors import Fault
 from .sections import BODIES, COUNTS, DISTANCES, YOUNG_SECTIONS, Section
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 POSITIONS = 3  # numbers of a body estimate
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
@@ -63,7 +59,7 @@ def lines_begin_records(words: Iterable[Word], sizes: Iterable[int], behind: Wor
     return behind is None or behind.line != line
 
 
-def _within(sizes: Any) -> "Iterator[Any]":
+def _within(sizes: Any) -> Iterator[Any]:
     """For every number of records in their order how many of its record stand before it."""
     return chain.from_iterable(range(size) for size in sizes)
 

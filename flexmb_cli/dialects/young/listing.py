@@ -164,12 +164,12 @@ def _section(name: str, title: str, count: int, fields: Any) -> Any:
     return parts
 
 
-def _answers(values: "list[Any]", field: Edit, layout: str) -> str:
+def _answers(values: list[Any], field: Edit, layout: str) -> str:
     """One line of answers, all with the same field."""
     return Layout(*len(values) * (field,), "\n", layout=layout).lines(values)
 
 
-def _values(record: Record, start: int) -> "list[Any]":
+def _values(record: Record, start: int) -> list[Any]:
     return [number.value for number in record.numbers[start:]]
 
 

@@ -1,8 +1,9 @@
 """Lines of numbers in YOUNG's OUT tables: fields that run together, units of the last digits, faults."""
 
 import re
+from collections.abc import Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,10 +13,6 @@ from ...deck.listing import EchoLine, Section
 from ...deck.number import hint
 from ...deck.table_columns import OLD_DECIMALS, SECTIONS, Columns
 from ...errors import Fault, Place
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 INDEX = re.compile(r"\s*\d+(?=\s|$)")
 NUMBER = re.compile(
@@ -37,7 +34,7 @@ def split_index(text: str) -> tuple[int, str, int]:
     return (int(digits) if is_number else 0), text[end:], end
 
 
-def split_row(rest: str, columns: Columns) -> "Sequence[Any] | None":
+def split_row(rest: str, columns: Columns) -> Sequence[Any] | None:
     """Spellings of the numbers of a line, separated by blanks or else by the decimals of their columns."""
     words = rest.split()
     if len(words) == len(columns.names) and all(NUMBER.fullmatch(word) for word in words):

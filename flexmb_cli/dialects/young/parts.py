@@ -5,7 +5,8 @@ across it.
 """
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 from ...deck.record import Record
 from ...errors import Fault
@@ -25,10 +26,6 @@ from ...model.mechanism import (
 )
 from ...model.time_checks import MOST_ROWS
 from .sections import YOUNG_JOINTS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
 
 DOUBTFUL_LENGTH = 1e-3
 DOUBTFUL_ANGLE = 20 * math.pi
@@ -136,7 +133,7 @@ def _too_many_rows(grid: TimeGrid, span: float) -> str:
     return f"Ti, Te and dT give {number} rows; at most {MOST_ROWS} are computed; a larger dT is needed"
 
 
-def _joint(kind: JointType) -> "Callable[..., Any]":
+def _joint(kind: JointType) -> Callable[..., Any]:
     def make(record: Record, findings: Findings) -> Joint:
         points = {name: record.vector(name) for name in kind.points}
         vectors = _vectors(record, points, findings)
@@ -231,12 +228,7 @@ def _distance(record: Record, findings: Findings) -> Distance:
         message = f"Euler parameters differ by 2 at most; read {record.at('value').text}"
         findings.error(record.subject, message, record.at("value").place, id="YOUNG-045")
     return Distance(
-        record.subject,
-        record["I"] - 1,
-        record["J"] - 1,
-        record["direction"],
-        record["value"],
-        record.place,
+        record.subject, record["I"] - 1, record["J"] - 1, record["direction"], record["value"], record.place
     )
 
 

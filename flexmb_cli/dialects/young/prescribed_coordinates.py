@@ -6,18 +6,14 @@ coordinate held twice at the same value is redundant (warning), at different val
 
 import math
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, groupby
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.mechanism import Driver, Ground, Mechanism
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
 
 SAME_VALUE = 1e-12
 MANY_HOLDS = 10_000  # holds
@@ -109,7 +105,7 @@ def _first_grounds(mechanism: Mechanism, findings: Findings) -> Iterator[Ground]
             findings.error(ground.name, message, ground.place, id="YOUNG-047")
 
 
-def _to_check(grounds: "Iterator[Any]", mechanism: Any) -> list[Ground]:
+def _to_check(grounds: Iterator[Any], mechanism: Any) -> list[Ground]:
     """Return the grounds, few of maybe thousands, of bodies held by others, too, or with wrong angles."""
     others = {item.body for item in chain(mechanism.simplified, mechanism.drivers)}
     return [
@@ -119,13 +115,13 @@ def _to_check(grounds: "Iterator[Any]", mechanism: Any) -> list[Ground]:
     ]
 
 
-def _of_grounds(grounds: "Iterable[Ground]") -> Iterator[_Hold]:
+def _of_grounds(grounds: Iterable[Ground]) -> Iterator[_Hold]:
     for ground in grounds:
         for direction, value in enumerate(ground.values, start=1):
             yield _Hold(ground.name, ground.body, direction, value, ground.place)
 
 
-def _check_coordinates(holds: "Sequence[_Hold]", findings: Findings) -> None:
+def _check_coordinates(holds: Sequence[_Hold], findings: Findings) -> None:
     first: dict[Any, Any] = {}
     for hold in holds:
         other = first.setdefault(hold.direction, hold)

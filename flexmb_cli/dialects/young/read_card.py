@@ -127,7 +127,7 @@ class ReadCard(Record):
     def _takes_function(self) -> bool:
         return any(column.is_function for column in self._kind.columns)
 
-    def _names_one(self, found: "re.Match[str]") -> bool:
+    def _names_one(self, found: re.Match[str]) -> bool:
         """Return whether the name of a function follows on the line of the last number."""
         text, end = self._source.text, found.end()
         return text[end : end + 1].isalpha() and not text[found.end(1) : end].strip(" \t")

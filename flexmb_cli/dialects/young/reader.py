@@ -172,7 +172,7 @@ class _Reading:
         self.faults.append(Fault("error", message, end_of(self.source.lines), subject, id=id))
 
 
-def _read_counts(reading: _Reading) -> "ReadRecord":
+def _read_counts(reading: _Reading) -> ReadRecord:
     section = reading.sections[0]
     found = reading.take(len(section.columns))
     record = _record(reading, section, 0, found)
@@ -195,7 +195,7 @@ def _report_few_counts(reading: _Reading, found: int) -> None:
         reading.early_end("", "the deck is empty; a YOUNG deck begins with 12 integers", id="YOUNG-177")
 
 
-def _read_sections(reading: _Reading, counts: "ReadRecord") -> "ManyRecords | tuple[ReadRecord, ...]":
+def _read_sections(reading: _Reading, counts: ReadRecord) -> ManyRecords | tuple[ReadRecord, ...]:
     wanted = sum(size for _, size in _blocks(reading, counts))
     found = reading.take(wanted)
     records, position = [counts], 0
@@ -219,7 +219,7 @@ def _read_sections(reading: _Reading, counts: "ReadRecord") -> "ManyRecords | tu
     return tuple(records) if wanted <= many_records.MANY_NUMBERS else _many(reading, counts)
 
 
-def _many(reading: _Reading, counts: "ReadRecord") -> ManyRecords:
+def _many(reading: _Reading, counts: ReadRecord) -> ManyRecords:
     """The records of a large deck without errors."""
     blocks = [Block(COUNTS.name, 1, [counts].__getitem__)]
     first = len(counts.values)
@@ -231,7 +231,7 @@ def _many(reading: _Reading, counts: "ReadRecord") -> ManyRecords:
     return ManyRecords(blocks)
 
 
-def _again(section: Section, words: Words, first: int, index: int) -> "ReadRecord":
+def _again(section: Section, words: Words, first: int, index: int) -> ReadRecord:
     """A record that was read without error before."""
     start = first + index * len(section.columns)
     texts = words.texts(start, start + len(section.columns))
@@ -239,7 +239,7 @@ def _again(section: Section, words: Words, first: int, index: int) -> "ReadRecor
     return ReadRecord(section, index + 1 if section.count else 0, values, words, start)
 
 
-def _expected(reading: _Reading, counts: "ReadRecord") -> Iterator[tuple[Section, int]]:
+def _expected(reading: _Reading, counts: ReadRecord) -> Iterator[tuple[Section, int]]:
     """Every record that the counts announce, lazily: a small file may announce a trillion."""
     for section in reading.sections[1:]:
         if section.count:
@@ -249,7 +249,7 @@ def _expected(reading: _Reading, counts: "ReadRecord") -> Iterator[tuple[Section
             yield section, 0
 
 
-def _blocks(reading: _Reading, counts: "ReadRecord") -> Iterator[tuple[Section, int]]:
+def _blocks(reading: _Reading, counts: ReadRecord) -> Iterator[tuple[Section, int]]:
     """Pairs (section, numbers in the whole section)."""
     for section in reading.sections[1:]:
         yield section, len(section.columns) * (counts[section.count] if section.count else 1)
@@ -323,7 +323,7 @@ def _is_number(word: Word) -> bool:
     return True
 
 
-def _numbers_left_over(reading: _Reading) -> "Iterator[Any]":
+def _numbers_left_over(reading: _Reading) -> Iterator[Any]:
     """A warning of numbers behind dT: on its line, or alone on the next one.
 
     Prose may stand there.  Numbers only are rather one too many in a record before.
@@ -350,5 +350,5 @@ def _slip_of_counts(reading: _Reading, record: ReadRecord) -> tuple[Fault, ...]:
     return slips(close, [(COUNTS.subject, len(COUNTS.columns)), *bodies], kept_per_slip=1)
 
 
-def _in_order(faults: "Sequence[Fault]") -> list[Any]:
+def _in_order(faults: Sequence[Fault]) -> list[Any]:
     return sorted(faults, key=lambda fault: fault.place)

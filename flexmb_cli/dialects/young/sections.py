@@ -7,15 +7,10 @@ in m, angles in rad, times in s; points in the axes of their body.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from ...deck import number
-from ...model.joints import JOINT_TYPES, PITCH
+from ...model.joints import JOINT_TYPES, PITCH, JointType
 from . import DIALECT
-
-if TYPE_CHECKING:
-    from ...model.joints import JointType
-
 
 COUNT_OF = {name: count for count, name in DIALECT.joints.items()}
 # Other dialects may have more.
@@ -74,11 +69,11 @@ class Section:
         return self.positions.get("direction")
 
 
-def _whole(key: str, meaning: str) -> "Column":
+def _whole(key: str, meaning: str) -> Column:
     return Column(key, meaning, is_integer=True)
 
 
-def _joint(kind: "JointType") -> Section:
+def _joint(kind: JointType) -> Section:
     columns = [_whole("I", "number of body I"), _whole("J", "number of body J")]
     for point in kind.points:
         body = point[-1].upper()

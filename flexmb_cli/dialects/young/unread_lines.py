@@ -36,7 +36,7 @@ def unread_lines(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator
     return iter(slips) if slips else _cards(lines, behind, keywords, message, id="YOUNG-156")
 
 
-def _like_openings(lines: Lines, behind: int) -> "Iterator[Any]":
+def _like_openings(lines: Lines, behind: int) -> Iterator[Any]:
     text, start = _without_comments(lines, behind)
     for found in _LIKE_OPENING.finditer(text):
         if _is_like_opening(found[2]):
@@ -54,7 +54,7 @@ def cards_behind_end(lines: Lines, behind: int, keywords: Iterable[str]) -> Iter
     yield from _cards(lines, behind, keywords, message, id="YOUNG-178")
 
 
-def _cards(lines: Lines, behind: int, keywords: Iterable[str], message: str, *, id: str) -> "Iterator[Any]":
+def _cards(lines: Lines, behind: int, keywords: Iterable[str], message: str, *, id: str) -> Iterator[Any]:
     text, start = _without_comments(lines, behind)
     counts: dict[str, int] = {}
     card = rf"^[ \t]*({'|'.join((*keywords, *OLD_WORDS))})[ \t]+{_NUMBER}(?:[ \t]+{_NUMBER})*[ \t]*$"

@@ -299,7 +299,7 @@ def _solve_stage(
 
 
 @kernel
-def _place_trial(h: float, slope: np.ndarray, s: "Implicit") -> None:
+def _place_trial(h: float, slope: np.ndarray, s: Implicit) -> None:
     """Speeds from their slopes, coordinates from the speeds, the rest as it is."""
     speeds = s.change.shape[0]
     for i in range(slope.shape[0]):

@@ -8,14 +8,14 @@ force does work: each costs O(1).
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .._jit import part
 from ..laws import COORDINATE, EFFORT, ENERGY, NO_LENGTH, POWER, SPEED, answer_law
 from ..linalg.vec3 import accumulate, column, cross, dot, inward, minus, outward, plus, scaled, store, triple
 from .kinematics import _along_axes
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ...model.arrays.tree import TreeArrays
 
 # The codes of model.arrays.tree_elements; a test compares them.
@@ -24,12 +24,7 @@ IN_COORDINATE, IN_LINE, ALONG, ABOUT = 0, 1, 2, 3
 
 @part
 def answer_elements(
-    tree: "TreeArrays",
-    work: "np.ndarray",
-    t: float,
-    q: "np.ndarray",
-    y: "np.ndarray",
-    coordinates: "np.ndarray",
+    tree: "TreeArrays", work: np.ndarray, t: float, q: np.ndarray, y: np.ndarray, coordinates: np.ndarray
 ) -> None:
     """Fill the answers of all elements, frames being placed, and add their efforts along coordinates."""
     for i in range(tree.elements.shape[0]):
@@ -49,7 +44,7 @@ def answer_elements(
 
 @part
 def _push_node(
-    node: "np.ndarray", force: tuple[float, float, float], sign: float, coordinates: "np.ndarray"
+    node: np.ndarray, force: tuple[float, float, float], sign: float, coordinates: np.ndarray
 ) -> None:
     for axis in range(3):
         if node[axis] >= 0:
@@ -57,7 +52,7 @@ def _push_node(
 
 
 @part
-def add_element_wrenches(tree: "TreeArrays", work: "np.ndarray") -> None:
+def add_element_wrenches(tree: "TreeArrays", work: np.ndarray) -> None:
     """Take the forces that elements put on frames off their biases."""
     for i in range(tree.elements.shape[0]):
         element = tree.elements[i]
@@ -73,7 +68,7 @@ def add_element_wrenches(tree: "TreeArrays", work: "np.ndarray") -> None:
 
 @part
 def _add_wrench(
-    s: "np.void",
+    s: np.void,
     place: tuple[float, float, float],
     force: tuple[float, float, float],
     torque: tuple[float, float, float],
@@ -85,9 +80,7 @@ def _add_wrench(
 
 
 @part
-def _measure(
-    element: "np.void", work: "np.ndarray", q: "np.ndarray", y: "np.ndarray", answer: "np.ndarray"
-) -> bool:
+def _measure(element: np.void, work: np.ndarray, q: np.ndarray, y: np.ndarray, answer: np.ndarray) -> bool:
     """Fill coordinate, speed and the unit force; False where it has no direction."""
     a, b = work[element["frame_i"]], work[element["frame_j"]]
     if element["measure"] == ABOUT:
@@ -115,7 +108,7 @@ def _measure(
 
 @part
 def _point(
-    s: "np.void", point: "np.ndarray", node: "np.ndarray", q: "np.ndarray", y: "np.ndarray"
+    s: np.void, point: np.ndarray, node: np.ndarray, q: np.ndarray, y: np.ndarray
 ) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """Place and velocity of a point of a frame, or of a node."""
     arm = outward(s["axes"], plus(triple(point, 0), _along_axes(node, q)))
@@ -125,7 +118,7 @@ def _point(
 
 
 @part
-def _measure_turn(element: "np.void", a: "np.void", b: "np.void", answer: "np.ndarray") -> bool:
+def _measure_turn(element: np.void, a: np.void, b: np.void, answer: np.ndarray) -> bool:
     """Angle from an axis of i to that of j in the plane across `axis`; not a number where it overturns."""
     k = element["axis"]
     after, last = (k + 1) % 3, (k + 2) % 3
@@ -160,7 +153,7 @@ def element_energy(tree: "TreeArrays") -> float:
 
 
 @part
-def element_powers(tree: "TreeArrays", first: int, dz: "np.ndarray") -> float:
+def element_powers(tree: "TreeArrays", first: int, dz: np.ndarray) -> float:
     """Fill dz from `first` on with the powers of elements, W; returns their sum."""
     total = 0.0
     for i in range(tree.answers.shape[0]):

@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .._jit import kernel
 from ..linalg.vec3 import cross, dot, inward, outward, plus, scaled, symmetric, symmetric_times, triple
 from .elements import element_energy
@@ -9,14 +11,12 @@ from .kinematics import node_place, node_vector
 from .loads import axial_prestress, elastic_row_times
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ...model.arrays.tree import TreeArrays
 
 
 @kernel
 def energies(
-    tree: "TreeArrays", work: "np.ndarray", q: "np.ndarray", y: "np.ndarray"
+    tree: "TreeArrays", work: np.ndarray, q: np.ndarray, y: np.ndarray
 ) -> tuple[float, float, float]:
     """Kinetic, potential (gravity and springs) and strain energy, J, of placed frames."""
     g = triple(tree.gravity, 0)
@@ -34,12 +34,12 @@ def energies(
 
 
 @kernel
-def _moment(frame: "np.void", s: "np.void") -> tuple[float, float, float]:
+def _moment(frame: np.void, s: np.void) -> tuple[float, float, float]:
     return outward(s["axes"], triple(frame["moment"], 0))
 
 
 @kernel
-def _frame_kinetic(frame: "np.void", s: "np.void") -> float:
+def _frame_kinetic(frame: np.void, s: np.void) -> float:
     v, w = triple(s["velocity"], 0), triple(s["angular"], 0)
     spin = inward(s["axes"], w)
     turning = dot(spin, symmetric_times(symmetric(frame["inertia"], 0), spin))
@@ -48,7 +48,7 @@ def _frame_kinetic(frame: "np.void", s: "np.void") -> float:
 
 @kernel
 def node_state(
-    nodal_mass: "np.void", s: "np.void", q: "np.ndarray", y: "np.ndarray"
+    nodal_mass: np.void, s: np.void, q: np.ndarray, y: np.ndarray
 ) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """Position and velocity of a nodal mass of the body with frame record s, inertial axes."""
     r = outward(s["axes"], node_place(nodal_mass, q))
@@ -58,7 +58,7 @@ def node_state(
 
 
 @kernel
-def _strain(tree: "TreeArrays", q: "np.ndarray") -> float:
+def _strain(tree: "TreeArrays", q: np.ndarray) -> float:
     """u . K u / 2 over all bodies."""
     total = 0.0
     for b in range(tree.elastic_bodies.shape[0]):
@@ -69,7 +69,7 @@ def _strain(tree: "TreeArrays", q: "np.ndarray") -> float:
 
 @kernel
 def _bilinear(
-    tree: "TreeArrays", matrices: "np.ndarray", start: int, body: "np.void", x: "np.ndarray", z: "np.ndarray"
+    tree: "TreeArrays", matrices: np.ndarray, start: int, body: np.void, x: np.ndarray, z: np.ndarray
 ) -> float:
     """x . A z over one body's coordinates, A beginning at `start`."""
     total = 0.0
@@ -80,11 +80,7 @@ def _bilinear(
 
 @kernel
 def applied_power(
-    tree: "TreeArrays",
-    work: "np.ndarray",
-    coordinates: "np.ndarray",
-    q: "np.ndarray",
-    y: "np.ndarray",
+    tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, q: np.ndarray, y: np.ndarray
 ) -> float:
     """Power of external forces and torques, damping, stiffening and prescribed motion, W.
 
@@ -110,7 +106,7 @@ def applied_power(
 
 
 @kernel
-def _dissipated(tree: "TreeArrays", y: "np.ndarray") -> float:
+def _dissipated(tree: "TreeArrays", y: np.ndarray) -> float:
     """Power that the damping of elastic bodies takes."""
     total = 0.0
     for b in range(tree.elastic_bodies.shape[0]):
@@ -121,7 +117,7 @@ def _dissipated(tree: "TreeArrays", y: "np.ndarray") -> float:
 
 
 @kernel
-def _stiffening_power(tree: "TreeArrays", work: "np.ndarray", q: "np.ndarray", y: "np.ndarray") -> float:
+def _stiffening_power(tree: "TreeArrays", work: np.ndarray, q: np.ndarray, y: np.ndarray) -> float:
     """Power of geometric stiffening, which counts as a load: nothing answers it on the rigid motion."""
     total = 0.0
     for b in range(tree.elastic_bodies.shape[0]):

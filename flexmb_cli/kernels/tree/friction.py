@@ -6,6 +6,8 @@ response causes in loops and couplings.
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .._jit import kernel, part
 from ..constrained.dry_friction import PRELOAD, fill_normal_forces
 from ..laws import DAMPING, EFFORT, NORMAL, NORMAL_PRELOAD, POWER, RADIUS, answer_unit_friction
@@ -15,13 +17,11 @@ from .loop_closures import add_row_forces, find_loop_responses
 from .unit_forces import clear_unit_forces, respond
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ...model.arrays.tree import TreeArrays
 
 
 @part
-def answer_frictions(tree: "TreeArrays", y: "np.ndarray") -> None:
+def answer_frictions(tree: "TreeArrays", y: np.ndarray) -> None:
     """Fill the efforts of all frictions by the normal force 1 N."""
     for k in range(tree.frictions.shape[0]):
         f, answer = tree.frictions[k], tree.answers[tree.elements.shape[0] + k]
@@ -33,7 +33,7 @@ def answer_frictions(tree: "TreeArrays", y: "np.ndarray") -> None:
 
 
 @kernel
-def find_normal_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray") -> None:
+def find_normal_forces(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray) -> None:
     """Find the normal forces, the forces of rows without friction known; add what friction causes in rows."""
     _set_forces(tree, work, coordinates)
     for p in range(tree.frictions.shape[0]):
@@ -52,7 +52,7 @@ def find_normal_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.
 
 
 @kernel
-def _set_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray") -> None:
+def _set_forces(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray) -> None:
     """Fill the joint forces without friction: of the solution with open loops, and by the forces of rows."""
     tree.joint_forces.fill(0.0)
     for k in range(tree.frictions.shape[0]):
@@ -67,7 +67,7 @@ def _set_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray
 
 
 @kernel
-def _set_response(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", p: int) -> None:
+def _set_response(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, p: int) -> None:
     """Fill the joint forces by the unit normal force of friction p, and those of rows."""
     clear_unit_forces(work, coordinates)
     _set_unit_efforts(tree, coordinates, p)
@@ -89,7 +89,7 @@ def _keep_row_forces(tree: "TreeArrays", place: int) -> None:
 
 
 @kernel
-def _set_unit_efforts(tree: "TreeArrays", coordinates: "np.ndarray", p: int) -> None:
+def _set_unit_efforts(tree: "TreeArrays", coordinates: np.ndarray, p: int) -> None:
     f = tree.frictions[p]
     if f["turning"] >= 0:
         coordinates[f["turning"]]["unit_effort"] = f["turning_effort"]
@@ -99,7 +99,7 @@ def _set_unit_efforts(tree: "TreeArrays", coordinates: "np.ndarray", p: int) -> 
 
 @kernel
 def _add_forces(
-    tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", row: int, response: bool
+    tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, row: int, response: bool
 ) -> None:
     """Add to a row of the joint forces those across the axes of the hinges, of the solution or a response."""
     for k in range(tree.frictions.shape[0]):
@@ -116,7 +116,7 @@ def _add_forces(
 
 
 @part
-def add_friction_efforts(tree: "TreeArrays", coordinates: "np.ndarray") -> None:
+def add_friction_efforts(tree: "TreeArrays", coordinates: np.ndarray) -> None:
     """Add the efforts of friction under the normal forces found."""
     for p in range(tree.frictions.shape[0]):
         f = tree.frictions[p]

@@ -9,24 +9,20 @@ order in the displacements and left out, as is axial prestress by the accelerati
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .._jit import part
 from ..constrained.time_functions import function_values
 from ..linalg.number_rows import product
 from ..linalg.vec3 import dot, outward, triple
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ...model.arrays.tree import TreeArrays
 
 
 @part
 def coordinate_efforts(
-    tree: "TreeArrays",
-    work: "np.ndarray",
-    q: "np.ndarray",
-    y: "np.ndarray",
-    coordinates: "np.ndarray",
+    tree: "TreeArrays", work: np.ndarray, q: np.ndarray, y: np.ndarray, coordinates: np.ndarray
 ) -> None:
     """Set the effort of elastic bodies along each coordinate, frames being placed: -K u - D u'."""
     for m in range(coordinates.shape[0]):
@@ -46,7 +42,7 @@ def coordinate_efforts(
 
 
 @part
-def axial_prestress(tree: "TreeArrays", work: "np.ndarray", body: "np.void") -> tuple[float, float]:
+def axial_prestress(tree: "TreeArrays", work: np.ndarray, body: np.void) -> tuple[float, float]:
     """Return what prestresses a beam: square of the angular velocity across it, and gravity along it."""
     s = work[body["frame"]]
     along, w = outward(s["axes"], triple(body["beam"], 0)), triple(s["angular"], 0)
@@ -56,12 +52,12 @@ def axial_prestress(tree: "TreeArrays", work: "np.ndarray", body: "np.void") -> 
 @part
 def _subtract_product(
     factor: float,
-    matrices: "np.ndarray",
+    matrices: np.ndarray,
     start: int,
-    body: "np.void",
-    reach: "np.ndarray",
-    x: "np.ndarray",
-    coordinates: "np.ndarray",
+    body: np.void,
+    reach: np.ndarray,
+    x: np.ndarray,
+    coordinates: np.ndarray,
 ) -> None:
     """effort -= factor A x over one body's coordinates, A beginning at `start`."""
     for i in range(body["count"]):
@@ -71,7 +67,7 @@ def _subtract_product(
 
 @part
 def elastic_row_times(
-    matrices: "np.ndarray", start: int, body: "np.void", reach: "np.ndarray", i: int, x: "np.ndarray"
+    matrices: np.ndarray, start: int, body: np.void, reach: np.ndarray, i: int, x: np.ndarray
 ) -> float:
     """Row i of one body's matrix, which begins at `start`, times the body's part of x (NS,)."""
     first = body["first"]
@@ -82,7 +78,7 @@ def elastic_row_times(
 
 @part
 def set_prescribed(
-    tree: "TreeArrays", t: float, q: "np.ndarray", y: "np.ndarray", coordinates: "np.ndarray"
+    tree: "TreeArrays", t: float, q: np.ndarray, y: np.ndarray, coordinates: np.ndarray
 ) -> None:
     """Put the prescribed coordinates C + B t + A t²/2, with their functions, and their rates in place."""
     for i in range(tree.prescribed.shape[0]):
@@ -99,7 +95,7 @@ def set_prescribed(
 
 
 @part
-def add_body_torques(tree: "TreeArrays", t: float, work: "np.ndarray") -> None:
+def add_body_torques(tree: "TreeArrays", t: float, work: np.ndarray) -> None:
     """Take the torque functions on bodies off p_n of their frames."""
     for i in range(tree.torques.shape[0]):
         torque = tree.torques[i]

@@ -7,6 +7,8 @@ works of E elements, and last the work that has been applied; errors of works do
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .._jit import allocating, kernel, plain
 from ..laws import COORDINATE
 from ..linalg.number_rows import block
@@ -18,13 +20,11 @@ from .kinematics import attitude_rates
 from .loads import set_prescribed
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ...model.arrays.tree import TreeArrays
 
 
 @plain
-def parts(tree: "TreeArrays", z: "np.ndarray") -> "tuple[np.ndarray, np.ndarray, np.ndarray]":
+def parts(tree: "TreeArrays", z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Views of z: speeds, coordinates, Euler parameters (balls, 4)."""
     n = tree.given.shape[0]
     return z[:n], z[n : 2 * n], block(z, 2 * n, (tree.balls, 4))
@@ -32,12 +32,7 @@ def parts(tree: "TreeArrays", z: "np.ndarray") -> "tuple[np.ndarray, np.ndarray,
 
 @kernel
 def derivative(
-    tree: "TreeArrays",
-    work: "np.ndarray",
-    coordinates: "np.ndarray",
-    t: float,
-    z: "np.ndarray",
-    dz: "np.ndarray",
+    tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, t: float, z: np.ndarray, dz: np.ndarray
 ) -> int:
     """Fill dz, not numbers where an element has no force; puts prescribed coordinates in their place in z.
 
@@ -67,12 +62,7 @@ def derivative(
 
 @allocating
 def derivative_in_body_axes(
-    tree: "TreeArrays",
-    work: "np.ndarray",
-    coordinates: "np.ndarray",
-    t: float,
-    z: "np.ndarray",
-    dz: "np.ndarray",
+    tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, t: float, z: np.ndarray, dz: np.ndarray
 ) -> int:
     """Fill dz as `derivative`, where speeds of three free rotations in z are in axes of their body O_k.
 
@@ -93,7 +83,7 @@ def derivative_in_body_axes(
 
 @kernel
 def turn_speeds(
-    tree: "TreeArrays", coordinates: "np.ndarray", z: "np.ndarray", sense: float, values: "np.ndarray"
+    tree: "TreeArrays", coordinates: np.ndarray, z: np.ndarray, sense: float, values: np.ndarray
 ) -> None:
     """Turn speeds of three free rotations, or their rates, at the head of values (n,) by the attitudes of z.
 
@@ -116,7 +106,7 @@ def turn_speeds(
 
 
 @kernel
-def _is_finite(z: "np.ndarray") -> bool:
+def _is_finite(z: np.ndarray) -> bool:
     total = 0.0
     for i in range(z.shape[0]):
         total += 0.0 * z[i]
@@ -124,7 +114,7 @@ def _is_finite(z: "np.ndarray") -> bool:
 
 
 @kernel
-def turn_attitudes(tree: "TreeArrays", y: "np.ndarray", attitudes: "np.ndarray", rates: "np.ndarray") -> None:
+def turn_attitudes(tree: "TreeArrays", y: np.ndarray, attitudes: np.ndarray, rates: np.ndarray) -> None:
     """Fill the rates (balls, 4) of Euler parameters for the speeds y."""
     for k in range(1, tree.frames.shape[0]):
         if tree.frames[k]["ball"] >= 0:
@@ -132,7 +122,7 @@ def turn_attitudes(tree: "TreeArrays", y: "np.ndarray", attitudes: "np.ndarray",
 
 
 @kernel
-def normalise_attitudes(tree: "TreeArrays", z: "np.ndarray") -> None:
+def normalise_attitudes(tree: "TreeArrays", z: np.ndarray) -> None:
     """Bring all Euler parameters back to length one."""
     _y, _q, attitudes = parts(tree, z)
     for b in range(attitudes.shape[0]):

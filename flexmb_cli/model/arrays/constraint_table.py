@@ -134,7 +134,7 @@ class PrimitiveTable(FunctionTable):
         self._sprung += record.size
         return len(self.measured) + self._sprung - record.size
 
-    def chained(self, records: "Sequence[np.ndarray]") -> np.ndarray:
+    def chained(self, records: Sequence[np.ndarray]) -> np.ndarray:
         """The first of the primitives `records`, to which an equation adds all others."""
         for record in reversed(records[1:]):
             record["next"] = self._next

@@ -46,7 +46,7 @@ class FunctionTable:
         self.functions.append(record)
         return len(self.functions) - 1
 
-    def _pieces(self, pieces: "tuple[tuple[Any, ...], ...]", of_time: bool) -> int:
+    def _pieces(self, pieces: tuple[tuple[Any, ...], ...], of_time: bool) -> int:
         count = max(len(piece) - 1 for piece in pieces)
         rows = -(-(count + 1) // 3)
         knots = np.zeros((len(pieces), 3 * rows))
@@ -55,11 +55,7 @@ class FunctionTable:
         c = (len(pieces), count, rows, 0.0 if of_time else OF_A_COORDINATE)
         return self.of_knots(PIECEWISE, knots.reshape(-1, 3), c)
 
-    def _compound(
-        self,
-        terms: tuple[tuple[Any, ...], ...],
-        of_time: bool,
-    ) -> int:
+    def _compound(self, terms: tuple[tuple[Any, ...], ...], of_time: bool) -> int:
         rows = [
             (k, self.function(function, of_time), 0.0)
             for k, factors in enumerate(terms)

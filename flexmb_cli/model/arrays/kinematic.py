@@ -7,20 +7,16 @@ ground, normalisation.  Coordinates are x, y, z, e0, e1, e2, e3 body by body.
 import math
 from dataclasses import dataclass, field, replace
 from operator import is_
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ...errors import Place
 from ..attitudes import Attitudes, held_coordinate
 from ..equations import Equation, joint_equations
 from ..joints import BY_NAME, DISTANCE, DRIVER, NORMALISATION, PITCH, SIMPLIFIED, JointType
-from ..mechanism import Driver, Joint, Mechanism
+from ..mechanism import Distance, Driver, Joint, Mechanism
 from ..vectors import cross, dot, rotated, rotation_matrix, unit
-
-if TYPE_CHECKING:
-    from ...errors import Place
-    from ..mechanism import Distance
-
 
 COINCIDENT = 1e-9  # of the length scale
 COORDINATES = ("x", "y", "z", "e0", "e1", "e2", "e3")
@@ -93,7 +89,7 @@ def kinematic_arrays(mechanism: Mechanism) -> KinematicArrays:
     return replace(arrays, constraints=constraints)
 
 
-def _all_but_functions(mechanism: Mechanism) -> "tuple[list[Any], list[Any]]":
+def _all_but_functions(mechanism: Mechanism) -> tuple[list[Any], list[Any]]:
     """Return the parts of a mechanism without points and times, and the drivers without their functions."""
     drivers = [(driver.name, driver.body, driver.direction, driver.place) for driver in mechanism.drivers]
     holders = *mechanism.simplified, *mechanism.distances, *mechanism.grounds
@@ -101,7 +97,7 @@ def _all_but_functions(mechanism: Mechanism) -> "tuple[list[Any], list[Any]]":
 
 
 # A study makes thousands of mechanisms, most of which differ in a function or a point from the last.
-_last: "tuple[list[Any], list[Any], KinematicArrays | None]" = [], [], None
+_last: tuple[list[Any], list[Any], KinematicArrays | None] = [], [], None
 
 
 def _arrays_of(mechanism: Mechanism) -> KinematicArrays:
@@ -170,7 +166,7 @@ class _Rows:
             array[k] = record
         return array
 
-    def hold(self, owner: str, place: "Place | None", body: int, direction: int, value: float) -> None:
+    def hold(self, owner: str, place: Place | None, body: int, direction: int, value: float) -> None:
         """A coordinate held at a value; an angle holds e1, e2 or e3 at sin(angle/2)."""
         coordinate, target = held_coordinate(direction, value)
         scale = self.length if coordinate < 3 else 1.0
@@ -233,7 +229,7 @@ def screw_values(mechanism: Mechanism, joint: Joint) -> dict[str, Any]:
     }
 
 
-def _add_distance(rows: _Rows, item: "Distance") -> None:
+def _add_distance(rows: _Rows, item: Distance) -> None:
     coordinate = item.direction - 1 if item.direction <= 3 else item.direction
     scale = rows.length if coordinate < 3 else 1.0
     part = Equation(item.name, COORDINATES[coordinate], item.place, scale, is_length=coordinate < 3)

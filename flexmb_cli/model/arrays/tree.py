@@ -6,7 +6,8 @@ Condensing the rotations out of a beam leaves a stiffness between any two nodes,
 factor 2 - sqrt(3) from node to node: thirty nodes away it is below the round-off of the diagonal.
 """
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,14 +18,10 @@ from .node_frames import NodeFrames, empty_node_frames
 from .tree_elements import TreeElements
 from .tree_frames import NODAL_MASS, tree_frames
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-
 NEGLIGIBLE = 1e-17  # of the geometric mean of the two diagonal places: a tenth of the unit round-off
 
 
-def row_reach(matrices: "Sequence[Any]") -> np.ndarray:
+def row_reach(matrices: Sequence[Any]) -> np.ndarray:
     """(NM, 2): where each row begins in any of the symmetric `matrices`, and one past its end.
 
     The first is (NM, NM), the others are one, several or None.
@@ -200,13 +197,11 @@ def initial_attitudes(tree: Tree) -> np.ndarray:
     return found
 
 
-def _records(dtype: np.dtype, rows: "list[Any]") -> np.ndarray:
+def _records(dtype: np.dtype, rows: list[Any]) -> np.ndarray:
     return np.array(rows, dtype) if rows else np.zeros(0, dtype)
 
 
-def _elastic_bodies(
-    tree: Tree, index: "Mapping[Any, Any]", of_body: "Sequence[int]"
-) -> tuple[np.ndarray, ...]:
+def _elastic_bodies(tree: Tree, index: Mapping[Any, Any], of_body: Sequence[int]) -> tuple[np.ndarray, ...]:
     """Records of the flexible bodies, reach, and their stiffness, damping and stiffening matrices, flat."""
     reach = np.zeros((len(index), 2), np.int64)
     records: list[Any] = []
@@ -263,7 +258,7 @@ def hanging_masses(tree: Any, k: int) -> np.ndarray:
     return hanging
 
 
-def _closure_rows(tree: Tree, of_body: list[int], of_node: "dict[Any, Any]", couplings: int) -> np.ndarray:
+def _closure_rows(tree: Tree, of_body: list[int], of_node: dict[Any, Any], couplings: int) -> np.ndarray:
     """Rows of all closed directions, then of so many couplings."""
     rows = []
     for c in tree.closures:

@@ -77,7 +77,7 @@ class FrameParts:
     slopes: list[Any] = field(default_factory=list)
 
 
-def tree_frames(tree: Tree, index: "dict[Any, Any]") -> FrameParts:
+def tree_frames(tree: Tree, index: dict[Any, Any]) -> FrameParts:
     """Frames, nodal masses and node frames of all bodies; `index` finds a coordinate by (body, motion, axis,
     node).
     """
@@ -122,7 +122,7 @@ def _add_node_frames(
 
 
 def _add_nodal_masses(
-    body: Body, k: int, carrying: set[int], index: "dict[Any, Any]", parts: FrameParts
+    body: Body, k: int, carrying: set[int], index: dict[Any, Any], parts: FrameParts
 ) -> None:
     """Nodal masses for the nodes that have no frame of their own."""
     nodes = range(len(body.elastic.masses) if body.elastic else 0)
@@ -132,7 +132,7 @@ def _add_nodal_masses(
     frame["nodal_masses"] = len(parts.nodal_masses) - frame["first_nodal_mass"]
 
 
-def _carriers(tree: Tree) -> "list[Any]":
+def _carriers(tree: Tree) -> list[Any]:
     """(body, node, hinge) of all nodes that carry something, the hinge when it turns with the slope."""
     carriers = {
         (hinge.parent, hinge.node, k if hinge.elastic_rotation is not None else None)
@@ -154,7 +154,7 @@ def _blank_frame(parent: int, body: int) -> np.ndarray:
     return frame
 
 
-def _body_frame(tree: Tree, k: int, index: "dict[Any, Any]", parts: FrameParts) -> np.ndarray:
+def _body_frame(tree: Tree, k: int, index: dict[Any, Any], parts: FrameParts) -> np.ndarray:
     body, hinge = tree.bodies[k], tree.hinges[k]
     parent, point = _attachment(tree, k, parts)
     frame = _blank_frame(parent, k)
@@ -183,7 +183,7 @@ def _attachment(tree: Any, k: int, parts: FrameParts) -> tuple[int, np.ndarray |
 
 
 def _set_axes(
-    frame: np.ndarray, kind: str, axes: tuple[int, ...], index: "dict[Any, Any]", body: int, motion: str
+    frame: np.ndarray, kind: str, axes: tuple[int, ...], index: dict[Any, Any], body: int, motion: str
 ) -> None:
     frame[f"{kind}s"] = len(axes)
     frame[f"{kind}_axes"][0, : len(axes)] = np.array(axes, int) - 1
@@ -203,7 +203,7 @@ def _set_mass(frame: np.ndarray, body: Body) -> None:
     frame["inertia"] = inertia[np.triu_indices(3)]
 
 
-def _node_coordinates(body: Body, k: int, node: int, index: "dict[Any, Any]") -> list[int]:
+def _node_coordinates(body: Body, k: int, node: int, index: dict[Any, Any]) -> list[int]:
     return [index.get((k, ELASTIC, axis, node), -1) for axis in (1, 2, 3)]
 
 
@@ -219,7 +219,7 @@ def _node_frame(body: Any, k: int, node: int, parent: int, index: dict[Any, Any]
     return frame
 
 
-def _nodal_mass(body: Body, k: int, node: int, index: "dict[Any, Any]") -> tuple[Any, Any, Any, Any]:
+def _nodal_mass(body: Body, k: int, node: int, index: dict[Any, Any]) -> tuple[Any, Any, Any, Any]:
     elastic = body.elastic
     assert elastic is not None, "nodal masses are those of an elastic body"
     return (

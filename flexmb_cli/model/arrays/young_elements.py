@@ -3,22 +3,18 @@ joints.
 """
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..flexible_mechanism import NodePoint, PointJoint
-from ..joint_elements import CompositeJoint, JointElements
+from ..joint_elements import CompositeJoint, DrivenItem, JointElements
 from ..loads import DynamicModel
 from ..mechanism import Joint, Mechanism
 from .constraint_table import PrimitiveTable
 from .element_table import ElementTable, PointJoints, coordinates_of_joints
 from .laws import NONE
 from .node_joints import EQUATIONS_OF, JointVectors
-
-if TYPE_CHECKING:
-    from ..joint_elements import DrivenItem
-
 
 LAST_TRANSLATION = 3  # directions 1 to 3 are coordinates, 4 to 6 turns
 
@@ -83,7 +79,7 @@ class _Equations:
         for composite in self.elements.composites:
             self._composite(composite)
 
-    def _driven(self, item: "DrivenItem") -> None:
+    def _driven(self, item: DrivenItem) -> None:
         driver = self.model.mechanism.drivers[item.item]
         if driver.direction <= LAST_TRANSLATION:
             self._along_axis(driver.name, driver.body, driver.direction, item)
@@ -95,7 +91,7 @@ class _Equations:
         record["function"] = self.table.function(item.function)
         self.table.equations(driver.name, item.place, NONE, driver.body, [("angle", False, record)])
 
-    def _along_axis(self, name: str, body: int, direction: int, item: "DrivenItem") -> None:
+    def _along_axis(self, name: str, body: int, direction: int, item: DrivenItem) -> None:
         origin = self.table.body_vector(body, np.zeros(3)), self.table.body_vector(NONE, np.zeros(3))
         record = self.table.product(origin, self.table.axis(direction - 1))
         record["function"] = self.table.function(item.function)
@@ -107,8 +103,7 @@ class _Equations:
             parts = _revolute_cylindrical(self.table, a, b)
         else:
             body_vectors = JointVectors(
-                self.table,
-                PointJoint(item.name, item.kind, a, b, item.size, item.place),
+                self.table, PointJoint(item.name, item.kind, a, b, item.size, item.place)
             )
             parts = [part for make in EQUATIONS_OF[item.kind] for part in make(body_vectors)]
         self.table.equations(item.name, item.place, item.i, item.j, parts)

@@ -7,16 +7,12 @@ as in the tree, node frames behind them; -1 is the inertial frame.
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ..tree import INERTIAL, Tree
+from ..tree import INERTIAL, Hinge, Tree
 from ..vectors import rotation_matrix
-
-if TYPE_CHECKING:
-    from ..tree import Hinge
-
 
 RIGID = np.zeros((3, 0))
 
@@ -68,7 +64,7 @@ def hinge_frames(tree: Tree) -> Frames:
     return Frames(tuple(bases), tuple(node_frames))
 
 
-def node_shape(tree: Tree, hinge: "Hinge") -> np.ndarray:
+def node_shape(tree: Tree, hinge: Hinge) -> np.ndarray:
     """Displacement (3, NM) of P_k per unit of each elastic coordinate of the parent."""
     if hinge.parent == INERTIAL:
         return RIGID

@@ -5,7 +5,7 @@ the P_k axes that do not slide, of the attitude the products of axes that no fre
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,10 +14,7 @@ from ..arrays.records import FORCE, TORQUE, vector_load
 from ..time_functions import POLYNOMIAL, MotionFunction
 from ..tree import INERTIAL, ROTATION, TRANSLATION, Hinge, Tree
 from ..vectors import rotation_matrix
-from .frames import Base, Frames, shape_of
-
-if TYPE_CHECKING:
-    from .frames import NodeFrame
+from .frames import Base, Frames, NodeFrame, shape_of
 
 
 class HingeVectors(NamedTuple):
@@ -33,11 +30,7 @@ def hinge_vectors(table: PrimitiveTable, base: Base, body: int) -> HingeVectors:
     place = table.body_vector(base.body, base.place, base.shape if base.shape.size else None)
     p = [table.body_vector(base.body, axis) for axis in base.axes.T]
     e = [table.body_vector(body, axis) for axis in np.eye(3)]
-    return HingeVectors(
-        (p[0], p[1], p[2]),
-        (e[0], e[1], e[2]),
-        (table.body_vector(body, np.zeros(3)), place),
-    )
+    return HingeVectors((p[0], p[1], p[2]), (e[0], e[1], e[2]), (table.body_vector(body, np.zeros(3)), place))
 
 
 def add_hinges(table: PrimitiveTable, tree: Tree, frames: Frames) -> None:
@@ -75,7 +68,7 @@ def _welded(table: PrimitiveTable, body_vectors: HingeVectors, body: int, T: np.
     return [table.product(body_vectors.p[i], e[j]) for i, j in ((0, 1), (0, 2), (1, 2))]
 
 
-def _add_node_frame(table: PrimitiveTable, node_frame: "NodeFrame", body: int) -> None:
+def _add_node_frame(table: PrimitiveTable, node_frame: NodeFrame, body: int) -> None:
     """Six equations: place, two axes, and the angle that is the slope of the node."""
     body_vectors = hinge_vectors(table, node_frame.base, body)
     parts = [_slide(table, body_vectors, axis) for axis in (1, 2, 3)]

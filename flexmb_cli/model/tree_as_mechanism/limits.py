@@ -1,13 +1,11 @@
 """Limits of the formulation of a tree in absolute coordinates."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 from ...errors import Fault, ModelError
 from ..laws import MOTOR
 from ..tree import Tree
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 OTHERWISE = "run the deck by --formulation kane"
 
@@ -19,7 +17,7 @@ def refuse_foreign(tree: Tree) -> None:
         raise ModelError(faults)
 
 
-def _one_way(tree: Tree) -> "Iterator[Any]":
+def _one_way(tree: Tree) -> Iterator[Any]:
     if tree.one_way:
         message = (
             "the one-way assumption (UNCO) is no equation of mechanics that absolute coordinates could "
@@ -28,7 +26,7 @@ def _one_way(tree: Tree) -> "Iterator[Any]":
         yield Fault("error", message, id="MODEL-006")
 
 
-def _weights(tree: Tree) -> "Iterator[Any]":
+def _weights(tree: Tree) -> Iterator[Any]:
     """Yield a fault for geometric stiffening by gravity: the floating frame has that by rotation only."""
     for body in tree.bodies:
         stiffened = body.elastic is not None and body.elastic.stiffened_from is not None
@@ -40,7 +38,7 @@ def _weights(tree: Tree) -> "Iterator[Any]":
             yield Fault("error", message, body.place, body.name, id="MODEL-007")
 
 
-def _balls(tree: Tree) -> "Iterator[Any]":
+def _balls(tree: Tree) -> Iterator[Any]:
     """Yield a fault for what acts about one of three free rotations: none is a coordinate of a position."""
     for item in tree.elements.forces:
         if item.turning and len(tree.hinges[item.measure.joint].rotations) == 3:

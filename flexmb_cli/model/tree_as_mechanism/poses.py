@@ -9,16 +9,13 @@ along this direction, too, closes what is closed already.
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
+from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Hinge, Tree
 from ..vectors import cross, rotation_matrix
 from .frames import Base, Frames, NodeFrame, hinge_frames
-
-if TYPE_CHECKING:
-    from ..tree import Hinge
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +80,7 @@ class _Start:
         A, w = self._turn(k, hinge, at)
         return Pose(at.r + slide, A, at.v + cross(at.w, slide) + rate, w)
 
-    def _turn(self, k: int, hinge: "Hinge", at: Pose) -> tuple[Any, Any]:
+    def _turn(self, k: int, hinge: Hinge, at: Pose) -> tuple[Any, Any]:
         A, w = at.A, at.w
         for axis in hinge.rotations:
             q, y = self.state[k, ROTATION, axis]

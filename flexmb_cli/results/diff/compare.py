@@ -4,8 +4,8 @@ A result is accepted as the new reference as a whole or not at all.
 """
 
 import os
-from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from pathlib import Path, PurePath
+from typing import Any
 
 from ...deck.listing import Listing, TableError
 from ...errors import Fault, FlexmbError
@@ -25,9 +25,6 @@ from .tolerances import (
     Tolerances,
     form_of,
 )
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def compare(
@@ -104,7 +101,7 @@ def _compare_stored(
         raise TableError(other, [Fault("error", message, id="DIFF-008")])
 
 
-def accept(reference: "Path | str", result: "Path | str") -> None:
+def accept(reference: Path | str, result: Path | str) -> None:
     """Put a copy of `result` in the place of `reference`; a reader sees the old file or the new one.
 
     Both were compared.  Raises `OutputError` when the reference cannot be written, `TableError` when the
@@ -168,7 +165,7 @@ def _refuse(result: Any, message: str, *, id: str) -> None:
     raise TableError(str(result), [Fault("error", message, id=id)])
 
 
-def _ending(path: "Path | str") -> tuple[bool, bool]:
+def _ending(path: Path | str) -> tuple[bool, bool]:
     """Return whether the run of a result did not complete, and whether it has any rows."""
     if form_of(path) in (CSV, MATLAB):
         return False, True  # an export keeps no mark that can be relied on
@@ -184,6 +181,6 @@ def _ending(path: "Path | str") -> tuple[bool, bool]:
     return listing.failed, len(listing.time) > 0 or not listing.form.has_rows
 
 
-def is_missing(reference: "Path | str") -> bool:
+def is_missing(reference: Path | str) -> bool:
     """Return whether there is no reference yet."""
     return not os.path.lexists(reference)

@@ -2,17 +2,14 @@
 
 from collections.abc import Callable, Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...deck.fortran_words import overflows
 from ...deck.listing import EchoLine, Listing, ListingForm
 from .report import Found, Report, compare_words
-from .tolerances import Tolerances
-
-if TYPE_CHECKING:
-    from .tolerances import Tolerance
+from .tolerances import Tolerance, Tolerances
 
 
 def compare_echo(report: Report, a: Listing, b: Listing, tolerances: Tolerances) -> None:
@@ -71,12 +68,7 @@ def _flattened(lines: list[EchoLine]) -> list[tuple[EchoLine, int]]:
 
 
 def _compare_kind(
-    report: Report,
-    kind: str,
-    chosen: Sequence[int],
-    flat: Any,
-    tolerance: "Tolerance",
-    form: ListingForm,
+    report: Report, kind: str, chosen: Sequence[int], flat: Any, tolerance: Tolerance, form: ListingForm
 ) -> Any:
     places, others = ([part[k] for k in chosen] for part in flat)
     a, b = (np.array([line.values[n] for line, n in part]) for part in (places, others))

@@ -1,6 +1,7 @@
 """Compare two OUT tables number by number."""
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,8 +15,6 @@ from .report import Found, Report, are, counted
 from .tolerances import Tolerances
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from .emulated import Emulation
 
 
@@ -91,7 +90,7 @@ def compare_listings(
     return report
 
 
-def read_listing(path: "Path | str") -> Listing:
+def read_listing(path: Path | str) -> Listing:
     """The listing or series at `path`; raises `TableError` when it is none."""
     name = str(path)
     text, dialects = plain_text(read_bytes(path)), list(every_dialect())
@@ -196,13 +195,7 @@ def _known_errors(
 
 
 def _emulated_errors(
-    report: Any,
-    name: Any,
-    section: Section,
-    pick: np.ndarray,
-    shared: list[str],
-    printed: Any,
-    unit: Any,
+    report: Any, name: Any, section: Section, pick: np.ndarray, shared: list[str], printed: Any, unit: Any
 ) -> list[tuple[str, np.ndarray]]:
     """The same by a run of the deck with the errors of the program, the cells that they give."""
     if report.emulation is None:

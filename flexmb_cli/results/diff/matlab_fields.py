@@ -1,25 +1,16 @@
 """Compare MATLAB files of results with each other and with HDF5 results, field by field."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...deck.listing import TableError
 from ...errors import Fault
 from ..files.matlab import matlab_fields, read_matlab
-from .hdf5 import (
-    COMPARED_ATTRIBUTES,
-    NOT_COMPARED,
-    kind_of,
-    open_sound,
-    quantity_places,
-)
+from .hdf5 import COMPARED_ATTRIBUTES, NOT_COMPARED, kind_of, open_sound, quantity_places
 from .report import WORDS_OF_RESULTS, Found, Report, compare_names
-from .tolerances import MATLAB, ToleranceError, Tolerances
-
-if TYPE_CHECKING:
-    from .tolerances import Tolerance
+from .tolerances import MATLAB, Tolerance, ToleranceError, Tolerances
 
 
 def compare_matlab(report: Report, forms: Sequence[str], tolerances: Tolerances) -> None:
@@ -67,7 +58,7 @@ def _compare_field(
     name: str,
     pairs: list[dict[str, np.ndarray]],
     tolerances: Tolerances,
-    special: "Mapping[str, Sequence[tuple[tuple[Any, ...], Tolerance]]]",
+    special: Mapping[str, Sequence[tuple[tuple[Any, ...], Tolerance]]],
 ) -> Any:
     values = [fields.get(name) for fields in pairs]
     kind = kind_of(name)

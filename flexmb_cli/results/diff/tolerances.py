@@ -90,9 +90,7 @@ class Tolerances:
     def with_defaults(self, atol: float, rtol: float) -> "Tolerances":
         """The same with `atol` and `rtol` where none were given."""
         return replace(
-            self,
-            atol=atol if self.atol is None else self.atol,
-            rtol=rtol if self.rtol is None else self.rtol,
+            self, atol=atol if self.atol is None else self.atol, rtol=rtol if self.rtol is None else self.rtol
         )
 
     def without_digits(self) -> "Tolerances":

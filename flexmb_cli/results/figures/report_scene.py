@@ -95,10 +95,7 @@ def scene_data(
         "box": {"low": every.min(axis=0).tolist(), "high": every.max(axis=0).tolist()},
         "view": {"eye": list(view.eye), "up": list(view.up)},
         "bodies": [_lines(body) for body in scene.lined(surfaces)],
-        "surfaces": [
-            *(_surface(body, ranges) for body in shown),
-            *map(_rigid_surface, scene.shapes),
-        ],
+        "surfaces": [*(_surface(body, ranges) for body in shown), *map(_rigid_surface, scene.shapes)],
         "ranges": {
             name: {"low": low, "high": high, "unit": unit_of(name)} for name, (low, high) in ranges.items()
         },

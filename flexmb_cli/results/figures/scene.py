@@ -342,10 +342,7 @@ def _names(result: h5py.File, kind: str) -> tuple[str, ...]:
 
 
 def _nodes(
-    result: h5py.File,
-    names: tuple[str, ...],
-    rows: slice,
-    ends: tuple[np.ndarray, np.ndarray] | None,
+    result: h5py.File, names: tuple[str, ...], rows: slice, ends: tuple[np.ndarray, np.ndarray] | None
 ) -> Iterator[tuple[int, tuple[np.ndarray, np.ndarray]]]:
     """Number of a flexible body, its undeformed nodes (n, 3) and their places in body axes (T, n, 3).
 

@@ -11,17 +11,14 @@ import os
 import stat
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from time import monotonic, sleep
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...errors import ANALYSIS_FAILED, OutputError
 from .disk_failures import located
 from .durable import sync, sync_folder
 from .temporary_file import refuse_place, remove_leftovers, reserve
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
 
 LONGEST_WAIT = 10.0  # s, in which a program that reads the pipe starts
 _PAUSE = 0.02  # s, between two tries
@@ -60,7 +57,7 @@ class Replacement:
     Raises `OutputError` when the folder is missing or cannot be written.
     """
 
-    def __init__(self, path: "Path | str", special: bool = True):
+    def __init__(self, path: Path | str, special: bool = True):
         self.path = os.fspath(path)
         # A link stays a link: the file it points to is replaced.
         self._target = os.path.realpath(self.path)
@@ -143,7 +140,7 @@ class Replacement:
 class ReplacedText(Replacement):
     """A text stream (UTF-8, LF line ends) to a place; failures of the disk are `OutputError`s."""
 
-    def __init__(self, path: "Path | str", special: bool = True):
+    def __init__(self, path: Path | str, special: bool = True):
         self._stream: Any = None
         super().__init__(path, special)
         with self._discarding():
@@ -179,7 +176,7 @@ def refuse_unwritable(path: str, special: bool = True) -> None:
 
 
 @contextmanager
-def replaced(path: "Path | str") -> Iterator[Any]:
+def replaced(path: Path | str) -> Iterator[Any]:
     """Give a stream of bytes that stand at `path` once the block has ended, if nothing fails in it."""
     place = Replacement(path)
     try:
@@ -249,7 +246,7 @@ def sync_folders(files: list[Any]) -> None:
             raise OutputError(message, ANALYSIS_FAILED, id="RESULT-013") from error
 
 
-def make_folder(folder: "Path | str") -> None:
+def make_folder(folder: Path | str) -> None:
     """Make the output folder and its parents if missing."""
     folder = os.fspath(folder)
     with located(folder):

@@ -31,13 +31,7 @@ from .layout import (
     with_units,
 )
 from .result_geometry import SIDE, gravity, joint_geometry, point_bodies, shape_geometry
-from .stress import (
-    element_axes,
-    element_constants,
-    stress_axes,
-    stress_series,
-    stress_values,
-)
+from .stress import element_axes, element_constants, stress_axes, stress_series, stress_values
 
 if TYPE_CHECKING:
     from ...solvers.constrained.flexible_rows import FlexibleRows

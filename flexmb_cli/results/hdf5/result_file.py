@@ -8,7 +8,8 @@ import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from math import prod
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -20,10 +21,6 @@ from ...solvers.as_printed.errors import AS_PRINTED, EMULATED
 from ..files.disk_failures import FullDiskGuard, located
 from ..files.replaced_file import Replacement, put_in_place
 from .layout import TIME, Axis, Constant, Layout, Series, Values
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
 
 # 2: every dimension scale lies in the group of its datasets or above it; until then those of reactions and
 # of the shapes of bodies lay beside it, which netCDF does not know.
@@ -43,7 +40,7 @@ class ResultFile(Replacement):
     Raises `OutputError` when the place cannot be written or the disk is full.
     """
 
-    def __init__(self, path: "Path | str", deck: Deck, layout: Layout):
+    def __init__(self, path: Path | str, deck: Deck, layout: Layout):
         super().__init__(path)
         if self.direct:
             raise OutputError(

@@ -97,10 +97,7 @@ def shape_geometry(body: str, r0: np.ndarray, Phi: np.ndarray) -> tuple[Constant
     axes = (f"elastic/{body}/node", XYZ.path, f"modal/{body}/mode")
     meaning = f"displacement of the nodes of {body} per unit of each mode, axes of the body"
     shape = Phi.reshape(len(r0), 3, -1)
-    return (
-        node_geometry(body, r0),
-        Constant(f"elastic/{body}/shape", axes, shape, "1 or m", meaning),
-    )
+    return (node_geometry(body, r0), Constant(f"elastic/{body}/shape", axes, shape, "1 or m", meaning))
 
 
 def _centre(body: "Body") -> np.ndarray | tuple[float, float, float]:

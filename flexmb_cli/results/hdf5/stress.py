@@ -83,12 +83,7 @@ def _series(mechanism: FlexibleMechanism, output: StressOutput) -> Iterator[Seri
     group, strain = _group(mechanism, output), _group(mechanism, output, "strain")
     name = mechanism.bodies[output.body].name
     for kind, numbers, where, of_mean in (
-        (
-            "node",
-            output.nodes,
-            "mean over the elements at the node",
-            "mean stress at the node",
-        ),
+        ("node", output.nodes, "mean over the elements at the node", "mean stress at the node"),
         ("element", output.elements, "mean over the element", "mean stress of the element"),
     ):
         if not len(numbers):

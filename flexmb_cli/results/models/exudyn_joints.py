@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...model.mechanism import GROUND
+from ...model.mechanism import GROUND, Joint, Mechanism
 from ...model.vectors import rotation_matrix
 
 if TYPE_CHECKING:
     from ...model.joint_elements import CompositeJoint
-    from ...model.mechanism import Joint, Mechanism
 
 Position = dict[str, np.ndarray]  # "r" (bodies, 3) in m, Euler parameters "p" (bodies, 4)
 # The displacements and rotations that a joint along the third axis of its frame prevents.
@@ -30,7 +29,7 @@ HELD = {
 INDEPENDENT = 1e-7
 
 
-def joint_frames(mechanism: "Mechanism", start: Position) -> list[np.ndarray]:
+def joint_frames(mechanism: Mechanism, start: Position) -> list[np.ndarray]:
     """Return for every joint its frame at the start (3, 3), whose third column is the joint's axis."""
     turned = [rotation_matrix(p) for p in start["p"]]
     return [
@@ -49,7 +48,7 @@ def frame_along(axis: np.ndarray) -> np.ndarray:
 
 
 def independent_equations(
-    mechanism: "Mechanism", links: "Sequence[CompositeJoint]", positions: "list[Position]"
+    mechanism: Mechanism, links: "Sequence[CompositeJoint]", positions: list[Position]
 ) -> tuple[list[tuple[int, ...]], list[bool]]:
     """Return for every joint which of six motions it prevents, 1 or 0, and for every link whether it is kept.
 
@@ -80,7 +79,7 @@ def _independent_rows(rows: np.ndarray) -> list[bool]:
 
 
 def _rows(
-    mechanism: "Mechanism", links: "Sequence[CompositeJoint]", start: Position, now: Position
+    mechanism: Mechanism, links: "Sequence[CompositeJoint]", start: Position, now: Position
 ) -> np.ndarray:
     """Return the equations of joints and links in velocities and angular velocities of the moving bodies."""
     still = {GROUND, *(item.body for item in mechanism.grounds)}

@@ -99,7 +99,7 @@ def _check_times(times: h5py.Dataset) -> None:
             raise Damaged("the times of its rows do not ascend, or are no numbers")
 
 
-def _other_kind(path: Path | str, error: Exception) -> "ResultError":
+def _other_kind(path: Path | str, error: Exception) -> ResultError:
     """Return the fault of a file that HDF5 cannot open: what it is."""
     begins = b""
     with suppress(OSError), open(path, "rb") as file:

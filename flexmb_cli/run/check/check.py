@@ -129,7 +129,7 @@ MOST_ASSEMBLED = 20_000  # coordinates, which take some seconds
 MOST_DENSE_EQUATIONS = 2000  # equations, most of which repeat others: their dense matrix takes 32 MB
 
 
-def is_too_large(report: "CheckReport", counts: dict[str, Any], coordinates: int, equations: int = 0) -> bool:
+def is_too_large(report: CheckReport, counts: dict[str, Any], coordinates: int, equations: int = 0) -> bool:
     """Return whether a model is too large to be assembled here; the report then has its counts and a note."""
     most, size, what = MOST_ASSEMBLED, coordinates, "coordinates"
     if equations > max(MOST_DENSE_EQUATIONS, 4 * coordinates):
@@ -142,7 +142,7 @@ def is_too_large(report: "CheckReport", counts: dict[str, Any], coordinates: int
     return True
 
 
-def note_left_out(report: "CheckReport", speeds: int) -> None:
+def note_left_out(report: CheckReport, speeds: int) -> None:
     """Note that the accelerations of a large mechanism, whose matrices are dense, were not looked at."""
     message = (
         f"with {speeds} speeds check looks at the first position and speeds only; run finds accelerations"
@@ -150,7 +150,7 @@ def note_left_out(report: "CheckReport", speeds: int) -> None:
     report.outcome.faults.append(Fault("note", message, id="RUN-063"))
 
 
-def start_of(analysis: "ConstrainedMotion", report: "CheckReport") -> "Mobility":
+def start_of(analysis: "ConstrainedMotion", report: CheckReport) -> "Mobility":
     """Start an analysis as far as `check` looks at it: all of a small one, positions and speeds of others."""
     from ...solvers.constrained.system import is_large
 
@@ -188,11 +188,7 @@ def report_times(grid: "TimeGrid") -> dict[str, Any]:
 
 
 def gaps_of(
-    evaluator: Any,
-    arrays: "KinematicArrays | SystemArrays",
-    q: np.ndarray,
-    t: float,
-    angles: np.ndarray,
+    evaluator: Any, arrays: "KinematicArrays | SystemArrays", q: np.ndarray, t: float, angles: np.ndarray
 ) -> Gaps:
     """Return the largest residual of each owner's equations at positions q and the expected `angles`."""
     gaps: Gaps = {}
@@ -203,14 +199,14 @@ def gaps_of(
     return gaps
 
 
-def record_mobility(report: "CheckReport", found: "Mobility") -> None:
+def record_mobility(report: CheckReport, found: "Mobility") -> None:
     """Record the rank, the smallest singular value, repeated equations and what is free to move."""
     report.rank, report.smallest = int(found.rank), float(found.smallest)
     report.redundant = [[equation.name for equation in group] for group in found.redundant]
     report.free = [list(names) for names in found.free]
 
 
-def note_slips(report: "CheckReport", evaluator: Any, q: np.ndarray, t: float, angles: np.ndarray) -> None:
+def note_slips(report: CheckReport, evaluator: Any, q: np.ndarray, t: float, angles: np.ndarray) -> None:
     """Note joints that the estimates q leave open far wider than the others."""
     from ...solvers.kinematics.assembly import open_estimates, slip_note
 
@@ -219,13 +215,13 @@ def note_slips(report: "CheckReport", evaluator: Any, q: np.ndarray, t: float, a
         report.outcome.faults.append(slip_note(opened, others, far=far))
 
 
-def record_assembly(report: "CheckReport", before: Gaps, after: Gaps) -> None:
+def record_assembly(report: CheckReport, before: Gaps, after: Gaps) -> None:
     """Record each owner's gaps: owner, gap of the estimates, of the assembled position, unit."""
     report.gaps = [(owner, before[owner, unit], after[owner, unit], unit) for owner, unit in before]
 
 
 def note_moves(
-    report: "CheckReport", arrays: "KinematicArrays | SystemArrays", before: np.ndarray, after: np.ndarray
+    report: CheckReport, arrays: "KinematicArrays | SystemArrays", before: np.ndarray, after: np.ndarray
 ) -> None:
     """Record how far assembly moved each body, and note it where one is moved far."""
     from ...solvers.assembly import displacements

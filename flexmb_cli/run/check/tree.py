@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import AnalysisError
+from ...model.arrays.tree import TreeArrays
 from ...model.mechanism import TimeGrid
 from ...model.tree import ELASTIC, Tree
 from ...model.unit_checks import unit_warnings
@@ -17,7 +18,6 @@ from ..outcome import Run
 from .check import CheckReport, refuse_jacobian
 
 if TYPE_CHECKING:
-    from ...model.arrays.tree import TreeArrays
     from ...solvers.tree.analysis import TreeAnalysis
 
 
@@ -124,7 +124,7 @@ def _gaps(tree: Tree, rows: np.ndarray) -> list[tuple[str, float]]:
     return [(closure.name, float(max(next(gaps) for _ in closure.directions))) for closure in tree.closures]
 
 
-def _redundant(tree: Tree, arrays: "TreeArrays") -> list[str]:
+def _redundant(tree: Tree, arrays: TreeArrays) -> list[str]:
     """Directions and couplings whose pivots the elimination found to be zero."""
     pivots = np.diag(arrays.closure_matrix)
     names = [name for name, _ in closed_rows(tree)]

@@ -5,13 +5,10 @@ import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from types import FrameType
+from typing import Any
 
 from ..outcome import Stop, Terminated
-
-if TYPE_CHECKING:
-    from types import FrameType
-
 
 # SIGHUP, which not every system has: the terminal is closed, or the connection to it.
 STOPS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
@@ -77,7 +74,7 @@ def stop_on_signals() -> None:
     terminal and from its parent.
     """
 
-    def stop(number: int, frame: "FrameType | None") -> None:
+    def stop(number: int, frame: FrameType | None) -> None:
         before, Stop.asked = Stop.asked, KeyboardInterrupt if number == signal.SIGINT else Terminated
         if before is None and not Stop.held:
             raise Stop.asked

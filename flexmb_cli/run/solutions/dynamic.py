@@ -13,14 +13,13 @@ from ...results.hdf5.dynamic import dynamic_layout, dynamic_values
 from ...solvers.compilation import announce_compiling
 from ..energy_drift import ConstrainedDrift, StepCount
 from ..error_estimate import finer_motion, nothing_to_refine
-from ..outcome import Run
+from ..outcome import Run, RunOptions
 from ..python_options import set_tolerances
 from ..solution import Solution
 
 if TYPE_CHECKING:
     from ...solvers.constrained.young_dynamics import ForwardDynamics
     from ...solvers.kinematics.inverse_dynamics import InverseDynamics
-    from ..outcome import RunOptions
 
 
 TOO_COARSE = (
@@ -55,7 +54,7 @@ def solution(model: DynamicModel, run: Run) -> Solution:
     )
 
 
-def _as_asked(model: DynamicModel, options: "RunOptions") -> DynamicModel:
+def _as_asked(model: DynamicModel, options: RunOptions) -> DynamicModel:
     """The model with the method and tolerance of the options; a prescribed motion depends on neither."""
     if model.analysis != "forward":
         return model

@@ -1,7 +1,9 @@
 """Kinematics of a mechanism that its drivers move."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from ...model.mechanism import Mechanism
 from ...results.hdf5.kinematic import kinematic_layout, kinematic_values
@@ -11,9 +13,6 @@ from ...solvers.kinematics.position import KinematicSettings
 from ..error_estimate import nothing_to_refine
 from ..outcome import Run
 from ..solution import NoCount, Solution
-
-if TYPE_CHECKING:
-    import numpy as np
 
 
 def solution(mechanism: Mechanism, run: Run) -> Solution:
@@ -54,7 +53,7 @@ class NewtonCount(NoCount):
         self.iterations = self.most = 0
         self.residual = 0.0
 
-    def add(self, values: Mapping[str, "np.ndarray"]) -> None:
+    def add(self, values: Mapping[str, np.ndarray]) -> None:
         """Count a block of values."""
         iterations = values["audit/newton_iterations"]
         self.iterations += int(iterations.sum())

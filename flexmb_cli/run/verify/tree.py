@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,13 +12,9 @@ from ...model.integrators import IMPLICIT_TREE_METHODS
 from ...model.laws import MOTOR
 from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
 from ...solvers.tree.breakpoints import breakpoints
-from ..outcome import Run
+from ..outcome import Listener, Run
 from ..solutions.tree import absolute_analysis, kane_analysis, values_of
 from .verify import ELEMENTS, Difference, Size, compared_rows, largest_difference
-
-if TYPE_CHECKING:
-    from ..outcome import Listener
-
 
 FORMULATIONS = "Kane's equations and absolute coordinates"
 # Both integrate more closely than they are compared; deflections are small against a metre.
@@ -53,7 +49,7 @@ def _motions(tree: Tree, run: Run) -> Any:
     return kane, absolute
 
 
-def _heard(blocks: Any, listener: "Listener") -> Iterator[Any]:
+def _heard(blocks: Any, listener: Listener) -> Iterator[Any]:
     for block in blocks:
         yield block
         listener.advance(len(block.time))

@@ -190,12 +190,7 @@ def moving_base(motion: BodyMotion, base: Base) -> Moving:
 
 
 def rows_of_bodies(
-    tree: Tree,
-    frames: Frames,
-    arrays: SystemArrays,
-    report: Report,
-    angles: np.ndarray,
-    last: np.ndarray,
+    tree: Tree, frames: Frames, arrays: SystemArrays, report: Report, angles: np.ndarray, last: np.ndarray
 ) -> TreeRows:
     """Return the rows of a report in the terms of the tree; `last` as in `rows_of_tree`.
 

@@ -10,7 +10,7 @@ from ...kernels.constrained.accelerations import accelerations, evaluate_jacobia
 from ...kernels.constrained.angle_unwrapping import EXPECTED
 from ...kernels.constrained.projection import project_position, project_speeds, rate_gap
 from ...kernels.constrained.speeds import move
-from ...kernels.constrained.system import GAMMA, NO_INERTIA, SOLVED
+from ...kernels.constrained.system import GAMMA, NO_INERTIA, SOLVED, System
 from ..constrained.analysis import LinearisableMotion
 from ..constrained.start import inertia_failure
 from ..constrained.system import dense_jacobian
@@ -18,7 +18,6 @@ from .joint_coordinates import AXES, OWN, JointCoordinates
 from .motion import LinearisedMotion, without_motions
 
 if TYPE_CHECKING:
-    from ...kernels.constrained.system import System
     from ..constrained.young_dynamics import ForwardDynamics
 
 
@@ -58,11 +57,7 @@ class ConstrainedLinearised(LinearisedMotion):
     AXES = AXES
 
     def __init__(
-        self,
-        analysis: LinearisableMotion,
-        axes: str = OWN,
-        state: Any = None,
-        free: np.ndarray | None = None,
+        self, analysis: LinearisableMotion, axes: str = OWN, state: Any = None, free: np.ndarray | None = None
     ):
         self.analysis, self.axes = analysis, axes
         self.system = analysis.system
@@ -129,7 +124,7 @@ class ConstrainedLinearised(LinearisedMotion):
             )
             raise AnalysisError(Fault("error", message, id="SOLVE-014"), self.t)
 
-    def rate_gaps(self, d: np.ndarray, w: np.ndarray, system: "System | None" = None) -> np.ndarray:
+    def rate_gaps(self, d: np.ndarray, w: np.ndarray, system: System | None = None) -> np.ndarray:
         """Return what the speeds, changed by w, lack to meet the constraints displaced by d (m,), scaled."""
         work, system = self.analysis.work, system or self.system
         evaluate_jacobian(system, work, self.moved(self.q, d))

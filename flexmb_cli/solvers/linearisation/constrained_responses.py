@@ -1,5 +1,6 @@
 """Inputs and outputs of the linearised motion of a mechanism in absolute coordinates."""
 
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,24 +15,15 @@ from ...model.arrays.records import FORCE, FRICTION, TORQUE
 from ...model.flexible_mechanism import NodePoint
 from ...model.laws import SPRING
 from ...model.vectors import rotation_matrix
+from ..constrained.rows import DynamicRows
 from ..constrained.system import blank_report
 from .constrained import ConstrainedLinearised
 from .motion import DIFFERENCE_STEP, differentiated
-from .state_space import (
-    ADMISSIBLE,
-    MOVED_POINT,
-    Input,
-    Responses,
-    Signal,
-    state_signals,
-)
+from .state_space import ADMISSIBLE, MOVED_POINT, Input, Responses, Signal, state_signals
 from .terms import Terms
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
     from ..constrained.flexible_rows import FlexibleRows
-    from ..constrained.rows import DynamicRows
 
 
 AXES = "xyz"
@@ -144,7 +136,7 @@ class ConstrainedResponses(Responses):
         own = [int(f["first"]) for f in arrays.flexible if f["body"] == body]
         return 6 * arrays.bodies + (own[0] if own else 0)
 
-    def _load_inputs(self) -> "Iterator[Input]":
+    def _load_inputs(self) -> Iterator[Input]:
         still, loads = np.zeros(self.motion.scale.size), self.motion.system.loads
         # Elements at joints stand behind the loads that have names, and are no inputs.
         for (name, is_force), load in zip(self.terms.loads, loads, strict=False):
@@ -154,7 +146,7 @@ class ConstrainedResponses(Responses):
             signal = Signal(f"{name} effort", "N" if is_force else "N m")
             yield Input(signal, still, still, self._loaded(_constant_load(loads[number])), 1.0)
 
-    def _loaded(self, records: "Callable[..., Any]") -> "Callable[..., Any]":
+    def _loaded(self, records: Callable[..., Any]) -> Callable[..., Any]:
         system = self.motion.system
 
         def change(amount: float) -> System:
@@ -166,11 +158,11 @@ class ConstrainedResponses(Responses):
 
         return change
 
-    def _driver_inputs(self) -> "Iterator[Any]":
+    def _driver_inputs(self) -> Iterator[Any]:
         for k, (name, is_length) in enumerate(self.terms.drivers):
             yield from self._inputs_of_driver(k, name, "m" if is_length else "rad")
 
-    def _inputs_of_driver(self, k: int, name: str, unit: str) -> "Iterator[Input]":
+    def _inputs_of_driver(self, k: int, name: str, unit: str) -> Iterator[Input]:
         """Inputs of a driver, its rate and its acceleration; none where other drivers forbid the change."""
         motion, still = self.motion, np.zeros(self.motion.scale.size)
         changes = [self._driven(k, order) for order in range(3)]
@@ -181,7 +173,7 @@ class ConstrainedResponses(Responses):
         turned = differentiated(lambda x: motion.rate_gaps(x * d, still, changes[0](x)), DIFFERENCE_STEP)
         yield from self.inputs_of_driver(name, unit, d, motion.projected(turned), changes)
 
-    def _driven(self, k: int, order: int) -> "Callable[..., Any]":
+    def _driven(self, k: int, order: int) -> Callable[..., Any]:
         def change(amount: float) -> System:
             additions = [0.0, 0.0, 0.0]
             additions[order] = amount
@@ -190,7 +182,7 @@ class ConstrainedResponses(Responses):
         return change
 
 
-def _unit_loads(name: str, is_force: bool, load: np.void) -> "Iterator[tuple[Signal, Callable[..., Any]]]":
+def _unit_loads(name: str, is_force: bool, load: np.void) -> Iterator[tuple[Signal, Callable[..., Any]]]:
     """Signals of a load, each with the records that add so much of it."""
     if load["kind"] in (FORCE, TORQUE):
         unit = "N" if load["kind"] == FORCE else "N m"
@@ -203,7 +195,7 @@ def _unit_loads(name: str, is_force: bool, load: np.void) -> "Iterator[tuple[Sig
         yield Signal(f"{name} effort", "N" if is_force else "N m"), _constant_load(load)
 
 
-def _vector_load(load: np.void, axis: int) -> "Callable[..., Any]":
+def _vector_load(load: np.void, axis: int) -> Callable[..., Any]:
     def records(amount: float) -> np.ndarray:
         record = np.array([load])
         record["function"], record["vector"] = -1, amount * np.eye(3)[axis]
@@ -212,7 +204,7 @@ def _vector_load(load: np.void, axis: int) -> "Callable[..., Any]":
     return records
 
 
-def _constant_load(load: np.void) -> "Callable[..., Any]":
+def _constant_load(load: np.void) -> Callable[..., Any]:
     """The record of a load that acts with a constant effort along the coordinate of an element."""
 
     def records(amount: float) -> np.ndarray:

@@ -11,15 +11,12 @@ For a steady motion seen from its turning axes the coefficients are constant.
 """
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 
 from ...errors import AnalysisError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
 
 DIFFERENCE_STEP = 1e-3  # scaled displacement of the differences; their error is of its fourth power
 STENCIL = ((-2.0, 1.0 / 12.0), (-1.0, -8.0 / 12.0), (1.0, 8.0 / 12.0), (2.0, -1.0 / 12.0))
@@ -34,7 +31,7 @@ SAME_EIGENVALUE, SLOWEST_EIGENVALUE = (
 )  # relative change of an eigenvalue, and share of the largest one
 
 
-def differentiated(function: "Callable[..., Any]", h: float) -> Any:
+def differentiated(function: Callable[..., Any], h: float) -> Any:
     """Return the derivative of function(x) at x = 0 by differences of fourth order with the step h."""
     return sum(weight / h * function(place * h) for place, weight in STENCIL)
 
@@ -136,7 +133,7 @@ class LinearisedMotion(ABC):
         """Return the rate (f, n) of L at a state that moves with its speeds."""
         return self.along_motion(self.functionals, state)
 
-    def along_motion(self, function: "Callable[[Any], np.ndarray]", state: Any) -> np.ndarray:
+    def along_motion(self, function: Callable[[Any], np.ndarray], state: Any) -> np.ndarray:
         """Return the rate of a function of the state, which moves with its speeds."""
         u = self.speeds_of(state)
         size = np.max(np.abs(u) / self.scale, initial=0.0)
@@ -158,7 +155,7 @@ class LinearisedMotion(ABC):
         """Return x (n,) with J x = gaps, L x = 0."""
         return without_motions(self.inverse @ gaps, self.Z, self.L)
 
-    def variation(self, function: "Callable[..., Any]", d: np.ndarray, w: np.ndarray) -> np.ndarray:
+    def variation(self, function: Callable[..., Any], d: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return the derivative of function(d, w) along the displacement d and the speeds w."""
         size = np.max(np.abs(d) / self.scale, initial=0.0) or np.max(np.abs(w) / self.scale, initial=0.0)
         found: np.ndarray = differentiated(
@@ -176,7 +173,7 @@ class LinearisedMotion(ABC):
         found: np.ndarray = self.L_rate @ w + self.L @ acceleration
         return found
 
-    def tangents(self) -> "Iterator[tuple[np.ndarray, np.ndarray]]":
+    def tangents(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """Yield displacement and change of speeds for every state, y then v, in their units."""
         still = np.zeros(self.scale.size)
         for k, unit in enumerate(self.units):

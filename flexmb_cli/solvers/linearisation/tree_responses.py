@@ -1,6 +1,7 @@
 """Inputs and outputs of the linearised motion of a tree."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 
@@ -10,19 +11,8 @@ from ...model.tree import ELASTIC, INERTIAL, ROTATION, Coordinate
 from ..constrained.element_rows import TreeElementRows
 from ..tree.loop_assembly import gap_rates
 from ..tree.points import point_motion, point_names, rotation_matrices
-from .state_space import (
-    ADMISSIBLE,
-    MOVED_POINT,
-    Input,
-    Responses,
-    Signal,
-    state_signals,
-)
+from .state_space import ADMISSIBLE, MOVED_POINT, Input, Responses, Signal, state_signals
 from .tree import TreeLinearised
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
 
 AXES = "xyz"
 EFFORT_OF = {"rad": "N m", "m": "N"}
@@ -99,7 +89,7 @@ class TreeResponses(Responses):
         P = np.eye(self.n)[rigid]
         return P, np.zeros_like(P)
 
-    def _function_inputs(self) -> "Iterator[Input]":
+    def _function_inputs(self) -> Iterator[Input]:
         """Torques on bodies and motors."""
         still = np.zeros(self.n)
         signals = [
@@ -113,7 +103,7 @@ class TreeResponses(Responses):
                 signal = Signal(f"{item.name} effort", "N m" if item.turning else "N")
                 yield Input(signal, still, still, self._changed("elements", "c", (k, 0)), 1.0)
 
-    def _body_inputs(self) -> "Iterator[Any]":
+    def _body_inputs(self) -> Iterator[Any]:
         """Constant forces and torques of bodies that have some, inertial axes."""
         still = np.zeros(self.n)
         for body, frame in zip(self.tree.bodies, body_frames(self.arrays), strict=True):
@@ -122,7 +112,7 @@ class TreeResponses(Responses):
                     signal = Signal(f"{body.name} constant {what} {AXES[axis]}", unit)
                     yield Input(signal, still, still, self._changed("frames", what, (frame, axis)), 1.0)
 
-    def _node_inputs(self) -> "Iterator[Any]":
+    def _node_inputs(self) -> Iterator[Any]:
         """Constant forces of nodes that have some, inertial axes."""
         still, coordinates = np.zeros(self.n), self.tree.coordinates
         nodal_masses = [
@@ -142,7 +132,7 @@ class TreeResponses(Responses):
                 name = f"{self.tree.bodies[node.body].name} node {node.node + 1} force {AXES[axis]}"
                 yield Input(Signal(name, "N"), still, still, self._changed(records, "force", (k, axis)), 1.0)
 
-    def _changed(self, records: str, field: str, place: Any) -> "Callable[..., Any]":
+    def _changed(self, records: str, field: str, place: Any) -> Callable[..., Any]:
         def change(amount: float) -> TreeArrays:
             array = getattr(self.arrays, records).copy()
             array[field][place] += amount
@@ -150,11 +140,11 @@ class TreeResponses(Responses):
 
         return change
 
-    def _driver_inputs(self) -> "Iterator[Any]":
+    def _driver_inputs(self) -> Iterator[Any]:
         for k, record in enumerate(self.arrays.prescribed):
             yield from self._inputs_of_driver(k, int(record["coordinate"]))
 
-    def _inputs_of_driver(self, k: int, m: Any) -> "Iterator[Any]":
+    def _inputs_of_driver(self, k: int, m: Any) -> Iterator[Any]:
         """Inputs of a prescribed coordinate, its rate and its acceleration; none where loops forbid it."""
         motion, one = self.motion, np.eye(self.n)[m]
         gaps = gap_rates(self.analysis, motion.z, one)

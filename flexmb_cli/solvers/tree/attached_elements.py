@@ -10,11 +10,11 @@ from ...kernels.integrators import tree_dop853
 from ...kernels.laws import COORDINATE, NORMAL
 from ...model.arrays.tree_elements import IN_LINE, OF_BUSHING
 from ...model.laws import BUSHING, STOP, parts_in_arrays
+from ...model.tree import Tree
 from ..constrained.elements_at_start import notes_of_pressed_stops, refuse_undirected_lines
 from ..constrained.failures import bushing_failure, jam_failure
 
 if TYPE_CHECKING:
-    from ...model.tree import Tree
     from .analysis import TreeAnalysis
 
 
@@ -45,7 +45,7 @@ def _call(analysis: "TreeAnalysis", task: int) -> None:
         raise analysis.failure()
 
 
-def lost_force(tree: "Tree", answers: np.ndarray, t: float) -> AnalysisError | None:
+def lost_force(tree: Tree, answers: np.ndarray, t: float) -> AnalysisError | None:
     """Return why elements with such answers (E + m, 8) have no force at t: a bushing, or friction."""
     bushings = [k for item, k in parts_in_arrays(tree.elements.forces) if item.law is BUSHING]
     turned = np.flatnonzero(np.isnan(answers[bushings, COORDINATE]))

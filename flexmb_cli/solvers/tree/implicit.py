@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from ...kernels.integrators import sdirk4
+from ...kernels.tree.report import Report
 from .rows import TreeRows
 
 if TYPE_CHECKING:
-    from ...kernels.tree.report import Report
     from .analysis import TreeAnalysis
 
 
@@ -27,7 +27,7 @@ def implicit_rows(analysis: "TreeAnalysis") -> Iterator[TreeRows]:
     integration.before[:] = analysis.integration.slopes[0]
     budget = 1 + IMPLICIT_CALL_WORK // (1 + n * n)
 
-    def integrate_rows(report: "Report") -> Any:
+    def integrate_rows(report: Report) -> Any:
         return sdirk4.integrate_rows(
             analysis.arrays, analysis.work, analysis.coordinates, integration, report, budget
         )

@@ -4,15 +4,13 @@ DAFMS thesis (Zhao, 1992), eqs. (2.7) ff.: a point of body k lies at s + u from 
 u is the elastic displacement of its node; u and its rates are coordinates, speeds and their rates.
 """
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...model.tree import INERTIAL, Tree
 from .rows import TreeRows, nodal
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 class PointMotion(NamedTuple):
@@ -40,13 +38,13 @@ def point_motion(tree: Tree, rows: TreeRows) -> PointMotion:
     return PointMotion(*(np.concatenate(parts, axis=1) for parts in zip(*points, strict=True)))
 
 
-def _nodes(tree: Tree) -> "Iterator[tuple[int, int]]":
+def _nodes(tree: Tree) -> Iterator[tuple[int, int]]:
     for k, body in enumerate(tree.bodies):
         for i in range(len(body.elastic.masses) if body.elastic else 0):
             yield k, i
 
 
-def _hinge_point(tree: Tree, rows: TreeRows, k: int, elastic: "list[Any]") -> PointMotion:
+def _hinge_point(tree: Tree, rows: TreeRows, k: int, elastic: list[Any]) -> PointMotion:
     hinge = tree.hinges[k]
     count = len(rows.time)
     place = np.broadcast_to(np.array(hinge.point, float), (count, 1, 3))

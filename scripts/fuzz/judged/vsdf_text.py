@@ -20,20 +20,7 @@ FORMATS = {
     "TIME": "FFF",
 }
 # What these ask for moves no joint and stores no energy: pictures, choices of output, the integrator.
-SILENT = {
-    "OUTN",
-    "OUTS",
-    "INTG",
-    "GEOM",
-    "GSTL",
-    "FEMK",
-    "FEMP",
-    "EULP",
-    "PLAC",
-    "VSDF",
-    "END",
-    "STAR",
-}
+SILENT = {"OUTN", "OUTS", "INTG", "GEOM", "GSTL", "FEMK", "FEMP", "EULP", "PLAC", "VSDF", "END", "STAR"}
 WIDTHS = {"I": 5, "A": 5, "F": 10}
 
 

@@ -13,14 +13,7 @@ import pytest
 from flexmb_cli.dialects.dafms.cards import EXTENSIONS
 from flexmb_cli.dialects.elements_block.old_cards import LINES
 from flexmb_cli.dialects.elements_block.writer import spline_block
-from tests.dialects.dafms.test_dafms_elements import (
-    TWO_LINKS,
-    card,
-    function,
-    integers,
-    reals,
-    rows_of,
-)
+from tests.dialects.dafms.test_dafms_elements import TWO_LINKS, card, function, integers, reals, rows_of
 
 pytestmark = pytest.mark.long_motion
 POWERS = (1.2, 0.9, -0.7)

@@ -160,7 +160,7 @@ def test_a_rigid_pendulum_asked_for():
         *("    0", "    0", "   10", "      0.01"),
     ]
     assert lines[8:14] == [
-        *("CONN", "    0", "MASS", "    1       2.5", "INER", "    1       0.9       0.0       0.9"),
+        *("CONN", "    0", "MASS", "    1       2.5", "INER", "    1       0.9       0.0       0.9")
     ]
     assert lines[-7:] == [
         *("Y(L)", "       0.0      1.25", "GRAV", "    0       0.0       0.0     -9.81"),

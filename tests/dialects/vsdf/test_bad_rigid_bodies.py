@@ -63,10 +63,7 @@ RIGID_MODELS = [
     (
         "node twice",
         changed(("    1    4       1.0", "    1    3       1.0")),
-        [
-            "18:10: error: node 6: body 1 already has a node 3",
-            "24:25: error: joint 2: body 1 has no node 4",
-        ],
+        ["18:10: error: node 6: body 1 already has a node 3", "24:25: error: joint 2: body 1 has no node 4"],
     ),
     (
         "no such node",
@@ -76,9 +73,7 @@ RIGID_MODELS = [
     (
         "no such body",
         changed(("    2 REVO    1", "    2 REVO    7")),
-        [
-            "24:15: error: joint 2: body number 7 is outside 0..2",
-        ],
+        ["24:15: error: joint 2: body number 7 is outside 0..2"],
     ),
     (
         "one body with itself",

@@ -96,9 +96,7 @@ READING = [
     (
         "tab",
         changed(("    1       2.0       0.5\n", "    1\t2.0\t0.5\n")),
-        [
-            "6:7: error: RIGI: mass in columns 6-15: a tab counts as one column; use blanks or commas",
-        ],
+        ["6:7: error: RIGI: mass in columns 6-15: a tab counts as one column; use blanks or commas"],
     ),
     (
         "free field",

@@ -72,11 +72,7 @@ REFUSED = {
         "*ELEMENT, TYPE=S4\n1, 1, 2, 3, 4\n",
         "x holds no elements in format INP but 1 S4; tetrahedra of 4 or 10 and hexahedra of 8 or 20 nodes",
     ),
-    "a wedge": (
-        "BDF",
-        "CPENTA,3,1,1,2,3,4,5,6\n",
-        "x, line 1: CPENTA 3: stresses are known of tetrahedra",
-    ),
+    "a wedge": ("BDF", "CPENTA,3,1,1,2,3,4,5,6\n", "x, line 1: CPENTA 3: stresses are known of tetrahedra"),
     "a brick with a node twice": (
         "CDB",
         cdb([11, 12, 13, 13, 15, 16, 17, 17]),

@@ -80,10 +80,7 @@ def dense_solution(analysis, ud):
     return x * scale, np.linalg.lstsq(J.T, M @ x - forces, rcond=1e-10)[0]
 
 
-DECKS = {
-    "four-bars": lambda count: deck_of(count, "DOP853", 1e-8),
-    "branched pendulums": branched_deck,
-}
+DECKS = {"four-bars": lambda count: deck_of(count, "DOP853", 1e-8), "branched pendulums": branched_deck}
 
 
 @pytest.mark.parametrize(

@@ -6,13 +6,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.kernels._jit import interpreting, kernel
-from flexmb_cli.kernels.integrators import (
-    constrained_dop853,
-    generalised_alpha,
-    radau5,
-    sdirk4,
-    tree_dop853,
-)
+from flexmb_cli.kernels.integrators import constrained_dop853, generalised_alpha, radau5, sdirk4, tree_dop853
 from flexmb_cli.kernels.integrators.clock import (
     AT_STOP,
     CLOCK,

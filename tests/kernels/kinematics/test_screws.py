@@ -104,17 +104,7 @@ def test_a_screw_with_its_bodies_exchanged_moves_the_same(s_j):
     joint = mechanism.joints[0]
     pitch = -joint.pitch if s_j[2] > 0.0 else joint.pitch
     other = Joint(
-        "screw",
-        "screw 1",
-        1,
-        0,
-        joint.P_j,
-        joint.P_i,
-        joint.s_j,
-        joint.s_i,
-        joint.h_j,
-        joint.h_i,
-        pitch,
+        "screw", "screw 1", 1, 0, joint.P_j, joint.P_i, joint.s_j, joint.s_i, joint.h_j, joint.h_i, pitch
     )
     rows, exchanged = solved(mechanism), solved(Mechanism(**{**vars(mechanism), "joints": (other,)}))
     assert np.max(np.abs(exchanged.position - rows.position)) <= 1e-12

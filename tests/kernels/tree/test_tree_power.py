@@ -14,16 +14,7 @@ from flexmb_cli.model.laws import SPRING
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.piecewise_polynomials import linear_table
 from flexmb_cli.model.time_functions import piecewise
-from flexmb_cli.model.tree import (
-    INERTIAL,
-    ROTATION,
-    Body,
-    BodyTorque,
-    Elasticity,
-    Hinge,
-    Prescribed,
-    Tree,
-)
+from flexmb_cli.model.tree import INERTIAL, ROTATION, Body, BodyTorque, Elasticity, Hinge, Prescribed, Tree
 from tests.kernels.tree.test_implicit_matrix import dense_parts
 from tests.kernels.tree.test_kane_forward_dynamics import Recursion, close, hinged_angle
 from tests.naive.particle_tree import Particles

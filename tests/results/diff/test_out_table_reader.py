@@ -149,9 +149,7 @@ def test_text_that_is_no_table_is_told_from_one():
 
 def test_a_line_with_too_few_numbers_is_located():
     text = BLOCK.replace("  1     0.000     0.000     0.000     1.000", "  1     0.000     0.000     1.000")
-    assert faults(text) == [
-        (7, 9, "position of body 1: 7 numbers are expected (X … e3), 6 are there"),
-    ]
+    assert faults(text) == [(7, 9, "position of body 1: 7 numbers are expected (X … e3), 6 are there")]
 
 
 @pytest.mark.parametrize("word, remedy", [

@@ -96,8 +96,7 @@ def test_the_legend_of_the_page_has_the_largest_values_of_all_rows(browser, path
 
 
 @pytest.mark.parametrize(
-    "amplitude, row",
-    [([0, 0.1, -0.3, 0.2], 2), ([0.01, 0.1, -0.3, 0.2], 0), ([0, 0, 0], 0)],
+    "amplitude, row", [([0, 0.1, -0.3, 0.2], 2), ([0.01, 0.1, -0.3, 0.2], 0), ([0, 0, 0], 0)]
 )
 def test_a_page_without_stress_at_first_opens_at_the_largest(tmp_path, amplitude, row):
     """Von Mises stress of a bar in tension or compression is 1 MPa times the size of the amplitude."""

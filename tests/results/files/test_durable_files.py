@@ -8,11 +8,7 @@ import sys
 import pytest
 
 from flexmb_cli.errors import OutputError
-from flexmb_cli.results.files.replaced_file import (
-    ReplacedText,
-    put_in_place,
-    write_whole,
-)
+from flexmb_cli.results.files.replaced_file import ReplacedText, put_in_place, write_whole
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="/proc tells the path of a descriptor")
 

@@ -76,10 +76,7 @@ def test_json_has_no_nan_and_every_takes_some_cases(study):
     records = [
         json.loads(line) for line in printed(study, "top", "--every", "2", "-f", "jsonl")[0].splitlines()
     ]
-    assert records == [
-        {"case": 1, "result.top [m]": 1 / 3},
-        {"case": 3, "result.top [m]": -4.0},
-    ]
+    assert records == [{"case": 1, "result.top [m]": 1 / 3}, {"case": 3, "result.top [m]": -4.0}]
     line = printed(study, "top", "-f", "jsonl")[0].splitlines()[1]
     assert json.loads(line) == {"case": 2, "result.top [m]": None}
 

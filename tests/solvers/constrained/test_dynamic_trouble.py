@@ -136,9 +136,7 @@ def test_equations_that_repeat_others_everywhere_are_not_called_singular(tmp_pat
 
 
 @pytest.mark.parametrize(
-    ("steps", "others"),
-    [("", "RAD5 or GALF"), ("GALF 0 0.9\n", "RAD5")],
-    ids=["explicit", "implicit"],
+    ("steps", "others"), [("", "RAD5 or GALF"), ("GALF 0 0.9\n", "RAD5")], ids=["explicit", "implicit"]
 )
 def test_forces_that_no_step_can_follow_are_told_from_singular_joints(steps, others, tmp_path):
     found = outcome(tmp_path, pendulum(MASS + "SPRING 1 2 0 2 0 1 0 0 1e20 1 0\n" + steps))

@@ -9,12 +9,7 @@ from scipy.integrate import solve_ivp
 
 from flexmb_cli.errors import FlexmbError
 from flexmb_cli.model import laws
-from flexmb_cli.model.loads import (
-    AppliedTorque,
-    DynamicModel,
-    InitialVelocity,
-    MassProperties,
-)
+from flexmb_cli.model.loads import AppliedTorque, DynamicModel, InitialVelocity, MassProperties
 from flexmb_cli.model.mechanism import Driver, Joint, Mechanism, TimeGrid
 from flexmb_cli.model.piecewise_polynomials import spline_table
 from flexmb_cli.model.time_functions import piecewise
@@ -76,10 +71,7 @@ def test_a_top_precesses_steadily_where_its_moments_balance():
 
 def double_pendulum(damping=0.0):
     """Two bars of 1 m about y; x along the first, hanging angle from the horizontal."""
-    joints = (
-        hinge(1, 0, 1, (0.0,) * 3, (0.0,) * 3),
-        hinge(2, 1, 2, (1.0, 0.0, 0.0), (0.0,) * 3),
-    )
+    joints = (hinge(1, 0, 1, (0.0,) * 3, (0.0,) * 3), hinge(2, 1, 2, (1.0, 0.0, 0.0), (0.0,) * 3))
     masses = tuple(
         MassProperties(f"mass {k}", k, float(k), (0.5, 0.0, 0.0), (0.01, 0.1 * k, 0.1 * k, 0.0, 0.0, 0.0))
         for k in (1, 2)

@@ -56,8 +56,7 @@ def test_the_instants_are_those_of_the_table(rows, table):
 
 
 @pytest.mark.parametrize(
-    ("name", "allowed"),
-    [("A", 1e-11), ("VA", 1e-11), ("AA", 1e-11), ("B", 2e-7), ("VB", 1e-6), ("AB", 2e-6)],
+    ("name", "allowed"), [("A", 1e-11), ("VA", 1e-11), ("AA", 1e-11), ("B", 2e-7), ("VB", 1e-6), ("AB", 2e-6)]
 )
 def test_rod_ends_are_those_of_the_table(rows, table, name, allowed):
     expected = np.column_stack([table[f"{name}{axis}"] for axis in "xyz"])

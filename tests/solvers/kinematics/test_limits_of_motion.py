@@ -74,15 +74,7 @@ def test_a_slider_asked_beyond_its_reach_and_back_between_two_rows_fails(step):
     assert rows.time[-1] <= 1.0 - np.sqrt(1.0 - (4.0 - start) / 0.8)
 
 
-@pytest.mark.parametrize(
-    ("part", "step"),
-    [
-        (0.9, 2.0),
-        (0.99, 0.5),
-        (0.999999, 0.01),
-        (0.9999, 2.0),
-    ],
-)
+@pytest.mark.parametrize(("part", "step"), [(0.9, 2.0), (0.99, 0.5), (0.999999, 0.01), (0.9999, 2.0)])
 def test_a_slider_nearly_at_its_dead_centre_turns_back_with_its_crank(part, step):
     """Driven along x to `part` of the way and back: cos φ = (r² + x² - l²) / (2 r x), sin φ > 0."""
     linkage = SliderCrank(1.0, 3.0)

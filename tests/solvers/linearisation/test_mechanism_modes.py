@@ -169,9 +169,7 @@ def test_a_motion_whose_coefficients_change_is_called_frozen():
     assert "    frozen at t = 0 s: the coefficients change along the motion" in done.stdout.splitlines()
 
 
-REFUSED = {
-    "decks/young/IN4-BAR.dat": "error: modes need masses and a free motion",
-}
+REFUSED = {"decks/young/IN4-BAR.dat": "error: modes need masses and a free motion"}
 
 
 @pytest.mark.parametrize("deck", REFUSED)

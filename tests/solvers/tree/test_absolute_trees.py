@@ -7,15 +7,7 @@ import pytest
 
 from flexmb_cli.errors import AnalysisError, ModelError
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.model.tree import (
-    ELASTIC,
-    INERTIAL,
-    ROTATION,
-    Body,
-    Closure,
-    Hinge,
-    Tree,
-)
+from flexmb_cli.model.tree import ELASTIC, INERTIAL, ROTATION, Body, Closure, Hinge, Tree
 from flexmb_cli.solvers.constrained.tree import AbsoluteTree
 from tests.naive.particle_tree import equations
 from tests.naive.random_trees import motored, random_tree, sprung, where

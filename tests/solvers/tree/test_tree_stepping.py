@@ -11,15 +11,7 @@ from flexmb_cli.kernels.integrators import dop853_table as table
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.piecewise_polynomials import linear_table
 from flexmb_cli.model.time_functions import piecewise, pulse
-from flexmb_cli.model.tree import (
-    TRANSLATION,
-    Body,
-    BodyTorque,
-    Elasticity,
-    Hinge,
-    Integration,
-    Tree,
-)
+from flexmb_cli.model.tree import TRANSLATION, Body, BodyTorque, Elasticity, Hinge, Integration, Tree
 from flexmb_cli.solvers.tree import analysis
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from tests.naive.random_trees import random_tree, sprung

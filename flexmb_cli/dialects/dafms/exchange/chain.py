@@ -56,7 +56,7 @@ def chain_of(model: RigidModel, refusals: Refusals) -> list[Link]:
     return links
 
 
-def _link(model: RigidModel, body: int, placed: set[int]) -> "Link | None":
+def _link(model: RigidModel, body: int, placed: set[int]) -> Link | None:
     """The first joint that connects a body with those placed, None where there is none."""
     for k, joint in enumerate(model.joints):
         if joint.j == body and joint.i in placed:

@@ -4,8 +4,8 @@ Sequence and FORMATs: DAFMS thesis (Zhao, 1992), appendix C.  A body that turns 
 hinge gets axes that lie in those of P_k at the start, where all coordinates are 0; other bodies keep theirs.
 """
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -16,18 +16,13 @@ from ....model.exchange.rigid_model import Refusals, RigidModel
 from ....model.exchange.shapes import shifted
 from ....model.joints import ANGLE
 from ....model.laws import Element, Frames
+from ....model.loads import AppliedTorque
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS
 from ....model.vectors import euler_parameters
 from ...elements_block.writer import BlockWriter, block, numbers
 from ..cards import CARDS
 from .chain import FREE, Hanging, Link, chain_of, hinge_frame
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ....model.loads import AppliedTorque
-
 
 _APART = 1e-9  # m: of the point of a force from O_k
 _IMPLICIT = 2  # METH
@@ -112,7 +107,7 @@ class _Deck(BlockWriter):
             *([] if self.model.integrator.method == "RK45" else ["METH", _integers(_IMPLICIT)]),
         ]  # fmt: skip
 
-    def _hang(self, link: "Link") -> Any:
+    def _hang(self, link: Link) -> Any:
         """Return the frames of a body, those of its parent being known."""
         model, body, axis = self.model, self.model.bodies[link.body], 3
         if link.joint is None:
@@ -142,7 +137,7 @@ class _Deck(BlockWriter):
         body = self._own(hung)
         return hung.own.T @ (body.r + body.A @ body.centre - hung.origin)
 
-    def _inertia(self, bodies: "Sequence[Hanging]") -> Any:
+    def _inertia(self, bodies: Sequence[Hanging]) -> Any:
         found = []
         for hung in bodies:
             body, c, turn = self._own(hung), self._centre(hung), hung.own.T @ self._own(hung).A
@@ -153,7 +148,7 @@ class _Deck(BlockWriter):
             *(self._bodies("PROD", products) if np.abs(products).max() > 1e-15 else []),
         ]
 
-    def _state(self, bodies: "Sequence[Hanging]") -> Any:
+    def _state(self, bodies: Sequence[Hanging]) -> Any:
         """Speeds and coordinates: rotations of all bodies, then translations."""
         speeds, coordinates = [], []
         for turning in (True, False):
@@ -185,7 +180,7 @@ class _Deck(BlockWriter):
         axes = hung.free(which)
         return _integers(k, len(axes), *(int(axis in axes) for axis in (1, 2, 3)))
 
-    def _loads(self, bodies: "Sequence[Hanging]") -> Any:
+    def _loads(self, bodies: Sequence[Hanging]) -> Any:
         """Constant forces at O_k and torques, then torques by tables."""
         forces, torques = np.zeros((len(bodies), 3)), np.zeros((len(bodies), 3))
         tables = []
@@ -207,7 +202,7 @@ class _Deck(BlockWriter):
             cards += self._bodies(word, loads) if np.any(loads) else []
         return [*cards, *self._entries("TABL", tables)]
 
-    def _torque_tables(self, item: "AppliedTorque", k: int) -> Any:
+    def _torque_tables(self, item: AppliedTorque, k: int) -> Any:
         points = self._points_at(item, item.factor)
         return [
             self._table(k, axis, [(t, item.torque[axis - 1] * v) for t, v in points])
@@ -228,7 +223,7 @@ class _Deck(BlockWriter):
                 entries.append("".join(map(self._real, (*shape.offset, *shape.angles))))
         return ["GEOM", _integers(len(entries) // 2), *entries] if entries else []
 
-    def _bodies(self, word: str, rows: "Sequence[Any] | np.ndarray") -> Any:
+    def _bodies(self, word: str, rows: Sequence[Any] | np.ndarray) -> Any:
         """A card with a record for every body."""
         return [word, *(f"{k:5d}" + "".join(map(self._real, row)) for k, row in enumerate(rows, start=1))]
 
@@ -270,7 +265,7 @@ class _Deck(BlockWriter):
         hung = self.hung[body]
         return hung.own.T @ (place - hung.origin)
 
-    def _points_at(self, item: "AppliedTorque", function: Any) -> Any:
+    def _points_at(self, item: AppliedTorque, function: Any) -> Any:
         """Return the points of a table; another function is refused."""
         points = points_of(function)
         if points is None:
@@ -281,12 +276,12 @@ class _Deck(BlockWriter):
             )
         return points or []
 
-    def _table(self, k: int, which: int, points: "Sequence[tuple[float, float]]") -> str:
+    def _table(self, k: int, which: int, points: Sequence[tuple[float, float]]) -> str:
         """Return the records of a table: body, degree of freedom, points."""
         lines = [_integers(k, which, len(points))]
         return "\n".join([*lines, *(self._real(t) + self._real(v) for t, v in points)])
 
-    def _entries(self, word: str, entries: "Sequence[str]") -> list[Any]:
+    def _entries(self, word: str, entries: Sequence[str]) -> list[Any]:
         """Return a card with its records behind their number; none without records."""
         return [word, _integers(len(entries)), *entries] if entries else []
 
@@ -310,5 +305,5 @@ def _scalar_last(A: np.ndarray) -> Any:
     return (*e, e0)
 
 
-def _lists(values: "Sequence[int]") -> Any:
+def _lists(values: Sequence[int]) -> Any:
     return [_integers(*values[i : i + 10]) for i in range(0, len(values), 10)]

@@ -1,8 +1,8 @@
 """Rigid model of a DAFMS deck, in the terms of `model.exchange`."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,15 +15,9 @@ from ....model.joint_elements import JointDriver
 from ....model.joints import ANGLE, STROKE
 from ....model.loads import AppliedForce, AppliedTorque
 from ....model.time_functions import POLYNOMIAL, MotionFunction
-from ....model.tree import ROTATION, TRANSLATION, Tree
+from ....model.tree import ROTATION, TRANSLATION, Hinge, Tree
 from ....model.vectors import rotation_matrix
 from ..shapes import exchanged_shapes
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from ....model.tree import Hinge
-
 
 # Types of joints by the numbers of free rotations and translations.
 _KINDS = {
@@ -122,7 +116,7 @@ class _Conversion(Conversion):
         self.number[k] = len(joints)
         joints.append(self._joint(k, hinge, kind))
 
-    def _joint(self, k: int, hinge: "Hinge", kind: str) -> Any:
+    def _joint(self, k: int, hinge: Hinge, kind: str) -> Any:
         frame = rotation_matrix(hinge.frame)
         axes = {ROTATION: hinge.rotations, TRANSLATION: hinge.translations}
         first = (axes[ROTATION] or axes[TRANSLATION] or (1,))[0]
@@ -136,7 +130,7 @@ class _Conversion(Conversion):
         return RigidJoint(*names, vector(hinge.point), (0.0, 0.0, 0.0), vector(s_i), vector(s_j),
                           place=hinge.place)  # fmt: skip
 
-    def _closures(self) -> "Iterator[Any]":
+    def _closures(self) -> Iterator[Any]:
         for closure in self.tree.closures:
             if len(closure.directions) < 3 and not self._is_planar(closure):
                 message = "a closure of some directions is converted in planar mechanisms only"
@@ -179,13 +173,13 @@ class _Conversion(Conversion):
             return None
         return self.number[body], ANGLE if motion == ROTATION else STROKE, self.q[body, motion, int(axis)]
 
-    def _prescribed(self) -> "Iterator[JointDriver]":
+    def _prescribed(self) -> Iterator[JointDriver]:
         for item in self.tree.prescribed:
             function = MotionFunction(POLYNOMIAL, (0.0, item.B, 0.5 * item.A, 0.0))
             name = f"motion of {self.tree.bodies[item.body].name}"
             yield JointDriver(name, item.body, f"{item.motion} {item.axis}", function, item.place)
 
-    def _torques(self) -> "Iterator[Any]":
+    def _torques(self) -> Iterator[Any]:
         for k, body in enumerate(self.tree.bodies):
             if any(body.torque):
                 yield AppliedTorque(f"torque of {body.name}", k, vector(body.torque), place=body.place)

@@ -65,9 +65,7 @@ ANALYSIS_CARDS = (
         "single",
         (
             word_column(
-                "method",
-                ", ".join(f"{word} {METHODS[word].meaning}" for word in _METHODS),
-                _METHODS,
+                "method", ", ".join(f"{word} {METHODS[word].meaning}" for word in _METHODS), _METHODS
             ),
             Column("rho", "spectral radius at infinity, or tolerance", default=0.0),
             Column("stabilise", "constraint stabilisation", "1/s", default=0.0),

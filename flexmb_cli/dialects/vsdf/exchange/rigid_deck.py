@@ -1,12 +1,13 @@
 """A rigid model as a VSDF deck, in free form, every number with all of its digits."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from ....model.exchange.function_cards import FunctionCards, without_card
 from ....model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
-from ....model.exchange.rigid_model import Refusals, RigidModel, across
+from ....model.exchange.rigid_model import Refusals, RigidBody, RigidJoint, RigidModel, across
 from ....model.exchange.shapes import RigidShape, notes_of
 from ....model.integrators import METHODS
 from ....model.joints import ANGLE
@@ -17,12 +18,6 @@ from ...elements_block.writer import BlockWriter, block, numbers
 from ..cards import BY_WORD, FINAL, SHAPES
 from ..joints import BY_WORD as JOINTS
 from ..motions import BY_FUNCTION, RATE_BY_FUNCTION
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ....model.exchange.rigid_model import RigidBody, RigidJoint
-
 
 _WORDS = {kind.name: (word, kind) for word, kind in JOINTS.items()}
 _DIRECTIONS = ("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ")
@@ -124,7 +119,7 @@ class _Deck(BlockWriter):
             "VELO": _record(k + 1, *velocity) if any(velocity) else "",
         }
 
-    def _check_mass(self, body: "RigidBody") -> None:
+    def _check_mass(self, body: RigidBody) -> None:
         moments = np.linalg.eigvalsh(body.inertia)
         if not body.mass > 0:
             self.refusals.add(body, "a VSDF body needs a mass above zero", id="VSDF-171")
@@ -139,7 +134,7 @@ class _Deck(BlockWriter):
             self.nodes[key] = 1 + sum(1 for other in self.nodes if other[0] == body)
         return self.nodes[key]
 
-    def _joint(self, number: int, joint: "RigidJoint") -> Any:
+    def _joint(self, number: int, joint: RigidJoint) -> Any:
         if joint.kind not in _WORDS:
             self.refusals.add(joint, f"VSDF has no {joint.kind} joint", id="VSDF-174")
             return ""
@@ -152,7 +147,7 @@ class _Deck(BlockWriter):
             *([joint.size] if kind.size else []),
         )  # fmt: skip
 
-    def _ends(self, joint: "RigidJoint") -> Any:
+    def _ends(self, joint: RigidJoint) -> Any:
         """Nodes P, Q, H on both bodies, as many as there are directions."""
         (_, kind), model = _WORDS[joint.kind], self.model
         on_i, on_j = kind.points_on("i"), kind.points_on("j")
@@ -204,7 +199,7 @@ class _Deck(BlockWriter):
             self.refusals.add(item, message, id="VSDF-176")
         return RATE_BY_FUNCTION if rate else BY_FUNCTION, float(number)
 
-    def _table(self, points: "Sequence[tuple[float, float]]") -> Any:
+    def _table(self, points: Sequence[tuple[float, float]]) -> Any:
         self.table_count += 1
         self.tables += [_record(self.table_count, float(t), float(v)) for t, v in points]
         return self.table_count

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from ....errors import Fault, ModelError
 from ....model.exchange.conversion import STILL, Conversion, Start, about_centre
 from ....model.exchange.functions import constant
 from ....model.exchange.rigid_model import BodyDriver, RigidBody, RigidJoint, RigidModel, vector
-from ....model.flexible_mechanism import FlexibleMechanism
+from ....model.flexible_mechanism import FlexibleMechanism, PointJoint
 from ....model.integrators import METHODS, Integrator
 from ....model.joint_elements import JointDriver
 from ....model.joints import ANGLE, STROKE
@@ -20,10 +20,6 @@ from ....model.loads import AppliedForce, AppliedTorque
 from ....model.mechanism import GROUND, Point
 from ....model.vectors import rotation_matrix
 from ..shapes import exchanged_shapes
-
-if TYPE_CHECKING:
-    from ....model.flexible_mechanism import PointJoint
-
 
 _DIRECTIONS = {word: n for n, word in enumerate(("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ"), start=1)}
 _COORDINATES = {"ANGL": ANGLE, "STRK": STROKE}
@@ -106,7 +102,7 @@ class _Conversion(Conversion):
         c = body.s0 / body.m
         return self.rigid_body(k, body.name, (body.m, c, about_centre(body.m, c, body.J0)), body.place)
 
-    def _joint(self, joint: "PointJoint") -> RigidJoint:
+    def _joint(self, joint: PointJoint) -> RigidJoint:
         i, j = joint.a[0].body, joint.b[0].body
         P_i, P_j = joint.a[0].r0, joint.b[0].r0
         s_i, s_j = (ends[1].r0 - ends[0].r0 if len(ends) > 1 else np.zeros(3) for ends in (joint.a, joint.b))

@@ -1,12 +1,13 @@
 """A rigid model as a YOUNG deck with DYNAMICS forward, every number with all of its digits."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
 from ....model.exchange.function_cards import FunctionCards
 from ....model.exchange.functions import constant, polynomial_of, value_of
-from ....model.exchange.rigid_model import Refusals, RigidModel, across
+from ....model.exchange.rigid_model import Refusals, RigidJoint, RigidModel, across
 from ....model.exchange.shapes import RigidShape, notes_of
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS
@@ -14,12 +15,6 @@ from ...elements_block.writer import BlockWriter, block, numbers
 from ..cards import CARDS
 from ..integration_cards import LEAST_TOLERANCE, MOST_TOLERANCE
 from ..sections import COUNT_OF, COUNTS, YOUNG_JOINTS, YOUNG_SECTIONS
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from ....model.exchange.rigid_model import RigidJoint
-
 
 _LINKS = {"revolute-spherical": "revsph", "spherical-spherical": "sphsph"}
 _KIND = {"fixed": "revolute"}  # whose angle a driver holds
@@ -96,7 +91,7 @@ class _Deck(BlockWriter):
         """Number of a body of a joint proper, which the ground is, too."""
         return len(self.model.bodies) + 1 if body == GROUND else body + 1
 
-    def _joint(self, joint: "RigidJoint") -> Any:
+    def _joint(self, joint: RigidJoint) -> Any:
         kind = next(each for each in YOUNG_JOINTS if each.name == _KIND.get(joint.kind, joint.kind))
         axes = {joint.i: np.array(joint.s_i), joint.j: np.array(joint.s_j)}
         if joint.kind == "fixed":
@@ -129,7 +124,7 @@ class _Deck(BlockWriter):
         driven = self.driver_line(item, f"driver={n}")
         return _line(item.body + 1, item.direction, item.function.at(0.0)[0], 0, 0), driven
 
-    def _masses(self) -> "Iterator[Any]":
+    def _masses(self) -> Iterator[Any]:
         for k, body in enumerate(self.model.bodies, start=1):
             yield f"MASS {_line(k, body.mass, *body.centre, *body.moments)}"
         for k, body in enumerate(self.model.bodies, start=1):
@@ -148,7 +143,7 @@ class _Deck(BlockWriter):
             cards.append(f"TORQUE {_line(item.body + 1, *torque, int(item.following), factor)}")
         return cards
 
-    def _joint_lines(self) -> "Iterator[str]":
+    def _joint_lines(self) -> Iterator[str]:
         """Lines of links, of welds, whose angle a driver holds, and of drivers at joints."""
         for item in self.model.joints:
             if item.kind in _LINKS:
@@ -180,7 +175,7 @@ class _Deck(BlockWriter):
             return [value * x for x in load], 0
         return load, self.function_number(item.factor, item)
 
-    def _method(self) -> "Iterator[Any]":
+    def _method(self) -> Iterator[Any]:
         integrator = self.model.integrator
         yield f"TOLERANCE {_line(min(max(integrator.tolerance, LEAST_TOLERANCE), MOST_TOLERANCE))}"
         if integrator.method == "GALF":

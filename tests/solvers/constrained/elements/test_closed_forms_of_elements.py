@@ -131,11 +131,7 @@ def test_a_link_of_two_spheres_leads_a_conical_pendulum():
     pull = -wanted / length * 2.0 * g / math.cos(theta)
     assert rows.composite_force[:, 0] == pytest.approx(pull, abs=1e-6)
     assert rows.composite_torque == pytest.approx(0.0, abs=1e-6)
-    other = rows_of(
-        deck,
-        "0 1 0.5",
-        cards.replace("from=0(0,0,0) to=2(0,0,0)", "from=2(0,0,0) to=0(0,0,0)"),
-    )
+    other = rows_of(deck, "0 1 0.5", cards.replace("from=0(0,0,0) to=2(0,0,0)", "from=2(0,0,0) to=0(0,0,0)"))
     assert other.composite_force[:, 0] == pytest.approx(-pull[::4], abs=1e-6)
     assert other.composite_torque == pytest.approx(0.0, abs=1e-6)
 

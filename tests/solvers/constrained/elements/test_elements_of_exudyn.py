@@ -9,10 +9,7 @@ from exudyn.utilities import RigidBodyInertia
 
 from tests.solvers.constrained.element_decks import ARM, rows_of
 
-pytestmark = [
-    pytest.mark.long_motion,
-    pytest.mark.filterwarnings("ignore::DeprecationWarning"),
-]
+pytestmark = [pytest.mark.long_motion, pytest.mark.filterwarnings("ignore::DeprecationWarning")]
 END = 1.0  # s
 
 
