@@ -5,6 +5,7 @@ line may answer one number, one question or the rest of a record, as Pascal's RE
 """
 
 import json
+from abc import ABC, abstractmethod
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import takewhile
@@ -37,7 +38,7 @@ def named(record: Record, separator: str = " ") -> Line:
     return [(f"{value.text}{end}", f"{record.prefix}.{value.key}") for value, end in pairs]
 
 
-class Form:
+class Form(ABC):
     """Questions of a dialect; file names are relative to `folder`, `cards`: whether to ask for all cards.
 
     `early`: keys whose errors do not depend on later numbers of their record.
@@ -50,20 +51,20 @@ class Form:
     def __init__(self, folder: Path = Path(), cards: bool = False):
         self.folder, self.cards = folder, cards
 
+    @abstractmethod
     def entries(self, values: Mapping[str, str]) -> Entries:
         """Yield the records to ask for in order, and receive each as it was answered.
 
         `values`: all answers so far, by full name.  Raises DeckError for an answer that is wrong by itself.
         """
-        raise NotImplementedError
 
+    @abstractmethod
     def lines(self, records: Sequence[Record]) -> list[Line]:
         """The deck of these records, which the reader takes even where others are still to be asked for."""
-        raise NotImplementedError
 
+    @abstractmethod
     def read(self, source: DeckText, last: Record) -> Sequence[Fault]:
         """Read the deck so far, of which `last` is new, and return the warnings.  Raises FlexmbError."""
-        raise NotImplementedError
 
     def faults(self, records: Sequence[Record]) -> Iterator[tuple[str, Fault]]:
         """Yield what reader and builder say about the deck so far, with the name of the answer concerned."""
@@ -209,7 +210,7 @@ class Dialogue:
         entries, records, _ = self._asked
         self._entry = len(records)
         self._cell = self._answered(entries[-1]) if len(entries) > len(records) else 0
-        faults = [*self._judged(records), *(self._faults(self._cell) if self._cell else ())]
+        faults = [*self._reader_faults(records), *(self._faults(self._cell) if self._cell else ())]
         wrong = [fault for fault in faults if fault.severity == "error"]
         if wrong:
             self._go_to(wrong[0].place)
@@ -260,13 +261,13 @@ class Dialogue:
         if not keys:
             return []
         last = records[self._entry] if complete else self._record(self._entry, entry, end)
-        faults = self._judged([*records[: self._entry], last])
+        faults = self._reader_faults([*records[: self._entry], last])
         if complete:
             return [fault for fault in faults if fault.severity == "error" or fault.place.line == line]
         return [f for f in faults if f.place.line == line and entry.cells[f.place.column - 1].key in keys]
 
-    def _judged(self, records: list[Record]) -> list[Any]:
-        """What reader and builder say about the deck of `records`; places are those of the answers."""
+    def _reader_faults(self, records: list[Record]) -> list[Any]:
+        """Return what reader and builder say about the deck of `records`; places are those of the answers."""
         names = {f"{record.prefix}.{value.key}": value for record in records for value in record.numbers}
         entries = self._asked[0]
         cells = {entry.name(cell): cell for entry in entries[: len(records)] for cell in entry.cells}

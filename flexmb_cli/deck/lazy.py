@@ -1,5 +1,6 @@
 """Sequences of which each item is made when it is looked at: kept, they would take many times the deck."""
 
+from abc import abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
@@ -17,9 +18,9 @@ class Lazy(Sequence[Any]):
     def __iter__(self) -> Iterator[Any]:
         return map(self._item, range(len(self)))
 
+    @abstractmethod
     def _item(self, index: int) -> Any:
         """The item at an index that is not negative."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True)

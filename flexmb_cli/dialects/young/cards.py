@@ -1,13 +1,46 @@
-"""Cards behind DYNAMICS: one table of keywords, columns and meanings."""
+"""Cards after DYNAMICS, and those of shapes after GEOMETRY: one table of keywords, columns and meanings."""
 
 from .card import Card, vector, whole
 from .sections import Column
-from .shape_cards import SHAPE_CARDS
 
 _BODY = whole("body", "number of the body")
 _FOLLOWING = whole("following", "0: global axes, 1: the axes of the body, turning with it")
 _FACTOR = Column(
     "factor", "name or number of the function that multiplies it, 0: none", is_integer=True, is_function=True
+)
+# What bodies look like in pictures.
+_BODY_OR_GROUND = whole("body", "number of the body, 0: the ground")
+_PLACED = (
+    *vector("offset", "the middle of the shape, body axes", "m"),
+    Column("alpha", "angle by which it is turned about x, then", "rad"),
+    Column("beta", "about y, then", "rad"),
+    Column("gamma", "about z, axes of the body", "rad"),
+)
+SHAPE_CARDS = (
+    Card(
+        "GEOM",
+        "shape",
+        (
+            _BODY_OR_GROUND,
+            whole("shape", "1 box, 2 cylinder, 3 tube, 4 cone, 5 sphere"),
+            Column("a", "length along x; of all but a box the radius", "m"),
+            Column("b", "length along y; of all but a box the length along z", "m"),
+            Column("c", "length along z; inner radius of a tube, upper one of a cone", "m"),
+            *_PLACED,
+        ),
+        optional=8,
+    ),
+    Card(
+        "STL",
+        "shape_file",
+        (
+            Column("file", "STL file", is_text=True),
+            _BODY_OR_GROUND,
+            Column("unit", "metres in a unit of the file", "m"),
+            *_PLACED,
+        ),
+        optional=6,
+    ),
 )
 CARDS = (
     Card(

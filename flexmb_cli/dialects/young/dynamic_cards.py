@@ -27,10 +27,9 @@ from ..elements_block.text import (
     stray_lines,
     without_braces,
 )
-from .cards import BY_KEYWORD
+from .cards import BY_KEYWORD, SHAPE_CARDS
 from .read_card import CardRecords, card_at, is_keyword, wants_text
 from .reader import read_young
-from .shape_cards import SHAPE_CARDS
 from .unread_lines import cards_behind_end, unread_lines
 
 if TYPE_CHECKING:
