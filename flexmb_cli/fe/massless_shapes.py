@@ -9,6 +9,7 @@ But the body can move by d and R a at once: the Schur complement of Mff in the b
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -67,7 +68,13 @@ class MassSplit:
 
 def split_by_mass(S: np.ndarray) -> MassSplit:
     """Part the shapes of S (size, size) into those with and those without mass.  Raises IndefiniteMass."""
-    values, vectors = np.linalg.eigh(S)
+    return _split(np.ascontiguousarray(S, float).tobytes(), len(S))
+
+
+@lru_cache(maxsize=1)
+def _split(numbers: bytes, size: int) -> MassSplit:
+    """As `split_by_mass`: a body's modes and the limit of its effective masses part the same matrix."""
+    values, vectors = np.linalg.eigh(np.frombuffer(numbers).reshape(size, size))
     if values[0] < -MASSLESS_SHAPE * values[-1]:
         raise IndefiniteMass
     heavy = values > MASSLESS_SHAPE * values[-1]

@@ -207,10 +207,10 @@ def test_turns_of_rate_and_position_agree_with_a_full_revolution_of_the_base():
 
 @pytest.mark.long_motion
 def test_both_motors_of_the_supplied_arm_move_it_as_they_were_driven():
-    """TMOTOR with splines through the efforts of IN-ARM, which has a spring and a damper at its elbow."""
+    """Motors with splines through the efforts of IN-ARM, which has a spring and a damper at its elbow."""
     text = (Path(__file__).parents[3] / "decks/young/dynamics/IN-ARM.dat").read_text()
     mechanism, cards = text.split("0 1 0.01\n")
-    loads = cards.partition("inverse")[2].partition("SINE")[0]
+    loads = cards.partition("inverse")[2].partition("  FUNCTION swing")[0]
     driven = rows_of(mechanism, "0 1 0.005", cards.partition("inverse")[2].partition("END")[0], "inverse")
     for k in range(2):
         pairs = zip(driven.time.tolist(), driven.driver_effort[:, k].tolist(), strict=True)
@@ -218,7 +218,7 @@ def test_both_motors_of_the_supplied_arm_move_it_as_they_were_driven():
         loads += (
             "ELEMENTS\n"
             f"  FUNCTION {k + 1} spline {points}\n"
-            f"  MOTOR tmotor-1 at={k + 1}.angle effort={k + 1}\n"
+            f"  MOTOR tmotor-{k + 1} at={k + 1}.angle effort={k + 1}\n"
         )
     free = rows_of(
         mechanism,

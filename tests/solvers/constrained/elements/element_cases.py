@@ -76,7 +76,6 @@ class Case:
     joint: int = 1
     coordinate: int = 1
     breaks: tuple[float, ...] = ()  # s, where the effort bends
-    column: int = -1  # of its driver among the efforts: angles come before strokes
     powers: tuple[float, float, float] = POWERS  # of the motion
 
     @property
@@ -148,7 +147,7 @@ CASES = {
         ARM, f"{TWO}ELEMENTS\n  FUNCTION 5 sine 0 0.7 3\n  DRIVE angle-1 at=1.angle value=5\n", joint=2
     ),
     "STROKE": Case(
-        CART, f"{TWO}ELEMENTS\n  FUNCTION 5 sine 0.2 0.7 3\n  DRIVE stroke-1 at=2.stroke rate=5\n", column=0
+        CART, f"{TWO}ELEMENTS\n  FUNCTION 5 sine 0.2 0.7 3\n  DRIVE stroke-1 at=2.stroke rate=5\n"
     ),
     "TMOTOR": Case(
         ROTOR, f"{TURNED}ELEMENTS\n  FUNCTION 5 sine 0.1 0.8 9 0.4\n  MOTOR tmotor-1 at=1.angle effort=5\n"
@@ -265,7 +264,6 @@ CASES_OF_FRICTION = {
     "cylindrical": Case(
         SLEEVE.format(1, 0, ""),
         f"{TURNED}ELEMENTS\n  FUNCTION 5 sine 0 0.02 9\n  DRIVE stroke-1 at=1.stroke value=5\n{BEARING}",
-        column=0,
         powers=REVERSING,
     ),
     "screw": Case(SLEEVE.format(0, 1, " 1 0 0 1 0 0 0.03"), f"{TURNED}{BEARING}", powers=REVERSING),
@@ -285,7 +283,7 @@ def inverse(case: Case):
 
 def forward(case: Case, driven, method: str):
     """Rows of the run that the effort of the rows `driven` moves, and which of these have the same times."""
-    cards = case.cards + case.motor(driven.time, driven.driver_effort[:, case.column]) + method
+    cards = case.cards + case.motor(driven.time, driven.driver_effort[:, -1]) + method
     found = rows_of(case.mechanism, f"0 {END} {END / 10}", cards)
     return found, np.searchsorted(driven.time, found.time - 1e-9)
 

@@ -116,7 +116,7 @@ def test_two_stops_throw_a_body_to_and_fro_as_in_exudyn(deck, mass, inertia, coo
     cards = (
         f"{mass}ELEMENTS\n"
         f"  STOP stop at=1.{coordinate} lower=-0.1 upper=0.2 stiffness=500\n"
-        f"  SPRING spring at=1.{coordinate} stiffness=3 rest=0.05\n"
+        f"  SPRING middle at=1.{coordinate} stiffness=3 rest=0.05\n"
         f"  START at=1.{coordinate} rate=2\n"
     )
     rows = rows_of(deck, "0 1 1", f"{cards}TOLERANCE 1e-11\n")
