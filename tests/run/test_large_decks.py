@@ -28,7 +28,7 @@ pytestmark = pytest.mark.processes
     "kind",
     [
         "young bodies",
-        "young points",
+        pytest.param("young points", marks=pytest.mark.campaign),
         "young blank lines",
         "young long comment",
         "young comment lines",
@@ -69,7 +69,7 @@ def test_nodes_that_a_flexible_body_may_not_have_are_not_kept(tmp_path):
     assert peak <= large_decks.MOST_PER_BYTE * len(text) + BESIDES["vsdf"]
 
 
-@pytest.mark.parametrize("setting", ["time.end=2", "body.3.x=2"])
+@pytest.mark.parametrize("setting", [pytest.param("time.end=2", marks=pytest.mark.campaign), "body.3.x=2"])
 def test_a_number_of_a_large_deck_is_set_in_place(setting, tmp_path):
     """A table of all names took 600 bytes a byte."""
     text = large_decks.kinds(MEGABYTES)["young bodies"]()

@@ -116,7 +116,11 @@ def test_the_steps_of_gitlab_run_and_compare(project):
     assert shell(script).returncode == 1
 
 
-@pytest.mark.parametrize("own", ["", "IN4-BAR"], ids=["references of all decks", "a folder for each deck"])
+@pytest.mark.parametrize(
+    "own",
+    ["", pytest.param("IN4-BAR", marks=pytest.mark.campaign)],
+    ids=["references of all decks", "a folder for each deck"],
+)
 def test_decks_are_collected_as_tests(project, own):
     """The references are those that the first sentence of the page makes; a deck without any is skipped."""
     folder, shell = project

@@ -70,7 +70,9 @@ def frequencies(ratio):
     return np.sqrt(eigh(stiffness, T.T @ M @ T, eigvals_only=True))
 
 
-@pytest.mark.parametrize("radii", [(0.3, 0.1), (0.2, -0.5)], ids=["belt", "crossed belt"])
+@pytest.mark.parametrize(
+    "radii", [pytest.param((0.3, 0.1), marks=pytest.mark.campaign), (0.2, -0.5)], ids=["belt", "crossed belt"]
+)
 def test_a_belt_between_two_flexible_bodies_has_the_frequencies_of_their_matrices(tmp_path, radii):
     model = flexible_mechanism(build_vsdf(read(deck(tmp_path, radii)), tmp_path)[0], cached=False)[0]
     found = flexible_modes(model, Wish(), Run(Outcome("x"), RunOptions(), Listener())).modes.eigenvalues
