@@ -4,13 +4,17 @@ Faults are collected, not thrown one at a time: a reader continues after a fault
 `DeckError` that carries all of them.  Only the commands (`cli`) turn them into text on a stream.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from os import PathLike
-from typing import Any, NamedTuple, Protocol, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
 
-import numpy as np
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from os import PathLike
+
+    import numpy as np
+
 
 DONE, ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT = 0, 1, 2, 3
 COMPLETE, FAILED = "complete", "failed"  # status of a result
@@ -156,20 +160,20 @@ class ModelError(DeckError):
 class SolvedRows(Protocol):
     """Rows of a run in memory, by the paths of datasets and the names of quantities (`flexmb_cli.Result`)."""
 
-    def __getitem__(self, name: str) -> np.ndarray:
+    def __getitem__(self, name: str) -> "np.ndarray":
         """Return a dataset or a quantity."""
 
     def __len__(self) -> int:
         """Return the number of datasets."""
 
     @property
-    def time(self) -> np.ndarray:
+    def time(self) -> "np.ndarray":
         """The times of the rows, s (times,)."""
 
     def unit(self, name: str) -> str:
         """Return the unit of a dataset or a quantity."""
 
-    def save(self, path: str | PathLike[str]) -> None:
+    def save(self, path: "str | PathLike[str]") -> None:
         """Write an HDF5 file."""
 
 
@@ -181,7 +185,7 @@ class AnalysisError(FlexmbError):
     """
 
     exit_code = ANALYSIS_FAILED
-    result: SolvedRows | None = None
+    result: "SolvedRows | None" = None
 
     def __init__(self, fault: Fault, time: float, norms: dict[str, Any] | None = None):
         super().__init__(fault.sentence, (fault,))
@@ -197,7 +201,7 @@ class OutputError(FlexmbError):
         self.exit_code = exit_code
 
 
-def compiler_style(deck_name: str, faults: Sequence[Any], lines: Sequence[str] = ()) -> str:
+def compiler_style(deck_name: str, faults: "Sequence[Any]", lines: "Sequence[str]" = ()) -> str:
     """Text of `faults` as compilers print them: place, severity, sentence, the line and a caret.
 
     `lines` are the deck's lines; a fault without a place shows neither line nor caret.
@@ -209,7 +213,7 @@ def compiler_style(deck_name: str, faults: Sequence[Any], lines: Sequence[str] =
     return "\n".join(blocks)
 
 
-def _most_serious(faults: Sequence[Any]) -> Sequence[Any]:
+def _most_serious(faults: "Sequence[Any]") -> "Sequence[Any]":
     """At most `SHOWN_FAULTS` of `faults` in their order, so that no crowd of warnings hides an error."""
     if len(faults) <= SHOWN_FAULTS:
         return faults
@@ -217,7 +221,7 @@ def _most_serious(faults: Sequence[Any]) -> Sequence[Any]:
     return [faults[index] for index in sorted(by_weight[:SHOWN_FAULTS])]
 
 
-def _one_fault(deck_name: str, fault: Fault, lines: Sequence[str]) -> str:
+def _one_fault(deck_name: str, fault: Fault, lines: "Sequence[str]") -> str:
     if fault.place is None:
         return f"{deck_name}: {fault.severity}: {visible(fault.sentence)}"
     place = fault.place

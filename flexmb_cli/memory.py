@@ -6,9 +6,10 @@ import math
 import mmap
 import os
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
+if TYPE_CHECKING:
+    import numpy as np
 
 from .errors import ANALYSIS_FAILED, FlexmbError
 
@@ -26,7 +27,7 @@ SMALLEST_PAGED = 2**22  # bytes: those of which numpy asks for huge pages
 _OF_HDF5 = "memory allocation failed"
 
 
-def paged_zeros(shape: tuple[int, ...], dtype: type[Any] = float) -> np.ndarray:
+def paged_zeros(shape: tuple[int, ...], dtype: "type[Any]" = float) -> "np.ndarray":
     """Return zeros of which only the pages that are written take memory.
 
     numpy asks the system for huge pages, of which a matrix of a few entries a row touches all.

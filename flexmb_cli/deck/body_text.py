@@ -3,10 +3,13 @@
 import itertools
 import math
 import textwrap
-from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import numpy as np
+
 
 ZERO_COMPONENT = 1e-12
 _SHARES = ("x", "y", "z", "about x", "about y", "about z")
@@ -20,7 +23,7 @@ def body_lines(body: Any, precision: bool = False) -> list[str]:
     return [*_inertia_lines(body), *_dropped_lines(body), *_mode_lines(body, precision)]
 
 
-def _inertia_lines(body: Any) -> Iterator[str]:
+def _inertia_lines(body: Any) -> "Iterator[str]":
     yield f"  {body.name}: nodes {len(body.numbers)}, modes {body.modes}, mass {body.m:.9g} kg"
     size, J = abs(body.r0).max(), body.J0
     yield f"    frame at {_vector(body.origin, size)} m of the node table, e1 {_vector(body.axes[:, 0], 1.0)}"
@@ -33,12 +36,12 @@ def _inertia_lines(body: Any) -> Iterator[str]:
     )
 
 
-def _vector(values: list[float] | np.ndarray, scale: float) -> str:
+def _vector(values: "list[float] | np.ndarray", scale: float) -> str:
     """Components, those that are zero but for round-off as 0."""
     return " ".join(f"{value:.6g}" if abs(value) > ZERO_COMPONENT * scale else "0" for value in values)
 
 
-def _dropped_lines(body: Any) -> Iterator[Any]:
+def _dropped_lines(body: Any) -> "Iterator[Any]":
     dropped = body.dropped
     if dropped.internal:
         yield f"    internal degrees of freedom condensed: {dropped.internal}"
@@ -68,7 +71,7 @@ def _of_nodes(shapes: tuple[tuple[int, str], ...]) -> str:
     return ", ".join(" ".join([str(node), *(axis for _, axis in group)]) for node, group in nodes)
 
 
-def _mode_lines(body: Any, precision: bool) -> Iterator[str]:
+def _mode_lines(body: Any, precision: bool) -> "Iterator[str]":
     """Frequencies, and the share that each mode has in motion along and about the body's axes."""
     error = f" {'error':>8}" if precision else ""
     yield (
@@ -89,5 +92,5 @@ def _frequency(body: Any, row: int, precision: bool) -> str:
     return f"{frequency * math.tau:13.6f} {frequency:13.6f}" + (f" {error:8.0e}" if precision else "")
 
 
-def _percent(masses: np.ndarray, limits: list[float]) -> str:
+def _percent(masses: "np.ndarray", limits: list[float]) -> str:
     return " ".join(f"{100 * mass / limit:6.2f}" for mass, limit in zip(masses, limits, strict=True))

@@ -5,11 +5,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, cast
 
-import numpy as np
-
 from .record import Record
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from .many_records import Block
 
 
@@ -22,7 +22,7 @@ class NumberTable:
     def __init__(self, defaults: Mapping[str, float | None], rows: "array[float]"):
         self.defaults, self._rows = defaults, rows
 
-    def column(self, key: str) -> np.ndarray:
+    def column(self, key: str) -> "np.ndarray":
         """Return the numbers (record,) under a key."""
         import numpy as np
 
@@ -31,7 +31,7 @@ class NumberTable:
         default = self.defaults[key]
         return given.copy() if default is None else np.where(np.isnan(given), default, given)
 
-    def filled(self, key: str) -> np.ndarray:
+    def filled(self, key: str) -> "np.ndarray":
         """Return which records (record,) have a number under a key."""
         import numpy as np
 
@@ -39,7 +39,7 @@ class NumberTable:
         return found
 
     @cached_property
-    def _given(self) -> np.ndarray:
+    def _given(self) -> "np.ndarray":
         import numpy as np
 
         return np.frombuffer(self._rows, float).reshape(-1, len(self.defaults))
@@ -49,7 +49,7 @@ class NumberTable:
         return {key: k for k, key in enumerate(self.defaults)}
 
 
-def column(records: Sequence[Record], key: str) -> np.ndarray:
+def column(records: Sequence[Record], key: str) -> "np.ndarray":
     """Return the numbers (record,) that the records have under a key."""
     import numpy as np
 
@@ -76,7 +76,7 @@ def places_by(records: Sequence[Record], key: str) -> Mapping[int, "array[int]"]
 class ManyPlaces(Mapping[int, "array[int]"]):
     """Places of many integers (record,), sorted: an array for each integer would take 200 bytes."""
 
-    def __init__(self, given: np.ndarray):
+    def __init__(self, given: "np.ndarray"):
         import numpy as np
 
         self._order = np.argsort(given, kind="stable")
@@ -87,7 +87,7 @@ class ManyPlaces(Mapping[int, "array[int]"]):
     def __len__(self) -> int:
         return len(self._integers)
 
-    def __iter__(self) -> Iterator[int]:
+    def __iter__(self) -> "Iterator[int]":
         ordered = self._order[self._first].argsort()
         return iter(self._integers[ordered].tolist())
 

@@ -4,14 +4,14 @@ from array import array
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
-import numpy as np
-
 from ..errors import Place
 from .lazy import Made
 from .number_table import column, places_by
 from .record import Deck, Number, Record
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from .many_records import Block
 
 
@@ -52,7 +52,7 @@ class DeckValues:
             self._of_bodies[section] = places_by(self.section(section), "body")
         return self._of_bodies[section].get(body, ())
 
-    def column(self, section: str, key: str) -> np.ndarray:
+    def column(self, section: str, key: str) -> "np.ndarray":
         """Return the numbers (record,) that the records of a section have under a key."""
         if (section, key) not in self._columns:
             self._columns[section, key] = column(self.section(section), key)

@@ -1,10 +1,12 @@
 """Integrators of mechanisms: their words on cards and for `--method`, and what a deck says of one."""
 
 from dataclasses import dataclass
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from ..errors import Fault
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,7 @@ FEWEST, SHARE = 4, 0.05  # steps of those looked at (a quarter), and of all, tha
 LOOSE = 1e-5  # tolerance from which on they do
 
 
-def steps_at_limit(clock: np.void, methods: str) -> list[Fault]:
+def steps_at_limit(clock: "np.void", methods: str) -> list[Fault]:
     """Return a warning where an explicit method made steps as long as its stability allows; else nothing.
 
     Its error estimate does not see there what becomes of the vibrations that its steps do not resolve.

@@ -5,8 +5,6 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ..deck.record import Deck
 from ..dialects.recognise import dialect_named
 from ..errors import OutputError
@@ -18,6 +16,8 @@ from ..results.quantities.quantities import resolve
 from .outcome import Run, TextStream
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from .solution import Solution
 
 
@@ -80,7 +80,7 @@ class ResultFiles:
             self.begun = True
             self.table.begin()
 
-    def rows(self, values: Mapping[str, np.ndarray]) -> None:
+    def rows(self, values: Mapping[str, "np.ndarray"]) -> None:
         """Write report rows, given by the paths of their datasets."""
         self.torn = True
         self._begin()

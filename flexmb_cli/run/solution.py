@@ -9,8 +9,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
-import numpy as np
-
 from .. import __version__
 from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
@@ -34,6 +32,8 @@ from .python_options import refuse_foreign_method
 from .result_files import ResultFiles
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from .error_estimate import ErrorEstimate
 
 
@@ -44,10 +44,10 @@ class Analysis(Protocol):
         """Yield blocks of report rows."""
 
     @property
-    def checkpoint(self) -> Mapping[str, np.ndarray]:
+    def checkpoint(self) -> Mapping[str, "np.ndarray"]:
         """Return the state behind the last block, as arrays by name."""
 
-    def restore(self, checkpoint: dict[str, np.ndarray]) -> object:
+    def restore(self, checkpoint: dict[str, "np.ndarray"]) -> object:
         """Continue from a checkpoint."""
 
 
@@ -59,7 +59,7 @@ class NoCount:
         """Return the warnings about the values counted."""
         return ()
 
-    def add(self, values: Mapping[str, np.ndarray]) -> None:
+    def add(self, values: Mapping[str, "np.ndarray"]) -> None:
         """Count a block of values."""
 
     def __str__(self) -> str:
@@ -83,19 +83,19 @@ class Solution:
     analysis: Analysis
     rows: int
     layout: Callable[..., Any]
-    values: Callable[[Any], Mapping[str, np.ndarray]]
+    values: Callable[[Any], Mapping[str, "np.ndarray"]]
     count: NoCount
     model_warnings: Callable[[], list[Fault]] = list
     warnings: list[Fault] = field(default_factory=list)
-    finer: Callable[[Run], Iterator[Mapping[str, np.ndarray]] | None] = lambda run: None
+    finer: Callable[[Run], Iterator[Mapping[str, "np.ndarray"]] | None] = lambda run: None
     identity: dict[str, Any] = field(default_factory=dict)
     resumable: bool = True
 
-    def blocks(self) -> Iterator[Mapping[str, np.ndarray]]:
+    def blocks(self) -> Iterator[Mapping[str, "np.ndarray"]]:
         """Yield the blocks of values; raises as the analysis does."""
         return map(self.values, self.analysis.rows())
 
-    def blocks_counted(self) -> Iterator[Mapping[str, np.ndarray]]:
+    def blocks_counted(self) -> Iterator[Mapping[str, "np.ndarray"]]:
         """Yield the blocks of values and count them."""
         for values in self.blocks():
             self.count.add(values)
@@ -235,7 +235,7 @@ class _RowWriter:
                 listener.advance(len(values["time"]))
                 Stop.raise_if_asked()
 
-    def _blocks(self) -> Iterator[Mapping[str, np.ndarray]]:
+    def _blocks(self) -> "Iterator[Mapping[str, np.ndarray]]":
         """Yield blocks of values: those of a stopped run first, then those that the analysis adds."""
         solution, resume_file = self.solution, self.resume_file
         if resume_file.last_checkpoint is not None:
@@ -256,10 +256,10 @@ class _RowWriter:
                     resume_file.append(values, solution.analysis.checkpoint)
             yield self._with_errors(values)
 
-    def _with_errors(self, values: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
+    def _with_errors(self, values: Mapping[str, "np.ndarray"]) -> Mapping[str, "np.ndarray"]:
         return values if self.estimate is None else self.estimate.of(values)
 
-    def _write_block(self, values: Mapping[str, np.ndarray]) -> None:
+    def _write_block(self, values: Mapping[str, "np.ndarray"]) -> None:
         outcome, count = self.run.outcome, self.solution.count
         self.files.rows(values)
         count.add(values)

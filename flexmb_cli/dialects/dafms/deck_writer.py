@@ -159,7 +159,7 @@ class _Deck:
         return lines
 
     def _unknown(self, card: Card) -> Line:
-        """The numbers of a body that is not asked for yet: it has mass, and is not turned."""
+        """The numbers of a body before its questions: it has mass, and is not turned."""
         texts = ["0" if edit.letter == "I" else "0.0" for edit in fortran_format(card.format).edits[1:]]
         if card.word in _FIRST:
             texts = ["1.0"] * len(texts)
@@ -169,7 +169,7 @@ class _Deck:
         return [("".join(text.rjust(width) for text, width in zip(texts, widths, strict=True)), "")]
 
     def _no_rotations(self, card: Card, head: Record) -> list[Line]:
-        """Rows of card NROT that are not asked for yet."""
+        """Rows of card NROT before their questions."""
         if card.word != "NROT":
             return []
         nodes, dofs = self.sizes.get(head["K"], (0, 0))

@@ -1,9 +1,7 @@
 """A flexible body of a VSDF deck: its finite-element files, reference, basis, damping and stiffening."""
 
 from pathlib import Path
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
@@ -16,6 +14,10 @@ from ...model.flexible_body import FEFile, FlexibleInput, UnitLoad
 from .cards.bodies import MATRIX_SECTIONS
 from .materials import matrices_of_elements, mesh_file, stiffening_material, stress_material
 from .nodes import members_of, sets_of
+
+if TYPE_CHECKING:
+    import numpy as np
+
 
 _MATRICES = {"mass_matrix": "FEMM", "stiffness_matrix": "FEMK"}
 _WORDS = _MATRICES | {"unit_load": "FEMG"}
@@ -95,7 +97,7 @@ def _file_of(record: Record, folder: Path, matrix: str = "") -> FEFile:
     return FEFile(path, record["form"], record.at("file").place, matrix)
 
 
-def _check_mapping(record: Record | None, files: dict[Any, Any], findings: Findings) -> None:
+def _check_mapping(record: Record | None, files: "dict[Any, Any]", findings: Findings) -> None:
     """Matrices whose rows have nodes and directions need no mapping."""
     forms = {files[name].form for name in ("mass_matrix", "stiffness_matrix") if files[name]}
     if record and forms and not forms & set(TAKES_MAPPING):
@@ -126,7 +128,7 @@ def _node_table(
         return None
 
 
-def _reference(record: Record, nodes: dict[int, np.ndarray], k: int, findings: Findings) -> tuple[int, ...]:
+def _reference(record: Record, nodes: "dict[int, np.ndarray]", k: int, findings: Findings) -> tuple[int, ...]:
     """Three nodes, or none at all: mean axes, or the frame of the clamped nodes."""
     numbers = [record.at(f"n{i}") for i in (1, 2, 3)]
     if not any(number.value for number in numbers):
@@ -157,8 +159,8 @@ def _modes(record: Record, findings: Findings) -> int:
 
 
 def _node_lists(
-    values: DeckValues, k: int, nodes: dict[int, np.ndarray], sets: Any, findings: Findings
-) -> dict[Any, Any]:
+    values: DeckValues, k: int, nodes: "dict[int, np.ndarray]", sets: Any, findings: Findings
+) -> "dict[Any, Any]":
     """Nodes that the cards CLMP, ATTM, CRBN name, sets taken apart."""
     known = {**{number: (number,) for number in nodes}, **sets}
     lists = {}

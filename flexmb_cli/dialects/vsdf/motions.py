@@ -3,9 +3,7 @@
 from array import array
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from ...deck.number_table import column, places_by
 from ...deck.record import Number, Record
@@ -17,6 +15,9 @@ from ...model.laws import is_angle
 from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionFunction, table_function
 from ..elements_block.functions import Functions
 from .joints import SLIDING, TURNING
+
+if TYPE_CHECKING:
+    import numpy as np
 
 Tables = dict[int, MotionFunction | None]  # by their numbers, None for those with faults
 
@@ -37,8 +38,8 @@ def build_tables(values: DeckValues, findings: Findings) -> Tables:
 
 def _function_of(
     number: int,
-    times: np.ndarray,
-    ordinates: np.ndarray,
+    times: "np.ndarray",
+    ordinates: "np.ndarray",
     findings: Findings,
     cards: Sequence[Record],
     places: Sequence[int],

@@ -68,8 +68,8 @@ def in_units(model: RigidModel, old: Units, new: Units) -> RigidModel:
 class _Scaling(NamedTuple):
     """Old units of length and mass in new ones."""
 
-    L: float
-    M: float
+    L: float  # old unit of length in new ones, no unit
+    M: float  # old unit of mass in new ones, no unit
 
     def __call__(self, value: Any, length: int = 1, mass: int = 0, stretch: int = 0) -> Any:
         """Return a number, vector or function of these powers; the argument of a function has `stretch`."""

@@ -10,10 +10,9 @@ import re
 import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5py
-import numpy as np
 
 from ...errors import visible
 from .chunk_bounds import (
@@ -24,6 +23,10 @@ from .chunk_bounds import (
     fault_of_heaps,
     fault_of_packed,
 )
+
+if TYPE_CHECKING:
+    import numpy as np
+
 
 MOST_OBJECTS, DEEPEST = 100_000, 10
 LONGEST_AXIS = 2**31 - 1  # MATLAB's files count no further, nor does any run
@@ -215,7 +218,7 @@ def scale_of(dataset: h5py.Dataset, axis: int) -> h5py.Dataset | None:
     return scale
 
 
-def _references(dataset: h5py.Dataset, axis: int) -> np.ndarray | None:
+def _references(dataset: h5py.Dataset, axis: int) -> "np.ndarray | None":
     """The references to scales of all axes of a dataset, None where there are none."""
     if not h5py.h5a.exists(dataset.id, b"DIMENSION_LIST"):
         return None

@@ -34,7 +34,7 @@ from .layout import (
 from .result_geometry import SIDE, tree_geometry
 
 if TYPE_CHECKING:
-    from ...solvers.constrained.element_rows import TreeElementRows
+    from ...solvers.constrained.tree_element_rows import TreeElementRows
     from ...solvers.tree.points import PointMotion
     from ...solvers.tree.rows import TreeRows
 

@@ -1,9 +1,7 @@
 """Kinematics of a mechanism that its drivers move."""
 
 from collections.abc import Mapping
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from ...model.mechanism import Mechanism
 from ...results.hdf5.kinematic import kinematic_layout, kinematic_values
@@ -13,6 +11,9 @@ from ...solvers.kinematics.position import KinematicSettings
 from ..error_estimate import nothing_to_refine
 from ..outcome import Run
 from ..solution import NoCount, Solution
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 def solution(mechanism: Mechanism, run: Run) -> Solution:
@@ -53,7 +54,7 @@ class NewtonCount(NoCount):
         self.iterations = self.most = 0
         self.residual = 0.0
 
-    def add(self, values: Mapping[str, np.ndarray]) -> None:
+    def add(self, values: Mapping[str, "np.ndarray"]) -> None:
         """Count a block of values."""
         iterations = values["audit/newton_iterations"]
         self.iterations += int(iterations.sum())

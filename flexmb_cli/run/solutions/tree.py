@@ -5,8 +5,6 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ...errors import Fault
 from ...model.integrators import IMPLICIT_TREE_METHODS
 from ...model.tree import Tree
@@ -14,14 +12,16 @@ from ...model.unit_checks import unit_warnings
 from ...results.hdf5.tree import tree_layout, tree_values
 from ...solvers.compilation import announce_compiling
 from ...solvers.tree.points import point_motion, point_names
-from ...solvers.tree.rows import TreeRows
 from ..energy_drift import EnergyDrift, StepCount
 from ..error_estimate import FINER, finer, why_no_estimate
 from ..outcome import ABSOLUTE, Run
 from ..solution import Solution
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from ...solvers.tree.analysis import TreeAnalysis
+    from ...solvers.tree.rows import TreeRows
 
 
 def solution(tree: Tree, run: Run) -> Solution:
@@ -48,7 +48,7 @@ def solution(tree: Tree, run: Run) -> Solution:
     )
 
 
-def values_of(tree: Tree, rows: TreeRows) -> Mapping[str, np.ndarray]:
+def values_of(tree: Tree, rows: "TreeRows") -> Mapping[str, "np.ndarray"]:
     """Return report rows by the paths of their datasets."""
     return tree_values(tree, rows, point_motion(tree, rows))
 
@@ -81,7 +81,7 @@ def _finer_blocks(tree: Tree, run: Run) -> Any:
 class TreeCount(StepCount):
     """Evaluations, and how far the energy drifts; that of a one-way tree is not constant."""
 
-    def __init__(self, clock: np.ndarray, tree: Tree, absolute: bool):
+    def __init__(self, clock: "np.ndarray", tree: Tree, absolute: bool):
         super().__init__(clock, None if tree.one_way else EnergyDrift())
         self.absolute = absolute
 

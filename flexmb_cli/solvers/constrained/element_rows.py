@@ -15,9 +15,7 @@ from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.joint_elements import JointElements, names_of
 from ...model.laws import FRICTION, MOTOR, parts_in_arrays
 from ...model.loads import DynamicModel
-from ...model.tree import Tree
 from ...model.vectors import cross_rows
-from ..tree.rows import TreeRows
 from .flexible_rows import FlexibleRows, flexible_rows
 from .rows import DynamicRows, dynamic_rows, global_axes
 
@@ -54,7 +52,7 @@ class ElementRows(JointAnswers, DynamicRows):
     composite_torque: np.ndarray  # (T, composite joints, 3) on body J about P_j, global axes, N m
 
 
-def _joined(made: Callable[..., R], rows: Any, **more: Any) -> R:
+def joined(made: Callable[..., R], rows: Any, **more: Any) -> R:
     """Rows of the type `made`: fields of `rows`, and those that are given."""
     known = {field.name: getattr(rows, field.name) for field in fields(rows)}
     return made(**{**known, **more})
@@ -66,7 +64,7 @@ def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> 
     own = report.multipliers[:, report.multipliers.shape[1] - len(model.elements.drivers) :]
     first = len(model.forces) + len(model.torques)
     count = len(coordinates_of_joints(model.mechanism.joints))
-    return _joined(
+    return joined(
         ElementRows,
         rows,
         driver_effort=np.concatenate([rows.driver_effort, own], axis=1),
@@ -162,62 +160,9 @@ def flexible_element_rows(
     rows = flexible_rows(mechanism, arrays, report)
     first = len(mechanism.forces) + len(mechanism.torques)
     count = len(coordinates_of_joints(mechanism.joints))
-    return _joined(
+    return joined(
         FlexibleElementRows,
         rows,
         **element_answers(report, first, mechanism.elements, count),
         coupling_effort=coupling_efforts(report, arrays, mechanism.elements),
-    )
-
-
-@dataclass(frozen=True)
-class TreeElementRows(ElementAnswers, TreeRows):
-    """Rows with what every element does."""
-
-    driver_effort: np.ndarray  # (T, drivers) along the prescribed coordinates
-
-
-def with_elements(
-    tree: Tree, arrays: SystemArrays, rows: TreeRows, report: Report, angles: int
-) -> TreeElementRows:
-    """The rows with the elements, whose loads, among them so many for angles of hinges, stand behind those of
-    the tree.
-    """
-    behind = len(list(names_of(tree.elements))) + angles
-    first = report.responses.shape[1] - behind
-    found = element_answers(report, first, tree.elements, angles)
-    return _joined(
-        TreeElementRows,
-        rows,
-        **{name: value for name, value in found.items() if not name.startswith("joint")},
-        driver_effort=report.multipliers[:, rows_of_drivers(tree, arrays)].copy(),
-        coupling_effort=coupling_efforts(report, arrays, tree.elements, len(tree.closures)),
-    )
-
-
-def rows_of_drivers(tree: Tree, arrays: SystemArrays) -> np.ndarray:
-    """Numbers (drivers,) of the equations of prescribed coordinates, then of those that follow functions.
-
-    Their groups stand behind the hinges and before the closures, couplings between them.
-    """
-    prescribed, couplings = len(tree.prescribed), len(tree.elements.couplings)
-    end = len(arrays.groups) - len(tree.closures)
-    functions = np.arange(end - len(tree.elements.drivers), end)
-    first = end - functions.size - couplings - prescribed
-    groups = np.concatenate([np.arange(first, first + prescribed), functions])
-    found: np.ndarray = arrays.groups["first_row"][groups]
-    return found
-
-
-def with_answers(tree: Tree, rows: TreeRows, report: Any) -> TreeElementRows:
-    """The rows by Kane's equations with what the elements answered; energy of elements is no work."""
-    end, count = report.rows.shape[1] - 1, report.answers.shape[1]
-    works = report.rows[:, end - count : end]
-    scales = np.array([item.scale for item in tree.elements.couplings])
-    return _joined(
-        TreeElementRows,
-        rows,
-        **answers_of(tree.elements, report.answers, works),
-        coupling_effort=report.closures["force"][:, len(report.closures[0]) - len(scales) :] / scales,
-        driver_effort=report.drives,
     )

@@ -44,9 +44,9 @@ from ..tree.assembly import assemble_tree
 from ..tree.points import rotation_matrices
 from ..tree.rows import TreeRows, rows_of_tree, unturned
 from .analysis import ConstrainedMotion
-from .element_rows import with_elements
 from .flexible_rows import BodyMotion, body_motion
 from .rows import global_axes
+from .tree_element_rows import with_elements
 
 
 class AbsoluteTree(ConstrainedMotion):

@@ -8,7 +8,7 @@ import numpy as np
 from ...model.arrays.tree import TreeArrays, body_frames
 from ...model.laws import MOTOR, parts_in_arrays
 from ...model.tree import ELASTIC, INERTIAL, ROTATION, Coordinate
-from ..constrained.element_rows import TreeElementRows
+from ..constrained.tree_element_rows import TreeElementRows
 from ..tree.loop_assembly import gap_rates
 from ..tree.points import point_motion, point_names, rotation_matrices
 from .state_space import ADMISSIBLE, MOVED_POINT, Input, Responses, Signal, state_signals

@@ -209,7 +209,7 @@ class TreeAnalysis:
         self.row += len(block.time)
         if not self.tree.elements:
             return block
-        from ..constrained.element_rows import with_answers
+        from ..constrained.tree_element_rows import with_answers
 
         return with_answers(self.tree, block, report)
 

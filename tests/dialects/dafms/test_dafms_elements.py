@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexmb_cli.solvers.constrained.element_rows import TreeElementRows
+from flexmb_cli.solvers.constrained.tree_element_rows import TreeElementRows
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from tests.dialects.dafms.dafms_decks import build, reported
 from tests.solvers.constrained.element_decks import ARM

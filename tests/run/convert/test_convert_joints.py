@@ -33,31 +33,31 @@ ELEMENTS = {
         "ELEMENTS\n"
         "  FUNCTION 5 polynomial 0 0 0 40\n"
         "  FUNCTION 6 step -3 -0.5 3 0.7\n"
-        "  SPRING tspring-1 at=3.angle stiffness=8 rest=0.1 damping=0.4 preload=1.6 curve=5 "
+        "  SPRING turned-1 at=3.angle stiffness=8 rest=0.1 damping=0.4 preload=1.6 curve=5 "
         "damper=6\n"
         "ELEMENTS\n"
         "  FUNCTION 7 spline -1 -20 -0.3 -3 0 0 0.4 7 1 40\n"
-        "  SPRING aspring-1 at=6.stroke stiffness=80 rest=0.01 damping=0.9 preload=1.6 "
+        "  SPRING own-aspring-1 at=6.stroke stiffness=80 rest=0.01 damping=0.9 preload=1.6 "
         "curve=7\n"
-        "  SPRING aspring-2 at=5.stroke stiffness=50 rest=0.02 damping=2\n"
+        "  SPRING own-aspring-2 at=5.stroke stiffness=50 rest=0.02 damping=2\n"
     ),
     "springs in line": (
         "SPRING 2 8 0.1 0 0 0 0.2 0 50 0.4 1\n"
         "ELEMENTS\n"
-        "  SPRING lspring-1 from=0(0.3,0,1) to=5(0.1,0,0.2) stiffness=40 rest=0.5 damping=0.8 "
+        "  SPRING own-lspring-1 from=0(0.3,0,1) to=5(0.1,0,0.2) stiffness=40 rest=0.5 damping=0.8 "
         "preload=3\n"
         "ELEMENTS\n"
         "  FUNCTION 8 sine 0.1 2 3\n"
-        "  SPRING lspring-2 from=0(0.3,0,1) to=4(0.1,0,0.2) stiffness=40 rest=0.5 damping=0.8 "
+        "  SPRING own-lspring-2 from=0(0.3,0,1) to=4(0.1,0,0.2) stiffness=40 rest=0.5 damping=0.8 "
         "preload=3 curve=8\n"
-        "ELEMENTS\n  SPRING lspring-3 from=2(0.3,0,1) to=5(0,0,0.2) stiffness=0 rest=0.5 preload=3\n"
+        "ELEMENTS\n  SPRING own-lspring-3 from=2(0.3,0,1) to=5(0,0,0.2) stiffness=0 rest=0.5 preload=3\n"
     ),
     "cable, bushing, coupling": (
         "ELEMENTS\n"
-        "  CABLE cable-1 from=0(0.3,0,1) to=5(0.1,0,0.2) stiffness=400 rest=0.5 damping=0.3\n"
+        "  CABLE own-cable-1 from=0(0.3,0,1) to=5(0.1,0,0.2) stiffness=400 rest=0.5 damping=0.3\n"
         "  COUPLING coupling-1 5.angle=2 5.stroke=10\n"
         "ELEMENTS\n"
-        "  BUSHING bushing-1 from=0(0.1,0,0) to=8(0.1,0.02,0) k=(90,160,250) kr=(0,0,0) "
+        "  BUSHING own-bushing-1 from=0(0.1,0,0) to=8(0.1,0.02,0) k=(90,160,250) kr=(0,0,0) "
         "c=(5,6,7) cr=(0,0,0)\n"
     ),
     "motors by functions": (
@@ -67,7 +67,7 @@ ELEMENTS = {
         "  FUNCTION 8 product 5 7\n"
         "  FUNCTION 9 ramp 0.6 1 0.8 3\n"
         "  FUNCTION 6 sum 5 8 9\n"
-        "ELEMENTS\n  MOTOR tmotor-1 at=3.angle effort=6\n  MOTOR amotor-1 at=6.stroke effort=5\n"
+        "ELEMENTS\n  MOTOR turning-1 at=3.angle effort=6\n  MOTOR own-amotor-1 at=6.stroke effort=5\n"
     ),
 }
 

@@ -1,0 +1,66 @@
+"""Report rows of trees with elements, by both formulations."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...kernels.constrained.report import Report
+from ...model.arrays.system import SystemArrays
+from ...model.joint_elements import names_of
+from ...model.tree import Tree
+from ..tree.rows import TreeRows
+from .element_rows import ElementAnswers, answers_of, coupling_efforts, element_answers, joined
+
+
+@dataclass(frozen=True)
+class TreeElementRows(ElementAnswers, TreeRows):
+    """Rows with what every element does."""
+
+    driver_effort: np.ndarray  # (T, drivers) along the prescribed coordinates
+
+
+def with_elements(
+    tree: Tree, arrays: SystemArrays, rows: TreeRows, report: Report, angles: int
+) -> TreeElementRows:
+    """The rows with the elements, whose loads, among them so many for angles of hinges, stand behind those of
+    the tree.
+    """
+    behind = len(list(names_of(tree.elements))) + angles
+    first = report.responses.shape[1] - behind
+    found = element_answers(report, first, tree.elements, angles)
+    return joined(
+        TreeElementRows,
+        rows,
+        **{name: value for name, value in found.items() if not name.startswith("joint")},
+        driver_effort=report.multipliers[:, rows_of_drivers(tree, arrays)].copy(),
+        coupling_effort=coupling_efforts(report, arrays, tree.elements, len(tree.closures)),
+    )
+
+
+def rows_of_drivers(tree: Tree, arrays: SystemArrays) -> np.ndarray:
+    """Numbers (drivers,) of the equations of prescribed coordinates, then of those that follow functions.
+
+    Their groups stand behind the hinges and before the closures, couplings between them.
+    """
+    prescribed, couplings = len(tree.prescribed), len(tree.elements.couplings)
+    end = len(arrays.groups) - len(tree.closures)
+    functions = np.arange(end - len(tree.elements.drivers), end)
+    first = end - functions.size - couplings - prescribed
+    groups = np.concatenate([np.arange(first, first + prescribed), functions])
+    found: np.ndarray = arrays.groups["first_row"][groups]
+    return found
+
+
+def with_answers(tree: Tree, rows: TreeRows, report: Any) -> TreeElementRows:
+    """The rows by Kane's equations with what the elements answered; energy of elements is no work."""
+    end, count = report.rows.shape[1] - 1, report.answers.shape[1]
+    works = report.rows[:, end - count : end]
+    scales = np.array([item.scale for item in tree.elements.couplings])
+    return joined(
+        TreeElementRows,
+        rows,
+        **answers_of(tree.elements, report.answers, works),
+        coupling_effort=report.closures["force"][:, len(report.closures[0]) - len(scales) :] / scales,
+        driver_effort=report.drives,
+    )
