@@ -37,16 +37,16 @@ def test_every_card_has_a_case():
     assert set(CASES) == {*(card.word for card in JOINT_AND_LOAD_CARDS), *LINES["vsdf"]} - OTHERS
 
 
-def cards_of(word):
-    """The cards of a case, and a spring that pushes nothing: with elements, results hold coordinates."""
-    at = re.search(r"at=\S+", ALL[word].motor)[0]
-    return f"{ALL[word].cards}\nELEMENTS\n  SPRING idle {at}"
+def with_idle(case, cards):
+    """The cards and a spring that pushes nothing: with elements, results hold coordinates."""
+    at = re.search(r"at=\S+", case.motor)[0]
+    return f"{cards}\nELEMENTS\n  SPRING idle {at}\n"
 
 
 @functools.cache
 def driven(word):
     case = ALL[word]
-    return rows_of(case.mechanism, END, STEP, f"{cards_of(word)}{case.driver}")
+    return rows_of(case.mechanism, END, STEP, f"{with_idle(case, case.cards)}{case.driver}")
 
 
 @pytest.mark.parametrize("word", CASES)
@@ -56,7 +56,7 @@ def test_the_card_acts_on_the_driver(word):
     if word in SILENT:
         return
     cards = without(word, case).replace("TORQ\n 1,0,0,3,0,7", "TORQ\n 1,0,0,3")
-    bare = rows_of(case.mechanism, END, END / 4, f"{cards}{case.driver}")
+    bare = rows_of(case.mechanism, END, END / 4, f"{with_idle(case, cards)}{case.driver}")
     same = np.searchsorted(given.time, bare.time - 1e-9)
     assert np.max(np.abs(bare.driver_effort[:, 0] - given.driver_effort[same, 0])) > 1e-3
 
@@ -66,7 +66,7 @@ def test_the_card_acts_on_the_driver(word):
 def test_the_effort_of_a_driven_run_gives_the_motion_back(word, method):
     case, given = ALL[word], driven(word)
     points = list(zip(given.time.tolist(), given.driver_effort[:, 0].tolist(), strict=True))
-    cards = f"{cards_of(word)}{spline_block([(99, 'effort', points)])}{case.motor}"
+    cards = f"{with_idle(case, case.cards)}{spline_block([(99, 'effort', points)])}{case.motor}"
     steps = f",{GIVEN.get(word, 2e-5)}" if method == "GALF" else ""
     found = rows_of(case.mechanism, END, f"{END / 4}{steps}", cards, method)
     same = np.searchsorted(given.time, found.time - 1e-9)
