@@ -8,10 +8,10 @@ import os
 import sys
 from typing import TYPE_CHECKING, Any
 
+from .errors import ANALYSIS_FAILED, FlexmbError
+
 if TYPE_CHECKING:
     import numpy as np
-
-from .errors import ANALYSIS_FAILED, FlexmbError
 
 try:
     # Here, because where memory is short it could not be loaded any more.

@@ -16,7 +16,7 @@ SECTION = "element_line"
 
 def element_entries() -> Generator[Entry, Record, None]:
     """Yield a question for a line until one is answered by nothing."""
-    cell = Cell("line", "a function or an element, Enter behind the last", letter=TEXT, default="")
+    cell = Cell("line", "a function or an element, Enter after the last", letter=TEXT, default="")
     for k in count(1):
         record = yield Entry(SECTION, k, f"line {k} of {BLOCK}", (cell,), True, explained)
         if not record["line"]:

@@ -32,7 +32,7 @@ _ZERO = {"x", "y", "z", "e1", "e2", "e3", "C", "A", "value", "alpha", "beta", "g
 _ZERO |= {f"{point}.{axis}" for point in ("P", "P_i", "P_j", "centre") for axis in "xyz"}
 _MEANING = f"FORWARD or INVERSE dynamics, or {_SHAPES}: shapes alone"
 _ANALYSIS = Cell("analysis", _MEANING, "", WORD, _ANALYSES[0], _ANALYSES)
-_OPENING = Entry("opening", 0, "cards behind dT", (_ANALYSIS,))
+_OPENING = Entry("opening", 0, "cards after dT", (_ANALYSIS,))
 _N_SHAPES = Cell("GEOM", "number of shapes, 0: lines between joints", "", INTEGER, "0", within=COUNT)
 
 
@@ -119,7 +119,7 @@ def _card_entries(bodies: int, shapes: bool) -> Entries:
     """Yield the questions for the keywords of cards and for their numbers, until END."""
     words = (*((card.keyword for card in SHAPE_CARDS) if shapes else _CARDS), LAST_CARD)
     cell = Cell(
-        "keyword", f"keyword of the next card, {LAST_CARD} behind the last", "", WORD, LAST_CARD, words
+        "keyword", f"keyword of the next card, {LAST_CARD} after the last", "", WORD, LAST_CARD, words
     )
     counted: Counter[str] = Counter()
     for k in itertools.count(1):

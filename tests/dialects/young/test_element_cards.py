@@ -185,6 +185,29 @@ def test_a_function_that_nothing_uses_is_noted():
     assert "idle: nothing uses function idle" in [fault.sentence for fault in faults]
 
 
+def test_more_elements_than_memory_allows_are_refused(monkeypatch):
+    monkeypatch.setattr("flexmb_cli.dialects.elements_block.reader.MOST_ELEMENTS", 2)
+    lines = "".join(f"\n  SPRING s{k} at=2.angle stiffness=1" for k in range(3))
+    assert "a deck has at most 2 functions and elements" in messages(f"ELEMENTS{lines}")[0]
+
+
+def test_more_numbers_in_blocks_than_memory_allows_are_refused(monkeypatch):
+    monkeypatch.setattr("flexmb_cli.dialects.elements_block.reader.MOST_NUMBERS_OF_BLOCKS", 5)
+    lines = "\n  FUNCTION a table 0 0 1 1 2 2\n  FUNCTION b sine 0 1 2"
+    assert (
+        "the deck has more than 5 numbers in blocks; long tables stand in file="
+        in messages(f"ELEMENTS{lines}")[0]
+    )
+
+
+@pytest.mark.parametrize(("upper", "noted"), [("90", True), ("1.5", False)])
+def test_a_limit_that_may_be_in_degrees_is_noted(upper, noted):
+    """90 rad are 90/2π = 14.3 turns; 90 degrees are π/2 rad."""
+    _, faults = build_young_dynamics(read(f"ELEMENTS\n  STOP s at=2.angle lower=0 upper={upper} stiffness=5"))
+    wanted = "upper of 90 rad is 14.3 turns; 90 degrees would be 1.5708 rad"
+    assert any(wanted in fault.sentence for fault in faults) == noted
+
+
 def test_functions_of_more_numbers_than_memory_allows_are_refused(monkeypatch):
     monkeypatch.setattr("flexmb_cli.dialects.elements_block.functions.LARGEST_TABLES", 6)
     assert messages("ELEMENTS\n  FUNCTION a polynomial 1 2 3 4\n  FUNCTION b polynomial 1 2 3") == [
