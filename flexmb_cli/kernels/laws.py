@@ -57,6 +57,8 @@ def _effort(
         return c[0] + function_values(functions, knots, f[0], t)[0], 0.0
     if law["shape"] == CABLE:
         return _pushed_back(c[0], c[2], max(x - c[1], 0.0), v, -1.0, answer)
+    if law["shape"] != SPRING:
+        return math.nan, math.nan
     k, s, b, preload = c[0], x - c[1], c[2], c[3]
     kept, lost = preload + k * s, b * v
     answer[STIFFNESS], answer[DAMPING] = k, b

@@ -46,7 +46,13 @@ class Parameter(NamedTuple):
     counted: bool = False  # a value of the coordinate: it counts from another start after a conversion
     above: str | float | None = None  # a number, or the parameter, than which it must be larger
     kind: str = NUMBER  # NUMBER, VECTOR (x, y, z) or one of FUNCTIONS, whose values have the unit
+    resists: bool = False  # a negative value, which a warning names, drives a motion on
     turning: bool | None = None  # whether the coordinate is an angle; None: as that of the element
+
+    @property
+    def is_coordinate(self) -> bool:
+        """Return whether it is a value or a difference of the coordinate."""
+        return self.kind == NUMBER and (self.effort, self.length, self.time) == (0, 1, 0)
 
     def unit(self, turning: bool) -> str:
         """Return the unit in an angle or a stroke, such as N m s2/rad2."""
@@ -128,9 +134,9 @@ SPRING = Law(
     "SPRING",
     1,
     (
-        Parameter("stiffness", "{effort} per {coordinate}", 1, -1, 0, 0.0, signed=True),
+        Parameter("stiffness", "{effort} per {coordinate}", 1, -1, 0, 0.0, signed=True, resists=True),
         Parameter("rest", "{coordinate} without {effort}", 0, 1, 0, 0.0, signed=True, counted=True),
-        Parameter("damping", "{effort} per rate", 1, -1, 1, 0.0, signed=True),
+        Parameter("damping", "{effort} per rate", 1, -1, 1, 0.0, signed=True, resists=True),
         Parameter("preload", "{effort} at rest, against a positive {coordinate}", 1, 0, 0, 0.0, signed=True),
         Parameter("curve", "function of {coordinate} - rest that adds to the {effort}", 1, default=None,
                   kind=OF_COORDINATE),
@@ -211,7 +217,6 @@ FRICTION = Law(
     "dry friction in a joint, from its reaction force",
 )
 LAWS = (SPRING, CABLE, STOP, BUSHING, MOTOR, FRICTION)
-COORDINATE_LAWS = tuple(law for law in LAWS if law.measures == (At,) and law is not MOTOR)
 PARTS_OF_FRAMES = (
     ("x", LENGTH),
     ("y", LENGTH),

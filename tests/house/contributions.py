@@ -228,8 +228,13 @@ FORMAT = {
 LAW = {
     "flexmb_cli/model/laws.py": [
         (
-            ")\nCOORDINATE_LAWS",
-            ',\n    Law("SQUARE", 11, (Parameter("drag", "{effort} per square of the rate", 1, -2, 2),)),\n'
+            ")\nPARTS_OF_FRAMES",
+            ",\n    Law(\n"
+            '        "SQUARE",\n'
+            "        11,\n"
+            '        (Parameter("drag", "{effort} per rate^2", 1, -2, 2, signed=True, resists=True),),\n'
+            "        (At, Line),\n"
+            "    ),\n"
             "    Law(\n"
             '        "CUBE",\n'
             "        12,\n"

@@ -166,22 +166,33 @@ def test_a_spring_acts_in_the_only_coordinate_of_a_joint(copy, flexmb):
 
 def test_a_joint_of_points_is_compared_with_differences_unasked(copy):
     """In the copy: the tests of all joint types find it in `JOINT_TYPES`."""
+    make_folders_of_tests(copy)
+    shutil.copytree(ROOT / "tests/kernels/kinematics", copy / "tests/kernels/kinematics")
+    shutil.copy(ROOT / "tests/solvers/kinematics/geometry.py", copy / "tests/solvers/kinematics")
+    chosen = "-k", "inplane or one", "tests/kernels/kinematics/test_joint_properties.py"
+    assert tests_passed(copy, *chosen) > 20
+
+
+def make_folders_of_tests(copy):
+    """Make packages of tests in the copy."""
     for name in (
         "__init__.py",
         "kernels/__init__.py",
+        "kernels/constrained/__init__.py",
         "solvers/__init__.py",
         "solvers/kinematics/__init__.py",
     ):
         (copy / "tests" / name).parent.mkdir(parents=True, exist_ok=True)
         (copy / "tests" / name).touch()
-    shutil.copytree(ROOT / "tests/kernels/kinematics", copy / "tests/kernels/kinematics")
-    shutil.copy(ROOT / "tests/solvers/kinematics/geometry.py", copy / "tests/solvers/kinematics")
+
+
+def tests_passed(copy, *chosen):
+    """Run tests in the copy; returns how many there are, which all pass."""
     given = os.environ | {"PYTHONPATH": str(copy), "NUMBA_DISABLE_JIT": "1"}
-    chosen = ["-k", "inplane or one", "tests/kernels/kinematics/test_joint_properties.py"]
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *chosen]
     done = subprocess.run(command, cwd=copy, env=given, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stdout
-    assert int(done.stdout.split(" passed")[0].split()[-1]) > 20
+    return int(done.stdout.split(" passed")[0].split()[-1])
 
 
 def test_a_card_for_rigid_bodies_acts_on_them(copy, flexmb):
@@ -358,6 +369,30 @@ def test_a_force_law_of_two_files_acts_in_every_dialect(copy, flexmb, dialect):
     energy = 0.4 * omega**2 + 7.5 * (turn - 0.2) ** 4
     assert energy == pytest.approx(np.full(5, 10.0 + 7.5 * 0.2**4), rel=1e-7)
     assert np.ptp(omega) > 1.0
+
+
+def test_a_force_law_is_compared_with_differences_and_its_code_unasked(copy):
+    """In the copy, slopes and energy, dissipation and code: three tests a law."""
+    make_folders_of_tests(copy)
+    names = "kernels/test_laws.py", "kernels/constrained/test_load_codes.py", "naive/element_efforts.py"
+    for name in names:
+        (copy / "tests" / name).parent.mkdir(exist_ok=True)
+        shutil.copy(ROOT / "tests" / name, copy / "tests" / name)
+    laws, codes, _ = names
+    assert tests_passed(copy, "-k", "SQUARE or CUBE or codes", f"tests/{laws}", f"tests/{codes}") >= 7
+
+
+def test_a_force_law_of_two_files_takes_a_line_and_warns_of_a_sign(copy, flexmb):
+    """m v' = m g - c v² gives v = w tanh(g t / w), w² = m g / c; a line away from the ground."""
+    line = "ELEMENTS\n  SQUARE s from=0(0,5,0) to=2(0,0,0) drag="
+    for drag in ("-0.6", "0.6"):
+        (copy / "line.dat").write_text(FALLING.replace("END", f"{line}{drag}\nEND"))
+        said = json.loads(flexmb("run", "--json", "line.dat", "--no-out", "--h5", "line.h5"))
+        assert ("drag -0.6 is negative" in str(said["faults"])) == (drag == "-0.6")
+    with h5py.File(copy / "line.h5") as result:
+        t, v = result["time"][:], -result["body/velocity"][:, -1, 1]
+    w = np.sqrt(1.5 * 8.0 / 0.6)
+    assert v == pytest.approx(w * np.tanh(8.0 * t / w), abs=1e-7)
 
 
 def test_units_of_a_force_law_follow_from_its_record(copy, flexmb):

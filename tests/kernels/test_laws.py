@@ -18,7 +18,20 @@ from flexmb_cli.kernels.laws import (
 )
 from flexmb_cli.model.arrays.function_table import FunctionTable
 from flexmb_cli.model.arrays.laws import LAW, fill_law
-from flexmb_cli.model.laws import CABLE, COORDINATE_LAWS, FRICTION, SPRING, STOP, At, Element, Joint, Line
+from flexmb_cli.model.laws import (
+    CABLE,
+    FRICTION,
+    FUNCTIONS,
+    LAWS,
+    OF_RATE,
+    OF_TIME,
+    SPRING,
+    STOP,
+    At,
+    Element,
+    Joint,
+    Line,
+)
 from flexmb_cli.model.time_functions import POLYNOMIAL, MotionFunction
 from tests.naive.element_efforts import cable_effort, friction_per_speed, spring_effort, stop_effort
 
@@ -30,6 +43,21 @@ CASES = {
     "cable": (Element("", CABLE, Line(0, 0, (), ()), (80.0, 0.2, 0.3)), cable_effort),
     "stop": (Element("", STOP, At(0, ""), (-0.1, 0.25, 90.0, 0.4)), stop_effort),
 }
+# One of each law in a coordinate or a line; a damper of odd powers takes energy at all rates.
+ODD = MotionFunction(POLYNOMIAL, (0.0, 1.5, 0.0, 0.3))
+IN_ONE_COORDINATE = [
+    Element(
+        law.word,
+        law,
+        law.measures[0](*(0,) * len(law.measures[0]._fields)),
+        tuple(
+            {OF_RATE: ODD}.get(p.kind, CURVE if p.kind in FUNCTIONS else 0.2 + 0.3 * k)
+            for k, p in enumerate(law.parameters)
+        ),
+    )
+    for law in LAWS
+    if {At, Line} & set(law.measures)
+]
 STATES = [(x, v) for x in (-0.7, 0.1, 0.9) for v in (-3.0, 0.2, 2.0)]
 
 
@@ -54,11 +82,8 @@ def test_a_law_answers_what_defines_it(item, defined):
 
 @pytest.mark.parametrize(
     "item",
-    [item for item, _ in CASES.values()]
-    + [
-        Element("", law, At(0, ""), tuple(0.2 + 0.3 * np.arange(len(law.parameters))))
-        for law in COORDINATE_LAWS
-    ],
+    [*(item for item, _ in CASES.values()), *IN_ONE_COORDINATE],
+    ids=[*CASES, *(item.name for item in IN_ONE_COORDINATE)],
 )
 def test_slopes_of_a_law_are_those_of_its_effort_and_its_energy_has_the_part_without_power(item):
     for x, v in STATES:
@@ -70,6 +95,20 @@ def test_slopes_of_a_law_are_those_of_its_effort_and_its_energy_has_the_part_wit
         assert answer[STIFFNESS] == pytest.approx(-by_x[EFFORT], rel=1e-7, abs=1e-7)
         assert answer[DAMPING] == pytest.approx(-by_v[EFFORT], rel=1e-7, abs=1e-7)
         assert -by_x[ENERGY] * v == pytest.approx(answer[EFFORT] * v - answer[POWER], rel=1e-6, abs=1e-7)
+
+
+@pytest.mark.parametrize("item", IN_ONE_COORDINATE, ids=lambda item: item.name)
+def test_a_law_of_positive_numbers_takes_energy_unless_time_drives_it(item):
+    powers = [answered(item, x, v)[POWER] for x, v in STATES]
+    driven = any(p.kind == OF_TIME for p in item.law.parameters)
+    assert max(powers) > 0.0 if driven else max(powers) <= 0.0
+
+
+@pytest.mark.parametrize("code", [0, -1, 1 + max(law.code for law in LAWS)])
+def test_a_code_without_a_law_answers_no_number(code):
+    unknown = SPRING._replace(code=code)
+    answer = answered(Element("", unknown, At(0, ""), SPRING.values(stiffness=2.0)), 0.3, 1.0)
+    assert np.isnan(answer[[EFFORT, POWER]]).all()
 
 
 def test_friction_slides_with_its_coefficient():

@@ -10,19 +10,7 @@ from typing import Any
 from ...deck.record import Number
 from ...model.diagnostics import Findings
 from ...model.joint_elements import Coupling, JointDriver, JointElements, JointRate
-from ...model.laws import (
-    FRICTION,
-    FUNCTIONS,
-    OF_TIME,
-    SPRING,
-    VECTOR,
-    At,
-    Element,
-    Frames,
-    Joint,
-    Line,
-    motors_last,
-)
+from ...model.laws import FRICTION, FUNCTIONS, OF_TIME, VECTOR, At, Element, Frames, Joint, Line, motors_last
 from .functions import Functions
 from .line import ElementLine
 from .measures import Measures
@@ -150,30 +138,26 @@ class BlockBuilder:
         if element.idle:
             message = "does nothing: its coefficients are 0"
             self.findings.note(line.subject, message, line.place, id="ELEMENTS-030")
-        if element.law is SPRING:
-            self._note_spring(line)
+        self._note_signs(line, element)
         if element.law is FRICTION and line["static"] < line["dynamic"]:
             message = f"sticks with {line['static']:g}, less than it slides with: are the numbers exchanged?"
             self.findings.warn(line.subject, message, line.place_of("static"), id="ELEMENTS-027")
         if element.turning:
             self._note_degrees(line, element)
 
-    def _note_spring(self, line: ElementLine) -> None:
-        for key in ("stiffness", "damping"):
-            if line[key] < 0.0:
+    def _note_signs(self, line: ElementLine, element: Element) -> None:
+        for key, p in ((key_of(p), p) for p in element.law.parameters if p.resists or p.counted):
+            if line[key] >= 0.0:
+                continue
+            if p.resists:
                 message = f"{key} {line[key]:g} is negative, which drives a motion on"
                 self.findings.warn(line.subject, message, line.place_of(key), id="ELEMENTS-029")
-        if "at" not in line and line["rest"] < 0.0:
-            message = (
-                f"rest {line['rest']:g} is negative, and lengths are not: its spring pulls at every length; "
-                "a force at length 0 is a preload"
-            )
-            self.findings.note(line.subject, message, line.place_of("rest"), id="ELEMENTS-032")
+            elif isinstance(element.measure, Line):
+                message = f"{key} {line[key]:g} is negative, and lengths are not: is its sign meant?"
+                self.findings.note(line.subject, message, line.place_of(key), id="ELEMENTS-032")
 
     def _note_degrees(self, line: ElementLine, element: Element) -> None:
         """Note the first angle beyond a turn, which may have been meant in degrees."""
-        if element.law is SPRING:
-            return
         for key in (p.name for p in element.law.parameters if p.counted):
             if abs(line[key]) > math.tau:
                 message = (

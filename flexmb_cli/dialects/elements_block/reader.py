@@ -344,10 +344,14 @@ def is_turning(coordinate: str) -> bool:
 def usage(word: BlockWord) -> str:
     """Return how a line of a word is written."""
     parts = [word.word, "name" if not word.unnamed else "", "|".join(word.kinds)]
+    shape = {COORDINATE: "2.angle", END: "1(x,y,z)", VECTOR: "(x,y,z)", FUNCTION: "function"}
+    texts = {key.name: f"{key.name}={shape.get(key.kind, '…')}" for key in word.keys}
+    ways = [" | ".join(" ".join(texts[k] for k in group) for group in groups) for groups in word.choices]
+    parts += [f"({way})" for way in ways]
+    chosen = {name for groups in word.choices for group in groups for name in group}
     for key in word.keys:
-        shape = {COORDINATE: "2.angle", END: "1(x,y,z)", VECTOR: "(x,y,z)", FUNCTION: "function"}
-        text = f"{key.name}={shape.get(key.kind, '…')}"
-        parts.append(text if key.needed else f"[{text}]")
+        if key.name not in chosen:
+            parts.append(texts[key.name] if key.needed else f"[{texts[key.name]}]")
     if word.word == "COUPLING":
         parts.append("2.angle=factor 3.stroke=factor …")
     return " ".join(part for part in parts if part)

@@ -67,9 +67,10 @@ def _refuse_elements(model: Any) -> None:
     factors = [item.name for item in (*model.forces, *model.torques) if item.factor is not None]
     ends = [item.name for item in model.springs if -1 in item.measure[:2]]
     if model.elements or factors or ends:
-        what = next(iter((*factors, *ends)), "elements at joints")
+        what = next(iter((*factors, *ends)), "a block ELEMENTS")
         message = (
-            f"natural coordinates have neither functions nor elements at joints, which this deck has ({what})"
+            "natural coordinates hold no block ELEMENTS, no loads by functions and no springs on the ground; "
+            f"this deck has {what}: leave it out in a copy of the deck to compare the rest"
         )
         raise ModelError([Fault("error", message, id="RUN-030")])
 

@@ -1,4 +1,4 @@
-"""Elements at the start of a run: springs in line whose ends coincide, and end stops that are pressed."""
+"""Elements at the start of a run: those in line whose ends coincide, and end stops that are pressed."""
 
 from collections.abc import Iterable, Iterator
 
@@ -7,46 +7,62 @@ import numpy as np
 from ...errors import Fault, ModelError
 from ...kernels.constrained.body_vectors import VECTOR
 from ...kernels.constrained.system import System, Work
-from ...kernels.laws import COORDINATE, EFFORT
-from ...model.laws import SPRING, STOP, Element, Line
+from ...kernels.laws import ANSWER_COLUMNS, COORDINATE, EFFORT, answer_law
+from ...model.laws import STOP, Element, Line
+from ..compilation import interpreting
 
-# Of the free length, or m where it is 0: what assembly leaves between points that joints bring together.
+# Of the longest length among its values, or m where they are 0: what assembly leaves between points that
+# joints bring together.
 COINCIDING = 1e-9
 
 
 def refuse_coinciding_ends(system: System, work: Work, elements: Iterable[Element], t: float) -> None:
-    """Raise ModelError for stretched springs without a direction at the position at hand.
+    """Raise ModelError for elements without a direction that act at the position at hand.
 
     `elements`: all force elements of the model, in the order of their loads.
     """
     loads = system.loads[system.loads["in_line"] == 1]
     lengths = [float(np.linalg.norm(work.relative_vectors[VECTOR, k, 0])) for k in loads["primitive"]]
-    refuse_undirected_lines(elements, lengths, t)
+    refuse_undirected_lines(elements, loads, lengths, (system.functions, system.knots), t)
 
 
-def refuse_undirected_lines(elements: Iterable[Element], lengths: Iterable[float], t: float) -> None:
-    """Raise ModelError for springs in line of such lengths, m, that push or pull without a direction."""
+def refuse_undirected_lines(
+    elements: Iterable[Element],
+    laws: np.ndarray,
+    lengths: Iterable[float],
+    functions: tuple[np.ndarray, np.ndarray],
+    t: float,
+) -> None:
+    """Raise ModelError for elements in line that push or pull without a direction.
+
+    `laws`, `lengths`: records with the fields of LAW and lengths, m, of those in line, in their order;
+    `functions`: the functions and their knots that the records name.
+    """
     faults, lines = [], (item for item in elements if isinstance(item.measure, Line))
-    for line, length in zip(lines, lengths, strict=True):
-        force = _force_without_length(line)
-        if force and length <= COINCIDING * (abs(line["rest"]) or 1.0):
+    for line, law, length in zip(lines, laws, lengths, strict=True):
+        if length > COINCIDING * _size(line):
+            continue
+        if force := _force_without_length(law, functions, t):
             faults.append(_fault(line, force, t))
     if faults:
         raise ModelError(faults)
 
 
-def _force_without_length(line: Element) -> float:
-    """Return the force, N, that drives coinciding ends apart; a cable is slack there."""
-    if line.law is not SPRING:
-        return 0.0
-    stiffness, rest, _, preload, function, _ = line.values
-    return float(stiffness * rest - preload - (function.at(-rest)[0] if function else 0.0))
+def _size(line: Element) -> float:
+    lengths = [abs(line[p.name]) for p in line.law.parameters if p.is_coordinate]
+    return max(lengths, default=0.0) or 1.0
+
+
+def _force_without_length(law: np.void, functions: tuple[np.ndarray, np.ndarray], t: float) -> float:
+    """Return the force, N, that drives coinciding ends apart, which do not move."""
+    with interpreting():
+        return float(answer_law(law, *functions, t, True, np.zeros(ANSWER_COLUMNS)))
 
 
 def _fault(line: Element, force: float, t: float) -> Fault:
     message = (
         f"its ends coincide at t = {t:.6g} s, where it {'pushes' if force > 0.0 else 'pulls'} with "
-        f"{abs(force):.6g} N in no direction; move an end, or give it the rest length 0 and no preload"
+        f"{abs(force):.6g} N in no direction; move an end, or let it have no force at length 0"
     )
     return Fault("error", message, line.place, line.name, id="SOLVE-042")
 

@@ -34,7 +34,9 @@ def attach_elements(analysis: "TreeAnalysis") -> None:
     elements["expected"] = 0.0
     _call(analysis, tree_dop853.CLOSE if coupled.any() else tree_dop853.GO_ON)
     t, lengths = analysis.tree.time.start, arrays.answers[: elements.size, COORDINATE]
-    refuse_undirected_lines(analysis.tree.elements.forces, lengths[elements["measure"] == IN_LINE], t)
+    lines = elements["measure"] == IN_LINE
+    functions = arrays.curves, arrays.knots
+    refuse_undirected_lines(analysis.tree.elements.forces, elements[lines], lengths[lines], functions, t)
     analysis.warnings += notes_of_pressed_stops(analysis.tree.elements.of(STOP), elements, arrays.answers)
     if failure := lost_force(analysis.tree, arrays.answers, t):
         raise failure

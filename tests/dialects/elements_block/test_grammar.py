@@ -51,7 +51,7 @@ def errors(text):
 
 
 USAGE = (
-    "SPRING name [at=2.angle] [from=1(x,y,z)] [to=1(x,y,z)] [stiffness=…] [rest=…] [damping=…] [preload=…] "
+    "SPRING name (at=2.angle | from=1(x,y,z) to=1(x,y,z)) [stiffness=…] [rest=…] [damping=…] [preload=…] "
     "[curve=function] [damper=function]"
 )
 
@@ -119,9 +119,8 @@ USAGE = (
          "7:17: s: YOUNG decks have no pins; name a simplified constraint by simplified="),
         ("  SPRING a {", "7:12: a comment is opened here and never closed with }"),
         ("  DYNAMICS forward",
-         "7:3: there is no 'DYNAMICS' in ELEMENTS; a line begins with FUNCTION, DRIVE, "
-         "SUPPORT, SPRING, CABLE, STOP, "
-         "BUSHING, MOTOR, FRICTION, COUPLING, JOINT or START"),
+         "7:3: there is no 'DYNAMICS' in ELEMENTS; a line begins with "
+         f"{', '.join(word.word for word in WORDS[:-1])} or {WORDS[-1].word}"),
         ("SPRING a at=2.angle",
          "7:1: SPRING stands outside a block; a line ELEMENTS before it, in column 1, opens one"),
         ("END\nELEMENTS\n  SPRING a at=2.angle",

@@ -89,10 +89,7 @@ def test_a_slip_is_told_with_place_object_and_remedy(cards, wanted):
     assert wanted in messages(f"ELEMENTS\n{cards}")
 
 
-SHORTER = (
-    "rest -0.1 is negative, and lengths are not: its spring pulls at every length; "
-    "a force at length 0 is a preload"
-)
+SHORTER = "rest -0.1 is negative, and lengths are not: is its sign meant?"
 NOTHING = "does nothing: its coefficients are 0"
 
 

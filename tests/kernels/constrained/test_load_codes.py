@@ -18,7 +18,7 @@ def test_kernels_and_model_call_the_kinds_of_loads_by_the_same_codes():
 def test_kernels_and_model_call_what_elements_measure_and_their_laws_by_the_same_codes():
     for name in ("IN_COORDINATE", "IN_LINE", "ALONG", "ABOUT"):
         assert getattr(of_trees, name) == getattr(tree_elements, name)
-    for law in (laws.SPRING, laws.CABLE, laws.MOTOR, *laws.COORDINATE_LAWS):
+    for law in (law for law in laws.LAWS if {laws.At, laws.Line} & set(law.measures)):
         assert getattr(of_elements, law.word) == law.code
 
 
