@@ -170,7 +170,7 @@ def test_a_joint_of_points_is_compared_with_differences_unasked(copy):
     shutil.copytree(ROOT / "tests/kernels/kinematics", copy / "tests/kernels/kinematics")
     shutil.copy(ROOT / "tests/solvers/kinematics/geometry.py", copy / "tests/solvers/kinematics")
     chosen = "-k", "inplane or one", "tests/kernels/kinematics/test_joint_properties.py"
-    assert tests_passed(copy, *chosen) > 20
+    assert passed_in_copy(copy, *chosen) > 20
 
 
 def make_folders_of_tests(copy):
@@ -186,7 +186,7 @@ def make_folders_of_tests(copy):
         (copy / "tests" / name).touch()
 
 
-def tests_passed(copy, *chosen):
+def passed_in_copy(copy, *chosen):
     """Run tests in the copy; returns how many there are, which all pass."""
     given = os.environ | {"PYTHONPATH": str(copy), "NUMBA_DISABLE_JIT": "1"}
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *chosen]
@@ -379,7 +379,7 @@ def test_a_force_law_is_compared_with_differences_and_its_code_unasked(copy):
         (copy / "tests" / name).parent.mkdir(exist_ok=True)
         shutil.copy(ROOT / "tests" / name, copy / "tests" / name)
     laws, codes, _ = names
-    assert tests_passed(copy, "-k", "SQUARE or CUBE or codes", f"tests/{laws}", f"tests/{codes}") >= 7
+    assert passed_in_copy(copy, "-k", "SQUARE or CUBE or codes", f"tests/{laws}", f"tests/{codes}") >= 7
 
 
 def test_a_force_law_of_two_files_takes_a_line_and_warns_of_a_sign(copy, flexmb):
