@@ -32,10 +32,10 @@ def _has_shapes(deck: Deck) -> bool:
 def _shaped(mechanism: Mechanism, deck: Deck, folder: Path) -> Any:
     """The mechanism with its shapes; raises ModelError.  Few decks have any."""
     from ...model.diagnostics import Findings
-    from .shapes import build_shapes
+    from ..body_shapes import build_shapes
 
     findings = Findings()
-    shapes = build_shapes(deck, len(mechanism.bodies), folder, findings)
+    shapes = build_shapes(deck, [True] * len(mechanism.bodies), folder, findings)
     if findings.faults:
         raise ModelError((*deck.warnings, *findings.in_order))
     return replace(mechanism, shapes=shapes)
